@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a render may be told. A plain struct: copy satin_options_default (or let
+// satin_options_preset fill one) and set what differs. One table (src/render/options_table.c)
+// parses, prints and documents every field.
+#ifndef SATIN_OPTIONS_H
+#define SATIN_OPTIONS_H
+
+#include <stdbool.h>
+
+#include "satin/types.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum satin_integrator {
+    SATIN_TWO_PASS = 0,  // photon map, then cached final gathering
+    SATIN_PATH,          // path tracing, the reference
+    SATIN_DIRECT,        // emitted and direct light only, through ideal specular chains
+    SATIN_PHOTONS        // the photon map seen directly
+} satin_integrator;
+
+typedef enum satin_quality { SATIN_DRAFT = 0, SATIN_PREVIEW, SATIN_PRODUCTION } satin_quality;
+
+// The rough solution that a gather ray reads where it hits.
+typedef enum satin_first_pass {
+    SATIN_FIRST_PRECOMPUTED = 0,  // irradiance precomputed at photons, one nearest-neighbour query
+    SATIN_FIRST_PHOTONS,          // density estimate at every hit
+    SATIN_FIRST_PATH,             // path tracing from the hit
+    SATIN_FIRST_NONE              // direct light at the hit only
+} satin_first_pass;
+
+typedef enum satin_basis { SATIN_HSH = 0, SATIN_SH } satin_basis;
+
+typedef struct satin_options {
+    satin_integrator integrator;
+    satin_quality quality;
+    satin_first_pass first_pass;
+    int spp;            // samples per pixel; 0: the scene's for path, the preset's for the others
+    int width, height;  // film size in pixels; 0: the scene's
+    uint64_t seed;
+    int threads;        // 0: one per core
+    double time;        // wall seconds for the whole render; 0: no limit
+    int max_depth;      // path edges as Mitsuba counts them; -1: no limit; -2: the scene's, else -1
+    int rr_depth;       // path depth at which Russian roulette starts; 0: the scene's, else 5
+    int hide_emitters;  // 1: directly seen emitters are black; 0: not; -1: the scene's, else 0
+    int light_samples;  // light samples per pixel sample at the first hit
+    int glossy_samples;  // gather rays per pixel sample for glossy parts that are not cached
+
+    // First pass.
+    int64_t photons;          // photon paths emitted for the global map
+    int64_t caustic_photons;  // photon paths emitted for the caustic map
+    int photon_k;             // photons in a density estimate of the global map
+    int caustic_k;            // photons in a density estimate of the caustic map
+    bool photon_area;         // divide by the area that is really there
+
+    // Gathering.
+    bool gather_bounce;  // hits nearer than the lookup radius go on one more bounce
+    bool gather_shadow;  // direct light at gather hits by a shadow ray instead of photons
+
+    // Irradiance cache (diffuse surfaces).
+    bool irradiance_cache;
+    bool irradiance_gradients;
+    int irradiance_rays;          // gather rays per record
+    float irradiance_a;           // accuracy a at which the cache is filled
+    float irradiance_widen;       // the image pass interpolates with a times this, 1 to 2
+    float irradiance_min_pixels;  // least record radius a R, in projected pixels
+
+    // Radiance cache (glossy surfaces).
+    bool radiance_cache;
+    bool radiance_gradients;
+    satin_basis radiance_basis;
+    int radiance_order;    // largest order n, 1 to 10
+    float radiance_error;  // largest relative squared error of a BRDF's representation [K05 (3.4)]
+    int radiance_rays;
+    float radiance_a;
+    float radiance_widen;
+    float radiance_min_pixels;
+    float radiance_max_pixels;  // largest record radius a R, in projected pixels
+} satin_options;
+
+// The options at quality `preview`. Constant, static storage.
+extern SATIN_API const satin_options satin_options_default;
+
+// Sets every field that a quality preset decides; the others stay.
+SATIN_API void satin_options_preset(satin_options *options, satin_quality quality);
+
+// Sets one option from text, by the name of its field (`-` and `_` are the same); `quality` applies
+// its preset. SATIN_ERROR_INPUT, with one logged line that names the nearest option or the range,
+// if the name or the value is wrong; then nothing changes.
+SATIN_API satin_status satin_options_set(satin_options *options, const char *name,
+                                         const char *value, satin_log_fn log, void *log_user);
+
+// Describes option `index` (from 0): name, value as text in `options`, range and one sentence,
+// static storage but for `value`. False beyond the last.
+typedef struct satin_option_info {
+    const char *name, *range, *doc;
+    char value[64];
+} satin_option_info;
+SATIN_API bool satin_options_describe(const satin_options *options, int index,
+                                      satin_option_info *out);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rendering: scene and options in, film out.
+#ifndef SATIN_RENDER_H
+#define SATIN_RENDER_H
+
+#include "satin/film.h"
+#include "satin/options.h"
+#include "satin/scene.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// Where a render stands. `stage` is static text (photons, rough solution, records, image, ...),
+// `done` in [0, 1] within the stage, `rate` items per second of the stage with their name in
+// `unit`.
+typedef struct satin_progress {
+    const char *stage, *unit;
+    double done, rate, elapsed;
+} satin_progress;
+
+// Called on the thread that called satin_render, about ten times a second. Returning true cancels.
+typedef bool (*satin_progress_fn)(void *user, const satin_progress *progress);
+
+typedef struct satin_callbacks {
+    satin_log_fn log;  // NULL: no messages
+    void *log_user;
+    satin_progress_fn progress;  // NULL: no progress, no cancellation
+    void *progress_user;
+} satin_callbacks;
+
+// Renders. SATIN_CANCELLED if the progress function asked for it; *film is then the image so far,
+// like that of a render with less samples, or NULL if no pixel was done. The caller frees *film.
+// Thread-safe on a shared scene. The film's pixels depend on scene and options only, not on
+// threads, unless options->time cuts them short.
+SATIN_API satin_status satin_render(const satin_scene *scene, const satin_options *options,
+                                    const satin_callbacks *callbacks, satin_film **film);
+
+// The statistics of a rendered film as a JSON object (see docs/formats.md), valid as long as the
+// film; NULL for a film that was read from a file without them.
+SATIN_API const char *satin_film_stats(const satin_film *film);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

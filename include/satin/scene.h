@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Loading a scene.
+#ifndef SATIN_SCENE_H
+#define SATIN_SCENE_H
+
+#include "satin/types.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// One `-D name=value` of the command line: replaces the value of `<default name="...">`.
+typedef struct satin_define {
+    const char *name, *value;
+} satin_define;
+
+// Loads a Mitsuba 3 XML scene with all its meshes and textures and builds its ray tracing
+// structure. `defines` (count `define_count`, may be NULL) override the file's defaults; a define
+// that no
+// `$name` of the file uses is an error. Every error is logged once as `file:line:column: ...` and
+// gives SATIN_ERROR_INPUT. The caller frees *scene with satin_scene_free.
+SATIN_API satin_status satin_scene_load(const char *path, const satin_define *defines,
+                                        size_t define_count, satin_log_fn log, void *log_user,
+                                        satin_scene **scene);
+
+SATIN_API void satin_scene_free(satin_scene *scene);  // NULL is allowed
+
+// A hash of everything that was read: the same scene in the same files gives the same value.
+SATIN_API uint64_t satin_scene_hash(const satin_scene *scene);
+
+// The film size that the scene asks for, in pixels (of the crop window, if it has one).
+SATIN_API void satin_scene_film_size(const satin_scene *scene, int *width, int *height);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bump allocator.
+#include "base/arena.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { BLOCK_BYTES = 1 << 20, ALIGN_LARGE = 64, ALIGN_SMALL = 16 };
+
+struct arena_block {
+    struct arena_block *next;
+    size_t used, size;  // of `data`
+    char *data;
+};
+
+static struct arena_block *block_new(size_t bytes) {
+    struct arena_block *block = malloc(sizeof *block);
+    if (!block) return NULL;
+    size_t size = (bytes + ALIGN_LARGE - 1) / ALIGN_LARGE * ALIGN_LARGE;
+    block->data = aligned_alloc(ALIGN_LARGE, size);
+    if (!block->data) {
+        free(block);
+        return NULL;
+    }
+    block->used = 0;
+    block->size = size;
+    return block;
+}
+
+void *arena_alloc(struct arena *arena, size_t bytes) {
+    if (bytes > SIZE_MAX / 2) return NULL;
+    if (bytes == 0) bytes = 1;
+    size_t align = bytes >= ALIGN_LARGE ? ALIGN_LARGE : ALIGN_SMALL;
+    struct arena_block *block = arena->head;
+    size_t start = block ? (block->used + align - 1) / align * align : 0;
+    if (!block || start > block->size || bytes > block->size - start) {
+        block = block_new(bytes > BLOCK_BYTES ? bytes : BLOCK_BYTES);
+        if (!block) return NULL;
+        block->next = arena->head;
+        arena->head = block;
+        start = 0;
+    }
+    block->used = start + bytes;
+    arena->bytes += bytes;
+    return memset(block->data + start, 0, bytes);
+}
+
+void *arena_array(struct arena *arena, size_t count, size_t size) {
+    if (size && count > SIZE_MAX / 2 / size) return NULL;
+    return arena_alloc(arena, count * size);
+}
+
+char *arena_text(struct arena *arena, const char *text, size_t length) {
+    char *copy = length < SIZE_MAX / 2 ? arena_alloc(arena, length + 1) : NULL;
+    if (copy && length) memcpy(copy, text, length);
+    return copy;
+}
+
+void arena_free(struct arena *arena) {
+    for (struct arena_block *block = arena->head, *next; block; block = next) {
+        next = block->next;
+        free(block->data);
+        free(block);
+    }
+    *arena = (struct arena){0};
+}

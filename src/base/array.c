@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Growth of plain heap arrays.
+#include "base/array.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool array_reserve(void **items, size_t *capacity, size_t count, size_t size) {
+    if (count <= *capacity) return true;
+    size_t want = *capacity + *capacity / 2;
+    if (want < count) want = count;
+    if (want < 16) want = 16;
+    if (want > SIZE_MAX / 2 / size) return false;
+    void *grown = realloc(*items, want * size);
+    if (!grown) return false;
+    *items = grown;
+    *capacity = want;
+    return true;
+}
+
+void *array_new(size_t count, size_t size) {
+    if (size && count > SIZE_MAX / 2 / size) return NULL;
+    size_t bytes = (count * size + 63) / 64 * 64;
+    void *items = aligned_alloc(64, bytes ? bytes : 64);
+    return items ? memset(items, 0, bytes ? bytes : 64) : NULL;
+}

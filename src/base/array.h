@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// Growth of plain heap arrays: pointer, count and capacity stay visible in the owner's struct.
+#ifndef BASE_ARRAY_H
+#define BASE_ARRAY_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+// Makes room for `count` elements of `size` bytes in *items (from malloc or NULL), of which
+// *capacity fit now. Grows by half at least. False, with all unchanged, if there is no memory.
+bool array_reserve(void **items, size_t *capacity, size_t count, size_t size);
+
+// `count` zeroed elements of `size` bytes, aligned to 64, to be freed with free(); NULL on overflow
+// or lack of memory.
+void *array_new(size_t count, size_t size);
+
+#endif

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whole files in, atomic files out.
+#include "base/fileio.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static satin_status read_failed(struct log log, struct log_place place, const char *path,
+                                const char *why) {
+    if (place.file)
+        log_error_at(log, place, "cannot read '%s': %s", path, why);
+    else
+        log_message(log, SATIN_LOG_ERROR, "%s: cannot read: %s", path, why);
+    return SATIN_ERROR_INPUT;
+}
+
+static bool read_all(int fd, char *buffer, size_t size) {
+    for (size_t got = 0; got < size;) {
+        ssize_t n = read(fd, buffer + got, size - got);
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) return false;
+        got += (size_t)n;
+    }
+    return true;
+}
+
+satin_status fileio_read(struct log log, struct log_place place, const char *path, size_t max_bytes,
+                         char **data, size_t *size) {
+    // Non-blocking, so that a named pipe without a writer is refused below and does not hang.
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (fd < 0) return read_failed(log, place, path, strerror(errno));
+    struct stat st;
+    satin_status status = SATIN_OK;
+    char *buffer = NULL;
+    if (fstat(fd, &st) != 0)
+        status = read_failed(log, place, path, strerror(errno));
+    else if (S_ISDIR(st.st_mode))
+        status = read_failed(log, place, path, "it is a directory");
+    else if (!S_ISREG(st.st_mode))
+        status = read_failed(log, place, path, "it is not a regular file");
+    else if ((unsigned long long)st.st_size > max_bytes)
+        status = read_failed(log, place, path, "it is too large");
+    else if (!(buffer = malloc((size_t)st.st_size + 1)))
+        status = log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory to read it", path);
+    else if (!read_all(fd, buffer, (size_t)st.st_size))
+        status = read_failed(log, place, path, "it ends early");
+    close(fd);
+    if (status != SATIN_OK) {
+        free(buffer);
+        return status;
+    }
+    buffer[st.st_size] = 0;
+    *data = buffer;
+    *size = (size_t)st.st_size;
+    return SATIN_OK;
+}
+
+char *fileio_temporary(const char *path) {
+    size_t n = strlen(path) + 32;
+    char *name = malloc(n);
+    if (name) snprintf(name, n, "%s.tmp%ld", path, (long)getpid());
+    return name;
+}
+
+satin_status fileio_commit(struct log log, const char *temporary, const char *path) {
+    int fd = open(temporary, O_RDONLY | O_CLOEXEC);
+    bool ok = fd >= 0 && fsync(fd) == 0;
+    int error = errno;
+    if (fd >= 0) close(fd);
+    if (ok && rename(temporary, path) == 0) return SATIN_OK;
+    if (ok) error = errno;
+    unlink(temporary);
+    return log_fail(log, SATIN_ERROR_IO, "%s: cannot write: %s", path, strerror(error));
+}
+
+satin_status fileio_write(struct log log, const char *path, const void *data, size_t size) {
+    char *temporary = fileio_temporary(path);
+    if (!temporary) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
+    satin_status status = SATIN_OK;
+    FILE *file = fopen(temporary, "wb");
+    bool ok = file && fwrite(data, 1, size, file) == size;
+    if (file && fclose(file) != 0) ok = false;
+    if (ok) {
+        status = fileio_commit(log, temporary, path);
+    } else {
+        status = log_fail(log, SATIN_ERROR_IO, "%s: cannot write: %s", path, strerror(errno));
+        unlink(temporary);
+    }
+    free(temporary);
+    return status;
+}
+
+char *fileio_beside(const char *base, const char *name) {
+    const char *slash = name[0] == '/' ? NULL : strrchr(base, '/');
+    size_t folder = slash ? (size_t)(slash - base) + 1 : 0, n = strlen(name);
+    char *path = malloc(folder + n + 1);
+    if (!path) return NULL;
+    memcpy(path, base, folder);
+    memcpy(path + folder, name, n + 1);
+    return path;
+}
+
+uint64_t fileio_hash(uint64_t hash, const void *data, size_t size) {
+    const unsigned char *bytes = data;
+    for (size_t i = 0; i < size; i++) hash = (hash ^ bytes[i]) * 0x100000001b3ull;
+    return hash;
+}

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whole files in, atomic files out.
+#ifndef BASE_FILEIO_H
+#define BASE_FILEIO_H
+
+#include <stddef.h>
+
+#include "base/log.h"
+
+// Reads a regular file of at most `max_bytes` into *data (malloc, with a 0 byte after the end; the
+// caller frees). SATIN_ERROR_INPUT if it is missing, unreadable, a directory or too large, logged
+// at `place` (the line that asked for it; a zero place logs the path alone).
+satin_status fileio_read(struct log log, struct log_place place, const char *path, size_t max_bytes,
+                         char **data, size_t *size);
+
+// The name of the temporary file beside `path` that fileio_commit renames; malloc, the caller
+// frees; NULL without memory.
+char *fileio_temporary(const char *path);
+// Flushes `temporary` to disk and renames it to `path`. On failure logs, removes `temporary`,
+// returns SATIN_ERROR_IO.
+satin_status fileio_commit(struct log log, const char *temporary, const char *path);
+
+// Writes `size` bytes to `path` by way of a temporary file.
+satin_status fileio_write(struct log log, const char *path, const void *data, size_t size);
+
+// `name` relative to the folder of the file `base`, unless name is absolute; malloc, the caller
+// frees.
+char *fileio_beside(const char *base, const char *name);
+
+// FNV-1a over `size` bytes, continuing from `hash` (start with FILEIO_HASH).
+#define FILEIO_HASH 0xcbf29ce484222325ull
+uint64_t fileio_hash(uint64_t hash, const void *data, size_t size);
+
+#endif

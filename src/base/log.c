@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Messages to the caller's log function.
+#include "base/log.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+enum { LOG_BYTES = 1024 };
+
+static void deliver(struct log log, satin_log_level level, char *text) {
+    for (unsigned char *c = (unsigned char *)text; *c; c++)
+        if (*c < 32 || *c == 127) *c = '?';
+    log.fn(log.user, level, text);
+}
+
+void log_message(struct log log, satin_log_level level, const char *format, ...) {
+    if (!log.fn) return;
+    char text[LOG_BYTES];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    deliver(log, level, text);
+}
+
+void log_error_at(struct log log, struct log_place place, const char *format, ...) {
+    if (!log.fn) return;
+    char text[LOG_BYTES];
+    int n = 0;
+    const char *file = place.file ? place.file : "input";
+    if (place.line > 0 && place.column > 0)
+        n = snprintf(text, sizeof text, "%s:%d:%d: ", file, place.line, place.column);
+    else if (place.line > 0)
+        n = snprintf(text, sizeof text, "%s:%d: ", file, place.line);
+    else
+        n = snprintf(text, sizeof text, "%s: ", file);
+    if (n < 0) n = 0;
+    if (n > LOG_BYTES / 2) n = LOG_BYTES / 2;
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text + n, sizeof text - (size_t)n, format, args);
+    va_end(args);
+    deliver(log, SATIN_LOG_ERROR, text);
+}
+
+satin_status log_fail(struct log log, satin_status status, const char *format, ...) {
+    if (!log.fn) return status;
+    char text[LOG_BYTES];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    deliver(log, SATIN_LOG_ERROR, text);
+    return status;
+}

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Messages to the caller's log function. Passed by value; a zero struct drops messages.
+#ifndef BASE_LOG_H
+#define BASE_LOG_H
+
+#include "satin/types.h"
+
+struct log {
+    satin_log_fn fn;
+    void *user;
+};
+
+// A place in a text file; line and column count from 1, 0 means unknown. `file` is not owned.
+struct log_place {
+    const char *file;
+    int line, column;
+};
+
+// Formats one line (cut at 1023 bytes, control characters shown as '?') and passes it on.
+void log_message(struct log log, satin_log_level level, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+// log_message at SATIN_LOG_ERROR with `file:line:column: ` before it; parts that are unknown are
+// left out.
+void log_error_at(struct log log, struct log_place place, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+// log_message at SATIN_LOG_ERROR; returns `status`, so that a caller can report and fail in one
+// line.
+satin_status log_fail(struct log log, satin_status status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+#endif

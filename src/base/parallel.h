@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// parallel_for over an index range: the one place where threads start, progress is told and a
+// cancellation is seen. Chunks depend on n and grain, never on the number of threads; which worker
+// runs a chunk must not matter to the result.
+#ifndef BASE_PARALLEL_H
+#define BASE_PARALLEL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+struct parallel;
+
+// Does items [begin, end) of one chunk; `worker` in [0, parallel_threads()) names its scratch.
+typedef void (*parallel_fn)(void *ctx, size_t begin, size_t end, int worker);
+
+// Called on the calling thread between chunks with the share of the loop that is done, in [0, 1];
+// returning true cancels the loop.
+typedef bool (*parallel_progress_fn)(void *user, double done);
+
+// A pool of `threads` workers, the calling thread among them; 0 means one per core that the process
+// may use. NULL if threads could not be started. Free with parallel_free.
+struct parallel *parallel_new(int threads);
+void parallel_free(struct parallel *pool);  // NULL is allowed
+int parallel_threads(const struct parallel *pool);
+
+// Sets the function that is asked between chunks; NULL for none.
+void parallel_set_progress(struct parallel *pool, parallel_progress_fn fn, void *user);
+
+// Runs fn over [0, n) in chunks of `grain` (>= 1) items. True if all chunks ran, false if
+// cancelled: then chunks that started have finished and the others have not begun. Not reentrant.
+bool parallel_for(struct parallel *pool, size_t n, size_t grain, parallel_fn fn, void *ctx);
+
+#endif

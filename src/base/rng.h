@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Random numbers from a counter: (seed, stage, item, dimension) -> number. The state is a value on
+// the stack, so an item's numbers depend on nothing but its index, on any thread.
+#ifndef BASE_RNG_H
+#define BASE_RNG_H
+
+#include <stdint.h>
+
+// One per consumer, so that no two stages share numbers.
+enum rng_stage {
+    RNG_PHOTON = 1,
+    RNG_GATHER,
+    RNG_GATHER_HIT,
+    RNG_PIXEL,
+    RNG_LIGHT,
+    RNG_BRDF,
+    RNG_PATH,
+    RNG_SITE,
+    RNG_MAP_AREA,
+    RNG_TEST
+};
+
+struct rng {
+    uint64_t key;
+    uint64_t counter;
+};
+
+// The finaliser of splitmix64 (Steele et al. 2014): a bijection that mixes every bit into every
+// other.
+static inline uint64_t rng_mix(uint64_t x) {
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+    return x ^ (x >> 31);
+}
+
+static inline struct rng rng_make(uint64_t seed, enum rng_stage stage, uint64_t item) {
+    uint64_t k = rng_mix(seed + 0x9e3779b97f4a7c15ull * (uint64_t)stage);
+    return (struct rng){rng_mix(k ^ rng_mix(item + 0x632be59bd9b4e019ull)), 0};
+}
+
+static inline uint32_t rng_u32(struct rng *r) {
+    return (uint32_t)(rng_mix(r->key + 0x9e3779b97f4a7c15ull * ++r->counter) >> 32);
+}
+
+// Uniform in [0, 1), 24 bits.
+static inline float rng_float(struct rng *r) { return (float)(rng_u32(r) >> 8) * 0x1p-24f; }
+
+// Uniform in [0, 1), 53 bits.
+static inline double rng_double(struct rng *r) {
+    return (double)(rng_mix(r->key + 0x9e3779b97f4a7c15ull * ++r->counter) >> 11) * 0x1p-53;
+}
+
+#endif

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sampling maps that are too long for the header; see there.
+#include "base/sampling.h"
+
+vec2 sample_disk(float u, float v) {
+    float a = 2.0f * u - 1.0f, b = 2.0f * v - 1.0f;
+    if (a == 0.0f && b == 0.0f) return (vec2){0.0f, 0.0f};
+    float r, phi;
+    if (fabsf(a) > fabsf(b)) {
+        r = a;
+        phi = (PI_F / 4.0f) * (b / a);
+    } else {
+        r = b;
+        phi = PI_F / 2.0f - (PI_F / 4.0f) * (a / b);
+    }
+    return (vec2){r * cosf(phi), r * sinf(phi)};
+}
+
+vec2 sample_disk_inverse(vec2 p) {
+    float r = sqrtf(p.x * p.x + p.y * p.y);
+    if (r == 0.0f) return (vec2){0.5f, 0.5f};
+    float a, b;
+    if (fabsf(p.x) > fabsf(p.y)) {
+        a = copysignf(r, p.x);
+        b = a * atan2f(copysignf(1.0f, p.x) * p.y, fabsf(p.x)) * (4.0f / PI_F);
+    } else {
+        b = copysignf(r, p.y);
+        a = b * atan2f(copysignf(1.0f, p.y) * p.x, fabsf(p.y)) * (4.0f / PI_F);
+    }
+    return (vec2){0.5f * (a + 1.0f), 0.5f * (b + 1.0f)};
+}
+
+vec2 sample_triangle(float u, float v) {
+    float s = sqrtf(u);
+    return (vec2){s * (1.0f - v), s * v};
+}
+
+double sample_cdf_build(const float *weight, size_t n, float *cdf) {
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++) sum += weight[i] > 0.0f ? (double)weight[i] : 0.0;
+    double run = 0.0;
+    cdf[0] = 0.0f;
+    for (size_t i = 0; i < n; i++) {
+        run += sum > 0.0 ? (weight[i] > 0.0f ? (double)weight[i] / sum : 0.0) : 1.0 / (double)n;
+        cdf[i + 1] = (float)(run < 1.0 ? run : 1.0);
+    }
+    // The last item that can be drawn ends at exactly 1, so that rounding makes no unreachable
+    // tail.
+    size_t last = n;
+    while (last > 1 && sum > 0.0 && !(weight[last - 1] > 0.0f)) last--;
+    for (size_t i = last; i <= n; i++) cdf[i] = 1.0f;
+    return sum;
+}
+
+size_t sample_cdf(const float *cdf, size_t n, float u, float *u_rest) {
+    size_t lo = 0, hi = n;
+    while (hi - lo > 1) {
+        size_t mid = lo + (hi - lo) / 2;
+        if (cdf[mid] <= u)
+            lo = mid;
+        else
+            hi = mid;
+    }
+    if (u_rest) {
+        float width = cdf[lo + 1] - cdf[lo];
+        float rest = width > 0.0f ? (u - cdf[lo]) / width : 0.5f;
+        *u_rest = clampf(rest, 0.0f, 0x1.fffffep-1f);
+    }
+    return lo;
+}
+
+static uint32_t reverse_bits(uint32_t x) {
+    x = __builtin_bswap32(x);
+    x = ((x & 0x0f0f0f0fu) << 4) | ((x >> 4) & 0x0f0f0f0fu);
+    x = ((x & 0x33333333u) << 2) | ((x >> 2) & 0x33333333u);
+    return ((x & 0x55555555u) << 1) | ((x >> 1) & 0x55555555u);
+}
+
+// Owen scrambling of a bit-reversed value: each bit is flipped by a hash of the bits below it.
+static uint32_t owen_reversed(uint32_t x, uint32_t seed) {
+    x ^= x * 0x3d20adeau;
+    x += seed;
+    x *= (seed >> 16) | 1u;
+    x ^= x * 0x05526c56u;
+    x ^= x * 0x53a22864u;
+    return x;
+}
+
+static uint32_t owen(uint32_t x, uint32_t seed) {
+    return reverse_bits(owen_reversed(reverse_bits(x), seed));
+}
+
+static uint32_t hash32(uint32_t x) {
+    x ^= x >> 16;
+    x *= 0x21f0aaadu;
+    x ^= x >> 15;
+    x *= 0xd35a2d97u;
+    return x ^ (x >> 15);
+}
+
+// The second Sobol' dimension: the generator matrix is Pascal's triangle modulo 2.
+static uint32_t sobol_second(uint32_t index) {
+    uint32_t v = 0x80000000u, r = 0;
+    for (; index; index >>= 1, v ^= v >> 1)
+        if (index & 1u) r ^= v;
+    return r;
+}
+
+static float unit_float(uint32_t x) { return (float)(x >> 8) * 0x1p-24f; }
+
+vec2 sample_sobol2(uint32_t index, uint32_t seed) {
+    uint32_t i = owen(index, hash32(seed ^ 0x9e3779b9u));
+    uint32_t x = owen_reversed(i, hash32(seed ^ 0x7f4a7c15u));  // dimension 0 reversed is the index
+    return (vec2){unit_float(reverse_bits(x)),
+                  unit_float(owen(sobol_second(i), hash32(seed ^ 0x68e31da4u)))};
+}
+
+float sample_sobol1(uint32_t index, uint32_t seed) {
+    uint32_t i = owen(index, hash32(seed ^ 0x9e3779b9u));
+    return unit_float(reverse_bits(owen_reversed(i, hash32(seed ^ 0x7f4a7c15u))));
+}

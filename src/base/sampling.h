@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// Maps from the unit square to directions and points, with their densities, and low-discrepancy
+// points. `u` and `v` are in [0, 1). Hemispheres are about +z.
+#ifndef BASE_SAMPLING_H
+#define BASE_SAMPLING_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/vec.h"
+
+// Density cos(theta) / pi.
+static inline vec3 sample_cosine_hemisphere(float u, float v) {
+    float r = sqrtf(u), phi = 2.0f * PI_F * v;
+    return v3(r * cosf(phi), r * sinf(phi), safe_sqrtf(1.0f - u));
+}
+
+// Density 1 / (2 pi).
+static inline vec3 sample_uniform_hemisphere(float u, float v) {
+    float s = safe_sqrtf(1.0f - u * u), phi = 2.0f * PI_F * v;
+    return v3(s * cosf(phi), s * sinf(phi), u);
+}
+
+// Density 1 / (4 pi).
+static inline vec3 sample_uniform_sphere(float u, float v) {
+    float z = 1.0f - 2.0f * u, s = safe_sqrtf(1.0f - z * z), phi = 2.0f * PI_F * v;
+    return v3(s * cosf(phi), s * sinf(phi), z);
+}
+
+// Density 1 / (2 pi (1 - cos_max)).
+static inline vec3 sample_uniform_cone(float u, float v, float cos_max) {
+    float z = 1.0f - u * (1.0f - cos_max), s = safe_sqrtf(1.0f - z * z), phi = 2.0f * PI_F * v;
+    return v3(s * cosf(phi), s * sinf(phi), z);
+}
+
+// Uniform in the unit disk by the concentric map (Shirley and Chiu 1997); density 1 / pi.
+vec2 sample_disk(float u, float v);
+// The inverse of sample_disk.
+vec2 sample_disk_inverse(vec2 p);
+
+// Barycentric coordinates (b1, b2), uniform over a triangle.
+vec2 sample_triangle(float u, float v);
+
+// A discrete distribution over n >= 1 items: cdf[n + 1] ascending from 0 to 1.
+// Fills `cdf` from weights (negative and NaN count as 0; all zero: uniform); returns the weights'
+// sum.
+double sample_cdf_build(const float *weight, size_t n, float *cdf);
+// Index i with cdf[i] <= u < cdf[i + 1], never one of probability 0; *u_rest (may be NULL) is u
+// stretched back to [0, 1).
+size_t sample_cdf(const float *cdf, size_t n, float u, float *u_rest);
+
+// MIS weight of a technique with density a against one with density b: the power heuristic
+// [Veach 1997, 9.2.4]. Infinite a gives 1; both 0 gives 0.
+static inline float mis_power(float a, float b) {
+    if (!(a > 0.0f)) return 0.0f;
+    float q = b / a;
+    return 1.0f / (1.0f + q * q);
+}
+
+// Point `index` of Sobol' dimensions 0 and 1, Owen-scrambled by hashing (Laine and Karras 2011 with
+// Burley's 2020 constants), its order shuffled, all by `seed`. Any aligned run of 2^k points is a
+// (0, k, 2)-net; different seeds give independent sequences. Both coordinates are in [0, 1).
+vec2 sample_sobol2(uint32_t index, uint32_t seed);
+// The same in one dimension.
+float sample_sobol1(uint32_t index, uint32_t seed);
+
+#endif

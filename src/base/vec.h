@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Small vectors and colours, by value. Directions are unit unless said otherwise; angles are
+// radians.
+#ifndef BASE_VEC_H
+#define BASE_VEC_H
+
+#include <math.h>
+#include <stdbool.h>
+
+typedef struct vec2 {
+    float x, y;
+} vec2;
+
+typedef struct vec3 {
+    float x, y, z;
+} vec3;
+
+typedef struct rgb {
+    float r, g, b;  // linear sRGB
+} rgb;
+
+#define PI_F 3.14159265358979323846f
+
+static inline vec3 v3(float x, float y, float z) { return (vec3){x, y, z}; }
+static inline vec3 v3_add(vec3 a, vec3 b) { return v3(a.x + b.x, a.y + b.y, a.z + b.z); }
+static inline vec3 v3_sub(vec3 a, vec3 b) { return v3(a.x - b.x, a.y - b.y, a.z - b.z); }
+static inline vec3 v3_mul(vec3 a, float s) { return v3(a.x * s, a.y * s, a.z * s); }
+static inline vec3 v3_neg(vec3 a) { return v3(-a.x, -a.y, -a.z); }
+// a + s * b
+static inline vec3 v3_mad(vec3 a, float s, vec3 b) {
+    return v3(a.x + s * b.x, a.y + s * b.y, a.z + s * b.z);
+}
+static inline float v3_dot(vec3 a, vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static inline vec3 v3_cross(vec3 a, vec3 b) {
+    return v3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+static inline float v3_len2(vec3 a) { return v3_dot(a, a); }
+static inline float v3_len(vec3 a) { return sqrtf(v3_len2(a)); }
+static inline float v3_dist2(vec3 a, vec3 b) { return v3_len2(v3_sub(a, b)); }
+// a / |a|; a zero vector stays zero.
+static inline vec3 v3_unit(vec3 a) {
+    float l = v3_len(a);
+    return l > 0.0f ? v3_mul(a, 1.0f / l) : a;
+}
+static inline bool v3_finite(vec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
+static inline float v3_max_abs(vec3 a) { return fmaxf(fabsf(a.x), fmaxf(fabsf(a.y), fabsf(a.z))); }
+static inline vec3 v3_min(vec3 a, vec3 b) {
+    return v3(fminf(a.x, b.x), fminf(a.y, b.y), fminf(a.z, b.z));
+}
+static inline vec3 v3_max(vec3 a, vec3 b) {
+    return v3(fmaxf(a.x, b.x), fmaxf(a.y, b.y), fmaxf(a.z, b.z));
+}
+
+static inline rgb rgb_make(float r, float g, float b) { return (rgb){r, g, b}; }
+static inline rgb rgb_grey(float v) { return (rgb){v, v, v}; }
+static inline rgb rgb_add(rgb a, rgb b) { return rgb_make(a.r + b.r, a.g + b.g, a.b + b.b); }
+static inline rgb rgb_sub(rgb a, rgb b) { return rgb_make(a.r - b.r, a.g - b.g, a.b - b.b); }
+static inline rgb rgb_mul(rgb a, rgb b) { return rgb_make(a.r * b.r, a.g * b.g, a.b * b.b); }
+static inline rgb rgb_scale(rgb a, float s) { return rgb_make(a.r * s, a.g * s, a.b * s); }
+// a + b * s
+static inline rgb rgb_mad(rgb a, rgb b, float s) {
+    return rgb_make(a.r + b.r * s, a.g + b.g * s, a.b + b.b * s);
+}
+// a + b * c
+static inline rgb rgb_fma(rgb a, rgb b, rgb c) {
+    return rgb_make(a.r + b.r * c.r, a.g + b.g * c.g, a.b + b.b * c.b);
+}
+static inline float rgb_max(rgb a) { return fmaxf(a.r, fmaxf(a.g, a.b)); }
+static inline float rgb_mean(rgb a) { return (a.r + a.g + a.b) * (1.0f / 3.0f); }
+static inline float rgb_luminance(rgb a) {
+    return 0.212671f * a.r + 0.715160f * a.g + 0.072169f * a.b;
+}
+static inline bool rgb_black(rgb a) { return a.r == 0.0f && a.g == 0.0f && a.b == 0.0f; }
+static inline bool rgb_finite(rgb a) { return isfinite(a.r) && isfinite(a.g) && isfinite(a.b); }
+
+static inline float clampf(float x, float lo, float hi) { return fminf(fmaxf(x, lo), hi); }
+static inline float lerpf(float a, float b, float t) { return a + (b - a) * t; }
+static inline float sqrf(float x) { return x * x; }
+// Square root that takes a rounding error below zero as zero.
+static inline float safe_sqrtf(float x) { return sqrtf(fmaxf(x, 0.0f)); }
+
+#endif

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// BRDFs at a point, and their harmonics. All directions are unit, in the local frame (z along the
+// shading normal), and point away from the surface: `wo` towards where the light goes (the eye, for
+// an eye path), `wi` towards where it comes from. A BRDF is a value: its parameters are already
+// looked up from textures.
+#ifndef BRDF_BRDF_H
+#define BRDF_BRDF_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/arena.h"
+#include "base/log.h"
+#include "base/parallel.h"
+#include "base/vec.h"
+#include "satin/options.h"
+
+// Parts of a BRDF; a mask. Delta parts scatter into single directions and have no value or density.
+enum brdf_lobe {
+    BRDF_DIFFUSE = 1,  // Lambertian but for smooth factors (plastic's Fresnel transmission)
+    BRDF_GLOSSY = 2,
+    BRDF_DELTA = 4,
+    BRDF_SMOOTH = BRDF_DIFFUSE | BRDF_GLOSSY,
+    BRDF_ALL = 7
+};
+
+enum brdf_distribution { BRDF_BECKMANN = 0, BRDF_GGX };
+
+// Which way a path is traced: radiance carried to the eye is compressed by refraction, power is
+// not.
+enum brdf_mode { BRDF_RADIANCE = 0, BRDF_POWER };
+
+struct brdf_model;
+
+// One BRDF at one point. Fields that a model does not use are ignored.
+struct brdf {
+    const struct brdf_model *model;
+    rgb diffuse;             // diffuse reflectance, [0, 1]
+    rgb specular;            // factor of the glossy or specular reflection
+    rgb transmittance;       // factor of the specular transmission
+    rgb eta, k;              // complex index of refraction of a conductor
+    float ior;               // interior over exterior index of a dielectric
+    float alpha_u, alpha_v;  // roughness along x and y
+    float exponent;          // of phong
+    enum brdf_distribution distribution;
+    bool nonlinear;      // plastic, roughplastic: colour shifts by internal scattering
+    const void *tables;  // what brdf_prepare made; owned by its arena
+    float p_specular;    // probability of sampling the specular part, from brdf_prepare
+};
+
+// Numbers that may be textured, as bits of the mask that a model takes (the rest must be constant).
+enum brdf_slot {
+    BRDF_SLOT_DIFFUSE = 0,
+    BRDF_SLOT_SPECULAR,
+    BRDF_SLOT_TRANSMITTANCE,
+    BRDF_SLOT_ALPHA_U,
+    BRDF_SLOT_ALPHA_V,
+    BRDF_SLOT_EXPONENT,
+    BRDF_SLOT_COUNT
+};
+
+struct brdf_sample {
+    vec3 wi;
+    rgb weight;   // f_r cos(theta_i) / pdf of all lobes asked for; for a delta lobe its share /
+                  // probability
+    float pdf_w;  // density of wi over solid angle among the lobes asked for; 0 for a delta lobe
+    float probability;  // of a delta lobe; else 1
+    float eta;          // relative index of refraction along a transmission, else 1
+    unsigned lobe;      // one bit of brdf_lobe
+};
+
+// A row of the table of models.
+struct brdf_model {
+    const char *name;  // the plugin's name in a scene file
+    const char *doc;
+    unsigned lobes;  // what it has, a mask of brdf_lobe
+    // Derived constants into b (tables, p_specular); NULL if there are none.
+    satin_status (*prepare)(struct brdf *b, struct arena *arena);
+    // f_r of the diffuse part and of the glossy part, each [sr^-1]; both directions are above (z >
+    // 0).
+    void (*eval)(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy);
+    // Density over solid angle of sampling the diffuse part and the glossy part, each alone.
+    void (*pdf)(const struct brdf *b, vec3 wo, vec3 wi, float *diffuse, float *glossy);
+    // Draws wi from the glossy part alone; false if the sample fails (then it counts as zero).
+    bool (*sample_glossy)(const struct brdf *b, vec3 wo, float u, float v, vec3 *wi);
+    // Fills the delta lobes for wo: at most 2; returns how many. probability is each one's share.
+    int (*delta)(const struct brdf *b, vec3 wo, enum brdf_mode mode, struct brdf_sample out[2]);
+    // Shares by which sampling chooses among diffuse, glossy and delta (any scale, all >= 0).
+    void (*shares)(const struct brdf *b, vec3 wo, float *diffuse, float *glossy, float *delta);
+};
+
+// All models, ended by a NULL name: diffuse conductor roughconductor dielectric thindielectric
+// plastic roughplastic phong ward.
+extern const struct brdf_model *const brdf_models[];
+const struct brdf_model *brdf_find(const char *name);  // NULL if there is none
+
+// Computes tables and constants; call once per material after its constants are set. Fails on lack
+// of memory.
+satin_status brdf_prepare(struct brdf *b, struct arena *arena);
+
+// The lobes that b really has (a black diffuse part does not count).
+unsigned brdf_lobes(const struct brdf *b);
+
+// Sum of f_r of the smooth lobes in `lobes` [sr^-1]; 0 unless both directions are above. No cosine.
+rgb brdf_eval(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes);
+// Density over solid angle with which brdf_sample draws wi, given the same lobes; 0 for delta
+// lobes.
+float brdf_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes);
+// Draws one direction from the lobes asked for. False if nothing is reflected or the sample failed.
+bool brdf_sample(const struct brdf *b, vec3 wo, float u_lobe, float u, float v, unsigned lobes,
+                 enum brdf_mode mode, struct brdf_sample *out);
+// All delta lobes for wo (0 to 2), with weight the reflected share itself, for deterministic
+// splitting.
+int brdf_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode, struct brdf_sample out[2]);
+
+// Directional albedo of the lobes asked for, an estimate good to a few per cent, for AOVs and
+// roulette.
+rgb brdf_albedo(const struct brdf *b, vec3 wo, unsigned lobes);
+
+// Harmonics of the glossy part [K05 2.5, 3.4]: per outgoing direction on a parabolic map the
+// coefficients of f_r cos(theta_i), with the least order whose error (3.4, with the cosine below
+// the line too) meets the bound. Isotropic BRDFs keep one radius of the map and turn it about z.
+struct brdf_table;
+
+struct brdf_table_info {
+    int order;     // largest order in use; 0: high-frequency at every direction
+    int channels;  // 1 (grey) or 3
+    float share;   // of the hemisphere of outgoing directions that is represented
+    size_t bytes;
+};
+
+// Builds the table of b with its `specular` factor taken as 1. `max_order` in 1..10.
+satin_status brdf_table_build(const struct brdf *b, satin_basis basis, int max_order,
+                              float max_error, struct parallel *pool, struct brdf_table **out);
+void brdf_table_free(struct brdf_table *table);  // NULL is allowed
+struct brdf_table_info brdf_table_info(const struct brdf_table *table);
+// The order n at wo, or 0 if the error would be over the bound there.
+int brdf_table_order(const struct brdf_table *table, vec3 wo);
+// Writes the interpolated coefficients for wo, channel by channel: c[channel * n * n + l (l + 1) +
+// m], to be multiplied by `specular`. Returns n, or 0 and writes nothing.
+int brdf_table_lookup(const struct brdf_table *table, vec3 wo, float *c);
+
+#endif

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Films: layers of summed samples while rendering, named channels afterwards; OpenEXR and PNG.
+#ifndef FILM_FILM_H
+#define FILM_FILM_H
+
+#include "base/log.h"
+#include "base/parallel.h"
+#include "satin/film.h"
+
+// An attribute of the file's header: text, under a name that OpenEXR does not use itself.
+struct film_attribute {
+    char *name, *value;
+};
+
+struct satin_film {
+    int width, height;
+    int channel_count;
+    char **channel_name;
+    float **channel;  // each width * height
+    int attribute_count;
+    struct film_attribute *attribute;
+    char *stats;  // JSON or NULL
+};
+
+// A film with zeroed channels of these names (copied). NULL without memory or if width or height <
+// 1 or the size is over 2^31 pixels.
+struct satin_film *film_new(int width, int height, const char *const *channel_names,
+                            int channel_count);
+float *film_channel(struct satin_film *film, const char *name);  // NULL if there is none
+// Adds or replaces an attribute; false without memory.
+bool film_attribute_set(struct satin_film *film, const char *name, const char *value);
+const char *film_attribute_get(const struct satin_film *film, const char *name);
+// Writing with a pool compresses on all threads; the bytes are the same.
+satin_status film_write_exr(const struct satin_film *film, const char *path, struct parallel *pool,
+                            struct log log);
+
+#endif

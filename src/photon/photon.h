@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// The first pass: photons from the lights, and the rough solution that is read from them.
+#ifndef PHOTON_PHOTON_H
+#define PHOTON_PHOTON_H
+
+#include "base/parallel.h"
+#include "base/stats.h"
+#include "satin/options.h"
+#include "scene/scene.h"
+
+// What happened to a photon before it was stored: nothing (direct), only ideal specular bounces
+// (caustic), or anything else (indirect).
+enum photon_class { PHOTON_DIRECT = 0, PHOTON_CAUSTIC, PHOTON_INDIRECT, PHOTON_CLASSES };
+
+struct photon_maps;  // the global and the caustic map
+
+// Traces photons and builds both maps. Statistics get photons.* entries. SATIN_CANCELLED if the
+// pool was cancelled. A scene without lights gives empty maps.
+satin_status photon_maps_build(const struct satin_scene *scene, const satin_options *options,
+                               struct parallel *pool, struct log log, struct stats *stats,
+                               struct photon_maps **out);
+void photon_maps_free(struct photon_maps *maps);  // NULL is allowed
+
+// The rough solution at a surface point: incident irradiance on the side of n (unit), by the
+// nearest photon on that side whose irradiance was precomputed. *radius gets the radius of its
+// density estimate. E includes direct light unless options->gather_shadow was set when the maps
+// were built. Black and radius 0 without photons.
+rgb photon_irradiance(const struct photon_maps *maps, vec3 p, vec3 n, float *radius);
+// The same for many points; arrays of `count`.
+void photon_irradiance_many(const struct photon_maps *maps, size_t count, const vec3 *p,
+                            const vec3 *n, rgb *E, float *radius);
+
+// Reflected radiance towards wo (local) by a k-nearest density estimate with the BRDF's smooth
+// `lobes`, from the global map (all classes it holds) or the caustic map. frame is the BRDF's; ng
+// the geometric normal on wo's side.
+rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
+                    vec3 ng, const struct frame *frame, const struct brdf *brdf, vec3 wo,
+                    unsigned lobes, float *radius);
+rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p, vec3 ng,
+                   const struct frame *frame, const struct brdf *brdf, vec3 wo, unsigned lobes);
+
+#endif

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+// A loaded scene: surfaces, materials, textures, lights, camera, film. Immutable after loading, so
+// every function here may be called from any thread.
+#ifndef SCENE_SCENE_H
+#define SCENE_SCENE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/arena.h"
+#include "base/frame.h"
+#include "base/log.h"
+#include "base/mat4.h"
+#include "base/parallel.h"
+#include "base/rng.h"
+#include "base/vec.h"
+#include "brdf/brdf.h"
+#include "satin/scene.h"
+
+// ---- Textures ----------------------------------------------------------------------------------
+
+enum texture_wrap { TEXTURE_REPEAT = 0, TEXTURE_MIRROR, TEXTURE_CLAMP };
+enum texture_kind { TEXTURE_CONSTANT = 0, TEXTURE_BITMAP, TEXTURE_CHECKERBOARD };
+
+// Linear texels; `channels` 1 or 3. Owned by the scene's arena.
+struct image {
+    int width, height, channels;
+    const float *texel;  // row by row from the top
+};
+
+struct texture {
+    enum texture_kind kind;
+    rgb value;           // constant
+    rgb color0, color1;  // checkerboard
+    float to_uv[6];      // uv' = (a b c; d e f) (u v 1)
+    const struct image *image;
+    enum texture_wrap wrap;
+    bool nearest;  // filter_type nearest; else bilinear
+    rgb mean;      // average colour, for photon roulette and the like
+};
+
+rgb texture_eval(const struct texture *texture, vec2 uv);
+
+// ---- Materials ---------------------------------------------------------------------------------
+
+// A side of a surface: a BRDF with constants in `base`, and textures (or NULL) that replace slots
+// of it.
+struct material_side {
+    struct brdf base;
+    const struct texture *slot[BRDF_SLOT_COUNT];
+};
+
+struct material {
+    const char *name;  // the id of its bsdf element, or its model's name
+    struct material_side front, back;
+    bool two_sided;    // the back reflects too (with `back`); else it is black unless it transmits
+    bool anisotropic;  // frames follow dp/du
+};
+
+// ---- Shapes ------------------------------------------------------------------------------------
+
+enum shape_kind { SHAPE_MESH = 0, SHAPE_SPHERE, SHAPE_DISK, SHAPE_CYLINDER };
+
+struct mesh {
+    uint32_t vertex_count, triangle_count;
+    const float *position;  // 3 per vertex, world space, 1 float of padding after the last
+    const float *normal;    // 3 per vertex, unit, world space; NULL: face normals
+    const float *uv;        // 2 per vertex; NULL: barycentric
+    const uint32_t *index;  // 3 per triangle
+};
+
+struct shape {
+    enum shape_kind kind;
+    const char *name;
+    struct mesh mesh;  // SHAPE_MESH (rectangle and cube too)
+    struct mat4 to_world,
+        to_object;      // the others: object space as in Mitsuba (unit sphere, disk, cylinder)
+    vec3 center;        // sphere: world
+    float radius;       // sphere: world
+    bool flip_normals;  // already applied to a mesh's vertex normals and to surfels
+    bool face_normals;
+    uint32_t material;
+    int32_t light;          // index of its area light or -1
+    float area;             // world space
+    const float *area_cdf;  // mesh with a light: triangle_count + 1; else NULL
+};
+
+// ---- Lights ------------------------------------------------------------------------------------
+
+enum light_kind {
+    LIGHT_AREA = 0,
+    LIGHT_POINT,
+    LIGHT_SPOT,
+    LIGHT_DIRECTIONAL,
+    LIGHT_CONSTANT,
+    LIGHT_ENVMAP
+};
+
+struct light {
+    enum light_kind kind;
+    rgb value;                      // radiance, intensity or irradiance, by kind; envmap: scale
+    const struct texture *texture;  // area: radiance over uv, or NULL
+    uint32_t shape;                 // area
+    struct mat4 to_world, to_local;
+    vec3 position, direction;           // point, spot; spot and directional: the way the light goes
+    float cos_cutoff, cos_beam;         // spot
+    const struct image *image;          // envmap: latitude-longitude, 3 channels
+    const float *row_cdf, *column_cdf;  // envmap: height + 1; height * (width + 1)
+    double image_sum;                   // envmap: normalisation of its density
+    float power;                        // luminance of the emitted power [W], > 0
+};
+
+// ---- Camera and film ---------------------------------------------------------------------------
+
+struct camera {
+    struct mat4 to_world;
+    float tan_x, tan_y;  // half extents of the full film at unit distance
+    float near_clip, far_clip;
+    float aperture;  // lens radius; 0: pinhole
+    float focus_distance;
+    vec2 shift;  // principal point offset, in film widths and heights
+};
+
+enum filter_kind { FILTER_BOX = 0, FILTER_TENT, FILTER_GAUSSIAN };
+
+struct film_spec {
+    int width, height;  // full film
+    int crop_x, crop_y, crop_width, crop_height;
+    enum filter_kind filter;
+    float radius, stddev;  // in pixels
+};
+
+// What the scene's integrator and sampler elements ask for; see satin_options for the meaning.
+struct scene_hints {
+    const char *integrator;                       // its plugin name, or NULL
+    int max_depth, rr_depth, hide_emitters, spp;  // -2, 0, -1, 0 when absent
+    // <integrator type="satin">: option names and values in order, for satin_options_set.
+    const char *const *option_name;
+    const char *const *option_value;
+    size_t option_count;
+};
+
+struct trace;  // the Embree scene; scene_trace.c alone knows it
+
+struct satin_scene {
+    struct arena arena;  // owns every array below
+    struct shape *shape;
+    uint32_t shape_count;
+    struct material *material;
+    uint32_t material_count;
+    struct light *light;
+    uint32_t light_count;
+    const float *light_cdf;  // light_count + 1, by power; NULL without lights
+    int32_t environment;     // index of the constant or envmap light, or -1
+    struct camera camera;
+    struct film_spec film;
+    struct scene_hints hints;
+    struct trace *trace;
+    vec3 bounds_lo, bounds_hi;  // of all surfaces; equal for an empty scene
+    float radius;               // of the sphere around the bounds, > 0
+    uint64_t triangle_count;
+    uint64_t hash;
+};
+
+// ---- Rays (scene_trace.c) -----------------------------------------------------------------------
+
+struct ray {
+    vec3 o;
+    float tnear;
+    vec3 d;  // unit
+    float tfar;
+};
+
+// A surface point that a ray hit.
+struct surfel {
+    vec3 p;              // on the surface to a few ulp
+    vec3 ng;             // geometric normal, unit; the front side, with flip_normals applied
+    struct frame frame;  // shading frame; n on the side of ng
+    vec2 uv;
+    float t;
+    uint32_t shape, prim, material;
+    int32_t light;  // area light of the shape, or -1
+};
+
+// Builds the Embree scene over scene->shape and sets bounds, radius and triangle_count.
+satin_status scene_trace_build(struct satin_scene *scene, struct log log);
+void scene_trace_free(struct trace *trace);
+
+// The nearest hit in (tnear, tfar), or false. A ray that is not finite, or has no direction, hits
+// nothing.
+bool scene_intersect(const struct satin_scene *scene, const struct ray *ray, struct surfel *out);
+// Only the distance: INFINITY if there is no hit. Cheaper than scene_intersect.
+float scene_distance(const struct satin_scene *scene, const struct ray *ray);
+bool scene_occluded(const struct satin_scene *scene, const struct ray *ray);
+
+// A ray that leaves a surface point in direction d: its origin is moved off the surface, to the
+// side that d points to, by a bound of the rounding error there, so that it does not hit the
+// surface it leaves.
+struct ray scene_spawn(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d);
+// The same towards the point q; it ends just before q. Normal nq of the surface at q, or zero if q
+// is free.
+struct ray scene_spawn_to(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 q, vec3 nq);
+
+// ---- Shading (scene_material.c) -----------------------------------------------------------------
+
+// The BRDF at s seen from wo (world, unit, away from the surface), with its textures looked up, and
+// the frame that its local directions refer to: n on wo's side for a two-sided material, else the
+// surfel's. False if that side reflects nothing.
+bool scene_brdf(const struct satin_scene *scene, const struct surfel *s, vec3 wo, struct brdf *brdf,
+                struct frame *frame);
+
+// ---- Lights (scene_light.c)
+// ----------------------------------------------------------------------------
+
+struct light_sample {
+    vec3 wi;      // from the point to the light
+    vec3 p;       // point on the light (area, point, spot)
+    vec3 n;       // its normal; zero if it has none
+    float dist;   // INFINITY for directional light and environments
+    rgb L;        // radiance, or for delta lights intensity / dist^2 or irradiance
+    float pdf_w;  // solid angle; 1 for delta lights. Without the probability of choosing the light
+    bool delta;
+};
+
+// Fills light_cdf, powers, image distributions and the shapes' area_cdf. After scene_trace_build.
+satin_status scene_lights_prepare(struct satin_scene *scene, struct log log);
+
+// Chooses a light for direct lighting at p; *probability > 0. Needs light_count > 0.
+uint32_t light_choose(const struct satin_scene *scene, vec3 p, float u, float *probability);
+float light_choose_probability(const struct satin_scene *scene, vec3 p, uint32_t light);
+// A direction towards light i; false if none contributes. Does not test visibility.
+bool light_sample(const struct satin_scene *scene, uint32_t i, vec3 p, float u, float v,
+                  struct light_sample *out);
+// Density over solid angle at p with which light_sample of s's light draws s (or, for environments,
+// wi).
+float light_pdf(const struct satin_scene *scene, vec3 p, vec3 wi, const struct surfel *s);
+float light_environment_pdf(const struct satin_scene *scene, vec3 p, vec3 wi);
+// Radiance that s emits towards w (world, away from the surface); black if s is no light.
+rgb light_emitted(const struct satin_scene *scene, const struct surfel *s, vec3 w);
+// Radiance of the environment along w (world, away from the eye); black without one.
+rgb light_environment(const struct satin_scene *scene, vec3 w);
+// Shadow ray of a light sample from a surface point.
+struct ray light_shadow_ray(const struct satin_scene *scene, vec3 p, vec3 ng,
+                            const struct light_sample *s);
+
+// Draws a photon leaving the lights: light by power, then position and direction. *power is its
+// share of all emitted power if `total` photons are emitted: power / total.
+struct light_ray {
+    struct ray ray;
+    rgb power;  // [W], for one photon in all
+    uint32_t light;
+};
+bool light_emit(const struct satin_scene *scene, struct rng *rng, struct light_ray *out);
+
+// ---- Camera (scene_camera.c)
+// ----------------------------------------------------------------------------
+
+// The eye ray through film position (x, y) in pixels of the full film, y down; lens point from (u,
+// v). `spread` gets the ray's width per distance: a pixel's footprint at distance t is t * spread
+// wide.
+struct ray camera_ray(const struct satin_scene *scene, float x, float y, float u, float v,
+                      float *spread);
+// Offset from a pixel's centre drawn from the film's filter, and its inverse distribution truncated
+// so that the position stays inside [lo, hi) (the crop window), as a renormalised filter at the
+// border does.
+float film_filter_sample(const struct film_spec *film, float centre, float lo, float hi, float u);
+
+#endif

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to scene/: what the loader calls to make meshes and images. Everything made lives in the
+// arena.
+#ifndef SCENE_BUILD_H
+#define SCENE_BUILD_H
+
+#include "scene/scene.h"
+
+// Bounds that keep a short hostile file from asking for all memory.
+enum {
+    SCENE_FILE_MAX = 2000000000,  // bytes of a mesh file
+    SCENE_XML_MAX = 256 << 20,    // bytes of one XML file
+    SCENE_IMAGE_PIXELS_MAX = 1 << 28
+};
+
+// Where a mesh or image comes from. `place` is the scene file's line that asks for it: errors that
+// concern the file as a whole name it; errors inside a text file name the file and its line, inside
+// a binary file the file.
+struct scene_source {
+    struct log log;
+    struct log_place place;
+    struct arena *arena;
+    const char *path;
+    uint64_t *hash;  // continued over the file's bytes
+};
+
+struct mesh_request {
+    struct mat4 to_world;
+    bool flip_normals;
+    bool face_normals;     // drop the file's vertex normals
+    bool flip_tex_coords;  // v -> 1 - v
+    int shape_index;       // serialized: which mesh of the file
+};
+
+// Reads a mesh into world space. Normals absent in the file are made smooth as Mitsuba 3 makes
+// them, unless face_normals. Mirroring transforms keep the front side as Mitsuba does. Positions
+// must be finite and indices in range, else SATIN_ERROR_INPUT.
+satin_status scene_mesh_obj(const struct scene_source *source, const struct mesh_request *request,
+                            struct mesh *out);
+satin_status scene_mesh_ply(const struct scene_source *source, const struct mesh_request *request,
+                            struct mesh *out);
+satin_status scene_mesh_serialized(const struct scene_source *source,
+                                   const struct mesh_request *request, struct mesh *out);
+// The unit rectangle [-1, 1]^2 at z = 0 facing +z and the cube [-1, 1]^3, transformed.
+satin_status scene_mesh_rectangle(struct arena *arena, const struct mesh_request *request,
+                                  struct mesh *out);
+satin_status scene_mesh_cube(struct arena *arena, const struct mesh_request *request,
+                             struct mesh *out);
+
+// World-space area of a shape.
+float scene_shape_area(const struct shape *shape);
+
+// Reads an image through OpenImageIO, to linear floats with 1 or 3 channels (alpha is dropped).
+// `raw`: values are taken as they are; else sRGB or untagged 8- and 16-bit data are linearised.
+satin_status scene_image_load(const struct scene_source *source, bool raw,
+                              const struct image **out);
+
+#endif

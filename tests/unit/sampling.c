@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sampling maps: round trips, net property of the Sobol' points, discrete distributions.
+#include "base/sampling.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "base/rng.h"
+
+static void disk_round_trip(void **state) {
+    (void)state;
+    struct rng rng = rng_make(1, RNG_TEST, 0);
+    for (int i = 0; i < 10000; i++) {
+        float u = rng_float(&rng), v = rng_float(&rng);
+        vec2 q = sample_disk_inverse(sample_disk(u, v));
+        assert_true(fabsf(q.x - u) < 2e-6f && fabsf(q.y - v) < 2e-6f);
+    }
+}
+
+// Every elementary interval of area 2^-8 holds exactly one of any aligned run of 256 points.
+static void sobol_is_a_net(void **state) {
+    (void)state;
+    for (uint32_t seed = 0; seed < 20; seed++)
+        for (int shape = 0; shape <= 8; shape++) {
+            int hits[256] = {0};
+            for (uint32_t i = 0; i < 256; i++) {
+                vec2 p = sample_sobol2(512 + i, seed);
+                assert_true(p.x >= 0 && p.x < 1 && p.y >= 0 && p.y < 1);
+                int column = (int)(p.x * (float)(1 << shape)),
+                    row = (int)(p.y * (float)(256 >> shape));
+                hits[row * (1 << shape) + column]++;
+            }
+            for (int c = 0; c < 256; c++) assert_int_equal(hits[c], 1);
+        }
+}
+
+static void cdf_never_draws_zero(void **state) {
+    (void)state;
+    const float weight[6] = {0, 1, 0, 3, 0, 0};
+    float cdf[7];
+    assert_true(fabs(sample_cdf_build(weight, 6, cdf) - 4.0) < 1e-12);
+    int count[6] = {0};
+    for (int i = 0; i < 4096; i++) {
+        float rest;
+        count[sample_cdf(cdf, 6, (float)i / 4096.0f, &rest)]++;
+        assert_true(rest >= 0 && rest < 1);
+    }
+    assert_int_equal(count[1], 1024);
+    assert_int_equal(count[3], 3072);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(disk_round_trip),
+        cmocka_unit_test(sobol_is_a_net),
+        cmocka_unit_test(cdf_never_draws_zero),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
