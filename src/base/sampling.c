@@ -98,12 +98,15 @@ static uint32_t hash32(uint32_t x) {
     return x ^ (x >> 15);
 }
 
-// The second Sobol' dimension: the generator matrix is Pascal's triangle modulo 2.
-static uint32_t sobol_second(uint32_t index) {
-    uint32_t v = 0x80000000u, r = 0;
-    for (; index; index >>= 1, v ^= v >> 1)
-        if (index & 1u) r ^= v;
-    return r;
+// The second Sobol' dimension, bits reversed: its generator matrix is Pascal's triangle modulo 2,
+// so by Lucas' theorem bit k of the result is the sum of the index bits j whose binary digits
+// contain those of k.
+static uint32_t sobol_second_reversed(uint32_t i) {
+    i ^= i >> 16;
+    i ^= (i & 0xff00ff00u) >> 8;
+    i ^= (i & 0xf0f0f0f0u) >> 4;
+    i ^= (i & 0xccccccccu) >> 2;
+    return i ^ ((i & 0xaaaaaaaau) >> 1);
 }
 
 static float unit_float(uint32_t x) { return (float)(x >> 8) * 0x1p-24f; }
@@ -111,8 +114,8 @@ static float unit_float(uint32_t x) { return (float)(x >> 8) * 0x1p-24f; }
 vec2 sample_sobol2(uint32_t index, uint32_t seed) {
     uint32_t i = owen(index, hash32(seed ^ 0x9e3779b9u));
     uint32_t x = owen_reversed(i, hash32(seed ^ 0x7f4a7c15u));  // dimension 0 reversed is the index
-    return (vec2){unit_float(reverse_bits(x)),
-                  unit_float(owen(sobol_second(i), hash32(seed ^ 0x68e31da4u)))};
+    uint32_t y = owen_reversed(sobol_second_reversed(i), hash32(seed ^ 0x68e31da4u));
+    return (vec2){unit_float(reverse_bits(x)), unit_float(reverse_bits(y))};
 }
 
 float sample_sobol1(uint32_t index, uint32_t seed) {

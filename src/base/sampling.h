@@ -64,4 +64,22 @@ vec2 sample_sobol2(uint32_t index, uint32_t seed);
 // The same in one dimension.
 float sample_sobol1(uint32_t index, uint32_t seed);
 
+// A stream of such points for one sample of one pixel (or record): each call is a new pair of
+// dimensions, padded from 2-D sequences, so every pair is stratified over the samples of the pixel.
+struct sampler {
+    uint32_t index;      // number of the sample
+    uint32_t seed;       // of the pixel
+    uint32_t dimension;  // counts calls
+};
+
+static inline uint32_t sampler_seed(struct sampler *s) {
+    return s->seed ^ (0x9e3779b9u * ++s->dimension);
+}
+static inline vec2 sampler_2d(struct sampler *s) {
+    return sample_sobol2(s->index, sampler_seed(s));
+}
+static inline float sampler_1d(struct sampler *s) {
+    return sample_sobol1(s->index, sampler_seed(s));
+}
+
 #endif

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// Gathering: light that arrives at a point, found by rays. A gather ray reads the rough solution where it
+// hits; a hemisphere of them gives what a record keeps. Letters: L radiance, E irradiance, r hit distance, M rows
+// (elevation) and N columns (azimuth) of a stratified hemisphere.
+#ifndef GATHER_GATHER_H
+#define GATHER_GATHER_H
+
+#include "base/sampling.h"
+#include "photon/photon.h"
+#include "scene/scene.h"
+
+// What stays the same during a render. Plain data, shared by all threads.
+struct gather {
+    const struct satin_scene *scene;
+    const satin_options *options;      // max_depth and rr_depth resolved: max_depth < 0 means no limit
+    const struct photon_maps *maps;    // NULL for first passes `path` and `none`
+    bool wide_lights;                  // lights so large that light sampling alone is noisy
+};
+
+struct gather gather_make(const struct satin_scene *scene, const satin_options *options,
+                          const struct photon_maps *maps);
+
+// A surface point prepared for shading in direction wo.
+struct gather_point {
+    struct surfel surfel;
+    struct brdf brdf;
+    struct frame frame;  // of the BRDF; n on the side that reflects
+    vec3 wo_l;           // towards the viewer, local
+    vec3 ng;             // geometric normal on the viewer's side
+    unsigned lobes;      // of the BRDF, 0 if it reflects nothing
+};
+
+// `d` is the direction of the ray that hit s.
+void gather_point_make(const struct satin_scene *scene, const struct surfel *s, vec3 d,
+                       struct gather_point *out);
+
+// ---- Direct light (gather_direct.c) ---------------------------------------------------------------
+
+// Light reflected at p towards wo by the BRDF's smooth `lobes`, by sampling the lights `samples` times. If `mis`, each
+// sample carries the power heuristic's weight against `mis` BRDF samples per light sample (a ratio); 0: full weight.
+rgb gather_direct(const struct gather *g, const struct gather_point *p, unsigned lobes, int samples,
+                  float mis, struct sampler sampler);
+// Weight of emitted light that a BRDF sample of density pdf_w found, against gather_direct's light samples.
+// `hit` is the surfel on the light, NULL for the environment; ratio is BRDF samples per light sample.
+float gather_emitted_weight(const struct gather *g, const struct gather_point *p, vec3 wi,
+                            const struct surfel *hit, float pdf_w, float ratio);
+
+// ---- Paths (gather_path.c) --------------------------------------------------------------------------
+
+// Radiance along `ray` by path tracing with MIS of light and BRDF sampling. `depth` edges were walked before;
+// `emission`: count emitted light seen along the ray itself.
+rgb gather_path(const struct gather *g, struct ray ray, int depth, bool emission,
+                struct sampler *sampler);
+
+// ---- Gather rays (gather_ray.c) ---------------------------------------------------------------------
+
+// A gather ray and what it found. Filled by gather_rays.
+struct gather_ray {
+    struct ray ray;
+    uint32_t item;     // numbers the random decisions behind the hit
+    rgb L;             // radiance that arrives by reflection: no emitted light
+    float r;           // distance to the first hit; INFINITY if there is none
+};
+
+// Scratch of one worker for `capacity` rays.
+struct gather_scratch;
+struct gather_scratch *gather_scratch_new(size_t capacity);  // NULL without memory
+void gather_scratch_free(struct gather_scratch *scratch);
+
+// Finds L and r of `count` rays (at most the scratch's capacity). `stream` and each ray's item seed the decisions.
+void gather_rays(const struct gather *g, struct gather_scratch *scratch, struct gather_ray *rays,
+                 size_t count, uint64_t stream);
+
+// ---- Hemispheres (gather_hemisphere.c) ----------------------------------------------------------------
+
+// Irradiance on a point, with gradients [Ward and Heckbert 1992].
+struct gather_irradiance {
+    rgb E;
+    vec3 grad_t[3];  // translation: dE/dp per channel, world, in the tangent plane
+    vec3 grad_r[3];  // rotation: E changes by (n_i x n) . grad_r
+    float R;         // harmonic mean of hit distances, cosine-weighted; INFINITY if no ray hit
+    float r_min;     // least hit distance
+    uint32_t rays;
+};
+
+// Incident radiance in harmonics [K05 (4.9)], in the given frame. Arrays of 3 * order^2 (channel by channel), owned
+// by the caller; dx and dy may be NULL.
+struct gather_radiance {
+    float *lambda, *dx, *dy;
+    float R, r_min;
+    uint32_t rays;
+};
+
+struct gather_site {
+    vec3 p, ng;
+    struct frame frame;  // hemisphere about frame.n
+    uint64_t stream;     // random stream of this site
+};
+
+// Constants of a stratified hemisphere: uniform for harmonics of `order`, or cosine-weighted if order is 0.
+struct gather_layout;
+struct gather_layout *gather_layout_new(int rays, satin_basis basis, int order);
+void gather_layout_free(struct gather_layout *layout);
+size_t gather_layout_rays(const struct gather_layout *layout);
+
+void gather_hemisphere_irradiance(const struct gather *g, const struct gather_layout *layout,
+                                  struct gather_scratch *scratch, const struct gather_site *site,
+                                  struct gather_irradiance *out);
+void gather_hemisphere_radiance(const struct gather *g, const struct gather_layout *layout,
+                                struct gather_scratch *scratch, const struct gather_site *site,
+                                struct gather_radiance *out);
+
+#endif
