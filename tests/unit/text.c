@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// Strict numbers, loose names, nearest names.
+#include "base/text.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+static void numbers_are_strict(void **state) {
+    (void)state;
+    static const char *const bad[] = {"",    " 1",   "1 ",  "0x10", "inf",   "nan", "1e999",
+                                      "1,5", "1.5f", "--1", "e5",   "1e5e5", "."};
+    double value = 7;
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        assert_false(text_double(bad[i], &value));
+        assert_true(value == 7);
+    }
+    assert_true(text_double("-1.25e2", &value) && value == -125);
+    assert_true(text_double(".5", &value) && value == 0.5);
+    assert_true(text_double("3.", &value) && value == 3);
+}
+
+static void names_are_loose(void **state) {
+    (void)state;
+    assert_true(text_same_name("two-pass", "Two_Pass"));
+    assert_false(text_same_name("two", "two-pass"));
+    assert_false(text_same_name("two-pass", "two"));
+    assert_true(text_same_name("", ""));
+}
+
+static const char *nearest(const char *word) {
+    static const char *const names[] = {"phong", "plastic", "diffuse", "ward"};
+    struct text_nearest search = {.word = word};
+    for (int i = 0; i < 4; i++) text_nearest_try(&search, names[i]);
+    return search.best;
+}
+
+static void nearest_names(void **state) {
+    (void)state;
+    assert_string_equal(nearest("phng"), "phong");
+    assert_string_equal(nearest("pohng"), "phong");
+    assert_string_equal(nearest("difuse"), "diffuse");
+    assert_string_equal(nearest("Ward"), "ward");
+    assert_null(nearest("checkerboard"));
+    assert_null(nearest("zzzz"));
+    char longest[400];
+    for (int i = 0; i < 399; i++) longest[i] = 'a';
+    longest[399] = 0;
+    assert_null(nearest(longest));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(numbers_are_strict),
+        cmocka_unit_test(names_are_loose),
+        cmocka_unit_test(nearest_names),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
