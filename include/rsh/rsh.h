@@ -1,4 +1,72 @@
 // SPDX-License-Identifier: Apache-2.0
+// Real spherical and hemispherical harmonics: evaluation, projection, products. A library of its
+// own: it needs nothing but this header, allocates nothing in the calls below and keeps no state,
+// so every function may be called from any thread at any time.
+//
+// Conventions, said once
+//   order    n = number of bands, 1 to RSH_MAX_ORDER; a vector has n * n coefficients
+//   index    of degree l = 0 .. n - 1 and m = -l .. l: l (l + 1) + m
+//   sphere   Y_l^m = s K_l^|m| P_l^|m|(cos theta) t, with t = cos(m phi) for m >= 0 and
+//            sin(|m| phi) for m < 0, s = sqrt 2 for m != 0 and 1 for m = 0,
+//            K_l^m = sqrt((2 l + 1) (l - m)! / (4 pi (l + m)!)).
+//   phase    No Condon-Shortley phase: P_m^m = +(2 m - 1)!! sin^m, so band 1 is
+//            sqrt(3 / (4 pi)) (y, z, x). To convert to or from a convention that has the phase,
+//            negate the coefficients of odd m.
+//   hemisphere (z >= 0; Gautron et al. 2004)
+//            H_l^m = s sqrt(2) K_l^|m| P_l^|m|(2 cos theta - 1) t. A direction below the horizon
+//            is treated as the horizon under it. All H with m != 0 vanish at the horizon.
+//   norm     Both bases are orthonormal over their domain; integral L F = dot(Lambda, Phi).
+//   channels Vectors of several channels lie one after another: out[channel * n * n + index].
+//   units    Directions are unit vectors, angles radians. Directions that are not unit give finite
+//            values without meaning; a NaN gives values without meaning. Neither does other harm.
+//
+// Functions that take an order return false, and write nothing, if it is not 1 .. RSH_MAX_ORDER.
 #ifndef RSH_RSH_H
 #define RSH_RSH_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__GNUC__)
+#define RSH_API __attribute__((visibility("default")))
+#else
+#define RSH_API
+#endif
+
+#define RSH_MAX_ORDER 16
+#define RSH_MAX_COEFFICIENTS (RSH_MAX_ORDER * RSH_MAX_ORDER)
+
+typedef enum rsh_basis { RSH_SPHERE = 0, RSH_HEMISPHERE } rsh_basis;
+
+// y[n * n]: all basis functions in direction w.
+RSH_API bool rsh_eval(rsh_basis basis, int order, const float w[3], float *y);
+
+// All basis functions in `count` directions, given as three arrays: out[k * count + i] is function
+// k in direction i.
+RSH_API bool rsh_eval_many(rsh_basis basis, int order, size_t count, const float *x, const float *y,
+                           const float *z, float *out);
+
+// Adds sum_i value_i H(w_i) to out[3 * n * n] for the values r, g and b [each count], weights
+// included. With g and b both NULL there is one channel: r, out[n * n].
+RSH_API bool rsh_project(rsh_basis basis, int order, size_t count, const float *x, const float *y,
+                         const float *z, const float *r, const float *g, const float *b,
+                         float *out);
+
+// The same for a basis that is given as a constant matrix: out[c * coefficients + k] +=
+// sum_i matrix[i * coefficients + k] * value_c[i], c = r, g, b. With g and b NULL: one channel.
+// Any number of coefficients.
+RSH_API void rsh_accumulate(size_t count, size_t coefficients, const float *matrix, const float *r,
+                            const float *g, const float *b, float *out);
+
+// out[c] = a_c . b_c for three channels of b[3 * n * n]; a has `a_channels` channels: 3, or 1 that
+// serves all.
+RSH_API bool rsh_dot3(int order, int a_channels, const float *a, const float *b, float out[3]);
+
+#ifdef __cplusplus
+}
+#endif
 #endif

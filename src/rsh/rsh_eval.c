@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// Evaluation, projection and products of harmonics in plain C: the definition of each.
+#include "rsh/rsh.h"
+
+#include <math.h>
+
+#include "rsh/rsh_tables.h"
+
+static bool order_ok(int order) { return order >= 1 && order <= RSH_MAX_ORDER; }
+
+// The direction at which spherical harmonics take a hemispherical harmonic's value, but for the
+// factor sqrt 2: cos theta' = 2 cos theta - 1 at the same phi. As sin theta' / sin theta =
+// 2 sqrt(cos theta / (1 + cos theta)), nothing is singular at the pole.
+static void stretch(const float w[3], float out[3]) {
+    float z = w[2] > 0.0f ? fminf(w[2], 1.0f) : 0.0f;
+    float s = 2.0f * sqrtf(z / (1.0f + z));
+    out[0] = s * w[0];
+    out[1] = s * w[1];
+    out[2] = 2.0f * z - 1.0f;
+}
+
+bool rsh_eval(rsh_basis basis, int order, const float w[3], float *y) {
+    if (!order_ok(order)) return false;
+    float d[3] = {w[0], w[1], w[2]}, c = 1.0f, s = 0.0f;
+    if (basis == RSH_HEMISPHERE) {
+        stretch(w, d);
+        c = sqrtf(2.0f);
+    }
+    for (int m = 0; m < order; m++) {
+        const float *norm = rsh_norm + m * RSH_MAX_ORDER, *b = rsh_recurrence + m * RSH_MAX_ORDER;
+        float p = 1.0f, p1 = 0.0f;
+        for (int l = m; l < order; l++) {
+            float v = p * norm[l];
+            y[l * (l + 1) - m] = v * s;
+            y[l * (l + 1) + m] = v * c;
+            float next = d[2] * p - (l + 1 < RSH_MAX_ORDER ? b[l + 1] : 0.0f) * p1;
+            p1 = p;
+            p = next;
+        }
+        float t = d[0] * c - d[1] * s;
+        s = d[0] * s + d[1] * c;
+        c = t;
+    }
+    return true;
+}
+
+bool rsh_eval_many(rsh_basis basis, int order, size_t count, const float *x, const float *y,
+                   const float *z, float *out) {
+    if (!order_ok(order)) return false;
+    float h[RSH_MAX_COEFFICIENTS];
+    for (size_t i = 0; i < count; i++) {
+        rsh_eval(basis, order, (float[3]){x[i], y[i], z[i]}, h);
+        for (int k = 0; k < order * order; k++) out[(size_t)k * count + i] = h[k];
+    }
+    return true;
+}
+
+bool rsh_project(rsh_basis basis, int order, size_t count, const float *x, const float *y,
+                 const float *z, const float *r, const float *g, const float *b, float *out) {
+    if (!order_ok(order)) return false;
+    float h[RSH_MAX_COEFFICIENTS];
+    size_t n = (size_t)(order * order);
+    for (size_t i = 0; i < count; i++) {
+        rsh_eval(basis, order, (float[3]){x[i], y[i], z[i]}, h);
+        rsh_accumulate(1, n, h, r + i, g ? g + i : NULL, b ? b + i : NULL, out);
+    }
+    return true;
+}
+
+void rsh_accumulate(size_t count, size_t coefficients, const float *matrix, const float *r,
+                    const float *g, const float *b, float *out) {
+    const float *value[3] = {r, g, b};
+    int channels = g && b ? 3 : 1;
+    for (size_t i = 0; i < count; i++)
+        for (int c = 0; c < channels; c++)
+            for (size_t k = 0; k < coefficients; k++)
+                out[(size_t)c * coefficients + k] += matrix[i * coefficients + k] * value[c][i];
+}
+
+bool rsh_dot3(int order, int a_channels, const float *a, const float *b, float out[3]) {
+    if (!order_ok(order)) return false;
+    int n = order * order, step = a_channels == 1 ? 0 : n;
+    for (int c = 0; c < 3; c++) {
+        float sum = 0.0f;
+        for (int k = 0; k < n; k++) sum += a[c * step + k] * b[c * n + k];
+        out[c] = sum;
+    }
+    return true;
+}

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// Harmonics: values, orthonormality by Gauss quadrature, projection and products.
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "rsh/rsh.h"
+#include "rsh_quadrature.h"
+
+// The Gram matrix of order 12 is the identity. Float evaluation errs by about 1e-6 of the largest
+// value (sqrt((2 l + 1) / 2 pi) = 1.9), the sum of 2000 terms by less.
+static void basis_is_orthonormal(void **state) {
+    (void)state;
+    enum { N = 12, K = N * N };
+    static double gram[K][K];
+    for (int basis = RSH_SPHERE; basis <= RSH_HEMISPHERE; basis++) {
+        struct quadrature q = quadrature_make(basis == RSH_HEMISPHERE, 2 * N);
+        memset(gram, 0, sizeof gram);
+        for (int i = 0; i < q.count; i++) {
+            float y[K];
+            assert_true(rsh_eval((rsh_basis)basis, N, q.w[i], y));
+            for (int a = 0; a < K; a++)
+                for (int b = 0; b < K; b++) gram[a][b] += q.weight[i] * (double)y[a] * (double)y[b];
+        }
+        for (int a = 0; a < K; a++)
+            for (int b = 0; b < K; b++) assert_true(fabs(gram[a][b] - (a == b)) < 5e-6);
+    }
+}
+
+static void band_one_is_geometric(void **state) {
+    (void)state;
+    const float w[3] = {0.48f, -0.6f, 0.64f}, k = sqrtf(0.75f / 3.14159265f);
+    float y[4];
+    assert_true(rsh_eval(RSH_SPHERE, 2, w, y));
+    assert_true(fabsf(y[0] - 0.28209479f) < 1e-6f && fabsf(y[1] - k * w[1]) < 1e-6f);
+    assert_true(fabsf(y[2] - k * w[2]) < 1e-6f && fabsf(y[3] - k * w[0]) < 1e-6f);
+}
+
+// Below the horizon the hemisphere's value is that of the horizon.
+static void horizon_is_clamped(void **state) {
+    (void)state;
+    float at[25], below[25];
+    assert_true(rsh_eval(RSH_HEMISPHERE, 5, (float[3]){0.6f, 0.8f, 0.0f}, at));
+    assert_true(rsh_eval(RSH_HEMISPHERE, 5, (float[3]){0.36f, 0.48f, -0.8f}, below));
+    assert_memory_equal(at, below, sizeof at);
+}
+
+static void orders_out_of_range_are_refused(void **state) {
+    (void)state;
+    const float w[3] = {0, 0, 1}, zero = 0;
+    float y[4] = {7, 7, 7, 7};
+    const int orders[] = {-1, 0, RSH_MAX_ORDER + 1, INT32_MAX};
+    for (int i = 0; i < 4; i++) {
+        assert_false(rsh_eval(RSH_SPHERE, orders[i], w, y));
+        assert_false(rsh_eval_many(RSH_SPHERE, orders[i], 1, &zero, &zero, &zero, y));
+        assert_false(
+            rsh_project(RSH_SPHERE, orders[i], 1, &zero, &zero, &zero, &zero, &zero, &zero, y));
+        assert_false(rsh_dot3(orders[i], 1, y, y, y));
+    }
+    for (int i = 0; i < 4; i++) assert_true(y[i] == 7.0f);
+}
+
+static void projection_sums_the_basis(void **state) {
+    (void)state;
+    enum { COUNT = 77, MAX = RSH_MAX_COEFFICIENTS };
+    float d[3][COUNT], v[3][COUNT];
+    static float many[MAX * COUNT];
+    for (int i = 0; i < COUNT; i++) {
+        float z = 1.0f - 2.0f * ((float)i + 0.5f) / COUNT, phi = 2.4f * (float)i;
+        d[0][i] = sqrtf(1.0f - z * z) * cosf(phi);
+        d[1][i] = sqrtf(1.0f - z * z) * sinf(phi);
+        d[2][i] = z;
+        for (int c = 0; c < 3; c++) v[c][i] = sinf((float)(i * (c + 1))) + 0.5f;
+    }
+    for (int basis = 0; basis < 2; basis++)
+        for (int n = 1; n <= RSH_MAX_ORDER; n++) {
+            int nn = n * n;
+            float out[3 * MAX], grey[MAX], sum[3 * MAX] = {0};
+            for (int k = 0; k < 3 * nn; k++) out[k] = 1.0f;
+            for (int k = 0; k < nn; k++) grey[k] = 1.0f;
+            rsh_basis bs = (rsh_basis)basis;
+            assert_true(rsh_eval_many(bs, n, COUNT, d[0], d[1], d[2], many));
+            assert_true(rsh_project(bs, n, COUNT, d[0], d[1], d[2], v[0], v[1], v[2], out));
+            assert_true(rsh_project(bs, n, COUNT, d[0], d[1], d[2], v[0], NULL, NULL, grey));
+            for (int i = 0; i < COUNT; i++) {
+                float y[MAX];
+                rsh_eval(bs, n, (float[3]){d[0][i], d[1][i], d[2][i]}, y);
+                for (int k = 0; k < nn; k++) assert_true(fabsf(many[k * COUNT + i] - y[k]) < 4e-6f);
+                rsh_accumulate(1, (size_t)nn, y, &v[0][i], &v[1][i], &v[2][i], sum);
+            }
+            for (int k = 0; k < 3 * nn; k++) assert_true(fabsf(out[k] - 1.0f - sum[k]) < 1e-4f);
+            for (int k = 0; k < nn; k++) assert_true(fabsf(grey[k] - 1.0f - sum[k]) < 1e-4f);
+        }
+}
+
+static void products_take_one_or_three_channels(void **state) {
+    (void)state;
+    const float a[12] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
+    const float b[12] = {1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 2, 0};
+    float out[3];
+    assert_true(rsh_dot3(2, 3, a, b, out));
+    assert_true(out[0] == 5.0f && out[1] == 6.0f && out[2] == 22.0f);
+    assert_true(rsh_dot3(2, 1, a, b, out));
+    assert_true(out[0] == 5.0f && out[1] == 2.0f && out[2] == 6.0f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(basis_is_orthonormal),
+        cmocka_unit_test(band_one_is_geometric),
+        cmocka_unit_test(horizon_is_clamped),
+        cmocka_unit_test(orders_out_of_range_are_refused),
+        cmocka_unit_test(projection_sums_the_basis),
+        cmocka_unit_test(products_take_one_or_three_channels),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
