@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Metals: the ideal mirror and microfacets of it [Walter et al. 2007], with complex indices of
+// refraction per channel; `specular` is a factor.
+#include "brdf/brdf_fresnel.h"
+#include "brdf/brdf_microfacet.h"
+#include "brdf/brdf_models.h"
+
+static int smooth_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode,
+                        struct brdf_sample out[2]) {
+    (void)mode;
+    if (!(wo.z > 0.0f)) return 0;
+    out[0] = brdf_mirror(wo, rgb_mul(b->specular, fresnel_conductor(wo.z, b->eta, b->k)));
+    return 1;
+}
+
+static struct microfacet facets(const struct brdf *b) {
+    return microfacet_make(b->distribution, b->alpha_u, b->alpha_v);
+}
+
+static void rough_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
+    float cos_d = fminf(0.5f * v3_len(v3_add(wo, wi)), 1.0f);  // to the facet's normal
+    rgb f = rgb_mul(b->specular, fresnel_conductor(cos_d, b->eta, b->k));
+    *diffuse = rgb_grey(0.0f);
+    *glossy = rgb_scale(f, microfacet_reflection(facets(b), wo, wi));
+}
+
+static void rough_pdf(const struct brdf *b, vec3 wo, vec3 wi, float *diffuse, float *glossy) {
+    *diffuse = 0.0f;
+    *glossy = microfacet_reflection_pdf(facets(b), wo, wi);
+}
+
+static bool rough_sample(const struct brdf *b, vec3 wo, float u, float v, vec3 *wi) {
+    return microfacet_reflect(facets(b), wo, u, v, wi);
+}
+
+const struct brdf_model brdf_model_conductor = {
+    .name = "conductor",
+    .doc = "smooth metal: an ideal mirror with the metal's Fresnel reflectance",
+    .lobes = BRDF_DELTA,
+    .slots = 1u << BRDF_SLOT_SPECULAR,
+    .delta = smooth_delta,
+};
+
+const struct brdf_model brdf_model_roughconductor = {
+    .name = "roughconductor",
+    .doc = "rough metal: microfacets (GGX or Beckmann), isotropic or anisotropic",
+    .lobes = BRDF_GLOSSY,
+    .slots = 1u << BRDF_SLOT_SPECULAR | 1u << BRDF_SLOT_ALPHA_U | 1u << BRDF_SLOT_ALPHA_V,
+    .eval = rough_eval,
+    .pdf = rough_pdf,
+    .sample_glossy = rough_sample,
+};

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// The rows of the table of models, one per file brdf_X.c or two where they are kin. Private to
+// brdf/.
+#ifndef BRDF_MODELS_H
+#define BRDF_MODELS_H
+
+#include "brdf/brdf.h"
+
+extern const struct brdf_model brdf_model_diffuse;
+extern const struct brdf_model brdf_model_conductor, brdf_model_roughconductor;
+extern const struct brdf_model brdf_model_dielectric, brdf_model_thindielectric;
+extern const struct brdf_model brdf_model_plastic, brdf_model_roughplastic;
+extern const struct brdf_model brdf_model_phong;
+extern const struct brdf_model brdf_model_ward;
+
+// The ideal reflection of wo, as a delta lobe that takes all samples.
+static inline struct brdf_sample brdf_mirror(vec3 wo, rgb weight) {
+    return (struct brdf_sample){.wi = v3(-wo.x, -wo.y, wo.z),
+                                .weight = weight,
+                                .probability = 1.0f,
+                                .eta = 1.0f,
+                                .lobe = BRDF_DELTA};
+}
+
+#endif

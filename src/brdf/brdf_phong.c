@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// The modified Phong model [Lafortune and Willems 1994]: diffuse / pi + specular (n + 2) / (2 pi)
+// cos^n(angle between wi and the mirror direction). Its albedo is at most 1 if diffuse + specular
+// is.
+#include "base/frame.h"
+#include "brdf/brdf_models.h"
+
+// x^n for 0 <= x <= 1 and n >= 0; whole exponents, the common case, by squaring.
+static float power(float x, float n) {
+    int whole = n <= 1024.0f ? (int)n : -1;
+    if ((float)whole != n) return powf(x, n);
+    float r = 1.0f;
+    for (; whole; whole >>= 1, x *= x)
+        if (whole & 1) r *= x;
+    return r;
+}
+
+// cos^n of the angle between wi and the reflection of wo.
+static float lobe(const struct brdf *b, vec3 wo, vec3 wi) {
+    float c = wo.z * wi.z - wo.x * wi.x - wo.y * wi.y;
+    return c > 0.0f ? power(fminf(c, 1.0f), b->exponent) : 0.0f;
+}
+
+static void eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
+    float f = (b->exponent + 2.0f) * (0.5f / PI_F) * lobe(b, wo, wi);
+    *diffuse = rgb_scale(b->diffuse, 1.0f / PI_F);
+    *glossy = rgb_scale(b->specular, f);
+}
+
+static void pdf(const struct brdf *b, vec3 wo, vec3 wi, float *diffuse, float *glossy) {
+    *diffuse = wi.z * (1.0f / PI_F);
+    *glossy = (b->exponent + 1.0f) * (0.5f / PI_F) * lobe(b, wo, wi);
+}
+
+// cos^n about the mirror direction; what falls below the surface is lost.
+static bool sample(const struct brdf *b, vec3 wo, float u, float v, vec3 *wi) {
+    float l = logf(fmaxf(1.0f - u, 0x1p-25f)) / (b->exponent + 1.0f);
+    float c = expf(l), s = safe_sqrtf(-expm1f(2.0f * l)), phi = 2.0f * PI_F * v;
+    struct frame f = frame_from_normal(v3(-wo.x, -wo.y, wo.z));
+    *wi = frame_to_world(&f, v3(s * cosf(phi), s * sinf(phi), c));
+    return wi->z > 0.0f;
+}
+
+static void shares(const struct brdf *b, vec3 wo, float *diffuse, float *glossy, float *delta) {
+    (void)wo;
+    *diffuse = rgb_mean(b->diffuse);
+    *glossy = rgb_mean(b->specular);
+    *delta = 0.0f;
+}
+
+const struct brdf_model brdf_model_phong = {
+    .name = "phong",
+    .doc = "diffuse base and a cosine-power lobe about the mirror direction",
+    .lobes = BRDF_SMOOTH,
+    .slots = 1u << BRDF_SLOT_DIFFUSE | 1u << BRDF_SLOT_SPECULAR | 1u << BRDF_SLOT_EXPONENT,
+    .eval = eval,
+    .pdf = pdf,
+    .sample_glossy = sample,
+    .shares = shares,
+};

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+// Plastics: a diffuse base under a smooth or rough dielectric coat. Light that enters is dimmed by
+// the coat on its way in and out and, between, reflected back from inside the coat (the sum over
+// all internal bounces is closed). With `nonlinear` each of them takes the base's colour once more.
+// The coat's lobe is specular * Fresnel; the base's
+//   f = diffuse T(wo) T(wi) / (pi ior^2 (1 - R_in)),  R_in times diffuse if nonlinear,
+// where T is what the coat lets through and R_in its mean reflectance from inside.
+#include "base/sampling.h"
+#include "brdf/brdf_fresnel.h"
+#include "brdf/brdf_microfacet.h"
+#include "brdf/brdf_models.h"
+#include "brdf/brdf_quadrature.h"
+
+enum {
+    TRANSMITTANCE_SIZE = 64,  // cosines 0 to 1, evenly spaced
+    OUTSIDE_NODES = 32,       // per dimension, where the reflectance is smooth
+    INSIDE_NODES = 128        // where total reflection cuts in
+};
+
+struct coat {
+    float inv_ior2;
+    float inside;                             // mean reflectance from inside
+    float outside;                            // of the smooth coat: mean reflectance from outside
+    float transmittance[TRANSMITTANCE_SIZE];  // of the rough coat
+};
+
+static rgb base_albedo(const struct brdf *b, const struct coat *c) {
+    rgb d = b->diffuse;
+    float r = c->inside;
+    if (!b->nonlinear) return rgb_scale(d, c->inv_ior2 / (1.0f - r));
+    return rgb_scale(
+        rgb_make(d.r / (1.0f - d.r * r), d.g / (1.0f - d.g * r), d.b / (1.0f - d.b * r)),
+        c->inv_ior2);
+}
+
+// ---- Smooth coat -------------------------------------------------------------------------------
+
+static satin_status smooth_prepare(struct brdf *b, struct arena *arena) {
+    struct coat *c = arena_alloc(arena, sizeof *c);
+    if (!c) return SATIN_ERROR_MEMORY;
+    c->inv_ior2 = 1.0f / (b->ior * b->ior);
+    c->inside = fresnel_diffuse_mean(1.0f / b->ior);
+    c->outside = fresnel_diffuse_mean(b->ior);
+    b->tables = c;
+    return SATIN_OK;
+}
+
+static void smooth_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
+    float t = (1.0f - fresnel_dielectric(wo.z, b->ior, NULL)) *
+              (1.0f - fresnel_dielectric(wi.z, b->ior, NULL));
+    *diffuse = rgb_scale(base_albedo(b, b->tables), t * (1.0f / PI_F));
+    *glossy = rgb_grey(0.0f);
+}
+
+static void smooth_pdf(const struct brdf *b, vec3 wo, vec3 wi, float *diffuse, float *glossy) {
+    (void)b, (void)wo;
+    *diffuse = wi.z * (1.0f / PI_F);
+    *glossy = 0.0f;
+}
+
+static int smooth_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode,
+                        struct brdf_sample out[2]) {
+    (void)mode;
+    if (!(wo.z > 0.0f)) return 0;
+    out[0] = brdf_mirror(wo, rgb_scale(b->specular, fresnel_dielectric(wo.z, b->ior, NULL)));
+    return 1;
+}
+
+static void smooth_shares(const struct brdf *b, vec3 wo, float *diffuse, float *glossy,
+                          float *delta) {
+    const struct coat *c = b->tables;
+    float f = fresnel_dielectric(wo.z, b->ior, NULL);
+    *diffuse = (1.0f - f) * (1.0f - c->outside) * rgb_mean(base_albedo(b, c));
+    *glossy = 0.0f;
+    *delta = f * rgb_mean(b->specular);
+}
+
+// ---- Rough coat --------------------------------------------------------------------------------
+
+static struct microfacet facets(const struct brdf *b) {
+    return microfacet_make(b->distribution, b->alpha_u, b->alpha_u);
+}
+
+static float transmittance(const struct coat *c, float cosine) {
+    float x = cosine * (float)(TRANSMITTANCE_SIZE - 1);
+    int i = x < (float)(TRANSMITTANCE_SIZE - 2) ? (int)x : TRANSMITTANCE_SIZE - 2;
+    return lerpf(c->transmittance[i], c->transmittance[i + 1], x - (float)i);
+}
+
+// Share of light from `cosine` that single reflection at the facets returns, where the relative
+// index beyond the boundary is `eta`: a product Gauss rule over the square that the sampler of
+// visible normals maps to facets.
+static float rough_reflectance(struct microfacet m, float cosine, float eta,
+                               const struct quadrature *rule) {
+    vec3 wo = v3(safe_sqrtf(1.0f - cosine * cosine), 0.0f, cosine);
+    double sum = 0.0;
+    for (int i = 0; i < rule->count; i++)
+        for (int j = 0; j < rule->count; j++) {
+            vec3 n = microfacet_sample(m, wo, (float)rule->x[i], (float)rule->x[j]);
+            float c = v3_dot(wo, n), wi_z = 2.0f * c * n.z - wo.z;
+            if (wi_z <= 0.0f) continue;
+            vec3 wi = v3_mad(v3_neg(wo), 2.0f * c, n);
+            float f = fresnel_dielectric(c, eta, NULL) * microfacet_g1(m, wi);
+            sum += rule->weight[i] * rule->weight[j] * (double)f;
+        }
+    return (float)sum;
+}
+
+static satin_status rough_prepare(struct brdf *b, struct arena *arena) {
+    struct coat *c = arena_alloc(arena, sizeof *c);
+    struct quadrature out, in;
+    if (!c) return SATIN_ERROR_MEMORY;
+    quadrature_gauss(&out, OUTSIDE_NODES);
+    quadrature_gauss(&in, INSIDE_NODES);
+    double inside = 0.0;
+    for (int i = 0; i < TRANSMITTANCE_SIZE; i++) {
+        float cosine = fmaxf((float)i / (float)(TRANSMITTANCE_SIZE - 1), 1e-6f);
+        c->transmittance[i] = 1.0f - rough_reflectance(facets(b), cosine, b->ior, &out);
+        inside += (double)cosine * (double)rough_reflectance(facets(b), cosine, 1.0f / b->ior, &in);
+    }
+    c->inside = (float)(2.0 * inside / TRANSMITTANCE_SIZE);
+    c->inv_ior2 = 1.0f / (b->ior * b->ior);
+    b->tables = c;
+    return SATIN_OK;
+}
+
+static void rough_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
+    const struct coat *c = b->tables;
+    float cos_d = fminf(0.5f * v3_len(v3_add(wo, wi)), 1.0f);
+    float f = fresnel_dielectric(cos_d, b->ior, NULL) * microfacet_reflection(facets(b), wo, wi);
+    float t = transmittance(c, wo.z) * transmittance(c, wi.z);
+    *diffuse = rgb_scale(base_albedo(b, c), t * (1.0f / PI_F));
+    *glossy = rgb_scale(b->specular, f);
+}
+
+static void rough_pdf(const struct brdf *b, vec3 wo, vec3 wi, float *diffuse, float *glossy) {
+    *diffuse = wi.z * (1.0f / PI_F);
+    *glossy = microfacet_reflection_pdf(facets(b), wo, wi);
+}
+
+static bool rough_sample(const struct brdf *b, vec3 wo, float u, float v, vec3 *wi) {
+    return microfacet_reflect(facets(b), wo, u, v, wi);
+}
+
+static void rough_shares(const struct brdf *b, vec3 wo, float *diffuse, float *glossy,
+                         float *delta) {
+    const struct coat *c = b->tables;
+    float t = transmittance(c, wo.z);
+    // The mean transmittance inward is that outward over ior^2, by reciprocity.
+    float enters = (1.0f - c->inside) / c->inv_ior2;
+    *diffuse = t * fminf(enters, 1.0f) * rgb_mean(base_albedo(b, c));
+    *glossy = (1.0f - t) * rgb_mean(b->specular);
+    *delta = 0.0f;
+}
+
+const struct brdf_model brdf_model_plastic = {
+    .name = "plastic",
+    .doc = "diffuse base under a smooth clear coat",
+    .lobes = BRDF_DIFFUSE | BRDF_DELTA,
+    .slots = 1u << BRDF_SLOT_DIFFUSE | 1u << BRDF_SLOT_SPECULAR,
+    .prepare = smooth_prepare,
+    .eval = smooth_eval,
+    .pdf = smooth_pdf,
+    .delta = smooth_delta,
+    .shares = smooth_shares,
+};
+
+const struct brdf_model brdf_model_roughplastic = {
+    .name = "roughplastic",
+    .doc = "diffuse base under a rough clear coat of microfacets (GGX or Beckmann)",
+    .lobes = BRDF_SMOOTH,
+    .slots = 1u << BRDF_SLOT_DIFFUSE | 1u << BRDF_SLOT_SPECULAR,
+    .prepare = rough_prepare,
+    .eval = rough_eval,
+    .pdf = rough_pdf,
+    .sample_glossy = rough_sample,
+    .shares = rough_shares,
+};
