@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The parts that generate.py puts scenes together from: XML elements, shapes, meshes."""
+import math
+import struct
+
+
+def number(x):
+    """Shortest text of a number to 6 digits: the same on every machine."""
+    return f"{x:.6g}"
+
+
+def triple(values):
+    return ", ".join(number(v) for v in values)
+
+
+def indent(text, by=4):
+    return "\n".join(" " * by + line if line else line for line in text.split("\n"))
+
+
+def element(tag, attributes, *children):
+    head = "<" + tag + "".join(f' {k}="{v}"' for k, v in attributes.items())
+    if not children:
+        return head + "/>"
+    return "\n".join([head + ">", *map(indent, children), f"</{tag}>"])
+
+
+def value(kind, name, text):
+    return element(kind, {"name": name, "value": text})
+
+
+def real(name, x):
+    return value("float", name, number(x))
+
+
+def rgb(name, *color):
+    return value("rgb", name, triple(color))
+
+
+def plugin(tag, kind, *children, **attributes):
+    return element(tag, {"type": kind, **attributes}, *children)
+
+
+def ref(name):
+    return element("ref", {"id": name})
+
+
+def diffuse(name, *color):
+    return plugin("bsdf", "diffuse", rgb("reflectance", *color), id=name)
+
+
+def area_light(*radiance):
+    return plugin("emitter", "area", rgb("radiance", *radiance))
+
+
+# ---- Shapes --------------------------------------------------------------------------------------
+
+
+def to_world(*steps):
+    return element("transform", {"name": "to_world"}, *steps)
+
+
+def scale(x, y, z):
+    return element("scale", {"x": number(x), "y": number(y), "z": number(z)})
+
+
+def rotate(axis, angle):
+    return element("rotate", {axis: "1", "angle": number(angle)})
+
+
+def translate(x, y, z):
+    return element("translate", {"x": number(x), "y": number(y), "z": number(z)})
+
+
+# How the rectangle of the xy plane, normal +z, is turned to face each way.
+FACING = {"+z": [], "-z": [rotate("y", 180)], "+x": [rotate("y", 90)], "-x": [rotate("y", -90)],
+          "+y": [rotate("x", -90)], "-y": [rotate("x", 90)]}
+
+
+def rectangle(facing, centre, half, *children):
+    """A rectangle with half extents `half` (before it is turned) that faces one of six ways."""
+    return plugin("shape", "rectangle",
+                  to_world(scale(half[0], half[1], 1), *FACING[facing], translate(*centre)),
+                  *children)
+
+
+def box(centre, half, turn, *children):
+    """A box that is turned about the vertical by `turn` degrees."""
+    steps = [scale(*half)] + ([rotate("y", turn)] if turn else []) + [translate(*centre)]
+    return plugin("shape", "cube", to_world(*steps), *children)
+
+
+def sphere(centre, radius, *children):
+    point = element("point", {"name": "center", **{k: number(v) for k, v in zip("xyz", centre)}})
+    return plugin("shape", "sphere", point, real("radius", radius), *children)
+
+
+def tube(foot, height, radius, *children):
+    """An open upright cylinder without caps."""
+    ends = [element("point", {"name": name, "x": number(foot[0]), "y": number(y),
+                              "z": number(foot[2])})
+            for name, y in (("p0", foot[1]), ("p1", foot[1] + height))]
+    return plugin("shape", "cylinder", *ends, real("radius", radius), *children)
+
+
+# ---- Scenes --------------------------------------------------------------------------------------
+
+
+def sensor(origin, target, fov):
+    view = element("lookat", {"origin": triple(origin), "target": triple(target), "up": "0, 1, 0"})
+    sampler = plugin("sampler", "independent", value("integer", "sample_count", "$spp"))
+    film = plugin("film", "hdrfilm", value("integer", "width", "$resx"),
+                  value("integer", "height", "$resy"), plugin("rfilter", "$filter"))
+    return plugin("sensor", "perspective", real("fov", fov), to_world(view), sampler, film)
+
+
+def scene(comment, *children):
+    defaults = [element("default", {"name": name, "value": text})
+                for name, text in (("spp", "256"), ("resx", "400"), ("resy", "400"),
+                                   ("filter", "gaussian"))]
+    body = "\n\n".join(["\n".join(defaults), plugin("integrator", "path"), *children])
+    lines = "\n".join(line.rstrip() for line in comment.strip().split("\n"))
+    return f"<!-- {lines} -->\n<scene version=\"3.0.0\">\n{indent(body)}\n</scene>\n"
+
+
+# ---- Meshes --------------------------------------------------------------------------------------
+
+
+def catmull_rom(points, steps):
+    """A smooth curve through 2-D points: positions and tangents, `steps` per span."""
+    ends = [points[0], *points, points[-1]]
+    curve = []
+    for i in range(len(points) - 1):
+        p = ends[i:i + 4]
+        for k in range(steps + (i == len(points) - 2)):
+            t = k / steps
+            w = [(-t + 2 * t**2 - t**3) / 2, (2 - 5 * t**2 + 3 * t**3) / 2,
+                 (t + 4 * t**2 - 3 * t**3) / 2, (-t**2 + t**3) / 2]
+            d = [(-1 + 4 * t - 3 * t**2) / 2, (-10 * t + 9 * t**2) / 2,
+                 (1 + 8 * t - 9 * t**2) / 2, (-2 * t + 3 * t**2) / 2]
+            curve.append(tuple(sum(c[j] * p[j][axis] for j in range(4))
+                               for c in (w, d) for axis in (0, 1)))
+    return curve
+
+
+def lathe(profile, sides, steps):
+    """Turns a profile of (radius, height) about the y axis: a binary PLY with smooth normals, which
+    point to the right of the profile's way."""
+    vertices, faces = [], []
+    curve = catmull_rom(profile, steps)
+    for r, y, dr, dy in curve:
+        length = math.hypot(dr, dy)
+        for k in range(sides):
+            c, s = math.cos(2 * math.pi * k / sides), math.sin(2 * math.pi * k / sides)
+            n = (dy * c / length, -dr / length, dy * s / length)
+            vertices.append((r * c, y, r * s, *n))
+    for row in range(len(curve) - 1):
+        for k in range(sides):
+            a, b = row * sides + k, row * sides + (k + 1) % sides
+            faces += [(a, a + sides, b), (b, a + sides, b + sides)]
+    header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(vertices)}"]
+    header += [f"property float {name}" for name in ("x", "y", "z", "nx", "ny", "nz")]
+    header += [f"element face {len(faces)}", "property list uchar int vertex_indices",
+               "end_header", ""]
+    data = b"".join(struct.pack("<6f", *(round(x, 5) + 0.0 for x in v)) for v in vertices)
+    data += b"".join(struct.pack("<B3i", 3, *f) for f in faces)
+    return "\n".join(header).encode() + data
