@@ -30,8 +30,15 @@ float *film_channel(struct satin_film *film, const char *name);  // NULL if ther
 // Adds or replaces an attribute; false without memory.
 bool film_attribute_set(struct satin_film *film, const char *name, const char *value);
 const char *film_attribute_get(const struct satin_film *film, const char *name);
-// Writing with a pool compresses on all threads; the bytes are the same.
+// The attribute that holds `stats` in a file.
+#define FILM_STATS_ATTRIBUTE "satin:stats"
+// Writing with a pool compresses on all threads; the bytes are the same. NULL for no pool. The pool
+// must not be cancelled by its progress function: that fails the writing.
 satin_status film_write_exr(const struct satin_film *film, const char *path, struct parallel *pool,
                             struct log log);
+// Reads the bytes of an OpenEXR file; `name` is for messages. SATIN_ERROR_INPUT if they are bad or
+// not supported. The caller frees *film.
+satin_status film_parse_exr(const void *data, size_t size, const char *name, struct log log,
+                            struct satin_film **film);
 
 #endif

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// Films: named float channels of one size, with text attributes. The last stage's data; made by
+// the renderer or by the OpenEXR reader.
+#include "film/film.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "satin/render.h"
+
+enum { FILM_PIXELS_MAX = 0x7fffffff };
+
+struct satin_film *film_new(int width, int height, const char *const *channel_names,
+                            int channel_count) {
+    if (width < 1 || height < 1 || channel_count < 0 || width > FILM_PIXELS_MAX / height)
+        return NULL;
+    struct satin_film *film = calloc(1, sizeof *film);
+    if (!film) return NULL;
+    size_t count = (size_t)channel_count, pixels = (size_t)width * (size_t)height;
+    film->width = width;
+    film->height = height;
+    film->channel_name = calloc(count + 1, sizeof *film->channel_name);
+    film->channel = calloc(count + 1, sizeof *film->channel);
+    if (!film->channel_name || !film->channel) goto fail;
+    for (size_t i = 0; i < count; i++) {
+        film->channel_count++;
+        film->channel_name[i] = strdup(channel_names[i]);
+        film->channel[i] = calloc(pixels, sizeof(float));
+        if (!film->channel_name[i] || !film->channel[i]) goto fail;
+    }
+    return film;
+fail:
+    satin_film_free(film);
+    return NULL;
+}
+
+void satin_film_free(satin_film *film) {
+    if (!film) return;
+    for (int i = 0; i < film->channel_count; i++) {
+        free(film->channel_name[i]);
+        free(film->channel[i]);
+    }
+    for (int i = 0; i < film->attribute_count; i++) {
+        free(film->attribute[i].name);
+        free(film->attribute[i].value);
+    }
+    free(film->channel_name);
+    free(film->channel);
+    free(film->attribute);
+    free(film->stats);
+    free(film);
+}
+
+float *film_channel(struct satin_film *film, const char *name) {
+    for (int i = 0; i < film->channel_count; i++)
+        if (strcmp(film->channel_name[i], name) == 0) return film->channel[i];
+    return NULL;
+}
+
+static struct film_attribute *find_attribute(const struct satin_film *film, const char *name) {
+    for (int i = 0; i < film->attribute_count; i++)
+        if (strcmp(film->attribute[i].name, name) == 0) return &film->attribute[i];
+    return NULL;
+}
+
+bool film_attribute_set(struct satin_film *film, const char *name, const char *value) {
+    char *copy = strdup(value);
+    if (!copy) return false;
+    struct film_attribute *found = find_attribute(film, name);
+    if (found) {
+        free(found->value);
+        found->value = copy;
+        return true;
+    }
+    // A header has a handful of attributes, so growing by one is cheap enough.
+    size_t count = (size_t)film->attribute_count;
+    struct film_attribute *grown = realloc(film->attribute, (count + 1) * sizeof *grown);
+    if (grown) film->attribute = grown;
+    char *key = grown ? strdup(name) : NULL;
+    if (!key) {
+        free(copy);
+        return false;
+    }
+    grown[count] = (struct film_attribute){key, copy};
+    film->attribute_count++;
+    return true;
+}
+
+const char *film_attribute_get(const struct satin_film *film, const char *name) {
+    const struct film_attribute *found = find_attribute(film, name);
+    return found ? found->value : NULL;
+}
+
+void satin_film_size(const satin_film *film, int *width, int *height) {
+    *width = film->width;
+    *height = film->height;
+}
+
+const char *satin_film_channel_name(const satin_film *film, int index) {
+    return index >= 0 && index < film->channel_count ? film->channel_name[index] : NULL;
+}
+
+const float *satin_film_channel(const satin_film *film, const char *name) {
+    return film_channel((struct satin_film *)film, name);
+}
+
+const char *satin_film_stats(const satin_film *film) { return film->stats; }

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// The beauty of a film as a PNG: 8 bits per channel, sRGB, clamped to [0, 1]. For looking at, not
+// for measuring.
+#include <math.h>
+#include <png.h>
+#include <stdlib.h>
+
+#include "base/fileio.h"
+#include "film/film.h"
+
+// The sRGB transfer function, IEC 61966-2-1. NaN and negative values are black.
+static unsigned char encode_srgb(float linear) {
+    if (!(linear > 0.0f)) return 0;
+    if (linear >= 1.0f) return 255;
+    float v = linear <= 0.0031308f ? 12.92f * linear : 1.055f * powf(linear, 1.0f / 2.4f) - 0.055f;
+    return (unsigned char)(255.0f * v + 0.5f);
+}
+
+static satin_status write_pixels(const char *path, png_image *image, const unsigned char *pixel,
+                                 struct log log) {
+    // The bound of libpng's own macro for incompressible data, so one encoding suffices.
+    png_alloc_size_t bytes = PNG_IMAGE_PNG_SIZE_MAX(*image);
+    void *file = malloc(bytes);
+    if (!file) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
+    satin_status status;
+    if (png_image_write_to_memory(image, file, &bytes, 0, pixel, 0, NULL))
+        status = fileio_write(log, path, file, bytes);
+    else
+        status = log_fail(log, SATIN_ERROR_INTERNAL, "%s: PNG: %s", path, image->message);
+    free(file);
+    return status;
+}
+
+satin_status satin_film_write_png(const satin_film *film, const char *path, satin_log_fn log_fn,
+                                  void *log_user) {
+    struct log log = {log_fn, log_user};
+    const float *beauty[3] = {satin_film_channel(film, "R"), satin_film_channel(film, "G"),
+                              satin_film_channel(film, "B")};
+    if (!beauty[0] || !beauty[1] || !beauty[2])
+        return log_fail(log, SATIN_ERROR_ARGUMENT, "%s: the film has no channels R, G and B", path);
+    size_t pixels = (size_t)film->width * (size_t)film->height;
+    unsigned char *rgb = malloc(3 * pixels);
+    if (!rgb) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
+    for (size_t i = 0; i < pixels; i++)
+        for (int c = 0; c < 3; c++) rgb[3 * i + (size_t)c] = encode_srgb(beauty[c][i]);
+    png_image image = {.version = PNG_IMAGE_VERSION,
+                       .width = (png_uint_32)film->width,
+                       .height = (png_uint_32)film->height,
+                       .format = PNG_FORMAT_RGB};
+    satin_status status = write_pixels(path, &image, rgb, log);
+    free(rgb);
+    return status;
+}

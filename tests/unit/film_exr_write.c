@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+// OpenEXR files written: read back bit by bit, the same bytes for any number of threads, whole or
+// absent.
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "base/fileio.h"
+#include "base/rng.h"
+#include "film/film.h"
+#include "satin/render.h"
+
+static const char *const names[] = {"R",        "G",       "B",
+                                    "direct.R", "depth.Z", "a.very.long.name.of.a.channel"};
+enum { NAMES = 6 };
+
+struct message {
+    int count;
+    char text[256];
+};
+
+static void keep(void *user, satin_log_level level, const char *text) {
+    struct message *message = user;
+    (void)level;
+    message->count++;
+    strncpy(message->text, text, sizeof message->text - 1);
+}
+
+// Enough lines for more than one batch of chunks when `height` is over 1024.
+static struct satin_film *noisy(int width, int height) {
+    struct satin_film *film = film_new(width, height, names, NAMES);
+    assert_non_null(film);
+    for (int c = 0; c < NAMES; c++)
+        for (int i = 0; i < width * height; i++) {
+            struct rng rng = rng_make((uint64_t)c, RNG_TEST, (uint64_t)i);
+            film->channel[c][i] = 100.0f * rng_float(&rng) - 20.0f;
+        }
+    assert_true(film_attribute_set(film, "satin:version", "0.1.0"));
+    film->stats = strdup("{\n  \"photons.stored\": 12\n}\n");
+    return film;
+}
+
+static char *slurp(const char *path, size_t *size) {
+    char *data = NULL;
+    assert_int_equal(
+        fileio_read((struct log){0}, (struct log_place){0}, path, 1 << 30, &data, size), SATIN_OK);
+    return data;
+}
+
+static void round_trip(void **state) {
+    (void)state;
+    struct satin_film *film = noisy(37, 1100), *back = NULL;
+    assert_int_equal(satin_film_write_exr(film, "round_trip.exr", NULL, NULL), SATIN_OK);
+    assert_int_equal(satin_film_read("round_trip.exr", NULL, NULL, &back), SATIN_OK);
+    assert_int_equal(back->channel_count, NAMES);
+    for (int c = 0; c < NAMES; c++) {
+        const float *read = satin_film_channel(back, names[c]);
+        assert_non_null(read);
+        assert_memory_equal(read, film->channel[c], 37 * 1100 * sizeof(float));
+    }
+    assert_string_equal(film_attribute_get(back, "satin:version"), "0.1.0");
+    assert_string_equal(satin_film_stats(back), film->stats);
+    satin_film_free(back);
+    satin_film_free(film);
+    unlink("round_trip.exr");
+}
+
+static void same_bytes_for_any_threads(void **state) {
+    (void)state;
+    struct satin_film *film = noisy(64, 1100);
+    size_t size[3];
+    char *data[3];
+    for (int i = 0; i < 3; i++) {
+        struct parallel *pool = i ? parallel_new(i == 1 ? 2 : 5) : NULL;
+        assert_int_equal(film_write_exr(film, "threads.exr", pool, (struct log){0}), SATIN_OK);
+        data[i] = slurp("threads.exr", &size[i]);
+        parallel_free(pool);
+        assert_int_equal(size[i], size[0]);
+        assert_memory_equal(data[i], data[0], size[0]);
+    }
+    for (int i = 0; i < 3; i++) free(data[i]);
+    satin_film_free(film);
+    unlink("threads.exr");
+}
+
+static void not_finite_becomes_zero(void **state) {
+    (void)state;
+    struct satin_film *film = noisy(8, 20), *back = NULL;
+    film->channel[0][0] = NAN;
+    film->channel[1][100] = INFINITY;
+    film->channel[2][159] = -INFINITY;
+    struct message message = {0};
+    assert_int_equal(film_write_exr(film, "finite.exr", NULL, (struct log){keep, &message}),
+                     SATIN_OK);
+    assert_int_equal(message.count, 1);
+    assert_non_null(strstr(message.text, "3 values"));
+    assert_int_equal(satin_film_read("finite.exr", NULL, NULL, &back), SATIN_OK);
+    assert_true(satin_film_channel(back, "R")[0] == 0.0f);
+    assert_true(satin_film_channel(back, "G")[100] == 0.0f);
+    assert_true(satin_film_channel(back, "B")[159] == 0.0f);
+    assert_true(isnan(film->channel[0][0]));
+    satin_film_free(back);
+    satin_film_free(film);
+    unlink("finite.exr");
+}
+
+static void failure_leaves_nothing(void **state) {
+    (void)state;
+    struct satin_film *film = noisy(8, 8), *twice = NULL;
+    struct message message = {0};
+    assert_int_equal(satin_film_write_exr(film, "no/such/folder.exr", keep, &message),
+                     SATIN_ERROR_IO);
+    assert_int_equal(message.count, 1);
+    assert_true(strncmp(message.text, "no/such/folder.exr: ", 20) == 0);
+    // Two channels of one name cannot be written; the old file stays.
+    assert_int_equal(satin_film_write_exr(film, "kept.exr", NULL, NULL), SATIN_OK);
+    const char *const same[] = {"R", "R"};
+    twice = film_new(4, 4, same, 2);
+    assert_int_not_equal(satin_film_write_exr(twice, "kept.exr", keep, &message), SATIN_OK);
+    assert_int_equal(message.count, 2);
+    struct satin_film *back = NULL;
+    assert_int_equal(satin_film_read("kept.exr", NULL, NULL, &back), SATIN_OK);
+    assert_int_equal(back->width, 8);
+    char *temporary = fileio_temporary("kept.exr");
+    assert_int_not_equal(access(temporary, F_OK), 0);
+    free(temporary);
+    satin_film_free(back);
+    satin_film_free(twice);
+    satin_film_free(film);
+    unlink("kept.exr");
+}
+
+int main(void) {
+    char folder[] = "/tmp/satin-test-XXXXXX";
+    if (!mkdtemp(folder) || chdir(folder) != 0) return 1;
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(round_trip),
+        cmocka_unit_test(same_bytes_for_any_threads),
+        cmocka_unit_test(not_finite_becomes_zero),
+        cmocka_unit_test(failure_leaves_nothing),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    if (rmdir(folder) != 0) return 1;
+    return failed;
+}

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// PNG files: known sRGB bytes, values out of range and not finite, films without a beauty.
+#include <math.h>
+#include <png.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "film/film.h"
+
+static void known_bytes(void **state) {
+    (void)state;
+    const char *const names[] = {"R", "G", "B"};
+    struct satin_film *film = film_new(8, 1, names, 3);
+    const float value[8] = {0.0f, 0.002f, 0.18f, 0.5f, 1.0f, 7.0f, -1.0f, NAN};
+    const int byte[8] = {0, 7, 118, 188, 255, 255, 0, 0};  // IEC 61966-2-1, rounded
+    for (int i = 0; i < 8; i++) film->channel[1][i] = value[i];
+    film->channel[0][3] = INFINITY;
+    assert_int_equal(satin_film_write_png(film, "known.png", NULL, NULL), SATIN_OK);
+    png_image image = {.version = PNG_IMAGE_VERSION};
+    assert_true(png_image_begin_read_from_file(&image, "known.png"));
+    assert_int_equal(image.width, 8);
+    assert_int_equal(image.height, 1);
+    image.format = PNG_FORMAT_RGB;
+    unsigned char pixel[24];
+    assert_true(png_image_finish_read(&image, NULL, pixel, 0, NULL));
+    for (int i = 0; i < 8; i++) assert_int_equal(pixel[3 * i + 1], byte[i]);
+    assert_int_equal(pixel[9], 255);
+    satin_film_free(film);
+    unlink("known.png");
+}
+
+static void no_beauty_no_file(void **state) {
+    (void)state;
+    const char *const names[] = {"R", "G"};
+    struct satin_film *film = film_new(8, 1, names, 2);
+    assert_int_equal(satin_film_write_png(film, "none.png", NULL, NULL), SATIN_ERROR_ARGUMENT);
+    assert_int_not_equal(access("none.png", F_OK), 0);
+    satin_film_free(film);
+}
+
+int main(void) {
+    char folder[] = "/tmp/satin-test-XXXXXX";
+    if (!mkdtemp(folder) || chdir(folder) != 0) return 1;
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(known_bytes),
+        cmocka_unit_test(no_beauty_no_file),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    if (rmdir(folder) != 0) return 1;
+    return failed;
+}
