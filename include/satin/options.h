@@ -91,6 +91,20 @@ SATIN_API void satin_options_preset(satin_options *options, satin_quality qualit
 SATIN_API satin_status satin_options_set(satin_options *options, const char *name,
                                          const char *value, satin_log_fn log, void *log_user);
 
+// A name and a value for satin_options_set.
+typedef struct satin_setting {
+    const char *name, *value;
+} satin_setting;
+
+// Makes options from what a scene and its user ask for, each over the one before: the preset of the
+// quality (the last one in `settings`, else the scene's, else preview), the options of the scene's
+// `<integrator type="satin">`, then `settings` in order (`count` of them, may be NULL). Without a
+// scene (NULL) it checks the settings. SATIN_ERROR_INPUT with one logged line if one is wrong; then
+// *out is untouched.
+SATIN_API satin_status satin_options_resolve(const satin_scene *scene,
+                                             const satin_setting *settings, size_t count,
+                                             satin_log_fn log, void *log_user, satin_options *out);
+
 // Describes option `index` (from 0): name, value as text in `options`, range and one sentence,
 // static storage but for `value`. False beyond the last.
 typedef struct satin_option_info {

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+// Options: the defaults, the quality presets, setting by name, description. Later steps override
+// earlier ones: preset, then the scene's integrator element, then the caller.
+#include "satin/options.h"
+
+#include <string.h>
+
+#include "base/log.h"
+#include "base/text.h"
+#include "render/options_table.h"
+#include "scene/scene.h"
+
+const satin_options satin_options_default = {
+    .quality = SATIN_PREVIEW,
+    .max_depth = -2,
+    .hide_emitters = -1,
+    .light_samples = 4,
+    .glossy_samples = 4,
+    .photons = 300000,
+    .caustic_photons = 500000,
+    .photon_k = 50,
+    .caustic_k = 60,
+    .photon_area = true,
+    .gather_bounce = true,
+    .gather_shadow = true,
+    .irradiance_cache = true,
+    .irradiance_gradients = true,
+    .irradiance_rays = 1000,
+    .irradiance_a = 0.2f,
+    .irradiance_widen = 1.6f,
+    .irradiance_min_pixels = 3.0f,
+    .radiance_cache = true,
+    .radiance_gradients = true,
+    .radiance_basis = SATIN_HSH,
+    .radiance_order = 8,
+    .radiance_error = 0.05f,
+    .radiance_rays = 6000,
+    .radiance_a = 0.3f,
+    .radiance_widen = 2.0f,
+    .radiance_min_pixels = 1.5f,
+    .radiance_max_pixels = 20.0f,
+};
+
+// The fields that a quality decides; options_table says which they are. The preset `preview` is the
+// default.
+static const satin_options draft = {
+    .light_samples = 2,
+    .glossy_samples = 2,
+    .photons = 100000,
+    .caustic_photons = 200000,
+    .irradiance_rays = 400,
+    .irradiance_a = 0.3f,
+    .irradiance_widen = 2.0f,
+    .irradiance_min_pixels = 4.0f,
+    .radiance_order = 8,
+    .radiance_rays = 2000,
+    .radiance_a = 0.3f,
+    .radiance_widen = 2.0f,
+    .radiance_min_pixels = 4.0f,
+    .radiance_max_pixels = 30.0f,
+};
+static const satin_options production = {
+    .light_samples = 4,
+    .glossy_samples = 4,
+    .photons = 1000000,
+    .caustic_photons = 1000000,
+    .irradiance_rays = 2000,
+    .irradiance_a = 0.15f,
+    .irradiance_widen = 2.0f,
+    .irradiance_min_pixels = 3.0f,
+    .radiance_order = 10,
+    .radiance_rays = 6000,
+    .radiance_a = 0.2f,
+    .radiance_widen = 2.0f,
+    .radiance_min_pixels = 1.5f,
+    .radiance_max_pixels = 20.0f,
+};
+
+static size_t kind_size(enum option_kind kind) {
+    switch (kind) {
+        case OPTION_CHOICE:
+        case OPTION_INT:
+            return sizeof(int);
+        case OPTION_BOOL:
+            return sizeof(bool);
+        case OPTION_COUNT:
+        case OPTION_SEED:
+            return sizeof(int64_t);
+        case OPTION_FLOAT:
+            return sizeof(float);
+        case OPTION_DOUBLE:
+            return sizeof(double);
+    }
+    return 0;
+}
+
+void satin_options_preset(satin_options *options, satin_quality quality) {
+    const satin_options *preset = quality == SATIN_DRAFT        ? &draft
+                                  : quality == SATIN_PRODUCTION ? &production
+                                                                : &satin_options_default;
+    for (int i = 0; i < options_table_count; i++) {
+        const struct option *o = &options_table[i];
+        if (o->by_quality)
+            memcpy((char *)options + o->offset, (const char *)preset + o->offset,
+                   kind_size(o->kind));
+    }
+    options->quality = quality;
+}
+
+static satin_status refuse_name(struct log log, const char *name) {
+    struct text_nearest search = {.word = name};
+    for (int i = 0; i < options_table_count; i++) text_nearest_try(&search, options_table[i].name);
+    if (search.best)
+        return log_fail(log, SATIN_ERROR_INPUT, "unknown option '%s' (did you mean '%s'?)", name,
+                        search.best);
+    return log_fail(log, SATIN_ERROR_INPUT, "unknown option '%s'", name);
+}
+
+satin_status satin_options_set(satin_options *options, const char *name, const char *value,
+                               satin_log_fn log_fn, void *log_user) {
+    struct log log = {log_fn, log_user};
+    const struct option *option = options_find(name);
+    if (!option) return refuse_name(log, name);
+    if (!option_parse(option, value, options))
+        return log_fail(log, SATIN_ERROR_INPUT, "option %s: '%s' is not in %s", option->name, value,
+                        option->range);
+    if (option->offset == offsetof(satin_options, quality))
+        satin_options_preset(options, options->quality);
+    return SATIN_OK;
+}
+
+static bool is_quality(const char *name) { return text_same_name(name, "quality"); }
+
+satin_status satin_options_resolve(const satin_scene *scene, const satin_setting *settings,
+                                   size_t count, satin_log_fn log, void *log_user,
+                                   satin_options *out) {
+    satin_options made = satin_options_default;
+    satin_status status = SATIN_OK;
+    size_t scene_count = scene ? scene->hints.option_count : 0;
+    // Pass 0 sets the quality alone, as a preset would undo the single options before it.
+    for (int pass = 0; pass < 2; pass++) {
+        for (size_t i = 0; i < scene_count && status == SATIN_OK; i++) {
+            const char *name = scene->hints.option_name[i];
+            if (is_quality(name) == (pass == 0))
+                status =
+                    satin_options_set(&made, name, scene->hints.option_value[i], log, log_user);
+        }
+        for (size_t i = 0; i < count && status == SATIN_OK; i++)
+            if (is_quality(settings[i].name) == (pass == 0))
+                status =
+                    satin_options_set(&made, settings[i].name, settings[i].value, log, log_user);
+    }
+    if (status == SATIN_OK) *out = made;
+    return status;
+}
+
+bool satin_options_describe(const satin_options *options, int index, satin_option_info *out) {
+    if (index < 0 || index >= options_table_count) return false;
+    const struct option *option = &options_table[index];
+    out->name = option->name;
+    out->range = option->range;
+    out->doc = option->doc;
+    option_print(option, options, out->value, sizeof out->value);
+    return true;
+}

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+// The one table of options, and how a row of it is read and printed.
+#include "render/options_table.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+
+#define AT(field) offsetof(satin_options, field)
+
+const struct option options_table[] = {
+    {"quality", OPTION_CHOICE, AT(quality), false, "draft|preview|production",
+     "Preset of samples, photons and accuracies; every single option overrides it."},
+    {"integrator", OPTION_CHOICE, AT(integrator), false, "two-pass|path|direct|photons",
+     "Photon map and cached final gathering; path tracing, the reference; emitted and direct light "
+     "alone; the photon map seen directly."},
+    {"first-pass", OPTION_CHOICE, AT(first_pass), false, "precomputed|photons|path|none",
+     "What a gather ray reads where it hits: irradiance precomputed at photons, a density estimate "
+     "there, path tracing from there, or direct light alone."},
+    {"spp", OPTION_INT, AT(spp), false, "0..1048576",
+     "Samples per pixel; 0: for path those of the scene's sampler, else those of the quality."},
+    {"width", OPTION_INT, AT(width), false, "0..65536", "Film width in pixels; 0: the scene's."},
+    {"height", OPTION_INT, AT(height), false, "0..65536", "Film height in pixels; 0: the scene's."},
+    {"seed", OPTION_SEED, AT(seed), false, "0..18446744073709551615",
+     "Seed of all random numbers; another seed gives an independent image."},
+    {"threads", OPTION_INT, AT(threads), false, "0..1024",
+     "Threads; 0: one per core. The image does not depend on it."},
+    {"time", OPTION_DOUBLE, AT(time), false, "0..1e9",
+     "Wall seconds for the whole render, which then ends with the best image so far; 0: no limit."},
+    {"max-depth", OPTION_INT, AT(max_depth), false, "-2..1000000",
+     "Longest light path in edges, 1: emission alone; -1: no limit; -2: the scene's, else no "
+     "limit."},
+    {"rr-depth", OPTION_INT, AT(rr_depth), false, "0..1000000",
+     "Path depth at which Russian roulette starts; 0: the scene's, else 5."},
+    {"hide-emitters", OPTION_INT, AT(hide_emitters), false, "-1..1",
+     "1: emitters seen directly are black; 0: they are not; -1: the scene's, else 0."},
+    {"light-samples", OPTION_INT, AT(light_samples), true, "1..1024",
+     "Light samples per pixel sample at the first hit."},
+    {"glossy-samples", OPTION_INT, AT(glossy_samples), true, "1..4096",
+     "Gather rays per pixel sample for glossy reflection that is not cached."},
+
+    {"photons", OPTION_COUNT, AT(photons), true, "0..1000000000000",
+     "Photon paths emitted for the global map."},
+    {"caustic-photons", OPTION_COUNT, AT(caustic_photons), true, "0..1000000000000",
+     "Photon paths emitted for the caustic map; 0: no caustics."},
+    {"photon-k", OPTION_INT, AT(photon_k), false, "1..10000",
+     "Photons in one density estimate of the global map."},
+    {"caustic-k", OPTION_INT, AT(caustic_k), false, "1..10000",
+     "Photons in one density estimate of the caustic map."},
+    {"photon-area", OPTION_BOOL, AT(photon_area), false, "off|on",
+     "Divide density estimates by the surface that is really there, not by the whole disc."},
+
+    {"gather-bounce", OPTION_BOOL, AT(gather_bounce), false, "off|on",
+     "Gather rays that hit nearer than the photon lookup radius go on for one more bounce."},
+    {"gather-shadow", OPTION_BOOL, AT(gather_shadow), false, "off|on",
+     "Direct light at gather hits by a shadow ray; off: by photons."},
+
+    {"irradiance-cache", OPTION_BOOL, AT(irradiance_cache), false, "off|on",
+     "Interpolate diffuse indirect light between records; off: gather at every sample."},
+    {"irradiance-gradients", OPTION_BOOL, AT(irradiance_gradients), false, "off|on",
+     "Interpolate irradiance records with their gradients."},
+    {"irradiance-rays", OPTION_INT, AT(irradiance_rays), true, "4..1048576",
+     "Gather rays per irradiance record."},
+    {"irradiance-a", OPTION_FLOAT, AT(irradiance_a), true, "0.01..2",
+     "Error a at which the irradiance cache is filled; less means more records."},
+    {"irradiance-widen", OPTION_FLOAT, AT(irradiance_widen), true, "1..2",
+     "The image pass interpolates irradiance with the error a times this."},
+    {"irradiance-min-pixels", OPTION_FLOAT, AT(irradiance_min_pixels), true, "0..1000",
+     "Least radius of an irradiance record in projected pixels."},
+
+    {"radiance-cache", OPTION_BOOL, AT(radiance_cache), false, "off|on",
+     "Interpolate glossy indirect light between records; off: gather at every sample."},
+    {"radiance-gradients", OPTION_BOOL, AT(radiance_gradients), false, "off|on",
+     "Interpolate radiance records with their gradients."},
+    {"radiance-basis", OPTION_CHOICE, AT(radiance_basis), false, "hsh|sh",
+     "Harmonics of radiance records: on the hemisphere or on the sphere."},
+    {"radiance-order", OPTION_INT, AT(radiance_order), true, "1..10",
+     "Largest order n of a radiance record, which then has n * n coefficients."},
+    {"radiance-error", OPTION_FLOAT, AT(radiance_error), false, "0.0001..1",
+     "Largest relative squared error of a BRDF in harmonics; glossier ones are sampled instead."},
+    {"radiance-rays", OPTION_INT, AT(radiance_rays), true, "4..1048576",
+     "Gather rays per radiance record."},
+    {"radiance-a", OPTION_FLOAT, AT(radiance_a), true, "0.01..2",
+     "Error a at which the radiance cache is filled; less means more records."},
+    {"radiance-widen", OPTION_FLOAT, AT(radiance_widen), true, "1..2",
+     "The image pass interpolates radiance with the error a times this."},
+    {"radiance-min-pixels", OPTION_FLOAT, AT(radiance_min_pixels), true, "0..1000",
+     "Least radius of a radiance record in projected pixels."},
+    {"radiance-max-pixels", OPTION_FLOAT, AT(radiance_max_pixels), true, "1..100000",
+     "Largest radius of a radiance record in projected pixels."},
+};
+const int options_table_count = sizeof options_table / sizeof *options_table;
+
+const struct option *options_find(const char *name) {
+    for (int i = 0; i < options_table_count; i++)
+        if (text_same_name(options_table[i].name, name)) return &options_table[i];
+    return NULL;
+}
+
+static void *field(const struct option *option, satin_options *options) {
+    return (char *)options + option->offset;
+}
+
+static bool parse_word(const char *range, const char *value, int *out) {
+    char word[32];
+    for (int i = 0; *range; i++) {
+        size_t n = strcspn(range, "|");
+        snprintf(word, sizeof word, "%.*s", (int)n, range);
+        if (text_same_name(word, value)) {
+            *out = i;
+            return true;
+        }
+        range += n + (range[n] == '|');
+    }
+    return false;
+}
+
+static bool parse_bool(const char *value, int *out) {
+    return parse_word("off|on", value, out) || parse_word("false|true", value, out) ||
+           parse_word("no|yes", value, out) || parse_word("0|1", value, out);
+}
+
+// All 64 bits, which a double does not hold.
+static bool parse_seed(const char *value, uint64_t *out) {
+    if (!value[0] || strspn(value, "0123456789") != strlen(value)) return false;
+    uint64_t seed = 0;
+    for (; *value; value++) {
+        uint64_t digit = (uint64_t)(*value - '0');
+        if (seed > (UINT64_MAX - digit) / 10) return false;
+        seed = 10 * seed + digit;
+    }
+    *out = seed;
+    return true;
+}
+
+// The range as the numbers of its text; the dots end the first number.
+static bool in_range(const char *range, double value) {
+    char low[32];
+    const char *dots = strstr(range, "..");
+    double bound = 0.0;
+    snprintf(low, sizeof low, "%.*s", (int)(dots - range), range);
+    if (text_double(low, &bound) && value < bound) return false;
+    return !text_double(dots + 2, &bound) || value <= bound;
+}
+
+bool option_parse(const struct option *option, const char *value, satin_options *options) {
+    void *out = field(option, options);
+    double number = 0.0;
+    int word = 0;
+    if (option->kind == OPTION_SEED) return parse_seed(value, out);
+    if (option->kind == OPTION_CHOICE) {
+        if (!parse_word(option->range, value, &word)) return false;
+        memcpy(out, &word, sizeof word);  // an enum of the public header has the size of int
+        return true;
+    }
+    if (option->kind == OPTION_BOOL) {
+        if (!parse_bool(value, &word)) return false;
+        *(bool *)out = word;
+        return true;
+    }
+    if (!text_double(value, &number) || !in_range(option->range, number)) return false;
+    if (option->kind == OPTION_FLOAT) {
+        *(float *)out = (float)number;
+        return true;
+    }
+    if (option->kind == OPTION_DOUBLE) {
+        *(double *)out = number;
+        return true;
+    }
+    if (number != floor(number)) return false;
+    if (option->kind == OPTION_INT)
+        *(int *)out = (int)number;
+    else
+        *(int64_t *)out = (int64_t)number;
+    return true;
+}
+
+static void print_word(const char *range, int index, char *out, size_t bytes) {
+    for (; index > 0 && *range; index--) {
+        range += strcspn(range, "|");
+        range += *range == '|';
+    }
+    snprintf(out, bytes, "%.*s", (int)strcspn(range, "|"), range);
+}
+
+void option_print(const struct option *option, const satin_options *options, char *out,
+                  size_t bytes) {
+    const void *in = (const char *)options + option->offset;
+    int word = 0;
+    switch (option->kind) {
+        case OPTION_CHOICE:
+            memcpy(&word, in, sizeof word);
+            print_word(option->range, word, out, bytes);
+            break;
+        case OPTION_BOOL:
+            print_word("off|on", *(const bool *)in, out, bytes);
+            break;
+        case OPTION_INT:
+            snprintf(out, bytes, "%d", *(const int *)in);
+            break;
+        case OPTION_COUNT:
+            snprintf(out, bytes, "%" PRId64, *(const int64_t *)in);
+            break;
+        case OPTION_SEED:
+            snprintf(out, bytes, "%" PRIu64, *(const uint64_t *)in);
+            break;
+        case OPTION_FLOAT: {
+            // The shortest of the forms that read back to the same float.
+            float value = *(const float *)in;
+            for (int digits = 6; digits <= 9; digits++) {
+                snprintf(out, bytes, "%.*g", digits, (double)value);
+                if (strtof(out, NULL) == value) break;
+            }
+            break;
+        }
+        case OPTION_DOUBLE: {
+            double value = *(const double *)in;
+            for (int digits = 6; digits <= 17; digits++) {
+                snprintf(out, bytes, "%.*g", digits, value);
+                if (strtod(out, NULL) == value) break;
+            }
+            break;
+        }
+    }
+}
+
+int options_quality_spp(satin_quality quality) {
+    static const int spp[] = {[SATIN_DRAFT] = 9, [SATIN_PREVIEW] = 16, [SATIN_PRODUCTION] = 36};
+    return spp[quality];
+}

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+// Options: presets, setting by name, messages, the order of the layers.
+#include "satin/options.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "render/options_table.h"
+#include "scene/scene.h"
+
+struct message {
+    int count;
+    char text[256];
+};
+
+static void keep(void *user, satin_log_level level, const char *text) {
+    struct message *message = user;
+    (void)level;
+    message->count++;
+    strncpy(message->text, text, sizeof message->text - 1);
+}
+
+static bool same_fields(const satin_options *a, const satin_options *b) {
+    satin_option_info ia, ib;
+    for (int i = 0; satin_options_describe(a, i, &ia); i++) {
+        assert_true(satin_options_describe(b, i, &ib));
+        if (strcmp(ia.value, ib.value) != 0) return false;
+    }
+    return true;
+}
+
+static void presets_set_what_they_decide(void **state) {
+    (void)state;
+    satin_options o = satin_options_default;
+    satin_options_preset(&o, SATIN_PREVIEW);
+    assert_true(same_fields(&o, &satin_options_default));
+    o.photon_k = 77;
+    satin_options_preset(&o, SATIN_DRAFT);
+    assert_int_equal(o.photons, 100000);
+    assert_int_equal(o.photon_k, 77);
+    assert_int_equal(o.quality, SATIN_DRAFT);
+    satin_options_preset(&o, SATIN_PRODUCTION);
+    assert_int_equal(o.photons, 1000000);
+    assert_int_equal(o.radiance_order, 10);
+    assert_int_equal(options_quality_spp(SATIN_DRAFT), 9);
+}
+
+// Every default and preset is inside its own range: it prints to what parses back.
+static void presets_are_in_range(void **state) {
+    (void)state;
+    for (int q = SATIN_DRAFT; q <= SATIN_PRODUCTION; q++) {
+        satin_options o = satin_options_default, back = {0};
+        satin_options_preset(&o, (satin_quality)q);
+        satin_option_info info;
+        for (int i = 0; satin_options_describe(&o, i, &info); i++)
+            assert_true(option_parse(&options_table[i], info.value, &back));
+        assert_true(same_fields(&o, &back));
+    }
+}
+
+static void values_are_checked(void **state) {
+    (void)state;
+    static const char *const bad[][2] = {
+        {"spp", "-1"},
+        {"spp", "1.5"},
+        {"spp", ""},
+        {"spp", "1048577"},
+        {"spp", "12x"},
+        {"seed", "-1"},
+        {"seed", "1e3"},
+        {"seed", "18446744073709551616"},
+        {"photons", "1e13"},
+        {"photons", "inf"},
+        {"irradiance-a", "nan"},
+        {"irradiance_a", "0"},
+        {"integrator", "paths"},
+        {"gather-bounce", "maybe"},
+        {"hide-emitters", "2"},
+        {"radiance-order", "11"},
+        {"time", "-1"},
+    };
+    satin_options o = satin_options_default;
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        struct message message = {0};
+        assert_int_equal(satin_options_set(&o, bad[i][0], bad[i][1], keep, &message),
+                         SATIN_ERROR_INPUT);
+        assert_int_equal(message.count, 1);
+        assert_true(same_fields(&o, &satin_options_default));
+    }
+    assert_int_equal(satin_options_set(&o, "photons", "2.5e6", NULL, NULL), SATIN_OK);
+    assert_int_equal(o.photons, 2500000);
+    assert_int_equal(satin_options_set(&o, "seed", "18446744073709551615", NULL, NULL), SATIN_OK);
+    assert_true(o.seed == UINT64_MAX);
+    assert_int_equal(satin_options_set(&o, "first_pass", "none", NULL, NULL), SATIN_OK);
+    assert_int_equal(o.first_pass, SATIN_FIRST_NONE);
+    assert_int_equal(satin_options_set(&o, "radiance_cache", "false", NULL, NULL), SATIN_OK);
+    assert_false(o.radiance_cache);
+    assert_int_equal(satin_options_set(&o, "max-depth", "-1", NULL, NULL), SATIN_OK);
+    assert_int_equal(o.max_depth, -1);
+}
+
+static void messages_help(void **state) {
+    (void)state;
+    satin_options o = satin_options_default;
+    struct message message = {0};
+    satin_options_set(&o, "photon", "3", keep, &message);
+    assert_string_equal(message.text, "unknown option 'photon' (did you mean 'photons'?)");
+    satin_options_set(&o, "whatever-it-is", "3", keep, &message);
+    assert_string_equal(message.text, "unknown option 'whatever-it-is'");
+    satin_options_set(&o, "radiance_order", "11", keep, &message);
+    assert_string_equal(message.text, "option radiance-order: '11' is not in 1..10");
+}
+
+// Every field of the struct has a row: setting all rows changes every byte that padding leaves.
+static void table_covers_the_struct(void **state) {
+    (void)state;
+    size_t covered = 0;
+    static const size_t size[] = {[OPTION_CHOICE] = sizeof(int),
+                                  [OPTION_BOOL] = sizeof(bool),
+                                  [OPTION_INT] = sizeof(int),
+                                  [OPTION_COUNT] = sizeof(int64_t),
+                                  [OPTION_SEED] = 8,
+                                  [OPTION_FLOAT] = sizeof(float),
+                                  [OPTION_DOUBLE] = sizeof(double)};
+    size_t end = 0;
+    for (int i = 0; i < options_table_count; i++) {
+        const struct option *o = &options_table[i];
+        assert_true(o->doc[strlen(o->doc) - 1] == '.');
+        size_t align = size[o->kind], padding = o->offset - end;
+        covered += size[o->kind];
+        // Rows stand in the order of the fields, so that a forgotten field leaves a gap.
+        if (o->offset >= end && end > 0) assert_true(padding < align);
+        if (o->offset + size[o->kind] > end) end = o->offset + size[o->kind];
+    }
+    assert_true(sizeof(satin_options) - end < 8);
+    assert_true(sizeof(satin_options) - covered < 32);
+}
+
+static void layers_in_order(void **state) {
+    (void)state;
+    const char *const name[] = {"irradiance_a", "quality", "spp"};
+    const char *const value[] = {"0.11", "production", "5"};
+    struct satin_scene scene = {
+        .hints = {.option_name = name, .option_value = value, .option_count = 3}};
+    satin_options o;
+    assert_int_equal(satin_options_resolve(&scene, NULL, 0, NULL, NULL, &o), SATIN_OK);
+    assert_int_equal(o.quality, SATIN_PRODUCTION);
+    assert_true(o.irradiance_a == 0.11f);
+    const satin_setting user[] = {{"spp", "7"}, {"quality", "draft"}};
+    assert_int_equal(satin_options_resolve(&scene, user, 2, NULL, NULL, &o), SATIN_OK);
+    assert_int_equal(o.quality, SATIN_DRAFT);
+    assert_int_equal(o.photons, 100000);
+    assert_true(o.irradiance_a == 0.11f);
+    assert_int_equal(o.spp, 7);
+    const satin_setting wrong[] = {{"spp", "7"}, {"photon_k", "0"}};
+    satin_options before = o;
+    assert_int_equal(satin_options_resolve(NULL, wrong, 2, NULL, NULL, &o), SATIN_ERROR_INPUT);
+    assert_true(same_fields(&o, &before));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(presets_set_what_they_decide), cmocka_unit_test(presets_are_in_range),
+        cmocka_unit_test(values_are_checked),           cmocka_unit_test(messages_help),
+        cmocka_unit_test(table_covers_the_struct),      cmocka_unit_test(layers_in_order),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
