@@ -60,17 +60,53 @@ static vec2 ggx_slope(float c, float s, float u, float v) {
     return (vec2){(c * p.y - s * z) * scale, p.x * scale};
 }
 
-vec3 microfacet_sample(struct microfacet m, vec3 w, float u, float v) {
-    vec3 stretched = v3_unit(v3(m.au * w.x, m.av * w.y, w.z));
-    float s = sqrtf(sqrf(stretched.x) + sqrf(stretched.y)), c = stretched.z;
-    float cos_phi = s > 0.0f ? stretched.x / s : 1.0f, sin_phi = s > 0.0f ? stretched.y / s : 0.0f;
-    vec2 slope;
-    if (m.kind == BRDF_GGX)
-        slope = ggx_slope(c, s, u, v);
-    else
-        slope = (vec2){(float)beckmann_slope(c, s, u), (float)inverse_erf(2.0 * v - 1.0)};
-    float x = cos_phi * slope.x - sin_phi * slope.y, y = sin_phi * slope.x + cos_phi * slope.y;
+// What the view gives once stretched: cosine and sine to the normal, and its azimuth.
+struct view {
+    float c, s, cos_phi, sin_phi;
+};
+
+static struct view stretch_view(struct microfacet m, vec3 w) {
+    vec3 t = v3_unit(v3(m.au * w.x, m.av * w.y, w.z));
+    float s = sqrtf(t.x * t.x + t.y * t.y);
+    if (!(s > 0.0f)) return (struct view){1.0f, 0.0f, 1.0f, 0.0f};
+    return (struct view){t.z, s, t.x / s, t.y / s};
+}
+
+static vec3 shrink_slope(struct microfacet m, struct view w, vec2 slope) {
+    float x = w.cos_phi * slope.x - w.sin_phi * slope.y;
+    float y = w.sin_phi * slope.x + w.cos_phi * slope.y;
     return v3_unit(v3(-m.au * x, -m.av * y, 1.0f));
+}
+
+vec3 microfacet_sample(struct microfacet m, vec3 w, float u, float v) {
+    struct view view = stretch_view(m, w);
+    vec2 slope = m.kind == BRDF_GGX ? ggx_slope(view.c, view.s, u, v)
+                                    : (vec2){(float)beckmann_slope(view.c, view.s, v),
+                                             (float)inverse_erf(2.0 * u - 1.0)};
+    return shrink_slope(m, view, slope);
+}
+
+// Both maps from (u, v) to slopes are mirrored by u -> 1 - u, so half of the rule does. Beckmann's
+// are separable, which leaves one root to find per node instead of one per pair.
+double microfacet_visible_mean(struct microfacet m, float cosine, const struct quadrature *rule,
+                               float (*fn)(const void *ctx, vec3 n), const void *ctx) {
+    struct view view = stretch_view(m, v3(safe_sqrtf(1.0f - cosine * cosine), 0.0f, cosine));
+    vec2 slope[QUADRATURE_MAX];
+    for (int i = 0; i < rule->count && m.kind == BRDF_BECKMANN; i++)
+        slope[i] = (vec2){(float)beckmann_slope(view.c, view.s, rule->x[i]),
+                          (float)inverse_erf(2.0 * rule->x[i] - 1.0)};
+    double sum = 0.0;
+    for (int i = 0; i < (rule->count + 1) / 2; i++) {
+        double row = 0.0;
+        for (int j = 0; j < rule->count; j++) {
+            vec2 at = m.kind == BRDF_GGX
+                          ? ggx_slope(view.c, view.s, (float)rule->x[i], (float)rule->x[j])
+                          : (vec2){slope[j].x, slope[i].y};
+            row += rule->weight[j] * (double)fn(ctx, shrink_slope(m, view, at));
+        }
+        sum += (2 * i + 1 == rule->count ? 1.0 : 2.0) * rule->weight[i] * row;
+    }
+    return sum;
 }
 
 bool microfacet_reflect(struct microfacet m, vec3 wo, float u, float v, vec3 *wi) {

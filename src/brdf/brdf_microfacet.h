@@ -10,6 +10,7 @@
 
 #include "base/vec.h"
 #include "brdf/brdf.h"
+#include "brdf/brdf_quadrature.h"
 
 struct microfacet {
     enum brdf_distribution kind;
@@ -63,6 +64,11 @@ static inline float microfacet_reflection_pdf(struct microfacet m, vec3 wo, vec3
 
 // Draws a unit normal visible from w (w.z > 0), with density D G1 (w . m) / w.z.
 vec3 microfacet_sample(struct microfacet m, vec3 w, float u, float v);
+
+// Mean of fn over the normals visible under `cosine` from the azimuth 0, for isotropic facets and a
+// function that is even in y: a product Gauss rule over the square of microfacet_sample.
+double microfacet_visible_mean(struct microfacet m, float cosine, const struct quadrature *rule,
+                               float (*fn)(const void *ctx, vec3 n), const void *ctx);
 
 // Reflects wo at a visible normal; false if the result is not above.
 bool microfacet_reflect(struct microfacet m, vec3 wo, float u, float v, vec3 *wi);

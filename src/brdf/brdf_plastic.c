@@ -4,7 +4,8 @@
 // all internal bounces is closed). With `nonlinear` each of them takes the base's colour once more.
 // The coat's lobe is specular * Fresnel; the base's
 //   f = diffuse T(wo) T(wi) / (pi ior^2 (1 - R_in)),  R_in times diffuse if nonlinear,
-// where T is what the coat lets through and R_in its mean reflectance from inside.
+// where T is what the coat lets through and R_in its mean reflectance from inside, both as Mitsuba
+// tabulates them for the rough coat: single scattering, so light masked by other facets is lost.
 #include "base/sampling.h"
 #include "brdf/brdf_fresnel.h"
 #include "brdf/brdf_microfacet.h"
@@ -87,36 +88,50 @@ static float transmittance(const struct coat *c, float cosine) {
     return lerpf(c->transmittance[i], c->transmittance[i + 1], x - (float)i);
 }
 
-// Share of light from `cosine` that single reflection at the facets returns, where the relative
-// index beyond the boundary is `eta`: a product Gauss rule over the square that the sampler of
-// visible normals maps to facets.
-static float rough_reflectance(struct microfacet m, float cosine, float eta,
-                               const struct quadrature *rule) {
-    vec3 wo = v3(safe_sqrtf(1.0f - cosine * cosine), 0.0f, cosine);
-    double sum = 0.0;
-    for (int i = 0; i < rule->count; i++)
-        for (int j = 0; j < rule->count; j++) {
-            vec3 n = microfacet_sample(m, wo, (float)rule->x[i], (float)rule->x[j]);
-            float c = v3_dot(wo, n), wi_z = 2.0f * c * n.z - wo.z;
-            if (wi_z <= 0.0f) continue;
-            vec3 wi = v3_mad(v3_neg(wo), 2.0f * c, n);
-            float f = fresnel_dielectric(c, eta, NULL) * microfacet_g1(m, wi);
-            sum += rule->weight[i] * rule->weight[j] * (double)f;
-        }
-    return (float)sum;
+// A view of the rough boundary, for means over the visible facets.
+struct boundary {
+    struct microfacet facets;
+    vec3 wo;
+    float eta;  // index beyond over index before
+};
+
+// What a facet of normal n reflects, and what leaves unmasked of it.
+static float facet_reflects(const void *ctx, vec3 n) {
+    const struct boundary *b = ctx;
+    float c = v3_dot(b->wo, n);
+    vec3 wi = v3_mad(v3_neg(b->wo), 2.0f * c, n);
+    if (wi.z <= 0.0f) return 0.0f;
+    return fresnel_dielectric(c, b->eta, NULL) * microfacet_g1(b->facets, wi);
+}
+
+// What it lets through, unmasked on the other side.
+static float facet_transmits(const void *ctx, vec3 n) {
+    const struct boundary *b = ctx;
+    float cos_t, c = v3_dot(b->wo, n), f = fresnel_dielectric(c, b->eta, &cos_t);
+    vec3 inward = v3_mad(v3_mul(b->wo, 1.0f / b->eta), -(c / b->eta + cos_t), n);  // reversed
+    if (inward.z <= 0.0f) return 0.0f;
+    return (1.0f - f) * microfacet_g1(b->facets, inward);
+}
+
+static struct boundary boundary_at(struct microfacet m, float cosine, float eta) {
+    return (struct boundary){m, v3(safe_sqrtf(1.0f - cosine * cosine), 0.0f, cosine), eta};
 }
 
 static satin_status rough_prepare(struct brdf *b, struct arena *arena) {
     struct coat *c = arena_alloc(arena, sizeof *c);
-    struct quadrature out, in;
+    struct quadrature rule_out, rule_in;
     if (!c) return SATIN_ERROR_MEMORY;
-    quadrature_gauss(&out, OUTSIDE_NODES);
-    quadrature_gauss(&in, INSIDE_NODES);
+    quadrature_gauss(&rule_out, OUTSIDE_NODES);
+    quadrature_gauss(&rule_in, INSIDE_NODES);
     double inside = 0.0;
     for (int i = 0; i < TRANSMITTANCE_SIZE; i++) {
-        float cosine = fmaxf((float)i / (float)(TRANSMITTANCE_SIZE - 1), 1e-6f);
-        c->transmittance[i] = 1.0f - rough_reflectance(facets(b), cosine, b->ior, &out);
-        inside += (double)cosine * (double)rough_reflectance(facets(b), cosine, 1.0f / b->ior, &in);
+        float mu = fmaxf((float)i / (float)(TRANSMITTANCE_SIZE - 1), 1e-6f);
+        struct boundary out = boundary_at(facets(b), mu, b->ior);
+        struct boundary in = boundary_at(facets(b), mu, 1.0f / b->ior);
+        c->transmittance[i] =
+            (float)microfacet_visible_mean(out.facets, mu, &rule_out, facet_transmits, &out);
+        inside +=
+            (double)mu * microfacet_visible_mean(in.facets, mu, &rule_in, facet_reflects, &in);
     }
     c->inside = (float)(2.0 * inside / TRANSMITTANCE_SIZE);
     c->inv_ior2 = 1.0f / (b->ior * b->ior);
@@ -146,7 +161,7 @@ static void rough_shares(const struct brdf *b, vec3 wo, float *diffuse, float *g
                          float *delta) {
     const struct coat *c = b->tables;
     float t = transmittance(c, wo.z);
-    // The mean transmittance inward is that outward over ior^2, by reciprocity.
+    // Mean transmittance inward: about that outward times ior^2 (exactly, if no light were masked).
     float enters = (1.0f - c->inside) / c->inv_ior2;
     *diffuse = t * fminf(enters, 1.0f) * rgb_mean(base_albedo(b, c));
     *glossy = (1.0f - t) * rgb_mean(b->specular);
