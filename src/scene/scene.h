@@ -96,18 +96,33 @@ enum light_kind {
     LIGHT_ENVMAP
 };
 
+// Two triangles of a mesh that make a parallelogram: corner + s * edge_u + t * edge_v, s and t in
+// [0, 1].
+struct light_face {
+    vec3 corner, edge_u, edge_v;
+    vec3 n;  // the side that emits
+    float area;
+    bool right_angled;
+    uint32_t vertex[6];  // of the triangle s + t <= 1: corner, +u, +v; of the other: far, +v, +u
+};
+
 struct light {
     enum light_kind kind;
     rgb value;                      // radiance, intensity or irradiance, by kind; envmap: scale
     const struct texture *texture;  // area: radiance over uv, or NULL
     uint32_t shape;                 // area
     struct mat4 to_world, to_local;
-    vec3 position, direction;           // point, spot; spot and directional: the way the light goes
-    float cos_cutoff, cos_beam;         // spot
-    const struct image *image;          // envmap: latitude-longitude, 3 channels
-    const float *row_cdf, *column_cdf;  // envmap: height + 1; height * (width + 1)
-    double image_sum;                   // envmap: normalisation of its density
-    float power;                        // luminance of the emitted power [W], > 0
+    vec3 position, direction;    // point, spot; spot and directional: the way the light goes
+    float cos_cutoff, cos_beam;  // spot
+    const struct image *image;   // envmap: latitude-longitude, 3 channels
+    // The rest is filled by scene_lights_prepare.
+    const float *row_cdf,
+        *column_cdf;                // envmap, cells between texels: rows + 1; rows * (width + 1)
+    const struct light_face *face;  // area: set if all triangles pair into few faces, else NULL
+    uint32_t face_count;
+    vec3 center;     // area: of its bounds
+    float strength;  // luminance of radiance * area, intensity or irradiance, by kind
+    float power;     // luminance of the emitted power [W], > 0
 };
 
 // ---- Camera and film ---------------------------------------------------------------------------
@@ -209,8 +224,7 @@ struct ray scene_spawn_to(const struct satin_scene *scene, vec3 p, vec3 ng, vec3
 bool scene_brdf(const struct satin_scene *scene, const struct surfel *s, vec3 wo, struct brdf *brdf,
                 struct frame *frame);
 
-// ---- Lights (scene_light.c)
-// ----------------------------------------------------------------------------
+// ---- Lights (scene_light.c) ---------------------------------------------------------------------
 
 struct light_sample {
     vec3 wi;      // from the point to the light
@@ -243,14 +257,15 @@ rgb light_environment(const struct satin_scene *scene, vec3 w);
 struct ray light_shadow_ray(const struct satin_scene *scene, vec3 p, vec3 ng,
                             const struct light_sample *s);
 
-// Draws a photon leaving the lights: light by power, then position and direction. *power is its
-// share of all emitted power if `total` photons are emitted: power / total.
+// Draws a photon that leaves light i, in proportion to its power: position by u[0], u[1], direction
+// by u[2], u[3], each in [0, 1). The light's power is the mean of `power` over uniform u; false:
+// the photon carries none. Equal power for all u but on textured, environment and wide spot lights.
 struct light_ray {
     struct ray ray;
-    rgb power;  // [W], for one photon in all
-    uint32_t light;
+    rgb power;  // [W]
 };
-bool light_emit(const struct satin_scene *scene, struct rng *rng, struct light_ray *out);
+bool light_emit(const struct satin_scene *scene, uint32_t i, const float u[4],
+                struct light_ray *out);
 
 // ---- Camera (scene_camera.c)
 // ----------------------------------------------------------------------------

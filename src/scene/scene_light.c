@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lights as the integrators see them: choosing one for a point, sampling a direction towards it,
+// and the densities that multiple importance sampling needs. Units and parameters are Mitsuba 3's.
+#include "scene/scene_light.h"
+#include "base/sampling.h"
+
+// Up to this many lights are weighed for each point; beyond, they are chosen by power alone.
+enum { WEIGHED_MAX = 16 };
+// Share of the choice that does not trust the estimates, which know neither shadows nor facing.
+#define CHOICE_EVEN 0.25f
+
+satin_status scene_lights_prepare(struct satin_scene *scene, struct log log) {
+    scene->light_cdf = NULL;
+    if (scene->light_count == 0) return SATIN_OK;
+    float *power = arena_array(&scene->arena, scene->light_count, sizeof *power);
+    float *cdf = arena_array(&scene->arena, (size_t)scene->light_count + 1, sizeof *cdf);
+    satin_status status = power && cdf ? SATIN_OK : SATIN_ERROR_MEMORY;
+    for (uint32_t i = 0; i < scene->light_count && status == SATIN_OK; i++) {
+        struct light *light = &scene->light[i];
+        float beam, penumbra;
+        switch (light->kind) {
+            case LIGHT_AREA:
+                status = light_area_prepare(scene, light);
+                break;
+            case LIGHT_CONSTANT:
+            case LIGHT_ENVMAP:
+                status = light_environment_prepare(scene, light);
+                break;
+            case LIGHT_POINT:
+                light->strength = rgb_luminance(light->value);
+                light->power = 4.0f * PI_F * light->strength;
+                break;
+            case LIGHT_SPOT:
+                light_spot_solid_angles(light, &beam, &penumbra);
+                light->strength = rgb_luminance(light->value);
+                light->power = (beam + penumbra) * light->strength;
+                break;
+            case LIGHT_DIRECTIONAL:
+                light->strength = rgb_luminance(light->value);
+                light->power = light->strength * light_bounds_shadow(scene, light->direction);
+                break;
+        }
+        light->power = fmaxf(light->power, 1e-30f);
+        power[i] = light->power;
+    }
+    if (status != SATIN_OK) return log_fail(log, status, "not enough memory for the lights");
+    sample_cdf_build(power, scene->light_count, cdf);
+    scene->light_cdf = cdf;
+    return SATIN_OK;
+}
+
+// ---- Choice
+// --------------------------------------------------------------------------------------
+
+// An estimate of the irradiance (luminance) at p; 0 only if the light brings none.
+static float light_reach(const struct satin_scene *scene, const struct light *light, vec3 p) {
+    switch (light->kind) {
+        case LIGHT_AREA:
+            return light_area_reach(scene, light, p);
+        case LIGHT_POINT:
+            return light->strength / fmaxf(v3_dist2(p, light->position), 1e-20f);
+        case LIGHT_SPOT: {
+            vec3 d = v3_sub(p, light->position);
+            float d2 = fmaxf(v3_len2(d), 1e-20f);
+            float f = light_spot_falloff(light, v3_dot(d, light->direction) / sqrtf(d2));
+            return light->strength * f / d2;
+        }
+        case LIGHT_DIRECTIONAL:
+        case LIGHT_CONSTANT:
+        case LIGHT_ENVMAP:
+            return light->strength;
+    }
+    return 0.0f;
+}
+
+// Probabilities of all lights, which are at most WEIGHED_MAX.
+static void weigh(const struct satin_scene *scene, vec3 p, float probability[WEIGHED_MAX]) {
+    uint32_t n = scene->light_count, lit = 0;
+    float sum = 0.0f;
+    for (uint32_t i = 0; i < n; i++) {
+        probability[i] = light_reach(scene, &scene->light[i], p);
+        sum += probability[i];
+        lit += probability[i] > 0.0f;
+    }
+    float even = lit ? CHOICE_EVEN / (float)lit : 0.0f;
+    float scale = (1.0f - CHOICE_EVEN) / sum;
+    if (!(sum > 0.0f) || !isfinite(scale)) {  // nothing reaches p: any choice will do
+        for (uint32_t i = 0; i < n; i++) probability[i] = 1.0f / (float)n;
+        return;
+    }
+    for (uint32_t i = 0; i < n; i++)
+        if (probability[i] > 0.0f) probability[i] = probability[i] * scale + even;
+}
+
+uint32_t light_choose(const struct satin_scene *scene, vec3 p, float u, float *probability) {
+    uint32_t n = scene->light_count, i = 0;
+    if (n == 1) {
+        *probability = 1.0f;
+        return 0;
+    }
+    if (n > WEIGHED_MAX) {
+        i = (uint32_t)sample_cdf(scene->light_cdf, n, u, NULL);
+        *probability = scene->light_cdf[i + 1] - scene->light_cdf[i];
+        return i;
+    }
+    float weight[WEIGHED_MAX];
+    weigh(scene, p, weight);
+    uint32_t last = 0;
+    for (; i < n; i++) {
+        if (!(weight[i] > 0.0f)) continue;
+        last = i;
+        if (u < weight[i]) break;
+        u -= weight[i];
+    }
+    *probability = weight[last];
+    return last;
+}
+
+float light_choose_probability(const struct satin_scene *scene, vec3 p, uint32_t light) {
+    if (scene->light_count == 1) return 1.0f;
+    if (scene->light_count > WEIGHED_MAX)
+        return scene->light_cdf[light + 1] - scene->light_cdf[light];
+    float weight[WEIGHED_MAX];
+    weigh(scene, p, weight);
+    return weight[light];
+}
+
+// ---- Sampling
+// ------------------------------------------------------------------------------------
+
+static bool sample_position(const struct light *light, vec3 p, struct light_sample *out) {
+    vec3 d = v3_sub(light->position, p);
+    float d2 = v3_len2(d), dist = sqrtf(d2);
+    if (!(dist > 0.0f)) return false;
+    vec3 wi = v3_mul(d, 1.0f / dist);
+    float scale = 1.0f / d2;
+    if (light->kind == LIGHT_SPOT)
+        scale *= light_spot_falloff(light, -v3_dot(wi, light->direction));
+    if (!(scale > 0.0f) || !isfinite(scale)) return false;
+    *out = (struct light_sample){
+        wi, light->position, v3(0, 0, 0), dist, rgb_scale(light->value, scale), 1.0f, true};
+    return true;
+}
+
+bool light_sample(const struct satin_scene *scene, uint32_t i, vec3 p, float u, float v,
+                  struct light_sample *out) {
+    const struct light *light = &scene->light[i];
+    switch (light->kind) {
+        case LIGHT_AREA:
+            return light_area_sample(scene, light, p, u, v, out);
+        case LIGHT_POINT:
+        case LIGHT_SPOT:
+            return sample_position(light, p, out);
+        case LIGHT_DIRECTIONAL:
+            *out = (struct light_sample){.wi = v3_neg(light->direction),
+                                         .dist = INFINITY,
+                                         .L = light->value,
+                                         .pdf_w = 1.0f,
+                                         .delta = true};
+            return true;
+        case LIGHT_CONSTANT:
+        case LIGHT_ENVMAP:
+            *out = (struct light_sample){.dist = INFINITY};
+            return light_environment_sample(light, u, v, &out->wi, &out->L, &out->pdf_w);
+    }
+    return false;
+}
+
+float light_pdf(const struct satin_scene *scene, vec3 p, vec3 wi, const struct surfel *s) {
+    if (s->light < 0) return 0.0f;
+    return light_area_pdf(scene, &scene->light[s->light], p, wi, s);
+}
+
+rgb light_emitted(const struct satin_scene *scene, const struct surfel *s, vec3 w) {
+    if (s->light < 0 || !(v3_dot(s->ng, w) > 0.0f)) return rgb_grey(0.0f);
+    const struct light *light = &scene->light[s->light];
+    return light->texture ? texture_eval(light->texture, s->uv) : light->value;
+}
+
+struct ray light_shadow_ray(const struct satin_scene *scene, vec3 p, vec3 ng,
+                            const struct light_sample *s) {
+    if (isfinite(s->dist)) return scene_spawn_to(scene, p, ng, s->p, s->n);
+    return scene_spawn(scene, p, ng, s->wi);
+}

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to scene/: the kinds of lights, as scene_light.c calls them.
+#ifndef SCENE_LIGHT_H
+#define SCENE_LIGHT_H
+
+#include "scene/scene.h"
+
+// ---- Area lights (scene_light_area.c) ----------------------------------------------------------
+
+// Pairs the triangles of an emitting mesh into faces, or builds its area_cdf; sets area, center,
+// strength and power. SATIN_ERROR_MEMORY.
+satin_status light_area_prepare(struct satin_scene *scene, struct light *light);
+// An estimate of the irradiance (luminance) that the light can bring to p; 0 only if it brings
+// none.
+float light_area_reach(const struct satin_scene *scene, const struct light *light, vec3 p);
+bool light_area_sample(const struct satin_scene *scene, const struct light *light, vec3 p, float u,
+                       float v, struct light_sample *out);
+float light_area_pdf(const struct satin_scene *scene, const struct light *light, vec3 p, vec3 wi,
+                     const struct surfel *s);
+// A point uniform by area, its emitting side's normal and its radiance.
+struct light_point {
+    vec3 p, n;
+    rgb L;
+    float pdf_a;
+};
+struct light_point light_area_point(const struct satin_scene *scene, const struct light *light,
+                                    float u, float v);
+
+// ---- Faces (scene_light_face.c) ----------------------------------------------------------------
+
+// Pairs triangles 2 i and 2 i + 1 into parallelograms; false if one pair is none.
+bool light_faces_build(const struct shape *shape, struct light_face *face, uint32_t count);
+// Draws a point of the face for p in front of it: by solid angle if the face is right-angled and
+// not tiny from p, else by area. False if p is behind.
+bool light_face_sample(const struct light_face *face, vec3 p, float u, float v, vec3 *q,
+                       float *pdf_w);
+// The density over solid angle at p of drawing q.
+float light_face_pdf(const struct light_face *face, vec3 p, vec3 q);
+// An estimate of the solid angle of the face from p; 0 if p is behind.
+float light_face_reach(const struct light_face *face, vec3 p);
+// Texture coordinates at corner + s * edge_u + t * edge_v.
+vec2 light_face_uv(const struct light_face *face, const struct mesh *mesh, float s, float t);
+
+// ---- Environments (scene_light_environment.c) ---------------------------------------------------
+
+// Builds the distribution of an envmap; sets strength and power. SATIN_ERROR_MEMORY.
+satin_status light_environment_prepare(struct satin_scene *scene, struct light *light);
+// A direction towards the environment (world) by u, v; false if its radiance is black.
+bool light_environment_sample(const struct light *light, float u, float v, vec3 *wi, rgb *L,
+                              float *pdf_w);
+
+// ---- Emission (scene_light_emit.c) --------------------------------------------------------------
+
+// The area that the scene's bounds show in direction d, and the area of their surface.
+float light_bounds_shadow(const struct satin_scene *scene, vec3 d);
+float light_bounds_area(const struct satin_scene *scene);
+// Fraction of the intensity that a spot light sends at `cos_theta` from its axis.
+float light_spot_falloff(const struct light *light, float cos_theta);
+// The integrals of the falloff over the full-intensity cone and over its penumbra [sr].
+void light_spot_solid_angles(const struct light *light, float *beam, float *penumbra);
+
+#endif

@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: Apache-2.0
+// Area lights: uniform radiance, or a texture over uv, leaving the front side of a shape. Meshes of
+// few flat faces are sampled face by face (scene_light_face.c), other meshes by a distribution over
+// triangles, spheres by the cone they fill, disks and cylinders by area. Conventions are Mitsuba
+// 3's but for one: the front is told by the geometric normal, so that what is emitted is pi L A.
+#include "base/sampling.h"
+#include "scene/scene_build.h"
+#include "scene/scene_light.h"
+
+enum { FACES_MAX = 16 };  // a choice among faces costs about 5 ns for each
+
+static vec3 vertex(const struct mesh *mesh, uint32_t i) {
+    const float *p = mesh->position + 3 * (size_t)i;
+    return v3(p[0], p[1], p[2]);
+}
+
+static float normal_sign(const struct shape *shape) { return shape->flip_normals ? -1.0f : 1.0f; }
+
+static rgb radiance(const struct light *light, vec2 uv) {
+    return light->texture ? texture_eval(light->texture, uv) : light->value;
+}
+
+// ---- Shapes
+// --------------------------------------------------------------------------------------
+
+struct triangle {
+    vec3 a, ab, ac, n;  // n not normalised: twice the area long, front side
+};
+
+static struct triangle triangle_get(const struct shape *shape, uint32_t i) {
+    const uint32_t *index = shape->mesh.index + 3 * (size_t)i;
+    vec3 a = vertex(&shape->mesh, index[0]);
+    vec3 ab = v3_sub(vertex(&shape->mesh, index[1]), a);
+    vec3 ac = v3_sub(vertex(&shape->mesh, index[2]), a);
+    return (struct triangle){a, ab, ac, v3_mul(v3_cross(ab, ac), normal_sign(shape))};
+}
+
+static float unit_turn(float y, float x) {
+    float t = atan2f(y, x) * (0.5f / PI_F);
+    return t < 0.0f ? t + 1.0f : t;
+}
+
+static struct light_point sphere_point(const struct light *light, const struct shape *shape,
+                                       vec3 outward) {
+    struct light_point out = {.p = v3_mad(shape->center, shape->radius, outward),
+                              .n = v3_mul(outward, normal_sign(shape)),
+                              .pdf_a = 1.0f / shape->area};
+    vec3 o = v3_unit(mat4_vector(&shape->to_object, outward));
+    out.L = radiance(light, (vec2){unit_turn(o.y, o.x), acosf(clampf(o.z, -1, 1)) * (1 / PI_F)});
+    return out;
+}
+
+static struct light_point disk_point(const struct light *light, const struct shape *shape, float u,
+                                     float v) {
+    vec2 d = sample_disk(u, v);
+    vec3 n = v3_unit(mat4_normal(&shape->to_object, v3(0.0f, 0.0f, 1.0f)));
+    return (struct light_point){
+        mat4_point(&shape->to_world, v3(d.x, d.y, 0.0f)), v3_mul(n, normal_sign(shape)),
+        radiance(light, (vec2){sqrtf(d.x * d.x + d.y * d.y), unit_turn(d.y, d.x)}),
+        1.0f / shape->area};
+}
+
+static struct light_point cylinder_point(const struct light *light, const struct shape *shape,
+                                         float u, float v) {
+    vec3 o = v3(cosf(2.0f * PI_F * u), sinf(2.0f * PI_F * u), 0.0f);
+    vec3 n = v3_unit(mat4_normal(&shape->to_object, o));
+    return (struct light_point){mat4_point(&shape->to_world, v3(o.x, o.y, v)),
+                                v3_mul(n, normal_sign(shape)), radiance(light, (vec2){u, v}),
+                                1.0f / shape->area};
+}
+
+static float triangle_pdf(const struct shape *shape, uint32_t i, float normal_length) {
+    return 2.0f * (shape->area_cdf[i + 1] - shape->area_cdf[i]) / normal_length;
+}
+
+static struct light_point triangle_point(const struct light *light, const struct shape *shape,
+                                         float u, float v) {
+    const struct mesh *mesh = &shape->mesh;
+    uint32_t i = (uint32_t)sample_cdf(shape->area_cdf, mesh->triangle_count, u, &u);
+    struct triangle t = triangle_get(shape, i);
+    vec2 b = sample_triangle(u, v), uv = b;
+    if (mesh->uv && light->texture) {
+        const uint32_t *index = mesh->index + 3 * (size_t)i;
+        const float *p = mesh->uv + 2 * (size_t)index[0], *q = mesh->uv + 2 * (size_t)index[1],
+                    *r = mesh->uv + 2 * (size_t)index[2];
+        float b0 = 1.0f - b.x - b.y;
+        uv = (vec2){b0 * p[0] + b.x * q[0] + b.y * r[0], b0 * p[1] + b.x * q[1] + b.y * r[1]};
+    }
+    float length = v3_len(t.n);
+    return (struct light_point){v3_mad(v3_mad(t.a, b.x, t.ab), b.y, t.ac),
+                                v3_mul(t.n, 1.0f / length), radiance(light, uv),
+                                triangle_pdf(shape, i, length)};
+}
+
+static rgb face_radiance(const struct light *light, const struct mesh *mesh,
+                         const struct light_face *face, vec3 q) {
+    if (!light->texture) return light->value;
+    // q = corner + s edge_u + t edge_v, by the dual basis of the edges.
+    vec3 d = v3_sub(q, face->corner), normal = v3_cross(face->edge_u, face->edge_v);
+    float scale = 1.0f / v3_len2(normal);
+    float s = v3_dot(v3_cross(d, face->edge_v), normal) * scale;
+    float t = v3_dot(v3_cross(face->edge_u, d), normal) * scale;
+    return texture_eval(light->texture, light_face_uv(face, mesh, s, t));
+}
+
+struct light_point light_area_point(const struct satin_scene *scene, const struct light *light,
+                                    float u, float v) {
+    const struct shape *shape = &scene->shape[light->shape];
+    if (shape->kind == SHAPE_SPHERE) return sphere_point(light, shape, sample_uniform_sphere(u, v));
+    if (shape->kind == SHAPE_DISK) return disk_point(light, shape, u, v);
+    if (shape->kind == SHAPE_CYLINDER) return cylinder_point(light, shape, u, v);
+    if (!light->face) return triangle_point(light, shape, u, v);
+    float x = u * shape->area;
+    uint32_t i = 0;
+    while (i + 1 < light->face_count && x >= light->face[i].area) x -= light->face[i++].area;
+    const struct light_face *face = &light->face[i];
+    u = clampf(x / face->area, 0.0f, 1.0f);
+    vec3 q = v3_mad(v3_mad(face->corner, u, face->edge_u), v, face->edge_v);
+    return (struct light_point){q, face->n, face_radiance(light, &shape->mesh, face, q),
+                                1.0f / shape->area};
+}
+
+// ---- Preparation
+// ---------------------------------------------------------------------------------
+
+static satin_status prepare_mesh(struct satin_scene *scene, struct light *light) {
+    struct shape *shape = &scene->shape[light->shape];
+    uint32_t n = shape->mesh.triangle_count, pairs = n / 2;
+    bool plain = shape->mesh.uv || !light->texture;  // else uv are each triangle's own
+    if (n == 2 * pairs && pairs > 0 && pairs <= FACES_MAX && plain) {
+        struct light_face *face = arena_array(&scene->arena, pairs, sizeof *face);
+        if (!face) return SATIN_ERROR_MEMORY;
+        if (light_faces_build(shape, face, pairs)) {
+            light->face = face;
+            light->face_count = pairs;
+            shape->area = 0.0f;
+            for (uint32_t i = 0; i < pairs; i++) shape->area += face[i].area;
+            return SATIN_OK;
+        }
+    }
+    float *area = arena_array(&scene->arena, (size_t)n + 1, sizeof *area);
+    float *cdf = arena_array(&scene->arena, (size_t)n + 1, sizeof *cdf);
+    if (!area || !cdf) return SATIN_ERROR_MEMORY;
+    for (uint32_t i = 0; i < n; i++) area[i] = 0.5f * v3_len(triangle_get(shape, i).n);
+    if (n > 0) shape->area = (float)sample_cdf_build(area, n, cdf);
+    shape->area_cdf = cdf;
+    return SATIN_OK;
+}
+
+static vec3 mesh_center(const struct mesh *mesh) {
+    vec3 lo = v3(INFINITY, INFINITY, INFINITY), hi = v3_neg(lo);
+    for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+        lo = v3_min(lo, vertex(mesh, i));
+        hi = v3_max(hi, vertex(mesh, i));
+    }
+    return v3_mul(v3_add(lo, hi), 0.5f);
+}
+
+satin_status light_area_prepare(struct satin_scene *scene, struct light *light) {
+    struct shape *shape = &scene->shape[light->shape];
+    if (shape->kind == SHAPE_MESH) {
+        satin_status status = prepare_mesh(scene, light);
+        if (status != SATIN_OK) return status;
+        light->center = mesh_center(&shape->mesh);
+    } else {
+        shape->area = scene_shape_area(shape);
+        float middle = shape->kind == SHAPE_CYLINDER ? 0.5f : 0.0f;
+        light->center = mat4_point(&shape->to_world, v3(0.0f, 0.0f, middle));
+        if (shape->kind == SHAPE_SPHERE) light->center = shape->center;
+    }
+    rgb mean = light->texture ? light->texture->mean : light->value;
+    light->strength = rgb_luminance(mean) * shape->area;
+    light->power = PI_F * light->strength;
+    return SATIN_OK;
+}
+
+// ---- Direct lighting
+// -----------------------------------------------------------------------------
+
+float light_area_reach(const struct satin_scene *scene, const struct light *light, vec3 p) {
+    const struct shape *shape = &scene->shape[light->shape];
+    if (light->face) {
+        float sum = 0.0f;
+        for (uint32_t i = 0; i < light->face_count; i++)
+            sum += light_face_reach(&light->face[i], p);
+        return sum * light->strength / shape->area;
+    }
+    return light->strength / (v3_dist2(p, light->center) + (0.5f / PI_F) * shape->area);
+}
+
+// Chooses a face by its reach; *probability is that of the face `wanted` if it is not negative.
+static uint32_t choose_face(const struct light *light, vec3 p, float *u, int64_t wanted,
+                            float *probability) {
+    *probability = 1.0f;
+    if (light->face_count == 1) return 0;
+    float reach[FACES_MAX], cdf[FACES_MAX + 1];
+    for (uint32_t i = 0; i < light->face_count; i++)
+        reach[i] = light_face_reach(&light->face[i], p);
+    sample_cdf_build(reach, light->face_count, cdf);
+    size_t i = wanted < 0 ? sample_cdf(cdf, light->face_count, *u, u) : (size_t)wanted;
+    *probability = cdf[i + 1] - cdf[i];
+    return (uint32_t)i;
+}
+
+static bool finish(const struct light_point *at, vec3 p, float pdf_w, struct light_sample *out) {
+    vec3 d = v3_sub(at->p, p);
+    float d2 = v3_len2(d), dist = sqrtf(d2);
+    if (!(dist > 0.0f)) return false;
+    vec3 wi = v3_mul(d, 1.0f / dist);
+    float cosine = -v3_dot(wi, at->n);
+    if (!(cosine > 0.0f)) return false;
+    if (pdf_w == 0.0f) pdf_w = at->pdf_a * d2 / cosine;
+    if (!(pdf_w > 0.0f) || !isfinite(pdf_w)) return false;
+    *out = (struct light_sample){wi, at->p, at->n, dist, at->L, pdf_w, false};
+    return true;
+}
+
+// 1 - cos of the half angle of the cone that the sphere fills.
+static float sphere_cone(const struct shape *shape, float d2) {
+    float sin2 = fminf(shape->radius * shape->radius / d2, 1.0f);
+    return sin2 / (1.0f + safe_sqrtf(1.0f - sin2));
+}
+
+static bool sphere_sample(const struct light *light, const struct shape *shape, vec3 p, float u,
+                          float v, struct light_sample *out) {
+    vec3 to_center = v3_sub(shape->center, p);
+    float d2 = v3_len2(to_center), r = shape->radius;
+    bool inside = d2 < r * r;
+    if (inside != shape->flip_normals) return false;
+    vec3 w;
+    float t, pdf_w;
+    if (inside) {  // every direction meets the sphere once
+        w = sample_uniform_sphere(u, v);
+        float b = v3_dot(to_center, w);
+        t = b + safe_sqrtf(b * b + (r * r - d2));
+        pdf_w = 0.25f / PI_F;
+    } else {
+        float span = sphere_cone(shape, d2), versine = u * span;
+        float sin2 = versine * (2.0f - versine), phi = 2.0f * PI_F * v;
+        float s = safe_sqrtf(sin2), dist = sqrtf(d2);
+        struct frame f = frame_from_normal(v3_mul(to_center, 1.0f / dist));
+        w = frame_to_world(&f, v3(s * cosf(phi), s * sinf(phi), 1.0f - versine));
+        t = dist * (1.0f - versine) - safe_sqrtf(r * r - d2 * sin2);
+        pdf_w = 0.5f / (PI_F * span);
+    }
+    vec3 outward = v3_unit(v3_sub(v3_mad(p, t, w), shape->center));
+    struct light_point at = sphere_point(light, shape, outward);
+    return finish(&at, p, pdf_w, out);
+}
+
+bool light_area_sample(const struct satin_scene *scene, const struct light *light, vec3 p, float u,
+                       float v, struct light_sample *out) {
+    const struct shape *shape = &scene->shape[light->shape];
+    if (shape->kind == SHAPE_SPHERE) return sphere_sample(light, shape, p, u, v, out);
+    if (!light->face) {
+        struct light_point at = light_area_point(scene, light, u, v);
+        return finish(&at, p, 0.0f, out);
+    }
+    float probability, pdf_w;
+    vec3 q;
+    const struct light_face *face = &light->face[choose_face(light, p, &u, -1, &probability)];
+    if (!light_face_sample(face, p, u, v, &q, &pdf_w)) return false;
+    struct light_point at = {q, face->n, face_radiance(light, &shape->mesh, face, q), 0.0f};
+    return finish(&at, p, pdf_w * probability, out);
+}
+
+float light_area_pdf(const struct satin_scene *scene, const struct light *light, vec3 p, vec3 wi,
+                     const struct surfel *s) {
+    const struct shape *shape = &scene->shape[light->shape];
+    float cosine = -v3_dot(wi, s->ng);
+    if (!(cosine > 0.0f)) return 0.0f;
+    float d2 = v3_dist2(p, s->p);
+    if (shape->kind == SHAPE_SPHERE) {
+        float c2 = v3_dist2(p, shape->center);
+        bool inside = c2 < shape->radius * shape->radius;
+        if (inside != shape->flip_normals) return 0.0f;
+        return inside ? 0.25f / PI_F : 0.5f / (PI_F * sphere_cone(shape, c2));
+    }
+    if (light->face) {
+        uint32_t i = s->prim / 2;
+        float probability, unused = 0.0f;
+        choose_face(light, p, &unused, i, &probability);
+        return probability * light_face_pdf(&light->face[i], p, s->p);
+    }
+    float pdf_a = shape->kind == SHAPE_MESH
+                      ? triangle_pdf(shape, s->prim, v3_len(triangle_get(shape, s->prim).n))
+                      : 1.0f / shape->area;
+    return pdf_a * d2 / cosine;
+}

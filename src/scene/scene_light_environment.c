@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+// Environments: a constant radiance, or a latitude-longitude image looked up bilinearly where
+// Mitsuba 3.9 puts its texels (measured): the direction (sin phi sin theta, cos theta, -cos phi sin
+// theta) of the light's own space lies at x = width phi / 2 pi - 1/2, wrapped, and y = (height - 1)
+// theta / pi. Directions are drawn in proportion to the interpolated luminance times sin theta: a
+// cell between four texels by its mean, then a point of the cell by bilinear interpolation.
+#include "base/sampling.h"
+#include "scene/scene_light.h"
+
+// A place between four texels: column and row of the first, and the weights of the next ones.
+struct texel_place {
+    int column, row;
+    float fx, fy;
+    float sin_theta;
+};
+
+static int cell_rows(const struct image *image) {
+    return image->height > 1 ? image->height - 1 : 1;
+}
+
+static rgb texel(const struct image *image, int column, int row) {
+    if (column >= image->width) column -= image->width;
+    if (row >= image->height) row = image->height - 1;
+    const float *t = image->texel + ((size_t)row * (size_t)image->width + (size_t)column) *
+                                        (size_t)image->channels;
+    return image->channels == 3 ? rgb_make(t[0], t[1], t[2]) : rgb_grey(t[0]);
+}
+
+static struct texel_place place_of(const struct light *light, vec3 w) {
+    const struct image *image = light->image;
+    vec3 l = v3_unit(mat4_vector(&light->to_local, w));
+    float s = sqrtf(l.x * l.x + l.z * l.z);
+    float x = atan2f(l.x, -l.z) * (0.5f / PI_F) * (float)image->width - 0.5f;
+    float y = atan2f(s, l.y) * (1.0f / PI_F) * (float)cell_rows(image);
+    float column = floorf(x), row = clampf(floorf(y), 0.0f, (float)(cell_rows(image) - 1));
+    int c = (int)column;
+    if (c < 0) c += image->width;
+    return (struct texel_place){c, (int)row, x - column, clampf(y - row, 0.0f, 1.0f), s};
+}
+
+static rgb interpolate(const struct light *light, const struct texel_place *at) {
+    const struct image *image = light->image;
+    float fx = at->fx, fy = at->fy;
+    rgb c = rgb_scale(texel(image, at->column, at->row), (1.0f - fx) * (1.0f - fy));
+    c = rgb_mad(c, texel(image, at->column + 1, at->row), fx * (1.0f - fy));
+    c = rgb_mad(c, texel(image, at->column, at->row + 1), (1.0f - fx) * fy);
+    c = rgb_mad(c, texel(image, at->column + 1, at->row + 1), fx * fy);
+    return rgb_mul(c, light->value);
+}
+
+// The sampling weight of a texel. Poles get an eighth of their neighbours' sine instead of 0, so
+// that the light of an image of two rows has a density too.
+static float weight(const struct image *image, int column, int row) {
+    float step = PI_F / (float)cell_rows(image);
+    float s = fmaxf(sinf(step * (float)row), sinf(0.125f * step));
+    return fmaxf(rgb_luminance(texel(image, column, row)), 0.0f) * s;
+}
+
+struct cell {
+    float w00, w10, w01, w11;  // corner weights
+};
+
+static struct cell cell_of(const struct image *image, int column, int row) {
+    return (struct cell){weight(image, column, row), weight(image, column + 1, row),
+                         weight(image, column, row + 1), weight(image, column + 1, row + 1)};
+}
+
+static float cell_mean(const struct cell *c) { return 0.25f * (c->w00 + c->w10 + c->w01 + c->w11); }
+
+static float cell_density(const struct cell *c, float fx, float fy) {
+    float mean = cell_mean(c);
+    if (!(mean > 0.0f)) return 1.0f;
+    float low = lerpf(c->w00, c->w10, fx), high = lerpf(c->w01, c->w11, fx);
+    return lerpf(low, high, fy) / mean;
+}
+
+// x in [0, 1] with density linear from a to b.
+static float sample_linear(float u, float a, float b) {
+    float root = a + sqrtf(lerpf(a * a, b * b, u));
+    return root > 0.0f ? fminf(u * (a + b) / root, 1.0f) : u;
+}
+
+// The density of the cell over the unit square of the image, not counting its inside.
+static float cell_probability(const struct light *light, int column, int row) {
+    const struct image *image = light->image;
+    const float *columns = light->column_cdf + (size_t)row * (size_t)(image->width + 1);
+    float p =
+        (light->row_cdf[row + 1] - light->row_cdf[row]) * (columns[column + 1] - columns[column]);
+    return p * (float)image->width * (float)cell_rows(image);
+}
+
+static float place_pdf(const struct light *light, const struct texel_place *at) {
+    if (!(at->sin_theta > 0.0f)) return 0.0f;
+    struct cell c = cell_of(light->image, at->column, at->row);
+    return cell_probability(light, at->column, at->row) * cell_density(&c, at->fx, at->fy) /
+           (2.0f * PI_F * PI_F * at->sin_theta);
+}
+
+static vec3 direction_at(const struct light *light, float x, float y) {
+    float phi = 2.0f * PI_F * x, theta = PI_F * y, s = sinf(theta);
+    return v3_unit(mat4_vector(&light->to_world, v3(s * sinf(phi), cosf(theta), -s * cosf(phi))));
+}
+
+static satin_status prepare_image(struct satin_scene *scene, struct light *light) {
+    const struct image *image = light->image;
+    size_t rows = (size_t)cell_rows(image), columns = (size_t)image->width;
+    float *row_cdf = arena_array(&scene->arena, rows + 1, sizeof *row_cdf);
+    float *row_sum = arena_array(&scene->arena, rows, sizeof *row_sum);
+    float *line = arena_array(&scene->arena, columns, sizeof *line);
+    float *column_cdf = arena_array(&scene->arena, rows * (columns + 1), sizeof *column_cdf);
+    if (!row_cdf || !row_sum || !line || !column_cdf) return SATIN_ERROR_MEMORY;
+    double cell_area = 2.0 * M_PI * M_PI / (double)(rows * columns), flux = 0.0, power = 0.0;
+    for (size_t r = 0; r < rows; r++) {
+        for (size_t c = 0; c < columns; c++) {
+            struct cell cell = cell_of(image, (int)c, (int)r);
+            line[c] = cell_mean(&cell);
+            vec3 d = direction_at(light, ((float)c + 1.0f) / (float)columns,
+                                  ((float)r + 0.5f) / (float)rows);
+            flux += line[c] * cell_area;
+            power += line[c] * cell_area * light_bounds_shadow(scene, d);
+        }
+        row_sum[r] = (float)sample_cdf_build(line, columns, column_cdf + r * (columns + 1));
+    }
+    sample_cdf_build(row_sum, rows, row_cdf);
+    light->row_cdf = row_cdf;
+    light->column_cdf = column_cdf;
+    float scale = rgb_luminance(light->value);
+    light->strength = 0.25f * scale * (float)flux;  // mean irradiance over all facings
+    light->power = scale * (float)power;
+    return SATIN_OK;
+}
+
+satin_status light_environment_prepare(struct satin_scene *scene, struct light *light) {
+    if (light->kind == LIGHT_ENVMAP) return prepare_image(scene, light);
+    light->strength = PI_F * rgb_luminance(light->value);
+    light->power = light->strength * light_bounds_area(scene);
+    return SATIN_OK;
+}
+
+bool light_environment_sample(const struct light *light, float u, float v, vec3 *wi, rgb *L,
+                              float *pdf_w) {
+    if (light->kind == LIGHT_CONSTANT) {
+        *wi = sample_uniform_sphere(u, v);
+        *pdf_w = 0.25f / PI_F;
+        *L = light->value;
+        return !rgb_black(*L);
+    }
+    const struct image *image = light->image;
+    int row = (int)sample_cdf(light->row_cdf, (size_t)cell_rows(image), v, &v);
+    const float *columns = light->column_cdf + (size_t)row * (size_t)(image->width + 1);
+    int column = (int)sample_cdf(columns, (size_t)image->width, u, &u);
+    struct cell c = cell_of(image, column, row);
+    struct texel_place at = {.column = column, .row = row};
+    at.fy = sample_linear(v, c.w00 + c.w10, c.w01 + c.w11);
+    at.fx = sample_linear(u, lerpf(c.w00, c.w01, at.fy), lerpf(c.w10, c.w11, at.fy));
+    float y = ((float)row + at.fy) / (float)cell_rows(image);
+    at.sin_theta = sinf(PI_F * y);
+    *wi = direction_at(light, ((float)column + at.fx + 0.5f) / (float)image->width, y);
+    *pdf_w = place_pdf(light, &at);
+    *L = interpolate(light, &at);
+    return *pdf_w > 0.0f && !rgb_black(*L);
+}
+
+float light_environment_pdf(const struct satin_scene *scene, vec3 p, vec3 wi) {
+    (void)p;
+    if (scene->environment < 0) return 0.0f;
+    const struct light *light = &scene->light[scene->environment];
+    if (light->kind == LIGHT_CONSTANT) return 0.25f / PI_F;
+    struct texel_place at = place_of(light, wi);
+    return place_pdf(light, &at);
+}
+
+rgb light_environment(const struct satin_scene *scene, vec3 w) {
+    if (scene->environment < 0) return rgb_grey(0.0f);
+    const struct light *light = &scene->light[scene->environment];
+    if (light->kind == LIGHT_CONSTANT) return light->value;
+    struct texel_place at = place_of(light, w);
+    return interpolate(light, &at);
+}

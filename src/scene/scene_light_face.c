@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+// Faces of area lights: rectangles and parallelograms, sampled as a whole so that well-spread
+// numbers stay well spread. A right-angled face is sampled by the solid angle it covers [Urena et
+// al. 2013, "An area-preserving parametrization for spherical rectangles"], which takes the
+// 1 / d^2 peaks out of points near an emitting wall. Deviation: the corner angles come from
+// arctangents, whose error in float stays near 1e-7 where the paper's arccosines lose half the
+// digits.
+#include "base/sampling.h"
+#include "scene/scene_light.h"
+
+// Below this solid angle a face looks flat: area sampling is as good, and cheaper.
+#define SOLID_ANGLE_MIN 0.02f
+
+// A right-angled face seen from a point: the point's frame has x and y along the edges and z away
+// from the face.
+struct rectangle_view {
+    vec3 x, y, z;
+    float x0, x1, y0, y1, z0;  // z0 < 0
+    float b0, b1, k, solid_angle;
+};
+
+static vec3 mesh_vertex(const struct mesh *mesh, uint32_t i) {
+    const float *p = mesh->position + 3 * (size_t)i;
+    return v3(p[0], p[1], p[2]);
+}
+
+static bool same_point(vec3 a, vec3 b, float scale2) { return v3_dist2(a, b) <= 1e-12f * scale2; }
+
+// Finds the edge (a[1], a[2]) that triangle b shares, in turned order, and the far corner.
+static bool face_pair(const struct mesh *mesh, uint32_t first, struct light_face *face) {
+    const uint32_t *a = mesh->index + 3 * (size_t)first, *b = a + 3;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            uint32_t corner = a[i], u = a[(i + 1) % 3], v = a[(i + 2) % 3];
+            vec3 p = mesh_vertex(mesh, corner), pu = mesh_vertex(mesh, u),
+                 pv = mesh_vertex(mesh, v);
+            vec3 eu = v3_sub(pu, p), ev = v3_sub(pv, p);
+            float scale2 = v3_len2(eu) + v3_len2(ev);
+            uint32_t far = b[j], fv = b[(j + 1) % 3], fu = b[(j + 2) % 3];
+            if (!same_point(mesh_vertex(mesh, fv), pv, scale2) ||
+                !same_point(mesh_vertex(mesh, fu), pu, scale2) ||
+                !same_point(mesh_vertex(mesh, far), v3_add(pu, ev), 16.0f * scale2))
+                continue;
+            *face = (struct light_face){.corner = p,
+                                        .edge_u = eu,
+                                        .edge_v = ev,
+                                        .n = v3_cross(eu, ev),
+                                        .vertex = {corner, u, v, far, fv, fu}};
+            face->area = v3_len(face->n);
+            float skew = fabsf(v3_dot(eu, ev));
+            face->right_angled = skew <= 1e-5f * sqrtf(v3_len2(eu) * v3_len2(ev));
+            return face->area > 0.0f;
+        }
+    return false;
+}
+
+bool light_faces_build(const struct shape *shape, struct light_face *face, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++) {
+        if (!face_pair(&shape->mesh, 2 * i, &face[i])) return false;
+        float sign = shape->flip_normals ? -1.0f : 1.0f;
+        face[i].n = v3_mul(face[i].n, sign / face[i].area);
+    }
+    return true;
+}
+
+float light_face_reach(const struct light_face *face, vec3 p) {
+    vec3 d = v3_sub(p, face->corner);
+    float h = v3_dot(d, face->n);
+    if (!(h > 0.0f)) return 0.0f;
+    d = v3_mad(v3_mad(d, -0.5f, face->edge_u), -0.5f, face->edge_v);
+    // Beside a light's plane the cosine to its centre says little about its near part, hence the
+    // quarter of its size; points of the face itself (h = 0 but for rounding) get next to nothing.
+    float size = sqrtf(face->area), q = v3_len2(d) + face->area * (0.5f / PI_F);
+    float height = (h + 0.25f * size) * h / (h + 1e-4f * size);
+    return face->area * height / (q * sqrtf(q));
+}
+
+// The angle whose tangent is x y / (-z r): the part of the solid angle between the axes and a
+// corner.
+static float corner_angle(float x, float y, float z) {
+    return atan2f(x * y, -z * sqrtf(x * x + y * y + z * z));
+}
+
+// False if the face is to be sampled by area from p.
+static bool rectangle_view_make(const struct light_face *face, vec3 p,
+                                struct rectangle_view *view) {
+    if (!face->right_angled || light_face_reach(face, p) < 0.5f * SOLID_ANGLE_MIN) return false;
+    float lu = v3_len(face->edge_u), lv = v3_len(face->edge_v);
+    view->x = v3_mul(face->edge_u, 1.0f / lu);
+    view->y = v3_mul(face->edge_v, 1.0f / lv);
+    view->z = face->n;
+    vec3 d = v3_sub(face->corner, p);
+    view->x0 = v3_dot(d, view->x);
+    view->y0 = v3_dot(d, view->y);
+    view->z0 = v3_dot(d, view->z);
+    view->x1 = view->x0 + lu;
+    view->y1 = view->y0 + lv;
+    float x0 = view->x0, x1 = view->x1, y0 = view->y0, y1 = view->y1, z0 = view->z0;
+    float a00 = corner_angle(x0, y0, z0), a10 = corner_angle(x1, y0, z0),
+          a01 = corner_angle(x0, y1, z0), a11 = corner_angle(x1, y1, z0);
+    view->solid_angle = a11 - a10 - a01 + a00;
+    view->k = PI_F + a01 - a00;  // the paper's 2 pi - g2 - g3
+    view->b0 = -y0 / sqrtf(z0 * z0 + y0 * y0);
+    view->b1 = y1 / sqrtf(z0 * z0 + y1 * y1);
+    return view->solid_angle > SOLID_ANGLE_MIN;
+}
+
+bool light_face_sample(const struct light_face *face, vec3 p, float u, float v, vec3 *q,
+                       float *pdf_w) {
+    if (!(v3_dot(v3_sub(p, face->corner), face->n) > 0.0f)) return false;
+    struct rectangle_view w;
+    if (!rectangle_view_make(face, p, &w)) {
+        *q = v3_mad(v3_mad(face->corner, u, face->edge_u), v, face->edge_v);
+        *pdf_w = light_face_pdf(face, p, *q);
+        return *pdf_w > 0.0f && isfinite(*pdf_w);
+    }
+    // The plane x = xu through the point's y axis that cuts the share u off the solid angle, ...
+    float phi = u * w.solid_angle + w.k, s = sinf(phi);
+    float f = (cosf(phi) * w.b0 - w.b1) / s;
+    float c = clampf(copysignf(1.0f, f) / sqrtf(f * f + w.b0 * w.b0), -1.0f, 1.0f);
+    float xu = clampf(-c * w.z0 / safe_sqrtf(1.0f - c * c), w.x0, w.x1);
+    // ... and the height along it, uniform in its sine.
+    float d2 = xu * xu + w.z0 * w.z0;
+    float h0 = w.y0 / sqrtf(d2 + w.y0 * w.y0), h1 = w.y1 / sqrtf(d2 + w.y1 * w.y1);
+    float h = h0 + v * (h1 - h0), rest = 1.0f - h * h;
+    float yv = rest > 1e-6f ? clampf(h * sqrtf(d2 / rest), w.y0, w.y1) : (h > 0.0f ? w.y1 : w.y0);
+    *q = v3_mad(v3_mad(face->corner, xu - w.x0, w.x), yv - w.y0, w.y);
+    *pdf_w = 1.0f / w.solid_angle;
+    return true;
+}
+
+float light_face_pdf(const struct light_face *face, vec3 p, vec3 q) {
+    if (!(v3_dot(v3_sub(p, face->corner), face->n) > 0.0f)) return 0.0f;
+    struct rectangle_view view;
+    if (rectangle_view_make(face, p, &view)) return 1.0f / view.solid_angle;
+    vec3 d = v3_sub(p, q);
+    float d2 = v3_len2(d), cosine = v3_dot(d, face->n) / sqrtf(d2);
+    return cosine > 0.0f ? d2 / (face->area * cosine) : 0.0f;
+}
+
+vec2 light_face_uv(const struct light_face *face, const struct mesh *mesh, float s, float t) {
+    bool far = s + t > 1.0f;
+    const uint32_t *vertex = face->vertex + (far ? 3 : 0);
+    float b1 = far ? 1.0f - s : s, b2 = far ? 1.0f - t : t;
+    // The far triangle lists +v before +u: 1 - s is the weight of +v, 1 - t that of +u.
+    float b0 = 1.0f - b1 - b2;
+    const float *uv = mesh->uv;
+    const float *p = uv + 2 * (size_t)vertex[0], *q = uv + 2 * (size_t)vertex[1],
+                *r = uv + 2 * (size_t)vertex[2];
+    return (vec2){b0 * p[0] + b1 * q[0] + b2 * r[0], b0 * p[1] + b1 * q[1] + b2 * r[1]};
+}
