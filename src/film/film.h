@@ -41,4 +41,21 @@ satin_status film_write_exr(const struct satin_film *film, const char *path, str
 satin_status film_parse_exr(const void *data, size_t size, const char *name, struct log log,
                             struct satin_film **film);
 
+// How far an image is from a reference; film_compare.c defines each figure.
+struct film_difference {
+    double rmse;         // linear, over pixels and channels
+    double relmse;       // relative to the reference's square + 0.01; may be below 0, see variance
+    double psnr;         // [dB] of the sRGB pictures; infinite if they are equal
+    double mean_ratio;   // mean luminance over the reference's; NaN if both are black
+    double discernible;  // share of pixels, in [0, 1]
+    uint64_t compared, masked, nonfinite;  // pixels; the three sum to all
+    bool variance;  // the reference's own variance was known and is subtracted from rmse and relmse
+};
+
+// Compares channels R, G and B. `mask_emission` leaves out pixels where a layer emission of either
+// image is not black. Pixels that are not finite in either are counted and left out.
+// SATIN_ERROR_INPUT if sizes differ, channels are missing or no pixel is left.
+satin_status film_compare(const struct satin_film *image, const struct satin_film *reference,
+                          bool mask_emission, struct log log, struct film_difference *out);
+
 #endif

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+// OpenEXR files read: every compression, pixel type, scanlines and tiles, an offset data window;
+// then files cut short, flipped bytes and headers that promise too much.
+#include <math.h>
+#include <openexr.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "base/fileio.h"
+#include "base/rng.h"
+#include "film/film.h"
+
+enum { WIDTH = 37, HEIGHT = 45, TILE = 16, LEFT = -3, TOP = 11 };
+
+struct sample_file {
+    exr_compression_t compression;
+    exr_pixel_type_t type;
+    bool tiled;
+};
+
+struct message {
+    int count;
+    char text[256];
+};
+
+static void keep(void *user, satin_log_level level, const char *text) {
+    struct message *message = user;
+    (void)level;
+    message->count++;
+    strncpy(message->text, text, sizeof message->text - 1);
+}
+
+// A value that half, float and uint hold exactly.
+static uint32_t value_at(int c, int x, int y) { return (uint32_t)(c * 700 + x * 7 + y * 3); }
+
+// The bits of a non-negative integer below 2048 as half.
+static uint16_t half_bits(uint32_t v) {
+    if (v == 0) return 0;
+    int e = 31 - __builtin_clz(v);
+    return (uint16_t)((e + 15) << 10 | (int)((v << (10 - e)) & 0x3ff));
+}
+
+static void store(void *out, exr_pixel_type_t type, uint32_t v) {
+    float f = (float)v;
+    uint16_t h = half_bits(v);
+    if (type == EXR_PIXEL_HALF)
+        memcpy(out, &h, 2);
+    else if (type == EXR_PIXEL_FLOAT)
+        memcpy(out, &f, 4);
+    else
+        memcpy(out, &v, 4);
+}
+
+static void check(exr_result_t r) { assert_int_equal(r, EXR_ERR_SUCCESS); }
+
+static void put_chunk(exr_context_t exr, const struct sample_file *f, const exr_chunk_info_t *info,
+                      int x0, int y0) {
+    exr_encode_pipeline_t pipe = EXR_ENCODE_PIPELINE_INITIALIZER;
+    int bytes = f->type == EXR_PIXEL_HALF ? 2 : 4;
+    uint8_t *pixel = calloc((size_t)(3 * info->width * info->height), (size_t)bytes);
+    check(exr_encoding_initialize(exr, 0, info, &pipe));
+    for (int c = 0; c < 3; c++) {
+        uint8_t *plane = pixel + c * info->width * info->height * bytes;
+        for (int y = 0; y < info->height; y++)
+            for (int x = 0; x < info->width; x++)
+                store(plane + (y * info->width + x) * bytes, f->type, value_at(c, x0 + x, y0 + y));
+        pipe.channels[c].user_pixel_stride = bytes;
+        pipe.channels[c].user_line_stride = bytes * info->width;
+        pipe.channels[c].encode_from_ptr = plane;
+    }
+    check(exr_encoding_choose_default_routines(exr, 0, &pipe));
+    check(exr_encoding_run(exr, 0, &pipe));
+    check(exr_encoding_destroy(exr, &pipe));
+    free(pixel);
+}
+
+static void put_pixels(exr_context_t exr, const struct sample_file *f) {
+    exr_chunk_info_t info;
+    int32_t lines = TILE;
+    if (!f->tiled) check(exr_get_scanlines_per_chunk(exr, 0, &lines));
+    for (int y = 0; y < HEIGHT; y += lines) {
+        if (!f->tiled) {
+            check(exr_write_scanline_chunk_info(exr, 0, TOP + y, &info));
+            put_chunk(exr, f, &info, 0, y);
+            continue;
+        }
+        for (int x = 0; x < WIDTH; x += TILE) {
+            check(exr_write_tile_chunk_info(exr, 0, x / TILE, y / TILE, 0, 0, &info));
+            put_chunk(exr, f, &info, x, y);
+        }
+    }
+}
+
+static void make_file(const struct sample_file *f, const char *path) {
+    exr_context_t exr;
+    exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    check(exr_start_write(&exr, path, EXR_WRITE_FILE_DIRECTLY, &init));
+    int part;
+    check(exr_add_part(exr, NULL, f->tiled ? EXR_STORAGE_TILED : EXR_STORAGE_SCANLINE, &part));
+    exr_attr_box2i_t window;
+    window.min.x = LEFT;
+    window.min.y = TOP;
+    window.max.x = LEFT + WIDTH - 1;
+    window.max.y = TOP + HEIGHT - 1;
+    exr_attr_v2f_t centre;
+    centre.x = centre.y = 0;
+    check(exr_initialize_required_attr(exr, 0, &window, &window, 1.0f, &centre, 1.0f,
+                                       EXR_LINEORDER_INCREASING_Y, f->compression));
+    if (f->tiled)
+        check(exr_set_tile_descriptor(exr, 0, TILE, TILE, EXR_TILE_ONE_LEVEL, EXR_TILE_ROUND_DOWN));
+    static const char *const names[] = {"B", "G", "R"};
+    for (int c = 0; c < 3; c++)
+        check(exr_add_channel(exr, 0, names[c], f->type, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1));
+    check(exr_attr_set_string(exr, 0, "comments", "made by a test"));
+    check(exr_write_header(exr));
+    put_pixels(exr, f);
+    check(exr_finish(&exr));
+}
+
+// B44 is lossy; the others hold the values exactly (PXR24 drops bits that they do not have).
+static void every_kind(void **state) {
+    (void)state;
+    static const exr_compression_t methods[] = {
+        EXR_COMPRESSION_NONE, EXR_COMPRESSION_RLE,   EXR_COMPRESSION_ZIPS, EXR_COMPRESSION_ZIP,
+        EXR_COMPRESSION_PIZ,  EXR_COMPRESSION_PXR24, EXR_COMPRESSION_B44,  EXR_COMPRESSION_B44A};
+    for (int i = 0; i < 8 * 3 * 2; i++) {
+        struct sample_file f = {methods[i % 8], (exr_pixel_type_t)(i / 8 % 3), i / 24};
+        bool lossy = i % 8 >= 6 && f.type == EXR_PIXEL_HALF;
+        make_file(&f, "kind.exr");
+        struct satin_film *film = NULL;
+        assert_int_equal(satin_film_read("kind.exr", NULL, NULL, &film), SATIN_OK);
+        assert_int_equal(film->width, WIDTH);
+        assert_int_equal(film->height, HEIGHT);
+        assert_string_equal(film_attribute_get(film, "comments"), "made by a test");
+        for (int c = 0; c < 3; c++) {
+            const float *channel = satin_film_channel(film, c == 0 ? "B" : c == 1 ? "G" : "R");
+            for (int p = 0; p < WIDTH * HEIGHT; p++) {
+                float want = (float)value_at(c, p % WIDTH, p / WIDTH);
+                float slack = lossy ? 0.1f * want + 16.0f : 0.0f;
+                assert_true(fabsf(channel[p] - want) <= slack);
+            }
+        }
+        satin_film_free(film);
+    }
+    unlink("kind.exr");
+}
+
+static char *file_bytes(const struct sample_file *f, size_t *size) {
+    char *data = NULL;
+    make_file(f, "bytes.exr");
+    assert_int_equal(
+        fileio_read((struct log){0}, (struct log_place){0}, "bytes.exr", 1 << 20, &data, size),
+        SATIN_OK);
+    unlink("bytes.exr");
+    return data;
+}
+
+// Whatever is cut off, the file is refused in one line.
+static void cut_short(void **state) {
+    (void)state;
+    for (int tiled = 0; tiled < 2; tiled++) {
+        size_t size;
+        char *data = file_bytes(
+            &(struct sample_file){EXR_COMPRESSION_ZIP, EXR_PIXEL_FLOAT, tiled == 1}, &size);
+        for (size_t n = 0; n < size; n += n < 600 ? 1 : 97) {
+            struct message message = {0};
+            struct satin_film *film = NULL;
+            char *part = malloc(n ? n : 1);
+            memcpy(part, data, n);
+            assert_int_equal(
+                film_parse_exr(part, n, "cut.exr", (struct log){keep, &message}, &film),
+                SATIN_ERROR_INPUT);
+            assert_null(film);
+            assert_int_equal(message.count, 1);
+            assert_true(strncmp(message.text, "cut.exr: ", 9) == 0);
+            free(part);
+        }
+        free(data);
+    }
+}
+
+// A flipped byte is read as something or refused; nothing breaks.
+static void flipped_bytes(void **state) {
+    (void)state;
+    size_t size;
+    char *data =
+        file_bytes(&(struct sample_file){EXR_COMPRESSION_PIZ, EXR_PIXEL_HALF, true}, &size);
+    struct rng rng = rng_make(3, RNG_TEST, 0);
+    for (int i = 0; i < 3000; i++) {
+        size_t at = rng_u32(&rng) % (i & 1 ? size : 500);
+        char old = data[at];
+        data[at] = (char)rng_u32(&rng);
+        struct satin_film *film = NULL;
+        if (film_parse_exr(data, size, "flip.exr", (struct log){0}, &film) == SATIN_OK)
+            satin_film_free(film);
+        data[at] = old;
+    }
+    free(data);
+}
+
+static void promises_too_much(void **state) {
+    (void)state;
+    size_t size;
+    char *data =
+        file_bytes(&(struct sample_file){EXR_COMPRESSION_ZIP, EXR_PIXEL_FLOAT, false}, &size);
+    static const char key[] = "dataWindow\0box2i";
+    char *box = memmem(data, size, key, sizeof key);
+    assert_non_null(box);
+    static const int32_t windows[][4] = {{0, 0, 0x7fffffff, 0x7fffffff},
+                                         {-0x7fffffff, -0x7fffffff, 0x7fffffff, 0x7fffffff},
+                                         {0, 0, 99999, 99999},
+                                         {0, 0, 65535, 15},
+                                         {5, 5, 4, 4}};
+    for (int i = 0; i < 5; i++) {
+        struct message message = {0};
+        struct satin_film *film = NULL;
+        memcpy(box + sizeof key + 4, windows[i], 16);
+        assert_int_equal(film_parse_exr(data, size, "big.exr", (struct log){keep, &message}, &film),
+                         SATIN_ERROR_INPUT);
+        assert_int_equal(message.count, 1);
+    }
+    free(data);
+}
+
+static void not_a_file(void **state) {
+    (void)state;
+    struct message message = {0};
+    struct satin_film *film = NULL;
+    assert_int_equal(satin_film_read("missing.exr", keep, &message, &film), SATIN_ERROR_INPUT);
+    assert_int_equal(satin_film_read("/tmp", keep, &message, &film), SATIN_ERROR_INPUT);
+    assert_int_equal(message.count, 2);
+    assert_int_equal(film_parse_exr("<scene/>", 8, "x.exr", (struct log){keep, &message}, &film),
+                     SATIN_ERROR_INPUT);
+    assert_string_equal(message.text, "x.exr: it is not an OpenEXR file");
+}
+
+int main(void) {
+    char folder[] = "/tmp/satin-test-XXXXXX";
+    if (!mkdtemp(folder) || chdir(folder) != 0) return 1;
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_kind),    cmocka_unit_test(cut_short),
+        cmocka_unit_test(flipped_bytes), cmocka_unit_test(promises_too_much),
+        cmocka_unit_test(not_a_file),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    if (rmdir(folder) != 0) return 1;
+    return failed;
+}
