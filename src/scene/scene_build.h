@@ -47,6 +47,11 @@ satin_status scene_mesh_rectangle(struct arena *arena, const struct mesh_request
 satin_status scene_mesh_cube(struct arena *arena, const struct mesh_request *request,
                              struct mesh *out);
 
+// Places a sphere, disk or cylinder by the transform of its object space (a sphere's or cylinder's
+// centre, radius and ends included): sets to_world, to_object, center and radius. A mirrored sphere
+// turns its front side, as in Mitsuba: flip_normals, set before, is toggled. False if the transform
+// has no inverse.
+bool scene_shape_place(struct shape *shape, const struct mat4 *to_world);
 // World-space area of a shape.
 float scene_shape_area(const struct shape *shape);
 

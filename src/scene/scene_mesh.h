@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to scene/: what the mesh readers share.
+#ifndef SCENE_MESH_H
+#define SCENE_MESH_H
+
+#include "scene/scene_build.h"
+
+// A mesh being read, in object space. All arrays are in the source's arena.
+struct mesh_parts {
+    uint32_t vertex_count, triangle_count;
+    float *position;  // 3 per vertex, with 1 float of padding
+    float *normal;    // 3 per vertex, any length, zero where the file has none; or NULL
+    float *uv;        // 2 per vertex or NULL
+    uint32_t *index;  // 3 per triangle
+};
+
+// An error that concerns the whole file, or `line` of a text file (0: unknown). SATIN_ERROR_INPUT.
+satin_status mesh_error(const struct scene_source *source, int line, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+satin_status mesh_no_memory(const struct scene_source *source);
+
+// Reads the file and continues the hash over it; the caller frees *data.
+satin_status mesh_read(const struct scene_source *source, char **data, size_t *size);
+
+// Arrays of a mesh with `vertices` vertices; normal and uv only if asked for, index NULL.
+satin_status mesh_allocate(const struct scene_source *source, uint32_t vertices, bool normals,
+                           bool uvs, struct mesh_parts *out);
+
+// Checks the indices and transforms into world space; makes normals, winds the triangles, flips.
+satin_status mesh_finish(const struct scene_source *source, const struct mesh_request *request,
+                         struct mesh_parts *parts, struct mesh *out);
+
+#endif

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+// Spheres, disks and cylinders: where a ray meets them, and the surface there. scene_trace.c calls
+// this from Embree's traversal. All in double: the roots of a quadratic lose half their digits, and
+// with 53 bits what is left is finer than a float position, so a ray whose origin was moved off the
+// surface by some float ulp can never meet it again. Parameterisation as in Mitsuba 3.
+#include "scene/scene_quadric.h"
+
+#include <float.h>
+#include <string.h>
+
+struct point {
+    double x, y, z;
+};
+
+static struct point apply(const double m[3][4], struct point p, double w) {
+    return (struct point){m[0][0] * p.x + m[0][1] * p.y + m[0][2] * p.z + m[0][3] * w,
+                          m[1][0] * p.x + m[1][1] * p.y + m[1][2] * p.z + m[1][3] * w,
+                          m[2][0] * p.x + m[2][1] * p.y + m[2][2] * p.z + m[2][3] * w};
+}
+
+static struct point wide(vec3 v) { return (struct point){v.x, v.y, v.z}; }
+static vec3 narrow(struct point p) { return v3((float)p.x, (float)p.y, (float)p.z); }
+
+static struct point along(struct point o, double t, struct point d) {
+    return (struct point){o.x + t * d.x, o.y + t * d.y, o.z + t * d.z};
+}
+
+static double dot(struct point a, struct point b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+// The inverse of an affine map by cofactors; false if it has none.
+static bool invert(const double m[3][4], double out[3][4]) {
+    double c[3][3];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+            c[i][j] = m[i1][j1] * m[i2][j2] - m[i1][j2] * m[i2][j1];
+        }
+    double det = m[0][0] * c[0][0] + m[0][1] * c[0][1] + m[0][2] * c[0][2];
+    if (!(fabs(det) > 0.0) || !isfinite(det)) return false;
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) out[i][j] = c[j][i] / det;
+        out[i][3] = -(out[i][0] * m[0][3] + out[i][1] * m[1][3] + out[i][2] * m[2][3]);
+        for (int j = 0; j < 4; j++)
+            if (!isfinite(out[i][j])) return false;
+    }
+    return true;
+}
+
+bool quadric_make(const struct shape *shape, uint32_t index, struct quadric *out) {
+    struct quadric q = {.kind = shape->kind, .shape = index, .flip = shape->flip_normals};
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 4; j++) q.to_world[i][j] = shape->to_world.m[i][j];
+    if (!invert(q.to_world, q.to_object)) return false;
+    if (shape->kind == SHAPE_SPHERE) {
+        q.center[0] = shape->center.x;
+        q.center[1] = shape->center.y;
+        q.center[2] = shape->center.z;
+        q.radius = shape->radius;
+        if (!(q.radius > 0.0 && isfinite(q.radius) && v3_finite(shape->center))) return false;
+    }
+    *out = q;
+    return true;
+}
+
+void quadric_bounds(const struct quadric *q, float lo[3], float hi[3]) {
+    for (int i = 0; i < 3; i++) {
+        const double *m = q->to_world[i];
+        double middle = m[3], half = sqrt(m[0] * m[0] + m[1] * m[1]);
+        if (q->kind == SHAPE_SPHERE) {
+            middle = q->center[i];
+            half = q->radius;
+        }
+        double low = middle - half, high = middle + half;
+        if (q->kind == SHAPE_CYLINDER) {
+            low += fmin(m[2], 0.0);
+            high += fmax(m[2], 0.0);
+        }
+        lo[i] = nextafterf((float)low, -FLT_MAX);
+        hi[i] = nextafterf((float)high, FLT_MAX);
+    }
+}
+
+// The real roots of a t^2 + 2 b t + c around the vertex of the parabola, ascending; false if none.
+// `rest` is c - b^2 / a, computed without cancellation by the caller.
+static bool roots(double a, double b, double c, double rest, double t[2]) {
+    if (!(a > 0.0) || !(rest <= 0.0)) return false;
+    double s = sqrt(-rest * a), q = b < 0.0 ? -b + s : -b - s;
+    t[0] = q / a;
+    t[1] = q != 0.0 ? c / q : t[0];
+    if (t[0] > t[1]) {
+        double swap = t[0];
+        t[0] = t[1];
+        t[1] = swap;
+    }
+    return true;
+}
+
+static int crossings(const struct quadric *q, struct point o, struct point d, double t[2]) {
+    if (q->kind == SHAPE_SPHERE) {
+        struct point m = {o.x - q->center[0], o.y - q->center[1], o.z - q->center[2]};
+        double a = dot(d, d), b = dot(m, d), r2 = q->radius * q->radius;
+        struct point nearest = along(m, -b / a, d);
+        return roots(a, b, dot(m, m) - r2, dot(nearest, nearest) - r2, t) ? 2 : 0;
+    }
+    o = apply(q->to_object, o, 1.0);
+    d = apply(q->to_object, d, 0.0);
+    if (q->kind == SHAPE_DISK) {
+        t[0] = -o.z / d.z;
+        struct point p = along(o, t[0], d);
+        return p.x * p.x + p.y * p.y <= 1.0 ? 1 : 0;  // false for a ray in the plane: NaN
+    }
+    double a = d.x * d.x + d.y * d.y, b = o.x * d.x + o.y * d.y;
+    double x = o.x - b / a * d.x, y = o.y - b / a * d.y, both[2];
+    if (!roots(a, b, o.x * o.x + o.y * o.y - 1.0, x * x + y * y - 1.0, both)) return 0;
+    int n = 0;
+    for (int i = 0; i < 2; i++) {
+        double z = o.z + both[i] * d.z;
+        if (z >= 0.0 && z <= 1.0) t[n++] = both[i];
+    }
+    return n;
+}
+
+bool quadric_intersect(const struct quadric *q, vec3 o, vec3 d, float tnear, float tfar, float *t) {
+    double at[2];
+    int n = crossings(q, wide(o), wide(d), at);
+    for (int i = 0; i < n; i++)
+        if (at[i] > tnear && at[i] < tfar) {
+            *t = (float)at[i];
+            return true;
+        }
+    return false;
+}
+
+static struct point scaled(struct point p, double s) {
+    return (struct point){p.x * s, p.y * s, p.z * s};
+}
+
+// A turn about z as a coordinate in [0, 1).
+static float turn(double y, double x) {
+    double u = atan2(y, x) * (0.5 / M_PI);
+    return (float)(u < 0.0 ? u + 1.0 : u);
+}
+
+// n, unit, by the transposed inverse.
+static struct point normal_to_world(const struct quadric *q, struct point n) {
+    const double(*m)[4] = q->to_object;
+    struct point w = {m[0][0] * n.x + m[1][0] * n.y + m[2][0] * n.z,
+                      m[0][1] * n.x + m[1][1] * n.y + m[2][1] * n.z,
+                      m[0][2] * n.x + m[1][2] * n.y + m[2][2] * n.z};
+    return scaled(w, 1.0 / sqrt(dot(w, w)));
+}
+
+// Position, normal (front side outwards or +z), uv and dp/du in world space, up to a factor.
+struct spot {
+    struct point p, n, du;
+    vec2 uv;
+};
+
+static struct spot sphere_spot(const struct quadric *q, struct point p) {
+    struct point m = {p.x - q->center[0], p.y - q->center[1], p.z - q->center[2]};
+    struct spot s;
+    s.n = scaled(m, 1.0 / sqrt(dot(m, m)));
+    s.p = along((struct point){q->center[0], q->center[1], q->center[2]}, q->radius, s.n);
+    struct point l = apply(q->to_object, s.p, 1.0);
+    s.du = apply(q->to_world, (struct point){-l.y, l.x, 0.0}, 0.0);
+    s.uv.x = turn(l.y, l.x);
+    s.uv.y = (float)(atan2(hypot(l.x, l.y), l.z) / M_PI);
+    return s;
+}
+
+static struct spot disk_spot(const struct quadric *q, struct point p) {
+    struct point l = apply(q->to_object, p, 1.0);
+    l.z = 0.0;
+    double r = hypot(l.x, l.y);
+    struct point axis = r > 0.0 ? (struct point){l.x / r, l.y / r, 0.0} : (struct point){1, 0, 0};
+    struct spot s = {.p = apply(q->to_world, l, 1.0),
+                     .n = normal_to_world(q, (struct point){0.0, 0.0, 1.0}),
+                     .du = apply(q->to_world, axis, 0.0)};
+    s.uv = (vec2){(float)r, turn(l.y, l.x)};
+    return s;
+}
+
+static struct spot cylinder_spot(const struct quadric *q, struct point p) {
+    struct point l = apply(q->to_object, p, 1.0);
+    double r = hypot(l.x, l.y);
+    l = (struct point){l.x / r, l.y / r, fmin(fmax(l.z, 0.0), 1.0)};
+    struct spot s = {.p = apply(q->to_world, l, 1.0),
+                     .n = normal_to_world(q, (struct point){l.x, l.y, 0.0}),
+                     .du = apply(q->to_world, (struct point){-l.y, l.x, 0.0}, 0.0)};
+    s.uv = (vec2){turn(l.y, l.x), (float)l.z};
+    return s;
+}
+
+void quadric_surfel(const struct quadric *q, const struct ray *ray, float t, bool tangent,
+                    struct surfel *out) {
+    struct point p = along(wide(ray->o), t, wide(ray->d));
+    struct spot s = q->kind == SHAPE_SPHERE ? sphere_spot(q, p)
+                    : q->kind == SHAPE_DISK ? disk_spot(q, p)
+                                            : cylinder_spot(q, p);
+    out->p = narrow(s.p);
+    out->ng = narrow(q->flip ? scaled(s.n, -1.0) : s.n);
+    out->uv = s.uv;
+    out->frame = tangent ? frame_from_tangent(out->ng, narrow(s.du)) : frame_from_normal(out->ng);
+}

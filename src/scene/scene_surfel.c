@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// The surface at a triangle hit, and the spawning of rays from surfaces.
+//
+// Self-intersection is kept out by three measures that need no tolerance in world units:
+// - a hit point is combined in double and rounded once, so it lies within half an ulp of the plane;
+// - scene_spawn moves the origin off by a few ulp of the position, which exceeds that half ulp;
+// - the filter of scene_trace.c asks surfel_crosses, in double, before it believes a hit that is
+//   nearer than what the float intersector can resolve on a large or thin triangle.
+// Leaks at edges are kept out by pulling hits a few ulp into their triangle: next to an edge a
+// rounded position can lie beyond the neighbouring face.
+#include "scene/scene_surfel.h"
+
+struct triangle {
+    double p[3][3];
+    double e1[3], e2[3];  // p1 - p0, p2 - p0
+    double n[3];          // e1 x e2
+};
+
+static void triangle_get(const struct mesh *mesh, uint32_t prim, struct triangle *t) {
+    const uint32_t *index = mesh->index + (size_t)prim * 3;
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 3; i++) t->p[k][i] = mesh->position[(size_t)index[k] * 3 + i];
+    for (int i = 0; i < 3; i++) {
+        t->e1[i] = t->p[1][i] - t->p[0][i];
+        t->e2[i] = t->p[2][i] - t->p[0][i];
+    }
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        t->n[i] = t->e1[j] * t->e2[k] - t->e1[k] * t->e2[j];
+    }
+}
+
+static double dot3(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+bool surfel_crosses(const struct mesh *mesh, uint32_t prim, vec3 o, vec3 d, float tnear) {
+    struct triangle t;
+    triangle_get(mesh, prim, &t);
+    const double to[3] = {t.p[0][0] - o.x, t.p[0][1] - o.y, t.p[0][2] - o.z};
+    const double direction[3] = {d.x, d.y, d.z};
+    double height = dot3(to, t.n), slope = dot3(direction, t.n);
+    return slope < 0.0 ? height < tnear * slope : height > tnear * slope;
+}
+
+float surfel_extent(const struct mesh *mesh) {
+    float extent = 0.0f;
+    for (size_t t = 0; t < mesh->triangle_count; t++) {
+        const uint32_t *index = mesh->index + t * 3;
+        for (int i = 0; i < 3; i++) {
+            float a = mesh->position[(size_t)index[0] * 3 + i];
+            float b = mesh->position[(size_t)index[1] * 3 + i];
+            float c = mesh->position[(size_t)index[2] * 3 + i];
+            extent = fmaxf(extent, fmaxf(a, fmaxf(b, c)) - fminf(a, fminf(b, c)));
+        }
+    }
+    return extent;
+}
+
+// Keeps the barycentric coordinates b off the edges by `margin` in world units, or at the centre of
+// a triangle that is smaller than that.
+static void pull_inside(const struct triangle *t, double n_length, double margin, double b[3]) {
+    double e3[3] = {t->e2[0] - t->e1[0], t->e2[1] - t->e1[1], t->e2[2] - t->e1[2]};
+    const double *edge[3] = {e3, t->e2, t->e1};  // opposite to each vertex
+    double sum = 0.0;
+    for (int k = 0; k < 3; k++) {
+        double least = margin * sqrt(dot3(edge[k], edge[k])) / n_length;  // margin over height
+        b[k] = fmax(b[k], fmin(least, 1.0 / 3.0));
+        sum += b[k];
+    }
+    for (int k = 0; k < 3; k++) b[k] /= sum;
+}
+
+// dp/du of the texture coordinates; without them, or if they do not span the triangle, the first
+// axis of the frame of ng.
+static vec3 triangle_tangent(const struct mesh *mesh, const uint32_t *index,
+                             const struct triangle *t, vec3 ng) {
+    if (mesh->uv) {
+        const float *a = mesh->uv + (size_t)index[0] * 2, *b = mesh->uv + (size_t)index[1] * 2,
+                    *c = mesh->uv + (size_t)index[2] * 2;
+        double v1 = (double)b[1] - a[1], v2 = (double)c[1] - a[1];
+        double det = ((double)b[0] - a[0]) * v2 - v1 * ((double)c[0] - a[0]);
+        if (det != 0.0)
+            return v3((float)((v2 * t->e1[0] - v1 * t->e2[0]) / det),
+                      (float)((v2 * t->e1[1] - v1 * t->e2[1]) / det),
+                      (float)((v2 * t->e1[2] - v1 * t->e2[2]) / det));
+    }
+    return frame_from_normal(ng).u;
+}
+
+static vec3 blend3(const float *values, const uint32_t *index, const double b[3]) {
+    const float *p = values + (size_t)index[0] * 3, *q = values + (size_t)index[1] * 3,
+                *r = values + (size_t)index[2] * 3;
+    return v3((float)(b[0] * p[0] + b[1] * q[0] + b[2] * r[0]),
+              (float)(b[0] * p[1] + b[1] * q[1] + b[2] * r[1]),
+              (float)(b[0] * p[2] + b[1] * q[2] + b[2] * r[2]));
+}
+
+void surfel_triangle(const struct satin_scene *scene, const struct shape *shape, uint32_t prim,
+                     float u, float v, bool tangent, struct surfel *out) {
+    const struct mesh *mesh = &shape->mesh;
+    const uint32_t *index = mesh->index + (size_t)prim * 3;
+    struct triangle t;
+    triangle_get(mesh, prim, &t);
+    double b[3] = {1.0 - (double)u - (double)v, u, v};
+    double n_length = sqrt(dot3(t.n, t.n));
+    vec3 p = blend3(mesh->position, index, b);
+    pull_inside(&t, n_length, 4.0 * surfel_offset(scene, p), b);
+    out->p = blend3(mesh->position, index, b);
+
+    double s = (shape->flip_normals ? -1.0 : 1.0) / n_length;
+    vec3 ng = v3((float)(s * t.n[0]), (float)(s * t.n[1]), (float)(s * t.n[2])), n = ng;
+    if (mesh->normal) {
+        n = blend3(mesh->normal, index, b);
+        float l2 = v3_len2(n);
+        n = l2 > 0.0f ? v3_mul(n, 1.0f / sqrtf(l2)) : ng;
+        // The front side is that of the shading normal, as in Mitsuba.
+        if (v3_dot(n, ng) < 0.0f) ng = v3_neg(ng);
+    }
+    out->ng = ng;
+    out->uv = (vec2){(float)b[1], (float)b[2]};
+    if (mesh->uv) {
+        const float *a = mesh->uv + (size_t)index[0] * 2, *c = mesh->uv + (size_t)index[1] * 2,
+                    *d = mesh->uv + (size_t)index[2] * 2;
+        out->uv = (vec2){(float)(b[0] * a[0] + b[1] * c[0] + b[2] * d[0]),
+                         (float)(b[0] * a[1] + b[1] * c[1] + b[2] * d[1])};
+    }
+    out->frame = tangent ? frame_from_tangent(n, triangle_tangent(mesh, index, &t, ng))
+                         : frame_from_normal(n);
+}
+
+static vec3 leave(vec3 p, vec3 ng, vec3 d, float offset) {
+    double side = (double)ng.x * d.x + (double)ng.y * d.y + (double)ng.z * d.z;
+    return v3_mad(p, side < 0.0 ? -offset : offset, ng);
+}
+
+struct ray scene_spawn(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d) {
+    return (struct ray){leave(p, ng, d, surfel_offset(scene, p)), 0.0f, d, INFINITY};
+}
+
+struct ray scene_spawn_to(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 q, vec3 nq) {
+    vec3 d = v3_sub(q, p);
+    // At the far end the direction's own rounding counts too, in proportion to the distance.
+    float end_offset = fmaxf(surfel_offset(scene, q), 8.0f * 0x1p-24f * v3_max_abs(d));
+    vec3 o = leave(p, ng, d, surfel_offset(scene, p));
+    vec3 end = leave(q, nq, v3_neg(d), end_offset);
+    d = v3_sub(end, o);
+    float distance = v3_len(d);
+    if (!(distance > 0.0f)) return (struct ray){o, 0.0f, v3(0, 0, 0), 0.0f};
+    // Just before the end: the length and the unit direction are each off by an ulp or so.
+    return (struct ray){o, 0.0f, v3_mul(d, 1.0f / distance), distance * (1.0f - 0x1p-21f)};
+}

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to scene/: hits on triangles, exactly, and how far a ray starts off the surface.
+#ifndef SCENE_SURFEL_H
+#define SCENE_SURFEL_H
+
+#include "scene/scene.h"
+
+// How far off the surface a ray starts that leaves p: a bound of what separates a float position
+// from the surface it lies on. It is relative to p, so that it serves in scenes of any size; the
+// part of the scene's radius covers double rounding where p is next to the origin.
+static inline float surfel_offset(const struct satin_scene *scene, vec3 p) {
+    const float ulps = 8.0f * 0x1p-24f;
+    return ulps * (v3_max_abs(p) + 0x1p-20f * scene->radius);
+}
+
+// Fills p, ng, frame and uv of the point (1 - u - v, u, v) of a triangle. The frame follows dp/du
+// if `tangent`.
+void surfel_triangle(const struct satin_scene *scene, const struct shape *shape, uint32_t prim,
+                     float u, float v, bool tangent, struct surfel *out);
+
+// Whether the ray o + t d crosses the plane of the triangle at t > tnear, in double.
+bool surfel_crosses(const struct mesh *mesh, uint32_t prim, vec3 o, vec3 d, float tnear);
+
+// Longest extent of a triangle's box, over the mesh.
+float surfel_extent(const struct mesh *mesh);
+
+#endif
