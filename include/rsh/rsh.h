@@ -66,6 +66,42 @@ RSH_API void rsh_accumulate(size_t count, size_t coefficients, const float *matr
 // serves all.
 RSH_API bool rsh_dot3(int order, int a_channels, const float *a, const float *b, float out[3]);
 
+// Rotations of functions on the sphere. Rotating L by R gives the function L(R^-1 w); R is a proper
+// orthonormal matrix, rows first. Every call below allows out == in, and takes any number of
+// channels at once: a record with two derivative vectors of three colours is 9 channels.
+// A matrix or a frame with a NaN or an infinity: false, nothing is written.
+
+// About z by `angle` [K05 D].
+RSH_API bool rsh_rotate_z(int order, int channels, float angle, const float *in, float *out);
+// About y by `angle`, exact to rounding.
+RSH_API bool rsh_rotate_y(int order, int channels, float angle, const float *in, float *out);
+
+// Truncations of the rotation about y at small angles [K05 5.3]: the series to first order; with
+// the diagonal of the second ("1.5th"); to second order.
+typedef enum rsh_taylor { RSH_TAYLOR_1 = 0, RSH_TAYLOR_1_5, RSH_TAYLOR_2 } rsh_taylor;
+RSH_API bool rsh_rotate_y_taylor(rsh_taylor kind, int order, int channels, float angle,
+                                 const float *in, float *out);
+
+// By any rotation, exact to rounding: z, y, z with the y part as z between two exchanges of y and
+// z.
+RSH_API bool rsh_rotate(int order, int channels, const float r[9], const float *in, float *out);
+
+// Coefficients given in frame `from`, re-expressed in frame `to`; frames are rows u, v, n of one
+// right-handed orthonormal basis each. Costs a copy when the frames agree and a rotation about z
+// when the normals do; up to the angle `beta_limit` between the normals the second-order series is
+// used, beyond it the exact rotation. beta_limit 0 is always exact, 4 never.
+// RSH_HEMISPHERE: the angle is turned into beta' = arccos(2 cos beta - 1), which is exact at the
+// pole only and errs by 10 % for lobes at 60 degrees turned by 6 [K05 5.4]; rsh_hemi_align is
+// better.
+RSH_API bool rsh_align(rsh_basis basis, int order, int channels, const float from[9],
+                       const float to[9], float beta_limit, const float *in, float *out);
+
+// The transpose of rsh_align(basis, order, ., from, to, beta_limit, ...), applied to the vector of
+// the other side: dot(c, align(lambda)) = dot(align_transposed(c), lambda). Rotates one BRDF into
+// the frame of each record instead of each record with its derivatives and colours.
+RSH_API bool rsh_align_transposed(rsh_basis basis, int order, int channels, const float from[9],
+                                  const float to[9], float beta_limit, const float *in, float *out);
+
 #ifdef __cplusplus
 }
 #endif

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Evaluation, projection and products of harmonics in plain C: the definition of each.
+// Evaluation of the harmonics in one direction, which defines them, and the calls for many.
 #include "rsh/rsh.h"
 
 #include <math.h>
 
+#include "rsh/rsh_kernel.h"
 #include "rsh/rsh_tables.h"
-
-static bool order_ok(int order) { return order >= 1 && order <= RSH_MAX_ORDER; }
 
 // The direction at which spherical harmonics take a hemispherical harmonic's value, but for the
 // factor sqrt 2: cos theta' = 2 cos theta - 1 at the same phi. As sin theta' / sin theta =
@@ -20,7 +19,7 @@ static void stretch(const float w[3], float out[3]) {
 }
 
 bool rsh_eval(rsh_basis basis, int order, const float w[3], float *y) {
-    if (!order_ok(order)) return false;
+    if (!rsh_order_ok(order)) return false;
     float d[3] = {w[0], w[1], w[2]}, c = 1.0f, s = 0.0f;
     if (basis == RSH_HEMISPHERE) {
         stretch(w, d);
@@ -46,39 +45,27 @@ bool rsh_eval(rsh_basis basis, int order, const float w[3], float *y) {
 
 bool rsh_eval_many(rsh_basis basis, int order, size_t count, const float *x, const float *y,
                    const float *z, float *out) {
-    if (!order_ok(order)) return false;
-    float h[RSH_MAX_COEFFICIENTS];
-    for (size_t i = 0; i < count; i++) {
-        rsh_eval(basis, order, (float[3]){x[i], y[i], z[i]}, h);
-        for (int k = 0; k < order * order; k++) out[(size_t)k * count + i] = h[k];
-    }
+    if (!rsh_order_ok(order)) return false;
+    rsh_kernels_best()->eval_many(basis, order, count, x, y, z, out);
     return true;
 }
 
 bool rsh_project(rsh_basis basis, int order, size_t count, const float *x, const float *y,
                  const float *z, const float *r, const float *g, const float *b, float *out) {
-    if (!order_ok(order)) return false;
-    float h[RSH_MAX_COEFFICIENTS];
-    size_t n = (size_t)(order * order);
-    for (size_t i = 0; i < count; i++) {
-        rsh_eval(basis, order, (float[3]){x[i], y[i], z[i]}, h);
-        rsh_accumulate(1, n, h, r + i, g ? g + i : NULL, b ? b + i : NULL, out);
-    }
+    if (!rsh_order_ok(order)) return false;
+    const float *const value[3] = {r, b ? g : NULL, g ? b : NULL};
+    rsh_kernels_best()->project(basis, order, count, x, y, z, value, out);
     return true;
 }
 
 void rsh_accumulate(size_t count, size_t coefficients, const float *matrix, const float *r,
                     const float *g, const float *b, float *out) {
-    const float *value[3] = {r, g, b};
-    int channels = g && b ? 3 : 1;
-    for (size_t i = 0; i < count; i++)
-        for (int c = 0; c < channels; c++)
-            for (size_t k = 0; k < coefficients; k++)
-                out[(size_t)c * coefficients + k] += matrix[i * coefficients + k] * value[c][i];
+    const float *const value[3] = {r, b ? g : NULL, g ? b : NULL};
+    rsh_kernels_best()->accumulate(count, coefficients, matrix, value, out);
 }
 
 bool rsh_dot3(int order, int a_channels, const float *a, const float *b, float out[3]) {
-    if (!order_ok(order)) return false;
+    if (!rsh_order_ok(order)) return false;
     int n = order * order, step = a_channels == 1 ? 0 : n;
     for (int c = 0; c < 3; c++) {
         float sum = 0.0f;

@@ -1,17 +1,23 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes the constants of the harmonics as C, in double precision rounded once to float.
+"""Writes the constants of the harmonics as C, computed in double and rounded once to float.
 
-usage: rsh_tables.py OUTPUT.c        (the declarations and meanings are in rsh_tables.h)
+usage: rsh_tables.py OUTPUT.c        (declarations and meanings stand in rsh_tables.h)
 """
+import functools
 import math
 import sys
 
 ORDER = 16
+LANES = 16
+# Bands that share a vector of lanes, see rsh_tables.h.
+GROUPS = [[0, 1, 2, 3], [4, 5], [6, 7]] + [[l] for l in range(8, ORDER)]
 
 
 def norm(l, m):
     """Factor of the monic Legendre function z^(l-m) + ... in Y_l^m (m >= 0), sqrt 2 included."""
+    if l < m:
+        return 0.0
     k = (2 * l + 1) * math.factorial(l - m) / (4 * math.pi * math.factorial(l + m))
     leading = math.factorial(2 * l) / (2**l * math.factorial(l) * math.factorial(l - m))
     return math.sqrt(k * (2 if m else 1)) * leading
@@ -22,26 +28,195 @@ def recurrence(l, m):
     return ((l - 1) ** 2 - m * m) / (4.0 * (l - 1) ** 2 - 1) if l >= m + 2 else 0.0
 
 
-def number(x):
-    return ("%.9gf" % x) if "." in "%.9g" % x or "e" in "%.9g" % x else "%.9g.0f" % x
+def slope(l, m):
+    """Entry (m, m - 1) of dR_y/dbeta at 0 in band l; entry (m - 1, m) is its negative."""
+    if m in (0, -l):
+        return 0.0
+    if m == 1:
+        return math.sqrt(l * (l + 1) / 2)
+    return math.copysign(math.sqrt((l - m + 1) * (l + m)) / 2, m)
 
 
-def array(out, head, values):
-    out.append("const float %s = {" % head)
-    for i in range(0, len(values), 6):
-        out.append("    " + ", ".join(number(v) for v in values[i:i + 6]) + ",")
-    out.append("};")
+def wigner_quarter(l, a, b):
+    """Wigner's d^l_ab(pi / 2): a sum of integers, so exact but for its factor."""
+    f = math.factorial
+    total = 0
+    for s in range(max(0, b - a), min(l + b, l - a) + 1):
+        parts = (l + b - s, s, a - b + s, l - a - s)
+        term = f(2 * l)
+        for p in parts:
+            term //= f(p)
+        total += (-1) ** (a - b + s) * term
+    scale = f(l + a) * f(l - a) * f(l + b) * f(l - b)
+    return math.sqrt(scale) * total / f(2 * l) / 2**l
+
+
+def y_quarter(l, a, b):
+    """Entry (a, b) of the rotation about y by +pi / 2 for real harmonics without phase."""
+    if (a < 0) != (b < 0):
+        return 0.0
+    p, q = abs(a), abs(b)
+    if p == 0 and q == 0:
+        return wigner_quarter(l, 0, 0)
+    if p == 0 or q == 0:
+        return math.sqrt(2) * (-1) ** (p + q) * wigner_quarter(l, p, q)
+    return (-1) ** p * ((-1) ** q * wigner_quarter(l, p, q)
+                        + (1 if a > 0 else -1) * wigner_quarter(l, p, -q))
+
+
+def z_quarter(m, turns):
+    """Rows (m, -m) of the rotation about z by turns * pi / 2: {column: value}."""
+    c, s = [(1, 0), (0, 1), (-1, 0), (0, -1)][(abs(m) * turns) % 4]
+    return {m: c} if m == 0 else {m: c, -m: -s if m > 0 else s}
+
+
+@functools.lru_cache(None)
+def swap(l, a, b):
+    """Entry (a, b) of the exchange of y and z: R_z(-pi/2) R_y(pi/2) R_z(pi/2) after z -> -z."""
+    total = 0.0
+    for i, left in z_quarter(a, -1).items():
+        for j in (b, -b) if b else (0,):
+            right = z_quarter(j, 1).get(b, 0)
+            if left and right:
+                total += left * y_quarter(l, i, j) * right
+    return total * (-1) ** (l + b)
+
+
+def layout(group, inner):
+    """(l, m) per lane, or None. Even m fill the lower half and odd m the upper; the inner layout
+    exchanges the halves of odd l."""
+    lanes = [None] * LANES
+    for upper in (0, 1):
+        members = [(l, m) for l in group for m in range(l + 1)
+                   if (m + (l if inner else 0)) % 2 == upper]
+        assert len(members) <= LANES // 2
+        lanes[8 * upper:8 * upper + len(members)] = members
+    return lanes
+
+
+def index(l, m):
+    return l * (l + 1) + m
+
+
+def member(l, m, odd_part):
+    """The m that the x-even (0) or x-odd (1) part keeps in lane |m|; None where it has none."""
+    if odd_part and m == 0:
+        return None
+    return m if m % 2 == odd_part else -m
+
+
+def steps(group):
+    return max(l for l in group) // 2 + 1
+
+
+class Writer:
+    def __init__(self):
+        self.lines = ["// Written by rsh_tables.py.", '#include "rsh/rsh_tables.h"', ""]
+
+    def array(self, kind, head, values):
+        text = [("%d" % v) if kind != "float" else "%.9ef" % v for v in values]
+        self.lines.append("const %s %s = {" % (kind, head))
+        for i in range(0, len(text), 8):
+            self.lines.append("    " + ", ".join(text[i:i + 8]) + ",")
+        self.lines.append("};")
+
+
+def plain_tables(w):
+    grid = [(l, m) for m in range(ORDER) for l in range(ORDER)]
+    w.array("float", "rsh_norm[RSH_MAX_ORDER * RSH_MAX_ORDER]", [norm(l, m) for l, m in grid])
+    w.array("float", "rsh_recurrence[RSH_MAX_ORDER * RSH_MAX_ORDER]",
+            [recurrence(l, m) for l, m in grid])
+    flat = [(l, m) for l in range(ORDER) for m in range(-l, l + 1)]
+    w.array("float", "rsh_slope[RSH_MAX_COEFFICIENTS + 1]", [slope(l, m) for l, m in flat] + [0.0])
+    w.array("float", "rsh_swap[]", [swap(l, a, b) for l in range(ORDER)
+                                    for a in range(-l, l + 1) for b in range(-l, l + 1)])
+
+
+def lane_tables(w):
+    """The tables of struct rsh_lane_group, one row of each array per group."""
+    groups, exchange = [], []
+    for group in GROUPS:
+        outer, inner = layout(group, False), layout(group, True)
+        where = {None: 0}
+        where.update({lm: i for i, lm in enumerate(outer) if lm})
+        first, last = group[0] ** 2, (group[-1] + 1) ** 2
+        plus = [index(*lm) - first if lm else 31 for lm in outer]
+        minus = [index(lm[0], -lm[1]) - first if lm and lm[1] else 31 for lm in outer]
+        natural = []
+        for k in range(first, first + 2 * LANES):
+            l = math.isqrt(k)
+            m = k - l * (l + 1)
+            natural.append((where[(l, abs(m))] + (LANES if m < 0 else 0)) if k < last else 0)
+        powers = [[(lm[1] // 2 + 8 * (lm[1] % 2)) if lm else 0 for lm in lay]
+                  for lay in (outer, inner)]
+        down = [where[(lm[0], lm[1] - 1)] if lm and lm[1] else 0 for lm in outer]
+        up = [where[(lm[0], lm[1] + 1)] if lm and lm[1] < lm[0] else 0 for lm in outer]
+        from_down = [[slope(lm[0], lm[1]) if lm and lm[1] else 0.0 for lm in outer],
+                     [-slope(lm[0], 1 - lm[1]) if lm and lm[1] > 1 else 0.0 for lm in outer]]
+        from_up = [[-slope(lm[0], lm[1] + 1) if lm and lm[1] < lm[0] else 0.0 for lm in outer],
+                   [slope(lm[0], -lm[1]) if lm and 0 < lm[1] < lm[0] else 0.0 for lm in outer]]
+        curve = []
+        for sign in (1, -1):
+            curve.append([-(slope(lm[0], sign * lm[1]) ** 2
+                            + (slope(lm[0], sign * lm[1] + 1) ** 2 if sign * lm[1] < lm[0] else 0))
+                          if lm else 0.0 for lm in outer])
+        ints = [plus, minus, natural, powers[0], powers[1], down, up]
+        floats = from_down + from_up + curve
+        groups.append((first, steps(group), len(exchange), ints, floats))
+        exchange += exchange_steps(group, outer, inner)
+    w.lines.append("const struct rsh_lane_group rsh_lane_groups[RSH_LANE_GROUPS] = {")
+    for first, count, offset, ints, floats in groups:
+        rows = [braces("%d", r) for r in ints] + [braces("%.9ef", r) for r in floats]
+        rows[3:5] = [pair(rows[3:5])]
+        rows[6:] = [pair(rows[i:i + 2]) for i in (6, 8, 10)]
+        w.lines.append("    {%d, %d, %d,\n     %s}," % (first, count, offset, ",\n     ".join(rows)))
+    w.lines.append("};")
+    w.lines.append("const struct rsh_lane_step rsh_lane_steps[] = {")
+    for rows in exchange:
+        texts = [braces("%d", r) for r in rows[:4]] + [braces("%.9ef", r) for r in rows[4:]]
+        quads = [pair([pair(texts[i:i + 2]), pair(texts[i + 2:i + 4])]) for i in (0, 4)]
+        w.lines.append("    {%s,\n     %s}," % tuple(quads))
+    w.lines.append("};")
+
+
+def braces(form, row):
+    return "{" + ", ".join(form % v for v in row) + "}"
+
+
+def pair(rows):
+    return "{" + ",\n     ".join(rows) + "}"
+
+
+def exchange_lanes(source, target, part, t):
+    """Step t of one exchange of one part: per lane of `target` the lane of `source`, and factor.
+    The even part is fed from its own half, the odd part from the other."""
+    lanes, factors = [], []
+    for i, lm in enumerate(target):
+        first = 8 * ((i >= 8) ^ part)
+        chosen = [j for j in range(first, first + 8) if lm and source[j] and source[j][0] == lm[0]]
+        lanes.append(chosen[t] if t < len(chosen) else first)
+        a = member(*lm, part) if lm else None
+        b = member(*source[chosen[t]], part) if t < len(chosen) else None
+        factors.append(swap(lm[0], a, b) if a is not None and b is not None else 0.0)
+    return lanes, factors
+
+
+def exchange_steps(group, outer, inner):
+    """Rows of struct rsh_lane_step: sources and factors, each (to inner, to outer) x parts."""
+    result = []
+    for t in range(steps(group)):
+        rows = [exchange_lanes(*way, part, t) for way in ((outer, inner), (inner, outer))
+                for part in (0, 1)]
+        result.append([row[0] for row in rows] + [row[1] for row in rows])
+    return result
 
 
 def main():
-    out = ["// Written by rsh_tables.py.", '#include "rsh/rsh_tables.h"']
-    grid = [(l, m) for m in range(ORDER) for l in range(ORDER)]
-    array(out, "rsh_norm[RSH_MAX_ORDER * RSH_MAX_ORDER]",
-          [norm(l, m) if l >= m else 0.0 for l, m in grid])
-    array(out, "rsh_recurrence[RSH_MAX_ORDER * RSH_MAX_ORDER]",
-          [recurrence(l, m) for l, m in grid])
+    w = Writer()
+    plain_tables(w)
+    lane_tables(w)
     with open(sys.argv[1], "w") as f:
-        f.write("\n".join(out) + "\n")
+        f.write("\n".join(w.lines) + "\n")
 
 
 main()

@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: Apache-2.0
+// The hot functions in vectors of the native width, one source for every instruction set: the
+// build defines RSH_WIDTH, the lanes of a vector, and RSH_NAME, the table's suffix.
+//
+// Evaluation and projection handle RSH_WIDTH directions per vector. The Legendre functions are kept
+// monic, so a step of their recurrence is a product and a fused multiply-add, and the
+// normalisation is applied once per coefficient at the end. Projection folds the factor
+// Re, Im (x + i y)^m into the values, so that each coefficient costs one fused multiply-add.
+#include "rsh/rsh_kernel.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "rsh/rsh_tables.h"
+#include "rsh/rsh_turn.h"
+
+#define GLUE2(a, b) a##b
+#define GLUE(a, b) GLUE2(a, b)
+#define TEXT2(a) #a
+#define TEXT(a) TEXT2(a)
+#define INLINE static inline __attribute__((always_inline))
+
+enum { W = RSH_WIDTH, PAIR = 2 };
+
+typedef float vf __attribute__((vector_size(4 * RSH_WIDTH)));
+
+INLINE vf load(const float *p) {
+    vf v;
+    memcpy(&v, p, sizeof v);
+    return v;
+}
+
+INLINE void store(float *p, vf v) { memcpy(p, &v, sizeof v); }
+
+INLINE vf splat(float x) { return x - (vf){0}; }
+
+// Halves are added lane by lane: the order depends on the width alone.
+INLINE float sum_lanes(vf v) {
+    float a[W];
+    store(a, v);
+    for (int w = W / 2; w > 0; w /= 2)
+        for (int i = 0; i < w; i++) a[i] += a[i + w];
+    return a[0];
+}
+
+struct directions {
+    vf x, y, z;
+};
+
+// The hemisphere's directions are turned into the sphere's, as in rsh_eval. `keep` lanes are real,
+// the others get the pole.
+INLINE struct directions load_directions(rsh_basis basis, const float *const d[3], size_t first,
+                                         size_t keep) {
+    float tail[3][W];
+    struct directions v;
+    if (keep < W) {
+        for (int i = 0; i < W; i++)
+            for (int a = 0; a < 3; a++)
+                tail[a][i] = (size_t)i < keep ? d[a][first + (size_t)i] : (float)(a == 2);
+        v = (struct directions){load(tail[0]), load(tail[1]), load(tail[2])};
+    } else {
+        v = (struct directions){load(d[0] + first), load(d[1] + first), load(d[2] + first)};
+    }
+    if (basis == RSH_HEMISPHERE) {
+        float z[W], s[W];
+        store(z, v.z);
+        for (int i = 0; i < W; i++) {
+            z[i] = z[i] > 0.0f ? z[i] : 0.0f;
+            z[i] = z[i] < 1.0f ? z[i] : 1.0f;
+            s[i] = 2.0f * sqrtf(z[i] / (1.0f + z[i]));
+        }
+        v = (struct directions){v.x * load(s), v.y * load(s), 2.0f * load(z) - 1.0f};
+    }
+    return v;
+}
+
+INLINE vf load_values(const float *value, size_t first, size_t keep) {
+    if (keep >= W) return load(value + first);
+    float tail[W] = {0};
+    memcpy(tail, value + first, keep * sizeof *tail);
+    return load(tail);
+}
+
+static void kernel_eval_many(rsh_basis basis, int order, size_t count, const float *x,
+                             const float *y, const float *z, float *out) {
+    const float *const d[3] = {x, y, z};
+    for (size_t first = 0; first < count; first += W) {
+        size_t keep = count - first < W ? count - first : W;
+        struct directions v = load_directions(basis, d, first, keep);
+        vf c = splat(basis == RSH_HEMISPHERE ? sqrtf(2.0f) : 1.0f), s = {0};
+        for (int m = 0; m < order; m++) {
+            const float *norm = rsh_norm + m * RSH_MAX_ORDER;
+            const float *b = rsh_recurrence + m * RSH_MAX_ORDER;
+            vf p = splat(1.0f), p1 = {0};
+            for (int l = m; l < order; l++) {
+                if (l > m) {
+                    vf next = v.z * p - b[l] * p1;
+                    p1 = p;
+                    p = next;
+                }
+                vf q = p * norm[l], plus = q * c, minus = q * s;
+                float *to = out + (size_t)(l * (l + 1)) * count + first;
+                size_t shift = (size_t)m * count;
+                if (keep == W) {
+                    if (m) store(to - shift, minus);
+                    store(to + shift, plus);
+                } else {
+                    if (m) memcpy(to - shift, &minus, keep * sizeof *to);
+                    memcpy(to + shift, &plus, keep * sizeof *to);
+                }
+            }
+            vf t = v.x * c - v.y * s;
+            s = v.x * s + v.y * c;
+            c = t;
+        }
+    }
+}
+
+// Adds to the sums of (l, +-m), l = m .. order - 1, of all channels: per l, channel by channel, the
+// sum of p c and, unless m is 0, that of p s.
+INLINE vf *project_column(int order, int channels, int m, bool with_sine, const vf z[PAIR],
+                          vf c[3][PAIR], vf s[3][PAIR], vf *sum) {
+    const float *b = rsh_recurrence + m * RSH_MAX_ORDER;
+    vf p[PAIR], p1[PAIR];
+    for (int i = 0; i < PAIR; i++) {
+        p[i] = splat(1.0f);
+        p1[i] = (vf){0};
+    }
+    for (int l = m; l < order; l++) {
+        if (l > m)
+            for (int i = 0; i < PAIR; i++) {
+                vf next = z[i] * p[i] - b[l] * p1[i];
+                p1[i] = p[i];
+                p[i] = next;
+            }
+        for (int a = 0; a < channels; a++) {
+            for (int i = 0; i < PAIR; i++) sum[0] += p[i] * c[a][i];
+            sum++;
+            if (!with_sine) continue;
+            for (int i = 0; i < PAIR; i++) sum[0] += p[i] * s[a][i];
+            sum++;
+        }
+    }
+    return sum;
+}
+
+INLINE void project_channels(rsh_basis basis, int order, int channels, size_t count,
+                             const float *const d[3], const float *const value[3], float *out) {
+    vf sums[3 * RSH_MAX_COEFFICIENTS];
+    int n = order * order;
+    memset(sums, 0, (size_t)(channels * n) * sizeof *sums);
+    for (size_t first = 0; first < count; first += PAIR * W) {
+        vf c[3][PAIR], s[3][PAIR], x[PAIR], y[PAIR], z[PAIR];
+        for (size_t i = 0; i < PAIR; i++) {
+            size_t at = first + i * W, left = at < count ? count - at : 0;
+            struct directions v = load_directions(basis, d, at, left);
+            x[i] = v.x, y[i] = v.y, z[i] = v.z;
+            for (int a = 0; a < channels; a++) c[a][i] = load_values(value[a], at, left);
+        }
+        vf *sum = project_column(order, channels, 0, false, z, c, s, sums);
+        for (int m = 1; m < order; m++) {
+            for (int a = 0; a < channels; a++)
+                for (int i = 0; i < PAIR; i++) {
+                    vf t = m == 1 ? c[a][i] * x[i] : c[a][i] * x[i] - s[a][i] * y[i];
+                    s[a][i] = m == 1 ? c[a][i] * y[i] : c[a][i] * y[i] + s[a][i] * x[i];
+                    c[a][i] = t;
+                }
+            sum = project_column(order, channels, m, true, z, c, s, sum);
+        }
+    }
+    const vf *sum = sums;
+    float scale = basis == RSH_HEMISPHERE ? sqrtf(2.0f) : 1.0f;
+    for (int m = 0; m < order; m++)
+        for (int l = m; l < order; l++)
+            for (int a = 0; a < channels; a++) {
+                float f = scale * rsh_norm[m * RSH_MAX_ORDER + l], *to = out + a * n + l * (l + 1);
+                to[m] += f * sum_lanes(*sum++);
+                if (m) to[-m] += f * sum_lanes(*sum++);
+            }
+}
+
+static void kernel_project(rsh_basis basis, int order, size_t count, const float *x, const float *y,
+                           const float *z, const float *const value[3], float *out) {
+    const float *const d[3] = {x, y, z};
+    if (value[1])
+        project_channels(basis, order, 3, count, d, value, out);
+    else
+        project_channels(basis, order, 1, count, d, value, out);
+}
+
+// One pass over all rows for `vectors` vectors of coefficients, begun at `matrix`; the last vector
+// adds its lanes from `skip` on (it may overlap the one before).
+INLINE void accumulate_columns(int vectors, int channels, size_t count, size_t row,
+                               const float *matrix, const float *const value[3], size_t skip,
+                               float *out) {
+    vf sum[3][8];
+    size_t last = (size_t)(vectors - 1);
+    for (int a = 0; a < channels; a++)
+        for (int j = 0; j < vectors; j++) sum[a][j] = (vf){0};
+    for (size_t i = 0; i < count; i++, matrix += row) {
+        vf v[3];
+        for (int a = 0; a < channels; a++) v[a] = splat(value[a][i]);
+        for (int j = 0; j < vectors; j++) {
+            vf h = load(matrix + (size_t)j * W - ((size_t)j == last ? skip : 0));
+            for (int a = 0; a < channels; a++) sum[a][j] += h * v[a];
+        }
+    }
+    for (int a = 0; a < channels; a++) {
+        float *to = out + (size_t)a * row;
+        for (int j = 0; j < vectors; j++) {
+            float lanes[W];
+            store(lanes, sum[a][j]);
+            for (size_t k = (size_t)j == last ? skip : 0; k < W; k++)
+                to[(size_t)j * W + k - ((size_t)j == last ? skip : 0)] += lanes[k];
+        }
+    }
+}
+
+// The widest block whose sums of three channels stay in registers: 24 of 32, or 12 of 16.
+enum { BLOCK = RSH_WIDTH == 16 ? 8 : 4 };
+
+INLINE void accumulate_channels(int channels, size_t count, size_t coefficients,
+                                const float *matrix, const float *const value[3], float *out) {
+    size_t k = 0;
+    while (k < coefficients) {
+        size_t left = coefficients - k, vectors = (left + W - 1) / W, skip = 0;
+        if (vectors > BLOCK)
+            vectors = BLOCK;
+        else
+            skip = vectors * W - left;
+        const float *m = matrix + k;
+        float *to = out + k;
+        switch (vectors) {
+#define CASE(n)                                                                   \
+    case n:                                                                       \
+        accumulate_columns(n, channels, count, coefficients, m, value, skip, to); \
+        break
+            CASE(1);
+            CASE(2);
+            CASE(3);
+            CASE(4);
+#if RSH_WIDTH == 16
+            CASE(5);
+            CASE(6);
+            CASE(7);
+            CASE(8);
+#endif
+#undef CASE
+        }
+        k += vectors * W - skip;
+    }
+}
+
+static void kernel_accumulate(size_t count, size_t coefficients, const float *matrix,
+                              const float *const value[3], float *out) {
+    if (coefficients < W)
+        rsh_kernels_plain.accumulate(count, coefficients, matrix, value, out);
+    else if (value[1])
+        accumulate_channels(3, count, coefficients, matrix, value, out);
+    else
+        accumulate_channels(1, count, coefficients, matrix, value, out);
+}
+
+const struct rsh_kernels GLUE(rsh_kernels_, RSH_NAME) = {
+    TEXT(RSH_NAME), kernel_eval_many, kernel_project, kernel_accumulate, GLUE(rsh_turn_, RSH_NAME)};

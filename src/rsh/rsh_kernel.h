@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// The hot functions, one table per instruction set. The plain table defines each function, the
+// others agree with it to rounding. Arguments were checked by the caller.
+#ifndef RSH_KERNEL_H
+#define RSH_KERNEL_H
+
+#include "rsh/rsh.h"
+
+// How the part about y of a rotation is done.
+enum rsh_method {
+    RSH_METHOD_Z = 0,  // no y part: `gamma` alone
+    RSH_METHOD_TAYLOR_1,
+    RSH_METHOD_TAYLOR_1_5,
+    RSH_METHOD_TAYLOR_2,
+    RSH_METHOD_EXACT
+};
+
+// A rotation: about z by gamma, then about y by beta, then about z by alpha.
+struct rsh_turn {
+    enum rsh_method method;
+    float beta;  // for the series
+    float cos_alpha, sin_alpha, cos_beta, sin_beta, cos_gamma, sin_gamma;
+};
+
+// What rsh.h says of rsh_eval_many, rsh_project and rsh_accumulate; `turn` applies a rotation to
+// each channel, out == in allowed.
+struct rsh_kernels {
+    const char *name;
+    void (*eval_many)(rsh_basis basis, int order, size_t count, const float *x, const float *y,
+                      const float *z, float *out);
+    void (*project)(rsh_basis basis, int order, size_t count, const float *x, const float *y,
+                    const float *z, const float *const value[3], float *out);
+    void (*accumulate)(size_t count, size_t coefficients, const float *matrix,
+                       const float *const value[3], float *out);
+    void (*turn)(const struct rsh_turn *turn, int order, int channels, const float *in, float *out);
+};
+
+extern const struct rsh_kernels rsh_kernels_plain;
+#if defined(__x86_64__)
+extern const struct rsh_kernels rsh_kernels_sse2, rsh_kernels_avx2, rsh_kernels_avx512;
+#else
+extern const struct rsh_kernels rsh_kernels_native;
+#endif
+
+// The tables that this processor can run, best first, ended by NULL.
+const struct rsh_kernels *const *rsh_kernels_usable(void);
+// The best of them, found at the first call.
+const struct rsh_kernels *rsh_kernels_best(void);
+
+static inline bool rsh_order_ok(int order) { return order >= 1 && order <= RSH_MAX_ORDER; }
+
+// The plain rotation, for instruction sets that cannot permute lanes.
+void rsh_plain_turn(const struct rsh_turn *turn, int order, int channels, const float *in,
+                    float *out);
+
+#endif

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sixteen lanes in one AVX-512 register or two AVX2 registers, with the permutations that rotation
+// needs. A place is 0 .. 15; the low half is lanes 0 .. 7.
+#ifndef RSH_LANES_H
+#define RSH_LANES_H
+
+#include <immintrin.h>
+#include <stdint.h>
+
+#define LANES_INLINE static inline __attribute__((always_inline))
+
+#if defined(__AVX512F__)
+
+typedef __m512 lanes;
+
+LANES_INLINE lanes lanes_load(const float *p) { return _mm512_loadu_ps(p); }
+LANES_INLINE lanes lanes_splat(float x) { return _mm512_set1_ps(x); }
+LANES_INLINE lanes lanes_zero(void) { return _mm512_setzero_ps(); }
+LANES_INLINE lanes lanes_add(lanes a, lanes b) { return _mm512_add_ps(a, b); }
+LANES_INLINE lanes lanes_mul(lanes a, lanes b) { return _mm512_mul_ps(a, b); }
+// a b + c, c - a b
+LANES_INLINE lanes lanes_mad(lanes a, lanes b, lanes c) { return _mm512_fmadd_ps(a, b, c); }
+LANES_INLINE lanes lanes_nmad(lanes a, lanes b, lanes c) { return _mm512_fnmadd_ps(a, b, c); }
+
+// The low half of a with the high half of b.
+LANES_INLINE lanes lanes_halves(lanes a, lanes b) { return _mm512_mask_mov_ps(a, 0xff00, b); }
+
+LANES_INLINE lanes permute(lanes v, const int32_t *place) {
+    return _mm512_permutexvar_ps(_mm512_loadu_si512(place), v);
+}
+// Lane i gets lane place[i] of v: of its own half, of the other half, of either.
+LANES_INLINE lanes lanes_within(lanes v, const int32_t *place) { return permute(v, place); }
+LANES_INLINE lanes lanes_across(lanes v, const int32_t *place) { return permute(v, place); }
+LANES_INLINE lanes lanes_any(lanes v, const int32_t *place) { return permute(v, place); }
+
+// Lane i gets in[place[i]], or 0 where place[i] >= count; count <= 32, place < 32.
+struct lanes_source {
+    __m512 low, high;
+};
+LANES_INLINE struct lanes_source lanes_source(const float *in, int count) {
+    unsigned mask = _bzhi_u32(~0u, (unsigned)count);
+    return (struct lanes_source){_mm512_maskz_loadu_ps((__mmask16)mask, in),
+                                 _mm512_maskz_loadu_ps((__mmask16)(mask >> 16), in + 16)};
+}
+LANES_INLINE lanes lanes_gather(struct lanes_source s, const int32_t *place) {
+    return _mm512_permutex2var_ps(s.low, _mm512_loadu_si512(place), s.high);
+}
+
+// out[k] = lane place[k] of a, or lane place[k] - 16 of b, for k < count <= 32.
+LANES_INLINE void lanes_scatter(lanes a, lanes b, const int32_t *place, int count, float *out) {
+    unsigned mask = _bzhi_u32(~0u, (unsigned)count);
+    _mm512_mask_storeu_ps(out, (__mmask16)mask,
+                          _mm512_permutex2var_ps(a, _mm512_loadu_si512(place), b));
+    _mm512_mask_storeu_ps(out + 16, (__mmask16)(mask >> 16),
+                          _mm512_permutex2var_ps(a, _mm512_loadu_si512(place + 16), b));
+}
+
+#else
+
+typedef struct lanes {
+    __m256 lo, hi;
+} lanes;
+
+LANES_INLINE lanes lanes_load(const float *p) {
+    return (lanes){_mm256_loadu_ps(p), _mm256_loadu_ps(p + 8)};
+}
+LANES_INLINE lanes lanes_splat(float x) { return (lanes){_mm256_set1_ps(x), _mm256_set1_ps(x)}; }
+LANES_INLINE lanes lanes_zero(void) { return (lanes){_mm256_setzero_ps(), _mm256_setzero_ps()}; }
+LANES_INLINE lanes lanes_add(lanes a, lanes b) {
+    return (lanes){_mm256_add_ps(a.lo, b.lo), _mm256_add_ps(a.hi, b.hi)};
+}
+LANES_INLINE lanes lanes_mul(lanes a, lanes b) {
+    return (lanes){_mm256_mul_ps(a.lo, b.lo), _mm256_mul_ps(a.hi, b.hi)};
+}
+LANES_INLINE lanes lanes_mad(lanes a, lanes b, lanes c) {
+    return (lanes){_mm256_fmadd_ps(a.lo, b.lo, c.lo), _mm256_fmadd_ps(a.hi, b.hi, c.hi)};
+}
+LANES_INLINE lanes lanes_nmad(lanes a, lanes b, lanes c) {
+    return (lanes){_mm256_fnmadd_ps(a.lo, b.lo, c.lo), _mm256_fnmadd_ps(a.hi, b.hi, c.hi)};
+}
+
+LANES_INLINE lanes lanes_halves(lanes a, lanes b) { return (lanes){a.lo, b.hi}; }
+
+// The instruction looks at the low three bits of a place only.
+LANES_INLINE __m256i places(const int32_t *place) {
+    return _mm256_loadu_si256((const __m256i *)(const void *)place);
+}
+LANES_INLINE lanes lanes_within(lanes v, const int32_t *place) {
+    return (lanes){_mm256_permutevar8x32_ps(v.lo, places(place)),
+                   _mm256_permutevar8x32_ps(v.hi, places(place + 8))};
+}
+LANES_INLINE lanes lanes_across(lanes v, const int32_t *place) {
+    return (lanes){_mm256_permutevar8x32_ps(v.hi, places(place)),
+                   _mm256_permutevar8x32_ps(v.lo, places(place + 8))};
+}
+LANES_INLINE __m256 either(lanes v, __m256i place) {
+    __m256 high = _mm256_castsi256_ps(_mm256_slli_epi32(place, 28));
+    return _mm256_blendv_ps(_mm256_permutevar8x32_ps(v.lo, place),
+                            _mm256_permutevar8x32_ps(v.hi, place), high);
+}
+LANES_INLINE lanes lanes_any(lanes v, const int32_t *place) {
+    return (lanes){either(v, places(place)), either(v, places(place + 8))};
+}
+
+struct lanes_source {
+    const float *in;
+    __m256i count;
+};
+LANES_INLINE struct lanes_source lanes_source(const float *in, int count) {
+    return (struct lanes_source){in, _mm256_set1_epi32(count)};
+}
+LANES_INLINE __m256 gather8(struct lanes_source s, __m256i place) {
+    __m256 mask = _mm256_castsi256_ps(_mm256_cmpgt_epi32(s.count, place));
+    return _mm256_mask_i32gather_ps(_mm256_setzero_ps(), s.in, place, mask, 4);
+}
+LANES_INLINE lanes lanes_gather(struct lanes_source s, const int32_t *place) {
+    return (lanes){gather8(s, places(place)), gather8(s, places(place + 8))};
+}
+
+LANES_INLINE void lanes_scatter(lanes a, lanes b, const int32_t *place, int count, float *out) {
+    float from[32];
+    _mm256_storeu_ps(from, a.lo);
+    _mm256_storeu_ps(from + 8, a.hi);
+    _mm256_storeu_ps(from + 16, b.lo);
+    _mm256_storeu_ps(from + 24, b.hi);
+    for (int k = 0; k < count; k++) out[k] = from[place[k]];
+}
+
+#endif
+#endif

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// The hot functions in plain C: the definition of each, which the vector forms are tested against.
+#include <string.h>
+
+#include "rsh/rsh_kernel.h"
+#include "rsh/rsh_tables.h"
+
+static void plain_eval_many(rsh_basis basis, int order, size_t count, const float *x,
+                            const float *y, const float *z, float *out) {
+    float h[RSH_MAX_COEFFICIENTS];
+    for (size_t i = 0; i < count; i++) {
+        rsh_eval(basis, order, (float[3]){x[i], y[i], z[i]}, h);
+        for (int k = 0; k < order * order; k++) out[(size_t)k * count + i] = h[k];
+    }
+}
+
+static void plain_accumulate(size_t count, size_t coefficients, const float *matrix,
+                             const float *const value[3], float *out) {
+    for (size_t i = 0; i < count; i++)
+        for (size_t c = 0; c < 3 && value[c]; c++)
+            for (size_t k = 0; k < coefficients; k++)
+                out[c * coefficients + k] += matrix[i * coefficients + k] * value[c][i];
+}
+
+static void plain_project(rsh_basis basis, int order, size_t count, const float *x, const float *y,
+                          const float *z, const float *const value[3], float *out) {
+    float h[RSH_MAX_COEFFICIENTS];
+    for (size_t i = 0; i < count; i++) {
+        const float *const one[3] = {value[0] + i, value[1] ? value[1] + i : NULL,
+                                     value[2] ? value[2] + i : NULL};
+        rsh_eval(basis, order, (float[3]){x[i], y[i], z[i]}, h);
+        plain_accumulate(1, (size_t)(order * order), h, one, out);
+    }
+}
+
+// About z: the pair (m, -m) turns by m times the angle.
+static void turn_z(int order, float cosine, float sine, float *v) {
+    float c = 1.0f, s = 0.0f;
+    for (int m = 1; m < order; m++) {
+        float t = c * cosine - s * sine;
+        s = c * sine + s * cosine;
+        c = t;
+        for (int l = m; l < order; l++) {
+            float *plus = v + l * (l + 1) + m, *minus = v + l * (l + 1) - m, p = *plus;
+            *plus = c * p - s * *minus;
+            *minus = s * p + c * *minus;
+        }
+    }
+}
+
+// Exchanges y and z: v is left with the parity in x, and the parities in y (m < 0) and z (l + m)
+// change places. So row a has entries in columns b of one sign and every second b only.
+static void exchange(int order, float *v) {
+    const float *matrix = rsh_swap;
+    for (int l = 0; l < order; l++) {
+        float in[2 * RSH_MAX_ORDER - 1];
+        int size = 2 * l + 1;
+        memcpy(in, v + l * l, (size_t)size * sizeof *in);
+        for (int a = -l; a <= l; a++, matrix += size) {
+            bool negative = (l + a) & 1;
+            int first = negative ? (a < 0) : l + ((l + (a < 0)) & 1), end = negative ? l : size;
+            float sum = 0.0f;
+            for (int b = first; b < end; b += 2) sum += matrix[b] * in[b];
+            v[l * l + a + l] = sum;
+        }
+    }
+}
+
+// About y by the series I + beta D + beta^2 / 2 (nothing, the diagonal of D^2, or D^2).
+static void turn_taylor(enum rsh_method method, float beta, int n, float *v) {
+    float d1[RSH_MAX_COEFFICIENTS], d2[RSH_MAX_COEFFICIENTS] = {0};
+    const float *s = rsh_slope;
+    for (int i = 0; i < n; i++)
+        d1[i] = (i > 0 ? s[i] * v[i - 1] : 0.0f) - (i + 1 < n ? s[i + 1] * v[i + 1] : 0.0f);
+    for (int i = 0; i < n && method == RSH_METHOD_TAYLOR_1_5; i++)
+        d2[i] = -(s[i] * s[i] + (i + 1 < n ? s[i + 1] * s[i + 1] : 0.0f)) * v[i];
+    for (int i = 0; i < n && method == RSH_METHOD_TAYLOR_2; i++)
+        d2[i] = (i > 0 ? s[i] * d1[i - 1] : 0.0f) - (i + 1 < n ? s[i + 1] * d1[i + 1] : 0.0f);
+    for (int i = 0; i < n; i++) v[i] += beta * d1[i] + 0.5f * beta * beta * d2[i];
+}
+
+void rsh_plain_turn(const struct rsh_turn *t, int order, int channels, const float *in,
+                    float *out) {
+    int n = order * order;
+    for (int channel = 0; channel < channels; channel++, in += n, out += n) {
+        float v[RSH_MAX_COEFFICIENTS];
+        memcpy(v, in, (size_t)n * sizeof *v);
+        turn_z(order, t->cos_gamma, t->sin_gamma, v);
+        if (t->method == RSH_METHOD_EXACT) {
+            // The exchange turns the sense round: y by beta is z by -beta between two exchanges.
+            exchange(order, v);
+            turn_z(order, t->cos_beta, -t->sin_beta, v);
+            exchange(order, v);
+        } else if (t->method != RSH_METHOD_Z) {
+            turn_taylor(t->method, t->beta, n, v);
+        }
+        if (t->method != RSH_METHOD_Z) turn_z(order, t->cos_alpha, t->sin_alpha, v);
+        memcpy(out, v, (size_t)n * sizeof *v);
+    }
+}
+
+const struct rsh_kernels rsh_kernels_plain = {"plain", plain_eval_many, plain_project,
+                                              plain_accumulate, rsh_plain_turn};
