@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gathering: light that arrives at a point, found by rays. A gather ray reads the rough solution where it
-// hits; a hemisphere of them gives what a record keeps. Letters: L radiance, E irradiance, r hit distance, M rows
-// (elevation) and N columns (azimuth) of a stratified hemisphere.
+// Gathering: light that arrives at a point, found by rays. A gather ray reads the rough solution
+// where it hits; a hemisphere of them gives what a record keeps. Letters: L radiance, E irradiance,
+// r hit distance, M rows (elevation) and N columns (azimuth) of a stratified hemisphere.
 #ifndef GATHER_GATHER_H
 #define GATHER_GATHER_H
 
@@ -12,9 +12,9 @@
 // What stays the same during a render. Plain data, shared by all threads.
 struct gather {
     const struct satin_scene *scene;
-    const satin_options *options;      // max_depth and rr_depth resolved: max_depth < 0 means no limit
-    const struct photon_maps *maps;    // NULL for first passes `path` and `none`
-    bool wide_lights;                  // lights so large that light sampling alone is noisy
+    const satin_options *options;  // max_depth and rr_depth resolved: max_depth < 0 means no limit
+    const struct photon_maps *maps;  // NULL for first passes `path` and `none`
+    bool wide_lights;                // lights so large that light sampling alone is noisy
 };
 
 struct gather gather_make(const struct satin_scene *scene, const satin_options *options,
@@ -34,31 +34,49 @@ struct gather_point {
 void gather_point_make(const struct satin_scene *scene, const struct surfel *s, vec3 d,
                        struct gather_point *out);
 
-// ---- Direct light (gather_direct.c) ---------------------------------------------------------------
+// ---- Direct light (gather_direct.c)
+// ---------------------------------------------------------------
 
-// Light reflected at p towards wo by the BRDF's smooth `lobes`, by sampling the lights `samples` times. If `mis`, each
-// sample carries the power heuristic's weight against `mis` BRDF samples per light sample (a ratio); 0: full weight.
-rgb gather_direct(const struct gather *g, const struct gather_point *p, unsigned lobes, int samples,
-                  float mis, struct sampler sampler);
-// Weight of emitted light that a BRDF sample of density pdf_w found, against gather_direct's light samples.
-// `hit` is the surfel on the light, NULL for the environment; ratio is BRDF samples per light sample.
-float gather_emitted_weight(const struct gather *g, const struct gather_point *p, vec3 wi,
-                            const struct surfel *hit, float pdf_w, float ratio);
+// How BRDF sampling shares direct light with light sampling: for each part of the BRDF, how many
+// BRDF samples there are per light sample. Ratio 0: light sampling alone. The parts' lobes do not
+// overlap.
+struct gather_mis {
+    struct {
+        unsigned lobes;
+        float ratio;
+    } part[2];
+};
 
-// ---- Paths (gather_path.c) --------------------------------------------------------------------------
+// Light reflected at p towards wo by the smooth lobes that `mis` names, by sampling the lights
+// `samples` times, each with the power heuristic's weight against BRDF sampling.
+rgb gather_direct(const struct gather *g, const struct gather_point *p, struct gather_mis mis,
+                  int samples, struct sampler sampler);
+// Density over solid angle at p with which gather_direct draws the direction of an emitter: `hit`
+// is the surfel on it, NULL for the environment along wi.
+float gather_light_pdf(const struct gather *g, vec3 p, vec3 wi, const struct surfel *hit);
 
-// Radiance along `ray` by path tracing with MIS of light and BRDF sampling. `depth` edges were walked before;
-// `emission`: count emitted light seen along the ray itself.
+// ---- Paths (gather_path.c)
+// --------------------------------------------------------------------------
+
+// Radiance along `ray` by path tracing with MIS of light and BRDF sampling. `depth` edges were
+// walked before. If not `emission`, light that is emitted along the ray itself or seen through
+// ideal specular surfaces alone does not count. *distance gets the length of the ray to its hit, or
+// INFINITY.
 rgb gather_path(const struct gather *g, struct ray ray, int depth, bool emission,
-                struct sampler *sampler);
+                struct sampler *sampler, float *distance);
 
-// ---- Gather rays (gather_ray.c) ---------------------------------------------------------------------
+// ---- Gather rays (gather_ray.c)
+// ---------------------------------------------------------------------
 
 // A gather ray and what it found. Filled by gather_rays.
 struct gather_ray {
     struct ray ray;
     uint32_t item;     // numbers the random decisions behind the hit
+    bool sees_lights;  // fill Le, light_pdf and Le_specular
     rgb L;             // radiance that arrives by reflection: no emitted light
+    rgb Le;            // emitted light seen directly
+    float light_pdf;   // gather_light_pdf of Le
+    rgb Le_specular;   // emitted light seen through ideal specular surfaces
     float r;           // distance to the first hit; INFINITY if there is none
 };
 
@@ -66,12 +84,15 @@ struct gather_ray {
 struct gather_scratch;
 struct gather_scratch *gather_scratch_new(size_t capacity);  // NULL without memory
 void gather_scratch_free(struct gather_scratch *scratch);
+struct gather_ray *gather_scratch_rays(struct gather_scratch *scratch);  // room for `capacity`
 
-// Finds L and r of `count` rays (at most the scratch's capacity). `stream` and each ray's item seed the decisions.
+// Finds L and r of `count` rays (at most the scratch's capacity). `stream` and each ray's item seed
+// the decisions.
 void gather_rays(const struct gather *g, struct gather_scratch *scratch, struct gather_ray *rays,
                  size_t count, uint64_t stream);
 
-// ---- Hemispheres (gather_hemisphere.c) ----------------------------------------------------------------
+// ---- Hemispheres (gather_hemisphere.c)
+// ----------------------------------------------------------------
 
 // Irradiance on a point, with gradients [Ward and Heckbert 1992].
 struct gather_irradiance {
@@ -83,8 +104,8 @@ struct gather_irradiance {
     uint32_t rays;
 };
 
-// Incident radiance in harmonics [K05 (4.9)], in the given frame. Arrays of 3 * order^2 (channel by channel), owned
-// by the caller; dx and dy may be NULL.
+// Incident radiance in harmonics [K05 (4.9)], in the given frame. Arrays of 3 * order^2 (channel by
+// channel), owned by the caller; dx and dy may be NULL.
 struct gather_radiance {
     float *lambda, *dx, *dy;
     float R, r_min;
@@ -97,7 +118,8 @@ struct gather_site {
     uint64_t stream;     // random stream of this site
 };
 
-// Constants of a stratified hemisphere: uniform for harmonics of `order`, or cosine-weighted if order is 0.
+// Constants of a stratified hemisphere: uniform for harmonics of `order`, or cosine-weighted if
+// order is 0.
 struct gather_layout;
 struct gather_layout *gather_layout_new(int rays, satin_basis basis, int order);
 void gather_layout_free(struct gather_layout *layout);

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Direct light at a point: light sampling, weighted against BRDF sampling by the power heuristic
+// [Veach 1997, 9.2]. One estimator serves the reference path tracer, first hits and gather hits.
+#include "gather/gather.h"
+
+// f_r of the parts, each with its weight against BRDF sampling.
+static rgb weighted_brdf(const struct gather_point *p, struct gather_mis mis, vec3 wi, float pdf,
+                         bool delta) {
+    rgb sum = rgb_grey(0.0f);
+    for (int i = 0; i < 2; i++) {
+        unsigned lobes = mis.part[i].lobes & p->lobes & BRDF_SMOOTH;
+        if (!lobes) continue;
+        rgb f = brdf_eval(&p->brdf, p->wo_l, wi, lobes);
+        float ratio = mis.part[i].ratio, weight = 1.0f;
+        if (ratio > 0.0f && !delta)
+            weight = mis_power(pdf, ratio * brdf_pdf(&p->brdf, p->wo_l, wi, lobes));
+        sum = rgb_mad(sum, f, weight);
+    }
+    return sum;
+}
+
+static rgb one_sample(const struct gather *g, const struct gather_point *p, struct gather_mis mis,
+                      float u_choose, vec2 u) {
+    const struct satin_scene *scene = g->scene;
+    rgb none = rgb_grey(0.0f);
+    float choice;
+    uint32_t light = light_choose(scene, p->surfel.p, u_choose, &choice);
+    struct light_sample s;
+    if (!light_sample(scene, light, p->surfel.p, u.x, u.y, &s)) return none;
+    vec3 wi = frame_to_local(&p->frame, s.wi);
+    float pdf = s.pdf_w * choice;
+    rgb f = weighted_brdf(p, mis, wi, pdf, s.delta);
+    if (rgb_black(f)) return none;
+    struct ray shadow = light_shadow_ray(scene, p->surfel.p, p->surfel.ng, &s);
+    if (scene_occluded(scene, &shadow)) return none;
+    return rgb_scale(rgb_mul(f, s.L), fabsf(wi.z) / pdf);
+}
+
+rgb gather_direct(const struct gather *g, const struct gather_point *p, struct gather_mis mis,
+                  int samples, struct sampler sampler) {
+    rgb sum = rgb_grey(0.0f);
+    unsigned lobes = (mis.part[0].lobes | mis.part[1].lobes) & p->lobes & BRDF_SMOOTH;
+    if (!lobes || g->scene->light_count == 0) return sum;
+    uint32_t first = sampler.index * (uint32_t)samples;
+    for (int i = 0; i < samples; i++) {
+        struct sampler s = {first + (uint32_t)i, sampler.seed, sampler.dimension};
+        vec2 u = sampler_2d(&s);
+        float u_choose = g->scene->light_count > 1 ? sampler_1d(&s) : 0.0f;
+        sum = rgb_add(sum, one_sample(g, p, mis, u_choose, u));
+    }
+    return rgb_scale(sum, 1.0f / (float)samples);
+}
+
+float gather_light_pdf(const struct gather *g, vec3 p, vec3 wi, const struct surfel *hit) {
+    const struct satin_scene *scene = g->scene;
+    uint32_t light = (uint32_t)(hit ? hit->light : scene->environment);
+    float pdf = hit ? light_pdf(scene, p, wi, hit) : light_environment_pdf(scene, p, wi);
+    return pdf * light_choose_probability(scene, p, light);
+}

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to gather/: the stratified hemisphere's fixed angles and tables.
+#ifndef GATHER_LAYOUT_H
+#define GATHER_LAYOUT_H
+
+#include "gather/gather.h"
+
+struct gather_layout {
+    int order;  // 0: cosine-weighted for irradiance
+    satin_basis basis;
+    int M, N;              // rows of elevation, columns of azimuth
+    float *cos_k, *sin_k;  // N each: azimuth of column centres
+    float *cos_w, *sin_w;  // N each: azimuth of the wall before column k
+    // Irradiance, per row j [Ward and Heckbert 1992; errata: weights at the fixed walls].
+    float *wall_u;  // M: d phi cos^2(theta_j-) sin(theta_j-), 0 for j = 0
+    float *wall_v;  // M: sin(theta_j+) - sin(theta_j-)
+    float *turn;    // M: integral of sin^2(theta) over the cell
+    // Radiance [K05 4.3.1, at the walls]: H(theta, phi) = P(theta) trig(phi), so the sums over k
+    // are done first, once per trigonometric function.
+    int trig_count;          // 2 order - 1: m = -(order - 1) .. order - 1
+    float *trig_u, *trig_v;  // N * trig_count: at column centres, at walls
+    float *row_u, *row_v;    // M * order^2: the theta parts, weights included
+};
+
+#endif

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Surface points prepared for shading, and the constants of a render.
+#include "gather/gather.h"
+
+// A light is wide if its area is over this share of the scene's bounding sphere: then its solid
+// angle is often large, and light sampling alone is noisy close to it.
+static const float WIDE_AREA = 0.02f;
+
+struct gather gather_make(const struct satin_scene *scene, const satin_options *options,
+                          const struct photon_maps *maps) {
+    struct gather g = {.scene = scene, .options = options, .maps = maps};
+    float sphere = 4.0f * PI_F * sqrf(scene->radius);
+    g.wide_lights = scene->environment >= 0;
+    for (uint32_t i = 0; i < scene->light_count; i++) {
+        const struct light *light = &scene->light[i];
+        if (light->kind == LIGHT_AREA && scene->shape[light->shape].area > WIDE_AREA * sphere)
+            g.wide_lights = true;
+    }
+    return g;
+}
+
+void gather_point_make(const struct satin_scene *scene, const struct surfel *s, vec3 d,
+                       struct gather_point *out) {
+    vec3 wo = v3_neg(d);
+    out->surfel = *s;
+    out->ng = v3_dot(s->ng, wo) < 0.0f ? v3_neg(s->ng) : s->ng;
+    if (scene_brdf(scene, s, wo, &out->brdf, &out->frame)) {
+        out->lobes = brdf_lobes(&out->brdf);
+    } else {
+        out->lobes = 0;
+        out->frame = s->frame;
+    }
+    out->wo_l = frame_to_local(&out->frame, wo);
+}

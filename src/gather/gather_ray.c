@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+// Gather rays: the path table's last row, E S* x S* y ... L. A ray goes through ideal specular
+// surfaces to y and reads the rough solution there. Emitted light adds nothing: direct light and
+// caustics at x carry it. Where the rough solution is not to be trusted, near y's own lookup
+// radius, and for y's glossy lobe, the path goes on one more bounce.
+#include <stdlib.h>
+
+#include "base/array.h"
+#include "gather/gather_scratch.h"
+
+enum {
+    DELTA_MAX = 32,  // ideal specular surfaces in a row before a gather ray is given up
+    BOUNCE_MAX = 6   // glossy bounces behind y; the tail is taken as diffuse
+};
+
+struct gather_scratch *gather_scratch_new(size_t capacity) {
+    struct gather_scratch *s = calloc(1, sizeof *s);
+    if (!s) return NULL;
+    s->capacity = capacity;
+    s->rays = array_new(capacity, sizeof *s->rays);
+    s->x = array_new(12 * capacity, sizeof *s->x);
+    if (!s->rays || !s->x) {
+        gather_scratch_free(s);
+        return NULL;
+    }
+    s->y = s->x + capacity;
+    s->z = s->y + capacity;
+    s->r = s->z + capacity;
+    s->g = s->r + capacity;
+    s->b = s->g + capacity;
+    s->wall = s->b + capacity;
+    return s;
+}
+
+void gather_scratch_free(struct gather_scratch *scratch) {
+    if (!scratch) return;
+    free(scratch->rays);
+    free(scratch->x);
+    free(scratch);
+}
+
+struct gather_ray *gather_scratch_rays(struct gather_scratch *scratch) {
+    return scratch->rays;
+}
+
+// Emitted light that a ray meets on its way to a smooth surface.
+struct emitters {
+    rgb Le;  // before any ideal specular surface
+    float light_pdf;
+    rgb Le_specular;  // behind one
+};
+
+static void meet(const struct gather *g, const struct ray *ray, const struct surfel *hit, rgb T,
+                 bool first, struct emitters *e) {
+    if (hit ? hit->light < 0 : g->scene->environment < 0) return;
+    rgb Le =
+        hit ? light_emitted(g->scene, hit, v3_neg(ray->d)) : light_environment(g->scene, ray->d);
+    if (rgb_black(Le)) return;
+    if (first) {
+        e->Le = Le;
+        e->light_pdf = gather_light_pdf(g, ray->o, ray->d, hit);
+    } else {
+        e->Le_specular = rgb_fma(e->Le_specular, T, Le);
+    }
+}
+
+// Follows a ray through ideal specular surfaces to one with a smooth lobe. False if it meets none.
+// *first gets the distance to the first hit; T is multiplied; emitters may be NULL.
+static bool trace_to_smooth(const struct gather *g, struct ray ray, struct sampler *sampler, rgb *T,
+                            float *first, struct emitters *emitters, struct gather_point *out) {
+    *first = INFINITY;
+    for (int i = 0; i < DELTA_MAX; i++) {
+        struct surfel s;
+        bool hit = scene_intersect(g->scene, &ray, &s);
+        if (emitters) meet(g, &ray, hit ? &s : NULL, *T, i == 0, emitters);
+        if (!hit) return false;
+        if (i == 0) *first = s.t;
+        gather_point_make(g->scene, &s, ray.d, out);
+        if (out->lobes & BRDF_SMOOTH) return true;
+        struct brdf_sample next;
+        float u = sampler_1d(sampler);
+        if (!out->lobes ||
+            !brdf_sample(&out->brdf, out->wo_l, u, 0.5f, 0.5f, BRDF_DELTA, BRDF_RADIANCE, &next))
+            return false;
+        *T = rgb_mul(*T, next.weight);
+        ray = scene_spawn(g->scene, s.p, s.ng, frame_to_world(&out->frame, next.wi));
+    }
+    return false;
+}
+
+// Reflected by y's diffuse lobe from the irradiance E of the rough solution.
+static rgb diffuse_radiance(const struct gather_point *y, rgb E) {
+    rgb albedo = brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE);
+    return rgb_scale(rgb_mul(albedo, E), 1.0f / PI_F);
+}
+
+static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned lobes, int level,
+                  struct sampler *sampler);
+
+// Radiance that y reflects, given the irradiance E of the rough solution there. If `near`, E is not
+// trusted and one more ray gathers for all lobes.
+static rgb reflected(const struct gather *g, const struct gather_point *y, rgb E, bool near,
+                     int level, struct sampler *sampler) {
+    const unsigned smooth = y->lobes & BRDF_SMOOTH;
+    const unsigned rays = near ? smooth : smooth & BRDF_GLOSSY;
+    const unsigned read = smooth & ~rays;
+    const struct gather_mis mis = {{{rays, 1.0f}, {g->options->gather_shadow ? read : 0u, 0.0f}}};
+    rgb L = gather_direct(g, y, mis, 1, *sampler);
+    sampler->dimension += 2;
+    if (read) L = rgb_add(L, diffuse_radiance(y, E));
+    if (!rays) return L;
+    L = rgb_add(L, photon_caustic(g->maps, g->scene, y->surfel.p, y->ng, &y->frame, &y->brdf,
+                                  y->wo_l, rays));
+    if (level >= BOUNCE_MAX) {
+        rgb albedo = brdf_albedo(&y->brdf, y->wo_l, rays);
+        return rgb_add(L, rgb_scale(rgb_mul(albedo, E), 1.0f / PI_F));
+    }
+    return rgb_add(L, bounce(g, y, rays, level + 1, sampler));
+}
+
+// One more bounce from y by `lobes`: emitted light that the ray meets at once, weighted against y's
+// light samples, and the rough solution where it ends.
+static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned lobes, int level,
+                  struct sampler *sampler) {
+    struct brdf_sample next;
+    float u_lobe = sampler_1d(sampler);
+    vec2 u = sampler_2d(sampler);
+    rgb L = rgb_grey(0.0f);
+    if (!brdf_sample(&y->brdf, y->wo_l, u_lobe, u.x, u.y, lobes, BRDF_RADIANCE, &next)) return L;
+    struct ray ray =
+        scene_spawn(g->scene, y->surfel.p, y->surfel.ng, frame_to_world(&y->frame, next.wi));
+    struct gather_point z;
+    struct emitters e = {0};
+    rgb T = next.weight;
+    float first;
+    bool found = trace_to_smooth(g, ray, sampler, &T, &first, &e, &z);
+    if (e.light_pdf > 0.0f)
+        L = rgb_scale(rgb_mul(next.weight, e.Le), mis_power(next.pdf_w, e.light_pdf));
+    if (!found) return L;
+    float radius;
+    rgb E = photon_irradiance(g->maps, z.surfel.p, z.ng, &radius);
+    return rgb_fma(L, T, reflected(g, &z, E, false, level, sampler));
+}
+
+// First passes `photons` and `photons-precomputed`: all hits of a chunk look the map up together.
+static void shade_from_photons(const struct gather *g, struct gather_scratch *scratch, size_t count,
+                               struct gather_ray *rays) {
+    const bool precomputed = g->options->first_pass == SATIN_FIRST_PRECOMPUTED;
+    for (size_t i = 0; i < count; i++) {
+        scratch->p[i] = scratch->hit[i].point.surfel.p;
+        scratch->n[i] = scratch->hit[i].point.ng;
+    }
+    if (precomputed)
+        photon_irradiance_many(g->maps, count, scratch->p, scratch->n, scratch->E, scratch->radius);
+    for (size_t i = 0; i < count; i++) {
+        struct gather_hit *hit = &scratch->hit[i];
+        struct gather_point *y = &hit->point;
+        rgb E = scratch->E[i];
+        if (!precomputed && (y->lobes & BRDF_DIFFUSE)) {
+            // The same estimate at the hit itself: E from what the diffuse lobe reflects.
+            rgb L = photon_radiance(g->maps, g->scene, y->surfel.p, y->ng, &y->frame, &y->brdf,
+                                    y->wo_l, BRDF_DIFFUSE, &scratch->radius[i]);
+            rgb a = brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE);
+            E = rgb_make(a.r > 0.0f ? PI_F * L.r / a.r : 0.0f, a.g > 0.0f ? PI_F * L.g / a.g : 0.0f,
+                         a.b > 0.0f ? PI_F * L.b / a.b : 0.0f);
+        }
+        bool near = g->options->gather_bounce && y->surfel.t < scratch->radius[i];
+        rgb L = reflected(g, y, E, near, 0, &hit->sampler);
+        rays[hit->ray].L = rgb_mul(hit->T, L);
+    }
+}
+
+static void trace_chunk(const struct gather *g, struct gather_scratch *scratch,
+                        struct gather_ray *rays, size_t begin, size_t end, uint32_t seed) {
+    const satin_first_pass first_pass = g->options->first_pass;
+    const struct gather_mis lights_alone = {{{BRDF_SMOOTH, 0.0f}}};
+    size_t hits = 0;
+    for (size_t i = begin; i < end; i++) {
+        struct gather_ray *ray = &rays[i];
+        struct gather_hit *hit = &scratch->hit[hits];
+        hit->sampler = (struct sampler){ray->item, seed, 0};
+        struct sampler start = hit->sampler;
+        struct emitters e = {0};
+        bool found = false;
+        hit->T = rgb_grey(1.0f);
+        hit->ray = (uint32_t)i;
+        if (first_pass != SATIN_FIRST_PATH || ray->sees_lights)
+            found = trace_to_smooth(g, ray->ray, &hit->sampler, &hit->T, &ray->r,
+                                    ray->sees_lights ? &e : NULL, &hit->point);
+        ray->Le = e.Le;
+        ray->light_pdf = e.light_pdf;
+        ray->Le_specular = e.Le_specular;
+        ray->L = rgb_grey(0.0f);
+        if (first_pass == SATIN_FIRST_PATH)
+            ray->L = gather_path(g, ray->ray, 1, false, &start, &ray->r);
+        else if (found && first_pass == SATIN_FIRST_NONE)
+            ray->L = rgb_mul(hit->T, gather_direct(g, &hit->point, lights_alone, 1, hit->sampler));
+        else if (found)
+            hits++;
+    }
+    shade_from_photons(g, scratch, hits, rays);
+}
+
+void gather_rays(const struct gather *g, struct gather_scratch *scratch, struct gather_ray *rays,
+                 size_t count, uint64_t stream) {
+    uint32_t seed = (uint32_t)rng_mix(stream ^ rng_mix(g->options->seed + RNG_GATHER_HIT));
+    for (size_t begin = 0; begin < count; begin += GATHER_CHUNK) {
+        size_t end = count - begin > GATHER_CHUNK ? begin + GATHER_CHUNK : count;
+        trace_chunk(g, scratch, rays, begin, end, seed);
+    }
+}
