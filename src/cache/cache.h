@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// The caches of the second pass: irradiance records on diffuse surfaces [Ward 1988, Ward and
+// Heckbert 1992], incident radiance records on glossy ones [K05 3]. First they are filled at sites,
+// in deterministic batches on all threads; then they are frozen and read. Letters: a accuracy, R
+// record radius (harmonic mean distance, clamped), E irradiance, Lambda harmonic coefficients of
+// incident radiance.
+#ifndef CACHE_CACHE_H
+#define CACHE_CACHE_H
+
+#include "base/stats.h"
+#include "gather/gather.h"
+
+struct cache;
+
+// Which records a site asks for; a mask.
+enum cache_kind { CACHE_IRRADIANCE = 1, CACHE_RADIANCE = 2 };
+
+// A surface point where a record may be made.
+struct cache_site {
+    vec3 p, ng;          // ng: geometric normal on the side that is seen
+    struct frame frame;  // shading frame; n on the same side
+    float pixel;      // width of a projected pixel at p, across the line of sight, in scene units
+    uint64_t stream;  // random stream, unique to the site
+    uint8_t wants;    // mask of cache_kind
+};
+
+// Caches with room for no record yet. `order` is the order of radiance records, 0 if none will be
+// asked for. The pool's size fixes the scratch. NULL without memory. The scene and options in g
+// must outlive the cache.
+struct cache *cache_new(const struct gather *g, int order, struct parallel *pool);
+void cache_free(struct cache *cache);  // NULL is allowed
+
+// Makes records until every site is covered with accuracies a_irradiance and a_radiance: takes
+// uncovered sites in the order given, in batches whose members lie apart, gathers each batch on all
+// threads against the frozen cache, inserts in order. Returns SATIN_CANCELLED at a batch boundary
+// if the pool is cancelled.
+struct cache_fill {
+    const struct cache_site *site;
+    size_t count;
+    float a_irradiance, a_radiance;
+    float widest;   // records will be read at accuracies up to this times the options' a
+    float spacing;  // of sites, in pixels: members of a batch are farther apart than this
+    bool (*go_on)(void *user);  // asked between batches; false ends the fill early. NULL: never
+    void *user;
+};
+satin_status cache_fill(struct cache *cache, const struct cache_fill *fill);
+
+// Interpolated irradiance at p with normal n, at accuracy a [K05 (2.2)]; returns how many records
+// it used, 0 if none is near enough: then *E is untouched.
+int cache_irradiance(const struct cache *cache, vec3 p, vec3 n, float a, rgb *E);
+
+// What a glossy surface reflects of the interpolated radiance [K05 (3.2), (3.3)].
+struct cache_lobe {
+    const float *C;  // BRDF coefficients in `frame`: channels * order^2
+    int order;       // at most the cache's
+    int channels;    // 1 or 3
+};
+// E may be NULL: the irradiance from the same records.
+int cache_radiance(const struct cache *cache, vec3 p, const struct frame *frame, float a,
+                   const struct cache_lobe *lobe, rgb *glossy, rgb *E);
+
+// Counts, for statistics and the density layer.
+size_t cache_count(const struct cache *cache, enum cache_kind kind);
+// Position, normal and radius a R = `a` times R of record i of a kind, in order of creation.
+void cache_record(const struct cache *cache, enum cache_kind kind, size_t i, vec3 *p, vec3 *n,
+                  float *R);
+void cache_statistics(const struct cache *cache, struct stats *stats);
+
+#endif

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+// Filling the caches. Sites are taken in their order; a batch holds sites that no record covers and
+// that lie apart; it is gathered on all threads against the frozen cache and inserted in order. So
+// the records depend on the sites alone, not on the threads.
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "cache/cache_records.h"
+
+enum { BATCH = 128 };  // fixed: the records depend on it; large enough to keep 32 threads busy
+
+// One record in the making.
+struct job {
+    const struct cache_site *site;
+    struct gather_irradiance irradiance;
+    struct gather_radiance radiance;
+};
+
+struct batch {
+    struct cache *cache;
+    const struct cache_fill *fill;
+    enum cache_kind kind;
+    struct job job[BATCH];
+    int count;
+    float *coefficients;  // of radiance jobs: 9 * order^2 each
+};
+
+static void gather_jobs(void *ctx, size_t begin, size_t end, int worker) {
+    struct batch *b = ctx;
+    const struct cache *c = b->cache;
+    for (size_t i = begin; i < end; i++) {
+        struct job *job = &b->job[i];
+        const struct cache_site *s = job->site;
+        struct gather_site site = {s->p, s->ng, s->frame, s->stream};
+        if (b->kind == CACHE_IRRADIANCE)
+            gather_hemisphere_irradiance(c->g, c->irradiance_layout, c->scratch[worker], &site,
+                                         &job->irradiance);
+        else
+            gather_hemisphere_radiance(c->g, c->radiance_layout, c->scratch[worker], &site,
+                                       &job->radiance);
+    }
+}
+
+static bool insert_irradiance(struct batch *b, struct job *job) {
+    struct cache *c = b->cache;
+    struct cache_tree *tree = &c->irradiance_tree;
+    const struct cache_site *s = job->site;
+    if (!array_reserve((void **)&c->irradiance, &c->irradiance_capacity, tree->head_count + 1,
+                       sizeof *c->irradiance))
+        return false;
+    const float a = c->g->options->irradiance_a;
+    float R = cache_clamp_irradiance(c, s, a, &job->irradiance);
+    R = cache_clamp_neighbours(tree, s->p, s->frame.n, R);
+    R = fmaxf(R, c->g->options->irradiance_min_pixels * s->pixel / a);
+    struct cache_head head = {s->p, R, s->frame.n, a * b->fill->widest * R};
+    c->irradiance[tree->head_count] = job->irradiance;
+    c->rays += job->irradiance.rays;
+    return cache_tree_insert(tree, &head);
+}
+
+// Into the layout of products, see cache_records.h.
+static void interleave(const struct gather_radiance *from, int n2, float *value) {
+    const float *part[3] = {from->lambda, from->dx, from->dy};
+    for (int k = 0; k < n2; k++)
+        for (int i = 0; i < 3; i++)
+            for (int c = 0; c < 3; c++) value[k * CACHE_LANES + 4 * i + c] = part[i][c * n2 + k];
+}
+
+static bool insert_radiance(struct batch *b, struct job *job) {
+    struct cache *c = b->cache;
+    struct cache_tree *tree = &c->radiance_tree;
+    const struct cache_site *s = job->site;
+    const int n2 = c->order * c->order;
+    float *value = arena_array(&c->radiance_arena, (size_t)(n2 * CACHE_LANES), sizeof *value);
+    if (!value || !array_reserve((void **)&c->radiance, &c->radiance_capacity, tree->head_count + 1,
+                                 sizeof *c->radiance))
+        return false;
+    const float a = c->g->options->radiance_a;
+    float R = cache_clamp_radiance(c, s, a, &job->radiance);
+    struct cache_head head = {s->p, R, s->frame.n, a * b->fill->widest * R};
+    interleave(&job->radiance, n2, value);
+    c->radiance[tree->head_count] = (struct cache_radiance_record){s->frame, value};
+    c->rays += job->radiance.rays;
+    return cache_tree_insert(tree, &head);
+}
+
+static void start_job(struct batch *b, const struct cache_site *site) {
+    const size_t n = 3 * (size_t)(b->cache->order * b->cache->order);
+    float *block = b->coefficients + 3 * n * (size_t)b->count;
+    struct job *job = &b->job[b->count++];
+    job->site = site;
+    job->radiance = (struct gather_radiance){.lambda = block, .dx = block + n, .dy = block + 2 * n};
+}
+
+// Whether a site lies apart from all members of the batch.
+static bool apart(const struct batch *b, const struct cache_site *site) {
+    float least = b->fill->spacing * site->pixel;
+    for (int i = 0; i < b->count; i++) {
+        const struct cache_site *other = b->job[i].site;
+        if (v3_dist2(other->p, site->p) < least * least &&
+            v3_dot(other->frame.n, site->frame.n) > 0.5f)
+            return false;
+    }
+    return true;
+}
+
+// Takes the next members from waiting[*head .. count). Covered sites are dropped; those that lie
+// too close to a member wait at the front of what remains.
+static void choose(struct batch *b, const struct cache_site **waiting, size_t *head, size_t count) {
+    const bool irradiance = b->kind == CACHE_IRRADIANCE;
+    const struct cache_tree *tree =
+        irradiance ? &b->cache->irradiance_tree : &b->cache->radiance_tree;
+    const float a = irradiance ? b->fill->a_irradiance : b->fill->a_radiance;
+    size_t start = *head, kept = 0, i = start;
+    b->count = 0;
+    for (; i < count && b->count < BATCH; i++) {
+        const struct cache_site *site = waiting[i];
+        if (cache_tree_covered(tree, site->p, site->frame.n, a)) continue;
+        if (!apart(b, site))
+            waiting[start + kept++] = site;
+        else
+            start_job(b, site);
+    }
+    *head = i - kept;
+    memmove(&waiting[*head], &waiting[start], kept * sizeof *waiting);
+}
+
+static satin_status fill_kind(struct batch *b, const struct cache_site **waiting) {
+    size_t count = 0, head = 0;
+    for (size_t i = 0; i < b->fill->count; i++)
+        if (b->fill->site[i].wants & b->kind) waiting[count++] = &b->fill->site[i];
+    while (head < count) {
+        if (b->fill->go_on && !b->fill->go_on(b->fill->user)) return SATIN_OK;
+        choose(b, waiting, &head, count);
+        if (!parallel_for(b->cache->pool, (size_t)b->count, 1, gather_jobs, b))
+            return SATIN_CANCELLED;
+        for (int i = 0; i < b->count; i++) {
+            bool ok = b->kind == CACHE_IRRADIANCE ? insert_irradiance(b, &b->job[i])
+                                                  : insert_radiance(b, &b->job[i]);
+            if (!ok) return SATIN_ERROR_MEMORY;
+        }
+    }
+    return SATIN_OK;
+}
+
+satin_status cache_fill(struct cache *cache, const struct cache_fill *fill) {
+    satin_status status = SATIN_ERROR_MEMORY;
+    const struct cache_site **waiting = array_new(fill->count, sizeof *waiting);
+    struct batch *b = calloc(1, sizeof *b);
+    if (b)
+        b->coefficients =
+            array_new((size_t)(BATCH * 9 * cache->order * cache->order), sizeof(float));
+    if (waiting && b && b->coefficients) {
+        b->cache = cache;
+        b->fill = fill;
+        b->kind = CACHE_IRRADIANCE;
+        status = fill_kind(b, waiting);
+        b->kind = CACHE_RADIANCE;
+        if (status == SATIN_OK && cache->order) status = fill_kind(b, waiting);
+    }
+    free(waiting);
+    if (b) free(b->coefficients);
+    free(b);
+    return status;
+}

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Aligning a record's frame with that of the point [K05 3.3, 5.4]. The BRDF's vector is turned into
+// the record's frame, one vector in place of the record's three.
+#include <string.h>
+
+#include "cache/cache_records.h"
+#include "rsh/rsh.h"
+
+static void frame_rows(const struct frame *f, float rows[9]) {
+    const vec3 axis[3] = {f->u, f->v, f->n};
+    for (int i = 0; i < 3; i++) {
+        rows[3 * i] = axis[i].x;
+        rows[3 * i + 1] = axis[i].y;
+        rows[3 * i + 2] = axis[i].z;
+    }
+}
+
+// The fast rotation serves up to this multiple of a [K05 5.4]; beyond it the exact one does.
+static const float BETA_LIMIT = 1.25f;
+
+void cache_turn(const struct cache *cache, const struct frame *from, const struct frame *to,
+                struct cache_lobe *lobe, float *turned) {
+    const satin_options *o = cache->g->options;
+    float point[9], record[9];
+    frame_rows(from, point);
+    frame_rows(to, record);
+    rsh_basis basis = o->radiance_basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE;
+    if (!rsh_align_transposed(basis, lobe->order, lobe->channels, record, point,
+                              BETA_LIMIT * o->radiance_a, lobe->C, turned))
+        memcpy(turned, lobe->C,
+               sizeof *turned * (size_t)(lobe->channels * lobe->order * lobe->order));
+    lobe->C = turned;
+}
