@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+// One sample of one pixel by the chosen integrator, and the sites where it may need records.
+#include "shade/shade.h"
+
+#include <stdlib.h>
+
+#include "shade/shade_indirect.h"
+
+enum {
+    FALLBACK_RAYS =
+        64,  // hemisphere where no record is near: a few pixels, so noise is better than a gap
+    SCRATCH_LEAST = 256  // rays of the importance-sampled lobes
+};
+
+satin_status shade_init(struct shade *shade, const struct gather *g,
+                        const struct shade_tables *tables, const struct cache *cache,
+                        struct parallel *pool) {
+    struct shade s = {.g = g, .tables = tables, .cache = cache};
+    const satin_options *o = g->options;
+    s.a_irradiance = o->irradiance_a * o->irradiance_widen;
+    s.a_radiance = o->radiance_a * o->radiance_widen;
+    // Without the cache the same rays are spread over the samples of the pixel.
+    int rays = o->irradiance_rays / (o->spp > 0 ? o->spp : 1);
+    s.gather = gather_layout_new(rays > 8 ? rays : 8, o->radiance_basis, 0);
+    s.fallback = gather_layout_new(FALLBACK_RAYS, o->radiance_basis, 0);
+    s.scratch_count = parallel_threads(pool);
+    s.scratch = calloc((size_t)s.scratch_count, sizeof *s.scratch);
+    bool ok = s.gather && s.fallback && s.scratch;
+    for (int i = 0; ok && i < s.scratch_count; i++) {
+        size_t capacity = gather_layout_rays(s.gather);
+        s.scratch[i] = gather_scratch_new(capacity > SCRATCH_LEAST ? capacity : SCRATCH_LEAST);
+        ok = s.scratch[i] != NULL;
+    }
+    if (!ok) {
+        shade_destroy(&s);
+        return SATIN_ERROR_MEMORY;
+    }
+    *shade = s;
+    return SATIN_OK;
+}
+
+void shade_destroy(struct shade *shade) {
+    gather_layout_free(shade->gather);
+    gather_layout_free(shade->fallback);
+    for (int i = 0; shade->scratch && i < shade->scratch_count; i++)
+        gather_scratch_free(shade->scratch[i]);
+    free(shade->scratch);
+    *shade = (struct shade){0};
+}
+
+static void surface_channels(const struct shade_eye *eye, struct shade_sample *out) {
+    if (!eye->hit) return;
+    const struct gather_point *p = &eye->first;
+    vec3 n = v3_dot(p->frame.n, p->ng) < 0.0f ? v3_neg(p->frame.n) : p->frame.n;
+    if (p->lobes) out->layer[SHADE_ALBEDO] = brdf_albedo(&p->brdf, p->wo_l, BRDF_ALL);
+    out->layer[SHADE_NORMAL] = rgb_make(n.x, n.y, n.z);
+    out->depth = p->surfel.t;
+}
+
+// The photon map seen directly: all light at the point, emitted and mirrored light apart.
+static void photons_seen(struct shade_job *job) {
+    const struct gather *g = job->shade->g;
+    const struct gather_point *p = &job->vertex->point;
+    float radius;
+    rgb L = photon_radiance(g->maps, g->scene, p->surfel.p, p->ng, &p->frame, &p->brdf, p->wo_l,
+                            BRDF_SMOOTH, &radius);
+    rgb *layer = &job->out->layer[SHADE_INDIRECT_DIFFUSE];
+    *layer = rgb_fma(*layer, job->vertex->T, L);
+}
+
+static void path_sample(const struct shade *shade, int x, int y, uint32_t index,
+                        struct shade_sample *out) {
+    struct sampler sampler = shade_eye_sampler(shade->g, x, y, index, RNG_PATH);
+    float spread, distance;
+    struct ray ray = shade_eye_ray(shade->g->scene, x, y, &sampler, &spread);
+    bool seen = shade->g->options->hide_emitters <= 0;
+    out->beauty = gather_path(shade->g, ray, 0, seen, &sampler, &distance);
+}
+
+void shade_pixel(const struct shade *shade, int worker, int x, int y, uint32_t index,
+                 struct shade_sample *out, struct shade_counts *counts) {
+    const satin_integrator integrator = shade->g->options->integrator;
+    *out = (struct shade_sample){0};
+    counts->samples++;
+    if (integrator == SATIN_PATH) {
+        path_sample(shade, x, y, index, out);
+        return;
+    }
+    struct shade_eye eye;
+    struct sampler sampler = shade_eye_sampler(shade->g, x, y, index, RNG_PIXEL);
+    shade_eye_trace(shade, x, y, &sampler, &eye);
+    surface_channels(&eye, out);
+    out->layer[SHADE_EMISSION] = eye.emission;
+    for (int i = 0; i < eye.count; i++) {
+        uint64_t pixel = rng_mix((uint64_t)sampler.seed + (uint64_t)i);
+        // The i-th vertex has its own dimensions, whatever was used before it.
+        struct sampler own = {index, sampler.seed, 64u * (uint32_t)(i + 1)};
+        struct shade_job job = {shade,
+                                &eye.vertex[i],
+                                shade->scratch[worker],
+                                own,
+                                rng_mix(pixel + index),
+                                pixel,
+                                counts,
+                                out};
+        if (integrator == SATIN_PHOTONS)
+            photons_seen(&job);
+        else
+            shade_vertex_two_pass(&job);
+    }
+    for (int layer = SHADE_DIRECT; layer <= SHADE_EMISSION; layer++)
+        out->beauty = rgb_add(out->beauty, out->layer[layer]);
+}
+
+static unsigned wanted(const struct shade *shade, const struct gather_point *p) {
+    const satin_options *o = shade->g->options;
+    const struct brdf_table *table = p->lobes & BRDF_GLOSSY ? shade_table(shade, p) : NULL;
+    if (table && brdf_table_order(table, p->wo_l) > 0) return CACHE_RADIANCE;
+    return (p->lobes & BRDF_DIFFUSE) && o->irradiance_cache ? CACHE_IRRADIANCE : 0u;
+}
+
+int shade_sites(const struct shade *shade, int x, int y, uint32_t index, struct cache_site *out,
+                int max) {
+    struct shade_eye eye;
+    struct sampler sampler = shade_eye_sampler(shade->g, x, y, index, RNG_SITE);
+    shade_eye_trace(shade, x, y, &sampler, &eye);
+    int count = 0;
+    for (int i = 0; i < eye.count && count < max; i++) {
+        const struct shade_vertex *v = &eye.vertex[i];
+        unsigned wants = wanted(shade, &v->point);
+        if (!wants) continue;
+        uint64_t stream =
+            rng_mix(((uint64_t)sampler.seed << 20) + ((uint64_t)index << 4) + (uint64_t)i);
+        out[count++] = (struct cache_site){
+            v->point.surfel.p, v->point.surfel.ng, v->point.frame, v->pixel, stream,
+            (uint8_t)wants};
+    }
+    return count;
+}

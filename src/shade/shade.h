@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// One eye ray: emitted light, direct light, ideal specular reflections, caustics, cached and
+// importance-sampled indirect light [K05 3.5]; and the integrators `path`, `direct` and `photons`.
+#ifndef SHADE_SHADE_H
+#define SHADE_SHADE_H
+
+#include "cache/cache.h"
+#include "gather/gather.h"
+
+// The harmonics of a scene's glossy BRDFs, by material and side; NULL for those without.
+struct shade_tables {
+    size_t count;               // 2 per material
+    struct brdf_table **table;  // [2 * material + side], side 1 is the back
+    int order;                  // largest order of all; 0: nothing glossy is cached
+};
+
+satin_status shade_tables_build(const struct satin_scene *scene, const satin_options *options,
+                                struct parallel *pool, struct log log, struct shade_tables *out);
+void shade_tables_free(struct shade_tables *tables);
+
+// The parts of the image, each carried once (the path table in docs/tour.md).
+enum shade_layer {
+    SHADE_DIRECT = 0,
+    SHADE_CAUSTIC,
+    SHADE_INDIRECT_DIFFUSE,
+    SHADE_INDIRECT_GLOSSY,
+    SHADE_EMISSION,
+    SHADE_ALBEDO,  // this and the following are not light
+    SHADE_NORMAL,
+    SHADE_LAYERS
+};
+
+struct shade_sample {
+    rgb beauty;               // the sum of the light layers
+    rgb layer[SHADE_LAYERS];  // of the first surface that is not ideal specular; normal as x y z
+    float depth;              // distance to the first surface; 0 if there is none
+    float density;            // records interpolated at the point
+};
+
+// Constants of an image pass and a worker's scratch.
+struct shade {
+    const struct gather *g;
+    const struct shade_tables *tables;
+    const struct cache *cache;
+    float a_irradiance, a_radiance;   // accuracies of the image pass
+    struct gather_layout *gather;     // hemisphere where a cache is off
+    struct gather_layout *fallback;   // hemisphere where no record is near
+    struct gather_scratch **scratch;  // one per worker
+    int scratch_count;
+};
+
+satin_status shade_init(struct shade *shade, const struct gather *g,
+                        const struct shade_tables *tables, const struct cache *cache,
+                        struct parallel *pool);
+void shade_destroy(struct shade *shade);  // a zeroed one is allowed
+
+// Counts of one chunk of samples, joined by the caller.
+struct shade_counts {
+    uint64_t samples, points, interpolated, records_used, gathered;
+};
+
+// Sample number `index` of pixel (x, y) of the crop window.
+void shade_pixel(const struct shade *shade, int worker, int x, int y, uint32_t index,
+                 struct shade_sample *out, struct shade_counts *counts);
+
+// The surface points of an eye ray where records may be needed, for cache_fill. Returns how many,
+// at most `max`.
+int shade_sites(const struct shade *shade, int x, int y, uint32_t index, struct cache_site *out,
+                int max);
+
+#endif

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// Eye rays through ideal specular surfaces: E S* x and E S* L of the path table.
+#include "shade/shade_eye.h"
+
+enum {
+    SPLIT_LEVELS =
+        2,  // at the first two specular surfaces both reflection and refraction are followed
+    EYE_DEPTH = 64  // specular surfaces in a row before the ray is given up
+};
+
+// A branch whose share of the image is below this is followed by chance only.
+static const float SPLIT_LEAST = 0.02f;
+
+struct branch {
+    struct ray ray;
+    rgb T;
+    float distance;
+    int depth, splits;
+};
+
+struct sampler shade_eye_sampler(const struct gather *g, int x, int y, uint32_t index,
+                                 enum rng_stage stage) {
+    uint64_t pixel = (uint64_t)(uint32_t)y << 32 | (uint32_t)x;
+    uint64_t key = rng_mix(pixel ^ rng_mix(g->options->seed + (uint64_t)stage));
+    return (struct sampler){index, (uint32_t)(key >> 32), 0};
+}
+
+struct ray shade_eye_ray(const struct satin_scene *scene, int x, int y, struct sampler *sampler,
+                         float *spread) {
+    const struct film_spec *film = &scene->film;
+    vec2 pixel = sampler_2d(sampler), lens = sampler_2d(sampler);
+    float cx = (float)(film->crop_x + x) + 0.5f, cy = (float)(film->crop_y + y) + 0.5f;
+    float px = cx + film_filter_sample(film, cx, (float)film->crop_x,
+                                       (float)(film->crop_x + film->crop_width), pixel.x);
+    float py = cy + film_filter_sample(film, cy, (float)film->crop_y,
+                                       (float)(film->crop_y + film->crop_height), pixel.y);
+    return camera_ray(scene, px, py, lens.x, lens.y, spread);
+}
+
+static void emitted(const struct shade *shade, const struct branch *b, const struct surfel *s,
+                    struct shade_eye *out) {
+    const struct satin_scene *scene = shade->g->scene;
+    if (b->depth == 0 && shade->g->options->hide_emitters > 0) return;
+    if (s ? s->light < 0 : scene->environment < 0) return;
+    rgb Le = s ? light_emitted(scene, s, v3_neg(b->ray.d)) : light_environment(scene, b->ray.d);
+    out->emission = rgb_fma(out->emission, b->T, Le);
+}
+
+// Pushes the rays that leave an ideal specular surface; returns the new height of the stack.
+static int scatter(const struct shade *shade, const struct branch *b, const struct gather_point *p,
+                   struct sampler *sampler, struct branch *stack, int top) {
+    struct brdf_sample way[2];
+    int ways = brdf_delta(&p->brdf, p->wo_l, BRDF_RADIANCE, way);
+    bool split = b->splits < SPLIT_LEVELS && top + ways <= SHADE_VERTICES;
+    if (ways > 1 && !split) {
+        float total = way[0].probability + way[1].probability;
+        float first = total > 0.0f ? way[0].probability / total : 0.5f;
+        int chosen = sampler_1d(sampler) < first ? 0 : 1;
+        way[0] = way[chosen];
+        float q = chosen ? 1.0f - first : first;
+        way[0].weight = rgb_scale(way[0].weight, 1.0f / q);
+        ways = 1;
+    }
+    for (int i = 0; i < ways; i++) {
+        rgb T = rgb_mul(b->T, way[i].weight);
+        float share = rgb_max(T);
+        if (!(share > 0.0f)) continue;
+        if (share < SPLIT_LEAST) {
+            if (!(sampler_1d(sampler) < share / SPLIT_LEAST)) continue;
+            T = rgb_scale(T, SPLIT_LEAST / share);
+        }
+        vec3 d = frame_to_world(&p->frame, way[i].wi);
+        stack[top++] =
+            (struct branch){scene_spawn(shade->g->scene, p->surfel.p, p->surfel.ng, d), T,
+                            b->distance + p->surfel.t, b->depth + 1, b->splits + (ways > 1)};
+    }
+    return top;
+}
+
+void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sampler,
+                     struct shade_eye *out) {
+    const struct satin_scene *scene = shade->g->scene;
+    const int max_depth = shade->g->options->max_depth;
+    struct branch stack[SHADE_VERTICES + 2];
+    float spread;
+    struct ray ray = shade_eye_ray(scene, x, y, sampler, &spread);
+    stack[0] = (struct branch){ray, rgb_grey(1.0f), 0.0f, 0, 0};
+    out->count = 0;
+    out->hit = false;
+    out->emission = rgb_grey(0.0f);
+    for (int top = 1; top > 0;) {
+        struct branch b = stack[--top];
+        struct surfel s;
+        bool hit = scene_intersect(scene, &b.ray, &s);
+        emitted(shade, &b, hit ? &s : NULL, out);
+        if (!hit) continue;
+        struct gather_point point;
+        gather_point_make(scene, &s, b.ray.d, &point);
+        if (b.depth == 0) {
+            out->hit = true;
+            out->first = point;
+        }
+        if (max_depth >= 0 && b.depth + 1 >= max_depth) continue;
+        if ((point.lobes & BRDF_SMOOTH) && out->count < SHADE_VERTICES)
+            out->vertex[out->count++] =
+                (struct shade_vertex){point, b.T, spread * (b.distance + s.t)};
+        if ((point.lobes & BRDF_DELTA) && b.depth < EYE_DEPTH)
+            top = scatter(shade, &b, &point, sampler, stack, top);
+    }
+}
+
+const struct brdf_table *shade_table(const struct shade *shade, const struct gather_point *p) {
+    size_t side = v3_dot(p->frame.n, p->surfel.frame.n) < 0.0f;
+    size_t i = 2 * (size_t)p->surfel.material + side;
+    return i < shade->tables->count ? shade->tables->table[i] : NULL;
+}

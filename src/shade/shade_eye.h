@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to shade/: eye rays followed through ideal specular surfaces.
+#ifndef SHADE_EYE_H
+#define SHADE_EYE_H
+
+#include "shade/shade.h"
+
+enum { SHADE_VERTICES = 12 };
+
+// A surface point that the eye sees, directly or through ideal specular surfaces.
+struct shade_vertex {
+    struct gather_point point;
+    rgb T;        // throughput to the eye
+    float pixel;  // width of a projected pixel there
+};
+
+struct shade_eye {
+    struct shade_vertex vertex[SHADE_VERTICES];
+    int count;
+    rgb emission;  // emitted light seen
+    // The first surface, for channels that are not light.
+    bool hit;
+    struct gather_point first;
+};
+
+// Follows the eye ray of a sample; both ways are taken at the first ideal specular surfaces, one of
+// them is chosen at deeper ones.
+void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sampler,
+                     struct shade_eye *out);
+// The eye ray itself; *pixel gets its spread.
+struct ray shade_eye_ray(const struct satin_scene *scene, int x, int y, struct sampler *sampler,
+                         float *spread);
+// The sampler of a sample: its numbers depend on the seed, the pixel and the index alone.
+struct sampler shade_eye_sampler(const struct gather *g, int x, int y, uint32_t index,
+                                 enum rng_stage stage);
+// The table for the point's material and side, or NULL.
+const struct brdf_table *shade_table(const struct shade *shade, const struct gather_point *p);
+
+#endif

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to shade/: light at one vertex.
+#ifndef SHADE_INDIRECT_H
+#define SHADE_INDIRECT_H
+
+#include "shade/shade_eye.h"
+
+struct shade_job {
+    const struct shade *shade;
+    const struct shade_vertex *vertex;
+    struct gather_scratch *scratch;
+    struct sampler sampler;
+    uint64_t stream;        // random numbers of this vertex of this sample
+    uint64_t pixel_stream;  // the same for all samples of the pixel
+    struct shade_counts *counts;
+    struct shade_sample *out;  // layers are added to, times the vertex's throughput
+};
+
+// Two passes: direct, caustic, cached, gathered and importance-sampled light at the vertex.
+void shade_vertex_two_pass(struct shade_job *job);
+
+#endif

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+// The second pass at one point [K05 3.5]: what a point reflects, each part of the path table once.
+// Low-frequency glossy BRDFs use radiance records for all their smooth lobes; others use irradiance
+// records for the diffuse lobe and importance sampling for the glossy one.
+#include "rsh/rsh.h"
+#include "shade/shade_indirect.h"
+
+// Which technique carries which lobes at this point.
+struct plan {
+    unsigned cached;   // glossy and diffuse lobes by a radiance record
+    unsigned diffuse;  // by irradiance
+    unsigned sampled;  // glossy by importance sampling
+    int order, channels;
+    float C[3 * RSH_MAX_COEFFICIENTS];
+};
+
+static void make_plan(const struct shade_job *job, struct plan *plan) {
+    const struct gather_point *p = &job->vertex->point;
+    const struct brdf_table *table = shade_table(job->shade, p);
+    plan->cached = plan->sampled = 0;
+    plan->diffuse = p->lobes & BRDF_DIFFUSE;
+    plan->order = 0;
+    if (!(p->lobes & BRDF_GLOSSY)) return;
+    if (table) {
+        plan->order = brdf_table_lookup(table, p->wo_l, plan->C);
+        plan->channels = brdf_table_info(table).channels;
+    }
+    if (plan->order > 0) {
+        plan->cached = p->lobes & BRDF_SMOOTH;
+        plan->diffuse = 0;
+    } else {
+        plan->sampled = BRDF_GLOSSY;
+    }
+}
+
+static void add(struct shade_job *job, enum shade_layer layer, rgb L) {
+    job->out->layer[layer] = rgb_fma(job->out->layer[layer], job->vertex->T, L);
+}
+
+static rgb diffuse_albedo(const struct gather_point *p) {
+    return rgb_scale(brdf_albedo(&p->brdf, p->wo_l, BRDF_DIFFUSE), 1.0f / PI_F);
+}
+
+static struct gather_site site_of(const struct shade_job *job) {
+    const struct gather_point *p = &job->vertex->point;
+    return (struct gather_site){p->surfel.p, p->surfel.ng, p->frame, job->stream};
+}
+
+static void indirect_diffuse(struct shade_job *job) {
+    const struct shade *s = job->shade;
+    const struct gather_point *p = &job->vertex->point;
+    rgb E;
+    int used = 0;
+    if (s->g->options->irradiance_cache)
+        used = cache_irradiance(s->cache, p->surfel.p, p->frame.n, s->a_irradiance, &E);
+    if (!used) {
+        struct gather_irradiance value;
+        struct gather_site site = site_of(job);
+        bool off = !s->g->options->irradiance_cache;
+        gather_hemisphere_irradiance(s->g, off ? s->gather : s->fallback, job->scratch, &site,
+                                     &value);
+        E = value.E;
+        job->counts->gathered++;
+    } else {
+        job->counts->interpolated++;
+        job->counts->records_used += (uint64_t)used;
+        job->out->density += (float)used;
+    }
+    add(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(diffuse_albedo(p), E));
+}
+
+// By radiance records; false if none is near.
+static bool indirect_cached(struct shade_job *job, const struct plan *plan) {
+    const struct shade *s = job->shade;
+    const struct gather_point *p = &job->vertex->point;
+    struct cache_lobe lobe = {plan->C, plan->order, plan->channels};
+    rgb glossy, E;
+    bool diffuse = p->lobes & BRDF_DIFFUSE;
+    int used = cache_radiance(s->cache, p->surfel.p, &p->frame, s->a_radiance, &lobe, &glossy,
+                              diffuse ? &E : NULL);
+    if (!used) return false;
+    job->counts->interpolated++;
+    job->counts->records_used += (uint64_t)used;
+    job->out->density += (float)used;
+    add(job, SHADE_INDIRECT_GLOSSY, rgb_mul(p->brdf.specular, glossy));
+    if (p->lobes & BRDF_DIFFUSE) add(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(diffuse_albedo(p), E));
+    return true;
+}
+
+enum { GLOSSY_MAX = 256 };  // rays of one sample; the range of the option glossy_samples
+
+// Draws gather rays from `lobes`; returns how many did not fail, with their weights and densities.
+static int draw_rays(struct shade_job *job, unsigned lobes, int count, rgb *weight, float *pdf) {
+    const struct gather_point *p = &job->vertex->point;
+    struct gather_ray *ray = gather_scratch_rays(job->scratch);
+    int rays = 0;
+    for (int i = 0; i < count; i++) {
+        struct sampler u = {job->sampler.index * (uint32_t)count + (uint32_t)i, job->sampler.seed,
+                            job->sampler.dimension};
+        struct brdf_sample b;
+        vec2 uv = sampler_2d(&u);
+        float u_lobe = sampler_1d(&u);
+        if (!brdf_sample(&p->brdf, p->wo_l, u_lobe, uv.x, uv.y, lobes, BRDF_RADIANCE, &b)) continue;
+        vec3 d = frame_to_world(&p->frame, b.wi);
+        ray[rays].ray = scene_spawn(job->shade->g->scene, p->surfel.p, p->surfel.ng, d);
+        ray[rays].item = u.index;
+        ray[rays].sees_lights = true;
+        weight[rays] = b.weight;
+        pdf[rays++] = b.pdf_w;
+    }
+    return rays;
+}
+
+// Importance sampling of `lobes` by gather rays. If ratio > 0 they also find the lights, with the
+// weight that gather_direct leaves to that many BRDF samples per light sample, and what shines
+// through specular surfaces.
+static void sample_lobes(struct shade_job *job, unsigned lobes, float ratio) {
+    const struct gather *g = job->shade->g;
+    const int count = g->options->glossy_samples;
+    rgb weight[GLOSSY_MAX];
+    float pdf[GLOSSY_MAX];
+    int rays = draw_rays(job, lobes, count, weight, pdf);
+    const struct gather_ray *ray = gather_scratch_rays(job->scratch);
+    gather_rays(g, job->scratch, gather_scratch_rays(job->scratch), (size_t)rays,
+                job->pixel_stream);
+    rgb direct = rgb_grey(0.0f), caustic = direct, indirect = direct;
+    for (int i = 0; i < rays; i++) {
+        if (ray[i].light_pdf > 0.0f)
+            direct = rgb_fma(direct, weight[i],
+                             rgb_scale(ray[i].Le, mis_power(ratio * pdf[i], ray[i].light_pdf)));
+        caustic = rgb_fma(caustic, weight[i], ray[i].Le_specular);
+        indirect = rgb_fma(indirect, weight[i], ray[i].L);
+    }
+    float share = 1.0f / (float)count;
+    add(job, SHADE_INDIRECT_GLOSSY, rgb_scale(indirect, share));
+    if (ratio > 0.0f) {
+        add(job, SHADE_DIRECT, rgb_scale(direct, share));
+        add(job, SHADE_CAUSTIC, rgb_scale(caustic, share));
+    }
+}
+
+// One BRDF sample of `lobes` that looks for lights only.
+static void look_for_lights(struct shade_job *job, unsigned lobes, float ratio) {
+    const struct gather *g = job->shade->g;
+    const struct gather_point *p = &job->vertex->point;
+    struct brdf_sample b;
+    struct sampler u = job->sampler;
+    vec2 uv = sampler_2d(&u);
+    if (!brdf_sample(&p->brdf, p->wo_l, sampler_1d(&u), uv.x, uv.y, lobes, BRDF_RADIANCE, &b))
+        return;
+    vec3 d = frame_to_world(&p->frame, b.wi);
+    struct ray ray = scene_spawn(g->scene, p->surfel.p, p->surfel.ng, d);
+    struct surfel s;
+    bool hit = scene_intersect(g->scene, &ray, &s);
+    if (hit ? s.light < 0 : g->scene->environment < 0) return;
+    rgb Le = hit ? light_emitted(g->scene, &s, v3_neg(d)) : light_environment(g->scene, d);
+    float light_pdf = gather_light_pdf(g, p->surfel.p, d, hit ? &s : NULL);
+    add(job, SHADE_DIRECT, rgb_scale(rgb_mul(b.weight, Le), mis_power(ratio * b.pdf_w, light_pdf)));
+}
+
+void shade_vertex_two_pass(struct shade_job *job) {
+    const struct gather *g = job->shade->g;
+    const struct gather_point *p = &job->vertex->point;
+    const satin_options *o = g->options;
+    const bool indirect = o->integrator == SATIN_TWO_PASS && (o->max_depth < 0 || o->max_depth > 2);
+    struct plan plan;
+    make_plan(job, &plan);
+    job->counts->points++;
+
+    // Direct light. The glossy lobe's samples, or one extra BRDF sample, share the lights with it.
+    unsigned glossy = p->lobes & BRDF_GLOSSY;
+    unsigned wide = g->wide_lights ? p->lobes & BRDF_DIFFUSE : 0;
+    float lights = (float)o->light_samples;
+    unsigned extra = wide | (plan.sampled && indirect ? 0 : glossy);
+    float glossy_ratio = (plan.sampled && indirect ? (float)o->glossy_samples : 1.0f) / lights;
+    struct gather_mis mis;
+    if (extra == BRDF_SMOOTH)
+        mis = (struct gather_mis){{{BRDF_SMOOTH, 1.0f / lights}}};
+    else
+        mis = (struct gather_mis){
+            {{BRDF_DIFFUSE, wide ? 1.0f / lights : 0.0f}, {BRDF_GLOSSY, glossy_ratio}}};
+    add(job, SHADE_DIRECT, gather_direct(g, p, mis, o->light_samples, job->sampler));
+    job->sampler.dimension += 2;
+    if (extra) look_for_lights(job, extra, 1.0f / lights);
+    job->sampler.dimension += 2;
+    if (!indirect) return;
+
+    unsigned lobes = plan.cached | plan.diffuse;
+    if (lobes)
+        add(job, SHADE_CAUSTIC,
+            photon_caustic(g->maps, g->scene, p->surfel.p, p->ng, &p->frame, &p->brdf, p->wo_l,
+                           lobes));
+    if (plan.cached && !indirect_cached(job, &plan)) {
+        // No record is near: gather for the diffuse lobe, sample the glossy one.
+        plan.diffuse = plan.cached & BRDF_DIFFUSE;
+        sample_lobes(job, BRDF_GLOSSY, 0.0f);
+        job->counts->gathered++;
+    }
+    if (plan.diffuse) indirect_diffuse(job);
+    if (plan.sampled) sample_lobes(job, BRDF_GLOSSY, glossy_ratio);
+}
