@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a film says of its making: version, scene hash, every option, statistics.
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "render/render_state.h"
+
+// All options as `name=value` words, as --set takes them; malloc.
+static char *options_text(const satin_options *options) {
+    size_t bytes = 1;
+    satin_option_info info;
+    for (int i = 0; satin_options_describe(options, i, &info); i++)
+        bytes += strlen(info.name) + strlen(info.value) + 2;
+    char *text = malloc(bytes);
+    if (!text) return NULL;
+    size_t used = 0;
+    text[0] = 0;
+    for (int i = 0; satin_options_describe(options, i, &info); i++)
+        used += (size_t)snprintf(text + used, bytes - used, "%s%s=%s", i ? " " : "", info.name,
+                                 info.value);
+    return text;
+}
+
+bool render_metadata(struct render *r, struct satin_film *film) {
+    stats_set(&r->stats, "time.total_s", render_elapsed(r));
+    stats_set(&r->stats, "memory.peak_bytes", stats_peak_memory());
+    char hash[20];
+    snprintf(hash, sizeof hash, "%016llx", (unsigned long long)r->scene.hash);
+    char *options = options_text(&r->options);
+    free(film->stats);
+    film->stats = stats_json(&r->stats);
+    bool ok = options && film->stats && film_attribute_set(film, "satin:version", SATIN_VERSION) &&
+              film_attribute_set(film, "satin:scene_hash", hash) &&
+              film_attribute_set(film, "satin:options", options);
+    free(options);
+    return ok;
+}

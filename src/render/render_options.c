@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Options meet the scene: what the caller left open is taken from the scene, then from a default.
+#include "render/render_state.h"
+
+static int or_else(int value, int open, int scene, int scene_open, int fallback) {
+    if (value != open) return value;
+    return scene != scene_open ? scene : fallback;
+}
+
+// Another film size: one number alone keeps the shape of the picture; two keep the horizontal field
+// of view. A crop window keeps its place.
+static void resize(struct satin_scene *scene, int width, int height) {
+    struct film_spec *film = &scene->film;
+    if (width <= 0 && height <= 0) return;
+    double aspect = (double)film->crop_height / film->crop_width;
+    if (width <= 0) width = (int)fmax(1.0, floor(height / aspect + 0.5));
+    if (height <= 0) height = (int)fmax(1.0, floor(width * aspect + 0.5));
+    double sx = (double)width / film->crop_width, sy = (double)height / film->crop_height;
+    scene->camera.tan_y *= (float)(sy / sx);
+    film->crop_x = (int)floor(film->crop_x * sx + 0.5);
+    film->crop_y = (int)floor(film->crop_y * sy + 0.5);
+    film->width = (int)fmax(film->crop_x + width, floor(film->width * sx + 0.5));
+    film->height = (int)fmax(film->crop_y + height, floor(film->height * sy + 0.5));
+    film->crop_width = width;
+    film->crop_height = height;
+}
+
+satin_status render_resolve(struct render *r, const struct satin_scene *scene,
+                            const satin_options *options) {
+    const struct scene_hints *hints = &scene->hints;
+    satin_options *o = &r->options;
+    r->scene = *scene;
+    *o = *options;
+    resize(&r->scene, o->width, o->height);
+    o->width = r->scene.film.crop_width;
+    o->height = r->scene.film.crop_height;
+    if ((int64_t)o->width * o->height > INT32_MAX)
+        return log_fail(r->log, SATIN_ERROR_INPUT, "a film of %d x %d pixels is too large",
+                        o->width, o->height);
+    o->max_depth = or_else(o->max_depth, -2, hints->max_depth, -2, -1);
+    o->rr_depth = or_else(o->rr_depth, 0, hints->rr_depth, 0, 5);
+    o->hide_emitters = or_else(o->hide_emitters, -1, hints->hide_emitters, -1, 0);
+    o->spp = or_else(o->spp, 0, hints->spp, 0, 16);
+    return SATIN_OK;
+}

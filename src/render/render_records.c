@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fills the caches over the image's shading points, coarse to fine: every 32nd pixel in both
+// directions, then those between, down to every pixel. The pixels of a level come in a scrambled
+// order, so that a batch is spread over the image.
+#include <stdlib.h>
+
+#include "base/array.h"
+#include "render/render_state.h"
+
+enum {
+    COARSEST = 32,         // pixels
+    BLOCK_PIXELS = 65536,  // whose sites are held at a time
+    SITES_PER_PIXEL = 4
+};
+
+// Of a render with a time limit: the records' share of what is left after the photons.
+static const double RECORD_SHARE = 0.5;
+
+// It fills at a times these first, so that the image is covered whenever the time is over.
+static const float TIMED_WIDEN[] = {2.5f, 1.6f, 1.0f};
+enum { TIMED_ROUNDS = 3, LEVELS = 6 };
+
+struct level {
+    struct render *r;
+    int stride;
+    const uint32_t *pixel;    // y * width + x, scrambled
+    struct cache_site *site;  // SITES_PER_PIXEL slots per pixel
+    uint8_t *count;
+};
+
+static void find_sites(void *ctx, size_t begin, size_t end, int worker) {
+    struct level *l = ctx;
+    (void)worker;
+    uint32_t width = (uint32_t)l->r->options.width;
+    for (size_t i = begin; i < end; i++) {
+        int x = (int)(l->pixel[i] % width), y = (int)(l->pixel[i] / width);
+        l->count[i] = (uint8_t)shade_sites(&l->r->shade, x, y, 0, &l->site[i * SITES_PER_PIXEL],
+                                           SITES_PER_PIXEL);
+    }
+}
+
+// The pixels of a level: on its grid, not on a coarser one; scrambled by Fisher and Yates.
+static uint32_t *level_pixels(const struct render *r, int stride, size_t *count) {
+    int width = r->options.width, height = r->options.height;
+    size_t columns = (size_t)(width + stride - 1) / (size_t)stride;
+    size_t rows = (size_t)(height + stride - 1) / (size_t)stride, n = 0;
+    uint32_t *pixel = array_new(columns * rows, sizeof *pixel);
+    if (!pixel) return NULL;
+    for (int y = 0; y < height; y += stride)
+        for (int x = 0; x < width; x += stride)
+            if (stride == COARSEST || x % (2 * stride) || y % (2 * stride))
+                pixel[n++] = (uint32_t)y * (uint32_t)width + (uint32_t)x;
+    struct rng rng = rng_make(r->options.seed, RNG_SITE, (uint64_t)stride);
+    for (size_t i = n; i > 1; i--) {
+        size_t j = (size_t)(((uint64_t)rng_u32(&rng) * i) >> 32);
+        uint32_t t = pixel[i - 1];
+        pixel[i - 1] = pixel[j];
+        pixel[j] = t;
+    }
+    *count = n;
+    return pixel;
+}
+
+static bool time_remains(void *user) {
+    const struct render *r = user;
+    return render_elapsed(r) < r->records_until;
+}
+
+// The factor of a over which no record is read: what the image pass may use.
+static float widest(const struct render *r) {
+    float w = fmaxf(r->options.irradiance_widen, r->options.radiance_widen);
+    return r->options.time > 0.0 ? fmaxf(w, TIMED_WIDEN[0]) : w;
+}
+
+static satin_status fill_block(struct level *l, size_t count, float widen) {
+    struct render *r = l->r;
+    if (!parallel_for(r->pool, count, 64, find_sites, l)) return SATIN_CANCELLED;
+    size_t n = 0;  // sites moved together, in order
+    for (size_t i = 0; i < count; i++)
+        for (int k = 0; k < l->count[i]; k++)
+            l->site[n++] = l->site[i * SITES_PER_PIXEL + (size_t)k];
+    struct cache_fill fill = {
+        .site = l->site,
+        .count = n,
+        .a_irradiance = r->options.irradiance_a * widen,
+        .a_radiance = r->options.radiance_a * widen,
+        .widest = widest(r),
+        .spacing = 1.5f * (float)l->stride,
+        .go_on = r->options.time > 0.0 ? time_remains : NULL,
+        .user = r,
+    };
+    return cache_fill(r->cache, &fill);
+}
+
+static satin_status fill_level(struct level *l, float widen) {
+    size_t count;
+    uint32_t *pixel = level_pixels(l->r, l->stride, &count);
+    if (!pixel) return SATIN_ERROR_MEMORY;
+    satin_status status = SATIN_OK;
+    for (size_t i = 0; i < count && status == SATIN_OK; i += BLOCK_PIXELS) {
+        l->pixel = pixel + i;
+        status = fill_block(l, count - i < BLOCK_PIXELS ? count - i : BLOCK_PIXELS, widen);
+    }
+    free(pixel);
+    return status;
+}
+
+// All levels at accuracies widened by `widen`; the part [done, done + span] of the stage.
+static satin_status fill_levels(struct level *l, float widen, double done, double span) {
+    satin_status status = SATIN_OK;
+    l->stride = COARSEST;
+    for (int i = 0; i < LEVELS && status == SATIN_OK; i++, l->stride /= 2) {
+        render_stage_part(l->r, done + span * i / LEVELS, span / LEVELS);
+        status = fill_level(l, widen);
+    }
+    return status;
+}
+
+// With a time limit: rounds of ever finer records. The image reads them at the finest accuracy that
+// was finished.
+static satin_status fill_timed(struct level *l) {
+    struct render *r = l->r;
+    satin_status status = SATIN_OK;
+    float finished = TIMED_WIDEN[0];
+    r->records_until = render_elapsed(r) + RECORD_SHARE * render_time_left(r);
+    for (int i = 0; i < TIMED_ROUNDS && status == SATIN_OK && time_remains(r); i++) {
+        status = fill_levels(l, TIMED_WIDEN[i], (double)i / TIMED_ROUNDS, 1.0 / TIMED_ROUNDS);
+        if (time_remains(r)) finished = TIMED_WIDEN[i];
+    }
+    r->shade.a_irradiance = r->options.irradiance_a * fmaxf(finished, r->options.irradiance_widen);
+    r->shade.a_radiance = r->options.radiance_a * fmaxf(finished, r->options.radiance_widen);
+    return status;
+}
+
+satin_status render_records(struct render *r) {
+    render_stage(r, "records", "", 0.0);
+    struct level l = {.r = r};
+    l.site = array_new((size_t)BLOCK_PIXELS * SITES_PER_PIXEL, sizeof *l.site);
+    l.count = array_new(BLOCK_PIXELS, 1);
+    satin_status status = SATIN_ERROR_MEMORY;
+    if (l.site && l.count)
+        status = r->options.time > 0.0 ? fill_timed(&l) : fill_levels(&l, 1.0f, 0.0, 1.0);
+    free(l.site);
+    free(l.count);
+    return status;
+}

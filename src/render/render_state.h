@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to render/: what the steps of a render share.
+#ifndef RENDER_STATE_H
+#define RENDER_STATE_H
+
+#include "film/film.h"
+#include "satin/render.h"
+#include "shade/shade.h"
+
+struct render {
+    struct satin_scene
+        scene;  // the caller's scene with the film size and camera of this render; owns nothing
+    satin_options options;  // resolved: no field means "the scene's" any more
+    satin_callbacks callbacks;
+    struct log log;
+    struct parallel *pool;
+    struct stats stats;
+    double start;  // wall clock at the beginning
+
+    // Progress of the stage under way.
+    const char *stage, *unit;
+    double stage_start, stage_items;
+    double share_done, share_span;  // the part of the stage that the loop under way is
+    double told;                    // when the caller was last told
+    bool cancelled;
+
+    double records_until;  // with a time limit: when filling the caches ends
+
+    struct photon_maps *maps;
+    struct gather gather;
+    struct shade_tables tables;
+    struct cache *cache;
+    struct shade shade;
+    struct render_image *image;
+};
+
+// ---- render_options.c: options and scene hints -> what is rendered
+satin_status render_resolve(struct render *r, const struct satin_scene *scene,
+                            const satin_options *options);
+
+// ---- render_progress.c
+// Opens a stage of `items` units; closes the one before and notes its seconds under its name.
+void render_stage(struct render *r, const char *stage, const char *unit, double items);
+// The next loops are the part [done, done + span] of the stage.
+void render_stage_part(struct render *r, double done, double span);
+void render_progress_install(struct render *r);  // makes the pool tell the caller
+double render_elapsed(const struct render *r);
+// Seconds that are left of options.time; INFINITY without a limit.
+double render_time_left(const struct render *r);
+
+// ---- render_records.c
+// Fills the cache over the image's shading points, coarse to fine.
+satin_status render_records(struct render *r);
+
+// ---- render_image.c
+struct render_image *render_image_new(int width, int height);
+void render_image_free(struct render_image *image);
+// Adds samples until every pixel has options.spp, or the time is over.
+satin_status render_image_fill(struct render *r);
+// The film of what is there; NULL without memory. *any: some pixel has a sample.
+struct satin_film *render_image_film(struct render *r, bool *any);
+
+// ---- render_metadata.c
+// Attributes and statistics of a finished film; false without memory.
+bool render_metadata(struct render *r, struct satin_film *film);
+
+#endif
