@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// The octree of records against a search of all of them.
+#include "cache/cache_tree.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "base/rng.h"
+#include "base/sampling.h"
+
+enum { RECORDS = 2000, QUERIES = 4000 };
+
+static vec3 random_point(struct rng *rng) {
+    return v3(rng_float(rng), 2.0f * rng_float(rng), 0.2f * rng_float(rng));
+}
+
+static struct cache_head random_head(struct rng *rng, float a) {
+    struct cache_head head = {.p = random_point(rng)};
+    head.n = sample_uniform_cone(rng_float(rng), rng_float(rng), 0.99f);
+    head.R = 0.001f + 0.6f * rng_float(rng) * rng_float(rng);
+    head.reach = a * head.R;
+    return head;
+}
+
+// The definition of S, without the tree.
+static float error_at(const struct cache_head *h, vec3 p, vec3 n) {
+    return sqrtf(v3_dist2(p, h->p)) / h->R + safe_sqrtf(1.0f - v3_dot(n, h->n));
+}
+
+static void finds_all_and_only_S(void **state) {
+    (void)state;
+    const float a = 0.4f;
+    struct cache_tree tree;
+    cache_tree_init(&tree, v3(0, 0, 0), v3(1, 2, 0.2f));
+    struct rng rng = rng_make(7, RNG_TEST, 0);
+    for (int i = 0; i < RECORDS; i++) {
+        struct cache_head head = random_head(&rng, a);
+        assert_true(cache_tree_insert(&tree, &head));
+    }
+    size_t found = 0;
+    for (int q = 0; q < QUERIES; q++) {
+        vec3 p = random_point(&rng),
+             n = sample_uniform_cone(rng_float(&rng), rng_float(&rng), 0.99f);
+        struct cache_near near[CACHE_NEAR_MAX];
+        int count = cache_tree_find(&tree, p, n, a, near);
+        assert_true(count < CACHE_NEAR_MAX);
+        assert_int_equal(cache_tree_covered(&tree, p, n, a), count > 0);
+        bool in[RECORDS] = {false};
+        for (int i = 0; i < count; i++) {
+            assert_true(near[i].weight > 0.0f);
+            assert_false(in[near[i].record]);
+            in[near[i].record] = true;
+        }
+        for (int i = 0; i < RECORDS; i++) {
+            const struct cache_head *h = &tree.head[i];
+            float error = error_at(h, p, n);
+            if (in[i]) assert_true(error < a * 1.00001f);
+            // A record that is near enough is left out only if the point lies in front of it.
+            bool behind = v3_dot(v3_sub(p, h->p), v3_add(n, h->n)) >= 0.0f;
+            if (error < a * 0.99999f && behind) assert_true(in[i]);
+        }
+        found += (size_t)count;
+    }
+    assert_true(found > QUERIES);  // the test has something to find
+    cache_tree_free(&tree);
+}
+
+static void rejects_points_in_front(void **state) {
+    (void)state;
+    struct cache_tree tree;
+    cache_tree_init(&tree, v3(-1, -1, -1), v3(1, 1, 1));
+    struct cache_head head = {.p = v3(0, 0, 0), .R = 1.0f, .n = v3(0, 0, 1), .reach = 0.5f};
+    assert_true(cache_tree_insert(&tree, &head));
+    assert_true(cache_tree_covered(&tree, v3(0.1f, 0, 0), v3(0, 0, 1), 0.5f));
+    assert_true(cache_tree_covered(&tree, v3(0.1f, 0, 0.2f), v3(0, 0, 1), 0.5f));
+    assert_false(cache_tree_covered(&tree, v3(0.1f, 0, -0.2f), v3(0, 0, 1), 0.5f));
+    cache_tree_free(&tree);
+}
+
+struct seen {
+    bool in[RECORDS];
+};
+
+static void see(void *ctx, uint32_t record) { ((struct seen *)ctx)->in[record] = true; }
+
+static void visits_every_sphere_that_meets_the_ball(void **state) {
+    (void)state;
+    struct cache_tree tree;
+    cache_tree_init(&tree, v3(0, 0, 0), v3(1, 2, 0.2f));
+    struct rng rng = rng_make(8, RNG_TEST, 0);
+    for (int i = 0; i < RECORDS; i++) {
+        struct cache_head head = random_head(&rng, 0.4f);
+        assert_true(cache_tree_insert(&tree, &head));
+    }
+    for (int q = 0; q < 200; q++) {
+        vec3 p = random_point(&rng);
+        float radius = 0.2f * rng_float(&rng);
+        struct seen seen = {{false}};
+        cache_tree_visit(&tree, p, radius, see, &seen);
+        for (int i = 0; i < RECORDS; i++)
+            if (v3_dist2(tree.head[i].p, p) < radius * radius) assert_true(seen.in[i]);
+    }
+    cache_tree_free(&tree);
+}
+
+static void an_empty_tree_covers_nothing(void **state) {
+    (void)state;
+    struct cache_tree tree;
+    cache_tree_init(&tree, v3(0, 0, 0), v3(0, 0, 0));
+    struct cache_near near[CACHE_NEAR_MAX];
+    assert_int_equal(cache_tree_find(&tree, v3(0, 0, 0), v3(0, 0, 1), 1.0f, near), 0);
+    assert_false(cache_tree_covered(&tree, v3(0, 0, 0), v3(0, 0, 1), 1.0f));
+    cache_tree_free(&tree);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(finds_all_and_only_S),
+        cmocka_unit_test(rejects_points_in_front),
+        cmocka_unit_test(visits_every_sphere_that_meets_the_ball),
+        cmocka_unit_test(an_empty_tree_covers_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
