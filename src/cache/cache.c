@@ -142,12 +142,13 @@ int cache_radiance(const struct cache *cache, vec3 p, const struct frame *frame,
         const struct cache_radiance_record *record = &cache->radiance[near[i].record];
         vec3 d = v3_sub(p, cache->radiance_tree.head[near[i].record].p);
         const float move[2] = {on * v3_dot(d, record->frame.u), on * v3_dot(d, record->frame.v)};
-        add_product(cache, record, frame, *lobe, move, near[i].weight, shine);
+        if (lobe) add_product(cache, record, frame, *lobe, move, near[i].weight, shine);
         if (E) add_product(cache, record, frame, cosine, move, near[i].weight, diffuse);
         weights += near[i].weight;
     }
-    *glossy = rgb_make(fmaxf(shine[0] / weights, 0.0f), fmaxf(shine[1] / weights, 0.0f),
-                       fmaxf(shine[2] / weights, 0.0f));
+    if (lobe)
+        *glossy = rgb_make(fmaxf(shine[0] / weights, 0.0f), fmaxf(shine[1] / weights, 0.0f),
+                           fmaxf(shine[2] / weights, 0.0f));
     if (E)
         *E = rgb_make(fmaxf(diffuse[0] / weights, 0.0f), fmaxf(diffuse[1] / weights, 0.0f),
                       fmaxf(diffuse[2] / weights, 0.0f));

@@ -55,7 +55,8 @@ struct cache_lobe {
     int order;       // at most the cache's
     int channels;    // 1 or 3
 };
-// E may be NULL: the irradiance from the same records.
+// lobe may be NULL: then *glossy is untouched. E, the irradiance from the same records, may be
+// NULL.
 int cache_radiance(const struct cache *cache, vec3 p, const struct frame *frame, float a,
                    const struct cache_lobe *lobe, rgb *glossy, rgb *E);
 

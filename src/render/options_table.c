@@ -76,6 +76,8 @@ const struct option options_table[] = {
      "Interpolate glossy indirect light between records; off: gather at every sample."},
     {"radiance-gradients", OPTION_BOOL, AT(radiance_gradients), false, "off|on",
      "Interpolate radiance records with their gradients."},
+    {"radiance-diffuse", OPTION_BOOL, AT(radiance_diffuse), false, "off|on",
+     "Diffuse surfaces use radiance records too, in place of irradiance records; for comparison."},
     {"radiance-basis", OPTION_CHOICE, AT(radiance_basis), false, "hsh|sh",
      "Harmonics of radiance records: on the hemisphere or on the sphere."},
     {"radiance-order", OPTION_INT, AT(radiance_order), true, "1..10",

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Options meet the scene: what the caller left open is taken from the scene, then from a default.
+#include "render/options_table.h"
 #include "render/render_state.h"
 
 static int or_else(int value, int open, int scene, int scene_open, int fallback) {
@@ -40,6 +41,8 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
     o->max_depth = or_else(o->max_depth, -2, hints->max_depth, -2, -1);
     o->rr_depth = or_else(o->rr_depth, 0, hints->rr_depth, 0, 5);
     o->hide_emitters = or_else(o->hide_emitters, -1, hints->hide_emitters, -1, 0);
-    o->spp = or_else(o->spp, 0, hints->spp, 0, 16);
+    // A path tracer's sample count would be wasteful for two passes.
+    int scene_spp = o->integrator == SATIN_PATH ? hints->spp : 0;
+    o->spp = or_else(o->spp, 0, scene_spp, 0, options_quality_spp(o->quality));
     return SATIN_OK;
 }

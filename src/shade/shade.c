@@ -116,6 +116,8 @@ static unsigned wanted(const struct shade *shade, const struct gather_point *p) 
     const satin_options *o = shade->g->options;
     const struct brdf_table *table = p->lobes & BRDF_GLOSSY ? shade_table(shade, p) : NULL;
     if (table && brdf_table_order(table, p->wo_l) > 0) return CACHE_RADIANCE;
+    if ((p->lobes & BRDF_DIFFUSE) && o->radiance_cache && o->radiance_diffuse)
+        return CACHE_RADIANCE;
     return (p->lobes & BRDF_DIFFUSE) && o->irradiance_cache ? CACHE_IRRADIANCE : 0u;
 }
 

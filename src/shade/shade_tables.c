@@ -27,6 +27,7 @@ satin_status shade_tables_build(const struct satin_scene *scene, const satin_opt
     struct shade_tables t = {.count = 2 * (size_t)scene->material_count};
     if (!options->radiance_cache) t.count = 0;
     t.table = calloc(t.count + 1, sizeof *t.table);
+    if (options->radiance_cache && options->radiance_diffuse) t.order = options->radiance_order;
     if (!t.table) return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for BRDF tables");
     for (size_t i = 0; i < t.count; i++) {
         const struct material *m = &scene->material[i / 2];

@@ -20,17 +20,22 @@ static void make_plan(const struct shade_job *job, struct plan *plan) {
     plan->cached = plan->sampled = 0;
     plan->diffuse = p->lobes & BRDF_DIFFUSE;
     plan->order = 0;
-    if (!(p->lobes & BRDF_GLOSSY)) return;
+    const satin_options *o = job->shade->g->options;
+    if (plan->diffuse && o->radiance_cache && o->radiance_diffuse) plan->cached = plan->diffuse;
+    if (!(p->lobes & BRDF_GLOSSY)) {
+        plan->diffuse &= ~plan->cached;
+        return;
+    }
     if (table) {
         plan->order = brdf_table_lookup(table, p->wo_l, plan->C);
         plan->channels = brdf_table_info(table).channels;
     }
     if (plan->order > 0) {
         plan->cached = p->lobes & BRDF_SMOOTH;
-        plan->diffuse = 0;
     } else {
         plan->sampled = BRDF_GLOSSY;
     }
+    plan->diffuse &= ~plan->cached;
 }
 
 static void add(struct shade_job *job, enum shade_layer layer, rgb L) {
@@ -76,13 +81,14 @@ static bool indirect_cached(struct shade_job *job, const struct plan *plan) {
     struct cache_lobe lobe = {plan->C, plan->order, plan->channels};
     rgb glossy, E;
     bool diffuse = p->lobes & BRDF_DIFFUSE;
-    int used = cache_radiance(s->cache, p->surfel.p, &p->frame, s->a_radiance, &lobe, &glossy,
-                              diffuse ? &E : NULL);
+    bool shiny = plan->cached & BRDF_GLOSSY;
+    int used = cache_radiance(s->cache, p->surfel.p, &p->frame, s->a_radiance, shiny ? &lobe : NULL,
+                              &glossy, diffuse ? &E : NULL);
     if (!used) return false;
     job->counts->interpolated++;
     job->counts->records_used += (uint64_t)used;
     job->out->density += (float)used;
-    add(job, SHADE_INDIRECT_GLOSSY, rgb_mul(p->brdf.specular, glossy));
+    if (shiny) add(job, SHADE_INDIRECT_GLOSSY, rgb_mul(p->brdf.specular, glossy));
     if (p->lobes & BRDF_DIFFUSE) add(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(diffuse_albedo(p), E));
     return true;
 }
@@ -193,7 +199,7 @@ void shade_vertex_two_pass(struct shade_job *job) {
     if (plan.cached && !indirect_cached(job, &plan)) {
         // No record is near: gather for the diffuse lobe, sample the glossy one.
         plan.diffuse = plan.cached & BRDF_DIFFUSE;
-        sample_lobes(job, BRDF_GLOSSY, 0.0f);
+        if (plan.cached & BRDF_GLOSSY) sample_lobes(job, BRDF_GLOSSY, 0.0f);
         job->counts->gathered++;
     }
     if (plan.diffuse) indirect_diffuse(job);
