@@ -71,21 +71,22 @@ static void pull_inside(const struct triangle *t, double n_length, double margin
     for (int k = 0; k < 3; k++) b[k] /= sum;
 }
 
-// dp/du of the texture coordinates; without them, or if they do not span the triangle, the first
-// axis of the frame of ng.
+// The direction of dp/du: of the texture coordinates, or without them of the first edge, along
+// which the barycentric u grows. Texture coordinates that do not span the triangle have none: then
+// it is the first axis of the frame of ng.
 static vec3 triangle_tangent(const struct mesh *mesh, const uint32_t *index,
                              const struct triangle *t, vec3 ng) {
+    double du[3] = {t->e1[0], t->e1[1], t->e1[2]};
     if (mesh->uv) {
         const float *a = mesh->uv + (size_t)index[0] * 2, *b = mesh->uv + (size_t)index[1] * 2,
                     *c = mesh->uv + (size_t)index[2] * 2;
         double v1 = (double)b[1] - a[1], v2 = (double)c[1] - a[1];
         double det = ((double)b[0] - a[0]) * v2 - v1 * ((double)c[0] - a[0]);
-        if (det != 0.0)
-            return v3((float)((v2 * t->e1[0] - v1 * t->e2[0]) / det),
-                      (float)((v2 * t->e1[1] - v1 * t->e2[1]) / det),
-                      (float)((v2 * t->e1[2] - v1 * t->e2[2]) / det));
+        if (det == 0.0) return frame_from_normal(ng).u;
+        for (int i = 0; i < 3; i++) du[i] = (v2 * t->e1[i] - v1 * t->e2[i]) * copysign(1.0, det);
     }
-    return frame_from_normal(ng).u;
+    double s = 1.0 / sqrt(dot3(du, du));
+    return v3((float)(s * du[0]), (float)(s * du[1]), (float)(s * du[2]));
 }
 
 static vec3 blend3(const float *values, const uint32_t *index, const double b[3]) {

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to scene_mesh_ply.c: what the header of a PLY file declares.
+#ifndef SCENE_MESH_PLY_HEADER_H
+#define SCENE_MESH_PLY_HEADER_H
+
+#include "scene/scene_mesh.h"
+#include "scene/scene_mesh_text.h"
+
+enum { PLY_ELEMENTS_MAX = 32, PLY_PROPERTIES_MAX = 512 };
+
+enum ply_type {
+    PLY_NONE = 0,
+    PLY_INT8,
+    PLY_UINT8,
+    PLY_INT16,
+    PLY_UINT16,
+    PLY_INT32,
+    PLY_UINT32,
+    PLY_FLOAT,
+    PLY_DOUBLE
+};
+
+// What a property means to us.
+enum ply_role {
+    PLY_X = 0,
+    PLY_Y,
+    PLY_Z,
+    PLY_NX,
+    PLY_NY,
+    PLY_NZ,
+    PLY_U,
+    PLY_V,
+    PLY_VERTEX_ROLES,
+    PLY_CORNERS,  // the list of a face's vertices
+    PLY_OTHER     // skipped
+};
+
+struct ply_property {
+    enum ply_type type;
+    enum ply_type count_type;  // of a list's length; PLY_NONE: a scalar
+    enum ply_role role;
+};
+
+enum ply_kind { PLY_VERTICES = 0, PLY_FACES, PLY_SKIPPED };
+
+struct ply_element {
+    enum ply_kind kind;
+    uint64_t count;
+    int first, properties;  // range in ply_header.property
+};
+
+struct ply_header {
+    bool text, big_endian;
+    int element_count, property_count;
+    struct ply_element element[PLY_ELEMENTS_MAX];
+    struct ply_property property[PLY_PROPERTIES_MAX];
+    uint64_t vertex_count, face_count;
+    bool has[PLY_VERTEX_ROLES];
+};
+
+size_t ply_type_size(enum ply_type type);
+
+// Reads up to the line after end_header, where `text` is left. Checks that there are vertices with
+// x, y and z and faces with a list of vertices, and that the declared counts fit into what is left
+// of the file.
+satin_status ply_header_read(const struct scene_source *source, struct mesh_text *text,
+                             struct ply_header *out);
+
+#endif
