@@ -46,7 +46,7 @@ struct film_difference {
     double rmse;         // linear, over pixels and channels
     double relmse;       // relative to the reference's square + 0.01; may be below 0, see variance
     double psnr;         // [dB] of the sRGB pictures; infinite if they are equal
-    double mean_ratio;   // mean luminance over the reference's; NaN if both are black
+    double mean_ratio;   // mean luminance over the reference's; 1 if both are black
     double discernible;  // share of pixels, in [0, 1]
     uint64_t compared, masked, nonfinite;  // pixels; the three sum to all
     bool variance;  // the reference's own variance was known and is subtracted from rmse and relmse

@@ -109,7 +109,8 @@ satin_status film_compare(const struct satin_film *image, const struct satin_fil
         .rmse = sqrt(fmax(s.squared / values, 0.0)),
         .relmse = s.relative / values,
         .psnr = -10.0 * log10(s.display / values),
-        .mean_ratio = s.luminance / s.luminance_reference,
+        .mean_ratio =
+            s.luminance == s.luminance_reference ? 1.0 : s.luminance / s.luminance_reference,
         .discernible = (double)s.discernible / (double)s.compared,
         .compared = s.compared,
         .masked = s.masked,

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the subcommands of `satin` share: exit status, arguments, messages, progress.
+#ifndef APP_H
+#define APP_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "satin/render.h"
+
+enum app_exit { APP_DONE = 0, APP_FAILED = 1, APP_WRONG = 2, APP_CANCELLED = 3 };
+
+// The exit status that a status of the library leads to.
+enum app_exit app_exit_of(satin_status status);
+
+// ---- Subcommands: arguments after the command's name --------------------------------------------
+
+int app_render(int argc, char **argv);
+int app_compare(int argc, char **argv);
+int app_info(int argc, char **argv);
+int app_help(int argc, char **argv);
+
+// ---- Arguments (app_args.c) ---------------------------------------------------------------------
+
+// A flag of a subcommand. The table parses the arguments and prints the help.
+struct app_flag {
+    const char *name;   // "--name"
+    const char *brief;  // "-n" or NULL
+    const char *value;  // what its value is called, in brackets if it may be left out; NULL: none
+    const char *doc;
+};
+
+struct app_command {
+    const char *name;
+    const char *usage;  // of the positional arguments
+    const char *doc;
+    const struct app_flag *flags;  // ended by a NULL name
+    int (*run)(int argc, char **argv);
+};
+extern const struct app_command app_commands[];  // ended by a NULL name
+
+extern const struct app_flag app_render_flags[];
+extern const struct app_flag app_compare_flags[];
+extern const struct app_flag app_info_flags[];
+extern const struct app_flag app_help_flags[];
+
+struct app_args {
+    int argc;
+    char **argv;
+    int at;
+    bool positional_only;  // after `--`
+};
+
+enum { APP_POSITIONAL = -1, APP_END = -2, APP_BAD = -3 };
+
+// The next argument: the index of its flag in `flags`, or one of the values above. *value gets the
+// flag's value (NULL if it has none) or the positional argument. A value that may be left out is
+// taken if it follows `=` or is the next argument and ends in `suffix_of_optional`. APP_BAD was
+// reported.
+int app_args_next(struct app_args *args, const struct app_flag *flags,
+                  const char *suffix_of_optional, char **value);
+
+// Cuts `name=value` in two, in place; false, and nothing changed, if it is something else.
+bool app_args_split(char *pair, const char **name, const char **value);
+
+// Reports `satin: error: ...` and returns APP_WRONG.
+int app_wrong(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+// ---- Messages and progress (app_progress.c) -----------------------------------------------------
+
+// Prints messages and progress on stderr. A terminal gets a bar, anything else a line per finished
+// stage.
+struct app_progress {
+    bool quiet;  // errors only
+    bool terminal;
+    bool bar;  // a bar is on the screen
+    const char *stage;
+    char unit[32];
+    double stage_start, last_draw;
+    double rate;
+};
+
+void app_progress_start(struct app_progress *progress, bool quiet);
+// A satin_progress_fn; `user` is a struct app_progress. True after SIGINT or SIGTERM.
+bool app_progress_update(void *user, const satin_progress *now);
+// Ends the last stage's line or erases the bar.
+void app_progress_end(struct app_progress *progress);
+
+// satin_log_fns; `user` is a struct app_progress or NULL. The first is for messages that begin with
+// their file and prints errors as they are; the second prefixes `satin: error: `.
+void app_log_file(void *user, satin_log_level level, const char *message);
+void app_log(void *user, satin_log_level level, const char *message);
+
+// From here on SIGINT and SIGTERM ask for a stop; the second one ends the process at once.
+void app_catch_signals(void);
+bool app_interrupted(void);
+
+#endif

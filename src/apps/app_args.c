@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// Arguments by a table of flags: `--name VALUE`, `--name=VALUE`, `-n VALUE`, `-nVALUE`.
+#include <stdarg.h>
+#include <string.h>
+
+#include "apps/app.h"
+#include "base/text.h"
+
+enum app_exit app_exit_of(satin_status status) {
+    switch (status) {
+        case SATIN_OK:
+            return APP_DONE;
+        case SATIN_ERROR_ARGUMENT:
+        case SATIN_ERROR_INPUT:
+            return APP_WRONG;
+        case SATIN_CANCELLED:
+            return APP_CANCELLED;
+        default:
+            return APP_FAILED;
+    }
+}
+
+int app_wrong(const char *format, ...) {
+    char text[1024];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    app_log(NULL, SATIN_LOG_ERROR, text);
+    return APP_WRONG;
+}
+
+static bool ends_in(const char *text, const char *suffix) {
+    size_t n = strlen(text), m = strlen(suffix);
+    return n >= m && strcmp(text + n - m, suffix) == 0;
+}
+
+// Whether `argument` gives this flag; *attached gets what is attached to it, or NULL.
+static bool matches(const struct app_flag *flag, char *argument, char **attached) {
+    size_t n = strlen(flag->name);
+    *attached = NULL;
+    if (strncmp(argument, flag->name, n) == 0 && (!argument[n] || argument[n] == '=')) {
+        if (argument[n]) *attached = argument + n + 1;
+        return true;
+    }
+    if (!flag->brief || strncmp(argument, flag->brief, 2) != 0) return false;
+    if (argument[2]) *attached = argument + 2;
+    return flag->value || !argument[2];
+}
+
+static int unknown(const struct app_flag *flags, const char *argument) {
+    char name[64];
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(argument, "="), argument);
+    struct text_nearest search = {.word = name};
+    for (const struct app_flag *f = flags; f->name; f++) text_nearest_try(&search, f->name);
+    if (search.best)
+        app_wrong("unknown argument '%s' (did you mean '%s'?)", name, search.best);
+    else
+        app_wrong("unknown argument '%s'", name);
+    return APP_BAD;
+}
+
+int app_args_next(struct app_args *args, const struct app_flag *flags,
+                  const char *suffix_of_optional, char **value) {
+    *value = NULL;
+    if (args->at == args->argc) return APP_END;
+    char *argument = args->argv[args->at++], *attached;
+    if (!args->positional_only && strcmp(argument, "--") == 0) {
+        args->positional_only = true;
+        return app_args_next(args, flags, suffix_of_optional, value);
+    }
+    if (args->positional_only || argument[0] != '-' || !argument[1]) {
+        *value = argument;
+        return APP_POSITIONAL;
+    }
+    for (int i = 0; flags[i].name; i++) {
+        const struct app_flag *flag = &flags[i];
+        if (!matches(flag, argument, &attached)) continue;
+        char *next = args->at < args->argc ? args->argv[args->at] : NULL;
+        bool optional = flag->value && flag->value[0] == '[';
+        if (attached && !flag->value) {
+            app_wrong("%s takes no value", flag->name);
+            return APP_BAD;
+        }
+        if (!attached && flag->value && next && (!optional || ends_in(next, suffix_of_optional))) {
+            attached = next;
+            args->at++;
+        }
+        if (flag->value && !optional && !attached) {
+            app_wrong("%s needs a value: %s", argument, flag->value);
+            return APP_BAD;
+        }
+        *value = attached;
+        return i;
+    }
+    return unknown(flags, argument);
+}
+
+bool app_args_split(char *pair, const char **name, const char **value) {
+    char *equals = strchr(pair, '=');
+    if (!equals || equals == pair) return false;
+    *equals = 0;
+    *name = pair;
+    *value = equals + 1;
+    return true;
+}

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+// Messages and progress on stderr: on a terminal a bar that is redrawn in place, elsewhere a line
+// per finished stage. Signals end a render through the same function that shows its progress.
+#include <math.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include "apps/app.h"
+#include "base/stats.h"
+
+static const double REDRAW_SECONDS = 0.1;
+enum { LINE_MAX_BYTES = 512, BAR_MAX = 40 };
+
+// The one variable that a signal handler can reach.
+static volatile sig_atomic_t interrupted;
+
+static void on_signal(int number) {
+    (void)number;
+    interrupted = 1;
+    signal(SIGINT, SIG_DFL);
+    signal(SIGTERM, SIG_DFL);
+}
+
+void app_catch_signals(void) {
+    struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+}
+
+bool app_interrupted(void) { return interrupted != 0; }
+
+static void erase_bar(struct app_progress *progress) {
+    if (!progress || !progress->bar) return;
+    fputs("\r\033[K", stderr);
+    progress->bar = false;
+}
+
+static void print(struct app_progress *progress, const char *prefix, const char *message) {
+    erase_bar(progress);
+    fprintf(stderr, "%s%s\n", prefix, message);
+    fflush(stderr);
+}
+
+void app_log_file(void *user, satin_log_level level, const char *message) {
+    struct app_progress *progress = user;
+    if (level == SATIN_LOG_ERROR)
+        print(progress, "", message);
+    else if (level == SATIN_LOG_WARNING && !(progress && progress->quiet))
+        print(progress, "satin: warning: ", message);
+}
+
+void app_log(void *user, satin_log_level level, const char *message) {
+    if (level == SATIN_LOG_ERROR)
+        print(user, "satin: error: ", message);
+    else
+        app_log_file(user, level, message);
+}
+
+// A positive number with three digits and a prefix: 12.3 M.
+static void print_rate(char *out, size_t bytes, double rate) {
+    static const char *const prefix[] = {"", " k", " M", " G", " T"};
+    int i = 0;
+    while (rate >= 999.5 && i < 4) {
+        rate /= 1000.0;
+        i++;
+    }
+    int decimals = rate >= 99.95 || (i == 0 && rate >= 10.0) ? 0 : 1;
+    snprintf(out, bytes, "%.*f%s", decimals, rate, prefix[i]);
+}
+
+static void print_time(char *out, size_t bytes, double seconds) {
+    long s = seconds < 1e7 ? lround(seconds) : 9999999;
+    if (s >= 3600)
+        snprintf(out, bytes, "%ld:%02ld:%02ld", s / 3600, s / 60 % 60, s % 60);
+    else
+        snprintf(out, bytes, "%ld:%02ld", s / 60, s % 60);
+}
+
+static int terminal_columns(void) {
+    struct winsize size;
+    if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
+    return 80;
+}
+
+// `stage [####----] 45 %  1.2 M rays/s  0:12 left`, cut to one column less than the terminal has:
+// writing the last column would wrap.
+static void draw_bar(struct app_progress *p, const satin_progress *now, double elapsed) {
+    char tail[128], rate[32], left[32], line[LINE_MAX_BYTES];
+    double done = fmin(fmax(now->done, 0.0), 1.0);
+    int n = snprintf(tail, sizeof tail, "%3.0f %%", 100.0 * done);
+    if (now->rate > 0.0) {
+        print_rate(rate, sizeof rate, now->rate);
+        n += snprintf(tail + n, sizeof tail - (size_t)n, "  %s %.24s/s", rate, now->unit);
+    }
+    // A forecast from the first hundredth says nothing.
+    if (done > 0.01 && elapsed > 0.5) {
+        print_time(left, sizeof left, elapsed * (1.0 - done) / done);
+        snprintf(tail + n, sizeof tail - (size_t)n, "  %s left", left);
+    }
+    int columns = terminal_columns() - 1;
+    if (columns > LINE_MAX_BYTES - 1) columns = LINE_MAX_BYTES - 1;
+    int width = columns - 15 - 3 - (int)strlen(tail);
+    if (width > BAR_MAX) width = BAR_MAX;
+    n = snprintf(line, sizeof line, "%-14.14s ", now->stage);
+    if (width >= 4) {
+        line[n++] = '[';
+        for (int i = 0; i < width; i++) line[n++] = i < (int)(done * width + 0.5) ? '#' : '-';
+        line[n++] = ']';
+        line[n++] = ' ';
+    }
+    snprintf(line + n, sizeof line - (size_t)n, "%s", tail);
+    line[columns > 0 ? columns : 0] = 0;
+    fprintf(stderr, "\r%s\033[K", line);
+    fflush(stderr);
+    p->bar = true;
+}
+
+static void finish_stage(struct app_progress *p) {
+    if (!p->stage) return;
+    if (!p->quiet && !p->terminal) {
+        char rate[32];
+        print_rate(rate, sizeof rate, p->rate);
+        fprintf(stderr, "%s: %.2f s", p->stage, stats_wall() - p->stage_start);
+        if (p->rate > 0.0) fprintf(stderr, ", %s %s/s", rate, p->unit);
+        fputc('\n', stderr);
+    }
+    p->stage = NULL;
+}
+
+void app_progress_start(struct app_progress *progress, bool quiet) {
+    // A terminal that cannot move the cursor gets lines.
+    const char *kind = getenv("TERM");
+    bool dumb = kind && strcmp(kind, "dumb") == 0;
+    *progress =
+        (struct app_progress){.quiet = quiet, .terminal = isatty(STDERR_FILENO) == 1 && !dumb};
+}
+
+bool app_progress_update(void *user, const satin_progress *now) {
+    struct app_progress *p = user;
+    double time = stats_wall();
+    if (!p->stage || strcmp(p->stage, now->stage) != 0) {
+        finish_stage(p);
+        p->stage = now->stage;
+        p->stage_start = time;
+        p->last_draw = 0.0;
+    }
+    p->rate = now->rate;
+    snprintf(p->unit, sizeof p->unit, "%s", now->unit ? now->unit : "items");
+    if (!p->quiet && p->terminal && time - p->last_draw >= REDRAW_SECONDS) {
+        draw_bar(p, now, time - p->stage_start);
+        p->last_draw = time;
+    }
+    return app_interrupted();
+}
+
+void app_progress_end(struct app_progress *progress) {
+    erase_bar(progress);
+    finish_stage(progress);
+    fflush(stderr);
+}

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+// satin render: arguments -> scene and options -> film -> files. All that can be wrong with the
+// arguments is found before the scene is read, and all output names before anything is rendered.
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "apps/app.h"
+#include "base/fileio.h"
+#include "base/stats.h"
+#include "film/film.h"
+
+enum {
+    FLAG_OUTPUT,
+    FLAG_PNG,
+    FLAG_STATS,
+    FLAG_DEFINE,
+    FLAG_SET,
+    FLAG_QUIET,
+    FLAG_HELP,
+    FLAG_FIRST_OPTION  // from here on --name is the option of that name
+};
+
+const struct app_flag app_render_flags[] = {
+    {"--output", "-o", "OUT.exr", "The image, an OpenEXR file with all layers."},
+    {"--png", NULL, "[FILE.png]", "The beauty as a PNG too, beside the image if no name is given."},
+    {"--stats", NULL, "FILE.json", "Statistics as JSON; - for standard output."},
+    {"--define", "-D", "NAME=VALUE", "Replaces a default of the scene file; may be repeated."},
+    {"--set", NULL, "OPTION=VALUE", "Sets any option of `satin help options`; may be repeated."},
+    {"--quiet", "-q", NULL, "Prints errors only."},
+    {"--help", "-h", NULL, "Prints this."},
+    {"--quality", NULL, "draft|preview|production", "Preset; single options override it."},
+    {"--integrator", NULL, "two-pass|path|direct|photons", "How light is computed."},
+    {"--first-pass", NULL, "NAME", "What gather rays read: precomputed, photons, path, none."},
+    {"--spp", NULL, "N", "Samples per pixel."},
+    {"--width", NULL, "W", "Film width in pixels."},
+    {"--height", NULL, "H", "Film height in pixels."},
+    {"--seed", NULL, "S", "Seed of all random numbers."},
+    {"--threads", NULL, "T", "Threads; 0: one per core."},
+    {"--time", NULL, "SECONDS", "Stops with the best image so far when the time is up."},
+    {NULL, NULL, NULL, NULL},
+};
+
+struct request {
+    const char *scene, *output, *png, *stats;
+    bool want_png, quiet, help;
+    satin_define *define;
+    satin_setting *setting;
+    size_t define_count, setting_count;
+    char *png_beside;  // owned name of a PNG that was asked for without a name
+};
+
+static int take_flag(struct request *r, int flag, char *value) {
+    satin_define *define = &r->define[r->define_count];
+    satin_setting *setting = &r->setting[r->setting_count];
+    switch (flag) {
+        case FLAG_OUTPUT:
+            r->output = value;
+            return APP_DONE;
+        case FLAG_STATS:
+            r->stats = value;
+            return APP_DONE;
+        case FLAG_QUIET:
+            r->quiet = true;
+            return APP_DONE;
+        case FLAG_HELP:
+            r->help = true;
+            return APP_DONE;
+        case FLAG_PNG:
+            r->want_png = true;
+            r->png = value;
+            return APP_DONE;
+        case FLAG_DEFINE:
+            if (!app_args_split(value, &define->name, &define->value))
+                return app_wrong("-D needs NAME=VALUE, not '%s'", value);
+            r->define_count++;
+            return APP_DONE;
+        case FLAG_SET:
+            if (!app_args_split(value, &setting->name, &setting->value))
+                return app_wrong("--set needs OPTION=VALUE, not '%s'", value);
+            r->setting_count++;
+            return APP_DONE;
+        default:
+            *setting = (satin_setting){app_render_flags[flag].name + 2, value};
+            r->setting_count++;
+            return APP_DONE;
+    }
+}
+
+static int read_arguments(int argc, char **argv, struct request *r) {
+    struct app_args args = {.argc = argc, .argv = argv};
+    char *value;
+    for (;;) {
+        int flag = app_args_next(&args, app_render_flags, ".png", &value), status = APP_DONE;
+        if (flag == APP_END) break;
+        if (flag == APP_BAD) return APP_WRONG;
+        if (flag != APP_POSITIONAL)
+            status = take_flag(r, flag, value);
+        else if (r->scene)
+            status = app_wrong("one scene at a time: '%s' and '%s'", r->scene, value);
+        else
+            r->scene = value;
+        if (status != APP_DONE) return status;
+    }
+    if (r->help) return APP_DONE;
+    if (!r->scene) return app_wrong("no scene: satin render SCENE.xml -o OUT.exr");
+    if (!r->output) return app_wrong("no output: satin render %s -o OUT.exr", r->scene);
+    satin_options checked;
+    return app_exit_of(
+        satin_options_resolve(NULL, r->setting, r->setting_count, app_log, NULL, &checked));
+}
+
+static bool same_file(const char *a, const char *b) {
+    struct stat sa, sb;
+    if (strcmp(a, b) == 0) return true;
+    return stat(a, &sa) == 0 && stat(b, &sb) == 0 && sa.st_dev == sb.st_dev &&
+           sa.st_ino == sb.st_ino;
+}
+
+// Finds out whether a file of this name can appear, by making its temporary file and removing it.
+static int check_output(const char *path, const char *scene) {
+    struct stat st;
+    if (same_file(path, scene)) return app_wrong("%s: the output would replace the scene", path);
+    if (stat(path, &st) == 0 && !S_ISREG(st.st_mode))
+        return app_wrong("%s: cannot write: it is %s", path,
+                         S_ISDIR(st.st_mode) ? "a directory" : "not a regular file");
+    char *temporary = fileio_temporary(path);
+    if (!temporary) return APP_FAILED;
+    int fd = open(temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666), error = errno;
+    if (fd >= 0) {
+        close(fd);
+        unlink(temporary);
+    }
+    free(temporary);
+    return fd >= 0 ? APP_DONE : app_wrong("%s: cannot write: %s", path, strerror(error));
+}
+
+// OUT.exr -> OUT.png; malloc.
+static char *png_name(const char *output) {
+    size_t n = strlen(output);
+    if (n > 4 && strcmp(output + n - 4, ".exr") == 0) n -= 4;
+    char *name = malloc(n + 5);
+    if (name) snprintf(name, n + 5, "%.*s.png", (int)n, output);
+    return name;
+}
+
+static int check_outputs(struct request *r) {
+    if (r->want_png && !r->png) {
+        r->png = r->png_beside = png_name(r->output);
+        if (!r->png) return APP_FAILED;
+    }
+    const char *stats = r->stats && strcmp(r->stats, "-") != 0 ? r->stats : NULL;
+    const char *path[3] = {r->output, r->png, stats};
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; path[i] && j < i; j++)
+            if (path[j] && same_file(path[i], path[j]))
+                return app_wrong("two outputs have the same name: %s", path[i]);
+        int status = path[i] ? check_output(path[i], r->scene) : APP_DONE;
+        if (status != APP_DONE) return status;
+    }
+    return APP_DONE;
+}
+
+static satin_status write_outputs(const struct request *r, const satin_film *film, int threads,
+                                  struct log log) {
+    const char *stats = satin_film_stats(film);
+    struct parallel *pool = parallel_new(threads);
+    satin_status status = film_write_exr(film, r->output, pool, log);
+    parallel_free(pool);
+    if (status == SATIN_OK && r->png) status = satin_film_write_png(film, r->png, log.fn, log.user);
+    if (status != SATIN_OK || !r->stats || !stats) return status;
+    if (strcmp(r->stats, "-") != 0) return fileio_write(log, r->stats, stats, strlen(stats));
+    if (fputs(stats, stdout) == EOF || fflush(stdout) != 0)
+        return log_fail(log, SATIN_ERROR_IO, "cannot write statistics: %s", strerror(errno));
+    return SATIN_OK;
+}
+
+static void print_summary(const struct request *r, const satin_film *film, satin_status rendered,
+                          double seconds) {
+    int width, height;
+    if (r->quiet) return;
+    satin_film_size(film, &width, &height);
+    fprintf(stderr, "%s: %dx%d, %.2f s%s\n", r->output, width, height, seconds,
+            rendered == SATIN_CANCELLED ? ", cancelled: what was done so far" : "");
+    if (r->png) fprintf(stderr, "%s\n", r->png);
+}
+
+static satin_status render(const struct request *r, const satin_scene *scene,
+                           struct app_progress *progress, double start) {
+    struct log file_log = {app_log_file, progress};
+    satin_options options;
+    satin_status status =
+        satin_options_resolve(scene, r->setting, r->setting_count, app_log, progress, &options);
+    if (status != SATIN_OK) return status;
+    satin_callbacks callbacks = {app_log, progress, app_progress_update, progress};
+    satin_film *film = NULL;
+    status = satin_render(scene, &options, &callbacks, &film);
+    app_progress_end(progress);
+    if (film) {
+        satin_status written = write_outputs(r, film, options.threads, file_log);
+        if (written == SATIN_OK) print_summary(r, film, status, stats_wall() - start);
+        if (written != SATIN_OK) status = written;
+    }
+    satin_film_free(film);
+    return status;
+}
+
+static int load_and_render(struct request *r) {
+    struct app_progress progress;
+    satin_scene *scene = NULL;
+    double start = stats_wall();
+    int result = check_outputs(r);
+    if (result != APP_DONE) return result;
+    app_progress_start(&progress, r->quiet);
+    app_catch_signals();
+    satin_status status =
+        satin_scene_load(r->scene, r->define, r->define_count, app_log_file, &progress, &scene);
+    if (status == SATIN_OK) status = render(r, scene, &progress, start);
+    satin_scene_free(scene);
+    return app_exit_of(status);
+}
+
+int app_render(int argc, char **argv) {
+    struct request r = {0};
+    r.define = calloc((size_t)argc + 1, sizeof *r.define);
+    r.setting = calloc((size_t)argc + 1, sizeof *r.setting);
+    int result = APP_FAILED;
+    if (r.define && r.setting) result = read_arguments(argc, argv, &r);
+    if (result == APP_DONE && r.help)
+        result = app_help(1, (char *[]){"render"});
+    else if (result == APP_DONE)
+        result = load_and_render(&r);
+    free(r.define);
+    free(r.setting);
+    free(r.png_beside);
+    return result;
+}

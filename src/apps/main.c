@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// The `satin` command: hands the arguments to the subcommand that they name.
+#include <string.h>
+
+#include "apps/app.h"
+#include "base/text.h"
+
+const struct app_command app_commands[] = {
+    {"render", "SCENE.xml -o OUT.exr", "Renders a Mitsuba 3 scene.", app_render_flags, app_render},
+    {"compare", "IMAGE.exr REFERENCE.exr", "Measures how far an image is from a reference.",
+     app_compare_flags, app_compare},
+    {"info", "FILE", "Describes a scene or an image.", app_info_flags, app_info},
+    {"help", "[TOPIC]", "Explains a command or an option.", app_help_flags, app_help},
+    {NULL, NULL, NULL, NULL, NULL},
+};
+
+static int unknown(const char *name) {
+    struct text_nearest search = {.word = name};
+    for (const struct app_command *c = app_commands; c->name; c++)
+        text_nearest_try(&search, c->name);
+    if (search.best)
+        return app_wrong("unknown command '%s' (did you mean '%s'?)", name, search.best);
+    return app_wrong("unknown command '%s'; `satin help` lists them", name);
+}
+
+// What was printed may still fail to arrive, on a full disk for example.
+static int finish(int result) {
+    if (fflush(stdout) == 0 && !ferror(stdout)) return result;
+    app_log(NULL, SATIN_LOG_ERROR, "cannot write to standard output");
+    return result == APP_DONE ? APP_FAILED : result;
+}
+
+int main(int argc, char **argv) {
+    if (argc < 2) return app_wrong("no command; `satin help` lists them");
+    if (strcmp(argv[1], "--version") == 0) {
+        printf("satin %s\n", SATIN_VERSION);
+        return finish(APP_DONE);
+    }
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0)
+        return finish(app_help(0, NULL));
+    for (const struct app_command *c = app_commands; c->name; c++)
+        if (strcmp(argv[1], c->name) == 0) return finish(c->run(argc - 2, argv + 2));
+    return unknown(argv[1]);
+}
