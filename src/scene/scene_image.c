@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// Images for textures and environments: finds the module around OpenImageIO, opens it, and turns
+// what it reads into linear floats.
+#include <dlfcn.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/fileio.h"
+#include "scene/scene_build.h"
+#include "scene/scene_image_oiio.h"
+
+// ---- The module ---------------------------------------------------------------------------------
+
+// Where the module is, seen from the folder of the program or library that holds this code:
+// installed beside the library, installed from the program, in the build tree.
+static const char *const module_places[] = {
+    "satin/satin_oiio.so",           "../" SATIN_LIBDIR "/satin/satin_oiio.so",
+    "src/scene/satin_oiio.so",       "../src/scene/satin_oiio.so",
+    "scene/satin_oiio.so",           "../scene/satin_oiio.so",
+    "../../src/scene/satin_oiio.so",
+};
+
+// Cuts a path after its last slash; false if it has none.
+static bool cut_to_folder(char *path) {
+    char *slash = strrchr(path, '/');
+    if (slash) slash[1] = 0;
+    return slash;
+}
+
+// The folder of the library or program that holds this code, ended by a slash.
+static bool own_folder(bool program, char folder[PATH_MAX]) {
+    if (program) {
+        ssize_t n = readlink("/proc/self/exe", folder, PATH_MAX - 1);
+        if (n <= 0) return false;
+        folder[n] = 0;
+    } else {
+        Dl_info info;
+        if (!dladdr(module_places, &info) || !info.dli_fname || !realpath(info.dli_fname, folder))
+            return false;
+    }
+    return cut_to_folder(folder);
+}
+
+// Opens the module, or finds it open. It stays open for the life of the process: OpenImageIO keeps
+// threads that unloading would pull the code from under.
+static const struct oiio_module *open_module(struct log log, struct log_place place) {
+    char folder[PATH_MAX], path[PATH_MAX + 64];
+    for (int program = 0; program < 2; program++) {
+        if (!own_folder(program, folder)) continue;
+        for (size_t i = 0; i < sizeof module_places / sizeof *module_places; i++) {
+            snprintf(path, sizeof path, "%s%s", folder, module_places[i]);
+            if (access(path, R_OK) != 0) continue;
+            void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+            const struct oiio_module *module = library ? dlsym(library, OIIO_MODULE_SYMBOL) : NULL;
+            if (!module) log_error_at(log, place, "cannot open the image module: %s", dlerror());
+            return module;
+        }
+    }
+    log_error_at(log, place, "the image module satin_oiio.so is not installed");
+    return NULL;
+}
+
+// ---- Texels -------------------------------------------------------------------------------------
+
+static float srgb_to_linear(float x) {
+    return x <= 0.04045f ? x / 12.92f : powf((x + 0.055f) / 1.055f, 2.4f);
+}
+
+static void finish_texels(const struct scene_source *source, float *texel, size_t count,
+                          bool decode) {
+    size_t bad = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (decode) texel[i] = srgb_to_linear(texel[i]);
+        if (isfinite(texel[i])) continue;
+        texel[i] = 0.0f;
+        bad++;
+    }
+    if (bad)
+        log_message(source->log, SATIN_LOG_WARNING, "%s: %zu values are not finite and count as 0",
+                    source->path, bad);
+}
+
+static satin_status hash_file(const struct scene_source *source) {
+    char *data;
+    size_t size;
+    satin_status status =
+        fileio_read(source->log, source->place, source->path, SCENE_FILE_MAX, &data, &size);
+    if (status != SATIN_OK) return status;
+    if (source->hash) *source->hash = fileio_hash(*source->hash, data, size);
+    free(data);
+    return SATIN_OK;
+}
+
+static satin_status read_image(const struct scene_source *source, const struct oiio_module *module,
+                               struct oiio_image *opened, bool raw, const struct image **out) {
+    uint64_t pixels = (uint64_t)opened->width * (uint64_t)opened->height;
+    if (pixels > SCENE_IMAGE_PIXELS_MAX) {
+        log_error_at(source->log, source->place, "image '%s' is too large: %d x %d", source->path,
+                     opened->width, opened->height);
+        return SATIN_ERROR_INPUT;
+    }
+    size_t count = (size_t)pixels * (size_t)opened->channels;
+    float *texel = arena_array(source->arena, count, sizeof *texel);
+    struct image *image = arena_alloc(source->arena, sizeof *image);
+    if (!texel || !image)
+        return log_fail(source->log, SATIN_ERROR_MEMORY, "%s: not enough memory for the image",
+                        source->path);
+    char error[512] = "";
+    if (module->read(opened, texel, error, sizeof error)) {
+        log_error_at(source->log, source->place, "cannot read image '%s': %s", source->path, error);
+        return SATIN_ERROR_INPUT;
+    }
+    finish_texels(source, texel, count, !raw && opened->srgb);
+    *image = (struct image){opened->width, opened->height, opened->channels, texel};
+    *out = image;
+    return SATIN_OK;
+}
+
+satin_status scene_image_load(const struct scene_source *source, bool raw,
+                              const struct image **out) {
+    satin_status status = hash_file(source);
+    if (status != SATIN_OK) return status;
+    const struct oiio_module *module = open_module(source->log, source->place);
+    if (!module) return SATIN_ERROR_INTERNAL;
+    struct oiio_image opened;
+    char error[512] = "";
+    if (module->open(source->path, &opened, error, sizeof error)) {
+        log_error_at(source->log, source->place, "cannot read image '%s': %s", source->path, error);
+        return SATIN_ERROR_INPUT;
+    }
+    status = read_image(source, module, &opened, raw, out);
+    module->close(&opened);
+    return status;
+}

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// The module around OpenImageIO: C functions over its C++ classes. Built as a shared module of its
+// own, so that the libraries behind OpenImageIO load only when a scene has an image.
+#include "scene/scene_image_oiio.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <cstdio>
+#include <exception>
+#include <string>
+
+namespace {
+
+int fail(char *error, size_t size, const std::string &text) {
+    std::snprintf(error, size, "%s", text.c_str());
+    return 1;
+}
+
+// Calls f and turns whatever it throws into a message.
+template <typename F>
+int guarded(char *error, size_t size, F f) noexcept {
+    try {
+        return f();
+    } catch (const std::exception &e) {
+        std::snprintf(error, size, "%s", e.what());
+    } catch (...) {
+        std::snprintf(error, size, "unknown failure");
+    }
+    return 1;
+}
+
+// Integers are taken as encoded unless the file says that they are linear, floats as linear unless
+// it says that they are not. The names of colour spaces changed from OpenImageIO 2 to 3.
+bool is_srgb(const OIIO::ImageSpec &spec) {
+    std::string space = OIIO::Strutil::lower(spec.get_string_attribute("oiio:ColorSpace"));
+    if (space.find("srgb") == 0) return true;
+    bool linear = space.find("lin") == 0 || space == "raw" || space == "data";
+    return !linear && !spec.format.is_floating_point();
+}
+
+int open(const char *path, struct oiio_image *out, char *error, size_t size) {
+    return guarded(error, size, [&] {
+        OIIO::ImageSpec config;
+        config["oiio:UnassociatedAlpha"] = 1;
+        auto input = OIIO::ImageInput::open(path, &config);
+        if (!input) return fail(error, size, OIIO::geterror());
+        const OIIO::ImageSpec &spec = input->spec();
+        if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1 || spec.deep)
+            return fail(error, size, "it is not a flat image");
+        out->width = spec.width;
+        out->height = spec.height;
+        out->channels = spec.nchannels < 3 ? 1 : 3;
+        out->srgb = is_srgb(spec);
+        out->input = input.release();
+        return 0;
+    });
+}
+
+int read(struct oiio_image *image, float *texel, char *error, size_t size) {
+    return guarded(error, size, [&] {
+        auto *input = static_cast<OIIO::ImageInput *>(image->input);
+        if (input->read_image(0, 0, 0, image->channels, OIIO::TypeDesc::FLOAT, texel)) return 0;
+        return fail(error, size, input->geterror());
+    });
+}
+
+void close(struct oiio_image *image) {
+    try {
+        OIIO::ImageInput::unique_ptr input(static_cast<OIIO::ImageInput *>(image->input));
+    } catch (...) {
+    }
+    image->input = nullptr;
+}
+
+}  // namespace
+
+extern "C" __attribute__((visibility("default")))
+const struct oiio_module satin_oiio_module = {open, read, close};
