@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to scene/: plugins and their parameters. A table per plugin says what it takes; reading
+// an element against its table gives typed, checked values. The same tables are the documentation.
+#ifndef SCENE_PARAMS_H
+#define SCENE_PARAMS_H
+
+#include "base/mat4.h"
+#include "base/vec.h"
+#include "scene/scene_xml.h"
+
+enum param_kind {
+    PARAM_BOOLEAN,
+    PARAM_INTEGER,
+    PARAM_FLOAT,
+    PARAM_STRING,
+    PARAM_CHOICE,  // one of `choices`, letter case aside
+    PARAM_POINT,   // <point> or <vector>
+    PARAM_TRANSFORM,
+    PARAM_COLOR,  // <rgb>, <spectrum> or <float>
+    PARAM_LIGHT,  // the same for light: a constant <spectrum> is equal energy, not white
+    PARAM_IOR     // <float> or the name of a substance
+};
+
+enum param_range { RANGE_ANY = 0, RANGE_POSITIVE, RANGE_NOT_NEGATIVE, RANGE_UNIT };
+
+enum param_flag { PARAM_REQUIRED = 1, PARAM_TEXTURE = 2 };  // PARAM_TEXTURE: a <texture> will do
+
+struct param_spec {
+    const char *name;
+    enum param_kind kind;
+    const char *fallback;  // the default as one would write it; NULL: none
+    enum param_range range;
+    unsigned flags;
+    const char *const *choices;  // NULL-ended
+    const char *doc;
+};
+
+enum { PARAM_MAX = 16 };  // parameters of one plugin
+
+struct param_value {
+    bool given;                // in the file; else the default, if there is one
+    struct log_place place;    // of the value, or of the plugin
+    struct xml_node *texture;  // given by a <texture>; then the value is not set
+    bool b;
+    int i;  // PARAM_CHOICE: index
+    float f;
+    const char *s;  // lives as long as the tree
+    vec3 v;
+    rgb color;
+    struct mat4 m;
+};
+
+struct scene_loader;
+struct params;
+
+// Builds what an element describes. `object` is, by element: <bsdf> struct material_side, <shape>
+// struct shape, <emitter> struct light, <texture> struct texture, <rfilter> struct film_spec;
+// else NULL.
+typedef satin_status (*plugin_build)(struct scene_loader *loader, const struct params *params,
+                                     void *object);
+
+struct plugin_spec {
+    enum xml_tag tag;
+    const char *name;  // NULL ends a table
+    const char *doc;
+    const struct param_spec *const *params;  // NULL-ended; NULL: none
+    unsigned children;                       // what it takes besides parameters: bits 1 << xml_tag
+    plugin_build build;
+    bool lenient;  // other parameters have no effect: a warning, not an error
+};
+
+struct params {
+    const struct plugin_spec *plugin;
+    struct xml_node *node;
+    struct param_value value[PARAM_MAX];
+};
+
+// What reading needs to know.
+struct param_source {
+    struct log log;
+    const struct scene_xml *xml;
+};
+
+// Reads all parameters of an element. A parameter that is not in the table, is of another kind,
+// stands twice, is out of range or missing is one logged error.
+satin_status params_read(struct param_source source, const struct plugin_spec *plugin,
+                         struct xml_node *node, struct params *out);
+
+// A parameter by its name, which must be in the table.
+const struct param_value *param(const struct params *params, const char *name);
+
+// The next child of an element, `after` being the one before (NULL: the first), that is, or refers
+// to, an object of that tag. NULL at the end.
+struct xml_node *params_child(const struct scene_xml *xml, const struct xml_node *node,
+                              enum xml_tag tag, struct xml_node **after);
+
+// Values from text; each logs what is wrong at `place`. Numbers are finite; lists are parted by
+// blanks or commas.
+bool param_numbers(struct log log, struct log_place place, const char *text, int count,
+                   double *out);
+// How many words `text` has.
+int param_words(const char *text);
+// The x, y and z, or the value, of an element; what is absent becomes `missing`, or is an error if
+// that is NaN.
+bool param_xyz(struct log log, const struct xml_node *node, float missing, vec3 *out);
+
+// Reads the value that an element gives for a parameter; or the default, from its own text.
+satin_status param_read(struct log log, const struct param_spec *spec, const struct xml_node *node,
+                        struct param_value *value);
+satin_status param_read_default(struct log log, const struct param_spec *spec,
+                                struct param_value *value);
+
+// The product of the steps of a <transform> (scene_transform.c).
+satin_status scene_transform_read(struct log log, const struct xml_node *node, struct mat4 *out);
+// A colour from <rgb>, <spectrum> or <float> (scene_color.c).
+satin_status scene_color_read(struct log log, const struct xml_node *node, bool light, rgb *out);
+
+// All plugins (scene_plugins.c). Finds the one of an element; logs, with the nearest name, and
+// returns NULL if there is none.
+const struct plugin_spec *scene_plugin_find(struct log log, const struct xml_node *node);
+// How messages call an object: BRDF, shape, ...
+const char *scene_plugin_noun(enum xml_tag tag);
+
+extern const struct plugin_spec scene_bsdf_plugins[], scene_texture_plugins[],
+    scene_shape_plugins[], scene_emitter_plugins[], scene_sensor_plugins[], scene_film_plugins[],
+    scene_integrator_plugins[];
+
+// Named substances (scene_substance.c). False if the name is unknown; the names are listed by
+// index, NULL beyond the last.
+bool scene_ior_find(const char *name, float *ior);
+const char *scene_ior_name(int index);
+bool scene_metal_find(const char *name, rgb *eta, rgb *k);
+const char *scene_metal_name(int index);
+
+#endif

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// <transform>: its steps apply to the object in the order in which they are written, so each one
+// multiplies from the left. The product is kept in double precision until the end.
+#include "base/frame.h"
+#include "scene/scene_params.h"
+
+struct matrix {
+    double m[4][4];
+};
+
+static struct matrix widen(const struct mat4 *a) {
+    struct matrix out;
+    for (int i = 0; i < 16; i++) out.m[i / 4][i % 4] = (double)a->m[i / 4][i % 4];
+    return out;
+}
+
+static struct matrix product(const struct matrix *a, const struct matrix *b) {
+    struct matrix out = {0};
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++)
+            for (int k = 0; k < 4; k++) out.m[i][j] += a->m[i][k] * b->m[k][j];
+    return out;
+}
+
+static satin_status fail(struct log log, const struct xml_node *step, const char *why) {
+    log_error_at(log, step->place, "<%s>: %s", xml_tag_name(step->tag), why);
+    return SATIN_ERROR_INPUT;
+}
+
+static satin_status read_translate(struct log log, const struct xml_node *step,
+                                   struct matrix *out) {
+    vec3 t;
+    if (!param_xyz(log, step, 0.0f, &t)) return SATIN_ERROR_INPUT;
+    struct mat4 m = mat4_translate(t);
+    *out = widen(&m);
+    return SATIN_OK;
+}
+
+static satin_status read_scale(struct log log, const struct xml_node *step, struct matrix *out) {
+    vec3 s;
+    if (!param_xyz(log, step, 1.0f, &s)) return SATIN_ERROR_INPUT;
+    struct mat4 m = mat4_scale(s);
+    *out = widen(&m);
+    return SATIN_OK;
+}
+
+static satin_status read_rotate(struct log log, const struct xml_node *step, struct matrix *out) {
+    vec3 axis;
+    double angle;
+    if (!param_xyz(log, step, 0.0f, &axis)) return SATIN_ERROR_INPUT;
+    if (!param_numbers(log, step->place, xml_get(step, "angle"), 1, &angle))
+        return SATIN_ERROR_INPUT;
+    if (v3_max_abs(axis) == 0.0f) return fail(log, step, "the axis is zero");
+    struct mat4 m = mat4_rotate(axis, (float)angle);
+    *out = widen(&m);
+    return SATIN_OK;
+}
+
+static bool read_triple(struct log log, const struct xml_node *step, const char *attribute,
+                        vec3 *out) {
+    const char *text = xml_get(step, attribute);
+    double d[3] = {0.0, 0.0, 0.0};
+    if (text && !param_numbers(log, step->place, text, 3, d)) return false;
+    *out = v3((float)d[0], (float)d[1], (float)d[2]);
+    return true;
+}
+
+static satin_status read_lookat(struct log log, const struct xml_node *step, struct matrix *out) {
+    vec3 origin, target, up;
+    if (!read_triple(log, step, "origin", &origin) || !read_triple(log, step, "target", &target) ||
+        !read_triple(log, step, "up", &up))
+        return SATIN_ERROR_INPUT;
+    // Without an up vector any will do; this is the one that Mitsuba takes.
+    if (v3_max_abs(up) == 0.0f) up = frame_from_normal(v3_unit(v3_sub(target, origin))).u;
+    struct mat4 m;
+    if (!mat4_look_at(origin, target, up, &m))
+        return fail(log, step, "origin and target, or direction and up, coincide");
+    *out = widen(&m);
+    return SATIN_OK;
+}
+
+// 16 numbers by rows, or 9 for the upper 3x3 block.
+static satin_status read_matrix(struct log log, const struct xml_node *step, struct matrix *out) {
+    const char *text = xml_get(step, "value");
+    double d[16];
+    int side = param_words(text) == 9 ? 3 : 4;
+    if (!param_numbers(log, step->place, text, side * side, d)) return SATIN_ERROR_INPUT;
+    struct mat4 identity = mat4_identity();
+    *out = widen(&identity);
+    for (int i = 0; i < side * side; i++) out->m[i / side][i % side] = d[i];
+    return SATIN_OK;
+}
+
+static satin_status read_step(struct log log, const struct xml_node *step, struct matrix *out) {
+    switch (step->tag) {
+        case XML_TRANSLATE:
+            return read_translate(log, step, out);
+        case XML_SCALE:
+            return read_scale(log, step, out);
+        case XML_ROTATE:
+            return read_rotate(log, step, out);
+        case XML_LOOKAT:
+            return read_lookat(log, step, out);
+        default:
+            return read_matrix(log, step, out);
+    }
+}
+
+satin_status scene_transform_read(struct log log, const struct xml_node *node, struct mat4 *out) {
+    struct mat4 result = mat4_identity();
+    struct matrix total = widen(&result);
+    for (const struct xml_node *step = node->child; step; step = step->next) {
+        struct matrix m;
+        satin_status status = read_step(log, step, &m);
+        if (status != SATIN_OK) return status;
+        total = product(&m, &total);
+    }
+    for (int i = 0; i < 16; i++) {
+        result.m[i / 4][i % 4] = (float)total.m[i / 4][i % 4];
+        if (!isfinite(result.m[i / 4][i % 4])) return fail(log, node, "the product overflows");
+    }
+    *out = result;
+    return SATIN_OK;
+}
