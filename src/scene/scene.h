@@ -280,4 +280,23 @@ struct ray camera_ray(const struct satin_scene *scene, float x, float y, float u
 // border does.
 float film_filter_sample(const struct film_spec *film, float centre, float lo, float hi, float u);
 
+// ---- Plugins of scene files (scene_plugins.c) ---------------------------------------------------
+
+struct scene_plugin_info {
+    const char *element, *name, *doc;  // of the element's `type`
+};
+
+struct scene_param_info {
+    const char *name;
+    char kind[64];      // the element that gives it, or the values to choose from
+    const char *value;  // the default, or NULL
+    const char *range;  // of numbers and colours, or ""
+    bool required;
+    const char *doc;
+};
+
+// Describe plugin `index`, and its parameter `index`, counting from 0; false beyond the last.
+bool scene_plugin_describe(int index, struct scene_plugin_info *out);
+bool scene_param_describe(int plugin, int index, struct scene_param_info *out);
+
 #endif

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+// Loading a scene: the file becomes a tree, the tree's elements become shapes, materials, lights
+// and a camera, and these get their ray tracing structure and sampling tables.
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/fileio.h"
+#include "scene/scene_loader.h"
+
+satin_status scene_no_memory(struct scene_loader *loader) {
+    return log_fail(loader->log, SATIN_ERROR_MEMORY, "%s: not enough memory for the scene",
+                    loader->path);
+}
+
+const char *scene_keep_text(struct scene_loader *loader, const char *text) {
+    return arena_text(&loader->scene->arena, text, strlen(text));
+}
+
+satin_status scene_params(struct scene_loader *loader, struct xml_node *node, struct params *out) {
+    const struct plugin_spec *plugin = scene_plugin_find(loader->log, node);
+    if (!plugin) return SATIN_ERROR_INPUT;
+    struct param_source source = {loader->log, &loader->xml};
+    return params_read(source, plugin, node, out);
+}
+
+satin_status scene_file_source(struct scene_loader *loader, const struct param_value *name,
+                               struct scene_source *out) {
+    char *path = fileio_beside(name->place.file, name->s);
+    if (path && access(path, F_OK) != 0) {
+        char *other = fileio_beside(loader->path, name->s);
+        if (other && access(other, F_OK) == 0) {
+            free(path);
+            path = other;
+        } else {
+            free(other);
+        }
+    }
+    if (!path) return scene_no_memory(loader);
+    *out = (struct scene_source){loader->log, name->place, &loader->scene->arena, path,
+                                 &loader->scene->hash};
+    return SATIN_OK;
+}
+
+// ---- The elements of <scene> --------------------------------------------------------------------
+
+static const struct plugin_spec scene_plugin = {
+    .tag = XML_SCENE,
+    .name = "scene",
+    .children = 1u << XML_SHAPE | 1u << XML_BSDF | 1u << XML_TEXTURE | 1u << XML_EMITTER |
+                1u << XML_SENSOR | 1u << XML_INTEGRATOR};
+
+static satin_status build_sensor(struct scene_loader *loader, struct xml_node *node, int *count) {
+    if ((*count)++ == 0) return scene_sensor_read(loader, node);
+    log_message(loader->log, SATIN_LOG_WARNING,
+                "%s:%d:%d: only the first sensor of a scene is used", node->place.file,
+                node->place.line, node->place.column);
+    struct params p;
+    return scene_params(loader, node, &p);
+}
+
+// Shapes, lights, camera and integrator. Materials and textures follow where they are used.
+static satin_status build_objects(struct scene_loader *loader) {
+    int sensors = 0;
+    int32_t light;
+    satin_status status = SATIN_OK;
+    for (struct xml_node *node = loader->xml.root->child; node && status == SATIN_OK;
+         node = node->next) {
+        if (node->tag == XML_SHAPE) status = scene_shape_add(loader, node);
+        if (node->tag == XML_EMITTER) status = scene_emitter_add(loader, node, -1, &light);
+        if (node->tag == XML_SENSOR) status = build_sensor(loader, node, &sensors);
+        if (node->tag == XML_INTEGRATOR) status = scene_integrator_read(loader, node);
+    }
+    if (status == SATIN_OK && sensors == 0) {
+        log_error_at(loader->log, loader->xml.root->place, "the scene has no <sensor>");
+        return SATIN_ERROR_INPUT;
+    }
+    return status;
+}
+
+// Materials and textures that nothing refers to are built and dropped, so that errors in them are
+// seen.
+static satin_status check_unused(struct scene_loader *loader) {
+    satin_status status = SATIN_OK;
+    for (struct xml_node *node = loader->xml.root->child; node && status == SATIN_OK;
+         node = node->next) {
+        struct material material;
+        const struct texture *texture;
+        if (node->tag == XML_BSDF && !node->material)
+            status = scene_material_build(loader, node, &material);
+        if (node->tag == XML_TEXTURE) status = scene_texture_of(loader, node, &texture);
+    }
+    return status;
+}
+
+// ---- The scene ----------------------------------------------------------------------------------
+
+static void *keep_array(struct scene_loader *loader, const void *items, size_t count, size_t size) {
+    void *copy = arena_array(&loader->scene->arena, count, size);
+    if (copy && count) memcpy(copy, items, count * size);
+    return copy;
+}
+
+// Moves the loader's arrays into the scene.
+static satin_status keep_objects(struct scene_loader *loader) {
+    struct satin_scene *scene = loader->scene;
+    if (loader->shape_count > INT32_MAX || loader->light_count > INT32_MAX)
+        return log_fail(loader->log, SATIN_ERROR_INPUT, "%s: too many shapes", loader->path);
+    scene->shape = keep_array(loader, loader->shape, loader->shape_count, sizeof *scene->shape);
+    scene->material =
+        keep_array(loader, loader->material, loader->material_count, sizeof *scene->material);
+    scene->light = keep_array(loader, loader->light, loader->light_count, sizeof *scene->light);
+    if (!scene->shape || !scene->material || !scene->light) return scene_no_memory(loader);
+    scene->shape_count = (uint32_t)loader->shape_count;
+    scene->material_count = (uint32_t)loader->material_count;
+    scene->light_count = (uint32_t)loader->light_count;
+    return SATIN_OK;
+}
+
+static satin_status load(struct scene_loader *loader) {
+    struct params p;
+    struct param_source source = {loader->log, &loader->xml};
+    satin_status status = params_read(source, &scene_plugin, loader->xml.root, &p);
+    if (status == SATIN_OK) status = build_objects(loader);
+    if (status == SATIN_OK) status = check_unused(loader);
+    if (status == SATIN_OK) status = keep_objects(loader);
+    if (status == SATIN_OK) status = scene_trace_build(loader->scene, loader->log);
+    if (status == SATIN_OK) status = scene_lights_prepare(loader->scene, loader->log);
+    return status;
+}
+
+satin_status satin_scene_load(const char *path, const satin_define *defines, size_t define_count,
+                              satin_log_fn log, void *log_user, satin_scene **scene) {
+    struct scene_loader loader = {.log = {log, log_user}, .path = path};
+    if (!path || !scene || (define_count && !defines))
+        return log_fail(loader.log, SATIN_ERROR_ARGUMENT, "satin_scene_load: NULL argument");
+    loader.scene = calloc(1, sizeof *loader.scene);
+    if (!loader.scene) return scene_no_memory(&loader);
+    loader.scene->hash = FILEIO_HASH;
+    loader.scene->environment = -1;
+    loader.scene->hints = (struct scene_hints){.max_depth = -2, .hide_emitters = -1};
+    satin_status status =
+        scene_xml_read(loader.log, path, defines, define_count, &loader.scene->hash, &loader.xml);
+    if (status == SATIN_OK) status = load(&loader);
+    scene_xml_free(&loader.xml);
+    free(loader.shape);
+    free(loader.material);
+    free(loader.light);
+    free(loader.image);
+    if (status == SATIN_OK)
+        *scene = loader.scene;
+    else
+        satin_scene_free(loader.scene);
+    return status;
+}
+
+void satin_scene_free(satin_scene *scene) {
+    if (!scene) return;
+    scene_trace_free(scene->trace);
+    arena_free(&scene->arena);
+    free(scene);
+}
+
+uint64_t satin_scene_hash(const satin_scene *scene) { return scene->hash; }
+
+void satin_scene_film_size(const satin_scene *scene, int *width, int *height) {
+    *width = scene->film.crop_width;
+    *height = scene->film.crop_height;
+}

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to scene/: the state of one run of satin_scene_load, and the builders that fill it, one
+// file per kind of element.
+#ifndef SCENE_LOADER_H
+#define SCENE_LOADER_H
+
+#include "scene/scene.h"
+#include "scene/scene_build.h"
+#include "scene/scene_params.h"
+
+struct loaded_image {
+    const char *path;
+    bool raw;
+    const struct image *image;
+};
+
+struct scene_loader {
+    struct log log;
+    const char *path;  // of the main file
+    struct scene_xml xml;
+    struct satin_scene *scene;  // what is built; its arrays are these, until the end
+    struct shape *shape;
+    struct material *material;
+    struct light *light;
+    struct loaded_image *image;
+    size_t shape_count, material_count, light_count, image_count;
+    size_t shape_capacity, material_capacity, light_capacity, image_capacity;
+    uint32_t plain[2];  // 1 + index of the materials of shapes without one: [emits]
+};
+
+// Logs lack of memory and returns its status.
+satin_status scene_no_memory(struct scene_loader *loader);
+// Copies text into the scene's arena; NULL without memory.
+const char *scene_keep_text(struct scene_loader *loader, const char *text);
+// params_read for the plugin that the element names.
+satin_status scene_params(struct scene_loader *loader, struct xml_node *node, struct params *out);
+// The source of a file that a parameter names: beside the file with the parameter, or else beside
+// the main file. The caller frees source->path.
+satin_status scene_file_source(struct scene_loader *loader, const struct param_value *name,
+                               struct scene_source *out);
+
+// The texture of a textured parameter, built on its first use (scene_plugins_texture.c).
+satin_status scene_texture_of(struct scene_loader *loader, struct xml_node *node,
+                              const struct texture **out);
+// Builds a material, without adding it to the scene (scene_plugins_bsdf.c).
+satin_status scene_material_build(struct scene_loader *loader, struct xml_node *node,
+                                  struct material *out);
+// The index of the material of a <bsdf>, added on its first use; NULL: the default of a shape that
+// emits or not.
+satin_status scene_material_of(struct scene_loader *loader, struct xml_node *node, bool emits,
+                               uint32_t *index);
+// Adds a shape, with its material and light (scene_plugins_shape.c).
+satin_status scene_shape_add(struct scene_loader *loader, struct xml_node *node);
+// Adds an <emitter> of shape `shape`, or one without a shape if that is negative; *index is its
+// number, or -1 if it is black (scene_plugins_light.c).
+satin_status scene_emitter_add(struct scene_loader *loader, struct xml_node *node, int64_t shape,
+                               int32_t *index);
+// Camera, film and samples per pixel of the scene (scene_plugins_sensor.c).
+satin_status scene_sensor_read(struct scene_loader *loader, struct xml_node *node);
+// What the <integrator> asks for (scene_plugins_integrator.c).
+satin_status scene_integrator_read(struct scene_loader *loader, struct xml_node *node);
+
+#endif

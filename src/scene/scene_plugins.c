@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// All plugins of a scene file: lookup by name, and their description for the documentation.
+#include <stdio.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "scene/scene.h"
+#include "scene/scene_params.h"
+
+static const struct plugin_spec *const tables[] = {
+    scene_shape_plugins,  scene_bsdf_plugins, scene_texture_plugins,    scene_emitter_plugins,
+    scene_sensor_plugins, scene_film_plugins, scene_integrator_plugins, NULL};
+
+// What Mitsuba 3 knows and satin does not read.
+struct unread {
+    enum xml_tag tag;
+    const char *const *name;
+};
+
+static const char *const unread_shapes[] = {
+    "bsplinecurve", "linearcurve", "sdfgrid", "ellipsoids", "ellipsoidsmesh",
+    "instance",     "shapegroup",  "merge",   "blender",    "heightfield",
+    "hair",         "mesh",        NULL};
+static const char *const unread_bsdfs[] = {
+    "roughdielectric", "principled", "principledthin",     "blendbsdf", "mask",     "bumpmap",
+    "normalmap",       "null",       "measured",           "hair",      "pplastic", "polarizer",
+    "retarder",        "circular",   "measured_polarized", NULL};
+static const char *const unread_textures[] = {"mesh_attribute", "volume", "volumeadapter", NULL};
+static const char *const unread_emitters[] = {
+    "projector", "sunsky", "timed_sunsky", "directionalarea", "sky", "sun", "volumelight", NULL};
+static const char *const unread_sensors[] = {
+    "orthographic", "distant", "radiancemeter", "batch", "hemispherical", "irradiancemeter", NULL};
+static const char *const unread_films[] = {"specfilm", NULL};
+static const char *const unread_filters[] = {"mitchell", "catmullrom", "lanczos", NULL};
+
+static const struct unread unread[] = {
+    {XML_SHAPE, unread_shapes},     {XML_BSDF, unread_bsdfs},     {XML_TEXTURE, unread_textures},
+    {XML_EMITTER, unread_emitters}, {XML_SENSOR, unread_sensors}, {XML_FILM, unread_films},
+    {XML_RFILTER, unread_filters}};
+
+const char *scene_plugin_noun(enum xml_tag tag) {
+    if (tag == XML_BSDF) return "BRDF";
+    return tag == XML_RFILTER ? "filter" : xml_tag_name(tag);
+}
+
+static bool is_unread(const struct xml_node *node) {
+    for (size_t i = 0; i < sizeof unread / sizeof *unread; i++) {
+        if (unread[i].tag != node->tag) continue;
+        for (const char *const *name = unread[i].name; *name; name++)
+            if (strcmp(*name, node->type) == 0) return true;
+    }
+    return false;
+}
+
+const struct plugin_spec *scene_plugin_find(struct log log, const struct xml_node *node) {
+    struct text_nearest nearest = {.word = node->type};
+    const struct plugin_spec *last = NULL;
+    for (int t = 0; tables[t]; t++)
+        for (const struct plugin_spec *plugin = tables[t]; plugin->name; plugin++) {
+            if (plugin->tag != node->tag) continue;
+            if (strcmp(plugin->name, node->type) == 0) return plugin;
+            text_nearest_try(&nearest, plugin->name);
+            last = plugin;
+        }
+    if (last && last->lenient) return last;  // integrators: it stands for all
+    const char *noun = scene_plugin_noun(node->tag);
+    if (is_unread(node))
+        log_error_at(log, node->place, "%s '%s' is not supported", noun, node->type);
+    else if (nearest.best)
+        log_error_at(log, node->place, "unknown %s '%s' (did you mean '%s'?)", noun, node->type,
+                     nearest.best);
+    else
+        log_error_at(log, node->place, "unknown %s '%s'", noun, node->type);
+    return NULL;
+}
+
+// ---- Documentation ------------------------------------------------------------------------------
+
+static const struct plugin_spec *plugin_at(int index) {
+    for (int t = 0; tables[t]; t++)
+        for (const struct plugin_spec *plugin = tables[t]; plugin->name; plugin++)
+            if (index-- == 0) return plugin;
+    return NULL;
+}
+
+bool scene_plugin_describe(int index, struct scene_plugin_info *out) {
+    const struct plugin_spec *plugin = index >= 0 ? plugin_at(index) : NULL;
+    if (!plugin) return false;
+    *out = (struct scene_plugin_info){xml_tag_name(plugin->tag), plugin->name, plugin->doc};
+    return true;
+}
+
+// What one writes for a parameter: an element, or its choices.
+static void describe_kind(const struct param_spec *spec, char *text, size_t size) {
+    static const char *const elements[] = {
+        [PARAM_BOOLEAN] = "boolean",     [PARAM_INTEGER] = "integer", [PARAM_FLOAT] = "float",
+        [PARAM_STRING] = "string",       [PARAM_CHOICE] = "",         [PARAM_POINT] = "point",
+        [PARAM_TRANSFORM] = "transform", [PARAM_COLOR] = "rgb",       [PARAM_LIGHT] = "rgb",
+        [PARAM_IOR] = "float or string"};
+    snprintf(text, size, "%s%s", elements[spec->kind],
+             spec->flags & PARAM_TEXTURE ? " or texture" : "");
+    for (int i = 0; spec->choices && spec->choices[i]; i++) {
+        size_t n = strlen(text);
+        snprintf(text + n, size - n, "%s%s", i ? ", " : "", spec->choices[i]);
+    }
+}
+
+bool scene_param_describe(int plugin_index, int index, struct scene_param_info *out) {
+    static const char *const ranges[] = {"", "> 0", ">= 0", "0 to 1"};
+    const struct plugin_spec *plugin = plugin_index >= 0 ? plugin_at(plugin_index) : NULL;
+    if (!plugin || !plugin->params || index < 0) return false;
+    for (int i = 0; i <= index; i++)
+        if (!plugin->params[i]) return false;
+    const struct param_spec *spec = plugin->params[index];
+    *out = (struct scene_param_info){.name = spec->name,
+                                     .value = spec->fallback,
+                                     .range = ranges[spec->range],
+                                     .required = (spec->flags & PARAM_REQUIRED) != 0,
+                                     .doc = spec->doc};
+    if (spec->kind == PARAM_TRANSFORM) out->value = "identity";
+    describe_kind(spec, out->kind, sizeof out->kind);
+    return true;
+}

@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: Apache-2.0
+// <bsdf>: materials. Names, parameters and defaults are those of Mitsuba 3; phong and ward are
+// those of Mitsuba 0.6 with its parameters spelt the new way.
+#include "base/array.h"
+#include "scene/scene_loader.h"
+
+static const char *const distributions[] = {"beckmann", "ggx", NULL};  // enum brdf_distribution
+static const char *const variants[] = {"ward", "ward-duer", "balanced", NULL};  // enum brdf_variant
+
+static const struct param_spec reflectance = {"reflectance", PARAM_COLOR, ".5",    RANGE_UNIT,
+                                              PARAM_TEXTURE, NULL,        "albedo"};
+static const struct param_spec diffuse_reflectance = {"diffuse_reflectance",
+                                                      PARAM_COLOR,
+                                                      ".5",
+                                                      RANGE_UNIT,
+                                                      PARAM_TEXTURE,
+                                                      NULL,
+                                                      "factor of the diffuse reflection"};
+static const struct param_spec specular_reflectance = {"specular_reflectance",
+                                                       PARAM_COLOR,
+                                                       "1",
+                                                       RANGE_UNIT,
+                                                       PARAM_TEXTURE,
+                                                       NULL,
+                                                       "factor of the specular reflection"};
+static const struct param_spec lobe_reflectance = {
+    "specular_reflectance",     PARAM_COLOR, ".2", RANGE_UNIT, PARAM_TEXTURE, NULL,
+    "factor of the glossy lobe"};
+static const struct param_spec specular_transmittance = {
+    "specular_transmittance",    PARAM_COLOR, "1", RANGE_UNIT, PARAM_TEXTURE, NULL,
+    "factor of the transmission"};
+static const struct param_spec glass_ior = {"int_ior",
+                                            PARAM_IOR,
+                                            "bk7",
+                                            RANGE_POSITIVE,
+                                            0,
+                                            NULL,
+                                            "index of refraction inside, or a substance"};
+static const struct param_spec plastic_ior = {"int_ior",
+                                              PARAM_IOR,
+                                              "polypropylene",
+                                              RANGE_POSITIVE,
+                                              0,
+                                              NULL,
+                                              "index of refraction inside, or a substance"};
+static const struct param_spec ext_ior = {"ext_ior",
+                                          PARAM_IOR,
+                                          "air",
+                                          RANGE_POSITIVE,
+                                          0,
+                                          NULL,
+                                          "index of refraction outside, or a substance"};
+static const struct param_spec nonlinear = {
+    "nonlinear", PARAM_BOOLEAN, "false", 0, 0, NULL, "colour shifts by scattering inside"};
+static const struct param_spec metal = {
+    "material", PARAM_STRING, NULL, 0, 0, NULL, "name of a metal, in place of eta and k"};
+static const struct param_spec metal_eta = {
+    "eta", PARAM_COLOR, "0", RANGE_NOT_NEGATIVE, 0, NULL, "index of refraction, real part"};
+static const struct param_spec metal_k = {
+    "k", PARAM_COLOR, "1", RANGE_NOT_NEGATIVE, 0, NULL, "index of refraction, absorption"};
+static const struct param_spec distribution = {
+    "distribution", PARAM_CHOICE, "beckmann", 0, 0, distributions, "of the facets' normals"};
+static const struct param_spec alpha = {"alpha",       PARAM_FLOAT, ".1",       RANGE_NOT_NEGATIVE,
+                                        PARAM_TEXTURE, NULL,        "roughness"};
+static const struct param_spec plastic_alpha = {"alpha", PARAM_FLOAT, ".1", RANGE_NOT_NEGATIVE, 0,
+                                                NULL,    "roughness"};
+static const struct param_spec alpha_u = {
+    "alpha_u", PARAM_FLOAT, NULL, RANGE_NOT_NEGATIVE, PARAM_TEXTURE, NULL, "roughness along u"};
+static const struct param_spec alpha_v = {
+    "alpha_v", PARAM_FLOAT, NULL, RANGE_NOT_NEGATIVE, PARAM_TEXTURE, NULL, "roughness along v"};
+static const struct param_spec ward_alpha_u = {
+    "alpha_u", PARAM_FLOAT, ".1", RANGE_NOT_NEGATIVE, PARAM_TEXTURE, NULL, "roughness along u"};
+static const struct param_spec ward_alpha_v = {
+    "alpha_v", PARAM_FLOAT, ".1", RANGE_NOT_NEGATIVE, PARAM_TEXTURE, NULL, "roughness along v"};
+static const struct param_spec sample_visible = {
+    "sample_visible", PARAM_BOOLEAN, "true", 0, 0, NULL, "sampling in Mitsuba; has no effect"};
+static const struct param_spec exponent = {
+    "exponent", PARAM_FLOAT, "30", RANGE_NOT_NEGATIVE, PARAM_TEXTURE, NULL, "of the lobe's cosine"};
+static const struct param_spec variant = {
+    "variant", PARAM_CHOICE, "balanced", 0, 0, variants, "normalisation of the lobe"};
+
+typedef const struct param_spec *const param_list[];
+static param_list diffuse_params = {&reflectance, NULL};
+static param_list conductor_params = {&metal, &metal_eta, &metal_k, &specular_reflectance, NULL};
+static param_list roughconductor_params = {
+    &metal, &metal_eta, &metal_k, &specular_reflectance, &distribution,
+    &alpha, &alpha_u,   &alpha_v, &sample_visible,       NULL};
+static param_list dielectric_params = {&glass_ior, &ext_ior, &specular_reflectance,
+                                       &specular_transmittance, NULL};
+static param_list plastic_params = {
+    &diffuse_reflectance, &specular_reflectance, &plastic_ior, &ext_ior, &nonlinear, NULL};
+static param_list roughplastic_params = {
+    &diffuse_reflectance, &specular_reflectance, &plastic_ior,    &ext_ior, &nonlinear,
+    &distribution,        &plastic_alpha,        &sample_visible, NULL};
+static param_list phong_params = {&diffuse_reflectance, &lobe_reflectance, &exponent, NULL};
+static param_list ward_params = {&diffuse_reflectance, &lobe_reflectance, &variant,
+                                 &ward_alpha_u,        &ward_alpha_v,     NULL};
+
+// Below this the distributions degenerate in single precision; Mitsuba's bound too.
+#define ALPHA_MIN 1e-4f
+
+static satin_status set_color(struct scene_loader *loader, const struct param_value *value,
+                              struct material_side *side, enum brdf_slot slot) {
+    rgb *field[] = {&side->base.diffuse, &side->base.specular, &side->base.transmittance};
+    *field[slot] = value->color;
+    if (!value->texture) return SATIN_OK;
+    satin_status status = scene_texture_of(loader, value->texture, &side->slot[slot]);
+    if (status == SATIN_OK) *field[slot] = side->slot[slot]->mean;
+    return status;
+}
+
+static satin_status set_number(struct scene_loader *loader, const struct param_value *value,
+                               struct material_side *side, enum brdf_slot slot) {
+    float *field[] = {&side->base.alpha_u, &side->base.alpha_v, &side->base.exponent};
+    float least = slot == BRDF_SLOT_EXPONENT ? 0.0f : ALPHA_MIN, number = value->f;
+    if (value->texture) {
+        satin_status status = scene_texture_of(loader, value->texture, &side->slot[slot]);
+        if (status != SATIN_OK) return status;
+        number = rgb_luminance(side->slot[slot]->mean);
+    }
+    *field[slot - BRDF_SLOT_ALPHA_U] = fmaxf(number, least);
+    return SATIN_OK;
+}
+
+// alpha, or alpha_u and alpha_v.
+static satin_status set_alpha(struct scene_loader *loader, const struct params *p,
+                              struct material_side *side) {
+    const struct param_value *u = param(p, "alpha_u"), *v = param(p, "alpha_v");
+    if (u->given != v->given || (u->given && param(p, "alpha")->given)) {
+        log_error_at(loader->log, p->node->place,
+                     "roughness is either alpha, or both alpha_u and alpha_v");
+        return SATIN_ERROR_INPUT;
+    }
+    if (!u->given) u = v = param(p, "alpha");
+    satin_status status = set_number(loader, u, side, BRDF_SLOT_ALPHA_U);
+    return status == SATIN_OK ? set_number(loader, v, side, BRDF_SLOT_ALPHA_V) : status;
+}
+
+static satin_status set_metal(struct scene_loader *loader, const struct params *p,
+                              struct material_side *side) {
+    const struct param_value *eta = param(p, "eta"), *k = param(p, "k");
+    const struct param_value *material = param(p, "material");
+    side->base.eta = eta->color;
+    side->base.k = k->color;
+    if (!material->given) return SATIN_OK;
+    if (eta->given || k->given) {
+        log_error_at(loader->log, material->place, "a metal is either a material, or eta and k");
+        return SATIN_ERROR_INPUT;
+    }
+    if (scene_metal_find(material->s, &side->base.eta, &side->base.k)) return SATIN_OK;
+    log_error_at(loader->log, material->place, "material: unknown metal '%s'", material->s);
+    return SATIN_ERROR_INPUT;
+}
+
+// Light must not grow on its way: paths of any length would not end.
+static satin_status check_albedo(struct scene_loader *loader, const struct params *p,
+                                 const struct material_side *side) {
+    float most = rgb_max(rgb_add(side->base.diffuse, side->base.specular));
+    if (most <= 1.0001f) return SATIN_OK;
+    log_error_at(loader->log, p->node->place,
+                 "diffuse_reflectance and specular_reflectance sum to %g, which is over 1", most);
+    return SATIN_ERROR_INPUT;
+}
+
+static satin_status build_diffuse(struct scene_loader *loader, const struct params *p,
+                                  void *object) {
+    return set_color(loader, param(p, "reflectance"), object, BRDF_SLOT_DIFFUSE);
+}
+
+static satin_status build_conductor(struct scene_loader *loader, const struct params *p,
+                                    void *object) {
+    satin_status status = set_metal(loader, p, object);
+    if (status != SATIN_OK) return status;
+    return set_color(loader, param(p, "specular_reflectance"), object, BRDF_SLOT_SPECULAR);
+}
+
+static satin_status build_roughconductor(struct scene_loader *loader, const struct params *p,
+                                         void *object) {
+    struct material_side *side = object;
+    side->base.distribution = (enum brdf_distribution)param(p, "distribution")->i;
+    satin_status status = build_conductor(loader, p, side);
+    return status == SATIN_OK ? set_alpha(loader, p, side) : status;
+}
+
+static satin_status build_dielectric(struct scene_loader *loader, const struct params *p,
+                                     void *object) {
+    struct material_side *side = object;
+    side->base.ior = param(p, "int_ior")->f / param(p, "ext_ior")->f;
+    satin_status status =
+        set_color(loader, param(p, "specular_reflectance"), side, BRDF_SLOT_SPECULAR);
+    if (status != SATIN_OK) return status;
+    return set_color(loader, param(p, "specular_transmittance"), side, BRDF_SLOT_TRANSMITTANCE);
+}
+
+// The diffuse and the specular factor that plastics, phong and ward have.
+static satin_status set_both(struct scene_loader *loader, const struct params *p,
+                             struct material_side *side) {
+    satin_status status =
+        set_color(loader, param(p, "diffuse_reflectance"), side, BRDF_SLOT_DIFFUSE);
+    if (status != SATIN_OK) return status;
+    return set_color(loader, param(p, "specular_reflectance"), side, BRDF_SLOT_SPECULAR);
+}
+
+static satin_status build_plastic(struct scene_loader *loader, const struct params *p,
+                                  void *object) {
+    struct material_side *side = object;
+    side->base.ior = param(p, "int_ior")->f / param(p, "ext_ior")->f;
+    side->base.nonlinear = param(p, "nonlinear")->b;
+    return set_both(loader, p, side);
+}
+
+static satin_status build_roughplastic(struct scene_loader *loader, const struct params *p,
+                                       void *object) {
+    struct material_side *side = object;
+    side->base.distribution = (enum brdf_distribution)param(p, "distribution")->i;
+    side->base.alpha_u = side->base.alpha_v = fmaxf(param(p, "alpha")->f, ALPHA_MIN);
+    return build_plastic(loader, p, side);
+}
+
+static satin_status build_phong(struct scene_loader *loader, const struct params *p, void *object) {
+    satin_status status = set_both(loader, p, object);
+    if (status == SATIN_OK)
+        status = set_number(loader, param(p, "exponent"), object, BRDF_SLOT_EXPONENT);
+    return status == SATIN_OK ? check_albedo(loader, p, object) : status;
+}
+
+static satin_status build_ward(struct scene_loader *loader, const struct params *p, void *object) {
+    struct material_side *side = object;
+    side->base.variant = (enum brdf_variant)param(p, "variant")->i;
+    satin_status status = set_both(loader, p, side);
+    if (status == SATIN_OK)
+        status = set_number(loader, param(p, "alpha_u"), side, BRDF_SLOT_ALPHA_U);
+    if (status == SATIN_OK)
+        status = set_number(loader, param(p, "alpha_v"), side, BRDF_SLOT_ALPHA_V);
+    return status == SATIN_OK ? check_albedo(loader, p, side) : status;
+}
+
+const struct plugin_spec scene_bsdf_plugins[] = {
+    {XML_BSDF, "diffuse", "Lambertian reflection", diffuse_params, 0, build_diffuse, false},
+    {XML_BSDF, "conductor", "a polished metal", conductor_params, 0, build_conductor, false},
+    {XML_BSDF, "roughconductor", "a rough metal, microfacets", roughconductor_params, 0,
+     build_roughconductor, false},
+    {XML_BSDF, "dielectric", "a smooth boundary, as of glass or water", dielectric_params, 0,
+     build_dielectric, false},
+    {XML_BSDF, "thindielectric", "a thin pane, without refraction", dielectric_params, 0,
+     build_dielectric, false},
+    {XML_BSDF, "plastic", "a diffuse base under a smooth coat", plastic_params, 0, build_plastic,
+     false},
+    {XML_BSDF, "roughplastic", "a diffuse base under a rough coat", roughplastic_params, 0,
+     build_roughplastic, false},
+    {XML_BSDF, "phong", "a diffuse part and a modified Phong lobe", phong_params, 0, build_phong,
+     false},
+    {XML_BSDF, "ward", "a diffuse part and Ward's anisotropic lobe", ward_params, 0, build_ward,
+     false},
+    {XML_BSDF, "twosided", "one BRDF for both sides, or two, front and back", NULL, 1u << XML_BSDF,
+     NULL, false},
+    {0}};
+
+// One side of a surface from a <bsdf> that is not twosided.
+static satin_status build_side(struct scene_loader *loader, const struct params *p,
+                               struct material_side *side) {
+    if (!p->plugin->build) {
+        log_error_at(loader->log, p->node->place, "twosided cannot stand inside twosided");
+        return SATIN_ERROR_INPUT;
+    }
+    side->base.model = brdf_find(p->plugin->name);
+    satin_status status = p->plugin->build(loader, p, side);
+    if (status != SATIN_OK) return status;
+    status = brdf_prepare(&side->base, &loader->scene->arena);
+    return status == SATIN_OK ? status : scene_no_memory(loader);
+}
+
+static satin_status build_twosided(struct scene_loader *loader, const struct params *p,
+                                   struct material *out) {
+    struct material_side *side[2] = {&out->front, &out->back};
+    struct xml_node *at = NULL, *child;
+    int count = 0;
+    while ((child = params_child(&loader->xml, p->node, XML_BSDF, &at))) {
+        struct params inner;
+        if (count == 2) break;
+        satin_status status = scene_params(loader, child, &inner);
+        if (status == SATIN_OK) status = build_side(loader, &inner, side[count]);
+        if (status != SATIN_OK) return status;
+        if (side[count]->base.model->transmits) {
+            log_error_at(loader->log, at->place, "'%s' transmits, so it cannot be twosided",
+                         inner.plugin->name);
+            return SATIN_ERROR_INPUT;
+        }
+        count++;
+    }
+    if (count == 0 || child) {
+        log_error_at(loader->log, p->node->place, "twosided takes one or two <bsdf>s");
+        return SATIN_ERROR_INPUT;
+    }
+    if (count == 1) out->back = out->front;
+    out->two_sided = true;
+    return SATIN_OK;
+}
+
+static bool side_anisotropic(const struct material_side *side) {
+    return side->slot[BRDF_SLOT_ALPHA_U] != side->slot[BRDF_SLOT_ALPHA_V] ||
+           side->base.alpha_u != side->base.alpha_v;
+}
+
+satin_status scene_material_build(struct scene_loader *loader, struct xml_node *node,
+                                  struct material *out) {
+    *out = (struct material){0};
+    struct params p;
+    satin_status status = scene_params(loader, node, &p);
+    if (status != SATIN_OK) return status;
+    if (!(out->name = scene_keep_text(loader, node->id ? node->id : p.plugin->name)))
+        return scene_no_memory(loader);
+    if (!p.plugin->build) {
+        status = build_twosided(loader, &p, out);
+    } else {
+        status = build_side(loader, &p, &out->front);
+        out->back = out->front;
+    }
+    out->anisotropic = side_anisotropic(&out->front) || side_anisotropic(&out->back);
+    return status;
+}
+
+// What a shape without a <bsdf> is made of; one that emits is black, as in Mitsuba.
+static satin_status default_material(struct scene_loader *loader, bool emits,
+                                     struct material *out) {
+    *out = (struct material){.name = emits ? "black" : "default"};
+    out->front.base.model = brdf_find("diffuse");
+    out->front.base.diffuse = rgb_grey(emits ? 0.0f : 0.5f);
+    if (brdf_prepare(&out->front.base, &loader->scene->arena) != SATIN_OK)
+        return scene_no_memory(loader);
+    out->back = out->front;
+    return SATIN_OK;
+}
+
+satin_status scene_material_of(struct scene_loader *loader, struct xml_node *node, bool emits,
+                               uint32_t *index) {
+    uint32_t *known = node ? &node->material : &loader->plain[emits];
+    if (!*known) {
+        struct material material;
+        satin_status status = node ? scene_material_build(loader, node, &material)
+                                   : default_material(loader, emits, &material);
+        if (status != SATIN_OK) return status;
+        void *items = loader->material;
+        if (!array_reserve(&items, &loader->material_capacity, loader->material_count + 1,
+                           sizeof material))
+            return scene_no_memory(loader);
+        loader->material = items;
+        loader->material[loader->material_count++] = material;
+        *known = (uint32_t)loader->material_count;
+    }
+    *index = *known - 1;
+    return SATIN_OK;
+}

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// <integrator>: hints for the render. `satin` passes its options on by their names; of any other
+// one, the depth and the visibility of emitters are kept.
+#include <string.h>
+
+#include "scene/scene_loader.h"
+
+enum { NESTING_MAX = 8 };
+
+static const struct param_spec max_depth = {
+    "max_depth", PARAM_INTEGER, "-1", 0, 0, NULL, "longest path, in edges; -1: no bound"};
+static const struct param_spec rr_depth = {
+    "rr_depth", PARAM_INTEGER, "5", RANGE_POSITIVE, 0, NULL, "depth where Russian roulette starts"};
+static const struct param_spec hide_emitters = {
+    "hide_emitters", PARAM_BOOLEAN, "false", 0, 0, NULL, "emitters seen directly are black"};
+
+static const struct param_spec *const path_params[] = {&max_depth, &rr_depth, &hide_emitters, NULL};
+
+const struct plugin_spec scene_integrator_plugins[] = {
+    {XML_INTEGRATOR, "satin", "takes every option of `satin help options` by its name", NULL, 0,
+     NULL, false},
+    {XML_INTEGRATOR, "path", "and any other: satin chooses its own way, within these bounds",
+     path_params, 1u << XML_INTEGRATOR, NULL, true},
+    {0}};
+
+// The options of `satin`, checked when they are applied.
+static satin_status read_options(struct scene_loader *loader, const struct xml_node *node) {
+    size_t count = 0;
+    for (const struct xml_node *child = node->child; child; child = child->next) count++;
+    struct scene_hints *hints = &loader->scene->hints;
+    const char **name = arena_array(&loader->scene->arena, count, sizeof *name);
+    const char **value = arena_array(&loader->scene->arena, count, sizeof *value);
+    if (!name || !value) return scene_no_memory(loader);
+    count = 0;
+    for (const struct xml_node *child = node->child; child; child = child->next, count++) {
+        if (child->tag < XML_BOOLEAN || child->tag > XML_STRING) {
+            log_error_at(loader->log, child->place, "<%s> is no option of satin",
+                         xml_tag_name(child->tag));
+            return SATIN_ERROR_INPUT;
+        }
+        name[count] = scene_keep_text(loader, child->name);
+        value[count] = scene_keep_text(loader, xml_get(child, "value"));
+        if (!name[count] || !value[count]) return scene_no_memory(loader);
+    }
+    hints->option_name = name;
+    hints->option_value = value;
+    hints->option_count = count;
+    return SATIN_OK;
+}
+
+// Reads the bounds; what an integrator inside of this one says (as `aov` has one) holds before it.
+static satin_status read_bounds(struct scene_loader *loader, struct xml_node *node, int depth) {
+    struct params p;
+    satin_status status = scene_params(loader, node, &p);
+    struct xml_node *at = NULL, *inner;
+    while (status == SATIN_OK && (inner = params_child(&loader->xml, node, XML_INTEGRATOR, &at))) {
+        status = SATIN_ERROR_INPUT;
+        if (depth < NESTING_MAX)
+            status = read_bounds(loader, inner, depth + 1);
+        else
+            log_error_at(loader->log, at->place, "integrators are nested too deep");
+    }
+    if (status != SATIN_OK) return status;
+    struct scene_hints *hints = &loader->scene->hints;
+    const struct param_value *longest = param(&p, "max_depth");
+    if (longest->i < -1) {
+        log_error_at(loader->log, longest->place, "max_depth is %d, but must be -1 or more",
+                     longest->i);
+        return SATIN_ERROR_INPUT;
+    }
+    if (longest->given) hints->max_depth = longest->i;
+    if (param(&p, "rr_depth")->given) hints->rr_depth = param(&p, "rr_depth")->i;
+    if (param(&p, "hide_emitters")->given) hints->hide_emitters = param(&p, "hide_emitters")->b;
+    return SATIN_OK;
+}
+
+satin_status scene_integrator_read(struct scene_loader *loader, struct xml_node *node) {
+    struct scene_hints *hints = &loader->scene->hints;
+    if (hints->integrator) {
+        log_error_at(loader->log, node->place, "the scene has another integrator");
+        return SATIN_ERROR_INPUT;
+    }
+    if (!(hints->integrator = scene_keep_text(loader, node->type))) return scene_no_memory(loader);
+    return strcmp(node->type, "satin") == 0 ? read_options(loader, node)
+                                            : read_bounds(loader, node, 0);
+}

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+// <emitter>: area lights of shapes, point, spot and directional lights, environments. Units and
+// defaults are Mitsuba 3's. A black light is left out.
+#include <stdlib.h>
+
+#include "base/array.h"
+#include "scene/scene_loader.h"
+
+static const struct param_spec area_radiance = {
+    "radiance", PARAM_LIGHT, "1", RANGE_NOT_NEGATIVE, PARAM_TEXTURE, NULL, "radiance"};
+static const struct param_spec radiance = {"radiance", PARAM_LIGHT, "1",       RANGE_NOT_NEGATIVE,
+                                           0,          NULL,        "radiance"};
+static const struct param_spec intensity = {
+    "intensity", PARAM_LIGHT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "radiant intensity"};
+static const struct param_spec irradiance = {"irradiance",
+                                             PARAM_LIGHT,
+                                             "1",
+                                             RANGE_NOT_NEGATIVE,
+                                             0,
+                                             NULL,
+                                             "irradiance of a surface that faces the light"};
+static const struct param_spec position = {
+    "position", PARAM_POINT, NULL, 0, 0, NULL, "where it is; or use to_world"};
+static const struct param_spec direction = {
+    "direction", PARAM_POINT, NULL, 0, 0, NULL, "where the light goes; or use to_world"};
+static const struct param_spec to_world = {
+    "to_world", PARAM_TRANSFORM, "1", 0, 0, NULL, "light space to world space; light goes along z"};
+static const struct param_spec sky_to_world = {
+    "to_world", PARAM_TRANSFORM, "1", 0, 0, NULL, "image space to world space; y is up"};
+static const struct param_spec cutoff_angle = {
+    "cutoff_angle", PARAM_FLOAT, "20", RANGE_POSITIVE, 0, NULL, "half angle of the cone, degrees"};
+static const struct param_spec beam_width = {
+    "beam_width",
+    PARAM_FLOAT,
+    NULL,
+    RANGE_NOT_NEGATIVE,
+    0,
+    NULL,
+    "half angle of full intensity, degrees; 3/4 of the cone if not given"};
+static const struct param_spec filename = {
+    "filename", PARAM_STRING, NULL, 0, PARAM_REQUIRED, NULL, "latitude-longitude image"};
+static const struct param_spec scale = {"scale", PARAM_FLOAT,          "1", RANGE_NOT_NEGATIVE, 0,
+                                        NULL,    "factor of the image"};
+static const struct param_spec compensation = {
+    "mis_compensation", PARAM_BOOLEAN, "false", 0, 0, NULL, "sampling in Mitsuba; has no effect"};
+static const struct param_spec sampling_weight = {
+    "sampling_weight",
+    PARAM_FLOAT,
+    "1",
+    RANGE_NOT_NEGATIVE,
+    0,
+    NULL,
+    "sampling in Mitsuba; has no effect: lights are chosen by power"};
+
+typedef const struct param_spec *const param_list[];
+static param_list area_params = {&area_radiance, &sampling_weight, NULL};
+static param_list point_params = {&intensity, &position, &to_world, &sampling_weight, NULL};
+static param_list spot_params = {&intensity, &cutoff_angle,    &beam_width,
+                                 &to_world,  &sampling_weight, NULL};
+static param_list directional_params = {&irradiance, &direction, &to_world, &sampling_weight, NULL};
+static param_list constant_params = {&radiance, &sampling_weight, NULL};
+static param_list envmap_params = {&filename,     &scale,           &sky_to_world,
+                                   &compensation, &sampling_weight, NULL};
+
+static satin_status fail(struct scene_loader *loader, const struct params *p, const char *why) {
+    log_error_at(loader->log, p->node->place, "emitter '%s': %s", p->plugin->name, why);
+    return SATIN_ERROR_INPUT;
+}
+
+// Takes to_world and what follows from it: position, direction, inverse.
+static satin_status set_place(struct scene_loader *loader, const struct params *p,
+                              struct light *light) {
+    light->to_world = param(p, "to_world")->m;
+    if (!mat4_inverse(&light->to_world, &light->to_local))
+        return fail(loader, p, "to_world is singular");
+    light->position = mat4_point(&light->to_world, v3(0, 0, 0));
+    light->direction = v3_unit(mat4_vector(&light->to_world, v3(0, 0, 1)));
+    if (v3_finite(light->position) && fabsf(v3_len2(light->direction) - 1.0f) < 1e-3f)
+        return SATIN_OK;
+    return fail(loader, p, "to_world is too small or too large");
+}
+
+static satin_status build_area(struct scene_loader *loader, const struct params *p, void *object) {
+    struct light *light = object;
+    const struct param_value *value = param(p, "radiance");
+    light->kind = LIGHT_AREA;
+    light->value = value->color;
+    if (!value->texture) return SATIN_OK;
+    satin_status status = scene_texture_of(loader, value->texture, &light->texture);
+    if (status == SATIN_OK) light->value = light->texture->mean;
+    return status;
+}
+
+static satin_status build_point(struct scene_loader *loader, const struct params *p, void *object) {
+    struct light *light = object;
+    const struct param_value *at = param(p, "position");
+    light->kind = LIGHT_POINT;
+    light->value = param(p, "intensity")->color;
+    if (at->given && param(p, "to_world")->given)
+        return fail(loader, p, "it has both a position and a to_world");
+    satin_status status = set_place(loader, p, light);
+    if (at->given) light->position = at->v;
+    return status;
+}
+
+static satin_status build_spot(struct scene_loader *loader, const struct params *p, void *object) {
+    struct light *light = object;
+    float cutoff = param(p, "cutoff_angle")->f, beam = 0.75f * cutoff;
+    if (param(p, "beam_width")->given) beam = param(p, "beam_width")->f;
+    if (cutoff > 180.0f) return fail(loader, p, "its cutoff_angle is over 180 degrees");
+    if (beam > cutoff) return fail(loader, p, "its beam_width is larger than its cutoff_angle");
+    light->kind = LIGHT_SPOT;
+    light->value = param(p, "intensity")->color;
+    light->cos_cutoff = cosf(cutoff * (PI_F / 180.0f));
+    light->cos_beam = cosf(beam * (PI_F / 180.0f));
+    return set_place(loader, p, light);
+}
+
+static satin_status build_directional(struct scene_loader *loader, const struct params *p,
+                                      void *object) {
+    struct light *light = object;
+    const struct param_value *way = param(p, "direction");
+    light->kind = LIGHT_DIRECTIONAL;
+    light->value = param(p, "irradiance")->color;
+    if (way->given && param(p, "to_world")->given)
+        return fail(loader, p, "it has both a direction and a to_world");
+    satin_status status = set_place(loader, p, light);
+    if (status != SATIN_OK || !way->given) return status;
+    light->direction = v3_unit(way->v);
+    if (fabsf(v3_len2(light->direction) - 1.0f) < 1e-3f) return SATIN_OK;
+    return fail(loader, p, "its direction is too small or too large");
+}
+
+static satin_status build_constant(struct scene_loader *loader, const struct params *p,
+                                   void *object) {
+    (void)loader;
+    struct light *light = object;
+    light->kind = LIGHT_CONSTANT;
+    light->value = param(p, "radiance")->color;
+    light->to_world = light->to_local = mat4_identity();
+    return SATIN_OK;
+}
+
+static satin_status build_envmap(struct scene_loader *loader, const struct params *p,
+                                 void *object) {
+    struct light *light = object;
+    light->kind = LIGHT_ENVMAP;
+    light->value = rgb_grey(param(p, "scale")->f);
+    satin_status status = set_place(loader, p, light);
+    if (status != SATIN_OK) return status;
+    struct scene_source source;
+    status = scene_file_source(loader, param(p, "filename"), &source);
+    if (status != SATIN_OK) return status;
+    status = scene_image_load(&source, false, &light->image);
+    free((char *)source.path);
+    return status;
+}
+
+const struct plugin_spec scene_emitter_plugins[] = {
+    {XML_EMITTER, "area", "light from the surface of a shape", area_params, 0, build_area, false},
+    {XML_EMITTER, "point", "light from a point, to all sides", point_params, 0, build_point, false},
+    {XML_EMITTER, "spot", "light from a point into a cone", spot_params, 0, build_spot, false},
+    {XML_EMITTER, "directional", "parallel light", directional_params, 0, build_directional, false},
+    {XML_EMITTER, "constant", "the same light from all sides", constant_params, 0, build_constant,
+     false},
+    {XML_EMITTER, "envmap", "light from an image of the surroundings", envmap_params, 0,
+     build_envmap, false},
+    {0}};
+
+// Whether the light fits where it stands.
+static satin_status check_place(struct scene_loader *loader, const struct params *p,
+                                const struct light *light, bool in_shape) {
+    if (in_shape && light->kind != LIGHT_AREA)
+        return fail(loader, p, "it cannot be part of a shape; area lights are");
+    bool environment = light->kind == LIGHT_CONSTANT || light->kind == LIGHT_ENVMAP;
+    if (environment && loader->scene->environment >= 0)
+        return fail(loader, p, "the scene has another environment");
+    return SATIN_OK;
+}
+
+satin_status scene_emitter_add(struct scene_loader *loader, struct xml_node *node, int64_t shape,
+                               int32_t *index) {
+    struct params p;
+    struct light light = {.shape = shape >= 0 ? (uint32_t)shape : 0};
+    satin_status status = scene_params(loader, node, &p);
+    if (status == SATIN_OK) status = p.plugin->build(loader, &p, &light);
+    if (status == SATIN_OK) status = check_place(loader, &p, &light, shape >= 0);
+    if (status != SATIN_OK) return status;
+    *index = -1;
+    // An area light outside of a shape is there to be referred to.
+    if (rgb_black(light.value) || (light.kind == LIGHT_AREA && shape < 0)) return SATIN_OK;
+    void *items = loader->light;
+    if (!array_reserve(&items, &loader->light_capacity, loader->light_count + 1, sizeof light))
+        return scene_no_memory(loader);
+    loader->light = items;
+    *index = (int32_t)loader->light_count;
+    if (light.kind == LIGHT_CONSTANT || light.kind == LIGHT_ENVMAP)
+        loader->scene->environment = *index;
+    loader->light[loader->light_count++] = light;
+    return SATIN_OK;
+}

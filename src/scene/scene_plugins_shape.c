@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+// <shape>: meshes from files, rectangle and cube as meshes, sphere, disk and cylinder as they are.
+// Frames, orientation and texture coordinates are Mitsuba 3's.
+#include <stdlib.h>
+
+#include "base/array.h"
+#include "scene/scene_loader.h"
+
+static const struct param_spec to_world = {
+    "to_world", PARAM_TRANSFORM, "1", 0, 0, NULL, "object space to world space"};
+static const struct param_spec flip_normals = {
+    "flip_normals", PARAM_BOOLEAN, "false", 0, 0, NULL, "turn the front to the other side"};
+static const struct param_spec silhouette = {"silhouette_sampling_weight",
+                                             PARAM_FLOAT,
+                                             "1",
+                                             0,
+                                             0,
+                                             NULL,
+                                             "for derivatives in Mitsuba; has no effect"};
+static const struct param_spec filename = {"filename",     PARAM_STRING, NULL,       0,
+                                           PARAM_REQUIRED, NULL,         "mesh file"};
+static const struct param_spec shape_index = {
+    "shape_index", PARAM_INTEGER, "0", RANGE_NOT_NEGATIVE, 0, NULL, "which mesh of the file"};
+static const struct param_spec face_normals = {
+    "face_normals", PARAM_BOOLEAN, "false", 0, 0, NULL, "facets: no smooth normals"};
+static const struct param_spec flip_v = {"flip_tex_coords", PARAM_BOOLEAN, "true", 0, 0, NULL,
+                                         "v becomes 1 - v"};
+static const struct param_spec keep_v = {"flip_tex_coords", PARAM_BOOLEAN, "false", 0, 0, NULL,
+                                         "v becomes 1 - v"};
+static const struct param_spec center = {
+    "center", PARAM_POINT, "0 0 0", 0, 0, NULL, "centre in object space"};
+static const struct param_spec radius = {
+    "radius", PARAM_FLOAT, "1", RANGE_POSITIVE, 0, NULL, "radius in object space"};
+static const struct param_spec axis_start = {"p0", PARAM_POINT,        "0 0 0", 0, 0,
+                                             NULL, "start of the axis"};
+static const struct param_spec axis_end = {"p1", PARAM_POINT, "0 0 1",          0,
+                                           0,    NULL,        "end of the axis"};
+
+typedef const struct param_spec *const param_list[];
+static param_list obj_params = {&filename,     &face_normals, &flip_v, &to_world,
+                                &flip_normals, &silhouette,   NULL};
+static param_list ply_params = {&filename,     &face_normals, &keep_v, &to_world,
+                                &flip_normals, &silhouette,   NULL};
+static param_list serialized_params = {&filename, &shape_index,  &face_normals, &keep_v,
+                                       &to_world, &flip_normals, &silhouette,   NULL};
+static param_list flat_params = {&face_normals, &to_world, &flip_normals, &silhouette, NULL};
+static param_list sphere_params = {&center, &radius, &to_world, &flip_normals, &silhouette, NULL};
+static param_list disk_params = {&to_world, &flip_normals, &silhouette, NULL};
+static param_list cylinder_params = {&axis_start,   &axis_end,   &radius, &to_world,
+                                     &flip_normals, &silhouette, NULL};
+
+static satin_status fail(struct scene_loader *loader, const struct params *p, const char *why) {
+    log_error_at(loader->log, p->node->place, "shape '%s': %s", p->plugin->name, why);
+    return SATIN_ERROR_INPUT;
+}
+
+typedef satin_status (*mesh_reader)(const struct scene_source *, const struct mesh_request *,
+                                    struct mesh *);
+typedef satin_status (*mesh_maker)(struct arena *, const struct mesh_request *, struct mesh *);
+
+static struct mesh_request request_of(const struct params *p) {
+    return (struct mesh_request){.to_world = param(p, "to_world")->m,
+                                 .flip_normals = param(p, "flip_normals")->b,
+                                 .face_normals = param(p, "face_normals")->b};
+}
+
+static satin_status read_mesh(struct scene_loader *loader, const struct params *p,
+                              struct shape *shape, int index, mesh_reader read) {
+    struct mesh_request request = request_of(p);
+    request.flip_tex_coords = param(p, "flip_tex_coords")->b;
+    request.shape_index = index;
+    struct scene_source source;
+    satin_status status = scene_file_source(loader, param(p, "filename"), &source);
+    if (status != SATIN_OK) return status;
+    status = read(&source, &request, &shape->mesh);
+    free((char *)source.path);
+    shape->face_normals = request.face_normals;
+    return status;
+}
+
+static satin_status build_obj(struct scene_loader *loader, const struct params *p, void *object) {
+    return read_mesh(loader, p, object, 0, scene_mesh_obj);
+}
+
+static satin_status build_ply(struct scene_loader *loader, const struct params *p, void *object) {
+    return read_mesh(loader, p, object, 0, scene_mesh_ply);
+}
+
+static satin_status build_serialized(struct scene_loader *loader, const struct params *p,
+                                     void *object) {
+    return read_mesh(loader, p, object, param(p, "shape_index")->i, scene_mesh_serialized);
+}
+
+static satin_status make_mesh(struct scene_loader *loader, const struct params *p,
+                              struct shape *shape, mesh_maker make) {
+    struct mesh_request request = request_of(p);
+    shape->face_normals = request.face_normals;
+    satin_status status = make(&loader->scene->arena, &request, &shape->mesh);
+    return status == SATIN_ERROR_MEMORY ? scene_no_memory(loader) : status;
+}
+
+static satin_status build_rectangle(struct scene_loader *loader, const struct params *p,
+                                    void *object) {
+    return make_mesh(loader, p, object, scene_mesh_rectangle);
+}
+
+static satin_status build_cube(struct scene_loader *loader, const struct params *p, void *object) {
+    return make_mesh(loader, p, object, scene_mesh_cube);
+}
+
+// Sets the shape's matrices to `m`, which must be regular.
+static satin_status set_matrices(struct scene_loader *loader, const struct params *p,
+                                 struct shape *shape, const struct mat4 *m) {
+    shape->to_world = *m;
+    if (mat4_inverse(m, &shape->to_object)) return SATIN_OK;
+    return fail(loader, p, "to_world is singular");
+}
+
+static vec3 column(const struct mat4 *m, int j) { return v3(m->m[0][j], m->m[1][j], m->m[2][j]); }
+
+// Whether m maps spheres to spheres, to one part in a thousand.
+static bool is_similarity(const struct mat4 *m) {
+    vec3 a = column(m, 0), b = column(m, 1), c = column(m, 2);
+    float l2 = v3_len2(a), tolerance = 1e-3f * l2;
+    return fabsf(v3_len2(b) - l2) <= tolerance && fabsf(v3_len2(c) - l2) <= tolerance &&
+           fabsf(v3_dot(a, b)) <= tolerance && fabsf(v3_dot(b, c)) <= tolerance &&
+           fabsf(v3_dot(c, a)) <= tolerance;
+}
+
+static satin_status build_sphere(struct scene_loader *loader, const struct params *p,
+                                 void *object) {
+    struct shape *shape = object;
+    float r = param(p, "radius")->f;
+    struct mat4 scale = mat4_scale(v3(r, r, r));
+    struct mat4 translate = mat4_translate(param(p, "center")->v);
+    struct mat4 m = mat4_mul(&translate, &scale);
+    m = mat4_mul(&param(p, "to_world")->m, &m);
+    shape->kind = SHAPE_SPHERE;
+    if (!is_similarity(&m)) return fail(loader, p, "its scale must be uniform");
+    satin_status status = set_matrices(loader, p, shape, &m);
+    if (status != SATIN_OK) return status;
+    shape->center = mat4_point(&m, v3(0, 0, 0));
+    shape->radius = v3_len(column(&m, 0));
+    if (!(shape->radius > 0.0f) || !isfinite(shape->radius) || !v3_finite(shape->center))
+        return fail(loader, p, "it is too small or too large");
+    // A mirrored sphere shows its inside.
+    if (mat4_det3(&m) < 0.0) shape->flip_normals = !shape->flip_normals;
+    return SATIN_OK;
+}
+
+static satin_status build_disk(struct scene_loader *loader, const struct params *p, void *object) {
+    struct shape *shape = object;
+    shape->kind = SHAPE_DISK;
+    return set_matrices(loader, p, shape, &param(p, "to_world")->m);
+}
+
+static satin_status build_cylinder(struct scene_loader *loader, const struct params *p,
+                                   void *object) {
+    struct shape *shape = object;
+    vec3 p0 = param(p, "p0")->v, axis = v3_sub(param(p, "p1")->v, p0);
+    float r = param(p, "radius")->f, length = v3_len(axis);
+    shape->kind = SHAPE_CYLINDER;
+    if (!(length > 0.0f) || !isfinite(length)) return fail(loader, p, "p0 and p1 coincide");
+    struct frame f = frame_from_normal(v3_mul(axis, 1.0f / length));
+    struct mat4 place = {{{f.u.x, f.v.x, f.n.x, p0.x},
+                          {f.u.y, f.v.y, f.n.y, p0.y},
+                          {f.u.z, f.v.z, f.n.z, p0.z},
+                          {0, 0, 0, 1}}};
+    struct mat4 scale = mat4_scale(v3(r, r, length));
+    struct mat4 m = mat4_mul(&place, &scale);
+    m = mat4_mul(&param(p, "to_world")->m, &m);
+    return set_matrices(loader, p, shape, &m);
+}
+
+#define PARTS (1u << XML_BSDF | 1u << XML_EMITTER)
+
+const struct plugin_spec scene_shape_plugins[] = {
+    {XML_SHAPE, "obj", "a Wavefront OBJ mesh", obj_params, PARTS, build_obj, false},
+    {XML_SHAPE, "ply", "a PLY mesh, text or binary", ply_params, PARTS, build_ply, false},
+    {XML_SHAPE, "serialized", "a mesh in Mitsuba's own format", serialized_params, PARTS,
+     build_serialized, false},
+    {XML_SHAPE, "rectangle", "[-1, 1]^2 in the xy plane, facing +z", flat_params, PARTS,
+     build_rectangle, false},
+    {XML_SHAPE, "cube", "[-1, 1]^3", flat_params, PARTS, build_cube, false},
+    {XML_SHAPE, "sphere", "a sphere", sphere_params, PARTS, build_sphere, false},
+    {XML_SHAPE, "disk", "the unit disk in the xy plane, facing +z", disk_params, PARTS, build_disk,
+     false},
+    {XML_SHAPE, "cylinder", "an open cylinder, facing outside", cylinder_params, PARTS,
+     build_cylinder, false},
+    {0}};
+
+// The only child of a tag, or NULL. A second one is an error.
+static satin_status only_child(struct scene_loader *loader, const struct params *p,
+                               enum xml_tag tag, struct xml_node **out) {
+    struct xml_node *at = NULL;
+    *out = params_child(&loader->xml, p->node, tag, &at);
+    if (!*out || !params_child(&loader->xml, p->node, tag, &at)) return SATIN_OK;
+    log_error_at(loader->log, at->place, "shape '%s' has two <%s>s", p->plugin->name,
+                 xml_tag_name(tag));
+    return SATIN_ERROR_INPUT;
+}
+
+satin_status scene_shape_add(struct scene_loader *loader, struct xml_node *node) {
+    struct params p;
+    satin_status status = scene_params(loader, node, &p);
+    if (status != SATIN_OK) return status;
+    struct xml_node *bsdf, *emitter;
+    status = only_child(loader, &p, XML_BSDF, &bsdf);
+    if (status == SATIN_OK) status = only_child(loader, &p, XML_EMITTER, &emitter);
+    if (status != SATIN_OK) return status;
+    struct shape shape = {.name = scene_keep_text(loader, node->id ? node->id : p.plugin->name),
+                          .flip_normals = param(&p, "flip_normals")->b,
+                          .light = -1};
+    void *items = loader->shape;
+    if (!shape.name ||
+        !array_reserve(&items, &loader->shape_capacity, loader->shape_count + 1, sizeof shape))
+        return scene_no_memory(loader);
+    loader->shape = items;
+    status = p.plugin->build(loader, &p, &shape);
+    if (status == SATIN_OK) status = scene_material_of(loader, bsdf, emitter, &shape.material);
+    if (status == SATIN_OK && emitter)
+        status = scene_emitter_add(loader, emitter, (int64_t)loader->shape_count, &shape.light);
+    if (status != SATIN_OK) return status;
+    shape.area = scene_shape_area(&shape);
+    if (shape.light >= 0 && !(shape.area > 0.0f))
+        return fail(loader, &p, "it emits but has no area");
+    loader->shape[loader->shape_count++] = shape;
+    return SATIN_OK;
+}

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// <texture>: bitmap and checkerboard. A texture is built once, an image is read once, however often
+// they are used.
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "scene/scene_loader.h"
+
+static const char *const filters[] = {"bilinear", "nearest", NULL};
+static const char *const wraps[] = {"repeat", "mirror", "clamp", NULL};
+static const char *const formats[] = {"auto", "variant", "fp16", NULL};
+
+static const struct param_spec filename = {"filename",     PARAM_STRING, NULL,        0,
+                                           PARAM_REQUIRED, NULL,         "image file"};
+static const struct param_spec filter_type = {
+    "filter_type", PARAM_CHOICE, "bilinear", 0, 0, filters, "interpolation of texels"};
+static const struct param_spec wrap_mode = {
+    "wrap_mode", PARAM_CHOICE, "repeat", 0, 0, wraps, "what is outside of [0, 1]"};
+static const struct param_spec raw = {
+    "raw", PARAM_BOOLEAN, "false", 0, 0, NULL, "numbers, not colours: no sRGB decoding"};
+static const struct param_spec to_uv = {
+    "to_uv", PARAM_TRANSFORM, "1", 0, 0, NULL, "applied to texture coordinates first"};
+static const struct param_spec format = {
+    "format", PARAM_CHOICE, "auto", 0, 0, formats, "storage in Mitsuba; has no effect"};
+static const struct param_spec accel = {
+    "accel", PARAM_BOOLEAN, "true", 0, 0, NULL, "hardware in Mitsuba; has no effect"};
+static const struct param_spec color0 = {
+    "color0", PARAM_COLOR, ".4", RANGE_UNIT, 0, NULL, "colour of the first checks"};
+static const struct param_spec color1 = {"color1", PARAM_COLOR,           ".2", RANGE_UNIT, 0,
+                                         NULL,     "colour of the others"};
+
+static const struct param_spec *const bitmap_params[] = {&filename, &filter_type, &wrap_mode, &raw,
+                                                         &to_uv,    &format,      &accel,     NULL};
+static const struct param_spec *const checkerboard_params[] = {&color0, &color1, &to_uv, NULL};
+
+static void set_to_uv(struct texture *texture, const struct mat4 *m) {
+    const float row[6] = {m->m[0][0], m->m[0][1], m->m[0][3], m->m[1][0], m->m[1][1], m->m[1][3]};
+    memcpy(texture->to_uv, row, sizeof row);
+}
+
+static rgb image_mean(const struct image *image) {
+    size_t count = (size_t)image->width * (size_t)image->height;
+    double sum[3] = {0.0, 0.0, 0.0};
+    for (size_t i = 0; i < count; i++)
+        for (int c = 0; c < 3; c++)
+            sum[c] +=
+                (double)image
+                    ->texel[i * (size_t)image->channels + (size_t)(image->channels == 3 ? c : 0)];
+    double scale = 1.0 / (double)count;
+    return rgb_make((float)(sum[0] * scale), (float)(sum[1] * scale), (float)(sum[2] * scale));
+}
+
+static satin_status image_of(struct scene_loader *loader, const struct param_value *name,
+                             bool as_is, const struct image **out) {
+    struct scene_source source;
+    satin_status status = scene_file_source(loader, name, &source);
+    if (status != SATIN_OK) return status;
+    for (size_t i = 0; i < loader->image_count; i++) {
+        const struct loaded_image *image = &loader->image[i];
+        if (image->raw != as_is || strcmp(image->path, source.path) != 0) continue;
+        *out = image->image;
+        free((char *)source.path);
+        return SATIN_OK;
+    }
+    struct loaded_image image = {scene_keep_text(loader, source.path), as_is, NULL};
+    void *items = loader->image;
+    if (image.path && array_reserve(&items, &loader->image_capacity, loader->image_count + 1,
+                                    sizeof *loader->image)) {
+        loader->image = items;
+        status = scene_image_load(&source, as_is, &image.image);
+    } else {
+        status = scene_no_memory(loader);
+    }
+    free((char *)source.path);
+    if (status != SATIN_OK) return status;
+    loader->image[loader->image_count++] = image;
+    *out = image.image;
+    return SATIN_OK;
+}
+
+static satin_status build_bitmap(struct scene_loader *loader, const struct params *p,
+                                 void *object) {
+    struct texture *texture = object;
+    texture->kind = TEXTURE_BITMAP;
+    texture->nearest = param(p, "filter_type")->i == 1;
+    texture->wrap = (enum texture_wrap)param(p, "wrap_mode")->i;
+    set_to_uv(texture, &param(p, "to_uv")->m);
+    satin_status status =
+        image_of(loader, param(p, "filename"), param(p, "raw")->b, &texture->image);
+    if (status == SATIN_OK) texture->mean = image_mean(texture->image);
+    return status;
+}
+
+static satin_status build_checkerboard(struct scene_loader *loader, const struct params *p,
+                                       void *object) {
+    (void)loader;
+    struct texture *texture = object;
+    texture->kind = TEXTURE_CHECKERBOARD;
+    texture->color0 = param(p, "color0")->color;
+    texture->color1 = param(p, "color1")->color;
+    texture->mean = rgb_scale(rgb_add(texture->color0, texture->color1), 0.5f);
+    set_to_uv(texture, &param(p, "to_uv")->m);
+    return SATIN_OK;
+}
+
+const struct plugin_spec scene_texture_plugins[] = {
+    {XML_TEXTURE, "bitmap", "an image", bitmap_params, 0, build_bitmap, false},
+    {XML_TEXTURE, "checkerboard", "two colours in checks of half a unit", checkerboard_params, 0,
+     build_checkerboard, false},
+    {0}};
+
+satin_status scene_texture_of(struct scene_loader *loader, struct xml_node *node,
+                              const struct texture **out) {
+    if (!node->texture) {
+        struct texture *texture = arena_alloc(&loader->scene->arena, sizeof *texture);
+        if (!texture) return scene_no_memory(loader);
+        struct params p;
+        satin_status status = scene_params(loader, node, &p);
+        if (status == SATIN_OK) status = p.plugin->build(loader, &p, texture);
+        if (status != SATIN_OK) return status;
+        node->texture = texture;
+    }
+    *out = node->texture;
+    return SATIN_OK;
+}
