@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Writes the scenes of data/scenes and their meshes: `data/generate.py` writes them in place,
-`data/generate.py DIR` into another folder. The same bytes come out on every machine; a test compares
-them with the committed files.
+`data/generate.py DIR` into another folder. The same bytes come out on every machine; a test
+compares them with the committed files.
 
 Lengths are metres, y is up, the eye looks along -z unless a scene says otherwise. Reflectances stay
 at or below 0.8 where nature allows a choice, so that long light paths die out.

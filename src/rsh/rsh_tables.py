@@ -169,7 +169,8 @@ def lane_tables(w):
         rows = [braces("%d", r) for r in ints] + [braces("%.9ef", r) for r in floats]
         rows[3:5] = [pair(rows[3:5])]
         rows[6:] = [pair(rows[i:i + 2]) for i in (6, 8, 10)]
-        w.lines.append("    {%d, %d, %d,\n     %s}," % (first, count, offset, ",\n     ".join(rows)))
+        text = ",\n     ".join(rows)
+        w.lines.append("    {%d, %d, %d,\n     %s}," % (first, count, offset, text))
     w.lines.append("};")
     w.lines.append("const struct rsh_lane_step rsh_lane_steps[] = {")
     for rows in exchange:

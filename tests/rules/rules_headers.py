@@ -1,0 +1,39 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Compiles every header alone: private ones as C, public ones as strict C17 and as C++17.
+
+Usage: rules_headers.py TREE CC CXX [ARGUMENT ...]; the arguments go to both compilers.
+"""
+import pathlib
+import subprocess
+import sys
+
+
+def compiles(command, header):
+    run = subprocess.run([*command, "-fsyntax-only", "-Wall", "-Wextra", "-Werror", str(header)],
+                         stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
+    if run.returncode != 0:
+        print(f"{header} does not compile alone:\n{run.stderr}")
+    return run.returncode == 0
+
+
+def main():
+    tree, cc, cxx, arguments = pathlib.Path(sys.argv[1]), sys.argv[2], sys.argv[3], sys.argv[4:]
+    public = [*arguments, f"-I{tree / 'include'}"]
+    private = [*public, f"-I{tree / 'src'}", "-D_GNU_SOURCE"]
+    c_public = [cc, "-x", "c", "-std=c17", "-pedantic", *public]
+    cxx_public = [cxx, "-x", "c++", "-std=c++17", "-pedantic", *public]
+    # Unused static functions are what a header of inline functions is made of; those that return
+    # wide vectors are only ever inlined, so their calling convention does not matter.
+    c_private = [cc, "-x", "c", "-std=gnu17", "-Wno-unused-function", "-Wno-psabi", *private]
+    good = True
+    for header in sorted((tree / "include").rglob("*.h")):
+        good &= compiles(c_public, header)
+        good &= compiles(cxx_public, header)
+    for header in sorted((tree / "src").rglob("*.h")):
+        good &= compiles(c_private, header)
+    return 0 if good else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

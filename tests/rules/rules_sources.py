@@ -1,0 +1,123 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The tree's own laws, checked on its text: which stage may include what, how files are named, how
+long files and functions are, licence lines, and no paths of one machine.
+
+Usage: rules_sources.py TREE. Prints `path:line: what is wrong` and exits 1 if anything is.
+"""
+import collections
+import pathlib
+import re
+import sys
+
+# The way of the light: a stage includes only stages before it.
+STAGES = ["base", "rsh", "brdf", "scene", "photon", "gather", "cache", "shade", "film", "render",
+          "apps"]
+# How names of files may begin; base is free, the others have their stage's noun.
+NOUNS = {"render": ("render", "options"), "apps": ("app", "main")}
+MAX_LINES = 500
+# Longer on purpose, each with its reason.
+LONG_FILES = {}
+MAX_FUNCTION = 60
+FOLDERS = ["src", "include", "data", "tests", "bench", "docs"]
+CODE = {".c", ".h", ".cpp"}
+MACHINE_PATH = re.compile(r"(?<![\w.$}])/(?:home|root|work|Users|mnt)/[\w.]")
+
+
+def source_files(tree):
+    """Every file of the project, generated and foreign ones aside."""
+    top = [p for p in tree.iterdir() if p.is_file() and p.name not in ("LICENSE", ".git")]
+    below = [p for folder in [*FOLDERS, ".ci"] for p in (tree / folder).rglob("*")
+             if p.is_file() and "__pycache__" not in p.parts]
+    return sorted(top + below)
+
+
+def check_includes(path, stage, lines):
+    """`stage` may include base, the public headers, its own files and the named header of a stage
+    before it."""
+    for at, line in enumerate(lines, 1):
+        found = re.match(r'\s*#\s*include\s+"([^"]+)"', line)
+        if not found:
+            continue
+        folder, _, header = found.group(1).rpartition("/")
+        if folder in ("satin", "base", stage):
+            continue
+        if folder not in STAGES:
+            yield at, f'"{found.group(1)}" is not written as STAGE/header.h'
+        elif STAGES.index(folder) > STAGES.index(stage):
+            yield at, f"stage {stage} comes before {folder} and cannot include it"
+        elif header != folder + ".h":
+            yield at, f"{header} is private to {folder}; only {folder}/{folder}.h is for others"
+
+
+def check_functions(lines):
+    """Functions as clang-format writes them: the body opens and closes in column 1."""
+    start = None
+    for at, line in enumerate(lines, 1):
+        if start is None and re.match(r"[A-Za-z].*\)\s*\{$|\s{4,}.*\)\s*\{$", line) \
+                and not re.match(r"\s*(if|for|while|switch|else|\}|do)\b", line):
+            start = at
+        elif start is not None and line == "}":
+            if at - start - 1 > MAX_FUNCTION:
+                yield start, f"function of {at - start - 1} lines"
+            start = None
+
+
+def check_text(path, lines):
+    limit = LONG_FILES.get(path.name, MAX_LINES)
+    if path.suffix in CODE | {".py"} and "_tables." not in path.name and len(lines) > limit:
+        yield len(lines), f"{len(lines)} lines; the limit is {limit}"
+    if path.suffix in CODE and (not lines or lines[0] != "// SPDX-License-Identifier: Apache-2.0"):
+        yield 1, "the first line must be: // SPDX-License-Identifier: Apache-2.0"
+    for at, line in enumerate(lines, 1):
+        if MACHINE_PATH.search(line):
+            yield at, "a path of one machine"
+        if path.suffix == ".py" and len(line) > 100:
+            yield at, f"{len(line)} columns; the limit is 100"
+
+
+def check_names(tree):
+    """Names in src are unique and begin with their stage's noun; a unit test bears the name of the
+    source that it tests."""
+    sources = [p for p in (tree / "src").rglob("*") if p.suffix in CODE]
+    for name, count in collections.Counter(p.name for p in sources).items():
+        if count > 1:
+            yield tree / "src", f"{count} files are named {name}"
+    for path in sources:
+        stage = path.parent.name
+        if path.parent.parent.name != "src" or stage not in STAGES:
+            yield path, "is not in a folder of a stage"
+        elif stage != "base" and not re.match(
+                rf"({'|'.join(NOUNS.get(stage, (stage,)))})(_|$)", path.stem):
+            yield path, f"its name does not begin with its stage's noun, {stage}"
+    stems = {p.stem for p in sources}
+    for path in (tree / "tests/unit").glob("*.c"):
+        if path.stem not in stems:
+            yield path, "no source has this test's name"
+
+
+def main():
+    tree = pathlib.Path(sys.argv[1]).resolve()
+    wrong = [(p, 1, what) for p, what in check_names(tree)]
+    warnings = []
+    for path in source_files(tree):
+        try:
+            lines = path.read_text(encoding="utf-8").split("\n")
+        except UnicodeDecodeError:
+            continue
+        lines = lines[:-1] if lines and not lines[-1] else lines
+        found = list(check_text(path, lines))
+        if path.suffix in CODE:
+            if path.is_relative_to(tree / "src"):
+                found += check_includes(path, path.parent.name, lines)
+            warnings += [(path, at, what) for at, what in check_functions(lines)]
+        wrong += [(path, at, what) for at, what in found]
+    for path, at, what in warnings:
+        print(f"warning: {path.relative_to(tree)}:{at}: {what}; the aim is {MAX_FUNCTION}")
+    for path, at, what in wrong:
+        print(f"{path.relative_to(tree)}:{at}: {what}")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
