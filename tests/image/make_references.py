@@ -4,7 +4,7 @@
 
     tests/image/make_references.py [--size PX] [--spp N] [--parts P] [--out DIR] [SCENE.xml ...]
 
-Without scenes: all of data/scenes. Needs `pip install mitsuba numpy` and LLVM 19 or later; the tests
+Without scenes: all of data/scenes. Needs `pip install mitsuba numpy` and LLVM 19 or later; tests
 only read what it wrote. Each image is rendered in P independent parts of N / P samples per pixel.
 The file NAME.exr has the channels R, G, B (mean of all samples), and variance.R, variance.G,
 variance.B (variance of that mean, estimated from the parts). The film gets a box filter, so that
