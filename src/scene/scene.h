@@ -260,12 +260,16 @@ struct ray light_shadow_ray(const struct satin_scene *scene, vec3 p, vec3 ng,
 // Draws a photon that leaves light i, in proportion to its power: position by u[0], u[1], direction
 // by u[2], u[3], each in [0, 1). The light's power is the mean of `power` over uniform u; false:
 // the photon carries none. Equal power for all u but on textured, environment and wide spot lights.
+// Light from infinitely far is aimed at the box `target`; NULL: the scene's bounds.
 struct light_ray {
     struct ray ray;
     rgb power;  // [W]
 };
-bool light_emit(const struct satin_scene *scene, uint32_t i, const float u[4],
-                struct light_ray *out);
+struct light_target {
+    vec3 lo, hi;
+};
+bool light_emit(const struct satin_scene *scene, uint32_t i, const struct light_target *target,
+                const float u[4], struct light_ray *out);
 
 // ---- Camera (scene_camera.c)
 // ----------------------------------------------------------------------------

@@ -28,6 +28,9 @@ struct light_point light_area_point(const struct satin_scene *scene, const struc
 
 // ---- Faces (scene_light_face.c) ----------------------------------------------------------------
 
+// 1 or -1: times n, a triangle's normal by its winding, it gives the front side, as scene_intersect
+// tells it.
+float light_mesh_side(const struct shape *shape, const uint32_t index[3], vec3 n);
 // Pairs triangles 2 i and 2 i + 1 into parallelograms; false if one pair is none.
 bool light_faces_build(const struct shape *shape, struct light_face *face, uint32_t count);
 // Draws a point of the face for p in front of it: by solid angle if the face is right-angled and

@@ -32,7 +32,8 @@ static struct triangle triangle_get(const struct shape *shape, uint32_t i) {
     vec3 a = vertex(&shape->mesh, index[0]);
     vec3 ab = v3_sub(vertex(&shape->mesh, index[1]), a);
     vec3 ac = v3_sub(vertex(&shape->mesh, index[2]), a);
-    return (struct triangle){a, ab, ac, v3_mul(v3_cross(ab, ac), normal_sign(shape))};
+    vec3 n = v3_cross(ab, ac);
+    return (struct triangle){a, ab, ac, v3_mul(n, light_mesh_side(shape, index, n))};
 }
 
 static float unit_turn(float y, float x) {

@@ -5,34 +5,34 @@
 #include "base/sampling.h"
 #include "scene/scene_light.h"
 
-static vec3 bounds_size(const struct satin_scene *scene) {
-    return v3_sub(scene->bounds_hi, scene->bounds_lo);
+static struct light_target scene_bounds(const struct satin_scene *scene) {
+    return (struct light_target){scene->bounds_lo, scene->bounds_hi};
 }
 
 // What the box's sides across x, y and z show in direction d.
-static vec3 bounds_sides(const struct satin_scene *scene, vec3 d) {
-    vec3 s = bounds_size(scene);
+static vec3 box_sides(const struct light_target *box, vec3 d) {
+    vec3 s = v3_sub(box->hi, box->lo);
     return v3(s.y * s.z * fabsf(d.x), s.x * s.z * fabsf(d.y), s.x * s.y * fabsf(d.z));
 }
 
 float light_bounds_shadow(const struct satin_scene *scene, vec3 d) {
-    vec3 a = bounds_sides(scene, d);
+    struct light_target box = scene_bounds(scene);
+    vec3 a = box_sides(&box, d);
     return a.x + a.y + a.z;
 }
 
 float light_bounds_area(const struct satin_scene *scene) {
-    vec3 s = bounds_size(scene);
+    vec3 s = v3_sub(scene->bounds_hi, scene->bounds_lo);
     return 2.0f * (s.x * s.y + s.y * s.z + s.z * s.x);
 }
 
 // A ray into the box along d, uniform over the area that the box shows; that area goes to *shadow.
-static bool bounds_ray(const struct satin_scene *scene, vec3 d, float u, float v, struct ray *ray,
-                       float *shadow) {
-    vec3 side = bounds_sides(scene, d), size = bounds_size(scene);
+static bool box_ray(const struct satin_scene *scene, const struct light_target *box, vec3 d,
+                    const float u[2], struct ray *ray, float *shadow) {
+    vec3 side = box_sides(box, d), lo = box->lo, hi = box->hi, size = v3_sub(hi, lo), p;
     *shadow = side.x + side.y + side.z;
     if (!(*shadow > 0.0f)) return false;
-    float x = u * *shadow;
-    vec3 lo = scene->bounds_lo, hi = scene->bounds_hi, p;
+    float x = u[0] * *shadow, v = u[1];
     if (x < side.x) {
         p = v3(d.x > 0.0f ? lo.x : hi.x, lo.y + size.y * (x / side.x), lo.z + size.z * v);
     } else if (x < side.x + side.y || !(side.z > 0.0f)) {
@@ -42,8 +42,8 @@ static bool bounds_ray(const struct satin_scene *scene, vec3 d, float u, float v
         x = fminf((x - side.x - side.y) / side.z, 1.0f);
         p = v3(lo.x + size.x * x, lo.y + size.y * v, d.z > 0.0f ? lo.z : hi.z);
     }
-    // From a little outside, as surfaces may lie in the sides.
-    *ray = (struct ray){v3_mad(p, -0.01f * scene->radius, d), 0.0f, d, INFINITY};
+    // The box lies in the scene's bounds, so this is outside of everything.
+    *ray = (struct ray){v3_mad(p, -2.1f * scene->radius, d), 0.0f, d, INFINITY};
     return true;
 }
 
@@ -102,27 +102,31 @@ static bool emit_point(const struct light *light, const float u[4], struct light
 }
 
 static bool emit_directional(const struct satin_scene *scene, const struct light *light,
-                             const float u[4], struct light_ray *out) {
+                             const struct light_target *target, const float u[4],
+                             struct light_ray *out) {
     float shadow;
-    if (!bounds_ray(scene, light->direction, u[0], u[1], &out->ray, &shadow)) return false;
+    if (!box_ray(scene, target, light->direction, u, &out->ray, &shadow)) return false;
     out->power = rgb_scale(light->value, shadow);
     return true;
 }
 
 static bool emit_environment(const struct satin_scene *scene, const struct light *light,
-                             const float u[4], struct light_ray *out) {
+                             const struct light_target *target, const float u[4],
+                             struct light_ray *out) {
     vec3 w;
     rgb L;
     float pdf_w, shadow;
     if (!light_environment_sample(light, u[2], u[3], &w, &L, &pdf_w)) return false;
-    if (!bounds_ray(scene, v3_neg(w), u[0], u[1], &out->ray, &shadow)) return false;
+    if (!box_ray(scene, target, v3_neg(w), u, &out->ray, &shadow)) return false;
     out->power = rgb_scale(L, shadow / pdf_w);
     return true;
 }
 
-bool light_emit(const struct satin_scene *scene, uint32_t i, const float u[4],
-                struct light_ray *out) {
+bool light_emit(const struct satin_scene *scene, uint32_t i, const struct light_target *target,
+                const float u[4], struct light_ray *out) {
     const struct light *light = &scene->light[i];
+    struct light_target all = scene_bounds(scene);
+    if (!target) target = &all;
     switch (light->kind) {
         case LIGHT_AREA:
             return emit_area(scene, light, u, out);
@@ -131,10 +135,10 @@ bool light_emit(const struct satin_scene *scene, uint32_t i, const float u[4],
         case LIGHT_SPOT:
             return emit_spot(light, u, out);
         case LIGHT_DIRECTIONAL:
-            return emit_directional(scene, light, u, out);
+            return emit_directional(scene, light, target, u, out);
         case LIGHT_CONSTANT:
         case LIGHT_ENVMAP:
-            return emit_environment(scene, light, u, out);
+            return emit_environment(scene, light, target, u, out);
     }
     return false;
 }

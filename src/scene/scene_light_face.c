@@ -24,6 +24,17 @@ static vec3 mesh_vertex(const struct mesh *mesh, uint32_t i) {
     return v3(p[0], p[1], p[2]);
 }
 
+float light_mesh_side(const struct shape *shape, const uint32_t index[3], vec3 n) {
+    const float *normal = shape->mesh.normal;
+    if (!normal) return shape->flip_normals ? -1.0f : 1.0f;
+    vec3 sum = v3(0.0f, 0.0f, 0.0f);
+    for (int i = 0; i < 3; i++) {
+        const float *v = normal + 3 * (size_t)index[i];
+        sum = v3_add(sum, v3(v[0], v[1], v[2]));
+    }
+    return v3_dot(sum, n) < 0.0f ? -1.0f : 1.0f;
+}
+
 static bool same_point(vec3 a, vec3 b, float scale2) { return v3_dist2(a, b) <= 1e-12f * scale2; }
 
 // Finds the edge (a[1], a[2]) that triangle b shares, in turned order, and the far corner.
@@ -57,8 +68,8 @@ static bool face_pair(const struct mesh *mesh, uint32_t first, struct light_face
 bool light_faces_build(const struct shape *shape, struct light_face *face, uint32_t count) {
     for (uint32_t i = 0; i < count; i++) {
         if (!face_pair(&shape->mesh, 2 * i, &face[i])) return false;
-        float sign = shape->flip_normals ? -1.0f : 1.0f;
-        face[i].n = v3_mul(face[i].n, sign / face[i].area);
+        float side = light_mesh_side(shape, shape->mesh.index + 6 * (size_t)i, face[i].n);
+        face[i].n = v3_mul(face[i].n, side / face[i].area);
     }
     return true;
 }

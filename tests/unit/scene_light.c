@@ -1,0 +1,444 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lights: what is sampled follows the density that is told (chi-square over a grid of directions,
+// at points near, beside, inside and far), what is told agrees from both sides (round trip), and
+// what is emitted is the analytic power and arrives as the irradiance that sampling finds.
+#include "test_scene.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "base/sampling.h"
+
+// ---- Chi-square
+// ----------------------------------------------------------------------------------
+
+enum { COLUMNS = 32, ROWS = 16, CELLS = COLUMNS * ROWS, FINE = 32 };
+
+// Directions in a grid of equal solid angles around a frame.
+static int cell_of(const struct frame *f, vec3 w) {
+    vec3 l = frame_to_local(f, w);
+    float turn = atan2f(l.y, l.x) * (0.5f / PI_F);
+    int column = (int)((turn < 0.0f ? turn + 1.0f : turn) * COLUMNS);
+    int row = (int)((l.z + 1.0f) * 0.5f * ROWS);
+    return (row < ROWS ? row : ROWS - 1) * COLUMNS + (column < COLUMNS ? column : COLUMNS - 1);
+}
+
+// The density at p in direction w that MIS would ask for.
+static float density(const struct satin_scene *scene, uint32_t light, vec3 p, vec3 w) {
+    enum light_kind kind = scene->light[light].kind;
+    if (kind != LIGHT_AREA) return light_environment_pdf(scene, p, w);
+    struct ray ray = {p, 0.0f, w, INFINITY};
+    struct surfel s;
+    if (!scene_intersect(scene, &ray, &s) || s.light != (int32_t)light) return 0.0f;
+    return light_pdf(scene, p, w, &s);
+}
+
+// The upper tail of the chi-square distribution [Wilson and Hilferty 1931].
+static double chi_square_tail(double chi2, double freedom) {
+    double a = 2.0 / (9.0 * freedom), z = (cbrt(chi2 / freedom) - (1.0 - a)) / sqrt(a);
+    return 0.5 * erfc(z / sqrt(2.0));
+}
+
+// The integral of the density over each cell, and the greatest share that one of its FINE^2 points
+// has.
+static void integrate(const struct satin_scene *scene, uint32_t light, vec3 p,
+                      const struct frame *f, double expected[CELLS], double most[CELLS]) {
+    struct rng rng = rng_make(7, RNG_TEST, 1);
+    for (int row = 0; row < ROWS * FINE; row++)
+        for (int column = 0; column < COLUMNS * FINE; column++) {
+            float z = 2.0f * ((float)row + rng_float(&rng)) / (ROWS * FINE) - 1.0f;
+            float phi = 2.0f * PI_F * ((float)column + rng_float(&rng)) / (COLUMNS * FINE);
+            float s = safe_sqrtf(1.0f - z * z);
+            vec3 w = frame_to_world(f, v3(s * cosf(phi), s * sinf(phi), z));
+            int cell = row / FINE * COLUMNS + column / FINE;
+            double share = 4.0 * M_PI / CELLS / (FINE * FINE) * density(scene, light, p, w);
+            expected[cell] += share;
+            most[cell] = fmax(most[cell], share);
+        }
+}
+
+// Fails if light_sample and light_pdf disagree at p: a false alarm in 1 of 10^5 tests.
+static void check_density(const struct test_scene *t, uint32_t light, vec3 p, const char *what) {
+    enum { N = 40000 };
+    const struct satin_scene *scene = &t->scene;
+    struct frame f = frame_from_normal(v3_unit(v3(0.3f, -0.5f, 0.8f)));
+    double expected[CELLS] = {0}, most[CELLS] = {0}, found[CELLS] = {0}, sum = 0.0;
+    integrate(scene, light, p, &f, expected, most);
+    struct rng rng = rng_make(8, RNG_TEST, 2);
+    int wrong = 0;
+    for (int i = 0; i < N; i++) {
+        struct light_sample s;
+        float u = rng_float(&rng), v = rng_float(&rng);
+        if (!light_sample(scene, light, p, u, v, &s)) continue;
+        assert_true(fabsf(v3_len(s.wi) - 1.0f) < 1e-5f && s.pdf_w > 0.0f && !s.delta);
+        float told = density(scene, light, p, s.wi);
+        // Samples on an edge may miss it, and where a cylinder turns away the cosine is known to
+        // few digits; all others must be told the same density twice.
+        wrong += !(fabsf(told - s.pdf_w) <= 2e-3f * s.pdf_w);
+        found[cell_of(&f, s.wi)] += 1.0;
+    }
+    if (wrong > N / 400) printf("%s: %d of %d densities differ\n", what, wrong, N);
+    assert_true(wrong <= N / 400);
+    double chi2 = 0.0, rest_e = 0.0, rest_f = 0.0, drawn = 0.0;
+    int freedom = -1;
+    for (int i = 0; i < CELLS; i++) {
+        double e = expected[i] * N;
+        sum += expected[i];
+        drawn += found[i] / N;  // less than 1 where samples fall on a side that faces away
+        if (e < 8.0) {
+            rest_e += e;
+            rest_f += found[i];
+            continue;
+        }
+        // The samples' own variance, and that of the integral: an edge of the light that cuts the
+        // cell passes by up to 2 FINE of its jittered points, each of which is a coin's toss.
+        double integration = 0.25 * 2 * FINE * (most[i] * N) * (most[i] * N);
+        chi2 += (found[i] - e) * (found[i] - e) / (e + integration);
+        freedom++;
+    }
+    chi2 += (rest_f - rest_e) * (rest_f - rest_e) / (rest_e + 8.0);
+    freedom++;
+    double tail = freedom > 0 ? chi_square_tail(chi2, freedom) : 1.0;
+    if (tail < 1e-5 || fabs(sum - drawn) > 0.02)
+        printf("%s: chi2 %.1f, freedom %d, tail %g, integral %g\n", what, chi2, freedom, tail, sum);
+    assert_true(tail >= 1e-5);
+    assert_true(fabs(sum - drawn) <= 0.02);
+}
+
+// ---- Lights to test
+// ------------------------------------------------------------------------------
+
+static struct mat4 turned(struct mat4 m, vec3 axis, float degrees) {
+    struct mat4 r = mat4_rotate(axis, degrees);
+    return mat4_mul(&m, &r);
+}
+
+static void area_density(void **state) {
+    (void)state;
+    struct test_scene t;
+    const rgb white = rgb_grey(1.0f);
+    struct mat4 plain = test_transform(v3(0, 0, 0), v3(1.0f, 0.6f, 1.0f));
+    struct mat4 tilted = turned(test_transform(v3(3, 1, 2), v3(1, 1, 1)), v3(1, 2, 3), 50.0f);
+    struct mat4 skew = mat4_identity();
+    skew.m[0][1] = 0.7f;
+    for (int kind = 0; kind < 7; kind++) {
+        test_scene_init(&t);
+        uint32_t grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f), shape = 0;
+        if (kind == 0) shape = test_rectangle(&t, plain, grey);
+        if (kind == 1) shape = test_rectangle(&t, skew, grey);
+        if (kind == 2) shape = test_cube(&t, mat4_identity(), true, grey);
+        if (kind == 3) shape = test_quadric(&t, SHAPE_SPHERE, mat4_identity(), false, grey);
+        if (kind == 4) shape = test_quadric(&t, SHAPE_SPHERE, mat4_identity(), true, grey);
+        if (kind == 5) shape = test_quadric(&t, SHAPE_DISK, tilted, false, grey);
+        if (kind == 6) shape = test_quadric(&t, SHAPE_CYLINDER, tilted, false, grey);
+        test_area_light(&t, shape, white);
+        test_scene_finish(&t);
+        if (kind < 2) {
+            check_density(&t, 0, v3(0.2f, 0.1f, 0.7f), "rectangle near");
+            if (kind == 0) check_density(&t, 0, v3(0.2f, 0.1f, 0.02f), "rectangle touching");
+            check_density(&t, 0, v3(1.05f, 0.1f, 0.1f), "rectangle beside");
+            check_density(&t, 0, v3(2.0f, -1.0f, 3.0f), "rectangle away");
+        }
+        if (kind == 2) {
+            check_density(&t, 0, v3(0, 0, 0), "cube, centre");
+            check_density(&t, 0, v3(0.9f, -0.95f, 0.3f), "cube, corner");
+        }
+        if (kind == 3) {
+            check_density(&t, 0, v3(1.1f, 0.1f, 0.0f), "sphere near");
+            check_density(&t, 0, v3(-2.0f, 1.0f, 2.0f), "sphere away");
+        }
+        if (kind == 4) check_density(&t, 0, v3(0.3f, 0.5f, -0.6f), "sphere inside");
+        if (kind == 5) {
+            struct mat4 m = tilted;
+            check_density(&t, 0, mat4_point(&m, v3(0.3f, 0.2f, 0.8f)), "disk near");
+            check_density(&t, 0, mat4_point(&m, v3(1.3f, 0.2f, 1.8f)), "disk away");
+        }
+        if (kind == 6) check_density(&t, 0, v3(1.0f, -1.0f, 0.0f), "cylinder");
+        test_scene_free(&t);
+    }
+}
+
+// A mesh of three triangles, which is no row of faces, is drawn by triangle.
+static void triangle_density(void **state) {
+    (void)state;
+    static const float position[19] = {0, 0, 0, 1, 0, 0, 1, 1, 0.3f, 0, 1.2f, 0, -0.7f, 0.5f, 0, 0};
+    static const uint32_t index[9] = {0, 1, 2, 0, 2, 3, 0, 3, 4};
+    struct test_scene t;
+    test_scene_init(&t);
+    struct shape s = {.kind = SHAPE_MESH, .material = test_diffuse(&t, 0, 0, 0)};
+    s.mesh = (struct mesh){5, 3, position, NULL, NULL, index};
+    test_area_light(&t, test_add_shape(&t, s), rgb_grey(1.0f));
+    test_scene_finish(&t);
+    check_density(&t, 0, v3(0.3f, 0.4f, 0.8f), "three triangles");
+    test_scene_free(&t);
+}
+
+static struct image noise_image(float *texel, int width, int height) {
+    struct rng rng = rng_make(3, RNG_TEST, 3);
+    for (int i = 0; i < width * height; i++)
+        texel[3 * i] = texel[3 * i + 1] = texel[3 * i + 2] = powf(rng_float(&rng), 4.0f);
+    for (int i = 0; i < 3; i++) texel[3 * (width + 2) + i] = 20.0f;       // a small sun
+    for (int i = 0; i < 3 * width; i++) texel[3 * width * 3 + i] = 0.0f;  // a black line
+    return (struct image){width, height, 3, texel};
+}
+
+static struct light environment(const struct image *image) {
+    struct light light = {.kind = image ? LIGHT_ENVMAP : LIGHT_CONSTANT, .value = rgb_grey(0.5f)};
+    light.image = image;
+    light.to_world = mat4_rotate(v3(1, 2, -1), 40.0f);
+    assert_true(mat4_inverse(&light.to_world, &light.to_local));
+    return light;
+}
+
+static void environment_density(void **state) {
+    (void)state;
+    float texel[16 * 9 * 3];
+    struct image image = noise_image(texel, 16, 9);
+    for (int kind = 0; kind < 2; kind++) {
+        struct test_scene t;
+        test_scene_init(&t);
+        test_quadric(&t, SHAPE_SPHERE, mat4_identity(), false, test_diffuse(&t, 0.5f, 0.5f, 0.5f));
+        test_light(&t, environment(kind ? &image : NULL));
+        test_scene_finish(&t);
+        check_density(&t, 0, v3(0, 0, 0), kind ? "envmap" : "constant");
+        test_scene_free(&t);
+    }
+}
+
+// Values of Mitsuba 3.9.1 for an image of 4 x 3 texels, red = 1 + index, rotated by 30 degrees
+// about y.
+static void environment_orientation(void **state) {
+    (void)state;
+    float texel[36] = {0};
+    for (int i = 0; i < 12; i++) texel[3 * i] = (float)(i + 1);
+    struct image image = {4, 3, 3, texel};
+    struct light light = {.kind = LIGHT_ENVMAP, .value = rgb_grey(1.0f), .image = &image};
+    light.to_world = mat4_rotate(v3(0, 1, 0), 30.0f);
+    assert_true(mat4_inverse(&light.to_world, &light.to_local));
+    struct test_scene t;
+    test_scene_init(&t);
+    test_quadric(&t, SHAPE_SPHERE, mat4_identity(), false, test_diffuse(&t, 0.5f, 0.5f, 0.5f));
+    test_light(&t, light);
+    test_scene_finish(&t);
+    static const struct {
+        vec3 w;
+        float red;
+    } known[] = {
+        {{0, 0, -1}, 5.500000f}, {{0, 0, 1}, 6.833333f},      {{1, 0, 0}, 5.833333f},
+        {{-1, 0, 0}, 7.833333f}, {{1, 1, 0}, 3.833333f},      {{-1, 2, 1}, 4.900640f},
+        {{1, -2, 3}, 8.064568f}, {{0, -1, 0.1f}, 10.579530f}, {{-3, -1, -2}, 8.065948f},
+    };
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        rgb L = light_environment(&t.scene, v3_unit(known[i].w));
+        assert_true(fabsf(L.r - known[i].red) < 1e-4f && L.g == 0.0f);
+    }
+    test_scene_free(&t);
+}
+
+// ---- One-sidedness, choice, spots
+// ----------------------------------------------------------------
+
+static void area_lights_have_a_front(void **state) {
+    (void)state;
+    struct test_scene t;
+    test_scene_init(&t);
+    uint32_t grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
+    test_area_light(&t, test_rectangle(&t, mat4_identity(), grey), rgb_grey(2.0f));
+    struct mat4 high = test_transform(v3(0, 0, 5), v3(1, 1, 1));
+    test_area_light(&t, test_quadric(&t, SHAPE_SPHERE, high, false, grey), rgb_grey(3.0f));
+    test_scene_finish(&t);
+    struct light_sample s;
+    assert_false(light_sample(&t.scene, 0, v3(0, 0, -1), 0.3f, 0.6f, &s));
+    assert_true(light_sample(&t.scene, 0, v3(0, 0, 1), 0.3f, 0.6f, &s));
+    assert_false(light_sample(&t.scene, 1, v3(0, 0, 5), 0.3f, 0.6f, &s));
+    for (int side = -1; side <= 1; side += 2) {
+        struct ray ray = {v3(0.1f, 0.2f, (float)side), 0.0f, v3(0, 0, (float)-side), INFINITY};
+        struct surfel hit;
+        assert_true(scene_intersect(&t.scene, &ray, &hit));
+        rgb L = light_emitted(&t.scene, &hit, v3_neg(ray.d));
+        assert_true(L.r == (side > 0 ? 2.0f : 0.0f));
+        assert_true((light_pdf(&t.scene, ray.o, ray.d, &hit) > 0.0f) == (side > 0));
+    }
+    test_scene_free(&t);
+}
+
+// Lights are drawn as often as light_choose_probability says, few or many.
+static void choice_has_its_probability(void **state) {
+    (void)state;
+    for (int lights = 3; lights <= 20; lights += 17) {
+        struct test_scene t;
+        test_scene_init(&t);
+        uint32_t grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
+        for (int i = 0; i < lights; i++) {
+            struct mat4 m = test_transform(v3((float)i, 0, 0), v3(0.3f, 0.3f, 0.3f));
+            test_area_light(&t, test_rectangle(&t, m, grey), rgb_grey((float)(1 + i % 3)));
+        }
+        test_scene_finish(&t);
+        vec3 p = v3(1.0f, 0.5f, 0.7f);
+        double drawn[32] = {0}, sum = 0.0;
+        for (int i = 0; i < 100000; i++) {
+            float probability;
+            uint32_t l = light_choose(&t.scene, p, ((float)i + 0.5f) * 1e-5f, &probability);
+            assert_true(fabsf(probability - light_choose_probability(&t.scene, p, l)) < 1e-7f);
+            drawn[l] += 1e-5;
+        }
+        for (int i = 0; i < lights; i++) {
+            float probability = light_choose_probability(&t.scene, p, (uint32_t)i);
+            assert_true(fabs(drawn[i] - probability) < 1e-4);
+            sum += probability;
+        }
+        assert_true(fabs(sum - 1.0) < 1e-5);
+        test_scene_free(&t);
+    }
+}
+
+static struct light spot(float cutoff, float beam) {
+    return (struct light){.kind = LIGHT_SPOT,
+                          .value = rgb_grey(3.0f),
+                          .position = v3(0, 0, 0),
+                          .direction = v3(0, 0, 1),
+                          .cos_cutoff = cosf(cutoff * PI_F / 180.0f),
+                          .cos_beam = cosf(beam * PI_F / 180.0f)};
+}
+
+// Mitsuba's falloff is linear in the angle (measured with 3.9.1).
+static void spot_falloff(void **state) {
+    (void)state;
+    struct test_scene t;
+    test_scene_init(&t);
+    test_rectangle(&t, test_transform(v3(0, 0, 2), v3(9, 9, 1)), test_diffuse(&t, 0, 0, 0));
+    test_light(&t, spot(40.0f, 10.0f));
+    test_scene_finish(&t);
+    static const float known[][2] = {{5, 0.75f}, {12, 0.7f}, {25, 0.375f}, {39, 0.025f}, {41, 0}};
+    for (int i = 0; i < 5; i++) {
+        float a = known[i][0] * PI_F / 180.0f;
+        struct light_sample s;
+        bool lit = light_sample(&t.scene, 0, v3(2 * sinf(a), 0, 2 * cosf(a)), 0.5f, 0.5f, &s);
+        assert_true(lit == (known[i][1] > 0.0f));
+        if (lit) assert_true(s.delta && s.pdf_w == 1.0f && fabsf(s.L.r - known[i][1]) < 2e-5f);
+    }
+    test_scene_free(&t);
+}
+
+// ---- Emission
+// ------------------------------------------------------------------------------------
+
+// Shoots N photons of one light and returns the mean power; adds what arrives on rectangles facing
+// up (+z) around p within `half` to *irradiance.
+static double emit(const struct test_scene *t, int n, vec3 p, float half, double *irradiance) {
+    double power = 0.0;
+    *irradiance = 0.0;
+    for (int i = 0; i < n; i++) {
+        vec2 a = sample_sobol2((uint32_t)i, 11), b = sample_sobol2((uint32_t)i, 12);
+        float u[4] = {a.x, a.y, b.x, b.y};
+        struct light_ray ray;
+        if (!light_emit(&t->scene, 0, NULL, u, &ray)) continue;
+        power += ray.power.r / n;
+        struct surfel s;
+        if (!scene_intersect(&t->scene, &ray.ray, &s)) continue;
+        vec3 d = v3_sub(s.p, p);
+        if (fabsf(d.x) < half && fabsf(d.y) < half && fabsf(d.z) < 1e-3f && ray.ray.d.z < 0.0f)
+            *irradiance += ray.power.r / n / (4.0 * half * half);
+    }
+    return power;
+}
+
+// The irradiance at p with normal +z by light_sample.
+static double sampled_irradiance(const struct test_scene *t, vec3 p) {
+    enum { N = 65536 };
+    double E = 0.0;
+    for (uint32_t i = 0; i < N; i++) {
+        vec2 u = sample_sobol2(i, 5);
+        struct light_sample s;
+        if (!light_sample(&t->scene, 0, p, u.x, u.y, &s) || !(s.wi.z > 0.0f)) continue;
+        struct ray ray = light_shadow_ray(&t->scene, p, v3(0, 0, 1), &s);
+        if (!scene_occluded(&t->scene, &ray)) E += s.L.r * s.wi.z / s.pdf_w / N;
+    }
+    return E;
+}
+
+struct emission_case {
+    const char *name;
+    struct light light;
+    int shape;     // of an area light: as in area_density; else -1
+    double power;  // [W]; 0: not known in closed form
+};
+
+static void check_emission(const struct emission_case *c) {
+    enum { N = 1 << 18 };
+    struct test_scene t;
+    test_scene_init(&t);
+    uint32_t grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
+    struct mat4 up = test_transform(v3(0.2f, 0, 2), v3(0.5f, 0.5f, 0.5f));
+    struct mat4 down = turned(up, v3(1, 0, 0), 180.0f);
+    struct mat4 lying = turned(up, v3(1, 0, 0), 90.0f);
+    uint32_t shape = 0;
+    if (c->shape == 0) shape = test_rectangle(&t, down, grey);
+    if (c->shape == 1) shape = test_cube(&t, up, false, grey);
+    if (c->shape == 2) shape = test_quadric(&t, SHAPE_SPHERE, up, false, grey);
+    if (c->shape == 3) shape = test_quadric(&t, SHAPE_DISK, down, false, grey);
+    if (c->shape == 4) shape = test_quadric(&t, SHAPE_CYLINDER, lying, false, grey);
+    if (c->shape >= 0)
+        test_area_light(&t, shape, rgb_grey(3.0f));
+    else
+        test_light(&t, c->light);
+    test_rectangle(&t, test_transform(v3(0, 0, 0), v3(4, 4, 1)), grey);
+    test_scene_finish(&t);
+    vec3 p = v3(0.3f, 0.1f, 0.0f);
+    // Light from afar is spread over all the floor but even.
+    float half = t.light[0].kind >= LIGHT_DIRECTIONAL ? 1.5f : 0.2f;
+    double arrived, power = emit(&t, N, p, half, &arrived), E = sampled_irradiance(&t, p);
+    if (!(fabs(arrived / E - 1.0) <= 0.08) ||
+        (c->power > 0.0 && fabs(power / c->power - 1.0) > 2e-3))
+        printf("%s: power %g of %g, irradiance %g by photons, %g by samples\n", c->name, power,
+               c->power, arrived, E);
+    if (c->power > 0.0) assert_true(fabs(power / c->power - 1.0) < 2e-3);
+    // The power of an image is summed over its cells at their centres; these cells are large.
+    assert_true(fabs(power / t.light[0].power - 1.0) < (c->light.image ? 0.1 : 2e-3));
+    // The patch takes at least 1500 photons: three standard deviations are 8 % at most, while a
+    // lost cosine or factor would be tens of per cent.
+    assert_true(fabs(arrived / E - 1.0) < 0.08);
+    test_scene_free(&t);
+}
+
+static void emission(void **state) {
+    (void)state;
+    float texel[16 * 9 * 3];
+    struct image image = noise_image(texel, 16, 9);
+    struct light point = {.kind = LIGHT_POINT, .value = rgb_grey(2.0f), .position = v3(0, 0.2f, 2)};
+    struct light down = spot(50.0f, 20.0f), sun = {.kind = LIGHT_DIRECTIONAL};
+    down.position = v3(0.5f, 0.2f, 2.0f);
+    down.direction = v3(0, 0, -1);
+    sun.value = rgb_grey(1.5f);
+    sun.direction = v3_unit(v3(0.5f, 0.3f, -1.0f));
+    double c = 50.0 * M_PI / 180.0, b = 20.0 * M_PI / 180.0;
+    double spot_power = 3.0 * 2.0 * M_PI * (1.0 - (sin(c) - sin(b)) / (c - b));
+    const struct emission_case cases[] = {
+        {"rectangle", {0}, 0, 3.0 * M_PI},
+        {"cube", {0}, 1, 3.0 * M_PI * 6.0},
+        {"sphere", {0}, 2, 3.0 * M_PI * M_PI},
+        {"disk", {0}, 3, 3.0 * M_PI * M_PI * 0.25},
+        {"cylinder", {0}, 4, 3.0 * M_PI * M_PI * 0.5},
+        {"point", point, -1, 8.0 * M_PI},
+        {"spot", down, -1, spot_power},
+        {"directional", sun, -1, 1.5 * 64.0 * (double)-sun.direction.z},
+        {"constant", environment(NULL), -1, 0.5 * M_PI * 128.0},
+        {"envmap", environment(&image), -1, 0.0},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) check_emission(&cases[i]);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(area_density),
+        cmocka_unit_test(triangle_density),
+        cmocka_unit_test(environment_density),
+        cmocka_unit_test(environment_orientation),
+        cmocka_unit_test(area_lights_have_a_front),
+        cmocka_unit_test(choice_has_its_probability),
+        cmocka_unit_test(spot_falloff),
+        cmocka_unit_test(emission),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
