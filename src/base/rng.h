@@ -17,7 +17,9 @@ enum rng_stage {
     RNG_PATH,
     RNG_SITE,
     RNG_MAP_AREA,
-    RNG_TEST
+    RNG_TEST,
+    RNG_CAUSTIC,
+    RNG_GUIDE
 };
 
 struct rng {

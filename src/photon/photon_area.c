@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// The area that is really there. A density estimate divides the photons in a disc by its area, but
+// the disc may hang over an edge or reach into a wall. Here the disc is cut to what is surface of
+// the same facing and seen from just above its centre: by direction, a ray along the surface finds
+// the wall and a ray down the end of the surface. Extents are interpolated in their inverse, which
+// is exact for a straight wall, and a photon counts only inside the cut disc, so the area and the
+// photons belong together even where the outline is rough, and photons behind a thin wall do not
+// leak under it.
+#include "base/sampling.h"
+#include "photon/photon_map.h"
+
+// In units of the disc's radius r.
+#define HEIGHT 0.1f      // of the rays along the surface: over ripples, under what stands there
+#define DEPTH 0.35f      // how far below the tangent plane the surface may bend away
+#define FACING 0.5f      // least cosine between the normals of one surface
+#define EXTENT_MIN .02f  // bounds 1 / extent
+enum { BISECTIONS = 5, STEPS = 4 };
+
+struct probe {
+    const struct satin_scene *scene;
+    vec3 origin, n;  // origin is above the centre
+    float height, r;
+};
+
+static float clear_distance(const struct satin_scene *scene, vec3 o, vec3 d, float most) {
+    struct ray ray = {o, 0.0f, d, most};
+    return fminf(scene_distance(scene, &ray), most);
+}
+
+// Whether a surface of the same facing lies under the point `t` along w.
+static bool surface_below(const struct probe *probe, vec3 w, float t) {
+    struct ray ray = {v3_mad(probe->origin, t, w), 0.0f, v3_neg(probe->n),
+                      probe->height + DEPTH * probe->r};
+    struct surfel s;
+    if (!scene_intersect(probe->scene, &ray, &s)) return false;
+    return fabsf(v3_dot(s.ng, probe->n)) > FACING;
+}
+
+// How far the surface goes along w, in units of r; beyond 1 it is the distance to a wall.
+static float extent(const struct probe *probe, vec3 w) {
+    float wall = clear_distance(probe->scene, probe->origin, w, 1.5f * probe->r);
+    // A little before the wall or the rim, where the ray down must not meet the wall itself.
+    float hi = 0.98f * fminf(wall, probe->r), lo = 0.0f;
+    if (surface_below(probe, w, hi)) return wall / probe->r;
+    for (int i = 0; i < BISECTIONS; i++) {
+        float middle = 0.5f * (lo + hi);
+        if (surface_below(probe, w, middle))
+            lo = middle;
+        else
+            hi = middle;
+    }
+    return 0.5f * (lo + hi) / probe->r;
+}
+
+void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r, uint64_t key,
+                      struct photon_area *out) {
+    out->frame = frame_from_normal(n);
+    out->turn = (float)(rng_mix(key) >> 40) * 0x1p-24f * (2.0f * PI_F / AREA_SECTORS);
+    out->open = true;
+    struct ray up = scene_spawn(scene, p, n, n);
+    // In a gap lower than the rays' height they run half way up.
+    float height = HEIGHT * r;
+    float room = clear_distance(scene, up.o, n, 2.0f * height);
+    if (room < 2.0f * height) height = 0.5f * room;
+    struct probe probe = {scene, v3_mad(up.o, height, n), n, height, r};
+    for (int i = 0; i < AREA_SECTORS; i++) {
+        float phi = out->turn + (float)i * (2.0f * PI_F / AREA_SECTORS);
+        vec3 w = frame_to_world(&out->frame, v3(cosf(phi), sinf(phi), 0.0f));
+        float e = extent(&probe, w);
+        out->inverse[i] = 1.0f / fmaxf(e, EXTENT_MIN);
+        if (e < 1.0f) out->open = false;
+    }
+}
+
+// 1 / extent at `sector`, a real number in [0, AREA_SECTORS].
+static float inverse_extent(const struct photon_area *area, float sector) {
+    int i = (int)sector;
+    float f = sector - (float)i;
+    return lerpf(area->inverse[i % AREA_SECTORS], area->inverse[(i + 1) % AREA_SECTORS], f);
+}
+
+bool photon_area_has(const struct photon_area *area, vec3 d, float r) {
+    float x = v3_dot(d, area->frame.u), y = v3_dot(d, area->frame.v);
+    float sector = (atan2f(y, x) - area->turn) * (AREA_SECTORS / (2.0f * PI_F));
+    if (sector < 0.0f) sector += AREA_SECTORS;
+    if (sector < 0.0f) sector += AREA_SECTORS;
+    float inverse = inverse_extent(area, fminf(sector, (float)AREA_SECTORS));
+    return (x * x + y * y) * inverse * inverse <= r * r;
+}
+
+float photon_area_share(const struct photon_area *area, enum photon_kernel kernel) {
+    if (area->open) return 1.0f;
+    float sum = 0.0f;
+    for (int i = 0; i < AREA_SECTORS * STEPS; i++) {
+        float e = fminf(1.0f / inverse_extent(area, ((float)i + 0.5f) / STEPS), 1.0f), q = e * e;
+        // The integral of weight(t^2) 2 t from 0 to e.
+        sum += kernel == KERNEL_FLAT ? q : q * (2.0f - q);
+    }
+    return sum / (AREA_SECTORS * STEPS);
+}

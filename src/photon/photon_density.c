@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+// Density estimates from the k nearest photons [Jensen 2001, ch. 7]. Photons of the other side of
+// the surface, of a surface of another facing or of another layer do not count; the disc is divided
+// by the area that is there (photon_area.c). The radius is that of the outermost photon, which is
+// left out of the sum: the k - 1 others lie evenly in the disc, so their number over its area is
+// the density without bias, while k over it is too bright by 1 / (k - 1).
+#include "photon/photon_map.h"
+
+#define FACING 0.5f  // as in photon_area.c
+#define LAYER 0.35f
+
+// Whether the photon is one of the disc's surface: its facing and its distance from the plane.
+static bool belongs(const struct photon_disc *disc, int i) {
+    const struct photon_map *map = disc->map;
+    size_t at = (size_t)disc->row[i];
+    if (v3_dot(photon_unpack(map->photon[at].n), disc->n) < FACING) return false;
+    float height = v3_dot(v3_sub(photon_position(map, at), disc->p), disc->n);
+    return fabsf(height) <= LAYER * disc->r;
+}
+
+static bool counts(const struct photon_disc *disc, int i) {
+    int row = disc->row[i];
+    return row >= 0 && row != disc->self && disc->distance2[i] < disc->r * disc->r;
+}
+
+// The radius: the outermost of k photons, or the map's bound if that is nearer; with fewer photons
+// in the map than asked for, the bound.
+static float disc_radius(const struct photon_query *query, const int *row, const float *distance2) {
+    float far2 = 0.0f;
+    bool full = true;
+    for (int i = 0; i < query->k; i++) {
+        if (row[i] < 0)
+            full = false;
+        else if (row[i] != query->self)
+            far2 = fmaxf(far2, distance2[i]);
+    }
+    float r = sqrtf(far2);
+    return full ? fminf(r, query->map->radius_max) : query->map->radius_max;
+}
+
+// Whether a photon of the disc knows that something cuts the surroundings, or none knows anything.
+static bool edge_near(const struct photon_disc *disc) {
+    const struct photon_map *map = disc->map;
+    if (!map->open) return true;
+    int known = 0;
+    for (int i = 0; i < disc->count; i++) {
+        if (!counts(disc, i) || (size_t)disc->row[i] % map->stride != 0 || !belongs(disc, i))
+            continue;
+        if (!map->open[(size_t)disc->row[i] / map->stride]) return true;
+        known++;
+    }
+    return known == 0;
+}
+
+static uint64_t place_key(vec3 p) {
+    union {
+        float f[3];
+        uint32_t u[3];
+    } bits = {{p.x, p.y, p.z}};
+    return rng_mix(bits.u[0] ^ rng_mix((uint64_t)bits.u[1] << 32 | bits.u[2]));
+}
+
+void photon_disc_make(const struct photon_query *query, const int *row, const float *distance2,
+                      struct photon_disc *out) {
+    out->map = query->map;
+    out->p = query->p;
+    out->n = query->n;
+    out->kernel = query->kernel;
+    out->self = query->self;
+    out->count = query->k;
+    out->row = row;
+    out->distance2 = distance2;
+    out->corrected = false;
+    out->scale = 0.0f;
+    out->r = disc_radius(query, row, distance2);
+    if (!(out->r > 0.0f)) return;
+    float share = 1.0f;
+    bool measure = query->correction == AREA_MEASURED ||
+                   (query->correction == AREA_IF_NEEDED && edge_near(out));
+    if (measure) {
+        photon_area_make(query->scene, query->p, query->n, out->r, place_key(query->p), &out->area);
+        out->corrected = !out->area.open;
+        // In the tightest cracks nearly nothing is there, and a single photon would shine.
+        if (out->corrected) share = fmaxf(photon_area_share(&out->area, query->kernel), 0.02f);
+    }
+    out->scale = 1.0f / (PI_F * out->r * out->r * share);
+}
+
+float photon_disc_weight(const struct photon_disc *disc, int i) {
+    if (!counts(disc, i) || !belongs(disc, i)) return 0.0f;
+    if (disc->corrected) {
+        vec3 d = v3_sub(photon_position(disc->map, (size_t)disc->row[i]), disc->p);
+        if (!photon_area_has(&disc->area, d, disc->r)) return 0.0f;
+    }
+    float q = disc->distance2[i] / (disc->r * disc->r);
+    return disc->scale * photon_kernel_weight(disc->kernel, q);
+}
+
+rgb photon_disc_irradiance(const struct photon_disc *disc) {
+    rgb E = rgb_grey(0.0f);
+    for (int i = 0; i < disc->count; i++) {
+        float weight = photon_disc_weight(disc, i);
+        if (weight > 0.0f) E = rgb_mad(E, disc->map->photon[disc->row[i]].power, weight);
+    }
+    return E;
+}
+
+// ---- Reflected radiance
+// --------------------------------------------------------------------------
+
+// A surface point as the estimates of reflected radiance need it.
+struct reflection {
+    vec3 ng;
+    const struct frame *frame;
+    const struct brdf *brdf;
+    vec3 wo;
+    unsigned lobes;
+};
+
+// Photons carry flux per geometric area; reflection is by the shading normal's cosine.
+static rgb reflect(const struct photon_disc *disc, const struct reflection *at) {
+    rgb L = rgb_grey(0.0f);
+    for (int i = 0; i < disc->count; i++) {
+        float weight = photon_disc_weight(disc, i);
+        if (!(weight > 0.0f)) continue;
+        const struct photon *photon = &disc->map->photon[disc->row[i]];
+        vec3 wi = photon_unpack(photon->wi), local = frame_to_local(at->frame, wi);
+        float cosine = v3_dot(wi, photon_unpack(photon->n));
+        if (!(local.z > 0.0f) || !(cosine > 0.0f)) continue;
+        rgb f = brdf_eval(at->brdf, at->wo, local, at->lobes);
+        // Bounded, as photons at grazing angles are few and this would make them bright.
+        weight *= fminf(local.z / cosine, 4.0f);
+        L = rgb_mad(L, rgb_mul(f, photon->power), weight);
+    }
+    return L;
+}
+
+static rgb estimate(const struct photon_query *query, const struct reflection *at, float *radius) {
+    int row[PHOTON_K_MAX];
+    float distance2[PHOTON_K_MAX];
+    float q[3] = {query->p.x, query->p.y, query->p.z};
+    photon_index_nearest(query->map->index, q, 1, query->k, row, distance2);
+    struct photon_disc disc;
+    photon_disc_make(query, row, distance2, &disc);
+    *radius = disc.r;
+    return reflect(&disc, at);
+}
+
+rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
+                    vec3 ng, const struct frame *frame, const struct brdf *brdf, vec3 wo,
+                    unsigned lobes, float *radius) {
+    *radius = 0.0f;
+    if (maps->global.count == 0) return rgb_grey(0.0f);
+    struct photon_query query = {
+        &maps->global,  scene, p,           ng,
+        maps->photon_k, -1,    KERNEL_FLAT, maps->area ? AREA_IF_NEEDED : AREA_WHOLE};
+    struct reflection at = {ng, frame, brdf, wo, lobes};
+    return estimate(&query, &at, radius);
+}
+
+rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p, vec3 ng,
+                   const struct frame *frame, const struct brdf *brdf, vec3 wo, unsigned lobes) {
+    if (maps->caustic.count == 0) return rgb_grey(0.0f);
+    struct photon_query query = {&maps->caustic,
+                                 scene,
+                                 p,
+                                 ng,
+                                 maps->caustic_k,
+                                 -1,
+                                 KERNEL_PARABOLA,
+                                 maps->area ? AREA_IF_NEEDED : AREA_WHOLE};
+    struct reflection at = {ng, frame, brdf, wo, lobes};
+    float radius;
+    return estimate(&query, &at, &radius);
+}

@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pass 1b: where caustic paths start. A caustic path meets a surface with a delta lobe first, so a
+// pilot divides each light's unit hypercube of emission into cells, sends a few single rays from
+// each and keeps the cells where one met such a surface, and their neighbours. The caustic pass
+// starts most of its paths there, evenly, so that its photons have equal power; the other cells get
+// a share too, which keeps the estimate unbiased. Light from infinitely far is aimed at the box of
+// the surfaces with delta lobes, which loses nothing.
+#include <stdlib.h>
+
+#include "photon/photon_map.h"
+
+enum {
+    PILOT_RAYS = 16,      // per cell
+    CELLS_MAX = 1 << 18,  // of all lights together
+    LIGHT_CELLS_MAX = 1 << 12
+};
+// Share of a light's paths that starts in cells where the pilot met nothing. A photon from there is
+// worth (1 - share) / share * (other cells / kept cells) of the common ones: much less, and a
+// caustic that the pilot missed is a rash of bright dots.
+#define BLIND_SHARE 0.2f
+
+// The cells of one light: a grid over the unit hypercube.
+struct light_cells {
+    uint32_t split[4];  // cells along each number
+    uint32_t total, seen;
+    uint32_t *cell;  // a permutation: the `seen` ones first, each part ascending
+    uint64_t paths;
+};
+
+struct photon_guide {
+    uint32_t light_count;
+    struct light_cells *light;
+    uint32_t *cells;  // of all lights
+    struct light_target target;
+};
+
+static bool material_has_delta(const struct material *m) {
+    unsigned lobes = m->front.base.model->lobes;
+    if (m->two_sided) lobes |= m->back.base.model->lobes;
+    return lobes & BRDF_DELTA;
+}
+
+// ---- The target box
+// ------------------------------------------------------------------------------
+
+static void grow(struct light_target *box, vec3 p) {
+    box->lo = v3_min(box->lo, p);
+    box->hi = v3_max(box->hi, p);
+}
+
+static void grow_shape(struct light_target *box, const struct shape *shape) {
+    if (shape->kind == SHAPE_MESH) {
+        for (uint32_t i = 0; i < shape->mesh.vertex_count; i++) {
+            const float *p = shape->mesh.position + 3 * (size_t)i;
+            grow(box, v3(p[0], p[1], p[2]));
+        }
+    } else if (shape->kind == SHAPE_SPHERE) {
+        vec3 r = v3(shape->radius, shape->radius, shape->radius);
+        grow(box, v3_sub(shape->center, r));
+        grow(box, v3_add(shape->center, r));
+    } else {  // disks and cylinders: the corners of the object's box
+        float z0 = 0.0f, z1 = shape->kind == SHAPE_CYLINDER ? 1.0f : 0.0f;
+        for (int i = 0; i < 8; i++)
+            grow(box, mat4_point(&shape->to_world,
+                                 v3(i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? z1 : z0)));
+    }
+}
+
+// The box of all surfaces with delta lobes; false if there is none.
+static bool find_target(const struct satin_scene *scene, struct light_target *out) {
+    struct light_target box = {v3(INFINITY, INFINITY, INFINITY),
+                               v3(-INFINITY, -INFINITY, -INFINITY)};
+    bool found = false;
+    for (uint32_t i = 0; i < scene->shape_count; i++) {
+        const struct shape *shape = &scene->shape[i];
+        if (!material_has_delta(&scene->material[shape->material])) continue;
+        grow_shape(&box, shape);
+        found = true;
+    }
+    // The scene's bounds come from the ray tracer; nothing is outside of them.
+    *out =
+        (struct light_target){v3_max(box.lo, scene->bounds_lo), v3_min(box.hi, scene->bounds_hi)};
+    return found;
+}
+
+// ---- Cells
+// ---------------------------------------------------------------------------------------
+
+// The grid of a light in at most `budget` cells: fine along the numbers that it uses.
+static void split_light(const struct light *light, uint32_t budget, struct light_cells *cells) {
+    bool position = light->kind != LIGHT_POINT && light->kind != LIGHT_SPOT;
+    bool direction = light->kind != LIGHT_DIRECTIONAL;
+    for (int k = 0; k < 4; k++) cells->split[k] = 1;
+    cells->total = 1;
+    // Doubles one number after the other; directions of an area light first.
+    for (int step = 0;; step = (step + 1) % 8) {
+        static const int order[2][8] = {{2, 3, 2, 3, 0, 1, 2, 3}, {0, 1, 2, 3, 0, 1, 2, 3}};
+        int k = order[light->kind != LIGHT_AREA][step];
+        if (k < 2 ? !position : !direction) continue;
+        if (cells->total * 2 > budget) return;
+        cells->split[k] *= 2;
+        cells->total *= 2;
+    }
+}
+
+static void cell_origin(const struct light_cells *cells, uint32_t cell, uint32_t at[4]) {
+    for (int k = 0; k < 4; k++) {
+        at[k] = cell % cells->split[k];
+        cell /= cells->split[k];
+    }
+}
+
+static void cell_point(const struct light_cells *cells, uint32_t cell, float u[4]) {
+    uint32_t at[4];
+    cell_origin(cells, cell, at);
+    for (int k = 0; k < 4; k++)
+        u[k] = fminf(((float)at[k] + u[k]) / (float)cells->split[k], 0x1.fffffep-1f);
+}
+
+struct pilot {
+    const struct satin_scene *scene;
+    const struct photon_guide *guide;
+    uint64_t seed;
+    uint32_t light;
+    uint8_t *met;
+};
+
+static bool meets_delta(const struct pilot *pilot, const float u[4]) {
+    struct light_ray start;
+    struct surfel s;
+    if (!light_emit(pilot->scene, pilot->light, &pilot->guide->target, u, &start)) return false;
+    if (!scene_intersect(pilot->scene, &start.ray, &s)) return false;
+    return material_has_delta(&pilot->scene->material[s.material]);
+}
+
+static void probe_cells(void *ctx, size_t begin, size_t end, int worker) {
+    (void)worker;
+    const struct pilot *pilot = ctx;
+    const struct light_cells *cells = &pilot->guide->light[pilot->light];
+    for (size_t c = begin; c < end; c++) {
+        struct rng rng = rng_make(pilot->seed, RNG_GUIDE, (uint64_t)pilot->light << 32 | c);
+        for (int i = 0; i < PILOT_RAYS && !pilot->met[c]; i++) {
+            // Latin strata along the first number of each pair.
+            float u[4] = {((float)i + rng_float(&rng)) / PILOT_RAYS, rng_float(&rng),
+                          ((float)(i * 7 % PILOT_RAYS) + rng_float(&rng)) / PILOT_RAYS,
+                          rng_float(&rng)};
+            cell_point(cells, (uint32_t)c, u);
+            pilot->met[c] = meets_delta(pilot, u);
+        }
+    }
+}
+
+static bool near_met(const struct light_cells *cells, const uint8_t *met, uint32_t cell) {
+    if (met[cell]) return true;
+    uint32_t at[4], step = 1;
+    cell_origin(cells, cell, at);
+    for (int k = 0; k < 4; k++) {
+        if (at[k] > 0 && met[cell - step]) return true;
+        if (at[k] + 1 < cells->split[k] && met[cell + step]) return true;
+        step *= cells->split[k];
+    }
+    return false;
+}
+
+static void sort_cells(struct light_cells *cells, const uint8_t *met) {
+    cells->seen = 0;
+    for (uint32_t c = 0; c < cells->total; c++)
+        if (near_met(cells, met, c)) cells->cell[cells->seen++] = c;
+    uint32_t n = cells->seen;
+    for (uint32_t c = 0; c < cells->total; c++)
+        if (!near_met(cells, met, c)) cells->cell[n++] = c;
+}
+
+// Share of a light's paths that starts in the cells that were seen.
+static float seen_share(const struct light_cells *cells) {
+    if (cells->seen == 0) return 0.0f;
+    return cells->seen == cells->total ? 1.0f : 1.0f - BLIND_SHARE;
+}
+
+// Deals the paths to the lights by the power that leaves their seen cells, and a tenth by power.
+static void deal_paths(const struct satin_scene *scene, uint64_t paths,
+                       struct photon_guide *guide) {
+    double seen = 0.0, all = 0.0;
+    for (uint32_t i = 0; i < guide->light_count; i++) {
+        const struct light_cells *cells = &guide->light[i];
+        seen += (double)scene->light[i].power * cells->seen / cells->total;
+        all += (double)scene->light[i].power;
+    }
+    for (uint32_t i = 0; i < guide->light_count; i++) {
+        struct light_cells *cells = &guide->light[i];
+        double power = scene->light[i].power, share = power / all;
+        if (seen > 0.0) share = 0.9 * power * cells->seen / cells->total / seen + 0.1 * share;
+        uint64_t n = (uint64_t)llround(share * (double)paths);
+        cells->paths = n > 16 ? n : 16;  // so that both kinds of cells get some
+    }
+}
+
+static struct photon_guide *guide_new(const struct satin_scene *scene) {
+    struct photon_guide *guide = calloc(1, sizeof *guide);
+    if (!guide) return NULL;
+    uint32_t lights = scene->light_count, budget = CELLS_MAX / lights;
+    if (budget > LIGHT_CELLS_MAX) budget = LIGHT_CELLS_MAX;
+    guide->light_count = lights;
+    guide->light = calloc(lights, sizeof *guide->light);
+    size_t total = 0;
+    for (uint32_t i = 0; guide->light && i < lights; i++) {
+        split_light(&scene->light[i], budget, &guide->light[i]);
+        total += guide->light[i].total;
+    }
+    guide->cells = malloc((total ? total : 1) * sizeof *guide->cells);
+    if (!guide->light || !guide->cells) {
+        photon_guide_free(guide);
+        return NULL;
+    }
+    total = 0;
+    for (uint32_t i = 0; i < lights; i++) {
+        guide->light[i].cell = guide->cells + total;
+        total += guide->light[i].total;
+    }
+    return guide;
+}
+
+satin_status photon_guide_build(const struct satin_scene *scene, uint64_t seed, uint64_t paths,
+                                struct parallel *pool, struct log log, struct photon_guide **out) {
+    struct light_target target;
+    if (scene->light_count == 0 || !find_target(scene, &target)) {
+        *out = NULL;
+        return SATIN_OK;
+    }
+    satin_status status = SATIN_OK;
+    struct photon_guide *guide = guide_new(scene);
+    uint8_t *met = malloc(LIGHT_CELLS_MAX);
+    if (!guide || !met) status = SATIN_ERROR_MEMORY;
+    if (guide) guide->target = target;
+    for (uint32_t i = 0; i < scene->light_count && status == SATIN_OK; i++) {
+        struct pilot pilot = {scene, guide, seed, i, met};
+        for (int c = 0; c < LIGHT_CELLS_MAX; c++) met[c] = 0;
+        if (!parallel_for(pool, guide->light[i].total, 64, probe_cells, &pilot))
+            status = SATIN_CANCELLED;
+        else
+            sort_cells(&guide->light[i], met);
+    }
+    free(met);
+    if (status != SATIN_OK) {
+        photon_guide_free(guide);
+        if (status == SATIN_ERROR_MEMORY) log_fail(log, status, "not enough memory for caustics");
+        return status;
+    }
+    deal_paths(scene, paths, guide);
+    *out = guide;
+    return SATIN_OK;
+}
+
+void photon_guide_free(struct photon_guide *guide) {
+    if (!guide) return;
+    free(guide->light);
+    free(guide->cells);
+    free(guide);
+}
+
+uint64_t photon_guide_paths(const struct photon_guide *guide, uint32_t light) {
+    return guide->light[light].paths;
+}
+
+struct light_target photon_guide_target(const struct photon_guide *guide) {
+    return guide->target;
+}
+
+// The first paths go to the seen cells, the others to the rest, in the order of the cells: x runs
+// over them evenly, its whole part names the cell and its fraction is the place along the cell's
+// first number, so that with the other numbers of the sequence every cell is filled by a net.
+float photon_guide_warp(const struct photon_guide *guide, uint32_t light, uint64_t index,
+                        float u[4]) {
+    const struct light_cells *cells = &guide->light[light];
+    uint64_t to_seen = (uint64_t)llround((double)seen_share(cells) * (double)cells->paths);
+    bool seen = index < to_seen;
+    uint64_t n = seen ? to_seen : cells->paths - to_seen, j = seen ? index : index - to_seen;
+    uint32_t first = seen ? 0 : cells->seen,
+             count = seen ? cells->seen : cells->total - cells->seen;
+    double x = ((double)j + (double)u[0]) * (double)count / (double)n;
+    uint32_t i = x < (double)count ? (uint32_t)x : count - 1;
+    u[0] = (float)(x - (double)i);
+    cell_point(cells, cells->cell[first + i], u);
+    return (float)((double)count / cells->total * (double)cells->paths / (double)n);
+}

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pass 2: irradiance precomputed at every 4th photon [Christensen 1999], so that a gather hit costs
+// one nearest-neighbour query. The query is in six dimensions, position and scaled normal: the
+// nearest photon of the right facing is then the nearest point of the index. The scale is twice the
+// median radius of the density estimates, about four times the spacing of the entries: photons of a
+// wall at right angles seem further than any neighbour on the own wall, while on curved surfaces
+// the neighbours stay near as long as the surface does not turn within an estimate's disc.
+#include "photon/photon_map.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+
+#include "base/array.h"
+
+enum {
+    GRAIN = 256,  // entries of a chunk
+    BATCH = 64,   // queries of one call
+    RETRY_K = 16  // neighbours searched if the nearest one faces elsewhere
+};
+#define FACING 0.5f
+
+struct precompute {
+    struct photon_map *map;
+    const struct satin_scene *scene;
+    int k;
+    bool area;
+    rgb *E;  // NULL: only the `open` flags
+    float *radius;
+    atomic_bool failed;
+};
+
+static void precompute_one(struct precompute *job, size_t entry, const int *row,
+                           const float *distance2) {
+    struct photon_map *map = job->map;
+    size_t i = entry * map->stride;
+    struct photon_query query = {map,
+                                 job->scene,
+                                 photon_position(map, i),
+                                 photon_unpack(map->photon[i].n),
+                                 job->k,
+                                 job->E ? (int)i : -1,
+                                 KERNEL_FLAT,
+                                 job->area ? AREA_MEASURED : AREA_WHOLE};
+    struct photon_disc disc;
+    photon_disc_make(&query, row, distance2, &disc);
+    map->open[entry] = !disc.corrected;
+    if (!job->E) return;
+    job->E[entry] = photon_disc_irradiance(&disc);
+    job->radius[entry] = disc.r;
+}
+
+static void precompute_chunk(void *ctx, size_t begin, size_t end, int worker) {
+    (void)worker;
+    struct precompute *job = ctx;
+    const struct photon_map *map = job->map;
+    size_t k = (size_t)job->k, batch = PHOTON_BATCH / k;
+    if (batch < 1) batch = 1;
+    if (batch > BATCH) batch = BATCH;
+    int *row = malloc(batch * k * sizeof *row);
+    float *distance2 = malloc(batch * k * sizeof *distance2);
+    if (!row || !distance2) atomic_store(&job->failed, true);
+    for (size_t at = begin; at < end && !atomic_load(&job->failed); at += batch) {
+        size_t n = end - at < batch ? end - at : batch;
+        float query[3 * BATCH];
+        for (size_t i = 0; i < n; i++) {
+            vec3 p = photon_position(map, (at + i) * map->stride);
+            query[3 * i] = p.x;
+            query[3 * i + 1] = p.y;
+            query[3 * i + 2] = p.z;
+        }
+        photon_index_nearest(map->index, query, n, job->k, row, distance2);
+        for (size_t i = 0; i < n; i++) precompute_one(job, at + i, row + i * k, distance2 + i * k);
+    }
+    free(row);
+    free(distance2);
+}
+
+static satin_status run(struct precompute *job, size_t stride, struct parallel *pool,
+                        struct log log) {
+    struct photon_map *map = job->map;
+    map->stride = stride;
+    size_t entries = (map->count + stride - 1) / stride;
+    map->open = array_new(entries, 1);
+    atomic_init(&job->failed, !map->open);
+    if (map->open && !parallel_for(pool, entries, GRAIN, precompute_chunk, job))
+        return SATIN_CANCELLED;
+    if (!atomic_load(&job->failed)) return SATIN_OK;
+    return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for the photons' irradiance");
+}
+
+satin_status photon_map_mark_open(struct photon_map *map, const struct satin_scene *scene, int k,
+                                  struct parallel *pool, struct log log) {
+    if (map->count == 0) return SATIN_OK;
+    struct precompute job = {.map = map, .scene = scene, .k = k, .area = true};
+    return run(&job, PHOTON_EDGE_STRIDE, pool, log);
+}
+
+static int compare_floats(const void *a, const void *b) {
+    float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+// The median of a sample of the radii.
+static float median_radius(const struct photon_irradiance *irradiance) {
+    enum { SAMPLE = 1023 };
+    float sample[SAMPLE];
+    size_t n = irradiance->count < SAMPLE ? irradiance->count : SAMPLE;
+    for (size_t i = 0; i < n; i++) sample[i] = irradiance->radius[i * irradiance->count / n];
+    qsort(sample, n, sizeof *sample, compare_floats);
+    return sample[n / 2];
+}
+
+static void set_row(float *row, vec3 p, vec3 n, float scale) {
+    row[0] = p.x;
+    row[1] = p.y;
+    row[2] = p.z;
+    row[3] = scale * n.x;
+    row[4] = scale * n.y;
+    row[5] = scale * n.z;
+}
+
+satin_status photon_irradiance_build(struct photon_map *map, const struct satin_scene *scene, int k,
+                                     bool area, struct parallel *pool, struct log log,
+                                     struct photon_irradiance *out) {
+    struct photon_irradiance r = {.count = (map->count + PHOTON_STRIDE - 1) / PHOTON_STRIDE};
+    if (map->count == 0) {
+        *out = r;
+        return SATIN_OK;
+    }
+    satin_status status = SATIN_ERROR_MEMORY;
+    r.row = array_new(6 * r.count, sizeof *r.row);
+    r.E = array_new(r.count, sizeof *r.E);
+    r.radius = array_new(r.count, sizeof *r.radius);
+    if (r.row && r.E && r.radius) {
+        // One more neighbour, as each entry finds itself.
+        struct precompute job = {.map = map,
+                                 .scene = scene,
+                                 .k = k < PHOTON_K_MAX ? k + 1 : k,
+                                 .area = area,
+                                 .E = r.E,
+                                 .radius = r.radius};
+        status = run(&job, PHOTON_STRIDE, pool, log);
+    }
+    if (status == SATIN_OK) {
+        r.scale = 2.0f * median_radius(&r);
+        for (size_t i = 0; i < r.count; i++)
+            set_row(r.row + 6 * i, photon_position(map, i * PHOTON_STRIDE),
+                    photon_unpack(map->photon[i * PHOTON_STRIDE].n), r.scale);
+        r.index = photon_index_new(r.row, r.count, 6);
+        if (!r.index) status = SATIN_ERROR_MEMORY;
+    }
+    if (status != SATIN_OK) {
+        photon_irradiance_free(&r);
+        return status;
+    }
+    *out = r;
+    return SATIN_OK;
+}
+
+void photon_irradiance_free(struct photon_irradiance *irradiance) {
+    photon_index_free(irradiance->index);
+    free(irradiance->row);
+    free(irradiance->E);
+    free(irradiance->radius);
+    *irradiance = (struct photon_irradiance){0};
+}
+
+size_t photon_irradiance_bytes(const struct photon_irradiance *irradiance) {
+    return irradiance->count * (6 * sizeof(float) + sizeof(rgb) + sizeof(float)) +
+           photon_index_bytes(irradiance->index);
+}
+
+// ---- Lookups
+// -------------------------------------------------------------------------------------
+
+static bool faces(const struct photon_irradiance *r, int row, vec3 n) {
+    const float *m = r->row + 6 * (size_t)row + 3;
+    return m[0] * n.x + m[1] * n.y + m[2] * n.z >= FACING * r->scale;
+}
+
+// The nearest entry that faces as n does, among a few; -1 if there is none.
+static int search_facing(const struct photon_irradiance *r, const float *query, vec3 n) {
+    int row[RETRY_K], best = -1;
+    float distance2[RETRY_K], least = INFINITY;
+    photon_index_nearest(r->index, query, 1, RETRY_K, row, distance2);
+    for (int i = 0; i < RETRY_K; i++)
+        if (row[i] >= 0 && distance2[i] < least && faces(r, row[i], n)) {
+            best = row[i];
+            least = distance2[i];
+        }
+    return best;
+}
+
+static rgb look_up(const struct photon_irradiance *r, int row, const float *query, vec3 p, vec3 n,
+                   float *radius) {
+    *radius = 0.0f;
+    if (row >= 0 && !faces(r, row, n)) row = search_facing(r, query, n);
+    if (row < 0) return rgb_grey(0.0f);
+    *radius = r->radius[row];
+    const float *q = r->row + 6 * (size_t)row;
+    float d2 = v3_dist2(p, v3(q[0], q[1], q[2])), reach2 = 4.0f * *radius * *radius;
+    // Beyond the entry's disc and as much again no photon came down: a dark place, whose density is
+    // at most what the distance to the nearest photon tells.
+    return d2 > reach2 ? rgb_scale(r->E[row], reach2 / d2) : r->E[row];
+}
+
+void photon_irradiance_many(const struct photon_maps *maps, size_t count, const vec3 *p,
+                            const vec3 *n, rgb *E, float *radius) {
+    const struct photon_irradiance *r = &maps->irradiance;
+    float query[6 * BATCH], distance2[BATCH];
+    int row[BATCH];
+    for (size_t at = 0; at < count; at += BATCH) {
+        size_t batch = count - at < BATCH ? count - at : BATCH;
+        for (size_t i = 0; i < batch; i++) {
+            row[i] = -1;
+            set_row(query + 6 * i, p[at + i], n[at + i], r->scale);
+        }
+        if (r->count > 0) photon_index_nearest(r->index, query, batch, 1, row, distance2);
+        for (size_t i = 0; i < batch; i++)
+            E[at + i] = look_up(r, row[i], query + 6 * i, p[at + i], n[at + i], &radius[at + i]);
+    }
+}
+
+rgb photon_irradiance(const struct photon_maps *maps, vec3 p, vec3 n, float *radius) {
+    rgb E;
+    photon_irradiance_many(maps, 1, &p, &n, &E, radius);
+    return E;
+}

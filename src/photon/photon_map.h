@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to photon/: a map of photons, what it is made of and how it is searched.
+#ifndef PHOTON_MAP_H
+#define PHOTON_MAP_H
+
+#include "photon/photon.h"
+
+enum {
+    PHOTON_K_MAX = 10000,   // photons in one density estimate, the bound of options->photon_k
+    PHOTON_BATCH = 8192,    // neighbours found by one call to the library
+    PHOTON_STRIDE = 4,      // irradiance is precomputed at every 4th photon of the sorted map
+    PHOTON_EDGE_STRIDE = 8  // the caustic map's open surroundings are known at every 8th
+};
+
+// ---- Photons
+// -------------------------------------------------------------------------------------
+
+// A photon as it was traced.
+struct photon_hit {
+    vec3 p;
+    rgb power;       // [W]
+    uint32_t wi, n;  // packed directions: to where it came from; geometric normal on that side
+};
+
+// The same in a map, where the positions stand apart for the search.
+struct photon {
+    rgb power;
+    uint32_t wi, n;
+};
+
+// Unit vectors in 32 bits, by the octahedral map [Cigolle et al. 2014]; off by at most 7e-5 rad.
+uint32_t photon_pack(vec3 w);
+vec3 photon_unpack(uint32_t packed);
+
+// ---- Tracing (photon_trace.c, photon_guide.c) ---------------------------------------------------
+
+// What one tracing pass makes. Arrays by malloc; free with photon_trace_free.
+struct photon_trace {
+    struct photon_hit *hit;
+    size_t count;
+    uint64_t emitted;
+    uint64_t stored[PHOTON_CLASSES];
+};
+
+struct photon_guide;  // where in the space of emission caustic paths start
+
+struct photon_tracing {
+    const struct satin_scene *scene;
+    uint64_t seed;
+    uint64_t paths;
+    unsigned keep;  // mask of 1 << photon_class
+    // Caustic pass: paths end at their first smooth scattering and start by the guide. NULL: all.
+    const struct photon_guide *guide;
+};
+
+// SATIN_CANCELLED or SATIN_ERROR_MEMORY on failure; *out untouched.
+satin_status photon_trace_run(const struct photon_tracing *tracing, struct parallel *pool,
+                              struct log log, struct photon_trace *out);
+void photon_trace_free(struct photon_trace *trace);
+
+// Finds by a coarse pass of single rays which parts of each light's emission meet a surface with
+// a delta lobe first. *out is NULL if no material has one.
+satin_status photon_guide_build(const struct satin_scene *scene, uint64_t seed, uint64_t paths,
+                                struct parallel *pool, struct log log, struct photon_guide **out);
+void photon_guide_free(struct photon_guide *guide);  // NULL is allowed
+// How many of the `paths` of the pass leave light i.
+uint64_t photon_guide_paths(const struct photon_guide *guide, uint32_t light);
+// Path `index` of photon_guide_paths(light): replaces its well-spread numbers by ones in the cells
+// that matter and returns the factor of its power.
+float photon_guide_warp(const struct photon_guide *guide, uint32_t light, uint64_t index,
+                        float u[4]);
+// The box that photons of infinitely far lights are aimed at.
+struct light_target photon_guide_target(const struct photon_guide *guide);
+
+// ---- The map (photon_map.c)
+// ----------------------------------------------------------------------
+
+struct photon_index;  // a kd-tree over rows of floats; refers to them
+
+// `rows` rows of `columns` floats, all finite, rows >= 1; they must outlive the index. NULL without
+// memory or if the library fails.
+struct photon_index *photon_index_new(const float *data, size_t rows, int columns);
+void photon_index_free(struct photon_index *index);  // NULL is allowed
+size_t photon_index_bytes(const struct photon_index *index);
+// The k nearest rows of `count` queries: k row numbers and squared distances for each, in no order.
+// Beyond the rows there are, distances are INFINITY. A query that is not finite finds nothing.
+void photon_index_nearest(const struct photon_index *index, const float *query, size_t count, int k,
+                          int *row, float *distance2);
+
+struct photon_map {
+    size_t count;
+    float *position;        // 3 per photon, sorted along a Morton curve
+    struct photon *photon;  // beside the positions
+    struct photon_index *index;
+    uint8_t *open;  // every stride-th photon: nothing cuts its disc
+    size_t stride;
+    float radius_max;  // of an estimate
+};
+
+// Sorts the hits into a map, or an empty one; takes nothing over. SATIN_ERROR_MEMORY.
+satin_status photon_map_build(const struct satin_scene *scene, const struct photon_hit *hit,
+                              size_t count, struct log log, struct photon_map *out);
+void photon_map_free(struct photon_map *map);
+size_t photon_map_bytes(const struct photon_map *map);
+
+static inline vec3 photon_position(const struct photon_map *map, size_t i) {
+    const float *p = map->position + 3 * i;
+    return v3(p[0], p[1], p[2]);
+}
+
+// ---- The area that is there (photon_area.c)
+// ------------------------------------------------------
+
+enum { AREA_SECTORS = 16 };
+
+// What of a disc of radius r around a surface point is surface of the same facing, seen from just
+// above: its extent by direction.
+struct photon_area {
+    struct frame frame;
+    float turn;                   // of the first sector, radians
+    float inverse[AREA_SECTORS];  // 1 / extent in units of r; up to 1: the disc's rim is reached
+    bool open;                    // all of the disc is there
+};
+
+// `key` turns the sectors, so that no direction is favoured.
+void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r, uint64_t key,
+                      struct photon_area *out);
+// Whether p + d is in the part of the disc that is there.
+bool photon_area_has(const struct photon_area *area, vec3 d, float r);
+
+// Kernels: weights over q = (d / r)^2 in [0, 1], of mean 1 over the disc.
+enum photon_kernel { KERNEL_FLAT = 0, KERNEL_PARABOLA };
+static inline float photon_kernel_weight(enum photon_kernel kernel, float q) {
+    return kernel == KERNEL_FLAT ? 1.0f : 2.0f * (1.0f - q);
+}
+// The kernel's integral over the part that is there, over the whole disc's.
+float photon_area_share(const struct photon_area *area, enum photon_kernel kernel);
+
+// ---- Density (photon_density.c)
+// ------------------------------------------------------------------
+
+// One density estimate: the photons near p, and the area that they came down on.
+struct photon_disc {
+    const struct photon_map *map;
+    vec3 p, n;
+    enum photon_kernel kernel;
+    int self;   // a photon that does not count, or -1
+    int count;  // of row and distance2, which the caller keeps
+    const int *row;
+    const float *distance2;
+    float r;         // 0: no photons
+    float scale;     // 1 / (area of the disc that is there) [m^-2]
+    bool corrected;  // photons count only where `area` has surface
+    struct photon_area area;
+};
+
+// What a disc is made from.
+struct photon_query {
+    const struct photon_map *map;
+    const struct satin_scene *scene;
+    vec3 p, n;  // n unit, the geometric normal on the side that is lit
+    int k;
+    int self;  // a photon to leave out, or -1
+    enum photon_kernel kernel;
+    enum photon_correction { AREA_WHOLE = 0, AREA_IF_NEEDED, AREA_MEASURED } correction;
+};
+
+// Sets up the disc of the k rows that photon_index_nearest found for the query.
+void photon_disc_make(const struct photon_query *query, const int *row, const float *distance2,
+                      struct photon_disc *out);
+// The weight of entry i of the disc [m^-2]; 0 for a photon that does not count.
+float photon_disc_weight(const struct photon_disc *disc, int i);
+// Irradiance: the sum of all photons by weight.
+rgb photon_disc_irradiance(const struct photon_disc *disc);
+
+// ---- Irradiance at photons (photon_irradiance.c)
+// -------------------------------------------------
+
+struct photon_irradiance {
+    size_t count;
+    float *row;  // 6 per entry: position, scale * normal
+    rgb *E;
+    float *radius;
+    float scale;
+    struct photon_index *index;
+};
+
+// Precomputes irradiance at every PHOTON_STRIDE-th photon of the map and the map's `open` flags.
+satin_status photon_irradiance_build(struct photon_map *map, const struct satin_scene *scene, int k,
+                                     bool area, struct parallel *pool, struct log log,
+                                     struct photon_irradiance *out);
+void photon_irradiance_free(struct photon_irradiance *irradiance);
+size_t photon_irradiance_bytes(const struct photon_irradiance *irradiance);
+// The map's `open` flags alone.
+satin_status photon_map_mark_open(struct photon_map *map, const struct satin_scene *scene, int k,
+                                  struct parallel *pool, struct log log);
+
+struct photon_maps {
+    struct photon_map global, caustic;
+    struct photon_irradiance irradiance;
+    int photon_k, caustic_k;
+    bool area;
+};
+
+#endif

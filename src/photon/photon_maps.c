@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// The first pass from end to end: trace, sort into the global and the caustic map, precompute.
+//
+// Which photons the global map keeps follows from who reads it. The photons integrator sees it
+// directly and needs all. A gather ray that finds direct light by a shadow ray needs the caustic
+// and the indirect ones; one that does not needs all. The caustic map is seen directly at the first
+// hit; its photons come from a pass of their own, aimed at what can cause caustics.
+#include <stdlib.h>
+
+#include "photon/photon_map.h"
+
+enum {
+    KEEP_ALL = 1 << PHOTON_DIRECT | 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT,
+    KEEP_BOUNCED = 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT
+};
+
+// What the steps share.
+struct pass {
+    const struct satin_scene *scene;
+    const satin_options *options;
+    struct parallel *pool;
+    struct log log;
+    struct stats *stats;
+};
+
+// An estimate leaves out its outermost photon, so it takes two to see light.
+static int clamp_k(int k) { return k < 2 ? 2 : k > PHOTON_K_MAX ? PHOTON_K_MAX : k; }
+
+static satin_status trace_into(const struct pass *pass, const struct photon_tracing *tracing,
+                               struct photon_map *map) {
+    struct photon_trace trace = {0};
+    double start = stats_wall();
+    satin_status status = photon_trace_run(tracing, pass->pool, pass->log, &trace);
+    if (status != SATIN_OK) return status;
+    double traced = stats_wall();
+    status = photon_map_build(pass->scene, trace.hit, trace.count, pass->log, map);
+    stats_add(pass->stats, "photons.emitted", (double)trace.emitted);
+    stats_add(pass->stats, "photons.stored_direct", (double)trace.stored[PHOTON_DIRECT]);
+    stats_add(pass->stats, "photons.stored_caustic", (double)trace.stored[PHOTON_CAUSTIC]);
+    stats_add(pass->stats, "photons.stored_indirect", (double)trace.stored[PHOTON_INDIRECT]);
+    stats_add(pass->stats, "photons.trace_s", traced - start);
+    stats_add(pass->stats, "photons.build_s", stats_wall() - traced);
+    photon_trace_free(&trace);
+    return status;
+}
+
+static satin_status build_global(const struct pass *pass, struct photon_maps *maps) {
+    const satin_options *o = pass->options;
+    bool bounced = o->gather_shadow && o->integrator != SATIN_PHOTONS;
+    struct photon_tracing tracing = {.scene = pass->scene,
+                                     .seed = o->seed,
+                                     .paths = o->photons > 0 ? (uint64_t)o->photons : 0,
+                                     .keep = bounced ? KEEP_BOUNCED : KEEP_ALL};
+    satin_status status = trace_into(pass, &tracing, &maps->global);
+    if (status != SATIN_OK) return status;
+    maps->global.radius_max = INFINITY;
+    double start = stats_wall();
+    status = photon_irradiance_build(&maps->global, pass->scene, maps->photon_k, maps->area,
+                                     pass->pool, pass->log, &maps->irradiance);
+    stats_add(pass->stats, "photons.precompute_s", stats_wall() - start);
+    return status;
+}
+
+static satin_status build_caustic(const struct pass *pass, struct photon_maps *maps) {
+    const satin_options *o = pass->options;
+    // The photons integrator has the caustics in the global map.
+    if (o->caustic_photons <= 0 || o->integrator == SATIN_PHOTONS) return SATIN_OK;
+    struct photon_guide *guide = NULL;
+    double start = stats_wall();
+    satin_status status = photon_guide_build(pass->scene, o->seed, (uint64_t)o->caustic_photons,
+                                             pass->pool, pass->log, &guide);
+    stats_add(pass->stats, "photons.trace_s", stats_wall() - start);
+    if (status != SATIN_OK || !guide) return status;
+    struct photon_tracing tracing = {.scene = pass->scene,
+                                     .seed = o->seed,
+                                     .paths = (uint64_t)o->caustic_photons,
+                                     .keep = 1 << PHOTON_CAUSTIC,
+                                     .guide = guide};
+    status = trace_into(pass, &tracing, &maps->caustic);
+    photon_guide_free(guide);
+    if (status != SATIN_OK || !maps->area) return status;
+    start = stats_wall();
+    status =
+        photon_map_mark_open(&maps->caustic, pass->scene, maps->caustic_k, pass->pool, pass->log);
+    stats_add(pass->stats, "photons.precompute_s", stats_wall() - start);
+    return status;
+}
+
+satin_status photon_maps_build(const struct satin_scene *scene, const satin_options *options,
+                               struct parallel *pool, struct log log, struct stats *stats,
+                               struct photon_maps **out) {
+    struct photon_maps *maps = calloc(1, sizeof *maps);
+    if (!maps) return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for the photon maps");
+    maps->photon_k = clamp_k(options->photon_k);
+    maps->caustic_k = clamp_k(options->caustic_k);
+    maps->area = options->photon_area;
+    struct pass pass = {scene, options, pool, log, stats};
+    satin_status status = build_global(&pass, maps);
+    if (status == SATIN_OK) status = build_caustic(&pass, maps);
+    if (status != SATIN_OK) {
+        photon_maps_free(maps);
+        return status;
+    }
+    double seconds = stats_get(stats, "photons.trace_s");
+    stats_set(stats, "photons.per_second",
+              seconds > 0.0 ? stats_get(stats, "photons.emitted") / seconds : 0.0);
+    stats_set(stats, "photons.bytes",
+              (double)(photon_map_bytes(&maps->global) + photon_map_bytes(&maps->caustic) +
+                       photon_irradiance_bytes(&maps->irradiance)));
+    *out = maps;
+    return SATIN_OK;
+}
+
+void photon_maps_free(struct photon_maps *maps) {
+    if (!maps) return;
+    photon_irradiance_free(&maps->irradiance);
+    photon_map_free(&maps->global);
+    photon_map_free(&maps->caustic);
+    free(maps);
+}
