@@ -262,4 +262,5 @@ static void kernel_accumulate(size_t count, size_t coefficients, const float *ma
 }
 
 const struct rsh_kernels GLUE(rsh_kernels_, RSH_NAME) = {
-    TEXT(RSH_NAME), kernel_eval_many, kernel_project, kernel_accumulate, GLUE(rsh_turn_, RSH_NAME)};
+    TEXT(RSH_NAME),    kernel_eval_many,          kernel_project,
+    kernel_accumulate, GLUE(rsh_turn_, RSH_NAME), GLUE(rsh_convert_, RSH_NAME)};

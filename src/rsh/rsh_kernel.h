@@ -5,6 +5,7 @@
 #define RSH_KERNEL_H
 
 #include "rsh/rsh.h"
+#include "rsh/rsh_tables.h"
 
 // How the part about y of a rotation is done.
 enum rsh_method {
@@ -33,6 +34,10 @@ struct rsh_kernels {
     void (*accumulate)(size_t count, size_t coefficients, const float *matrix,
                        const float *const value[3], float *out);
     void (*turn)(const struct rsh_turn *turn, int order, int channels, const float *in, float *out);
+    // One channel from order bands[1] to order bands[0], or the transposed map, whose outputs are
+    // the rows' inputs; neither order is above what the rows have. out != in.
+    void (*convert)(const struct rsh_rows *rows, bool transposed, const int bands[2],
+                    const float *in, float *out);
 };
 
 extern const struct rsh_kernels rsh_kernels_plain;
@@ -49,8 +54,17 @@ const struct rsh_kernels *rsh_kernels_best(void);
 
 static inline bool rsh_order_ok(int order) { return order >= 1 && order <= RSH_MAX_ORDER; }
 
-// The plain rotation, for instruction sets that cannot permute lanes.
+// The turns whose product is the rotation r, rows first; RSH_METHOD_Z where that suffices.
+struct rsh_turn rsh_turn_of_matrix(const float r[9]);
+// Whether it turns by nothing that floats can tell.
+bool rsh_turn_is_nothing(const struct rsh_turn *turn);
+bool rsh_all_finite(const float *v, int count);
+void rsh_copy(int order, int channels, const float *in, float *out);
+
+// The plain forms, for instruction sets that cannot permute lanes.
 void rsh_plain_turn(const struct rsh_turn *turn, int order, int channels, const float *in,
                     float *out);
+void rsh_plain_convert(const struct rsh_rows *rows, bool transposed, const int bands[2],
+                       const float *in, float *out);
 
 #endif

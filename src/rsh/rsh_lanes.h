@@ -24,6 +24,19 @@ LANES_INLINE lanes lanes_nmad(lanes a, lanes b, lanes c) { return _mm512_fnmadd_
 
 // The low half of a with the high half of b.
 LANES_INLINE lanes lanes_halves(lanes a, lanes b) { return _mm512_mask_mov_ps(a, 0xff00, b); }
+// a in the lanes of the constant mask, b elsewhere.
+#define lanes_choose(mask, a, b) \
+    _mm512_mask_mov_ps(_mm512_set1_ps(b), (__mmask16)(mask), _mm512_set1_ps(a))
+
+// Halves as registers of eight, and eight numbers in both halves.
+LANES_INLINE lanes lanes_pair(__m256 low, __m256 high) {
+    return _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
+}
+LANES_INLINE __m256 lanes_low(lanes v) { return _mm512_castps512_ps256(v); }
+LANES_INLINE __m256 lanes_high(lanes v) { return _mm512_extractf32x8_ps(v, 1); }
+LANES_INLINE lanes lanes_twice(const float *p) {
+    return _mm512_broadcast_f32x8(_mm256_loadu_ps(p));
+}
 
 LANES_INLINE lanes permute(lanes v, const int32_t *place) {
     return _mm512_permutexvar_ps(_mm512_loadu_si512(place), v);
@@ -80,6 +93,16 @@ LANES_INLINE lanes lanes_nmad(lanes a, lanes b, lanes c) {
 }
 
 LANES_INLINE lanes lanes_halves(lanes a, lanes b) { return (lanes){a.lo, b.hi}; }
+#define lanes_choose(mask, a, b)                                                 \
+    ((lanes){_mm256_blend_ps(_mm256_set1_ps(b), _mm256_set1_ps(a), (mask)&0xff), \
+             _mm256_blend_ps(_mm256_set1_ps(b), _mm256_set1_ps(a), (mask) >> 8)})
+
+LANES_INLINE lanes lanes_pair(__m256 low, __m256 high) { return (lanes){low, high}; }
+LANES_INLINE __m256 lanes_low(lanes v) { return v.lo; }
+LANES_INLINE __m256 lanes_high(lanes v) { return v.hi; }
+LANES_INLINE lanes lanes_twice(const float *p) {
+    return (lanes){_mm256_loadu_ps(p), _mm256_loadu_ps(p)};
+}
 
 // The instruction looks at the low three bits of a place only.
 LANES_INLINE __m256i places(const int32_t *place) {

@@ -99,5 +99,22 @@ void rsh_plain_turn(const struct rsh_turn *t, int order, int channels, const flo
     }
 }
 
-const struct rsh_kernels rsh_kernels_plain = {"plain", plain_eval_many, plain_project,
-                                              plain_accumulate, rsh_plain_turn};
+void rsh_plain_convert(const struct rsh_rows *rows, bool transposed, const int bands[2],
+                       const float *in, float *out) {
+    for (int o = 0; o < bands[0]; o++)
+        for (int m = 0; m <= o; m++) {
+            float plus = 0.0f, minus = 0.0f;
+            for (int i = m; i < bands[1]; i++) {
+                int a = transposed ? i : o, b = transposed ? o : i;
+                float f = m < 8 ? rows->low[(a * rows->inputs + b) * 8 + m]
+                                : rows->high[((a - 8) * (rows->inputs - 8) + b - 8) * 8 + m - 8];
+                plus += f * in[i * (i + 1) + m];
+                minus += f * in[i * (i + 1) - m];
+            }
+            out[o * (o + 1) - m] = minus;
+            out[o * (o + 1) + m] = plus;
+        }
+}
+
+const struct rsh_kernels rsh_kernels_plain = {"plain",          plain_eval_many, plain_project,
+                                              plain_accumulate, rsh_plain_turn,  rsh_plain_convert};

@@ -54,4 +54,20 @@ struct rsh_lane_step {
 };
 extern const struct rsh_lane_step rsh_lane_steps[];
 
+// A linear map that keeps m, from coefficients of order `inputs` to order `outputs`: the factor of
+// (i, +-m) in (o, +-m) is low[(o * inputs + i) * 8 + m] for m < 8 and, for o and i >= 8,
+// high[((o - 8) * (inputs - 8) + i - 8) * 8 + m - 8] for m >= 8.
+struct rsh_rows {
+    const float *low, *high;
+    int outputs, inputs;
+};
+
+// From hemispherical to spherical harmonics. Extension, [n - 1] for order n, continues a function
+// over the sphere: the least squares fit, of order n + 2 but no more than 16, to the function above
+// the horizon and, with a tenth of the weight, to its mirror image below. Two orders more than n
+// leave what the hemisphere's basis can hold nearly intact; the mirror image keeps the fit bounded.
+extern const struct rsh_rows rsh_extension[RSH_MAX_ORDER];
+// Back, for any order up to 16: projects the part above the horizon.
+extern const struct rsh_rows rsh_restriction;
+
 #endif

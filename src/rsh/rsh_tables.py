@@ -10,6 +10,7 @@ import sys
 
 ORDER = 16
 LANES = 16
+BELOW = 0.1  # weight of the mirror image below the horizon, see rsh_tables.h
 # Bands that share a vector of lanes, see rsh_tables.h.
 GROUPS = [[0, 1, 2, 3], [4, 5], [6, 7]] + [[l] for l in range(8, ORDER)]
 
@@ -113,9 +114,9 @@ class Writer:
     def __init__(self):
         self.lines = ["// Written by rsh_tables.py.", '#include "rsh/rsh_tables.h"', ""]
 
-    def array(self, kind, head, values):
+    def array(self, kind, head, values, storage=""):
         text = [("%d" % v) if kind != "float" else "%.9ef" % v for v in values]
-        self.lines.append("const %s %s = {" % (kind, head))
+        self.lines.append("%sconst %s %s = {" % (storage, kind, head))
         for i in range(0, len(text), 8):
             self.lines.append("    " + ", ".join(text[i:i + 8]) + ",")
         self.lines.append("};")
@@ -184,6 +185,103 @@ def braces(form, row):
     return "{" + ", ".join(form % v for v in row) + "}"
 
 
+def gauss(count):
+    """Nodes and weights of Gauss and Legendre on 0 .. 1."""
+    result = []
+    for i in range(count):
+        x = math.cos(math.pi * (i + 0.75) / (count + 0.5))
+        for _ in range(30):
+            p, p1 = 1.0, 0.0
+            for l in range(1, count + 1):
+                p, p1 = ((2 * l - 1) * x * p - (l - 1) * p1) / l, p
+            slope_here = count * (x * p - p1) / (x * x - 1)
+            x -= p / slope_here
+        result.append((0.5 * (x + 1), 1 / ((1 - x * x) * slope_here**2)))
+    return result
+
+
+def meridian(m, z, sine):
+    """Norm times Legendre function times sine^m for l = m .. ORDER - 1: Y without its azimuth."""
+    values, p, p1 = [], 1.0, 0.0
+    for l in range(m, ORDER):
+        if l > m:
+            p, p1 = z * p - recurrence(l, m) * p1, p
+        values.append(norm(l, m) * p * sine**m)
+    return values
+
+
+def overlaps(m, nodes):
+    """Integrals over the upper hemisphere of Y Y and of H Y, each [l - m][l' - m]. With z = t^2 the
+    integrands are smooth."""
+    size = ORDER - m
+    yy = [[0.0] * size for _ in range(size)]
+    hy = [[0.0] * size for _ in range(size)]
+    for t, weight in nodes:
+        z = t * t
+        w = weight * 2 * t * math.pi * (1 if m else 2)
+        y = meridian(m, z, math.sqrt(1 - z * z))
+        h = [math.sqrt(2) * v for v in meridian(m, 2 * z - 1, 2 * math.sqrt(z * (1 - z)))]
+        for a in range(size):
+            for b in range(size):
+                yy[a][b] += w * y[a] * y[b]
+                hy[a][b] += w * h[a] * y[b]
+    return yy, hy
+
+
+def solve(matrix, right):
+    """matrix^-1 right for a positive definite matrix."""
+    rows = [list(a) + list(b) for a, b in zip(matrix, right)]
+    size = len(rows)
+    for i in range(size):
+        rows[i] = [v / rows[i][i] for v in rows[i]]
+        for k in range(size):
+            if k != i:
+                factor = rows[k][i]
+                rows[k] = [u - factor * v for u, v in zip(rows[k], rows[i])]
+    return [row[size:] for row in rows]
+
+
+def extension(order, integrals):
+    """Per m the matrix [l' - m][l - m] from H of `order` to Y of order + 2, see rsh_tables.h."""
+    larger, result = min(order + 2, ORDER), []
+    for m in range(order):
+        yy, hy = integrals[m]
+        below = lambda a, b: BELOW * (-1) ** (a + b)
+        size = larger - m
+        left = [[yy[a][b] * (1 + below(a, b)) for b in range(size)] for a in range(size)]
+        right = [[hy[b][a] * (1 + BELOW * (-1) ** a) for b in range(order - m)]
+                 for a in range(size)]
+        result.append(solve(left, right))
+    return result
+
+
+def rows_of(blocks, outputs, inputs):
+    """The layout of struct rsh_rows: low then high."""
+    def entry(o, i, m):
+        return blocks[m][o - m][i - m] if m <= min(o, i) else 0.0
+    low = [entry(o, i, m) for o in range(outputs) for i in range(inputs) for m in range(8)]
+    high = [entry(o, i, m) for o in range(8, outputs) for i in range(8, inputs)
+            for m in range(8, 16)]
+    return low, high
+
+
+def hemisphere_tables(w):
+    nodes = gauss(48)
+    integrals = [overlaps(m, nodes) for m in range(ORDER)]
+    names = []
+    tables = [(extension(n, integrals), min(n + 2, ORDER), n) for n in range(1, ORDER + 1)]
+    tables.append(([hy for _, hy in integrals], ORDER, ORDER))
+    for k, (blocks, outputs, inputs) in enumerate(tables):
+        low, high = rows_of(blocks, outputs, inputs)
+        w.array("float", "low_%d[]" % k, low, "static ")
+        if high:
+            w.array("float", "high_%d[]" % k, high, "static ")
+        names.append("{low_%d, %s, %d, %d}" % (k, "high_%d" % k if high else "0", outputs, inputs))
+    w.lines.append("const struct rsh_rows rsh_extension[RSH_MAX_ORDER] = {\n    %s};"
+                   % ",\n    ".join(names[:-1]))
+    w.lines.append("const struct rsh_rows rsh_restriction = %s;" % names[-1])
+
+
 def pair(rows):
     return "{" + ",\n     ".join(rows) + "}"
 
@@ -216,6 +314,7 @@ def main():
     w = Writer()
     plain_tables(w)
     lane_tables(w)
+    hemisphere_tables(w)
     with open(sys.argv[1], "w") as f:
         f.write("\n".join(w.lines) + "\n")
 

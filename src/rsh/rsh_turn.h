@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rotation kernels; rsh_kernel.h says what they do.
+// The kernels that work on lanes; rsh_kernel.h says what they do.
 #ifndef RSH_TURN_H
 #define RSH_TURN_H
 
@@ -9,8 +9,14 @@ void rsh_turn_avx2(const struct rsh_turn *turn, int order, int channels, const f
                    float *out);
 void rsh_turn_avx512(const struct rsh_turn *turn, int order, int channels, const float *in,
                      float *out);
+void rsh_convert_avx2(const struct rsh_rows *rows, bool transposed, const int bands[2],
+                      const float *in, float *out);
+void rsh_convert_avx512(const struct rsh_rows *rows, bool transposed, const int bands[2],
+                        const float *in, float *out);
 // Without permutations of lanes by variable places, plain C is as good.
 #define rsh_turn_sse2 rsh_plain_turn
 #define rsh_turn_native rsh_plain_turn
+#define rsh_convert_sse2 rsh_plain_convert
+#define rsh_convert_native rsh_plain_convert
 
 #endif

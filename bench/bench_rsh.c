@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+// Times the harmonics on one thread, every instruction set this machine has, next to the peak rate
+// of fused multiply-adds measured in the same run. All cases take turns; a figure is the median of
+// the rounds in nanoseconds per unit named in its row.
+//
+// usage: bench_rsh [ROUNDS]        (default 15)
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "rsh/rsh.h"
+#include "rsh/rsh_kernel.h"
+
+enum { COUNT = 2048, CALLS = 200, MAX_CASES = 400, MAX_ROUNDS = 101, N_MAX = RSH_MAX_COEFFICIENTS };
+
+static float directions[3][COUNT], values[3][COUNT], matrix[COUNT * N_MAX];
+static float coefficients[9 * N_MAX], result[9 * N_MAX], frames[CALLS + 1][9];
+
+struct timed {
+    char name[64];
+    const struct rsh_kernels *kernels;
+    void (*run)(const struct timed *c);
+    double units, flops;  // per run; flops of the sum that is asked for, 0 if not of interest
+    int order, channels, method;
+    float limit;
+    double ns[MAX_ROUNDS];
+};
+
+static double now_ns(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
+}
+
+static void run_eval(const struct timed *c) {
+    c->kernels->eval_many(RSH_HEMISPHERE, c->order, COUNT, directions[0], directions[1],
+                          directions[2], matrix);
+}
+
+static void run_project(const struct timed *c) {
+    const float *const v[3] = {values[0], values[1], values[2]};
+    c->kernels->project(RSH_HEMISPHERE, c->order, COUNT, directions[0], directions[1],
+                        directions[2], v, result);
+}
+
+static void run_accumulate(const struct timed *c) {
+    const float *const v[3] = {values[0], values[1], values[2]};
+    c->kernels->accumulate(COUNT, (size_t)(c->order * c->order), matrix, v, result);
+}
+
+static void run_turn(const struct timed *c) {
+    struct rsh_turn t = {
+        (enum rsh_method)c->method, 0.2f, 0.8f, 0.6f, 0.9800666f, 0.1986693f, 0.28f, -0.96f};
+    for (int i = 0; i < CALLS; i++)
+        c->kernels->turn(&t, c->order, c->channels, coefficients, result);
+}
+
+static void run_align(const struct timed *c) {
+    for (int i = 0; i < CALLS; i++)
+        rsh_align_transposed((rsh_basis)c->method, c->order, c->channels, frames[i], frames[i + 1],
+                             c->limit, coefficients, result);
+}
+
+static void run_eval_one(const struct timed *c) {
+    for (int i = 0; i < CALLS; i++)
+        rsh_eval(RSH_HEMISPHERE, c->order,
+                 (float[3]){directions[0][i], directions[1][i], directions[2][i]}, result);
+}
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+__attribute__((target("avx512f"))) static void peak_avx512(void) {
+    __m512 a[16], m = _mm512_set1_ps(0.999f), s = _mm512_setzero_ps();
+    for (int j = 0; j < 16; j++) a[j] = _mm512_set1_ps((float)j);
+    for (int i = 0; i < COUNT; i++)
+#pragma GCC unroll 16
+        for (int j = 0; j < 16; j++) a[j] = _mm512_fmadd_ps(a[j], m, m);
+    for (int j = 0; j < 16; j++) s = _mm512_add_ps(s, a[j]);
+    _mm512_storeu_ps(result, s);
+}
+__attribute__((target("avx2,fma"))) static void peak_avx2(void) {
+    __m256 a[12], m = _mm256_set1_ps(0.999f), s = _mm256_setzero_ps();
+    for (int j = 0; j < 12; j++) a[j] = _mm256_set1_ps((float)j);
+    for (int i = 0; i < COUNT; i++)
+#pragma GCC unroll 12
+        for (int j = 0; j < 12; j++) a[j] = _mm256_fmadd_ps(a[j], m, m);
+    for (int j = 0; j < 12; j++) s = _mm256_add_ps(s, a[j]);
+    _mm256_storeu_ps(result, s);
+}
+static void run_peak(const struct timed *c) { c->order == 16 ? peak_avx512() : peak_avx2(); }
+#endif
+
+static struct timed *add(struct timed *c, const struct rsh_kernels *k,
+                         void (*run)(const struct timed *), const char *what, int order) {
+    *c = (struct timed){.kernels = k, .run = run, .units = 1.0, .order = order, .channels = 1};
+    snprintf(c->name, sizeof c->name, "%-8s %-26s", k ? k->name : "best", what);
+    return c;
+}
+
+static int add_cases(struct timed *cases) {
+    struct timed *c = cases;
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx512f")) {
+        add(c, NULL, run_peak, "peak fma, 512 bit", 16)->units = COUNT * 16.0;
+        c++->flops = 2.0 * 16 * 16 * COUNT;
+    }
+    if (__builtin_cpu_supports("avx2")) {
+        add(c, NULL, run_peak, "peak fma, 256 bit", 8)->units = COUNT * 12.0;
+        c++->flops = 2.0 * 8 * 12 * COUNT;
+    }
+#endif
+    for (const struct rsh_kernels *const *k = rsh_kernels_usable(); *k; k++)
+        for (int n = 4; n <= 12; n += 2) {
+            add(c, *k, run_eval, "evaluate many", n)->units = COUNT;
+            c++;
+            add(c, *k, run_project, "project rgb", n)->units = COUNT;
+            c++->flops = 6.0 * n * n * COUNT;
+            add(c, *k, run_accumulate, "accumulate rgb", n)->units = COUNT;
+            c++->flops = 6.0 * n * n * COUNT;
+            for (int rgb = 0; rgb < 2; rgb++)
+                for (int m = RSH_METHOD_TAYLOR_1_5; m <= RSH_METHOD_EXACT; m++) {
+                    static const char *const what[] = {"turn 1.5th", "turn 2nd", "turn exact"};
+                    add(c, *k, run_turn, what[m - RSH_METHOD_TAYLOR_1_5], n);
+                    c->units = CALLS;
+                    c->method = m;
+                    c++->channels = rgb ? 3 : 1;
+                }
+        }
+    for (int n = 4; n <= 12; n += 2) {
+        add(c, NULL, run_eval_one, "evaluate one", n)->units = CALLS;
+        c++;
+        for (int rgb = 0; rgb < 2; rgb++)
+            for (int form = 0; form < 4; form++) {
+                static const char *const what[] = {"align sphere true", "align sphere fast",
+                                                   "align hemisphere true",
+                                                   "align hemisphere fast"};
+                add(c, NULL, run_align, what[form], n)->units = CALLS;
+                c->limit = form % 2 ? 4.0f : 0.0f;
+                c->method = form / 2 ? RSH_HEMISPHERE : RSH_SPHERE;
+                c++->channels = rgb ? 3 : 1;
+            }
+    }
+    return (int)(c - cases);
+}
+
+static void fill(void) {
+    for (int i = 0; i < COUNT; i++) {
+        float z = ((float)i + 0.5f) / COUNT, phi = 2.4f * (float)i, s = sqrtf(1.0f - z * z);
+        directions[0][i] = s * cosf(phi);
+        directions[1][i] = s * sinf(phi);
+        directions[2][i] = z;
+        for (int c = 0; c < 3; c++) values[c][i] = 1.0f + sinf((float)(i * (c + 1)));
+    }
+    for (int i = 0; i < 9 * N_MAX; i++) coefficients[i] = sinf((float)i);
+    for (int i = 0; i <= CALLS; i++) {
+        float a = 0.1f * (float)i, b = 0.3f * sinf((float)i), ca = cosf(a), sa = sinf(a),
+              cb = cosf(b), sb = sinf(b);
+        const float f[9] = {ca * cb, sa * cb, -sb, -sa, ca, 0.0f, ca * sb, sa * sb, cb};
+        for (int k = 0; k < 9; k++) frames[i][k] = f[k];
+    }
+}
+
+static int ascending(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+int main(int argc, char **argv) {
+    static struct timed cases[MAX_CASES];
+    int rounds = argc > 1 ? atoi(argv[1]) : 15, count = add_cases(cases);
+    rounds = rounds < 1 ? 1 : rounds > MAX_ROUNDS ? MAX_ROUNDS : rounds;
+    fill();
+    for (int r = 0; r < rounds; r++)
+        for (int i = 0; i < count; i++) {
+            double start = now_ns();
+            cases[i].run(&cases[i]);
+            cases[i].ns[r] = (now_ns() - start) / cases[i].units;
+        }
+    printf("kernels  what                       order channels        ns  GFLOP/s\n");
+    for (int i = 0; i < count; i++) {
+        struct timed *c = &cases[i];
+        qsort(c->ns, (size_t)rounds, sizeof *c->ns, ascending);
+        double ns = c->ns[rounds / 2];
+        printf("%s %5d %8d %9.2f", c->name, c->order, c->channels, ns);
+        if (c->flops > 0.0) printf(" %8.1f", c->flops / (ns * c->units));
+        printf("\n");
+    }
+    return 0;
+}

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// Conversion between bases on lanes, one source for AVX2 and AVX-512: the build defines RSH_NAME,
+// the suffix. Lanes 0 to 7 hold the coefficients of +m and lanes 8 to 15 those of -m, of one band:
+// the low row for m = 0 .. 7 and, for bands from 8 on, the high row for m = 8 .. 15.
+#include "rsh/rsh_lanes.h"
+#include "rsh/rsh_turn.h"
+
+#define GLUE2(a, b) a##b
+#define GLUE(a, b) GLUE2(a, b)
+#define INLINE static inline __attribute__((always_inline))
+
+// Outputs computed at once; they share the loads of the inputs.
+enum { BLOCK = 4 };
+
+// Bits i < count of a mask for eight lanes, and bits i >= 8 - count.
+INLINE __m256i first_lanes(int count) {
+    return _mm256_cmpgt_epi32(_mm256_set1_epi32(count), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+}
+INLINE __m256i last_lanes(int count) {
+    return _mm256_cmpgt_epi32(_mm256_set1_epi32(count), _mm256_setr_epi32(7, 6, 5, 4, 3, 2, 1, 0));
+}
+INLINE __m256 reverse(__m256 v) {
+    return _mm256_permutevar8x32_ps(v, _mm256_setr_epi32(7, 6, 5, 4, 3, 2, 1, 0));
+}
+
+// The row of m = base .. base + 7 of the band whose middle is `middle`; 0 beyond l.
+INLINE lanes load_row(const float *middle, int l, int base) {
+    __m256 plus = _mm256_maskload_ps(middle + base, first_lanes(l + 1 - base));
+    __m256 minus = _mm256_maskload_ps(middle - base - 7, last_lanes(l + 1 - base));
+    return lanes_pair(plus, reverse(minus));
+}
+
+INLINE void store_row(lanes v, float *middle, int l, int base) {
+    // m = 0 is stored last, from plus.
+    _mm256_maskstore_ps(middle - base - 7, last_lanes(l + 1 - base), reverse(lanes_high(v)));
+    _mm256_maskstore_ps(middle + base, first_lanes(l + 1 - base), lanes_low(v));
+}
+
+// One part, low or high: `factor` has eight per (output, input), at the given strides.
+INLINE void convert_part(const float *factor, int output_stride, int input_stride, int base,
+                         const int bands[2], const float *in, float *out) {
+    lanes row[RSH_MAX_ORDER];
+    for (int i = base; i < bands[1]; i++) row[i] = load_row(in + i * (i + 1), i, base);
+    for (int o = base; o < bands[0]; o += BLOCK) {
+        lanes sum[BLOCK];
+        const float *f[BLOCK];
+        for (int k = 0; k < BLOCK; k++) {
+            sum[k] = lanes_zero();
+            int output = o + k < bands[0] ? o + k : bands[0] - 1;
+            f[k] = factor + (output - base) * output_stride;
+        }
+        for (int i = base; i < bands[1]; i++)
+            for (int k = 0; k < BLOCK; k++) {
+                sum[k] = lanes_mad(lanes_twice(f[k]), row[i], sum[k]);
+                f[k] += input_stride;
+            }
+        for (int k = 0; k < BLOCK && o + k < bands[0]; k++)
+            store_row(sum[k], out + (o + k) * (o + k + 1), o + k, base);
+    }
+}
+
+void GLUE(rsh_convert_, RSH_NAME)(const struct rsh_rows *rows, bool transposed, const int bands[2],
+                                  const float *in, float *out) {
+    int low = 8 * rows->inputs, high = 8 * (rows->inputs - 8);
+    convert_part(rows->low, transposed ? 8 : low, transposed ? low : 8, 0, bands, in, out);
+    if (bands[0] > 8 && bands[1] > 8) {
+        convert_part(rows->high, transposed ? 8 : high, transposed ? high : 8, 8, bands, in, out);
+        return;
+    }
+    for (int l = 8; l < bands[0]; l++)
+        for (int m = 8; m <= l; m++) out[l * (l + 1) + m] = out[l * (l + 1) - m] = 0.0f;
+}

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+// Alignment of frames for both bases, and the way from the hemisphere to the sphere and back.
+//
+// Rotating hemispherical harmonics through the sphere replaces matrices of reprojection tabulated
+// over the angle: with the mirror image as the continuation below the horizon it has their error,
+// needs no table over the angle and costs two small constant maps more than a rotation.
+#include <math.h>
+#include <string.h>
+
+#include "rsh/rsh_kernel.h"
+
+// Channels converted at once, as many as the rotation kernels share work between.
+enum { BLOCK = 3 };
+
+int rsh_sphere_order(int order) { return order + 2 < RSH_MAX_ORDER ? order + 2 : RSH_MAX_ORDER; }
+
+// Channels of orders bands[1] to orders bands[0].
+static bool convert(const struct rsh_rows *rows, bool transposed, const int bands[2], int channels,
+                    const float *in, float *out) {
+    const struct rsh_kernels *k = rsh_kernels_best();
+    for (int c = 0; c < channels; c++)
+        k->convert(rows, transposed, bands, in + c * bands[1] * bands[1],
+                   out + c * bands[0] * bands[0]);
+    return true;
+}
+
+bool rsh_hemi_extend(int order, int channels, const float *in, float *out) {
+    if (!rsh_order_ok(order)) return false;
+    const int bands[2] = {rsh_sphere_order(order), order};
+    return convert(&rsh_extension[order - 1], false, bands, channels, in, out);
+}
+
+bool rsh_hemi_extend_transposed(int order, int channels, const float *in, float *out) {
+    if (!rsh_order_ok(order)) return false;
+    const int bands[2] = {order, rsh_sphere_order(order)};
+    return convert(&rsh_extension[order - 1], true, bands, channels, in, out);
+}
+
+bool rsh_hemi_restrict(int order, int channels, const float *in, float *out) {
+    if (!rsh_order_ok(order)) return false;
+    const int bands[2] = {order, rsh_sphere_order(order)};
+    return convert(&rsh_restriction, false, bands, channels, in, out);
+}
+
+bool rsh_hemi_restrict_transposed(int order, int channels, const float *in, float *out) {
+    if (!rsh_order_ok(order)) return false;
+    const int bands[2] = {rsh_sphere_order(order), order};
+    return convert(&rsh_restriction, true, bands, channels, in, out);
+}
+
+static void turn_through_sphere(const struct rsh_turn *t, bool transposed, int order, int channels,
+                                const float *in, float *out) {
+    float sphere[BLOCK * RSH_MAX_COEFFICIENTS];
+    int n = order * order, larger = rsh_sphere_order(order);
+    for (int c = 0; c < channels; c += BLOCK) {
+        int block = channels - c < BLOCK ? channels - c : BLOCK;
+        if (transposed)
+            rsh_hemi_restrict_transposed(order, block, in + c * n, sphere);
+        else
+            rsh_hemi_extend(order, block, in + c * n, sphere);
+        rsh_kernels_best()->turn(t, larger, block, sphere, sphere);
+        if (transposed)
+            rsh_hemi_extend_transposed(order, block, sphere, out + c * n);
+        else
+            rsh_hemi_restrict(order, block, sphere, out + c * n);
+    }
+}
+
+// cos beta' = 2 cos beta - 1, with 1 - cos beta computed without cancellation; from 90 degrees on
+// beta' stays at its end, pi.
+static void stretch_angle(struct rsh_turn *t) {
+    float lift =
+        t->cos_beta > 0.0f ? 2.0f * t->sin_beta * t->sin_beta / (1.0f + t->cos_beta) : 2.0f;
+    lift = fminf(lift, 2.0f);
+    t->cos_beta = 1.0f - lift;
+    t->sin_beta = sqrtf(lift * (2.0f - lift));
+}
+
+bool rsh_rotate_stretched(int order, int channels, const float r[9], const float *in, float *out) {
+    if (!rsh_order_ok(order) || !rsh_all_finite(r, 9)) return false;
+    struct rsh_turn t = rsh_turn_of_matrix(r);
+    if (t.method == RSH_METHOD_EXACT) stretch_angle(&t);
+    rsh_kernels_best()->turn(&t, order, channels, in, out);
+    return true;
+}
+
+// The rotation of coordinates from frame a to frame b.
+static void change_of_frame(const float a[9], const float b[9], float r[9]) {
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            r[3 * i + j] =
+                b[3 * i] * a[3 * j] + b[3 * i + 1] * a[3 * j + 1] + b[3 * i + 2] * a[3 * j + 2];
+}
+
+// Every form but the one through the sphere is z(alpha) Y(beta) z(gamma) with orthogonal z and
+// Y(beta)^T = Y(-beta), the series included, so its transpose is the same form of the inverse.
+static bool align(bool transposed, rsh_basis basis, int order, int channels, const float from[9],
+                  const float to[9], float beta_limit, const float *in, float *out) {
+    if (!rsh_order_ok(order) || !rsh_all_finite(from, 9) || !rsh_all_finite(to, 9)) return false;
+    if (memcmp(from, to, 9 * sizeof *from) == 0) {
+        rsh_copy(order, channels, in, out);
+        return true;
+    }
+    float r[9];
+    if (transposed)
+        change_of_frame(to, from, r);
+    else
+        change_of_frame(from, to, r);
+    struct rsh_turn t = rsh_turn_of_matrix(r);
+    if (rsh_turn_is_nothing(&t)) {
+        rsh_copy(order, channels, in, out);
+        return true;
+    }
+    if (t.method == RSH_METHOD_EXACT) {
+        bool fast = beta_limit > 0.0f && atan2f(t.sin_beta, t.cos_beta) <= beta_limit;
+        if (basis == RSH_HEMISPHERE && !fast) {
+            turn_through_sphere(&t, transposed, order, channels, in, out);
+            return true;
+        }
+        if (basis == RSH_HEMISPHERE) stretch_angle(&t);
+        if (fast) {
+            t.method = RSH_METHOD_TAYLOR_2;
+            t.beta = atan2f(t.sin_beta, t.cos_beta);
+        }
+    }
+    rsh_kernels_best()->turn(&t, order, channels, in, out);
+    return true;
+}
+
+bool rsh_align(rsh_basis basis, int order, int channels, const float from[9], const float to[9],
+               float beta_limit, const float *in, float *out) {
+    return align(false, basis, order, channels, from, to, beta_limit, in, out);
+}
+
+bool rsh_align_transposed(rsh_basis basis, int order, int channels, const float from[9],
+                          const float to[9], float beta_limit, const float *in, float *out) {
+    return align(true, basis, order, channels, from, to, beta_limit, in, out);
+}
