@@ -23,7 +23,8 @@ const struct brdf_model *brdf_find(const char *name) {
 }
 
 satin_status brdf_prepare(struct brdf *b, struct arena *arena) {
-    return b->model->prepare ? b->model->prepare(b, arena) : SATIN_OK;
+    satin_status status = b->model->prepare ? b->model->prepare(b, arena) : SATIN_OK;
+    return status ? status : brdf_albedo_prepare(b, arena);
 }
 
 unsigned brdf_lobes(const struct brdf *b) {
@@ -121,27 +122,4 @@ bool brdf_sample(const struct brdf *b, vec3 wo, float u_lobe, float u, float v, 
 
 int brdf_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode, struct brdf_sample out[2]) {
     return b->model->delta ? b->model->delta(b, wo, mode, out) : 0;
-}
-
-rgb brdf_albedo(const struct brdf *b, vec3 wo, unsigned lobes) {
-    enum { POINTS = 32 };
-    rgb sum = rgb_grey(0.0f);
-    lobes &= brdf_lobes(b);
-    if (b->model->lobes == BRDF_DIFFUSE) return lobes && wo.z > 0.0f ? b->diffuse : sum;
-    if (lobes & BRDF_DELTA) {
-        struct brdf_sample lobe[2];
-        int n = brdf_delta(b, wo, BRDF_POWER, lobe);
-        for (int i = 0; i < n; i++) sum = rgb_add(sum, lobe[i].weight);
-    }
-    // Each smooth lobe by its own sampler on one fixed set of well-spread points.
-    for (unsigned lobe = BRDF_DIFFUSE; lobe <= BRDF_GLOSSY; lobe <<= 1) {
-        if (!(lobes & lobe) || !(wo.z > 0.0f)) continue;
-        for (uint32_t i = 0; i < POINTS; i++) {
-            vec2 p = sample_sobol2(i, 1);
-            struct brdf_sample s;
-            if (brdf_sample(b, wo, 0.0f, p.x, p.y, lobe, BRDF_POWER, &s))
-                sum = rgb_mad(sum, s.weight, 1.0f / (float)POINTS);
-        }
-    }
-    return sum;
 }

@@ -34,6 +34,7 @@ enum brdf_variant { BRDF_WARD = 0, BRDF_WARD_DUER, BRDF_WARD_BALANCED };
 enum brdf_mode { BRDF_RADIANCE = 0, BRDF_POWER };
 
 struct brdf_model;
+struct brdf_glossy;
 
 // One BRDF at one point. Fields that a model does not use are ignored.
 struct brdf {
@@ -48,7 +49,8 @@ struct brdf {
     enum brdf_distribution distribution;
     enum brdf_variant variant;
     bool nonlinear;      // plastic, roughplastic: colour shifts by internal scattering
-    const void *tables;  // what brdf_prepare made; owned by its arena
+    const void *tables;  // what the model's prepare made; owned by its arena
+    const struct brdf_glossy *glossy;  // albedos of the glossy lobe, likewise; may be NULL
 };
 
 // Numbers that may be textured, as bits of the mask that a model takes (the rest must be constant).
@@ -86,6 +88,8 @@ struct brdf_model {
     void (*eval)(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy);
     // Density over solid angle of sampling the diffuse part and the glossy part, each alone.
     void (*pdf)(const struct brdf *b, vec3 wo, vec3 wi, float *diffuse, float *glossy);
+    // Directional albedo of the diffuse part; NULL if that is Lambertian: `diffuse` itself.
+    rgb (*diffuse_albedo)(const struct brdf *b, vec3 wo);
     // Draws wi from the glossy part alone; false if the sample fails (then it counts as zero).
     // NULL without a glossy lobe.
     bool (*sample_glossy)(const struct brdf *b, vec3 wo, float u, float v, vec3 *wi);
@@ -121,7 +125,8 @@ bool brdf_sample(const struct brdf *b, vec3 wo, float u_lobe, float u, float v, 
 // refraction, or of power), for deterministic splitting; their probabilities sum to 1.
 int brdf_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode, struct brdf_sample out[2]);
 
-// Directional albedo of the lobes asked for, an estimate good to a few per cent, for AOVs and
+// Directional albedo of the lobes asked for: cheap and exact for delta and diffuse lobes (but for
+// the fits of plastic, 0.6 %); for a glossy lobe an estimate good to a few per cent, for AOVs and
 // roulette.
 rgb brdf_albedo(const struct brdf *b, vec3 wo, unsigned lobes);
 

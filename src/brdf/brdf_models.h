@@ -13,6 +13,15 @@ extern const struct brdf_model brdf_model_plastic, brdf_model_roughplastic;
 extern const struct brdf_model brdf_model_phong;
 extern const struct brdf_model brdf_model_ward;
 
+// Tabulates the glossy albedo of b, if it has a glossy lobe (brdf_albedo.c).
+satin_status brdf_albedo_prepare(struct brdf *b, struct arena *arena);
+
+// Whether turning both directions about the normal changes nothing. All models are symmetric about
+// the x and the y axis.
+static inline bool brdf_isotropic(const struct brdf *b) {
+    return !(b->model->slots & 1u << BRDF_SLOT_ALPHA_V) || b->alpha_u == b->alpha_v;
+}
+
 // The ideal reflection of wo, as a delta lobe that takes all samples.
 static inline struct brdf_sample brdf_mirror(vec3 wo, rgb weight) {
     return (struct brdf_sample){.wi = v3(-wo.x, -wo.y, wo.z),

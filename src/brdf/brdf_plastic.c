@@ -21,7 +21,7 @@ enum {
 struct coat {
     float inv_ior2;
     float inside;                             // mean reflectance from inside
-    float outside;                            // of the smooth coat: mean reflectance from outside
+    float enters;                             // mean transmittance from outside
     float transmittance[TRANSMITTANCE_SIZE];  // of the rough coat
 };
 
@@ -41,7 +41,7 @@ static satin_status smooth_prepare(struct brdf *b, struct arena *arena) {
     if (!c) return SATIN_ERROR_MEMORY;
     c->inv_ior2 = 1.0f / (b->ior * b->ior);
     c->inside = fresnel_diffuse_mean(1.0f / b->ior);
-    c->outside = fresnel_diffuse_mean(b->ior);
+    c->enters = 1.0f - fresnel_diffuse_mean(b->ior);
     b->tables = c;
     return SATIN_OK;
 }
@@ -67,13 +67,17 @@ static int smooth_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode,
     return 1;
 }
 
+static rgb smooth_diffuse_albedo(const struct brdf *b, vec3 wo) {
+    const struct coat *c = b->tables;
+    float t = 1.0f - fresnel_dielectric(wo.z, b->ior, NULL);
+    return rgb_scale(base_albedo(b, c), t * c->enters);
+}
+
 static void smooth_shares(const struct brdf *b, vec3 wo, float *diffuse, float *glossy,
                           float *delta) {
-    const struct coat *c = b->tables;
-    float f = fresnel_dielectric(wo.z, b->ior, NULL);
-    *diffuse = (1.0f - f) * (1.0f - c->outside) * rgb_mean(base_albedo(b, c));
+    *diffuse = rgb_mean(smooth_diffuse_albedo(b, wo));
     *glossy = 0.0f;
-    *delta = f * rgb_mean(b->specular);
+    *delta = fresnel_dielectric(wo.z, b->ior, NULL) * rgb_mean(b->specular);
 }
 
 // ---- Rough coat --------------------------------------------------------------------------------
@@ -123,7 +127,7 @@ static satin_status rough_prepare(struct brdf *b, struct arena *arena) {
     if (!c) return SATIN_ERROR_MEMORY;
     quadrature_gauss(&rule_out, OUTSIDE_NODES);
     quadrature_gauss(&rule_in, INSIDE_NODES);
-    double inside = 0.0;
+    double inside = 0.0, enters = 0.0;
     for (int i = 0; i < TRANSMITTANCE_SIZE; i++) {
         float mu = fmaxf((float)i / (float)(TRANSMITTANCE_SIZE - 1), 1e-6f);
         struct boundary out = boundary_at(facets(b), mu, b->ior);
@@ -133,6 +137,9 @@ static satin_status rough_prepare(struct brdf *b, struct arena *arena) {
         inside +=
             (double)mu * microfacet_visible_mean(in.facets, mu, &rule_in, facet_reflects, &in);
     }
+    for (int i = 0; i < OUTSIDE_NODES; i++)
+        enters += rule_out.weight[i] * rule_out.x[i] * transmittance(c, (float)rule_out.x[i]);
+    c->enters = (float)(2.0 * enters);
     c->inside = (float)(2.0 * inside / TRANSMITTANCE_SIZE);
     c->inv_ior2 = 1.0f / (b->ior * b->ior);
     b->tables = c;
@@ -157,14 +164,15 @@ static bool rough_sample(const struct brdf *b, vec3 wo, float u, float v, vec3 *
     return microfacet_reflect(facets(b), wo, u, v, wi);
 }
 
+static rgb rough_diffuse_albedo(const struct brdf *b, vec3 wo) {
+    const struct coat *c = b->tables;
+    return rgb_scale(base_albedo(b, c), transmittance(c, wo.z) * c->enters);
+}
+
 static void rough_shares(const struct brdf *b, vec3 wo, float *diffuse, float *glossy,
                          float *delta) {
-    const struct coat *c = b->tables;
-    float t = transmittance(c, wo.z);
-    // Mean transmittance inward: about that outward times ior^2 (exactly, if no light were masked).
-    float enters = (1.0f - c->inside) / c->inv_ior2;
-    *diffuse = t * fminf(enters, 1.0f) * rgb_mean(base_albedo(b, c));
-    *glossy = (1.0f - t) * rgb_mean(b->specular);
+    *diffuse = rgb_mean(rough_diffuse_albedo(b, wo));
+    *glossy = (1.0f - transmittance(b->tables, wo.z)) * rgb_mean(b->specular);
     *delta = 0.0f;
 }
 
@@ -176,6 +184,7 @@ const struct brdf_model brdf_model_plastic = {
     .prepare = smooth_prepare,
     .eval = smooth_eval,
     .pdf = smooth_pdf,
+    .diffuse_albedo = smooth_diffuse_albedo,
     .delta = smooth_delta,
     .shares = smooth_shares,
 };
@@ -188,6 +197,7 @@ const struct brdf_model brdf_model_roughplastic = {
     .prepare = rough_prepare,
     .eval = rough_eval,
     .pdf = rough_pdf,
+    .diffuse_albedo = rough_diffuse_albedo,
     .sample_glossy = rough_sample,
     .shares = rough_shares,
 };

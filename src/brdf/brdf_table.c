@@ -14,7 +14,7 @@
 #include <stdlib.h>
 
 #include "base/array.h"
-#include "brdf/brdf.h"
+#include "brdf/brdf_models.h"
 #include "brdf/brdf_project.h"
 
 enum {
@@ -118,7 +118,7 @@ static bool is_grey(const struct brdf *b) {
 static struct brdf_table *table_new(const struct brdf *b, rsh_basis basis, int max_order) {
     struct brdf_table *t = array_new(1, sizeof *t);
     if (!t) return NULL;
-    t->isotropic = !(b->model->slots & 1u << BRDF_SLOT_ALPHA_V) || b->alpha_u == b->alpha_v;
+    t->isotropic = brdf_isotropic(b);
     t->basis = basis;
     t->max_order = max_order;
     t->channels = is_grey(b) ? 1 : 3;
