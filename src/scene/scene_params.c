@@ -100,7 +100,7 @@ static satin_status read_child(struct log log, struct params *out, struct xml_no
     if (!(accepted & 1u << child->tag)) {
         int tag = 0;
         while (!(accepted & 1u << tag)) tag++;
-        log_error_at(log, child->place, "'%s' is a <%s>, not a <%s>", child->name,
+        log_error_at(log, child->place, "'%s' must be an element <%s>, not <%s>", child->name,
                      xml_tag_name((enum xml_tag)tag), xml_tag_name(child->tag));
         return SATIN_ERROR_INPUT;
     }

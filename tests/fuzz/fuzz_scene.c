@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// Any bytes given as a scene file: a scene, or one logged error; no crash, no hang, bounded memory.
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "scene/scene.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static void count(void *user, satin_log_level level, const char *text) {
+    (void)text;
+    if (level == SATIN_LOG_ERROR) ++*(int *)user;
+}
+
+// Uses of a loaded scene that its numbers must not break.
+static void use(const satin_scene *scene) {
+    const struct film_spec *film = &scene->film;
+    float spread, right = (float)(film->crop_x + film->crop_width);
+    float x = right - 0.5f + film_filter_sample(film, right - 0.5f, (float)film->crop_x, right, 0);
+    struct ray ray = camera_ray(scene, x, 0.5f, 0.3f, 0.7f, &spread);
+    struct surfel s;
+    struct brdf brdf;
+    struct frame frame;
+    if (!(x >= (float)film->crop_x && x < right)) abort();
+    if (scene_intersect(scene, &ray, &s)) scene_brdf(scene, &s, v3_neg(ray.d), &brdf, &frame);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    int file = memfd_create("scene", 0), lines = 0;
+    if (file < 0 || write(file, data, size) != (ssize_t)size) abort();
+    char path[32];
+    snprintf(path, sizeof path, "/proc/self/fd/%d", file);
+    satin_scene *scene = NULL;
+    satin_status status = satin_scene_load(path, NULL, 0, count, &lines, &scene);
+    if ((status == SATIN_OK) != (scene != NULL) || lines != (status != SATIN_OK)) abort();
+    if (scene) use(scene);
+    satin_scene_free(scene);
+    close(file);
+    return 0;
+}

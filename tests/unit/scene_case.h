@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// For tests of the scene loader: files in a folder of their own, messages caught.
+#ifndef SCENE_CASE_H
+#define SCENE_CASE_H
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "scene/scene_params.h"
+
+// The messages of one run.
+struct scene_case {
+    int errors, warnings;
+    char error[1024], warning[1024];  // the last of each
+};
+
+static inline void scene_case_log(void *user, satin_log_level level, const char *message) {
+    struct scene_case *c = user;
+    char *last = level == SATIN_LOG_ERROR ? c->error : c->warning;
+    if (level == SATIN_LOG_ERROR)
+        c->errors++;
+    else
+        c->warnings++;
+    snprintf(last, sizeof c->error, "%s", message);
+}
+
+static inline struct log scene_case_begin(struct scene_case *c) {
+    *c = (struct scene_case){0};
+    return (struct log){scene_case_log, c};
+}
+
+static inline void scene_case_bytes(const char *name, const void *data, size_t size) {
+    FILE *file = fopen(name, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(data, 1, size, file), size);
+    assert_int_equal(fclose(file), 0);
+}
+
+static inline void scene_case_file(const char *name, const char *text) {
+    scene_case_bytes(name, text, strlen(text));
+}
+
+// Setup and teardown of a group: a new working directory.
+static char scene_case_folder[] = "/tmp/satin-test-XXXXXX";
+
+static inline int scene_case_setup(void **state) {
+    (void)state;
+    return mkdtemp(scene_case_folder) && chdir(scene_case_folder) == 0 ? 0 : -1;
+}
+
+static inline int scene_case_teardown(void **state) {
+    (void)state;
+    char command[64];
+    snprintf(command, sizeof command, "rm -r %s", scene_case_folder);
+    return chdir("/") == 0 && system(command) == 0 ? 0 : -1;
+}
+
+// The body of a scene with a sensor, so that it loads.
+#define SCENE_TEXT(body) \
+    "<scene version=\"3.0.0\">\n<sensor type=\"perspective\"/>\n" body "</scene>"
+
+#endif

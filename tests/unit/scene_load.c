@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+// Loading whole scenes: what the elements become, and one line for every bad input.
+#include "satin/scene.h"
+
+#include "scene/scene.h"
+#include "scene_case.h"
+
+static satin_scene *load(const char *text) {
+    scene_case_file("scene.xml", text);
+    struct scene_case c;
+    struct log log = scene_case_begin(&c);
+    satin_scene *scene = NULL;
+    satin_status status = satin_scene_load("scene.xml", NULL, 0, log.fn, log.user, &scene);
+    if (status != SATIN_OK) fail_msg("%s", c.error);
+    return scene;
+}
+
+static void builds_materials(void **state) {
+    (void)state;
+    struct satin_scene *scene = load(SCENE_TEXT(
+        "<bsdf type='roughconductor' id='m'><string name='distribution' value='ggx'/>"
+        "<float name='alpha_u' value='.1'/><float name='alpha_v' value='0'/>"
+        "<string name='material' value='Al'/></bsdf>"
+        "<shape type='cube'><ref id='m'/></shape><shape type='sphere'><ref id='m'/></shape>"
+        "<shape type='disk'><bsdf type='twosided'><bsdf type='diffuse'/>"
+        "<bsdf type='plastic'><texture type='checkerboard' name='diffuse_reflectance'/></bsdf>"
+        "</bsdf></shape><shape type='rectangle' id='r'/>"
+        "<shape type='cube'><emitter type='area'/></shape>"
+        "<shape type='cube'><bsdf type='dielectric'><float name='int_ior' value='1.5'/>"
+        "<string name='ext_ior' value='vacuum'/></bsdf></shape>"
+        "<shape type='sphere'><bsdf type='ward'><string name='variant' value='ward-duer'/>"
+        "</bsdf></shape>"));
+    assert_int_equal(scene->shape_count, 7);
+    assert_int_equal(scene->material_count, 6);
+    const struct material *m = &scene->material[scene->shape[0].material];
+    assert_int_equal(scene->shape[0].material, scene->shape[1].material);
+    assert_string_equal(m->name, "m");
+    assert_true(m->anisotropic && !m->two_sided);
+    assert_true(m->front.base.alpha_u == 0.1f && m->front.base.alpha_v == 1e-4f);
+    assert_true(m->front.base.distribution == BRDF_GGX);
+    assert_true(fabsf(m->front.base.k.r - 9.22381f) < 1e-5f);
+    m = &scene->material[scene->shape[2].material];
+    assert_true(m->two_sided && !m->anisotropic);
+    assert_string_equal(m->front.base.model->name, "diffuse");
+    assert_string_equal(m->back.base.model->name, "plastic");
+    assert_true(fabsf(m->back.base.diffuse.r - 0.3f) < 1e-6f);
+    assert_non_null(m->back.slot[BRDF_SLOT_DIFFUSE]);
+    assert_true(scene->material[scene->shape[3].material].front.base.diffuse.g == 0.5f);
+    assert_string_equal(scene->shape[3].name, "r");
+    assert_true(scene->material[scene->shape[4].material].front.base.diffuse.g == 0.0f);
+    assert_true(scene->material[scene->shape[5].material].front.base.ior == 1.5f);
+    assert_true(scene->material[scene->shape[6].material].front.base.variant == BRDF_WARD_DUER);
+    satin_scene_free(scene);
+}
+
+static void builds_shapes(void **state) {
+    (void)state;
+    struct satin_scene *scene = load(SCENE_TEXT(
+        "<shape type='sphere'><point name='center' x='1' y='2' z='3'/>"
+        "<float name='radius' value='2'/><transform name='to_world'><scale value='3'/>"
+        "<translate x='1'/></transform></shape>"
+        "<shape type='sphere'><transform name='to_world'><scale x='-1'/></transform></shape>"
+        "<shape type='cylinder'><point name='p0' value='1 0 0'/><point name='p1' value='1 4 0'/>"
+        "<float name='radius' value='.5'/><boolean name='flip_normals' value='true'/></shape>"
+        "<shape type='cube'><boolean name='face_normals' value='true'/></shape>"));
+    const struct shape *s = scene->shape;
+    assert_true(s[0].radius == 6.0f && v3_dist2(s[0].center, v3(4, 6, 9)) == 0.0f);
+    assert_false(s[0].flip_normals);
+    assert_true(s[1].flip_normals && fabsf(s[1].area - 4 * PI_F) < 1e-5f);
+    vec3 top = mat4_point(&s[2].to_world, v3(1, 0, 1));
+    assert_true(fabsf(top.y - 4) < 1e-6f && fabsf(v3_dist2(top, v3(1, 4, 0)) - .25f) < 1e-6f);
+    assert_true(s[2].flip_normals && fabsf(s[2].area - 4 * PI_F) < 1e-5f);
+    assert_int_equal(s[3].mesh.triangle_count, 12);
+    satin_scene_free(scene);
+}
+
+static void builds_lights(void **state) {
+    (void)state;
+    struct satin_scene *scene = load(SCENE_TEXT(
+        "<shape type='disk'><emitter type='area'><rgb name='radiance' value='3 2 1'/></emitter>"
+        "</shape>"
+        "<shape type='disk'><emitter type='area'><rgb name='radiance' value='0'/></emitter>"
+        "</shape>"
+        "<emitter type='point'><point name='position' x='1' y='2' z='3'/></emitter>"
+        "<emitter type='spot'><float name='cutoff_angle' value='40'/><transform name='to_world'>"
+        "<lookat origin='0 5 0' target='0 0 0' up='1 0 0'/></transform></emitter>"
+        "<emitter type='directional'><vector name='direction' x='0' y='0' z='-7'/></emitter>"
+        "<emitter type='constant'><rgb name='radiance' value='.5'/></emitter>"));
+    assert_int_equal(scene->light_count, 5);
+    const struct light *l = scene->light;
+    assert_true(scene->shape[0].light == 0 && scene->shape[1].light == -1);
+    assert_true(l[0].kind == LIGHT_AREA && l[0].shape == 0 && l[0].value.g == 2.0f);
+    assert_true(l[1].position.y == 2.0f && l[1].value.r == 1.0f);
+    assert_true(v3_dist2(l[2].direction, v3(0, -1, 0)) < 1e-12f && l[2].position.y == 5.0f);
+    assert_true(fabsf(l[2].cos_beam - cosf(PI_F / 6)) < 1e-6f);
+    assert_true(v3_dist2(l[3].direction, v3(0, 0, -1)) < 1e-12f);
+    assert_int_equal(scene->environment, 4);
+    satin_scene_free(scene);
+}
+
+static void keeps_hints(void **state) {
+    (void)state;
+    struct satin_scene *scene = load(
+        "<scene version='3.0.0'><integrator type='aov'><string name='aovs' value='a:depth'/>"
+        "<integrator type='path'><integer name='max_depth' value='9'/>"
+        "<boolean name='hide_emitters' value='true'/></integrator></integrator>"
+        "<sensor type='perspective'><sampler type='multijitter'>"
+        "<integer name='sample_count' value='49'/></sampler>"
+        "<film type='hdrfilm'><integer name='width' value='60'/><integer name='height' value='40'/>"
+        "<integer name='crop_offset_x' value='10'/><integer name='crop_width' value='50'/>"
+        "<rfilter type='tent'/></film></sensor></scene>");
+    assert_string_equal(scene->hints.integrator, "aov");
+    assert_int_equal(scene->hints.max_depth, 9);
+    assert_int_equal(scene->hints.rr_depth, 0);
+    assert_int_equal(scene->hints.hide_emitters, 1);
+    assert_int_equal(scene->hints.spp, 49);
+    int w, h;
+    satin_scene_film_size(scene, &w, &h);
+    assert_true(w == 50 && h == 40 && scene->film.width == 60 && scene->film.crop_x == 10);
+    assert_true(scene->film.filter == FILTER_TENT && scene->film.radius == 1.0f);
+    satin_scene_free(scene);
+    scene =
+        load(SCENE_TEXT("<integrator type='satin'><integer name='photons' value='100'/>"
+                        "<string name='first-pass' value='none'/></integrator>"));
+    assert_int_equal(scene->hints.option_count, 2);
+    assert_string_equal(scene->hints.option_name[1], "first-pass");
+    assert_string_equal(scene->hints.option_value[0], "100");
+    assert_int_equal(scene->hints.max_depth, -2);
+    satin_scene_free(scene);
+}
+
+#define OBJ "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+
+static void hashes_all_that_is_read(void **state) {
+    (void)state;
+    const char *text =
+        SCENE_TEXT("<shape type='obj'><string name='filename' value='a.obj'/></shape>");
+    scene_case_file("a.obj", OBJ "f 1 2 3\n");
+    struct satin_scene *a = load(text), *b = load(text);
+    scene_case_file("a.obj", OBJ "f 1 3 2\n");
+    struct satin_scene *c = load(text);
+    assert_true(satin_scene_hash(a) == satin_scene_hash(b));
+    assert_true(satin_scene_hash(a) != satin_scene_hash(c));
+    satin_scene_free(a);
+    satin_scene_free(b);
+    satin_scene_free(c);
+}
+
+struct refusal {
+    const char *text, *error;
+};
+
+#define FILM(parameters)                                                                       \
+    "<scene version='3.0.0'>\n<sensor type='perspective'>\n<film type='hdrfilm'>\n" parameters \
+    "</film></sensor></scene>"
+
+#define SHAPE(parts) SCENE_TEXT("<shape type='sphere'>" parts "</shape>")
+
+static const struct refusal refusals[] = {
+    {SCENE_TEXT("<bsdf type='phng'/>"),
+     "scene.xml:3:1: unknown BRDF 'phng' (did you mean 'phong'?)"},
+    {SCENE_TEXT("<bsdf type='roughdielectric'/>"),
+     "scene.xml:3:1: BRDF 'roughdielectric' is not supported"},
+    {SCENE_TEXT("<shape type='zzzzzzzzz'/>"), "scene.xml:3:1: unknown shape 'zzzzzzzzz'"},
+    {"<scene version='3.0.0'/>", "scene.xml:1:1: the scene has no <sensor>"},
+    {SHAPE("<ref id='nothing'/>"), "scene.xml:3:22: reference to unknown id 'nothing'"},
+    {SHAPE("<bsdf type='roughconductor'><float name='alpha' value='-.1'/></bsdf>"),
+     "scene.xml:3:50: alpha is -0.1, but must be 0 or more"},
+    {SHAPE("<bsdf type='roughconductor'><float name='alpha_u' value='.1'/></bsdf>"),
+     "scene.xml:3:22: roughness is either alpha, or both alpha_u and alpha_v"},
+    {SHAPE("<bsdf type='diffuse'><rgb name='reflectance' value='2 1 1'/></bsdf>"),
+     "scene.xml:3:43: reflectance is 2, but must be in [0, 1]"},
+    {SHAPE("<bsdf type='phong'><rgb name='diffuse_reflectance' value='.9'/></bsdf>"),
+     "scene.xml:3:22: diffuse_reflectance and specular_reflectance sum to 1.1, which is over 1"},
+    {SHAPE("<bsdf type='conductor'><string name='material' value='Unobtainium'/></bsdf>"),
+     "scene.xml:3:45: material: unknown metal 'Unobtainium'"},
+    {SHAPE("<bsdf type='conductor'><string name='material' value='Al'/>"
+           "<rgb name='k' value='1'/></bsdf>"),
+     "scene.xml:3:45: a metal is either a material, or eta and k"},
+    {SHAPE("<bsdf type='twosided'><bsdf type='dielectric'/></bsdf>"),
+     "scene.xml:3:44: 'dielectric' transmits, so it cannot be twosided"},
+    {SHAPE("<bsdf type='twosided'/>"), "scene.xml:3:22: twosided takes one or two <bsdf>s"},
+    {SCENE_TEXT("<bsdf type='twosided' id='a'><ref id='a'/></bsdf>"),
+     "scene.xml:3:1: twosided cannot stand inside twosided"},
+    {SHAPE("<bsdf type='diffuse'/><bsdf type='diffuse'/>"),
+     "scene.xml:3:44: shape 'sphere' has two <bsdf>s"},
+    {SHAPE("<emitter type='point'/>"),
+     "scene.xml:3:22: emitter 'point': it cannot be part of a shape; area lights are"},
+    {SHAPE("<transform name='toWorld'/>"),
+     "scene.xml:3:22: shape 'sphere' has no parameter 'toWorld' (did you mean 'to_world'?)"},
+    {SHAPE("<transform name='to_world'><scale x='2'/></transform>"),
+     "scene.xml:3:1: shape 'sphere': its scale must be uniform"},
+    {SHAPE("<float name='radius' value='0'/>"),
+     "scene.xml:3:22: radius is 0, but must be positive"},
+    {SCENE_TEXT("<shape type='disk'><transform name='to_world'><scale x='0'/></transform></shape>"),
+     "scene.xml:3:1: shape 'disk': to_world is singular"},
+    {SCENE_TEXT("<emitter type='constant'/><emitter type='constant'/>"),
+     "scene.xml:3:27: emitter 'constant': the scene has another environment"},
+    {SCENE_TEXT("<emitter type='spot'><float name='beam_width' value='30'/></emitter>"),
+     "scene.xml:3:1: emitter 'spot': its beam_width is larger than its cutoff_angle"},
+    {SCENE_TEXT("<integrator type='path'><integer name='max_depth' value='-2'/></integrator>"),
+     "scene.xml:3:25: max_depth is -2, but must be -1 or more"},
+    {SCENE_TEXT("<integrator type='path'/><integrator type='direct'/>"),
+     "scene.xml:3:26: the scene has another integrator"},
+    {"<scene version='3.0.0'><sensor type='perspective'><float name='fov' value='180'/>"
+     "</sensor></scene>",
+     "scene.xml:1:51: fov is 180, but must be in (0, 180)"},
+    {"<scene version='3.0.0'><sensor type='perspective'><string name='focal_length' "
+     "value='mm'/></sensor></scene>",
+     "scene.xml:1:51: focal_length is 'mm', but must be like 50mm"},
+    {"<scene version='3.0.0'><sensor type='perspective'><transform name='to_world'>"
+     "<scale value='2'/></transform></sensor></scene>",
+     "scene.xml:1:24: sensor 'perspective': to_world has a scale"},
+    {FILM("<integer name='width' value='2147483648'/>"),
+     "scene.xml:4:1: width: '2147483648' is not an integer, or too large"},
+    {FILM("<integer name='width' value='2147483647'/>"),
+     "scene.xml:4:1: width is 2147483647, but at most 1048576 pixels are supported"},
+    {FILM("<integer name='width' value='1048576'/><integer name='height' value='1048576'/>"),
+     "scene.xml:3:1: film 'hdrfilm': it has too many pixels"},
+    {FILM("<integer name='height' value='0'/>"),
+     "scene.xml:4:1: height is 0, but must be positive"},
+    {FILM("<integer name='crop_width' value='769'/>"),
+     "scene.xml:3:1: film 'hdrfilm': its crop window is not inside of it"},
+    {FILM("<rfilter type='mitchell'/>"), "scene.xml:4:1: filter 'mitchell' is not supported"},
+};
+
+static void refuse(const char *error) {
+    struct scene_case c;
+    struct log log = scene_case_begin(&c);
+    satin_scene *scene = NULL;
+    assert_int_equal(satin_scene_load("scene.xml", NULL, 0, log.fn, log.user, &scene),
+                     SATIN_ERROR_INPUT);
+    assert_string_equal(c.error, error);
+    assert_int_equal(c.errors, 1);
+    assert_null(scene);
+}
+
+static void refuses_with_place(void **state) {
+    (void)state;
+    for (size_t i = 0; i < sizeof refusals / sizeof *refusals; i++) {
+        scene_case_file("scene.xml", refusals[i].text);
+        refuse(refusals[i].error);
+    }
+}
+
+static void refuses_bad_files(void **state) {
+    (void)state;
+    scene_case_file("scene.xml", SCENE_TEXT("<shape type='obj'>\n"
+                                            "<string name='filename' value='a.obj'/></shape>"));
+    remove("a.obj");
+    refuse("scene.xml:4:1: cannot read 'a.obj': No such file or directory");
+    scene_case_file("a.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n");
+    struct scene_case c;
+    struct log log = scene_case_begin(&c);
+    satin_scene *scene = NULL;
+    assert_int_equal(satin_scene_load("scene.xml", NULL, 0, log.fn, log.user, &scene),
+                     SATIN_ERROR_INPUT);
+    assert_int_equal(strncmp(c.error, "a.obj:2", 7), 0);
+    scene_case_file("a.obj", OBJ "f 1 2 4\n");
+    log = scene_case_begin(&c);
+    assert_int_equal(satin_scene_load("scene.xml", NULL, 0, log.fn, log.user, &scene),
+                     SATIN_ERROR_INPUT);
+    assert_int_equal(strncmp(c.error, "a.obj:4", 7), 0);
+    assert_int_equal(c.errors, 1);
+}
+
+static void warns_of_what_has_no_effect(void **state) {
+    (void)state;
+    scene_case_file("scene.xml",
+                    SCENE_TEXT("<sensor type='thinlens'><float name='aperture_radius' value='1'/>"
+                               "</sensor>"));
+    struct scene_case c;
+    struct log log = scene_case_begin(&c);
+    satin_scene *scene = NULL;
+    assert_int_equal(satin_scene_load("scene.xml", NULL, 0, log.fn, log.user, &scene), SATIN_OK);
+    assert_int_equal(c.warnings, 1);
+    assert_string_equal(c.warning, "scene.xml:3:1: only the first sensor of a scene is used");
+    assert_true(scene->camera.aperture == 0.0f);
+    satin_scene_free(scene);
+    assert_int_equal(satin_scene_load(NULL, NULL, 0, log.fn, log.user, &scene),
+                     SATIN_ERROR_ARGUMENT);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(builds_materials),        cmocka_unit_test(builds_shapes),
+        cmocka_unit_test(builds_lights),           cmocka_unit_test(keeps_hints),
+        cmocka_unit_test(hashes_all_that_is_read), cmocka_unit_test(refuses_with_place),
+        cmocka_unit_test(refuses_bad_files),       cmocka_unit_test(warns_of_what_has_no_effect),
+    };
+    return cmocka_run_group_tests(tests, scene_case_setup, scene_case_teardown);
+}
