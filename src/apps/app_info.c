@@ -104,7 +104,7 @@ static satin_status describe_scene(const char *path, const satin_define *define,
     const struct scene_hints *hints = &scene->hints;
     if (hints->integrator) printf("integrator %s\n", hints->integrator);
     for (size_t i = 0; i < hints->option_count; i++)
-        printf("  %s = %s\n", hints->option_name[i], hints->option_value[i]);
+        printf("  %s = %s\n", hints->option[i].name, hints->option[i].value);
     satin_scene_free(scene);
     return SATIN_OK;
 }

@@ -192,8 +192,9 @@ static satin_status render(const struct request *r, const satin_scene *scene,
                            struct app_progress *progress, double start) {
     struct log file_log = {app_log_file, progress};
     satin_options options;
-    satin_status status =
-        satin_options_resolve(scene, r->setting, r->setting_count, app_log, progress, &options);
+    // What the user set has been checked; only the scene's options can be wrong here.
+    satin_status status = satin_options_resolve(scene, r->setting, r->setting_count, app_log_file,
+                                                progress, &options);
     if (status != SATIN_OK) return status;
     satin_callbacks callbacks = {app_log, progress, app_progress_update, progress};
     satin_film *film = NULL;

@@ -3,6 +3,7 @@
 // earlier ones: preset, then the scene's integrator element, then the caller.
 #include "satin/options.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "base/log.h"
@@ -107,48 +108,65 @@ void satin_options_preset(satin_options *options, satin_quality quality) {
     options->quality = quality;
 }
 
-static satin_status refuse_name(struct log log, const char *name) {
-    struct text_nearest search = {.word = name};
-    for (int i = 0; i < options_table_count; i++) text_nearest_try(&search, options_table[i].name);
-    if (search.best)
-        return log_fail(log, SATIN_ERROR_INPUT, "unknown option '%s' (did you mean '%s'?)", name,
-                        search.best);
-    return log_fail(log, SATIN_ERROR_INPUT, "unknown option '%s'", name);
+// Reports what is wrong with an option at its place in a scene, or without one.
+static satin_status refuse(struct log log, struct log_place place, const char *text) {
+    if (place.file)
+        log_error_at(log, place, "%s", text);
+    else
+        log_message(log, SATIN_LOG_ERROR, "%s", text);
+    return SATIN_ERROR_INPUT;
 }
 
-satin_status satin_options_set(satin_options *options, const char *name, const char *value,
-                               satin_log_fn log_fn, void *log_user) {
-    struct log log = {log_fn, log_user};
+static satin_status refuse_name(struct log log, struct log_place place, const char *name) {
+    struct text_nearest search = {.word = name};
+    char text[256];
+    for (int i = 0; i < options_table_count; i++) text_nearest_try(&search, options_table[i].name);
+    int n = snprintf(text, sizeof text, "unknown option '%.80s'", name);
+    if (search.best)
+        snprintf(text + n, sizeof text - (size_t)n, " (did you mean '%s'?)", search.best);
+    return refuse(log, place, text);
+}
+
+static satin_status set(satin_options *options, const char *name, const char *value, struct log log,
+                        struct log_place place) {
     const struct option *option = options_find(name);
-    if (!option) return refuse_name(log, name);
-    if (!option_parse(option, value, options))
-        return log_fail(log, SATIN_ERROR_INPUT, "option %s: '%s' is not in %s", option->name, value,
-                        option->range);
+    if (!option) return refuse_name(log, place, name);
+    if (!option_parse(option, value, options)) {
+        char text[256];
+        snprintf(text, sizeof text, "option %s: '%.80s' is not in %s", option->name, value,
+                 option->range);
+        return refuse(log, place, text);
+    }
     if (option->offset == offsetof(satin_options, quality))
         satin_options_preset(options, options->quality);
     return SATIN_OK;
 }
 
+satin_status satin_options_set(satin_options *options, const char *name, const char *value,
+                               satin_log_fn log, void *log_user) {
+    return set(options, name, value, (struct log){log, log_user}, (struct log_place){0});
+}
+
 static bool is_quality(const char *name) { return text_same_name(name, "quality"); }
 
 satin_status satin_options_resolve(const satin_scene *scene, const satin_setting *settings,
-                                   size_t count, satin_log_fn log, void *log_user,
+                                   size_t count, satin_log_fn log_fn, void *log_user,
                                    satin_options *out) {
+    struct log log = {log_fn, log_user};
     satin_options made = satin_options_default;
     satin_status status = SATIN_OK;
     size_t scene_count = scene ? scene->hints.option_count : 0;
     // Pass 0 sets the quality alone, as a preset would undo the single options before it.
     for (int pass = 0; pass < 2; pass++) {
         for (size_t i = 0; i < scene_count && status == SATIN_OK; i++) {
-            const char *name = scene->hints.option_name[i];
-            if (is_quality(name) == (pass == 0))
-                status =
-                    satin_options_set(&made, name, scene->hints.option_value[i], log, log_user);
+            const struct scene_option *o = &scene->hints.option[i];
+            if (is_quality(o->name) == (pass == 0))
+                status = set(&made, o->name, o->value, log, o->place);
         }
         for (size_t i = 0; i < count && status == SATIN_OK; i++)
             if (is_quality(settings[i].name) == (pass == 0))
                 status =
-                    satin_options_set(&made, settings[i].name, settings[i].value, log, log_user);
+                    set(&made, settings[i].name, settings[i].value, log, (struct log_place){0});
     }
     if (status == SATIN_OK) *out = made;
     return status;

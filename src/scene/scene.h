@@ -145,13 +145,18 @@ struct film_spec {
     float radius, stddev;  // in pixels
 };
 
+// An option of <integrator type="satin">, not yet checked.
+struct scene_option {
+    const char *name, *value;
+    struct log_place place;
+};
+
 // What the scene's integrator and sampler elements ask for; see satin_options for the meaning.
 struct scene_hints {
     const char *integrator;                       // its plugin name, or NULL
     int max_depth, rr_depth, hide_emitters, spp;  // -2, 0, -1, 0 when absent
-    // <integrator type="satin">: option names and values in order, for satin_options_set.
-    const char *const *option_name;
-    const char *const *option_value;
+    // <integrator type="satin">: its options in order, for satin_options_resolve.
+    const struct scene_option *option;
     size_t option_count;
 };
 

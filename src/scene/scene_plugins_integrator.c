@@ -28,9 +28,8 @@ static satin_status read_options(struct scene_loader *loader, const struct xml_n
     size_t count = 0;
     for (const struct xml_node *child = node->child; child; child = child->next) count++;
     struct scene_hints *hints = &loader->scene->hints;
-    const char **name = arena_array(&loader->scene->arena, count, sizeof *name);
-    const char **value = arena_array(&loader->scene->arena, count, sizeof *value);
-    if (!name || !value) return scene_no_memory(loader);
+    struct scene_option *option = arena_array(&loader->scene->arena, count, sizeof *option);
+    if (!option) return scene_no_memory(loader);
     count = 0;
     for (const struct xml_node *child = node->child; child; child = child->next, count++) {
         if (child->tag < XML_BOOLEAN || child->tag > XML_STRING) {
@@ -38,12 +37,14 @@ static satin_status read_options(struct scene_loader *loader, const struct xml_n
                          xml_tag_name(child->tag));
             return SATIN_ERROR_INPUT;
         }
-        name[count] = scene_keep_text(loader, child->name);
-        value[count] = scene_keep_text(loader, xml_get(child, "value"));
-        if (!name[count] || !value[count]) return scene_no_memory(loader);
+        struct scene_option *o = &option[count];
+        o->name = scene_keep_text(loader, child->name);
+        o->value = scene_keep_text(loader, xml_get(child, "value"));
+        o->place = child->place;
+        o->place.file = scene_keep_text(loader, child->place.file);
+        if (!o->name || !o->value || !o->place.file) return scene_no_memory(loader);
     }
-    hints->option_name = name;
-    hints->option_value = value;
+    hints->option = option;
     hints->option_count = count;
     return SATIN_OK;
 }

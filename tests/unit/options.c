@@ -143,10 +143,10 @@ static void table_covers_the_struct(void **state) {
 
 static void layers_in_order(void **state) {
     (void)state;
-    const char *const name[] = {"irradiance_a", "quality", "spp"};
-    const char *const value[] = {"0.11", "production", "5"};
-    struct satin_scene scene = {
-        .hints = {.option_name = name, .option_value = value, .option_count = 3}};
+    struct scene_option option[] = {{"irradiance_a", "0.11", {"a.xml", 3, 5}},
+                                    {"quality", "production", {"a.xml", 4, 5}},
+                                    {"spp", "5", {"a.xml", 5, 5}}};
+    struct satin_scene scene = {.hints = {.option = option, .option_count = 3}};
     satin_options o;
     assert_int_equal(satin_options_resolve(&scene, NULL, 0, NULL, NULL, &o), SATIN_OK);
     assert_int_equal(o.quality, SATIN_PRODUCTION);
@@ -160,6 +160,12 @@ static void layers_in_order(void **state) {
     const satin_setting wrong[] = {{"spp", "7"}, {"photon_k", "0"}};
     satin_options before = o;
     assert_int_equal(satin_options_resolve(NULL, wrong, 2, NULL, NULL, &o), SATIN_ERROR_INPUT);
+    assert_true(same_fields(&o, &before));
+    struct message message = {0};
+    option[2].value = "many";
+    assert_int_equal(satin_options_resolve(&scene, user, 2, keep, &message, &o), SATIN_ERROR_INPUT);
+    assert_int_equal(message.count, 1);
+    assert_string_equal(message.text, "a.xml:5:5: option spp: 'many' is not in 0..1048576");
     assert_true(same_fields(&o, &before));
 }
 
