@@ -289,6 +289,16 @@ struct ray camera_ray(const struct satin_scene *scene, float x, float y, float u
 // border does.
 float film_filter_sample(const struct film_spec *film, float centre, float lo, float hi, float u);
 
+// The same from a table, for pixels that the border does not touch; others are computed.
+enum { FILM_FILTER_STEPS = 1024 };
+struct film_filter {
+    const struct film_spec *film;
+    float inverse[FILM_FILTER_STEPS + 2];  // offset at u = i / FILM_FILTER_STEPS
+};
+void film_filter_make(const struct film_spec *film, struct film_filter *out);
+float film_filter_offset(const struct film_filter *filter, float centre, float lo, float hi,
+                         float u);
+
 // ---- Plugins of scene files (scene_plugins.c) ---------------------------------------------------
 
 struct scene_plugin_info {

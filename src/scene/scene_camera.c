@@ -79,3 +79,21 @@ float film_filter_sample(const struct film_spec *film, float centre, float lo, f
     if (centre + offset >= hi) offset = nextafterf(hi, -INFINITY) - centre;
     return centre + offset < lo ? lo - centre : offset;
 }
+
+void film_filter_make(const struct film_spec *film, struct film_filter *out) {
+    out->film = film;
+    for (int i = 0; i <= FILM_FILTER_STEPS; i++)
+        out->inverse[i] = film_filter_sample(film, 0.0f, -INFINITY, INFINITY,
+                                             (float)i / (float)FILM_FILTER_STEPS);
+    out->inverse[FILM_FILTER_STEPS + 1] = out->inverse[FILM_FILTER_STEPS];
+}
+
+float film_filter_offset(const struct film_filter *filter, float centre, float lo, float hi,
+                         float u) {
+    float r = filter->film->radius;
+    if (centre - r < lo || centre + r >= hi)
+        return film_filter_sample(filter->film, centre, lo, hi, u);
+    float at = u * (float)FILM_FILTER_STEPS;
+    int i = (int)at;
+    return lerpf(filter->inverse[i], filter->inverse[i + 1], at - (float)i);
+}

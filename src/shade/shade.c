@@ -19,6 +19,7 @@ satin_status shade_init(struct shade *shade, const struct gather *g,
     const satin_options *o = g->options;
     s.a_irradiance = o->irradiance_a * o->irradiance_widen;
     s.a_radiance = o->radiance_a * o->radiance_widen;
+    film_filter_make(&g->scene->film, &s.filter);
     // Without the cache the same rays are spread over the samples of the pixel.
     int rays = o->irradiance_rays / (o->spp > 0 ? o->spp : 1);
     s.gather = gather_layout_new(rays > 8 ? rays : 8, o->radiance_basis, 0);
@@ -72,7 +73,7 @@ static void path_sample(const struct shade *shade, int x, int y, uint32_t index,
                         struct shade_sample *out) {
     struct sampler sampler = shade_eye_sampler(shade->g, x, y, index, RNG_PATH);
     float spread, distance;
-    struct ray ray = shade_eye_ray(shade->g->scene, x, y, &sampler, &spread);
+    struct ray ray = shade_eye_ray(shade, x, y, &sampler, &spread);
     bool seen = shade->g->options->hide_emitters <= 0;
     out->beauty = gather_path(shade->g, ray, 0, seen, &sampler, &distance);
 }

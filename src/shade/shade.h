@@ -43,6 +43,7 @@ struct shade {
     const struct shade_tables *tables;
     const struct cache *cache;
     float a_irradiance, a_radiance;   // accuracies of the image pass
+    struct film_filter filter;
     struct gather_layout *gather;     // hemisphere where a cache is off
     struct gather_layout *fallback;   // hemisphere where no record is near
     struct gather_scratch **scratch;  // one per worker

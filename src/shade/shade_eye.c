@@ -25,14 +25,15 @@ struct sampler shade_eye_sampler(const struct gather *g, int x, int y, uint32_t 
     return (struct sampler){index, (uint32_t)(key >> 32), 0};
 }
 
-struct ray shade_eye_ray(const struct satin_scene *scene, int x, int y, struct sampler *sampler,
+struct ray shade_eye_ray(const struct shade *shade, int x, int y, struct sampler *sampler,
                          float *spread) {
+    const struct satin_scene *scene = shade->g->scene;
     const struct film_spec *film = &scene->film;
     vec2 pixel = sampler_2d(sampler), lens = sampler_2d(sampler);
     float cx = (float)(film->crop_x + x) + 0.5f, cy = (float)(film->crop_y + y) + 0.5f;
-    float px = cx + film_filter_sample(film, cx, (float)film->crop_x,
+    float px = cx + film_filter_offset(&shade->filter, cx, (float)film->crop_x,
                                        (float)(film->crop_x + film->crop_width), pixel.x);
-    float py = cy + film_filter_sample(film, cy, (float)film->crop_y,
+    float py = cy + film_filter_offset(&shade->filter, cy, (float)film->crop_y,
                                        (float)(film->crop_y + film->crop_height), pixel.y);
     return camera_ray(scene, px, py, lens.x, lens.y, spread);
 }
@@ -83,7 +84,7 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
     const int max_depth = shade->g->options->max_depth;
     struct branch stack[SHADE_VERTICES + 2];
     float spread;
-    struct ray ray = shade_eye_ray(scene, x, y, sampler, &spread);
+    struct ray ray = shade_eye_ray(shade, x, y, sampler, &spread);
     stack[0] = (struct branch){ray, rgb_grey(1.0f), 0.0f, 0, 0};
     out->count = 0;
     out->hit = false;

@@ -28,7 +28,7 @@ struct shade_eye {
 void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sampler,
                      struct shade_eye *out);
 // The eye ray itself; *pixel gets its spread.
-struct ray shade_eye_ray(const struct satin_scene *scene, int x, int y, struct sampler *sampler,
+struct ray shade_eye_ray(const struct shade *shade, int x, int y, struct sampler *sampler,
                          float *spread);
 // The sampler of a sample: its numbers depend on the seed, the pixel and the index alone.
 struct sampler shade_eye_sampler(const struct gather *g, int x, int y, uint32_t index,

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// Averages independent renders of one image: writes the mean of R, G, B and the variance of that
+// mean. usage: average OUT.exr PART.exr PART.exr ...
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "film/film.h"
+
+static void print_message(void *user, satin_log_level level, const char *message) {
+    (void)user;
+    (void)level;
+    fprintf(stderr, "%s\n", message);
+}
+
+static const char *const color[] = {"R", "G", "B"};
+static const char *const variance[] = {"variance.R", "variance.G", "variance.B"};
+
+// Adds one part's values and squares to the sums kept in `out`'s channels.
+static bool add_part(const char *path, struct satin_film *out, double *square) {
+    satin_film *part = NULL;
+    if (satin_film_read(path, print_message, NULL, &part) != SATIN_OK) return false;
+    size_t n = (size_t)out->width * (size_t)out->height;
+    bool ok = part->width == out->width && part->height == out->height;
+    for (int c = 0; ok && c < 3; c++) {
+        const float *v = satin_film_channel(part, color[c]);
+        float *sum = film_channel(out, color[c]);
+        for (size_t i = 0; v && i < n; i++) {
+            sum[i] += v[i];
+            square[(size_t)c * n + i] += (double)v[i] * (double)v[i];
+        }
+        ok = v != NULL;
+    }
+    satin_film_free(part);
+    return ok;
+}
+
+int main(int argc, char **argv) {
+    if (argc < 4) {
+        fprintf(stderr, "usage: average OUT.exr PART.exr PART.exr ...\n");
+        return 2;
+    }
+    satin_film *first = NULL;
+    if (satin_film_read(argv[2], print_message, NULL, &first) != SATIN_OK) return 1;
+    const char *names[] = {color[0], color[1], color[2], variance[0], variance[1], variance[2]};
+    struct satin_film *out = film_new(first->width, first->height, names, 6);
+    size_t n = (size_t)first->width * (size_t)first->height;
+    satin_film_free(first);
+    double *square = calloc(3 * n, sizeof *square);
+    if (!out || !square) return 1;
+    int parts = argc - 2;
+    for (int i = 0; i < parts; i++)
+        if (!add_part(argv[2 + i], out, square)) return 1;
+    for (int c = 0; c < 3; c++) {
+        float *mean = film_channel(out, color[c]), *var = film_channel(out, variance[c]);
+        for (size_t i = 0; i < n; i++) {
+            double m = (double)mean[i] / parts;
+            double v = (square[(size_t)c * n + i] / parts - m * m) / (parts - 1);
+            mean[i] = (float)m;
+            var[i] = (float)fmax(v, 0.0);
+        }
+    }
+    struct log log = {print_message, NULL};
+    satin_status status = film_write_exr(out, argv[1], NULL, log);
+    satin_film_free(out);
+    free(square);
+    return status == SATIN_OK ? 0 : 1;
+}
