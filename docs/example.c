@@ -45,9 +45,8 @@ int main(int argc, char **argv) {
     options.width = 64;
     options.height = 48;
 
-    satin_callbacks callbacks = {.log = on_message,
-                                 .progress = on_progress,
-                                 .progress_user = &session};
+    satin_callbacks callbacks = {
+        .log = on_message, .progress = on_progress, .progress_user = &session};
     satin_film *film = NULL;
     satin_status status = satin_render(scene, &options, &callbacks, &film);
     fprintf(stderr, "\r\033[K%s\n", satin_status_text(status));

@@ -20,6 +20,15 @@ int app_compare(int argc, char **argv);
 int app_info(int argc, char **argv);
 int app_help(int argc, char **argv);
 
+// Prints text from column `indent` on, wrapped at blanks; the cursor stands at column `at`.
+void app_print_wrapped(int at, int indent, const char *text);
+
+// All plugins of scene files, and all of one name with their parameters; false if there is none,
+// then `search` has tried the names (app_help_plugins.c).
+struct text_nearest;
+void app_help_plugins(void);
+bool app_help_plugin(const char *name, struct text_nearest *search);
+
 // ---- Arguments (app_args.c) ---------------------------------------------------------------------
 
 // A flag of a subcommand. The table parses the arguments and prints the help.

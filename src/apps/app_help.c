@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// satin help: commands and options, printed from the tables that parse them.
+// satin help: commands, options and plugins, printed from the tables that parse them.
 #include <string.h>
 
 #include "apps/app.h"
 #include "base/text.h"
-#include "scene/scene.h"
 
 enum { FLAG_MARKDOWN, FLAG_HELP };
 enum { COLUMNS = 88 };  // of running text
@@ -15,8 +14,7 @@ const struct app_flag app_help_flags[] = {
     {NULL, NULL, NULL, NULL},
 };
 
-// Prints text from column `indent` on, wrapped at blanks; the cursor stands at column `at`.
-static void print_wrapped(int at, int indent, const char *text) {
+void app_print_wrapped(int at, int indent, const char *text) {
     if (at + 1 > indent) {
         printf("\n");
         at = 0;
@@ -45,13 +43,14 @@ static void print_overview(void) {
     printf("satin %s: two-pass global illumination\n\n", SATIN_VERSION);
     for (const struct app_command *c = app_commands; c->name; c++) {
         int at = printf("  satin %s %s", c->name, c->usage);
-        print_wrapped(at, 46, c->doc);
+        app_print_wrapped(at, 46, c->doc);
     }
     printf(
         "\n"
         "  satin help COMMAND     its arguments\n"
         "  satin help options     all options of --set and of <integrator type=\"satin\">\n"
-        "  satin help NAME        one option\n"
+        "  satin help plugins     what scene files may hold\n"
+        "  satin help NAME        one option or plugin\n"
         "  satin --version\n"
         "\n"
         "Exit status: 0 done, 1 the work failed, 2 the input or the command line is wrong,\n"
@@ -63,7 +62,7 @@ static void print_command(const struct app_command *command) {
     for (const struct app_flag *f = command->flags; f->name; f++) {
         int at = printf("  %s%s%s%s%s", f->brief ? f->brief : "", f->brief ? ", " : "", f->name,
                         f->value ? " " : "", f->value ? f->value : "");
-        print_wrapped(at, 32, f->doc);
+        app_print_wrapped(at, 32, f->doc);
     }
 }
 
@@ -82,7 +81,7 @@ static void print_option(int index) {
     satin_option_info low = option_at(index, SATIN_DRAFT), mid = option_at(index, SATIN_PREVIEW),
                       high = option_at(index, SATIN_PRODUCTION);
     int at = printf("  %s", mid.name);
-    print_wrapped(at, 26, mid.doc);
+    app_print_wrapped(at, 26, mid.doc);
     printf("%26s%s; default %s", "", mid.range, mid.value);
     if (strcmp(low.value, mid.value) != 0 || strcmp(high.value, mid.value) != 0)
         if (strcmp(mid.name, "quality") != 0)
@@ -137,26 +136,34 @@ static bool help_option(const char *topic, struct text_nearest *search) {
 
 // ---- The command --------------------------------------------------------------------------------
 
-static int help_topic(const char *topic, bool markdown) {
+static int help_name(const char *topic) {
     struct text_nearest search = {.word = topic};
-    if (markdown && strcmp(topic, "options") != 0)
-        return app_wrong("--markdown prints options only: satin help options --markdown");
-    if (strcmp(topic, "options") == 0) {
-        if (markdown)
-            print_options_markdown();
-        else
-            print_options();
-        return APP_DONE;
-    }
     for (const struct app_command *c = app_commands; c->name; c++) {
         text_nearest_try(&search, c->name);
         if (strcmp(topic, c->name) != 0) continue;
         print_command(c);
         return APP_DONE;
     }
-    if (help_option(topic, &search)) return APP_DONE;
+    // An option and a plugin may share a name.
+    bool option = help_option(topic, &search), plugin = app_help_plugin(topic, &search);
+    if (option || plugin) return APP_DONE;
     if (search.best) return app_wrong("no help on '%s' (did you mean '%s'?)", topic, search.best);
     return app_wrong("no help on '%s'; `satin help` lists what there is", topic);
+}
+
+static int help_topic(const char *topic, bool markdown) {
+    bool options = strcmp(topic, "options") == 0;
+    if (markdown && !options)
+        return app_wrong("--markdown prints options only: satin help options --markdown");
+    if (markdown)
+        print_options_markdown();
+    else if (options)
+        print_options();
+    else if (strcmp(topic, "plugins") == 0)
+        app_help_plugins();
+    else
+        return help_name(topic);
+    return APP_DONE;
 }
 
 int app_help(int argc, char **argv) {

@@ -42,15 +42,15 @@ static void print_camera(const struct satin_scene *scene) {
 }
 
 static void print_shapes(const struct satin_scene *scene) {
-    static const char *const name[] = {[SHAPE_MESH] = "meshes",
-                                       [SHAPE_SPHERE] = "spheres",
-                                       [SHAPE_DISK] = "disks",
-                                       [SHAPE_CYLINDER] = "cylinders"};
+    static const char *const name[] = {[SHAPE_MESH] = "mesh",
+                                       [SHAPE_SPHERE] = "sphere",
+                                       [SHAPE_DISK] = "disk",
+                                       [SHAPE_CYLINDER] = "cylinder"};
     uint32_t count[4] = {0};
     for (uint32_t i = 0; i < scene->shape_count; i++) count[scene->shape[i].kind]++;
     printf("shapes     %" PRIu32, scene->shape_count);
     for (int k = 0; k < 4; k++)
-        if (count[k]) printf(", %" PRIu32 " %s", count[k], name[k]);
+        if (count[k]) printf(", %s %" PRIu32, name[k], count[k]);
     printf("; %" PRIu64 " triangles\n", scene->triangle_count);
     if (scene->shape_count)
         printf("bounds     (%g, %g, %g) to (%g, %g, %g)\n", (double)scene->bounds_lo.x,

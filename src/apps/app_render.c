@@ -205,6 +205,8 @@ static satin_status render(const struct request *r, const satin_scene *scene,
         if (written == SATIN_OK) print_summary(r, film, status, stats_wall() - start);
         if (written != SATIN_OK) status = written;
     }
+    if (!film && status == SATIN_CANCELLED && !r->quiet)
+        fprintf(stderr, "cancelled before a pixel was done: nothing is written\n");
     satin_film_free(film);
     return status;
 }

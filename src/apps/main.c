@@ -10,7 +10,7 @@ const struct app_command app_commands[] = {
     {"compare", "IMAGE.exr REFERENCE.exr", "Measures how far an image is from a reference.",
      app_compare_flags, app_compare},
     {"info", "FILE", "Describes a scene or an image.", app_info_flags, app_info},
-    {"help", "[TOPIC]", "Explains a command or an option.", app_help_flags, app_help},
+    {"help", "[TOPIC]", "Explains a command, an option or a plugin.", app_help_flags, app_help},
     {NULL, NULL, NULL, NULL, NULL},
 };
 

@@ -133,6 +133,11 @@ static satin_status read_header(struct reader *r, exr_storage_t *storage) {
     return make_film(r, channels);
 }
 
+// The strings that say how the file is built; they are not the image's.
+static bool is_structure(const char *name) {
+    return strcmp(name, "type") == 0 || strcmp(name, "name") == 0;
+}
+
 static satin_status read_attributes(struct reader *r) {
     int32_t count = 0;
     bool memory = true;
@@ -141,7 +146,7 @@ static satin_status read_attributes(struct reader *r) {
         const exr_attribute_t *a = NULL;
         if (exr_get_attribute_by_index(r->exr, 0, EXR_ATTR_LIST_FILE_ORDER, i, &a) !=
                 EXR_ERR_SUCCESS ||
-            a->type != EXR_ATTR_STRING || !a->string->str)
+            a->type != EXR_ATTR_STRING || !a->string->str || is_structure(a->name))
             continue;
         if (strcmp(a->name, FILM_STATS_ATTRIBUTE) == 0 && !r->film->stats)
             memory = (r->film->stats = strdup(a->string->str)) != NULL;

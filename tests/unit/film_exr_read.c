@@ -138,6 +138,7 @@ static void every_kind(void **state) {
         assert_int_equal(satin_film_read("kind.exr", NULL, NULL, &film), SATIN_OK);
         assert_int_equal(film->width, WIDTH);
         assert_int_equal(film->height, HEIGHT);
+        assert_int_equal(film->attribute_count, 1);
         assert_string_equal(film_attribute_get(film, "comments"), "made by a test");
         for (int c = 0; c < 3; c++) {
             const float *channel = satin_film_channel(film, c == 0 ? "B" : c == 1 ? "G" : "R");

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""tests/rules/exports LIBRARY HEADERS...: the shared library exports what the public headers declare
+"""rules_exports.py LIBRARY HEADERS...: the shared library exports what the public headers declare
 with SATIN_API, and nothing else."""
 import re
 import subprocess
