@@ -114,8 +114,10 @@ void shade_pixel(const struct shade *shade, int worker, int x, int y, uint32_t i
 }
 
 static unsigned wanted(const struct shade *shade, const struct gather_point *p) {
+    int channels;
     const satin_options *o = shade->g->options;
-    const struct brdf_table *table = p->lobes & BRDF_GLOSSY ? shade_table(shade, p) : NULL;
+    const struct brdf_table *table =
+        p->lobes & BRDF_GLOSSY ? shade_table(shade, p, &channels) : NULL;
     if (table && brdf_table_order(table, p->wo_l) > 0) return CACHE_RADIANCE;
     if ((p->lobes & BRDF_DIFFUSE) && o->radiance_cache && o->radiance_diffuse)
         return CACHE_RADIANCE;

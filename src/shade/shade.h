@@ -11,6 +11,7 @@
 struct shade_tables {
     size_t count;               // 2 per material
     struct brdf_table **table;  // [2 * material + side], side 1 is the back
+    int *channels;              // of each table: 1 or 3
     int order;                  // largest order of all; 0: nothing glossy is cached
 };
 
@@ -42,7 +43,7 @@ struct shade {
     const struct gather *g;
     const struct shade_tables *tables;
     const struct cache *cache;
-    float a_irradiance, a_radiance;   // accuracies of the image pass
+    float a_irradiance, a_radiance;  // accuracies of the image pass
     struct film_filter filter;
     struct gather_layout *gather;     // hemisphere where a cache is off
     struct gather_layout *fallback;   // hemisphere where no record is near

@@ -110,8 +110,11 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
     }
 }
 
-const struct brdf_table *shade_table(const struct shade *shade, const struct gather_point *p) {
+const struct brdf_table *shade_table(const struct shade *shade, const struct gather_point *p,
+                                     int *channels) {
     size_t side = v3_dot(p->frame.n, p->surfel.frame.n) < 0.0f;
     size_t i = 2 * (size_t)p->surfel.material + side;
-    return i < shade->tables->count ? shade->tables->table[i] : NULL;
+    if (i >= shade->tables->count) return NULL;
+    *channels = shade->tables->channels[i];
+    return shade->tables->table[i];
 }

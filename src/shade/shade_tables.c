@@ -27,8 +27,12 @@ satin_status shade_tables_build(const struct satin_scene *scene, const satin_opt
     struct shade_tables t = {.count = 2 * (size_t)scene->material_count};
     if (!options->radiance_cache) t.count = 0;
     t.table = calloc(t.count + 1, sizeof *t.table);
+    t.channels = calloc(t.count + 1, sizeof *t.channels);
     if (options->radiance_cache && options->radiance_diffuse) t.order = options->radiance_order;
-    if (!t.table) return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for BRDF tables");
+    if (!t.table || !t.channels) {
+        shade_tables_free(&t);
+        return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for BRDF tables");
+    }
     for (size_t i = 0; i < t.count; i++) {
         const struct material *m = &scene->material[i / 2];
         if (i % 2 && !m->two_sided) continue;
@@ -37,8 +41,10 @@ satin_status shade_tables_build(const struct satin_scene *scene, const satin_opt
             shade_tables_free(&t);
             return log_fail(log, status, "cannot represent BRDF '%s' in harmonics", m->name);
         }
-        if (t.table[i] && brdf_table_info(t.table[i]).order > t.order)
-            t.order = brdf_table_info(t.table[i]).order;
+        if (!t.table[i]) continue;
+        struct brdf_table_info info = brdf_table_info(t.table[i]);
+        t.channels[i] = info.channels;
+        if (info.order > t.order) t.order = info.order;
     }
     *out = t;
     return SATIN_OK;
@@ -47,5 +53,6 @@ satin_status shade_tables_build(const struct satin_scene *scene, const satin_opt
 void shade_tables_free(struct shade_tables *tables) {
     for (size_t i = 0; i < tables->count && tables->table; i++) brdf_table_free(tables->table[i]);
     free(tables->table);
+    free(tables->channels);
     *tables = (struct shade_tables){0};
 }

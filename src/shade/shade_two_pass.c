@@ -16,7 +16,7 @@ struct plan {
 
 static void make_plan(const struct shade_job *job, struct plan *plan) {
     const struct gather_point *p = &job->vertex->point;
-    const struct brdf_table *table = shade_table(job->shade, p);
+    const struct brdf_table *table = shade_table(job->shade, p, &plan->channels);
     plan->cached = plan->sampled = 0;
     plan->diffuse = p->lobes & BRDF_DIFFUSE;
     plan->order = 0;
@@ -26,10 +26,7 @@ static void make_plan(const struct shade_job *job, struct plan *plan) {
         plan->diffuse &= ~plan->cached;
         return;
     }
-    if (table) {
-        plan->order = brdf_table_lookup(table, p->wo_l, plan->C);
-        plan->channels = brdf_table_info(table).channels;
-    }
+    if (table) plan->order = brdf_table_lookup(table, p->wo_l, plan->C);
     if (plan->order > 0) {
         plan->cached = p->lobes & BRDF_SMOOTH;
     } else {
