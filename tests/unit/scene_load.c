@@ -123,8 +123,8 @@ static void keeps_hints(void **state) {
         load(SCENE_TEXT("<integrator type='satin'><integer name='photons' value='100'/>"
                         "<string name='first-pass' value='none'/></integrator>"));
     assert_int_equal(scene->hints.option_count, 2);
-    assert_string_equal(scene->hints.option_name[1], "first-pass");
-    assert_string_equal(scene->hints.option_value[0], "100");
+    assert_string_equal(scene->hints.option[1].name, "first-pass");
+    assert_string_equal(scene->hints.option[0].value, "100");
     assert_int_equal(scene->hints.max_depth, -2);
     satin_scene_free(scene);
 }
