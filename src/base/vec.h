@@ -73,10 +73,14 @@ static inline float rgb_luminance(rgb a) {
 static inline bool rgb_black(rgb a) { return a.r == 0.0f && a.g == 0.0f && a.b == 0.0f; }
 static inline bool rgb_finite(rgb a) { return isfinite(a.r) && isfinite(a.g) && isfinite(a.b); }
 
-static inline float clampf(float x, float lo, float hi) { return fminf(fmaxf(x, lo), hi); }
+// One instruction each, where fminf and fmaxf are calls; if one of both is a NaN, b is the result.
+static inline float minf(float a, float b) { return a < b ? a : b; }
+static inline float maxf(float a, float b) { return a > b ? a : b; }
+// A NaN becomes lo.
+static inline float clampf(float x, float lo, float hi) { return minf(maxf(x, lo), hi); }
 static inline float lerpf(float a, float b, float t) { return a + (b - a) * t; }
 static inline float sqrf(float x) { return x * x; }
-// Square root that takes a rounding error below zero as zero.
-static inline float safe_sqrtf(float x) { return sqrtf(fmaxf(x, 0.0f)); }
+// Square root that takes a rounding error below zero, and a NaN, as zero.
+static inline float safe_sqrtf(float x) { return sqrtf(maxf(x, 0.0f)); }
 
 #endif

@@ -42,7 +42,7 @@ satin_status brdf_albedo_prepare(struct brdf *b, struct arena *arena) {
     for (int j = 0; j < g->azimuths; j++)
         for (int i = 0; i < NODES; i++) {
             // Just above the rim, where some models are infinite.
-            float r = fminf((float)i / (NODES - 1), 0.995f), scale = 1.0f / (1.0f + r * r);
+            float r = minf((float)i / (NODES - 1), 0.995f), scale = 1.0f / (1.0f + r * r);
             float phi = 0.5f * PI_F * (float)j / (AZIMUTHS - 1);
             vec3 wo = v3(2.0f * r * scale * cosf(phi), 2.0f * r * scale * sinf(phi),
                          (1.0f - r * r) * scale);
@@ -63,7 +63,7 @@ static rgb glossy_albedo(const struct brdf *b, vec3 wo) {
     if (!g || g->alpha_u != b->alpha_u || g->alpha_v != b->alpha_v || g->exponent != b->exponent)
         return sample_mean(b, wo, LOOKUP_POINTS);
     float x = sqrtf(wo.x * wo.x + wo.y * wo.y) / (1.0f + wo.z) * (float)(NODES - 1);
-    x = fminf(x, (float)(NODES - 1));
+    x = minf(x, (float)(NODES - 1));
     if (g->azimuths == 1) return rgb_mul(lerp_nodes(g->node[0], x), b->specular);
     float y = atan2f(fabsf(wo.y), fabsf(wo.x)) * (2.0f / PI_F) * (float)(AZIMUTHS - 1);
     int j = y < (float)(AZIMUTHS - 2) ? (int)y : AZIMUTHS - 2;

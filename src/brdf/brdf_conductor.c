@@ -18,7 +18,7 @@ static struct microfacet facets(const struct brdf *b) {
 }
 
 static void rough_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
-    float cos_d = fminf(0.5f * v3_len(v3_add(wo, wi)), 1.0f);  // to the facet's normal
+    float cos_d = minf(0.5f * v3_len(v3_add(wo, wi)), 1.0f);  // to the facet's normal
     rgb f = rgb_mul(b->specular, fresnel_conductor(cos_d, b->eta, b->k));
     *diffuse = rgb_grey(0.0f);
     *glossy = rgb_scale(f, microfacet_reflection(facets(b), wo, wi));

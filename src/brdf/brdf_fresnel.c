@@ -2,9 +2,6 @@
 // Fresnel terms that are too long for the header; see there.
 #include "brdf/brdf_fresnel.h"
 
-// max(x, 0) that the compiler turns into one instruction.
-static float positive(float x) { return x > 0.0f ? x : 0.0f; }
-
 // With eta + i k and s = sin^2: the boundary acts like one of real index a + i b normal to it,
 // where (a + i b)^2 = (eta + i k)^2 - s. The four lanes of the arrays make one vector; lane 3
 // idles.
@@ -15,11 +12,11 @@ rgb fresnel_conductor(float cos_i, rgb eta, rgb k) {
     for (int i = 0; i < 4; i++) {
         float real = n[i] * n[i] - kk[i] * kk[i] - s2, nk = 2.0f * n[i] * kk[i];
         float norm = sqrtf(real * real + nk * nk);  // a^2 + b^2
-        float a = sqrtf(positive(0.5f * (norm + real)));
+        float a = sqrtf(maxf(0.5f * (norm + real), 0.0f));
         float t1 = norm + c2, t2 = 2.0f * cos_i * a;
         float t3 = norm * c2 + s4, t4 = t2 * s2;
-        float rs = (t1 - t2) / (t1 + t2);
-        r[i] = 0.5f * (rs + rs * (t3 - t4) / (t3 + t4));
+        // (s + p) / 2 with s = (t1 - t2) / (t1 + t2) and p = s (t3 - t4) / (t3 + t4).
+        r[i] = (t1 - t2) * t3 / ((t1 + t2) * (t3 + t4));
     }
     return rgb_make(r[0], r[1], r[2]);
 }

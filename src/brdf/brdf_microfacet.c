@@ -13,38 +13,41 @@ float microfacet_g1_exact(struct microfacet m, vec3 v) {
     return 2.0f * a / (a * (1.0f + erff(a)) + expf(-a * a) * (1.0f / 1.7724538509f));
 }
 
-// Inverse error function: Winitzki's closed form (2e-3), then two steps of Halley's method, with
-// erf'' = -2 x erf'.
+// Inverse error function: Winitzki's closed form, off by up to 5e-3.
+static double inverse_erf_roughly(double y) {
+    double l = log1p(-y * y), b = 2.0 / (M_PI * 0.147) + 0.5 * l;
+    return copysign(sqrt(sqrt(b * b - l / 0.147) - b), y);
+}
+
+// One step of Halley's method, with erf'' = -2 x erf', leaves 4e-7.
 static double inverse_erf(double y) {
     y = fmin(fmax(y, -1.0 + 1e-8), 1.0 - 1e-8);
-    double l = log1p(-y * y), b = 2.0 / (M_PI * 0.147) + 0.5 * l;
-    double x = copysign(sqrt(sqrt(b * b - l / 0.147) - b), y);
-    for (int i = 0; i < 2; i++) {
-        double step = (erf(x) - y) * exp(x * x) / M_2_SQRTPI;
-        x -= step / (1.0 + x * step);
-    }
-    return x;
+    double x = inverse_erf_roughly(y), step = (erf(x) - y) * exp(x * x) / M_2_SQRTPI;
+    return x - step / (1.0 + x * step);
 }
 
 // The slope along the view of a visible Beckmann facet of roughness 1, seen under an angle of
 // cosine c and sine s to the normal. Its density is (c - s x) exp(-x^2) up to x = c / s, so its
-// distribution is closed, and inverted by Newton's method kept inside a bracket.
+// distribution is closed, and inverted by Halley's method kept inside a bracket: two steps on
+// average, from a blend of the solutions for c = 1 and c = 0. Good to 1e-8 in u.
 static double beckmann_slope(double c, double s, double u) {
     const double q = 0.25 * M_2_SQRTPI;  // 1 / (2 sqrt(pi))
     double lo = -5.0, hi = s > 0.2 * c ? c / s : 5.0;
-    double below = 1.0 + erf(hi);
-    double target = u * (0.5 * c * below + q * s * exp(-hi * hi));
-    double x = inverse_erf(u * below - 1.0);
+    u = fmin(fmax(u, 1e-9), 1.0 - 1e-9);
+    double below = 1.0 + erf(hi), target = u * (0.5 * c * below + q * s * exp(-hi * hi));
+    double x = c * c * inverse_erf_roughly(u * below - 1.0) - s * s * sqrt(-log(u));
+    if (!(x > lo && x < hi)) x = 0.5 * (lo + hi);
     for (int i = 0; i < 24; i++) {
-        double e = exp(-x * x);
+        double e = exp(-x * x), facing = c - s * x;
         double excess = 0.5 * c * (1.0 + erf(x)) + q * s * e - target;
         if (excess > 0.0)
             hi = x;
         else
             lo = x;
-        double next = x - excess / (2.0 * q * e * (c - s * x));
+        double step = excess / (2.0 * q * e * facing);
+        double next = x - step / (1.0 + step * (x + 0.5 * s / facing));
         if (!(next > lo && next < hi)) next = 0.5 * (lo + hi);
-        if (fabs(next - x) < 1e-7) return next;
+        if (fabs(next - x) < 1e-3) return next;  // the step cubes the error
         x = next;
     }
     return x;
@@ -56,7 +59,7 @@ static vec2 ggx_slope(float c, float s, float u, float v) {
     vec2 p = sample_disk(u, v);
     p.y = lerpf(safe_sqrtf(1.0f - p.x * p.x), p.y, 0.5f * (1.0f + c));
     float z = safe_sqrtf(1.0f - p.x * p.x - p.y * p.y);
-    float scale = 1.0f / fmaxf(s * p.y + c * z, 1e-12f);
+    float scale = 1.0f / maxf(s * p.y + c * z, 1e-12f);
     return (vec2){(c * p.y - s * z) * scale, p.x * scale};
 }
 

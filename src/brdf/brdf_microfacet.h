@@ -18,7 +18,7 @@ struct microfacet {
 };
 
 static inline struct microfacet microfacet_make(enum brdf_distribution kind, float au, float av) {
-    return (struct microfacet){kind, fmaxf(au, 1e-4f), fmaxf(av, 1e-4f)};
+    return (struct microfacet){kind, maxf(au, 1e-4f), maxf(av, 1e-4f)};
 }
 
 // |(au v.x, av v.y)|^2: squared tangent of v after stretching, times v.z^2.

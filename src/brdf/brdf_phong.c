@@ -18,7 +18,7 @@ static float power(float x, float n) {
 // cos^n of the angle between wi and the reflection of wo.
 static float lobe(const struct brdf *b, vec3 wo, vec3 wi) {
     float c = wo.z * wi.z - wo.x * wi.x - wo.y * wi.y;
-    return c > 0.0f ? power(fminf(c, 1.0f), b->exponent) : 0.0f;
+    return c > 0.0f ? power(minf(c, 1.0f), b->exponent) : 0.0f;
 }
 
 static void eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
@@ -34,7 +34,7 @@ static void pdf(const struct brdf *b, vec3 wo, vec3 wi, float *diffuse, float *g
 
 // cos^n about the mirror direction; what falls below the surface is lost.
 static bool sample(const struct brdf *b, vec3 wo, float u, float v, vec3 *wi) {
-    float l = logf(fmaxf(1.0f - u, 0x1p-25f)) / (b->exponent + 1.0f);
+    float l = logf(maxf(1.0f - u, 0x1p-25f)) / (b->exponent + 1.0f);
     float c = expf(l), s = safe_sqrtf(-expm1f(2.0f * l)), phi = 2.0f * PI_F * v;
     struct frame f = frame_from_normal(v3(-wo.x, -wo.y, wo.z));
     *wi = frame_to_world(&f, v3(s * cosf(phi), s * sinf(phi), c));

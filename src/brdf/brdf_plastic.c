@@ -129,7 +129,7 @@ static satin_status rough_prepare(struct brdf *b, struct arena *arena) {
     quadrature_gauss(&rule_in, INSIDE_NODES);
     double inside = 0.0, enters = 0.0;
     for (int i = 0; i < TRANSMITTANCE_SIZE; i++) {
-        float mu = fmaxf((float)i / (float)(TRANSMITTANCE_SIZE - 1), 1e-6f);
+        float mu = maxf((float)i / (float)(TRANSMITTANCE_SIZE - 1), 1e-6f);
         struct boundary out = boundary_at(facets(b), mu, b->ior);
         struct boundary in = boundary_at(facets(b), mu, 1.0f / b->ior);
         c->transmittance[i] =
@@ -148,7 +148,7 @@ static satin_status rough_prepare(struct brdf *b, struct arena *arena) {
 
 static void rough_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
     const struct coat *c = b->tables;
-    float cos_d = fminf(0.5f * v3_len(v3_add(wo, wi)), 1.0f);
+    float cos_d = minf(0.5f * v3_len(v3_add(wo, wi)), 1.0f);
     float f = fresnel_dielectric(cos_d, b->ior, NULL) * microfacet_reflection(facets(b), wo, wi);
     float t = transmittance(c, wo.z) * transmittance(c, wi.z);
     *diffuse = rgb_scale(base_albedo(b, c), t * (1.0f / PI_F));

@@ -42,7 +42,7 @@ static double add_azimuth(const struct brdf *b, vec3 wo, const struct mirror *m,
     for (int i = 0; i < PROJECT_PANELS * PROJECT_NODES; i++) {
         float psi = horizon * rule->x[i], s = sinf(psi);
         vec3 wi = v3_mad(v3_mul(m->r, cosf(psi)), s, tangent);
-        wi.z = fmaxf(wi.z, 1e-7f);
+        wi.z = maxf(wi.z, 1e-7f);
         rgb diffuse, f;
         b->model->eval(b, wo, wi, &diffuse, &f);
         f = rgb_scale(f, wi.z);

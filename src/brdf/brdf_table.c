@@ -172,14 +172,14 @@ struct corners {
 // Cell and position in it along one axis.
 static int cell(const struct brdf_table *t, float position, float *fraction) {
     float x = position / node_step(t), last = (float)(t->side - 1);
-    x = x > 0.0f ? fminf(x, last) : 0.0f;
+    x = x > 0.0f ? minf(x, last) : 0.0f;
     int i = x < last ? (int)x : t->side - 2;
     *fraction = x - (float)i;
     return i;
 }
 
 static struct corners find_corners(const struct brdf_table *t, vec3 wo) {
-    float scale = 1.0f / (1.0f + fmaxf(wo.z, 0.0f)), p, q;
+    float scale = 1.0f / (1.0f + maxf(wo.z, 0.0f)), p, q;
     if (t->isotropic) {
         size_t i = (size_t)cell(t, scale * sqrtf(wo.x * wo.x + wo.y * wo.y), &p);
         return (struct corners){2, {i, i + 1}, {1.0f - p, p}};

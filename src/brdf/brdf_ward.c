@@ -7,7 +7,7 @@
 #include "brdf/brdf_models.h"
 
 // Scale of both roughnesses, away from 0.
-static float rough(float alpha) { return fmaxf(alpha, 1e-4f); }
+static float rough(float alpha) { return maxf(alpha, 1e-4f); }
 
 // exp(...) / (4 pi au av) for the half vector h, any length.
 static float gaussian(const struct brdf *b, vec3 h) {
@@ -43,7 +43,7 @@ static void pdf(const struct brdf *b, vec3 wo, vec3 wi, float *diffuse, float *g
 }
 
 static bool sample(const struct brdf *b, vec3 wo, float u, float v, vec3 *wi) {
-    float r = sqrtf(-logf(fmaxf(1.0f - u, 0x1p-25f))), phi = 2.0f * PI_F * v;
+    float r = sqrtf(-logf(maxf(1.0f - u, 0x1p-25f))), phi = 2.0f * PI_F * v;
     vec3 h =
         v3_unit(v3(rough(b->alpha_u) * r * cosf(phi), rough(b->alpha_v) * r * sinf(phi), 1.0f));
     float c = v3_dot(wo, h);
