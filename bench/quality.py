@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Error and time of two-pass renders of the data scenes against converged path-traced references.
 
-  bench/quality.py references DIR [SCENE ...]   render references (slow: PARTS x SPP samples per pixel)
-  bench/quality.py measure DIR [SCENE ...]      production, --time 4, --time 11, and path at equal error
+  bench/quality.py references DIR [SCENE ...]   render references (slow: PARTS x SPP samples)
+  bench/quality.py measure DIR [SCENE ...]      production, --time 4, --time 11, and path
 
-DIR keeps the references (400x400) and what is rendered. relMSE is the mean of (x - r)^2 / (r^2 + 0.01) with emitters
-masked and the reference's own noise subtracted.
+DIR keeps the references (400x400) and what is rendered. relMSE is the mean of
+(x - r)^2 / (r^2 + 0.01) with emitters masked and the reference's own noise subtracted.
 """
 import argparse
 import json

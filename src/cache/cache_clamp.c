@@ -30,18 +30,36 @@ float cache_clamp_irradiance(const struct cache *cache, const struct cache_site 
     if (slope * R > E && E > 0.0f) R = E / slope;
     R = pixel_clamp(R, a, site->pixel, o->irradiance_min_pixels, INFINITY);
     // Where the pixel holds the radius up, the gradient gives way: never extrapolate E below 0.
-    float reach = a * o->irradiance_widen * R;
-    if (slope * reach > E)
-        for (int c = 0; c < 3; c++)
-            value->grad_t[c] = v3_mul(value->grad_t[c], slope > 0.0f ? E / (slope * reach) : 0.0f);
+    const float Ec[3] = {value->E.r, value->E.g, value->E.b};
+    for (int c = 0; c < 3; c++) {
+        float change = v3_len(value->grad_t[c]) * a * o->irradiance_widen * R;
+        if (change > Ec[c]) value->grad_t[c] = v3_mul(value->grad_t[c], Ec[c] / change);
+    }
     return R;
 }
 
 float cache_clamp_radiance(const struct cache *cache, const struct cache_site *site, float a,
-                           const struct gather_radiance *value) {
+                           struct gather_radiance *value) {
     const satin_options *o = cache->g->options;
-    return pixel_clamp(bounded(value->R, cache), a, site->pixel, o->radiance_min_pixels,
-                       o->radiance_max_pixels);
+    const int n2 = cache->order * cache->order;
+    float R = pixel_clamp(bounded(value->R, cache), a, site->pixel, o->radiance_min_pixels,
+                          o->radiance_max_pixels);
+    // The same for the vector of each colour, by its length.
+    for (int c = 0; c < 3; c++) {
+        float *lambda = value->lambda + c * n2, *dx = value->dx + c * n2, *dy = value->dy + c * n2;
+        float size = 0.0f, slope = 0.0f;
+        for (int k = 0; k < n2; k++) {
+            size += lambda[k] * lambda[k];
+            slope += dx[k] * dx[k] + dy[k] * dy[k];
+        }
+        float change = sqrtf(slope) * a * o->radiance_widen * R;
+        if (!(change > sqrtf(size))) continue;
+        for (int k = 0; k < n2; k++) {
+            dx[k] *= sqrtf(size) / change;
+            dy[k] *= sqrtf(size) / change;
+        }
+    }
+    return R;
 }
 
 struct neighbours {

@@ -42,7 +42,7 @@ struct cache {
 float cache_clamp_irradiance(const struct cache *cache, const struct cache_site *site, float a,
                              struct gather_irradiance *value);
 float cache_clamp_radiance(const struct cache *cache, const struct cache_site *site, float a,
-                           const struct gather_radiance *value);
+                           struct gather_radiance *value);
 // Neighbour clamping [K05 6.5.2]: R of the new record, after limiting it by its neighbours and them
 // by it.
 float cache_clamp_neighbours(struct cache_tree *tree, vec3 p, vec3 n, float R);
