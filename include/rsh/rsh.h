@@ -45,6 +45,12 @@ typedef enum rsh_basis { RSH_SPHERE = 0, RSH_HEMISPHERE } rsh_basis;
 // y[n * n]: all basis functions in direction w.
 RSH_API bool rsh_eval(rsh_basis basis, int order, const float w[3], float *y);
 
+// The same with the derivatives by theta and phi; all three are arrays of n * n. At the pole phi
+// counts as 0. The hemisphere's d/dtheta grows as 1 / sqrt(cos theta) towards the horizon and is
+// held below cos theta = 1e-6.
+RSH_API bool rsh_eval_derivatives(rsh_basis basis, int order, const float w[3], float *y,
+                                  float *dtheta, float *dphi);
+
 // All basis functions in `count` directions, given as three arrays: out[k * count + i] is function
 // k in direction i.
 RSH_API bool rsh_eval_many(rsh_basis basis, int order, size_t count, const float *x, const float *y,
