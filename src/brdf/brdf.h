@@ -136,7 +136,7 @@ rgb brdf_albedo(const struct brdf *b, vec3 wo, unsigned lobes);
 struct brdf_table;
 
 struct brdf_table_info {
-    int order;     // largest order in use; 0: high-frequency at every direction
+    int order;     // no look-up returns more; 0: high-frequency at every direction
     int channels;  // 1 (grey) or 3
     float share;   // of the hemisphere of outgoing directions that is represented
     size_t bytes;

@@ -268,6 +268,8 @@ struct brdf_table_info brdf_table_info(const struct brdf_table *t) {
     struct brdf_table_info info = {.channels = t->channels};
     info.bytes =
         sizeof *t + t->nodes * (sizeof *t->order + (size_t)t->channels * t->stride * sizeof *t->c);
+    for (size_t node = 0; node < t->nodes; node++)
+        if (t->order[node] > info.order) info.order = t->order[node];
     double all = 0.0, represented = 0.0;
     int cells = t->side - 1;
     float step = node_step(t);
@@ -278,11 +280,9 @@ struct brdf_table_info brdf_table_info(const struct brdf_table *t) {
             if (r2 > 1.0f) continue;
             double solid_angle = (t->isotropic ? p : 1.0f) / sqrf(1.0f + r2);
             float scale = 1.0f / (1.0f + r2);
-            int order =
-                brdf_table_order(t, v3(2.0f * p * scale, 2.0f * q * scale, (1.0f - r2) * scale));
-            if (order > info.order) info.order = order;
+            vec3 wo = v3(2.0f * p * scale, 2.0f * q * scale, (1.0f - r2) * scale);
             all += solid_angle;
-            if (order) represented += solid_angle;
+            if (brdf_table_order(t, wo)) represented += solid_angle;
         }
     info.share = (float)(represented / all);
     return info;

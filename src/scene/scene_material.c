@@ -3,7 +3,8 @@
 // Sides are told by the shading normal, as the BRDF's own cosines are.
 #include "scene/scene.h"
 
-// Replaces the constants of `b` that are textured. Numbers take a texture's luminance.
+// Replaces the constants of `b` that are textured. Numbers take a texture's luminance, within what
+// the models can stand.
 static void look_up(const struct material_side *side, vec2 uv, struct brdf *b) {
     const struct texture *const *slot = side->slot;
     if (slot[BRDF_SLOT_DIFFUSE]) b->diffuse = texture_eval(slot[BRDF_SLOT_DIFFUSE], uv);
@@ -13,7 +14,7 @@ static void look_up(const struct material_side *side, vec2 uv, struct brdf *b) {
     float *number[] = {&b->alpha_u, &b->alpha_v, &b->exponent};
     for (int i = 0; i < 3; i++) {
         const struct texture *texture = slot[BRDF_SLOT_ALPHA_U + i];
-        if (texture) *number[i] = rgb_luminance(texture_eval(texture, uv));
+        if (texture) *number[i] = clampf(rgb_luminance(texture_eval(texture, uv)), 0.0f, 1e6f);
     }
 }
 

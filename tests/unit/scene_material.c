@@ -61,6 +61,10 @@ static void textures_replace_slots(void **state) {
     assert_true(b.diffuse.g == .5f && b.diffuse.b == .9f && rgb_black(b.specular));
     assert_true(b.alpha_u == .1f && fabsf(b.alpha_v - .3f) < 1e-6f && b.exponent == 7.0f);
     assert_true(rgb_black(material.front.base.diffuse));  // the material is untouched
+    const struct texture negative = {.kind = TEXTURE_CONSTANT, .value = {-3, -3, -3}};
+    material.front.slot[BRDF_SLOT_EXPONENT] = &negative;
+    assert_true(scene_brdf(&scene, &s, v3(0, 0, 1), &b, &f));
+    assert_true(b.exponent == 0.0f);
 }
 
 int main(void) {
