@@ -14,6 +14,7 @@
 #define DEPTH 0.35f      // how far below the tangent plane the surface may bend away
 #define FACING 0.5f      // least cosine between the normals of one surface
 #define EXTENT_MIN .02f  // bounds 1 / extent
+#define SECTOR (2.0f * PI_F / AREA_SECTORS)
 enum { BISECTIONS = 5, STEPS = 4 };
 
 struct probe {
@@ -52,24 +53,40 @@ static float extent(const struct probe *probe, vec3 w) {
     return 0.5f * (lo + hi) / probe->r;
 }
 
+static struct probe probe_make(const struct satin_scene *scene, vec3 p, vec3 n, float r) {
+    struct ray up = scene_spawn(scene, p, n, n);
+    // In a gap lower than the rays' height they run half way up.
+    float height = HEIGHT * r, room = clear_distance(scene, up.o, n, 2.0f * height);
+    if (room < 2.0f * height) height = 0.5f * room;
+    return (struct probe){scene, v3_mad(up.o, height, n), n, height, r};
+}
+
 void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r, uint64_t key,
                       struct photon_area *out) {
     out->frame = frame_from_normal(n);
-    out->turn = (float)(rng_mix(key) >> 40) * 0x1p-24f * (2.0f * PI_F / AREA_SECTORS);
+    out->turn = (float)(rng_mix(key) >> 40) * 0x1p-24f * SECTOR;
     out->open = true;
-    struct ray up = scene_spawn(scene, p, n, n);
-    // In a gap lower than the rays' height they run half way up.
-    float height = HEIGHT * r;
-    float room = clear_distance(scene, up.o, n, 2.0f * height);
-    if (room < 2.0f * height) height = 0.5f * room;
-    struct probe probe = {scene, v3_mad(up.o, height, n), n, height, r};
+    struct probe probe = probe_make(scene, p, n, r);
     for (int i = 0; i < AREA_SECTORS; i++) {
-        float phi = out->turn + (float)i * (2.0f * PI_F / AREA_SECTORS);
+        float phi = out->turn + (float)i * SECTOR;
         vec3 w = frame_to_world(&out->frame, v3(cosf(phi), sinf(phi), 0.0f));
         float e = extent(&probe, w);
         out->inverse[i] = 1.0f / fmaxf(e, EXTENT_MIN);
         if (e < 1.0f) out->open = false;
     }
+}
+
+bool photon_area_clear(const struct satin_scene *scene, vec3 p, vec3 n, float r) {
+    struct frame frame = frame_from_normal(n);
+    struct probe probe = probe_make(scene, p, n, r);
+    for (int i = 0; i < AREA_SECTORS; i++) {
+        // Far apart first: an edge is found soon.
+        float phi = (float)(i * 7 % AREA_SECTORS) * SECTOR;
+        vec3 w = frame_to_world(&frame, v3(cosf(phi), sinf(phi), 0.0f));
+        if (clear_distance(scene, probe.origin, w, r) < r || !surface_below(&probe, w, 0.98f * r))
+            return false;
+    }
+    return true;
 }
 
 // 1 / extent at `sector`, a real number in [0, AREA_SECTORS].
@@ -81,7 +98,7 @@ static float inverse_extent(const struct photon_area *area, float sector) {
 
 bool photon_area_has(const struct photon_area *area, vec3 d, float r) {
     float x = v3_dot(d, area->frame.u), y = v3_dot(d, area->frame.v);
-    float sector = (atan2f(y, x) - area->turn) * (AREA_SECTORS / (2.0f * PI_F));
+    float sector = (atan2f(y, x) - area->turn) * (1.0f / SECTOR);
     if (sector < 0.0f) sector += AREA_SECTORS;
     if (sector < 0.0f) sector += AREA_SECTORS;
     float inverse = inverse_extent(area, fminf(sector, (float)AREA_SECTORS));

@@ -19,23 +19,23 @@ static bool belongs(const struct photon_disc *disc, int i) {
 }
 
 static bool counts(const struct photon_disc *disc, int i) {
-    int row = disc->row[i];
-    return row >= 0 && row != disc->self && disc->distance2[i] < disc->r * disc->r;
+    return disc->row[i] >= 0 && disc->distance2[i] < disc->r2;
 }
 
-// The radius: the outermost of k photons, or the map's bound if that is nearer; with fewer photons
-// in the map than asked for, the bound.
-static float disc_radius(const struct photon_query *query, const int *row, const float *distance2) {
+// The radius squared: the outermost of k photons, or the map's bound if that is nearer; with fewer
+// photons in the map than asked for, the bound.
+static float disc_radius2(const struct photon_query *query, const int *row,
+                          const float *distance2) {
     float far2 = 0.0f;
     bool full = true;
     for (int i = 0; i < query->k; i++) {
         if (row[i] < 0)
             full = false;
-        else if (row[i] != query->self)
+        else
             far2 = fmaxf(far2, distance2[i]);
     }
-    float r = sqrtf(far2);
-    return full ? fminf(r, query->map->radius_max) : query->map->radius_max;
+    float most = query->map->radius_max;
+    return full ? fminf(far2, most * most) : most * most;
 }
 
 // Whether a photon of the disc knows that something cuts the surroundings, or none knows anything.
@@ -66,13 +66,13 @@ void photon_disc_make(const struct photon_query *query, const int *row, const fl
     out->p = query->p;
     out->n = query->n;
     out->kernel = query->kernel;
-    out->self = query->self;
     out->count = query->k;
     out->row = row;
     out->distance2 = distance2;
     out->corrected = false;
     out->scale = 0.0f;
-    out->r = disc_radius(query, row, distance2);
+    out->r2 = disc_radius2(query, row, distance2);
+    out->r = sqrtf(out->r2);
     if (!(out->r > 0.0f)) return;
     float share = 1.0f;
     bool measure = query->correction == AREA_MEASURED ||
@@ -83,7 +83,7 @@ void photon_disc_make(const struct photon_query *query, const int *row, const fl
         // In the tightest cracks nearly nothing is there, and a single photon would shine.
         if (out->corrected) share = fmaxf(photon_area_share(&out->area, query->kernel), 0.02f);
     }
-    out->scale = 1.0f / (PI_F * out->r * out->r * share);
+    out->scale = 1.0f / (PI_F * out->r2 * share);
 }
 
 float photon_disc_weight(const struct photon_disc *disc, int i) {
@@ -92,7 +92,7 @@ float photon_disc_weight(const struct photon_disc *disc, int i) {
         vec3 d = v3_sub(photon_position(disc->map, (size_t)disc->row[i]), disc->p);
         if (!photon_area_has(&disc->area, d, disc->r)) return 0.0f;
     }
-    float q = disc->distance2[i] / (disc->r * disc->r);
+    float q = disc->distance2[i] / disc->r2;
     return disc->scale * photon_kernel_weight(disc->kernel, q);
 }
 
@@ -110,7 +110,6 @@ rgb photon_disc_irradiance(const struct photon_disc *disc) {
 
 // A surface point as the estimates of reflected radiance need it.
 struct reflection {
-    vec3 ng;
     const struct frame *frame;
     const struct brdf *brdf;
     vec3 wo;
@@ -151,10 +150,14 @@ rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *sc
                     unsigned lobes, float *radius) {
     *radius = 0.0f;
     if (maps->global.count == 0) return rgb_grey(0.0f);
-    struct photon_query query = {
-        &maps->global,  scene, p,           ng,
-        maps->photon_k, -1,    KERNEL_FLAT, maps->area ? AREA_IF_NEEDED : AREA_WHOLE};
-    struct reflection at = {ng, frame, brdf, wo, lobes};
+    struct photon_query query = {&maps->global,
+                                 scene,
+                                 p,
+                                 ng,
+                                 maps->photon_k,
+                                 KERNEL_FLAT,
+                                 maps->area ? AREA_IF_NEEDED : AREA_WHOLE};
+    struct reflection at = {frame, brdf, wo, lobes};
     return estimate(&query, &at, radius);
 }
 
@@ -166,10 +169,9 @@ rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *sce
                                  p,
                                  ng,
                                  maps->caustic_k,
-                                 -1,
                                  KERNEL_PARABOLA,
                                  maps->area ? AREA_IF_NEEDED : AREA_WHOLE};
-    struct reflection at = {ng, frame, brdf, wo, lobes};
+    struct reflection at = {frame, brdf, wo, lobes};
     float radius;
     return estimate(&query, &at, &radius);
 }

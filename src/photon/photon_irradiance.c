@@ -5,6 +5,11 @@
 // median radius of the density estimates, about four times the spacing of the entries: photons of a
 // wall at right angles seem further than any neighbour on the own wall, while on curved surfaces
 // the neighbours stay near as long as the surface does not turn within an estimate's disc.
+//
+// An entry's photon counts in its own estimate, which makes it too bright by 1 / (k - 1) on average
+// over photons. Lookups are not even over photons, though: an entry in a gap answers for more area
+// than one in a cluster, and its estimate is lower. Over area the two cancel (measured in a
+// furnace: within .3 % for k of 20 to 200, 4 % too bright at 10).
 #include "photon/photon_map.h"
 
 #include <math.h>
@@ -15,10 +20,12 @@
 
 enum {
     GRAIN = 256,  // entries of a chunk
-    BATCH = 64,   // queries of one call
+    GROUP = 8,    // of them are searched and judged together
+    BATCH = 64,   // lookups of one call
     RETRY_K = 16  // neighbours searched if the nearest one faces elsewhere
 };
 #define FACING 0.5f
+#define CLEARING 2.5f  // radius of a clearing over that of a disc
 
 struct precompute {
     struct photon_map *map;
@@ -30,21 +37,46 @@ struct precompute {
     atomic_bool failed;
 };
 
-static void precompute_one(struct precompute *job, size_t entry, const int *row,
-                           const float *distance2) {
+static struct photon_query query_of(const struct precompute *job, size_t entry,
+                                    enum photon_correction correction) {
     struct photon_map *map = job->map;
     size_t i = entry * map->stride;
-    struct photon_query query = {map,
-                                 job->scene,
-                                 photon_position(map, i),
-                                 photon_unpack(map->photon[i].n),
-                                 job->k,
-                                 job->E ? (int)i : -1,
-                                 KERNEL_FLAT,
-                                 job->area ? AREA_MEASURED : AREA_WHOLE};
+    return (struct photon_query){
+        map,         job->scene, photon_position(map, i), photon_unpack(map->photon[i].n), job->k,
+        KERNEL_FLAT, correction};
+}
+
+// A place around which the surface is known to be whole up to a distance; 0: not known.
+struct clearing {
+    vec3 p, n;
+    float reach;
+};
+
+// Far from edges one clearing tells of a group of entries, which are neighbours on the Morton
+// curve, and saves them the rays.
+static struct clearing find_clearing(const struct precompute *job, size_t entry, const int *row,
+                                     const float *distance2) {
+    struct photon_query query = query_of(job, entry, AREA_WHOLE);
+    struct clearing clearing = {query.p, query.n, 0.0f};
     struct photon_disc disc;
     photon_disc_make(&query, row, distance2, &disc);
-    map->open[entry] = !disc.corrected;
+    float reach = CLEARING * disc.r;
+    if (job->area && reach > 0.0f && photon_area_clear(job->scene, query.p, query.n, reach))
+        clearing.reach = reach;
+    return clearing;
+}
+
+static void precompute_one(struct precompute *job, size_t entry, const struct clearing *clearing,
+                           const int *row, const float *distance2) {
+    struct photon_query query = query_of(job, entry, AREA_WHOLE);
+    struct photon_disc disc;
+    photon_disc_make(&query, row, distance2, &disc);
+    float room = clearing->reach - sqrtf(v3_dist2(query.p, clearing->p));
+    if (job->area && !(disc.r <= room && v3_dot(query.n, clearing->n) > 0.9f)) {
+        query.correction = AREA_MEASURED;
+        photon_disc_make(&query, row, distance2, &disc);
+    }
+    job->map->open[entry] = !disc.corrected;
     if (!job->E) return;
     job->E[entry] = photon_disc_irradiance(&disc);
     job->radius[entry] = disc.r;
@@ -54,15 +86,13 @@ static void precompute_chunk(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
     struct precompute *job = ctx;
     const struct photon_map *map = job->map;
-    size_t k = (size_t)job->k, batch = PHOTON_BATCH / k;
-    if (batch < 1) batch = 1;
-    if (batch > BATCH) batch = BATCH;
-    int *row = malloc(batch * k * sizeof *row);
-    float *distance2 = malloc(batch * k * sizeof *distance2);
+    size_t k = (size_t)job->k;
+    int *row = malloc(GROUP * k * sizeof *row);
+    float *distance2 = malloc(GROUP * k * sizeof *distance2);
     if (!row || !distance2) atomic_store(&job->failed, true);
-    for (size_t at = begin; at < end && !atomic_load(&job->failed); at += batch) {
-        size_t n = end - at < batch ? end - at : batch;
-        float query[3 * BATCH];
+    for (size_t at = begin; at < end && !atomic_load(&job->failed); at += GROUP) {
+        size_t n = end - at < GROUP ? end - at : GROUP, middle = n / 2;
+        float query[3 * GROUP];
         for (size_t i = 0; i < n; i++) {
             vec3 p = photon_position(map, (at + i) * map->stride);
             query[3 * i] = p.x;
@@ -70,7 +100,10 @@ static void precompute_chunk(void *ctx, size_t begin, size_t end, int worker) {
             query[3 * i + 2] = p.z;
         }
         photon_index_nearest(map->index, query, n, job->k, row, distance2);
-        for (size_t i = 0; i < n; i++) precompute_one(job, at + i, row + i * k, distance2 + i * k);
+        struct clearing clearing =
+            find_clearing(job, at + middle, row + middle * k, distance2 + middle * k);
+        for (size_t i = 0; i < n; i++)
+            precompute_one(job, at + i, &clearing, row + i * k, distance2 + i * k);
     }
     free(row);
     free(distance2);
@@ -133,13 +166,8 @@ satin_status photon_irradiance_build(struct photon_map *map, const struct satin_
     r.E = array_new(r.count, sizeof *r.E);
     r.radius = array_new(r.count, sizeof *r.radius);
     if (r.row && r.E && r.radius) {
-        // One more neighbour, as each entry finds itself.
-        struct precompute job = {.map = map,
-                                 .scene = scene,
-                                 .k = k < PHOTON_K_MAX ? k + 1 : k,
-                                 .area = area,
-                                 .E = r.E,
-                                 .radius = r.radius};
+        struct precompute job = {
+            .map = map, .scene = scene, .k = k, .area = area, .E = r.E, .radius = r.radius};
         status = run(&job, PHOTON_STRIDE, pool, log);
     }
     if (status == SATIN_OK) {

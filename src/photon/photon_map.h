@@ -7,7 +7,6 @@
 
 enum {
     PHOTON_K_MAX = 10000,   // photons in one density estimate, the bound of options->photon_k
-    PHOTON_BATCH = 8192,    // neighbours found by one call to the library
     PHOTON_STRIDE = 4,      // irradiance is precomputed at every 4th photon of the sorted map
     PHOTON_EDGE_STRIDE = 8  // the caustic map's open surroundings are known at every 8th
 };
@@ -125,6 +124,8 @@ struct photon_area {
 // `key` turns the sectors, so that no direction is favoured.
 void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r, uint64_t key,
                       struct photon_area *out);
+// Whether all of the disc is there; quick to say no.
+bool photon_area_clear(const struct satin_scene *scene, vec3 p, vec3 n, float r);
 // Whether p + d is in the part of the disc that is there.
 bool photon_area_has(const struct photon_area *area, vec3 d, float r);
 
@@ -144,11 +145,10 @@ struct photon_disc {
     const struct photon_map *map;
     vec3 p, n;
     enum photon_kernel kernel;
-    int self;   // a photon that does not count, or -1
     int count;  // of row and distance2, which the caller keeps
     const int *row;
     const float *distance2;
-    float r;         // 0: no photons
+    float r, r2;     // its radius, and squared; 0: no photons
     float scale;     // 1 / (area of the disc that is there) [m^-2]
     bool corrected;  // photons count only where `area` has surface
     struct photon_area area;
@@ -160,7 +160,6 @@ struct photon_query {
     const struct satin_scene *scene;
     vec3 p, n;  // n unit, the geometric normal on the side that is lit
     int k;
-    int self;  // a photon to leave out, or -1
     enum photon_kernel kernel;
     enum photon_correction { AREA_WHOLE = 0, AREA_IF_NEEDED, AREA_MEASURED } correction;
 };
