@@ -18,7 +18,7 @@ struct ray camera_ray(const struct satin_scene *scene, float x, float y, float u
     if (camera->aperture > 0.0f) {
         vec2 lens = sample_disk(u, v);
         origin = v3(camera->aperture * lens.x, camera->aperture * lens.y, 0.0f);
-        d = v3_unit(v3_sub(v3_mul(plane, camera->focus_distance), origin));
+        d = v3_unit(v3_mad(plane, -1.0f / camera->focus_distance, origin));
     }
     return (struct ray){mat4_point(&camera->to_world, origin), camera->near_clip / d.z,
                         v3_unit(mat4_vector(&camera->to_world, d)), camera->far_clip / d.z};

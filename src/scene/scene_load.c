@@ -104,8 +104,8 @@ static void *keep_array(struct scene_loader *loader, const void *items, size_t c
 // Moves the loader's arrays into the scene.
 static satin_status keep_objects(struct scene_loader *loader) {
     struct satin_scene *scene = loader->scene;
-    if (loader->shape_count > INT32_MAX || loader->light_count > INT32_MAX)
-        return log_fail(loader->log, SATIN_ERROR_INPUT, "%s: too many shapes", loader->path);
+    if (loader->light_count > INT32_MAX)
+        return log_fail(loader->log, SATIN_ERROR_INPUT, "%s: too many lights", loader->path);
     scene->shape = keep_array(loader, loader->shape, loader->shape_count, sizeof *scene->shape);
     scene->material =
         keep_array(loader, loader->material, loader->material_count, sizeof *scene->material);
@@ -117,6 +117,15 @@ static satin_status keep_objects(struct scene_loader *loader) {
     return SATIN_OK;
 }
 
+// Sums over lights must stay finite, else nothing can be chosen by power.
+static satin_status check_power(const struct scene_loader *loader) {
+    float sum = 0.0f;
+    for (uint32_t i = 0; i < loader->scene->light_count; i++) sum += loader->scene->light[i].power;
+    if (isfinite(sum)) return SATIN_OK;
+    return log_fail(loader->log, SATIN_ERROR_INPUT, "%s: the lights' power is too large to count",
+                    loader->path);
+}
+
 static satin_status load(struct scene_loader *loader) {
     struct params p;
     struct param_source source = {loader->log, &loader->xml};
@@ -126,7 +135,7 @@ static satin_status load(struct scene_loader *loader) {
     if (status == SATIN_OK) status = keep_objects(loader);
     if (status == SATIN_OK) status = scene_trace_build(loader->scene, loader->log);
     if (status == SATIN_OK) status = scene_lights_prepare(loader->scene, loader->log);
-    return status;
+    return status == SATIN_OK ? check_power(loader) : status;
 }
 
 satin_status satin_scene_load(const char *path, const satin_define *defines, size_t define_count,

@@ -21,7 +21,8 @@ enum param_kind {
     PARAM_IOR     // <float> or the name of a substance
 };
 
-enum param_range { RANGE_ANY = 0, RANGE_POSITIVE, RANGE_NOT_NEGATIVE, RANGE_UNIT };
+// RANGE_MODEST is 0 to 10^6: numbers whose squares and products must stay far from overflow.
+enum param_range { RANGE_ANY = 0, RANGE_POSITIVE, RANGE_NOT_NEGATIVE, RANGE_MODEST, RANGE_UNIT };
 
 enum param_flag { PARAM_REQUIRED = 1, PARAM_TEXTURE = 2 };  // PARAM_TEXTURE: a <texture> will do
 
@@ -54,8 +55,8 @@ struct scene_loader;
 struct params;
 
 // Builds what an element describes. `object` is, by element: <bsdf> struct material_side, <shape>
-// struct shape, <emitter> struct light, <texture> struct texture, <rfilter> struct film_spec;
-// else NULL.
+// struct shape, <emitter> struct light, <texture> struct texture, <sensor> struct camera, <film>
+// and <rfilter> struct film_spec; else NULL.
 typedef satin_status (*plugin_build)(struct scene_loader *loader, const struct params *params,
                                      void *object);
 

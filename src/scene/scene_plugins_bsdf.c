@@ -55,27 +55,27 @@ static const struct param_spec nonlinear = {
 static const struct param_spec metal = {
     "material", PARAM_STRING, NULL, 0, 0, NULL, "name of a metal, in place of eta and k"};
 static const struct param_spec metal_eta = {
-    "eta", PARAM_COLOR, "0", RANGE_NOT_NEGATIVE, 0, NULL, "index of refraction, real part"};
+    "eta", PARAM_COLOR, "0", RANGE_MODEST, 0, NULL, "index of refraction, real part"};
 static const struct param_spec metal_k = {
-    "k", PARAM_COLOR, "1", RANGE_NOT_NEGATIVE, 0, NULL, "index of refraction, absorption"};
+    "k", PARAM_COLOR, "1", RANGE_MODEST, 0, NULL, "index of refraction, absorption"};
 static const struct param_spec distribution = {
     "distribution", PARAM_CHOICE, "beckmann", 0, 0, distributions, "of the facets' normals"};
-static const struct param_spec alpha = {"alpha",       PARAM_FLOAT, ".1",       RANGE_NOT_NEGATIVE,
+static const struct param_spec alpha = {"alpha",       PARAM_FLOAT, ".1",       RANGE_MODEST,
                                         PARAM_TEXTURE, NULL,        "roughness"};
-static const struct param_spec plastic_alpha = {"alpha", PARAM_FLOAT, ".1", RANGE_NOT_NEGATIVE, 0,
-                                                NULL,    "roughness"};
+static const struct param_spec plastic_alpha = {"alpha", PARAM_FLOAT, ".1",       RANGE_MODEST,
+                                                0,       NULL,        "roughness"};
 static const struct param_spec alpha_u = {
-    "alpha_u", PARAM_FLOAT, NULL, RANGE_NOT_NEGATIVE, PARAM_TEXTURE, NULL, "roughness along u"};
+    "alpha_u", PARAM_FLOAT, NULL, RANGE_MODEST, PARAM_TEXTURE, NULL, "roughness along u"};
 static const struct param_spec alpha_v = {
-    "alpha_v", PARAM_FLOAT, NULL, RANGE_NOT_NEGATIVE, PARAM_TEXTURE, NULL, "roughness along v"};
+    "alpha_v", PARAM_FLOAT, NULL, RANGE_MODEST, PARAM_TEXTURE, NULL, "roughness along v"};
 static const struct param_spec ward_alpha_u = {
-    "alpha_u", PARAM_FLOAT, ".1", RANGE_NOT_NEGATIVE, PARAM_TEXTURE, NULL, "roughness along u"};
+    "alpha_u", PARAM_FLOAT, ".1", RANGE_MODEST, PARAM_TEXTURE, NULL, "roughness along u"};
 static const struct param_spec ward_alpha_v = {
-    "alpha_v", PARAM_FLOAT, ".1", RANGE_NOT_NEGATIVE, PARAM_TEXTURE, NULL, "roughness along v"};
+    "alpha_v", PARAM_FLOAT, ".1", RANGE_MODEST, PARAM_TEXTURE, NULL, "roughness along v"};
 static const struct param_spec sample_visible = {
     "sample_visible", PARAM_BOOLEAN, "true", 0, 0, NULL, "sampling in Mitsuba; has no effect"};
 static const struct param_spec exponent = {
-    "exponent", PARAM_FLOAT, "30", RANGE_NOT_NEGATIVE, PARAM_TEXTURE, NULL, "of the lobe's cosine"};
+    "exponent", PARAM_FLOAT, "30", RANGE_MODEST, PARAM_TEXTURE, NULL, "of the lobe's cosine"};
 static const struct param_spec variant = {
     "variant", PARAM_CHOICE, "balanced", 0, 0, variants, "normalisation of the lobe"};
 
@@ -152,6 +152,15 @@ static satin_status set_metal(struct scene_loader *loader, const struct params *
     return SATIN_ERROR_INPUT;
 }
 
+static satin_status set_ior(struct scene_loader *loader, const struct params *p,
+                            struct material_side *side) {
+    side->base.ior = param(p, "int_ior")->f / param(p, "ext_ior")->f;
+    if (side->base.ior >= 0.01f && side->base.ior <= 100.0f) return SATIN_OK;
+    log_error_at(loader->log, p->node->place, "int_ior / ext_ior is %g, but must be in [0.01, 100]",
+                 (double)side->base.ior);
+    return SATIN_ERROR_INPUT;
+}
+
 // Light must not grow on its way: paths of any length would not end.
 static satin_status check_albedo(struct scene_loader *loader, const struct params *p,
                                  const struct material_side *side) {
@@ -185,9 +194,9 @@ static satin_status build_roughconductor(struct scene_loader *loader, const stru
 static satin_status build_dielectric(struct scene_loader *loader, const struct params *p,
                                      void *object) {
     struct material_side *side = object;
-    side->base.ior = param(p, "int_ior")->f / param(p, "ext_ior")->f;
-    satin_status status =
-        set_color(loader, param(p, "specular_reflectance"), side, BRDF_SLOT_SPECULAR);
+    satin_status status = set_ior(loader, p, side);
+    if (status == SATIN_OK)
+        status = set_color(loader, param(p, "specular_reflectance"), side, BRDF_SLOT_SPECULAR);
     if (status != SATIN_OK) return status;
     return set_color(loader, param(p, "specular_transmittance"), side, BRDF_SLOT_TRANSMITTANCE);
 }
@@ -204,9 +213,9 @@ static satin_status set_both(struct scene_loader *loader, const struct params *p
 static satin_status build_plastic(struct scene_loader *loader, const struct params *p,
                                   void *object) {
     struct material_side *side = object;
-    side->base.ior = param(p, "int_ior")->f / param(p, "ext_ior")->f;
     side->base.nonlinear = param(p, "nonlinear")->b;
-    return set_both(loader, p, side);
+    satin_status status = set_ior(loader, p, side);
+    return status == SATIN_OK ? set_both(loader, p, side) : status;
 }
 
 static satin_status build_roughplastic(struct scene_loader *loader, const struct params *p,

@@ -36,6 +36,8 @@ static const struct param_spec axis_start = {"p0", PARAM_POINT,        "0 0 0", 
 static const struct param_spec axis_end = {"p1", PARAM_POINT, "0 0 1",          0,
                                            0,    NULL,        "end of the axis"};
 
+enum { SHAPES_MAX = 1 << 20 };  // each costs some kilobytes, whatever it is
+
 typedef const struct param_spec *const param_list[];
 static param_list obj_params = {&filename,     &face_normals, &flip_v, &to_world,
                                 &flip_normals, &silhouette,   NULL};
@@ -204,6 +206,7 @@ satin_status scene_shape_add(struct scene_loader *loader, struct xml_node *node)
     struct params p;
     satin_status status = scene_params(loader, node, &p);
     if (status != SATIN_OK) return status;
+    if (loader->shape_count == SHAPES_MAX) return fail(loader, &p, "the scene has too many shapes");
     struct xml_node *bsdf, *emitter;
     status = only_child(loader, &p, XML_BSDF, &bsdf);
     if (status == SATIN_OK) status = only_child(loader, &p, XML_EMITTER, &emitter);

@@ -73,6 +73,8 @@ static bool in_range(enum param_range range, float x) {
             return x > 0.0f;
         case RANGE_NOT_NEGATIVE:
             return x >= 0.0f;
+        case RANGE_MODEST:
+            return x >= 0.0f && x <= 1e6f;
         case RANGE_UNIT:
             return x >= 0.0f && x <= 1.0f;
         default:
@@ -82,7 +84,7 @@ static bool in_range(enum param_range range, float x) {
 
 static satin_status check_range(struct log log, const struct param_spec *spec,
                                 struct log_place place, float x) {
-    static const char *const text[] = {"", "positive", "0 or more", "in [0, 1]"};
+    static const char *const text[] = {"", "positive", "0 or more", "0 to 1e6", "in [0, 1]"};
     if (in_range(spec->range, x)) return SATIN_OK;
     log_error_at(log, place, "%s is %g, but must be %s", spec->name, x, text[spec->range]);
     return SATIN_ERROR_INPUT;
