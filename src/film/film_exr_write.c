@@ -14,7 +14,7 @@
 
 enum {
     BATCH = 64,          // compressed chunks held in memory at once
-    ZIP_LEVEL = 4,       // 6 takes twice the time to save about 1 % of noisy float data
+    ZIP_LEVEL = 4,       // fixed, as defaults differ; noisy floats: 1 to 9 differ by 1.5 % in size
     SHORT_NAME_MAX = 31  // longer names need a flag that readers before OpenEXR 1.7 refuse
 };
 
