@@ -66,11 +66,7 @@ void rsh_accumulate(size_t count, size_t coefficients, const float *matrix, cons
 
 bool rsh_dot3(int order, int a_channels, const float *a, const float *b, float out[3]) {
     if (!rsh_order_ok(order)) return false;
-    int n = order * order, step = a_channels == 1 ? 0 : n;
-    for (int c = 0; c < 3; c++) {
-        float sum = 0.0f;
-        for (int k = 0; k < n; k++) sum += a[c * step + k] * b[c * n + k];
-        out[c] = sum;
-    }
+    int n = order * order;
+    rsh_kernels_best()->dot3(n, a_channels == 1 ? 0 : n, a, b, out);
     return true;
 }

@@ -261,6 +261,31 @@ static void kernel_accumulate(size_t count, size_t coefficients, const float *ma
         accumulate_channels(1, count, coefficients, matrix, value, out);
 }
 
+// The last n % W terms come with the last vector, whose other lanes are masked out.
+static void kernel_dot3(int n, int step, const float *a, const float *b, float out[3]) {
+    static const float zeros_ones[2 * W] = {[W... 2 * W - 1] = 1.0f};
+    if (n < W) {
+        rsh_kernels_plain.dot3(n, step, a, b, out);
+        return;
+    }
+    vf sum[3] = {{0}, {0}, {0}};
+    int k = 0;
+    for (; k + W <= n; k += W)
+        for (int c = 0; c < 3; c++) sum[c] += load(a + c * step + k) * load(b + c * n + k);
+    if (k < n) {
+        vf mask = load(zeros_ones + n - k);
+        for (int c = 0; c < 3; c++)
+            sum[c] += load(a + c * step + n - W) * mask * load(b + c * n + n - W);
+    }
+    for (int c = 0; c < 3; c++) out[c] = sum_lanes(sum[c]);
+}
+
 const struct rsh_kernels GLUE(rsh_kernels_, RSH_NAME) = {
-    TEXT(RSH_NAME),    kernel_eval_many,          kernel_project,
-    kernel_accumulate, GLUE(rsh_turn_, RSH_NAME), GLUE(rsh_convert_, RSH_NAME)};
+    .name = TEXT(RSH_NAME),
+    .eval_many = kernel_eval_many,
+    .project = kernel_project,
+    .accumulate = kernel_accumulate,
+    .dot3 = kernel_dot3,
+    .turn = GLUE(rsh_turn_, RSH_NAME),
+    .convert = GLUE(rsh_convert_, RSH_NAME),
+};

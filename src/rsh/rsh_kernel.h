@@ -33,6 +33,8 @@ struct rsh_kernels {
                     const float *z, const float *const value[3], float *out);
     void (*accumulate)(size_t count, size_t coefficients, const float *matrix,
                        const float *const value[3], float *out);
+    // rsh_dot3 with the step between the channels of a, 0 or n, for vectors of n numbers.
+    void (*dot3)(int n, int step, const float *a, const float *b, float out[3]);
     void (*turn)(const struct rsh_turn *turn, int order, int channels, const float *in, float *out);
     // One channel from order bands[1] to order bands[0], or the transposed map, whose outputs are
     // the rows' inputs; neither order is above what the rows have. out != in.

@@ -33,6 +33,14 @@ static void plain_project(rsh_basis basis, int order, size_t count, const float 
     }
 }
 
+static void plain_dot3(int n, int step, const float *a, const float *b, float out[3]) {
+    for (int c = 0; c < 3; c++) {
+        float sum = 0.0f;
+        for (int k = 0; k < n; k++) sum += a[c * step + k] * b[c * n + k];
+        out[c] = sum;
+    }
+}
+
 // About z: the pair (m, -m) turns by m times the angle.
 static void turn_z(int order, float cosine, float sine, float *v) {
     float c = 1.0f, s = 0.0f;
@@ -116,5 +124,12 @@ void rsh_plain_convert(const struct rsh_rows *rows, bool transposed, const int b
         }
 }
 
-const struct rsh_kernels rsh_kernels_plain = {"plain",          plain_eval_many, plain_project,
-                                              plain_accumulate, rsh_plain_turn,  rsh_plain_convert};
+const struct rsh_kernels rsh_kernels_plain = {
+    .name = "plain",
+    .eval_many = plain_eval_many,
+    .project = plain_project,
+    .accumulate = plain_accumulate,
+    .dot3 = plain_dot3,
+    .turn = rsh_plain_turn,
+    .convert = rsh_plain_convert,
+};

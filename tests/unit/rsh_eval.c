@@ -115,6 +115,23 @@ static void products_take_one_or_three_channels(void **state) {
     assert_true(out[0] == 5.0f && out[1] == 2.0f && out[2] == 6.0f);
 }
 
+static void dot_products_equal_the_plain_twin(void **state) {
+    (void)state;
+    enum { MAX = RSH_MAX_COEFFICIENTS };
+    float a[3 * MAX], b[3 * MAX], x[3], y[3];
+    for (int i = 0; i < 3 * MAX; i++) {
+        a[i] = sinf((float)i);
+        b[i] = cosf(1.7f * (float)i);
+    }
+    for (const struct rsh_kernels *const *k = rsh_kernels_usable(); *k; k++)
+        for (int n = 1; n <= MAX; n++)
+            for (int step = 0; step <= n; step += n) {
+                rsh_kernels_plain.dot3(n, step, a, b, x);
+                (*k)->dot3(n, step, a, b, y);
+                for (int c = 0; c < 3; c++) assert_true(fabsf(x[c] - y[c]) < 2e-5f);
+            }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(basis_is_orthonormal),
@@ -123,6 +140,7 @@ int main(void) {
         cmocka_unit_test(orders_out_of_range_are_refused),
         cmocka_unit_test(kernels_equal_the_plain_twin),
         cmocka_unit_test(products_take_one_or_three_channels),
+        cmocka_unit_test(dot_products_equal_the_plain_twin),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
