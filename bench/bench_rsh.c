@@ -13,7 +13,9 @@
 #include "rsh/rsh.h"
 #include "rsh/rsh_kernel.h"
 
-enum { COUNT = 2048, CALLS = 200, MAX_CASES = 400, MAX_ROUNDS = 101, N_MAX = RSH_MAX_COEFFICIENTS };
+// Evaluated at once: 64 directions times 100 functions stay in the first cache.
+enum { BATCH = 64 };
+enum { COUNT = 2048, CALLS = 200, MAX_CASES = 512, MAX_ROUNDS = 101, N_MAX = RSH_MAX_COEFFICIENTS };
 
 static float directions[3][COUNT], values[3][COUNT], matrix[COUNT * N_MAX];
 static float coefficients[9 * N_MAX], result[9 * N_MAX], frames[CALLS + 1][9];
@@ -35,8 +37,9 @@ static double now_ns(void) {
 }
 
 static void run_eval(const struct timed *c) {
-    c->kernels->eval_many(RSH_HEMISPHERE, c->order, COUNT, directions[0], directions[1],
-                          directions[2], matrix);
+    for (int i = 0; i < COUNT; i += BATCH)
+        c->kernels->eval_many(RSH_HEMISPHERE, c->order, BATCH, directions[0] + i, directions[1] + i,
+                              directions[2] + i, matrix);
 }
 
 static void run_project(const struct timed *c) {
@@ -55,6 +58,17 @@ static void run_turn(const struct timed *c) {
         (enum rsh_method)c->method, 0.2f, 0.8f, 0.6f, 0.9800666f, 0.1986693f, 0.28f, -0.96f};
     for (int i = 0; i < CALLS; i++)
         c->kernels->turn(&t, c->order, c->channels, coefficients, result);
+}
+
+static void run_dot(const struct timed *c) {
+    int n = c->order * c->order;
+    for (int i = 0; i < CALLS; i++) c->kernels->dot3(n, 0, coefficients, coefficients + n, result);
+}
+
+static void run_extend(const struct timed *c) {
+    const int bands[2] = {rsh_sphere_order(c->order), c->order};
+    for (int i = 0; i < CALLS; i++)
+        c->kernels->convert(&rsh_extension[c->order - 1], false, bands, coefficients, result);
 }
 
 static void run_align(const struct timed *c) {
@@ -119,6 +133,10 @@ static int add_cases(struct timed *cases) {
             c++->flops = 6.0 * n * n * COUNT;
             add(c, *k, run_accumulate, "accumulate rgb", n)->units = COUNT;
             c++->flops = 6.0 * n * n * COUNT;
+            add(c, *k, run_dot, "dot rgb", n)->units = CALLS;
+            c++->flops = 6.0 * n * n * CALLS;
+            add(c, *k, run_extend, "extend", n)->units = CALLS;
+            c++;
             for (int rgb = 0; rgb < 2; rgb++)
                 for (int m = RSH_METHOD_TAYLOR_1_5; m <= RSH_METHOD_EXACT; m++) {
                     static const char *const what[] = {"turn 1.5th", "turn 2nd", "turn exact"};

@@ -36,6 +36,7 @@ def derivative(f, x, h=1e-3):
 def main():
     print("// SPDX-License-Identifier: Apache-2.0")
     print("// Written by make_rsh_reference.py: values, d/dtheta and d/dphi of harmonics.")
+    print("// clang-format off")
     print("static const struct {")
     print("    int hemisphere, l, m;")
     print("    float w[3];")
