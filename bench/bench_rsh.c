@@ -18,7 +18,7 @@ enum { BATCH = 64 };
 enum { COUNT = 2048, CALLS = 200, MAX_CASES = 512, MAX_ROUNDS = 101, N_MAX = RSH_MAX_COEFFICIENTS };
 
 static float directions[3][COUNT], values[3][COUNT], matrix[COUNT * N_MAX];
-static float coefficients[9 * N_MAX], result[9 * N_MAX], frames[CALLS + 1][9];
+static float coefficients[9 * N_MAX], result[9 * N_MAX + 24], frames[CALLS + 1][9];
 
 struct timed {
     char name[64];

@@ -12,28 +12,18 @@
 // Outputs computed at once; they share the loads of the inputs.
 enum { BLOCK = 4 };
 
-// Bits i < count of a mask for eight lanes, and bits i >= 8 - count.
-INLINE __m256i first_lanes(int count) {
-    return _mm256_cmpgt_epi32(_mm256_set1_epi32(count), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
-}
-INLINE __m256i last_lanes(int count) {
-    return _mm256_cmpgt_epi32(_mm256_set1_epi32(count), _mm256_setr_epi32(7, 6, 5, 4, 3, 2, 1, 0));
-}
-INLINE __m256 reverse(__m256 v) {
-    return _mm256_permutevar8x32_ps(v, _mm256_setr_epi32(7, 6, 5, 4, 3, 2, 1, 0));
-}
-
 // The row of m = base .. base + 7 of the band whose middle is `middle`; 0 beyond l.
 INLINE lanes load_row(const float *middle, int l, int base) {
-    __m256 plus = _mm256_maskload_ps(middle + base, first_lanes(l + 1 - base));
-    __m256 minus = _mm256_maskload_ps(middle - base - 7, last_lanes(l + 1 - base));
-    return lanes_pair(plus, reverse(minus));
+    int count = l + 1 - base < 8 ? l + 1 - base : 8;
+    return lanes_pair(eight_first(middle + base, count),
+                      eight_reverse(eight_last(middle - base - 7, count)));
 }
 
 INLINE void store_row(lanes v, float *middle, int l, int base) {
+    int count = l + 1 - base < 8 ? l + 1 - base : 8;
     // m = 0 is stored last, from plus.
-    _mm256_maskstore_ps(middle - base - 7, last_lanes(l + 1 - base), reverse(lanes_high(v)));
-    _mm256_maskstore_ps(middle + base, first_lanes(l + 1 - base), lanes_low(v));
+    eight_store_last(middle - base - 7, count, eight_reverse(lanes_high(v)));
+    eight_store_first(middle + base, count, lanes_low(v));
 }
 
 // One part, low or high: `factor` has eight per (output, input), at the given strides.

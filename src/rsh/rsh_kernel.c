@@ -20,7 +20,7 @@
 #define TEXT(a) TEXT2(a)
 #define INLINE static inline __attribute__((always_inline))
 
-enum { W = RSH_WIDTH, PAIR = 2 };
+enum { W = RSH_WIDTH, RUN = 4 };
 
 typedef float vf __attribute__((vector_size(4 * RSH_WIDTH)));
 
@@ -36,11 +36,21 @@ INLINE vf splat(float x) { return x - (vf){0}; }
 
 // Halves are added lane by lane: the order depends on the width alone.
 INLINE float sum_lanes(vf v) {
-    float a[W];
-    store(a, v);
-    for (int w = W / 2; w > 0; w /= 2)
-        for (int i = 0; i < w; i++) a[i] += a[i + w];
-    return a[0];
+#if RSH_WIDTH == 16
+    typedef float eight __attribute__((vector_size(32)));
+    eight v8 = __builtin_shufflevector(v, v, 0, 1, 2, 3, 4, 5, 6, 7) +
+               __builtin_shufflevector(v, v, 8, 9, 10, 11, 12, 13, 14, 15);
+#elif RSH_WIDTH == 8
+    vf v8 = v;
+#endif
+#if RSH_WIDTH >= 8
+    typedef float four __attribute__((vector_size(16)));
+    four v4 =
+        __builtin_shufflevector(v8, v8, 0, 1, 2, 3) + __builtin_shufflevector(v8, v8, 4, 5, 6, 7);
+#else
+    vf v4 = v;
+#endif
+    return (v4[0] + v4[2]) + (v4[1] + v4[3]);
 }
 
 struct directions {
@@ -118,26 +128,26 @@ static void kernel_eval_many(rsh_basis basis, int order, size_t count, const flo
 
 // Adds to the sums of (l, +-m), l = m .. order - 1, of all channels: per l, channel by channel, the
 // sum of p c and, unless m is 0, that of p s.
-INLINE vf *project_column(int order, int channels, int m, bool with_sine, const vf z[PAIR],
-                          vf c[3][PAIR], vf s[3][PAIR], vf *sum) {
+INLINE vf *project_column(int order, int channels, int m, bool with_sine, const vf z[RUN],
+                          vf c[3][RUN], vf s[3][RUN], vf *sum) {
     const float *b = rsh_recurrence + m * RSH_MAX_ORDER;
-    vf p[PAIR], p1[PAIR];
-    for (int i = 0; i < PAIR; i++) {
+    vf p[RUN], p1[RUN];
+    for (int i = 0; i < RUN; i++) {
         p[i] = splat(1.0f);
         p1[i] = (vf){0};
     }
     for (int l = m; l < order; l++) {
         if (l > m)
-            for (int i = 0; i < PAIR; i++) {
+            for (int i = 0; i < RUN; i++) {
                 vf next = z[i] * p[i] - b[l] * p1[i];
                 p1[i] = p[i];
                 p[i] = next;
             }
         for (int a = 0; a < channels; a++) {
-            for (int i = 0; i < PAIR; i++) sum[0] += p[i] * c[a][i];
+            for (int i = 0; i < RUN; i++) sum[0] += p[i] * c[a][i];
             sum++;
             if (!with_sine) continue;
-            for (int i = 0; i < PAIR; i++) sum[0] += p[i] * s[a][i];
+            for (int i = 0; i < RUN; i++) sum[0] += p[i] * s[a][i];
             sum++;
         }
     }
@@ -149,9 +159,9 @@ INLINE void project_channels(rsh_basis basis, int order, int channels, size_t co
     vf sums[3 * RSH_MAX_COEFFICIENTS];
     int n = order * order;
     memset(sums, 0, (size_t)(channels * n) * sizeof *sums);
-    for (size_t first = 0; first < count; first += PAIR * W) {
-        vf c[3][PAIR], s[3][PAIR], x[PAIR], y[PAIR], z[PAIR];
-        for (size_t i = 0; i < PAIR; i++) {
+    for (size_t first = 0; first < count; first += RUN * W) {
+        vf c[3][RUN], s[3][RUN], x[RUN], y[RUN], z[RUN];
+        for (size_t i = 0; i < RUN; i++) {
             size_t at = first + i * W, left = at < count ? count - at : 0;
             struct directions v = load_directions(basis, d, at, left);
             x[i] = v.x, y[i] = v.y, z[i] = v.z;
@@ -160,7 +170,7 @@ INLINE void project_channels(rsh_basis basis, int order, int channels, size_t co
         vf *sum = project_column(order, channels, 0, false, z, c, s, sums);
         for (int m = 1; m < order; m++) {
             for (int a = 0; a < channels; a++)
-                for (int i = 0; i < PAIR; i++) {
+                for (int i = 0; i < RUN; i++) {
                     vf t = m == 1 ? c[a][i] * x[i] : c[a][i] * x[i] - s[a][i] * y[i];
                     s[a][i] = m == 1 ? c[a][i] * y[i] : c[a][i] * y[i] + s[a][i] * x[i];
                     c[a][i] = t;

@@ -9,6 +9,10 @@
 
 #define LANES_INLINE static inline __attribute__((always_inline))
 
+LANES_INLINE __m256 eight_reverse(__m256 v) {
+    return _mm256_permutevar8x32_ps(v, _mm256_setr_epi32(7, 6, 5, 4, 3, 2, 1, 0));
+}
+
 #if defined(__AVX512F__)
 
 typedef __m512 lanes;
@@ -38,13 +42,30 @@ LANES_INLINE lanes lanes_twice(const float *p) {
     return _mm512_broadcast_f32x8(_mm256_loadu_ps(p));
 }
 
-LANES_INLINE lanes permute(lanes v, const int32_t *place) {
-    return _mm512_permutexvar_ps(_mm512_loadu_si512(place), v);
+// The first or the last `count` of eight numbers, 0 elsewhere; and their stores.
+LANES_INLINE __m256 eight_first(const float *p, int count) {
+    return _mm256_maskz_loadu_ps((__mmask8)_bzhi_u32(0xff, (unsigned)count), p);
 }
-// Lane i gets lane place[i] of v: of its own half, of the other half, of either.
-LANES_INLINE lanes lanes_within(lanes v, const int32_t *place) { return permute(v, place); }
-LANES_INLINE lanes lanes_across(lanes v, const int32_t *place) { return permute(v, place); }
-LANES_INLINE lanes lanes_any(lanes v, const int32_t *place) { return permute(v, place); }
+LANES_INLINE __m256 eight_last(const float *p, int count) {
+    return _mm256_maskz_loadu_ps((__mmask8)~_bzhi_u32(0xff, (unsigned)(8 - count)), p);
+}
+LANES_INLINE void eight_store_first(float *p, int count, __m256 v) {
+    _mm256_mask_storeu_ps(p, (__mmask8)_bzhi_u32(0xff, (unsigned)count), v);
+}
+LANES_INLINE void eight_store_last(float *p, int count, __m256 v) {
+    _mm256_mask_storeu_ps(p, (__mmask8)~_bzhi_u32(0xff, (unsigned)(8 - count)), v);
+}
+
+typedef __m512i places;
+LANES_INLINE places places_load(const int32_t *p) { return _mm512_loadu_si512(p); }
+LANES_INLINE places places_next(places p) { return _mm512_add_epi32(p, _mm512_set1_epi32(1)); }
+
+LANES_INLINE lanes lanes_swap(lanes v) { return _mm512_shuffle_f32x4(v, v, 0x4e); }
+// Lane i gets lane place[i] of v: within its half (places count round there), from the other half,
+// or from either.
+LANES_INLINE lanes lanes_within(lanes v, places p) { return _mm512_permutexvar_ps(p, v); }
+LANES_INLINE lanes lanes_across(lanes v, places p) { return _mm512_permutexvar_ps(p, v); }
+LANES_INLINE lanes lanes_any(lanes v, places p) { return _mm512_permutexvar_ps(p, v); }
 
 // Lane i gets in[place[i]], or 0 where place[i] >= count; count <= 32, place < 32.
 struct lanes_source {
@@ -55,8 +76,8 @@ LANES_INLINE struct lanes_source lanes_source(const float *in, int count) {
     return (struct lanes_source){_mm512_maskz_loadu_ps((__mmask16)mask, in),
                                  _mm512_maskz_loadu_ps((__mmask16)(mask >> 16), in + 16)};
 }
-LANES_INLINE lanes lanes_gather(struct lanes_source s, const int32_t *place) {
-    return _mm512_permutex2var_ps(s.low, _mm512_loadu_si512(place), s.high);
+LANES_INLINE lanes lanes_gather(struct lanes_source s, places p) {
+    return _mm512_permutex2var_ps(s.low, p, s.high);
 }
 
 // out[k] = lane place[k] of a, or lane place[k] - 16 of b, for k < count <= 32.
@@ -97,6 +118,35 @@ LANES_INLINE lanes lanes_halves(lanes a, lanes b) { return (lanes){a.lo, b.hi}; 
     ((lanes){_mm256_blend_ps(_mm256_set1_ps(b), _mm256_set1_ps(a), (mask)&0xff), \
              _mm256_blend_ps(_mm256_set1_ps(b), _mm256_set1_ps(a), (mask) >> 8)})
 
+LANES_INLINE __m256i eight_mask(int count, __m256i index) {
+    return _mm256_cmpgt_epi32(_mm256_set1_epi32(count), index);
+}
+LANES_INLINE __m256i first_mask(int count) {
+    return eight_mask(count, _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+}
+LANES_INLINE __m256i last_mask(int count) {
+    return eight_mask(count, _mm256_setr_epi32(7, 6, 5, 4, 3, 2, 1, 0));
+}
+LANES_INLINE __m256 eight_first(const float *p, int count) {
+    return _mm256_maskload_ps(p, first_mask(count));
+}
+LANES_INLINE __m256 eight_last(const float *p, int count) {
+    return _mm256_maskload_ps(p, last_mask(count));
+}
+// Masked stores are slow on some processors, so whole rows go without.
+LANES_INLINE void eight_store_first(float *p, int count, __m256 v) {
+    if (count == 8)
+        _mm256_storeu_ps(p, v);
+    else
+        _mm256_maskstore_ps(p, first_mask(count), v);
+}
+LANES_INLINE void eight_store_last(float *p, int count, __m256 v) {
+    if (count == 8)
+        _mm256_storeu_ps(p, v);
+    else
+        _mm256_maskstore_ps(p, last_mask(count), v);
+}
+
 LANES_INLINE lanes lanes_pair(__m256 low, __m256 high) { return (lanes){low, high}; }
 LANES_INLINE __m256 lanes_low(lanes v) { return v.lo; }
 LANES_INLINE __m256 lanes_high(lanes v) { return v.hi; }
@@ -104,25 +154,33 @@ LANES_INLINE lanes lanes_twice(const float *p) {
     return (lanes){_mm256_loadu_ps(p), _mm256_loadu_ps(p)};
 }
 
+typedef struct places {
+    __m256i lo, hi;
+} places;
+LANES_INLINE __m256i eight_places(const int32_t *p) {
+    return _mm256_loadu_si256((const __m256i *)(const void *)p);
+}
+LANES_INLINE places places_load(const int32_t *p) {
+    return (places){eight_places(p), eight_places(p + 8)};
+}
+LANES_INLINE places places_next(places p) {
+    const __m256i one = _mm256_set1_epi32(1);
+    return (places){_mm256_add_epi32(p.lo, one), _mm256_add_epi32(p.hi, one)};
+}
+
+LANES_INLINE lanes lanes_swap(lanes v) { return (lanes){v.hi, v.lo}; }
 // The instruction looks at the low three bits of a place only.
-LANES_INLINE __m256i places(const int32_t *place) {
-    return _mm256_loadu_si256((const __m256i *)(const void *)place);
+LANES_INLINE lanes lanes_within(lanes v, places p) {
+    return (lanes){_mm256_permutevar8x32_ps(v.lo, p.lo), _mm256_permutevar8x32_ps(v.hi, p.hi)};
 }
-LANES_INLINE lanes lanes_within(lanes v, const int32_t *place) {
-    return (lanes){_mm256_permutevar8x32_ps(v.lo, places(place)),
-                   _mm256_permutevar8x32_ps(v.hi, places(place + 8))};
-}
-LANES_INLINE lanes lanes_across(lanes v, const int32_t *place) {
-    return (lanes){_mm256_permutevar8x32_ps(v.hi, places(place)),
-                   _mm256_permutevar8x32_ps(v.lo, places(place + 8))};
-}
+LANES_INLINE lanes lanes_across(lanes v, places p) { return lanes_within(lanes_swap(v), p); }
 LANES_INLINE __m256 either(lanes v, __m256i place) {
     __m256 high = _mm256_castsi256_ps(_mm256_slli_epi32(place, 28));
     return _mm256_blendv_ps(_mm256_permutevar8x32_ps(v.lo, place),
                             _mm256_permutevar8x32_ps(v.hi, place), high);
 }
-LANES_INLINE lanes lanes_any(lanes v, const int32_t *place) {
-    return (lanes){either(v, places(place)), either(v, places(place + 8))};
+LANES_INLINE lanes lanes_any(lanes v, places p) {
+    return (lanes){either(v, p.lo), either(v, p.hi)};
 }
 
 struct lanes_source {
@@ -136,8 +194,8 @@ LANES_INLINE __m256 gather8(struct lanes_source s, __m256i place) {
     __m256 mask = _mm256_castsi256_ps(_mm256_cmpgt_epi32(s.count, place));
     return _mm256_mask_i32gather_ps(_mm256_setzero_ps(), s.in, place, mask, 4);
 }
-LANES_INLINE lanes lanes_gather(struct lanes_source s, const int32_t *place) {
-    return (lanes){gather8(s, places(place)), gather8(s, places(place + 8))};
+LANES_INLINE lanes lanes_gather(struct lanes_source s, places p) {
+    return (lanes){gather8(s, p.lo), gather8(s, p.hi)};
 }
 
 LANES_INLINE void lanes_scatter(lanes a, lanes b, const int32_t *place, int count, float *out) {

@@ -21,36 +21,41 @@ extern const float rsh_slope[RSH_MAX_COEFFICIENTS + 1];
 // band l begins at l (2 l - 1) (2 l + 1) / 3. Three of four entries vanish by parity.
 extern const float rsh_swap[];
 
-// Rotation works on 16 lanes at a time: lane |m| of a band, with the coefficients of +m in one
-// vector ("plus") and those of -m in another ("minus"). Small bands share a vector, so order n
-// takes the groups {0 1 2 3} {4 5} {6 7} {8} {9} ... {15}. Even m sit in the lower eight lanes and
-// odd m in the upper eight.
+// Rotation works on 16 lanes at a time: lane |m| of a band, with the two coefficients +m and -m in
+// two vectors. The part that is even in x holds +m for even m and -m for odd m; the part that is
+// odd in x holds the others. Small bands share a vector, so order n takes the groups {0 1 2 3}
+// {4 5} {6 7} {8} {9} ... {15}. Even m sit in the lower eight lanes and odd m in the upper eight.
 //
-// The exchange of y and z keeps the parity in x. "Even" is what is even in x (+m for even m, -m for
-// odd m), "odd" the rest: each is a blend of halves of plus and minus. Within each the exchange
-// maps halves to halves: of the even part each to itself for even l and to the other for odd l, of
-// the odd part the other way round. Between two exchanges the lanes therefore have the "inner"
-// layout, with the halves of odd l exchanged: then every lane of the even part comes from its own
-// half, and every lane of the odd part from the other half.
+// About z by a: with s = (-1)^m sin(m a) and c = cos(m a), even' = c even - s odd and
+// odd' = c odd + s even.
+//
+// The exchange of y and z keeps the parity in x and maps halves to halves: of the even part each to
+// itself for even l and to the other for odd l, of the odd part the other way round. Between two
+// exchanges the lanes therefore have the "inner" layout, with the halves of odd l exchanged: then
+// every lane of the even part comes from its own half, and every lane of the odd part from the
+// other half.
+//
+// About y, D couples |m| with |m| - 1 and |m| + 1, which are in the other half of the other part.
 enum { RSH_LANES = 16, RSH_LANE_GROUPS = 11 };
 
 struct rsh_lane_group {
-    int first;                                  // index of the group's first coefficient
-    int steps;                                  // of the exchange
-    int offset;                                 // of its first step in rsh_lane_steps
-    int32_t plus[RSH_LANES], minus[RSH_LANES];  // coefficient - first of each lane; 31: none
-    int32_t natural[2 * RSH_LANES];  // lane of coefficient first + k, + 16 if it is in minus
-    int32_t power[2][RSH_LANES];     // place of |m| among 0 2 4 .. 14 1 3 .. 15: outer, inner
-    int32_t down[RSH_LANES], up[RSH_LANES];  // lane of |m| - 1 and |m| + 1, in the other half
-    float from_down[2][RSH_LANES], from_up[2][RSH_LANES];  // entries of D: plus, minus
-    float curve[2][RSH_LANES];                             // the diagonal of D^2: plus, minus
+    int first;                                // index of the group's first coefficient
+    int steps;                                // of the exchange
+    int offset;                               // of its first step in rsh_lane_steps
+    int32_t even[RSH_LANES], odd[RSH_LANES];  // coefficient - first of each lane; 31: none
+    int32_t natural[2 * RSH_LANES];           // lane of coefficient first + k, + 16 if in odd
+    int32_t power[2][RSH_LANES];              // place of m among 0 2 .. 14 1 3 .. 15: outer, inner
+    int32_t source[2][RSH_LANES];             // lane at step 0: outer to inner, inner to outer
+    int32_t down[RSH_LANES], up[RSH_LANES];   // lane of |m| - 1 and |m| + 1
+    float from_down[2][RSH_LANES], from_up[2][RSH_LANES];  // entries of D, into even and odd
+    float curve[2][RSH_LANES];                             // the diagonal of D^2, even and odd
 };
 extern const struct rsh_lane_group rsh_lane_groups[RSH_LANE_GROUPS];
 
-// out[lane] = sum over steps of factor[lane] * in[source[lane]].
+// One step of the exchange: out[lane] += factor[lane] * in[source[lane] + step], the source
+// counted round within its half.
 struct rsh_lane_step {
-    int32_t source[2][2][RSH_LANES];  // [outer to inner, inner to outer][even, odd]
-    float factor[2][2][RSH_LANES];
+    float factor[2][2][RSH_LANES];  // [outer to inner, inner to outer][even, odd]
 };
 extern const struct rsh_lane_step rsh_lane_steps[];
 

@@ -83,15 +83,24 @@ def swap(l, a, b):
     return total * (-1) ** (l + b)
 
 
+def slots(group):
+    """The first lane of each band, the same in both halves."""
+    result, lane = {}, 0
+    for l in group:
+        result[l] = lane
+        lane += l // 2 + 1
+    assert lane <= LANES // 2
+    return result
+
+
 def layout(group, inner):
     """(l, m) per lane, or None. Even m fill the lower half and odd m the upper; the inner layout
     exchanges the halves of odd l."""
-    lanes = [None] * LANES
-    for upper in (0, 1):
-        members = [(l, m) for l in group for m in range(l + 1)
-                   if (m + (l if inner else 0)) % 2 == upper]
-        assert len(members) <= LANES // 2
-        lanes[8 * upper:8 * upper + len(members)] = members
+    lanes, first = [None] * LANES, slots(group)
+    for l in group:
+        for m in range(l + 1):
+            upper = (m + (l if inner else 0)) % 2
+            lanes[8 * upper + first[l] + m // 2] = (l, m)
     return lanes
 
 
@@ -107,7 +116,7 @@ def member(l, m, odd_part):
 
 
 def steps(group):
-    return max(l for l in group) // 2 + 1
+    return max(group) // 2 + 1
 
 
 class Writer:
@@ -134,51 +143,79 @@ def plain_tables(w):
 
 
 def lane_tables(w):
-    """The tables of struct rsh_lane_group, one row of each array per group."""
-    groups, exchange = [], []
+    """The tables of struct rsh_lane_group, and the steps of all groups."""
+    rows, exchange = [], []
     for group in GROUPS:
         outer, inner = layout(group, False), layout(group, True)
+        first, last = group[0] ** 2, (group[-1] + 1) ** 2
         where = {None: 0}
         where.update({lm: i for i, lm in enumerate(outer) if lm})
-        first, last = group[0] ** 2, (group[-1] + 1) ** 2
-        plus = [index(*lm) - first if lm else 31 for lm in outer]
-        minus = [index(lm[0], -lm[1]) - first if lm and lm[1] else 31 for lm in outer]
+        parts = []
+        for part in (0, 1):
+            own = [member(*lm, part) if lm else None for lm in outer]
+            parts.append([index(lm[0], m) - first if m is not None else 31
+                          for lm, m in zip(outer, own)])
         natural = []
         for k in range(first, first + 2 * LANES):
             l = math.isqrt(k)
             m = k - l * (l + 1)
-            natural.append((where[(l, abs(m))] + (LANES if m < 0 else 0)) if k < last else 0)
-        powers = [[(lm[1] // 2 + 8 * (lm[1] % 2)) if lm else 0 for lm in lay]
-                  for lay in (outer, inner)]
-        down = [where[(lm[0], lm[1] - 1)] if lm and lm[1] else 0 for lm in outer]
-        up = [where[(lm[0], lm[1] + 1)] if lm and lm[1] < lm[0] else 0 for lm in outer]
-        from_down = [[slope(lm[0], lm[1]) if lm and lm[1] else 0.0 for lm in outer],
-                     [-slope(lm[0], 1 - lm[1]) if lm and lm[1] > 1 else 0.0 for lm in outer]]
-        from_up = [[-slope(lm[0], lm[1] + 1) if lm and lm[1] < lm[0] else 0.0 for lm in outer],
-                   [slope(lm[0], -lm[1]) if lm and 0 < lm[1] < lm[0] else 0.0 for lm in outer]]
-        curve = []
-        for sign in (1, -1):
-            curve.append([-(slope(lm[0], sign * lm[1]) ** 2
-                            + (slope(lm[0], sign * lm[1] + 1) ** 2 if sign * lm[1] < lm[0] else 0))
-                          if lm else 0.0 for lm in outer])
-        ints = [plus, minus, natural, powers[0], powers[1], down, up]
-        floats = from_down + from_up + curve
-        groups.append((first, steps(group), len(exchange), ints, floats))
-        exchange += exchange_steps(group, outer, inner)
+            odd = k < last and member(l, abs(m), 0) != m
+            natural.append(where[(l, abs(m))] + LANES * odd if k < last else 0)
+        powers = [[lm[1] // 2 + 8 * (lm[1] % 2) if lm else 0 for lm in lanes]
+                  for lanes in (outer, inner)]
+        first_lane = slots(group)
+        sources = [[(first_lane[lm[0]] if lm else 0) + (i & 8) for i, lm in enumerate(target)]
+                   for target in (inner, outer)]
+        neighbours = [[where.get((lm[0], lm[1] + d), 0) if lm else 0 for lm in outer]
+                      for d in (-1, 1)]
+        texts = [braces("%d", r) for r in parts] + [braces("%d", natural)]
+        texts += [pair([braces("%d", r) for r in rs]) for rs in (powers, sources)]
+        texts += [braces("%d", r) for r in neighbours]
+        texts += [pair([braces("%.9ef", series_factors(outer, part, kind)) for part in (0, 1)])
+                  for kind in ("down", "up", "curve")]
+        rows.append("    {%d, %d, %d,\n     %s}," % (first, steps(group), len(exchange),
+                                                  ",\n     ".join(texts)))
+        for t in range(steps(group)):
+            exchange.append([exchange_factors(group, source, target, part, t)
+                             for source, target in ((outer, inner), (inner, outer))
+                             for part in (0, 1)])
     w.lines.append("const struct rsh_lane_group rsh_lane_groups[RSH_LANE_GROUPS] = {")
-    for first, count, offset, ints, floats in groups:
-        rows = [braces("%d", r) for r in ints] + [braces("%.9ef", r) for r in floats]
-        rows[3:5] = [pair(rows[3:5])]
-        rows[6:] = [pair(rows[i:i + 2]) for i in (6, 8, 10)]
-        text = ",\n     ".join(rows)
-        w.lines.append("    {%d, %d, %d,\n     %s}," % (first, count, offset, text))
+    w.lines += rows + ["};", "const struct rsh_lane_step rsh_lane_steps[] = {"]
+    for factors in exchange:
+        texts = [braces("%.9ef", r) for r in factors]
+        w.lines.append("    {%s}," % pair([pair(texts[:2]), pair(texts[2:])]))
     w.lines.append("};")
-    w.lines.append("const struct rsh_lane_step rsh_lane_steps[] = {")
-    for rows in exchange:
-        texts = [braces("%d", r) for r in rows[:4]] + [braces("%.9ef", r) for r in rows[4:]]
-        quads = [pair([pair(texts[i:i + 2]), pair(texts[i + 2:i + 4])]) for i in (0, 4)]
-        w.lines.append("    {%s,\n     %s}," % tuple(quads))
-    w.lines.append("};")
+
+
+def series_factors(outer, part, kind):
+    """Entries of D from the neighbours |m| - 1 and |m| + 1, and the diagonal of D^2."""
+    factors = []
+    for lm in outer:
+        m = member(*lm, part) if lm else None
+        if m is None:
+            factors.append(0.0)
+            continue
+        l = lm[0]
+        below = slope(l, m)                                    # of m - 1
+        above = -slope(l, m + 1) if m < l else 0.0             # of m + 1
+        if kind == "curve":
+            factors.append(-(below**2 + above**2))
+        else:
+            factors.append(below if (kind == "down") == (m >= 0) else above)
+    return factors
+
+
+def exchange_factors(group, source, target, part, t):
+    """Factors of step t of one exchange of one part. Step t takes the t-th lane of the band in the
+    half that feeds it: its own half for the even part, the other for the odd part."""
+    factors, first = [], slots(group)
+    for i, lm in enumerate(target):
+        lane = ((i & 8) ^ (8 * part)) + (first[lm[0]] + t if lm else 0)
+        feed = source[lane] if lm and t <= lm[0] // 2 else None
+        a = member(*lm, part) if lm else None
+        b = member(*feed, part) if feed else None
+        factors.append(swap(lm[0], a, b) if a is not None and b is not None else 0.0)
+    return factors
 
 
 def braces(form, row):
@@ -284,30 +321,6 @@ def hemisphere_tables(w):
 
 def pair(rows):
     return "{" + ",\n     ".join(rows) + "}"
-
-
-def exchange_lanes(source, target, part, t):
-    """Step t of one exchange of one part: per lane of `target` the lane of `source`, and factor.
-    The even part is fed from its own half, the odd part from the other."""
-    lanes, factors = [], []
-    for i, lm in enumerate(target):
-        first = 8 * ((i >= 8) ^ part)
-        chosen = [j for j in range(first, first + 8) if lm and source[j] and source[j][0] == lm[0]]
-        lanes.append(chosen[t] if t < len(chosen) else first)
-        a = member(*lm, part) if lm else None
-        b = member(*source[chosen[t]], part) if t < len(chosen) else None
-        factors.append(swap(lm[0], a, b) if a is not None and b is not None else 0.0)
-    return lanes, factors
-
-
-def exchange_steps(group, outer, inner):
-    """Rows of struct rsh_lane_step: sources and factors, each (to inner, to outer) x parts."""
-    result = []
-    for t in range(steps(group)):
-        rows = [exchange_lanes(*way, part, t) for way in ((outer, inner), (inner, outer))
-                for part in (0, 1)]
-        result.append([row[0] for row in rows] + [row[1] for row in rows])
-    return result
 
 
 def main():

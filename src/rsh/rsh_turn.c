@@ -32,36 +32,42 @@ INLINE struct angle add_angles(struct angle a, struct angle b) {
 #define ANGLE_IN(mask, c, s) \
     ((struct angle){lanes_choose(mask, c, 1.0f), lanes_choose(mask, s, 0.0f)})
 
-// Cosines and sines of m times an angle for m = 0 2 4 .. 14 1 3 .. 15: lane by lane the sum of the
-// angle's multiples by 1, 2, 4 and 8 that make up m.
+// cos(m a) and (-1)^m sin(m a) for m = 0 2 4 .. 14 1 3 .. 15: lane by lane the sum of the angle's
+// multiples by 1, 2, 4 and 8 that make up m.
 INLINE struct angle multiples(float c1, float s1) {
     float c2 = c1 * c1 - s1 * s1, s2 = 2.0f * c1 * s1;
     float c4 = c2 * c2 - s2 * s2, s4 = 2.0f * c2 * s2;
     float c8 = c4 * c4 - s4 * s4, s8 = 2.0f * c4 * s4;
     struct angle low = add_angles(ANGLE_IN(0xff00, c1, s1), ANGLE_IN(0xaaaa, c2, s2));
-    return add_angles(low, add_angles(ANGLE_IN(0xcccc, c4, s4), ANGLE_IN(0xf0f0, c8, s8)));
+    struct angle m =
+        add_angles(low, add_angles(ANGLE_IN(0xcccc, c4, s4), ANGLE_IN(0xf0f0, c8, s8)));
+    m.sine = lanes_halves(m.sine, lanes_nmad(m.sine, lanes_splat(1.0f), lanes_zero()));
+    return m;
 }
 
-// (a, b) turned by the angle.
-INLINE void turn_pair(struct angle t, lanes *a, lanes *b) {
-    lanes p = *a, q = *b;
-    *a = lanes_nmad(t.sine, q, lanes_mul(t.cosine, p));
-    *b = lanes_mad(t.sine, p, lanes_mul(t.cosine, q));
+// About z.
+INLINE void turn_parts(struct angle t, lanes *even, lanes *odd) {
+    lanes a = *even, b = *odd;
+    *even = lanes_nmad(t.sine, b, lanes_mul(t.cosine, a));
+    *odd = lanes_mad(t.sine, a, lanes_mul(t.cosine, b));
 }
 
-// Exchanges y and z of the parts even and odd in x, of `block` channels at once; direction 0 leads
-// to the inner layout, 1 back.
+// Exchanges y and z of `block` channels; direction 0 leads to the inner layout, 1 back.
 INLINE void exchange(const struct rsh_lane_group *g, int direction, int block, lanes *even,
                      lanes *odd) {
     const struct rsh_lane_step *step = rsh_lane_steps + g->offset;
+    places source = places_load(g->source[direction]);
     lanes a[BLOCK], b[BLOCK];
-    for (int c = 0; c < block; c++) a[c] = b[c] = lanes_zero();
-    for (int i = 0; i < g->steps; i++, step++) {
-        lanes even_factor = lanes_load(step->factor[direction][0]);
-        lanes odd_factor = lanes_load(step->factor[direction][1]);
+    for (int c = 0; c < block; c++) {
+        a[c] = b[c] = lanes_zero();
+        odd[c] = lanes_swap(odd[c]);
+    }
+    for (int i = 0; i < g->steps; i++, source = places_next(source)) {
+        lanes even_factor = lanes_load(step[i].factor[direction][0]);
+        lanes odd_factor = lanes_load(step[i].factor[direction][1]);
         for (int c = 0; c < block; c++) {
-            a[c] = lanes_mad(lanes_within(even[c], step->source[direction][0]), even_factor, a[c]);
-            b[c] = lanes_mad(lanes_across(odd[c], step->source[direction][1]), odd_factor, b[c]);
+            a[c] = lanes_mad(lanes_within(even[c], source), even_factor, a[c]);
+            b[c] = lanes_mad(lanes_within(odd[c], source), odd_factor, b[c]);
         }
     }
     for (int c = 0; c < block; c++) {
@@ -70,20 +76,27 @@ INLINE void exchange(const struct rsh_lane_group *g, int direction, int block, l
     }
 }
 
-// D, the derivative of the rotation about y, applied to plus (0) or minus (1).
-INLINE lanes derivative(const struct rsh_lane_group *g, int part, lanes v) {
-    lanes down = lanes_mul(lanes_across(v, g->down), lanes_load(g->from_down[part]));
-    return lanes_mad(lanes_across(v, g->up), lanes_load(g->from_up[part]), down);
+// D, the derivative of the rotation about y: what `other` gives to the even (0) or odd (1) part.
+INLINE lanes derivative(const struct rsh_lane_group *g, int part, lanes other) {
+    lanes down =
+        lanes_mul(lanes_across(other, places_load(g->down)), lanes_load(g->from_down[part]));
+    return lanes_mad(lanes_across(other, places_load(g->up)), lanes_load(g->from_up[part]), down);
 }
 
-INLINE lanes series(const struct rsh_lane_group *g, const struct rsh_turn *t, int part, lanes v) {
-    lanes first = derivative(g, part, v), beta = lanes_splat(t->beta), rest = first;
-    if (t->method != RSH_METHOD_TAYLOR_1) {
-        lanes second = t->method == RSH_METHOD_TAYLOR_2 ? derivative(g, part, first)
-                                                        : lanes_mul(v, lanes_load(g->curve[part]));
-        rest = lanes_mad(lanes_splat(0.5f * t->beta), second, first);
+// About y, by the series.
+INLINE void turn_series(const struct rsh_lane_group *g, const struct rsh_turn *t, lanes *even,
+                        lanes *odd) {
+    lanes a = derivative(g, 0, *odd), b = derivative(g, 1, *even), beta = lanes_splat(t->beta);
+    lanes half = lanes_splat(0.5f * t->beta), first_a = a, first_b = b;
+    if (t->method == RSH_METHOD_TAYLOR_2) {
+        a = lanes_mad(half, derivative(g, 0, first_b), a);
+        b = lanes_mad(half, derivative(g, 1, first_a), b);
+    } else if (t->method == RSH_METHOD_TAYLOR_1_5) {
+        a = lanes_mad(half, lanes_mul(*even, lanes_load(g->curve[0])), a);
+        b = lanes_mad(half, lanes_mul(*odd, lanes_load(g->curve[1])), b);
     }
-    return lanes_mad(beta, rest, v);
+    *even = lanes_mad(beta, a, *even);
+    *odd = lanes_mad(beta, b, *odd);
 }
 
 struct multiples {
@@ -91,10 +104,11 @@ struct multiples {
 };
 
 INLINE struct angle place(const struct angle *a, const int32_t *power) {
-    return (struct angle){lanes_within(a->cosine, power), lanes_within(a->sine, power)};
+    places p = places_load(power);
+    return (struct angle){lanes_within(a->cosine, p), lanes_within(a->sine, p)};
 }
 
-// Coefficients of the group that order n = order^2 has.
+// Coefficients of the group that n in all have.
 INLINE int group_count(const struct rsh_lane_group *g, int n) {
     int end = g + 1 < rsh_lane_groups + RSH_LANE_GROUPS ? g[1].first : RSH_MAX_COEFFICIENTS;
     return (n < end ? n : end) - g->first;
@@ -106,38 +120,28 @@ INLINE void turn_group(const struct rsh_lane_group *g, const struct rsh_turn *t,
                        float *out) {
     int count = group_count(g, n);
     struct angle gamma = place(&multiples->gamma, g->power[0]);
-    lanes plus[BLOCK], minus[BLOCK], even[BLOCK], odd[BLOCK];
+    lanes even[BLOCK], odd[BLOCK];
     for (int c = 0; c < block; c++) {
         struct lanes_source source = lanes_source(in + c * n, count);
-        plus[c] = lanes_gather(source, g->plus);
-        minus[c] = lanes_gather(source, g->minus);
-        turn_pair(gamma, &plus[c], &minus[c]);
+        even[c] = lanes_gather(source, places_load(g->even));
+        odd[c] = lanes_gather(source, places_load(g->odd));
+        turn_parts(gamma, &even[c], &odd[c]);
     }
     if (t->method == RSH_METHOD_EXACT) {
-        struct angle beta = {lanes_any(multiples->beta.cosine, g->power[1]),
-                             lanes_any(multiples->beta.sine, g->power[1])};
-        for (int c = 0; c < block; c++) {
-            even[c] = lanes_halves(plus[c], minus[c]);
-            odd[c] = lanes_halves(minus[c], plus[c]);
-        }
+        places p = places_load(g->power[1]);
+        struct angle beta = {lanes_any(multiples->beta.cosine, p),
+                             lanes_any(multiples->beta.sine, p)};
         exchange(g, 0, block, even, odd);
-        for (int c = 0; c < block; c++) turn_pair(beta, &even[c], &odd[c]);
+        for (int c = 0; c < block; c++) turn_parts(beta, &even[c], &odd[c]);
         exchange(g, 1, block, even, odd);
-        for (int c = 0; c < block; c++) {
-            plus[c] = lanes_halves(even[c], odd[c]);
-            minus[c] = lanes_halves(odd[c], even[c]);
-        }
     } else if (t->method != RSH_METHOD_Z) {
-        for (int c = 0; c < block; c++) {
-            plus[c] = series(g, t, 0, plus[c]);
-            minus[c] = series(g, t, 1, minus[c]);
-        }
+        for (int c = 0; c < block; c++) turn_series(g, t, &even[c], &odd[c]);
     }
-    struct angle alpha = place(&multiples->alpha, g->power[0]);
-    for (int c = 0; c < block; c++) {
-        if (t->method != RSH_METHOD_Z) turn_pair(alpha, &plus[c], &minus[c]);
-        lanes_scatter(plus[c], minus[c], g->natural, count, out + c * n);
+    if (t->method != RSH_METHOD_Z) {
+        struct angle alpha = place(&multiples->alpha, g->power[0]);
+        for (int c = 0; c < block; c++) turn_parts(alpha, &even[c], &odd[c]);
     }
+    for (int c = 0; c < block; c++) lanes_scatter(even[c], odd[c], g->natural, count, out + c * n);
 }
 
 INLINE void turn_channels(const struct rsh_turn *t, const struct multiples *multiples, int order,
@@ -153,13 +157,8 @@ void GLUE(rsh_turn_, RSH_NAME)(const struct rsh_turn *t, int order, int channels
     struct multiples m;
     m.alpha = m.beta = m.gamma = multiples(t->cos_gamma, t->sin_gamma);
     if (t->method != RSH_METHOD_Z) m.alpha = multiples(t->cos_alpha, t->sin_alpha);
-    if (t->method == RSH_METHOD_EXACT) {
-        // Y by beta is z by -beta between the exchanges, and a pair (even, odd) is (plus, minus)
-        // for even m and (minus, plus), which turns the other way, for odd m.
-        m.beta = multiples(t->cos_beta, -t->sin_beta);
-        lanes back = lanes_mul(m.beta.sine, lanes_splat(-1.0f));
-        m.beta.sine = lanes_halves(m.beta.sine, back);
-    }
+    // The exchange turns the sense round: y by beta is z by -beta between two exchanges.
+    if (t->method == RSH_METHOD_EXACT) m.beta = multiples(t->cos_beta, -t->sin_beta);
     int n = order * order;
     for (; channels >= BLOCK; channels -= BLOCK, in += BLOCK * n, out += BLOCK * n)
         turn_channels(t, &m, order, BLOCK, in, out);
