@@ -10,8 +10,7 @@
 //            sin(|m| phi) for m < 0, s = sqrt 2 for m != 0 and 1 for m = 0,
 //            K_l^m = sqrt((2 l + 1) (l - m)! / (4 pi (l + m)!)).
 //   phase    No Condon-Shortley phase: P_m^m = +(2 m - 1)!! sin^m, so band 1 is
-//            sqrt(3 / (4 pi)) (y, z, x). To convert to or from a convention that has the phase,
-//            negate the coefficients of odd m.
+//            sqrt(3 / (4 pi)) (y, z, x). rsh_flip_phase converts to and from the other convention.
 //   hemisphere (z >= 0; Gautron et al. 2004)
 //            H_l^m = s sqrt(2) K_l^|m| P_l^|m|(2 cos theta - 1) t. A direction below the horizon
 //            is treated as the horizon under it. All H with m != 0 vanish at the horizon.
@@ -72,6 +71,18 @@ RSH_API void rsh_accumulate(size_t count, size_t coefficients, const float *matr
 // serves all.
 RSH_API bool rsh_dot3(int order, int a_channels, const float *a, const float *b, float out[3]);
 
+// out[channels]: the function's value in direction w.
+RSH_API bool rsh_value(rsh_basis basis, int order, int channels, const float *in, const float w[3],
+                       float *out);
+
+// Convolves a function on the sphere with a kernel that is symmetric about an axis, given by its
+// coefficients zonal[order] at m = 0 when the axis is z. out == in is allowed here and below.
+RSH_API bool rsh_convolve(int order, int channels, const float *zonal, const float *in, float *out);
+
+// Between this library's convention and that with the Condon-Shortley phase, either way: negates
+// the coefficients of odd m.
+RSH_API bool rsh_flip_phase(int order, int channels, const float *in, float *out);
+
 // Rotations of functions on the sphere. Rotating L by R gives the function L(R^-1 w); R is a proper
 // orthonormal matrix, rows first. Every call below allows out == in, and takes any number of
 // channels at once: a record with two derivative vectors of three colours is 9 channels.
@@ -102,7 +113,9 @@ RSH_API bool rsh_rotate_stretched(int order, int channels, const float r[9], con
 // right-handed orthonormal basis each. Costs a copy when the frames agree and a rotation about z
 // when the normals do. Up to the angle `beta_limit` between the normals the fast form is used,
 // beyond it the true one; beta_limit 0 is always true, 4 never.
-//   sphere      fast: the second-order series. True: the exact rotation.
+//   sphere      fast: the second-order series, which adds an error of 1 % of radiance at 10 degrees
+//               and 5 % at 15 for order 10, and saves a quarter of the time or less. True: the
+//               exact rotation.
 //   hemisphere  fast: rotation by beta' = arccos(2 cos beta - 1), as a series [K05 5.4]. It is
 //               right at the pole only: radiance reflected by lobes up to 75 degrees is wrong by
 //               1.3 % at 3 degrees, 2 % at 6, 3 % at 10 (without alignment 4, 7 and 12 %).
