@@ -11,8 +11,9 @@
 
 namespace {
 
+// The first line of the text.
 int fail(char *error, size_t size, const std::string &text) {
-    std::snprintf(error, size, "%s", text.c_str());
+    std::snprintf(error, size, "%s", text.substr(0, text.find_first_of("\r\n")).c_str());
     return 1;
 }
 
@@ -22,11 +23,10 @@ int guarded(char *error, size_t size, F f) noexcept {
     try {
         return f();
     } catch (const std::exception &e) {
-        std::snprintf(error, size, "%s", e.what());
+        return fail(error, size, e.what());
     } catch (...) {
-        std::snprintf(error, size, "unknown failure");
+        return fail(error, size, "unknown failure");
     }
-    return 1;
 }
 
 // Integers are taken as encoded unless the file says that they are linear, floats as linear unless

@@ -58,17 +58,23 @@ float surfel_extent(const struct mesh *mesh) {
 }
 
 // Keeps the barycentric coordinates b off the edges by `margin` in world units, or at the centre of
-// a triangle that is smaller than that.
-static void pull_inside(const struct triangle *t, double n_length, double margin, double b[3]) {
-    double e3[3] = {t->e2[0] - t->e1[0], t->e2[1] - t->e1[1], t->e2[2] - t->e1[2]};
+// a triangle that is smaller than that. False if they are that far off already.
+static bool pull_inside(const struct triangle *t, double margin, double b[3]) {
+    const double e3[3] = {t->e2[0] - t->e1[0], t->e2[1] - t->e1[1], t->e2[2] - t->e1[2]};
     const double *edge[3] = {e3, t->e2, t->e1};  // opposite to each vertex
-    double sum = 0.0;
+    double n2 = dot3(t->n, t->n), least2[3], sum = 0.0;
+    bool near_edge = false;
     for (int k = 0; k < 3; k++) {
-        double least = margin * sqrt(dot3(edge[k], edge[k])) / n_length;  // margin over height
-        b[k] = fmax(b[k], fmin(least, 1.0 / 3.0));
+        least2[k] = margin * margin * dot3(edge[k], edge[k]);  // (margin |n| / height)^2
+        near_edge = near_edge || !(b[k] > 0.0 && b[k] * b[k] * n2 >= least2[k]);
+    }
+    if (!near_edge) return false;
+    for (int k = 0; k < 3; k++) {
+        b[k] = fmax(b[k], fmin(sqrt(least2[k] / n2), 1.0 / 3.0));
         sum += b[k];
     }
     for (int k = 0; k < 3; k++) b[k] /= sum;
+    return true;
 }
 
 // The direction of dp/du: of the texture coordinates, or without them of the first edge, along
@@ -89,12 +95,19 @@ static vec3 triangle_tangent(const struct mesh *mesh, const uint32_t *index,
     return v3((float)(s * du[0]), (float)(s * du[1]), (float)(s * du[2]));
 }
 
-static vec3 blend3(const float *values, const uint32_t *index, const double b[3]) {
-    const float *p = values + (size_t)index[0] * 3, *q = values + (size_t)index[1] * 3,
-                *r = values + (size_t)index[2] * 3;
-    return v3((float)(b[0] * p[0] + b[1] * q[0] + b[2] * r[0]),
-              (float)(b[0] * p[1] + b[1] * q[1] + b[2] * r[1]),
-              (float)(b[0] * p[2] + b[1] * q[2] + b[2] * r[2]));
+static vec3 blend_corners(const struct triangle *t, const double b[3]) {
+    return v3((float)(b[0] * t->p[0][0] + b[1] * t->p[1][0] + b[2] * t->p[2][0]),
+              (float)(b[0] * t->p[0][1] + b[1] * t->p[1][1] + b[2] * t->p[2][1]),
+              (float)(b[0] * t->p[0][2] + b[1] * t->p[1][2] + b[2] * t->p[2][2]));
+}
+
+// In float: a shading normal needs no more.
+static vec3 blend_normals(const float *normal, const uint32_t *index, const double b[3]) {
+    const float *p = normal + (size_t)index[0] * 3, *q = normal + (size_t)index[1] * 3,
+                *r = normal + (size_t)index[2] * 3;
+    float b0 = (float)b[0], b1 = (float)b[1], b2 = (float)b[2];
+    return v3(b0 * p[0] + b1 * q[0] + b2 * r[0], b0 * p[1] + b1 * q[1] + b2 * r[1],
+              b0 * p[2] + b1 * q[2] + b2 * r[2]);
 }
 
 void surfel_triangle(const struct satin_scene *scene, const struct shape *shape, uint32_t prim,
@@ -104,15 +117,13 @@ void surfel_triangle(const struct satin_scene *scene, const struct shape *shape,
     struct triangle t;
     triangle_get(mesh, prim, &t);
     double b[3] = {1.0 - (double)u - (double)v, u, v};
-    double n_length = sqrt(dot3(t.n, t.n));
-    vec3 p = blend3(mesh->position, index, b);
-    pull_inside(&t, n_length, 4.0 * surfel_offset(scene, p), b);
-    out->p = blend3(mesh->position, index, b);
+    out->p = blend_corners(&t, b);
+    if (pull_inside(&t, 4.0 * surfel_offset(scene, out->p), b)) out->p = blend_corners(&t, b);
 
-    double s = (shape->flip_normals ? -1.0 : 1.0) / n_length;
+    double s = (shape->flip_normals ? -1.0 : 1.0) / sqrt(dot3(t.n, t.n));
     vec3 ng = v3((float)(s * t.n[0]), (float)(s * t.n[1]), (float)(s * t.n[2])), n = ng;
     if (mesh->normal) {
-        n = blend3(mesh->normal, index, b);
+        n = blend_normals(mesh->normal, index, b);
         float l2 = v3_len2(n);
         n = l2 > 0.0f ? v3_mul(n, 1.0f / sqrtf(l2)) : ng;
         // The front side is that of the shading normal, as in Mitsuba.

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+// The price of satin's ray queries over bare Embree: nanoseconds per ray of rtcIntersect1 and
+// rtcOccluded1 on a plain Embree scene, and of scene_distance, scene_occluded and scene_intersect
+// on the same mesh of 98 thousand triangles with the same gather rays. Alternating, medians.
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "base/array.h"
+#include "base/sampling.h"
+#include "scene/scene_build.h"
+#include "scene/scene_embree.h"
+
+enum { ROWS = 157, COLUMNS = 314, RAYS = 200000, ROUNDS = 15 };
+
+// A sphere with bumps, as a mesh with vertex normals.
+static void make_mesh(struct mesh *mesh) {
+    float *position = array_new((size_t)ROWS * COLUMNS * 3 + 1, sizeof *position);
+    float *normal = array_new((size_t)ROWS * COLUMNS * 3, sizeof *normal);
+    uint32_t *index = array_new((size_t)(ROWS - 1) * COLUMNS * 6, sizeof *index);
+    if (!position || !normal || !index) exit(1);
+    uint32_t count = 0;
+    for (uint32_t j = 0; j < ROWS; j++)
+        for (uint32_t i = 0; i < COLUMNS; i++) {
+            float theta = PI_F * ((float)j + 0.5f) / ROWS;
+            float phi = 2.0f * PI_F * (float)i / COLUMNS;
+            vec3 n = v3(sinf(theta) * cosf(phi), sinf(theta) * sinf(phi), cosf(theta));
+            vec3 p = v3_mul(n, 1.0f + 0.1f * sinf(9.0f * theta) * cosf(7.0f * phi));
+            size_t at = ((size_t)j * COLUMNS + i) * 3;
+            memcpy(position + at, &p, sizeof p);
+            memcpy(normal + at, &n, sizeof n);
+            if (j + 1 == ROWS) continue;
+            uint32_t a = j * COLUMNS + i, b = j * COLUMNS + (i + 1) % COLUMNS;
+            const uint32_t quad[6] = {a, a + COLUMNS, b, b, a + COLUMNS, b + COLUMNS};
+            memcpy(index + count, quad, sizeof quad);
+            count += 6;
+        }
+    *mesh = (struct mesh){ROWS * COLUMNS, count / 3, position, normal, NULL, index};
+}
+
+static RTCScene make_bare(RTCDevice device, const struct mesh *mesh) {
+    RTCScene scene = rtcNewScene(device);
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                               mesh->position, 0, 12, mesh->vertex_count);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->index, 0,
+                               12, mesh->triangle_count);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+    rtcCommitScene(scene);
+    return scene;
+}
+
+// Rays from the inside of the surface over the hemisphere: what final gathering shoots.
+static struct ray *make_rays(const struct satin_scene *scene) {
+    struct ray *ray = array_new(RAYS, sizeof *ray);
+    struct rng rng = rng_make(1, RNG_TEST, 0);
+    if (!ray) exit(1);
+    for (int i = 0; i < RAYS;) {
+        struct ray eye = {v3(0, 0, 0), 0.0f,
+                          sample_uniform_sphere(rng_float(&rng), rng_float(&rng)), INFINITY};
+        struct surfel s;
+        if (!scene_intersect(scene, &eye, &s)) continue;
+        struct frame frame = frame_from_normal(v3_neg(s.ng));
+        for (int k = 0; k < 100; k++, i++) {
+            vec3 d = sample_cosine_hemisphere(rng_float(&rng), rng_float(&rng));
+            ray[i] = scene_spawn(scene, s.p, s.ng, frame_to_world(&frame, d));
+        }
+    }
+    return ray;
+}
+
+static struct RTCRayHit bare_ray(const struct ray *ray) {
+    return (struct RTCRayHit){.ray = {.org_x = ray->o.x,
+                                      .org_y = ray->o.y,
+                                      .org_z = ray->o.z,
+                                      .dir_x = ray->d.x,
+                                      .dir_y = ray->d.y,
+                                      .dir_z = ray->d.z,
+                                      .tfar = INFINITY,
+                                      .mask = ~0u},
+                              .hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
+}
+
+static double seconds(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+enum side { BARE_INTERSECT, DISTANCE, INTERSECT, BARE_OCCLUDED, OCCLUDED, SIDES };
+
+// Nanoseconds per ray; *sum keeps the work alive.
+static double run(enum side side, RTCScene bare, const struct satin_scene *scene,
+                  const struct ray *ray, float *sum) {
+    double start = seconds();
+    for (int i = 0; i < RAYS; i++) {
+        struct surfel s;
+        if (side == BARE_INTERSECT) {
+            struct RTCRayHit hit = bare_ray(&ray[i]);
+            embree_intersect(bare, &hit);
+            *sum += hit.ray.tfar;
+        } else if (side == DISTANCE) {
+            *sum += scene_distance(scene, &ray[i]);
+        } else if (side == INTERSECT) {
+            if (scene_intersect(scene, &ray[i], &s)) *sum += s.p.x + s.frame.u.x;
+        } else if (side == BARE_OCCLUDED) {
+            struct RTCRayHit hit = bare_ray(&ray[i]);
+            *sum += (float)embree_occluded(bare, &hit.ray);
+        } else {
+            *sum += (float)scene_occluded(scene, &ray[i]);
+        }
+    }
+    return (seconds() - start) / RAYS * 1e9;
+}
+
+static int ascending(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+int main(void) {
+    struct shape shape = {.light = -1};
+    struct material material = {0};
+    struct satin_scene scene = {
+        .shape = &shape, .shape_count = 1, .material = &material, .material_count = 1};
+    make_mesh(&shape.mesh);
+    if (scene_trace_build(&scene, (struct log){0}) != SATIN_OK) return 1;
+    RTCDevice device = rtcNewDevice(NULL);
+    RTCScene bare = make_bare(device, &shape.mesh);
+    struct ray *ray = make_rays(&scene);
+
+    double time[SIDES][ROUNDS];
+    float sum = 0.0f;
+    for (int round = 0; round < ROUNDS; round++)
+        for (int side = 0; side < SIDES; side++)
+            time[side][round] = run((enum side)side, bare, &scene, ray, &sum);
+    static const char *const name[] = {"rtcIntersect1", "scene_distance", "scene_intersect",
+                                       "rtcOccluded1", "scene_occluded"};
+    double median[SIDES];
+    for (int side = 0; side < SIDES; side++) {
+        qsort(time[side], ROUNDS, sizeof(double), ascending);
+        median[side] = time[side][ROUNDS / 2];
+        int base = side < BARE_OCCLUDED ? BARE_INTERSECT : BARE_OCCLUDED;
+        printf("%-16s %7.1f ns   %.3f\n", name[side], median[side], median[side] / median[base]);
+    }
+    rtcReleaseScene(bare);
+    rtcReleaseDevice(device);
+    scene_trace_free(scene.trace);
+    free((void *)shape.mesh.position);
+    free((void *)shape.mesh.normal);
+    free((void *)shape.mesh.index);
+    free(ray);
+    return sum != sum;
+}
