@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// Images through the module: values of several formats, linearised or raw, and wrong files.
+#include <png.h>
+
+#include "mesh_case.h"
+
+struct image_case {
+    struct scene_case log;
+    struct arena arena;
+    uint64_t hash;
+};
+
+static satin_status load(struct image_case *c, const char *path, bool raw,
+                         const struct image **image) {
+    *c = (struct image_case){.hash = 1};
+    struct scene_source source = {
+        scene_case_begin(&c->log), {"scene.xml", 3, 7}, &c->arena, path, &c->hash};
+    return scene_image_load(&source, raw, image);
+}
+
+static float decoded(double x) {
+    return (float)(x <= 0.04045 ? x / 12.92 : pow((x + 0.055) / 1.055, 2.4));
+}
+
+static void write_png(const char *path, png_uint_32 format, const void *pixel) {
+    png_image png = {.version = PNG_IMAGE_VERSION, .width = 3, .height = 2, .format = format};
+    assert_true(png_image_write_to_file(&png, path, 0, pixel, 0, NULL));
+}
+
+static void linearises_bytes(void **state) {
+    (void)state;
+    // Transparent pixels keep their colour; alpha is dropped.
+    static const unsigned char pixel[24] = {0,   10, 20, 255, 60, 128, 200, 0, 255, 254, 253, 9,
+                                            100, 90, 80, 128, 70, 60,  50,  1, 40,  30,  20,  0};
+    write_png("rgba.png", PNG_FORMAT_RGBA, pixel);
+    for (int raw = 0; raw < 2; raw++) {
+        struct image_case c;
+        const struct image *image;
+        assert_int_equal(load(&c, "rgba.png", raw, &image), SATIN_OK);
+        assert_true(image->width == 3 && image->height == 2 && image->channels == 3);
+        for (int i = 0; i < 18; i++) {
+            double x = pixel[i / 3 * 4 + i % 3] / 255.0;
+            assert_float_equal(image->texel[i], raw ? (float)x : decoded(x), 1e-6f);
+        }
+        assert_true(c.hash != 1);
+        arena_free(&c.arena);
+    }
+    static const unsigned char grey[6] = {0, 50, 100, 150, 200, 255};
+    write_png("grey.png", PNG_FORMAT_GRAY, grey);
+    struct image_case c;
+    const struct image *image;
+    assert_int_equal(load(&c, "grey.png", false, &image), SATIN_OK);
+    assert_int_equal(image->channels, 1);
+    for (int i = 0; i < 6; i++)
+        assert_float_equal(image->texel[i], decoded(grey[i] / 255.0), 1e-6f);
+    arena_free(&c.arena);
+}
+
+static void takes_floats_as_they_are(void **state) {
+    (void)state;
+    // PFM: rows from the bottom, little-endian.
+    char file[64];
+    size_t header = (size_t)sprintf(file, "PF\n1 2\n-1\n");
+    const float texel[6] = {0.5f, NAN, 7.0f, -1.0f, INFINITY, 0.25f};
+    memcpy(file + header, texel, sizeof texel);
+    scene_case_bytes("a.pfm", file, header + sizeof texel);
+    struct image_case c;
+    const struct image *image;
+    assert_int_equal(load(&c, "a.pfm", false, &image), SATIN_OK);
+    const float expected[6] = {-1.0f, 0.0f, 0.25f, 0.5f, 0.0f, 7.0f};
+    for (int i = 0; i < 6; i++) assert_float_equal(image->texel[i], expected[i], 0.0f);
+    assert_int_equal(c.log.warnings, 1);
+    assert_string_equal(c.log.warning, "a.pfm: 2 values are not finite and count as 0");
+    arena_free(&c.arena);
+}
+
+static void refuse(const char *path, const char *message) {
+    struct image_case c;
+    const struct image *image = NULL;
+    assert_int_equal(load(&c, path, false, &image), SATIN_ERROR_INPUT);
+    assert_null(image);
+    assert_int_equal(c.log.errors, 1);
+    if (strncmp(c.log.error, message, strlen(message)) != 0)
+        assert_string_equal(c.log.error, message);
+    arena_free(&c.arena);
+}
+
+static void refuses_wrong_files(void **state) {
+    (void)state;
+    refuse("missing.png", "scene.xml:3:7: cannot read 'missing.png'");
+    refuse(".", "scene.xml:3:7: cannot read '.'");
+    scene_case_file("empty.png", "");
+    refuse("empty.png", "scene.xml:3:7: cannot read image 'empty.png'");
+    scene_case_file("text.png", "this is no image");
+    refuse("text.png", "scene.xml:3:7: cannot read image 'text.png'");
+    scene_case_file("huge.pfm", "PF\n100000 100000\n-1\n");
+    refuse("huge.pfm", "scene.xml:3:7: image 'huge.pfm' is too large: 100000 x 100000");
+    scene_case_file("short.pfm", "PF\n100 100\n-1\n");
+    refuse("short.pfm", "scene.xml:3:7: cannot read image 'short.pfm'");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(linearises_bytes),
+        cmocka_unit_test(takes_floats_as_they_are),
+        cmocka_unit_test(refuses_wrong_files),
+    };
+    return cmocka_run_group_tests(tests, scene_case_setup, scene_case_teardown);
+}

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// Texture look-ups: values measured with Mitsuba 3.9 on an image of 4 x 3 texels valued 0 to 11,
+// row by row, and laws that hold for every wrap mode.
+#include "mesh_case.h"
+
+static const float texel[12] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static const struct image image = {4, 3, 1, texel};
+
+static struct texture bitmap(enum texture_wrap wrap, bool nearest) {
+    return (struct texture){.kind = TEXTURE_BITMAP,
+                            .to_uv = {1, 0, 0, 0, 1, 0},
+                            .image = &image,
+                            .wrap = wrap,
+                            .nearest = nearest,
+                            .mean = {5.5f, 5.5f, 5.5f}};
+}
+
+static void agrees_with_mitsuba(void **state) {
+    (void)state;
+    static const vec2 uv[10] = {
+        {.01f, .01f}, {.125f, 1 / 6.f}, {.3f, .4f},    {.99f, .02f}, {.5f, .99f},
+        {1.3f, .4f},  {-.3f, -.4f},     {2.3f, -1.4f}, {0, 0},       {1, 1}};
+    static const float value[6][10] = {
+        {0, 0, 5, 3, 10, 5, 6, 5, 0, 0},                               // nearest, repeat
+        {0, 0, 5, 3, 10, 6, 5, 5, 0, 11},                              // mirror
+        {0, 0, 5, 3, 10, 7, 0, 3, 0, 11},                              // clamp
+        {5.14f, 0, 3.5f, 5.14f, 5.74f, 3.5f, 7.5f, 5.9f, 5.5f, 5.5f},  // bilinear, repeat
+        {0, 0, 3.5f, 3, 9.5f, 5.1f, 3.5f, 5.9f, 0, 11},
+        {0, 0, 3.5f, 3, 9.5f, 5.8f, 0, 3, 0, 11},
+    };
+    for (int k = 0; k < 6; k++) {
+        struct texture t = bitmap((enum texture_wrap)(k % 3), k < 3);
+        for (int i = 0; i < 10; i++) {
+            rgb c = texture_eval(&t, uv[i]);
+            assert_float_equal(c.r, value[k][i], 1e-4f);
+            assert_true(c.g == c.r && c.b == c.r);
+        }
+    }
+}
+
+static void transforms_coordinates(void **state) {
+    (void)state;
+    static const vec2 uv[4] = {{.1f, .1f}, {.3f, .1f}, {.1f, .2f}, {.6f, .4f}};
+    static const float to_uv[3][6] = {
+        {2, 0, 0, 0, 3, 0}, {1, 0, .25f, 0, 1, 0}, {.866025404f, -.5f, 0, .5f, .866025404f, 0}};
+    static const float value[3][4] = {{0, 2, 4, 0}, {1, 2, 1, 7}, {0, 0, 3, 5}};
+    for (int k = 0; k < 3; k++) {
+        struct texture t = bitmap(TEXTURE_REPEAT, true);
+        memcpy(t.to_uv, to_uv[k], sizeof t.to_uv);
+        for (int i = 0; i < 4; i++)
+            assert_float_equal(texture_eval(&t, uv[i]).r, value[k][i], 0.0f);
+    }
+}
+
+static void checks_alternate(void **state) {
+    (void)state;
+    struct texture t = {.kind = TEXTURE_CHECKERBOARD,
+                        .to_uv = {1, 0, 0, 0, 1, 0},
+                        .color0 = {1, 0, 0},
+                        .color1 = {0, 1, 0}};
+    static const vec2 uv[9] = {{.1f, .1f}, {.6f, .1f},  {.1f, .6f}, {.6f, .6f},  {-.1f, .1f},
+                               {.5f, .1f}, {1.1f, .1f}, {0, 0},     {-.6f, -.2f}};
+    static const int first[9] = {1, 0, 0, 1, 0, 1, 1, 1, 0};
+    for (int i = 0; i < 9; i++) {
+        rgb c = texture_eval(&t, uv[i]);
+        assert_true(c.r == (float)first[i] && c.g == (float)!first[i]);
+    }
+}
+
+// Repetition has period 1, mirroring period 2 and symmetry, clamping is constant outside; and no
+// coordinate, however wild, reads outside of the image.
+static void wraps(void **state) {
+    (void)state;
+    struct rng rng = rng_make(1, RNG_TEST, 0);
+    for (int i = 0; i < 20000; i++) {
+        vec2 p = {rng_float(&rng), rng_float(&rng)};
+        float n = (float)(rng_u32(&rng) % 9) - 4.0f;
+        struct texture repeat = bitmap(TEXTURE_REPEAT, false);
+        struct texture mirror = bitmap(TEXTURE_MIRROR, false);
+        struct texture clamp = bitmap(TEXTURE_CLAMP, false);
+        float r = texture_eval(&repeat, p).r, m = texture_eval(&mirror, p).r;
+        assert_float_equal(texture_eval(&repeat, (vec2){p.x + n, p.y - n}).r, r, 2e-4f);
+        assert_float_equal(texture_eval(&mirror, (vec2){p.x + 2 * n, -p.y}).r, m, 2e-4f);
+        assert_float_equal(texture_eval(&clamp, (vec2){p.x, -p.y}).r,
+                           texture_eval(&clamp, (vec2){p.x, 0}).r, 2e-5f);
+        union {
+            uint32_t bits;
+            float f;
+        } u = {rng_u32(&rng)}, v = {rng_u32(&rng)};
+        for (int k = 0; k < 6; k++) {
+            struct texture t = bitmap((enum texture_wrap)(k % 3), k < 3);
+            float wild = texture_eval(&t, (vec2){u.f, v.f}).r;
+            assert_true(wild >= 0.0f && wild <= 11.0f);
+        }
+    }
+}
+
+static void reads_three_channels_and_constants(void **state) {
+    (void)state;
+    static const float color[6] = {1, 2, 3, 4, 5, 6};
+    const struct image two = {2, 1, 3, color};
+    struct texture t = bitmap(TEXTURE_CLAMP, false);
+    t.image = &two;
+    rgb c = texture_eval(&t, (vec2){0.5f, 0.5f});
+    assert_true(c.r == 2.5f && c.g == 3.5f && c.b == 4.5f);
+    struct texture constant = {.kind = TEXTURE_CONSTANT, .value = {7, 8, 9}};
+    assert_true(texture_eval(&constant, (vec2){NAN, 3}).g == 8.0f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(agrees_with_mitsuba),
+        cmocka_unit_test(transforms_coordinates),
+        cmocka_unit_test(checks_alternate),
+        cmocka_unit_test(wraps),
+        cmocka_unit_test(reads_three_channels_and_constants),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

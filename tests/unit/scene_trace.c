@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+// Ray queries: they agree with each other and with exact answers, survive every ray, and report
+// shapes that cannot be.
+#include "mesh_case.h"
+#include "test_scene.h"
+
+static struct test_scene t;
+
+static struct ray ray_between(vec3 from, vec3 to) {
+    return (struct ray){from, 0.0f, v3_unit(v3_sub(to, from)), INFINITY};
+}
+
+// A room with one shape of each kind in it.
+static int make_room(void **state) {
+    (void)state;
+    test_scene_init(&t);
+    uint32_t plain = test_diffuse(&t, .5f, .5f, .5f), brushed = test_diffuse(&t, .5f, .5f, .5f);
+    t.material[brushed].anisotropic = true;
+    test_cube(&t, test_transform(v3(0, 0, 0), v3(10, 10, 10)), true, plain);
+    test_quadric(&t, SHAPE_SPHERE, test_transform(v3(5, 0, 0), v3(2, 2, 2)), false, brushed);
+    test_quadric(&t, SHAPE_DISK, test_transform(v3(-5, 0, 0), v3(2, 2, 2)), true, plain);
+    test_quadric(&t, SHAPE_CYLINDER, test_transform(v3(0, 5, 0), v3(1, 1, 3)), false, plain);
+    test_rectangle(&t, test_transform(v3(0, -5, 0), v3(1, 2, 1)), brushed);
+    test_scene_finish(&t);
+    return 0;
+}
+
+static int free_room(void **state) {
+    (void)state;
+    test_scene_free(&t);
+    return 0;
+}
+
+static void knows_bounds(void **state) {
+    (void)state;
+    assert_near3(t.scene.bounds_lo, v3(-10, -10, -10), 1e-5f);
+    assert_near3(t.scene.bounds_hi, v3(10, 10, 10), 1e-5f);
+    assert_float_equal(t.scene.radius, sqrtf(300.0f), 1e-4f);
+    assert_int_equal(t.scene.triangle_count, 14);
+}
+
+// Values worked out by hand for rays straight at each shape.
+static void fills_surfels(void **state) {
+    (void)state;
+    const struct {
+        vec3 from, to, p, ng, u;
+        vec2 uv;
+        uint32_t shape, material;
+    } known[] = {
+        {{5, -9, 1},
+         {5, 0, 1},
+         {5, -1.7320508f, 1},
+         {0, -.8660254f, .5f},
+         {1, 0, 0},
+         {.75f, 1 / 3.f},
+         1,
+         1},
+        {{-4, 1, 8}, {-4, 1, 0}, {-4, 1, 0}, {0, 0, -1}, {1, 0, 0}, {.70710678f, .125f}, 2, 0},
+        {{0, 0, 1}, {0, 5, 1}, {0, 4, 1}, {0, -1, 0}, {1, 0, 0}, {.75f, 1 / 3.f}, 3, 0},
+        {{.5f, -6, 9}, {.5f, -6, 0}, {.5f, -6, 0}, {0, 0, 1}, {1, 0, 0}, {.75f, .25f}, 4, 1},
+        {{1, -2, 4}, {1, -2, 9}, {1, -2, 10}, {0, 0, -1}, {1, 0, 0}, {.4f, .55f}, 0, 0},
+    };
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        struct ray ray = ray_between(known[i].from, known[i].to);
+        struct surfel s;
+        assert_true(scene_intersect(&t.scene, &ray, &s));
+        assert_int_equal(s.shape, known[i].shape);
+        assert_int_equal(s.material, known[i].material);
+        assert_int_equal(s.light, -1);
+        assert_near3(s.p, known[i].p, 2e-6f);
+        assert_near3(s.ng, known[i].ng, 1e-6f);
+        assert_near3(s.frame.n, known[i].ng, 1e-6f);
+        if (known[i].material == 1) assert_near3(s.frame.u, known[i].u, 1e-6f);
+        assert_float_equal(s.uv.x, known[i].uv.x, 1e-6f);
+        assert_float_equal(s.uv.y, known[i].uv.y, 1e-6f);
+        assert_near3(v3_mad(ray.o, s.t, ray.d), s.p, 1e-5f);
+    }
+}
+
+static void queries_agree(void **state) {
+    (void)state;
+    struct rng rng = rng_make(1, RNG_TEST, 0);
+    int hits[5] = {0};
+    for (int i = 0; i < 20000; i++) {
+        vec3 a = v3(18 * rng_float(&rng) - 9, 18 * rng_float(&rng) - 9, 18 * rng_float(&rng) - 9);
+        vec3 b = v3(18 * rng_float(&rng) - 9, 18 * rng_float(&rng) - 9, 18 * rng_float(&rng) - 9);
+        struct ray ray = ray_between(a, b);
+        struct surfel s;
+        assert_true(scene_intersect(&t.scene, &ray, &s));
+        hits[s.shape]++;
+        assert_true(scene_distance(&t.scene, &ray) == s.t);
+        assert_true(scene_occluded(&t.scene, &ray));
+        assert_near3(v3_mad(ray.o, s.t, ray.d), s.p, 1e-4f);
+        assert_true(v3_dot(s.ng, s.frame.n) > 0.999f);
+        ray.tfar = s.t * 0.999f;
+        assert_false(scene_occluded(&t.scene, &ray));
+        assert_true(isinf(scene_distance(&t.scene, &ray)));
+        ray.tfar = s.t * 1.001f;
+        assert_true(scene_occluded(&t.scene, &ray));
+        ray.tnear = s.t * 1.0005f;
+        assert_true(isinf(scene_distance(&t.scene, &ray)) || scene_distance(&t.scene, &ray) > s.t);
+    }
+    for (int i = 0; i < 5; i++) assert_true(hits[i] > 50);
+}
+
+static void survives_every_ray(void **state) {
+    (void)state;
+    struct rng rng = rng_make(2, RNG_TEST, 0);
+    for (int i = 0; i < 50000; i++) {
+        union {
+            uint32_t bits[8];
+            struct ray ray;
+        } any;
+        for (int k = 0; k < 8; k++) any.bits[k] = rng_u32(&rng);
+        struct surfel s;
+        bool hit = scene_intersect(&t.scene, &any.ray, &s);
+        assert_true(hit == isfinite(scene_distance(&t.scene, &any.ray)));
+        if (hit) assert_true(v3_finite(s.p) && v3_finite(s.ng) && v3_finite(s.frame.u));
+    }
+    const struct ray none[] = {
+        {{0, 0, 0}, 0, {0, 0, 0}, INFINITY},   {{0, 0, 0}, 0, {NAN, 0, 0}, INFINITY},
+        {{0, 0, 0}, 0, {0, INFINITY, 0}, 10},  {{NAN, 0, 0}, 0, {0, 0, 1}, INFINITY},
+        {{0, 2e18f, 0}, 0, {0, -1, 0}, 4e18f}, {{0, 0, 0}, -1, {0, 0, 1}, INFINITY},
+        {{0, 0, 0}, NAN, {0, 0, 1}, INFINITY}, {{0, 0, 0}, 0, {0, 0, 1}, NAN},
+        {{0, 0, 0}, 5, {0, 0, 1}, 5},          {{0, 0, 0}, 0, {0, 0, 1}, -INFINITY},
+    };
+    for (size_t i = 0; i < sizeof none / sizeof *none; i++) {
+        struct surfel s;
+        assert_false(scene_intersect(&t.scene, &none[i], &s));
+        assert_false(scene_occluded(&t.scene, &none[i]));
+        assert_true(isinf(scene_distance(&t.scene, &none[i])));
+    }
+}
+
+static void builds_an_empty_scene(void **state) {
+    (void)state;
+    struct satin_scene empty = {0};
+    assert_int_equal(scene_trace_build(&empty, (struct log){0}), SATIN_OK);
+    struct ray ray = ray_between(v3(0, 0, 0), v3(1, 0, 0));
+    assert_false(scene_occluded(&empty, &ray));
+    assert_true(empty.radius > 0.0f);
+    scene_trace_free(empty.trace);
+    scene_trace_free(NULL);
+}
+
+static void refuses_degenerate_shapes(void **state) {
+    (void)state;
+    struct shape flat = {.kind = SHAPE_DISK, .name = "plate"};
+    struct satin_scene scene = {.shape = &flat, .shape_count = 1};
+    struct scene_case c;
+    assert_int_equal(scene_trace_build(&scene, scene_case_begin(&c)), SATIN_ERROR_INPUT);
+    assert_string_equal(c.error, "shape 'plate' has a degenerate transform");
+    assert_null(scene.trace);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(knows_bounds),          cmocka_unit_test(fills_surfels),
+        cmocka_unit_test(queries_agree),         cmocka_unit_test(survives_every_ray),
+        cmocka_unit_test(builds_an_empty_scene), cmocka_unit_test(refuses_degenerate_shapes),
+    };
+    return cmocka_run_group_tests(tests, make_room, free_room);
+}
