@@ -2,6 +2,7 @@
 // <bsdf>: materials. Names, parameters and defaults are those of Mitsuba 3; phong and ward are
 // those of Mitsuba 0.6 with its parameters spelt the new way.
 #include "base/array.h"
+#include "base/text.h"
 #include "scene/scene_loader.h"
 
 static const char *const distributions[] = {"beckmann", "ggx", NULL};  // enum brdf_distribution
@@ -148,7 +149,13 @@ static satin_status set_metal(struct scene_loader *loader, const struct params *
         return SATIN_ERROR_INPUT;
     }
     if (scene_metal_find(material->s, &side->base.eta, &side->base.k)) return SATIN_OK;
-    log_error_at(loader->log, material->place, "material: unknown metal '%s'", material->s);
+    struct text_nearest nearest = {.word = material->s};
+    for (int i = 0; scene_metal_name(i); i++) text_nearest_try(&nearest, scene_metal_name(i));
+    if (nearest.best)
+        log_error_at(loader->log, material->place, "unknown metal '%s' (did you mean '%s'?)",
+                     material->s, nearest.best);
+    else
+        log_error_at(loader->log, material->place, "unknown metal '%s'", material->s);
     return SATIN_ERROR_INPUT;
 }
 

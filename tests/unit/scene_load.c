@@ -173,7 +173,7 @@ static const struct refusal refusals[] = {
     {SHAPE("<bsdf type='phong'><rgb name='diffuse_reflectance' value='.9'/></bsdf>"),
      "scene.xml:3:22: diffuse_reflectance and specular_reflectance sum to 1.1, which is over 1"},
     {SHAPE("<bsdf type='conductor'><string name='material' value='Unobtainium'/></bsdf>"),
-     "scene.xml:3:45: material: unknown metal 'Unobtainium'"},
+     "scene.xml:3:45: unknown metal 'Unobtainium'"},
     {SHAPE("<bsdf type='conductor'><string name='material' value='Al'/>"
            "<rgb name='k' value='1'/></bsdf>"),
      "scene.xml:3:45: a metal is either a material, or eta and k"},
