@@ -67,7 +67,9 @@ struct plugin_spec {
     const struct param_spec *const *params;  // NULL-ended; NULL: none
     unsigned children;                       // what it takes besides parameters: bits 1 << xml_tag
     plugin_build build;
-    bool lenient;  // other parameters have no effect: a warning, not an error
+    // The last row of its element: stands for all other names, and other parameters have no effect,
+    // which is a warning, not an error.
+    bool lenient;
 };
 
 struct params {

@@ -53,16 +53,15 @@ static bool is_unread(const struct xml_node *node) {
 }
 
 const struct plugin_spec *scene_plugin_find(struct log log, const struct xml_node *node) {
-    struct text_nearest nearest = {.word = node->type};
-    const struct plugin_spec *last = NULL;
     for (int t = 0; tables[t]; t++)
-        for (const struct plugin_spec *plugin = tables[t]; plugin->name; plugin++) {
-            if (plugin->tag != node->tag) continue;
-            if (strcmp(plugin->name, node->type) == 0) return plugin;
-            text_nearest_try(&nearest, plugin->name);
-            last = plugin;
-        }
-    if (last && last->lenient) return last;  // integrators: it stands for all
+        for (const struct plugin_spec *plugin = tables[t]; plugin->name; plugin++)
+            if (plugin->tag == node->tag &&
+                (plugin->lenient || strcmp(plugin->name, node->type) == 0))
+                return plugin;
+    struct text_nearest nearest = {.word = node->type};
+    for (int t = 0; tables[t]; t++)
+        for (const struct plugin_spec *plugin = tables[t]; plugin->name; plugin++)
+            if (plugin->tag == node->tag) text_nearest_try(&nearest, plugin->name);
     const char *noun = scene_plugin_noun(node->tag);
     if (is_unread(node))
         log_error_at(log, node->place, "%s '%s' is not supported", noun, node->type);

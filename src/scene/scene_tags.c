@@ -48,16 +48,15 @@ static const char *const unread[] = {"medium", "phase", "volume", "field", "path
 const char *xml_tag_name(enum xml_tag tag) { return tags[tag].name; }
 
 enum xml_tag xml_tag_find(struct log log, struct log_place place, const char *name) {
-    struct text_nearest nearest = {.word = name};
-    for (int i = 0; i < XML_TAG_COUNT; i++) {
+    for (int i = 0; i < XML_TAG_COUNT; i++)
         if (strcmp(tags[i].name, name) == 0) return (enum xml_tag)i;
-        text_nearest_try(&nearest, tags[i].name);
-    }
     for (int i = 0; unread[i]; i++)
         if (strcmp(unread[i], name) == 0) {
             log_error_at(log, place, "<%s> is not supported", name);
             return XML_TAG_COUNT;
         }
+    struct text_nearest nearest = {.word = name};
+    for (int i = 0; i < XML_TAG_COUNT; i++) text_nearest_try(&nearest, tags[i].name);
     if (nearest.best)
         log_error_at(log, place, "unknown element <%s> (did you mean <%s>?)", name, nearest.best);
     else

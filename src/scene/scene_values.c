@@ -101,11 +101,10 @@ static satin_status wrong_value(struct log log, struct log_place place, const ch
 
 static satin_status read_choice(struct log log, const struct param_spec *spec, const char *text,
                                 struct param_value *value) {
-    struct text_nearest nearest = {.word = text};
-    for (value->i = 0; spec->choices[value->i]; value->i++) {
+    for (value->i = 0; spec->choices[value->i]; value->i++)
         if (text_same_name(spec->choices[value->i], text)) return SATIN_OK;
-        text_nearest_try(&nearest, spec->choices[value->i]);
-    }
+    struct text_nearest nearest = {.word = text};
+    for (int i = 0; spec->choices[i]; i++) text_nearest_try(&nearest, spec->choices[i]);
     return wrong_value(log, value->place, spec->name, text, nearest.best);
 }
 
