@@ -1,0 +1,112 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Checks that the documentation is true where a program can tell: commands in ```sh blocks use
+arguments, options and scripts that exist, ```xml scenes load, links lead to files.
+
+Usage: rules_docs.py TREE SATIN
+"""
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+
+FOREIGN = {"meson", "ninja", "apt-get", "pip"}  # other projects' commands, not checked
+
+
+class Checker:
+    def __init__(self, tree, satin):
+        self.tree, self.satin, self.helps, self.wrong = tree, satin, {}, []
+
+    def run(self, *arguments):
+        done = subprocess.run([self.satin, *arguments], capture_output=True, text=True, check=False)
+        return done.returncode, done.stdout, done.stderr
+
+    def help(self, topic):
+        """The words of `satin help TOPIC`, or None if there is no such topic."""
+        if topic not in self.helps:
+            status, text, _ = self.run("help", *([topic] if topic else []))
+            self.helps[topic] = set(re.findall(r"[\w-]+", text)) if status == 0 else None
+        return self.helps[topic]
+
+    def satin_command(self, words):
+        if not words or words[0].startswith("--"):
+            words = ["", *words]
+        command, rest = words[0], words[1:]
+        if command == "help":
+            for topic in (w for w in rest if not w.startswith("-")):
+                if self.help(topic) is None:
+                    yield f"no help on '{topic}'"
+            return
+        known = self.help(command)
+        if known is None or command and command not in self.help(""):
+            yield f"satin has no command '{command}'"
+            return
+        for at, word in enumerate(rest):
+            if word.startswith("-") and word.split("=")[0].lstrip("-") not in \
+                    {k.lstrip("-") for k in known}:
+                yield f"satin {command} has no argument {word}"
+            if word == "--set" and rest[at + 1].split("=")[0] not in self.help("options"):
+                yield f"there is no option '{rest[at + 1]}'"
+
+    def command(self, line):
+        words = shlex.split(line, comments=True)
+        while words and (words[0] in ("nice", "time", "-n", "10", "sudo") or "=" in words[0]):
+            words = words[1:]
+        if not words or words[0] in FOREIGN:
+            return
+        program = words[0]
+        if program in ("satin", "build/satin"):
+            yield from self.satin_command(words[1:])
+        elif program == "./bootstrap":
+            text = subprocess.run([self.tree / "bootstrap", "help"], capture_output=True, text=True,
+                                  check=False).stdout
+            if len(words) > 1 and not re.search(rf"^  {re.escape(words[1])} ", text, re.MULTILINE):
+                yield f"bootstrap has no command '{words[1]}'"
+        elif program == "python3":
+            if not (self.tree / words[1]).is_file():
+                yield f"there is no {words[1]}"
+        elif program.startswith("build/"):
+            name = pathlib.Path(program).name
+            if not list(self.tree.glob(f"{pathlib.Path(*pathlib.Path(program).parts[1:-1])}/{name}.c")):
+                yield f"nothing builds {program}"
+        elif not (self.tree / program).is_file():
+            yield f"there is no {program}"
+
+    def scene(self, text):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "scene.xml"
+            path.write_text(text, encoding="utf-8")
+            status, _, message = self.run("info", str(path))
+            if status != 0:
+                yield message.strip().replace(str(path), "scene.xml")
+
+    def page(self, path):
+        text = path.read_text(encoding="utf-8")
+        for kind, block in re.findall(r"^```(\w+)\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
+            if kind == "xml":
+                self.note(path, self.scene(block))
+            elif kind == "sh":
+                for line in block.replace("\\\n", " ").splitlines():
+                    self.note(path, self.command(line))
+        for link in re.findall(r"\]\(([^)#]+)[^)]*\)", text):
+            if "://" not in link and not (path.parent / link).exists():
+                self.note(path, [f"the link to {link} leads nowhere"])
+
+    def note(self, path, what):
+        self.wrong += [f"{path.relative_to(self.tree)}: {w}" for w in what]
+
+
+def main():
+    tree = pathlib.Path(sys.argv[1]).resolve()
+    checker = Checker(tree, sys.argv[2])
+    pages = [tree / "README.md", *sorted((tree / "docs").glob("*.md")), tree / "data/README.md"]
+    for path in pages:
+        checker.page(path)
+    print("\n".join(checker.wrong))
+    return 1 if checker.wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
