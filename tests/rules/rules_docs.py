@@ -68,8 +68,7 @@ class Checker:
             if not (self.tree / words[1]).is_file():
                 yield f"there is no {words[1]}"
         elif program.startswith("build/"):
-            name = pathlib.Path(program).name
-            if not list(self.tree.glob(f"{pathlib.Path(*pathlib.Path(program).parts[1:-1])}/{name}.c")):
+            if not (self.tree / program.removeprefix("build/")).with_suffix(".c").is_file():
                 yield f"nothing builds {program}"
         elif not (self.tree / program).is_file():
             yield f"there is no {program}"
