@@ -87,8 +87,8 @@ def table(x, z, top, half):
 
 def indirect_room():
     return scene(
-        "A closed diffuse room. Its only light lies in a trough on the left wall and faces the\n"
-        "     ceiling: everything that the eye sees is lit indirectly.",
+        "A closed diffuse room. Its only light hangs in the middle and faces the ceiling:\n"
+        "     everything that the eye sees is lit indirectly.",
         sensor((0.9, 1.45, 2.3), (-0.18, 1.02, -1.2), 62),
         diffuse("wall", 0.78, 0.74, 0.68), diffuse("ceiling", 0.8, 0.8, 0.8),
         diffuse("floor", 0.5, 0.38, 0.27), diffuse("accent", 0.25, 0.42, 0.5),
@@ -100,10 +100,9 @@ def indirect_room():
         rectangle("-x", (2, 1.35, 0), (2.5, 1.35), ref("wall")),
         rectangle("+z", (0, 1.35, -2.5), (2, 1.35), ref("accent")),
         rectangle("-z", (0, 1.35, 2.5), (2, 1.35), ref("wall")),
-        # The trough: an open box along the wall; the light lies inside, below its rim.
-        box((-1.85, 1.95, -0.4), (0.15, 0.02, 1.2), 0, ref("pale")),
-        box((-1.715, 2.03, -0.4), (0.015, 0.1, 1.2), 0, ref("pale")),
-        rectangle("+y", (-1.86, 1.99, -0.4), (0.1, 1.1), ref("pale"), area_light(34, 30, 25)),
+        # A panel that hangs from the ceiling and lights it; its underside is dark.
+        box((-0.1, 2.1, -0.5), (0.75, 0.015, 0.5), 0, ref("pale")),
+        rectangle("+y", (-0.1, 2.117, -0.5), (0.72, 0.47), ref("pale"), area_light(7, 6.3, 5.4)),
         # A sofa, a low table with a lamp foot's sphere on it, a shelf, a rug.
         box((-1.45, 0.22, -0.9), (0.4, 0.22, 0.95), 0, ref("cloth")),
         box((-1.78, 0.55, -0.9), (0.12, 0.45, 0.95), 0, ref("cloth")),
