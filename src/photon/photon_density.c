@@ -164,6 +164,15 @@ rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *sc
 rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p, vec3 ng,
                    const struct frame *frame, const struct brdf *brdf, vec3 wo, unsigned lobes) {
     if (maps->caustic.count == 0) return rgb_grey(0.0f);
+    // Away from edges a diffuse surface takes what was precomputed.
+    if (brdf->model->lobes == BRDF_DIFFUSE && maps->area) {
+        int entry = photon_irradiance_entry(&maps->caustic_irradiance, p, ng);
+        if (entry < 0) return rgb_grey(0.0f);
+        if (maps->caustic.open[entry]) {
+            rgb f = brdf_eval(brdf, wo, v3(0.0f, 0.0f, 1.0f), lobes);
+            return rgb_mul(f, photon_irradiance_value(&maps->caustic_irradiance, entry, p));
+        }
+    }
     struct photon_query query = {&maps->caustic,
                                  scene,
                                  p,

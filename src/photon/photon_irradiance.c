@@ -25,25 +25,26 @@ enum {
     RETRY_K = 16  // neighbours searched if the nearest one faces elsewhere
 };
 #define FACING 0.5f
+// The nearest of evenly spread entries is further than the root of REACH / (pi density) once in
+// e^REACH places. Where it is, no light came down in between, and its irradiance fades.
+#define REACH 6.0f
 #define CLEARING 2.5f  // radius of a clearing over that of a disc
 
 struct precompute {
-    struct photon_map *map;
-    const struct satin_scene *scene;
-    int k;
-    bool area;
-    rgb *E;  // NULL: only the `open` flags
-    float *radius;
+    const struct photon_precompute *what;
+    struct photon_irradiance *out;
     atomic_bool failed;
 };
 
-static struct photon_query query_of(const struct precompute *job, size_t entry,
-                                    enum photon_correction correction) {
-    struct photon_map *map = job->map;
-    size_t i = entry * map->stride;
-    return (struct photon_query){
-        map,         job->scene, photon_position(map, i), photon_unpack(map->photon[i].n), job->k,
-        KERNEL_FLAT, correction};
+static struct photon_query query_of(const struct photon_precompute *what, size_t entry) {
+    size_t i = entry * what->stride;
+    return (struct photon_query){what->map,
+                                 what->scene,
+                                 photon_position(what->map, i),
+                                 photon_unpack(what->map->photon[i].n),
+                                 what->k,
+                                 what->kernel,
+                                 AREA_WHOLE};
 }
 
 // A place around which the surface is known to be whole up to a distance; 0: not known.
@@ -54,39 +55,39 @@ struct clearing {
 
 // Far from edges one clearing tells of a group of entries, which are neighbours on the Morton
 // curve, and saves them the rays.
-static struct clearing find_clearing(const struct precompute *job, size_t entry, const int *row,
-                                     const float *distance2) {
-    struct photon_query query = query_of(job, entry, AREA_WHOLE);
+static struct clearing find_clearing(const struct photon_precompute *what, size_t entry,
+                                     const int *row, const float *distance2) {
+    struct photon_query query = query_of(what, entry);
     struct clearing clearing = {query.p, query.n, 0.0f};
     struct photon_disc disc;
     photon_disc_make(&query, row, distance2, &disc);
     float reach = CLEARING * disc.r;
-    if (job->area && reach > 0.0f && photon_area_clear(job->scene, query.p, query.n, reach))
+    if (what->area && reach > 0.0f && photon_area_clear(what->scene, query.p, query.n, reach))
         clearing.reach = reach;
     return clearing;
 }
 
 static void precompute_one(struct precompute *job, size_t entry, const struct clearing *clearing,
                            const int *row, const float *distance2) {
-    struct photon_query query = query_of(job, entry, AREA_WHOLE);
+    const struct photon_precompute *what = job->what;
+    struct photon_query query = query_of(what, entry);
     struct photon_disc disc;
     photon_disc_make(&query, row, distance2, &disc);
     float room = clearing->reach - sqrtf(v3_dist2(query.p, clearing->p));
-    if (job->area && !(disc.r <= room && v3_dot(query.n, clearing->n) > 0.9f)) {
+    if (what->area && !(disc.r <= room && v3_dot(query.n, clearing->n) > 0.9f)) {
         query.correction = AREA_MEASURED;
         photon_disc_make(&query, row, distance2, &disc);
     }
-    job->map->open[entry] = !disc.corrected;
-    if (!job->E) return;
-    job->E[entry] = photon_disc_irradiance(&disc);
-    job->radius[entry] = disc.r;
+    what->map->open[entry] = !disc.corrected;
+    job->out->E[entry] = photon_disc_irradiance(&disc);
+    job->out->radius[entry] = disc.r;
 }
 
 static void precompute_chunk(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
     struct precompute *job = ctx;
-    const struct photon_map *map = job->map;
-    size_t k = (size_t)job->k;
+    const struct photon_precompute *what = job->what;
+    size_t k = (size_t)what->k;
     int *row = malloc(GROUP * k * sizeof *row);
     float *distance2 = malloc(GROUP * k * sizeof *distance2);
     if (!row || !distance2) atomic_store(&job->failed, true);
@@ -94,39 +95,19 @@ static void precompute_chunk(void *ctx, size_t begin, size_t end, int worker) {
         size_t n = end - at < GROUP ? end - at : GROUP, middle = n / 2;
         float query[3 * GROUP];
         for (size_t i = 0; i < n; i++) {
-            vec3 p = photon_position(map, (at + i) * map->stride);
+            vec3 p = photon_position(what->map, (at + i) * what->stride);
             query[3 * i] = p.x;
             query[3 * i + 1] = p.y;
             query[3 * i + 2] = p.z;
         }
-        photon_index_nearest(map->index, query, n, job->k, row, distance2);
+        photon_index_nearest(what->map->index, query, n, what->k, row, distance2);
         struct clearing clearing =
-            find_clearing(job, at + middle, row + middle * k, distance2 + middle * k);
+            find_clearing(what, at + middle, row + middle * k, distance2 + middle * k);
         for (size_t i = 0; i < n; i++)
             precompute_one(job, at + i, &clearing, row + i * k, distance2 + i * k);
     }
     free(row);
     free(distance2);
-}
-
-static satin_status run(struct precompute *job, size_t stride, struct parallel *pool,
-                        struct log log) {
-    struct photon_map *map = job->map;
-    map->stride = stride;
-    size_t entries = (map->count + stride - 1) / stride;
-    map->open = array_new(entries, 1);
-    atomic_init(&job->failed, !map->open);
-    if (map->open && !parallel_for(pool, entries, GRAIN, precompute_chunk, job))
-        return SATIN_CANCELLED;
-    if (!atomic_load(&job->failed)) return SATIN_OK;
-    return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for the photons' irradiance");
-}
-
-satin_status photon_map_mark_open(struct photon_map *map, const struct satin_scene *scene, int k,
-                                  struct parallel *pool, struct log log) {
-    if (map->count == 0) return SATIN_OK;
-    struct precompute job = {.map = map, .scene = scene, .k = k, .area = true};
-    return run(&job, PHOTON_EDGE_STRIDE, pool, log);
 }
 
 static int compare_floats(const void *a, const void *b) {
@@ -153,37 +134,49 @@ static void set_row(float *row, vec3 p, vec3 n, float scale) {
     row[5] = scale * n.z;
 }
 
-satin_status photon_irradiance_build(struct photon_map *map, const struct satin_scene *scene, int k,
-                                     bool area, struct parallel *pool, struct log log,
-                                     struct photon_irradiance *out) {
-    struct photon_irradiance r = {.count = (map->count + PHOTON_STRIDE - 1) / PHOTON_STRIDE};
+// The rows of the index, their scale known by now.
+static void fill_rows(const struct photon_precompute *what, struct photon_irradiance *r) {
+    r->scale = 2.0f * median_radius(r);
+    for (size_t i = 0; i < r->count; i++) {
+        struct photon_query at = query_of(what, i);
+        set_row(r->row + 6 * i, at.p, at.n, r->scale);
+    }
+}
+
+satin_status photon_irradiance_build(const struct photon_precompute *what, struct parallel *pool,
+                                     struct log log, struct photon_irradiance *out) {
+    struct photon_map *map = what->map;
+    struct photon_irradiance r = {.count = (map->count + what->stride - 1) / what->stride};
+    r.reach2 = REACH * (float)what->stride / (float)what->k;
     if (map->count == 0) {
         *out = r;
         return SATIN_OK;
     }
     satin_status status = SATIN_ERROR_MEMORY;
+    map->stride = what->stride;
+    map->open = array_new(r.count, 1);
     r.row = array_new(6 * r.count, sizeof *r.row);
     r.E = array_new(r.count, sizeof *r.E);
     r.radius = array_new(r.count, sizeof *r.radius);
-    if (r.row && r.E && r.radius) {
-        struct precompute job = {
-            .map = map, .scene = scene, .k = k, .area = area, .E = r.E, .radius = r.radius};
-        status = run(&job, PHOTON_STRIDE, pool, log);
+    if (map->open && r.row && r.E && r.radius) {
+        struct precompute job = {.what = what, .out = &r};
+        atomic_init(&job.failed, false);
+        if (!parallel_for(pool, r.count, GRAIN, precompute_chunk, &job))
+            status = SATIN_CANCELLED;
+        else if (!atomic_load(&job.failed))
+            status = SATIN_OK;
     }
     if (status == SATIN_OK) {
-        r.scale = 2.0f * median_radius(&r);
-        for (size_t i = 0; i < r.count; i++)
-            set_row(r.row + 6 * i, photon_position(map, i * PHOTON_STRIDE),
-                    photon_unpack(map->photon[i * PHOTON_STRIDE].n), r.scale);
+        fill_rows(what, &r);
         r.index = photon_index_new(r.row, r.count, 6);
         if (!r.index) status = SATIN_ERROR_MEMORY;
     }
-    if (status != SATIN_OK) {
+    if (status == SATIN_ERROR_MEMORY) log_fail(log, status, "not enough memory for irradiance");
+    if (status != SATIN_OK)
         photon_irradiance_free(&r);
-        return status;
-    }
-    *out = r;
-    return SATIN_OK;
+    else
+        *out = r;
+    return status;
 }
 
 void photon_irradiance_free(struct photon_irradiance *irradiance) {
@@ -220,17 +213,21 @@ static int search_facing(const struct photon_irradiance *r, const float *query, 
     return best;
 }
 
-static rgb look_up(const struct photon_irradiance *r, int row, const float *query, vec3 p, vec3 n,
-                   float *radius) {
-    *radius = 0.0f;
-    if (row >= 0 && !faces(r, row, n)) row = search_facing(r, query, n);
-    if (row < 0) return rgb_grey(0.0f);
-    *radius = r->radius[row];
-    const float *q = r->row + 6 * (size_t)row;
-    float d2 = v3_dist2(p, v3(q[0], q[1], q[2])), reach2 = 4.0f * *radius * *radius;
-    // Beyond the entry's disc and as much again no photon came down: a dark place, whose density is
-    // at most what the distance to the nearest photon tells.
-    return d2 > reach2 ? rgb_scale(r->E[row], reach2 / d2) : r->E[row];
+int photon_irradiance_entry(const struct photon_irradiance *r, vec3 p, vec3 n) {
+    float query[6], distance2;
+    int row;
+    if (r->count == 0) return -1;
+    set_row(query, p, n, r->scale);
+    photon_index_nearest(r->index, query, 1, 1, &row, &distance2);
+    return row >= 0 && !faces(r, row, n) ? search_facing(r, query, n) : row;
+}
+
+rgb photon_irradiance_value(const struct photon_irradiance *r, int entry, vec3 p) {
+    if (entry < 0) return rgb_grey(0.0f);
+    const float *q = r->row + 6 * (size_t)entry;
+    float d2 = v3_dist2(p, v3(q[0], q[1], q[2])), radius = r->radius[entry];
+    float reach2 = r->reach2 * radius * radius;
+    return d2 > reach2 ? rgb_scale(r->E[entry], reach2 / d2) : r->E[entry];
 }
 
 void photon_irradiance_many(const struct photon_maps *maps, size_t count, const vec3 *p,
@@ -245,8 +242,13 @@ void photon_irradiance_many(const struct photon_maps *maps, size_t count, const 
             set_row(query + 6 * i, p[at + i], n[at + i], r->scale);
         }
         if (r->count > 0) photon_index_nearest(r->index, query, batch, 1, row, distance2);
-        for (size_t i = 0; i < batch; i++)
-            E[at + i] = look_up(r, row[i], query + 6 * i, p[at + i], n[at + i], &radius[at + i]);
+        for (size_t i = 0; i < batch; i++) {
+            size_t j = at + i;
+            if (row[i] >= 0 && !faces(r, row[i], n[j]))
+                row[i] = search_facing(r, query + 6 * i, n[j]);
+            E[j] = photon_irradiance_value(r, row[i], p[j]);
+            radius[j] = row[i] >= 0 ? r->radius[row[i]] : 0.0f;
+        }
     }
 }
 

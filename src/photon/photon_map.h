@@ -6,9 +6,9 @@
 #include "photon/photon.h"
 
 enum {
-    PHOTON_K_MAX = 10000,   // photons in one density estimate, the bound of options->photon_k
-    PHOTON_STRIDE = 4,      // irradiance is precomputed at every 4th photon of the sorted map
-    PHOTON_EDGE_STRIDE = 8  // the caustic map's open surroundings are known at every 8th
+    PHOTON_K_MAX = 10000,      // photons in one density estimate, the bound of options->photon_k
+    PHOTON_STRIDE = 4,         // irradiance is precomputed at every 4th photon of the sorted map
+    PHOTON_CAUSTIC_STRIDE = 1  // and at every one of the caustic map
 };
 
 // ---- Photons
@@ -181,22 +181,32 @@ struct photon_irradiance {
     rgb *E;
     float *radius;
     float scale;
+    float reach2;  // of an entry, in units of its squared radius
     struct photon_index *index;
 };
 
-// Precomputes irradiance at every PHOTON_STRIDE-th photon of the map and the map's `open` flags.
-satin_status photon_irradiance_build(struct photon_map *map, const struct satin_scene *scene, int k,
-                                     bool area, struct parallel *pool, struct log log,
-                                     struct photon_irradiance *out);
+struct photon_precompute {
+    struct photon_map *map;
+    const struct satin_scene *scene;
+    size_t stride;
+    int k;
+    enum photon_kernel kernel;
+    bool area;
+};
+
+// Precomputes irradiance at every stride-th photon of the map, and the map's `open` flags.
+satin_status photon_irradiance_build(const struct photon_precompute *what, struct parallel *pool,
+                                     struct log log, struct photon_irradiance *out);
 void photon_irradiance_free(struct photon_irradiance *irradiance);
 size_t photon_irradiance_bytes(const struct photon_irradiance *irradiance);
-// The map's `open` flags alone.
-satin_status photon_map_mark_open(struct photon_map *map, const struct satin_scene *scene, int k,
-                                  struct parallel *pool, struct log log);
+// The entry that answers for p on the side of n, or -1.
+int photon_irradiance_entry(const struct photon_irradiance *irradiance, vec3 p, vec3 n);
+// Its irradiance at p.
+rgb photon_irradiance_value(const struct photon_irradiance *irradiance, int entry, vec3 p);
 
 struct photon_maps {
     struct photon_map global, caustic;
-    struct photon_irradiance irradiance;
+    struct photon_irradiance irradiance, caustic_irradiance;
     int photon_k, caustic_k;
     bool area;
 };

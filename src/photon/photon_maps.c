@@ -55,8 +55,9 @@ static satin_status build_global(const struct pass *pass, struct photon_maps *ma
     if (status != SATIN_OK) return status;
     maps->global.radius_max = INFINITY;
     double start = stats_wall();
-    status = photon_irradiance_build(&maps->global, pass->scene, maps->photon_k, maps->area,
-                                     pass->pool, pass->log, &maps->irradiance);
+    struct photon_precompute what = {&maps->global,  pass->scene, PHOTON_STRIDE,
+                                     maps->photon_k, KERNEL_FLAT, maps->area};
+    status = photon_irradiance_build(&what, pass->pool, pass->log, &maps->irradiance);
     stats_add(pass->stats, "photons.precompute_s", stats_wall() - start);
     return status;
 }
@@ -78,10 +79,11 @@ static satin_status build_caustic(const struct pass *pass, struct photon_maps *m
                                      .guide = guide};
     status = trace_into(pass, &tracing, &maps->caustic);
     photon_guide_free(guide);
-    if (status != SATIN_OK || !maps->area) return status;
+    if (status != SATIN_OK) return status;
     start = stats_wall();
-    status =
-        photon_map_mark_open(&maps->caustic, pass->scene, maps->caustic_k, pass->pool, pass->log);
+    struct photon_precompute what = {&maps->caustic,  pass->scene,     PHOTON_CAUSTIC_STRIDE,
+                                     maps->caustic_k, KERNEL_PARABOLA, maps->area};
+    status = photon_irradiance_build(&what, pass->pool, pass->log, &maps->caustic_irradiance);
     stats_add(pass->stats, "photons.precompute_s", stats_wall() - start);
     return status;
 }
@@ -106,7 +108,8 @@ satin_status photon_maps_build(const struct satin_scene *scene, const satin_opti
               seconds > 0.0 ? stats_get(stats, "photons.emitted") / seconds : 0.0);
     stats_set(stats, "photons.bytes",
               (double)(photon_map_bytes(&maps->global) + photon_map_bytes(&maps->caustic) +
-                       photon_irradiance_bytes(&maps->irradiance)));
+                       photon_irradiance_bytes(&maps->irradiance) +
+                       photon_irradiance_bytes(&maps->caustic_irradiance)));
     *out = maps;
     return SATIN_OK;
 }
@@ -114,6 +117,7 @@ satin_status photon_maps_build(const struct satin_scene *scene, const satin_opti
 void photon_maps_free(struct photon_maps *maps) {
     if (!maps) return;
     photon_irradiance_free(&maps->irradiance);
+    photon_irradiance_free(&maps->caustic_irradiance);
     photon_map_free(&maps->global);
     photon_map_free(&maps->caustic);
     free(maps);
