@@ -118,6 +118,35 @@ vec2 sample_sobol2(uint32_t index, uint32_t seed) {
     return (vec2){unit_float(reverse_bits(x)), unit_float(reverse_bits(y))};
 }
 
+// Generator matrices of dimensions 2 and 3, column by column, bits reversed: from the polynomials
+// x^2 + x + 1 and x^3 + x + 1 with the starting values 1, 3 and 1, 3, 1 of Joe and Kuo 2008.
+static const uint32_t sobol_column[2][32] = {
+    {0x00000001u, 0x00000003u, 0x00000006u, 0x00000009u, 0x00000017u, 0x0000003au, 0x00000071u,
+     0x000000a3u, 0x00000116u, 0x00000339u, 0x00000677u, 0x000009aau, 0x00001601u, 0x00003903u,
+     0x00007706u, 0x0000aa09u, 0x00010117u, 0x0003033au, 0x00060671u, 0x000909a3u, 0x00171616u,
+     0x003a3939u, 0x00717777u, 0x00a3aaaau, 0x01170001u, 0x033a0003u, 0x06710006u, 0x09a30009u,
+     0x16160017u, 0x3939003au, 0x77770071u, 0xaaaa00a3u},
+    {0x00000001u, 0x00000003u, 0x00000004u, 0x0000000au, 0x0000001fu, 0x0000002eu, 0x00000045u,
+     0x000000c9u, 0x0000011bu, 0x000002a4u, 0x0000079au, 0x00000b67u, 0x0000101eu, 0x0000302du,
+     0x00004041u, 0x0000a0c3u, 0x0001f104u, 0x0002e28au, 0x000457dfu, 0x000c9baeu, 0x0011a105u,
+     0x002a7289u, 0x0079e7dbu, 0x00b6dba4u, 0x0100011au, 0x030002a7u, 0x0400079eu, 0x0a000b6du,
+     0x1f001001u, 0x2e003003u, 0x45004004u, 0xc900a00au}};
+
+void sample_sobol4(uint32_t index, uint32_t seed, float u[4]) {
+    uint32_t i = owen(index, hash32(seed ^ 0x9e3779b9u));
+    uint32_t third = 0, fourth = 0;
+    for (int b = 0; b < 32; b++) {
+        uint32_t mask = -(i >> b & 1u);
+        third ^= mask & sobol_column[0][b];
+        fourth ^= mask & sobol_column[1][b];
+    }
+    uint32_t x[4] = {owen_reversed(i, hash32(seed ^ 0x7f4a7c15u)),
+                     owen_reversed(sobol_second_reversed(i), hash32(seed ^ 0x68e31da4u)),
+                     owen_reversed(third, hash32(seed ^ 0x3c6ef372u)),
+                     owen_reversed(fourth, hash32(seed ^ 0x1b873593u))};
+    for (int k = 0; k < 4; k++) u[k] = unit_float(reverse_bits(x[k]));
+}
+
 float sample_sobol1(uint32_t index, uint32_t seed) {
     uint32_t i = owen(index, hash32(seed ^ 0x9e3779b9u));
     return unit_float(reverse_bits(owen_reversed(i, hash32(seed ^ 0x7f4a7c15u))));

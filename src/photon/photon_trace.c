@@ -139,14 +139,12 @@ static uint32_t light_of(const uint64_t *first, uint32_t lights, uint64_t path) 
 // Starts path `index` of a light; false if it carries no power.
 static bool launch(const struct photon_tracing *tracing, uint32_t light, uint64_t index,
                    uint64_t paths, struct flight *f) {
-    // Two independent nets: positions and directions are each spread well. 32 bits of index, the
-    // rest as part of the seed.
+    // The sequence has 2^32 points; the rest of the index is part of the seed.
     uint64_t key = rng_mix(tracing->seed + 0x9e3779b97f4a7c15ull * (2 * light + 1) +
                            (tracing->guide ? 0x632be59bd9b4e019ull : 0)) +
                    (index >> 32);
-    vec2 a = sample_sobol2((uint32_t)index, (uint32_t)rng_mix(key)),
-         b = sample_sobol2((uint32_t)index, (uint32_t)(rng_mix(key) >> 32));
-    float u[4] = {a.x, a.y, b.x, b.y}, factor = 1.0f;
+    float u[4], factor = 1.0f;
+    sample_sobol4((uint32_t)index, (uint32_t)rng_mix(key), u);
     struct light_target target, *aim = NULL;
     if (tracing->guide) {
         factor = photon_guide_warp(tracing->guide, light, index, u);

@@ -38,6 +38,30 @@ static void sobol_is_a_net(void **state) {
         }
 }
 
+// With t = 3 every elementary interval of volume 2^(3 - 8) holds exactly 8 of an aligned run of 256
+// points in four dimensions, and each pair of the first three is at least as even.
+static void sobol4_is_a_net(void **state) {
+    (void)state;
+    for (uint32_t seed = 0; seed < 10; seed++)
+        for (int split = 0; split < 4 * 4 * 4; split++) {
+            int bits[4] = {split & 3, split >> 2 & 3, split >> 4 & 3, 0};
+            bits[3] = 5 - bits[0] - bits[1] - bits[2];
+            if (bits[3] < 0) continue;
+            int hits[32] = {0};
+            for (uint32_t i = 0; i < 256; i++) {
+                float u[4];
+                int cell = 0;
+                sample_sobol4(1024 + i, seed, u);
+                for (int k = 0; k < 4; k++) {
+                    assert_true(u[k] >= 0 && u[k] < 1);
+                    cell = cell << bits[k] | (int)(u[k] * (float)(1 << bits[k]));
+                }
+                hits[cell]++;
+            }
+            for (int c = 0; c < 32; c++) assert_int_equal(hits[c], 8);
+        }
+}
+
 static void cdf_never_draws_zero(void **state) {
     (void)state;
     const float weight[6] = {0, 1, 0, 3, 0, 0};
@@ -57,6 +81,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(disk_round_trip),
         cmocka_unit_test(sobol_is_a_net),
+        cmocka_unit_test(sobol4_is_a_net),
         cmocka_unit_test(cdf_never_draws_zero),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
