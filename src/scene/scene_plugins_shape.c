@@ -110,12 +110,9 @@ static satin_status build_cube(struct scene_loader *loader, const struct params 
     return make_mesh(loader, p, object, scene_mesh_cube);
 }
 
-// Sets the shape's matrices to `m`, which must be regular.
-static satin_status set_matrices(struct scene_loader *loader, const struct params *p,
-                                 struct shape *shape, const struct mat4 *m) {
-    shape->to_world = *m;
-    if (mat4_inverse(m, &shape->to_object)) return SATIN_OK;
-    return fail(loader, p, "to_world is singular");
+static satin_status place(struct scene_loader *loader, const struct params *p, struct shape *shape,
+                          const struct mat4 *m) {
+    return scene_shape_place(shape, m) ? SATIN_OK : fail(loader, p, "to_world is singular");
 }
 
 static vec3 column(const struct mat4 *m, int j) { return v3(m->m[0][j], m->m[1][j], m->m[2][j]); }
@@ -139,21 +136,17 @@ static satin_status build_sphere(struct scene_loader *loader, const struct param
     m = mat4_mul(&param(p, "to_world")->m, &m);
     shape->kind = SHAPE_SPHERE;
     if (!is_similarity(&m)) return fail(loader, p, "its scale must be uniform");
-    satin_status status = set_matrices(loader, p, shape, &m);
+    satin_status status = place(loader, p, shape, &m);
     if (status != SATIN_OK) return status;
-    shape->center = mat4_point(&m, v3(0, 0, 0));
-    shape->radius = v3_len(column(&m, 0));
     if (!(shape->radius > 0.0f) || !isfinite(shape->radius) || !v3_finite(shape->center))
         return fail(loader, p, "it is too small or too large");
-    // A mirrored sphere shows its inside.
-    if (mat4_det3(&m) < 0.0) shape->flip_normals = !shape->flip_normals;
     return SATIN_OK;
 }
 
 static satin_status build_disk(struct scene_loader *loader, const struct params *p, void *object) {
     struct shape *shape = object;
     shape->kind = SHAPE_DISK;
-    return set_matrices(loader, p, shape, &param(p, "to_world")->m);
+    return place(loader, p, shape, &param(p, "to_world")->m);
 }
 
 static satin_status build_cylinder(struct scene_loader *loader, const struct params *p,
@@ -164,14 +157,14 @@ static satin_status build_cylinder(struct scene_loader *loader, const struct par
     shape->kind = SHAPE_CYLINDER;
     if (!(length > 0.0f) || !isfinite(length)) return fail(loader, p, "p0 and p1 coincide");
     struct frame f = frame_from_normal(v3_mul(axis, 1.0f / length));
-    struct mat4 place = {{{f.u.x, f.v.x, f.n.x, p0.x},
-                          {f.u.y, f.v.y, f.n.y, p0.y},
-                          {f.u.z, f.v.z, f.n.z, p0.z},
-                          {0, 0, 0, 1}}};
+    struct mat4 axes = {{{f.u.x, f.v.x, f.n.x, p0.x},
+                         {f.u.y, f.v.y, f.n.y, p0.y},
+                         {f.u.z, f.v.z, f.n.z, p0.z},
+                         {0, 0, 0, 1}}};
     struct mat4 scale = mat4_scale(v3(r, r, length));
-    struct mat4 m = mat4_mul(&place, &scale);
+    struct mat4 m = mat4_mul(&axes, &scale);
     m = mat4_mul(&param(p, "to_world")->m, &m);
-    return set_matrices(loader, p, shape, &m);
+    return place(loader, p, shape, &m);
 }
 
 #define PARTS (1u << XML_BSDF | 1u << XML_EMITTER)

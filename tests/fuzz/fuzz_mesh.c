@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// Any bytes given to the mesh readers. The first one selects: 0 OBJ, 1 PLY, 2 serialized, 3 the
+// inflated content of a serialized mesh, which is packed here so that mutations get past zlib. A
+// sound mesh or one logged line, no crash, memory in proportion to the input.
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include "scene/scene_build.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static void count(void *user, satin_log_level level, const char *text) {
+    (void)level;
+    (void)text;
+    ++*(int *)user;
+}
+
+// The bytes as a file of this process; its descriptor.
+static int make_file(const uint8_t *data, size_t size, bool pack, char path[64]) {
+    int fd = memfd_create("mesh", MFD_CLOEXEC);
+    if (fd < 0) abort();
+    uLongf packed = compressBound(size);
+    uint8_t *content = malloc(packed + 4);
+    if (!content) abort();
+    if (pack) {
+        const uint8_t head[4] = {0x1c, 0x04, 4, 0};
+        memcpy(content, head, sizeof head);
+        if (compress(content + 4, &packed, data, size) != Z_OK) abort();
+        packed += 4;
+    } else {
+        if (size) memcpy(content, data, size);
+        packed = size;
+    }
+    if (write(fd, content, packed) != (ssize_t)packed) abort();
+    free(content);
+    sprintf(path, "/proc/self/fd/%d", fd);
+    return fd;
+}
+
+static void check_mesh(const struct mesh *mesh) {
+    for (size_t i = 0; i < (size_t)mesh->triangle_count * 3; i++)
+        if (mesh->index[i] >= mesh->vertex_count) abort();
+    for (size_t i = 0; i < (size_t)mesh->vertex_count * 3; i++) {
+        if (!isfinite(mesh->position[i])) abort();
+        if (mesh->normal && !(fabsf(mesh->normal[i]) < 1.001f)) abort();
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    if (!size) return 0;
+    int kind = *data++ & 3, lines = 0;
+    size--;
+    char path[64];
+    int fd = make_file(data, size, kind == 3, path);
+    struct arena arena = {0};
+    struct scene_source source = {{count, &lines}, {"fuzz.xml", 1, 1}, &arena, path, NULL};
+    struct mesh_request request = {.to_world = mat4_identity(), .face_normals = size & 1};
+    request.shape_index = kind == 2 && size % 3 == 0;
+    struct mesh mesh;
+    satin_status status = kind == 0   ? scene_mesh_obj(&source, &request, &mesh)
+                          : kind == 1 ? scene_mesh_ply(&source, &request, &mesh)
+                                      : scene_mesh_serialized(&source, &request, &mesh);
+    if (lines != (status != SATIN_OK) || (status && status != SATIN_ERROR_INPUT)) abort();
+    if (arena.bytes > (kind == 2 ? 50000 : 100) * size + 1000) abort();
+    if (status == SATIN_OK) check_mesh(&mesh);
+    arena_free(&arena);
+    close(fd);
+    return 0;
+}
