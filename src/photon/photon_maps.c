@@ -55,7 +55,12 @@ static satin_status build_global(const struct pass *pass, struct photon_maps *ma
     if (status != SATIN_OK) return status;
     maps->global.radius_max = INFINITY;
     double start = stats_wall();
-    struct photon_precompute what = {&maps->global,  pass->scene, PHOTON_STRIDE,
+    // Who sees the photons themselves only asks whether an edge is near, which a few photons of
+    // each estimate know.
+    size_t stride = PHOTON_STRIDE;
+    if (o->integrator == SATIN_PHOTONS && maps->photon_k > 8 * PHOTON_STRIDE)
+        stride = (size_t)maps->photon_k / 8;
+    struct photon_precompute what = {&maps->global,  pass->scene, stride,
                                      maps->photon_k, KERNEL_FLAT, maps->area};
     status = photon_irradiance_build(&what, pass->pool, pass->log, &maps->irradiance);
     stats_add(pass->stats, "photons.precompute_s", stats_wall() - start);
