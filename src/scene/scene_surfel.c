@@ -43,18 +43,19 @@ bool surfel_crosses(const struct mesh *mesh, uint32_t prim, vec3 o, vec3 d, floa
     return slope < 0.0 ? height < tnear * slope : height > tnear * slope;
 }
 
-float surfel_extent(const struct mesh *mesh) {
-    float extent = 0.0f;
-    for (size_t t = 0; t < mesh->triangle_count; t++) {
-        const uint32_t *index = mesh->index + t * 3;
-        for (int i = 0; i < 3; i++) {
-            float a = mesh->position[(size_t)index[0] * 3 + i];
-            float b = mesh->position[(size_t)index[1] * 3 + i];
-            float c = mesh->position[(size_t)index[2] * 3 + i];
-            extent = fmaxf(extent, fmaxf(a, fmaxf(b, c)) - fminf(a, fminf(b, c)));
-        }
+struct surfel_error surfel_error(const struct mesh *mesh) {
+    const double ulps = 64.0 * 0x1p-24;
+    double edge2 = 0.0, aspect = 0.0;  // the longest edge; the largest edge^2 / |n|
+    for (uint32_t i = 0; i < mesh->triangle_count; i++) {
+        struct triangle t;
+        triangle_get(mesh, i, &t);
+        const double e3[3] = {t.e2[0] - t.e1[0], t.e2[1] - t.e1[1], t.e2[2] - t.e1[2]};
+        double longest2 = fmax(dot3(e3, e3), fmax(dot3(t.e1, t.e1), dot3(t.e2, t.e2)));
+        double n2 = dot3(t.n, t.n);
+        edge2 = fmax(edge2, longest2);
+        if (n2 > 0.0) aspect = fmax(aspect, longest2 / sqrt(n2));
     }
-    return extent;
+    return (struct surfel_error){ulps * edge2 * sqrt(edge2), ulps * aspect * sqrt(aspect)};
 }
 
 // Keeps the barycentric coordinates b off the edges by `margin` in world units, or at the centre of

@@ -16,7 +16,7 @@ static const float COORDINATE_MAX = 1e18f;
 // A mesh as its filter sees it.
 struct guard {
     const struct mesh *mesh;
-    float limit;  // of t |Ng . d|, the error of Embree's plane distance times |Ng|
+    struct surfel_error error;
 };
 
 struct trace {
@@ -31,20 +31,30 @@ struct trace {
 
 // ---- Callbacks ----------------------------------------------------------------------------------
 
-// Embree rounds a triangle's plane distance by up to a few ulp of extent^3 / |Ng|. A hit that is
-// farther than that is real; a nearer one is looked at again in double.
+// A hit whose plane is farther from the origin than Embree's rounding is real; a nearer one is
+// looked at again in double.
 static bool guard_accepts(const struct guard *guard, const struct RTCRay *ray,
                           const struct RTCHit *hit) {
-    float slope = ray->dir_x * hit->Ng_x + ray->dir_y * hit->Ng_y + ray->dir_z * hit->Ng_z;
-    if (ray->tfar * fabsf(slope) > guard->limit) return true;
-    return surfel_crosses(guard->mesh, hit->primID, v3(ray->org_x, ray->org_y, ray->org_z),
-                          v3(ray->dir_x, ray->dir_y, ray->dir_z), ray->tnear);
+    vec3 n = v3(hit->Ng_x, hit->Ng_y, hit->Ng_z), d = v3(ray->dir_x, ray->dir_y, ray->dir_z);
+    double distance = fabs((double)ray->tfar * v3_dot(n, d));  // times |n|
+    if (distance > guard->error.most) return true;
+    double n2 = v3_len2(n), by_area = guard->error.by_area;
+    if (distance * distance > by_area * by_area * n2 * sqrt(n2)) return true;
+    return surfel_crosses(guard->mesh, hit->primID, v3(ray->org_x, ray->org_y, ray->org_z), d,
+                          ray->tnear);
 }
 
-static void mesh_filter(const struct RTCFilterFunctionNArguments *args) {
+static void mesh_any(const struct RTCFilterFunctionNArguments *args) {
     if (!guard_accepts(args->geometryUserPtr, (const struct RTCRay *)args->ray,
                        (const struct RTCHit *)args->hit))
         args->valid[0] = 0;
+}
+
+static void mesh_nearest(const struct RTCFilterFunctionNArguments *args) {
+    // The surfel will want the corners: their indices come while the traversal goes on.
+    const struct guard *guard = args->geometryUserPtr;
+    __builtin_prefetch(guard->mesh->index + (size_t)((const struct RTCHit *)args->hit)->primID * 3);
+    mesh_any(args);
 }
 
 static void quadric_box(const struct RTCBoundsFunctionArguments *args) {
@@ -110,11 +120,10 @@ static void attach_mesh(struct trace *trace, const struct mesh *mesh, uint32_t i
                                mesh->position, 0, 3 * sizeof(float), mesh->vertex_count);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->index, 0,
                                3 * sizeof(uint32_t), mesh->triangle_count);
-    float extent = surfel_extent(mesh);
-    trace->guard[id] = (struct guard){mesh, 32.0f * 0x1p-24f * extent * extent * extent};
+    trace->guard[id] = (struct guard){mesh, surfel_error(mesh)};
     rtcSetGeometryUserData(geometry, &trace->guard[id]);
-    rtcSetGeometryIntersectFilterFunction(geometry, mesh_filter);
-    rtcSetGeometryOccludedFilterFunction(geometry, mesh_filter);
+    rtcSetGeometryIntersectFilterFunction(geometry, mesh_nearest);
+    rtcSetGeometryOccludedFilterFunction(geometry, mesh_any);
     attach(trace, geometry, id);
 }
 
