@@ -73,10 +73,10 @@ def caustic():
         sphere((-0.4, 0.5, -0.3), 0.5, ref("glass")),
         tube((0.6, 0, 0.25), 0.3, 0.55, ref("ring")),
         plugin("shape", "rectangle",
-               to_world(element("scale", {"value": "0.16"}),
+               to_world(element("scale", {"value": "0.45"}),
                         element("lookat", {"origin": "2.5, 2.2, 0.9", "target": "0, 0, 0",
                                            "up": "0, 1, 0"})),
-               ref("wall"), area_light(260, 235, 195)))
+               ref("wall"), area_light(33, 29.8, 24.7)))
 
 
 def table(x, z, top, half):
