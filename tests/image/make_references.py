@@ -33,11 +33,12 @@ def load(path, size):
     return mi.load_string(text)
 
 
-def render(scene, spp, parts, first_seed):
+def render(scene, spp, parts):
     """Mean over all parts and the variance of that mean."""
+    integrator = scene.integrator() or mi.load_dict({"type": "path"})
     total = squares = 0.0
     for part in range(parts):
-        image = np.array(mi.render(scene, spp=spp // parts, seed=first_seed + part),
+        image = np.array(mi.render(scene, integrator=integrator, spp=spp // parts, seed=part + 1),
                          dtype=np.float64)[:, :, :3]
         total, squares = total + image, squares + image * image
     mean = total / parts
@@ -70,7 +71,7 @@ def main():
     options.out.mkdir(exist_ok=True)
     for path in options.scenes or sorted((TREE / "data/scenes").glob("*.xml")):
         name = path.stem if path.stem != "scene" else path.resolve().parent.name
-        mean, variance = render(load(path, options.size), options.spp, options.parts, 1)
+        mean, variance = render(load(path, options.size), options.spp, options.parts)
         write(options.out / f"{name}.exr", mean, variance,
               {"renderer": f"Mitsuba {mi.__version__}, path", "spp": str(options.spp),
                "parts": str(options.parts)})

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Is our path tracer's image the reference's, but for noise? Usage:
 //
-//     z_test SATIN SCENE.xml REFERENCE.exr PARTS SPP
+//     z_test SATIN SCENE.xml REFERENCE.exr PARTS SPP [ARGUMENT ...]
 //
-// Renders the scene PARTS times with different seeds at SPP samples per pixel, through the command,
-// and compares with the reference (mean and variance per pixel, see make_references.py).
+// Renders the scene PARTS times with different seeds at SPP samples per pixel, through the command
+// with more ARGUMENTs, and compares with the reference (mean and variance per pixel, see
+// make_references.py). The scene needs a box filter: then pixels are independent.
 //
 // Per pixel and channel t = (a - b) / sqrt(v / N_a + v / N_b), where v is the variance of one
 // sample: the larger of the parts' and the reference's estimate. Pixels of a path tracer have heavy
@@ -49,20 +50,32 @@ static void say(void *user, satin_log_level level, const char *message) {
     fprintf(stderr, "z_test: %s\n", message);
 }
 
+// What to render, as given on our command line.
+struct job {
+    char *satin, *scene, *spp;
+    char **arguments;  // more for satin
+    int argument_count, parts;
+};
+
 // Runs the command for one part; its image goes to `path`.
-static bool render_part(char *satin, char *scene, const struct parts *parts, char *spp,
-                        char *path) {
+static bool render_part(const struct job *job, const struct parts *parts, char *path) {
     char seed[16], width[16], height[16];
     snprintf(seed, sizeof(seed), "%d", parts->count + 1);
     snprintf(width, sizeof(width), "%d", parts->width);
     snprintf(height, sizeof(height), "%d", parts->height);
-    char *const command[] = {satin,     "render",     scene,          "-o",   path,     "--quiet",
-                             "-D",      "filter=box", "--integrator", "path", "--spp",  spp,
-                             "--width", width,        "--height",     height, "--seed", seed,
-                             NULL};
+    char *const fixed[] = {job->satin,     "render", job->scene, "-o",     path,      "--quiet",
+                           "--integrator", "path",   "--spp",    job->spp, "--width", width,
+                           "--height",     height,   "--seed",   seed};
+    enum { FIXED = sizeof(fixed) / sizeof(*fixed) };
+    char **command = calloc(FIXED + (size_t)job->argument_count + 1, sizeof(*command));
+    if (!command) return false;
+    memcpy(command, fixed, sizeof(fixed));
+    memcpy(command + FIXED, job->arguments, (size_t)job->argument_count * sizeof(*command));
     pid_t child;
     int status;
-    if (posix_spawn(&child, satin, NULL, NULL, command, environ) != 0) return false;
+    bool started = posix_spawn(&child, job->satin, NULL, NULL, command, environ) == 0;
+    free(command);
+    if (!started) return false;
     while (waitpid(child, &status, 0) < 0)
         if (errno != EINTR) return false;
     return WIFEXITED(status) && WEXITSTATUS(status) == 0;
@@ -84,13 +97,13 @@ static bool add_part(struct parts *parts, const char *path) {
     return good;
 }
 
-static bool render_parts(char *satin, char *scene, char *spp, int count, struct parts *parts) {
+static bool render_parts(const struct job *job, struct parts *parts) {
     char folder[] = "/tmp/satin-z-XXXXXX", path[sizeof(folder) + 16];
     if (!mkdtemp(folder)) return false;
     snprintf(path, sizeof(path), "%s/part.exr", folder);
     bool good = true;
-    while (good && parts->count < count)
-        good = render_part(satin, scene, parts, spp, path) && add_part(parts, path);
+    while (good && parts->count < job->parts)
+        good = render_part(job, parts, path) && add_part(parts, path);
     unlink(path);
     rmdir(folder);
     return good;
@@ -192,10 +205,11 @@ static bool allocate(struct parts *parts) {
 }
 
 int main(int argc, char **argv) {
-    if (argc != 6 || atoi(argv[4]) < 2 || atoi(argv[5]) < 1) {
-        fprintf(stderr, "usage: z_test SATIN SCENE.xml REFERENCE.exr PARTS SPP\n");
+    if (argc < 6 || atoi(argv[4]) < 2 || atoi(argv[5]) < 1) {
+        fprintf(stderr, "usage: z_test SATIN SCENE.xml REFERENCE.exr PARTS SPP [ARGUMENT ...]\n");
         return 2;
     }
+    struct job job = {argv[1], argv[2], argv[5], argv + 6, argc - 6, atoi(argv[4])};
     satin_film *reference;
     if (satin_film_read(argv[3], say, NULL, &reference) != SATIN_OK) return 2;
     struct parts parts = {.width = reference->width, .height = reference->height};
@@ -206,10 +220,10 @@ int main(int argc, char **argv) {
         fprintf(stderr, "z_test: %s is no reference image\n", name);
     else if (!allocate(&parts))
         fprintf(stderr, "z_test: not enough memory\n");
-    else if (!render_parts(argv[1], argv[2], argv[5], atoi(argv[4]), &parts))
-        fprintf(stderr, "z_test: %s cannot be rendered\n", argv[2]);
+    else if (!render_parts(&job, &parts))
+        fprintf(stderr, "z_test: %s cannot be rendered\n", job.scene);
     else
-        status = compare(&parts, atof(argv[5]), reference, name) ? 0 : 1;
+        status = compare(&parts, atof(job.spp), reference, name) ? 0 : 1;
     for (int c = 0; c < CHANNELS; c++) {
         free(parts.sum[c]);
         free(parts.squares[c]);
