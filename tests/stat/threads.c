@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// The law: the image is bit-identical for any number of threads.
+// usage: threads SCENE.xml ...; prints the hash of all channels of each render.
+#include <stdio.h>
+#include <string.h>
+
+#include "base/fileio.h"
+#include "satin/render.h"
+
+static void print_message(void *user, satin_log_level level, const char *message) {
+    (void)user;
+    (void)level;
+    fprintf(stderr, "%s\n", message);
+}
+
+// Settings that reach every stage in a few seconds.
+static const char *const setting[][2] = {
+    {"quality", "draft"},       {"width", "64"},
+    {"height", "64"},           {"spp", "6"},
+    {"photons", "30000"},       {"caustic_photons", "30000"},
+    {"irradiance_rays", "200"}, {"radiance_rays", "600"},
+};
+
+static uint64_t render_hash(const satin_scene *scene, const char *threads, const char *integrator) {
+    satin_options options = satin_options_default;
+    for (size_t i = 0; i < sizeof setting / sizeof *setting; i++)
+        if (satin_options_set(&options, setting[i][0], setting[i][1], print_message, NULL))
+            return 0;
+    if (satin_options_set(&options, "threads", threads, print_message, NULL)) return 0;
+    if (satin_options_set(&options, "integrator", integrator, print_message, NULL)) return 0;
+    satin_callbacks callbacks = {.log = print_message};
+    satin_film *film = NULL;
+    if (satin_render(scene, &options, &callbacks, &film) != SATIN_OK) return 0;
+    int width, height;
+    satin_film_size(film, &width, &height);
+    uint64_t hash = FILEIO_HASH;
+    const char *name;
+    for (int i = 0; (name = satin_film_channel_name(film, i)); i++)
+        hash = fileio_hash(hash, satin_film_channel(film, name),
+                           sizeof(float) * (size_t)width * (size_t)height);
+    satin_film_free(film);
+    return hash;
+}
+
+int main(int argc, char **argv) {
+    static const char *const threads[] = {"1", "2", "3", "8"};
+    static const char *const integrators[] = {"two-pass", "path", "photons"};
+    int failed = 0;
+    for (int s = 1; s < argc; s++) {
+        satin_scene *scene = NULL;
+        if (satin_scene_load(argv[s], NULL, 0, print_message, NULL, &scene) != SATIN_OK) return 1;
+        for (int k = 0; k < 3; k++) {
+            uint64_t first = 0;
+            for (int t = 0; t < 4; t++) {
+                uint64_t hash = render_hash(scene, threads[t], integrators[k]);
+                if (t == 0) first = hash;
+                bool same = hash != 0 && hash == first;
+                failed += !same;
+                printf("%s %s --threads %s: %016llx%s\n", argv[s], integrators[k], threads[t],
+                       (unsigned long long)hash, same ? "" : " DIFFERS");
+            }
+        }
+        satin_scene_free(scene);
+    }
+    printf("%d passed, %d failed\n", 12 * (argc - 1) - failed, failed);
+    return failed != 0 || argc < 2;
+}
