@@ -105,8 +105,7 @@ rgb photon_disc_irradiance(const struct photon_disc *disc) {
     return E;
 }
 
-// ---- Reflected radiance
-// --------------------------------------------------------------------------
+// ---- Reflected radiance -----------------------------------------------------------------------
 
 // A surface point as the estimates of reflected radiance need it.
 struct reflection {

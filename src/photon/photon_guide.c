@@ -40,8 +40,7 @@ static bool material_has_delta(const struct material *m) {
     return lobes & BRDF_DELTA;
 }
 
-// ---- The target box
-// ------------------------------------------------------------------------------
+// ---- The target box ---------------------------------------------------------------------------
 
 static void grow(struct light_target *box, vec3 p) {
     box->lo = v3_min(box->lo, p);
@@ -83,8 +82,7 @@ static bool find_target(const struct satin_scene *scene, struct light_target *ou
     return found;
 }
 
-// ---- Cells
-// ---------------------------------------------------------------------------------------
+// ---- Cells ------------------------------------------------------------------------------------
 
 // The grid of a light in at most `budget` cells: fine along the numbers that it uses.
 static void split_light(const struct light *light, uint32_t budget, struct light_cells *cells) {

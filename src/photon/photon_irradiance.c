@@ -192,8 +192,7 @@ size_t photon_irradiance_bytes(const struct photon_irradiance *irradiance) {
            photon_index_bytes(irradiance->index);
 }
 
-// ---- Lookups
-// -------------------------------------------------------------------------------------
+// ---- Lookups ----------------------------------------------------------------------------------
 
 static bool faces(const struct photon_irradiance *r, int row, vec3 n) {
     const float *m = r->row + 6 * (size_t)row + 3;

@@ -95,8 +95,7 @@ void photon_index_nearest(const struct photon_index *index, const float *query, 
     }
 }
 
-// ---- Morton order
-// --------------------------------------------------------------------------------
+// ---- Morton order -----------------------------------------------------------------------------
 
 struct keyed {
     uint32_t key, item;
@@ -130,8 +129,7 @@ static struct keyed *sort_keyed(struct keyed *a, struct keyed *b, size_t n) {
     return a;
 }
 
-// ---- The map
-// -------------------------------------------------------------------------------------
+// ---- The map ----------------------------------------------------------------------------------
 
 static void fill(struct photon_map *map, const struct photon_hit *hit, const struct keyed *order) {
     for (size_t i = 0; i < map->count; i++) {
@@ -183,8 +181,7 @@ size_t photon_map_bytes(const struct photon_map *map) {
     return bytes + (map->open ? map->count / map->stride : 0) + photon_index_bytes(map->index);
 }
 
-// ---- Packed directions
-// ---------------------------------------------------------------------------
+// ---- Packed directions ------------------------------------------------------------------------
 
 uint32_t photon_pack(vec3 w) {
     float s = 1.0f / (fabsf(w.x) + fabsf(w.y) + fabsf(w.z));

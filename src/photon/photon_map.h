@@ -11,8 +11,7 @@ enum {
     PHOTON_CAUSTIC_STRIDE = 1  // and at every one of the caustic map
 };
 
-// ---- Photons
-// -------------------------------------------------------------------------------------
+// ---- Photons ----------------------------------------------------------------------------------
 
 // A photon as it was traced.
 struct photon_hit {
@@ -31,7 +30,7 @@ struct photon {
 uint32_t photon_pack(vec3 w);
 vec3 photon_unpack(uint32_t packed);
 
-// ---- Tracing (photon_trace.c, photon_guide.c) ---------------------------------------------------
+// ---- Tracing (photon_trace.c, photon_guide.c) -------------------------------------------------
 
 // What one tracing pass makes. Arrays by malloc; free with photon_trace_free.
 struct photon_trace {
@@ -71,8 +70,7 @@ float photon_guide_warp(const struct photon_guide *guide, uint32_t light, uint64
 // The box that photons of infinitely far lights are aimed at.
 struct light_target photon_guide_target(const struct photon_guide *guide);
 
-// ---- The map (photon_map.c)
-// ----------------------------------------------------------------------
+// ---- The map (photon_map.c) -------------------------------------------------------------------
 
 struct photon_index;  // a kd-tree over rows of floats; refers to them
 
@@ -107,8 +105,7 @@ static inline vec3 photon_position(const struct photon_map *map, size_t i) {
     return v3(p[0], p[1], p[2]);
 }
 
-// ---- The area that is there (photon_area.c)
-// ------------------------------------------------------
+// ---- The area that is there (photon_area.c) ---------------------------------------------------
 
 enum { AREA_SECTORS = 16 };
 
@@ -137,8 +134,7 @@ static inline float photon_kernel_weight(enum photon_kernel kernel, float q) {
 // The kernel's integral over the part that is there, over the whole disc's.
 float photon_area_share(const struct photon_area *area, enum photon_kernel kernel);
 
-// ---- Density (photon_density.c)
-// ------------------------------------------------------------------
+// ---- Density (photon_density.c) ---------------------------------------------------------------
 
 // One density estimate: the photons near p, and the area that they came down on.
 struct photon_disc {
@@ -172,8 +168,7 @@ float photon_disc_weight(const struct photon_disc *disc, int i);
 // Irradiance: the sum of all photons by weight.
 rgb photon_disc_irradiance(const struct photon_disc *disc);
 
-// ---- Irradiance at photons (photon_irradiance.c)
-// -------------------------------------------------
+// ---- Irradiance at photons (photon_irradiance.c) ----------------------------------------------
 
 struct photon_irradiance {
     size_t count;

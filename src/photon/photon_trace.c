@@ -36,8 +36,7 @@ struct run {
     atomic_bool failed;
 };
 
-// ---- One path
-// ------------------------------------------------------------------------------------
+// ---- One path ---------------------------------------------------------------------------------
 
 static bool keep_hit(struct chunk *chunk, const struct surfel *s, vec3 wi, rgb power) {
     size_t n = chunk->count + 1;
@@ -113,8 +112,7 @@ static void walk(const struct photon_tracing *tracing, struct flight f, struct r
     }
 }
 
-// ---- All paths
-// -----------------------------------------------------------------------------------
+// ---- All paths --------------------------------------------------------------------------------
 
 static uint64_t paths_of(const struct photon_tracing *tracing, uint32_t light) {
     if (tracing->guide) return photon_guide_paths(tracing->guide, light);

@@ -17,7 +17,7 @@
 #include "brdf/brdf.h"
 #include "satin/scene.h"
 
-// ---- Textures ----------------------------------------------------------------------------------
+// ---- Textures ---------------------------------------------------------------------------------
 
 enum texture_wrap { TEXTURE_REPEAT = 0, TEXTURE_MIRROR, TEXTURE_CLAMP };
 enum texture_kind { TEXTURE_CONSTANT = 0, TEXTURE_BITMAP, TEXTURE_CHECKERBOARD };
@@ -41,7 +41,7 @@ struct texture {
 
 rgb texture_eval(const struct texture *texture, vec2 uv);
 
-// ---- Materials ---------------------------------------------------------------------------------
+// ---- Materials --------------------------------------------------------------------------------
 
 // A side of a surface: a BRDF with constants in `base`, and textures (or NULL) that replace slots
 // of it.
@@ -57,7 +57,7 @@ struct material {
     bool anisotropic;  // frames follow dp/du
 };
 
-// ---- Shapes ------------------------------------------------------------------------------------
+// ---- Shapes -----------------------------------------------------------------------------------
 
 enum shape_kind { SHAPE_MESH = 0, SHAPE_SPHERE, SHAPE_DISK, SHAPE_CYLINDER };
 
@@ -85,7 +85,7 @@ struct shape {
     const float *area_cdf;  // mesh with a light: triangle_count + 1; else NULL
 };
 
-// ---- Lights ------------------------------------------------------------------------------------
+// ---- Lights -----------------------------------------------------------------------------------
 
 enum light_kind {
     LIGHT_AREA = 0,
@@ -125,7 +125,7 @@ struct light {
     float power;     // luminance of the emitted power [W], > 0
 };
 
-// ---- Camera and film ---------------------------------------------------------------------------
+// ---- Camera and film --------------------------------------------------------------------------
 
 struct camera {
     struct mat4 to_world;
@@ -182,7 +182,7 @@ struct satin_scene {
     uint64_t hash;
 };
 
-// ---- Rays (scene_trace.c) -----------------------------------------------------------------------
+// ---- Rays (scene_trace.c) ---------------------------------------------------------------------
 
 struct ray {
     vec3 o;
@@ -221,7 +221,7 @@ struct ray scene_spawn(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d)
 // is free.
 struct ray scene_spawn_to(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 q, vec3 nq);
 
-// ---- Shading (scene_material.c) -----------------------------------------------------------------
+// ---- Shading (scene_material.c) ---------------------------------------------------------------
 
 // The BRDF at s seen from wo (world, unit, away from the surface), with its textures looked up, and
 // the frame that its local directions refer to: n on wo's side for a two-sided material, else the
@@ -229,7 +229,7 @@ struct ray scene_spawn_to(const struct satin_scene *scene, vec3 p, vec3 ng, vec3
 bool scene_brdf(const struct satin_scene *scene, const struct surfel *s, vec3 wo, struct brdf *brdf,
                 struct frame *frame);
 
-// ---- Lights (scene_light.c) ---------------------------------------------------------------------
+// ---- Lights (scene_light.c) -------------------------------------------------------------------
 
 struct light_sample {
     vec3 wi;      // from the point to the light
@@ -276,8 +276,7 @@ struct light_target {
 bool light_emit(const struct satin_scene *scene, uint32_t i, const struct light_target *target,
                 const float u[4], struct light_ray *out);
 
-// ---- Camera (scene_camera.c)
-// ----------------------------------------------------------------------------
+// ---- Camera (scene_camera.c) ------------------------------------------------------------------
 
 // The eye ray through film position (x, y) in pixels of the full film, y down; lens point from (u,
 // v). `spread` gets the ray's width per distance: a pixel's footprint at distance t is t * spread
@@ -299,7 +298,7 @@ void film_filter_make(const struct film_spec *film, struct film_filter *out);
 float film_filter_offset(const struct film_filter *filter, float centre, float lo, float hi,
                          float u);
 
-// ---- Plugins of scene files (scene_plugins.c) ---------------------------------------------------
+// ---- Plugins of scene files (scene_plugins.c) -------------------------------------------------
 
 struct scene_plugin_info {
     const char *element, *name, *doc;  // of the element's `type`

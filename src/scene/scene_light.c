@@ -49,8 +49,7 @@ satin_status scene_lights_prepare(struct satin_scene *scene, struct log log) {
     return SATIN_OK;
 }
 
-// ---- Choice
-// --------------------------------------------------------------------------------------
+// ---- Choice -----------------------------------------------------------------------------------
 
 // An estimate of the irradiance (luminance) at p; 0 only if the light brings none.
 static float light_reach(const struct satin_scene *scene, const struct light *light, vec3 p) {
@@ -125,8 +124,7 @@ float light_choose_probability(const struct satin_scene *scene, vec3 p, uint32_t
     return weight[light];
 }
 
-// ---- Sampling
-// ------------------------------------------------------------------------------------
+// ---- Sampling ---------------------------------------------------------------------------------
 
 static bool sample_position(const struct light *light, vec3 p, struct light_sample *out) {
     vec3 d = v3_sub(light->position, p);

@@ -5,7 +5,7 @@
 
 #include "scene/scene.h"
 
-// ---- Area lights (scene_light_area.c) ----------------------------------------------------------
+// ---- Area lights (scene_light_area.c) ---------------------------------------------------------
 
 // Pairs the triangles of an emitting mesh into faces, or builds its area_cdf; sets area, center,
 // strength and power. SATIN_ERROR_MEMORY.
@@ -26,7 +26,7 @@ struct light_point {
 struct light_point light_area_point(const struct satin_scene *scene, const struct light *light,
                                     float u, float v);
 
-// ---- Faces (scene_light_face.c) ----------------------------------------------------------------
+// ---- Faces (scene_light_face.c) ---------------------------------------------------------------
 
 // 1 or -1: times n, a triangle's normal by its winding, it gives the front side, as scene_intersect
 // tells it.
@@ -44,7 +44,7 @@ float light_face_reach(const struct light_face *face, vec3 p);
 // Texture coordinates at corner + s * edge_u + t * edge_v.
 vec2 light_face_uv(const struct light_face *face, const struct mesh *mesh, float s, float t);
 
-// ---- Environments (scene_light_environment.c) ---------------------------------------------------
+// ---- Environments (scene_light_environment.c) -------------------------------------------------
 
 // Builds the distribution of an envmap; sets strength and power. SATIN_ERROR_MEMORY.
 satin_status light_environment_prepare(struct satin_scene *scene, struct light *light);
@@ -52,7 +52,7 @@ satin_status light_environment_prepare(struct satin_scene *scene, struct light *
 bool light_environment_sample(const struct light *light, float u, float v, vec3 *wi, rgb *L,
                               float *pdf_w);
 
-// ---- Emission (scene_light_emit.c) --------------------------------------------------------------
+// ---- Emission (scene_light_emit.c) ------------------------------------------------------------
 
 // The area that the scene's bounds show in direction d, and the area of their surface.
 float light_bounds_shadow(const struct satin_scene *scene, vec3 d);

@@ -20,8 +20,7 @@ static rgb radiance(const struct light *light, vec2 uv) {
     return light->texture ? texture_eval(light->texture, uv) : light->value;
 }
 
-// ---- Shapes
-// --------------------------------------------------------------------------------------
+// ---- Shapes -----------------------------------------------------------------------------------
 
 struct triangle {
     vec3 a, ab, ac, n;  // n not normalised: twice the area long, front side
@@ -121,8 +120,7 @@ struct light_point light_area_point(const struct satin_scene *scene, const struc
                                 1.0f / shape->area};
 }
 
-// ---- Preparation
-// ---------------------------------------------------------------------------------
+// ---- Preparation ------------------------------------------------------------------------------
 
 static satin_status prepare_mesh(struct satin_scene *scene, struct light *light) {
     struct shape *shape = &scene->shape[light->shape];
@@ -175,8 +173,7 @@ satin_status light_area_prepare(struct satin_scene *scene, struct light *light) 
     return SATIN_OK;
 }
 
-// ---- Direct lighting
-// -----------------------------------------------------------------------------
+// ---- Direct lighting --------------------------------------------------------------------------
 
 float light_area_reach(const struct satin_scene *scene, const struct light *light, vec3 p) {
     const struct shape *shape = &scene->shape[light->shape];

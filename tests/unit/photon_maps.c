@@ -205,8 +205,7 @@ static void walls_do_not_leak(void **state) {
     test_scene_free(&t);
 }
 
-// ---- Caustics
-// ------------------------------------------------------------------------------------
+// ---- Caustics ---------------------------------------------------------------------------------
 
 // A glass ball and a mirror over a floor, with a lamp of the given kind.
 static void caustic_scene(struct test_scene *t, enum light_kind kind) {
@@ -300,8 +299,7 @@ static void no_pass_without_glass(void **state) {
     test_scene_free(&t);
 }
 
-// ---- Laws
-// ----------------------------------------------------------------------------------------
+// ---- Laws -------------------------------------------------------------------------------------
 
 static void empty_maps_are_black(void **state) {
     (void)state;

@@ -10,8 +10,7 @@
 
 #include "base/sampling.h"
 
-// ---- Chi-square
-// ----------------------------------------------------------------------------------
+// ---- Chi-square -------------------------------------------------------------------------------
 
 enum { COLUMNS = 32, ROWS = 16, CELLS = COLUMNS * ROWS, FINE = 32 };
 
@@ -106,8 +105,7 @@ static void check_density(const struct test_scene *t, uint32_t light, vec3 p, co
     assert_true(fabs(sum - drawn) <= 0.02);
 }
 
-// ---- Lights to test
-// ------------------------------------------------------------------------------
+// ---- Lights to test ---------------------------------------------------------------------------
 
 static struct mat4 turned(struct mat4 m, vec3 axis, float degrees) {
     struct mat4 r = mat4_rotate(axis, degrees);
@@ -236,8 +234,7 @@ static void environment_orientation(void **state) {
     test_scene_free(&t);
 }
 
-// ---- One-sidedness, choice, spots
-// ----------------------------------------------------------------
+// ---- One-sidedness, choice, spots -------------------------------------------------------------
 
 static void area_lights_have_a_front(void **state) {
     (void)state;
@@ -321,8 +318,7 @@ static void spot_falloff(void **state) {
     test_scene_free(&t);
 }
 
-// ---- Emission
-// ------------------------------------------------------------------------------------
+// ---- Emission ---------------------------------------------------------------------------------
 
 // Shoots N photons of one light and returns the mean power; adds what arrives on rectangles facing
 // up (+z) around p within `half` to *irradiance.
