@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "film/film.h"
 
@@ -14,6 +15,7 @@ static void print_message(void *user, satin_log_level level, const char *message
 }
 
 static const char *const color[] = {"R", "G", "B"};
+static const char *const emission[] = {"emission.R", "emission.G", "emission.B"};
 static const char *const variance[] = {"variance.R", "variance.G", "variance.B"};
 
 // Adds one part's values and squares to the sums kept in `out`'s channels.
@@ -36,21 +38,26 @@ static bool add_part(const char *path, struct satin_film *out, double *square) {
 }
 
 int main(int argc, char **argv) {
-    if (argc < 4) {
-        fprintf(stderr, "usage: average OUT.exr PART.exr PART.exr ...\n");
+    if (argc < 5) {
+        fprintf(stderr, "usage: average OUT.exr EMISSION.exr PART.exr PART.exr ...\n");
         return 2;
     }
     satin_film *first = NULL;
     if (satin_film_read(argv[2], print_message, NULL, &first) != SATIN_OK) return 1;
-    const char *names[] = {color[0], color[1], color[2], variance[0], variance[1], variance[2]};
-    struct satin_film *out = film_new(first->width, first->height, names, 6);
+    const char *names[] = {color[0],    color[1],    color[2],    variance[0], variance[1],
+                           variance[2], emission[0], emission[1], emission[2]};
+    struct satin_film *out = film_new(first->width, first->height, names, 9);
     size_t n = (size_t)first->width * (size_t)first->height;
+    for (int c = 0; out && c < 3; c++) {
+        const float *from = satin_film_channel(first, emission[c]);
+        if (from) memcpy(film_channel(out, emission[c]), from, n * sizeof *from);
+    }
     satin_film_free(first);
     double *square = calloc(3 * n, sizeof *square);
     if (!out || !square) return 1;
-    int parts = argc - 2;
+    int parts = argc - 3;
     for (int i = 0; i < parts; i++)
-        if (!add_part(argv[2 + i], out, square)) return 1;
+        if (!add_part(argv[3 + i], out, square)) return 1;
     for (int c = 0; c < 3; c++) {
         float *mean = film_channel(out, color[c]), *var = film_channel(out, variance[c]);
         for (size_t i = 0; i < n; i++) {

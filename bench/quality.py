@@ -46,7 +46,10 @@ def references(options):
                 run([options.satin, "render", scene_file(name), "-o", part, "--integrator", "path",
                      "--spp", str(options.spp), "--seed", str(1000 + seed), "--quiet"]
                     + options.extra.split())
-        run([options.average, os.path.join(options.dir, label(name) + ".exr")] + parts)
+        mask = os.path.join(options.dir, label(name) + "-mask.exr")
+        run([options.satin, "render", scene_file(name), "-o", mask, "--integrator", "direct",
+             "--spp", "64", "--set", "light_samples=1", "--quiet"] + options.extra.split())
+        run([options.average, os.path.join(options.dir, label(name) + ".exr"), mask] + parts)
 
 
 def measure_one(options, name, args):

@@ -21,7 +21,7 @@
 enum {
     GRAIN = 256,  // entries of a chunk
     GROUP = 8,    // of them are searched and judged together
-    BATCH = 64,   // lookups of one call
+    BATCH = 512,  // lookups of one call
     RETRY_K = 16  // neighbours searched if the nearest one faces elsewhere
 };
 #define FACING 0.5f
