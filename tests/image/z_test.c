@@ -18,6 +18,7 @@
 // The mean over the image may differ by 0.3 % and 3.3 of its standard deviations (p = 0.001).
 // On failure z_test-NAME.exr in the working folder holds the image and its z.
 #include <errno.h>
+#include <inttypes.h>
 #include <libgen.h>
 #include <math.h>
 #include <spawn.h>
@@ -27,6 +28,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/fileio.h"
 #include "film/film.h"
 
 extern char **environ;
@@ -99,11 +101,11 @@ static bool add_part(struct parts *parts, const char *path) {
 
 static bool render_parts(const struct job *job, struct parts *parts) {
     char folder[] = "/tmp/satin-z-XXXXXX", path[sizeof(folder) + 16];
-    if (!mkdtemp(folder)) return false;
+    bool good = mkdtemp(folder) != NULL;
     snprintf(path, sizeof(path), "%s/part.exr", folder);
-    bool good = true;
     while (good && parts->count < job->parts)
         good = render_part(job, parts, path) && add_part(parts, path);
+    if (!good) fprintf(stderr, "z_test: %s cannot be rendered\n", job->scene);
     unlink(path);
     rmdir(folder);
     return good;
@@ -187,10 +189,29 @@ static bool compare(const struct parts *parts, double spp, const satin_film *ref
     return pixels_good && mean_good;
 }
 
-static bool is_reference(const satin_film *film) {
+// Whether the reference was made for the scene file as it is now; false is reported.
+static bool is_of_scene(const satin_film *reference, const char *scene, const char *name) {
+    struct log log = {say, NULL};
+    const size_t most = 1 << 24;
+    char *data, hash[17];
+    size_t size;
+    if (fileio_read(log, (struct log_place){0}, scene, most, &data, &size) != SATIN_OK)
+        return false;
+    snprintf(hash, sizeof(hash), "%016" PRIx64, fileio_hash(FILEIO_HASH, data, size));
+    free(data);
+    const char *made_for = film_attribute_get(reference, "scene_hash");
+    bool good = made_for && strcmp(made_for, hash) == 0;
+    if (!good)
+        fprintf(stderr, "z_test: %s.exr was made for another scene; run make_references.py\n",
+                name);
+    return good;
+}
+
+static bool is_reference(const satin_film *film, const char *name) {
     bool good = film_attribute_get(film, "spp") && film_attribute_get(film, "parts");
     const char *const names[] = {"R", "G", "B", "variance.R", "variance.G", "variance.B"};
     for (int i = 0; i < 2 * CHANNELS; i++) good = good && satin_film_channel(film, names[i]);
+    if (!good) fprintf(stderr, "z_test: %s.exr is no reference image\n", name);
     return good;
 }
 
@@ -201,6 +222,7 @@ static bool allocate(struct parts *parts) {
         parts->squares[c] = calloc((size_t)parts->width * parts->height, sizeof(double));
         good = good && parts->sum[c] && parts->squares[c];
     }
+    if (!good) fprintf(stderr, "z_test: not enough memory\n");
     return good;
 }
 
@@ -216,13 +238,8 @@ int main(int argc, char **argv) {
     char *name = basename(argv[3]);
     name[strcspn(name, ".")] = '\0';
     int status = 2;
-    if (!is_reference(reference))
-        fprintf(stderr, "z_test: %s is no reference image\n", name);
-    else if (!allocate(&parts))
-        fprintf(stderr, "z_test: not enough memory\n");
-    else if (!render_parts(&job, &parts))
-        fprintf(stderr, "z_test: %s cannot be rendered\n", job.scene);
-    else
+    if (is_reference(reference, name) && is_of_scene(reference, job.scene, name) &&
+        allocate(&parts) && render_parts(&job, &parts))
         status = compare(&parts, atof(job.spp), reference, name) ? 0 : 1;
     for (int c = 0; c < CHANNELS; c++) {
         free(parts.sum[c]);
