@@ -78,13 +78,12 @@ def main():
     mitsuba_plugins.register()
     options.out.mkdir(exist_ok=True)
     for path in options.scenes or sorted((TREE / "data/scenes").glob("*.xml")):
-        name = path.stem if path.stem != "scene" else path.resolve().parent.name
         mean, variance = render(load(path, options.size), options.spp, options.parts)
-        write(options.out / f"{name}.exr", mean, variance,
+        write(options.out / f"{path.stem}.exr", mean, variance,
               {"renderer": f"Mitsuba {mi.__version__}, path", "spp": str(options.spp),
                "parts": str(options.parts), "scene_hash": file_hash(path)})
         noise = np.sqrt(np.mean(variance / np.maximum(mean * mean, 1e-12)))
-        print(f"{name}: mean {np.mean(mean):.5f}, relative noise per pixel {noise:.2e}", flush=True)
+        print(f"{path.stem}: mean {np.mean(mean):.5f}, relative noise per pixel {noise:.2e}", flush=True)
 
 
 if __name__ == "__main__":
