@@ -7,8 +7,8 @@
 Without scenes: all of data/scenes. Needs `pip install mitsuba numpy` and LLVM 19 or later; tests
 only read what it wrote. Each image is rendered in P independent parts of N / P samples per pixel.
 The file NAME.exr has the channels R, G, B (mean of all samples), and variance.R, variance.G,
-variance.B (variance of that mean, estimated from the parts), and a hash of the scene's file. The film
-gets a box filter, so that the pixels are independent of each other.
+variance.B (variance of that mean, estimated from the parts), and a hash of the scene's file. The
+film gets a box filter, so that the pixels are independent of each other.
 """
 import argparse
 import pathlib
@@ -70,7 +70,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("scenes", nargs="*", type=pathlib.Path)
     parser.add_argument("--size", type=int, default=64)
-    parser.add_argument("--spp", type=int, default=65536)
+    parser.add_argument("--spp", type=int, default=16384)
     parser.add_argument("--parts", type=int, default=64)
     parser.add_argument("--out", type=pathlib.Path, default=TREE / "tests/image/references")
     options = parser.parse_args()
@@ -83,7 +83,8 @@ def main():
               {"renderer": f"Mitsuba {mi.__version__}, path", "spp": str(options.spp),
                "parts": str(options.parts), "scene_hash": file_hash(path)})
         noise = np.sqrt(np.mean(variance / np.maximum(mean * mean, 1e-12)))
-        print(f"{path.stem}: mean {np.mean(mean):.5f}, relative noise per pixel {noise:.2e}", flush=True)
+        print(f"{path.stem}: mean {np.mean(mean):.5f}, relative noise per pixel {noise:.2e}",
+              flush=True)
 
 
 if __name__ == "__main__":
