@@ -13,6 +13,10 @@ enum { DEPTH_MAX = 24 };
 // be hidden from what the point sees [Ward 1988]. The slack lets curved surfaces and rounding pass.
 static const float FRONT_SLACK = 0.05f;
 
+// Nor at points farther from its tangent plane than this share of a R: normals in S differ by less
+// than arccos(1 - a^2), so a surface that turns so far at a = .5 rises by .35 of the way.
+static const float SLAB = 0.4f;
+
 void cache_tree_init(struct cache_tree *tree, vec3 lo, vec3 hi) {
     *tree = (struct cache_tree){0};
     vec3 extent = v3_sub(hi, lo);
@@ -44,20 +48,20 @@ static int descend(vec3 p, vec3 *lo, float *size) {
     return octant;
 }
 
-// Depth of the level whose cells are at least twice as wide as `reach`.
+// Depth of the level whose cells are between half as wide as `reach` and as wide.
 static int level_of(const struct cache_tree *tree, float reach) {
     int depth = 0;
-    for (float size = tree->size * 0.5f; size >= 2.0f * reach && depth < DEPTH_MAX; size *= 0.5f)
+    for (float size = tree->size * 0.5f; size >= 0.5f * reach && depth < DEPTH_MAX; size *= 0.5f)
         depth++;
     return depth;
 }
 
-static void add_reference(struct cache_tree *tree, vec3 corner, int depth, uint32_t record) {
+static void add_reference(struct cache_tree *tree, vec3 centre, int depth, uint32_t record) {
     vec3 lo = tree->lo;
     float size = tree->size;
     uint32_t at = 0;
     for (int i = 0; i < depth; i++) {
-        int octant = descend(corner, &lo, &size);
+        int octant = descend(centre, &lo, &size);
         uint32_t next = tree->node[at].child[octant];
         if (!next) {
             next = node_new(tree);
@@ -65,28 +69,49 @@ static void add_reference(struct cache_tree *tree, vec3 corner, int depth, uint3
         }
         at = next;
     }
-    // Corners that fall into one cell refer to it once.
-    if (tree->node[at].first && tree->ref[tree->node[at].first - 1].record == record) return;
     tree->ref[tree->ref_count] = (struct cache_ref){record, tree->node[at].first};
     tree->node[at].first = (uint32_t)++tree->ref_count;
 }
 
+// Whether a point of the cell may use the record: the sphere meets the cell, and the cell meets the
+// slab around the tangent plane that points with normals in S can lie in.
+static bool cell_meets(const struct cache_head *h, vec3 centre, float size) {
+    vec3 d = v3_sub(centre, h->p);
+    float half = 0.5f * size;
+    float dx = fmaxf(fabsf(d.x) - half, 0.0f), dy = fmaxf(fabsf(d.y) - half, 0.0f),
+          dz = fmaxf(fabsf(d.z) - half, 0.0f);
+    if (dx * dx + dy * dy + dz * dz >= h->reach * h->reach) return false;
+    float extent = half * (fabsf(h->n.x) + fabsf(h->n.y) + fabsf(h->n.z));
+    return fabsf(v3_dot(d, h->n)) <= SLAB * h->reach + extent;
+}
+
 bool cache_tree_insert(struct cache_tree *tree, const struct cache_head *head) {
+    int depth = level_of(tree, head->reach);
+    float size = ldexpf(tree->size, -depth);
+    // Cells of that level, numbered from the root's corner, that the sphere's box touches.
+    vec3 from = v3_mul(v3_sub(v3_sub(head->p, tree->lo), v3(head->reach, head->reach, head->reach)),
+                       1.0f / size);
+    int first[3] = {(int)floorf(from.x), (int)floorf(from.y), (int)floorf(from.z)},
+        most = 1 << depth;
+    enum { SPAN = 6 };  // 2 reach / size <= 4, and a cell on either side
     if (!array_reserve((void **)&tree->head, &tree->head_capacity, tree->head_count + 1,
                        sizeof *tree->head) ||
         !array_reserve((void **)&tree->node, &tree->node_capacity,
-                       tree->node_count + 8 * DEPTH_MAX + 1, sizeof *tree->node) ||
-        !array_reserve((void **)&tree->ref, &tree->ref_capacity, tree->ref_count + 8,
-                       sizeof *tree->ref))
+                       tree->node_count + SPAN * SPAN * SPAN * (size_t)(depth + 1) + 1,
+                       sizeof *tree->node) ||
+        !array_reserve((void **)&tree->ref, &tree->ref_capacity,
+                       tree->ref_count + SPAN * SPAN * SPAN, sizeof *tree->ref))
         return false;
     if (tree->node_count == 0) node_new(tree);
     uint32_t record = (uint32_t)tree->head_count;
     tree->head[tree->head_count++] = *head;
-    int depth = level_of(tree, head->reach);
-    float r = head->reach;
-    for (int corner = 0; corner < 8; corner++) {
-        vec3 q = v3_add(head->p, v3(corner & 1 ? r : -r, corner & 2 ? r : -r, corner & 4 ? r : -r));
-        add_reference(tree, q, depth, record);
+    for (int i = 0; i < SPAN * SPAN * SPAN; i++) {
+        int x = first[0] + i % SPAN, y = first[1] + i / SPAN % SPAN,
+            z = first[2] + i / (SPAN * SPAN);
+        if (x < 0 || y < 0 || z < 0 || x >= most || y >= most || z >= most) continue;
+        vec3 centre = v3_add(tree->lo, v3(((float)x + 0.5f) * size, ((float)y + 0.5f) * size,
+                                          ((float)z + 0.5f) * size));
+        if (cell_meets(head, centre, size)) add_reference(tree, centre, depth, record);
     }
     return true;
 }
@@ -98,6 +123,7 @@ static float weight_at(const struct cache_head *h, vec3 p, vec3 n, float a) {
     if (d2 >= limit * limit) return 0.0f;
     float error = sqrtf(d2) / h->R + safe_sqrtf(1.0f - v3_dot(n, h->n));
     if (error >= a) return 0.0f;
+    if (fabsf(v3_dot(d, h->n)) > SLAB * limit) return 0.0f;
     if (v3_dot(d, v3_add(n, h->n)) < -2.0f * FRONT_SLACK * h->R * a) return 0.0f;
     return 1.0f - error / a;
 }

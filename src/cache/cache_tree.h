@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to cache/: an octree over records' spheres of influence. A record is referred to from
-// every cell that its sphere touches on the level where cells are as wide as the sphere, so a query
-// walks one path down.
+// Private to cache/: an octree over records' discs of influence. A record is referred to from every
+// cell that its disc touches on one level, where cells are about half as wide as the disc, so a
+// query walks one path down.
 #ifndef CACHE_TREE_H
 #define CACHE_TREE_H
 

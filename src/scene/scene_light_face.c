@@ -9,7 +9,7 @@
 #include "scene/scene_light.h"
 
 // Below this solid angle a face looks flat: area sampling is as good, and cheaper.
-#define SOLID_ANGLE_MIN 0.02f
+#define SOLID_ANGLE_MIN 0.15f
 
 // A right-angled face seen from a point: the point's frame has x and y along the edges and z away
 // from the face.

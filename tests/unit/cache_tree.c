@@ -59,13 +59,15 @@ static void finds_all_and_only_S(void **state) {
             const struct cache_head *h = &tree.head[i];
             float error = error_at(h, p, n);
             if (in[i]) assert_true(error < a * 1.00001f);
-            // A record that is near enough is left out only if the point lies in front of it.
+            // A record that is near enough is left out only if the point lies in front of it or far
+            // from its tangent plane.
+            if (fabsf(v3_dot(v3_sub(p, h->p), h->n)) > 0.39f * a * h->R) continue;
             bool behind = v3_dot(v3_sub(p, h->p), v3_add(n, h->n)) >= 0.0f;
             if (error < a * 0.99999f && behind) assert_true(in[i]);
         }
         found += (size_t)count;
     }
-    assert_true(found > QUERIES);  // the test has something to find
+    assert_true(found > QUERIES / 2);  // the test has something to find
     cache_tree_free(&tree);
 }
 
