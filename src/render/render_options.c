@@ -3,6 +3,8 @@
 #include "render/options_table.h"
 #include "render/render_state.h"
 
+enum { TIMED_SPP = 1 << 20 };
+
 static int or_else(int value, int open, int scene, int scene_open, int fallback) {
     if (value != open) return value;
     return scene != scene_open ? scene : fallback;
@@ -41,8 +43,10 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
     o->max_depth = or_else(o->max_depth, -2, hints->max_depth, -2, -1);
     o->rr_depth = or_else(o->rr_depth, 0, hints->rr_depth, 0, 5);
     o->hide_emitters = or_else(o->hide_emitters, -1, hints->hide_emitters, -1, 0);
-    // A path tracer's sample count would be wasteful for two passes.
+    // A render with a time limit takes as many samples as fit. A path tracer's sample count would
+    // be wasteful for two passes.
     int scene_spp = o->integrator == SATIN_PATH ? hints->spp : 0;
+    if (o->spp == 0 && o->time > 0.0) o->spp = TIMED_SPP;
     o->spp = or_else(o->spp, 0, scene_spp, 0, options_quality_spp(o->quality));
     return SATIN_OK;
 }

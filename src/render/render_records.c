@@ -17,8 +17,8 @@ enum {
 static const double RECORD_SHARE = 0.5;
 
 // It fills at a times these first, so that the image is covered whenever the time is over.
-static const float TIMED_WIDEN[] = {2.5f, 1.6f, 1.0f};
-enum { TIMED_ROUNDS = 3, LEVELS = 6 };
+static const float TIMED_WIDEN[] = {2.5f, 1.6f, 1.0f, 0.75f, 0.55f};
+enum { TIMED_ROUNDS = 5, LEVELS = 6 };
 
 struct level {
     struct render *r;
@@ -127,8 +127,10 @@ static satin_status fill_timed(struct level *l) {
         status = fill_levels(l, TIMED_WIDEN[i], (double)i / TIMED_ROUNDS, 1.0 / TIMED_ROUNDS);
         if (time_remains(r)) finished = TIMED_WIDEN[i];
     }
-    r->shade.a_irradiance = r->options.irradiance_a * fmaxf(finished, r->options.irradiance_widen);
-    r->shade.a_radiance = r->options.radiance_a * fmaxf(finished, r->options.radiance_widen);
+    float fine = fminf(finished, 1.0f);
+    r->shade.a_irradiance =
+        r->options.irradiance_a * fmaxf(finished, fine * r->options.irradiance_widen);
+    r->shade.a_radiance = r->options.radiance_a * fmaxf(finished, fine * r->options.radiance_widen);
     return status;
 }
 
