@@ -94,48 +94,61 @@ static rgb diffuse_radiance(const struct gather_point *y, rgb E) {
     return rgb_scale(rgb_mul(albedo, E), 1.0f / PI_F);
 }
 
-static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned lobes, int level,
-                  struct sampler *sampler);
+static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned lobe,
+                  float survive, int level, struct sampler *sampler);
 
-// Radiance that y reflects, given the irradiance E of the rough solution there. If `near`, E is not
-// trusted and one more ray gathers for all lobes.
-static rgb reflected(const struct gather *g, const struct gather_point *y, rgb E, bool near,
-                     int level, struct sampler *sampler) {
-    const unsigned smooth = y->lobes & BRDF_SMOOTH;
-    const unsigned rays = near ? smooth : smooth & BRDF_GLOSSY;
-    const unsigned read = smooth & ~rays;
-    const struct gather_mis mis = {{{rays, 1.0f}, {g->options->gather_shadow ? read : 0u, 0.0f}}};
-    rgb L = gather_direct(g, y, mis, 1, *sampler);
-    sampler->dimension += 2;
-    if (read) L = rgb_add(L, diffuse_radiance(y, E));
-    if (!rays) return L;
-    L = rgb_add(L, photon_caustic(g->maps, g->scene, y->surfel.p, y->ng, &y->frame, &y->brdf,
-                                  y->wo_l, rays));
-    if (level >= BOUNCE_MAX) {
-        rgb albedo = brdf_albedo(&y->brdf, y->wo_l, rays);
-        return rgb_add(L, rgb_scale(rgb_mul(albedo, E), 1.0f / PI_F));
-    }
-    return rgb_add(L, bounce(g, y, rays, level + 1, sampler));
+// Probability that a glossy lobe is followed: faint ones, as of a coat, are followed now and then.
+static float follow(const struct gather_point *y, rgb *albedo) {
+    *albedo = brdf_albedo(&y->brdf, y->wo_l, BRDF_GLOSSY);
+    return clampf(4.0f * rgb_max(*albedo), 0.1f, 1.0f);
 }
 
-// One more bounce from y by `lobes`: emitted light that the ray meets at once, weighted against y's
-// light samples, and the rough solution where it ends.
-static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned lobes, int level,
-                  struct sampler *sampler) {
+// Radiance that y reflects, given the irradiance E of the rough solution there. The diffuse lobe
+// reads E, or if `near`, where E is not to be trusted, follows one more ray; the glossy lobe always
+// does.
+static rgb reflected(const struct gather *g, const struct gather_point *y, rgb E, bool near,
+                     int level, struct sampler *sampler) {
+    const unsigned diffuse = y->lobes & BRDF_DIFFUSE, glossy = y->lobes & BRDF_GLOSSY;
+    const bool shadow = near || g->options->gather_shadow;
+    rgb albedo = rgb_grey(0.0f);
+    float survive = glossy ? follow(y, &albedo) : 0.0f;
+    const struct gather_mis mis = {
+        {{shadow ? diffuse : 0u, near ? 1.0f : 0.0f}, {glossy, survive}}};
+    rgb L = gather_direct(g, y, mis, 1, *sampler);
+    sampler->dimension += 2;
+    if (diffuse && near) {
+        L = rgb_add(L, photon_caustic(g->maps, g->scene, y->surfel.p, y->ng, &y->frame, &y->brdf,
+                                      y->wo_l, BRDF_DIFFUSE));
+        L = rgb_add(L, bounce(g, y, BRDF_DIFFUSE, 1.0f, level + 1, sampler));
+    } else if (diffuse) {
+        L = rgb_add(L, diffuse_radiance(y, E));
+    }
+    if (!glossy) return L;
+    if (level >= BOUNCE_MAX) return rgb_add(L, rgb_scale(rgb_mul(albedo, E), 1.0f / PI_F));
+    return rgb_add(L, bounce(g, y, BRDF_GLOSSY, survive, level + 1, sampler));
+}
+
+// One more bounce from y by one lobe, with probability `survive`: emitted light that the ray meets
+// at once, weighted against y's light samples, and the rough solution where it ends. Emitted light
+// behind specular surfaces counts for the glossy lobe; the diffuse one has caustic photons.
+static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned lobe,
+                  float survive, int level, struct sampler *sampler) {
     struct brdf_sample next;
     float u_lobe = sampler_1d(sampler);
     vec2 u = sampler_2d(sampler);
     rgb L = rgb_grey(0.0f);
-    if (!brdf_sample(&y->brdf, y->wo_l, u_lobe, u.x, u.y, lobes, BRDF_RADIANCE, &next)) return L;
+    if (u_lobe >= survive) return L;
+    if (!brdf_sample(&y->brdf, y->wo_l, 0.0f, u.x, u.y, lobe, BRDF_RADIANCE, &next)) return L;
     struct ray ray =
         scene_spawn(g->scene, y->surfel.p, y->surfel.ng, frame_to_world(&y->frame, next.wi));
     struct gather_point z;
     struct emitters e = {0};
-    rgb T = next.weight;
+    rgb T = rgb_scale(next.weight, 1.0f / survive), start = T;
     float first;
     bool found = trace_to_smooth(g, ray, sampler, &T, &first, &e, &z);
     if (e.light_pdf > 0.0f)
-        L = rgb_scale(rgb_mul(next.weight, e.Le), mis_power(next.pdf_w, e.light_pdf));
+        L = rgb_scale(rgb_mul(start, e.Le), mis_power(survive * next.pdf_w, e.light_pdf));
+    if (lobe == BRDF_GLOSSY) L = rgb_add(L, e.Le_specular);
     if (!found) return L;
     float radius;
     rgb E = photon_irradiance(g->maps, z.surfel.p, z.ng, &radius);
