@@ -71,7 +71,7 @@ typedef struct satin_options {
     bool radiance_gradients;
     bool radiance_diffuse;  // diffuse surfaces use radiance records too, for comparison
     satin_basis radiance_basis;
-    int radiance_order;    // largest order n, 1 to 10
+    int radiance_order;    // largest order n, 1 to 14
     float radiance_error;  // largest relative squared error of a BRDF's representation [K05 (3.4)]
     int radiance_rays;
     float radiance_a;

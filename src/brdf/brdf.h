@@ -142,7 +142,7 @@ struct brdf_table_info {
     size_t bytes;
 };
 
-// Builds the table of b with its `specular` factor taken as 1. `max_order` in 1..10.
+// Builds the table of b with its `specular` factor taken as 1. `max_order` in 1..14.
 satin_status brdf_table_build(const struct brdf *b, satin_basis basis, int max_order,
                               float max_error, struct parallel *pool, struct brdf_table **out);
 void brdf_table_free(struct brdf_table *table);  // NULL is allowed

@@ -20,7 +20,7 @@
 enum {
     RADIUS_NODES = 256,   // isotropic; a node every half degree at normal view
     QUADRANT_NODES = 65,  // anisotropic, per side
-    ORDER_MAX = 10
+    ORDER_MAX = 14
 };
 
 struct brdf_table {

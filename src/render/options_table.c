@@ -80,7 +80,7 @@ const struct option options_table[] = {
      "Diffuse surfaces use radiance records too, in place of irradiance records; for comparison."},
     {"radiance-basis", OPTION_CHOICE, AT(radiance_basis), false, "hsh|sh",
      "Harmonics of radiance records: on the hemisphere or on the sphere."},
-    {"radiance-order", OPTION_INT, AT(radiance_order), true, "1..10",
+    {"radiance-order", OPTION_INT, AT(radiance_order), true, "1..14",
      "Largest order n of a radiance record, which then has n * n coefficients."},
     {"radiance-error", OPTION_FLOAT, AT(radiance_error), false, "0.0001..1",
      "Largest relative squared error of a BRDF in harmonics; glossier ones are sampled instead."},
