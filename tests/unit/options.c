@@ -46,7 +46,7 @@ static void presets_set_what_they_decide(void **state) {
     assert_int_equal(o.quality, SATIN_DRAFT);
     satin_options_preset(&o, SATIN_PRODUCTION);
     assert_int_equal(o.photons, 1000000);
-    assert_int_equal(o.radiance_order, 10);
+    assert_int_equal(o.radiance_order, 14);
     assert_int_equal(options_quality_spp(SATIN_DRAFT), 9);
 }
 
@@ -81,7 +81,7 @@ static void values_are_checked(void **state) {
         {"integrator", "paths"},
         {"gather-bounce", "maybe"},
         {"hide-emitters", "2"},
-        {"radiance-order", "11"},
+        {"radiance-order", "15"},
         {"time", "-1"},
     };
     satin_options o = satin_options_default;
