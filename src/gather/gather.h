@@ -34,8 +34,7 @@ struct gather_point {
 void gather_point_make(const struct satin_scene *scene, const struct surfel *s, vec3 d,
                        struct gather_point *out);
 
-// ---- Direct light (gather_direct.c)
-// ---------------------------------------------------------------
+// ---- Direct light (gather_direct.c) ------------------------------------------------------------
 
 // How BRDF sampling shares direct light with light sampling: for each part of the BRDF, how many
 // BRDF samples there are per light sample. Ratio 0: light sampling alone. The parts' lobes do not
@@ -55,8 +54,7 @@ rgb gather_direct(const struct gather *g, const struct gather_point *p, struct g
 // is the surfel on it, NULL for the environment along wi.
 float gather_light_pdf(const struct gather *g, vec3 p, vec3 wi, const struct surfel *hit);
 
-// ---- Paths (gather_path.c)
-// --------------------------------------------------------------------------
+// ---- Paths (gather_path.c) ---------------------------------------------------------------------
 
 // Radiance along `ray` by path tracing with MIS of light and BRDF sampling. `depth` edges were
 // walked before. If not `emission`, light that is emitted along the ray itself or seen through
@@ -65,8 +63,7 @@ float gather_light_pdf(const struct gather *g, vec3 p, vec3 wi, const struct sur
 rgb gather_path(const struct gather *g, struct ray ray, int depth, bool emission,
                 struct sampler *sampler, float *distance);
 
-// ---- Gather rays (gather_ray.c)
-// ---------------------------------------------------------------------
+// ---- Gather rays (gather_ray.c) ----------------------------------------------------------------
 
 // A gather ray and what it found. Filled by gather_rays.
 struct gather_ray {
@@ -91,8 +88,7 @@ struct gather_ray *gather_scratch_rays(struct gather_scratch *scratch);  // room
 void gather_rays(const struct gather *g, struct gather_scratch *scratch, struct gather_ray *rays,
                  size_t count, uint64_t stream);
 
-// ---- Hemispheres (gather_hemisphere.c)
-// ----------------------------------------------------------------
+// ---- Hemispheres (gather_hemisphere.c) ---------------------------------------------------------
 
 // Irradiance on a point, with gradients [Ward and Heckbert 1992].
 struct gather_irradiance {
