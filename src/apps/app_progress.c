@@ -29,6 +29,8 @@ void app_catch_signals(void) {
     sigemptyset(&action.sa_mask);
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    // A file over a size limit is an error of the write, not a signal.
+    signal(SIGXFSZ, SIG_IGN);
 }
 
 bool app_interrupted(void) { return interrupted != 0; }

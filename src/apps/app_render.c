@@ -107,7 +107,8 @@ static int read_arguments(int argc, char **argv, struct request *r) {
     }
     if (r->help) return APP_DONE;
     if (!r->scene) return app_wrong("no scene: satin render SCENE.xml -o OUT.exr");
-    if (!r->output) return app_wrong("no output: satin render %s -o OUT.exr", r->scene);
+    if (!r->output || !*r->output)
+        return app_wrong("no output: satin render %s -o OUT.exr", r->scene);
     satin_options checked;
     return app_exit_of(
         satin_options_resolve(NULL, r->setting, r->setting_count, app_log, NULL, &checked));

@@ -17,6 +17,7 @@ rgb gather_path(const struct gather *g, struct ray ray, int depth, bool emission
     const int max_depth = g->options->max_depth;
     const struct gather_mis both = {{{BRDF_SMOOTH, 1.0f}}};
     rgb L = rgb_grey(0.0f), T = rgb_grey(1.0f);
+    const bool from_eye = depth == 0;
     float eta = 1.0f,
           pdf_w = 0.0f;  // density of the BRDF sample that made the ray; 0: delta or eye
     struct gather_point from = {0};
@@ -48,7 +49,7 @@ rgb gather_path(const struct gather *g, struct ray ray, int depth, bool emission
         T = rgb_mul(T, next.weight);
         eta *= next.eta;
         pdf_w = next.pdf_w;
-        emission = emission || pdf_w > 0.0f;
+        emission = emission || pdf_w > 0.0f || from_eye;
         depth++;
         ray = scene_spawn(scene, s.p, s.ng, frame_to_world(&from.frame, next.wi));
         if (depth >= g->options->rr_depth) {

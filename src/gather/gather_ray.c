@@ -64,6 +64,16 @@ static void meet(const struct gather *g, const struct ray *ray, const struct sur
     }
 }
 
+// How likely a ray stops at a surface that has smooth and ideal specular lobes, by what they
+// reflect.
+static float stop_probability(const struct gather_point *p) {
+    if (!(p->lobes & BRDF_DELTA)) return p->lobes & BRDF_SMOOTH ? 1.0f : 0.0f;
+    if (!(p->lobes & BRDF_SMOOTH)) return 0.0f;
+    float smooth = rgb_max(brdf_albedo(&p->brdf, p->wo_l, BRDF_SMOOTH));
+    float delta = rgb_max(brdf_albedo(&p->brdf, p->wo_l, BRDF_DELTA));
+    return smooth + delta > 0.0f ? smooth / (smooth + delta) : 1.0f;
+}
+
 // Follows a ray through ideal specular surfaces to one with a smooth lobe. False if it meets none.
 // *first gets the distance to the first hit; T is multiplied; emitters may be NULL.
 static bool trace_to_smooth(const struct gather *g, struct ray ray, struct sampler *sampler, rgb *T,
@@ -76,13 +86,17 @@ static bool trace_to_smooth(const struct gather *g, struct ray ray, struct sampl
         if (!hit) return false;
         if (i == 0) *first = s.t;
         gather_point_make(g->scene, &s, ray.d, out);
-        if (out->lobes & BRDF_SMOOTH) return true;
+        float stop = stop_probability(out), u = stop < 1.0f ? sampler_1d(sampler) : 0.0f;
+        if (u < stop) {
+            *T = rgb_scale(*T, 1.0f / stop);
+            return true;
+        }
         struct brdf_sample next;
-        float u = sampler_1d(sampler);
+        float rest = stop > 0.0f ? (u - stop) / (1.0f - stop) : u;
         if (!out->lobes ||
-            !brdf_sample(&out->brdf, out->wo_l, u, 0.5f, 0.5f, BRDF_DELTA, BRDF_RADIANCE, &next))
+            !brdf_sample(&out->brdf, out->wo_l, rest, 0.5f, 0.5f, BRDF_DELTA, BRDF_RADIANCE, &next))
             return false;
-        *T = rgb_mul(*T, next.weight);
+        *T = rgb_mul(*T, rgb_scale(next.weight, 1.0f / (1.0f - stop)));
         ray = scene_spawn(g->scene, s.p, s.ng, frame_to_world(&out->frame, next.wi));
     }
     return false;

@@ -47,6 +47,7 @@ struct photon_tracing {
     uint64_t seed;
     uint64_t paths;
     unsigned keep;  // mask of 1 << photon_class
+    int bounces;    // photons that bounced more often are not kept; < 0: no limit
     // Caustic pass: paths end at their first smooth scattering and start by the guide. NULL: all.
     const struct photon_guide *guide;
 };

@@ -44,13 +44,23 @@ static satin_status trace_into(const struct pass *pass, const struct photon_trac
     return status;
 }
 
+// Bounces after which a photon still fits a path of max_depth edges, `behind` of which follow the
+// surface where it is kept; one edge leads from the light to the first.
+static int bounces_left(const satin_options *o, int behind) {
+    if (o->max_depth < 0) return -1;
+    return o->max_depth > behind + 1 ? o->max_depth - behind - 1 : 0;
+}
+
 static satin_status build_global(const struct pass *pass, struct photon_maps *maps) {
     const satin_options *o = pass->options;
     bool bounced = o->gather_shadow && o->integrator != SATIN_PHOTONS;
-    struct photon_tracing tracing = {.scene = pass->scene,
-                                     .seed = o->seed,
-                                     .paths = o->photons > 0 ? (uint64_t)o->photons : 0,
-                                     .keep = bounced ? KEEP_BOUNCED : KEEP_ALL};
+    struct photon_tracing tracing = {
+        .scene = pass->scene,
+        .seed = o->seed,
+        .paths = o->photons > 0 ? (uint64_t)o->photons : 0,
+        .keep = bounced ? KEEP_BOUNCED : KEEP_ALL,
+        // Seen by the eye, or by the eye through a gather ray.
+        .bounces = bounces_left(o, o->integrator == SATIN_PHOTONS ? 1 : 2)};
     satin_status status = trace_into(pass, &tracing, &maps->global);
     if (status != SATIN_OK) return status;
     maps->global.radius_max = INFINITY;
@@ -81,6 +91,7 @@ static satin_status build_caustic(const struct pass *pass, struct photon_maps *m
                                      .seed = o->seed,
                                      .paths = (uint64_t)o->caustic_photons,
                                      .keep = 1 << PHOTON_CAUSTIC,
+                                     .bounces = bounces_left(o, 1),
                                      .guide = guide};
     status = trace_into(pass, &tracing, &maps->caustic);
     photon_guide_free(guide);

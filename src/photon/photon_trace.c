@@ -100,7 +100,8 @@ static void walk(const struct photon_tracing *tracing, struct flight f, struct r
                  struct chunk *chunk) {
     const struct satin_scene *scene = tracing->scene;
     unsigned lobes = tracing->guide ? BRDF_DELTA : BRDF_ALL;
-    for (int bounce = 0; bounce <= BOUNCES_MAX; bounce++) {
+    const int most = tracing->bounces < 0 ? BOUNCES_MAX : tracing->bounces;
+    for (int bounce = 0; bounce <= most; bounce++) {
         struct surfel s;
         if (!scene_intersect(scene, &f.ray, &s)) return;
         vec3 wi = v3_neg(f.ray.d);

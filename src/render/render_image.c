@@ -126,12 +126,14 @@ satin_status render_image_fill(struct render *r) {
         pass.begin = image->done;
         pass.end = image->done + samples;
         render_stage_part(r, image->done / spp, samples / spp);
-        if (!parallel_for(r->pool, tiles, 1, render_tiles, &pass))
-            status = SATIN_CANCELLED;
-        else
-            image->done = pass.end;
+        if (!parallel_for(r->pool, tiles, 1, render_tiles, &pass)) {
+            if (r->cancelled) status = SATIN_CANCELLED;
+            break;
+        }
+        image->done = pass.end;
         per_sample = (stats_wall() - start) / samples;
     }
+    r->stage_items = image->done * (double)image->width * (double)image->height;
     note_counts(r, pass.counts, workers);
     free(pass.counts);
     return status;

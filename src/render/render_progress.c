@@ -45,6 +45,8 @@ static bool tell(struct render *r, double done) {
 static bool on_progress(void *user, double done) {
     struct render *r = user;
     if (r->cancelled) return true;
+    // A time limit ends the image wherever it is; the stages before it are needed whole.
+    if (r->image && render_time_left(r) < 0.0) return true;
     if (stats_wall() - r->told < TELL_EVERY) return false;
     return tell(r, r->share_done + done * r->share_span);
 }

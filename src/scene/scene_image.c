@@ -74,13 +74,13 @@ static void finish_texels(const struct scene_source *source, float *texel, size_
     size_t bad = 0;
     for (size_t i = 0; i < count; i++) {
         if (decode) texel[i] = srgb_to_linear(texel[i]);
-        if (isfinite(texel[i])) continue;
+        if (isfinite(texel[i]) && texel[i] >= 0.0f) continue;
         texel[i] = 0.0f;
         bad++;
     }
     if (bad)
-        log_message(source->log, SATIN_LOG_WARNING, "%s: %zu values are not finite and count as 0",
-                    source->path, bad);
+        log_message(source->log, SATIN_LOG_WARNING,
+                    "%s: %zu values are negative or not finite and count as 0", source->path, bad);
 }
 
 static satin_status hash_file(const struct scene_source *source) {

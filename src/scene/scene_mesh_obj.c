@@ -160,7 +160,8 @@ static satin_status read_face(struct obj *obj) {
     uint32_t first = 0, previous = 0, vertex = 0;
     for (size_t n = 0;; n++) {
         mesh_text_skip_blanks(&obj->text);
-        if (line_ended(&obj->text)) return SATIN_OK;
+        if (line_ended(&obj->text))
+            return n >= 3 ? SATIN_OK : fail(obj, "a face needs at least three corners");
         struct corner corner;
         satin_status status = read_corner(obj, &corner);
         if (status == SATIN_OK) status = corner_vertex(obj, corner, &vertex);

@@ -187,7 +187,9 @@ satin_status scene_emitter_add(struct scene_loader *loader, struct xml_node *nod
     if (status == SATIN_OK) status = check_place(loader, &p, &light, shape >= 0);
     if (status != SATIN_OK) return status;
     *index = -1;
-    // An area light outside of a shape is there to be referred to.
+    // An area light outside of a shape is there to be referred to by its id.
+    if (light.kind == LIGHT_AREA && shape < 0 && !xml_get(node, "id"))
+        return fail(loader, &p, "it must be part of a shape");
     if (rgb_black(light.value) || (light.kind == LIGHT_AREA && shape < 0)) return SATIN_OK;
     void *items = loader->light;
     if (!array_reserve(&items, &loader->light_capacity, loader->light_count + 1, sizeof light))

@@ -87,7 +87,10 @@ static satin_status read_matrix(struct log log, const struct xml_node *step, str
     if (!param_numbers(log, step->place, text, side * side, d)) return SATIN_ERROR_INPUT;
     struct mat4 identity = mat4_identity();
     *out = widen(&identity);
-    for (int i = 0; i < side * side; i++) out->m[i / side][i % side] = d[i];
+    if (side == 4 && (d[12] != 0.0 || d[13] != 0.0 || d[14] != 0.0 || !(d[15] != 0.0)))
+        return fail(log, step, "its last row is not 0 0 0 1");
+    for (int i = 0; i < side * side; i++)
+        out->m[i / side][i % side] = side == 4 ? d[i] / d[15] : d[i];
     return SATIN_OK;
 }
 

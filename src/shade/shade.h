@@ -11,6 +11,7 @@
 struct shade_tables {
     size_t count;               // 2 per material
     struct brdf_table **table;  // [2 * material + side], side 1 is the back
+    bool *owned;                // false: the table is that of an equal BRDF before it
     int *channels;              // of each table: 1 or 3
     int order;                  // largest order of all; 0: nothing glossy is cached
 };

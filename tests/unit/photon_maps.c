@@ -53,7 +53,8 @@ static void energy_is_kept(void **state) {
         struct test_scene t;
         furnace(&t, albedo);
         struct parallel *pool = pool_of(2);
-        struct photon_tracing tracing = {.scene = &t.scene, .seed = 1, .paths = N, .keep = 7};
+        struct photon_tracing tracing = {
+            .scene = &t.scene, .seed = 1, .paths = N, .keep = 7, .bounces = -1};
         struct photon_trace trace;
         struct log quiet = {0};
         assert_int_equal(photon_trace_run(&tracing, pool, quiet, &trace), SATIN_OK);
@@ -244,7 +245,7 @@ static struct photon_trace trace_caustics(const struct test_scene *t, bool guide
     if (guided)
         assert_int_equal(photon_guide_build(&t->scene, 1, paths, pool, quiet, &guide), SATIN_OK);
     assert_true((guide != NULL) == guided);
-    struct photon_tracing tracing = {&t->scene, 1, paths, 1 << PHOTON_CAUSTIC, guide};
+    struct photon_tracing tracing = {&t->scene, 1, paths, 1 << PHOTON_CAUSTIC, -1, guide};
     assert_int_equal(photon_trace_run(&tracing, pool, quiet, &trace), SATIN_OK);
     photon_guide_free(guide);
     parallel_free(pool);
