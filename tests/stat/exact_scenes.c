@@ -21,7 +21,7 @@ struct estimator {
 static const struct estimator estimators[] = {
     {"path", {"integrator", "path", "spp", "16384", NULL}},
     {"photons",
-     {"integrator", "photons", "spp", "64", "photons", "4000000", "photon_k", "10000", NULL}},
+     {"integrator", "photons", "spp", "16", "photons", "8000000", "photon_k", "6000", NULL}},
     {"irradiance records", {"spp", "256", "light_samples", "8", "radiance_cache", "off", NULL}},
     {"radiance records", {"spp", "256", "light_samples", "8", "radiance_diffuse", "on", NULL}},
 };
@@ -62,7 +62,8 @@ static satin_film *render(const satin_scene *scene, const char *const *setting,
     return satin_render(scene, &options, &callbacks, &film) == SATIN_OK ? film : NULL;
 }
 
-// Largest and mean relative error of a channel, less that of `direct` if it is not NULL.
+// Mean and largest error of a channel, relative to the pixel's exact radiance: `exact`, and what
+// `direct` has there if it is not NULL.
 static void errors(const satin_film *film, const satin_film *direct, const char *channel,
                    double exact, double *mean, double *worst) {
     const float *v = satin_film_channel(film, channel);
@@ -70,7 +71,8 @@ static void errors(const satin_film *film, const satin_film *direct, const char 
     double sum = 0.0;
     *worst = 0.0;
     for (int i = 0; i < SIZE * SIZE; i++) {
-        double e = ((double)v[i] - (d ? (double)d[i] : 0.0)) / exact - 1.0;
+        double seen_directly = d ? (double)d[i] : 0.0;
+        double e = ((double)v[i] - seen_directly - exact) / (exact + seen_directly);
         sum += e;
         if (!(fabs(e) <= *worst)) *worst = fabs(e);
     }
