@@ -57,9 +57,9 @@ float gather_light_pdf(const struct gather *g, vec3 p, vec3 wi, const struct sur
 // ---- Paths (gather_path.c) ---------------------------------------------------------------------
 
 // Radiance along `ray` by path tracing with MIS of light and BRDF sampling. `depth` edges were
-// walked before. If not `emission`, light that is emitted along the ray itself or seen through
-// ideal specular surfaces alone does not count. *distance gets the length of the ray to its hit, or
-// INFINITY.
+// walked before. If not `emission`, light that is emitted along the ray itself does not count, nor,
+// unless the ray comes from the eye (depth 0), what is seen through ideal specular surfaces alone.
+// *distance gets the length of the ray to its hit, or INFINITY.
 rgb gather_path(const struct gather *g, struct ray ray, int depth, bool emission,
                 struct sampler *sampler, float *distance);
 

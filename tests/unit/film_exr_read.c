@@ -16,6 +16,7 @@
 #include "base/fileio.h"
 #include "base/rng.h"
 #include "film/film.h"
+#include "message_case.h"
 
 enum { WIDTH = 37, HEIGHT = 45, TILE = 16, LEFT = -3, TOP = 11 };
 
@@ -24,18 +25,6 @@ struct sample_file {
     exr_pixel_type_t type;
     bool tiled;
 };
-
-struct message {
-    int count;
-    char text[256];
-};
-
-static void keep(void *user, satin_log_level level, const char *text) {
-    struct message *message = user;
-    (void)level;
-    message->count++;
-    strncpy(message->text, text, sizeof message->text - 1);
-}
 
 // A value that half, float and uint hold exactly.
 static uint32_t value_at(int c, int x, int y) { return (uint32_t)(c * 700 + x * 7 + y * 3); }

@@ -16,23 +16,12 @@
 #include "base/fileio.h"
 #include "base/rng.h"
 #include "film/film.h"
+#include "message_case.h"
 #include "satin/render.h"
 
 static const char *const names[] = {"R",        "G",       "B",
                                     "direct.R", "depth.Z", "a.very.long.name.of.a.channel"};
 enum { NAMES = 6 };
-
-struct message {
-    int count;
-    char text[256];
-};
-
-static void keep(void *user, satin_log_level level, const char *text) {
-    struct message *message = user;
-    (void)level;
-    message->count++;
-    strncpy(message->text, text, sizeof message->text - 1);
-}
 
 // Enough lines for more than one batch of chunks when `height` is over 1024.
 static struct satin_film *noisy(int width, int height) {

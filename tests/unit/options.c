@@ -10,20 +10,9 @@
 
 #include <cmocka.h>
 
+#include "message_case.h"
 #include "render/options_table.h"
 #include "scene/scene.h"
-
-struct message {
-    int count;
-    char text[256];
-};
-
-static void keep(void *user, satin_log_level level, const char *text) {
-    struct message *message = user;
-    (void)level;
-    message->count++;
-    strncpy(message->text, text, sizeof message->text - 1);
-}
 
 static bool same_fields(const satin_options *a, const satin_options *b) {
     satin_option_info ia, ib;
