@@ -3,7 +3,6 @@
 // and a camera, and these get their ray tracing structure and sampling tables.
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "base/fileio.h"
 #include "scene/scene_loader.h"
@@ -20,22 +19,13 @@ const char *scene_keep_text(struct scene_loader *loader, const char *text) {
 satin_status scene_params(struct scene_loader *loader, struct xml_node *node, struct params *out) {
     const struct plugin_spec *plugin = scene_plugin_find(loader->log, node);
     if (!plugin) return SATIN_ERROR_INPUT;
-    struct param_source source = {loader->log, &loader->xml};
+    struct param_source source = {loader->log, &loader->xml, &loader->scene->hash};
     return params_read(source, plugin, node, out);
 }
 
 satin_status scene_file_source(struct scene_loader *loader, const struct param_value *name,
                                struct scene_source *out) {
-    char *path = fileio_beside(name->place.file, name->s);
-    if (path && access(path, F_OK) != 0) {
-        char *other = fileio_beside(loader->path, name->s);
-        if (other && access(other, F_OK) == 0) {
-            free(path);
-            path = other;
-        } else {
-            free(other);
-        }
-    }
+    char *path = scene_xml_resolve(&loader->xml, name->place, name->s);
     if (!path) return scene_no_memory(loader);
     *out = (struct scene_source){loader->log, name->place, &loader->scene->arena, path,
                                  &loader->scene->hash};
@@ -128,7 +118,7 @@ static satin_status check_power(const struct scene_loader *loader) {
 
 static satin_status load(struct scene_loader *loader) {
     struct params p;
-    struct param_source source = {loader->log, &loader->xml};
+    struct param_source source = {loader->log, &loader->xml, &loader->scene->hash};
     satin_status status = params_read(source, &scene_plugin, loader->xml.root, &p);
     if (status == SATIN_OK) status = build_objects(loader);
     if (status == SATIN_OK) status = check_unused(loader);

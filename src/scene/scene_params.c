@@ -81,8 +81,16 @@ static satin_status read_object(struct log log, struct params *out, const struct
     return SATIN_ERROR_INPUT;
 }
 
-static satin_status read_child(struct log log, struct params *out, struct xml_node *child) {
+// A child that gives a value, or (`child`) refers to one (`target`).
+static satin_status read_child(struct param_source source, struct params *out,
+                               const struct xml_node *child, struct xml_node *target) {
+    struct log log = source.log;
     const struct plugin_spec *plugin = out->plugin;
+    if (!child->name) {
+        log_error_at(log, child->place, "<%s> needs the attribute 'name'",
+                     xml_tag_name(child->tag));
+        return SATIN_ERROR_INPUT;
+    }
     int i = find_spec(plugin, child->name);
     if (i < 0 && plugin->lenient) {
         log_message(log, SATIN_LOG_WARNING, "%s:%d:%d: '%s' has no effect here", child->place.file,
@@ -97,16 +105,16 @@ static satin_status read_child(struct log log, struct params *out, struct xml_no
         return SATIN_ERROR_INPUT;
     }
     unsigned accepted = accepted_tags(spec->kind);
-    if (!(accepted & 1u << child->tag)) {
+    if (!(accepted & 1u << target->tag)) {
         int tag = 0;
         while (!(accepted & 1u << tag)) tag++;
         log_error_at(log, child->place, "'%s' must be an element <%s>, not <%s>", child->name,
-                     xml_tag_name((enum xml_tag)tag), xml_tag_name(child->tag));
+                     xml_tag_name((enum xml_tag)tag), xml_tag_name(target->tag));
         return SATIN_ERROR_INPUT;
     }
     value->given = true;
     value->place = child->place;
-    return param_read(log, spec, child, value);
+    return param_read(source, spec, target, value);
 }
 
 satin_status params_read(struct param_source source, const struct plugin_spec *plugin,
@@ -115,9 +123,11 @@ satin_status params_read(struct param_source source, const struct plugin_spec *p
     for (struct xml_node *child = node->child; child; child = child->next) {
         struct xml_node *target = scene_xml_target(source.xml, source.log, child);
         if (!target) return SATIN_ERROR_INPUT;
+        // A colour that is only there to be referred to.
+        if (plugin->tag == XML_SCENE && target->id && !xml_is_object(target->tag)) continue;
         satin_status status = xml_is_object(target->tag)
                                   ? read_object(source.log, out, child, target)
-                                  : read_child(source.log, out, child);
+                                  : read_child(source, out, child, target);
         if (status != SATIN_OK) return status;
     }
     for (int i = 0; plugin->params && plugin->params[i]; i++) {

@@ -82,6 +82,7 @@ struct params {
 struct param_source {
     struct log log;
     const struct scene_xml *xml;
+    uint64_t *hash;  // continued over the files of spectra; NULL: not
 };
 
 // Reads all parameters of an element. A parameter that is not in the table, is of another kind,
@@ -101,6 +102,8 @@ struct xml_node *params_child(const struct scene_xml *xml, const struct xml_node
 // blanks or commas.
 bool param_numbers(struct log log, struct log_place place, const char *text, int count,
                    double *out);
+// Cuts the next number off a list; logs if it is none.
+bool param_number(struct log log, struct log_place place, const char **text, double *out);
 // How many words `text` has.
 int param_words(const char *text);
 // The x, y and z, or the value, of an element; what is absent becomes `missing`, or is an error if
@@ -108,15 +111,19 @@ int param_words(const char *text);
 bool param_xyz(struct log log, const struct xml_node *node, float missing, vec3 *out);
 
 // Reads the value that an element gives for a parameter; or the default, from its own text.
-satin_status param_read(struct log log, const struct param_spec *spec, const struct xml_node *node,
-                        struct param_value *value);
+satin_status param_read(struct param_source source, const struct param_spec *spec,
+                        struct xml_node *node, struct param_value *value);
 satin_status param_read_default(struct log log, const struct param_spec *spec,
                                 struct param_value *value);
 
 // The product of the steps of a <transform> (scene_transform.c).
 satin_status scene_transform_read(struct log log, const struct xml_node *node, struct mat4 *out);
 // A colour from <rgb>, <spectrum> or <float> (scene_color.c).
-satin_status scene_color_read(struct log log, const struct xml_node *node, bool light, rgb *out);
+satin_status scene_color_read(struct param_source source, struct xml_node *node, bool light,
+                              rgb *out);
+// A colour from a <spectrum> with a type (scene_plugins_spectrum.c).
+satin_status scene_spectrum_of(struct param_source source, struct xml_node *node, bool light,
+                               rgb *out);
 
 // All plugins (scene_plugins.c). Finds the one of an element; logs, with the nearest name, and
 // returns NULL if there is none.
@@ -126,7 +133,7 @@ const char *scene_plugin_noun(enum xml_tag tag);
 
 extern const struct plugin_spec scene_bsdf_plugins[], scene_texture_plugins[],
     scene_shape_plugins[], scene_emitter_plugins[], scene_sensor_plugins[], scene_film_plugins[],
-    scene_integrator_plugins[];
+    scene_integrator_plugins[], scene_spectrum_plugins[];
 
 // Named substances (scene_substance.c). False if the name is unknown; the names are listed by
 // index, NULL beyond the last.

@@ -8,8 +8,9 @@
 #include "scene/scene_params.h"
 
 static const struct plugin_spec *const tables[] = {
-    scene_shape_plugins,  scene_bsdf_plugins, scene_texture_plugins,    scene_emitter_plugins,
-    scene_sensor_plugins, scene_film_plugins, scene_integrator_plugins, NULL};
+    scene_shape_plugins,      scene_bsdf_plugins,     scene_texture_plugins,
+    scene_emitter_plugins,    scene_sensor_plugins,   scene_film_plugins,
+    scene_integrator_plugins, scene_spectrum_plugins, NULL};
 
 // What Mitsuba 3 knows and satin does not read.
 struct unread {

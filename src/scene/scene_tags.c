@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "scene/scene_xml.h"
+#include "scene/scene_old.h"
 
 struct tag_info {
     const char *name;
@@ -28,8 +28,8 @@ static const struct tag_info tags[XML_TAG_COUNT] = {
     [XML_STRING] = {"string", {"name", "value"}, {NULL}},
     [XML_POINT] = {"point", {"name"}, {"value", "x", "y", "z"}},
     [XML_VECTOR] = {"vector", {"name"}, {"value", "x", "y", "z"}},
-    [XML_RGB] = {"rgb", {"name", "value"}, {NULL}},
-    [XML_SPECTRUM] = {"spectrum", {"name"}, {"value", "filename", "type", "id"}},
+    [XML_RGB] = {"rgb", {"value"}, {"name", "id"}},
+    [XML_SPECTRUM] = {"spectrum", {NULL}, {"name", "value", "filename", "type", "id"}},
     [XML_TRANSFORM] = {"transform", {"name"}, {NULL}},
     [XML_TRANSLATE] = {"translate", {NULL}, {"value", "x", "y", "z"}},
     [XML_ROTATE] = {"rotate", {"angle"}, {"value", "x", "y", "z"}},
@@ -40,10 +40,11 @@ static const struct tag_info tags[XML_TAG_COUNT] = {
     [XML_ALIAS] = {"alias", {"id", "as"}, {NULL}},
     [XML_DEFAULT] = {"default", {"name", "value"}, {NULL}},
     [XML_INCLUDE] = {"include", {"filename"}, {"name"}},
+    [XML_PATH] = {"path", {"value"}, {NULL}},
 };
 
 // What Mitsuba knows and satin does not read.
-static const char *const unread[] = {"medium", "phase", "volume", "field", "path", NULL};
+static const char *const unread[] = {"medium", "phase", "volume", "field", NULL};
 
 const char *xml_tag_name(enum xml_tag tag) { return tags[tag].name; }
 
@@ -67,6 +68,8 @@ enum xml_tag xml_tag_find(struct log log, struct log_place place, const char *na
 bool xml_may_contain(enum xml_tag parent, enum xml_tag child) {
     bool step = child >= XML_TRANSLATE && child <= XML_MATRIX;
     if (parent == XML_TRANSFORM) return step;
+    if (child == XML_PATH) return parent == XML_SCENE;
+    if (parent == XML_SPECTRUM) return child >= XML_BOOLEAN && child <= XML_SPECTRUM;
     return xml_is_object(parent) && !step && child != XML_SCENE;
 }
 
@@ -81,6 +84,7 @@ bool xml_attributes_valid(struct log log, const struct xml_node *node, bool root
     for (const char *const *a = node->attribute; *a; a += 2) {
         if (listed(info->required, 3, *a) || listed(info->optional, 5, *a)) continue;
         if (root && strcmp(*a, "version") == 0) continue;
+        if (node->old && node->tag == XML_SPECTRUM && scene_old_attribute(*a)) continue;
         log_error_at(log, node->place, "<%s> has no attribute '%s'", info->name, *a);
         return false;
     }
@@ -96,12 +100,14 @@ bool xml_attributes_valid(struct log log, const struct xml_node *node, bool root
         log_error_at(log, node->place, "<%s> needs the attribute 'version'", info->name);
         return false;
     }
-    if (strncmp(version, "3.", 2) != 0 && strncmp(version, "2.", 2) != 0) {
-        log_error_at(log, node->place, "version '%s' is not supported: 2.x and 3.x are", version);
-        return false;
-    }
-    return true;
+    if (strncmp(version, "3.", 2) == 0 || strncmp(version, "2.", 2) == 0 ||
+        xml_version_old(version))
+        return true;
+    log_error_at(log, node->place, "version '%s' is not supported: 0.x, 2.x and 3.x are", version);
+    return false;
 }
+
+bool xml_version_old(const char *version) { return strncmp(version, "0.", 2) == 0; }
 
 const char *xml_get(const struct xml_node *node, const char *attribute) {
     for (const char *const *a = node->attribute; *a; a += 2)

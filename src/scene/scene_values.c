@@ -16,6 +16,23 @@ int param_words(const char *text) {
     return count;
 }
 
+bool param_number(struct log log, struct log_place place, const char **text, double *out) {
+    char word[64];
+    *text += strspn(*text, blanks);
+    size_t n = strcspn(*text, blanks);
+    if (n < sizeof word) {
+        memcpy(word, *text, n);
+        word[n] = 0;
+    }
+    // Larger than any float is as good as infinite.
+    if (n >= sizeof word || !text_double(word, out) || fabs(*out) > 3e38) {
+        log_error_at(log, place, "'%.*s' is not a number", n < 60 ? (int)n : 60, *text);
+        return false;
+    }
+    *text += n;
+    return true;
+}
+
 bool param_numbers(struct log log, struct log_place place, const char *text, int count,
                    double *out) {
     int words = param_words(text);
@@ -24,21 +41,8 @@ bool param_numbers(struct log log, struct log_place place, const char *text, int
                      count == 1 ? "" : "s", text);
         return false;
     }
-    for (int i = 0; i < count; i++) {
-        char word[64];
-        text += strspn(text, blanks);
-        size_t n = strcspn(text, blanks);
-        if (n < sizeof word) {
-            memcpy(word, text, n);
-            word[n] = 0;
-        }
-        // Larger than any float is as good as infinite.
-        if (n >= sizeof word || !text_double(word, &out[i]) || fabs(out[i]) > 3e38) {
-            log_error_at(log, place, "'%.*s' is not a number", n < 60 ? (int)n : 60, text);
-            return false;
-        }
-        text += n;
-    }
+    for (int i = 0; i < count; i++)
+        if (!param_number(log, place, &text, &out[i])) return false;
     return true;
 }
 
@@ -158,17 +162,26 @@ static satin_status read_text(struct log log, const struct param_spec *spec, enu
     }
 }
 
-static satin_status read_color(struct log log, const struct param_spec *spec,
-                               const struct xml_node *node, struct param_value *value) {
-    satin_status status = scene_color_read(log, node, spec->kind == PARAM_LIGHT, &value->color);
+static satin_status read_color(struct param_source source, const struct param_spec *spec,
+                               struct xml_node *node, struct param_value *value) {
+    struct log log = source.log;
+    satin_status status = scene_color_read(source, node, spec->kind == PARAM_LIGHT, &value->color);
+    if (status != SATIN_OK) return status;
+    // Samples of a real surface may leave the gamut of sRGB, which is no error.
+    bool constant = node->tag != XML_SPECTRUM ||
+                    (xml_get(node, "value") && !strchr(xml_get(node, "value"), ':'));
+    if (!constant && spec->range == RANGE_UNIT)
+        value->color = rgb_make(fminf(value->color.r, 1.0f), fminf(value->color.g, 1.0f),
+                                fminf(value->color.b, 1.0f));
     const float c[3] = {value->color.r, value->color.g, value->color.b};
     for (int i = 0; i < 3 && status == SATIN_OK; i++)
         status = check_range(log, spec, node->place, c[i]);
     return status;
 }
 
-satin_status param_read(struct log log, const struct param_spec *spec, const struct xml_node *node,
-                        struct param_value *value) {
+satin_status param_read(struct param_source source, const struct param_spec *spec,
+                        struct xml_node *node, struct param_value *value) {
+    struct log log = source.log;
     switch (spec->kind) {
         case PARAM_TRANSFORM:
             return scene_transform_read(log, node, &value->m);
@@ -176,7 +189,7 @@ satin_status param_read(struct log log, const struct param_spec *spec, const str
             return param_xyz(log, node, NAN, &value->v) ? SATIN_OK : SATIN_ERROR_INPUT;
         case PARAM_COLOR:
         case PARAM_LIGHT:
-            return read_color(log, spec, node, value);
+            return read_color(source, spec, node, value);
         default:
             return read_text(log, spec, node->tag, xml_get(node, "value"), value);
     }

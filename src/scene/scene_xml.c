@@ -13,6 +13,7 @@
 #include "base/text.h"
 #include "scene/scene_build.h"
 #include "scene/scene_define.h"
+#include "scene/scene_old.h"
 
 // One run over the main file and its includes.
 struct reader {
@@ -36,6 +37,7 @@ struct file {
     const struct file *parent;  // that includes it
     const char *name;           // of the <include>, for its root element; or NULL
     int base_depth;
+    bool old;  // spelt as version 0.6
 };
 
 static satin_status read_file(struct reader *reader, const struct file *parent,
@@ -121,7 +123,7 @@ static bool placed_well(const struct file *file, const struct xml_node *node) {
 
 static satin_status take_include(struct file *file, const struct xml_node *node) {
     struct reader *reader = file->reader;
-    char *path = fileio_beside(file->path, xml_get(node, "filename"));
+    char *path = scene_xml_resolve(reader->xml, node->place, xml_get(node, "filename"));
     const char *copy = path ? arena_text(&reader->xml->arena, path, strlen(path)) : NULL;
     free(path);
     if (!copy) return SATIN_ERROR_MEMORY;
@@ -157,6 +159,8 @@ static satin_status take_element(struct file *file, struct xml_node *node) {
             return take_include(file, node);
         case XML_DEFAULT:
             return take_default(file, node);
+        case XML_PATH:
+            return scene_path_add(reader->xml, reader->log, node);
         case XML_ALIAS:
             id = (struct xml_id){xml_get(node, "as"), NULL, node->id, node->place, node->number};
             return scene_ids_add(reader->xml, id);
@@ -167,8 +171,21 @@ static satin_status take_element(struct file *file, struct xml_node *node) {
         reader->xml->root = node;
     else
         append_child(reader->open[reader->depth - 1], node);
-    if (xml_is_object(node->tag) && node->id && node->id[0]) return scene_ids_add(reader->xml, id);
+    if (xml_is_shared(node->tag) && node->id && node->id[0]) return scene_ids_add(reader->xml, id);
     return SATIN_OK;
+}
+
+static bool names_are_old(const char **attributes) {
+    for (; *attributes; attributes += 2)
+        if (strcmp(attributes[0], "version") == 0) return xml_version_old(attributes[1]);
+    return false;
+}
+
+// The names of an element of version 0.6 become those of version 3.
+static satin_status respell(struct file *file, struct xml_node *node, bool *keep) {
+    struct reader *reader = file->reader;
+    struct xml_node *parent = reader->depth ? reader->open[reader->depth - 1] : NULL;
+    return scene_old_respell(reader->log, &reader->xml->arena, parent, node, keep);
 }
 
 static satin_status open_element(struct file *file, const char *name, const char **attributes) {
@@ -183,17 +200,21 @@ static satin_status open_element(struct file *file, const char *name, const char
     if (!node) return SATIN_ERROR_MEMORY;
     node->place = place;
     node->number = reader->nodes++;
-    node->tag = xml_tag_find(reader->log, place, name);
+    bool keep = true, root = reader->depth == file->base_depth;
+    if (root) file->old = names_are_old(attributes);
+    node->old = file->old;
+    node->encoded = file->old && strcmp(name, "srgb") == 0;
+    node->tag = xml_tag_find(reader->log, place, file->old ? scene_old_tag(name) : name);
     if (node->tag == XML_TAG_COUNT) return SATIN_ERROR_INPUT;
     satin_status status = copy_attributes(file, attributes, node);
     if (status != SATIN_OK) return status;
     if (!placed_well(file, node)) return SATIN_ERROR_INPUT;
-    bool included_root = file->parent && reader->depth == file->base_depth;
-    if (included_root && node->tag == XML_SCENE) {
+    if (file->old) status = respell(file, node, &keep);
+    if (root && file->parent && node->tag == XML_SCENE) {
         // What it contains belongs to the element that includes it.
         node = reader->open[reader->depth - 1];
-    } else {
-        if (included_root) node->name = file->name;
+    } else if (status == SATIN_OK && keep) {
+        if (root && file->parent) node->name = file->name;
         status = take_element(file, node);
     }
     if (status == SATIN_OK) reader->open[reader->depth++] = node;
@@ -262,7 +283,7 @@ static satin_status read_file(struct reader *reader, const struct file *parent,
     if (status != SATIN_OK) return reader->status = status;
     *reader->hash = fileio_hash(*reader->hash, data, size);
     struct file file = {reader, XML_ParserCreate(NULL), path, realpath(path, NULL), parent,
-                        name,   reader->depth};
+                        name,   reader->depth,          false};
     if (!file.parser)
         status = log_fail(reader->log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
     else if (!includes_well(&file, place))
@@ -306,6 +327,7 @@ satin_status scene_xml_read(struct log log, const char *path, const satin_define
     }
     const char *copy = arena_text(&xml.arena, path, strlen(path));
     satin_status status = SATIN_ERROR_MEMORY;
+    xml.path = copy;
     if (copy)
         status = read_file(&reader, NULL, (struct log_place){0}, copy, NULL);
     else

@@ -17,6 +17,7 @@ enum {
     XML_DEPTH_MAX = 64,           // levels of nesting, over includes
     XML_INCLUDE_DEPTH_MAX = 15,   // as in Mitsuba
     XML_FILES_MAX = 1000,         // files read in all
+    XML_SEARCH_MAX = 64,          // folders of <path>
     XML_TREE_BYTES_MAX = 1 << 30  // of the tree in memory
 };
 
@@ -47,9 +48,10 @@ enum xml_tag {
     XML_LOOKAT,
     XML_MATRIX,
     XML_REF,
-    XML_ALIAS,    // these three
+    XML_ALIAS,    // these four
     XML_DEFAULT,  // are not in
     XML_INCLUDE,  // the tree
+    XML_PATH,
     XML_TAG_COUNT
 };
 
@@ -62,6 +64,8 @@ struct xml_node {
     const char *const *attribute;          // all of them: name, value, ..., NULL
     struct xml_node *child, *last, *next;  // first and last child, next sibling
     size_t number;                         // counts elements in order of reading
+    bool old;                              // spelt as in version 0.6
+    bool encoded;                          // <srgb> of those: its numbers are not linear
     const struct texture *texture;         // what the builders made of it, for further
     uint32_t material;                     // references: NULL if nothing; 1 + index
 };
@@ -79,6 +83,9 @@ struct scene_xml {
     struct xml_node *root;  // the <scene>
     struct xml_id *id;      // sorted
     size_t id_count, id_capacity;
+    const char *path;                    // of the main file
+    const char *search[XML_SEARCH_MAX];  // folders of <path>, in order
+    int search_count;
 };
 
 // Reads `path` and what it includes; continues *hash over all bytes read and over the defines.
@@ -86,6 +93,14 @@ struct scene_xml {
 satin_status scene_xml_read(struct log log, const char *path, const satin_define *defines,
                             size_t define_count, uint64_t *hash, struct scene_xml *out);
 void scene_xml_free(struct scene_xml *xml);
+
+// Where a file that the element at `place` names is: beside the file of that place, in the folders
+// of <path> (the last one first), beside the main file; if nowhere, then what the first would be.
+// malloc, the caller frees; NULL without memory.
+char *scene_xml_resolve(const struct scene_xml *xml, struct log_place place, const char *name);
+
+// Takes a <path>; SATIN_ERROR_MEMORY is not logged.
+satin_status scene_path_add(struct scene_xml *xml, struct log log, const struct xml_node *node);
 
 // The object with that id, or NULL.
 struct xml_node *scene_xml_find(const struct scene_xml *xml, const char *id);
@@ -98,6 +113,10 @@ const char *xml_tag_name(enum xml_tag tag);
 // The value of an attribute, or NULL.
 const char *xml_get(const struct xml_node *node, const char *attribute);
 static inline bool xml_is_object(enum xml_tag tag) { return tag <= XML_INTEGRATOR; }
+// Whether an element may be referred to by its id: objects and colours.
+static inline bool xml_is_shared(enum xml_tag tag) {
+    return xml_is_object(tag) || tag == XML_RGB || tag == XML_SPECTRUM;
+}
 
 // Whether `child` may stand inside `parent`.
 bool xml_may_contain(enum xml_tag parent, enum xml_tag child);
@@ -105,6 +124,8 @@ bool xml_may_contain(enum xml_tag parent, enum xml_tag child);
 enum xml_tag xml_tag_find(struct log log, struct log_place place, const char *name);
 // Checks the attributes of an element; the root of a file needs a version. Logs what is wrong.
 bool xml_attributes_valid(struct log log, const struct xml_node *node, bool root);
+// Whether the version of a file (its root element's attribute) has the names of 0.6.
+bool xml_version_old(const char *version);
 
 // Fills the table of ids; SATIN_ERROR_MEMORY is not logged.
 satin_status scene_ids_add(struct scene_xml *xml, struct xml_id id);

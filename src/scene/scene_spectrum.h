@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to scene/: spectra over wavelength, and the linear sRGB that Mitsuba 3's RGB mode makes
+// of them.
+#ifndef SCENE_SPECTRUM_H
+#define SCENE_SPECTRUM_H
+
+#include "base/log.h"
+#include "base/vec.h"
+
+enum { SPECTRUM_CIE_FIRST = 360, SPECTRUM_CIE_STEP = 5, SPECTRUM_CIE_ROWS = 95 };
+// x, y, z of the observer and D65 (scene_spectrum_cie.c).
+extern const float scene_spectrum_cie[SPECTRUM_CIE_ROWS][4];
+
+// A piecewise linear spectrum, 0 outside of its wavelengths [nm], which ascend. Arrays from malloc.
+struct spectrum {
+    double *wavelength, *value;
+    size_t count;
+};
+void spectrum_free(struct spectrum *spectrum);
+
+// Linear sRGB of a spectrum: of light, or, lit by D65, of a reflectance. What lies outside of the
+// gamut is cut at 0.
+rgb spectrum_to_rgb(const struct spectrum *spectrum, bool light);
+// Linear sRGB of a black body's radiance [W m^-2 sr^-1 nm^-1] between two wavelengths [nm].
+rgb spectrum_blackbody(double kelvin, double first, double last);
+
+// Appends a sample. SATIN_ERROR_INPUT, logged, if wavelengths do not ascend or are too many;
+// SATIN_ERROR_MEMORY, logged.
+satin_status spectrum_add(struct log log, struct log_place place, struct spectrum *spectrum,
+                          double wavelength, double value);
+// Reads `wavelength:value, ...`, all samples of it.
+satin_status spectrum_parse(struct log log, struct log_place place, const char *text,
+                            struct spectrum *out);
+// Reads a file of lines `wavelength value`, `#` starting comments; continues *hash (or NULL) over
+// its bytes.
+satin_status spectrum_read(struct log log, struct log_place place, const char *path, uint64_t *hash,
+                           struct spectrum *out);
+
+#endif

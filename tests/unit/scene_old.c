@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files of version 0.6 load as the same scene in version 3's words does.
+#include "scene/scene_old.h"
+
+#include "scene/scene.h"
+#include "scene_case.h"
+
+static satin_scene *load(struct scene_case *c, const char *text) {
+    satin_scene *scene = NULL;
+    struct log log = scene_case_begin(c);
+    scene_case_file("scene.xml", text);
+    satin_status status = satin_scene_load("scene.xml", NULL, 0, log.fn, log.user, &scene);
+    assert_true((status == SATIN_OK) == (scene != NULL));
+    return scene;
+}
+
+static const char old[] =
+    "<scene version='0.6.0'><integrator type='path'><integer name='maxDepth' value='7'/>"
+    "<boolean name='hideEmitters' value='true'/></integrator>"
+    "<sensor type='thinlens'><float name='fov' value='40'/><string name='fovAxis' value='y'/>"
+    "<float name='nearClip' value='.5'/><float name='apertureRadius' value='.25'/>"
+    "<transform name='toWorld'><lookAt origin='0 0 5' target='0 0 0' up='0 1 0'/></transform>"
+    "<sampler type='sobol'><integer name='sampleCount' value='9'/></sampler>"
+    "<film type='ldrfilm'><boolean name='banner' value='false'/>"
+    "<integer name='width' value='40'/></film></sensor>"
+    "<bsdf type='roughplastic' id='a'><srgb name='diffuseReflectance' value='.5 .5 #'/></bsdf>"
+    "</scene>";
+
+static void translates(void **state) {
+    (void)state;
+    struct scene_case c;
+    assert_null(load(&c, old));  // the colour's '#'
+    char text[2048];
+    snprintf(text, sizeof text, "%s", old);
+    memcpy(strchr(text, '#'), "1", 1);
+    satin_scene *scene = load(&c, text);
+    assert_non_null(scene);
+    assert_true(scene->hints.max_depth == 7 && scene->hints.hide_emitters == 1);
+    assert_true(scene->hints.spp == 9 && scene->film.width == 40 && scene->film.height == 576);
+    assert_true(scene->camera.near_clip == 0.5f && scene->camera.aperture == 0.25f);
+    assert_true(c.warnings == 1 && strstr(c.warning, "'banner' has no effect here"));
+    satin_scene_free(scene);
+}
+
+// Renamed, scaled and coloured as version 3 does it by other words.
+static void keeps_meaning(void **state) {
+    (void)state;
+    static const char body[] =
+        "<sensor type='perspective'/><shape type='rectangle'><bsdf type='diffuse'>"
+        "<texture type='checkerboard' name='diffuseReflectance'><float name='voffset' value='.5'/>"
+        "<float name='uscale' value='4'/></texture></bsdf>"
+        "<emitter type='area'><spectrum name='radiance' value='2'/></emitter></shape>"
+        "<shape type='rectangle'><bsdf type='diffuse'><srgb name='reflectance' value='.5'/></bsdf>"
+        "<emitter type='area'><blackbody name='radiance' temperature='5000K' scale='.001'/>"
+        "</emitter></shape></scene>";
+    char text[2048];
+    struct scene_case c;
+    snprintf(text, sizeof text, "<scene version='0.5.0'>%s", body);
+    satin_scene *scene = load(&c, text);
+    assert_non_null(scene);
+    const struct texture *texture = scene->material[0].front.slot[BRDF_SLOT_DIFFUSE];
+    assert_true(texture->to_uv[0] == 4 && texture->to_uv[4] == 1 && texture->to_uv[5] == 0.5f);
+    assert_true(scene->light[0].value.r == 2 && scene->light[0].value.b == 2);
+    assert_true(fabsf(scene->light[1].value.r - 15.263024f) < 1e-4f);
+    assert_true(fabsf(scene->material[1].front.base.diffuse.g - 0.21404114f) < 1e-6f);
+    satin_scene_free(scene);
+    // The same words in version 3 are wrong.
+    snprintf(text, sizeof text, "<scene version='3.0.0'>%s", body);
+    assert_null(load(&c, text));
+    assert_true(c.errors == 1 && strstr(c.error, "unknown element <srgb>"));
+}
+
+static void refuses_the_rest(void **state) {
+    (void)state;
+    static const char *const cases[][2] = {
+        {"<bsdf type='diffuse'><float name='intIOR' value='1'/></bsdf>",
+         "scene.xml:1:45: BRDF 'diffuse' has no parameter 'int_ior'"},
+        {"<bsdf type='roughplastic'><string name='distribution' value='as'/></bsdf>",
+         "scene.xml:1:50: distribution: unknown value 'as'"},
+        {"<medium type='homogeneous'/>", "scene.xml:1:24: <medium> is not supported"},
+        {"<texture type='bitmap'><float name='gamma' value='1.8'/></texture>",
+         "scene.xml:1:47: texture 'bitmap' has no parameter 'gamma'"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct scene_case c;
+        char text[512];
+        snprintf(text, sizeof text, "<scene version='0.6.0'>%s<sensor type='perspective'/></scene>",
+                 cases[i][0]);
+        assert_null(load(&c, text));
+        assert_int_equal(c.errors, 1);
+        assert_int_equal(strncmp(c.error, cases[i][1], strlen(cases[i][1])), 0);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(translates),
+                                       cmocka_unit_test(keeps_meaning),
+                                       cmocka_unit_test(refuses_the_rest)};
+    return cmocka_run_group_tests(tests, scene_case_setup, scene_case_teardown);
+}

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Spectra become the linear sRGB that Mitsuba 3.9 makes of them, by numbers read from it.
+#include "scene/scene_spectrum.h"
+
+#include "base/fileio.h"
+#include "scene_case.h"
+
+static void expect(rgb c, float r, float g, float b) {
+    assert_true(fabsf(c.r / r - 1) < 1e-5f && fabsf(c.g / g - 1) < 1e-5f &&
+                fabsf(c.b / b - 1) < 1e-5f);
+}
+
+static rgb convert(const char *text, bool light) {
+    struct scene_case c;
+    struct spectrum spectrum;
+    struct log_place place = {"scene.xml", 1, 1};
+    assert_int_equal(spectrum_parse(scene_case_begin(&c), place, text, &spectrum), SATIN_OK);
+    rgb out = spectrum_to_rgb(&spectrum, light);
+    spectrum_free(&spectrum);
+    return out;
+}
+
+static void converts(void **state) {
+    (void)state;
+    static const char flat[] = "360:0.5, 830:0.5", slope[] = "400:0.2, 500:0.5, 550 .7,700:0.9";
+    expect(convert(flat, false), .49949262f, .49943683f, .4994008f);
+    expect(convert(flat, true), .60244185f, .4741141f, .4546334f);
+    expect(convert(slope, false), .8484015f, .6581277f, .31988475f);
+    expect(convert(slope, true), 1.0008676f, .6280136f, .2817228f);
+    rgb line = convert("500:0,510:5,520:0", true);  // out of gamut
+    assert_true(line.r == 0 && fabsf(line.g / .44112128f - 1) < 1e-5f);
+    assert_true(rgb_black(convert("", true)));
+}
+
+// Mitsuba's spectral mode, summed over wavelengths against the observer.
+static void glows(void **state) {
+    (void)state;
+    expect(spectrum_blackbody(3000, 360, 830), 733.11077f, 349.56845f, 112.70958f);
+    expect(spectrum_blackbody(5000, 360, 830), 15263.024f, 12082.561f, 9592.5612f);
+    assert_true(rgb_black(spectrum_blackbody(1, 360, 830)));
+}
+
+static void reads_files(void **state) {
+    (void)state;
+    struct scene_case c;
+    struct spectrum spectrum;
+    uint64_t hash = FILEIO_HASH;
+    scene_case_file("a.spd", "# measured\n400 0.2\r\n500\t0.5 # here\n\n550 .7\n700 0.9");
+    struct log log = scene_case_begin(&c);
+    assert_int_equal(spectrum_read(log, (struct log_place){0}, "a.spd", &hash, &spectrum),
+                     SATIN_OK);
+    assert_int_equal(spectrum.count, 4);
+    assert_true(spectrum.wavelength[2] == 550 && spectrum.value[3] == 0.9 && hash != FILEIO_HASH);
+    spectrum_free(&spectrum);
+}
+
+static void refuses_files(void **state) {
+    (void)state;
+    static const char *const cases[][2] = {
+        {"", "a.spd: there is no sample in it"},
+        {"400 1\n500", "a.spd:2: a spectrum is a list of pairs of wavelength and value, not ''"},
+        {"400 1\n500 x", "a.spd:2: a spectrum is a list of pairs of wavelength and value, not 'x'"},
+        {"400 1\n300 1", "a.spd:2: wavelengths do not ascend at sample 1"},
+        {"400 nan", "a.spd:1: a spectrum is a list of pairs of wavelength and value, not 'nan'"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct scene_case c;
+        struct spectrum spectrum = {0};
+        scene_case_file("a.spd", cases[i][0]);
+        struct log log = scene_case_begin(&c);
+        assert_int_equal(spectrum_read(log, (struct log_place){0}, "a.spd", NULL, &spectrum),
+                         SATIN_ERROR_INPUT);
+        assert_string_equal(c.error, cases[i][1]);
+        assert_true(c.errors == 1 && !spectrum.count);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(converts), cmocka_unit_test(glows),
+                                       cmocka_unit_test(reads_files),
+                                       cmocka_unit_test(refuses_files)};
+    return cmocka_run_group_tests(tests, scene_case_setup, scene_case_teardown);
+}
