@@ -19,7 +19,8 @@ enum rng_stage {
     RNG_MAP_AREA,
     RNG_TEST,
     RNG_CAUSTIC,
-    RNG_GUIDE
+    RNG_GUIDE,
+    RNG_REACH
 };
 
 struct rng {

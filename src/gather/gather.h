@@ -15,6 +15,7 @@ struct gather {
     const satin_options *options;  // max_depth and rr_depth resolved: max_depth < 0 means no limit
     const struct photon_maps *maps;  // NULL for first passes `path` and `none`
     bool wide_lights;                // lights so large that light sampling alone is noisy
+    float trust;  // photon lookups of a larger radius say nothing about their place
 };
 
 struct gather gather_make(const struct satin_scene *scene, const satin_options *options,

@@ -8,7 +8,7 @@ static const float WIDE_AREA = 0.02f;
 
 struct gather gather_make(const struct satin_scene *scene, const satin_options *options,
                           const struct photon_maps *maps) {
-    struct gather g = {.scene = scene, .options = options, .maps = maps};
+    struct gather g = {.scene = scene, .options = options, .maps = maps, .trust = INFINITY};
     float sphere = 4.0f * PI_F * sqrf(scene->radius);
     g.wide_lights = scene->environment >= 0;
     for (uint32_t i = 0; i < scene->light_count; i++) {

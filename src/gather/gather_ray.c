@@ -2,7 +2,8 @@
 // Gather rays: the path table's last row, E S* x S* y ... L. A ray goes through ideal specular
 // surfaces to y and reads the rough solution there. Emitted light adds nothing: direct light and
 // caustics at x carry it. Where the rough solution is not to be trusted, near y's own lookup
-// radius, and for y's glossy lobe, the path goes on one more bounce.
+// radius, and for y's glossy lobe, the path goes on one more bounce. Where photons are so few that
+// the lookup would blur over all that is seen, it goes on until it is absorbed: path tracing.
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -10,7 +11,8 @@
 
 enum {
     DELTA_MAX = 32,  // ideal specular surfaces in a row before a gather ray is given up
-    BOUNCE_MAX = 6   // glossy bounces behind y; the tail is taken as diffuse
+    BOUNCE_MAX = 6,  // glossy bounces behind y; the tail is taken as diffuse
+    PATH_MAX = 64    // diffuse ones where there are no photons; the tail is lost
 };
 
 struct gather_scratch *gather_scratch_new(size_t capacity) {
@@ -117,6 +119,20 @@ static float follow(const struct gather_point *y, rgb *albedo) {
     return clampf(4.0f * rgb_max(*albedo), 0.1f, 1.0f);
 }
 
+// The same for the diffuse lobe where E is not to be trusted: always behind a gather ray; on a
+// path, whose surfaces have levels over 0, by what it reflects.
+static float go_on(const struct gather_point *y, int level) {
+    if (level == 0) return 1.0f;
+    if (level >= PATH_MAX) return 0.0f;
+    return clampf(rgb_max(brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE)), 0.1f, 0.95f);
+}
+
+// Whether light that reaches a surface of `level` after `more` edges is within the longest path:
+// three edges lead from the eye over x and y to a light.
+static bool within_depth(const struct gather *g, int level, int more) {
+    return g->options->max_depth < 0 || 2 + level + more <= g->options->max_depth;
+}
+
 // Radiance that y reflects, given the irradiance E of the rough solution there. The diffuse lobe
 // reads E, or if `near`, where E is not to be trusted, follows one more ray; the glossy lobe always
 // does.
@@ -126,14 +142,14 @@ static rgb reflected(const struct gather *g, const struct gather_point *y, rgb E
     const bool shadow = near || g->options->gather_shadow;
     rgb albedo = rgb_grey(0.0f);
     float survive = glossy ? follow(y, &albedo) : 0.0f;
-    const struct gather_mis mis = {
-        {{shadow ? diffuse : 0u, near ? 1.0f : 0.0f}, {glossy, survive}}};
+    float survive_diffuse = diffuse && near ? go_on(y, level) : 0.0f;
+    const struct gather_mis mis = {{{shadow ? diffuse : 0u, survive_diffuse}, {glossy, survive}}};
     rgb L = gather_direct(g, y, mis, 1, *sampler);
     sampler->dimension += 2;
     if (diffuse && near) {
         L = rgb_add(L, photon_caustic(g->maps, g->scene, y->surfel.p, y->ng, &y->frame, &y->brdf,
                                       y->wo_l, BRDF_DIFFUSE));
-        L = rgb_add(L, bounce(g, y, BRDF_DIFFUSE, 1.0f, level + 1, sampler));
+        L = rgb_add(L, bounce(g, y, BRDF_DIFFUSE, survive_diffuse, level + 1, sampler));
     } else if (diffuse) {
         L = rgb_add(L, diffuse_radiance(y, E));
     }
@@ -163,10 +179,12 @@ static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned
     if (e.light_pdf > 0.0f)
         L = rgb_scale(rgb_mul(start, e.Le), mis_power(survive * next.pdf_w, e.light_pdf));
     if (lobe == BRDF_GLOSSY) L = rgb_add(L, e.Le_specular);
-    if (!found) return L;
+    if (!found || !within_depth(g, level, 1)) return L;
     float radius;
     rgb E = photon_irradiance(g->maps, z.surfel.p, z.ng, &radius);
-    return rgb_fma(L, T, reflected(g, &z, E, false, level, sampler));
+    bool near = g->options->gather_bounce && radius > g->trust;
+    if (!within_depth(g, level, 2)) E = rgb_grey(0.0f);
+    return rgb_fma(L, T, reflected(g, &z, E, near, level, sampler));
 }
 
 // First passes `photons` and `photons-precomputed`: all hits of a chunk look the map up together.
@@ -191,7 +209,8 @@ static void shade_from_photons(const struct gather *g, struct gather_scratch *sc
             E = rgb_make(a.r > 0.0f ? PI_F * L.r / a.r : 0.0f, a.g > 0.0f ? PI_F * L.g / a.g : 0.0f,
                          a.b > 0.0f ? PI_F * L.b / a.b : 0.0f);
         }
-        bool near = g->options->gather_bounce && y->surfel.t < scratch->radius[i];
+        float radius = scratch->radius[i];
+        bool near = g->options->gather_bounce && (y->surfel.t < radius || radius > g->trust);
         rgb L = reflected(g, y, E, near, 0, &hit->sampler);
         rays[hit->ray].L = rgb_mul(hit->T, L);
     }

@@ -246,7 +246,7 @@ void photon_irradiance_many(const struct photon_maps *maps, size_t count, const 
             if (row[i] >= 0 && !faces(r, row[i], n[j]))
                 row[i] = search_facing(r, query + 6 * i, n[j]);
             E[j] = photon_irradiance_value(r, row[i], p[j]);
-            radius[j] = row[i] >= 0 ? r->radius[row[i]] : 0.0f;
+            radius[j] = row[i] >= 0 ? r->radius[row[i]] : INFINITY;
         }
     }
 }

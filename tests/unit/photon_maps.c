@@ -315,7 +315,7 @@ static void empty_maps_are_black(void **state) {
     struct brdf b = t.material[0].front.base;
     vec3 p = v3(0, 0, 0), n = v3(0, 0, 1);
     float radius = 1.0f;
-    assert_true(rgb_black(photon_irradiance(maps, p, n, &radius)) && radius == 0.0f);
+    assert_true(rgb_black(photon_irradiance(maps, p, n, &radius)) && isinf(radius));
     assert_true(
         rgb_black(photon_radiance(maps, &t.scene, p, n, &frame, &b, n, BRDF_SMOOTH, &radius)));
     assert_true(rgb_black(photon_caustic(maps, &t.scene, p, n, &frame, &b, n, BRDF_SMOOTH)));
