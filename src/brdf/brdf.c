@@ -2,6 +2,10 @@
 // What all models share: the table of models, and evaluation and sampling of a choice of lobes.
 // Sampling picks a lobe by the model's shares, restricted to the lobes asked for; the density of a
 // direction is that of the mixture of the smooth lobes among them.
+//
+// Where a bump or normal map has turned the frame, directions must be on one side of both the
+// turned and the true surface, and light that comes in flat on the true one is shadowed by the
+// slopes [Estevez et al. 2019].
 #include "brdf/brdf.h"
 
 #include <string.h>
@@ -10,11 +14,10 @@
 #include "brdf/brdf_models.h"
 
 const struct brdf_model *const brdf_models[] = {
-    &brdf_model_diffuse,        &brdf_model_conductor,
-    &brdf_model_roughconductor, &brdf_model_dielectric,
-    &brdf_model_thindielectric, &brdf_model_plastic,
-    &brdf_model_roughplastic,   &brdf_model_phong,
-    &brdf_model_ward,           &(const struct brdf_model){.name = NULL}};
+    &brdf_model_diffuse,    &brdf_model_conductor,      &brdf_model_roughconductor,
+    &brdf_model_dielectric, &brdf_model_thindielectric, &brdf_model_roughdielectric,
+    &brdf_model_null,       &brdf_model_plastic,        &brdf_model_roughplastic,
+    &brdf_model_phong,      &brdf_model_ward,           &(const struct brdf_model){.name = NULL}};
 
 const struct brdf_model *brdf_find(const char *name) {
     for (int i = 0; brdf_models[i]->name; i++)
@@ -29,7 +32,9 @@ satin_status brdf_prepare(struct brdf *b, struct arena *arena) {
 
 unsigned brdf_lobes(const struct brdf *b) {
     unsigned lobes = b->model->lobes;
-    if (rgb_black(b->diffuse)) lobes &= ~(unsigned)BRDF_DIFFUSE;
+    if (b->opaque) lobes &= ~(unsigned)BRDF_THROUGH;
+    if (rgb_black(b->diffuse) && b->sheen == 0.0f) lobes &= ~(unsigned)BRDF_DIFFUSE;
+    if (b->model->transmits && rgb_black(b->transmittance)) lobes &= ~(unsigned)BRDF_THROUGH;
     if (rgb_black(b->specular)) {
         lobes &= ~(unsigned)BRDF_GLOSSY;
         if (!b->model->transmits || rgb_black(b->transmittance)) lobes &= ~(unsigned)BRDF_DELTA;
@@ -37,7 +42,7 @@ unsigned brdf_lobes(const struct brdf *b) {
     return lobes;
 }
 
-// Probabilities of choosing a lobe.
+// Probabilities of choosing a lobe; `glossy` is what sample_glossy draws.
 struct shares {
     float diffuse, glossy, delta;
 };
@@ -45,11 +50,11 @@ struct shares {
 // False if none of the lobes asked for scatters light of wo.
 static bool lobe_shares(const struct brdf *b, vec3 wo, unsigned lobes, struct shares *out) {
     lobes &= brdf_lobes(b);
-    if (!(wo.z > 0.0f)) lobes &= b->model->transmits ? BRDF_DELTA : 0u;
+    if (!(wo.z > 0.0f) && (!brdf_transmits(b) || wo.z == 0.0f)) return false;
     struct shares s = {1.0f, 1.0f, 1.0f};
     if (b->model->shares) b->model->shares(b, wo, &s.diffuse, &s.glossy, &s.delta);
     if (!(lobes & BRDF_DIFFUSE)) s.diffuse = 0.0f;
-    if (!(lobes & BRDF_GLOSSY)) s.glossy = 0.0f;
+    if (!(lobes & (BRDF_GLOSSY | BRDF_THROUGH))) s.glossy = 0.0f;
     if (!(lobes & BRDF_DELTA)) s.delta = 0.0f;
     float sum = s.diffuse + s.glossy + s.delta;
     if (!(sum > 0.0f)) return false;
@@ -57,43 +62,75 @@ static bool lobe_shares(const struct brdf *b, vec3 wo, unsigned lobes, struct sh
     return true;
 }
 
-static bool above(vec3 wo, vec3 wi) { return wo.z > 0.0f && wi.z > 0.0f; }
+// The lobes of `lobes` that smoothly scatter light from wi to wo, by the sides of the two.
+static unsigned smooth_lobes(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes) {
+    float sides = wo.z * wi.z;
+    lobes &= b->model->lobes & BRDF_SMOOTH;
+    if (!(wo.z > 0.0f) && !brdf_transmits(b)) return 0;
+    if (sides > 0.0f) return lobes & BRDF_REFLECT;
+    return sides < 0.0f && !b->opaque ? lobes & BRDF_THROUGH : 0;
+}
 
-// Both directions above, some smooth lobe in `lobes`.
-static rgb eval_smooth(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes) {
+// What is left of light from `light` when w is the other direction, or light itself, at a turned
+// frame. Both are local.
+static float relief_share(const struct brdf *b, vec3 w, vec3 light) {
+    if (!(v3_dot(b->base, w) * w.z > 0.0f)) return 0.0f;
+    float c = v3_dot(b->base, light), c2 = c * c;
+    if (b->relief == 0.0f || !(c2 > 0.0f)) return 1.0f;
+    return 2.0f / (1.0f + sqrtf(1.0f + b->relief * maxf(1.0f - c2, 0.0f) / c2));
+}
+
+static bool has_relief(const struct brdf *b) {
+    return b->base.x != 0.0f || b->base.y != 0.0f || b->base.z != 0.0f;
+}
+
+// `lobes` from smooth_lobes, not 0.
+static rgb eval_smooth(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes,
+                       enum brdf_mode mode) {
+    if (lobes & BRDF_THROUGH) return b->model->through(b, wo, wi, mode);
     rgb diffuse, glossy;
     b->model->eval(b, wo, wi, &diffuse, &glossy);
     if (!(lobes & BRDF_DIFFUSE)) return glossy;
     return lobes & BRDF_GLOSSY ? rgb_add(diffuse, glossy) : diffuse;
 }
 
-static float pdf_smooth(const struct brdf *b, vec3 wo, vec3 wi, struct shares s) {
+static float pdf_smooth(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, struct shares s) {
     float diffuse, glossy;
-    b->model->pdf(b, wo, wi, &diffuse, &glossy);
+    lobes &= brdf_lobes(b);
+    b->model->pdf(b, wo, wi, lobes, &diffuse, &glossy);
     return s.diffuse * diffuse + s.glossy * glossy;
 }
 
 rgb brdf_eval(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes) {
-    if (!above(wo, wi) || !(b->model->lobes & lobes & BRDF_SMOOTH)) return rgb_grey(0.0f);
-    return eval_smooth(b, wo, wi, lobes);
+    lobes = smooth_lobes(b, wo, wi, lobes);
+    if (!lobes) return rgb_grey(0.0f);
+    rgb f = eval_smooth(b, wo, wi, lobes, BRDF_RADIANCE);
+    return has_relief(b) ? rgb_scale(f, relief_share(b, wi, wi)) : f;
 }
 
 float brdf_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes) {
     struct shares s;
-    if (!above(wo, wi) || !(b->model->lobes & lobes & BRDF_SMOOTH)) return 0.0f;
-    return lobe_shares(b, wo, lobes, &s) ? pdf_smooth(b, wo, wi, s) : 0.0f;
+    if (!smooth_lobes(b, wo, wi, lobes) || !lobe_shares(b, wo, lobes, &s)) return 0.0f;
+    if (has_relief(b) && relief_share(b, wi, wi) == 0.0f) return 0.0f;
+    return pdf_smooth(b, wo, wi, lobes, s);
 }
 
 // One delta lobe, chosen by u in [0, 1); `share` is the probability of having come here.
 static bool sample_delta(const struct brdf *b, vec3 wo, float u, float share, enum brdf_mode mode,
                          struct brdf_sample *out) {
     struct brdf_sample lobe[2];
-    int n = b->model->delta(b, wo, mode, lobe);
+    int n = brdf_delta(b, wo, mode, lobe);
     if (n == 0) return false;
     *out = lobe[n == 2 && u >= lobe[0].probability];
     out->probability *= share;
     out->weight = rgb_scale(out->weight, 1.0f / out->probability);
     return true;
+}
+
+// Index of refraction beyond over before for light that leaves to the other side of wo.
+static float index_through(const struct brdf *b, vec3 wo) {
+    if (b->model->thin) return 1.0f;
+    return wo.z > 0.0f ? b->ior : 1.0f / b->ior;
 }
 
 bool brdf_sample(const struct brdf *b, vec3 wo, float u_lobe, float u, float v, unsigned lobes,
@@ -103,23 +140,40 @@ bool brdf_sample(const struct brdf *b, vec3 wo, float u_lobe, float u, float v, 
     if (u_lobe < s.delta) return sample_delta(b, wo, u_lobe / s.delta, s.delta, mode, out);
     bool glossy = u_lobe < s.delta + s.glossy || s.diffuse == 0.0f;
     vec3 wi;
-    if (!glossy)
+    if (!glossy) {
         wi = sample_cosine_hemisphere(u, v);
-    else if (!b->model->sample_glossy(b, wo, u, v, &wi))
-        return false;
-    if (!above(wo, wi)) return false;
-    float pdf = pdf_smooth(b, wo, wi, s);
+        if (wo.z < 0.0f) wi.z = -wi.z;
+    } else {
+        float rest = minf((u_lobe - s.delta) / s.glossy, 0x1.fffffep-1f);
+        unsigned both = lobes & brdf_lobes(b) & (BRDF_GLOSSY | BRDF_THROUGH);
+        if (!b->model->sample_glossy(b, wo, both, v3(rest, u, v), &wi)) return false;
+    }
+    unsigned side = smooth_lobes(b, wo, wi, lobes);
+    float pdf = side ? pdf_smooth(b, wo, wi, lobes, s) : 0.0f;
     if (!(pdf > 0.0f)) return false;
-    rgb f = eval_smooth(b, wo, wi, lobes);
+    rgb f = eval_smooth(b, wo, wi, side, mode);
+    if (has_relief(b)) {
+        float share = relief_share(b, wi, mode == BRDF_RADIANCE ? wi : wo);
+        if (share == 0.0f) return false;
+        f = rgb_scale(f, share);
+    }
+    bool through = side & BRDF_THROUGH;
     *out = (struct brdf_sample){.wi = wi,
-                                .weight = rgb_scale(f, wi.z / pdf),
+                                .weight = rgb_scale(f, fabsf(wi.z) / pdf),
                                 .pdf_w = pdf,
                                 .probability = 1.0f,
-                                .eta = 1.0f,
-                                .lobe = glossy ? BRDF_GLOSSY : BRDF_DIFFUSE};
+                                .eta = through ? index_through(b, wo) : 1.0f,
+                                .lobe = through  ? BRDF_THROUGH
+                                        : glossy ? BRDF_GLOSSY
+                                                 : BRDF_DIFFUSE};
     return true;
 }
 
 int brdf_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode, struct brdf_sample out[2]) {
-    return b->model->delta ? b->model->delta(b, wo, mode, out) : 0;
+    int n = b->model->delta ? b->model->delta(b, wo, mode, out) : 0;
+    for (int i = 0; i < n && has_relief(b); i++) {
+        float share = relief_share(b, out[i].wi, mode == BRDF_RADIANCE ? out[i].wi : wo);
+        out[i].weight = rgb_scale(out[i].weight, share);
+    }
+    return n;
 }

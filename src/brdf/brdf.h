@@ -20,8 +20,10 @@ enum brdf_lobe {
     BRDF_DIFFUSE = 1,  // Lambertian but for smooth factors (plastic's Fresnel transmission)
     BRDF_GLOSSY = 2,
     BRDF_DELTA = 4,
-    BRDF_SMOOTH = BRDF_DIFFUSE | BRDF_GLOSSY,
-    BRDF_ALL = 7
+    BRDF_THROUGH = 8,  // scattered into directions on the other side
+    BRDF_REFLECT = BRDF_DIFFUSE | BRDF_GLOSSY,
+    BRDF_SMOOTH = BRDF_REFLECT | BRDF_THROUGH,
+    BRDF_ALL = 15
 };
 
 enum brdf_distribution { BRDF_BECKMANN = 0, BRDF_GGX };
@@ -44,25 +46,58 @@ struct brdf {
     rgb transmittance;       // factor of the specular transmission
     rgb eta, k;              // complex index of refraction of a conductor
     float ior;               // interior over exterior index of a dielectric
-    float alpha_u, alpha_v;  // roughness along x and y
+    float alpha_u, alpha_v;  // roughness along x and y; the principled models' own roughness
     float exponent;          // of phong
+    // Of the principled models, as [Burley 2012, 2015] name them.
+    float metallic, anisotropic, spec_trans, spec_tint, sheen, sheen_tint, flatness, clearcoat,
+        clearcoat_gloss, diff_trans;
     enum brdf_distribution distribution;
     enum brdf_variant variant;
-    bool nonlinear;      // plastic, roughplastic: colour shifts by internal scattering
-    const void *tables;  // what the model's prepare made; owned by its arena
+    bool nonlinear;  // plastic, roughplastic: colour shifts by internal scattering
+    bool opaque;     // the model transmits, but not with these numbers
+    vec3 base;       // the surface's normal, where a bump or normal map turned the frame; else 0
+    float relief;    // alpha^2 of the shadowing by such a map's slopes; 0: none
+    const void *tables;                // what the model's prepare made; owned by its arena
     const struct brdf_glossy *glossy;  // albedos of the glossy lobe, likewise; may be NULL
 };
 
-// Numbers that may be textured, as bits of the mask that a model takes (the rest must be constant).
+// What may be textured, as bits of the mask that a model takes (the rest must be constant):
+// colours, then numbers.
 enum brdf_slot {
     BRDF_SLOT_DIFFUSE = 0,
     BRDF_SLOT_SPECULAR,
     BRDF_SLOT_TRANSMITTANCE,
+    BRDF_SLOT_ETA,
+    BRDF_SLOT_K,
     BRDF_SLOT_ALPHA_U,
     BRDF_SLOT_ALPHA_V,
     BRDF_SLOT_EXPONENT,
-    BRDF_SLOT_COUNT
+    BRDF_SLOT_METALLIC,
+    BRDF_SLOT_ANISOTROPIC,
+    BRDF_SLOT_SPEC_TRANS,
+    BRDF_SLOT_SPEC_TINT,
+    BRDF_SLOT_SHEEN,
+    BRDF_SLOT_SHEEN_TINT,
+    BRDF_SLOT_FLATNESS,
+    BRDF_SLOT_CLEARCOAT,
+    BRDF_SLOT_CLEARCOAT_GLOSS,
+    BRDF_SLOT_DIFF_TRANS,
+    BRDF_SLOT_COUNT,
+    BRDF_SLOT_NUMBERS = BRDF_SLOT_ALPHA_U  // the first that is a number
 };
+
+// The field of a colour's and of a number's slot.
+static inline rgb *brdf_color(struct brdf *b, enum brdf_slot slot) {
+    rgb *field[] = {&b->diffuse, &b->specular, &b->transmittance, &b->eta, &b->k};
+    return field[slot];
+}
+static inline float *brdf_number(struct brdf *b, enum brdf_slot slot) {
+    float *field[] = {&b->alpha_u,     &b->alpha_v,    &b->exponent,  &b->metallic,
+                      &b->anisotropic, &b->spec_trans, &b->spec_tint, &b->sheen,
+                      &b->sheen_tint,  &b->flatness,   &b->clearcoat, &b->clearcoat_gloss,
+                      &b->diff_trans};
+    return field[slot - BRDF_SLOT_NUMBERS];
+}
 
 struct brdf_sample {
     vec3 wi;
@@ -80,29 +115,34 @@ struct brdf_model {
     const char *doc;
     unsigned lobes;  // what it has, a mask of brdf_lobe
     unsigned slots;  // what may be textured, a mask of 1 << brdf_slot
-    bool transmits;  // it has delta lobes on both sides
+    bool transmits;  // it has lobes on both sides, for wo on either side
+    bool thin;       // and the same medium on both
     // Derived constants into b (tables); NULL if there are none.
     satin_status (*prepare)(struct brdf *b, struct arena *arena);
     // f_r of the diffuse part and of the glossy part, each [sr^-1]; both directions are above (z >
-    // 0). NULL, as pdf, without smooth lobes.
+    // 0), or both below if the model transmits. NULL, as pdf, without smooth lobes.
     void (*eval)(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy);
-    // Density over solid angle of sampling the diffuse part and the glossy part, each alone.
-    void (*pdf)(const struct brdf *b, vec3 wo, vec3 wi, float *diffuse, float *glossy);
+    // f_t [sr^-1] of the directions on two sides. NULL without BRDF_THROUGH.
+    rgb (*through)(const struct brdf *b, vec3 wo, vec3 wi, enum brdf_mode mode);
+    // Densities over solid angle of sampling the diffuse part, by the cosine on wo's side, and of
+    // sample_glossy, each alone.
+    void (*pdf)(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
+                float *glossy);
     // Directional albedo of the diffuse part; NULL if that is Lambertian: `diffuse` itself.
     rgb (*diffuse_albedo)(const struct brdf *b, vec3 wo);
-    // Draws wi from the glossy part alone; false if the sample fails (then it counts as zero).
-    // NULL without a glossy lobe.
-    bool (*sample_glossy)(const struct brdf *b, vec3 wo, float u, float v, vec3 *wi);
+    // Draws wi from those of the parts BRDF_GLOSSY and BRDF_THROUGH that are in `lobes`, by numbers
+    // in [0, 1) of which x chooses; false if the sample fails (then it counts as zero). NULL
+    // without such lobes.
+    bool (*sample_glossy)(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi);
     // Fills the delta lobes for wo: at most 2; returns how many. weight is the share of the light
     // that goes there, probability the share of samples (summing to 1). NULL without a delta lobe.
     int (*delta)(const struct brdf *b, vec3 wo, enum brdf_mode mode, struct brdf_sample out[2]);
-    // Shares by which sampling chooses among diffuse, glossy and delta (any scale, all >= 0). NULL
-    // for a model of one kind of lobe.
+    // Shares by which sampling chooses among diffuse, sample_glossy and delta (any scale, all >=
+    // 0). NULL for a model of one kind.
     void (*shares)(const struct brdf *b, vec3 wo, float *diffuse, float *glossy, float *delta);
 };
 
-// All models, ended by a NULL name: diffuse conductor roughconductor dielectric thindielectric
-// plastic roughplastic phong ward.
+// All models, ended by a NULL name.
 extern const struct brdf_model *const brdf_models[];
 const struct brdf_model *brdf_find(const char *name);  // NULL if there is none
 
@@ -113,7 +153,13 @@ satin_status brdf_prepare(struct brdf *b, struct arena *arena);
 // The lobes that b really has (a black diffuse part does not count).
 unsigned brdf_lobes(const struct brdf *b);
 
-// Sum of f_r of the smooth lobes in `lobes` [sr^-1]; 0 unless both directions are above. No cosine.
+// Whether light passes through: there are lobes on the other side.
+static inline bool brdf_transmits(const struct brdf *b) {
+    return b->model->transmits && !b->opaque;
+}
+
+// Sum of f_r of the smooth lobes in `lobes` [sr^-1], of radiance; 0 unless both directions are
+// above or the BRDF transmits. No cosine.
 rgb brdf_eval(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes);
 // Density over solid angle with which brdf_sample draws wi, given the same lobes; 0 for delta
 // lobes.

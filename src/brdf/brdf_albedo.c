@@ -12,42 +12,53 @@ enum {
     LOOKUP_POINTS = 32
 };
 
-// Albedo of the glossy lobe with `specular` 1.
+// Albedo of the glossy lobe with `specular` 1, and of BRDF_THROUGH with `transmittance` 1.
 struct brdf_glossy {
-    float alpha_u, alpha_v, exponent;  // the table holds for these
+    float alpha_u, alpha_v, exponent;  // the tables hold for these
     int azimuths;                      // AZIMUTHS, or 1 if isotropic
-    rgb node[AZIMUTHS][NODES];
+    struct nodes {
+        rgb node[AZIMUTHS][NODES];
+    } side[2][2];  // by lobe; for wo above, below
 };
 
 // By the lobe's own sampler on one fixed set of well-spread points.
-static rgb sample_mean(const struct brdf *b, vec3 wo, uint32_t points) {
+static rgb sample_mean(const struct brdf *b, vec3 wo, unsigned lobe, uint32_t points) {
     rgb sum = rgb_grey(0.0f);
     for (uint32_t i = 0; i < points; i++) {
         vec2 p = sample_sobol2(i, 1);
         struct brdf_sample s;
-        if (brdf_sample(b, wo, 0.0f, p.x, p.y, BRDF_GLOSSY, BRDF_POWER, &s))
+        if (brdf_sample(b, wo, sample_sobol1(i, 2), p.x, p.y, lobe, BRDF_POWER, &s))
             sum = rgb_mad(sum, s.weight, 1.0f / (float)points);
     }
     return sum;
 }
 
-satin_status brdf_albedo_prepare(struct brdf *b, struct arena *arena) {
-    if (!(b->model->lobes & BRDF_GLOSSY)) return SATIN_OK;
-    struct brdf_glossy *g = arena_alloc(arena, sizeof *g);
-    if (!g) return SATIN_ERROR_MEMORY;
-    struct brdf white = *b;
-    white.specular = rgb_grey(1.0f);
-    g->alpha_u = b->alpha_u, g->alpha_v = b->alpha_v, g->exponent = b->exponent;
-    g->azimuths = brdf_isotropic(b) ? 1 : AZIMUTHS;
-    for (int j = 0; j < g->azimuths; j++)
+static void fill_nodes(const struct brdf *white, int azimuths, unsigned lobe, bool below,
+                       struct nodes *out) {
+    for (int j = 0; j < azimuths; j++)
         for (int i = 0; i < NODES; i++) {
             // Just above the rim, where some models are infinite.
             float r = minf((float)i / (NODES - 1), 0.995f), scale = 1.0f / (1.0f + r * r);
             float phi = 0.5f * PI_F * (float)j / (AZIMUTHS - 1);
             vec3 wo = v3(2.0f * r * scale * cosf(phi), 2.0f * r * scale * sinf(phi),
-                         (1.0f - r * r) * scale);
-            g->node[j][i] = sample_mean(&white, wo, BUILD_POINTS);
+                         (below ? r * r - 1.0f : 1.0f - r * r) * scale);
+            out->node[j][i] = sample_mean(white, wo, lobe, BUILD_POINTS);
         }
+}
+
+satin_status brdf_albedo_prepare(struct brdf *b, struct arena *arena) {
+    if (!(b->model->lobes & (BRDF_GLOSSY | BRDF_THROUGH))) return SATIN_OK;
+    struct brdf_glossy *g = arena_alloc(arena, sizeof *g);
+    if (!g) return SATIN_ERROR_MEMORY;
+    struct brdf white = *b;
+    white.specular = white.transmittance = rgb_grey(1.0f);
+    g->alpha_u = b->alpha_u, g->alpha_v = b->alpha_v, g->exponent = b->exponent;
+    g->azimuths = brdf_isotropic(b) ? 1 : AZIMUTHS;
+    for (int below = 0; below < (brdf_transmits(b) ? 2 : 1); below++) {
+        fill_nodes(&white, g->azimuths, BRDF_GLOSSY, below, &g->side[0][below]);
+        if (b->model->lobes & BRDF_THROUGH)
+            fill_nodes(&white, g->azimuths, BRDF_THROUGH, below, &g->side[1][below]);
+    }
     b->glossy = g;
     return SATIN_OK;
 }
@@ -58,18 +69,21 @@ static rgb lerp_nodes(const rgb *node, float x) {
     return rgb_mad(rgb_scale(node[i], 1.0f - t), node[i + 1], t);
 }
 
-static rgb glossy_albedo(const struct brdf *b, vec3 wo) {
+// Of BRDF_GLOSSY or BRDF_THROUGH.
+static rgb glossy_albedo(const struct brdf *b, vec3 wo, unsigned lobe) {
     const struct brdf_glossy *g = b->glossy;
     if (!g || g->alpha_u != b->alpha_u || g->alpha_v != b->alpha_v || g->exponent != b->exponent)
-        return sample_mean(b, wo, LOOKUP_POINTS);
-    float x = sqrtf(wo.x * wo.x + wo.y * wo.y) / (1.0f + wo.z) * (float)(NODES - 1);
+        return sample_mean(b, wo, lobe, LOOKUP_POINTS);
+    const struct nodes *nodes = &g->side[lobe == BRDF_THROUGH][wo.z < 0.0f];
+    rgb factor = lobe == BRDF_THROUGH ? b->transmittance : b->specular;
+    float x = sqrtf(wo.x * wo.x + wo.y * wo.y) / (1.0f + fabsf(wo.z)) * (float)(NODES - 1);
     x = minf(x, (float)(NODES - 1));
-    if (g->azimuths == 1) return rgb_mul(lerp_nodes(g->node[0], x), b->specular);
+    if (g->azimuths == 1) return rgb_mul(lerp_nodes(nodes->node[0], x), factor);
     float y = atan2f(fabsf(wo.y), fabsf(wo.x)) * (2.0f / PI_F) * (float)(AZIMUTHS - 1);
     int j = y < (float)(AZIMUTHS - 2) ? (int)y : AZIMUTHS - 2;
-    rgb a = lerp_nodes(g->node[j], x), next = lerp_nodes(g->node[j + 1], x);
+    rgb a = lerp_nodes(nodes->node[j], x), next = lerp_nodes(nodes->node[j + 1], x);
     a = rgb_mad(a, rgb_sub(next, a), y - (float)j);
-    return rgb_mul(a, b->specular);
+    return rgb_mul(a, factor);
 }
 
 rgb brdf_albedo(const struct brdf *b, vec3 wo, unsigned lobes) {
@@ -80,8 +94,9 @@ rgb brdf_albedo(const struct brdf *b, vec3 wo, unsigned lobes) {
         int n = brdf_delta(b, wo, BRDF_POWER, lobe);
         for (int i = 0; i < n; i++) sum = rgb_add(sum, lobe[i].weight);
     }
-    if (!(wo.z > 0.0f)) return sum;
+    if (!(wo.z > 0.0f) && !brdf_transmits(b)) return sum;
     if (lobes & BRDF_DIFFUSE)
         sum = rgb_add(sum, b->model->diffuse_albedo ? b->model->diffuse_albedo(b, wo) : b->diffuse);
-    return lobes & BRDF_GLOSSY ? rgb_add(sum, glossy_albedo(b, wo)) : sum;
+    if (lobes & BRDF_GLOSSY) sum = rgb_add(sum, glossy_albedo(b, wo, BRDF_GLOSSY));
+    return lobes & BRDF_THROUGH ? rgb_add(sum, glossy_albedo(b, wo, BRDF_THROUGH)) : sum;
 }

@@ -24,20 +24,23 @@ static void rough_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb
     *glossy = rgb_scale(f, microfacet_reflection(facets(b), wo, wi));
 }
 
-static void rough_pdf(const struct brdf *b, vec3 wo, vec3 wi, float *diffuse, float *glossy) {
+static void rough_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
+                      float *glossy) {
+    (void)lobes;
     *diffuse = 0.0f;
     *glossy = microfacet_reflection_pdf(facets(b), wo, wi);
 }
 
-static bool rough_sample(const struct brdf *b, vec3 wo, float u, float v, vec3 *wi) {
-    return microfacet_reflect(facets(b), wo, u, v, wi);
+static bool rough_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
+    (void)lobes;
+    return microfacet_reflect(facets(b), wo, u.y, u.z, wi);
 }
 
 const struct brdf_model brdf_model_conductor = {
     .name = "conductor",
     .doc = "smooth metal: an ideal mirror with the metal's Fresnel reflectance",
     .lobes = BRDF_DELTA,
-    .slots = 1u << BRDF_SLOT_SPECULAR,
+    .slots = 1u << BRDF_SLOT_SPECULAR | 1u << BRDF_SLOT_ETA | 1u << BRDF_SLOT_K,
     .delta = smooth_delta,
 };
 
@@ -45,7 +48,8 @@ const struct brdf_model brdf_model_roughconductor = {
     .name = "roughconductor",
     .doc = "rough metal: microfacets (GGX or Beckmann), isotropic or anisotropic",
     .lobes = BRDF_GLOSSY,
-    .slots = 1u << BRDF_SLOT_SPECULAR | 1u << BRDF_SLOT_ALPHA_U | 1u << BRDF_SLOT_ALPHA_V,
+    .slots = 1u << BRDF_SLOT_SPECULAR | 1u << BRDF_SLOT_ETA | 1u << BRDF_SLOT_K |
+             1u << BRDF_SLOT_ALPHA_U | 1u << BRDF_SLOT_ALPHA_V,
     .eval = rough_eval,
     .pdf = rough_pdf,
     .sample_glossy = rough_sample,

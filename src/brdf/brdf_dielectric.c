@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Smooth glass: a boundary between two media, and a thin pane with both its boundaries at once.
-// wo may lie on either side. Both are delta lobes only.
+// Smooth glass: a boundary between two media, and a thin pane with both its boundaries at once; and
+// a surface that is not there. wo may lie on either side. All are delta lobes only.
 #include "brdf/brdf_fresnel.h"
 #include "brdf/brdf_models.h"
 
@@ -59,5 +59,26 @@ const struct brdf_model brdf_model_thindielectric = {
     .lobes = BRDF_DELTA,
     .slots = 1u << BRDF_SLOT_SPECULAR | 1u << BRDF_SLOT_TRANSMITTANCE,
     .transmits = true,
+    .thin = true,
     .delta = pane_delta,
+};
+
+static int null_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode,
+                      struct brdf_sample out[2]) {
+    (void)mode;
+    out[0] = (struct brdf_sample){.wi = v3_neg(wo),
+                                  .weight = b->transmittance,
+                                  .probability = 1.0f,
+                                  .eta = 1.0f,
+                                  .lobe = BRDF_DELTA};
+    return 1;
+}
+
+const struct brdf_model brdf_model_null = {
+    .name = "null",
+    .doc = "nothing: light goes straight on",
+    .lobes = BRDF_DELTA,
+    .transmits = true,
+    .thin = true,
+    .delta = null_delta,
 };

@@ -8,8 +8,9 @@ static void eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glos
     *glossy = rgb_grey(0.0f);
 }
 
-static void pdf(const struct brdf *b, vec3 wo, vec3 wi, float *diffuse, float *glossy) {
-    (void)b, (void)wo;
+static void pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
+                float *glossy) {
+    (void)b, (void)wo, (void)lobes;
     *diffuse = wi.z * (1.0f / PI_F);
     *glossy = 0.0f;
 }

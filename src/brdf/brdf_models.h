@@ -9,6 +9,7 @@
 extern const struct brdf_model brdf_model_diffuse;
 extern const struct brdf_model brdf_model_conductor, brdf_model_roughconductor;
 extern const struct brdf_model brdf_model_dielectric, brdf_model_thindielectric;
+extern const struct brdf_model brdf_model_roughdielectric, brdf_model_null;
 extern const struct brdf_model brdf_model_plastic, brdf_model_roughplastic;
 extern const struct brdf_model brdf_model_phong;
 extern const struct brdf_model brdf_model_ward;
@@ -19,6 +20,7 @@ satin_status brdf_albedo_prepare(struct brdf *b, struct arena *arena);
 // Whether turning both directions about the normal changes nothing. All models are symmetric about
 // the x and the y axis.
 static inline bool brdf_isotropic(const struct brdf *b) {
+    if (b->model->slots & 1u << BRDF_SLOT_ANISOTROPIC) return b->anisotropic == 0.0f;
     return !(b->model->slots & 1u << BRDF_SLOT_ALPHA_V) || b->alpha_u == b->alpha_v;
 }
 

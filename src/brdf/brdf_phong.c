@@ -27,15 +27,18 @@ static void eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glos
     *glossy = rgb_scale(b->specular, f);
 }
 
-static void pdf(const struct brdf *b, vec3 wo, vec3 wi, float *diffuse, float *glossy) {
+static void pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
+                float *glossy) {
+    (void)lobes;
     *diffuse = wi.z * (1.0f / PI_F);
     *glossy = (b->exponent + 1.0f) * (0.5f / PI_F) * lobe(b, wo, wi);
 }
 
 // cos^n about the mirror direction; what falls below the surface is lost.
-static bool sample(const struct brdf *b, vec3 wo, float u, float v, vec3 *wi) {
-    float l = logf(maxf(1.0f - u, 0x1p-25f)) / (b->exponent + 1.0f);
-    float c = expf(l), s = safe_sqrtf(-expm1f(2.0f * l)), phi = 2.0f * PI_F * v;
+static bool sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
+    (void)lobes;
+    float l = logf(maxf(1.0f - u.y, 0x1p-25f)) / (b->exponent + 1.0f);
+    float c = expf(l), s = safe_sqrtf(-expm1f(2.0f * l)), phi = 2.0f * PI_F * u.z;
     struct frame f = frame_from_normal(v3(-wo.x, -wo.y, wo.z));
     *wi = frame_to_world(&f, v3(s * cosf(phi), s * sinf(phi), c));
     return wi->z > 0.0f;
@@ -51,7 +54,7 @@ static void shares(const struct brdf *b, vec3 wo, float *diffuse, float *glossy,
 const struct brdf_model brdf_model_phong = {
     .name = "phong",
     .doc = "diffuse base and a cosine-power lobe about the mirror direction",
-    .lobes = BRDF_SMOOTH,
+    .lobes = BRDF_REFLECT,
     .slots = 1u << BRDF_SLOT_DIFFUSE | 1u << BRDF_SLOT_SPECULAR | 1u << BRDF_SLOT_EXPONENT,
     .eval = eval,
     .pdf = pdf,

@@ -53,8 +53,9 @@ static void smooth_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rg
     *glossy = rgb_grey(0.0f);
 }
 
-static void smooth_pdf(const struct brdf *b, vec3 wo, vec3 wi, float *diffuse, float *glossy) {
-    (void)b, (void)wo;
+static void smooth_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
+                       float *glossy) {
+    (void)b, (void)wo, (void)lobes;
     *diffuse = wi.z * (1.0f / PI_F);
     *glossy = 0.0f;
 }
@@ -155,13 +156,16 @@ static void rough_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb
     *glossy = rgb_scale(b->specular, f);
 }
 
-static void rough_pdf(const struct brdf *b, vec3 wo, vec3 wi, float *diffuse, float *glossy) {
+static void rough_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
+                      float *glossy) {
+    (void)lobes;
     *diffuse = wi.z * (1.0f / PI_F);
     *glossy = microfacet_reflection_pdf(facets(b), wo, wi);
 }
 
-static bool rough_sample(const struct brdf *b, vec3 wo, float u, float v, vec3 *wi) {
-    return microfacet_reflect(facets(b), wo, u, v, wi);
+static bool rough_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
+    (void)lobes;
+    return microfacet_reflect(facets(b), wo, u.y, u.z, wi);
 }
 
 static rgb rough_diffuse_albedo(const struct brdf *b, vec3 wo) {
@@ -192,7 +196,7 @@ const struct brdf_model brdf_model_plastic = {
 const struct brdf_model brdf_model_roughplastic = {
     .name = "roughplastic",
     .doc = "diffuse base under a rough clear coat of microfacets (GGX or Beckmann)",
-    .lobes = BRDF_SMOOTH,
+    .lobes = BRDF_REFLECT,
     .slots = 1u << BRDF_SLOT_DIFFUSE | 1u << BRDF_SLOT_SPECULAR,
     .prepare = rough_prepare,
     .eval = rough_eval,

@@ -36,14 +36,17 @@ static void eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glos
 }
 
 // Half vectors are drawn with density exp(...) / (pi au av cos^3 theta_h).
-static void pdf(const struct brdf *b, vec3 wo, vec3 wi, float *diffuse, float *glossy) {
+static void pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
+                float *glossy) {
+    (void)lobes;
     vec3 h = v3_add(wo, wi);
     *diffuse = wi.z * (1.0f / PI_F);
     *glossy = gaussian(b, h) * 2.0f * v3_len2(h) / (h.z * h.z * h.z);
 }
 
-static bool sample(const struct brdf *b, vec3 wo, float u, float v, vec3 *wi) {
-    float r = sqrtf(-logf(maxf(1.0f - u, 0x1p-25f))), phi = 2.0f * PI_F * v;
+static bool sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
+    (void)lobes;
+    float r = sqrtf(-logf(maxf(1.0f - u.y, 0x1p-25f))), phi = 2.0f * PI_F * u.z;
     vec3 h =
         v3_unit(v3(rough(b->alpha_u) * r * cosf(phi), rough(b->alpha_v) * r * sinf(phi), 1.0f));
     float c = v3_dot(wo, h);
@@ -61,7 +64,7 @@ static void shares(const struct brdf *b, vec3 wo, float *diffuse, float *glossy,
 const struct brdf_model brdf_model_ward = {
     .name = "ward",
     .doc = "diffuse base and an anisotropic Gaussian lobe (ward, ward-duer or balanced)",
-    .lobes = BRDF_SMOOTH,
+    .lobes = BRDF_REFLECT,
     .slots = 1u << BRDF_SLOT_DIFFUSE | 1u << BRDF_SLOT_SPECULAR | 1u << BRDF_SLOT_ALPHA_U |
              1u << BRDF_SLOT_ALPHA_V,
     .eval = eval,

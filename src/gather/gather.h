@@ -44,7 +44,7 @@ struct gather_mis {
     struct {
         unsigned lobes;
         float ratio;
-    } part[2];
+    } part[3];
 };
 
 // Light reflected at p towards wo by the smooth lobes that `mis` names, by sampling the lights

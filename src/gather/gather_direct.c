@@ -7,7 +7,7 @@
 static rgb weighted_brdf(const struct gather_point *p, struct gather_mis mis, vec3 wi, float pdf,
                          bool delta) {
     rgb sum = rgb_grey(0.0f);
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 3; i++) {
         unsigned lobes = mis.part[i].lobes & p->lobes & BRDF_SMOOTH;
         if (!lobes) continue;
         rgb f = brdf_eval(&p->brdf, p->wo_l, wi, lobes);
@@ -39,7 +39,8 @@ static rgb one_sample(const struct gather *g, const struct gather_point *p, stru
 rgb gather_direct(const struct gather *g, const struct gather_point *p, struct gather_mis mis,
                   int samples, struct sampler sampler) {
     rgb sum = rgb_grey(0.0f);
-    unsigned lobes = (mis.part[0].lobes | mis.part[1].lobes) & p->lobes & BRDF_SMOOTH;
+    unsigned lobes = mis.part[0].lobes | mis.part[1].lobes | mis.part[2].lobes;
+    lobes &= p->lobes & BRDF_SMOOTH;
     if (!lobes || g->scene->light_count == 0) return sum;
     uint32_t first = sampler.index * (uint32_t)samples;
     for (int i = 0; i < samples; i++) {

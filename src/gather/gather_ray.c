@@ -10,9 +10,10 @@
 #include "gather/gather_scratch.h"
 
 enum {
-    DELTA_MAX = 32,  // ideal specular surfaces in a row before a gather ray is given up
-    BOUNCE_MAX = 6,  // glossy bounces behind y; the tail is taken as diffuse
-    PATH_MAX = 64    // diffuse ones where there are no photons; the tail is lost
+    DELTA_MAX = 32,    // ideal specular surfaces in a row before a gather ray is given up
+    BOUNCE_MAX = 6,    // glossy bounces behind y; the tail is taken as diffuse
+    THROUGH_MAX = 32,  // the same inside rough glass, where no photon tells of the tail
+    PATH_MAX = 64      // diffuse ones where there are no photons; the tail is lost
 };
 
 struct gather_scratch *gather_scratch_new(size_t capacity) {
@@ -44,6 +45,9 @@ void gather_scratch_free(struct gather_scratch *scratch) {
 struct gather_ray *gather_scratch_rays(struct gather_scratch *scratch) {
     return scratch->rays;
 }
+
+// What is followed from y by one more ray.
+static const unsigned GLOSSY = BRDF_GLOSSY | BRDF_THROUGH;
 
 // Emitted light that a ray meets on its way to a smooth surface.
 struct emitters {
@@ -110,12 +114,12 @@ static rgb diffuse_radiance(const struct gather_point *y, rgb E) {
     return rgb_scale(rgb_mul(albedo, E), 1.0f / PI_F);
 }
 
-static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned lobe,
+static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned lobes,
                   float survive, int level, struct sampler *sampler);
 
 // Probability that a glossy lobe is followed: faint ones, as of a coat, are followed now and then.
 static float follow(const struct gather_point *y, rgb *albedo) {
-    *albedo = brdf_albedo(&y->brdf, y->wo_l, BRDF_GLOSSY);
+    *albedo = brdf_albedo(&y->brdf, y->wo_l, GLOSSY);
     return clampf(4.0f * rgb_max(*albedo), 0.1f, 1.0f);
 }
 
@@ -138,7 +142,7 @@ static bool within_depth(const struct gather *g, int level, int more) {
 // does.
 static rgb reflected(const struct gather *g, const struct gather_point *y, rgb E, bool near,
                      int level, struct sampler *sampler) {
-    const unsigned diffuse = y->lobes & BRDF_DIFFUSE, glossy = y->lobes & BRDF_GLOSSY;
+    const unsigned diffuse = y->lobes & BRDF_DIFFUSE, glossy = y->lobes & GLOSSY;
     const bool shadow = near || g->options->gather_shadow;
     rgb albedo = rgb_grey(0.0f);
     float survive = glossy ? follow(y, &albedo) : 0.0f;
@@ -154,21 +158,24 @@ static rgb reflected(const struct gather *g, const struct gather_point *y, rgb E
         L = rgb_add(L, diffuse_radiance(y, E));
     }
     if (!glossy) return L;
-    if (level >= BOUNCE_MAX) return rgb_add(L, rgb_scale(rgb_mul(albedo, E), 1.0f / PI_F));
-    return rgb_add(L, bounce(g, y, BRDF_GLOSSY, survive, level + 1, sampler));
+    if (level >= (glossy & BRDF_THROUGH ? THROUGH_MAX : BOUNCE_MAX))
+        return rgb_add(L, rgb_scale(rgb_mul(albedo, E), 1.0f / PI_F));
+    return rgb_add(L, bounce(g, y, glossy, survive, level + 1, sampler));
 }
 
-// One more bounce from y by one lobe, with probability `survive`: emitted light that the ray meets
-// at once, weighted against y's light samples, and the rough solution where it ends. Emitted light
-// behind specular surfaces counts for the glossy lobe; the diffuse one has caustic photons.
-static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned lobe,
+// One more bounce from y by `lobes`, the diffuse or glossy ones, with probability `survive`:
+// emitted light that the ray meets at once, weighted against y's light samples, and the rough
+// solution where it ends. Emitted light behind specular surfaces counts for the glossy lobe; the
+// diffuse one has caustic photons.
+static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned lobes,
                   float survive, int level, struct sampler *sampler) {
     struct brdf_sample next;
     float u_lobe = sampler_1d(sampler);
     vec2 u = sampler_2d(sampler);
     rgb L = rgb_grey(0.0f);
     if (u_lobe >= survive) return L;
-    if (!brdf_sample(&y->brdf, y->wo_l, 0.0f, u.x, u.y, lobe, BRDF_RADIANCE, &next)) return L;
+    u_lobe /= survive;
+    if (!brdf_sample(&y->brdf, y->wo_l, u_lobe, u.x, u.y, lobes, BRDF_RADIANCE, &next)) return L;
     struct ray ray =
         scene_spawn(g->scene, y->surfel.p, y->surfel.ng, frame_to_world(&y->frame, next.wi));
     struct gather_point z;
@@ -178,7 +185,7 @@ static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned
     bool found = trace_to_smooth(g, ray, sampler, &T, &first, &e, &z);
     if (e.light_pdf > 0.0f)
         L = rgb_scale(rgb_mul(start, e.Le), mis_power(survive * next.pdf_w, e.light_pdf));
-    if (lobe == BRDF_GLOSSY) L = rgb_add(L, e.Le_specular);
+    if (lobes != BRDF_DIFFUSE) L = rgb_add(L, e.Le_specular);
     if (!found || !within_depth(g, level, 1)) return L;
     float radius;
     rgb E = photon_irradiance(g->maps, z.surfel.p, z.ng, &radius);

@@ -58,7 +58,7 @@ static bool keeps_photons(const struct satin_scene *scene, const struct surfel *
     const struct material *m = &scene->material[s->material];
     bool behind = v3_dot(wi, s->frame.n) < 0.0f;
     if (behind && !m->two_sided) return false;
-    return ((behind ? &m->back : &m->front)->base.model->lobes & BRDF_SMOOTH) != 0;
+    return ((behind ? &m->back : &m->front)->base.model->lobes & BRDF_REFLECT) != 0;
 }
 
 struct flight {

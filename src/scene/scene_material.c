@@ -7,14 +7,13 @@
 // the models can stand.
 static void look_up(const struct material_side *side, vec2 uv, struct brdf *b) {
     const struct texture *const *slot = side->slot;
-    if (slot[BRDF_SLOT_DIFFUSE]) b->diffuse = texture_eval(slot[BRDF_SLOT_DIFFUSE], uv);
-    if (slot[BRDF_SLOT_SPECULAR]) b->specular = texture_eval(slot[BRDF_SLOT_SPECULAR], uv);
-    if (slot[BRDF_SLOT_TRANSMITTANCE])
-        b->transmittance = texture_eval(slot[BRDF_SLOT_TRANSMITTANCE], uv);
-    float *number[] = {&b->alpha_u, &b->alpha_v, &b->exponent};
-    for (int i = 0; i < 3; i++) {
-        const struct texture *texture = slot[BRDF_SLOT_ALPHA_U + i];
-        if (texture) *number[i] = clampf(rgb_luminance(texture_eval(texture, uv)), 0.0f, 1e6f);
+    for (enum brdf_slot i = 0; i < BRDF_SLOT_COUNT; i++) {
+        if (!slot[i]) continue;
+        rgb value = texture_eval(slot[i], uv);
+        if (i < BRDF_SLOT_NUMBERS)
+            *brdf_color(b, i) = value;
+        else
+            *brdf_number(b, i) = clampf(rgb_luminance(value), 0.0f, 1e6f);
     }
 }
 
@@ -23,7 +22,7 @@ bool scene_brdf(const struct satin_scene *scene, const struct surfel *s, vec3 wo
     const struct material *m = &scene->material[s->material];
     bool behind = v3_dot(wo, s->frame.n) < 0.0f, back = behind && m->two_sided;
     const struct material_side *side = back ? &m->back : &m->front;
-    if (behind && !back && !side->base.model->transmits) return false;
+    if (behind && !back && !brdf_transmits(&side->base)) return false;
     *brdf = side->base;
     look_up(side, s->uv, brdf);
     *frame = back ? frame_flip(s->frame) : s->frame;

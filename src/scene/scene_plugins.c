@@ -22,10 +22,20 @@ static const char *const unread_shapes[] = {
     "bsplinecurve", "linearcurve", "sdfgrid", "ellipsoids", "ellipsoidsmesh",
     "instance",     "shapegroup",  "merge",   "blender",    "heightfield",
     "hair",         "mesh",        NULL};
-static const char *const unread_bsdfs[] = {
-    "roughdielectric", "principled", "principledthin",     "blendbsdf", "mask",     "bumpmap",
-    "normalmap",       "null",       "measured",           "hair",      "pplastic", "polarizer",
-    "retarder",        "circular",   "measured_polarized", NULL};
+static const char *const unread_bsdfs[] = {"principled",
+                                           "principledthin",
+                                           "blendbsdf",
+                                           "mask",
+                                           "bumpmap",
+                                           "normalmap",
+                                           "measured",
+                                           "hair",
+                                           "pplastic",
+                                           "polarizer",
+                                           "retarder",
+                                           "circular",
+                                           "measured_polarized",
+                                           NULL};
 static const char *const unread_textures[] = {"mesh_attribute", "volume", "volumeadapter", NULL};
 static const char *const unread_emitters[] = {
     "projector", "sunsky", "timed_sunsky", "directionalarea", "sky", "sun", "volumelight", NULL};

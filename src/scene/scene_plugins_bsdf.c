@@ -56,9 +56,9 @@ static const struct param_spec nonlinear = {
 static const struct param_spec metal = {
     "material", PARAM_STRING, NULL, 0, 0, NULL, "name of a metal, in place of eta and k"};
 static const struct param_spec metal_eta = {
-    "eta", PARAM_COLOR, "0", RANGE_MODEST, 0, NULL, "index of refraction, real part"};
+    "eta", PARAM_COLOR, "0", RANGE_MODEST, PARAM_TEXTURE, NULL, "index of refraction, real part"};
 static const struct param_spec metal_k = {
-    "k", PARAM_COLOR, "1", RANGE_MODEST, 0, NULL, "index of refraction, absorption"};
+    "k", PARAM_COLOR, "1", RANGE_MODEST, PARAM_TEXTURE, NULL, "index of refraction, absorption"};
 static const struct param_spec distribution = {
     "distribution", PARAM_CHOICE, "beckmann", 0, 0, distributions, "of the facets' normals"};
 static const struct param_spec alpha = {"alpha",       PARAM_FLOAT, ".1",       RANGE_MODEST,
@@ -88,6 +88,16 @@ static param_list roughconductor_params = {
     &alpha, &alpha_u,   &alpha_v, &sample_visible,       NULL};
 static param_list dielectric_params = {&glass_ior, &ext_ior, &specular_reflectance,
                                        &specular_transmittance, NULL};
+static param_list roughdielectric_params = {&glass_ior,
+                                            &ext_ior,
+                                            &specular_reflectance,
+                                            &specular_transmittance,
+                                            &distribution,
+                                            &alpha,
+                                            &alpha_u,
+                                            &alpha_v,
+                                            &sample_visible,
+                                            NULL};
 static param_list plastic_params = {
     &diffuse_reflectance, &specular_reflectance, &plastic_ior, &ext_ior, &nonlinear, NULL};
 static param_list roughplastic_params = {
@@ -102,24 +112,24 @@ static param_list ward_params = {&diffuse_reflectance, &lobe_reflectance, &varia
 
 static satin_status set_color(struct scene_loader *loader, const struct param_value *value,
                               struct material_side *side, enum brdf_slot slot) {
-    rgb *field[] = {&side->base.diffuse, &side->base.specular, &side->base.transmittance};
-    *field[slot] = value->color;
+    rgb *field = brdf_color(&side->base, slot);
+    *field = value->color;
     if (!value->texture) return SATIN_OK;
     satin_status status = scene_texture_of(loader, value->texture, &side->slot[slot]);
-    if (status == SATIN_OK) *field[slot] = side->slot[slot]->mean;
+    if (status == SATIN_OK) *field = side->slot[slot]->mean;
     return status;
 }
 
 static satin_status set_number(struct scene_loader *loader, const struct param_value *value,
                                struct material_side *side, enum brdf_slot slot) {
-    float *field[] = {&side->base.alpha_u, &side->base.alpha_v, &side->base.exponent};
-    float least = slot == BRDF_SLOT_EXPONENT ? 0.0f : ALPHA_MIN, number = value->f;
+    bool rough = slot == BRDF_SLOT_ALPHA_U || slot == BRDF_SLOT_ALPHA_V;
+    float number = value->f;
     if (value->texture) {
         satin_status status = scene_texture_of(loader, value->texture, &side->slot[slot]);
         if (status != SATIN_OK) return status;
         number = rgb_luminance(side->slot[slot]->mean);
     }
-    *field[slot - BRDF_SLOT_ALPHA_U] = fmaxf(number, least);
+    *brdf_number(&side->base, slot) = fmaxf(number, rough ? ALPHA_MIN : 0.0f);
     return SATIN_OK;
 }
 
@@ -141,9 +151,10 @@ static satin_status set_metal(struct scene_loader *loader, const struct params *
                               struct material_side *side) {
     const struct param_value *eta = param(p, "eta"), *k = param(p, "k");
     const struct param_value *material = param(p, "material");
-    side->base.eta = eta->color;
-    side->base.k = k->color;
-    if (!material->given) return SATIN_OK;
+    if (!material->given) {
+        satin_status status = set_color(loader, eta, side, BRDF_SLOT_ETA);
+        return status == SATIN_OK ? set_color(loader, k, side, BRDF_SLOT_K) : status;
+    }
     if (eta->given || k->given) {
         log_error_at(loader->log, material->place, "a metal is either a material, or eta and k");
         return SATIN_ERROR_INPUT;
@@ -208,6 +219,24 @@ static satin_status build_dielectric(struct scene_loader *loader, const struct p
     return set_color(loader, param(p, "specular_transmittance"), side, BRDF_SLOT_TRANSMITTANCE);
 }
 
+static satin_status build_roughdielectric(struct scene_loader *loader, const struct params *p,
+                                          void *object) {
+    struct material_side *side = object;
+    side->base.distribution = (enum brdf_distribution)param(p, "distribution")->i;
+    satin_status status = build_dielectric(loader, p, side);
+    if (status == SATIN_OK) status = set_alpha(loader, p, side);
+    if (status != SATIN_OK || side->base.ior != 1.0f) return status;
+    log_error_at(loader->log, p->node->place, "int_ior and ext_ior must differ");
+    return SATIN_ERROR_INPUT;
+}
+
+static satin_status build_null(struct scene_loader *loader, const struct params *p, void *object) {
+    struct material_side *side = object;
+    (void)loader, (void)p;
+    side->base.transmittance = rgb_grey(1.0f);
+    return SATIN_OK;
+}
+
 // The diffuse and the specular factor that plastics, phong and ward have.
 static satin_status set_both(struct scene_loader *loader, const struct params *p,
                              struct material_side *side) {
@@ -260,6 +289,9 @@ const struct plugin_spec scene_bsdf_plugins[] = {
      build_dielectric, false},
     {XML_BSDF, "thindielectric", "a thin pane, without refraction", dielectric_params, 0,
      build_dielectric, false},
+    {XML_BSDF, "roughdielectric", "a rough boundary, as of ground glass, microfacets",
+     roughdielectric_params, 0, build_roughdielectric, false},
+    {XML_BSDF, "null", "a boundary that is not there", NULL, 0, build_null, false},
     {XML_BSDF, "plastic", "a diffuse base under a smooth coat", plastic_params, 0, build_plastic,
      false},
     {XML_BSDF, "roughplastic", "a diffuse base under a rough coat", roughplastic_params, 0,
@@ -297,7 +329,7 @@ static satin_status build_twosided(struct scene_loader *loader, const struct par
         satin_status status = scene_params(loader, child, &inner);
         if (status == SATIN_OK) status = build_side(loader, &inner, side[count]);
         if (status != SATIN_OK) return status;
-        if (side[count]->base.model->transmits) {
+        if (brdf_transmits(&side[count]->base)) {
             log_error_at(loader->log, at->place, "'%s' transmits, so it cannot be twosided",
                          inner.plugin->name);
             return SATIN_ERROR_INPUT;

@@ -64,7 +64,7 @@ static void photons_seen(struct shade_job *job) {
     const struct gather_point *p = &job->vertex->point;
     float radius;
     rgb L = photon_radiance(g->maps, g->scene, p->surfel.p, p->ng, &p->frame, &p->brdf, p->wo_l,
-                            BRDF_SMOOTH, &radius);
+                            BRDF_REFLECT, &radius);
     rgb *layer = &job->out->layer[SHADE_INDIRECT_DIFFUSE];
     *layer = rgb_fma(*layer, job->vertex->T, L);
 }

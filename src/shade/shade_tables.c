@@ -5,14 +5,16 @@
 
 #include "shade/shade.h"
 
-static bool rough_textured(const struct material_side *side) {
-    return side->slot[BRDF_SLOT_ALPHA_U] || side->slot[BRDF_SLOT_ALPHA_V] ||
-           side->slot[BRDF_SLOT_EXPONENT];
+// Whether textures change more of the glossy part than its factor.
+static bool shape_textured(const struct material_side *side) {
+    for (int i = BRDF_SLOT_ETA; i < BRDF_SLOT_COUNT; i++)
+        if (side->slot[i]) return true;
+    return false;
 }
 
 static satin_status build_side(const struct material_side *side, const satin_options *o,
                                struct parallel *pool, struct brdf_table **out) {
-    if (!side->base.model || !(brdf_lobes(&side->base) & BRDF_GLOSSY) || rough_textured(side))
+    if (!side->base.model || !(brdf_lobes(&side->base) & BRDF_GLOSSY) || shape_textured(side))
         return SATIN_OK;
     satin_status status = brdf_table_build(&side->base, o->radiance_basis, o->radiance_order,
                                            o->radiance_error, pool, out);
@@ -39,10 +41,10 @@ static const struct material_side *side_of(const struct satin_scene *scene, size
 // Takes the table of an equal side before side i; false if there is none.
 static bool share_table(const struct satin_scene *scene, struct shade_tables *t, size_t i) {
     const struct material_side *side = side_of(scene, i);
-    if (!side->base.model || rough_textured(side)) return false;
+    if (!side->base.model || shape_textured(side)) return false;
     for (size_t j = 0; j < i; j++) {
         const struct material_side *other = side_of(scene, j);
-        if (!t->owned[j] || rough_textured(other) || !alike(&side->base, &other->base)) continue;
+        if (!t->owned[j] || shape_textured(other) || !alike(&side->base, &other->base)) continue;
         t->table[i] = t->table[j];
         t->channels[i] = t->channels[j];
         return true;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The second pass at one point [K05 3.5]: what a point reflects, each part of the path table once.
-// Low-frequency glossy BRDFs use radiance records for all their smooth lobes; others use irradiance
-// records for the diffuse lobe and importance sampling for the glossy one.
+// Low-frequency glossy BRDFs use radiance records for all they reflect smoothly; others use
+// irradiance records for the diffuse lobe and importance sampling for the glossy one. What passes
+// through is importance-sampled.
 #include "rsh/rsh.h"
 #include "shade/shade_indirect.h"
 
@@ -9,7 +10,7 @@
 struct plan {
     unsigned cached;   // glossy and diffuse lobes by a radiance record
     unsigned diffuse;  // by irradiance
-    unsigned sampled;  // glossy by importance sampling
+    unsigned sampled;  // glossy, or through, by importance sampling
     int order, channels;
     float C[3 * RSH_MAX_COEFFICIENTS];
 };
@@ -17,7 +18,8 @@ struct plan {
 static void make_plan(const struct shade_job *job, struct plan *plan) {
     const struct gather_point *p = &job->vertex->point;
     const struct brdf_table *table = shade_table(job->shade, p, &plan->channels);
-    plan->cached = plan->sampled = 0;
+    plan->cached = 0;
+    plan->sampled = p->lobes & BRDF_THROUGH;
     plan->diffuse = p->lobes & BRDF_DIFFUSE;
     plan->order = 0;
     const satin_options *o = job->shade->g->options;
@@ -28,9 +30,9 @@ static void make_plan(const struct shade_job *job, struct plan *plan) {
     }
     if (table) plan->order = brdf_table_lookup(table, p->wo_l, plan->C);
     if (plan->order > 0) {
-        plan->cached = p->lobes & BRDF_SMOOTH;
+        plan->cached = p->lobes & BRDF_REFLECT;
     } else {
-        plan->sampled = BRDF_GLOSSY;
+        plan->sampled |= BRDF_GLOSSY;
     }
     plan->diffuse &= ~plan->cached;
 }
@@ -170,18 +172,13 @@ void shade_vertex_two_pass(struct shade_job *job) {
     make_plan(job, &plan);
     job->counts->points++;
 
-    // Direct light. The glossy lobe's samples, or one extra BRDF sample, share the lights with it.
-    unsigned glossy = p->lobes & BRDF_GLOSSY;
-    unsigned wide = g->wide_lights ? p->lobes & BRDF_DIFFUSE : 0;
-    float lights = (float)o->light_samples;
-    unsigned extra = wide | (plan.sampled && indirect ? 0 : glossy);
-    float glossy_ratio = (plan.sampled && indirect ? (float)o->glossy_samples : 1.0f) / lights;
-    struct gather_mis mis;
-    if (extra == BRDF_SMOOTH)
-        mis = (struct gather_mis){{{BRDF_SMOOTH, 1.0f / lights}}};
-    else
-        mis = (struct gather_mis){
-            {{BRDF_DIFFUSE, wide ? 1.0f / lights : 0.0f}, {BRDF_GLOSSY, glossy_ratio}}};
+    // Direct light. The samples of glossy lobes, or one extra BRDF sample, share the lights with
+    // it.
+    const unsigned sampled = indirect ? plan.sampled : 0, rest = p->lobes & BRDF_SMOOTH & ~sampled;
+    const unsigned extra = g->wide_lights ? rest : rest & ~(unsigned)BRDF_DIFFUSE;
+    const float lights = (float)o->light_samples, ratio = (float)o->glossy_samples / lights;
+    const struct gather_mis mis = {
+        {{rest & ~extra, 0.0f}, {extra, 1.0f / lights}, {sampled, ratio}}};
     add(job, SHADE_DIRECT, gather_direct(g, p, mis, o->light_samples, job->sampler));
     job->sampler.dimension += 2;
     if (extra) look_for_lights(job, extra, 1.0f / lights);
@@ -200,5 +197,5 @@ void shade_vertex_two_pass(struct shade_job *job) {
         job->counts->gathered++;
     }
     if (plan.diffuse) indirect_diffuse(job);
-    if (plan.sampled) sample_lobes(job, BRDF_GLOSSY, glossy_ratio);
+    if (plan.sampled) sample_lobes(job, plan.sampled, ratio);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Prints BRDF values for check_brdf.py. Reads lines from stdin:
-//   b MODEL DISTRIBUTION VARIANT NONLINEAR diffuse3 specular3 transmittance3 eta3 k3 ior au av n
+//   b MODEL DISTRIBUTION VARIANT NONLINEAR ior, then three numbers for each colour's slot and one
+//   for
+//     each number's, in the order of enum brdf_slot
 //   e wo3 wi3     prints the three channels of f_r of all smooth lobes
 //   d wo3         prints the number of delta lobes, then per lobe wi3, weight3, probability
 #include <stdio.h>
@@ -20,24 +22,24 @@ static bool read_floats(const char **text, float *out, int n) {
 static bool read_brdf(const char *line, struct brdf *b, struct arena *arena) {
     char name[32];
     int distribution, variant, nonlinear, used;
-    float f[19];
+    float ior;
     if (sscanf(line, "%31s %d %d %d%n", name, &distribution, &variant, &nonlinear, &used) != 4)
         return false;
     line += used;
-    if (!read_floats(&line, f, 19)) return false;
+    if (!read_floats(&line, &ior, 1)) return false;
     *b = (struct brdf){.model = brdf_find(name),
-                       .diffuse = rgb_make(f[0], f[1], f[2]),
-                       .specular = rgb_make(f[3], f[4], f[5]),
-                       .transmittance = rgb_make(f[6], f[7], f[8]),
-                       .eta = rgb_make(f[9], f[10], f[11]),
-                       .k = rgb_make(f[12], f[13], f[14]),
-                       .ior = f[15],
-                       .alpha_u = f[16],
-                       .alpha_v = f[17],
-                       .exponent = f[18],
+                       .ior = ior,
                        .distribution = (enum brdf_distribution)distribution,
                        .variant = (enum brdf_variant)variant,
                        .nonlinear = nonlinear != 0};
+    for (enum brdf_slot i = 0; i < BRDF_SLOT_COUNT; i++) {
+        float f[3];
+        if (!read_floats(&line, f, i < BRDF_SLOT_NUMBERS ? 3 : 1)) return false;
+        if (i < BRDF_SLOT_NUMBERS)
+            *brdf_color(b, i) = rgb_make(f[0], f[1], f[2]);
+        else
+            *brdf_number(b, i) = f[0];
+    }
     return b->model && brdf_prepare(b, arena) == SATIN_OK;
 }
 

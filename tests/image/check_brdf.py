@@ -20,6 +20,12 @@ DIRECTIONS = 150
 rng = np.random.default_rng(7)
 
 
+# The principled models' numbers, in the order of enum brdf_slot.
+NUMBERS = ("metallic", "anisotropic", "spec_trans", "spec_tint", "sheen", "sheen_tint", "flatness",
+           "clearcoat", "clearcoat_gloss", "diff_trans")
+BOTH_SIDES = ("roughdielectric",)
+
+
 class Params(dict):
     """Parameters in the order that brdf_values reads."""
 
@@ -27,12 +33,13 @@ class Params(dict):
         super().__init__(model=model, distribution=0, variant=0, nonlinear=0, diffuse=[0.0] * 3,
                          specular=[1.0] * 3, transmittance=[1.0] * 3, eta=[0.0] * 3, k=[1.0] * 3,
                          ior=1.5, au=0.1, av=0.1, exponent=30.0)
+        self.update(dict.fromkeys(NUMBERS, 0.0))
         self.update(kw)
 
     def line(self):
         p = self
-        numbers = [*p["diffuse"], *p["specular"], *p["transmittance"], *p["eta"], *p["k"],
-                   p["ior"], p["au"], p["av"], p["exponent"]]
+        numbers = [p["ior"], *p["diffuse"], *p["specular"], *p["transmittance"], *p["eta"], *p["k"],
+                   p["au"], p["av"], p["exponent"], *[p[name] for name in NUMBERS]]
         return (f"b {p['model']} {p['distribution']} {p['variant']} {p['nonlinear']} "
                 + " ".join(f"{x:.9g}" for x in numbers))
 
@@ -56,6 +63,12 @@ def pairs(p):
     half = DIRECTIONS // 2
     wi[:half] = mirrored[:half]
     wi[wi[:, 2] < 1e-3] = [0.6, 0, 0.8]
+    if p["model"] in BOTH_SIDES:  # a third each inside, through one way and the other
+        refracted = wi / p["ior"] + (wo * m).sum(1)[:, None] * m * (1 - 1 / p["ior"])
+        wi[1::3] = -refracted[1::3] / np.linalg.norm(refracted[1::3], axis=1)[:, None]
+        wi[:, 2][np.abs(wi[:, 2]) < 1e-3] = -1e-3
+        wo[2::3, 2] *= -1
+        wi[2::6, 2] *= -1
     return wo, wi.astype(np.float32)
 
 
@@ -67,7 +80,7 @@ def mitsuba_bsdf(p):
         d["reflectance"] = rgb(p["diffuse"])
     if "conductor" in p["model"]:
         d.update(eta=rgb(p["eta"]), k=rgb(p["k"]), specular_reflectance=rgb(p["specular"]))
-    if p["model"] == "roughconductor":
+    if p["model"] in ("roughconductor", "roughdielectric"):
         d.update(alpha_u=float(p["au"]), alpha_v=float(p["av"]), distribution=name)
     if "dielectric" in p["model"]:
         d.update(int_ior=float(p["ior"]), ext_ior=1.0, specular_reflectance=rgb(p["specular"]),
@@ -90,7 +103,7 @@ def interaction(wo):
 def mitsuba_values(p, wo, wi):
     bsdf, ctx = mitsuba_bsdf(p), mi.BSDFContext()
     return np.array([np.array(bsdf.eval(ctx, interaction(o), mi.Vector3f(*[float(x) for x in i])))
-                     / float(i[2]) for o, i in zip(wo, wi)])
+                     / abs(float(i[2])) for o, i in zip(wo, wi)])
 
 
 def mitsuba_delta(p, wo):
@@ -132,6 +145,9 @@ def cases():
         for au, av in ((0.05, 0.05), (0.1, 0.4), (0.5, 0.02), (0.3, 0.3), (1, 1), (0.7, 0.2)):
             yield Params("roughconductor", distribution=distribution, au=au, av=av,
                          specular=color(), eta=color(0.1, 3), k=color(0.5, 6))
+        for au, av, ior in ((0.05, 0.05, 1.5), (0.3, 0.3, 2.4), (0.1, 0.6, 1.33), (0.8, 0.8, 0.7)):
+            yield Params("roughdielectric", distribution=distribution, au=au, av=av, ior=ior,
+                         specular=color(), transmittance=color())
         for alpha, ior, nonlinear in ((0.02, 1.5, 1), (0.1, 1.49, 0), (0.3, 1.9, 1), (0.7, 1.3, 0),
                                       (1, 1.5, 1)):
             yield Params("roughplastic", distribution=distribution, au=alpha, av=alpha, ior=ior,
@@ -176,7 +192,7 @@ def main():
             text += ["e " + " ".join(f"{x:.9g}" for x in (*o, *i)) for o, i in zip(wo, wi)]
         if p["model"] in ("conductor", "dielectric", "thindielectric", "plastic"):
             wo = directions(20)
-            if "dielectric" in p["model"]:
+            if p["model"].endswith("dielectric"):
                 wo[::2, 2] *= -1
             todo.append((p, wo, None))
             text.append(p.line())

@@ -152,7 +152,7 @@ static inline struct chi_result chi_test(const struct chi_sampler *s, vec3 axis,
             r.statistic += (pool_observed - e) * (pool_observed - e) / e, cells++;
     }
     r.freedom = cells - 1;
-    r.p = r.freedom > 0 ? chi_tail(r.statistic, r.freedom) : fabs(r.mass - 1.0) < 1e-3;
+    r.p = r.freedom > 0 ? chi_tail(r.statistic, r.freedom) : r.statistic < 1.0;
     return r;
 }
 

@@ -159,8 +159,7 @@ struct refusal {
 static const struct refusal refusals[] = {
     {SCENE_TEXT("<bsdf type='phng'/>"),
      "scene.xml:3:1: unknown BRDF 'phng' (did you mean 'phong'?)"},
-    {SCENE_TEXT("<bsdf type='roughdielectric'/>"),
-     "scene.xml:3:1: BRDF 'roughdielectric' is not supported"},
+    {SCENE_TEXT("<bsdf type='hair'/>"), "scene.xml:3:1: BRDF 'hair' is not supported"},
     {SCENE_TEXT("<shape type='zzzzzzzzz'/>"), "scene.xml:3:1: unknown shape 'zzzzzzzzz'"},
     {"<scene version='3.0.0'/>", "scene.xml:1:1: the scene has no <sensor>"},
     {SHAPE("<ref id='nothing'/>"), "scene.xml:3:22: reference to unknown id 'nothing'"},

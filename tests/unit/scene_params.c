@@ -209,6 +209,8 @@ static void textures_fit_models(void **state) {
         {"reflectance", "diffuse_reflectance"},
         {"specular_reflectance", NULL},
         {"specular_transmittance", NULL},
+        {"eta", NULL},
+        {"k", NULL},
         {"alpha", "alpha_u"},
         {"alpha", "alpha_v"},
         {"exponent", NULL}};
@@ -218,7 +220,7 @@ static void textures_fit_models(void **state) {
         assert_non_null(model);
         for (int i = 0; i < BRDF_SLOT_COUNT; i++) {
             bool textured = false;
-            for (int j = 0; b->params[j]; j++)
+            for (int j = 0; b->params && b->params[j]; j++)
                 for (int k = 0; k < 2; k++)
                     if (slot_params[i][k] && strcmp(b->params[j]->name, slot_params[i][k]) == 0)
                         textured |= (b->params[j]->flags & PARAM_TEXTURE) != 0;
