@@ -18,6 +18,7 @@ enum { BATCH = 64 };
 enum { COUNT = 2048, CALLS = 200, MAX_CASES = 512, MAX_ROUNDS = 101, N_MAX = RSH_MAX_COEFFICIENTS };
 
 static float directions[3][COUNT], values[3][COUNT], matrix[COUNT * N_MAX];
+static float records[2][3 * N_MAX * 16], matrices[9][16];
 static float coefficients[9 * N_MAX], result[9 * N_MAX + 24], frames[CALLS + 1][9];
 
 struct timed {
@@ -58,6 +59,28 @@ static void run_turn(const struct timed *c) {
         (enum rsh_method)c->method, 0.2f, 0.8f, 0.6f, 0.9800666f, 0.1986693f, 0.28f, -0.96f};
     for (int i = 0; i < CALLS; i++)
         c->kernels->turn(&t, c->order, c->channels, coefficients, result);
+}
+
+// Records in structures of arrays: BATCH of them, whose vectors of three channels of order 10 fill
+// the first cache.
+static void run_batch(const struct timed *c) {
+    struct rsh_turns t = {.method = (enum rsh_method)c->method};
+    size_t width = (size_t)c->kernels->width;
+    for (size_t i = 0; i < width; i++) {
+        t.beta[i] = 0.2f;
+        t.cos_alpha[i] = 0.8f, t.sin_alpha[i] = 0.6f;
+        t.cos_beta[i] = 0.9800666f, t.sin_beta[i] = 0.1986693f;
+        t.cos_gamma[i] = 0.28f, t.sin_gamma[i] = -0.96f;
+    }
+    for (size_t i = 0; i < BATCH; i += width)
+        c->kernels->turn_many(&t, c->order, c->channels, width, records[0], records[1]);
+}
+
+static void run_rotate_many(const struct timed *c) {
+    const float *r[9];
+    for (int e = 0; e < 9; e++) r[e] = matrices[e];
+    for (int i = 0; i < BATCH; i += 16)
+        rsh_rotate_many(c->order, c->channels, 16, r, records[0], records[1]);
 }
 
 static void run_dot(const struct timed *c) {
@@ -137,6 +160,13 @@ static int add_cases(struct timed *cases) {
             c++->flops = 6.0 * n * n * CALLS;
             add(c, *k, run_extend, "extend", n)->units = CALLS;
             c++;
+            for (int m = RSH_METHOD_TAYLOR_1_5; m <= RSH_METHOD_EXACT; m++) {
+                static const char *const what[] = {"batch 1.5th", "batch 2nd", "batch exact"};
+                add(c, *k, run_batch, what[m - RSH_METHOD_TAYLOR_1_5], n);
+                c->units = BATCH;
+                c->method = m;
+                c++->channels = 3;
+            }
             for (int rgb = 0; rgb < 2; rgb++)
                 for (int m = RSH_METHOD_TAYLOR_1_5; m <= RSH_METHOD_EXACT; m++) {
                     static const char *const what[] = {"turn 1.5th", "turn 2nd", "turn exact"};
@@ -149,6 +179,8 @@ static int add_cases(struct timed *cases) {
     for (int n = 4; n <= 12; n += 2) {
         add(c, NULL, run_eval_one, "evaluate one", n)->units = CALLS;
         c++;
+        add(c, NULL, run_rotate_many, "rotate many", n)->units = BATCH;
+        c++->channels = 3;
         for (int rgb = 0; rgb < 2; rgb++)
             for (int form = 0; form < 4; form++) {
                 static const char *const what[] = {"align sphere true", "align sphere fast",
@@ -172,11 +204,12 @@ static void fill(void) {
         for (int c = 0; c < 3; c++) values[c][i] = 1.0f + sinf((float)(i * (c + 1)));
     }
     for (int i = 0; i < 9 * N_MAX; i++) coefficients[i] = sinf((float)i);
+    for (int i = 0; i < 3 * N_MAX * 16; i++) records[0][i] = sinf((float)i);
     for (int i = 0; i <= CALLS; i++) {
         float a = 0.1f * (float)i, b = 0.3f * sinf((float)i), ca = cosf(a), sa = sinf(a),
               cb = cosf(b), sb = sinf(b);
         const float f[9] = {ca * cb, sa * cb, -sb, -sa, ca, 0.0f, ca * sb, sa * sb, cb};
-        for (int k = 0; k < 9; k++) frames[i][k] = f[k];
+        for (int k = 0; k < 9; k++) frames[i][k] = matrices[k][i % 16] = f[k];
     }
 }
 

@@ -130,6 +130,21 @@ RSH_API bool rsh_align(rsh_basis basis, int order, int channels, const float fro
 RSH_API bool rsh_align_transposed(rsh_basis basis, int order, int channels, const float from[9],
                                   const float to[9], float beta_limit, const float *in, float *out);
 
+// The same for `count` records at once, as structures of arrays: coefficient k of channel c of
+// record i is in[(c * n * n + k) * count + i], entry e of its matrix or frame is r[e][i]. out == in
+// is allowed. A record's result does not depend on the others. Blocks of 16 to 64 records stay in
+// the first cache. A matrix or a frame with a NaN or an infinity: false, nothing is written.
+RSH_API bool rsh_rotate_many(int order, int channels, size_t count, const float *const r[9],
+                             const float *in, float *out);
+RSH_API bool rsh_rotate_taylor_many(rsh_taylor kind, int order, int channels, size_t count,
+                                    const float *const r[9], const float *in, float *out);
+RSH_API bool rsh_align_many(rsh_basis basis, int order, int channels, size_t count,
+                            const float *const from[9], const float *const to[9], float beta_limit,
+                            const float *in, float *out);
+RSH_API bool rsh_align_transposed_many(rsh_basis basis, int order, int channels, size_t count,
+                                       const float *const from[9], const float *const to[9],
+                                       float beta_limit, const float *in, float *out);
+
 // Hemispherical harmonics are not closed under rotation: what rises above the horizon was never
 // seen. `extend` continues a function over the whole sphere, as spherical harmonics of order
 // rsh_sphere_order(n) = n + 2 (at most 16), close to its mirror image below the horizon; those

@@ -66,20 +66,10 @@ static void turn_through_sphere(const struct rsh_turn *t, bool transposed, int o
     }
 }
 
-// cos beta' = 2 cos beta - 1, with 1 - cos beta computed without cancellation; from 90 degrees on
-// beta' stays at its end, pi.
-static void stretch_angle(struct rsh_turn *t) {
-    float lift =
-        t->cos_beta > 0.0f ? 2.0f * t->sin_beta * t->sin_beta / (1.0f + t->cos_beta) : 2.0f;
-    lift = fminf(lift, 2.0f);
-    t->cos_beta = 1.0f - lift;
-    t->sin_beta = sqrtf(lift * (2.0f - lift));
-}
-
 bool rsh_rotate_stretched(int order, int channels, const float r[9], const float *in, float *out) {
     if (!rsh_order_ok(order) || !rsh_all_finite(r, 9)) return false;
     struct rsh_turn t = rsh_turn_of_matrix(r);
-    if (t.method == RSH_METHOD_EXACT) stretch_angle(&t);
+    if (t.method == RSH_METHOD_EXACT) rsh_turn_stretch(&t);
     rsh_kernels_best()->turn(&t, order, channels, in, out);
     return true;
 }
@@ -117,7 +107,7 @@ static bool align(bool transposed, rsh_basis basis, int order, int channels, con
             turn_through_sphere(&t, transposed, order, channels, in, out);
             return true;
         }
-        if (basis == RSH_HEMISPHERE) stretch_angle(&t);
+        if (basis == RSH_HEMISPHERE) rsh_turn_stretch(&t);
         if (fast) {
             t.method = RSH_METHOD_TAYLOR_2;
             t.beta = atan2f(t.sin_beta, t.cos_beta);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The hot functions in vectors of the native width, one source for every instruction set: the
-// build defines RSH_WIDTH, the lanes of a vector, and RSH_NAME, the table's suffix.
+// The hot functions in vectors of the native width, one source for every instruction set.
 //
 // Evaluation and projection handle RSH_WIDTH directions per vector. The Legendre functions are kept
 // monic, so a step of their recurrence is a product and a fused multiply-add, and the
@@ -9,49 +8,13 @@
 #include "rsh/rsh_kernel.h"
 
 #include <math.h>
-#include <string.h>
 
+#include "rsh/rsh_batch.h"
 #include "rsh/rsh_tables.h"
 #include "rsh/rsh_turn.h"
+#include "rsh/rsh_vector.h"
 
-#define GLUE2(a, b) a##b
-#define GLUE(a, b) GLUE2(a, b)
-#define TEXT2(a) #a
-#define TEXT(a) TEXT2(a)
-#define INLINE static inline __attribute__((always_inline))
-
-enum { W = RSH_WIDTH, RUN = 4 };
-
-typedef float vf __attribute__((vector_size(4 * RSH_WIDTH)));
-
-INLINE vf load(const float *p) {
-    vf v;
-    memcpy(&v, p, sizeof v);
-    return v;
-}
-
-INLINE void store(float *p, vf v) { memcpy(p, &v, sizeof v); }
-
-INLINE vf splat(float x) { return x - (vf){0}; }
-
-// Halves are added lane by lane: the order depends on the width alone.
-INLINE float sum_lanes(vf v) {
-#if RSH_WIDTH == 16
-    typedef float eight __attribute__((vector_size(32)));
-    eight v8 = __builtin_shufflevector(v, v, 0, 1, 2, 3, 4, 5, 6, 7) +
-               __builtin_shufflevector(v, v, 8, 9, 10, 11, 12, 13, 14, 15);
-#elif RSH_WIDTH == 8
-    vf v8 = v;
-#endif
-#if RSH_WIDTH >= 8
-    typedef float four __attribute__((vector_size(16)));
-    four v4 =
-        __builtin_shufflevector(v8, v8, 0, 1, 2, 3) + __builtin_shufflevector(v8, v8, 4, 5, 6, 7);
-#else
-    vf v4 = v;
-#endif
-    return (v4[0] + v4[2]) + (v4[1] + v4[3]);
-}
+enum { RUN = 4 };
 
 struct directions {
     vf x, y, z;
@@ -298,4 +261,8 @@ const struct rsh_kernels GLUE(rsh_kernels_, RSH_NAME) = {
     .dot3 = kernel_dot3,
     .turn = GLUE(rsh_turn_, RSH_NAME),
     .convert = GLUE(rsh_convert_, RSH_NAME),
+    .width = W,
+    .angles = GLUE(rsh_angles_, RSH_NAME),
+    .turn_many = GLUE(rsh_turn_many_, RSH_NAME),
+    .convert_many = GLUE(rsh_convert_many_, RSH_NAME),
 };

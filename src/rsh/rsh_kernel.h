@@ -23,6 +23,22 @@ struct rsh_turn {
     float cos_alpha, sin_alpha, cos_beta, sin_beta, cos_gamma, sin_gamma;
 };
 
+// Records that a kernel takes at once, at most.
+enum { RSH_MAX_WIDTH = 16 };
+
+// The sine up to which an angle counts as 0. The entries of a product of two float matrices are no
+// better than this.
+#define RSH_NO_ANGLE 3e-7f
+
+// A rotation per record; the method is that of all and not RSH_METHOD_Z.
+struct rsh_turns {
+    enum rsh_method method;
+    float beta[RSH_MAX_WIDTH];
+    float cos_alpha[RSH_MAX_WIDTH], sin_alpha[RSH_MAX_WIDTH];
+    float cos_beta[RSH_MAX_WIDTH], sin_beta[RSH_MAX_WIDTH];
+    float cos_gamma[RSH_MAX_WIDTH], sin_gamma[RSH_MAX_WIDTH];
+};
+
 // What rsh.h says of rsh_eval_many, rsh_project and rsh_accumulate; `turn` applies a rotation to
 // each channel, out == in allowed.
 struct rsh_kernels {
@@ -40,6 +56,18 @@ struct rsh_kernels {
     // the rows' inputs; neither order is above what the rows have. out != in.
     void (*convert)(const struct rsh_rows *rows, bool transposed, const int bands[2],
                     const float *in, float *out);
+
+    // Records as structures of arrays, `width` at once: coefficient k of a channel of record i is
+    // [k * stride + i], and channels follow each other.
+    int width;
+    // The turns of the matrices r[entry][record]; with `stretch`, beta' in place of beta. The
+    // method is left to the caller.
+    void (*angles)(const float r[9][RSH_MAX_WIDTH], bool stretch, struct rsh_turns *t);
+    void (*turn_many)(const struct rsh_turns *t, int order, int channels, size_t stride,
+                      const float *in, float *out);
+    // `convert` for one channel with the strides of out and in.
+    void (*convert_many)(const struct rsh_rows *rows, bool transposed, const int bands[2],
+                         const size_t strides[2], const float *in, float *out);
 };
 
 extern const struct rsh_kernels rsh_kernels_plain;
@@ -60,6 +88,10 @@ static inline bool rsh_order_ok(int order) { return order >= 1 && order <= RSH_M
 struct rsh_turn rsh_turn_of_matrix(const float r[9]);
 // Whether it turns by nothing that floats can tell.
 bool rsh_turn_is_nothing(const struct rsh_turn *turn);
+// Replaces beta by beta' = arccos(2 cos beta - 1), but for the field `beta`.
+void rsh_turn_stretch(struct rsh_turn *turn);
+// False for a kind that there is not.
+bool rsh_method_of_taylor(rsh_taylor kind, enum rsh_method *method);
 bool rsh_all_finite(const float *v, int count);
 void rsh_copy(int order, int channels, const float *in, float *out);
 

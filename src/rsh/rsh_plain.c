@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The hot functions in plain C: the definition of each, which the vector forms are tested against.
+#include <math.h>
 #include <string.h>
 
 #include "rsh/rsh_kernel.h"
@@ -80,8 +81,7 @@ static void turn_taylor(enum rsh_method method, float beta, int n, float *v) {
     const float *s = rsh_slope;
     for (int i = 0; i < n; i++)
         d1[i] = (i > 0 ? s[i] * v[i - 1] : 0.0f) - (i + 1 < n ? s[i + 1] * v[i + 1] : 0.0f);
-    for (int i = 0; i < n && method == RSH_METHOD_TAYLOR_1_5; i++)
-        d2[i] = -(s[i] * s[i] + (i + 1 < n ? s[i + 1] * s[i + 1] : 0.0f)) * v[i];
+    for (int i = 0; i < n && method == RSH_METHOD_TAYLOR_1_5; i++) d2[i] = rsh_curve[i] * v[i];
     for (int i = 0; i < n && method == RSH_METHOD_TAYLOR_2; i++)
         d2[i] = (i > 0 ? s[i] * d1[i - 1] : 0.0f) - (i + 1 < n ? s[i + 1] * d1[i + 1] : 0.0f);
     for (int i = 0; i < n; i++) v[i] += beta * d1[i] + 0.5f * beta * beta * d2[i];
@@ -124,6 +124,38 @@ void rsh_plain_convert(const struct rsh_rows *rows, bool transposed, const int b
         }
 }
 
+static void plain_angles(const float r[9][RSH_MAX_WIDTH], bool stretch, struct rsh_turns *t) {
+    float one[9];
+    for (int e = 0; e < 9; e++) one[e] = r[e][0];
+    struct rsh_turn turn = rsh_turn_of_matrix(one);
+    if (stretch) rsh_turn_stretch(&turn);
+    t->beta[0] = atan2f(turn.sin_beta, turn.cos_beta);
+    t->cos_alpha[0] = turn.cos_alpha, t->sin_alpha[0] = turn.sin_alpha;
+    t->cos_beta[0] = turn.cos_beta, t->sin_beta[0] = turn.sin_beta;
+    t->cos_gamma[0] = turn.cos_gamma, t->sin_gamma[0] = turn.sin_gamma;
+}
+
+static void plain_turn_many(const struct rsh_turns *t, int order, int channels, size_t stride,
+                            const float *in, float *out) {
+    const struct rsh_turn turn = {t->method,      t->beta[0],     t->cos_alpha[0], t->sin_alpha[0],
+                                  t->cos_beta[0], t->sin_beta[0], t->cos_gamma[0], t->sin_gamma[0]};
+    size_t n = (size_t)(order * order);
+    for (int c = 0; c < channels; c++, in += n * stride, out += n * stride) {
+        float v[RSH_MAX_COEFFICIENTS];
+        for (size_t k = 0; k < n; k++) v[k] = in[k * stride];
+        rsh_plain_turn(&turn, order, 1, v, v);
+        for (size_t k = 0; k < n; k++) out[k * stride] = v[k];
+    }
+}
+
+static void plain_convert_many(const struct rsh_rows *rows, bool transposed, const int bands[2],
+                               const size_t strides[2], const float *in, float *out) {
+    float from[RSH_MAX_COEFFICIENTS], to[RSH_MAX_COEFFICIENTS];
+    for (int k = 0; k < bands[1] * bands[1]; k++) from[k] = in[(size_t)k * strides[1]];
+    rsh_plain_convert(rows, transposed, bands, from, to);
+    for (int k = 0; k < bands[0] * bands[0]; k++) out[(size_t)k * strides[0]] = to[k];
+}
+
 const struct rsh_kernels rsh_kernels_plain = {
     .name = "plain",
     .eval_many = plain_eval_many,
@@ -132,4 +164,8 @@ const struct rsh_kernels rsh_kernels_plain = {
     .dot3 = plain_dot3,
     .turn = rsh_plain_turn,
     .convert = rsh_plain_convert,
+    .width = 1,
+    .angles = plain_angles,
+    .turn_many = plain_turn_many,
+    .convert_many = plain_convert_many,
 };

@@ -6,10 +6,6 @@
 
 #include "rsh/rsh_kernel.h"
 
-// The sine up to which an angle counts as 0. The entries of a product of two float matrices are no
-// better than this.
-#define RSH_NO_ANGLE 3e-7f
-
 bool rsh_all_finite(const float *v, int count) {
     float sum = 0.0f;
     for (int i = 0; i < count; i++) sum += v[i] * 0.0f;
@@ -43,8 +39,26 @@ struct rsh_turn rsh_turn_of_matrix(const float r[9]) {
     return t;
 }
 
+// cos beta' = 2 cos beta - 1, with 1 - cos beta computed without cancellation; from 90 degrees on
+// beta' stays at its end, pi.
+void rsh_turn_stretch(struct rsh_turn *t) {
+    float lift =
+        t->cos_beta > 0.0f ? 2.0f * t->sin_beta * t->sin_beta / (1.0f + t->cos_beta) : 2.0f;
+    lift = fminf(lift, 2.0f);
+    t->cos_beta = 1.0f - lift;
+    t->sin_beta = sqrtf(lift * (2.0f - lift));
+}
+
 bool rsh_turn_is_nothing(const struct rsh_turn *t) {
     return t->method == RSH_METHOD_Z && t->cos_gamma > 0.0f && fabsf(t->sin_gamma) <= RSH_NO_ANGLE;
+}
+
+bool rsh_method_of_taylor(rsh_taylor kind, enum rsh_method *method) {
+    static const enum rsh_method methods[] = {RSH_METHOD_TAYLOR_1, RSH_METHOD_TAYLOR_1_5,
+                                              RSH_METHOD_TAYLOR_2};
+    if ((unsigned)kind >= sizeof methods / sizeof *methods) return false;
+    *method = methods[kind];
+    return true;
 }
 
 bool rsh_rotate_z(int order, int channels, float angle, const float *in, float *out) {
@@ -73,11 +87,10 @@ bool rsh_rotate_y(int order, int channels, float angle, const float *in, float *
 
 bool rsh_rotate_y_taylor(rsh_taylor kind, int order, int channels, float angle, const float *in,
                          float *out) {
-    if (!rsh_order_ok(order) || !isfinite(angle)) return false;
-    static const enum rsh_method method[] = {RSH_METHOD_TAYLOR_1, RSH_METHOD_TAYLOR_1_5,
-                                             RSH_METHOD_TAYLOR_2};
-    if ((unsigned)kind >= sizeof method / sizeof *method) return false;
-    struct rsh_turn t = turn_about_y(method[kind], angle);
+    enum rsh_method method;
+    if (!rsh_order_ok(order) || !isfinite(angle) || !rsh_method_of_taylor(kind, &method))
+        return false;
+    struct rsh_turn t = turn_about_y(method, angle);
     rsh_kernels_best()->turn(&t, order, channels, in, out);
     return true;
 }

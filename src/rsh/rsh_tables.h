@@ -15,7 +15,10 @@ extern const float rsh_recurrence[RSH_MAX_ORDER * RSH_MAX_ORDER];
 
 // D, the derivative of the rotation about y at angle 0, is antisymmetric and couples neighbours
 // only: entry (i, i - 1) is rsh_slope[i], and 0 between bands [K05 C; errata 4].
-extern const float rsh_slope[RSH_MAX_COEFFICIENTS + 1];
+extern const float rsh_slope[RSH_MAX_COEFFICIENTS + 2];
+
+// The diagonal of D^2.
+extern const float rsh_curve[RSH_MAX_COEFFICIENTS];
 
 // The exchange of y and z, a symmetric orthogonal matrix per band, rows and columns m = -l .. l;
 // band l begins at l (2 l - 1) (2 l + 1) / 3. Three of four entries vanish by parity.

@@ -38,6 +38,12 @@ def slope(l, m):
     return math.copysign(math.sqrt((l - m + 1) * (l + m)) / 2, m)
 
 
+def curve(l, m):
+    """Entry (m, m) of the second derivative."""
+    above = slope(l, m + 1) if m < l else 0.0
+    return -(slope(l, m) ** 2 + above**2)
+
+
 def wigner_quarter(l, a, b):
     """Wigner's d^l_ab(pi / 2): a sum of integers, so exact but for its factor."""
     f = math.factorial
@@ -137,7 +143,9 @@ def plain_tables(w):
     w.array("float", "rsh_recurrence[RSH_MAX_ORDER * RSH_MAX_ORDER]",
             [recurrence(l, m) for l, m in grid])
     flat = [(l, m) for l in range(ORDER) for m in range(-l, l + 1)]
-    w.array("float", "rsh_slope[RSH_MAX_COEFFICIENTS + 1]", [slope(l, m) for l, m in flat] + [0.0])
+    w.array("float", "rsh_slope[RSH_MAX_COEFFICIENTS + 2]",
+            [slope(l, m) for l, m in flat] + [0.0, 0.0])
+    w.array("float", "rsh_curve[RSH_MAX_COEFFICIENTS]", [curve(l, m) for l, m in flat])
     w.array("float", "rsh_swap[]", [swap(l, a, b) for l in range(ORDER)
                                     for a in range(-l, l + 1) for b in range(-l, l + 1)])
 

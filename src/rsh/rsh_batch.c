@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rotation of RSH_WIDTH records at once, a record per lane, one source for every instruction set.
+//
+// Nothing is permuted here: bands are taken one by one, three channels share the angles and the
+// constants. A rotation about z costs four operations per pair (m, -m), the exchange of y and z one
+// fused multiply-add per entry that parity leaves, the series three to five per coefficient.
+#include "rsh/rsh_batch.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "rsh/rsh_vector.h"
+
+// Pairs of rows summed at once for three channels and for one; their sums stay in registers.
+enum { SIZE = 2 * RSH_MAX_ORDER - 1, CHANNELS = 3 };
+enum { PAIRS_OF_THREE = RSH_WIDTH == 16 ? 3 : 2, PAIRS_OF_ONE = 4 };
+
+// cos(m a) and sin(m a), a record per lane.
+struct powers {
+    vf cosine[RSH_MAX_ORDER], sine[RSH_MAX_ORDER];
+};
+
+struct turns {
+    struct powers alpha, beta, gamma;
+};
+
+// A band of one vector of records: coefficient (l, m) of channel c is at p + m step + c channel.
+struct band {
+    float *p;
+    ptrdiff_t step, channel;
+};
+
+INLINE void powers_of(const float *cosine, const float *sine, int order, struct powers *p) {
+    vf c1 = load(cosine), s1 = load(sine), c = splat(1.0f), s = {0};
+    for (int m = 0; m < order; m++) {
+        p->cosine[m] = c;
+        p->sine[m] = s;
+        vf t = c * c1 - s * s1;
+        s = c * s1 + s * c1;
+        c = t;
+    }
+}
+
+// The pair (m, -m) of all channels, turned about z.
+INLINE void load_pair(struct band b, int channels, const struct powers *p, int m, vf *plus,
+                      vf *minus) {
+    vf cosine = p->cosine[m], sine = p->sine[m];
+    for (int c = 0; c < channels; c++) {
+        const float *in = b.p + c * b.channel;
+        vf u = load(in + m * b.step), v = load(in - m * b.step);
+        plus[c] = cosine * u - sine * v;
+        minus[c] = sine * u + cosine * v;
+    }
+}
+
+INLINE void store_pair(struct band b, int channels, const struct powers *p, int m, const vf *plus,
+                       const vf *minus) {
+    vf cosine = p->cosine[m], sine = p->sine[m];
+    for (int c = 0; c < channels; c++) {
+        float *out = b.p + c * b.channel;
+        store(out + m * b.step, cosine * plus[c] - sine * minus[c]);
+        store(out - m * b.step, sine * plus[c] + cosine * minus[c]);
+    }
+}
+
+// The part of an exchange of y and z that rows of one sign and one parity take: every second column
+// of one sign, from the first on.
+struct side {
+    const float *matrix;  // the first entry that row 0 of the band would have
+    const vf *in;         // the first coefficient, its channels side by side
+    int columns;
+};
+
+// All rows m of one parity, and the turn about z that follows.
+struct exchange {
+    int l;
+    struct side plus, minus;
+    const struct powers *p;
+    struct band out;
+};
+
+INLINE struct side side_of(int l, int channels, int m, const vf *in) {
+    int size = 2 * l + 1, below = m < 0;
+    bool negative = (l + m) & 1;
+    int first = negative ? below : l + ((l + below) & 1), end = negative ? l : size;
+    const float *matrix = rsh_swap + l * (2 * l - 1) * (2 * l + 1) / 3 + l * size;
+    return (struct side){matrix + first, in + first * channels, (end - first + 1) / 2};
+}
+
+// sum[r] = row m + r step of the exchange. No row is empty for l > 0.
+INLINE void exchange_rows(int rows, int channels, int l, const struct side *side, int m, int step,
+                          vf (*sum)[CHANNELS]) {
+    const ptrdiff_t size = 2 * l + 1, row = step * size;
+    const float *matrix = side->matrix + m * size;
+    const vf *in = side->in;
+    for (int r = 0; r < rows; r++)
+        for (int c = 0; c < channels; c++) sum[r][c] = (vf){0};
+    int left = side->columns;
+    do {
+        vf v[CHANNELS];
+        for (int c = 0; c < channels; c++) {
+            v[c] = in[c];
+            if (rows > 1) RSH_KEEP(v[c]);
+        }
+        for (int r = 0; r < rows; r++) {
+            vf f = splat(matrix[r * row]);
+            for (int c = 0; c < channels; c++) sum[r][c] += f * v[c];
+        }
+        matrix += 2;
+        in += 2 * channels;
+    } while (--left > 0);
+}
+
+// Rows m, m + 2 ... of `pairs` pairs, turned about z.
+INLINE void exchange_pairs(int pairs, int channels, const struct exchange *e, int m) {
+    vf plus[PAIRS_OF_ONE][CHANNELS], minus[PAIRS_OF_ONE][CHANNELS];
+    exchange_rows(pairs, channels, e->l, &e->plus, m, 2, plus);
+    exchange_rows(pairs, channels, e->l, &e->minus, -m, -2, minus);
+    for (int r = 0; r < pairs; r++)
+        store_pair(e->out, channels, e->p, m + 2 * r, plus[r], minus[r]);
+}
+
+// A function of its own per shape: inlined together they leave too few registers.
+#define SHAPE(name, pairs, channels)                                                         \
+    static __attribute__((noinline)) void exchange_##name(const struct exchange *e, int m) { \
+        exchange_pairs(pairs, channels, e, m);                                               \
+    }
+SHAPE(one_1, 1, 1)
+SHAPE(one_2, 2, 1)
+SHAPE(one_3, 3, 1)
+SHAPE(one_4, 4, 1)
+SHAPE(three_1, 1, 3)
+SHAPE(three_2, 2, 3)
+SHAPE(three_most, PAIRS_OF_THREE, 3)
+#undef SHAPE
+
+INLINE void exchange_some(int pairs, int channels, const struct exchange *e, int m) {
+    if (pairs == 1)
+        channels == 1 ? exchange_one_1(e, m) : exchange_three_1(e, m);
+    else if (pairs == 2)
+        channels == 1 ? exchange_one_2(e, m) : exchange_three_2(e, m);
+    else if (channels > 1)
+        exchange_three_most(e, m);
+    else
+        pairs == 3 ? exchange_one_3(e, m) : exchange_one_4(e, m);
+}
+
+// Exchanges y and z, then turns about z.
+INLINE void exchange(int l, int channels, const struct powers *p, const vf *in, struct band out) {
+    const int most = channels == 1 ? PAIRS_OF_ONE : PAIRS_OF_THREE;
+    for (int first = 1; first >= 0; first--) {
+        struct exchange e = {l, side_of(l, channels, first, in), side_of(l, channels, -first, in),
+                             p, out};
+        int m = first;
+        if (m == 0) {
+            vf row[1][CHANNELS];
+            exchange_rows(1, channels, l, &e.plus, 0, 0, row);
+            for (int c = 0; c < channels; c++) store(out.p + c * out.channel, row[0][c]);
+            m = 2;
+            e.minus = side_of(l, channels, -2, in);
+        }
+        while (m <= l) {
+            int left = (l - m) / 2 + 1;
+            // What is over the most goes in two halves: few sums at once wait for each other.
+            int pairs = left <= most ? left : left < 2 * most ? (left + 1) / 2 : most;
+            exchange_some(pairs, channels, &e, m);
+            m += 2 * pairs;
+        }
+    }
+}
+
+INLINE void exact_band(int l, int channels, const struct turns *t, struct band in,
+                       struct band out) {
+    vf v[SIZE * CHANNELS], u[SIZE * CHANNELS];
+    for (int c = 0; c < channels; c++) v[l * channels + c] = load(in.p + c * in.channel);
+    for (int m = 1; m <= l; m++)
+        load_pair(in, channels, &t->gamma, m, v + (l + m) * channels, v + (l - m) * channels);
+    struct band between = {(float *)(u + l * channels), channels * W, W};
+    exchange(l, channels, &t->beta, v, between);
+    exchange(l, channels, &t->alpha, u, out);
+}
+
+// Row m of the series about y. D is antisymmetric and D(-m, -m - 1) = -D(m + 1, m), so the row of
+// -m has the factors of that of m; where it would reach m = 0, its window has 0.
+struct factors {
+    vf down, own, up, down2, up2;
+};
+
+// `reach` 1 without and 2 with the entries two off the diagonal; at[2] is coefficient m.
+INLINE void series_row(int reach, int channels, const struct factors *f, vf (*at)[CHANNELS],
+                       vf *out) {
+    for (int c = 0; c < channels; c++) {
+        out[c] = f->own * at[2][c] + f->down * at[1][c] - f->up * at[3][c];
+        if (reach == 2) out[c] += f->down2 * at[0][c] + f->up2 * at[4][c];
+    }
+}
+
+// A window of five coefficients of each sign moves along the band.
+INLINE void series_band(int reach, int l, int channels, const struct turns *t, vf beta, vf half,
+                        struct band in, struct band out) {
+    const float *slope = rsh_slope + l * (l + 1), *curve = rsh_curve + l * (l + 1);
+    vf plus[5][CHANNELS], minus[5][CHANNELS], a[CHANNELS], b[CHANNELS];
+    for (int k = 0; k < 5; k++)
+        for (int c = 0; c < channels; c++) plus[k][c] = minus[k][c] = (vf){0};
+    for (int c = 0; c < channels; c++) plus[2][c] = load(in.p + c * in.channel);
+    for (int m = 1; m <= reach && m <= l; m++)
+        load_pair(in, channels, &t->gamma, m, plus[2 + m], minus[2 + m]);
+    struct factors f = {.up = slope[1] * beta};
+    for (int m = 0; m <= l; m++) {
+        // Beyond l the slope counts as 0; the table has the next band's there.
+        float next = m + 1 < l ? slope[m + 1] * slope[m + 2] : 0.0f;
+        f.own = 1.0f + curve[m] * half;
+        if (reach == 2) {
+            f.down2 = m > 1 ? slope[m] * slope[m - 1] * half : (vf){0};
+            f.up2 = next * half;
+        }
+        series_row(reach, channels, &f, plus, a);
+        if (m == 0) {
+            for (int c = 0; c < channels; c++) store(out.p + c * out.channel, a[c]);
+        } else {
+            if (m == 1) f.own = 1.0f + curve[-1] * half;
+            series_row(reach, channels, &f, minus, b);
+            store_pair(out, channels, &t->alpha, m, a, b);
+        }
+        for (int k = 0; k < 2 + reach; k++)
+            for (int c = 0; c < channels; c++) {
+                plus[k][c] = plus[k + 1][c];
+                minus[k][c] = m == 0 && k == 1 ? (vf){0} : minus[k + 1][c];
+            }
+        f.down = f.up;
+        f.up = m + 2 <= l ? slope[m + 2] * beta : (vf){0};
+        if (m + 1 + reach <= l)
+            load_pair(in, channels, &t->gamma, m + 1 + reach, plus[2 + reach], minus[2 + reach]);
+    }
+}
+
+INLINE void turn_bands(const struct rsh_turns *angles, const struct turns *t, int order,
+                       int channels, size_t stride, const float *in, float *out) {
+    vf beta = load(angles->beta), half = {0};
+    if (angles->method != RSH_METHOD_TAYLOR_1) half = 0.5f * beta * beta;
+    ptrdiff_t step = (ptrdiff_t)stride, channel = order * order * step;
+    for (int c = 0; c < channels; c++) store(out + c * channel, load(in + c * channel));
+    for (int l = 1; l < order; l++) {
+        // `in` is only read.
+        const struct band from = {(float *)(uintptr_t)in + l * (l + 1) * step, step, channel};
+        const struct band to = {out + l * (l + 1) * step, step, channel};
+        if (angles->method == RSH_METHOD_EXACT)
+            exact_band(l, channels, t, from, to);
+        else if (angles->method == RSH_METHOD_TAYLOR_2)
+            series_band(2, l, channels, t, beta, half, from, to);
+        else
+            series_band(1, l, channels, t, beta, half, from, to);
+    }
+}
+
+void GLUE(rsh_turn_many_, RSH_NAME)(const struct rsh_turns *angles, int order, int channels,
+                                    size_t stride, const float *in, float *out) {
+    struct turns t;
+    size_t n = (size_t)(order * order) * stride;
+    powers_of(angles->cos_gamma, angles->sin_gamma, order, &t.gamma);
+    powers_of(angles->cos_alpha, angles->sin_alpha, order, &t.alpha);
+    if (angles->method == RSH_METHOD_EXACT) {
+        // The exchange turns the sense round: y by beta is z by -beta between two exchanges.
+        powers_of(angles->cos_beta, angles->sin_beta, order, &t.beta);
+        for (int m = 0; m < order; m++) t.beta.sine[m] = -t.beta.sine[m];
+    }
+    for (; channels >= CHANNELS; channels -= CHANNELS, in += CHANNELS * n, out += CHANNELS * n)
+        turn_bands(angles, &t, order, CHANNELS, stride, in, out);
+    for (; channels > 0; channels--, in += n, out += n)
+        turn_bands(angles, &t, order, 1, stride, in, out);
+}

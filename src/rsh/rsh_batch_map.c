@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// What goes around the rotation of many records: the angles of their matrices, and the conversion
+// between hemisphere and sphere, a record per lane.
+#include <math.h>
+#include <stddef.h>
+
+#include "rsh/rsh_batch.h"
+#include "rsh/rsh_vector.h"
+
+// Choices below are between values, never branches, so that the loops over lanes become vectors.
+INLINE float choose(bool yes, float a, float b) { return yes ? a : b; }
+
+// atan2(s, c) for s >= 0, s^2 + c^2 = 1: the series of 8 atan(tan(angle / 8)), whose argument is at
+// most .42; the first term left out is below the rounding of floats.
+INLINE float angle_of(float s, float c) {
+    float lift = 1.0f + c, half = s / choose(lift > 1e-12f, lift, 1e-12f);
+    float quarter = half / (1.0f + sqrtf(1.0f + half * half));
+    float t = quarter / (1.0f + sqrtf(1.0f + quarter * quarter)), u = t * t;
+    float sum = 1.0f / 13.0f - u * (1.0f / 15.0f);
+    sum = 1.0f / 11.0f - u * sum;
+    sum = 1.0f / 9.0f - u * sum;
+    sum = 1.0f / 7.0f - u * sum;
+    sum = 1.0f / 5.0f - u * sum;
+    sum = 1.0f / 3.0f - u * sum;
+    return 8.0f * t * (1.0f - u * sum);
+}
+
+// What rsh_turn_of_matrix does; where there is no turn about y, beta is 0.
+void GLUE(rsh_angles_, RSH_NAME)(const float matrices[9][RSH_MAX_WIDTH], bool stretch,
+                                 struct rsh_turns *t) {
+    float r[9][W], ca[W], sa[W], cb[W], sb[W], cg[W], sg[W], beta[W];
+    for (int e = 0; e < 9; e++) memcpy(r[e], matrices[e], sizeof r[e]);
+    for (int i = 0; i < W; i++) {
+        float s2 = r[2][i] * r[2][i] + r[5][i] * r[5][i], s = sqrtf(s2);
+        float length = sqrtf(s2 + r[8][i] * r[8][i]);
+        s = choose(s > RSH_NO_ANGLE, s, 0.0f);
+        float inverse = 1.0f / choose(s > 0.0f, s, 1.0f);
+        float unit = 1.0f / choose(length > 0.0f, length, 1.0f);
+        ca[i] = choose(s > 0.0f, r[2][i] * inverse, 1.0f);
+        sa[i] = choose(s > 0.0f, r[5][i] * inverse, 0.0f);
+        sb[i] = s * unit;
+        cb[i] = choose(s > 0.0f, r[8][i] * unit, choose(r[8][i] < 0.0f, -1.0f, 1.0f));
+        float sine = ca[i] * r[3][i] - sa[i] * r[0][i], cosine = ca[i] * r[4][i] - sa[i] * r[1][i];
+        length = sqrtf(sine * sine + cosine * cosine);
+        unit = 1.0f / choose(length > 0.0f, length, 1.0f);
+        sg[i] = sine * unit;
+        cg[i] = choose(length > 0.0f, cosine * unit, 1.0f);
+    }
+    for (int i = 0; i < W && stretch; i++) {
+        float above = choose(cb[i] > 0.0f, cb[i], 0.0f),
+              lift = 2.0f * sb[i] * sb[i] / (1.0f + above);
+        lift = choose(cb[i] > 0.0f && lift < 2.0f, lift, 2.0f);
+        cb[i] = 1.0f - lift;
+        sb[i] = sqrtf(lift * (2.0f - lift));
+    }
+    for (int i = 0; i < W; i++) beta[i] = angle_of(sb[i], cb[i]);
+    memcpy(t->cos_alpha, ca, sizeof ca);
+    memcpy(t->sin_alpha, sa, sizeof sa);
+    memcpy(t->cos_beta, cb, sizeof cb);
+    memcpy(t->sin_beta, sb, sizeof sb);
+    memcpy(t->cos_gamma, cg, sizeof cg);
+    memcpy(t->sin_gamma, sg, sizeof sg);
+    memcpy(t->beta, beta, sizeof beta);
+}
+
+// The rows (o, +-m) of a conversion, for the outputs o from m on and the inputs i from m on.
+struct map {
+    const float *factor;  // of output and input m
+    ptrdiff_t output, input;
+    int m, inputs;
+    const float *in;  // coefficient 0
+    float *out;
+    ptrdiff_t in_stride, out_stride;
+};
+
+// Outputs o .. o + block - 1, which share the loads of the inputs.
+INLINE void convert_rows(int block, const struct map *a, int o) {
+    vf plus[4], minus[4];
+    for (int k = 0; k < block; k++) plus[k] = minus[k] = (vf){0};
+    const float *f = a->factor + (o - a->m) * a->output;
+    int i = a->m;
+    do {
+        const float *in = a->in + i * (i + 1) * a->in_stride;
+        vf p = load(in + a->m * a->in_stride), q = load(in - a->m * a->in_stride);
+        RSH_KEEP(p);
+        RSH_KEEP(q);
+        for (int k = 0; k < block; k++) {
+            vf v = splat(f[k * a->output]);
+            plus[k] += v * p;
+            minus[k] += v * q;
+        }
+        f += a->input;
+    } while (++i < a->inputs);
+    for (int k = 0; k < block; k++) {
+        float *out = a->out + (o + k) * (o + k + 1) * a->out_stride;
+        store(out - a->m * a->out_stride, minus[k]);
+        store(out + a->m * a->out_stride, plus[k]);
+    }
+}
+
+static void clear_rows(const struct map *a, int outputs) {
+    for (int o = a->m; o < outputs; o++) {
+        float *out = a->out + o * (o + 1) * a->out_stride;
+        store(out - a->m * a->out_stride, (vf){0});
+        store(out + a->m * a->out_stride, (vf){0});
+    }
+}
+
+void GLUE(rsh_convert_many_, RSH_NAME)(const struct rsh_rows *rows, bool transposed,
+                                       const int bands[2], const size_t strides[2], const float *in,
+                                       float *out) {
+    struct map a = {.inputs = bands[1], .in = in, .out = out};
+    a.out_stride = (ptrdiff_t)strides[0];
+    a.in_stride = (ptrdiff_t)strides[1];
+    for (a.m = 0; a.m < bands[0]; a.m++) {
+        if (a.m >= bands[1]) {
+            clear_rows(&a, bands[0]);
+            continue;
+        }
+        int base = a.m < 8 ? 0 : 8, row = (rows->inputs - base) * 8;
+        a.factor = (a.m < 8 ? rows->low : rows->high) + (a.m - base) * (row + 8) + a.m % 8;
+        a.output = transposed ? 8 : row;
+        a.input = transposed ? row : 8;
+        int o = a.m;
+        for (; o + 4 <= bands[0]; o += 4) convert_rows(4, &a, o);
+        if (o + 3 == bands[0]) convert_rows(3, &a, o);
+        if (o + 2 == bands[0]) convert_rows(2, &a, o);
+        if (o + 1 == bands[0]) convert_rows(1, &a, o);
+    }
+}

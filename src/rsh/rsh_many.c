@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rotation and alignment of many records, given as structures of arrays. Records go to the kernels
+// in vectors of its width; what is left at the end is padded in scratch, so that each record's
+// result is the same wherever it stands.
+#include <stdint.h>
+#include <string.h>
+
+#include "rsh/rsh_kernel.h"
+
+// Channels turned at once, as many as the kernels share work between.
+enum { BLOCK = 3, SCRATCH = BLOCK * RSH_MAX_COEFFICIENTS * RSH_MAX_WIDTH };
+
+// What one call does to every record.
+struct job {
+    const struct rsh_kernels *kernels;
+    rsh_basis basis;
+    int order, channels;
+    enum rsh_method method;  // of every record; EXACT with beta_limit > 0: of those beyond it
+    float beta_limit;
+    bool transposed;
+};
+
+// A vector of records: `channels` up to BLOCK, records `stride` apart.
+struct part {
+    int channels;
+    size_t stride;
+    const float *in;
+    float *out;
+};
+
+static void turn_through_sphere(const struct job *j, const struct rsh_turns *t,
+                                const struct part *p) {
+    float sphere[SCRATCH];
+    const struct rsh_kernels *k = j->kernels;
+    int larger = rsh_sphere_order(j->order);
+    size_t width = (size_t)k->width, small = (size_t)(j->order * j->order) * p->stride;
+    size_t large = (size_t)(larger * larger) * width;
+    const struct rsh_rows *extension = &rsh_extension[j->order - 1];
+    const int up[2] = {larger, j->order}, down[2] = {j->order, larger};
+    const size_t to_sphere[2] = {width, p->stride}, back[2] = {p->stride, width};
+    for (int c = 0; c < p->channels; c++)
+        k->convert_many(j->transposed ? &rsh_restriction : extension, j->transposed, up, to_sphere,
+                        p->in + (size_t)c * small, sphere + (size_t)c * large);
+    k->turn_many(t, larger, p->channels, width, sphere, sphere);
+    for (int c = 0; c < p->channels; c++)
+        k->convert_many(j->transposed ? extension : &rsh_restriction, j->transposed, down, back,
+                        sphere + (size_t)c * large, p->out + (size_t)c * small);
+}
+
+static void turn_true(const struct job *j, const struct rsh_turns *t, const struct part *p) {
+    if (j->basis == RSH_HEMISPHERE)
+        turn_through_sphere(j, t, p);
+    else
+        j->kernels->turn_many(t, j->order, p->channels, p->stride, p->in, p->out);
+}
+
+// Both forms, and of each record the one that its angle asks for.
+static void turn_mixed(const struct job *j, const struct rsh_turns turns[2], const bool *fast,
+                       const struct part *p) {
+    float exact[SCRATCH];
+    size_t width = (size_t)j->kernels->width, n = (size_t)(j->order * j->order * p->channels);
+    float padded[SCRATCH];
+    for (size_t k = 0; k < n; k++)
+        memcpy(padded + k * width, p->in + k * p->stride, width * sizeof *padded);
+    turn_true(j, &turns[0], &(struct part){p->channels, width, padded, exact});
+    j->kernels->turn_many(&turns[1], j->order, p->channels, width, padded, padded);
+    for (size_t k = 0; k < n; k++)
+        for (size_t i = 0; i < width; i++)
+            p->out[k * p->stride + i] = fast[i] ? padded[k * width + i] : exact[k * width + i];
+}
+
+// One vector of records of all channels, with their matrices.
+static void turn_vector(const struct job *j, const float r[9][RSH_MAX_WIDTH], size_t stride,
+                        const float *in, float *out) {
+    struct rsh_turns turns[2];  // of the true and of the fast form
+    bool fast[RSH_MAX_WIDTH];
+    int width = j->kernels->width, count = 0;
+    j->kernels->angles(r, false, &turns[0]);
+    turns[0].method = j->method;
+    for (int i = 0; i < width; i++) count += fast[i] = turns[0].beta[i] <= j->beta_limit;
+    if (count) {
+        turns[1] = turns[0];
+        if (j->basis == RSH_HEMISPHERE) j->kernels->angles(r, true, &turns[1]);
+        turns[1].method = RSH_METHOD_TAYLOR_2;
+    }
+    size_t n = (size_t)(j->order * j->order) * stride;
+    for (int c = 0; c < j->channels; c += BLOCK, in += BLOCK * n, out += BLOCK * n) {
+        const struct part p = {j->channels - c < BLOCK ? j->channels - c : BLOCK, stride, in, out};
+        if (count == 0)
+            turn_true(j, &turns[0], &p);
+        else if (count == width)
+            j->kernels->turn_many(&turns[1], j->order, p.channels, stride, in, out);
+        else
+            turn_mixed(j, turns, fast, &p);
+    }
+}
+
+// The last records, fewer than a vector: `tail` of `count`, padded with what the first of them has.
+static void turn_tail(const struct job *j, const float r[9][RSH_MAX_WIDTH], size_t tail,
+                      size_t count, const float *in, float *out) {
+    float padded[SCRATCH];
+    size_t width = (size_t)j->kernels->width, n = (size_t)(j->order * j->order);
+    struct job one = *j;
+    for (int c = 0; c < j->channels;
+         c += BLOCK, in += BLOCK * n * count, out += BLOCK * n * count) {
+        one.channels = j->channels - c < BLOCK ? j->channels - c : BLOCK;
+        size_t rows = n * (size_t)one.channels;
+        for (size_t k = 0; k < rows; k++)
+            for (size_t i = 0; i < width; i++)
+                padded[k * width + i] = in[k * count + (i < tail ? i : 0)];
+        turn_vector(&one, r, width, padded, padded);
+        for (size_t k = 0; k < rows; k++)
+            memcpy(out + k * count, padded + k * width, tail * sizeof *out);
+    }
+}
+
+// The rotations of coordinates from frames a to frames b, or r = a itself where b is NULL, for the
+// records from `first` on, the first of them again in the lanes beyond `count`.
+static void load_rotations(const float *const a[9], const float *const *b, size_t first,
+                           size_t count, float r[9][RSH_MAX_WIDTH]) {
+    float f[18][RSH_MAX_WIDTH];
+    for (int e = 0; e < (b ? 18 : 9); e++) {
+        const float *from = (e < 9 ? a[e] : b[e - 9]) + first;
+        float *to = b ? f[e] : r[e];
+        for (size_t i = 0; i < RSH_MAX_WIDTH; i++) to[i] = from[i < count ? i : 0];
+    }
+    for (int e = 0; b && e < 9; e++) {
+        const float(*x)[RSH_MAX_WIDTH] = &f[9 + e / 3 * 3], (*y)[RSH_MAX_WIDTH] = &f[e % 3 * 3];
+        for (int i = 0; i < RSH_MAX_WIDTH; i++)
+            r[e][i] = x[0][i] * y[0][i] + x[1][i] * y[1][i] + x[2][i] * y[2][i];
+    }
+}
+
+static bool all_finite(const float *const a[9], size_t count) {
+    uint32_t bad = 0;
+    for (int e = 0; e < 9; e++)
+        for (size_t i = 0; i < count; i++) {
+            uint32_t bits;
+            memcpy(&bits, a[e] + i, sizeof bits);
+            bad |= (bits & 0x7f800000u) == 0x7f800000u;
+        }
+    return !bad;
+}
+
+static bool run(struct job *j, size_t count, const float *const a[9], const float *const *b,
+                const float *in, float *out) {
+    if (!rsh_order_ok(j->order) || !all_finite(a, count) || (b && !all_finite(b, count)))
+        return false;
+    j->kernels = rsh_kernels_best();
+    size_t width = (size_t)j->kernels->width;
+    for (size_t i = 0; i < count; i += width) {
+        float r[9][RSH_MAX_WIDTH];
+        size_t left = count - i < width ? count - i : width;
+        load_rotations(a, b, i, left, r);
+        if (left == width)
+            turn_vector(j, r, count, in + i, out + i);
+        else
+            turn_tail(j, r, left, count, in + i, out + i);
+    }
+    return true;
+}
+
+bool rsh_rotate_many(int order, int channels, size_t count, const float *const r[9],
+                     const float *in, float *out) {
+    struct job j = {.order = order, .channels = channels, .method = RSH_METHOD_EXACT};
+    j.beta_limit = -1.0f;
+    return run(&j, count, r, NULL, in, out);
+}
+
+bool rsh_rotate_taylor_many(rsh_taylor kind, int order, int channels, size_t count,
+                            const float *const r[9], const float *in, float *out) {
+    struct job j = {.order = order, .channels = channels, .beta_limit = -1.0f};
+    return rsh_method_of_taylor(kind, &j.method) && run(&j, count, r, NULL, in, out);
+}
+
+// Without a limit only hemispherical records that agree in their normals take the fast form: they
+// are spared the way through the sphere.
+static struct job align_job(rsh_basis basis, int order, int channels, float beta_limit) {
+    struct job j = {.basis = basis, .order = order, .channels = channels};
+    j.method = RSH_METHOD_EXACT;
+    j.beta_limit = beta_limit > 0.0f ? beta_limit : basis == RSH_HEMISPHERE ? 0.0f : -1.0f;
+    return j;
+}
+
+bool rsh_align_many(rsh_basis basis, int order, int channels, size_t count,
+                    const float *const from[9], const float *const to[9], float beta_limit,
+                    const float *in, float *out) {
+    struct job j = align_job(basis, order, channels, beta_limit);
+    return run(&j, count, from, to, in, out);
+}
+
+bool rsh_align_transposed_many(rsh_basis basis, int order, int channels, size_t count,
+                               const float *const from[9], const float *const to[9],
+                               float beta_limit, const float *in, float *out) {
+    struct job j = align_job(basis, order, channels, beta_limit);
+    j.transposed = true;
+    return run(&j, count, to, from, in, out);
+}

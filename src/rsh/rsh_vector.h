@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// Vectors of the native width for the kernels: the build defines RSH_WIDTH, the lanes of a vector,
+// and RSH_NAME, the suffix of what a set defines.
+#ifndef RSH_VECTOR_H
+#define RSH_VECTOR_H
+
+#include <string.h>
+
+#ifndef RSH_WIDTH
+#define RSH_WIDTH 4
+#define RSH_NAME native
+#endif
+
+#define GLUE2(a, b) a##b
+#define GLUE(a, b) GLUE2(a, b)
+#define TEXT2(a) #a
+#define TEXT(a) TEXT2(a)
+#define INLINE static inline __attribute__((always_inline))
+
+enum { W = RSH_WIDTH };
+
+typedef float vf __attribute__((vector_size(4 * RSH_WIDTH)));
+
+INLINE vf load(const float *p) {
+    vf v;
+    memcpy(&v, p, sizeof v);
+    return v;
+}
+
+INLINE void store(float *p, vf v) { memcpy(p, &v, sizeof v); }
+
+INLINE vf splat(float x) { return x - (vf){0}; }
+
+// Keeps v in a register where the compiler would rather read memory at every use.
+#if defined(__x86_64__)
+#define RSH_KEEP(v) __asm__("" : "+v"(v))
+#else
+#define RSH_KEEP(v) (void)(v)
+#endif
+
+// Halves are added lane by lane: the order depends on the width alone.
+INLINE float sum_lanes(vf v) {
+#if RSH_WIDTH == 16
+    typedef float eight __attribute__((vector_size(32)));
+    eight v8 = __builtin_shufflevector(v, v, 0, 1, 2, 3, 4, 5, 6, 7) +
+               __builtin_shufflevector(v, v, 8, 9, 10, 11, 12, 13, 14, 15);
+#elif RSH_WIDTH == 8
+    vf v8 = v;
+#endif
+#if RSH_WIDTH >= 8
+    typedef float four __attribute__((vector_size(16)));
+    four v4 =
+        __builtin_shufflevector(v8, v8, 0, 1, 2, 3) + __builtin_shufflevector(v8, v8, 4, 5, 6, 7);
+#else
+    vf v4 = v;
+#endif
+    return (v4[0] + v4[2]) + (v4[1] + v4[3]);
+}
+
+#endif

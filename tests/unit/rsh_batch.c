@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+// The kernels that take many records at once, each against the single-record twin in plain C.
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "rsh/rsh.h"
+#include "rsh/rsh_kernel.h"
+#include "rsh_noise.h"
+
+enum { CHANNELS = 4, STRIDE = RSH_MAX_WIDTH + 3 };  // three together and one alone
+
+static float in[CHANNELS * MAX * STRIDE], out[CHANNELS * MAX * STRIDE];
+
+static struct rsh_turns random_turns(uint32_t *seed, enum rsh_method method) {
+    struct rsh_turns t = {.method = method};
+    for (int i = 0; i < RSH_MAX_WIDTH; i++) {
+        float a = 3 * noise(seed), c = 3 * noise(seed);
+        float b = method == RSH_METHOD_EXACT ? 3 * noise(seed) : 0.1f * noise(seed);
+        t.beta[i] = b;
+        t.cos_alpha[i] = cosf(a), t.sin_alpha[i] = sinf(a);
+        t.cos_beta[i] = cosf(b), t.sin_beta[i] = sinf(b);
+        t.cos_gamma[i] = cosf(c), t.sin_gamma[i] = sinf(c);
+    }
+    return t;
+}
+
+// Record i of a channel, strided, as a vector.
+static void take(const float *from, int n, int channel, int i, float *v) {
+    for (int k = 0; k < n; k++) v[k] = from[(channel * n + k) * STRIDE + i];
+}
+
+// As for the single record: 3e-6 of the vector's length.
+static void turns_equal_the_plain_twin(void **state) {
+    (void)state;
+    uint32_t seed = 11;
+    for (const struct rsh_kernels *const *k = rsh_kernels_usable(); *k; k++)
+        for (int order = 1; order <= RSH_MAX_ORDER; order++)
+            for (int method = RSH_METHOD_TAYLOR_1; method <= RSH_METHOD_EXACT; method++) {
+                int n = order * order;
+                struct rsh_turns t = random_turns(&seed, (enum rsh_method)method);
+                for (int j = 0; j < CHANNELS * n * STRIDE; j++) out[j] = in[j] = noise(&seed);
+                (*k)->turn_many(&t, order, CHANNELS, STRIDE, out, out);
+                for (int i = 0; i < STRIDE; i++)
+                    for (int c = 0; c < CHANNELS; c++) {
+                        float v[MAX], a[MAX], b[MAX];
+                        take(in, n, c, i, v);
+                        take(out, n, c, i, b);
+                        if (i >= (*k)->width) {
+                            assert_memory_equal(v, b, (size_t)n * sizeof *v);
+                            continue;
+                        }
+                        const struct rsh_turn one = {t.method,       t.beta[i],     t.cos_alpha[i],
+                                                     t.sin_alpha[i], t.cos_beta[i], t.sin_beta[i],
+                                                     t.cos_gamma[i], t.sin_gamma[i]};
+                        rsh_plain_turn(&one, order, 1, v, a);
+                        double length = sqrt((double)n / 3.0);
+                        assert_true(distance(n, a, b) < 3e-6 * length);
+                    }
+            }
+}
+
+static void converters_equal_the_plain_twin(void **state) {
+    (void)state;
+    uint32_t seed = 12;
+    for (const struct rsh_kernels *const *k = rsh_kernels_usable(); *k; k++)
+        for (int n = 1; n <= RSH_MAX_ORDER; n++)
+            for (int variant = 0; variant < 4; variant++) {
+                const struct rsh_rows *rows =
+                    variant & 1 ? &rsh_restriction : &rsh_extension[n - 1];
+                bool transposed = variant & 2, up = (variant & 1) == (variant >> 1);
+                int larger = rsh_sphere_order(n), bands[2] = {up ? larger : n, up ? n : larger};
+                const size_t strides[2] = {RSH_MAX_WIDTH, STRIDE};
+                for (int j = 0; j < MAX * STRIDE; j++) in[j] = noise(&seed);
+                (*k)->convert_many(rows, transposed, bands, strides, in, out);
+                for (int i = 0; i < (*k)->width; i++) {
+                    float v[MAX], a[MAX], b[MAX];
+                    take(in, bands[1] * bands[1], 0, i, v);
+                    rsh_plain_convert(rows, transposed, bands, v, a);
+                    for (int j = 0; j < bands[0] * bands[0]; j++) b[j] = out[j * RSH_MAX_WIDTH + i];
+                    assert_true(distance(bands[0] * bands[0], a, b) < 3e-5);
+                }
+            }
+}
+
+// The angles of rotations, of turns about z, upside down, and of what is no rotation.
+static void angles_equal_the_plain_twin(void **state) {
+    (void)state;
+    uint32_t seed = 13;
+    const float special[4][9] = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
+                                 {0, -1, 0, 1, 0, 0, 0, 0, 1},
+                                 {-1, 0, 0, 0, 1, 0, 0, 0, -1},
+                                 {0}};
+    for (const struct rsh_kernels *const *k = rsh_kernels_usable(); *k; k++)
+        for (int round = 0; round < 40; round++) {
+            float m[9][RSH_MAX_WIDTH], r[RSH_MAX_WIDTH][9];
+            struct rsh_turns t = {0};
+            for (int i = 0; i < RSH_MAX_WIDTH; i++) {
+                noise_rotation(&seed, r[i]);
+                if (i < 4 && round == 0) memcpy(r[i], special[i], sizeof r[i]);
+                for (int e = 0; e < 9; e++) m[e][i] = r[i][e];
+            }
+            bool stretch = round & 1;
+            (*k)->angles((const float(*)[RSH_MAX_WIDTH])m, stretch, &t);
+            for (int i = 0; i < (*k)->width; i++) {
+                struct rsh_turn one = rsh_turn_of_matrix(r[i]);
+                if (stretch && one.method == RSH_METHOD_EXACT) rsh_turn_stretch(&one);
+                assert_true(fabsf(t.cos_alpha[i] - one.cos_alpha) < 1e-6f);
+                assert_true(fabsf(t.sin_alpha[i] - one.sin_alpha) < 1e-6f);
+                assert_true(fabsf(t.cos_gamma[i] - one.cos_gamma) < 1e-6f);
+                assert_true(fabsf(t.sin_gamma[i] - one.sin_gamma) < 1e-6f);
+                assert_true(fabsf(t.cos_beta[i] - one.cos_beta) < 1e-6f);
+                assert_true(fabsf(t.sin_beta[i] - one.sin_beta) < 1e-5f);
+                float beta = atan2f(one.sin_beta, one.cos_beta);
+                assert_true(fabsf(t.beta[i] - beta) < 1e-5f || one.cos_beta < -0.99f);
+            }
+        }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(turns_equal_the_plain_twin),
+        cmocka_unit_test(converters_equal_the_plain_twin),
+        cmocka_unit_test(angles_equal_the_plain_twin),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
