@@ -1,99 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kd-tree of photons: the only file on FLANN. Photons are sorted along a Morton curve first, so
-// that neighbours are neighbours in memory too, and every 4th of them is an even choice.
-//
-// FLANN is used within what was found to hold: one exact tree (KDTREE_SINGLE, unlimited checks),
-// one core per call, no random seed (a seed resets a global generator at every call), distances
-// prefilled because rows beyond the data are left unwritten, queries that are not finite kept out.
+// The photon map. Photons are sorted along a Morton curve first, so that neighbours are neighbours
+// in memory too, and every 4th of them is an even choice.
 #include "photon/photon_map.h"
 
-#include <flann/flann.h>
-#include <limits.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/array.h"
-
-struct photon_index {
-    flann_index_t tree;
-    size_t rows;
-    int columns;
-};
-
-static struct FLANNParameters index_parameters(void) {
-    struct FLANNParameters p = DEFAULT_FLANN_PARAMETERS;
-    p.algorithm = FLANN_INDEX_KDTREE_SINGLE;
-    p.checks = FLANN_CHECKS_UNLIMITED;
-    p.eps = 0.0f;
-    p.sorted = 0;
-    p.max_neighbors = -1;
-    p.cores = 1;
-    p.leaf_max_size = 16;
-    p.target_precision = -1.0f;
-    p.log_level = FLANN_LOG_NONE;
-    p.random_seed = 0;
-    return p;
-}
-
-struct photon_index *photon_index_new(const float *data, size_t rows, int columns) {
-    if (rows == 0 || rows > INT_MAX) return NULL;
-    struct photon_index *index = malloc(sizeof *index);
-    if (!index) return NULL;
-    struct FLANNParameters p = index_parameters();
-    float speedup = 0.0f;
-    // The library takes the data as mutable but copies it in the order of its tree.
-    flann_index_t tree =
-        flann_build_index_float((float *)(uintptr_t)data, (int)rows, columns, &speedup, &p);
-    if (!tree) {
-        free(index);
-        return NULL;
-    }
-    *index = (struct photon_index){tree, rows, columns};
-    return index;
-}
-
-void photon_index_free(struct photon_index *index) {
-    if (!index) return;
-    struct FLANNParameters p = index_parameters();
-    flann_free_index_float(index->tree, &p);
-    free(index);
-}
-
-// Measured: a copy of the data and about 21 bytes of tree per row.
-size_t photon_index_bytes(const struct photon_index *index) {
-    return index ? index->rows * (sizeof(float) * (size_t)index->columns + 21) : 0;
-}
-
-static bool rows_finite(const float *rows, size_t floats) {
-    float sum = 0.0f;
-    for (size_t i = 0; i < floats; i++) sum += rows[i] * 0.0f;
-    return sum == 0.0f;
-}
-
-void photon_index_nearest(const struct photon_index *index, const float *query, size_t count, int k,
-                          int *row, float *distance2) {
-    size_t columns = (size_t)index->columns, wanted = (size_t)k;
-    for (size_t i = 0; i < count * wanted; i++) {
-        row[i] = -1;
-        distance2[i] = INFINITY;
-    }
-    struct FLANNParameters p = index_parameters();
-    int nn = wanted < index->rows ? k : (int)index->rows;
-    size_t batch = nn == k ? count : 1;  // with fewer rows than k the library packs its answers
-    for (size_t i = 0; i < count; i += batch) {
-        const float *q = query + i * columns;
-        if (!rows_finite(q, batch * columns)) {
-            if (batch > 1)
-                for (size_t j = 0; j < count; j++)
-                    photon_index_nearest(index, query + j * columns, 1, k, row + j * wanted,
-                                         distance2 + j * wanted);
-            if (batch > 1) return;
-            continue;
-        }
-        flann_find_nearest_neighbors_index_float(index->tree, (float *)(uintptr_t)q, (int)batch,
-                                                 row + i * wanted, distance2 + i * wanted, nn, &p);
-    }
-}
 
 // ---- Morton order -----------------------------------------------------------------------------
 

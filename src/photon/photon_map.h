@@ -4,6 +4,7 @@
 #define PHOTON_MAP_H
 
 #include "photon/photon.h"
+#include "photon/photon_index.h"
 
 enum {
     PHOTON_K_MAX = 10000,      // photons in one density estimate, the bound of options->photon_k
@@ -72,18 +73,6 @@ float photon_guide_warp(const struct photon_guide *guide, uint32_t light, uint64
 struct light_target photon_guide_target(const struct photon_guide *guide);
 
 // ---- The map (photon_map.c) -------------------------------------------------------------------
-
-struct photon_index;  // a kd-tree over rows of floats; refers to them
-
-// `rows` rows of `columns` floats, all finite, rows >= 1; they must outlive the index. NULL without
-// memory or if the library fails.
-struct photon_index *photon_index_new(const float *data, size_t rows, int columns);
-void photon_index_free(struct photon_index *index);  // NULL is allowed
-size_t photon_index_bytes(const struct photon_index *index);
-// The k nearest rows of `count` queries: k row numbers and squared distances for each, in no order.
-// Beyond the rows there are, distances are INFINITY. A query that is not finite finds nothing.
-void photon_index_nearest(const struct photon_index *index, const float *query, size_t count, int k,
-                          int *row, float *distance2);
 
 struct photon_map {
     size_t count;
