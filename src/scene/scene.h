@@ -101,7 +101,7 @@ enum light_kind {
 struct light_face {
     vec3 corner, edge_u, edge_v;
     vec3 n;  // the side that emits
-    float area;
+    float area, length_u, length_v;
     bool right_angled;
     uint32_t vertex[6];  // of the triangle s + t <= 1: corner, +u, +v; of the other: far, +v, +u
 };

@@ -2,21 +2,34 @@
 // Faces of area lights: rectangles and parallelograms, sampled as a whole so that well-spread
 // numbers stay well spread. A right-angled face is sampled by the solid angle it covers [Urena et
 // al. 2013, "An area-preserving parametrization for spherical rectangles"], which takes the
-// 1 / d^2 peaks out of points near an emitting wall. Deviation: the corner angles come from
-// arctangents, whose error in float stays near 1e-7 where the paper's arccosines lose half the
-// digits.
+// 1 / d^2 peaks out of points near an emitting wall. Deviation: the corner angles are kept as
+// complex numbers, whose error in float stays near 1e-7 where the paper's arccosines lose half the
+// digits; sums of angles are products, and one arctangent is left.
 #include "base/sampling.h"
 #include "scene/scene_light.h"
 
 // Below this solid angle a face looks flat: area sampling is as good, and cheaper.
 #define SOLID_ANGLE_MIN 0.15f
 
+// An angle as the complex number c + i s, of any length.
+struct turn {
+    float c, s;
+};
+
+static struct turn turn_by(struct turn a, struct turn b) {
+    return (struct turn){a.c * b.c - a.s * b.s, a.s * b.c + a.c * b.s};
+}
+static struct turn turn_back(struct turn a, struct turn b) {
+    return (struct turn){a.c * b.c + a.s * b.s, a.s * b.c - a.c * b.s};
+}
+
 // A right-angled face seen from a point: the point's frame has x and y along the edges and z away
 // from the face.
 struct rectangle_view {
     vec3 x, y, z;
     float x0, x1, y0, y1, z0;  // z0 < 0
-    float b0, b1, k, solid_angle;
+    float b0, b1, solid_angle;
+    struct turn k;  // the paper's k = 2 pi - g2 - g3
 };
 
 static vec3 mesh_vertex(const struct mesh *mesh, uint32_t i) {
@@ -58,6 +71,8 @@ static bool face_pair(const struct mesh *mesh, uint32_t first, struct light_face
                                         .n = v3_cross(eu, ev),
                                         .vertex = {corner, u, v, far, fv, fu}};
             face->area = v3_len(face->n);
+            face->length_u = v3_len(eu);
+            face->length_v = v3_len(ev);
             float skew = fabsf(v3_dot(eu, ev));
             face->right_angled = skew <= 1e-5f * sqrtf(v3_len2(eu) * v3_len2(ev));
             return face->area > 0.0f;
@@ -88,15 +103,15 @@ float light_face_reach(const struct light_face *face, vec3 p) {
 
 // The angle whose tangent is x y / (-z r): the part of the solid angle between the axes and a
 // corner.
-static float corner_angle(float x, float y, float z) {
-    return atan2f(x * y, -z * sqrtf(x * x + y * y + z * z));
+static struct turn corner_angle(float x, float y, float z) {
+    return (struct turn){-z * sqrtf(x * x + y * y + z * z), x * y};
 }
 
 // False if the face is to be sampled by area from p.
 static bool rectangle_view_make(const struct light_face *face, vec3 p,
                                 struct rectangle_view *view) {
     if (!face->right_angled || light_face_reach(face, p) < 0.5f * SOLID_ANGLE_MIN) return false;
-    float lu = v3_len(face->edge_u), lv = v3_len(face->edge_v);
+    float lu = face->length_u, lv = face->length_v;
     view->x = v3_mul(face->edge_u, 1.0f / lu);
     view->y = v3_mul(face->edge_v, 1.0f / lv);
     view->z = face->n;
@@ -107,10 +122,13 @@ static bool rectangle_view_make(const struct light_face *face, vec3 p,
     view->x1 = view->x0 + lu;
     view->y1 = view->y0 + lv;
     float x0 = view->x0, x1 = view->x1, y0 = view->y0, y1 = view->y1, z0 = view->z0;
-    float a00 = corner_angle(x0, y0, z0), a10 = corner_angle(x1, y0, z0),
-          a01 = corner_angle(x0, y1, z0), a11 = corner_angle(x1, y1, z0);
-    view->solid_angle = a11 - a10 - a01 + a00;
-    view->k = PI_F + a01 - a00;  // the paper's 2 pi - g2 - g3
+    struct turn left = turn_back(corner_angle(x0, y1, z0), corner_angle(x0, y0, z0));
+    struct turn right = turn_back(corner_angle(x1, y1, z0), corner_angle(x1, y0, z0));
+    float scale = -1.0f / sqrtf(left.c * left.c + left.s * left.s);  // turned by pi
+    view->k = (struct turn){left.c * scale, left.s * scale};
+    struct turn all = turn_back(right, left);
+    view->solid_angle = atan2f(all.s, all.c);
+    if (view->solid_angle < 0.0f) view->solid_angle += 2.0f * PI_F;
     view->b0 = -y0 / sqrtf(z0 * z0 + y0 * y0);
     view->b1 = y1 / sqrtf(z0 * z0 + y1 * y1);
     return view->solid_angle > SOLID_ANGLE_MIN;
@@ -126,8 +144,9 @@ bool light_face_sample(const struct light_face *face, vec3 p, float u, float v, 
         return *pdf_w > 0.0f && isfinite(*pdf_w);
     }
     // The plane x = xu through the point's y axis that cuts the share u off the solid angle, ...
-    float phi = u * w.solid_angle + w.k, s = sinf(phi);
-    float f = (cosf(phi) * w.b0 - w.b1) / s;
+    float angle = u * w.solid_angle;
+    struct turn phi = turn_by((struct turn){cosf(angle), sinf(angle)}, w.k);
+    float f = (phi.c * w.b0 - w.b1) / phi.s;
     float c = clampf(copysignf(1.0f, f) / sqrtf(f * f + w.b0 * w.b0), -1.0f, 1.0f);
     float xu = clampf(-c * w.z0 / safe_sqrtf(1.0f - c * c), w.x0, w.x1);
     // ... and the height along it, uniform in its sine.
