@@ -37,6 +37,7 @@ typedef struct satin_options {
     satin_quality quality;
     satin_first_pass first_pass;
     int spp;            // samples per pixel; 0: the scene's for path, the preset's for the others
+    bool adaptive;      // spp is a mean: pixels that need it get more; path always spreads evenly
     int width, height;  // film size in pixels; 0: the scene's
     uint64_t seed;
     int threads;        // 0: one per core

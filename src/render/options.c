@@ -13,6 +13,7 @@
 
 const satin_options satin_options_default = {
     .quality = SATIN_PREVIEW,
+    .adaptive = true,
     .max_depth = -2,
     .hide_emitters = -1,
     .light_samples = 4,

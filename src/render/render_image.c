@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // The image pass: samples summed per pixel, tile by tile. A pixel's samples are added in the order
-// of their numbers, by one worker, so sums do not depend on threads.
+// of their numbers, by one worker, so sums do not depend on threads. A few samples are spread
+// evenly, the others where the image needs them (render_adapt.c).
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "base/array.h"
 #include "render/render_state.h"
 
-enum { TILE = 16, PASS_SAMPLES = 4 };
+enum {
+    TILE = 16,
+    EVEN_LEAST = 4,  // samples per pixel that are spread evenly at least, and
+    EVEN_SHARE = 4   // the share of all that is
+};
 
-// Of a render with a time limit: kept back for writing the film.
-static const double WRITE_SECONDS = 0.12;
+// Of a render with a time limit: kept back for writing the film; and the part of a sample per pixel
+// that is not worth another pass.
+static const double WRITE_SECONDS = 0.12, PASS_LEAST = 0.1;
 
 struct pixel {
     rgb beauty;
@@ -22,12 +28,12 @@ struct pixel {
 struct render_image {
     int width, height;
     struct pixel *pixel;
-    uint32_t done;  // samples that every pixel has
+    struct adapt adapt;
+    uint64_t taken;  // samples
 };
 
 struct pass {
     struct render *r;
-    uint32_t begin, end;          // sample numbers
     struct shade_counts *counts;  // per worker
     int columns;
 };
@@ -37,29 +43,40 @@ struct render_image *render_image_new(int width, int height) {
     if (!image) return NULL;
     *image = (struct render_image){.width = width, .height = height};
     image->pixel = array_new((size_t)width * (size_t)height, sizeof *image->pixel);
-    if (image->pixel) return image;
-    free(image);
+    if (image->pixel && adapt_make(&image->adapt, width, height)) return image;
+    render_image_free(image);
     return NULL;
 }
 
 void render_image_free(struct render_image *image) {
     if (!image) return;
+    adapt_destroy(&image->adapt);
     free(image->pixel);
     free(image);
 }
 
-static void add_sample(struct pixel *pixel, const struct shade_sample *s) {
+// What a sample is judged by. Lights seen directly are white at most, so that their rims do not
+// take the samples.
+static rgb judged(const struct shade_sample *s) {
+    rgb e = s->layer[SHADE_EMISSION];
+    rgb shown = rgb_make(fminf(e.r, 1.0f), fminf(e.g, 1.0f), fminf(e.b, 1.0f));
+    return rgb_add(rgb_sub(s->beauty, e), shown);
+}
+
+// False if the sample was not finite and was dropped.
+static bool add_sample(struct pixel *pixel, const struct shade_sample *s) {
     bool finite = rgb_finite(s->beauty);
     for (int i = 0; i < SHADE_LAYERS; i++) finite = finite && rgb_finite(s->layer[i]);
     if (!finite) {
         pixel->dropped++;
-        return;
+        return false;
     }
     pixel->samples++;
     pixel->beauty = rgb_add(pixel->beauty, s->beauty);
     for (int i = 0; i < SHADE_LAYERS; i++) pixel->layer[i] = rgb_add(pixel->layer[i], s->layer[i]);
     pixel->depth += s->depth;
     pixel->density += s->density;
+    return true;
 }
 
 static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
@@ -70,26 +87,56 @@ static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
         int y0 = (int)(tile / (size_t)pass->columns) * TILE;
         for (int y = y0; y < y0 + TILE && y < image->height; y++)
             for (int x = x0; x < x0 + TILE && x < image->width; x++) {
-                struct pixel *pixel = &image->pixel[(size_t)y * (size_t)image->width + (size_t)x];
-                for (uint32_t i = pass->begin; i < pass->end; i++) {
+                size_t at = (size_t)y * (size_t)image->width + (size_t)x;
+                struct adapt_pixel *adapt = &image->adapt.pixel[at];
+                while (adapt->count < adapt->target) {
                     struct shade_sample sample;
-                    shade_pixel(&pass->r->shade, worker, x, y, i, &sample, &pass->counts[worker]);
-                    add_sample(pixel, &sample);
+                    shade_pixel(&pass->r->shade, worker, x, y, adapt->count, &sample,
+                                &pass->counts[worker]);
+                    bool finite = add_sample(&image->pixel[at], &sample);
+                    adapt_add(adapt, finite ? judged(&sample) : rgb_grey(0.0f));
                 }
             }
     }
 }
 
-// How many samples the next pass takes; 0: the image is done. With a time limit, passes are as long
-// as the last one shows to fit.
-static uint32_t pass_samples(const struct render *r, double per_sample) {
-    uint32_t done = r->image->done, left = (uint32_t)r->options.spp - done;
-    uint32_t want = left < PASS_SAMPLES ? left : PASS_SAMPLES;
-    if (!(r->options.time > 0.0)) return want;
-    if (done == 0) return left ? 1 : 0;
-    double fit = (render_time_left(r) - WRITE_SECONDS) / per_sample;
-    if (fit < 1.0) return 0;
-    return fit < want ? (uint32_t)fit : want;
+// Samples per pixel that are spread evenly.
+static uint32_t even_samples(const struct render *r) {
+    uint32_t spp = (uint32_t)r->options.spp;
+    if (!r->options.adaptive || r->options.integrator == SATIN_PATH) return spp;
+    if (spp < 2 * EVEN_LEAST) return spp;
+    if (r->options.time > 0.0) return EVEN_LEAST;
+    return spp / EVEN_SHARE > EVEN_LEAST ? spp / EVEN_SHARE : EVEN_LEAST;
+}
+
+// Sets the targets of the next pass, which takes *samples in all; false: the image is done. A pass
+// doubles the samples; with a time limit it takes at most half of what is left, so that the last
+// ones are well foreseen.
+static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
+    struct render_image *image = r->image;
+    const uint64_t pixels = (uint64_t)image->width * (uint64_t)image->height;
+    const uint64_t done = image->taken, limit = (uint64_t)r->options.spp * pixels;
+    const uint64_t all = limit > done ? limit : done;
+    const uint64_t even = even_samples(r) * pixels;
+    if ((double)(all - done) < PASS_LEAST * (double)pixels) return false;
+    uint64_t want = done ? done : pixels;
+    if (want > all - done) want = all - done;
+    if (done < even && want > even - done) want = even - done;
+    if (r->options.time > 0.0 && done) {
+        double fit = (render_time_left(r) - WRITE_SECONDS) / per_sample;
+        if (fit < PASS_LEAST * (double)pixels) return false;
+        if (fit > 2.0 * (double)pixels) fit *= 0.5;
+        if (fit < (double)want) want = (uint64_t)fit;
+    }
+    if (done < even) {
+        want -= want % pixels;
+        if (want == 0) return false;
+        adapt_even(&image->adapt, (uint32_t)((done + want) / pixels));
+    } else {
+        want = adapt_spread(&image->adapt, want);
+    }
+    *samples = want;
+    return want > 0;
 }
 
 static void note_counts(struct render *r, const struct shade_counts *counts, int workers) {
@@ -107,7 +154,8 @@ static void note_counts(struct render *r, const struct shade_counts *counts, int
     stats_set(&r->stats, "image.gathered", (double)sum.gathered);
     stats_set(&r->stats, "image.records_per_interpolation",
               sum.interpolated ? (double)sum.records_used / (double)sum.interpolated : 0.0);
-    stats_set(&r->stats, "image.spp", (double)r->image->done);
+    stats_set(&r->stats, "image.spp",
+              (double)sum.samples / ((double)r->image->width * (double)r->image->height));
 }
 
 satin_status render_image_fill(struct render *r) {
@@ -117,23 +165,23 @@ satin_status render_image_fill(struct render *r) {
     pass.counts = array_new((size_t)workers, sizeof *pass.counts);
     if (!pass.counts) return SATIN_ERROR_MEMORY;
     size_t tiles = (size_t)pass.columns * (size_t)((image->height + TILE - 1) / TILE);
-    double spp = (double)r->options.spp, per_sample = 0.0;
-    render_stage(r, "image", "samples", spp * (double)image->width * (double)image->height);
+    const double all = (double)r->options.spp * (double)image->width * (double)image->height;
+    double per_sample = 0.0;
+    render_stage(r, "image", "samples", all);
     satin_status status = SATIN_OK;
-    uint32_t samples;
-    while (status == SATIN_OK && (samples = pass_samples(r, per_sample)) > 0) {
+    uint64_t samples;
+    while (status == SATIN_OK && next_pass(r, per_sample, &samples)) {
         double start = stats_wall();
-        pass.begin = image->done;
-        pass.end = image->done + samples;
-        render_stage_part(r, image->done / spp, samples / spp);
+        render_stage_part(r, (double)image->taken / all, (double)samples / all);
         if (!parallel_for(r->pool, tiles, 1, render_tiles, &pass)) {
             if (r->cancelled) status = SATIN_CANCELLED;
             break;
         }
-        image->done = pass.end;
-        per_sample = (stats_wall() - start) / samples;
+        image->taken += samples;
+        per_sample = (stats_wall() - start) / (double)samples;
+        adapt_judge(&image->adapt);
     }
-    r->stage_items = image->done * (double)image->width * (double)image->height;
+    r->stage_items = (double)image->taken;
     note_counts(r, pass.counts, workers);
     free(pass.counts);
     return status;
@@ -164,7 +212,8 @@ static const char *const channel_names[] = {"R",
                                             "normal.Y",
                                             "normal.Z",
                                             "depth.Z",
-                                            "density.Y"};
+                                            "density.Y",
+                                            "samples.Y"};
 
 static void put_rgb(struct satin_film *film, int channel, size_t at, rgb value, float scale) {
     film->channel[channel][at] = value.r * scale;
@@ -185,8 +234,9 @@ struct satin_film *render_image_film(struct render *r, bool *any) {
         float scale = pixel->samples ? 1.0f / (float)pixel->samples : 0.0f;
         put_rgb(film, 0, i, pixel->beauty, scale);
         for (int k = 0; k < SHADE_LAYERS; k++) put_rgb(film, 3 + 3 * k, i, pixel->layer[k], scale);
-        film->channel[channels - 2][i] = pixel->depth * scale;
-        film->channel[channels - 1][i] = pixel->density * scale;
+        film->channel[channels - 3][i] = pixel->depth * scale;
+        film->channel[channels - 2][i] = pixel->density * scale;
+        film->channel[channels - 1][i] = (float)pixel->samples;
     }
     stats_set(&r->stats, "image.nonfinite", (double)dropped);
     if (dropped)

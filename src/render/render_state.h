@@ -4,6 +4,7 @@
 #define RENDER_STATE_H
 
 #include "film/film.h"
+#include "render/render_adapt.h"
 #include "satin/render.h"
 #include "shade/shade.h"
 

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+// Adaptive sampling: pixels where direct light has penumbrae, where edges run and where glossy
+// surfaces are sampled get more samples than flat walls. A pixel's error is judged by comparing two
+// halves of its samples, and averaged over a few neighbours, as two halves may agree by chance.
+// Samples depend on those of earlier passes through this choice alone, over an area, so that what
+// it biases is far below the noise.
+//
+// With well-spread points the variance of a mean of n samples falls as n^-GAIN, GAIN between 1 and
+// 2: that of a pixel cut by an edge as n^-1.5. The sum of v_i n_i^-GAIN is least at a given sum of
+// n_i where n_i is in proportion to v_i^(1 / (1 + GAIN)).
+#include "render/render_adapt.h"
+
+#include <stdlib.h>
+
+#include "base/array.h"
+
+#define GAIN 1.5f
+// Of the image's mean luminance: pixels darker than this are judged by their absolute error.
+#define DARK 0.2f
+enum {
+    GROWTH = 4,   // at most so many times its samples does a pixel get in one pass
+    ROUNDS = 24,  // of the search for the factor: 2^-24 of its range
+    MULTIPLE = 2  // samples are added in pairs, which are stratified among themselves
+};
+
+bool adapt_make(struct adapt *adapt, int width, int height) {
+    size_t n = (size_t)width * (size_t)height;
+    *adapt = (struct adapt){.width = width, .height = height};
+    adapt->pixel = array_new(n, sizeof *adapt->pixel);
+    adapt->scratch = array_new(2 * n, sizeof *adapt->scratch);
+    if (adapt->pixel && adapt->scratch) {
+        for (size_t i = 0; i < n; i++) adapt->pixel[i].spread = -1.0f;
+        return true;
+    }
+    adapt_destroy(adapt);
+    return false;
+}
+
+void adapt_destroy(struct adapt *adapt) {
+    free(adapt->pixel);
+    free(adapt->scratch);
+    *adapt = (struct adapt){0};
+}
+
+static size_t pixels(const struct adapt *adapt) {
+    return (size_t)adapt->width * (size_t)adapt->height;
+}
+
+// The square of what is dark in this image.
+static float floor2(const struct adapt *adapt) {
+    double sum = 0.0;
+    for (size_t i = 0; i < pixels(adapt); i++) {
+        const struct adapt_pixel *p = &adapt->pixel[i];
+        if (p->count) sum += (double)rgb_luminance(p->sum) / p->count;
+    }
+    float dark = DARK * (float)(sum / (double)pixels(adapt));
+    return fmaxf(dark * dark, 1e-30f);
+}
+
+static float relative2(float difference, float mean, float floor2) {
+    return difference * difference / (mean * mean + floor2);
+}
+
+void adapt_judge(struct adapt *adapt) {
+    float least2 = floor2(adapt);
+    for (size_t i = 0; i < pixels(adapt); i++) {
+        struct adapt_pixel *p = &adapt->pixel[i];
+        uint32_t fresh = p->count - p->before;
+        if (2 * fresh < p->before || fresh == 0) continue;  // too few to compare
+        if (p->before > 0) {
+            float n = (float)p->count, a = (float)p->before, b = (float)fresh;
+            rgb mean = rgb_scale(p->sum, 1.0f / n);
+            rgb d = rgb_sub(rgb_scale(p->sum_before, 1.0f / a),
+                            rgb_scale(rgb_sub(p->sum, p->sum_before), 1.0f / b));
+            float error2 = relative2(d.r, mean.r, least2) + relative2(d.g, mean.g, least2) +
+                           relative2(d.b, mean.b, least2);
+            p->spread = error2 * a * b / (n * n) * powf(n, GAIN);
+        }
+        p->sum_before = p->sum;
+        p->before = p->count;
+    }
+}
+
+void adapt_even(struct adapt *adapt, uint32_t count) {
+    for (size_t i = 0; i < pixels(adapt); i++)
+        if (adapt->pixel[i].target < count) adapt->pixel[i].target = count;
+}
+
+// One pass of a binomial filter over five pixels; pixels without a value (< 0) do not count.
+static void blur(const float *from, float *to, int count, size_t step) {
+    static const float weight[] = {6.0f, 4.0f, 1.0f};
+    for (int i = 0; i < count; i++) {
+        float sum = 0.0f, total = 0.0f;
+        for (int k = -2; k <= 2; k++) {
+            if (i + k < 0 || i + k >= count) continue;
+            float value = from[(size_t)(i + k) * step], w = weight[abs(k)];
+            if (value < 0.0f) continue;
+            sum += w * value;
+            total += w;
+        }
+        to[(size_t)i * step] = total > 0.0f ? sum / total : -1.0f;
+    }
+}
+
+// Into scratch: what each pixel's number of samples is to be in proportion to.
+static const float *wanted(struct adapt *adapt) {
+    size_t n = pixels(adapt), width = (size_t)adapt->width;
+    float *a = adapt->scratch, *b = a + n;
+    for (size_t i = 0; i < n; i++) a[i] = adapt->pixel[i].spread;
+    for (int y = 0; y < adapt->height; y++)
+        blur(a + (size_t)y * width, b + (size_t)y * width, adapt->width, 1);
+    for (int x = 0; x < adapt->width; x++) blur(b + x, a + x, adapt->height, width);
+    for (size_t i = 0; i < n; i++) a[i] = powf(fmaxf(a[i], 0.0f), 1.0f / (1.0f + GAIN));
+    return a;
+}
+
+static double more(const struct adapt *adapt, const float *want, float factor) {
+    double sum = 0.0;
+    for (size_t i = 0; i < pixels(adapt); i++) {
+        float count = (float)adapt->pixel[i].count;
+        sum += (double)(clampf(factor * want[i], count, GROWTH * count) - count);
+    }
+    return sum;
+}
+
+uint64_t adapt_spread(struct adapt *adapt, uint64_t samples) {
+    const float *want = wanted(adapt);
+    float most = 0.0f;
+    for (size_t i = 0; i < pixels(adapt); i++) {
+        float count = (float)adapt->pixel[i].count;
+        if (want[i] > 0.0f) most = fmaxf(most, GROWTH * count / want[i]);
+    }
+    float lo = 0.0f, hi = most;
+    for (int i = 0; i < ROUNDS; i++) {
+        float middle = 0.5f * (lo + hi);
+        if (more(adapt, want, middle) < (double)samples)
+            lo = middle;
+        else
+            hi = middle;
+    }
+    uint64_t given = 0;
+    for (size_t i = 0; i < pixels(adapt); i++) {
+        struct adapt_pixel *p = &adapt->pixel[i];
+        float count = (float)p->count;
+        float extra = clampf(hi * want[i], count, GROWTH * count) - count;
+        uint32_t groups = (uint32_t)(extra / MULTIPLE + 0.5f);
+        p->target = p->count + MULTIPLE * groups;
+        given += MULTIPLE * groups;
+    }
+    return given;
+}
