@@ -31,9 +31,7 @@ struct Squared {
         return sum;
     }
 
-    float accum_dist(float a, float b, int) const {
-        return (a - b) * (a - b);
-    }
+    float accum_dist(float a, float b, int) const { return (a - b) * (a - b); }
 };
 
 // The nearest row.
@@ -41,28 +39,22 @@ struct Nearest final : flann::ResultSet<float> {
     int row = -1;
     float distance2 = INFINITY;
 
-    bool full() const override {
-        return true;
-    }
+    bool full() const override { return true; }
     void addPoint(float dist, size_t index) override {
         if (!(dist < distance2)) return;
         distance2 = dist;
         row = static_cast<int>(index);
     }
-    float worstDist() const override {
-        return distance2;
-    }
+    float worstDist() const override { return distance2; }
 };
 
-// The k nearest rows in the caller's arrays: first they fill, then they are a heap with the farthest
-// on top.
+// The k nearest rows in the caller's arrays: first they fill, then they are a heap with the
+// farthest on top.
 class NearestK final : public flann::ResultSet<float> {
-  public:
+   public:
     NearestK(int k, int *row, float *distance2) : k_(k), row_(row), distance2_(distance2) {}
 
-    bool full() const override {
-        return count_ == k_;
-    }
+    bool full() const override { return count_ == k_; }
     void addPoint(float dist, size_t index) override {
         if (count_ < k_) {
             row_[count_] = static_cast<int>(index);
@@ -73,11 +65,9 @@ class NearestK final : public flann::ResultSet<float> {
             sink(0, dist, static_cast<int>(index));
         }
     }
-    float worstDist() const override {
-        return count_ == k_ ? distance2_[0] : INFINITY;
-    }
+    float worstDist() const override { return count_ == k_ ? distance2_[0] : INFINITY; }
 
-  private:
+   private:
     // Puts an entry at place i or below it.
     void sink(int i, float dist, int row) {
         for (int child; (child = 2 * i + 1) < k_; i = child) {
@@ -125,9 +115,7 @@ struct Tree final : photon_index {
         static const flann::SearchParams exact(flann::FLANN_CHECKS_UNLIMITED, 0.0f, false);
         tree.findNeighbors(found, query, exact);
     }
-    size_t columns() const override {
-        return N;
-    }
+    size_t columns() const override { return N; }
     flann::KDTreeSingleIndex<Squared<N>> tree;
 };
 
@@ -143,9 +131,7 @@ struct photon_index *photon_index_new(const float *data, size_t rows, int column
     return nullptr;
 }
 
-void photon_index_free(struct photon_index *index) {
-    delete index;
-}
+void photon_index_free(struct photon_index *index) { delete index; }
 
 // Measured: a copy of the data and about 21 bytes of tree per row.
 size_t photon_index_bytes(const struct photon_index *index) {

@@ -7,8 +7,8 @@
 
 struct photon_index;  // a kd-tree over rows of floats; refers to them
 
-// `rows` rows of `columns` floats (3 or 6), all finite, rows >= 1; they must outlive the index. NULL
-// without memory or if the library fails.
+// `rows` rows of `columns` floats (3 or 6), all finite, rows >= 1; they must outlive the index.
+// NULL without memory or if the library fails.
 struct photon_index *photon_index_new(const float *data, size_t rows, int columns);
 void photon_index_free(struct photon_index *index);  // NULL is allowed
 size_t photon_index_bytes(const struct photon_index *index);
