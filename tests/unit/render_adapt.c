@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// Adaptive sampling of an image whose noise is known: where the samples go, how many, and that the
+// error falls.
+#include "render/render_adapt.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "base/rng.h"
+
+enum { SIZE = 64, EVEN = 4, ALL = 16 };
+
+// Grey 1 with noise that is ten times as strong right of the middle.
+static float noise_of(int x) { return x < SIZE / 2 ? 0.05f : 0.5f; }
+
+static void take(struct adapt *adapt, uint64_t seed) {
+    for (int i = 0; i < SIZE * SIZE; i++) {
+        struct adapt_pixel *p = &adapt->pixel[i];
+        while (p->count < p->target) {
+            struct rng rng = rng_make(seed, RNG_TEST, (uint64_t)i << 32 | p->count);
+            float e = noise_of(i % SIZE) * (rng_float(&rng) - 0.5f);
+            adapt_add(p, rgb_grey(1.0f + e));
+        }
+    }
+    adapt_judge(adapt);
+}
+
+// Renders with ALL samples per pixel on average; returns how many were taken.
+static uint64_t render(struct adapt *adapt, uint64_t seed) {
+    assert_true(adapt_make(adapt, SIZE, SIZE));
+    for (uint32_t n = 1; n <= EVEN; n *= 2) {
+        adapt_even(adapt, n);
+        take(adapt, seed);
+    }
+    uint64_t taken = (uint64_t)EVEN * SIZE * SIZE, all = (uint64_t)ALL * SIZE * SIZE;
+    while (taken < all) {
+        uint64_t want = taken < all - taken ? taken : all - taken;
+        uint64_t given = adapt_spread(adapt, want);
+        if (given == 0) break;
+        assert_true(given < want * 1.1);
+        taken += given;
+        take(adapt, seed);
+    }
+    return taken;
+}
+
+static double mean_count(const struct adapt *adapt, int from, int to) {
+    double sum = 0.0;
+    for (int y = 0; y < SIZE; y++)
+        for (int x = from; x < to; x++) sum += adapt->pixel[y * SIZE + x].count;
+    return sum / (SIZE * (to - from));
+}
+
+static double error2(const struct adapt *adapt) {
+    double sum = 0.0;
+    for (int i = 0; i < SIZE * SIZE; i++) {
+        const struct adapt_pixel *p = &adapt->pixel[i];
+        double e = (double)p->sum.r / p->count - 1.0;
+        sum += e * e;
+    }
+    return sum / (SIZE * SIZE);
+}
+
+static void samples_go_to_the_noise(void **state) {
+    (void)state;
+    struct adapt adapt;
+    uint64_t taken = render(&adapt, 1);
+    assert_true(taken > 0.97 * ALL * SIZE * SIZE && taken < 1.03 * ALL * SIZE * SIZE);
+    uint64_t counted = 0;
+    for (int i = 0; i < SIZE * SIZE; i++) {
+        assert_true(adapt.pixel[i].count >= EVEN);
+        counted += adapt.pixel[i].count;
+    }
+    assert_true(counted == taken);
+    // 100 times the variance asks for 100^(1 / 2.5) = 6.3 times the samples.
+    double quiet = mean_count(&adapt, 0, SIZE / 2 - 4),
+           loud = mean_count(&adapt, SIZE / 2 + 4, SIZE);
+    assert_true(loud > 4.0 * quiet && loud < 9.0 * quiet);
+    // Noise of variance 0.5^2 / 12 over half of the image.
+    assert_true(error2(&adapt) < 0.7 * 0.5 * (0.25 / 12.0) / ALL);
+    adapt_destroy(&adapt);
+}
+
+static void the_mean_is_kept(void **state) {
+    (void)state;
+    double sum = 0.0;
+    enum { RUNS = 20 };
+    for (uint64_t seed = 0; seed < RUNS; seed++) {
+        struct adapt adapt;
+        render(&adapt, 100 + seed);
+        for (int i = 0; i < SIZE * SIZE; i++)
+            sum += (double)adapt.pixel[i].sum.r / adapt.pixel[i].count;
+        adapt_destroy(&adapt);
+    }
+    double mean = sum / (RUNS * SIZE * SIZE);
+    // Standard error: 0.5 / sqrt(12 * 2 * 16 * 20 * 64^2) = 9e-5 at most; five of them.
+    assert_true(mean > 1.0 - 4.5e-4 && mean < 1.0 + 4.5e-4);
+}
+
+static void without_noise_nothing_is_asked(void **state) {
+    (void)state;
+    struct adapt adapt;
+    assert_true(adapt_make(&adapt, 3, 2));
+    for (uint32_t n = 1; n <= 2; n++) {
+        adapt_even(&adapt, n);
+        for (int i = 0; i < 6; i++) adapt_add(&adapt.pixel[i], rgb_grey(2.0f));
+        adapt_judge(&adapt);
+    }
+    assert_true(adapt_spread(&adapt, 100) == 0);
+    adapt_destroy(&adapt);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(samples_go_to_the_noise),
+                                       cmocka_unit_test(the_mean_is_kept),
+                                       cmocka_unit_test(without_noise_nothing_is_asked)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
