@@ -45,11 +45,13 @@ static void print_shapes(const struct satin_scene *scene) {
     static const char *const name[] = {[SHAPE_MESH] = "mesh",
                                        [SHAPE_SPHERE] = "sphere",
                                        [SHAPE_DISK] = "disk",
-                                       [SHAPE_CYLINDER] = "cylinder"};
-    uint32_t count[4] = {0};
+                                       [SHAPE_CYLINDER] = "cylinder",
+                                       [SHAPE_INSTANCE] = "instance"};
+    enum { KINDS = sizeof name / sizeof *name };
+    uint32_t count[KINDS] = {0};
     for (uint32_t i = 0; i < scene->shape_count; i++) count[scene->shape[i].kind]++;
     printf("shapes     %" PRIu32, scene->shape_count);
-    for (int k = 0; k < 4; k++)
+    for (int k = 0; k < KINDS; k++)
         if (count[k]) printf(", %s %" PRIu32, name[k], count[k]);
     printf("; %" PRIu64 " triangles\n", scene->triangle_count);
     if (scene->shape_count)

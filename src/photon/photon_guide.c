@@ -48,7 +48,10 @@ static void grow(struct light_target *box, vec3 p) {
 }
 
 static void grow_shape(struct light_target *box, const struct shape *shape) {
-    if (shape->kind == SHAPE_MESH) {
+    if (shape->kind == SHAPE_INSTANCE) {
+        grow(box, shape->lo);
+        grow(box, shape->hi);
+    } else if (shape->kind == SHAPE_MESH) {
         for (uint32_t i = 0; i < shape->mesh.vertex_count; i++) {
             const float *p = shape->mesh.position + 3 * (size_t)i;
             grow(box, v3(p[0], p[1], p[2]));
@@ -65,6 +68,15 @@ static void grow_shape(struct light_target *box, const struct shape *shape) {
     }
 }
 
+// Whether some of a shape, or of the group that it is an instance of, has a delta lobe.
+static bool shape_has_delta(const struct satin_scene *scene, const struct shape *shape) {
+    if (shape->kind != SHAPE_INSTANCE) return material_has_delta(&scene->material[shape->material]);
+    const struct shape_group *group = &scene->group[shape->instance_of];
+    for (uint32_t i = group->first; i < group->first + group->count; i++)
+        if (material_has_delta(&scene->material[scene->shape[i].material])) return true;
+    return false;
+}
+
 // The box of all surfaces with delta lobes; false if there is none.
 static bool find_target(const struct satin_scene *scene, struct light_target *out) {
     struct light_target box = {v3(INFINITY, INFINITY, INFINITY),
@@ -72,7 +84,7 @@ static bool find_target(const struct satin_scene *scene, struct light_target *ou
     bool found = false;
     for (uint32_t i = 0; i < scene->shape_count; i++) {
         const struct shape *shape = &scene->shape[i];
-        if (!material_has_delta(&scene->material[shape->material])) continue;
+        if (shape->group || !shape_has_delta(scene, shape)) continue;
         grow_shape(&box, shape);
         found = true;
     }

@@ -59,7 +59,13 @@ struct material {
 
 // ---- Shapes -----------------------------------------------------------------------------------
 
-enum shape_kind { SHAPE_MESH = 0, SHAPE_SPHERE, SHAPE_DISK, SHAPE_CYLINDER };
+enum shape_kind {
+    SHAPE_MESH = 0,
+    SHAPE_SPHERE,
+    SHAPE_DISK,
+    SHAPE_CYLINDER,
+    SHAPE_INSTANCE  // a group of shapes at a place
+};
 
 struct mesh {
     uint32_t vertex_count, triangle_count;
@@ -74,15 +80,23 @@ struct shape {
     const char *name;
     struct mesh mesh;  // SHAPE_MESH (rectangle and cube too)
     struct mat4 to_world,
-        to_object;      // the others: object space as in Mitsuba (unit sphere, disk, cylinder)
-    vec3 center;        // sphere: world
-    float radius;       // sphere: world
-    bool flip_normals;  // already applied to a mesh's vertex normals and to surfels
+        to_object;   // the others: object space as in Mitsuba (unit sphere, disk, cylinder)
+    vec3 center;     // sphere: world
+    float radius;    // sphere: world; instance: its part of the scene's grain
+    uint32_t group;  // 1 + index of the group that it is a part of, in whose space it is; 0: none
+    uint32_t instance_of;  // instance: index of its group
+    vec3 lo, hi;           // instance: bounds, world; by scene_trace_build
+    bool flip_normals;     // already applied to a mesh's vertex normals and to surfels
     bool face_normals;
     uint32_t material;
     int32_t light;          // index of its area light or -1
     float area;             // world space
     const float *area_cdf;  // mesh with a light: triangle_count + 1; else NULL
+};
+
+// Shapes `first` to `first + count - 1`, which are seen only where instances put them.
+struct shape_group {
+    uint32_t first, count;
 };
 
 // ---- Lights -----------------------------------------------------------------------------------
@@ -166,6 +180,8 @@ struct satin_scene {
     struct arena arena;  // owns every array below
     struct shape *shape;
     uint32_t shape_count;
+    struct shape_group *group;
+    uint32_t group_count;
     struct material *material;
     uint32_t material_count;
     struct light *light;
@@ -178,6 +194,7 @@ struct satin_scene {
     struct trace *trace;
     vec3 bounds_lo, bounds_hi;  // of all surfaces; equal for an empty scene
     float radius;               // of the sphere around the bounds, > 0
+    float grain;                // a length: coordinates are good to some ulp of it at least
     uint64_t triangle_count;
     uint64_t hash;
 };

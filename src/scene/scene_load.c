@@ -100,7 +100,10 @@ static satin_status keep_objects(struct scene_loader *loader) {
     scene->material =
         keep_array(loader, loader->material, loader->material_count, sizeof *scene->material);
     scene->light = keep_array(loader, loader->light, loader->light_count, sizeof *scene->light);
-    if (!scene->shape || !scene->material || !scene->light) return scene_no_memory(loader);
+    scene->group = keep_array(loader, loader->group, loader->group_count, sizeof *scene->group);
+    if (!scene->shape || !scene->material || !scene->light || !scene->group)
+        return scene_no_memory(loader);
+    scene->group_count = (uint32_t)loader->group_count;
     scene->shape_count = (uint32_t)loader->shape_count;
     scene->material_count = (uint32_t)loader->material_count;
     scene->light_count = (uint32_t)loader->light_count;
@@ -146,6 +149,7 @@ satin_status satin_scene_load(const char *path, const satin_define *defines, siz
     free(loader.material);
     free(loader.light);
     free(loader.image);
+    free(loader.group);
     if (status == SATIN_OK)
         *scene = loader.scene;
     else

@@ -23,9 +23,13 @@ struct scene_loader {
     struct material *material;
     struct light *light;
     struct loaded_image *image;
-    size_t shape_count, material_count, light_count, image_count;
-    size_t shape_capacity, material_capacity, light_capacity, image_capacity;
-    uint32_t plain[2];  // 1 + index of the materials of shapes without one: [emits]
+    struct shape_group *group;
+    size_t shape_count, material_count, light_count, image_count, group_count;
+    size_t shape_capacity, material_capacity, light_capacity, image_capacity, group_capacity;
+    size_t shape_elements;  // looked at, counting references
+    uint32_t open_group;    // 1 + index of the <shape type="shapegroup"> that is being read, or 0
+    int shape_depth;        // of shapes within shapes
+    uint32_t plain[2];      // 1 + index of the materials of shapes without one: [emits]
 };
 
 // Logs lack of memory and returns its status.
@@ -49,8 +53,13 @@ satin_status scene_material_build(struct scene_loader *loader, struct xml_node *
 // emits or not.
 satin_status scene_material_of(struct scene_loader *loader, struct xml_node *node, bool emits,
                                uint32_t *index);
-// Adds a shape, with its material and light (scene_plugins_shape.c).
+// Adds a shape, with its material and light, or the shapes that it is made of
+// (scene_plugins_shape.c).
 satin_status scene_shape_add(struct scene_loader *loader, struct xml_node *node);
+// Room for one more shape. Logs its failures.
+satin_status scene_shape_reserve(struct scene_loader *loader, const struct params *p);
+// Adds a shape made of others: merge, shapegroup, instance (scene_plugins_group.c).
+satin_status scene_group_add(struct scene_loader *loader, const struct params *p);
 // Adds an <emitter> of shape `shape`, or one without a shape if that is negative; *index is its
 // number, or -1 if it is black (scene_plugins_light.c).
 satin_status scene_emitter_add(struct scene_loader *loader, struct xml_node *node, int64_t shape,

@@ -132,8 +132,8 @@ const struct plugin_spec *scene_plugin_find(struct log log, const struct xml_nod
 const char *scene_plugin_noun(enum xml_tag tag);
 
 extern const struct plugin_spec scene_bsdf_plugins[], scene_texture_plugins[],
-    scene_shape_plugins[], scene_emitter_plugins[], scene_sensor_plugins[], scene_film_plugins[],
-    scene_integrator_plugins[], scene_spectrum_plugins[];
+    scene_shape_plugins[], scene_group_plugins[], scene_emitter_plugins[], scene_sensor_plugins[],
+    scene_film_plugins[], scene_integrator_plugins[], scene_spectrum_plugins[];
 
 // Named substances (scene_substance.c). False if the name is unknown; the names are listed by
 // index, NULL beyond the last.

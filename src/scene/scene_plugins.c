@@ -7,10 +7,11 @@
 #include "scene/scene.h"
 #include "scene/scene_params.h"
 
-static const struct plugin_spec *const tables[] = {
-    scene_shape_plugins,      scene_bsdf_plugins,     scene_texture_plugins,
-    scene_emitter_plugins,    scene_sensor_plugins,   scene_film_plugins,
-    scene_integrator_plugins, scene_spectrum_plugins, NULL};
+static const struct plugin_spec *const tables[] = {scene_shape_plugins,    scene_group_plugins,
+                                                   scene_bsdf_plugins,     scene_texture_plugins,
+                                                   scene_emitter_plugins,  scene_sensor_plugins,
+                                                   scene_film_plugins,     scene_integrator_plugins,
+                                                   scene_spectrum_plugins, NULL};
 
 // What Mitsuba 3 knows and satin does not read.
 struct unread {
@@ -20,8 +21,7 @@ struct unread {
 
 static const char *const unread_shapes[] = {
     "bsplinecurve", "linearcurve", "sdfgrid", "ellipsoids", "ellipsoidsmesh",
-    "instance",     "shapegroup",  "merge",   "blender",    "heightfield",
-    "hair",         "mesh",        NULL};
+    "blender",      "heightfield", "hair",    "mesh",       NULL};
 static const char *const unread_bsdfs[] = {"principled",
                                            "principledthin",
                                            "blendbsdf",

@@ -195,24 +195,36 @@ static satin_status only_child(struct scene_loader *loader, const struct params 
     return SATIN_ERROR_INPUT;
 }
 
+satin_status scene_shape_reserve(struct scene_loader *loader, const struct params *p) {
+    if (loader->shape_count >= SHAPES_MAX) return fail(loader, p, "the scene has too many shapes");
+    void *items = loader->shape;
+    if (!array_reserve(&items, &loader->shape_capacity, loader->shape_count + 1,
+                       sizeof *loader->shape))
+        return scene_no_memory(loader);
+    loader->shape = items;
+    return SATIN_OK;
+}
+
 satin_status scene_shape_add(struct scene_loader *loader, struct xml_node *node) {
     struct params p;
     satin_status status = scene_params(loader, node, &p);
     if (status != SATIN_OK) return status;
-    if (loader->shape_count == SHAPES_MAX) return fail(loader, &p, "the scene has too many shapes");
+    // A shape in shapes in shapes could be met without end, and add nothing.
+    if (loader->shape_elements++ == SHAPES_MAX)
+        return fail(loader, &p, "the scene has too many shapes");
+    if (!p.plugin->build) return scene_group_add(loader, &p);
     struct xml_node *bsdf, *emitter;
     status = only_child(loader, &p, XML_BSDF, &bsdf);
     if (status == SATIN_OK) status = only_child(loader, &p, XML_EMITTER, &emitter);
     if (status != SATIN_OK) return status;
     struct shape shape = {.name = scene_keep_text(loader, node->id ? node->id : p.plugin->name),
                           .flip_normals = param(&p, "flip_normals")->b,
+                          .group = loader->open_group,
                           .light = -1};
-    void *items = loader->shape;
-    if (!shape.name ||
-        !array_reserve(&items, &loader->shape_capacity, loader->shape_count + 1, sizeof shape))
-        return scene_no_memory(loader);
-    loader->shape = items;
-    status = p.plugin->build(loader, &p, &shape);
+    if (!shape.name) return scene_no_memory(loader);
+    if (emitter && shape.group) return fail(loader, &p, "it cannot emit in a shapegroup");
+    status = scene_shape_reserve(loader, &p);
+    if (status == SATIN_OK) status = p.plugin->build(loader, &p, &shape);
     if (status == SATIN_OK) status = scene_material_of(loader, bsdf, emitter, &shape.material);
     if (status == SATIN_OK && emitter)
         status = scene_emitter_add(loader, emitter, (int64_t)loader->shape_count, &shape.light);

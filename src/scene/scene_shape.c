@@ -103,6 +103,8 @@ static double column_area(const struct mat4 *m, int i, int j) {
 
 float scene_shape_area(const struct shape *shape) {
     switch (shape->kind) {
+        case SHAPE_INSTANCE:
+            return 0.0f;
         case SHAPE_MESH:
             return (float)mesh_area(&shape->mesh);
         case SHAPE_SPHERE:

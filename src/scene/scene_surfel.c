@@ -111,15 +111,16 @@ static vec3 blend_normals(const float *normal, const uint32_t *index, const doub
               b0 * p[2] + b1 * q[2] + b2 * r[2]);
 }
 
-void surfel_triangle(const struct satin_scene *scene, const struct shape *shape, uint32_t prim,
-                     float u, float v, bool tangent, struct surfel *out) {
+void surfel_triangle(const struct satin_scene *scene, const struct shape *shape,
+                     const struct surfel_hit *hit, struct surfel *out) {
     const struct mesh *mesh = &shape->mesh;
-    const uint32_t *index = mesh->index + (size_t)prim * 3;
+    const uint32_t *index = mesh->index + (size_t)hit->prim * 3;
     struct triangle t;
-    triangle_get(mesh, prim, &t);
-    double b[3] = {1.0 - (double)u - (double)v, u, v};
+    triangle_get(mesh, hit->prim, &t);
+    double b[3] = {1.0 - (double)hit->u - (double)hit->v, hit->u, hit->v};
     out->p = blend_corners(&t, b);
-    if (pull_inside(&t, 4.0 * surfel_offset(scene, out->p), b)) out->p = blend_corners(&t, b);
+    double margin = hit->margin > 0.0f ? hit->margin : 4.0 * surfel_offset(scene, out->p);
+    if (pull_inside(&t, margin, b)) out->p = blend_corners(&t, b);
 
     double s = (shape->flip_normals ? -1.0 : 1.0) / sqrt(dot3(t.n, t.n));
     vec3 ng = v3((float)(s * t.n[0]), (float)(s * t.n[1]), (float)(s * t.n[2])), n = ng;
@@ -138,8 +139,8 @@ void surfel_triangle(const struct satin_scene *scene, const struct shape *shape,
         out->uv = (vec2){(float)(b[0] * a[0] + b[1] * c[0] + b[2] * d[0]),
                          (float)(b[0] * a[1] + b[1] * c[1] + b[2] * d[1])};
     }
-    out->frame = tangent ? frame_from_tangent(n, triangle_tangent(mesh, index, &t, ng))
-                         : frame_from_normal(n);
+    out->frame = hit->tangent ? frame_from_tangent(n, triangle_tangent(mesh, index, &t, ng))
+                              : frame_from_normal(n);
 }
 
 static vec3 leave(vec3 p, vec3 ng, vec3 d, float offset) {

@@ -7,16 +7,23 @@
 
 // How far off the surface a ray starts that leaves p: a bound of what separates a float position
 // from the surface it lies on. It is relative to p, so that it serves in scenes of any size; the
-// part of the scene's radius covers double rounding where p is next to the origin.
+// scene's grain covers double rounding where p is next to the origin, and what rays lose on their
+// way into an instance's space.
 static inline float surfel_offset(const struct satin_scene *scene, vec3 p) {
     const float ulps = 8.0f * 0x1p-24f;
-    return ulps * (v3_max_abs(p) + 0x1p-20f * scene->radius);
+    return ulps * (v3_max_abs(p) + scene->grain);
 }
 
-// Fills p, ng, frame and uv of the point (1 - u - v, u, v) of a triangle. The frame follows dp/du
-// if `tangent`.
-void surfel_triangle(const struct satin_scene *scene, const struct shape *shape, uint32_t prim,
-                     float u, float v, bool tangent, struct surfel *out);
+// Where a triangle was hit: barycentric coordinates (1 - u - v, u, v).
+struct surfel_hit {
+    uint32_t prim;
+    float u, v;
+    bool tangent;  // the frame follows dp/du
+    float margin;  // how far off its edges a point is kept; 0: 4 offsets
+};
+// Fills p, ng, frame and uv, in the mesh's own space.
+void surfel_triangle(const struct satin_scene *scene, const struct shape *shape,
+                     const struct surfel_hit *hit, struct surfel *out);
 
 // Whether the ray o + t d crosses the plane of the triangle at t > tnear, in double.
 bool surfel_crosses(const struct mesh *mesh, uint32_t prim, vec3 o, vec3 d, float tnear);

@@ -67,7 +67,7 @@ struct xml_node {
     bool old;                              // spelt as in version 0.6
     bool encoded;                          // <srgb> of those: its numbers are not linear
     const struct texture *texture;         // what the builders made of it, for further
-    uint32_t material;                     // references: NULL if nothing; 1 + index
+    uint32_t material, group;              // references: NULL if nothing; 1 + index
 };
 
 struct xml_id {

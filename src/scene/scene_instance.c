@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Instances: a group of shapes seen through a transform, for scene_trace.c.
+#include "scene/scene_instance.h"
+
+#include "scene/scene_surfel.h"
+
+// The longest and the shortest a unit vector can about become: by columns, which serves for bounds.
+static float longest_column(const struct mat4 *m) {
+    float l2 = 0.0f;
+    for (int j = 0; j < 3; j++) l2 = fmaxf(l2, v3_len2(v3(m->m[0][j], m->m[1][j], m->m[2][j])));
+    return sqrtf(l2);
+}
+
+void instance_bound(struct shape *shape, vec3 lo, vec3 hi) {
+    shape->lo = v3(INFINITY, INFINITY, INFINITY);
+    shape->hi = v3_neg(shape->lo);
+    for (int i = 0; i < 8; i++) {
+        vec3 corner = v3(i & 1 ? hi.x : lo.x, i & 2 ? hi.y : lo.y, i & 4 ? hi.z : lo.z);
+        vec3 p = mat4_point(&shape->to_world, corner);
+        shape->lo = v3_min(shape->lo, p);
+        shape->hi = v3_max(shape->hi, p);
+    }
+    // A ray is rounded in the group's space, relative to what is added up there.
+    vec3 back = v3(shape->to_object.m[0][3], shape->to_object.m[1][3], shape->to_object.m[2][3]);
+    float reach = fmaxf(v3_max_abs(lo), v3_max_abs(hi)) + v3_max_abs(back);
+    shape->radius = longest_column(&shape->to_world) * reach;
+}
+
+struct ray instance_ray(const struct shape *shape, const struct ray *ray) {
+    return (struct ray){mat4_point(&shape->to_object, ray->o), ray->tnear,
+                        mat4_vector(&shape->to_object, ray->d), ray->tfar};
+}
+
+float instance_margin(const struct satin_scene *scene, const struct shape *shape, vec3 p) {
+    return 4.0f * surfel_offset(scene, p) * longest_column(&shape->to_object);
+}
+
+void instance_place(const struct shape *shape, bool tangent, struct surfel *s) {
+    vec3 u = mat4_vector(&shape->to_world, s->frame.u);
+    vec3 n = v3_unit(mat4_normal(&shape->to_object, s->frame.n));
+    s->p = mat4_point(&shape->to_world, s->p);
+    s->ng = v3_unit(mat4_normal(&shape->to_object, s->ng));
+    s->frame = tangent ? frame_from_tangent(n, u) : frame_from_normal(n);
+}

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to scene/: between the world and the space of an instance's group.
+#ifndef SCENE_INSTANCE_H
+#define SCENE_INSTANCE_H
+
+#include "scene/scene.h"
+
+// Sets an instance's bounds and its part of the scene's grain from the bounds of its group.
+void instance_bound(struct shape *shape, vec3 lo, vec3 hi);
+
+// A world ray in the group's space, with the same distances: its direction is not unit.
+struct ray instance_ray(const struct shape *shape, const struct ray *ray);
+// How far off the edges of a triangle to keep a hit at p (world), in the group's space.
+float instance_margin(const struct satin_scene *scene, const struct shape *shape, vec3 p);
+// Moves a surfel from the group's space to the world. Its frame follows dp/du if `tangent`.
+void instance_place(const struct shape *shape, bool tangent, struct surfel *s);
+
+#endif

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shapes into Embree: triangle meshes share their arrays with it; spheres, disks and cylinders are
+// one user geometry over scene_quadric.c; instances are Embree's own. ROBUST traversal, so that no
+// ray passes between two triangles of a shared edge.
+#include "scene/scene_level.h"
+
+#include <stdlib.h>
+
+#include "base/array.h"
+
+// ---- Callbacks ----------------------------------------------------------------------------------
+
+// A hit whose plane is farther from the origin than Embree's rounding is real; a nearer one is
+// looked at again in double.
+static bool guard_accepts(const struct guard *guard, const struct RTCRay *ray,
+                          const struct RTCHit *hit) {
+    vec3 n = v3(hit->Ng_x, hit->Ng_y, hit->Ng_z), d = v3(ray->dir_x, ray->dir_y, ray->dir_z);
+    double distance = fabs((double)ray->tfar * v3_dot(n, d));  // times |n|
+    if (distance > guard->error.most) return true;
+    double n2 = v3_len2(n), by_area = guard->error.by_area;
+    if (distance * distance > by_area * by_area * n2 * sqrt(n2)) return true;
+    return surfel_crosses(guard->mesh, hit->primID, v3(ray->org_x, ray->org_y, ray->org_z), d,
+                          ray->tnear);
+}
+
+static void mesh_any(const struct RTCFilterFunctionNArguments *args) {
+    if (!guard_accepts(args->geometryUserPtr, (const struct RTCRay *)args->ray,
+                       (const struct RTCHit *)args->hit))
+        args->valid[0] = 0;
+}
+
+static void mesh_nearest(const struct RTCFilterFunctionNArguments *args) {
+    // The surfel will want the corners: their indices come while the traversal goes on.
+    const struct guard *guard = args->geometryUserPtr;
+    __builtin_prefetch(guard->mesh->index + (size_t)((const struct RTCHit *)args->hit)->primID * 3);
+    mesh_any(args);
+}
+
+static void quadric_box(const struct RTCBoundsFunctionArguments *args) {
+    const struct level *level = args->geometryUserPtr;
+    float lo[3], hi[3];
+    quadric_bounds(&level->quadric[args->primID], lo, hi);
+    args->bounds_o->lower_x = lo[0];
+    args->bounds_o->lower_y = lo[1];
+    args->bounds_o->lower_z = lo[2];
+    args->bounds_o->upper_x = hi[0];
+    args->bounds_o->upper_y = hi[1];
+    args->bounds_o->upper_z = hi[2];
+}
+
+static bool quadric_hit(const struct quadric *q, const struct RTCRay *ray, float *t) {
+    return quadric_intersect(q, v3(ray->org_x, ray->org_y, ray->org_z),
+                             v3(ray->dir_x, ray->dir_y, ray->dir_z), ray->tnear, ray->tfar, t);
+}
+
+static void quadric_nearest(const struct RTCIntersectFunctionNArguments *args) {
+    const struct level *level = args->geometryUserPtr;
+    struct RTCRayHit *ray_hit = (struct RTCRayHit *)args->rayhit;
+    float t;
+    if (!args->valid[0] || !quadric_hit(&level->quadric[args->primID], &ray_hit->ray, &t)) return;
+    ray_hit->ray.tfar = t;
+    ray_hit->hit.primID = args->primID;
+    ray_hit->hit.geomID = level->quadric_id;
+    ray_hit->hit.instID[0] = args->context->instID[0];
+}
+
+static void quadric_any(const struct RTCOccludedFunctionNArguments *args) {
+    const struct level *level = args->geometryUserPtr;
+    struct RTCRay *ray = (struct RTCRay *)args->ray;
+    float t;
+    if (args->valid[0] && quadric_hit(&level->quadric[args->primID], ray, &t))
+        ray->tfar = -INFINITY;
+}
+
+// ---- Building -----------------------------------------------------------------------------------
+
+satin_status level_status(RTCDevice device, struct log log) {
+    switch (rtcGetDeviceError(device)) {
+        case RTC_ERROR_NONE:
+            return SATIN_OK;
+        case RTC_ERROR_OUT_OF_MEMORY:
+            return log_fail(log, SATIN_ERROR_MEMORY,
+                            "not enough memory for the ray tracing structure");
+        default:
+            return log_fail(log, SATIN_ERROR_INTERNAL,
+                            "Embree could not build the ray tracing structure");
+    }
+}
+
+static void attach(struct level *level, RTCGeometry geometry, uint32_t id) {
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(level->scene, geometry, id);
+    rtcReleaseGeometry(geometry);
+}
+
+static void attach_mesh(RTCDevice device, struct level *level, const struct mesh *mesh,
+                        uint32_t id) {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    if (!geometry) return;
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                               mesh->position, 0, 3 * sizeof(float), mesh->vertex_count);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->index, 0,
+                               3 * sizeof(uint32_t), mesh->triangle_count);
+    level->guard[id] = (struct guard){mesh, surfel_error(mesh)};
+    rtcSetGeometryUserData(geometry, &level->guard[id]);
+    rtcSetGeometryIntersectFilterFunction(geometry, mesh_nearest);
+    rtcSetGeometryOccludedFilterFunction(geometry, mesh_any);
+    attach(level, geometry, id);
+}
+
+static void attach_quadrics(RTCDevice device, struct level *level) {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+    if (!geometry) return;
+    rtcSetGeometryUserPrimitiveCount(geometry, level->quadric_count);
+    rtcSetGeometryUserData(geometry, level);
+    rtcSetGeometryBoundsFunction(geometry, quadric_box, NULL);
+    rtcSetGeometryIntersectFunction(geometry, quadric_nearest);
+    rtcSetGeometryOccludedFunction(geometry, quadric_any);
+    attach(level, geometry, level->quadric_id);
+}
+
+static void attach_instance(RTCDevice device, struct level *level, const struct shape *shape,
+                            const struct level *group, uint32_t id) {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    if (!geometry) return;
+    rtcSetGeometryInstancedScene(geometry, group->scene);
+    // The rows of the matrix but the last.
+    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, shape->to_world.m);
+    attach(level, geometry, id);
+}
+
+// Sorts the shapes into geometries: meshes first, then all quadrics, then instances.
+static satin_status collect(const struct satin_scene *scene, uint32_t first, uint32_t count,
+                            uint32_t group, struct log log, struct level *level) {
+    level->geometry_shape = array_new((size_t)count + 1, sizeof *level->geometry_shape);
+    level->guard = array_new((size_t)count + 1, sizeof *level->guard);
+    level->quadric = array_new(count, sizeof *level->quadric);
+    if (!level->geometry_shape || !level->guard || !level->quadric)
+        return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for %u shapes", count);
+    uint32_t n = 0;
+    for (uint32_t i = first; i < first + count; i++) {
+        const struct shape *shape = &scene->shape[i];
+        if (shape->group != group || shape->kind == SHAPE_INSTANCE) continue;
+        if (shape->kind == SHAPE_MESH) {
+            if (shape->mesh.triangle_count) level->geometry_shape[n++] = i;
+        } else if (quadric_make(shape, i, &level->quadric[level->quadric_count])) {
+            level->quadric_count++;
+        } else {
+            return log_fail(log, SATIN_ERROR_INPUT, "shape '%s' has a degenerate transform",
+                            shape->name ? shape->name : "?");
+        }
+    }
+    level->quadric_id = n++;
+    for (uint32_t i = first; i < first + count; i++)
+        if (scene->shape[i].group == group && scene->shape[i].kind == SHAPE_INSTANCE)
+            level->geometry_shape[n++] = i;
+    level->geometry_count = n;
+    return SATIN_OK;
+}
+
+satin_status level_build(RTCDevice device, const struct satin_scene *scene, uint32_t first,
+                         uint32_t count, uint32_t group, const struct level *groups, struct log log,
+                         struct level *level) {
+    satin_status status = collect(scene, first, count, group, log, level);
+    if (status != SATIN_OK) return status;
+    level->scene = rtcNewScene(device);
+    if (!level->scene) return level_status(device, log);
+    rtcSetSceneBuildQuality(level->scene, RTC_BUILD_QUALITY_MEDIUM);
+    rtcSetSceneFlags(level->scene, RTC_SCENE_FLAG_ROBUST);
+    for (uint32_t id = 0; id < level->geometry_count; id++) {
+        const struct shape *shape = &scene->shape[level->geometry_shape[id]];
+        if (id == level->quadric_id)
+            continue;
+        else if (id < level->quadric_id)
+            attach_mesh(device, level, &shape->mesh, id);
+        else
+            attach_instance(device, level, shape, &groups[shape->instance_of], id);
+    }
+    if (level->quadric_count) attach_quadrics(device, level);
+    status = level_status(device, log);
+    if (status != SATIN_OK) return status;
+    rtcCommitScene(level->scene);
+    return level_status(device, log);
+}
+
+void level_free(struct level *level) {
+    if (level->scene) rtcReleaseScene(level->scene);
+    free(level->geometry_shape);
+    free(level->guard);
+    free(level->quadric);
+}

@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rows of matrix.py: shapes, emitters, cameras, colours, the language."""
+import struct
+import zlib
+
+FLOOR = """<shape type="rectangle">
+  <transform name="to_world"><scale value="6"/><rotate x="1" angle="-90"/></transform>
+  <bsdf type="diffuse"><rgb name="reflectance" value="0.5, 0.45, 0.4"/></bsdf>
+</shape>
+"""
+SKY = '<emitter type="constant"><rgb name="radiance" value="0.6, 0.7, 0.8"/></emitter>\n'
+LAMP = """<shape type="rectangle">
+  <transform name="to_world"><scale value="0.7"/><rotate x="1" angle="90"/>
+    <translate x="1.5" y="4"/></transform>
+  <emitter type="area"><rgb name="radiance" value="12, 10, 8"/></emitter>
+</shape>
+"""
+LIT = FLOOR + SKY + LAMP
+BALL = """<shape type="sphere"><point name="center" x="0" y="1" z="0"/>
+  <bsdf type="diffuse"><rgb name="reflectance" value="0.2, 0.5, 0.7"/></bsdf></shape>
+"""
+TWOSIDED = """<bsdf type="twosided"><bsdf type="diffuse">
+  <rgb name="reflectance" value="0.7, 0.4, 0.2"/></bsdf></bsdf>
+"""
+CHECKS = """<texture type="checkerboard" name="{}"><rgb name="color0" value="0.9, 0.2, 0.1"/>
+  <rgb name="color1" value="0.1, 0.3, 0.8"/>
+  <transform name="to_uv"><scale x="6" y="4"/></transform></texture>
+"""
+
+
+def shape(kind, *parts, bsdf=TWOSIDED):
+    return f'<shape type="{kind}">{"".join(parts)}{bsdf}</shape>\n'
+
+
+def place(*steps):
+    return f'<transform name="to_world">{"".join(steps)}</transform>'
+
+
+UP = '<translate y="1.1"/>'
+TILT = '<rotate x="0.96" y="0.28" angle="-35"/>'
+
+
+# ---- Files ---------------------------------------------------------------------------------------
+
+
+def torus(rings=24, sides=12):
+    """Points, normals, texture coordinates and quads of a torus around y."""
+    from math import cos, pi, sin
+    points, normals, uvs, quads = [], [], [], []
+    for i in range(rings + 1):
+        for j in range(sides + 1):
+            a, b = 2 * pi * i / rings, 2 * pi * j / sides
+            n = (cos(a) * cos(b), sin(b), sin(a) * cos(b))
+            points.append((cos(a) + 0.4 * n[0], 0.4 * n[1], sin(a) + 0.4 * n[2]))
+            normals.append(n)
+            uvs.append((i / rings, j / sides))
+    for i in range(rings):
+        for j in range(sides):
+            k = i * (sides + 1) + j
+            quads.append((k, k + 1, k + sides + 2, k + sides + 1))
+    return points, normals, uvs, quads
+
+
+def write_obj(path, mesh):
+    points, normals, uvs, quads = mesh
+    lines = ["mtllib none.mtl", "o torus"]
+    lines += ["v %g %g %g" % p for p in points]
+    lines += ["vt %g %g" % t for t in uvs]
+    lines += ["vn %g %g %g" % n for n in normals]
+    for at, quad in enumerate(quads):
+        if at % 100 == 0:
+            lines += [f"g part{at}", f"usemtl m{at}"]
+        lines.append("f " + " ".join(f"{k + 1}/{k + 1}/{k + 1}" for k in quad))
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def write_ply(path, mesh, form, normals=True):
+    points, vertex_normals, uvs, quads = mesh
+    faces = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
+    head = ["ply", f"format {form} 1.0", f"element vertex {len(points)}"]
+    head += [f"property float {c}" for c in ("x", "y", "z")]
+    head += [f"property float {c}" for c in ("nx", "ny", "nz")] if normals else []
+    head += [f"property float {c}" for c in ("u", "v", "r", "g", "b")]
+    head += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header"]
+    order = ">" if "big" in form else "<"
+    body = []
+    for p, n, t in zip(points, vertex_normals, uvs):
+        row = [*p, *(n if normals else ()), *t, 0.5 + 0.4 * p[0] / 1.4, 0.3, 0.5 - 0.4 * p[2] / 1.4]
+        body.append(" ".join("%.9g" % x for x in row).encode() + b"\n" if form == "ascii"
+                    else struct.pack(f"{order}{len(row)}f", *row))
+    for face in faces:
+        body.append(b"3 %d %d %d\n" % face if form == "ascii"
+                    else struct.pack(f"{order}B3i", 3, *face))
+    path.write_bytes("\n".join(head).encode() + b"\n" + b"".join(body))
+
+
+def write_serialized(path, mesh, version):
+    points, normals, uvs, quads = mesh
+    triangles = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
+    data = struct.pack("<I", 1 | 2 | 0x1000)
+    data += b"torus\0" if version == 4 else b""
+    data += struct.pack("<QQ", len(points), len(triangles))
+    for values in (points, normals, uvs):
+        data += b"".join(struct.pack(f"<{len(v)}f", *v) for v in values)
+    data += b"".join(struct.pack("<3I", *t) for t in triangles)
+    one = struct.pack("<HH", 0x041C, version) + zlib.compress(data)
+    form = "<QQI" if version == 4 else "<III"
+    path.write_bytes(one + one + struct.pack(form, 0, len(one), 2))
+
+
+def write_files(folder):
+    import numpy as np
+    import mitsuba as mi
+    mesh = torus()
+    write_obj(folder / "torus.obj", mesh)
+    for form in ("ascii", "binary_little_endian", "binary_big_endian"):
+        write_ply(folder / f"torus_{form}.ply", mesh, form)
+    write_ply(folder / "plain.ply", torus(12, 8), "binary_little_endian", normals=False)
+    write_serialized(folder / "torus3.serialized", mesh, 3)
+    write_serialized(folder / "torus4.serialized", mesh, 4)
+    rng = np.random.default_rng(1)
+    small = rng.random((8, 16, 3)).astype(np.float32)
+    mi.Bitmap((small * 255).astype(np.uint8)).write(str(folder / "noise.png"))
+    y, x = np.mgrid[0:64, 0:128]
+    sky = np.stack([0.3 + 0.2 * np.sin(x / 20), 0.4 + 0.3 * np.cos(y / 15), 0.5 + 0 * x], axis=2)
+    sky[12:18, 30:38] = 30.0
+    mi.Bitmap(sky.astype(np.float32)).write(str(folder / "sky.exr"))
+    (folder / "slope.spd").write_text("# nm, value\n400 0.2\n500 0.5\n550 0.7\n700 0.9\n")
+    (folder / "curve.txt").write_text("\n".join(
+        ["-1.6 0.3 0 0.15", "-1 0.9 0.6 0.2", "-0.3 1.5 -0.5 0.25", "0.4 0.6 0.3 0.2",
+         "1 1.6 0 0.3", "1.7 0.8 0.5 0.2", "", "-1 0.2 1 0.1", "0 0.5 1.2 0.2", "0.6 0.3 1 0.1",
+         "1.4 0.9 1.4 0.15"]) + "\n")
+
+
+# ---- Rows ----------------------------------------------------------------------------------------
+
+
+def real(name, value):
+    return f'<float name="{name}" value="{value}"/>'
+
+
+def text(name, value):
+    return f'<string name="{name}" value="{value}"/>'
+
+
+def true(name):
+    return f'<boolean name="{name}" value="true"/>'
+
+
+def diffuse(texture=""):
+    return f'<bsdf type="diffuse">{texture}</bsdf>'
+
+
+def twosided(bsdf):
+    return f'<bsdf type="twosided">{bsdf}</bsdf>'
+
+
+def shapes():
+    turned, lift = place(TILT, UP), place('<scale value="0.9"/>', TILT, UP)
+    flat = place('<scale x="1.2" y="0.8"/>', TILT, UP)
+    checks = diffuse(CHECKS.format("reflectance"))
+    yield "sphere", shape("sphere", '<point name="center" x="0" y="1" z="0"/>', real("radius", 0.8))
+    yield "sphere_flipped", shape("sphere", true("flip_normals"), turned)
+    yield "disk", shape("disk", flat)
+    yield "disk_textured", shape("disk", flat, bsdf=checks)
+    yield "cylinder", shape("cylinder", '<point name="p0" x="-1" y="0.6" z="0"/>'
+                            '<point name="p1" x="1" y="1.4" z="0.5"/>', real("radius", 0.5))
+    yield "cube", shape("cube", place('<scale value="0.7"/>', TILT, UP))
+    yield "rectangle", shape("rectangle", flat)
+    for name in ("torus.obj", "torus_ascii.ply", "torus_binary_little_endian.ply",
+                 "torus_binary_big_endian.ply", "torus3.serialized", "torus4.serialized"):
+        kind = name.rsplit(".", maxsplit=1)[1]
+        yield name.replace(".", "_"), shape(kind, text("filename", name), lift,
+                                            bsdf=twosided(checks))
+    yield "serialized_second", shape("serialized", text("filename", "torus4.serialized"),
+                                     '<integer name="shape_index" value="1"/>', lift)
+    file, torus_obj = text("filename", "plain.ply"), text("filename", "torus.obj")
+    yield "made_normals", shape("ply", file, lift)
+    yield "face_normals", shape("ply", file, true("face_normals"), lift)
+    yield "flip_normals", shape("ply", file, true("flip_normals"), lift, bsdf=diffuse())
+    yield "mirrored_mesh", shape("obj", torus_obj, bsdf=diffuse() +
+                                 place('<scale x="-0.9" y="0.8"/>', TILT, UP))
+    yield "merge", ('<shape type="merge">' + shape("cube", place('<scale value="0.4"/>', UP))
+                    + shape("obj", torus_obj, lift) + "</shape>")
+    group = ('<shape type="shapegroup" id="group">' + shape("ply", file, bsdf=twosided(checks))
+             + shape("sphere", real("radius", 0.5), bsdf="") + "</shape>\n")
+    yield "instance", group + "".join(
+        f'<shape type="instance"><ref id="group"/>{place(*steps)}</shape>\n' for steps in (
+            ('<scale value="0.5"/>', TILT, '<translate x="-1.2" y="0.9"/>'),
+            ('<scale x="0.4" y="0.8" z="0.5"/>', '<translate x="0.6" y="0.7" z="1"/>'),
+            ('<scale x="-0.5" y="0.4" z="0.5"/>', TILT, '<translate x="1.3" y="1.2" z="-1"/>')))
+
+
+def rows(folder):
+    write_files(folder)
+    out = {f"shape_{name}": LIT + body for name, body in shapes()}
+    return out
