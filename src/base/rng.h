@@ -20,7 +20,7 @@ enum rng_stage {
     RNG_TEST,
     RNG_CAUSTIC,
     RNG_GUIDE,
-    RNG_REACH
+    RNG_VIEW
 };
 
 struct rng {

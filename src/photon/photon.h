@@ -30,6 +30,10 @@ rgb photon_irradiance(const struct photon_maps *maps, vec3 p, vec3 n, float *rad
 void photon_irradiance_many(const struct photon_maps *maps, size_t count, const vec3 *p,
                             const vec3 *n, rgb *E, float *radius);
 
+// An estimate of a larger radius blurs over a good part of what is seen, and should not be
+// believed.
+float photon_trust(const struct photon_maps *maps);
+
 // Reflected radiance towards wo (local) by a k-nearest density estimate with the BRDF's smooth
 // `lobes`, from the global map (all classes it holds) or the caustic map. frame is the BRDF's; ng
 // the geometric normal on wo's side.

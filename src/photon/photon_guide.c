@@ -4,7 +4,8 @@
 // each and keeps the cells where one met such a surface, and their neighbours. The caustic pass
 // starts most of its paths there, evenly, so that its photons have equal power; the other cells get
 // a share too, which keeps the estimate unbiased. Light from infinitely far is aimed at the box of
-// the surfaces with delta lobes, which loses nothing.
+// the surfaces with delta lobes, which loses nothing; and where that is large, as a pane of glass
+// over all that is seen, light is aimed at what is seen (photon_view.c).
 #include <stdlib.h>
 
 #include "photon/photon_map.h"
@@ -31,14 +32,8 @@ struct photon_guide {
     uint32_t light_count;
     struct light_cells *light;
     uint32_t *cells;  // of all lights
-    struct light_target target;
+    struct light_aim aim;
 };
-
-static bool material_has_delta(const struct material *m) {
-    unsigned lobes = m->front.base.model->lobes;
-    if (m->two_sided) lobes |= m->back.base.model->lobes;
-    return lobes & BRDF_DELTA;
-}
 
 // ---- The target box ---------------------------------------------------------------------------
 
@@ -138,7 +133,7 @@ struct pilot {
 static bool meets_delta(const struct pilot *pilot, const float u[4]) {
     struct light_ray start;
     struct surfel s;
-    if (!light_emit(pilot->scene, pilot->light, &pilot->guide->target, u, &start)) return false;
+    if (!light_emit(pilot->scene, pilot->light, &pilot->guide->aim, u, &start)) return false;
     if (!scene_intersect(pilot->scene, &start.ray, &s)) return false;
     return material_has_delta(&pilot->scene->material[s.material]);
 }
@@ -230,8 +225,9 @@ static struct photon_guide *guide_new(const struct satin_scene *scene) {
     return guide;
 }
 
-satin_status photon_guide_build(const struct satin_scene *scene, uint64_t seed, uint64_t paths,
-                                struct parallel *pool, struct log log, struct photon_guide **out) {
+satin_status photon_guide_build(const struct photon_guiding *guiding, struct parallel *pool,
+                                struct log log, struct photon_guide **out) {
+    const struct satin_scene *scene = guiding->scene;
     struct light_target target;
     if (scene->light_count == 0 || !find_target(scene, &target)) {
         *out = NULL;
@@ -241,9 +237,9 @@ satin_status photon_guide_build(const struct satin_scene *scene, uint64_t seed, 
     struct photon_guide *guide = guide_new(scene);
     uint8_t *met = malloc(LIGHT_CELLS_MAX);
     if (!guide || !met) status = SATIN_ERROR_MEMORY;
-    if (guide) guide->target = target;
+    if (guide) photon_view_aim(guiding->view, target, &guide->aim);
     for (uint32_t i = 0; i < scene->light_count && status == SATIN_OK; i++) {
-        struct pilot pilot = {scene, guide, seed, i, met};
+        struct pilot pilot = {scene, guide, guiding->seed, i, met};
         for (int c = 0; c < LIGHT_CELLS_MAX; c++) met[c] = 0;
         if (!parallel_for(pool, guide->light[i].total, 64, probe_cells, &pilot))
             status = SATIN_CANCELLED;
@@ -256,7 +252,7 @@ satin_status photon_guide_build(const struct satin_scene *scene, uint64_t seed, 
         if (status == SATIN_ERROR_MEMORY) log_fail(log, status, "not enough memory for caustics");
         return status;
     }
-    deal_paths(scene, paths, guide);
+    deal_paths(scene, guiding->paths, guide);
     *out = guide;
     return SATIN_OK;
 }
@@ -272,9 +268,7 @@ uint64_t photon_guide_paths(const struct photon_guide *guide, uint32_t light) {
     return guide->light[light].paths;
 }
 
-struct light_target photon_guide_target(const struct photon_guide *guide) {
-    return guide->target;
-}
+const struct light_aim *photon_guide_aim(const struct photon_guide *guide) { return &guide->aim; }
 
 // The first paths go to the seen cells, the others to the rest, in the order of the cells: x runs
 // over them evenly, its whole part names the cell and its fraction is the place along the cell's

@@ -31,6 +31,13 @@ struct photon {
 uint32_t photon_pack(vec3 w);
 vec3 photon_unpack(uint32_t packed);
 
+// Whether a side of the material that reflects has an ideal specular lobe.
+static inline bool material_has_delta(const struct material *m) {
+    unsigned lobes = m->front.base.model->lobes;
+    if (m->two_sided) lobes |= m->back.base.model->lobes;
+    return lobes & BRDF_DELTA;
+}
+
 // ---- Tracing (photon_trace.c, photon_guide.c) -------------------------------------------------
 
 // What one tracing pass makes. Arrays by malloc; free with photon_trace_free.
@@ -40,6 +47,19 @@ struct photon_trace {
     uint64_t emitted;
     uint64_t stored[PHOTON_CLASSES];
 };
+
+// What the eye sees of the scene (photon_view.c). Boxes hold all, nine tenths and half of the
+// points.
+enum { PHOTON_VIEW_BOXES = LIGHT_SPOTS / 2 };
+struct photon_view {
+    float reach;                     // median length of gather rays; INFINITY if they meet nothing
+    int seen_count, specular_count;  // points; 0: no boxes
+    struct light_target seen[PHOTON_VIEW_BOXES], specular[PHOTON_VIEW_BOXES];
+};
+void photon_view_make(const struct satin_scene *scene, uint64_t seed, struct photon_view *out);
+// Aims at what is small against `all`, the box of everything that matters.
+void photon_view_aim(const struct photon_view *view, struct light_target all,
+                     struct light_aim *out);
 
 struct photon_guide;  // where in the space of emission caustic paths start
 
@@ -60,8 +80,13 @@ void photon_trace_free(struct photon_trace *trace);
 
 // Finds by a coarse pass of single rays which parts of each light's emission meet a surface with
 // a delta lobe first. *out is NULL if no material has one.
-satin_status photon_guide_build(const struct satin_scene *scene, uint64_t seed, uint64_t paths,
-                                struct parallel *pool, struct log log, struct photon_guide **out);
+struct photon_guiding {
+    const struct satin_scene *scene;
+    const struct photon_view *view;
+    uint64_t seed, paths;
+};
+satin_status photon_guide_build(const struct photon_guiding *guiding, struct parallel *pool,
+                                struct log log, struct photon_guide **out);
 void photon_guide_free(struct photon_guide *guide);  // NULL is allowed
 // How many of the `paths` of the pass leave light i.
 uint64_t photon_guide_paths(const struct photon_guide *guide, uint32_t light);
@@ -69,8 +94,8 @@ uint64_t photon_guide_paths(const struct photon_guide *guide, uint32_t light);
 // that matter and returns the factor of its power.
 float photon_guide_warp(const struct photon_guide *guide, uint32_t light, uint64_t index,
                         float u[4]);
-// The box that photons of infinitely far lights are aimed at.
-struct light_target photon_guide_target(const struct photon_guide *guide);
+// Where its photons are aimed.
+const struct light_aim *photon_guide_aim(const struct photon_guide *guide);
 
 // ---- The map (photon_map.c) -------------------------------------------------------------------
 
@@ -194,6 +219,7 @@ struct photon_maps {
     struct photon_irradiance irradiance, caustic_irradiance;
     int photon_k, caustic_k;
     bool area;
+    float trust;
 };
 
 #endif

@@ -21,7 +21,11 @@ struct pass {
     struct parallel *pool;
     struct log log;
     struct stats *stats;
+    struct photon_view view;
 };
+
+// A lookup wider than this part of what is seen is not trusted.
+static const float TRUST = 0.25f;
 
 // An estimate leaves out its outermost photon, so it takes two to see light.
 static int clamp_k(int k) { return k < 2 ? 2 : k > PHOTON_K_MAX ? PHOTON_K_MAX : k; }
@@ -83,8 +87,9 @@ static satin_status build_caustic(const struct pass *pass, struct photon_maps *m
     if (o->caustic_photons <= 0 || o->integrator == SATIN_PHOTONS) return SATIN_OK;
     struct photon_guide *guide = NULL;
     double start = stats_wall();
-    satin_status status = photon_guide_build(pass->scene, o->seed, (uint64_t)o->caustic_photons,
-                                             pass->pool, pass->log, &guide);
+    struct photon_guiding guiding = {pass->scene, &pass->view, o->seed,
+                                     (uint64_t)o->caustic_photons};
+    satin_status status = photon_guide_build(&guiding, pass->pool, pass->log, &guide);
     stats_add(pass->stats, "photons.trace_s", stats_wall() - start);
     if (status != SATIN_OK || !guide) return status;
     struct photon_tracing tracing = {.scene = pass->scene,
@@ -112,7 +117,10 @@ satin_status photon_maps_build(const struct satin_scene *scene, const satin_opti
     maps->photon_k = clamp_k(options->photon_k);
     maps->caustic_k = clamp_k(options->caustic_k);
     maps->area = options->photon_area;
-    struct pass pass = {scene, options, pool, log, stats};
+    struct pass pass = {
+        .scene = scene, .options = options, .pool = pool, .log = log, .stats = stats};
+    photon_view_make(scene, options->seed, &pass.view);
+    maps->trust = TRUST * pass.view.reach;
     satin_status status = build_global(&pass, maps);
     if (status == SATIN_OK) status = build_caustic(&pass, maps);
     if (status != SATIN_OK) {
@@ -129,6 +137,8 @@ satin_status photon_maps_build(const struct satin_scene *scene, const satin_opti
     *out = maps;
     return SATIN_OK;
 }
+
+float photon_trust(const struct photon_maps *maps) { return maps->trust; }
 
 void photon_maps_free(struct photon_maps *maps) {
     if (!maps) return;

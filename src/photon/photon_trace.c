@@ -144,11 +144,10 @@ static bool launch(const struct photon_tracing *tracing, uint32_t light, uint64_
                    (index >> 32);
     float u[4], factor = 1.0f;
     sample_sobol4((uint32_t)index, (uint32_t)rng_mix(key), u);
-    struct light_target target, *aim = NULL;
+    const struct light_aim *aim = NULL;
     if (tracing->guide) {
         factor = photon_guide_warp(tracing->guide, light, index, u);
-        target = photon_guide_target(tracing->guide);
-        aim = &target;
+        aim = photon_guide_aim(tracing->guide);
     }
     struct light_ray start;
     if (!light_emit(tracing->scene, light, aim, u, &start)) return false;

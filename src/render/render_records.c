@@ -16,9 +16,6 @@ enum {
 // Of a render with a time limit: the records' share of what is left after the photons.
 static const double RECORD_SHARE = 0.5;
 
-// A photon lookup wider than this part of what is seen is not trusted.
-static const float TRUST = 0.25f;
-
 // It fills at a times these first, so that the image is covered whenever the time is over.
 static const float TIMED_WIDEN[] = {2.5f, 1.6f, 1.0f, 0.75f, 0.55f};
 enum { TIMED_ROUNDS = 5, LEVELS = 6 };
@@ -139,7 +136,6 @@ static satin_status fill_timed(struct level *l) {
 
 satin_status render_records(struct render *r) {
     render_stage(r, "records", "", 0.0);
-    r->gather.trust = TRUST * shade_reach(&r->shade);
     struct level l = {.r = r};
     l.site = array_new((size_t)BLOCK_PIXELS * SITES_PER_PIXEL, sizeof *l.site);
     l.count = array_new(BLOCK_PIXELS, 1);

@@ -282,7 +282,8 @@ struct ray light_shadow_ray(const struct satin_scene *scene, vec3 p, vec3 ng,
 // Draws a photon that leaves light i, in proportion to its power: position by u[0], u[1], direction
 // by u[2], u[3], each in [0, 1). The light's power is the mean of `power` over uniform u; false:
 // the photon carries none. Equal power for all u but on textured, environment and wide spot lights.
-// Light from infinitely far is aimed at the box `target`; NULL: the scene's bounds.
+// `aim` says what matters; NULL: all does. The density of photons then is higher there, and their
+// power lower, than elsewhere.
 struct light_ray {
     struct ray ray;
     rgb power;  // [W]
@@ -290,7 +291,14 @@ struct light_ray {
 struct light_target {
     vec3 lo, hi;
 };
-bool light_emit(const struct satin_scene *scene, uint32_t i, const struct light_target *target,
+enum { LIGHT_SPOTS = 6 };
+struct light_aim {
+    struct light_target all;  // light from infinitely far that passes it by is left out
+    int count;                // of the boxes in it, or before it, that matter most
+    struct light_target spot[LIGHT_SPOTS];
+};
+#define LIGHT_UNAIMED 0.25f  // share of photons that are not aimed at a spot, if there is one
+bool light_emit(const struct satin_scene *scene, uint32_t i, const struct light_aim *aim,
                 const float u[4], struct light_ray *out);
 
 // ---- Camera (scene_camera.c) ------------------------------------------------------------------

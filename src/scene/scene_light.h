@@ -54,6 +54,8 @@ bool light_environment_sample(const struct light *light, float u, float v, vec3 
 
 // ---- Emission (scene_light_emit.c) ------------------------------------------------------------
 
+// The area that a box shows in direction d.
+float light_box_shadow(const struct light_target *box, vec3 d);
 // The area that the scene's bounds show in direction d, and the area of their surface.
 float light_bounds_shadow(const struct satin_scene *scene, vec3 d);
 float light_bounds_area(const struct satin_scene *scene);
@@ -61,5 +63,19 @@ float light_bounds_area(const struct satin_scene *scene);
 float light_spot_falloff(const struct light *light, float cos_theta);
 // The integrals of the falloff over the full-intensity cone and over its penumbra [sr].
 void light_spot_solid_angles(const struct light *light, float *beam, float *penumbra);
+
+// ---- Aim (scene_light_aim.c) ------------------------------------------------------------------
+
+// Chooses a spot of the aim by *u, which is stretched back to [0, 1); -1: unaimed.
+int light_aim_choose(const struct light_aim *aim, float *u);
+// The factor of a photon's power: the density with which the ray, drawn by spot `chosen` or -1,
+// would be drawn uniformly through aim->all, over that of the mixture. 0: it passes that box by.
+float light_aim_weight_ray(const struct satin_scene *scene, const struct light_aim *aim, int chosen,
+                           const struct ray *ray);
+// A direction from p towards the chosen spot; false: draw it as the light does.
+bool light_aim_direction(const struct light_aim *aim, int chosen, vec3 p, float u, float v,
+                         vec3 *d);
+// The factor of the power of a photon that leaves p along d, which the light draws with pdf_w.
+float light_aim_weight(const struct light_aim *aim, vec3 p, vec3 d, float pdf_w);
 
 #endif

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Photons leave the lights: area lights by area and cosine, point and spot lights by their
 // intensity, directional lights and environments through the sides of the scene's bounding box that
-// face them, which wastes less than a disk around the bounding sphere and is as exact.
+// face them, which wastes less than a disk around the bounding sphere and is as exact. All of them
+// may be aimed (scene_light_aim.c).
 #include "base/sampling.h"
 #include "scene/scene_light.h"
 
@@ -15,10 +16,14 @@ static vec3 box_sides(const struct light_target *box, vec3 d) {
     return v3(s.y * s.z * fabsf(d.x), s.x * s.z * fabsf(d.y), s.x * s.y * fabsf(d.z));
 }
 
+float light_box_shadow(const struct light_target *box, vec3 d) {
+    vec3 a = box_sides(box, d);
+    return a.x + a.y + a.z;
+}
+
 float light_bounds_shadow(const struct satin_scene *scene, vec3 d) {
     struct light_target box = scene_bounds(scene);
-    vec3 a = box_sides(&box, d);
-    return a.x + a.y + a.z;
+    return light_box_shadow(&box, d);
 }
 
 float light_bounds_area(const struct satin_scene *scene) {
@@ -62,83 +67,146 @@ void light_spot_solid_angles(const struct light *light, float *beam, float *penu
     *penumbra = (float)(2.0 * M_PI * fmax(integral, 0.0));
 }
 
-static bool emit_area(const struct satin_scene *scene, const struct light *light, const float u[4],
-                      struct light_ray *out) {
-    struct light_point at = light_area_point(scene, light, u[0], u[1]);
-    struct frame f = frame_from_normal(at.n);
-    vec3 d = frame_to_world(&f, sample_cosine_hemisphere(u[2], u[3]));
-    if (!(at.pdf_a > 0.0f)) return false;
-    out->ray = scene_spawn(scene, at.p, at.n, d);
-    out->power = rgb_scale(at.L, PI_F / at.pdf_a);
-    return true;
-}
+// ---- Light from a place -----------------------------------------------------------------------
 
 // The beam uniformly; the penumbra by an angle whose density falls linearly, as the intensity does.
-static bool emit_spot(const struct light *light, const float u[4], struct light_ray *out) {
+static vec3 spot_direction(const struct light *light, float u, float v) {
     float beam, penumbra;
     light_spot_solid_angles(light, &beam, &penumbra);
-    float total = beam + penumbra, share = beam / total;
-    vec3 l;
-    if (u[2] < share) {
-        l = sample_uniform_cone(u[2] / share, u[3], light->cos_beam);
-        out->power = rgb_scale(light->value, total);
-    } else {
-        float rest = (u[2] - share) / (1.0f - share), phi = 2.0f * PI_F * u[3];
-        float c = acosf(light->cos_cutoff), b = acosf(light->cos_beam);
-        float theta = c - (c - b) * safe_sqrtf(1.0f - rest), s = sinf(theta);
-        l = v3(s * cosf(phi), s * sinf(phi), cosf(theta));
-        // falloff sin(theta) 2 pi over its density 2 (c - theta) / (c - b)^2 (1 - share)
-        out->power = rgb_scale(light->value, PI_F * s * (c - b) / (1.0f - share));
-    }
-    struct frame f = frame_from_normal(light->direction);
-    out->ray = (struct ray){light->position, 0.0f, frame_to_world(&f, l), INFINITY};
-    return total > 0.0f;
+    float share = beam / (beam + penumbra);
+    if (u < share) return sample_uniform_cone(u / share, v, light->cos_beam);
+    float rest = (u - share) / (1.0f - share), phi = 2.0f * PI_F * v;
+    float c = acosf(light->cos_cutoff), b = acosf(light->cos_beam);
+    float theta = c - (c - b) * safe_sqrtf(1.0f - rest), s = sinf(theta);
+    return v3(s * cosf(phi), s * sinf(phi), cosf(theta));
 }
 
-static bool emit_point(const struct light *light, const float u[4], struct light_ray *out) {
-    out->ray = (struct ray){light->position, 0.0f, sample_uniform_sphere(u[2], u[3]), INFINITY};
-    out->power = rgb_scale(light->value, 4.0f * PI_F);
-    return true;
+// The intensity, relative to the light's value, over the density of spot_direction.
+static float spot_power(const struct light *light, float cos_theta) {
+    float beam, penumbra;
+    light_spot_solid_angles(light, &beam, &penumbra);
+    if (cos_theta >= light->cos_beam) return beam + penumbra;
+    if (cos_theta <= light->cos_cutoff) return 0.0f;
+    float c = acosf(light->cos_cutoff), b = acosf(light->cos_beam);
+    // falloff sin(theta) 2 pi over its density 2 (c - theta) / (c - b)^2 (1 - share)
+    return PI_F * safe_sqrtf(1.0f - sqrf(cos_theta)) * (c - b) * (beam + penumbra) / penumbra;
+}
+
+// Where a photon starts; the light sends it about frame.n, by the angle from it alone.
+struct place {
+    const struct light *light;
+    vec3 p;
+    struct frame frame;
+};
+
+static vec3 draw_direction(const struct place *at, float u, float v) {
+    if (at->light->kind == LIGHT_AREA) return sample_cosine_hemisphere(u, v);
+    if (at->light->kind == LIGHT_SPOT) return spot_direction(at->light, u, v);
+    return sample_uniform_sphere(u, v);
+}
+
+// What the light sends along a direction over the density of draw_direction, which goes to *pdf_w.
+static float direction_power(const struct place *at, float cos_theta, float *pdf_w) {
+    float power;
+    switch (at->light->kind) {
+        case LIGHT_AREA:
+            *pdf_w = fmaxf(cos_theta, 0.0f) * (1.0f / PI_F);
+            return PI_F;
+        case LIGHT_SPOT:
+            power = spot_power(at->light, cos_theta);
+            *pdf_w = power > 0.0f ? light_spot_falloff(at->light, cos_theta) / power : 0.0f;
+            return power;
+        default:
+            *pdf_w = 0.25f / PI_F;
+            return 4.0f * PI_F;
+    }
+}
+
+// The direction of a photon and the factor of its power; 0: the light sends nothing there.
+static vec3 aim_direction(const struct place *at, const struct light_aim *aim, const float u[2],
+                          float *power) {
+    float u0 = u[0], pdf_w;
+    int spot = light_aim_choose(aim, &u0);
+    vec3 d;
+    if (!light_aim_direction(aim, spot, at->p, u0, u[1], &d))
+        d = frame_to_world(&at->frame, draw_direction(at, u0, u[1]));
+    *power = direction_power(at, v3_dot(d, at->frame.n), &pdf_w);
+    *power *= light_aim_weight(aim, at->p, d, pdf_w);
+    return d;
+}
+
+static bool emit_area(const struct satin_scene *scene, const struct light *light,
+                      const struct light_aim *aim, const float u[4], struct light_ray *out) {
+    struct light_point point = light_area_point(scene, light, u[0], u[1]);
+    if (!(point.pdf_a > 0.0f)) return false;
+    struct place at = {light, point.p, frame_from_normal(point.n)};
+    float power;
+    vec3 d = aim_direction(&at, aim, u + 2, &power);
+    out->ray = scene_spawn(scene, point.p, point.n, d);
+    out->power = rgb_scale(point.L, power / point.pdf_a);
+    return power > 0.0f;
+}
+
+static bool emit_position(const struct light *light, const struct light_aim *aim, const float u[4],
+                          struct light_ray *out) {
+    struct place at = {light, light->position, {v3(1, 0, 0), v3(0, 1, 0), v3(0, 0, 1)}};
+    if (light->kind == LIGHT_SPOT) at.frame = frame_from_normal(light->direction);
+    float power;
+    vec3 d = aim_direction(&at, aim, u + 2, &power);
+    out->ray = (struct ray){light->position, 0.0f, d, INFINITY};
+    out->power = rgb_scale(light->value, power);
+    return power > 0.0f;
+}
+
+// ---- Light from infinitely far ----------------------------------------------------------------
+
+// A ray along d through one of the aim's boxes; *area gets 1 over its density.
+static bool aim_ray(const struct satin_scene *scene, const struct light_aim *aim, vec3 d,
+                    const float u[2], struct ray *ray, float *area) {
+    float u2[2] = {u[0], u[1]}, shadow;
+    int spot = light_aim_choose(aim, &u2[0]);
+    const struct light_target *box = spot < 0 ? &aim->all : &aim->spot[spot];
+    if (!box_ray(scene, box, d, u2, ray, &shadow)) return false;
+    float weight = light_aim_weight_ray(scene, aim, spot, ray);
+    *area = light_box_shadow(&aim->all, d) * weight;
+    return weight > 0.0f;
 }
 
 static bool emit_directional(const struct satin_scene *scene, const struct light *light,
-                             const struct light_target *target, const float u[4],
-                             struct light_ray *out) {
-    float shadow;
-    if (!box_ray(scene, target, light->direction, u, &out->ray, &shadow)) return false;
-    out->power = rgb_scale(light->value, shadow);
+                             const struct light_aim *aim, const float u[4], struct light_ray *out) {
+    float area;
+    if (!aim_ray(scene, aim, light->direction, u, &out->ray, &area)) return false;
+    out->power = rgb_scale(light->value, area);
     return true;
 }
 
 static bool emit_environment(const struct satin_scene *scene, const struct light *light,
-                             const struct light_target *target, const float u[4],
-                             struct light_ray *out) {
+                             const struct light_aim *aim, const float u[4], struct light_ray *out) {
     vec3 w;
     rgb L;
-    float pdf_w, shadow;
+    float pdf_w, area;
     if (!light_environment_sample(light, u[2], u[3], &w, &L, &pdf_w)) return false;
-    if (!box_ray(scene, target, v3_neg(w), u, &out->ray, &shadow)) return false;
-    out->power = rgb_scale(L, shadow / pdf_w);
+    if (!aim_ray(scene, aim, v3_neg(w), u, &out->ray, &area)) return false;
+    out->power = rgb_scale(L, area / pdf_w);
     return true;
 }
 
-bool light_emit(const struct satin_scene *scene, uint32_t i, const struct light_target *target,
+bool light_emit(const struct satin_scene *scene, uint32_t i, const struct light_aim *aim,
                 const float u[4], struct light_ray *out) {
     const struct light *light = &scene->light[i];
-    struct light_target all = scene_bounds(scene);
-    if (!target) target = &all;
+    const struct light_aim none = {.all = scene_bounds(scene)};
+    if (!aim) aim = &none;
     switch (light->kind) {
         case LIGHT_AREA:
-            return emit_area(scene, light, u, out);
+            return emit_area(scene, light, aim, u, out);
         case LIGHT_POINT:
-            return emit_point(light, u, out);
         case LIGHT_SPOT:
-            return emit_spot(light, u, out);
+            return emit_position(light, aim, u, out);
         case LIGHT_DIRECTIONAL:
-            return emit_directional(scene, light, target, u, out);
+            return emit_directional(scene, light, aim, u, out);
         case LIGHT_CONSTANT:
         case LIGHT_ENVMAP:
-            return emit_environment(scene, light, target, u, out);
+            return emit_environment(scene, light, aim, u, out);
     }
     return false;
 }

@@ -57,9 +57,6 @@ satin_status shade_init(struct shade *shade, const struct gather *g,
                         struct parallel *pool);
 void shade_destroy(struct shade *shade);  // a zeroed one is allowed
 
-// The median length of gather rays from what the eye sees; INFINITY if none meets anything.
-float shade_reach(const struct shade *shade);
-
 // Counts of one chunk of samples, joined by the caller.
 struct shade_counts {
     uint64_t samples, points, interpolated, records_used, gathered;

@@ -7,7 +7,7 @@
 
 #include "satin/render.h"
 
-#define BOUND 0.01
+#define BOUND 0.02
 
 static void print_message(void *user, satin_log_level level, const char *message) {
     (void)user;
@@ -16,12 +16,11 @@ static void print_message(void *user, satin_log_level level, const char *message
 }
 
 static double mean(const satin_scene *scene, const char *integrator, const char *spp) {
-    satin_options options = satin_options_default;
+    const satin_setting setting[] = {{"integrator", integrator}, {"spp", spp}};
+    satin_options options;
     satin_callbacks callbacks = {.log = print_message};
     satin_film *film = NULL;
-    if (satin_options_set(&options, "quality", "preview", print_message, NULL) ||
-        satin_options_set(&options, "integrator", integrator, print_message, NULL) ||
-        satin_options_set(&options, "spp", spp, print_message, NULL) ||
+    if (satin_options_resolve(scene, setting, 2, print_message, NULL, &options) ||
         satin_render(scene, &options, &callbacks, &film) != SATIN_OK)
         return NAN;
     int width, height;

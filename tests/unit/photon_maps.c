@@ -208,6 +208,22 @@ static void walls_do_not_leak(void **state) {
 
 // ---- Caustics ---------------------------------------------------------------------------------
 
+// A lamp of the given kind, three above the floor.
+static void add_lamp(struct test_scene *t, enum light_kind kind, uint32_t material) {
+    struct light lamp = {.kind = kind, .value = rgb_grey(10.0f)};
+    lamp.position = v3(0.2f, 0.3f, 3.0f);
+    lamp.direction = v3_unit(v3(0.1f, -0.2f, -1.0f));
+    lamp.cos_cutoff = cosf(0.5f);
+    lamp.cos_beam = cosf(0.3f);
+    if (kind == LIGHT_AREA) {
+        struct mat4 high = test_transform(v3(0.2f, 0.3f, 3.0f), v3(0.2f, 0.2f, 0.2f)),
+                    turn = mat4_rotate(v3(1, 0, 0), 180.0f);
+        test_area_light(t, test_rectangle(t, mat4_mul(&high, &turn), material), rgb_grey(10.0f));
+    } else {
+        test_light(t, lamp);
+    }
+}
+
 // A glass ball and a mirror over a floor, with a lamp of the given kind.
 static void caustic_scene(struct test_scene *t, enum light_kind kind) {
     test_scene_init(t);
@@ -222,29 +238,31 @@ static void caustic_scene(struct test_scene *t, enum light_kind kind) {
     struct mat4 stand = mat4_rotate(v3(0, 1, 0), 70.0f);
     struct mat4 place = test_transform(v3(-1, 0, 0.5f), v3(0.3f, 0.3f, 0.3f));
     test_rectangle(t, mat4_mul(&place, &stand), mirror);
-    struct light lamp = {.kind = kind, .value = rgb_grey(10.0f)};
-    lamp.position = v3(0.2f, 0.3f, 3.0f);
-    lamp.direction = v3_unit(v3(0.1f, -0.2f, -1.0f));
-    lamp.cos_cutoff = cosf(0.5f);
-    lamp.cos_beam = cosf(0.3f);
-    if (kind == LIGHT_AREA) {
-        struct mat4 high = test_transform(v3(0.2f, 0.3f, 3.0f), v3(0.2f, 0.2f, 0.2f)),
-                    turn = mat4_rotate(v3(1, 0, 0), 180.0f);
-        test_area_light(t, test_rectangle(t, mat4_mul(&high, &turn), white), rgb_grey(10.0f));
-    } else {
-        test_light(t, lamp);
-    }
+    add_lamp(t, kind, white);
     test_scene_finish(t);
 }
 
-static struct photon_trace trace_caustics(const struct test_scene *t, bool guided, uint64_t paths) {
+// A pane of glass over a floor, both of the given half width, with a lamp over them.
+static void pane_scene(struct test_scene *t, enum light_kind kind, float half) {
+    test_scene_init(t);
+    uint32_t grey = test_diffuse(t, 0.5f, 0.5f, 0.5f);
+    uint32_t glass = test_material(t, "thindielectric", rgb_grey(0), rgb_grey(1));
+    test_rectangle(t, test_transform(v3(0, 0, 0), v3(half, half, 1)), grey);
+    test_rectangle(t, test_transform(v3(0, 0, 1), v3(half, half, 1)), glass);
+    add_lamp(t, kind, grey);
+    test_scene_finish(t);
+}
+
+// view NULL: unguided.
+static struct photon_trace trace_caustics(const struct test_scene *t,
+                                          const struct photon_view *view, uint64_t paths) {
     struct parallel *pool = pool_of(2);
     struct log quiet = {0};
     struct photon_guide *guide = NULL;
     struct photon_trace trace;
-    if (guided)
-        assert_int_equal(photon_guide_build(&t->scene, 1, paths, pool, quiet, &guide), SATIN_OK);
-    assert_true((guide != NULL) == guided);
+    struct photon_guiding guiding = {&t->scene, view, 1, paths};
+    if (view) assert_int_equal(photon_guide_build(&guiding, pool, quiet, &guide), SATIN_OK);
+    assert_true((guide != NULL) == (view != NULL));
     struct photon_tracing tracing = {&t->scene, 1, paths, 1 << PHOTON_CAUSTIC, -1, guide};
     assert_int_equal(photon_trace_run(&tracing, pool, quiet, &trace), SATIN_OK);
     photon_guide_free(guide);
@@ -268,11 +286,12 @@ static void guide_is_unbiased(void **state) {
     (void)state;
     static const enum light_kind kinds[] = {LIGHT_AREA, LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL,
                                             LIGHT_CONSTANT};
+    const struct photon_view none = {0};
     for (int i = 0; i < 5; i++) {
         struct test_scene t;
         caustic_scene(&t, kinds[i]);
-        struct photon_trace plain = trace_caustics(&t, false, 200000),
-                            aimed = trace_caustics(&t, true, 50000);
+        struct photon_trace plain = trace_caustics(&t, NULL, 200000),
+                            aimed = trace_caustics(&t, &none, 50000);
         double plain_error, aimed_error, a = flux(&plain, &plain_error),
                                          b = flux(&aimed, &aimed_error);
         double error = sqrt(plain_error * plain_error + aimed_error * aimed_error);
@@ -281,6 +300,47 @@ static void guide_is_unbiased(void **state) {
                    plain.count, b, aimed_error, aimed.count);
         assert_true(fabs(a - b) < 4.0 * error);
         assert_true(aimed_error < plain_error);
+        photon_trace_free(&plain);
+        photon_trace_free(&aimed);
+        test_scene_free(&t);
+    }
+}
+
+static void sum_near(const struct photon_trace *trace, float half, double *flux, size_t *count) {
+    *flux = 0.0;
+    *count = 0;
+    for (size_t i = 0; i < trace->count; i++) {
+        vec3 p = trace->hit[i].p;
+        if (fabsf(p.x) > half || fabsf(p.y) > half) continue;
+        *flux += trace->hit[i].power.g;
+        *count += 1;
+    }
+}
+
+// Under a pane 40 wide, what is seen is 1 wide: the same flux arrives there by more photons of the
+// same number of paths.
+static void large_panes_are_aimed_through(void **state) {
+    (void)state;
+    static const enum light_kind kinds[] = {LIGHT_AREA, LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL,
+                                            LIGHT_CONSTANT};
+    const struct photon_view none = {0};
+    struct photon_view view = {.seen_count = 1};
+    for (int k = 0; k < PHOTON_VIEW_BOXES; k++)
+        view.seen[k] = (struct light_target){v3(-0.5f, -0.5f, -0.1f), v3(0.5f, 0.5f, 0.1f)};
+    for (int i = 0; i < 5; i++) {
+        struct test_scene t;
+        pane_scene(&t, kinds[i], 20.0f);
+        struct photon_trace plain = trace_caustics(&t, &none, 1000000),
+                            aimed = trace_caustics(&t, &view, 40000);
+        double a, b;
+        size_t n, m;
+        sum_near(&plain, 0.4f, &a, &n);
+        sum_near(&aimed, 0.4f, &b, &m);
+        double error = a * sqrt(1.0 / (double)n + 1.0 / (double)m);
+        if (!(fabs(a - b) < 4.0 * error) || 25 * m < 2 * n)
+            printf("light %d: plain %g (%zu), aimed %g (%zu)\n", i, a, n, b, m);
+        assert_true(fabs(a - b) < 4.0 * error);
+        assert_true(25 * m > 2 * n);
         photon_trace_free(&plain);
         photon_trace_free(&aimed);
         test_scene_free(&t);
@@ -374,15 +434,11 @@ static void building_can_be_cancelled(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(energy_is_kept),
-        cmocka_unit_test(furnace_is_even),
-        cmocka_unit_test(sides_are_apart),
-        cmocka_unit_test(walls_do_not_leak),
-        cmocka_unit_test(guide_is_unbiased),
-        cmocka_unit_test(no_pass_without_glass),
-        cmocka_unit_test(empty_maps_are_black),
-        cmocka_unit_test(threads_do_not_matter),
-        cmocka_unit_test(building_can_be_cancelled),
+        cmocka_unit_test(energy_is_kept),        cmocka_unit_test(furnace_is_even),
+        cmocka_unit_test(sides_are_apart),       cmocka_unit_test(walls_do_not_leak),
+        cmocka_unit_test(guide_is_unbiased),     cmocka_unit_test(large_panes_are_aimed_through),
+        cmocka_unit_test(no_pass_without_glass), cmocka_unit_test(empty_maps_are_black),
+        cmocka_unit_test(threads_do_not_matter), cmocka_unit_test(building_can_be_cancelled),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// What of the scene matters to the image, by a few paths: from the eye to x, the first surface that
+// is not ideal specular, and on by a ray as a gather ray would go. Their median length tells how
+// wide a photon lookup may be; boxes of the points x, and of the ideal specular surfaces that the
+// rays meet, tell where caustics are worth photons. A box holds a part of the points that lie
+// nearest to their middle, so a few that are far, as on a ground seen to the horizon, do not widen
+// all.
+#include <stdlib.h>
+
+#include "base/sampling.h"
+#include "photon/photon_map.h"
+
+enum { PATHS = 1024, SPECULAR_MAX = 16 };
+
+static const double QUANTILE[PHOTON_VIEW_BOXES] = {1.0, 0.9, 0.5};
+
+// A spot must be smaller than what is around it by this much to be worth photons of its own.
+#define SMALLER 0.25f
+
+struct point {
+    vec3 p;
+    float distance;  // from the middle
+};
+
+struct cloud {
+    struct point point[PATHS];
+    int count;
+};
+
+static int compare_floats(const void *a, const void *b) {
+    float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+static int compare_points(const void *a, const void *b) {
+    return compare_floats(&((const struct point *)a)->distance,
+                          &((const struct point *)b)->distance);
+}
+
+static void add(struct cloud *cloud, vec3 p) { cloud->point[cloud->count++].p = p; }
+
+// ---- Boxes ------------------------------------------------------------------------------------
+
+static float median(const struct cloud *cloud, int axis) {
+    float x[PATHS];
+    for (int i = 0; i < cloud->count; i++) {
+        vec3 p = cloud->point[i].p;
+        x[i] = axis == 0 ? p.x : axis == 1 ? p.y : p.z;
+    }
+    qsort(x, (size_t)cloud->count, sizeof *x, compare_floats);
+    return x[cloud->count / 2];
+}
+
+static void make_boxes(struct cloud *cloud, struct light_target *box) {
+    vec3 middle = v3(median(cloud, 0), median(cloud, 1), median(cloud, 2));
+    for (int i = 0; i < cloud->count; i++) {
+        vec3 d = v3_sub(cloud->point[i].p, middle);
+        cloud->point[i].distance = fmaxf(fabsf(d.x), fmaxf(fabsf(d.y), fabsf(d.z)));
+    }
+    qsort(cloud->point, (size_t)cloud->count, sizeof *cloud->point, compare_points);
+    for (int k = 0; k < PHOTON_VIEW_BOXES; k++) {
+        vec3 lo = middle, hi = middle;
+        for (int i = 0; i < (int)(QUANTILE[k] * cloud->count); i++) {
+            lo = v3_min(lo, cloud->point[i].p);
+            hi = v3_max(hi, cloud->point[i].p);
+        }
+        // A tenth more on all sides: the points are a few of many.
+        vec3 more = v3_mul(v3_sub(hi, lo), 0.1f);
+        box[k] = (struct light_target){v3_sub(lo, more), v3_add(hi, more)};
+    }
+}
+
+static float surface(const struct light_target *box) {
+    vec3 s = v3_sub(box->hi, box->lo);
+    return s.x * s.y + s.y * s.z + s.z * s.x;
+}
+
+// Makes spots of the boxes, which become smaller, that are small against what is around them.
+static void add_spots(const struct light_target *box, struct light_aim *aim) {
+    float around = surface(&aim->all);
+    for (int k = 0; k < PHOTON_VIEW_BOXES; k++) {
+        float own = surface(&box[k]);
+        if (!(own > 0.0f) || own > SMALLER * around) continue;
+        aim->spot[aim->count++] = box[k];
+        around = own;
+    }
+}
+
+void photon_view_aim(const struct photon_view *view, struct light_target all,
+                     struct light_aim *out) {
+    *out = (struct light_aim){.all = all};
+    if (view->seen_count > 0) add_spots(view->seen, out);
+    if (view->specular_count > 0) add_spots(view->specular, out);
+}
+
+// ---- Paths ------------------------------------------------------------------------------------
+
+// Follows the ray through ideal specular surfaces to one with a smooth lobe; false if there is
+// none.
+static bool to_smooth(const struct satin_scene *scene, struct ray ray, struct rng *rng,
+                      struct surfel *s, vec3 *n) {
+    for (int i = 0; i < SPECULAR_MAX; i++) {
+        struct brdf b;
+        struct frame frame;
+        struct brdf_sample next;
+        vec3 wo = v3_neg(ray.d);
+        if (!scene_intersect(scene, &ray, s) || !scene_brdf(scene, s, wo, &b, &frame)) return false;
+        *n = frame.n;
+        if (brdf_lobes(&b) & BRDF_SMOOTH) return true;
+        float u = rng_float(rng);
+        if (!brdf_sample(&b, frame_to_local(&frame, wo), u, 0.5f, 0.5f, BRDF_DELTA, BRDF_RADIANCE,
+                         &next))
+            return false;
+        ray = scene_spawn(scene, s->p, s->ng, frame_to_world(&frame, next.wi));
+    }
+    return false;
+}
+
+void photon_view_make(const struct satin_scene *scene, uint64_t seed, struct photon_view *out) {
+    const struct film_spec *film = &scene->film;
+    struct cloud seen = {.count = 0}, specular = {.count = 0};
+    float length[PATHS], spread;
+    int hits = 0;
+    for (uint32_t i = 0; i < PATHS; i++) {
+        struct rng rng = rng_make(seed, RNG_VIEW, i);
+        vec2 pixel = sample_sobol2(i, 0), direction = sample_sobol2(i, 1);
+        struct surfel s;
+        vec3 n = v3(0, 0, 1);
+        struct ray ray = camera_ray(scene, (float)film->crop_x + pixel.x * (float)film->crop_width,
+                                    (float)film->crop_y + pixel.y * (float)film->crop_height, 0.5f,
+                                    0.5f, &spread);
+        if (!to_smooth(scene, ray, &rng, &s, &n)) continue;
+        add(&seen, s.p);
+        struct frame frame = frame_from_normal(n);
+        vec3 d = frame_to_world(&frame, sample_cosine_hemisphere(direction.x, direction.y));
+        ray = scene_spawn(scene, s.p, s.ng, d);
+        if (!scene_intersect(scene, &ray, &s)) continue;
+        length[hits++] = s.t;
+        if (material_has_delta(&scene->material[s.material])) add(&specular, s.p);
+    }
+    *out = (struct photon_view){
+        .reach = INFINITY, .seen_count = seen.count, .specular_count = specular.count};
+    qsort(length, (size_t)hits, sizeof *length, compare_floats);
+    if (hits > 0) out->reach = length[hits / 2];
+    if (seen.count > 0) make_boxes(&seen, out->seen);
+    if (specular.count > 0) make_boxes(&specular, out->specular);
+}
