@@ -34,7 +34,7 @@ struct render_image {
 
 struct pass {
     struct render *r;
-    struct shade_counts *counts;  // per worker
+    struct shade_worker *worker;
     int columns;
 };
 
@@ -89,10 +89,11 @@ static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
             for (int x = x0; x < x0 + TILE && x < image->width; x++) {
                 size_t at = (size_t)y * (size_t)image->width + (size_t)x;
                 struct adapt_pixel *adapt = &image->adapt.pixel[at];
+                shade_pixel_begin(&pass->worker[worker]);
                 while (adapt->count < adapt->target) {
                     struct shade_sample sample;
-                    shade_pixel(&pass->r->shade, worker, x, y, adapt->count, &sample,
-                                &pass->counts[worker]);
+                    shade_pixel(&pass->r->shade, &pass->worker[worker], x, y, adapt->count,
+                                &sample);
                     bool finite = add_sample(&image->pixel[at], &sample);
                     adapt_add(adapt, finite ? judged(&sample) : rgb_grey(0.0f));
                 }
@@ -139,14 +140,14 @@ static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
     return want > 0;
 }
 
-static void note_counts(struct render *r, const struct shade_counts *counts, int workers) {
+static void note_counts(struct render *r, const struct shade_worker *worker, int workers) {
     struct shade_counts sum = {0};
     for (int i = 0; i < workers; i++) {
-        sum.samples += counts[i].samples;
-        sum.points += counts[i].points;
-        sum.interpolated += counts[i].interpolated;
-        sum.records_used += counts[i].records_used;
-        sum.gathered += counts[i].gathered;
+        sum.samples += worker[i].counts.samples;
+        sum.points += worker[i].counts.points;
+        sum.interpolated += worker[i].counts.interpolated;
+        sum.records_used += worker[i].counts.records_used;
+        sum.gathered += worker[i].counts.gathered;
     }
     stats_set(&r->stats, "image.samples", (double)sum.samples);
     stats_set(&r->stats, "image.points", (double)sum.points);
@@ -162,8 +163,9 @@ satin_status render_image_fill(struct render *r) {
     struct render_image *image = r->image;
     const int workers = parallel_threads(r->pool);
     struct pass pass = {.r = r, .columns = (image->width + TILE - 1) / TILE};
-    pass.counts = array_new((size_t)workers, sizeof *pass.counts);
-    if (!pass.counts) return SATIN_ERROR_MEMORY;
+    pass.worker = array_new((size_t)workers, sizeof *pass.worker);
+    if (!pass.worker) return SATIN_ERROR_MEMORY;
+    for (int i = 0; i < workers; i++) pass.worker[i].scratch = r->shade.scratch[i];
     size_t tiles = (size_t)pass.columns * (size_t)((image->height + TILE - 1) / TILE);
     const double all = (double)r->options.spp * (double)image->width * (double)image->height;
     double per_sample = 0.0;
@@ -182,8 +184,8 @@ satin_status render_image_fill(struct render *r) {
         adapt_judge(&image->adapt);
     }
     r->stage_items = (double)image->taken;
-    note_counts(r, pass.counts, workers);
-    free(pass.counts);
+    note_counts(r, pass.worker, workers);
+    free(pass.worker);
     return status;
 }
 

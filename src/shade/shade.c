@@ -78,11 +78,11 @@ static void path_sample(const struct shade *shade, int x, int y, uint32_t index,
     out->beauty = gather_path(shade->g, ray, 0, seen, &sampler, &distance);
 }
 
-void shade_pixel(const struct shade *shade, int worker, int x, int y, uint32_t index,
-                 struct shade_sample *out, struct shade_counts *counts) {
+void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, int y,
+                 uint32_t index, struct shade_sample *out) {
     const satin_integrator integrator = shade->g->options->integrator;
     *out = (struct shade_sample){0};
-    counts->samples++;
+    worker->counts.samples++;
     if (integrator == SATIN_PATH) {
         path_sample(shade, x, y, index, out);
         return;
@@ -96,13 +96,7 @@ void shade_pixel(const struct shade *shade, int worker, int x, int y, uint32_t i
         uint64_t pixel = rng_mix((uint64_t)sampler.seed + (uint64_t)i);
         // The i-th vertex has its own dimensions, whatever was used before it.
         struct sampler own = {index, sampler.seed, 64u * (uint32_t)(i + 1)};
-        struct shade_job job = {shade,
-                                &eye.vertex[i],
-                                shade->scratch[worker],
-                                own,
-                                rng_mix(pixel + index),
-                                pixel,
-                                counts,
+        struct shade_job job = {shade, &eye.vertex[i], worker, own, rng_mix(pixel + index), pixel,
                                 out};
         if (integrator == SATIN_PHOTONS)
             photons_seen(&job);

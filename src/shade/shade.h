@@ -62,9 +62,35 @@ struct shade_counts {
     uint64_t samples, points, interpolated, records_used, gathered;
 };
 
+// Values that the samples of a pixel share (shade_memo.h).
+enum { SHADE_MEMO = 4 };
+enum { MEMO_IRRADIANCE = 1, MEMO_RADIANCE = 2 };
+struct shade_memo {
+    struct shade_memo_entry {
+        vec3 p, n, wo;
+        uint32_t material;
+        unsigned knows;  // mask of MEMO_...
+        int used;        // records behind E
+        rgb E;           // indirect irradiance by either cache
+        rgb glossy;      // reflected by the glossy lobes, without the factor brdf.specular
+    } entry[SHADE_MEMO];
+    int count, next;
+};
+
+// A worker's own; zeroed at first but for `scratch`.
+struct shade_worker {
+    struct gather_scratch *scratch;
+    struct shade_counts counts;  // joined by the caller
+    struct shade_memo memo;      // of the pixel under way
+};
+
+// Forgets what the samples before shared; before the first sample of a pixel in each pass.
+static inline void shade_pixel_begin(struct shade_worker *worker) {
+    worker->memo.count = worker->memo.next = 0;
+}
 // Sample number `index` of pixel (x, y) of the crop window.
-void shade_pixel(const struct shade *shade, int worker, int x, int y, uint32_t index,
-                 struct shade_sample *out, struct shade_counts *counts);
+void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, int y,
+                 uint32_t index, struct shade_sample *out);
 
 // The surface points of an eye ray where records may be needed, for cache_fill. Returns how many,
 // at most `max`.

@@ -8,11 +8,10 @@
 struct shade_job {
     const struct shade *shade;
     const struct shade_vertex *vertex;
-    struct gather_scratch *scratch;
+    struct shade_worker *worker;
     struct sampler sampler;
-    uint64_t stream;        // random numbers of this vertex of this sample
-    uint64_t pixel_stream;  // the same for all samples of the pixel
-    struct shade_counts *counts;
+    uint64_t stream;           // random numbers of this vertex of this sample
+    uint64_t pixel_stream;     // the same for all samples of the pixel
     struct shade_sample *out;  // layers are added to, times the vertex's throughput
 };
 

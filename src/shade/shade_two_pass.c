@@ -5,31 +5,32 @@
 // through is importance-sampled.
 #include "rsh/rsh.h"
 #include "shade/shade_indirect.h"
+#include "shade/shade_memo.h"
 
 // Which technique carries which lobes at this point.
 struct plan {
-    unsigned cached;   // glossy and diffuse lobes by a radiance record
-    unsigned diffuse;  // by irradiance
-    unsigned sampled;  // glossy, or through, by importance sampling
-    int order, channels;
-    float C[3 * RSH_MAX_COEFFICIENTS];
+    unsigned cached;                 // glossy and diffuse lobes by a radiance record
+    unsigned diffuse;                // by irradiance
+    unsigned sampled;                // glossy, or through, by importance sampling
+    const struct brdf_table *table;  // of the glossy lobe, if that is cached
+    int channels;
+    struct shade_memo_entry *memo;
 };
 
 static void make_plan(const struct shade_job *job, struct plan *plan) {
     const struct gather_point *p = &job->vertex->point;
-    const struct brdf_table *table = shade_table(job->shade, p, &plan->channels);
+    plan->table = shade_table(job->shade, p, &plan->channels);
     plan->cached = 0;
     plan->sampled = p->lobes & BRDF_THROUGH;
     plan->diffuse = p->lobes & BRDF_DIFFUSE;
-    plan->order = 0;
+    plan->memo = shade_memo_find(&job->worker->memo, p, job->vertex->pixel);
     const satin_options *o = job->shade->g->options;
     if (plan->diffuse && o->radiance_cache && o->radiance_diffuse) plan->cached = plan->diffuse;
     if (!(p->lobes & BRDF_GLOSSY)) {
         plan->diffuse &= ~plan->cached;
         return;
     }
-    if (table) plan->order = brdf_table_lookup(table, p->wo_l, plan->C);
-    if (plan->order > 0) {
+    if (plan->table && brdf_table_order(plan->table, p->wo_l) > 0) {
         plan->cached = p->lobes & BRDF_REFLECT;
     } else {
         plan->sampled |= BRDF_GLOSSY;
@@ -50,25 +51,33 @@ static struct gather_site site_of(const struct shade_job *job) {
     return (struct gather_site){p->surfel.p, p->surfel.ng, p->frame, job->stream};
 }
 
-static void indirect_diffuse(struct shade_job *job) {
+static void note_records(struct shade_job *job, int used) {
+    job->worker->counts.interpolated++;
+    job->worker->counts.records_used += (uint64_t)used;
+    job->out->density += (float)used;
+}
+
+static void indirect_diffuse(struct shade_job *job, struct shade_memo_entry *memo) {
     const struct shade *s = job->shade;
     const struct gather_point *p = &job->vertex->point;
-    rgb E;
-    int used = 0;
-    if (s->g->options->irradiance_cache)
-        used = cache_irradiance(s->cache, p->surfel.p, p->frame.n, s->a_irradiance, &E);
-    if (!used) {
+    rgb E = memo->E;
+    if (!(memo->knows & MEMO_IRRADIANCE)) {
+        memo->used = 0;
+        if (s->g->options->irradiance_cache)
+            memo->used = cache_irradiance(s->cache, p->surfel.p, p->frame.n, s->a_irradiance, &E);
+    }
+    if (memo->used) {
+        memo->knows |= MEMO_IRRADIANCE;
+        memo->E = E;
+        note_records(job, memo->used);
+    } else {
         struct gather_irradiance value;
         struct gather_site site = site_of(job);
         bool off = !s->g->options->irradiance_cache;
-        gather_hemisphere_irradiance(s->g, off ? s->gather : s->fallback, job->scratch, &site,
-                                     &value);
+        gather_hemisphere_irradiance(s->g, off ? s->gather : s->fallback, job->worker->scratch,
+                                     &site, &value);
         E = value.E;
-        job->counts->gathered++;
-    } else {
-        job->counts->interpolated++;
-        job->counts->records_used += (uint64_t)used;
-        job->out->density += (float)used;
+        job->worker->counts.gathered++;
     }
     add(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(diffuse_albedo(p), E));
 }
@@ -77,18 +86,20 @@ static void indirect_diffuse(struct shade_job *job) {
 static bool indirect_cached(struct shade_job *job, const struct plan *plan) {
     const struct shade *s = job->shade;
     const struct gather_point *p = &job->vertex->point;
-    struct cache_lobe lobe = {plan->C, plan->order, plan->channels};
-    rgb glossy, E;
-    bool diffuse = p->lobes & BRDF_DIFFUSE;
-    bool shiny = plan->cached & BRDF_GLOSSY;
-    int used = cache_radiance(s->cache, p->surfel.p, &p->frame, s->a_radiance, shiny ? &lobe : NULL,
-                              &glossy, diffuse ? &E : NULL);
-    if (!used) return false;
-    job->counts->interpolated++;
-    job->counts->records_used += (uint64_t)used;
-    job->out->density += (float)used;
-    if (shiny) add(job, SHADE_INDIRECT_GLOSSY, rgb_mul(p->brdf.specular, glossy));
-    if (p->lobes & BRDF_DIFFUSE) add(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(diffuse_albedo(p), E));
+    struct shade_memo_entry *memo = plan->memo;
+    const bool diffuse = p->lobes & BRDF_DIFFUSE, shiny = plan->cached & BRDF_GLOSSY;
+    if (!(memo->knows & MEMO_RADIANCE)) {
+        float C[3 * RSH_MAX_COEFFICIENTS];
+        struct cache_lobe lobe = {.C = C, .channels = plan->channels};
+        if (shiny) lobe.order = brdf_table_lookup(plan->table, p->wo_l, C);
+        memo->used = cache_radiance(s->cache, p->surfel.p, &p->frame, s->a_radiance,
+                                    shiny ? &lobe : NULL, &memo->glossy, diffuse ? &memo->E : NULL);
+        if (!memo->used) return false;
+        memo->knows |= MEMO_RADIANCE;
+    }
+    note_records(job, memo->used);
+    if (shiny) add(job, SHADE_INDIRECT_GLOSSY, rgb_mul(p->brdf.specular, memo->glossy));
+    if (diffuse) add(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(diffuse_albedo(p), memo->E));
     return true;
 }
 
@@ -97,7 +108,7 @@ enum { GLOSSY_MAX = 256 };  // rays of one sample; the range of the option gloss
 // Draws gather rays from `lobes`; returns how many did not fail, with their weights and densities.
 static int draw_rays(struct shade_job *job, unsigned lobes, int count, rgb *weight, float *pdf) {
     const struct gather_point *p = &job->vertex->point;
-    struct gather_ray *ray = gather_scratch_rays(job->scratch);
+    struct gather_ray *ray = gather_scratch_rays(job->worker->scratch);
     int rays = 0;
     for (int i = 0; i < count; i++) {
         struct sampler u = {job->sampler.index * (uint32_t)count + (uint32_t)i, job->sampler.seed,
@@ -125,8 +136,8 @@ static void sample_lobes(struct shade_job *job, unsigned lobes, float ratio) {
     rgb weight[GLOSSY_MAX];
     float pdf[GLOSSY_MAX];
     int rays = draw_rays(job, lobes, count, weight, pdf);
-    const struct gather_ray *ray = gather_scratch_rays(job->scratch);
-    gather_rays(g, job->scratch, gather_scratch_rays(job->scratch), (size_t)rays,
+    const struct gather_ray *ray = gather_scratch_rays(job->worker->scratch);
+    gather_rays(g, job->worker->scratch, gather_scratch_rays(job->worker->scratch), (size_t)rays,
                 job->pixel_stream);
     rgb direct = rgb_grey(0.0f), caustic = direct, indirect = direct;
     for (int i = 0; i < rays; i++) {
@@ -170,7 +181,7 @@ void shade_vertex_two_pass(struct shade_job *job) {
     const bool indirect = o->integrator == SATIN_TWO_PASS && (o->max_depth < 0 || o->max_depth > 2);
     struct plan plan;
     make_plan(job, &plan);
-    job->counts->points++;
+    job->worker->counts.points++;
 
     // Direct light. The samples of glossy lobes, or one extra BRDF sample, share the lights with
     // it.
@@ -185,17 +196,16 @@ void shade_vertex_two_pass(struct shade_job *job) {
     job->sampler.dimension += 2;
     if (!indirect) return;
 
-    unsigned lobes = plan.cached | plan.diffuse;
-    if (lobes)
+    if (plan.cached | plan.diffuse)
         add(job, SHADE_CAUSTIC,
             photon_caustic(g->maps, g->scene, p->surfel.p, p->ng, &p->frame, &p->brdf, p->wo_l,
-                           lobes));
+                           plan.cached | plan.diffuse));
     if (plan.cached && !indirect_cached(job, &plan)) {
         // No record is near: gather for the diffuse lobe, sample the glossy one.
         plan.diffuse = plan.cached & BRDF_DIFFUSE;
         if (plan.cached & BRDF_GLOSSY) sample_lobes(job, BRDF_GLOSSY, 0.0f);
-        job->counts->gathered++;
+        job->worker->counts.gathered++;
     }
-    if (plan.diffuse) indirect_diffuse(job);
+    if (plan.diffuse) indirect_diffuse(job, plan.memo);
     if (plan.sampled) sample_lobes(job, plan.sampled, ratio);
 }
