@@ -221,6 +221,11 @@ int photon_irradiance_entry(const struct photon_irradiance *r, vec3 p, vec3 n) {
     return row >= 0 && !faces(r, row, n) ? search_facing(r, query, n) : row;
 }
 
+vec3 photon_irradiance_place(const struct photon_irradiance *r, int entry) {
+    const float *q = r->row + 6 * (size_t)entry;
+    return v3(q[0], q[1], q[2]);
+}
+
 rgb photon_irradiance_value(const struct photon_irradiance *r, int entry, vec3 p) {
     if (entry < 0) return rgb_grey(0.0f);
     const float *q = r->row + 6 * (size_t)entry;
