@@ -176,6 +176,12 @@ int brdf_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode, struct brdf_s
 // roulette.
 rgb brdf_albedo(const struct brdf *b, vec3 wo, unsigned lobes);
 
+// What a bump or normal map leaves of the light where it is not evaluated by direction: the mean
+// over even light for the diffuse lobe, and the share at the mirror direction of wo for the glossy
+// one. 1 without a map.
+float brdf_relief_diffuse(const struct brdf *b);
+float brdf_relief_glossy(const struct brdf *b, vec3 wo);
+
 // Harmonics of the glossy part [K05 2.5, 3.4]: per outgoing direction on a parabolic map the
 // coefficients of f_r cos(theta_i), with the least order whose error (3.4, with the cosine below
 // the line too) meets the bound. Isotropic BRDFs keep one radius of the map and turn it about z.

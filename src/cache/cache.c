@@ -74,20 +74,22 @@ void cache_free(struct cache *cache) {
     free(cache);
 }
 
-int cache_irradiance(const struct cache *cache, vec3 p, vec3 n, float a, rgb *E) {
+// A facet that is turned by an angle t sees E cos t, and what the rotation gradient adds sin t.
+int cache_irradiance(const struct cache *cache, vec3 p, vec3 n, vec3 facing, float a, rgb *E) {
     struct cache_near near[CACHE_NEAR_MAX];
     int count = cache_tree_find(&cache->irradiance_tree, p, n, a, near);
     if (count == 0) return 0;
     const bool gradients = cache->g->options->irradiance_gradients;
+    const float share = minf(v3_dot(n, facing), 1.0f);
     float sum[3] = {0}, weights = 0.0f;
     for (int i = 0; i < count; i++) {
         const struct cache_head *h = &cache->irradiance_tree.head[near[i].record];
         const struct gather_irradiance *value = &cache->irradiance[near[i].record];
         const float Ei[3] = {value->E.r, value->E.g, value->E.b};
-        vec3 move = v3_sub(p, h->p), turn = v3_cross(h->n, n);
+        vec3 move = v3_sub(p, h->p), turn = v3_cross(h->n, facing);
         float w = near[i].weight;
         for (int c = 0; c < 3; c++) {
-            float e = Ei[c];
+            float e = share * Ei[c];
             if (gradients) e += v3_dot(turn, value->grad_r[c]) + v3_dot(move, value->grad_t[c]);
             sum[c] += w * fmaxf(e, 0.0f);
         }
@@ -130,20 +132,20 @@ static void add_product(const struct cache *cache, const struct cache_radiance_r
     for (int c = 0; c < 3; c++) sum[c] += w * value[c];
 }
 
-int cache_radiance(const struct cache *cache, vec3 p, const struct frame *frame, float a,
+int cache_radiance(const struct cache *cache, const struct cache_place *at, float a,
                    const struct cache_lobe *lobe, rgb *glossy, rgb *E) {
     struct cache_near near[CACHE_NEAR_MAX];
-    int count = cache_tree_find(&cache->radiance_tree, p, frame->n, a, near);
+    int count = cache_tree_find(&cache->radiance_tree, at->p, at->n, a, near);
     if (count == 0) return 0;
     const float on = cache->g->options->radiance_gradients ? 1.0f : 0.0f;
     const struct cache_lobe cosine = {cache->cosine, cache->cosine_order, 1};
     float shine[3] = {0}, diffuse[3] = {0}, weights = 0.0f;
     for (int i = 0; i < count; i++) {
         const struct cache_radiance_record *record = &cache->radiance[near[i].record];
-        vec3 d = v3_sub(p, cache->radiance_tree.head[near[i].record].p);
+        vec3 d = v3_sub(at->p, cache->radiance_tree.head[near[i].record].p);
         const float move[2] = {on * v3_dot(d, record->frame.u), on * v3_dot(d, record->frame.v)};
-        if (lobe) add_product(cache, record, frame, *lobe, move, near[i].weight, shine);
-        if (E) add_product(cache, record, frame, cosine, move, near[i].weight, diffuse);
+        if (lobe) add_product(cache, record, &at->frame, *lobe, move, near[i].weight, shine);
+        if (E) add_product(cache, record, &at->frame, cosine, move, near[i].weight, diffuse);
         weights += near[i].weight;
     }
     if (lobe)

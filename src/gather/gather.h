@@ -25,15 +25,20 @@ struct gather gather_make(const struct satin_scene *scene, const satin_options *
 struct gather_point {
     struct surfel surfel;
     struct brdf brdf;
-    struct frame frame;  // of the BRDF; n on the side that reflects
-    vec3 wo_l;           // towards the viewer, local
-    vec3 ng;             // geometric normal on the viewer's side
-    unsigned lobes;      // of the BRDF, 0 if it reflects nothing
+    const struct material_side *side;  // the part of a blend that it is
+    struct frame frame;                // of the BRDF; n on the side that reflects
+    struct frame base;                 // the same without bumps: records are kept in it
+    vec3 wo_l;                         // towards the viewer, local
+    vec3 ng;                           // geometric normal on the viewer's side
+    unsigned lobes;                    // of the BRDF, 0 if it reflects nothing
 };
 
-// `d` is the direction of the ray that hit s.
+// `d` is the direction of the ray that hit s. Of a blend, one part is drawn.
 void gather_point_make(const struct satin_scene *scene, const struct surfel *s, vec3 d,
                        struct gather_point *out);
+// The same for a given part.
+void gather_point_of(const struct satin_scene *scene, const struct material_side *side,
+                     const struct surfel *s, vec3 d, struct gather_point *out);
 
 // ---- Direct light (gather_direct.c) ------------------------------------------------------------
 

@@ -20,16 +20,23 @@ struct gather gather_make(const struct satin_scene *scene, const satin_options *
     return g;
 }
 
-void gather_point_make(const struct satin_scene *scene, const struct surfel *s, vec3 d,
-                       struct gather_point *out) {
+void gather_point_of(const struct satin_scene *scene, const struct material_side *side,
+                     const struct surfel *s, vec3 d, struct gather_point *out) {
     vec3 wo = v3_neg(d);
     out->surfel = *s;
     out->ng = v3_dot(s->ng, wo) < 0.0f ? v3_neg(s->ng) : s->ng;
-    if (scene_brdf(scene, s, wo, &out->brdf, &out->frame)) {
+    out->side = side;
+    out->base = scene_part_frame(scene, side, s, wo);
+    if (scene_part_brdf(scene, side, s, wo, &out->brdf, &out->frame)) {
         out->lobes = brdf_lobes(&out->brdf);
     } else {
         out->lobes = 0;
         out->frame = s->frame;
     }
     out->wo_l = frame_to_local(&out->frame, wo);
+}
+
+void gather_point_make(const struct satin_scene *scene, const struct surfel *s, vec3 d,
+                       struct gather_point *out) {
+    gather_point_of(scene, scene_part(scene, s, v3_neg(d)), s, d, out);
 }

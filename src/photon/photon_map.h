@@ -33,9 +33,7 @@ vec3 photon_unpack(uint32_t packed);
 
 // Whether a side of the material that reflects has an ideal specular lobe.
 static inline bool material_has_delta(const struct material *m) {
-    unsigned lobes = m->front.base.model->lobes;
-    if (m->two_sided) lobes |= m->back.base.model->lobes;
-    return lobes & BRDF_DELTA;
+    return material_lobes(m) & BRDF_DELTA;
 }
 
 // ---- Tracing (photon_trace.c, photon_guide.c) -------------------------------------------------

@@ -57,8 +57,16 @@ static bool keep_hit(struct chunk *chunk, const struct surfel *s, vec3 wi, rgb p
 static bool keeps_photons(const struct satin_scene *scene, const struct surfel *s, vec3 wi) {
     const struct material *m = &scene->material[s->material];
     bool behind = v3_dot(wi, s->frame.n) < 0.0f;
-    if (behind && !m->two_sided) return false;
-    return ((behind ? &m->back : &m->front)->base.model->lobes & BRDF_REFLECT) != 0;
+    struct scene_part part[MATERIAL_PARTS_MAX];
+    int parts = scene_parts(scene, s, wi, part);
+    for (int i = 0; i < parts; i++) {
+        const struct material_side *side = part[i].side;
+        unsigned lobes = side->base.model->lobes;
+        if (behind && (!m->two_sided || side->one_sided))
+            lobes &= brdf_transmits(&side->base) ? BRDF_DIFFUSE : 0u;
+        if (lobes & BRDF_REFLECT) return true;
+    }
+    return false;
 }
 
 struct flight {

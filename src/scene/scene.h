@@ -40,22 +40,49 @@ struct texture {
 };
 
 rgb texture_eval(const struct texture *texture, vec2 uv);
+// The gradient of its luminance by u and v; of a bitmap with bilinear filter, else 0.
+vec2 texture_gradient(const struct texture *texture, vec2 uv);
 
 // ---- Materials --------------------------------------------------------------------------------
 
+// Turns the frame of a BRDF by a height map or by a map of normals in the surface's frame; one of
+// both is NULL, or both.
+struct material_relief {
+    const struct texture *bump, *normal;
+    float scale;   // of the bumps
+    bool upright;  // normals that turn away from the viewer are mirrored [Schuessler et al. 2017]
+    bool shadows;  // slopes shadow light that comes in flat
+    bool outside;  // of twosided: the back shows the bumps from below, else its own
+};
+
 // A side of a surface: a BRDF with constants in `base`, and textures (or NULL) that replace slots
-// of it.
+// of it; or, if part[0] is set, a blend of two sides.
 struct material_side {
     struct brdf base;
     const struct texture *slot[BRDF_SLOT_COUNT];
+    struct material_relief relief;
+    bool one_sided;  // at the back of a blend that is two-sided in other parts only
+    uint32_t index;  // of the scene's sides that are no blends; a back may share the front's
+    const struct material_side *part[2];
+    const struct texture *blend;  // weight of part[1]; NULL: constant
+    float weight;
 };
+
+// No more BRDFs may be blended on one side.
+enum { MATERIAL_PARTS_MAX = 16 };
 
 struct material {
     const char *name;  // the id of its bsdf element, or its model's name
     struct material_side front, back;
-    bool two_sided;    // the back reflects too (with `back`); else it is black unless it transmits
-    bool anisotropic;  // frames follow dp/du
+    bool two_sided;  // the back reflects too (with `back`); else it is black unless it transmits
+    bool tangent;    // frames follow dp/du
 };
+
+// Calls fn for every side of m that is no blend; those of the back if it is two-sided.
+void material_visit(const struct material *m,
+                    void (*fn)(void *ctx, const struct material_side *side), void *ctx);
+// The lobes of their models, a mask of brdf_lobe.
+unsigned material_lobes(const struct material *m);
 
 // ---- Shapes -----------------------------------------------------------------------------------
 
@@ -184,6 +211,7 @@ struct satin_scene {
     uint32_t group_count;
     struct material *material;
     uint32_t material_count;
+    uint32_t side_count;  // numbers of sides, see material_side
     struct light *light;
     uint32_t light_count;
     const float *light_cdf;  // light_count + 1, by power; NULL without lights
@@ -214,6 +242,7 @@ struct surfel {
     vec3 ng;             // geometric normal, unit; the front side, with flip_normals applied
     struct frame frame;  // shading frame; n on the side of ng
     vec2 uv;
+    vec3 dp_du, dp_dv;  // only if the material's frames follow dp/du
     float t;
     uint32_t shape, prim, material;
     int32_t light;  // area light of the shape, or -1
@@ -240,11 +269,29 @@ struct ray scene_spawn_to(const struct satin_scene *scene, vec3 p, vec3 ng, vec3
 
 // ---- Shading (scene_material.c) ---------------------------------------------------------------
 
-// The BRDF at s seen from wo (world, unit, away from the surface), with its textures looked up, and
-// the frame that its local directions refer to: n on wo's side for a two-sided material, else the
-// surfel's. False if that side reflects nothing.
+// One BRDF of those that are blended at s, seen from wo (world, unit, away from the surface).
+struct scene_part {
+    const struct material_side *side;
+    float weight;
+};
+
+// All of them: at most MATERIAL_PARTS_MAX; weights over 0 that sum to 1.
+int scene_parts(const struct satin_scene *scene, const struct surfel *s, vec3 wo,
+                struct scene_part out[MATERIAL_PARTS_MAX]);
+// One, drawn with its weight as the probability, by s and wo alone.
+const struct material_side *scene_part(const struct satin_scene *scene, const struct surfel *s,
+                                       vec3 wo);
+// The BRDF of a part, with its textures looked up, and the frame that its local directions refer
+// to: n on wo's side for a two-sided material, else the surfel's, turned by bumps. False if the
+// part reflects nothing.
+bool scene_part_brdf(const struct satin_scene *scene, const struct material_side *side,
+                     const struct surfel *s, vec3 wo, struct brdf *brdf, struct frame *frame);
+// That of scene_part.
 bool scene_brdf(const struct satin_scene *scene, const struct surfel *s, vec3 wo, struct brdf *brdf,
                 struct frame *frame);
+// The frame without bumps, on the side that scene_part_brdf takes.
+struct frame scene_part_frame(const struct satin_scene *scene, const struct material_side *side,
+                              const struct surfel *s, vec3 wo);
 
 // ---- Lights (scene_light.c) -------------------------------------------------------------------
 

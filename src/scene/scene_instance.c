@@ -37,6 +37,10 @@ float instance_margin(const struct satin_scene *scene, const struct shape *shape
 
 void instance_place(const struct shape *shape, bool tangent, struct surfel *s) {
     vec3 u = mat4_vector(&shape->to_world, s->frame.u);
+    if (tangent) {
+        s->dp_du = mat4_vector(&shape->to_world, s->dp_du);
+        s->dp_dv = mat4_vector(&shape->to_world, s->dp_dv);
+    }
     vec3 n = v3_unit(mat4_normal(&shape->to_object, s->frame.n));
     s->p = mat4_point(&shape->to_world, s->p);
     s->ng = v3_unit(mat4_normal(&shape->to_object, s->ng));

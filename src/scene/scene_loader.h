@@ -30,6 +30,7 @@ struct scene_loader {
     uint32_t open_group;    // 1 + index of the <shape type="shapegroup"> that is being read, or 0
     int shape_depth;        // of shapes within shapes
     uint32_t plain[2];      // 1 + index of the materials of shapes without one: [emits]
+    int bsdf_depth;         // of nested <bsdf>s being built
 };
 
 // Logs lack of memory and returns its status.
@@ -46,7 +47,11 @@ satin_status scene_file_source(struct scene_loader *loader, const struct param_v
 // The texture of a textured parameter, built on its first use (scene_plugins_texture.c).
 satin_status scene_texture_of(struct scene_loader *loader, struct xml_node *node,
                               const struct texture **out);
-// Builds a material, without adding it to the scene (scene_plugins_bsdf.c).
+// Builds one side of a surface from the parameters of a <bsdf> that wraps no other
+// (scene_plugins_bsdf.c).
+satin_status scene_side_build(struct scene_loader *loader, const struct params *p,
+                              struct material_side *side);
+// Builds a material, without adding it to the scene (scene_plugins_material.c).
 satin_status scene_material_build(struct scene_loader *loader, struct xml_node *node,
                                   struct material *out);
 // The index of the material of a <bsdf>, added on its first use; NULL: the default of a shape that

@@ -1,7 +1,100 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a surface point to the BRDF there: which side is seen, textures looked up, the frame set.
-// Sides are told by the shading normal, as the BRDF's own cosines are.
+// From a surface point to the BRDF there: which side is seen, which part of a blend, textures
+// looked up, the frame set. Sides are told by the shading normal, as the BRDF's own cosines are.
+//
+// A blend is never evaluated as a sum: one part is drawn for each point and direction, or where the
+// image would show the noise all parts are taken in turn. So every part keeps its own way of being
+// cached or sampled.
+#include <string.h>
+
+#include "base/rng.h"
 #include "scene/scene.h"
+
+static void visit(const struct material_side *side,
+                  void (*fn)(void *ctx, const struct material_side *side), void *ctx) {
+    if (!side->part[0]) {
+        fn(ctx, side);
+        return;
+    }
+    visit(side->part[0], fn, ctx);
+    visit(side->part[1], fn, ctx);
+}
+
+void material_visit(const struct material *m,
+                    void (*fn)(void *ctx, const struct material_side *side), void *ctx) {
+    visit(&m->front, fn, ctx);
+    if (m->two_sided) visit(&m->back, fn, ctx);
+}
+
+static void add_lobes(void *ctx, const struct material_side *side) {
+    unsigned *lobes = ctx;
+    *lobes |= side->base.model->lobes;
+}
+
+unsigned material_lobes(const struct material *m) {
+    unsigned lobes = 0;
+    material_visit(m, add_lobes, &lobes);
+    return lobes;
+}
+
+// ---- Parts of a blend ---------------------------------------------------------------------------
+
+static bool is_behind(const struct surfel *s, vec3 wo) { return v3_dot(wo, s->frame.n) < 0.0f; }
+
+static const struct material_side *side_seen(const struct satin_scene *scene,
+                                             const struct surfel *s, vec3 wo) {
+    const struct material *m = &scene->material[s->material];
+    return m->two_sided && is_behind(s, wo) ? &m->back : &m->front;
+}
+
+// The weight of part[1].
+static float blend_weight(const struct material_side *side, const struct surfel *s) {
+    if (!side->blend) return side->weight;
+    return clampf(rgb_luminance(texture_eval(side->blend, s->uv)), 0.0f, 1.0f);
+}
+
+static int list_parts(const struct material_side *side, const struct surfel *s, float weight,
+                      struct scene_part *out, int count) {
+    if (!(weight > 0.0f) || count == MATERIAL_PARTS_MAX) return count;
+    if (!side->part[0]) {
+        out[count] = (struct scene_part){side, weight};
+        return count + 1;
+    }
+    float second = blend_weight(side, s);
+    count = list_parts(side->part[0], s, weight * (1.0f - second), out, count);
+    return list_parts(side->part[1], s, weight * second, out, count);
+}
+
+int scene_parts(const struct satin_scene *scene, const struct surfel *s, vec3 wo,
+                struct scene_part out[MATERIAL_PARTS_MAX]) {
+    return list_parts(side_seen(scene, s, wo), s, 1.0f, out, 0);
+}
+
+// A number in [0, 1) that depends on the point and the direction.
+static float draw(const struct surfel *s, vec3 wo) {
+    const float f[6] = {s->p.x, s->p.y, s->p.z, wo.x, wo.y, wo.z};
+    uint32_t bits[6];
+    uint64_t key = 0x5851f42d4c957f2dull;
+    memcpy(bits, f, sizeof bits);
+    for (int i = 0; i < 6; i += 2) key = rng_mix(key ^ ((uint64_t)bits[i] << 32 | bits[i + 1]));
+    return (float)(key >> 40) * 0x1p-24f;
+}
+
+const struct material_side *scene_part(const struct satin_scene *scene, const struct surfel *s,
+                                       vec3 wo) {
+    const struct material_side *side = side_seen(scene, s, wo);
+    if (!side->part[0]) return side;
+    float u = draw(s, wo);
+    while (side->part[0]) {
+        float second = blend_weight(side, s);
+        bool take = u < second;
+        u = take ? u / second : (u - second) / (1.0f - second);
+        side = side->part[take];
+    }
+    return side;
+}
+
+// ---- The BRDF of a part -------------------------------------------------------------------------
 
 // Replaces the constants of `b` that are textured. Numbers take a texture's luminance, within what
 // the models can stand.
@@ -17,14 +110,62 @@ static void look_up(const struct material_side *side, vec2 uv, struct brdf *b) {
     }
 }
 
-bool scene_brdf(const struct satin_scene *scene, const struct surfel *s, vec3 wo, struct brdf *brdf,
-                struct frame *frame) {
-    const struct material *m = &scene->material[s->material];
-    bool behind = v3_dot(wo, s->frame.n) < 0.0f, back = behind && m->two_sided;
-    const struct material_side *side = back ? &m->back : &m->front;
-    if (behind && !back && !brdf_transmits(&side->base)) return false;
+// Seen from behind as if that were the front.
+static bool is_flipped(const struct satin_scene *scene, const struct material_side *side,
+                       const struct surfel *s, vec3 wo) {
+    return is_behind(s, wo) && scene->material[s->material].two_sided && !side->one_sided;
+}
+
+struct frame scene_part_frame(const struct satin_scene *scene, const struct material_side *side,
+                              const struct surfel *s, vec3 wo) {
+    return is_flipped(scene, side, s, wo) ? frame_flip(s->frame) : s->frame;
+}
+
+// The normal of the relief in the surfel's frame, any length.
+static vec3 relief_normal(const struct material_relief *relief, const struct surfel *s) {
+    if (relief->normal) {
+        rgb c = texture_eval(relief->normal, s->uv);
+        return v3(2.0f * c.r - 1.0f, 2.0f * c.g - 1.0f, 2.0f * c.b - 1.0f);
+    }
+    vec2 slope = texture_gradient(relief->bump, s->uv);
+    vec3 n = s->frame.n, u = s->dp_du, v = s->dp_dv;
+    u = v3_mad(u, relief->scale * slope.x - v3_dot(n, u), n);
+    v = v3_mad(v, relief->scale * slope.y - v3_dot(n, v), n);
+    n = v3_cross(u, v);
+    return frame_to_local(&s->frame, v3_dot(n, s->ng) < 0.0f ? v3_neg(n) : n);
+}
+
+// Turns `frame` by the relief for a view from wo, and tells the BRDF.
+static void apply_relief(const struct material_relief *relief, const struct surfel *s, vec3 wo,
+                         bool flipped, struct frame *frame, struct brdf *b) {
+    vec3 n = relief_normal(relief, s), w = frame_to_local(frame, wo);
+    // frame_flip keeps u and turns v.
+    if (flipped) n = relief->outside ? v3(-n.x, n.y, n.z) : v3(n.x, -n.y, n.z);
+    if (relief->upright && w.z * v3_dot(w, n) <= 0.0f) n = v3(-n.x, -n.y, n.z);
+    float length = v3_len(n);
+    if (!(length > 0.0f && isfinite(length))) return;
+    n = v3_mul(n, 1.0f / length);
+    if (n.z >= 1.0f) return;
+    vec3 up = frame->n;
+    *frame = frame_from_tangent(frame_to_world(frame, n), frame->u);
+    b->base = frame_to_local(frame, up);
+    float c2 = n.z * n.z;
+    if (relief->shadows) b->relief = minf(0.125f * (1.0f - c2) / maxf(c2, 1e-12f), 1.0f);
+}
+
+bool scene_part_brdf(const struct satin_scene *scene, const struct material_side *side,
+                     const struct surfel *s, vec3 wo, struct brdf *brdf, struct frame *frame) {
+    const bool flipped = is_flipped(scene, side, s, wo);
+    if (is_behind(s, wo) && !flipped && !brdf_transmits(&side->base)) return false;
     *brdf = side->base;
     look_up(side, s->uv, brdf);
-    *frame = back ? frame_flip(s->frame) : s->frame;
+    *frame = flipped ? frame_flip(s->frame) : s->frame;
+    if (side->relief.bump || side->relief.normal)
+        apply_relief(&side->relief, s, wo, flipped, frame, brdf);
     return brdf_lobes(brdf) != 0;
+}
+
+bool scene_brdf(const struct satin_scene *scene, const struct surfel *s, vec3 wo, struct brdf *brdf,
+                struct frame *frame) {
+    return scene_part_brdf(scene, scene_part(scene, s, wo), s, wo, brdf, frame);
 }

@@ -80,7 +80,37 @@ static const struct param_spec exponent = {
 static const struct param_spec variant = {
     "variant", PARAM_CHOICE, "balanced", 0, 0, variants, "normalisation of the lobe"};
 
+static const struct param_spec weight = {
+    "weight", PARAM_FLOAT, NULL, RANGE_UNIT, PARAM_REQUIRED | PARAM_TEXTURE, NULL, "of the second"};
+static const struct param_spec bump_scale = {
+    "scale", PARAM_FLOAT, "1", RANGE_ANY, 0, NULL, "factor of the heights"};
+static const struct param_spec normal_map = {
+    "normalmap",
+    PARAM_COLOR,
+    NULL,
+    0,
+    PARAM_REQUIRED | PARAM_TEXTURE,
+    NULL,
+    "x, y, z of the normal in the surface's frame, from -1 to 1 as 0 to 1"};
+static const struct param_spec flip_invalid = {"flip_invalid_normals",
+                                               PARAM_BOOLEAN,
+                                               "true",
+                                               0,
+                                               0,
+                                               NULL,
+                                               "mirror normals that turn away from the viewer"};
+static const struct param_spec use_shadowing = {"use_shadowing_function",
+                                                PARAM_BOOLEAN,
+                                                "true",
+                                                0,
+                                                0,
+                                                NULL,
+                                                "slopes shadow light that comes in flat"};
+
 typedef const struct param_spec *const param_list[];
+static param_list blend_params = {&weight, NULL};
+static param_list bump_params = {&bump_scale, &flip_invalid, &use_shadowing, NULL};
+static param_list normal_params = {&normal_map, &flip_invalid, &use_shadowing, NULL};
 static param_list diffuse_params = {&reflectance, NULL};
 static param_list conductor_params = {&metal, &metal_eta, &metal_k, &specular_reflectance, NULL};
 static param_list roughconductor_params = {
@@ -302,100 +332,19 @@ const struct plugin_spec scene_bsdf_plugins[] = {
      false},
     {XML_BSDF, "twosided", "one BRDF for both sides, or two, front and back", NULL, 1u << XML_BSDF,
      NULL, false},
+    {XML_BSDF, "blendbsdf", "a mixture of two BRDFs", blend_params, 1u << XML_BSDF, NULL, false},
+    {XML_BSDF, "bumpmap", "a BRDF whose normal follows a map of heights, its <texture>",
+     bump_params, 1u << XML_BSDF | 1u << XML_TEXTURE, NULL, false},
+    {XML_BSDF, "normalmap", "a BRDF whose normal is read from a map", normal_params, 1u << XML_BSDF,
+     NULL, false},
     {0}};
 
-// One side of a surface from a <bsdf> that is not twosided.
-static satin_status build_side(struct scene_loader *loader, const struct params *p,
-                               struct material_side *side) {
-    if (!p->plugin->build) {
-        log_error_at(loader->log, p->node->place, "twosided cannot stand inside twosided");
-        return SATIN_ERROR_INPUT;
-    }
+satin_status scene_side_build(struct scene_loader *loader, const struct params *p,
+                              struct material_side *side) {
+    *side = (struct material_side){.index = loader->scene->side_count++};
     side->base.model = brdf_find(p->plugin->name);
     satin_status status = p->plugin->build(loader, p, side);
     if (status != SATIN_OK) return status;
     status = brdf_prepare(&side->base, &loader->scene->arena);
     return status == SATIN_OK ? status : scene_no_memory(loader);
-}
-
-static satin_status build_twosided(struct scene_loader *loader, const struct params *p,
-                                   struct material *out) {
-    struct material_side *side[2] = {&out->front, &out->back};
-    struct xml_node *at = NULL, *child;
-    int count = 0;
-    while ((child = params_child(&loader->xml, p->node, XML_BSDF, &at))) {
-        struct params inner;
-        if (count == 2) break;
-        satin_status status = scene_params(loader, child, &inner);
-        if (status == SATIN_OK) status = build_side(loader, &inner, side[count]);
-        if (status != SATIN_OK) return status;
-        if (brdf_transmits(&side[count]->base)) {
-            log_error_at(loader->log, at->place, "'%s' transmits, so it cannot be twosided",
-                         inner.plugin->name);
-            return SATIN_ERROR_INPUT;
-        }
-        count++;
-    }
-    if (count == 0 || child) {
-        log_error_at(loader->log, p->node->place, "twosided takes one or two <bsdf>s");
-        return SATIN_ERROR_INPUT;
-    }
-    if (count == 1) out->back = out->front;
-    out->two_sided = true;
-    return SATIN_OK;
-}
-
-static bool side_anisotropic(const struct material_side *side) {
-    return side->slot[BRDF_SLOT_ALPHA_U] != side->slot[BRDF_SLOT_ALPHA_V] ||
-           side->base.alpha_u != side->base.alpha_v;
-}
-
-satin_status scene_material_build(struct scene_loader *loader, struct xml_node *node,
-                                  struct material *out) {
-    *out = (struct material){0};
-    struct params p;
-    satin_status status = scene_params(loader, node, &p);
-    if (status != SATIN_OK) return status;
-    if (!(out->name = scene_keep_text(loader, node->id ? node->id : p.plugin->name)))
-        return scene_no_memory(loader);
-    if (!p.plugin->build) {
-        status = build_twosided(loader, &p, out);
-    } else {
-        status = build_side(loader, &p, &out->front);
-        out->back = out->front;
-    }
-    out->anisotropic = side_anisotropic(&out->front) || side_anisotropic(&out->back);
-    return status;
-}
-
-// What a shape without a <bsdf> is made of; one that emits is black, as in Mitsuba.
-static satin_status default_material(struct scene_loader *loader, bool emits,
-                                     struct material *out) {
-    *out = (struct material){.name = emits ? "black" : "default"};
-    out->front.base.model = brdf_find("diffuse");
-    out->front.base.diffuse = rgb_grey(emits ? 0.0f : 0.5f);
-    if (brdf_prepare(&out->front.base, &loader->scene->arena) != SATIN_OK)
-        return scene_no_memory(loader);
-    out->back = out->front;
-    return SATIN_OK;
-}
-
-satin_status scene_material_of(struct scene_loader *loader, struct xml_node *node, bool emits,
-                               uint32_t *index) {
-    uint32_t *known = node ? &node->material : &loader->plain[emits];
-    if (!*known) {
-        struct material material;
-        satin_status status = node ? scene_material_build(loader, node, &material)
-                                   : default_material(loader, emits, &material);
-        if (status != SATIN_OK) return status;
-        void *items = loader->material;
-        if (!array_reserve(&items, &loader->material_capacity, loader->material_count + 1,
-                           sizeof material))
-            return scene_no_memory(loader);
-        loader->material = items;
-        loader->material[loader->material_count++] = material;
-        *known = (uint32_t)loader->material_count;
-    }
-    *index = *known - 1;
-    return SATIN_OK;
 }

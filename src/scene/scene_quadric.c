@@ -150,9 +150,9 @@ static struct point normal_to_world(const struct quadric *q, struct point n) {
     return scaled(w, 1.0 / sqrt(dot(w, w)));
 }
 
-// Position, normal (front side outwards or +z), uv and dp/du in world space, up to a factor.
+// Position, normal (front side outwards or +z), uv, dp/du and dp/dv in world space.
 struct spot {
-    struct point p, n, du;
+    struct point p, n, du, dv;
     vec2 uv;
 };
 
@@ -162,9 +162,11 @@ static struct spot sphere_spot(const struct quadric *q, struct point p) {
     s.n = scaled(m, 1.0 / sqrt(dot(m, m)));
     s.p = along((struct point){q->center[0], q->center[1], q->center[2]}, q->radius, s.n);
     struct point l = apply(q->to_object, s.p, 1.0);
-    s.du = apply(q->to_world, (struct point){-l.y, l.x, 0.0}, 0.0);
+    double r = hypot(l.x, l.y), c = r > 0.0 ? l.x / r : 1.0, d = r > 0.0 ? l.y / r : 0.0;
+    s.du = apply(q->to_world, (struct point){-2.0 * M_PI * l.y, 2.0 * M_PI * l.x, 0.0}, 0.0);
+    s.dv = apply(q->to_world, (struct point){M_PI * l.z * c, M_PI * l.z * d, -M_PI * r}, 0.0);
     s.uv.x = turn(l.y, l.x);
-    s.uv.y = (float)(atan2(hypot(l.x, l.y), l.z) / M_PI);
+    s.uv.y = (float)(atan2(r, l.z) / M_PI);
     return s;
 }
 
@@ -176,6 +178,7 @@ static struct spot disk_spot(const struct quadric *q, struct point p) {
     struct spot s = {.p = apply(q->to_world, l, 1.0),
                      .n = normal_to_world(q, (struct point){0.0, 0.0, 1.0}),
                      .du = apply(q->to_world, axis, 0.0)};
+    s.dv = apply(q->to_world, (struct point){-2.0 * M_PI * l.y, 2.0 * M_PI * l.x, 0.0}, 0.0);
     s.uv = (vec2){(float)r, turn(l.y, l.x)};
     return s;
 }
@@ -186,7 +189,8 @@ static struct spot cylinder_spot(const struct quadric *q, struct point p) {
     l = (struct point){l.x / r, l.y / r, fmin(fmax(l.z, 0.0), 1.0)};
     struct spot s = {.p = apply(q->to_world, l, 1.0),
                      .n = normal_to_world(q, (struct point){l.x, l.y, 0.0}),
-                     .du = apply(q->to_world, (struct point){-l.y, l.x, 0.0}, 0.0)};
+                     .dv = apply(q->to_world, (struct point){0.0, 0.0, 1.0}, 0.0)};
+    s.du = apply(q->to_world, (struct point){-2.0 * M_PI * l.y, 2.0 * M_PI * l.x, 0.0}, 0.0);
     s.uv = (vec2){turn(l.y, l.x), (float)l.z};
     return s;
 }
@@ -201,4 +205,6 @@ void quadric_surfel(const struct quadric *q, const struct ray *ray, float t, boo
     out->ng = narrow(q->flip ? scaled(s.n, -1.0) : s.n);
     out->uv = s.uv;
     out->frame = tangent ? frame_from_tangent(out->ng, narrow(s.du)) : frame_from_normal(out->ng);
+    out->dp_du = narrow(s.du);
+    out->dp_dv = narrow(s.dv);
 }

@@ -78,22 +78,29 @@ static bool pull_inside(const struct triangle *t, double margin, double b[3]) {
     return true;
 }
 
-// The direction of dp/du: of the texture coordinates, or without them of the first edge, along
-// which the barycentric u grows. Texture coordinates that do not span the triangle have none: then
-// it is the first axis of the frame of ng.
-static vec3 triangle_tangent(const struct mesh *mesh, const uint32_t *index,
-                             const struct triangle *t, vec3 ng) {
-    double du[3] = {t->e1[0], t->e1[1], t->e1[2]};
+// dp/du and dp/dv of the texture coordinates, or without them of the barycentric ones, which grow
+// along the first two edges. Texture coordinates that do not span the triangle have none: then they
+// are the axes of the frame of ng.
+static void triangle_tangents(const struct mesh *mesh, const uint32_t *index,
+                              const struct triangle *t, vec3 ng, vec3 *dp_du, vec3 *dp_dv) {
+    double du[3] = {t->e1[0], t->e1[1], t->e1[2]}, dv[3] = {t->e2[0], t->e2[1], t->e2[2]};
     if (mesh->uv) {
         const float *a = mesh->uv + (size_t)index[0] * 2, *b = mesh->uv + (size_t)index[1] * 2,
                     *c = mesh->uv + (size_t)index[2] * 2;
         double v1 = (double)b[1] - a[1], v2 = (double)c[1] - a[1];
-        double det = ((double)b[0] - a[0]) * v2 - v1 * ((double)c[0] - a[0]);
-        if (det == 0.0) return frame_from_normal(ng).u;
-        for (int i = 0; i < 3; i++) du[i] = (v2 * t->e1[i] - v1 * t->e2[i]) * copysign(1.0, det);
+        double u1 = (double)b[0] - a[0], u2 = (double)c[0] - a[0], det = u1 * v2 - v1 * u2;
+        if (det == 0.0) {
+            struct frame f = frame_from_normal(ng);
+            *dp_du = f.u, *dp_dv = f.v;
+            return;
+        }
+        for (int i = 0; i < 3; i++) {
+            du[i] = (v2 * t->e1[i] - v1 * t->e2[i]) / det;
+            dv[i] = (u1 * t->e2[i] - u2 * t->e1[i]) / det;
+        }
     }
-    double s = 1.0 / sqrt(dot3(du, du));
-    return v3((float)(s * du[0]), (float)(s * du[1]), (float)(s * du[2]));
+    *dp_du = v3((float)du[0], (float)du[1], (float)du[2]);
+    *dp_dv = v3((float)dv[0], (float)dv[1], (float)dv[2]);
 }
 
 static vec3 blend_corners(const struct triangle *t, const double b[3]) {
@@ -139,8 +146,8 @@ void surfel_triangle(const struct satin_scene *scene, const struct shape *shape,
         out->uv = (vec2){(float)(b[0] * a[0] + b[1] * c[0] + b[2] * d[0]),
                          (float)(b[0] * a[1] + b[1] * c[1] + b[2] * d[1])};
     }
-    out->frame = hit->tangent ? frame_from_tangent(n, triangle_tangent(mesh, index, &t, ng))
-                              : frame_from_normal(n);
+    if (hit->tangent) triangle_tangents(mesh, index, &t, ng, &out->dp_du, &out->dp_dv);
+    out->frame = hit->tangent ? frame_from_tangent(n, out->dp_du) : frame_from_normal(n);
 }
 
 static vec3 leave(vec3 p, vec3 ng, vec3 d, float offset) {

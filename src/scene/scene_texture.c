@@ -20,32 +20,66 @@ static rgb texel(const struct image *image, int x, int y) {
     return image->channels == 1 ? rgb_grey(t[0]) : rgb_make(t[0], t[1], t[2]);
 }
 
+// The four texels around (x, y), in texels from the centre of the first.
+struct cell {
+    rgb upper_left, upper_right, lower_left, lower_right;
+    float fx, fy;
+};
+
+static struct cell cell_at(const struct texture *texture, float x, float y) {
+    const struct image *image = texture->image;
+    float x0 = floorf(x), y0 = floorf(y);
+    int left = wrap(x0, image->width, texture->wrap),
+        right = wrap(x0 + 1.0f, image->width, texture->wrap);
+    int top = wrap(y0, image->height, texture->wrap),
+        bottom = wrap(y0 + 1.0f, image->height, texture->wrap);
+    return (struct cell){texel(image, left, top),
+                         texel(image, right, top),
+                         texel(image, left, bottom),
+                         texel(image, right, bottom),
+                         x - x0,
+                         y - y0};
+}
+
 static rgb bitmap(const struct texture *texture, float u, float v) {
     const struct image *image = texture->image;
     int w = image->width, h = image->height;
     float x = u * (float)w, y = v * (float)h;
     if (texture->nearest)
         return texel(image, wrap(floorf(x), w, texture->wrap), wrap(floorf(y), h, texture->wrap));
-    x -= 0.5f;
-    y -= 0.5f;
-    float x0 = floorf(x), y0 = floorf(y), fx = x - x0, fy = y - y0;
-    int left = wrap(x0, w, texture->wrap), right = wrap(x0 + 1.0f, w, texture->wrap);
-    int top = wrap(y0, h, texture->wrap), bottom = wrap(y0 + 1.0f, h, texture->wrap);
-    rgb upper = rgb_scale(texel(image, left, top), 1.0f - fx);
-    rgb lower = rgb_scale(texel(image, left, bottom), 1.0f - fx);
-    upper = rgb_mad(upper, texel(image, right, top), fx);
-    lower = rgb_mad(lower, texel(image, right, bottom), fx);
-    return rgb_mad(rgb_scale(upper, 1.0f - fy), lower, fy);
+    struct cell c = cell_at(texture, x - 0.5f, y - 0.5f);
+    rgb upper = rgb_mad(rgb_scale(c.upper_left, 1.0f - c.fx), c.upper_right, c.fx);
+    rgb lower = rgb_mad(rgb_scale(c.lower_left, 1.0f - c.fx), c.lower_right, c.fx);
+    return rgb_mad(rgb_scale(upper, 1.0f - c.fy), lower, c.fy);
+}
+
+// Coordinates in the texture; false if they are not finite, or so large that a float no longer
+// resolves a texel.
+static bool to_texture(const struct texture *texture, vec2 uv, float *u, float *v) {
+    const float *m = texture->to_uv;
+    *u = m[0] * uv.x + m[1] * uv.y + m[2];
+    *v = m[3] * uv.x + m[4] * uv.y + m[5];
+    return fabsf(*u) < 1e7f && fabsf(*v) < 1e7f;
 }
 
 rgb texture_eval(const struct texture *texture, vec2 uv) {
     if (texture->kind == TEXTURE_CONSTANT) return texture->value;
-    const float *m = texture->to_uv;
-    float u = m[0] * uv.x + m[1] * uv.y + m[2];
-    float v = m[3] * uv.x + m[4] * uv.y + m[5];
-    // Coordinates that are not finite, or so large that a float no longer resolves a texel.
-    if (!(fabsf(u) < 1e7f && fabsf(v) < 1e7f)) return texture->mean;
+    float u, v;
+    if (!to_texture(texture, uv, &u, &v)) return texture->mean;
     if (texture->kind == TEXTURE_BITMAP) return bitmap(texture, u, v);
     bool right = u - floorf(u) > 0.5f, lower = v - floorf(v) > 0.5f;
     return right == lower ? texture->color0 : texture->color1;
+}
+
+vec2 texture_gradient(const struct texture *texture, vec2 uv) {
+    float u, v;
+    if (texture->kind != TEXTURE_BITMAP || texture->nearest || !to_texture(texture, uv, &u, &v))
+        return (vec2){0.0f, 0.0f};
+    float w = (float)texture->image->width, h = (float)texture->image->height;
+    struct cell c = cell_at(texture, u * w - 0.5f, v * h - 0.5f);
+    float a = rgb_luminance(c.upper_left), b = rgb_luminance(c.upper_right);
+    float d = rgb_luminance(c.lower_left), e = rgb_luminance(c.lower_right);
+    float x = w * lerpf(b - a, e - d, c.fy), y = h * lerpf(d - a, e - b, c.fx);
+    const float *m = texture->to_uv;
+    return (vec2){m[0] * x + m[3] * y, m[1] * x + m[4] * y};
 }

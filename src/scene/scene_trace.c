@@ -123,7 +123,7 @@ static void surfel_of(const struct satin_scene *scene, const struct level *level
     uint32_t index =
         quadric ? level->quadric[hit->hit.primID].shape : level->geometry_shape[hit->hit.geomID];
     const struct shape *shape = &scene->shape[index];
-    bool tangent = scene->material[shape->material].anisotropic;
+    bool tangent = scene->material[shape->material].tangent;
     struct surfel_hit at = {hit->hit.primID, hit->hit.u, hit->hit.v, tangent, margin};
     if (quadric)
         quadric_surfel(&level->quadric[hit->hit.primID], ray, hit->ray.tfar, tangent, out);
@@ -149,7 +149,7 @@ bool scene_intersect(const struct satin_scene *scene, const struct ray *ray, str
         struct ray local = instance_ray(shape, ray);
         float margin = instance_margin(scene, shape, v3_mad(ray->o, hit.ray.tfar, ray->d));
         surfel_of(scene, &trace->group[shape->instance_of], &hit, &local, margin, out);
-        instance_place(shape, scene->material[out->material].anisotropic, out);
+        instance_place(shape, scene->material[out->material].tangent, out);
     }
     out->t = hit.ray.tfar;
     return true;

@@ -131,8 +131,7 @@ int shade_sites(const struct shade *shade, int x, int y, uint32_t index, struct 
         uint64_t stream =
             rng_mix(((uint64_t)sampler.seed << 20) + ((uint64_t)index << 4) + (uint64_t)i);
         out[count++] = (struct cache_site){
-            v->point.surfel.p, v->point.surfel.ng, v->point.frame, v->pixel, stream,
-            (uint8_t)wants};
+            v->point.surfel.p, v->point.surfel.ng, v->point.base, v->pixel, stream, (uint8_t)wants};
     }
     return count;
 }

@@ -7,13 +7,13 @@
 #include "cache/cache.h"
 #include "gather/gather.h"
 
-// The harmonics of a scene's glossy BRDFs, by material and side; NULL for those without.
+// The harmonics of a scene's glossy BRDFs, by the index of a material_side; NULL for those without.
 struct shade_tables {
-    size_t count;               // 2 per material
-    struct brdf_table **table;  // [2 * material + side], side 1 is the back
-    bool *owned;                // false: the table is that of an equal BRDF before it
-    int *channels;              // of each table: 1 or 3
-    int order;                  // largest order of all; 0: nothing glossy is cached
+    size_t count;
+    struct brdf_table **table;
+    bool *owned;    // false: the table is that of an equal BRDF before it
+    int *channels;  // of each table: 1 or 3
+    int order;      // largest order of all; 0: nothing glossy is cached
 };
 
 satin_status shade_tables_build(const struct satin_scene *scene, const satin_options *options,
@@ -68,7 +68,7 @@ enum { MEMO_IRRADIANCE = 1, MEMO_RADIANCE = 2 };
 struct shade_memo {
     struct shade_memo_entry {
         vec3 p, n, wo;
-        uint32_t material;
+        const struct material_side *side;
         unsigned knows;  // mask of MEMO_...
         int used;        // records behind E
         rgb E;           // indirect irradiance by either cache

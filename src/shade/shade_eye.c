@@ -78,6 +78,15 @@ static int scatter(const struct shade *shade, const struct branch *b, const stru
     return top;
 }
 
+// The parts of a blend, all while there is room for them, else one that is drawn.
+static int find_parts(const struct satin_scene *scene, const struct surfel *s, vec3 d, int taken,
+                      struct scene_part part[MATERIAL_PARTS_MAX]) {
+    int parts = scene_parts(scene, s, v3_neg(d), part);
+    if (parts == 1 || taken + 2 * parts <= SHADE_VERTICES) return parts;
+    part[0] = (struct scene_part){scene_part(scene, s, v3_neg(d)), 1.0f};
+    return 1;
+}
+
 void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sampler,
                      struct shade_eye *out) {
     const struct satin_scene *scene = shade->g->scene;
@@ -95,25 +104,31 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
         bool hit = scene_intersect(scene, &b.ray, &s);
         emitted(shade, &b, hit ? &s : NULL, out);
         if (!hit) continue;
-        struct gather_point point;
-        gather_point_make(scene, &s, b.ray.d, &point);
-        if (b.depth == 0) {
-            out->hit = true;
-            out->first = point;
+        struct scene_part part[MATERIAL_PARTS_MAX];
+        int parts = find_parts(scene, &s, b.ray.d, out->count + top, part);
+        for (int i = 0; i < parts; i++) {
+            struct gather_point point;
+            struct branch own = b;
+            own.T = rgb_scale(b.T, part[i].weight);
+            gather_point_of(scene, part[i].side, &s, b.ray.d, &point);
+            if (b.depth == 0 && (!out->hit || part[i].weight > out->first_weight)) {
+                out->hit = true;
+                out->first = point;
+                out->first_weight = part[i].weight;
+            }
+            if (max_depth >= 0 && b.depth + 1 >= max_depth) continue;
+            if ((point.lobes & BRDF_SMOOTH) && out->count < SHADE_VERTICES)
+                out->vertex[out->count++] =
+                    (struct shade_vertex){point, own.T, spread * (b.distance + s.t)};
+            if ((point.lobes & BRDF_DELTA) && b.depth < EYE_DEPTH)
+                top = scatter(shade, &own, &point, sampler, stack, top);
         }
-        if (max_depth >= 0 && b.depth + 1 >= max_depth) continue;
-        if ((point.lobes & BRDF_SMOOTH) && out->count < SHADE_VERTICES)
-            out->vertex[out->count++] =
-                (struct shade_vertex){point, b.T, spread * (b.distance + s.t)};
-        if ((point.lobes & BRDF_DELTA) && b.depth < EYE_DEPTH)
-            top = scatter(shade, &b, &point, sampler, stack, top);
     }
 }
 
 const struct brdf_table *shade_table(const struct shade *shade, const struct gather_point *p,
                                      int *channels) {
-    size_t side = v3_dot(p->frame.n, p->surfel.frame.n) < 0.0f;
-    size_t i = 2 * (size_t)p->surfel.material + side;
+    size_t i = p->side->index;
     if (i >= shade->tables->count) return NULL;
     *channels = shade->tables->channels[i];
     return shade->tables->table[i];

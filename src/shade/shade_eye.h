@@ -20,7 +20,8 @@ struct shade_eye {
     rgb emission;  // emitted light seen
     // The first surface, for channels that are not light.
     bool hit;
-    struct gather_point first;
+    struct gather_point first;  // of a blend the part that weighs most
+    float first_weight;
 };
 
 // Follows the eye ray of a sample; both ways are taken at the first ideal specular surfaces, one of

@@ -11,13 +11,13 @@ struct shade_memo_entry *shade_memo_find(struct shade_memo *memo, const struct g
     vec3 wo = frame_to_world(&p->frame, p->wo_l);
     for (int i = 0; i < memo->count; i++) {
         struct shade_memo_entry *e = &memo->entry[i];
-        if (e->material == p->surfel.material && v3_dot(e->n, p->frame.n) > ALIKE &&
-            v3_dot(e->wo, wo) > ALIKE && v3_dist2(e->p, p->surfel.p) < sqrf(NEAR * pixel))
+        if (e->side == p->side && v3_dot(e->n, p->frame.n) > ALIKE && v3_dot(e->wo, wo) > ALIKE &&
+            v3_dist2(e->p, p->surfel.p) < sqrf(NEAR * pixel))
             return e;
     }
     struct shade_memo_entry *e = &memo->entry[memo->next];
     memo->next = (memo->next + 1) % SHADE_MEMO;
     if (memo->count < SHADE_MEMO) memo->count++;
-    *e = (struct shade_memo_entry){p->surfel.p, p->frame.n, wo, p->surfel.material, .knows = 0u};
+    *e = (struct shade_memo_entry){p->surfel.p, p->frame.n, wo, p->side, .knows = 0u};
     return e;
 }

@@ -33,23 +33,46 @@ static bool alike(const struct brdf *a, const struct brdf *b) {
            memcmp(&a->k, &b->k, sizeof a->k) == 0;
 }
 
-static const struct material_side *side_of(const struct satin_scene *scene, size_t i) {
-    const struct material *m = &scene->material[i / 2];
-    return i % 2 ? &m->back : &m->front;
-}
+// What the visit of a material needs; `first` keeps the side of each index that is built.
+struct builder {
+    const satin_options *options;
+    struct parallel *pool;
+    struct log log;
+    const char *material;
+    const struct material_side **first;
+    struct shade_tables tables;
+    satin_status status;
+};
 
-// Takes the table of an equal side before side i; false if there is none.
-static bool share_table(const struct satin_scene *scene, struct shade_tables *t, size_t i) {
-    const struct material_side *side = side_of(scene, i);
-    if (!side->base.model || shape_textured(side)) return false;
-    for (size_t j = 0; j < i; j++) {
-        const struct material_side *other = side_of(scene, j);
-        if (!t->owned[j] || shape_textured(other) || !alike(&side->base, &other->base)) continue;
-        t->table[i] = t->table[j];
-        t->channels[i] = t->channels[j];
+// Takes the table of an equal side; false if there is none.
+static bool share_table(struct builder *b, const struct material_side *side) {
+    if (shape_textured(side)) return false;
+    for (size_t j = 0; j < b->tables.count; j++) {
+        const struct material_side *other = b->first[j];
+        if (!other || !b->tables.owned[j] || shape_textured(other)) continue;
+        if (!alike(&side->base, &other->base)) continue;
+        b->tables.table[side->index] = b->tables.table[j];
+        b->tables.channels[side->index] = b->tables.channels[j];
         return true;
     }
     return false;
+}
+
+static void build_table(void *ctx, const struct material_side *side) {
+    struct builder *b = ctx;
+    struct shade_tables *t = &b->tables;
+    size_t i = side->index;
+    if (b->status != SATIN_OK || b->first[i]) return;
+    b->first[i] = side;
+    if (share_table(b, side)) return;
+    b->status = build_side(side, b->options, b->pool, &t->table[i]);
+    t->owned[i] = true;
+    if (b->status != SATIN_OK && b->status != SATIN_CANCELLED)
+        log_fail(b->log, b->status, "cannot represent BRDF '%s' in harmonics", b->material);
+    if (!t->table[i]) return;
+    struct brdf_table_info info = brdf_table_info(t->table[i]);
+    t->channels[i] = info.channels;
+    if (info.order > t->order) t->order = info.order;
 }
 
 // One flag per material: whether a shape has it.
@@ -61,34 +84,28 @@ static bool *used_materials(const struct satin_scene *scene) {
 
 satin_status shade_tables_build(const struct satin_scene *scene, const satin_options *options,
                                 struct parallel *pool, struct log log, struct shade_tables *out) {
-    struct shade_tables t = {.count = 2 * (size_t)scene->material_count};
-    if (!options->radiance_cache) t.count = 0;
+    struct builder b = {.options = options, .pool = pool, .log = log};
+    struct shade_tables *t = &b.tables;
+    t->count = options->radiance_cache ? scene->side_count : 0;
     bool *used = used_materials(scene);
-    t.table = calloc(t.count + 1, sizeof *t.table);
-    t.owned = calloc(t.count + 1, sizeof *t.owned);
-    t.channels = calloc(t.count + 1, sizeof *t.channels);
-    if (options->radiance_cache && options->radiance_diffuse) t.order = options->radiance_order;
-    satin_status status = SATIN_OK;
-    if (!used || !t.table || !t.owned || !t.channels)
-        status = log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for BRDF tables");
-    for (size_t i = 0; i < t.count && status == SATIN_OK; i++) {
-        const struct material *m = &scene->material[i / 2];
-        if (!used[i / 2] || (i % 2 && !m->two_sided) || share_table(scene, &t, i)) continue;
-        status = build_side(side_of(scene, i), options, pool, &t.table[i]);
-        t.owned[i] = true;
-        if (status != SATIN_OK && status != SATIN_CANCELLED)
-            log_fail(log, status, "cannot represent BRDF '%s' in harmonics", m->name);
-        if (!t.table[i]) continue;
-        struct brdf_table_info info = brdf_table_info(t.table[i]);
-        t.channels[i] = info.channels;
-        if (info.order > t.order) t.order = info.order;
+    t->table = calloc(t->count + 1, sizeof *t->table);
+    t->owned = calloc(t->count + 1, sizeof *t->owned);
+    t->channels = calloc(t->count + 1, sizeof *t->channels);
+    b.first = calloc(t->count + 1, sizeof *b.first);
+    if (options->radiance_cache && options->radiance_diffuse) t->order = options->radiance_order;
+    if (!used || !t->table || !t->owned || !t->channels || !b.first)
+        b.status = log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for BRDF tables");
+    for (uint32_t i = 0; t->count && i < scene->material_count && b.status == SATIN_OK; i++) {
+        b.material = scene->material[i].name;
+        if (used[i]) material_visit(&scene->material[i], build_table, &b);
     }
     free(used);
-    if (status != SATIN_OK)
-        shade_tables_free(&t);
+    free(b.first);
+    if (b.status != SATIN_OK)
+        shade_tables_free(t);
     else
-        *out = t;
-    return status;
+        *out = *t;
+    return b.status;
 }
 
 void shade_tables_free(struct shade_tables *tables) {

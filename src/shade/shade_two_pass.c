@@ -14,8 +14,12 @@ struct plan {
     unsigned sampled;                // glossy, or through, by importance sampling
     const struct brdf_table *table;  // of the glossy lobe, if that is cached
     int channels;
+    float relief;  // what bumps leave of the cached glossy light
     struct shade_memo_entry *memo;
 };
+
+// Where bumps leave less of a lobe, they cut it so that its harmonics do not tell.
+static const float RELIEF_LEAST = 0.8f;
 
 static void make_plan(const struct shade_job *job, struct plan *plan) {
     const struct gather_point *p = &job->vertex->point;
@@ -30,7 +34,8 @@ static void make_plan(const struct shade_job *job, struct plan *plan) {
         plan->diffuse &= ~plan->cached;
         return;
     }
-    if (plan->table && brdf_table_order(plan->table, p->wo_l) > 0) {
+    plan->relief = brdf_relief_glossy(&p->brdf, p->wo_l);
+    if (plan->table && plan->relief > RELIEF_LEAST && brdf_table_order(plan->table, p->wo_l) > 0) {
         plan->cached = p->lobes & BRDF_REFLECT;
     } else {
         plan->sampled |= BRDF_GLOSSY;
@@ -43,12 +48,22 @@ static void add(struct shade_job *job, enum shade_layer layer, rgb L) {
 }
 
 static rgb diffuse_albedo(const struct gather_point *p) {
-    return rgb_scale(brdf_albedo(&p->brdf, p->wo_l, BRDF_DIFFUSE), 1.0f / PI_F);
+    float share = brdf_relief_diffuse(&p->brdf) * (1.0f / PI_F);
+    return rgb_scale(brdf_albedo(&p->brdf, p->wo_l, BRDF_DIFFUSE), share);
 }
 
 static struct gather_site site_of(const struct shade_job *job) {
     const struct gather_point *p = &job->vertex->point;
-    return (struct gather_site){p->surfel.p, p->surfel.ng, p->frame, job->stream};
+    return (struct gather_site){p->surfel.p, p->surfel.ng, p->base, job->stream};
+}
+
+// E on a facet that bumps turned, as cache_irradiance has it.
+static rgb turn_irradiance(const struct gather_irradiance *value, vec3 n, vec3 facing) {
+    vec3 turn = v3_cross(n, facing);
+    float share = minf(v3_dot(n, facing), 1.0f);
+    return rgb_make(fmaxf(share * value->E.r + v3_dot(turn, value->grad_r[0]), 0.0f),
+                    fmaxf(share * value->E.g + v3_dot(turn, value->grad_r[1]), 0.0f),
+                    fmaxf(share * value->E.b + v3_dot(turn, value->grad_r[2]), 0.0f));
 }
 
 static void note_records(struct shade_job *job, int used) {
@@ -64,7 +79,8 @@ static void indirect_diffuse(struct shade_job *job, struct shade_memo_entry *mem
     if (!(memo->knows & MEMO_IRRADIANCE)) {
         memo->used = 0;
         if (s->g->options->irradiance_cache)
-            memo->used = cache_irradiance(s->cache, p->surfel.p, p->frame.n, s->a_irradiance, &E);
+            memo->used =
+                cache_irradiance(s->cache, p->surfel.p, p->base.n, p->frame.n, s->a_irradiance, &E);
     }
     if (memo->used) {
         memo->knows |= MEMO_IRRADIANCE;
@@ -76,7 +92,7 @@ static void indirect_diffuse(struct shade_job *job, struct shade_memo_entry *mem
         bool off = !s->g->options->irradiance_cache;
         gather_hemisphere_irradiance(s->g, off ? s->gather : s->fallback, job->worker->scratch,
                                      &site, &value);
-        E = value.E;
+        E = turn_irradiance(&value, p->base.n, p->frame.n);
         job->worker->counts.gathered++;
     }
     add(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(diffuse_albedo(p), E));
@@ -90,15 +106,17 @@ static bool indirect_cached(struct shade_job *job, const struct plan *plan) {
     const bool diffuse = p->lobes & BRDF_DIFFUSE, shiny = plan->cached & BRDF_GLOSSY;
     if (!(memo->knows & MEMO_RADIANCE)) {
         float C[3 * RSH_MAX_COEFFICIENTS];
+        struct cache_place at = {p->surfel.p, p->base.n, p->frame};
         struct cache_lobe lobe = {.C = C, .channels = plan->channels};
         if (shiny) lobe.order = brdf_table_lookup(plan->table, p->wo_l, C);
-        memo->used = cache_radiance(s->cache, p->surfel.p, &p->frame, s->a_radiance,
-                                    shiny ? &lobe : NULL, &memo->glossy, diffuse ? &memo->E : NULL);
+        memo->used = cache_radiance(s->cache, &at, s->a_radiance, shiny ? &lobe : NULL,
+                                    &memo->glossy, diffuse ? &memo->E : NULL);
         if (!memo->used) return false;
         memo->knows |= MEMO_RADIANCE;
     }
     note_records(job, memo->used);
-    if (shiny) add(job, SHADE_INDIRECT_GLOSSY, rgb_mul(p->brdf.specular, memo->glossy));
+    rgb factor = rgb_scale(p->brdf.specular, plan->relief);
+    if (shiny) add(job, SHADE_INDIRECT_GLOSSY, rgb_mul(factor, memo->glossy));
     if (diffuse) add(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(diffuse_albedo(p), memo->E));
     return true;
 }

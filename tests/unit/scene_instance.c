@@ -81,9 +81,9 @@ static void shows_the_same(void **state) {
         float side = sphere && v3_dot(a.ng, b.ng) < 0 ? -1 : 1;
         assert_true(side * v3_dot(a.ng, b.ng) > 0.9999f);
         assert_true(side * v3_dot(a.frame.n, b.frame.n) > 0.9999f);
-        assert_true(instances->material[b.material].anisotropic ==
-                    direct->material[a.material].anisotropic);
-        if (instances->material[b.material].anisotropic)
+        assert_true(instances->material[b.material].tangent ==
+                    direct->material[a.material].tangent);
+        if (instances->material[b.material].tangent)
             assert_true(v3_dot(a.frame.u, b.frame.u) > 0.999f);
         assert_true(fabsf(a.uv.x - b.uv.x) < 1e-3f || fabsf(a.uv.x - b.uv.x) > 0.99f);
     }

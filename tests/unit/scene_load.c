@@ -35,12 +35,12 @@ static void builds_materials(void **state) {
     const struct material *m = &scene->material[scene->shape[0].material];
     assert_int_equal(scene->shape[0].material, scene->shape[1].material);
     assert_string_equal(m->name, "m");
-    assert_true(m->anisotropic && !m->two_sided);
+    assert_true(m->tangent && !m->two_sided);
     assert_true(m->front.base.alpha_u == 0.1f && m->front.base.alpha_v == 1e-4f);
     assert_true(m->front.base.distribution == BRDF_GGX);
     assert_true(fabsf(m->front.base.k.r - 9.22381f) < 1e-5f);
     m = &scene->material[scene->shape[2].material];
-    assert_true(m->two_sided && !m->anisotropic);
+    assert_true(m->two_sided && !m->tangent);
     assert_string_equal(m->front.base.model->name, "diffuse");
     assert_string_equal(m->back.base.model->name, "plastic");
     assert_true(fabsf(m->back.base.diffuse.r - 0.3f) < 1e-6f);
@@ -177,14 +177,24 @@ static const struct refusal refusals[] = {
            "<rgb name='k' value='1'/></bsdf>"),
      "scene.xml:3:45: a metal is either a material, or eta and k"},
     {SHAPE("<bsdf type='twosided'><bsdf type='dielectric'/></bsdf>"),
-     "scene.xml:3:44: 'dielectric' transmits, so it cannot be twosided"},
+     "scene.xml:3:22: 'dielectric' transmits, so it cannot be twosided"},
     {SHAPE("<bsdf type='plastic'><float name='int_ior' value='1e30'/></bsdf>"),
      "scene.xml:3:22: int_ior / ext_ior is 9.9972e+29, but must be in [0.01, 100]"},
     {SHAPE("<emitter type='area'><float name='radiance' value='1e38'/></emitter>"),
      "scene.xml: the lights' power is too large to count"},
     {SHAPE("<bsdf type='twosided'/>"), "scene.xml:3:22: twosided takes one or two <bsdf>s"},
     {SCENE_TEXT("<bsdf type='twosided' id='a'><ref id='a'/></bsdf>"),
-     "scene.xml:3:1: twosided cannot stand inside twosided"},
+     "scene.xml:3:1: twosided is nested too deep, or in itself"},
+    {SHAPE("<bsdf type='twosided'><bsdf type='twosided'><bsdf type='diffuse'/></bsdf></bsdf>"),
+     "scene.xml:3:22: twosided cannot wrap another twosided"},
+    {SHAPE("<bsdf type='blendbsdf'><float name='weight' value='.5'/><bsdf type='null'/></bsdf>"),
+     "scene.xml:3:22: blendbsdf takes two <bsdf>s"},
+    {SHAPE("<bsdf type='bumpmap'><bsdf type='diffuse'/></bsdf>"),
+     "scene.xml:3:22: bumpmap needs a <texture>"},
+    {SHAPE(
+         "<bsdf type='normalmap'><texture name='normalmap' type='checkerboard'/>"
+         "<bsdf type='bumpmap'><texture type='checkerboard'/><bsdf type='diffuse'/></bsdf></bsdf>"),
+     "scene.xml:3:22: normalmap cannot wrap another bumpmap or normalmap"},
     {SHAPE("<bsdf type='diffuse'/><bsdf type='diffuse'/>"),
      "scene.xml:3:44: shape 'sphere' has two <bsdf>s"},
     {SHAPE("<emitter type='point'/>"),

@@ -67,8 +67,79 @@ static void textures_replace_slots(void **state) {
     assert_true(b.exponent == 0.0f);
 }
 
+// A blend lists its parts by weight, and draws them as often.
+static void blends_draw_their_parts(void **state) {
+    (void)state;
+    const struct texture third = {.kind = TEXTURE_CONSTANT, .value = {1 / 3.f, 1 / 3.f, 1 / 3.f}};
+    const struct material_side leaf[3] = {
+        {.base = {.model = brdf_find("diffuse"), .diffuse = {1, 1, 1}}},
+        {.base = {.model = brdf_find("phong"), .specular = {1, 1, 1}}},
+        {.base = {.model = brdf_find("null"), .transmittance = {1, 1, 1}}}};
+    const struct material_side pair = {.part = {&leaf[0], &leaf[1]}, .weight = 0.25f};
+    struct material material = {.front = {.part = {&pair, &leaf[2]}, .blend = &third}};
+    struct satin_scene scene = {.material = &material, .material_count = 1};
+    struct surfel s = surfel_facing(v3(0, 0, 1));
+    struct scene_part part[MATERIAL_PARTS_MAX];
+    const float want[3] = {0.5f, 1 / 6.f, 1 / 3.f};
+    assert_int_equal(scene_parts(&scene, &s, v3(0, 0, 1), part), 3);
+    for (int i = 0; i < 3; i++)
+        assert_true(part[i].side == &leaf[i] && fabsf(part[i].weight - want[i]) < 1e-6f);
+
+    enum { DRAWS = 20000 };
+    int count[3] = {0};
+    for (int i = 0; i < DRAWS; i++) {
+        s.p = v3((float)i * 0.37f, 1.0f, 2.0f);
+        count[scene_part(&scene, &s, v3(0, 0, 1)) - leaf]++;
+    }
+    for (int i = 0; i < 3; i++)
+        assert_true(fabsf((float)count[i] / DRAWS - want[i]) < 4.0f * sqrtf(0.25f / DRAWS));
+    struct brdf b;
+    struct frame f;
+    assert_false(scene_part_brdf(&scene, &leaf[0], &s, v3(0, 0, -1), &b, &f));
+    assert_true(scene_part_brdf(&scene, &leaf[2], &s, v3(0, 0, -1), &b, &f));
+}
+
+// A tilted normal turns the frame, whichever side twosided shows of it; the true surface still
+// bounds the light.
+static void relief_turns_the_frame(void **state) {
+    (void)state;
+    const struct texture tilt = {.kind = TEXTURE_CONSTANT,
+                                 .value = {.8f, .5f, .9f}};  // (.6, 0, .8)
+    struct material m = {.front.base = {.model = brdf_find("diffuse"), .diffuse = {1, 1, 1}},
+                         .front.relief = {.normal = &tilt, .upright = true, .shadows = true},
+                         .two_sided = true,
+                         .tangent = true};
+    m.back = m.front;
+    struct satin_scene scene = {.material = &m, .material_count = 1};
+    struct surfel s = surfel_facing(v3(0, 0, 1));
+    struct brdf b;
+    struct frame f;
+    vec3 x = s.frame.u, n = s.frame.n;
+    assert_true(scene_brdf(&scene, &s, n, &b, &f));
+    assert_true(v3_dist2(f.n, v3_mad(v3_mul(n, .8f), .6f, x)) < 1e-10f);
+    assert_true(v3_dist2(frame_to_world(&f, b.base), n) < 1e-10f);
+    assert_true(fabsf(b.relief - 0.125f * 0.5625f) < 1e-6f);
+    // Behind the facet but above the surface, and the other way round.
+    vec3 wo = frame_to_local(&f, n), under = v3_unit(v3_mad(v3_mul(x, -1), .2f, n));
+    assert_true(rgb_black(brdf_eval(&b, wo, frame_to_local(&f, under), BRDF_ALL)));
+    under = v3_unit(v3_mad(x, -.2f, n));
+    assert_true(frame_to_local(&f, under).z > 0.0f);
+    assert_true(rgb_black(brdf_eval(&b, wo, frame_to_local(&f, under), BRDF_ALL)));
+    // Seen from where the facet turns away it is mirrored.
+    assert_true(scene_brdf(&scene, &s, v3_unit(v3_mad(v3_mul(x, -1), .2f, n)), &b, &f));
+    assert_true(v3_dot(f.n, x) < -0.5f);
+    // From behind: twosided around the map mirrors it at the surface, the map around twosided not.
+    assert_true(scene_brdf(&scene, &s, v3_neg(n), &b, &f));
+    assert_true(v3_dist2(f.n, v3_mad(v3_mul(n, -.8f), .6f, x)) < 1e-10f);
+    m.back.relief.outside = true;
+    assert_true(scene_brdf(&scene, &s, v3_neg(n), &b, &f));
+    assert_true(v3_dist2(f.n, v3_mad(v3_mul(n, -.8f), -.6f, x)) < 1e-10f);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(blends_draw_their_parts),
+        cmocka_unit_test(relief_turns_the_frame),
         cmocka_unit_test(sides_and_frames),
         cmocka_unit_test(textures_replace_slots),
     };

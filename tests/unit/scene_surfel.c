@@ -188,7 +188,7 @@ static void shades_by_vertex_normals(void **state) {
         static struct test_scene t;
         test_scene_init(&t);
         test_diffuse(&t, .5f, .5f, .5f);
-        t.material[0].anisotropic = true;
+        t.material[0].tangent = true;
         float turned[9];
         for (int i = 0; i < 9; i++) turned[i] = flip ? -normal[i] : normal[i];
         test_add_shape(&t, (struct shape){.kind = SHAPE_MESH,

@@ -95,6 +95,28 @@ static void wraps(void **state) {
     }
 }
 
+// The gradient is that of the interpolation, through the transform of coordinates.
+static void gradients_are_differences(void **state) {
+    (void)state;
+    const float h = 1e-3f;
+    struct texture t = bitmap(TEXTURE_REPEAT, false);
+    const float to_uv[6] = {2.0f, 0.5f, 0.1f, -0.3f, 1.5f, 0.2f};
+    for (int i = 0; i < 6; i++) t.to_uv[i] = to_uv[i];
+    int close = 0;
+    for (int i = 0; i < 100; i++) {
+        vec2 p = {0.013f + (float)i * 0.01f, 0.71f - (float)i * 0.007f};
+        vec2 g = texture_gradient(&t, p);
+        float dx =
+            texture_eval(&t, (vec2){p.x + h, p.y}).r - texture_eval(&t, (vec2){p.x - h, p.y}).r;
+        float dy =
+            texture_eval(&t, (vec2){p.x, p.y + h}).r - texture_eval(&t, (vec2){p.x, p.y - h}).r;
+        close += fabsf(dx - 2 * h * g.x) < 1e-4f && fabsf(dy - 2 * h * g.y) < 1e-4f;
+    }
+    assert_true(close > 90);  // the others straddle the middle of a texel
+    t.nearest = true;
+    assert_true(texture_gradient(&t, (vec2){.3f, .3f}).x == 0.0f);
+}
+
 static void reads_three_channels_and_constants(void **state) {
     (void)state;
     static const float color[6] = {1, 2, 3, 4, 5, 6};
@@ -113,6 +135,7 @@ int main(void) {
         cmocka_unit_test(transforms_coordinates),
         cmocka_unit_test(checks_alternate),
         cmocka_unit_test(wraps),
+        cmocka_unit_test(gradients_are_differences),
         cmocka_unit_test(reads_three_channels_and_constants),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -15,7 +15,7 @@ static int make_room(void **state) {
     (void)state;
     test_scene_init(&t);
     uint32_t plain = test_diffuse(&t, .5f, .5f, .5f), brushed = test_diffuse(&t, .5f, .5f, .5f);
-    t.material[brushed].anisotropic = true;
+    t.material[brushed].tangent = true;
     test_cube(&t, test_transform(v3(0, 0, 0), v3(10, 10, 10)), true, plain);
     test_quadric(&t, SHAPE_SPHERE, test_transform(v3(5, 0, 0), v3(2, 2, 2)), false, brushed);
     test_quadric(&t, SHAPE_DISK, test_transform(v3(-5, 0, 0), v3(2, 2, 2)), true, plain);

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+// Materials from <bsdf>s: those that wrap others (twosided, blendbsdf, bumpmap, normalmap), which
+// may nest in any order, and the list of the scene's materials. A material is a tree of sides for
+// the front and one for the back, whose leaves are BRDFs.
+#include <string.h>
+
+#include "base/array.h"
+#include "scene/scene_loader.h"
+
+enum { BSDF_DEPTH_MAX = 32 };  // of nested <bsdf>s; deeper ones refer to themselves
+
+static satin_status refuse(struct scene_loader *loader, const struct params *p, const char *text) {
+    log_error_at(loader->log, p->node->place, "%s %s", p->plugin->name, text);
+    return SATIN_ERROR_INPUT;
+}
+
+// Builds the nested <bsdf>s, of which there must be `least` to `most`; *count is how many.
+static satin_status build_nested(struct scene_loader *loader, const struct params *p, int least,
+                                 int most, struct material *out, int *count) {
+    struct xml_node *at = NULL, *child;
+    int n = 0;
+    while ((child = params_child(&loader->xml, p->node, XML_BSDF, &at)) && n < most) {
+        satin_status status = scene_material_build(loader, child, &out[n]);
+        if (status != SATIN_OK) return status;
+        n++;
+    }
+    *count = n;
+    if (n >= least && !child) return SATIN_OK;
+    return refuse(loader, p,
+                  least < most ? "takes one or two <bsdf>s"
+                  : most == 1  ? "takes one <bsdf>"
+                               : "takes two <bsdf>s");
+}
+
+// ---- Trees of sides -----------------------------------------------------------------------------
+
+static int count_parts(const struct material_side *side) {
+    return side->part[0] ? count_parts(side->part[0]) + count_parts(side->part[1]) : 1;
+}
+
+typedef satin_status (*leaf_fn)(struct scene_loader *loader, const struct params *p,
+                                struct material_side *leaf, const void *ctx);
+
+// Copies the tree, changed by fn at its leaves.
+static satin_status change_leaves(struct scene_loader *loader, const struct params *p,
+                                  struct material_side *side, leaf_fn fn, const void *ctx) {
+    if (!side->part[0]) return fn(loader, p, side, ctx);
+    for (int i = 0; i < 2; i++) {
+        struct material_side *copy = arena_alloc(&loader->scene->arena, sizeof *copy);
+        if (!copy) return scene_no_memory(loader);
+        *copy = *side->part[i];
+        side->part[i] = copy;
+        satin_status status = change_leaves(loader, p, copy, fn, ctx);
+        if (status != SATIN_OK) return status;
+    }
+    return SATIN_OK;
+}
+
+// ---- twosided -----------------------------------------------------------------------------------
+
+// Whatever transmits is refused; the relief of a back is its own.
+static satin_status make_side(struct scene_loader *loader, const struct params *p,
+                              struct material_side *leaf, const void *ctx) {
+    (void)ctx;
+    leaf->relief.outside = false;
+    if (!brdf_transmits(&leaf->base)) return SATIN_OK;
+    log_error_at(loader->log, p->node->place, "'%s' transmits, so it cannot be twosided",
+                 leaf->base.model->name);
+    return SATIN_ERROR_INPUT;
+}
+
+static satin_status build_twosided(struct scene_loader *loader, const struct params *p,
+                                   struct material *out) {
+    struct material side[2];
+    int count;
+    satin_status status = build_nested(loader, p, 1, 2, side, &count);
+    for (int i = 0; i < count && status == SATIN_OK; i++) {
+        if (side[i].two_sided) return refuse(loader, p, "cannot wrap another twosided");
+        status = change_leaves(loader, p, &side[i].front, make_side, NULL);
+    }
+    if (status != SATIN_OK) return status;
+    out->front = side[0].front;
+    out->back = side[count - 1].front;
+    out->two_sided = true;
+    out->tangent = side[0].tangent || side[count - 1].tangent;
+    return SATIN_OK;
+}
+
+// ---- blendbsdf ----------------------------------------------------------------------------------
+
+static satin_status make_one_sided(struct scene_loader *loader, const struct params *p,
+                                   struct material_side *leaf, const void *ctx) {
+    (void)loader, (void)p, (void)ctx;
+    leaf->one_sided = true;
+    return SATIN_OK;
+}
+
+// Joins a and b under one node.
+static satin_status join(struct scene_loader *loader, const struct params *p,
+                         const struct material_side *a, const struct material_side *b,
+                         struct material_side *out) {
+    struct material_side *part = arena_array(&loader->scene->arena, 2, sizeof *part);
+    if (!part) return scene_no_memory(loader);
+    part[0] = *a;
+    part[1] = *b;
+    *out = (struct material_side){.part = {&part[0], &part[1]}};
+    if (count_parts(out) > MATERIAL_PARTS_MAX)
+        return refuse(loader, p, "blends more than 16 BRDFs");
+    const struct param_value *weight = param(p, "weight");
+    out->weight = weight->f;
+    if (!weight->texture) return SATIN_OK;
+    return scene_texture_of(loader, weight->texture, &out->blend);
+}
+
+static satin_status build_blend(struct scene_loader *loader, const struct params *p,
+                                struct material *out) {
+    struct material part[2];
+    int count;
+    satin_status status = build_nested(loader, p, 2, 2, part, &count);
+    if (status != SATIN_OK) return status;
+    out->two_sided = part[0].two_sided || part[1].two_sided;
+    out->tangent = part[0].tangent || part[1].tangent;
+    for (int i = 0; i < 2 && out->two_sided && status == SATIN_OK; i++) {
+        if (part[i].two_sided) continue;
+        part[i].back = part[i].front;
+        status = change_leaves(loader, p, &part[i].back, make_one_sided, NULL);
+    }
+    if (status == SATIN_OK) status = join(loader, p, &part[0].front, &part[1].front, &out->front);
+    if (status != SATIN_OK) return status;
+    out->back = out->front;
+    return out->two_sided ? join(loader, p, &part[0].back, &part[1].back, &out->back) : SATIN_OK;
+}
+
+// ---- bumpmap, normalmap -------------------------------------------------------------------------
+
+static satin_status set_relief(struct scene_loader *loader, const struct params *p,
+                               struct material_side *leaf, const void *ctx) {
+    if (leaf->relief.bump || leaf->relief.normal)
+        return refuse(loader, p, "cannot wrap another bumpmap or normalmap");
+    (void)loader;
+    leaf->relief = *(const struct material_relief *)ctx;
+    return SATIN_OK;
+}
+
+static satin_status build_relief(struct scene_loader *loader, const struct params *p, bool bump,
+                                 struct material *out) {
+    struct material_relief relief = {.outside = true,
+                                     .upright = param(p, "flip_invalid_normals")->b,
+                                     .shadows = param(p, "use_shadowing_function")->b};
+    struct xml_node *at = NULL, *map = bump ? params_child(&loader->xml, p->node, XML_TEXTURE, &at)
+                                            : param(p, "normalmap")->texture;
+    if (!map) return refuse(loader, p, "needs a <texture>");
+    if (bump && params_child(&loader->xml, p->node, XML_TEXTURE, &at))
+        return refuse(loader, p, "takes one <texture>");
+    if (bump) relief.scale = param(p, "scale")->f;
+    satin_status status = scene_texture_of(loader, map, bump ? &relief.bump : &relief.normal);
+    int count;
+    if (status == SATIN_OK) status = build_nested(loader, p, 1, 1, out, &count);
+    if (status == SATIN_OK) status = change_leaves(loader, p, &out->front, set_relief, &relief);
+    if (status == SATIN_OK && out->two_sided)
+        status = change_leaves(loader, p, &out->back, set_relief, &relief);
+    if (status == SATIN_OK && !out->two_sided) out->back = out->front;
+    out->tangent = true;
+    return status;
+}
+
+// ---- Any <bsdf> ---------------------------------------------------------------------------------
+
+static bool is_anisotropic(const struct material_side *side) {
+    return side->slot[BRDF_SLOT_ALPHA_U] != side->slot[BRDF_SLOT_ALPHA_V] ||
+           side->base.alpha_u != side->base.alpha_v;
+}
+
+static satin_status build_plain(struct scene_loader *loader, const struct params *p,
+                                struct material *out) {
+    satin_status status = scene_side_build(loader, p, &out->front);
+    out->back = out->front;
+    out->tangent = is_anisotropic(&out->front);
+    return status;
+}
+
+static satin_status build_any(struct scene_loader *loader, const struct params *p,
+                              struct material *out) {
+    const char *name = p->plugin->name;
+    if (p->plugin->build) return build_plain(loader, p, out);
+    if (strcmp(name, "twosided") == 0) return build_twosided(loader, p, out);
+    if (strcmp(name, "blendbsdf") == 0) return build_blend(loader, p, out);
+    return build_relief(loader, p, strcmp(name, "bumpmap") == 0, out);
+}
+
+satin_status scene_material_build(struct scene_loader *loader, struct xml_node *node,
+                                  struct material *out) {
+    *out = (struct material){0};
+    struct params p;
+    satin_status status = scene_params(loader, node, &p);
+    if (status != SATIN_OK) return status;
+    if (loader->bsdf_depth == BSDF_DEPTH_MAX)
+        return refuse(loader, &p, "is nested too deep, or in itself");
+    loader->bsdf_depth++;
+    status = build_any(loader, &p, out);
+    loader->bsdf_depth--;
+    if (status == SATIN_OK &&
+        !(out->name = scene_keep_text(loader, node->id ? node->id : p.plugin->name)))
+        return scene_no_memory(loader);
+    return status;
+}
+
+// What a shape without a <bsdf> is made of; one that emits is black, as in Mitsuba.
+static satin_status default_material(struct scene_loader *loader, bool emits,
+                                     struct material *out) {
+    *out = (struct material){.name = emits ? "black" : "default"};
+    out->front.index = loader->scene->side_count++;
+    out->front.base.model = brdf_find("diffuse");
+    out->front.base.diffuse = rgb_grey(emits ? 0.0f : 0.5f);
+    if (brdf_prepare(&out->front.base, &loader->scene->arena) != SATIN_OK)
+        return scene_no_memory(loader);
+    out->back = out->front;
+    return SATIN_OK;
+}
+
+satin_status scene_material_of(struct scene_loader *loader, struct xml_node *node, bool emits,
+                               uint32_t *index) {
+    uint32_t *known = node ? &node->material : &loader->plain[emits];
+    if (!*known) {
+        struct material material;
+        satin_status status = node ? scene_material_build(loader, node, &material)
+                                   : default_material(loader, emits, &material);
+        if (status != SATIN_OK) return status;
+        void *items = loader->material;
+        if (!array_reserve(&items, &loader->material_capacity, loader->material_count + 1,
+                           sizeof material))
+            return scene_no_memory(loader);
+        loader->material = items;
+        loader->material[loader->material_count++] = material;
+        *known = (uint32_t)loader->material_count;
+    }
+    *index = *known - 1;
+    return SATIN_OK;
+}
