@@ -30,9 +30,11 @@ typedef struct satin_callbacks {
 } satin_callbacks;
 
 // Renders. SATIN_CANCELLED if the progress function asked for it; *film is then the image so far,
-// like that of a render with less samples, or NULL if no pixel was done. The caller frees *film.
-// Thread-safe on a shared scene. The film's pixels depend on scene and options only, not on
-// threads, unless options->time cuts them short.
+// like that of a render with less samples, its last pixels filled from their neighbours. Cancelled
+// before the image was begun, a coarse one is made within half a second or so, of direct light
+// alone if the photons were not done yet. The caller frees *film. Thread-safe on a shared scene.
+// The film's pixels depend on scene and options only, not on threads, unless options->time cuts
+// them short.
 SATIN_API satin_status satin_render(const satin_scene *scene, const satin_options *options,
                                     const satin_callbacks *callbacks, satin_film **film);
 

@@ -3,6 +3,7 @@
 // arguments is found before the scene is read, and all output names before anything is rendered.
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -12,6 +13,9 @@
 #include "base/fileio.h"
 #include "base/stats.h"
 #include "film/film.h"
+
+// Of a time limit, what a scene that takes long to read leaves for the render.
+static const double LOAD_LEAVES = 0.2;
 
 enum {
     FLAG_OUTPUT,
@@ -197,6 +201,9 @@ static satin_status render(const struct request *r, const satin_scene *scene,
     satin_status status = satin_options_resolve(scene, r->setting, r->setting_count, app_log_file,
                                                 progress, &options);
     if (status != SATIN_OK) return status;
+    // The limit is the user's: reading the scene is part of it.
+    if (options.time > 0.0)
+        options.time = fmax(options.time - (stats_wall() - start), LOAD_LEAVES * options.time);
     satin_callbacks callbacks = {app_log, progress, app_progress_update, progress};
     satin_film *film = NULL;
     status = satin_render(scene, &options, &callbacks, &film);
@@ -206,8 +213,6 @@ static satin_status render(const struct request *r, const satin_scene *scene,
         if (written == SATIN_OK) print_summary(r, film, status, stats_wall() - start);
         if (written != SATIN_OK) status = written;
     }
-    if (!film && status == SATIN_CANCELLED && !r->quiet)
-        fprintf(stderr, "cancelled before a pixel was done: nothing is written\n");
     satin_film_free(film);
     return status;
 }

@@ -33,7 +33,9 @@ const struct option options_table[] = {
     {"threads", OPTION_INT, AT(threads), false, "0..1024",
      "Threads; 0: one per core. The image does not depend on it."},
     {"time", OPTION_DOUBLE, AT(time), false, "0..1e9",
-     "Wall seconds for the whole render, which then ends with the best image so far; 0: no limit."},
+     "Wall seconds for the whole render, which then ends with the best image so far, pixels "
+     "without "
+     "a sample filled from their neighbours; 0: no limit."},
     {"max-depth", OPTION_INT, AT(max_depth), false, "-2..1000000",
      "Longest light path in edges, 1: emission alone; -1: no limit; -2: the scene's, else no "
      "limit."},

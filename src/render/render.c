@@ -8,6 +8,10 @@
 
 #include "render/render_state.h"
 
+// With a time limit, the part of it after which no more BRDF tables are made; and how long a first
+// look may take after a cancellation.
+static const double TABLES_UNTIL = 0.45, SKETCH_SECONDS = 0.5;
+
 static bool two_pass(const struct render *r) { return r->options.integrator == SATIN_TWO_PASS; }
 
 static bool needs_photons(const struct render *r) {
@@ -19,13 +23,16 @@ static bool needs_photons(const struct render *r) {
 static satin_status photons(struct render *r) {
     render_stage(r, "photons", "photons",
                  (double)(r->options.photons + r->options.caustic_photons));
-    return photon_maps_build(&r->scene, &r->options, r->pool, r->log, &r->stats, &r->maps);
+    return render_photons(r);
 }
 
-// Harmonics of the scene's glossy BRDFs.
+// Harmonics of the scene's glossy BRDFs. If there is no time for them all are sampled instead.
 static satin_status tables(struct render *r) {
     render_stage(r, "BRDF tables", "materials", (double)r->scene.material_count);
-    return shade_tables_build(&r->scene, &r->options, r->pool, r->log, &r->tables);
+    if (r->options.time > 0.0) r->stop_at = TABLES_UNTIL * r->options.time;
+    satin_status status = shade_tables_build(&r->scene, &r->options, r->pool, r->log, &r->tables);
+    r->stop_at = INFINITY;
+    return status == SATIN_CANCELLED && !r->cancelled ? SATIN_OK : status;
 }
 
 // 3, 4. Shading points and records.
@@ -44,7 +51,24 @@ static satin_status records(struct render *r) {
 static satin_status image(struct render *r) {
     r->image = render_image_new(r->scene.film.crop_width, r->scene.film.crop_height);
     if (!r->image) return SATIN_ERROR_MEMORY;
+    if (r->options.time > 0.0 && !r->sketch) r->stop_at = r->options.time - render_write_seconds(r);
     return render_image_fill(r);
+}
+
+// Cancelled before the image: one look within a moment, with the records that there are, or with
+// direct light alone.
+static satin_status sketch(struct render *r) {
+    r->sketch = r->stage;
+    if (!r->shade.g) {
+        r->sketch_options = r->options;
+        r->sketch_options.integrator = SATIN_DIRECT;
+        r->gather = gather_make(&r->scene, &r->sketch_options, NULL);
+        satin_status status = shade_init(&r->shade, &r->gather, &r->tables, NULL, r->pool);
+        if (status != SATIN_OK) return status;
+    }
+    r->stop_at = render_elapsed(r) + SKETCH_SECONDS;
+    satin_status status = image(r);
+    return status == SATIN_OK ? SATIN_CANCELLED : status;
 }
 
 // 6. The film; a cancelled render has one if some pixel was sampled.
@@ -52,6 +76,9 @@ static satin_status film(struct render *r, satin_status status, satin_film **out
     render_stage(r, "film", "", 0.0);
     if (status != SATIN_OK && status != SATIN_CANCELLED) return status;
     if (!r->image) return status;
+    if (r->sketch)
+        log_message(r->log, SATIN_LOG_WARNING, "cancelled during %s: the image is a first look%s",
+                    r->sketch, r->maps ? "" : " at direct light alone");
     bool any;
     struct satin_film *made = render_image_film(r, &any);
     if (!made) return SATIN_ERROR_MEMORY;
@@ -61,6 +88,13 @@ static satin_status film(struct render *r, satin_status status, satin_film **out
     }
     *out = made;
     return status;
+}
+
+// To the caller's log; an error that was told by who found it is not told again.
+static void log_through(void *user, satin_log_level level, const char *message) {
+    struct render *r = user;
+    if (level == SATIN_LOG_ERROR) r->error_told = true;
+    if (r->callbacks.log) r->callbacks.log(r->callbacks.log_user, level, message);
 }
 
 static void destroy(struct render *r) {
@@ -79,7 +113,8 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
     if (!r) return SATIN_ERROR_MEMORY;
     r->start = stats_wall();
     if (callbacks) r->callbacks = *callbacks;
-    r->log = (struct log){r->callbacks.log, r->callbacks.log_user};
+    r->log = (struct log){log_through, r};
+    r->stop_at = INFINITY;
     satin_film *made = NULL;
 
     satin_status status = render_resolve(r, scene, options);
@@ -90,13 +125,15 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
     if (status == SATIN_OK) {
         render_progress_install(r);
         if (needs_photons(r)) status = photons(r);
-        r->gather = gather_make(&r->scene, &r->options, r->maps);
+        r->gather = render_gather(r);
     }
     if (status == SATIN_OK && two_pass(r)) status = tables(r);
     if (status == SATIN_OK) status = records(r);
     if (status == SATIN_OK) status = image(r);
+    if (status == SATIN_CANCELLED && !r->image) status = sketch(r);
     if (r->pool) status = film(r, status, &made);
-    if (status == SATIN_ERROR_MEMORY) log_message(r->log, SATIN_LOG_ERROR, "not enough memory");
+    if (status == SATIN_ERROR_MEMORY && !r->error_told)
+        log_message(r->log, SATIN_LOG_ERROR, "not enough memory");
 
     destroy(r);
     free(r);

@@ -1,36 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 // The image pass: samples summed per pixel, tile by tile. A pixel's samples are added in the order
 // of their numbers, by one worker, so sums do not depend on threads. A few samples are spread
-// evenly, the others where the image needs them (render_adapt.c).
-#include <stdio.h>
+// evenly, the others where the image needs them (render_adapt.c). The first are taken coarse to
+// fine, so that an image that is cut short can be filled from what is there (render_film.c).
+#include "render/render_image.h"
+
 #include <stdlib.h>
 
 #include "base/array.h"
-#include "render/render_state.h"
 
 enum {
     TILE = 16,
     EVEN_LEAST = 4,  // samples per pixel that are spread evenly at least, and
-    EVEN_SHARE = 4   // the share of all that is
+    EVEN_SHARE = 4,  // the share of all that is
+    COARSEST = 16,   // pixels between the very first samples, or more, for
+    LOOK = 256       // no more samples than these
 };
 
-// Of a render with a time limit: kept back for writing the film; and the part of a sample per pixel
-// that is not worth another pass.
-static const double WRITE_SECONDS = 0.12, PASS_LEAST = 0.1;
-
-struct pixel {
-    rgb beauty;
-    rgb layer[SHADE_LAYERS];
-    float depth, density;
-    uint32_t samples, dropped;
-};
-
-struct render_image {
-    int width, height;
-    struct pixel *pixel;
-    struct adapt adapt;
-    uint64_t taken;  // samples
-};
+// Of a render with a time limit: the part of a sample per pixel that is not worth another pass.
+static const double PASS_LEAST = 0.1;
 
 struct pass {
     struct render *r;
@@ -41,7 +29,8 @@ struct pass {
 struct render_image *render_image_new(int width, int height) {
     struct render_image *image = calloc(1, sizeof *image);
     if (!image) return NULL;
-    *image = (struct render_image){.width = width, .height = height};
+    *image = (struct render_image){.width = width, .height = height, .coarsest = COARSEST};
+    while ((width / image->coarsest) * (height / image->coarsest) > LOOK) image->coarsest *= 2;
     image->pixel = array_new((size_t)width * (size_t)height, sizeof *image->pixel);
     if (image->pixel && adapt_make(&image->adapt, width, height)) return image;
     render_image_free(image);
@@ -64,7 +53,7 @@ static rgb judged(const struct shade_sample *s) {
 }
 
 // False if the sample was not finite and was dropped.
-static bool add_sample(struct pixel *pixel, const struct shade_sample *s) {
+static bool add_sample(struct image_pixel *pixel, const struct shade_sample *s) {
     bool finite = rgb_finite(s->beauty);
     for (int i = 0; i < SHADE_LAYERS; i++) finite = finite && rgb_finite(s->layer[i]);
     if (!finite) {
@@ -124,7 +113,7 @@ static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
     if (want > all - done) want = all - done;
     if (done < even && want > even - done) want = even - done;
     if (r->options.time > 0.0 && done) {
-        double fit = (render_time_left(r) - WRITE_SECONDS) / per_sample;
+        double fit = (render_time_left(r) - render_write_seconds(r)) / per_sample;
         if (fit < PASS_LEAST * (double)pixels) return false;
         if (fit > 2.0 * (double)pixels) fit *= 0.5;
         if (fit < (double)want) want = (uint64_t)fit;
@@ -159,6 +148,38 @@ static void note_counts(struct render *r, const struct shade_worker *worker, int
               (double)sum.samples / ((double)r->image->width * (double)r->image->height));
 }
 
+static bool run_pass(struct pass *pass) {
+    const struct render_image *image = pass->r->image;
+    size_t rows = (size_t)((image->height + TILE - 1) / TILE);
+    return parallel_for(pass->r->pool, (size_t)pass->columns * rows, 1, render_tiles, pass);
+}
+
+static void want_one(struct render_image *image, int stride) {
+    for (int y = 0; y < image->height; y += stride)
+        for (int x = 0; x < image->width; x += stride) {
+            size_t at = (size_t)y * (size_t)image->width + (size_t)x;
+            if (image->adapt.pixel[at].target == 0) image->adapt.pixel[at].target = 1;
+        }
+}
+
+// The first sample of a few pixels, whatever the time is; and if it is short, of all, coarse to
+// fine. False if that was cut short.
+static bool first_look(struct pass *pass) {
+    struct render *r = pass->r;
+    const bool hurry = r->options.time > 0.0 || r->sketch;
+    const double stop_at = r->stop_at;
+    bool whole = true;
+    r->stop_at = INFINITY;
+    for (int stride = r->image->coarsest; stride > 0 && whole; stride /= 2) {
+        want_one(r->image, stride);
+        whole = run_pass(pass);
+        r->stop_at = stop_at;
+        if (!hurry) break;
+    }
+    if (hurry && whole) r->image->taken = (uint64_t)r->image->width * (uint64_t)r->image->height;
+    return whole;
+}
+
 satin_status render_image_fill(struct render *r) {
     struct render_image *image = r->image;
     const int workers = parallel_threads(r->pool);
@@ -166,19 +187,21 @@ satin_status render_image_fill(struct render *r) {
     pass.worker = array_new((size_t)workers, sizeof *pass.worker);
     if (!pass.worker) return SATIN_ERROR_MEMORY;
     for (int i = 0; i < workers; i++) pass.worker[i].scratch = r->shade.scratch[i];
-    size_t tiles = (size_t)pass.columns * (size_t)((image->height + TILE - 1) / TILE);
     const double all = (double)r->options.spp * (double)image->width * (double)image->height;
-    double per_sample = 0.0;
     render_stage(r, "image", "samples", all);
-    satin_status status = SATIN_OK;
+    render_stage_part(r, 0.0, 1.0 / r->options.spp);
+    double start = stats_wall(), per_sample = 0.0;
+    bool whole = first_look(&pass);
     uint64_t samples;
-    while (status == SATIN_OK && next_pass(r, per_sample, &samples)) {
-        double start = stats_wall();
+    if (whole && image->taken) {
+        per_sample = (stats_wall() - start) / (double)image->taken;
+        adapt_judge(&image->adapt);
+    }
+    while (whole && !r->sketch && next_pass(r, per_sample, &samples)) {
+        start = stats_wall();
         render_stage_part(r, (double)image->taken / all, (double)samples / all);
-        if (!parallel_for(r->pool, tiles, 1, render_tiles, &pass)) {
-            if (r->cancelled) status = SATIN_CANCELLED;
-            break;
-        }
+        whole = run_pass(&pass);
+        if (!whole) break;
         image->taken += samples;
         per_sample = (stats_wall() - start) / (double)samples;
         adapt_judge(&image->adapt);
@@ -186,64 +209,5 @@ satin_status render_image_fill(struct render *r) {
     r->stage_items = (double)image->taken;
     note_counts(r, pass.worker, workers);
     free(pass.worker);
-    return status;
-}
-
-static const char *const channel_names[] = {"R",
-                                            "G",
-                                            "B",
-                                            "direct.R",
-                                            "direct.G",
-                                            "direct.B",
-                                            "caustic.R",
-                                            "caustic.G",
-                                            "caustic.B",
-                                            "indirect_diffuse.R",
-                                            "indirect_diffuse.G",
-                                            "indirect_diffuse.B",
-                                            "indirect_glossy.R",
-                                            "indirect_glossy.G",
-                                            "indirect_glossy.B",
-                                            "emission.R",
-                                            "emission.G",
-                                            "emission.B",
-                                            "albedo.R",
-                                            "albedo.G",
-                                            "albedo.B",
-                                            "normal.X",
-                                            "normal.Y",
-                                            "normal.Z",
-                                            "depth.Z",
-                                            "density.Y",
-                                            "samples.Y"};
-
-static void put_rgb(struct satin_film *film, int channel, size_t at, rgb value, float scale) {
-    film->channel[channel][at] = value.r * scale;
-    film->channel[channel + 1][at] = value.g * scale;
-    film->channel[channel + 2][at] = value.b * scale;
-}
-
-struct satin_film *render_image_film(struct render *r, bool *any) {
-    const struct render_image *image = r->image;
-    const int channels = (int)(sizeof channel_names / sizeof *channel_names);
-    struct satin_film *film = film_new(image->width, image->height, channel_names, channels);
-    if (!film) return NULL;
-    uint64_t samples = 0, dropped = 0;
-    for (size_t i = 0; i < (size_t)image->width * (size_t)image->height; i++) {
-        const struct pixel *pixel = &image->pixel[i];
-        samples += pixel->samples;
-        dropped += pixel->dropped;
-        float scale = pixel->samples ? 1.0f / (float)pixel->samples : 0.0f;
-        put_rgb(film, 0, i, pixel->beauty, scale);
-        for (int k = 0; k < SHADE_LAYERS; k++) put_rgb(film, 3 + 3 * k, i, pixel->layer[k], scale);
-        film->channel[channels - 3][i] = pixel->depth * scale;
-        film->channel[channels - 2][i] = pixel->density * scale;
-        film->channel[channels - 1][i] = (float)pixel->samples;
-    }
-    stats_set(&r->stats, "image.nonfinite", (double)dropped);
-    if (dropped)
-        log_message(r->log, SATIN_LOG_WARNING, "%llu samples were not finite and were dropped",
-                    (unsigned long long)dropped);
-    *any = samples > 0;
-    return film;
+    return !whole && r->cancelled ? SATIN_CANCELLED : SATIN_OK;
 }

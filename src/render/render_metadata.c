@@ -33,6 +33,8 @@ bool render_metadata(struct render *r, struct satin_film *film) {
     bool ok = options && film->stats && film_attribute_set(film, "satin:version", SATIN_VERSION) &&
               film_attribute_set(film, "satin:scene_hash", hash) &&
               film_attribute_set(film, "satin:options", options);
+    if (ok && r->cancelled)
+        ok = film_attribute_set(film, "satin:cancelled", r->sketch ? r->sketch : "image");
     free(options);
     return ok;
 }

@@ -54,6 +54,7 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
     // be wasteful for two passes.
     int scene_spp = o->integrator == SATIN_PATH ? hints->spp : 0;
     if (o->spp == 0 && o->time > 0.0) o->spp = TIMED_SPP;
+    r->photons_wanted = o->photons;
     if (o->time > 0.0) {
         o->photons = at_most(o->photons, TIMED_PHOTONS * o->time);
         o->caustic_photons = at_most(o->caustic_photons, TIMED_CAUSTIC_PHOTONS * o->time);

@@ -7,6 +7,9 @@
 
 static const double TELL_EVERY = 0.1;  // seconds
 
+// Compressing a pixel's channels on one core is most of writing a film.
+static const double WRITE_SECONDS = 0.05, WRITE_PIXEL_SECONDS = 0.9e-6;
+
 // Statistics names must be static text: one for each stage.
 static const char *seconds_name(const char *stage) {
     static const char *const name[][2] = {
@@ -26,8 +29,13 @@ double render_time_left(const struct render *r) {
     return r->options.time > 0.0 ? r->options.time - render_elapsed(r) : INFINITY;
 }
 
-static bool tell(struct render *r, double done) {
-    if (!r->callbacks.progress) return false;
+double render_write_seconds(const struct render *r) {
+    double pixels = (double)r->options.width * (double)r->options.height;
+    return WRITE_SECONDS + WRITE_PIXEL_SECONDS * pixels / parallel_threads(r->pool);
+}
+
+static void tell(struct render *r, double done) {
+    if (!r->callbacks.progress) return;
     double now = stats_wall();
     r->told = now;
     double seconds = now - r->stage_start;
@@ -39,16 +47,13 @@ static bool tell(struct render *r, double done) {
         .elapsed = now - r->start,
     };
     if (r->callbacks.progress(r->callbacks.progress_user, &progress)) r->cancelled = true;
-    return r->cancelled;
 }
 
 static bool on_progress(void *user, double done) {
     struct render *r = user;
-    if (r->cancelled) return true;
-    // A time limit ends the image wherever it is; the stages before it are needed whole.
-    if (r->image && render_time_left(r) < 0.0) return true;
-    if (stats_wall() - r->told < TELL_EVERY) return false;
-    return tell(r, r->share_done + done * r->share_span);
+    if (!r->cancelled && stats_wall() - r->told >= TELL_EVERY)
+        tell(r, r->share_done + done * r->share_span);
+    return (r->cancelled && !r->sketch) || render_elapsed(r) > r->stop_at;
 }
 
 void render_progress_install(struct render *r) { parallel_set_progress(r->pool, on_progress, r); }

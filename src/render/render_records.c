@@ -63,7 +63,7 @@ static uint32_t *level_pixels(const struct render *r, int stride, size_t *count)
 
 static bool time_remains(void *user) {
     const struct render *r = user;
-    return render_elapsed(r) < r->records_until;
+    return render_elapsed(r) < r->stop_at;
 }
 
 // The factor of a over which no record is read: what the image pass may use.
@@ -122,16 +122,18 @@ static satin_status fill_timed(struct level *l) {
     struct render *r = l->r;
     satin_status status = SATIN_OK;
     float finished = TIMED_WIDEN[0];
-    r->records_until = render_elapsed(r) + RECORD_SHARE * render_time_left(r);
+    double left = render_time_left(r) - render_write_seconds(r);
+    r->stop_at = render_elapsed(r) + RECORD_SHARE * left;
     for (int i = 0; i < TIMED_ROUNDS && status == SATIN_OK && time_remains(r); i++) {
         status = fill_levels(l, TIMED_WIDEN[i], (double)i / TIMED_ROUNDS, 1.0 / TIMED_ROUNDS);
         if (time_remains(r)) finished = TIMED_WIDEN[i];
     }
+    r->stop_at = INFINITY;
     float fine = fminf(finished, 1.0f);
     r->shade.a_irradiance =
         r->options.irradiance_a * fmaxf(finished, fine * r->options.irradiance_widen);
     r->shade.a_radiance = r->options.radiance_a * fmaxf(finished, fine * r->options.radiance_widen);
-    return status;
+    return status == SATIN_CANCELLED && !r->cancelled ? SATIN_OK : status;
 }
 
 satin_status render_records(struct render *r) {

@@ -23,10 +23,15 @@ struct render {
     double stage_start, stage_items;
     double share_done, share_span;  // the part of the stage that the loop under way is
     double told;                    // when the caller was last told
+    double stop_at;                 // elapsed seconds that end the loop under way; INFINITY: none
     bool cancelled;
+    // Cancelled before the image, in the stage of that name: a first look is taken all the same.
+    const char *sketch;
+    satin_options sketch_options;
+    bool error_told;
 
-    double records_until;  // with a time limit: when filling the caches ends
-
+    int64_t photons_wanted;  // of the global map, without a time limit
+    double photons_share;    // that were made of them; 0: none were wanted
     struct photon_maps *maps;
     struct gather gather;
     struct shade_tables tables;
@@ -48,6 +53,14 @@ void render_progress_install(struct render *r);  // makes the pool tell the call
 double render_elapsed(const struct render *r);
 // Seconds that are left of options.time; INFINITY without a limit.
 double render_time_left(const struct render *r);
+// What making and writing the film is going to take.
+double render_write_seconds(const struct render *r);
+
+// ---- render_photons.c
+// Photons and the rough solution, as many as a time limit allows.
+satin_status render_photons(struct render *r);
+// The constants of gathering. Photons that there was no time for are not missed.
+struct gather render_gather(const struct render *r);
 
 // ---- render_records.c
 // Fills the cache over the image's shading points, coarse to fine.
@@ -56,8 +69,10 @@ satin_status render_records(struct render *r);
 // ---- render_image.c
 struct render_image *render_image_new(int width, int height);
 void render_image_free(struct render_image *image);
-// Adds samples until every pixel has options.spp, or the time is over.
+// Adds samples until every pixel has options.spp, or the loop was stopped.
 satin_status render_image_fill(struct render *r);
+
+// ---- render_film.c
 // The film of what is there; NULL without memory. *any: some pixel has a sample.
 struct satin_film *render_image_film(struct render *r, bool *any);
 

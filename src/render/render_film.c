@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// The film of an image: means of the pixels' samples by channel. Where an image was cut short
+// before a pixel had its first sample, it shows a neighbour's.
+#include "render/render_image.h"
+
+static const char *const channel_names[] = {"R",
+                                            "G",
+                                            "B",
+                                            "direct.R",
+                                            "direct.G",
+                                            "direct.B",
+                                            "caustic.R",
+                                            "caustic.G",
+                                            "caustic.B",
+                                            "indirect_diffuse.R",
+                                            "indirect_diffuse.G",
+                                            "indirect_diffuse.B",
+                                            "indirect_glossy.R",
+                                            "indirect_glossy.G",
+                                            "indirect_glossy.B",
+                                            "emission.R",
+                                            "emission.G",
+                                            "emission.B",
+                                            "albedo.R",
+                                            "albedo.G",
+                                            "albedo.B",
+                                            "normal.X",
+                                            "normal.Y",
+                                            "normal.Z",
+                                            "depth.Z",
+                                            "density.Y",
+                                            "samples.Y"};
+
+static void put_rgb(struct satin_film *film, int channel, size_t at, rgb value, float scale) {
+    film->channel[channel][at] = value.r * scale;
+    film->channel[channel + 1][at] = value.g * scale;
+    film->channel[channel + 2][at] = value.b * scale;
+}
+
+// The sampled pixel that stands for (x, y): itself, or the nearest of the grids of first_look; NULL
+// if there is none.
+static const struct image_pixel *source_of(const struct render_image *image, int x, int y) {
+    for (int stride = 1; stride <= image->coarsest; stride *= 2) {
+        size_t row = (size_t)(y - y % stride), column = (size_t)(x - x % stride);
+        const struct image_pixel *pixel = &image->pixel[row * (size_t)image->width + column];
+        if (pixel->samples || pixel->dropped) return pixel;
+    }
+    return NULL;
+}
+
+static void put_pixel(struct satin_film *film, size_t at, const struct image_pixel *pixel) {
+    const int channels = film->channel_count;
+    float scale = pixel->samples ? 1.0f / (float)pixel->samples : 0.0f;
+    put_rgb(film, 0, at, pixel->beauty, scale);
+    for (int k = 0; k < SHADE_LAYERS; k++) put_rgb(film, 3 + 3 * k, at, pixel->layer[k], scale);
+    film->channel[channels - 3][at] = pixel->depth * scale;
+    film->channel[channels - 2][at] = pixel->density * scale;
+}
+
+struct satin_film *render_image_film(struct render *r, bool *any) {
+    const struct render_image *image = r->image;
+    const int channels = (int)(sizeof channel_names / sizeof *channel_names);
+    struct satin_film *film = film_new(image->width, image->height, channel_names, channels);
+    if (!film) return NULL;
+    uint64_t samples = 0, dropped = 0, filled = 0;
+    for (int y = 0; y < image->height; y++)
+        for (int x = 0; x < image->width; x++) {
+            size_t at = (size_t)y * (size_t)image->width + (size_t)x;
+            const struct image_pixel *pixel = &image->pixel[at], *source = source_of(image, x, y);
+            samples += pixel->samples;
+            dropped += pixel->dropped;
+            filled += source != pixel;
+            film->channel[channels - 1][at] = (float)pixel->samples;
+            if (source) put_pixel(film, at, source);
+        }
+    stats_set(&r->stats, "image.nonfinite", (double)dropped);
+    stats_set(&r->stats, "image.filled", (double)filled);
+    if (dropped)
+        log_message(r->log, SATIN_LOG_WARNING, "%llu samples were not finite and were dropped",
+                    (unsigned long long)dropped);
+    if (samples && filled && !r->cancelled)
+        log_message(r->log, SATIN_LOG_WARNING,
+                    "the time was too short: %.0f %% of the pixels show a neighbour's sample",
+                    100.0 * (double)filled / ((double)image->width * (double)image->height));
+    *any = samples > 0;
+    return film;
+}

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to render/: the image in the making.
+#ifndef RENDER_IMAGE_H
+#define RENDER_IMAGE_H
+
+#include "render/render_state.h"
+
+// The sums of a pixel's samples.
+struct image_pixel {
+    rgb beauty;
+    rgb layer[SHADE_LAYERS];
+    float depth, density;
+    uint32_t samples, dropped;
+};
+
+struct render_image {
+    int width, height;
+    struct image_pixel *pixel;
+    struct adapt adapt;
+    uint64_t taken;  // samples
+    int coarsest;    // pixels between the first samples, a power of two
+};
+
+#endif
