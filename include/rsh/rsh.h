@@ -83,6 +83,34 @@ RSH_API bool rsh_convolve(int order, int channels, const float *zonal, const flo
 // the coefficients of odd m.
 RSH_API bool rsh_flip_phase(int order, int channels, const float *in, float *out);
 
+// Other conventions. Their harmonics are ours times a factor, so coefficients change by its
+// inverse.
+typedef enum rsh_normalisation {
+    RSH_ORTHONORMAL = 0,  // integral of Y^2 over the sphere is 1 (ours)
+    RSH_FOUR_PI,          // it is 4 pi: "N3D", geodesy
+    RSH_SCHMIDT,          // it is 4 pi / (2 l + 1): "SN3D", magnetics, ambisonics
+    RSH_UNNORMALISED      // P_l^|m|(cos theta) cos(m phi) or sin(|m| phi) as they are
+} rsh_normalisation;
+typedef enum rsh_layout {
+    RSH_BY_DEGREE = 0,  // n * n numbers, l (l + 1) + m (ours; "ACN")
+    RSH_COSINE_SINE,    // [2][n][n]: [0][l][m] of cos(m phi), [1][l][m] of sin(m phi), as pyshtools
+    RSH_COMPLEX         // n * n pairs of real and imaginary part, l (l + 1) + m, of the harmonics
+                 // with exp(i m phi), whose -m is the conjugate of m, with phase times (-1)^m
+} rsh_layout;
+typedef struct rsh_convention {
+    rsh_normalisation norm;
+    bool phase;  // Condon and Shortley's (-1)^m
+    rsh_layout layout;
+} rsh_convention;
+// Numbers per channel in a layout; 0 for orders out of range.
+RSH_API int rsh_convention_size(int order, rsh_layout layout);
+// From ours to theirs and back; in and out must not overlap. Functions are real: of complex
+// coefficients those of m >= 0 are read. False also for a convention that is none of these.
+RSH_API bool rsh_export(const rsh_convention *to, int order, int channels, const float *in,
+                        float *out);
+RSH_API bool rsh_import(const rsh_convention *from, int order, int channels, const float *in,
+                        float *out);
+
 // Rotations of functions on the sphere. Rotating L by R gives the function L(R^-1 w); R is a proper
 // orthonormal matrix, rows first. Every call below allows out == in, and takes any number of
 // channels at once: a record with two derivative vectors of three colours is 9 channels.
@@ -99,9 +127,45 @@ typedef enum rsh_taylor { RSH_TAYLOR_1 = 0, RSH_TAYLOR_1_5, RSH_TAYLOR_2 } rsh_t
 RSH_API bool rsh_rotate_y_taylor(rsh_taylor kind, int order, int channels, float angle,
                                  const float *in, float *out);
 
-// By any rotation, exact to rounding: z, y, z with the y part as z between two exchanges of y and
-// z.
+// By any rotation, exact to rounding, in the fastest form: rsh_rotate_pinchon_hoggan.
 RSH_API bool rsh_rotate(int order, int channels, const float r[9], const float *in, float *out);
+
+// A rotation as turns about z by gamma, then y by beta, then z by alpha [rad].
+typedef struct rsh_zyz {
+    float alpha, beta, gamma;
+} rsh_zyz;
+// beta is 0 .. pi. Where it is 0 up to rounding, alpha is 0.
+RSH_API rsh_zyz rsh_zyz_of_matrix(const float r[9]);
+RSH_API bool rsh_rotate_zyz(int order, int channels, rsh_zyz angles, const float *in, float *out);
+
+// The forms by name, all for any r.
+//   taylor           z, y, z with the series about y: for small beta only [K05 5.3]. 9 n^2
+//   products. pinchon_hoggan   z, y, z with the turn about y as one about z between two exchanges
+//   of y and z,
+//                    constant symmetric blocks [Pinchon and Hoggan 2007]. 2 n^3 / 3 + 6 n^2.
+//   zxzxz            the same between two quarter turns about x [Kautz et al. 2002]; plain C.
+//   ivanic           matrices band by band from r itself [Ivanic and Ruedenberg 1996, 1998]; plain
+//                    C. 4 n^3 / 3 to apply them, several times that to make them.
+RSH_API bool rsh_rotate_taylor(rsh_taylor kind, int order, int channels, const float r[9],
+                               const float *in, float *out);
+RSH_API bool rsh_rotate_pinchon_hoggan(int order, int channels, const float r[9], const float *in,
+                                       float *out);
+RSH_API bool rsh_rotate_zxzxz(int order, int channels, const float r[9], const float *in,
+                              float *out);
+RSH_API bool rsh_rotate_ivanic(int order, int channels, const float r[9], const float *in,
+                               float *out);
+
+// Rotation matrices as blocks: band l is (2 l + 1) x (2 l + 1), rows first, m = -l .. l, and begins
+// at l (2 l - 1) (2 l + 1) / 3; rsh_blocks_size(n) = n (2 n - 1) (2 n + 1) / 3 numbers in all, 0
+// for orders out of range.
+#define RSH_MAX_BLOCKS (RSH_MAX_ORDER * (2 * RSH_MAX_ORDER - 1) * (2 * RSH_MAX_ORDER + 1) / 3)
+RSH_API int rsh_blocks_size(int order);
+RSH_API bool rsh_rotation_blocks(int order, const float r[9], float *blocks);
+// Derivatives 0 .. highest by beta of the rotation about y, at beta, one after another in
+// blocks[(highest + 1) * rsh_blocks_size(order)] [K05 C]. Their rounding grows as order^highest.
+RSH_API bool rsh_rotation_y_derivatives(int order, float beta, int highest, float *blocks);
+RSH_API bool rsh_apply_blocks(int order, int channels, const float *blocks, const float *in,
+                              float *out);
 
 // Hemispherical harmonics by r with beta' = arccos(2 cos beta - 1) in place of the angle beta of
 // the zyz decomposition, otherwise exact [K05 5.4; Gautron et al. 2004]: right at the pole only,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rotation of RSH_WIDTH records at once, a record per lane, one source for every instruction set.
+// Rotation of RSH_WIDTH records at once, a record per lane, one source for every instruction set;
+// of width 1 it is the rotation of a single record where lanes cannot be permuted.
 //
 // Nothing is permuted here: bands are taken one by one, three channels share the angles and the
 // constants. A rotation about z costs four operations per pair (m, -m), the exchange of y and z one
@@ -9,6 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "rsh/rsh_turn.h"
 #include "rsh/rsh_vector.h"
 
 // Pairs of rows summed at once for three channels and for one; their sums stay in registers.
@@ -269,3 +271,16 @@ void GLUE(rsh_turn_many_, RSH_NAME)(const struct rsh_turns *angles, int order, i
     for (; channels > 0; channels--, in += n, out += n)
         turn_bands(angles, &t, order, 1, stride, in, out);
 }
+
+#if RSH_WIDTH == 1
+void rsh_turn_scalar(const struct rsh_turn *t, int order, int channels, const float *in,
+                     float *out) {
+    if (t->method == RSH_METHOD_Z) {
+        rsh_plain_turn(t, order, channels, in, out);
+        return;
+    }
+    const struct rsh_turns one = {t->method,     {t->beta},     {t->cos_alpha}, {t->sin_alpha},
+                                  {t->cos_beta}, {t->sin_beta}, {t->cos_gamma}, {t->sin_gamma}};
+    rsh_turn_many_scalar(&one, order, channels, 1, in, out);
+}
+#endif

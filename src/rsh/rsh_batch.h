@@ -12,6 +12,7 @@
                               const float *in, float *out);                                        \
     void rsh_convert_many_##name(const struct rsh_rows *rows, bool transposed, const int bands[2], \
                                  const size_t strides[2], const float *in, float *out);
+RSH_BATCH(scalar)
 RSH_BATCH(sse2)
 RSH_BATCH(avx2)
 RSH_BATCH(avx512)

@@ -95,12 +95,47 @@ bool rsh_rotate_y_taylor(rsh_taylor kind, int order, int channels, float angle, 
     return true;
 }
 
-bool rsh_rotate(int order, int channels, const float r[9], const float *in, float *out) {
+bool rsh_rotate_pinchon_hoggan(int order, int channels, const float r[9], const float *in,
+                               float *out) {
     if (!rsh_order_ok(order) || !rsh_all_finite(r, 9)) return false;
     struct rsh_turn t = rsh_turn_of_matrix(r);
     if (rsh_turn_is_nothing(&t))
         rsh_copy(order, channels, in, out);
     else
         rsh_kernels_best()->turn(&t, order, channels, in, out);
+    return true;
+}
+
+bool rsh_rotate(int order, int channels, const float r[9], const float *in, float *out) {
+    return rsh_rotate_pinchon_hoggan(order, channels, r, in, out);
+}
+
+bool rsh_rotate_taylor(rsh_taylor kind, int order, int channels, const float r[9], const float *in,
+                       float *out) {
+    enum rsh_method method;
+    if (!rsh_order_ok(order) || !rsh_all_finite(r, 9) || !rsh_method_of_taylor(kind, &method))
+        return false;
+    struct rsh_turn t = rsh_turn_of_matrix(r);
+    if (t.method == RSH_METHOD_EXACT) {
+        t.method = method;
+        t.beta = atan2f(t.sin_beta, t.cos_beta);
+    }
+    rsh_kernels_best()->turn(&t, order, channels, in, out);
+    return true;
+}
+
+rsh_zyz rsh_zyz_of_matrix(const float r[9]) {
+    struct rsh_turn t = rsh_turn_of_matrix(r);
+    float gamma = atan2f(t.sin_gamma, t.cos_gamma);
+    if (t.method == RSH_METHOD_Z) return (rsh_zyz){0.0f, 0.0f, gamma};
+    return (rsh_zyz){atan2f(t.sin_alpha, t.cos_alpha), atan2f(t.sin_beta, t.cos_beta), gamma};
+}
+
+bool rsh_rotate_zyz(int order, int channels, rsh_zyz a, const float *in, float *out) {
+    if (!rsh_order_ok(order) || !rsh_all_finite((float[3]){a.alpha, a.beta, a.gamma}, 3))
+        return false;
+    const struct rsh_turn t = {RSH_METHOD_EXACT, a.beta,       cosf(a.alpha), sinf(a.alpha),
+                               cosf(a.beta),     sinf(a.beta), cosf(a.gamma), sinf(a.gamma)};
+    rsh_kernels_best()->turn(&t, order, channels, in, out);
     return true;
 }

@@ -24,6 +24,17 @@ extern const float rsh_curve[RSH_MAX_COEFFICIENTS];
 // band l begins at l (2 l - 1) (2 l + 1) / 3. Three of four entries vanish by parity.
 extern const float rsh_swap[];
 
+// The quarter turn about x, (x, y, z) -> (x, -z, y), by rows: row i of all ends before entry
+// rsh_quarter_end[i], and entry k stands in column rsh_quarter_column[k] - l. Back: its transpose.
+extern const uint16_t rsh_quarter_end[RSH_MAX_COEFFICIENTS];
+extern const uint8_t rsh_quarter_column[];
+extern const float rsh_quarter[], rsh_quarter_back[];
+
+// The coefficients u, v and w of entry (m1, m2) [Ivanic and Ruedenberg 1996, 1998] are
+// rsh_ivanic_row[l (l + 1) + m1] times rsh_ivanic_column[l (l + 1) + m2].
+extern const float rsh_ivanic_row[RSH_MAX_COEFFICIENTS][3];
+extern const float rsh_ivanic_column[RSH_MAX_COEFFICIENTS];
+
 // Rotation works on 16 lanes at a time: lane |m| of a band, with the two coefficients +m and -m in
 // two vectors. The part that is even in x holds +m for even m and -m for odd m; the part that is
 // odd in x holds the others. Small bands share a vector, so order n takes the groups {0 1 2 3}

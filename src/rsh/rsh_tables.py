@@ -148,6 +148,42 @@ def plain_tables(w):
     w.array("float", "rsh_curve[RSH_MAX_COEFFICIENTS]", [curve(l, m) for l, m in flat])
     w.array("float", "rsh_swap[]", [swap(l, a, b) for l in range(ORDER)
                                     for a in range(-l, l + 1) for b in range(-l, l + 1)])
+    quarter_tables(w, flat)
+    ivanic_tables(w, flat)
+
+
+def quarter_tables(w, flat):
+    """The quarter turn about x, (x, y, z) -> (x, -z, y), by rows without its zeros: the exchange of
+    y and z after which y is turned round; and its transpose."""
+    ends, columns, values, back = [], [], [], []
+    for l, a in flat:
+        for b in range(-l, l + 1):
+            entry = swap(l, a, b)
+            if abs(entry) > 1e-14:
+                columns.append(b + l)
+                values.append(-entry if a < 0 else entry)
+                back.append(-entry if b < 0 else entry)
+        ends.append(len(values))
+    w.array("uint16_t", "rsh_quarter_end[RSH_MAX_COEFFICIENTS]", ends)
+    w.array("uint8_t", "rsh_quarter_column[]", columns)
+    w.array("float", "rsh_quarter[]", values)
+    w.array("float", "rsh_quarter_back[]", back)
+
+
+def ivanic_tables(w, flat):
+    """u, v, w of Ivanic and Ruedenberg, of which the columns' part is divided out."""
+    rows, columns = [], []
+    for l, m in flat:
+        a, center = abs(m), m == 0
+        u = math.sqrt((l + m) * (l - m))
+        v = math.sqrt((2 if center else 1) * max(l + a - 1, 0) * (l + a)) / 2 * (-1 if center else 1)
+        third = 0.0 if center else -math.sqrt(max((l - a - 1) * (l - a), 0)) / 2
+        rows.append((u, v, third))
+        d = (l + m) * (l - m) if a < l else 2 * l * (2 * l - 1)
+        columns.append(1 / math.sqrt(d) if d else 1.0)
+    w.lines.append("const float rsh_ivanic_row[RSH_MAX_COEFFICIENTS][3] = {")
+    w.lines += ["    %s," % braces("%.9ef", row) for row in rows] + ["};"]
+    w.array("float", "rsh_ivanic_column[RSH_MAX_COEFFICIENTS]", columns)
 
 
 def lane_tables(w):

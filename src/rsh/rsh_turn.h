@@ -13,9 +13,11 @@ void rsh_convert_avx2(const struct rsh_rows *rows, bool transposed, const int ba
                       const float *in, float *out);
 void rsh_convert_avx512(const struct rsh_rows *rows, bool transposed, const int bands[2],
                         const float *in, float *out);
-// Without permutations of lanes by variable places, plain C is as good.
-#define rsh_turn_sse2 rsh_plain_turn
-#define rsh_turn_native rsh_plain_turn
+// Without permutations of lanes by variable places, scalars are as good.
+void rsh_turn_scalar(const struct rsh_turn *turn, int order, int channels, const float *in,
+                     float *out);
+#define rsh_turn_sse2 rsh_turn_scalar
+#define rsh_turn_native rsh_turn_scalar
 #define rsh_convert_sse2 rsh_plain_convert
 #define rsh_convert_native rsh_plain_convert
 

@@ -19,7 +19,11 @@
 
 enum { W = RSH_WIDTH };
 
+#if RSH_WIDTH == 1
+typedef float vf;
+#else
 typedef float vf __attribute__((vector_size(4 * RSH_WIDTH)));
+#endif
 
 INLINE vf load(const float *p) {
     vf v;
@@ -51,10 +55,14 @@ INLINE float sum_lanes(vf v) {
     typedef float four __attribute__((vector_size(16)));
     four v4 =
         __builtin_shufflevector(v8, v8, 0, 1, 2, 3) + __builtin_shufflevector(v8, v8, 4, 5, 6, 7);
-#else
+#elif RSH_WIDTH == 4
     vf v4 = v;
 #endif
+#if RSH_WIDTH == 1
+    return v;
+#else
     return (v4[0] + v4[2]) + (v4[1] + v4[3]);
+#endif
 }
 
 #endif

@@ -59,12 +59,16 @@ static void rotations_equal_single_ones(void **state) {
                 assert_true(rsh_rotate_taylor_many(RSH_TAYLOR_1_5, ORDER, CHANNELS, (size_t)count,
                                                    from_rows, in, out));
             assert_true(out[CHANNELS * N * count] == 7.0f);
-            for (int i = 0; i < count && kind; i++) {
+            for (int i = 0; i < count; i++) {
                 float v[CHANNELS * N], a[CHANNELS * N], b[CHANNELS * N];
                 take(in, count, i, v);
                 take(out, count, i, b);
-                rsh_rotate(ORDER, CHANNELS, single[i][0], v, a);
-                assert_true(distance(CHANNELS * N, a, b) < 3e-5);
+                if (kind)
+                    rsh_rotate(ORDER, CHANNELS, single[i][0], v, a);
+                else
+                    rsh_rotate_taylor(RSH_TAYLOR_1_5, ORDER, CHANNELS, single[i][0], v, a);
+                // The series at large angles makes vectors forty times as long.
+                assert_true(distance(CHANNELS * N, a, b) < (kind ? 3e-5 : 2e-3));
             }
         }
 }

@@ -139,6 +139,30 @@ static void taylor_errors_fall_as_stated(void **state) {
     assert_true(fabs(error[1][1] / error[0][1] - 0.55) < 0.1);
 }
 
+// By angles and by the matrix of the same angles, exactly and by the series.
+static void angles_and_matrices_agree(void **state) {
+    (void)state;
+    uint32_t seed = 6;
+    for (int i = 0; i < 100; i++) {
+        enum { ORDER = 8, N = ORDER * ORDER };
+        float v[N], a[N], b[N], r[9];
+        noise_unit(&seed, N, v);
+        noise_rotation(&seed, r);
+        rsh_zyz angles = rsh_zyz_of_matrix(r);
+        assert_true(rsh_rotate_zyz(ORDER, 1, angles, v, a));
+        assert_true(rsh_rotate_pinchon_hoggan(ORDER, 1, r, v, b));
+        assert_true(distance(N, a, b) < 1e-5);
+        assert_true(rsh_rotate_taylor(RSH_TAYLOR_2, ORDER, 1, r, v, a));
+        rsh_rotate_z(ORDER, 1, angles.gamma, v, b);
+        rsh_rotate_y_taylor(RSH_TAYLOR_2, ORDER, 1, angles.beta, b, b);
+        rsh_rotate_z(ORDER, 1, angles.alpha, b, b);
+        assert_true(distance(N, a, b) < 1e-3);
+    }
+    const float quarter[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1};
+    rsh_zyz z = rsh_zyz_of_matrix(quarter);
+    assert_true(z.alpha == 0.0f && z.beta == 0.0f && fabsf(z.gamma - 1.5707963f) < 1e-6f);
+}
+
 static void bad_input_is_refused(void **state) {
     (void)state;
     float v[4] = {1, 2, 3, 4}, out[4] = {7, 7, 7, 7};
@@ -150,12 +174,16 @@ static void bad_input_is_refused(void **state) {
         assert_false(rsh_rotate_z(orders[i], 1, 1.0f, v, out));
         assert_false(rsh_rotate_y(orders[i], 1, 1.0f, v, out));
         assert_false(rsh_rotate_y_taylor(RSH_TAYLOR_1, orders[i], 1, 1.0f, v, out));
+        assert_false(rsh_rotate_taylor(RSH_TAYLOR_1, orders[i], 1, identity, v, out));
+        assert_false(rsh_rotate_zyz(orders[i], 1, (rsh_zyz){0}, v, out));
         assert_false(rsh_align(RSH_SPHERE, orders[i], 1, identity, identity, 0.0f, v, out));
     }
     assert_false(rsh_rotate(2, 1, bad, v, out));
     assert_false(rsh_align(RSH_SPHERE, 2, 1, bad, identity, 0.0f, v, out));
     bad[4] = INFINITY;
     assert_false(rsh_align_transposed(RSH_SPHERE, 2, 1, identity, bad, 0.0f, v, out));
+    assert_false(rsh_rotate_zyz(2, 1, (rsh_zyz){0, NAN, 0}, v, out));
+    assert_false(rsh_rotate_taylor((rsh_taylor)3, 2, 1, identity, v, out));
     assert_false(rsh_rotate_z(2, 1, NAN, v, out));
     assert_false(rsh_rotate_y(2, 1, INFINITY, v, out));
     for (int i = 0; i < 4; i++) assert_true(out[i] == 7.0f);
@@ -168,7 +196,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rotation_moves_the_function),  cmocka_unit_test(kernels_agree),
         cmocka_unit_test(inverse_and_product_hold),     cmocka_unit_test(small_angles_are_exact),
-        cmocka_unit_test(taylor_errors_fall_as_stated), cmocka_unit_test(bad_input_is_refused),
+        cmocka_unit_test(taylor_errors_fall_as_stated), cmocka_unit_test(angles_and_matrices_agree),
+        cmocka_unit_test(bad_input_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
