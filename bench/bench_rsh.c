@@ -8,17 +8,18 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
+#include "bench_timing.h"
 #include "rsh/rsh.h"
 #include "rsh/rsh_kernel.h"
 
 // Evaluated at once: 64 directions times 100 functions stay in the first cache.
-enum { BATCH = 64 };
+enum { BATCH = 64, RECORDS = 512 };
 enum { COUNT = 2048, CALLS = 200, MAX_CASES = 512, MAX_ROUNDS = 101, N_MAX = RSH_MAX_COEFFICIENTS };
 
 static float directions[3][COUNT], values[3][COUNT], matrix[COUNT * N_MAX];
-static float records[2][3 * N_MAX * 16], matrices[9][16];
+// The margin keeps the two from falling on the same lines of the cache.
+static float records[2][3 * N_MAX * 16 + 64], matrices[9][16];
 static float coefficients[9 * N_MAX], result[9 * N_MAX + 24], frames[CALLS + 1][9];
 
 struct timed {
@@ -30,12 +31,6 @@ struct timed {
     float limit;
     double ns[MAX_ROUNDS];
 };
-
-static double now_ns(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
-}
 
 static void run_eval(const struct timed *c) {
     for (int i = 0; i < COUNT; i += BATCH)
@@ -61,8 +56,7 @@ static void run_turn(const struct timed *c) {
         c->kernels->turn(&t, c->order, c->channels, coefficients, result);
 }
 
-// Records in structures of arrays: BATCH of them, whose vectors of three channels of order 10 fill
-// the first cache.
+// Records in structures of arrays, the same vector of them again and again.
 static void run_batch(const struct timed *c) {
     struct rsh_turns t = {.method = (enum rsh_method)c->method};
     size_t width = (size_t)c->kernels->width;
@@ -72,14 +66,14 @@ static void run_batch(const struct timed *c) {
         t.cos_beta[i] = 0.9800666f, t.sin_beta[i] = 0.1986693f;
         t.cos_gamma[i] = 0.28f, t.sin_gamma[i] = -0.96f;
     }
-    for (size_t i = 0; i < BATCH; i += width)
+    for (size_t i = 0; i < RECORDS; i += width)
         c->kernels->turn_many(&t, c->order, c->channels, width, records[0], records[1]);
 }
 
 static void run_rotate_many(const struct timed *c) {
     const float *r[9];
     for (int e = 0; e < 9; e++) r[e] = matrices[e];
-    for (int i = 0; i < BATCH; i += 16)
+    for (int i = 0; i < RECORDS; i += 16)
         rsh_rotate_many(c->order, c->channels, 16, r, records[0], records[1]);
 }
 
@@ -107,26 +101,9 @@ static void run_eval_one(const struct timed *c) {
 }
 
 #if defined(__x86_64__)
-#include <immintrin.h>
-__attribute__((target("avx512f"))) static void peak_avx512(void) {
-    __m512 a[16], m = _mm512_set1_ps(0.999f), s = _mm512_setzero_ps();
-    for (int j = 0; j < 16; j++) a[j] = _mm512_set1_ps((float)j);
-    for (int i = 0; i < COUNT; i++)
-#pragma GCC unroll 16
-        for (int j = 0; j < 16; j++) a[j] = _mm512_fmadd_ps(a[j], m, m);
-    for (int j = 0; j < 16; j++) s = _mm512_add_ps(s, a[j]);
-    _mm512_storeu_ps(result, s);
+static void run_peak(const struct timed *c) {
+    c->order == 16 ? peak_avx512(COUNT, result) : peak_avx2(COUNT, result);
 }
-__attribute__((target("avx2,fma"))) static void peak_avx2(void) {
-    __m256 a[12], m = _mm256_set1_ps(0.999f), s = _mm256_setzero_ps();
-    for (int j = 0; j < 12; j++) a[j] = _mm256_set1_ps((float)j);
-    for (int i = 0; i < COUNT; i++)
-#pragma GCC unroll 12
-        for (int j = 0; j < 12; j++) a[j] = _mm256_fmadd_ps(a[j], m, m);
-    for (int j = 0; j < 12; j++) s = _mm256_add_ps(s, a[j]);
-    _mm256_storeu_ps(result, s);
-}
-static void run_peak(const struct timed *c) { c->order == 16 ? peak_avx512() : peak_avx2(); }
 #endif
 
 static struct timed *add(struct timed *c, const struct rsh_kernels *k,
@@ -163,7 +140,7 @@ static int add_cases(struct timed *cases) {
             for (int m = RSH_METHOD_TAYLOR_1_5; m <= RSH_METHOD_EXACT; m++) {
                 static const char *const what[] = {"batch 1.5th", "batch 2nd", "batch exact"};
                 add(c, *k, run_batch, what[m - RSH_METHOD_TAYLOR_1_5], n);
-                c->units = BATCH;
+                c->units = RECORDS;
                 c->method = m;
                 c++->channels = 3;
             }
@@ -179,7 +156,7 @@ static int add_cases(struct timed *cases) {
     for (int n = 4; n <= 12; n += 2) {
         add(c, NULL, run_eval_one, "evaluate one", n)->units = CALLS;
         c++;
-        add(c, NULL, run_rotate_many, "rotate many", n)->units = BATCH;
+        add(c, NULL, run_rotate_many, "rotate many", n)->units = RECORDS;
         c++->channels = 3;
         for (int rgb = 0; rgb < 2; rgb++)
             for (int form = 0; form < 4; form++) {
@@ -213,11 +190,6 @@ static void fill(void) {
     }
 }
 
-static int ascending(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 int main(int argc, char **argv) {
     static struct timed cases[MAX_CASES];
     int rounds = argc > 1 ? atoi(argv[1]) : 15, count = add_cases(cases);
@@ -232,8 +204,7 @@ int main(int argc, char **argv) {
     printf("kernels  what                       order channels        ns  GFLOP/s\n");
     for (int i = 0; i < count; i++) {
         struct timed *c = &cases[i];
-        qsort(c->ns, (size_t)rounds, sizeof *c->ns, ascending);
-        double ns = c->ns[rounds / 2];
+        double ns = median(c->ns, (size_t)rounds);
         printf("%s %5d %8d %9.2f", c->name, c->order, c->channels, ns);
         if (c->flops > 0.0) printf(" %8.1f", c->flops / (ns * c->units));
         printf("\n");

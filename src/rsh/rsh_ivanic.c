@@ -13,69 +13,66 @@ static int block(int l) { return l * (2 * l - 1) * (2 * l + 1) / 3; }
 
 int rsh_blocks_size(int order) { return rsh_order_ok(order) ? block(order) : 0; }
 
-// Derivatives 0 .. highest of one entry: the k-th is `step` numbers after the one before.
-struct recurrence {
-    int highest;
-    ptrdiff_t step;
-    const float *first;  // band 1: entry (0, 0)
-    const float *last;   // band l - 1: entry (0, 0)
-    int l;
+// One term of a row: factor times R^1_i. times row m of band l - 1.
+struct term {
+    float factor;
+    int i, m;
 };
 
-// The k-th derivative of R^1_ij R^(l-1)_ab.
-static float product(const struct recurrence *a, int k, int i, int j, int m1, int m2) {
-    const float *f = a->first + 3 * i + j, *g = a->last + m1 * (2 * a->l - 1) + m2;
-    float sum = 0.0f, choose = 1.0f;
-    for (int p = 0; p <= k; p++) {
-        sum += choose * f[p * a->step] * g[(k - p) * a->step];
-        choose = choose * (float)(k - p) / (float)(p + 1);
+// The terms of row m of band l, the functions U, V and W of the papers with their coefficients. A
+// term whose factor is 0 is left out: its row may lie outside the block.
+static int terms_of(int l, int m, struct term *t) {
+    const float *f = rsh_ivanic_row[l * (l + 1) + m], v = f[1], w = f[2];
+    int count = 0;
+    if (f[0] != 0.0f) t[count++] = (struct term){f[0], 0, m};
+    if (m == 1 || m == -1) {
+        t[count++] = (struct term){sqrtf(2.0f) * v, m, 0};
+    } else if (m > 0) {
+        t[count++] = (struct term){v, 1, m - 1};
+        t[count++] = (struct term){-v, -1, 1 - m};
+    } else {
+        t[count++] = (struct term){v, 1, m + 1};
+        t[count++] = (struct term){v, -1, -m - 1};
     }
-    return sum;
+    if (w == 0.0f) return count;
+    int side = m > 0 ? 1 : -1;
+    t[count++] = (struct term){w, 1, m + side};
+    t[count++] = (struct term){side > 0 ? w : -w, -1, -m - side};
+    return count;
 }
 
-// dP of [K05 C], all three cases.
-static float part(const struct recurrence *a, int k, int i, int m1, int m2) {
-    int l = a->l;
-    if (m2 == l) return product(a, k, i, 1, m1, l - 1) - product(a, k, i, -1, m1, 1 - l);
-    if (m2 == -l) return product(a, k, i, 1, m1, 1 - l) + product(a, k, i, -1, m1, l - 1);
-    return product(a, k, i, 0, m1, m2);
+// Adds factor times P of the papers, for all columns of row: first is row i of R^1 and last the row
+// of R^(l-1), each at its column 0.
+static void add_term(int l, float factor, const float *first, const float *last, float *row) {
+    float center = factor * first[0], right = factor * first[1], left = factor * first[-1];
+    for (int m = 1 - l; m < l; m++) row[m] += center * last[m];
+    row[l] += right * last[l - 1] - left * last[1 - l];
+    row[-l] += right * last[1 - l] + left * last[l - 1];
 }
 
-static float part_v(const struct recurrence *a, int k, int m1, int m2) {
-    if (m1 > 1) return part(a, k, 1, m1 - 1, m2) - part(a, k, -1, 1 - m1, m2);
-    if (m1 == 1) return sqrtf(2.0f) * part(a, k, 1, 0, m2);
-    if (m1 == 0) return part(a, k, 1, 1, m2) + part(a, k, -1, -1, m2);
-    if (m1 == -1) return sqrtf(2.0f) * part(a, k, -1, 0, m2);
-    return part(a, k, 1, m1 + 1, m2) + part(a, k, -1, -m1 - 1, m2);
-}
-
-static float part_w(const struct recurrence *a, int k, int m1, int m2) {
-    if (m1 > 0) return part(a, k, 1, m1 + 1, m2) + part(a, k, -1, -m1 - 1, m2);
-    return part(a, k, 1, m1 - 1, m2) - part(a, k, -1, 1 - m1, m2);
-}
-
-// The coefficients u, v and w are a factor of the row, rsh_ivanic_row, times one of the column. A
-// term with factor 0 is left out: its indices leave the block.
-static float entry(const struct recurrence *a, int k, int m1, int m2) {
-    int row = a->l * (a->l + 1) + m1, column = a->l * (a->l + 1) + m2;
-    const float *f = rsh_ivanic_row[row];
-    float sum = f[1] * part_v(a, k, m1, m2);
-    if (f[0] != 0.0f) sum += f[0] * part(a, k, 0, m1, m2);
-    if (f[2] != 0.0f) sum += f[2] * part_w(a, k, m1, m2);
-    return rsh_ivanic_column[column] * sum;
-}
-
-// Fills bands 2 .. order - 1 of derivatives 0 .. highest, `step` numbers each; bands 0 and 1 stand.
+// Fills bands 2 .. order - 1 of derivatives 0 .. highest; bands 0 and 1 stand. The k-th derivative
+// of a product is the sum over p of k! / p! (k - p)! times the p-th and the (k - p)-th [K05 C, dT].
 static void build(int order, int highest, float *blocks) {
-    struct recurrence a = {
-        .highest = highest, .step = block(order), .first = blocks + block(1) + 4};
-    for (a.l = 2; a.l < order; a.l++) {
-        int l = a.l, size = 2 * l + 1;
-        a.last = blocks + block(l - 1) + (l - 1) * (2 * l - 1) + l - 1;
-        for (int k = 0; k <= highest; k++) {
-            float *middle = blocks + k * a.step + block(l) + l * size + l;
-            for (int m1 = -l; m1 <= l; m1++)
-                for (int m2 = -l; m2 <= l; m2++) middle[m1 * size + m2] = entry(&a, k, m1, m2);
+    const ptrdiff_t step = block(order);
+    for (int l = 2; l < order; l++) {
+        const float *first = blocks + block(1) + 4, *scale = rsh_ivanic_column + l * (l + 1);
+        const float *last = blocks + block(l - 1) + 2 * l * (l - 1);
+        for (int m = -l; m <= l; m++) {
+            struct term terms[5];
+            int count = terms_of(l, m, terms);
+            float *row = blocks + block(l) + (l + m) * (2 * l + 1) + l;
+            for (int k = 0; k <= highest; k++, row += step) {
+                memset(row - l, 0, (size_t)(2 * l + 1) * sizeof *row);
+                for (int i = 0; i < count; i++) {
+                    float factor = terms[i].factor;
+                    for (int p = 0; p <= k; p++) {
+                        add_term(l, factor, first + p * step + 3 * terms[i].i,
+                                 last + (k - p) * step + terms[i].m * (2 * l - 1), row);
+                        factor *= (float)(k - p) / (float)(p + 1);
+                    }
+                }
+                for (int j = -l; j <= l; j++) row[j] *= scale[j];
+            }
         }
     }
 }

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// Figure 5.7 of [K05]: times of the forms of rotation for n = 4 .. 12, single records and batches,
+// next to the peak rate of fused multiply-adds of the same run. All cases take turns; a figure is
+// the median of the rounds, a ratio the median of the rounds' ratios. plot_rotation.py draws it.
+//
+// usage: fig_5_7 [ROUNDS]        (default 31); times are of one thread, in ns per record
+//
+// Scalar against scalar is one number at a time on both sides: the series and Pinchon and Hoggan's
+// form by the batch kernel of width one, zxzxz and Ivanic in plain C. Vectors against vectors are
+// what this machine has best; zxzxz with vectors is Pinchon and Hoggan's form, whose products are
+// the same in number and place.
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "bench_timing.h"
+#include "rsh/rsh.h"
+#include "rsh/rsh_kernel.h"
+#include "rsh/rsh_turn.h"
+
+enum { FIRST = 4, LAST = 12, RECORDS = 64, VECTOR = 16, MAX_ROUNDS = 101 };
+enum { N_MAX = RSH_MAX_COEFFICIENTS, CHANNELS = 3 };
+
+static float in[CHANNELS * N_MAX * VECTOR + 64], out[CHANNELS * N_MAX * VECTOR + 64];
+static float matrix[RECORDS][9], entries[9][RECORDS];
+static const float *columns[9];
+
+enum form { FAST_SCALAR, EXACT_SCALAR, ZXZXZ, IVANIC, FAST, EXACT, FAST_BATCH, EXACT_BATCH, FORMS };
+static const char *const form_names[FORMS] = {
+    "fast-scalar", "pinchon-hoggan-scalar", "zxzxz",      "ivanic",
+    "fast",        "pinchon-hoggan",        "fast-batch", "pinchon-hoggan-batch"};
+
+static void turn_scalar(enum rsh_method method, int order, int channels, const float *r) {
+    struct rsh_turn t = rsh_turn_of_matrix(r);
+    t.method = method;
+    t.beta = atan2f(t.sin_beta, t.cos_beta);
+    rsh_turn_scalar(&t, order, channels, in, out);
+}
+
+static void run_batch(enum form form, int order, int channels, int first) {
+    const float *r[9];
+    for (int e = 0; e < 9; e++) r[e] = columns[e] + first;
+    if (form == FAST_BATCH)
+        rsh_rotate_taylor_many(RSH_TAYLOR_1_5, order, channels, VECTOR, r, in, out);
+    else
+        rsh_rotate_many(order, channels, VECTOR, r, in, out);
+}
+
+static void run_one(enum form form, int order, int channels, const float *r) {
+    switch (form) {
+        case FAST_SCALAR:
+            turn_scalar(RSH_METHOD_TAYLOR_1_5, order, channels, r);
+            break;
+        case EXACT_SCALAR:
+            turn_scalar(RSH_METHOD_EXACT, order, channels, r);
+            break;
+        case ZXZXZ:
+            rsh_rotate_zxzxz(order, channels, r, in, out);
+            break;
+        case IVANIC:
+            rsh_rotate_ivanic(order, channels, r, in, out);
+            break;
+        case FAST:
+            rsh_rotate_taylor(RSH_TAYLOR_1_5, order, channels, r, in, out);
+            break;
+        default:
+            rsh_rotate(order, channels, r, in, out);
+    }
+}
+
+// ns per record.
+static double time_form(enum form form, int order, int channels) {
+    // Rounds of slow forms are shorter, so that all take about as long.
+    int repeats = form >= FAST_BATCH ? 16 : form == IVANIC ? 1 : 4;
+    double start = now_ns();
+    for (int k = 0; k < repeats; k++) {
+        if (form >= FAST_BATCH)
+            for (int i = 0; i < RECORDS; i += VECTOR) run_batch(form, order, channels, i);
+        else
+            for (int i = 0; i < RECORDS; i++) run_one(form, order, channels, matrix[i]);
+    }
+    return (now_ns() - start) / (repeats * RECORDS);
+}
+
+static double time_peak(void) {
+    double flops = 0.0, start = now_ns();
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx512f")) {
+        peak_avx512(2048, out);
+        flops = 2.0 * 16 * 16 * 2048;
+    } else if (__builtin_cpu_supports("avx2")) {
+        peak_avx2(2048, out);
+        flops = 2.0 * 8 * 12 * 2048;
+    }
+#endif
+    return flops / (now_ns() - start);
+}
+
+// Products per channel as [K05 5.3.3] counts them; an added product counts as two operations.
+static double products(enum form form, int n) {
+    if (form == FAST || form == FAST_SCALAR || form == FAST_BATCH) return 9.0 * n * n - 4.0 * n;
+    if (form == IVANIC) return n * (4.0 * n * n - 1) / 3;
+    return n * (2.0 * n * n + 18.0 * n - 14) / 3;
+}
+
+static void fill(void) {
+    for (size_t i = 0; i < sizeof in / sizeof *in; i++) in[i] = sinf((float)i);
+    for (int i = 0; i < RECORDS; i++) {
+        float a = 0.4f * (float)i, b = 0.05f + 0.001f * (float)i, g = 1.7f * (float)i;
+        float ca = cosf(a), sa = sinf(a), cb = cosf(b), sb = sinf(b), cg = cosf(g), sg = sinf(g);
+        const float r[9] = {ca * cb * cg - sa * sg,
+                            -ca * cb * sg - sa * cg,
+                            ca * sb,
+                            sa * cb * cg + ca * sg,
+                            -sa * cb * sg + ca * cg,
+                            sa * sb,
+                            -sb * cg,
+                            sb * sg,
+                            cb};
+        memcpy(matrix[i], r, sizeof r);
+        for (int e = 0; e < 9; e++) entries[e][i] = r[e];
+    }
+    for (int e = 0; e < 9; e++) columns[e] = entries[e];
+}
+
+int main(int argc, char **argv) {
+    static double ns[FORMS][MAX_ROUNDS], peak[MAX_ROUNDS], ratio[MAX_ROUNDS];
+    int rounds = argc > 1 ? atoi(argv[1]) : 31;
+    rounds = rounds < 1 ? 1 : rounds > MAX_ROUNDS ? MAX_ROUNDS : rounds;
+    fill();
+    printf("n\tchannels\tform\tns\tof_fast\tGFLOP/s\tof_peak\n");
+    for (int n = FIRST; n <= LAST; n++)
+        for (int channels = 1; channels <= CHANNELS; channels += CHANNELS - 1) {
+            for (int r = 0; r < rounds; r++) {
+                peak[r] = time_peak();
+                for (int f = 0; f < FORMS; f++) ns[f][r] = time_form((enum form)f, n, channels);
+            }
+            for (int f = 0; f < FORMS; f++) {
+                // Against the fast form of the same kind: scalar, with vectors, or in batches.
+                int fast = f <= IVANIC ? FAST_SCALAR : f <= EXACT ? FAST : FAST_BATCH;
+                for (int r = 0; r < rounds; r++) ratio[r] = ns[f][r] / ns[fast][r];
+                double of_fast = median(ratio, (size_t)rounds), sorted[MAX_ROUNDS];
+                memcpy(sorted, ns[f], sizeof sorted);
+                double time = median(sorted, (size_t)rounds);
+                double rate = 2.0 * products((enum form)f, n) * channels / time;
+                memcpy(sorted, peak, sizeof sorted);
+                printf("%d\t%d\t%s\t%.1f\t%.2f\t%.1f\t%.2f\n", n, channels, form_names[f], time,
+                       of_fast, rate, rate / median(sorted, (size_t)rounds));
+            }
+        }
+    return 0;
+}
