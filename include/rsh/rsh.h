@@ -114,7 +114,8 @@ RSH_API bool rsh_import(const rsh_convention *from, int order, int channels, con
 // Rotations of functions on the sphere. Rotating L by R gives the function L(R^-1 w); R is a proper
 // orthonormal matrix, rows first. Every call below allows out == in, and takes any number of
 // channels at once: a record with two derivative vectors of three colours is 9 channels.
-// A matrix or a frame with a NaN or an infinity: false, nothing is written.
+// A matrix, a frame or an angle with a NaN or an entry beyond 1e9: false, nothing is written. One
+// that is not orthonormal gives finite values without meaning.
 
 // About z by `angle` [K05 D].
 RSH_API bool rsh_rotate_z(int order, int channels, float angle, const float *in, float *out);
@@ -197,7 +198,7 @@ RSH_API bool rsh_align_transposed(rsh_basis basis, int order, int channels, cons
 // The same for `count` records at once, as structures of arrays: coefficient k of channel c of
 // record i is in[(c * n * n + k) * count + i], entry e of its matrix or frame is r[e][i]. out == in
 // is allowed. A record's result does not depend on the others. Blocks of 16 to 64 records stay in
-// the first cache. A matrix or a frame with a NaN or an infinity: false, nothing is written.
+// the first cache.
 RSH_API bool rsh_rotate_many(int order, int channels, size_t count, const float *const r[9],
                              const float *in, float *out);
 RSH_API bool rsh_rotate_taylor_many(rsh_taylor kind, int order, int channels, size_t count,

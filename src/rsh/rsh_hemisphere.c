@@ -67,7 +67,7 @@ static void turn_through_sphere(const struct rsh_turn *t, bool transposed, int o
 }
 
 bool rsh_rotate_stretched(int order, int channels, const float r[9], const float *in, float *out) {
-    if (!rsh_order_ok(order) || !rsh_all_finite(r, 9)) return false;
+    if (!rsh_order_ok(order) || !rsh_in_range(r, 9)) return false;
     struct rsh_turn t = rsh_turn_of_matrix(r);
     if (t.method == RSH_METHOD_EXACT) rsh_turn_stretch(&t);
     rsh_kernels_best()->turn(&t, order, channels, in, out);
@@ -86,7 +86,7 @@ static void change_of_frame(const float a[9], const float b[9], float r[9]) {
 // Y(beta)^T = Y(-beta), the series included, so its transpose is the same form of the inverse.
 static bool align(bool transposed, rsh_basis basis, int order, int channels, const float from[9],
                   const float to[9], float beta_limit, const float *in, float *out) {
-    if (!rsh_order_ok(order) || !rsh_all_finite(from, 9) || !rsh_all_finite(to, 9)) return false;
+    if (!rsh_order_ok(order) || !rsh_in_range(from, 9) || !rsh_in_range(to, 9)) return false;
     if (memcmp(from, to, 9 * sizeof *from) == 0) {
         rsh_copy(order, channels, in, out);
         return true;

@@ -78,7 +78,7 @@ static void build(int order, int highest, float *blocks) {
 }
 
 bool rsh_rotation_blocks(int order, const float r[9], float *blocks) {
-    if (!rsh_order_ok(order) || !rsh_all_finite(r, 9)) return false;
+    if (!rsh_order_ok(order) || !rsh_in_range(r, 9)) return false;
     blocks[0] = 1.0f;
     // Band 1 is (y, z, x).
     static const int axis[3] = {1, 2, 0};
@@ -88,7 +88,7 @@ bool rsh_rotation_blocks(int order, const float r[9], float *blocks) {
 }
 
 bool rsh_rotation_y_derivatives(int order, float beta, int highest, float *blocks) {
-    if (!rsh_order_ok(order) || !isfinite(beta) || highest < 0) return false;
+    if (!rsh_order_ok(order) || !rsh_in_range(&beta, 1) || highest < 0) return false;
     const float c = cosf(beta), s = sinf(beta), turn[4] = {c, -s, -c, s};
     for (int k = 0; k <= highest; k++) {
         // R_y: y stays, z' = z cos - x sin, x' = z sin + x cos.

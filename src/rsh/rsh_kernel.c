@@ -224,10 +224,16 @@ INLINE void accumulate_channels(int channels, size_t count, size_t coefficients,
     }
 }
 
+// Who takes rows shorter than a vector.
+#define NARROWER_avx512 rsh_kernels_avx2
+#define NARROWER_avx2 rsh_kernels_sse2
+#define NARROWER_sse2 rsh_kernels_plain
+#define NARROWER_native rsh_kernels_plain
+
 static void kernel_accumulate(size_t count, size_t coefficients, const float *matrix,
                               const float *const value[3], float *out) {
     if (coefficients < W)
-        rsh_kernels_plain.accumulate(count, coefficients, matrix, value, out);
+        GLUE(NARROWER_, RSH_NAME).accumulate(count, coefficients, matrix, value, out);
     else if (value[1])
         accumulate_channels(3, count, coefficients, matrix, value, out);
     else

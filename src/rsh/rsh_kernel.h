@@ -92,7 +92,9 @@ bool rsh_turn_is_nothing(const struct rsh_turn *turn);
 void rsh_turn_stretch(struct rsh_turn *turn);
 // False for a kind that there is not.
 bool rsh_method_of_taylor(rsh_taylor kind, enum rsh_method *method);
-bool rsh_all_finite(const float *v, int count);
+// Whether all are numbers of at most RSH_MAX_ENTRY in magnitude, so that no square overflows.
+#define RSH_MAX_ENTRY 1e9f
+bool rsh_in_range(const float *v, int count);
 void rsh_copy(int order, int channels, const float *in, float *out);
 
 // The plain forms, for instruction sets that cannot permute lanes.

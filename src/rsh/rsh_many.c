@@ -2,6 +2,7 @@
 // Rotation and alignment of many records, given as structures of arrays. Records go to the kernels
 // in vectors of its width; what is left at the end is padded in scratch, so that each record's
 // result is the same wherever it stands.
+#include <math.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -131,20 +132,16 @@ static void load_rotations(const float *const a[9], const float *const *b, size_
     }
 }
 
-static bool all_finite(const float *const a[9], size_t count) {
+static bool all_in_range(const float *const a[9], size_t count) {
     uint32_t bad = 0;
     for (int e = 0; e < 9; e++)
-        for (size_t i = 0; i < count; i++) {
-            uint32_t bits;
-            memcpy(&bits, a[e] + i, sizeof bits);
-            bad |= (bits & 0x7f800000u) == 0x7f800000u;
-        }
+        for (size_t i = 0; i < count; i++) bad |= !(fabsf(a[e][i]) <= RSH_MAX_ENTRY);
     return !bad;
 }
 
 static bool run(struct job *j, size_t count, const float *const a[9], const float *const *b,
                 const float *in, float *out) {
-    if (!rsh_order_ok(j->order) || !all_finite(a, count) || (b && !all_finite(b, count)))
+    if (!rsh_order_ok(j->order) || !all_in_range(a, count) || (b && !all_in_range(b, count)))
         return false;
     j->kernels = rsh_kernels_best();
     size_t width = (size_t)j->kernels->width;

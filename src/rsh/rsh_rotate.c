@@ -6,36 +6,43 @@
 
 #include "rsh/rsh_kernel.h"
 
-bool rsh_all_finite(const float *v, int count) {
-    float sum = 0.0f;
-    for (int i = 0; i < count; i++) sum += v[i] * 0.0f;
-    return sum == 0.0f;
+bool rsh_in_range(const float *v, int count) {
+    bool good = true;
+    for (int i = 0; i < count; i++) good &= fabsf(v[i]) <= RSH_MAX_ENTRY;
+    return good;
 }
 
 void rsh_copy(int order, int channels, const float *in, float *out) {
     if (in != out) memmove(out, in, (size_t)(order * order * channels) * sizeof *in);
 }
 
+// 1 / sqrt(x). Of a rotation x is 1 up to rounding, where a step of Newton's iteration is exact and
+// waits for no root; 0 stays 0.
+static float inverse_length(float x) {
+    if (fabsf(x - 1.0f) < 1e-3f) return 1.5f - 0.5f * x;
+    return x > 0.0f ? 1.0f / sqrtf(x) : 0.0f;
+}
+
 // The turns whose product is r. Alpha follows from the third column; gamma then from row y of
 // R_z(-alpha) r, which does not suffer when beta is nearly 0 and alpha is uncertain.
 struct rsh_turn rsh_turn_of_matrix(const float r[9]) {
     struct rsh_turn t = {.method = RSH_METHOD_EXACT, .cos_alpha = 1.0f};
-    float s2 = r[2] * r[2] + r[5] * r[5], s = sqrtf(s2), length = sqrtf(s2 + r[8] * r[8]);
+    float s2 = r[2] * r[2] + r[5] * r[5], s = sqrtf(s2);
     if (s > RSH_NO_ANGLE) {
-        t.cos_alpha = r[2] / s;
-        t.sin_alpha = r[5] / s;
+        float inverse = 1.0f / s, unit = inverse_length(s2 + r[8] * r[8]);
+        t.cos_alpha = r[2] * inverse;
+        t.sin_alpha = r[5] * inverse;
+        t.cos_beta = r[8] * unit;
+        t.sin_beta = s * unit;
     } else {
-        s = 0.0f;
+        t.cos_beta = r[8] < 0.0f ? -1.0f : 1.0f;
+        if (r[8] >= 0.0f) t.method = RSH_METHOD_Z;
     }
-    t.sin_beta = length > 0.0f ? s / length : 0.0f;
-    t.cos_beta = length > 0.0f ? r[8] / length : 1.0f;
-    if (s == 0.0f) t.cos_beta = t.cos_beta < 0.0f ? -1.0f : 1.0f;
     float sine = t.cos_alpha * r[3] - t.sin_alpha * r[0];
     float cosine = t.cos_alpha * r[4] - t.sin_alpha * r[1];
-    length = sqrtf(sine * sine + cosine * cosine);
-    t.sin_gamma = length > 0.0f ? sine / length : 0.0f;
-    t.cos_gamma = length > 0.0f ? cosine / length : 1.0f;
-    if (s == 0.0f && t.cos_beta > 0.0f) t.method = RSH_METHOD_Z;
+    float unit = inverse_length(sine * sine + cosine * cosine);
+    t.sin_gamma = sine * unit;
+    t.cos_gamma = unit > 0.0f ? cosine * unit : 1.0f;
     return t;
 }
 
@@ -62,7 +69,7 @@ bool rsh_method_of_taylor(rsh_taylor kind, enum rsh_method *method) {
 }
 
 bool rsh_rotate_z(int order, int channels, float angle, const float *in, float *out) {
-    if (!rsh_order_ok(order) || !isfinite(angle)) return false;
+    if (!rsh_order_ok(order) || !rsh_in_range(&angle, 1)) return false;
     struct rsh_turn t = {
         .method = RSH_METHOD_Z, .cos_gamma = cosf(angle), .sin_gamma = sinf(angle)};
     rsh_kernels_best()->turn(&t, order, channels, in, out);
@@ -79,7 +86,7 @@ static struct rsh_turn turn_about_y(enum rsh_method method, float angle) {
 }
 
 bool rsh_rotate_y(int order, int channels, float angle, const float *in, float *out) {
-    if (!rsh_order_ok(order) || !isfinite(angle)) return false;
+    if (!rsh_order_ok(order) || !rsh_in_range(&angle, 1)) return false;
     struct rsh_turn t = turn_about_y(RSH_METHOD_EXACT, angle);
     rsh_kernels_best()->turn(&t, order, channels, in, out);
     return true;
@@ -88,7 +95,7 @@ bool rsh_rotate_y(int order, int channels, float angle, const float *in, float *
 bool rsh_rotate_y_taylor(rsh_taylor kind, int order, int channels, float angle, const float *in,
                          float *out) {
     enum rsh_method method;
-    if (!rsh_order_ok(order) || !isfinite(angle) || !rsh_method_of_taylor(kind, &method))
+    if (!rsh_order_ok(order) || !rsh_in_range(&angle, 1) || !rsh_method_of_taylor(kind, &method))
         return false;
     struct rsh_turn t = turn_about_y(method, angle);
     rsh_kernels_best()->turn(&t, order, channels, in, out);
@@ -97,7 +104,7 @@ bool rsh_rotate_y_taylor(rsh_taylor kind, int order, int channels, float angle, 
 
 bool rsh_rotate_pinchon_hoggan(int order, int channels, const float r[9], const float *in,
                                float *out) {
-    if (!rsh_order_ok(order) || !rsh_all_finite(r, 9)) return false;
+    if (!rsh_order_ok(order) || !rsh_in_range(r, 9)) return false;
     struct rsh_turn t = rsh_turn_of_matrix(r);
     if (rsh_turn_is_nothing(&t))
         rsh_copy(order, channels, in, out);
@@ -113,7 +120,7 @@ bool rsh_rotate(int order, int channels, const float r[9], const float *in, floa
 bool rsh_rotate_taylor(rsh_taylor kind, int order, int channels, const float r[9], const float *in,
                        float *out) {
     enum rsh_method method;
-    if (!rsh_order_ok(order) || !rsh_all_finite(r, 9) || !rsh_method_of_taylor(kind, &method))
+    if (!rsh_order_ok(order) || !rsh_in_range(r, 9) || !rsh_method_of_taylor(kind, &method))
         return false;
     struct rsh_turn t = rsh_turn_of_matrix(r);
     if (t.method == RSH_METHOD_EXACT) {
@@ -132,7 +139,7 @@ rsh_zyz rsh_zyz_of_matrix(const float r[9]) {
 }
 
 bool rsh_rotate_zyz(int order, int channels, rsh_zyz a, const float *in, float *out) {
-    if (!rsh_order_ok(order) || !rsh_all_finite((float[3]){a.alpha, a.beta, a.gamma}, 3))
+    if (!rsh_order_ok(order) || !rsh_in_range((float[3]){a.alpha, a.beta, a.gamma}, 3))
         return false;
     const struct rsh_turn t = {RSH_METHOD_EXACT, a.beta,       cosf(a.alpha), sinf(a.alpha),
                                cosf(a.beta),     sinf(a.beta), cosf(a.gamma), sinf(a.gamma)};

@@ -33,14 +33,17 @@ INLINE struct angle add_angles(struct angle a, struct angle b) {
     ((struct angle){lanes_choose(mask, c, 1.0f), lanes_choose(mask, s, 0.0f)})
 
 // cos(m a) and (-1)^m sin(m a) for m = 0 2 4 .. 14 1 3 .. 15: lane by lane the sum of the angle's
-// multiples by 1, 2, 4 and 8 that make up m.
-INLINE struct angle multiples(float c1, float s1) {
+// multiples by 1, 2, 4 and, where m > 7 is asked for, 8 that make up m.
+INLINE struct angle multiples(float c1, float s1, bool wide) {
     float c2 = c1 * c1 - s1 * s1, s2 = 2.0f * c1 * s1;
     float c4 = c2 * c2 - s2 * s2, s4 = 2.0f * c2 * s2;
-    float c8 = c4 * c4 - s4 * s4, s8 = 2.0f * c4 * s4;
     struct angle low = add_angles(ANGLE_IN(0xff00, c1, s1), ANGLE_IN(0xaaaa, c2, s2));
-    struct angle m =
-        add_angles(low, add_angles(ANGLE_IN(0xcccc, c4, s4), ANGLE_IN(0xf0f0, c8, s8)));
+    struct angle high = ANGLE_IN(0xcccc, c4, s4);
+    if (wide) {
+        float c8 = c4 * c4 - s4 * s4, s8 = 2.0f * c4 * s4;
+        high = add_angles(high, ANGLE_IN(0xf0f0, c8, s8));
+    }
+    struct angle m = add_angles(low, high);
     m.sine = lanes_halves(m.sine, lanes_nmad(m.sine, lanes_splat(1.0f), lanes_zero()));
     return m;
 }
@@ -155,10 +158,11 @@ INLINE void turn_channels(const struct rsh_turn *t, const struct multiples *mult
 void GLUE(rsh_turn_, RSH_NAME)(const struct rsh_turn *t, int order, int channels, const float *in,
                                float *out) {
     struct multiples m;
-    m.alpha = m.beta = m.gamma = multiples(t->cos_gamma, t->sin_gamma);
-    if (t->method != RSH_METHOD_Z) m.alpha = multiples(t->cos_alpha, t->sin_alpha);
+    bool wide = order > 8;
+    m.alpha = m.beta = m.gamma = multiples(t->cos_gamma, t->sin_gamma, wide);
+    if (t->method != RSH_METHOD_Z) m.alpha = multiples(t->cos_alpha, t->sin_alpha, wide);
     // The exchange turns the sense round: y by beta is z by -beta between two exchanges.
-    if (t->method == RSH_METHOD_EXACT) m.beta = multiples(t->cos_beta, -t->sin_beta);
+    if (t->method == RSH_METHOD_EXACT) m.beta = multiples(t->cos_beta, -t->sin_beta, wide);
     int n = order * order;
     for (; channels >= BLOCK; channels -= BLOCK, in += BLOCK * n, out += BLOCK * n)
         turn_channels(t, &m, order, BLOCK, in, out);

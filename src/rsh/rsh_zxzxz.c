@@ -44,7 +44,7 @@ static void quarter_turn(int order, const float *value, const float *in, float *
 }
 
 bool rsh_rotate_zxzxz(int order, int channels, const float r[9], const float *in, float *out) {
-    if (!rsh_order_ok(order) || !rsh_all_finite(r, 9)) return false;
+    if (!rsh_order_ok(order) || !rsh_in_range(r, 9)) return false;
     struct rsh_turn t = rsh_turn_of_matrix(r);
     if (t.method == RSH_METHOD_Z) {
         rsh_plain_turn(&t, order, channels, in, out);
