@@ -41,7 +41,8 @@ extern "C" {
 
 typedef enum rsh_basis { RSH_SPHERE = 0, RSH_HEMISPHERE } rsh_basis;
 
-// y[n * n]: all basis functions in direction w.
+// y[n * n]: all basis functions in direction w, right to 1e-6 of each function's largest value
+// (1e-7 measured) where |w| is 1 but for the rounding of floats.
 RSH_API bool rsh_eval(rsh_basis basis, int order, const float w[3], float *y);
 
 // The same with the derivatives by theta and phi; all three are arrays of n * n. At the pole phi
@@ -51,7 +52,8 @@ RSH_API bool rsh_eval_derivatives(rsh_basis basis, int order, const float w[3], 
                                   float *dtheta, float *dphi);
 
 // All basis functions in `count` directions, given as three arrays: out[k * count + i] is function
-// k in direction i.
+// k in direction i. In float throughout: right to 2e-7 (rms), but next to the poles only to 4e-6 at
+// order 10 and 1e-5 at order 16.
 RSH_API bool rsh_eval_many(rsh_basis basis, int order, size_t count, const float *x, const float *y,
                            const float *z, float *out);
 

@@ -10,33 +10,38 @@
 // The direction at which spherical harmonics take a hemispherical harmonic's value, but for the
 // factor sqrt 2: cos theta' = 2 cos theta - 1 at the same phi. As sin theta' / sin theta =
 // 2 sqrt(cos theta / (1 + cos theta)), nothing is singular at the pole.
-static void stretch(const float w[3], float out[3]) {
-    float z = w[2] > 0.0f ? fminf(w[2], 1.0f) : 0.0f;
-    float s = 2.0f * sqrtf(z / (1.0f + z));
-    out[0] = s * w[0];
-    out[1] = s * w[1];
-    out[2] = 2.0f * z - 1.0f;
+static void stretch(double w[3]) {
+    double z = w[2] > 0.0 ? fmin(w[2], 1.0) : 0.0, s = 2.0 * sqrt(z / (1.0 + z));
+    w[0] *= s;
+    w[1] *= s;
+    w[2] = 2.0 * z - 1.0;
 }
 
+// In double: near the poles degree l enlarges an error of z by l (l + 1) / 2, also that of a length
+// which is 1 up to the rounding of floats only; one step of Newton's iteration takes that away.
 bool rsh_eval(rsh_basis basis, int order, const float w[3], float *y) {
     if (!rsh_order_ok(order)) return false;
-    float d[3] = {w[0], w[1], w[2]}, c = 1.0f, s = 0.0f;
+    double d[3] = {(double)w[0], (double)w[1], (double)w[2]}, c = 1.0, s = 0.0;
+    double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    if (fabs(square - 1.0) < 1e-5)
+        for (int i = 0; i < 3; i++) d[i] *= 1.5 - 0.5 * square;
     if (basis == RSH_HEMISPHERE) {
-        stretch(w, d);
-        c = sqrtf(2.0f);
+        stretch(d);
+        c = sqrt(2.0);
     }
     for (int m = 0; m < order; m++) {
-        const float *norm = rsh_norm + m * RSH_MAX_ORDER, *b = rsh_recurrence + m * RSH_MAX_ORDER;
-        float p = 1.0f, p1 = 0.0f;
+        const float *norm = rsh_norm + m * RSH_MAX_ORDER;
+        const double *b = rsh_recurrence_d + m * RSH_MAX_ORDER;
+        double p = 1.0, p1 = 0.0;
         for (int l = m; l < order; l++) {
-            float v = p * norm[l];
-            y[l * (l + 1) - m] = v * s;
-            y[l * (l + 1) + m] = v * c;
-            float next = d[2] * p - (l + 1 < RSH_MAX_ORDER ? b[l + 1] : 0.0f) * p1;
+            double v = p * (double)norm[l];
+            y[l * (l + 1) - m] = (float)(v * s);
+            y[l * (l + 1) + m] = (float)(v * c);
+            double next = d[2] * p - (l + 1 < RSH_MAX_ORDER ? b[l + 1] : 0.0) * p1;
             p1 = p;
             p = next;
         }
-        float t = d[0] * c - d[1] * s;
+        double t = d[0] * c - d[1] * s;
         s = d[0] * s + d[1] * c;
         c = t;
     }

@@ -54,6 +54,37 @@ INLINE vf load_values(const float *value, size_t first, size_t keep) {
     return load(tail);
 }
 
+// The functions of one vector of directions go to out[k * count], `keep` lanes of each.
+INLINE void put(float *out, vf v, size_t keep) {
+    if (keep == W)
+        store(out, v);
+    else
+        memcpy(out, &v, keep * sizeof *out);
+}
+
+// One (l, m): the monic Legendre function p times the parts of the azimuth.
+INLINE void put_pair(float *out, size_t shift, vf p, vf c, vf s, size_t keep) {
+    if (shift) put(out - shift, p * s, keep);
+    put(out + shift, p * c, keep);
+}
+
+// One m: l = m .. order - 1, for c and s = Re, Im (x + i y)^m.
+INLINE void eval_column(int order, int m, vf z, vf c, vf s, size_t count, size_t keep, float *out) {
+    const float *norm = rsh_norm + m * RSH_MAX_ORDER, *b = rsh_recurrence + m * RSH_MAX_ORDER;
+    const size_t shift = (size_t)m * count, two = 2 * count;
+    float *to = out + (size_t)(m * (m + 1)) * count;
+    put_pair(to, shift, splat(norm[m]), c, s, keep);
+    vf p1 = splat(1.0f), p = z;
+    for (int l = m + 1; l < order; l++) {
+        to += (size_t)l * two;
+        put_pair(to, shift, p * norm[l], c, s, keep);
+        if (l + 1 == order) break;
+        vf next = z * p - b[l + 1] * p1;
+        p1 = p;
+        p = next;
+    }
+}
+
 static void kernel_eval_many(rsh_basis basis, int order, size_t count, const float *x,
                              const float *y, const float *z, float *out) {
     const float *const d[3] = {x, y, z};
@@ -62,26 +93,10 @@ static void kernel_eval_many(rsh_basis basis, int order, size_t count, const flo
         struct directions v = load_directions(basis, d, first, keep);
         vf c = splat(basis == RSH_HEMISPHERE ? sqrtf(2.0f) : 1.0f), s = {0};
         for (int m = 0; m < order; m++) {
-            const float *norm = rsh_norm + m * RSH_MAX_ORDER;
-            const float *b = rsh_recurrence + m * RSH_MAX_ORDER;
-            vf p = splat(1.0f), p1 = {0};
-            for (int l = m; l < order; l++) {
-                if (l > m) {
-                    vf next = v.z * p - b[l] * p1;
-                    p1 = p;
-                    p = next;
-                }
-                vf q = p * norm[l], plus = q * c, minus = q * s;
-                float *to = out + (size_t)(l * (l + 1)) * count + first;
-                size_t shift = (size_t)m * count;
-                if (keep == W) {
-                    if (m) store(to - shift, minus);
-                    store(to + shift, plus);
-                } else {
-                    if (m) memcpy(to - shift, &minus, keep * sizeof *to);
-                    memcpy(to + shift, &plus, keep * sizeof *to);
-                }
-            }
+            if (keep == W)
+                eval_column(order, m, v.z, c, s, count, W, out + first);
+            else
+                eval_column(order, m, v.z, c, s, count, keep, out + first);
             vf t = v.x * c - v.y * s;
             s = v.x * s + v.y * c;
             c = t;

@@ -12,6 +12,7 @@
 // Both tables are indexed m * RSH_MAX_ORDER + l.
 extern const float rsh_norm[RSH_MAX_ORDER * RSH_MAX_ORDER];
 extern const float rsh_recurrence[RSH_MAX_ORDER * RSH_MAX_ORDER];
+extern const double rsh_recurrence_d[RSH_MAX_ORDER * RSH_MAX_ORDER];  // the same in double
 
 // D, the derivative of the rotation about y at angle 0, is antisymmetric and couples neighbours
 // only: entry (i, i - 1) is rsh_slope[i], and 0 between bands [K05 C; errata 4].

@@ -130,7 +130,8 @@ class Writer:
         self.lines = ["// Written by rsh_tables.py.", '#include "rsh/rsh_tables.h"', ""]
 
     def array(self, kind, head, values, storage=""):
-        text = [("%d" % v) if kind != "float" else "%.9ef" % v for v in values]
+        form = {"float": "%.9ef", "double": "%.17e"}.get(kind, "%d")
+        text = [form % v for v in values]
         self.lines.append("%sconst %s %s = {" % (storage, kind, head))
         for i in range(0, len(text), 8):
             self.lines.append("    " + ", ".join(text[i:i + 8]) + ",")
@@ -140,8 +141,8 @@ class Writer:
 def plain_tables(w):
     grid = [(l, m) for m in range(ORDER) for l in range(ORDER)]
     w.array("float", "rsh_norm[RSH_MAX_ORDER * RSH_MAX_ORDER]", [norm(l, m) for l, m in grid])
-    w.array("float", "rsh_recurrence[RSH_MAX_ORDER * RSH_MAX_ORDER]",
-            [recurrence(l, m) for l, m in grid])
+    for kind, name in (("float", "rsh_recurrence"), ("double", "rsh_recurrence_d")):
+        w.array(kind, name + "[RSH_MAX_ORDER * RSH_MAX_ORDER]", [recurrence(l, m) for l, m in grid])
     flat = [(l, m) for l in range(ORDER) for m in range(-l, l + 1)]
     w.array("float", "rsh_slope[RSH_MAX_COEFFICIENTS + 2]",
             [slope(l, m) for l, m in flat] + [0.0, 0.0])
@@ -176,7 +177,8 @@ def ivanic_tables(w, flat):
     for l, m in flat:
         a, center = abs(m), m == 0
         u = math.sqrt((l + m) * (l - m))
-        v = math.sqrt((2 if center else 1) * max(l + a - 1, 0) * (l + a)) / 2 * (-1 if center else 1)
+        sign = -1 if center else 1
+        v = sign * math.sqrt((2 if center else 1) * max(l + a - 1, 0) * (l + a)) / 2
         third = 0.0 if center else -math.sqrt(max((l - a - 1) * (l - a), 0)) / 2
         rows.append((u, v, third))
         d = (l + m) * (l - m) if a < l else 2 * l * (2 * l - 1)

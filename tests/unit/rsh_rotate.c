@@ -13,6 +13,7 @@
 #include "rsh/rsh.h"
 #include "rsh/rsh_kernel.h"
 #include "rsh_noise.h"
+#include "rsh_rotations.h"
 
 static struct rsh_turn turn_of_angles(enum rsh_method method, float alpha, float beta,
                                       float gamma) {
@@ -41,6 +42,29 @@ static void rotation_moves_the_function(void **state) {
                 double error = value(RSH_SPHERE, order, out, w) - value(RSH_SPHERE, order, v, u);
                 assert_true(fabs(error) < 2e-5);
             }
+        }
+}
+
+// The package spherical in double; a unit vector of order 16 by all exact forms.
+static void forms_equal_wigner_matrices(void **state) {
+    (void)state;
+    bool (*const forms[])(int, int, const float *, const float *, float *) = {
+        rsh_rotate, rsh_rotate_pinchon_hoggan, rsh_rotate_zxzxz, rsh_rotate_ivanic};
+    float v[MAX], out[MAX], length = 0.0f;
+    for (int k = 0; k < MAX; k++) {
+        v[k] = sinf((float)(k + 1));
+        length += v[k] * v[k];
+    }
+    for (int k = 0; k < MAX; k++) v[k] /= sqrtf(length);
+    for (size_t i = 0; i < sizeof rsh_rotations / sizeof *rsh_rotations; i++)
+        for (size_t f = 0; f < sizeof forms / sizeof *forms; f++) {
+            double square = 0.0;
+            assert_true(forms[f](RSH_MAX_ORDER, 1, rsh_rotations[i].r, v, out));
+            for (int k = 0; k < MAX; k++) {
+                double d = (double)out[k] - rsh_rotations[i].turned[k];
+                square += d * d;
+            }
+            assert_true(sqrt(square) < 3e-6);
         }
 }
 
@@ -194,9 +218,13 @@ static void bad_input_is_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rotation_moves_the_function),  cmocka_unit_test(kernels_agree),
-        cmocka_unit_test(inverse_and_product_hold),     cmocka_unit_test(small_angles_are_exact),
-        cmocka_unit_test(taylor_errors_fall_as_stated), cmocka_unit_test(angles_and_matrices_agree),
+        cmocka_unit_test(forms_equal_wigner_matrices),
+        cmocka_unit_test(rotation_moves_the_function),
+        cmocka_unit_test(kernels_agree),
+        cmocka_unit_test(inverse_and_product_hold),
+        cmocka_unit_test(small_angles_are_exact),
+        cmocka_unit_test(taylor_errors_fall_as_stated),
+        cmocka_unit_test(angles_and_matrices_agree),
         cmocka_unit_test(bad_input_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
