@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes rsh_rotations.h: one vector of order 16 turned by a few rotations, in double precision with
+"""Writes rsh_rotations.h: a vector of order 16 turned by a few rotations, in double precision with
 the Wigner matrices of the package spherical.
 
 usage: make_rsh_rotations.py > rsh_rotations.h
