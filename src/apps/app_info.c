@@ -28,10 +28,18 @@ static void print_camera(const struct satin_scene *scene) {
     vec3 look = v3_unit(mat4_vector(&c->to_world, v3(0, 0, 1)));
     double degrees = 360.0 / (double)PI_F;
     printf("camera     %s at (%g, %g, %g) towards (%.4g, %.4g, %.4g)\n",
-           c->aperture > 0.0f ? "thin lens" : "pinhole", (double)eye.x, (double)eye.y,
-           (double)eye.z, (double)look.x, (double)look.y, (double)look.z);
-    printf("           sees %.4g x %.4g degrees", degrees * atan((double)c->tan_x),
-           degrees * atan((double)c->tan_y));
+           c->orthographic      ? "orthographic"
+           : c->aperture > 0.0f ? "thin lens"
+                                : "pinhole",
+           (double)eye.x, (double)eye.y, (double)eye.z, (double)look.x, (double)look.y,
+           (double)look.z);
+    vec3 right = mat4_vector(&c->to_world, v3(2.0f * c->tan_x, 0, 0));
+    vec3 up = mat4_vector(&c->to_world, v3(0, 2.0f * c->tan_y, 0));
+    if (c->orthographic)
+        printf("           sees %.4g x %.4g units", (double)v3_len(right), (double)v3_len(up));
+    else
+        printf("           sees %.4g x %.4g degrees", degrees * atan((double)c->tan_x),
+               degrees * atan((double)c->tan_y));
     if (c->aperture > 0.0f)
         printf(", lens radius %g, focus at %g", (double)c->aperture, (double)c->focus_distance);
     printf("\nfilm       %dx%d, %s filter of radius %g", f->width, f->height, filter[f->filter],

@@ -170,7 +170,8 @@ struct light {
 
 struct camera {
     struct mat4 to_world;
-    float tan_x, tan_y;  // half extents of the full film at unit distance
+    bool orthographic;   // all rays are parallel
+    float tan_x, tan_y;  // half extents of the full film at unit distance; orthographic: at any
     float near_clip, far_clip;
     float aperture;  // lens radius; 0: pinhole
     float focus_distance;

@@ -3,6 +3,19 @@
 #include "base/sampling.h"
 #include "scene/scene.h"
 
+// Parallel rays from the near plane. Their width is the same everywhere, so that per distance it is
+// right in the middle of the scene.
+static struct ray parallel_ray(const struct satin_scene *scene, vec3 plane, float *spread) {
+    const struct camera *camera = &scene->camera;
+    vec3 o = mat4_point(&camera->to_world, v3(plane.x, plane.y, camera->near_clip));
+    vec3 d = v3_unit(mat4_vector(&camera->to_world, v3(0, 0, 1)));
+    vec3 middle = v3_mul(v3_add(scene->bounds_lo, scene->bounds_hi), 0.5f);
+    vec3 x = mat4_vector(&camera->to_world, v3(2.0f * camera->tan_x, 0, 0));
+    float distance = fmaxf(v3_dot(v3_sub(middle, o), d), 0.1f * scene->radius);
+    if (spread) *spread = v3_len(x) / (float)scene->film.width / distance;
+    return (struct ray){o, 0.0f, d, camera->far_clip - camera->near_clip};
+}
+
 struct ray camera_ray(const struct satin_scene *scene, float x, float y, float u, float v,
                       float *spread) {
     const struct camera *camera = &scene->camera;
@@ -11,6 +24,7 @@ struct ray camera_ray(const struct satin_scene *scene, float x, float y, float u
     float s = x / (float)film->width + camera->shift.x;
     float t = y / (float)film->height + camera->shift.y;
     vec3 plane = v3(camera->tan_x * (1.0f - 2.0f * s), camera->tan_y * (1.0f - 2.0f * t), 1.0f);
+    if (camera->orthographic) return parallel_ray(scene, plane, spread);
     vec3 origin = v3(0, 0, 0), d = v3_unit(plane);
     // A pixel's width on that plane, seen from the eye: the root of its solid angle, w^2 cos^3.
     float width = 2.0f * camera->tan_x / (float)film->width;

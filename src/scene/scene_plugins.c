@@ -28,8 +28,8 @@ static const char *const unread_bsdfs[] = {
 static const char *const unread_textures[] = {"mesh_attribute", "volume", "volumeadapter", NULL};
 static const char *const unread_emitters[] = {
     "projector", "sunsky", "timed_sunsky", "directionalarea", "sky", "sun", "volumelight", NULL};
-static const char *const unread_sensors[] = {
-    "orthographic", "distant", "radiancemeter", "batch", "hemispherical", "irradiancemeter", NULL};
+static const char *const unread_sensors[] = {"distant",       "radiancemeter",   "batch",
+                                             "hemispherical", "irradiancemeter", NULL};
 static const char *const unread_films[] = {"specfilm", NULL};
 static const char *const unread_filters[] = {"mitchell", "catmullrom", "lanczos", NULL};
 

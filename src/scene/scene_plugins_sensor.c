@@ -58,6 +58,9 @@ static param_list thinlens_params = {
     &to_world,       &fov,          &fov_axis,      &focal_length,    &near_clip, &far_clip,
     &focus_distance, &shutter_open, &shutter_close, &aperture_radius, NULL};
 
+static param_list orthographic_params = {
+    &to_world, &near_clip, &far_clip, &shutter_open, &shutter_close, &idle_focus_distance, NULL};
+
 static satin_status fail(struct scene_loader *loader, const struct params *p, const char *why) {
     log_error_at(loader->log, p->node->place, "%s '%s': %s", scene_plugin_noun(p->plugin->tag),
                  p->plugin->name, why);
@@ -130,16 +133,38 @@ static satin_status set_place(struct scene_loader *loader, const struct params *
     return mat4_inverse(m, &inverse) ? SATIN_OK : fail(loader, p, "to_world is singular");
 }
 
-static satin_status build_camera(struct scene_loader *loader, const struct params *p,
-                                 void *object) {
-    struct camera *camera = object;
+static satin_status set_clip(struct scene_loader *loader, const struct params *p,
+                             struct camera *camera) {
     camera->near_clip = param(p, "near_clip")->f;
     camera->far_clip = param(p, "far_clip")->f;
     camera->focus_distance = camera->far_clip;
-    if (!(camera->near_clip < camera->far_clip))
-        return fail(loader, p, "near_clip must be smaller than far_clip");
-    satin_status status = set_place(loader, p, camera);
+    if (camera->near_clip < camera->far_clip) return SATIN_OK;
+    return fail(loader, p, "near_clip must be smaller than far_clip");
+}
+
+static satin_status build_camera(struct scene_loader *loader, const struct params *p,
+                                 void *object) {
+    struct camera *camera = object;
+    satin_status status = set_clip(loader, p, camera);
+    if (status == SATIN_OK) status = set_place(loader, p, camera);
     return status == SATIN_OK ? set_view(loader, p, camera) : status;
+}
+
+// The film spans -1 to 1 across, and as its shape wants it up and down; to_world scales it.
+static satin_status build_orthographic(struct scene_loader *loader, const struct params *p,
+                                       void *object) {
+    struct camera *camera = object;
+    const struct film_spec *film = &loader->scene->film;
+    struct mat4 inverse;
+    camera->orthographic = true;
+    camera->to_world = param(p, "to_world")->m;
+    camera->tan_x = 1.0f;
+    camera->tan_y = (float)((double)film->height / (double)film->width);
+    if (!mat4_inverse(&camera->to_world, &inverse)) return fail(loader, p, "to_world is singular");
+    float depth = v3_len2(mat4_vector(&camera->to_world, v3(0, 0, 1)));
+    if (!(depth > 1e-30f && depth < 1e30f))
+        return fail(loader, p, "to_world is too small or too large");
+    return set_clip(loader, p, camera);
 }
 
 static satin_status build_perspective(struct scene_loader *loader, const struct params *p,
@@ -168,6 +193,8 @@ const struct plugin_spec scene_sensor_plugins[] = {
      false},
     {XML_SENSOR, "thinlens", "a camera with depth of field", thinlens_params, PARTS, build_thinlens,
      false},
+    {XML_SENSOR, "orthographic", "parallel rays; the film is 2 wide before to_world scales it",
+     orthographic_params, PARTS, build_orthographic, false},
     {0}};
 
 // Reads the only child of a tag, if there is one, into `object`.

@@ -191,7 +191,43 @@ def shapes():
             ('<scale x="-0.5" y="0.4" z="0.5"/>', TILT, '<translate x="1.3" y="1.2" z="-1"/>')))
 
 
+def film(width=64, height=64, more=""):
+    return (f'<film type="hdrfilm"><integer name="width" value="{width}"/>'
+            f'<integer name="height" value="{height}"/>{more}<rfilter type="box"/></film>')
+
+
+def cameras():
+    view = place('<lookat origin="0, 3, 7" target="0, 0.8, 0" up="0, 1, 0"/>')
+    fov = real("fov", 40)
+
+    def sensor(kind, *parts):
+        return f'<sensor type="{kind}">{"".join(parts)}</sensor>\n'
+
+    for axis in ("x", "y", "diagonal", "smaller", "larger"):
+        yield f"fov_{axis}", sensor("perspective", fov, text("fov_axis", axis), view, film(80, 48))
+    yield "focal_length", sensor("perspective", text("focal_length", "35mm"), view, film(57, 71))
+    yield "principal_point", sensor("perspective", fov, real("principal_point_offset_x", 0.2),
+                                    real("principal_point_offset_y", -0.1), view, film())
+    crop = "".join(f'<integer name="crop_{n}" value="{v}"/>' for n, v in (
+        ("offset_x", 37), ("offset_y", 21), ("width", 61), ("height", 43)))
+    yield "crop", sensor("perspective", fov, view, film(128, 96, crop))
+    yield "clip", sensor("perspective", fov, real("near_clip", 6.8), real("far_clip", 8.5), view,
+                         film())
+    yield "mirrored", sensor("perspective", fov, film(), place(
+        '<scale x="-1"/>', '<lookat origin="1, 3, 7" target="0, 0.8, 0" up="0.3, 1, 0"/>'))
+    yield "no_up", sensor("perspective", fov, film(), place(
+        '<lookat origin="0, 9, 0.1" target="0, 0, 0" up="0, 0, -1"/>'))
+    yield "thinlens", sensor("thinlens", fov, real("aperture_radius", 0.3),
+                             real("focus_distance", 6.5), view, film())
+    yield "orthographic", sensor("orthographic", film(80, 56), place(
+        '<scale x="2.5" y="2.5"/>', '<lookat origin="1, 3, 5" target="0, 0.8, 0" up="0, 1, 0"/>'))
+    yield "orthographic_clip", sensor("orthographic", real("near_clip", 1), real("far_clip", 1.65),
+                                      film(), place(
+        '<scale x="3" y="2" z="4"/>', '<lookat origin="1, 3, 5" target="0, 0.8, 0" up="0, 1, 0"/>'))
+
+
 def rows(folder):
     write_files(folder)
     out = {f"shape_{name}": LIT + body for name, body in shapes()}
+    out |= {f"camera_{name}": sensor + LIT + BALL for name, sensor in cameras()}
     return out

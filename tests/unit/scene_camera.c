@@ -86,6 +86,23 @@ static void lens_focuses(void **state) {
     satin_scene_free(scene);
 }
 
+// Numbers of Mitsuba 3.9.
+static void rays_are_parallel(void **state) {
+    (void)state;
+    struct satin_scene *scene = load(
+        "<sensor type='orthographic'><transform name='to_world'><scale x='3' y='2' z='5'/>"
+        "<translate z='-4'/></transform><float name='near_clip' value='.5'/>"
+        "<float name='far_clip' value='20'/>" FILM "</sensor>");
+    float spread;
+    struct ray r = camera_ray(scene, 0, 0, 0, 0, &spread);
+    assert_true(v3_dist2(r.o, v3(3, 1, -1.5f)) < 1e-12f && v3_dist2(r.d, v3(0, 0, 1)) == 0.0f);
+    assert_true(r.tnear == 0.0f && r.tfar == 19.5f);
+    assert_true(fabsf(spread * 1.5f - 6.0f / 400.0f) < 1e-6f);  // the middle is at the origin
+    r = camera_ray(scene, 100, 100, 0, 0, &spread);
+    assert_true(v3_dist2(r.o, v3(1.5f, 0, -1.5f)) < 1e-12f);
+    satin_scene_free(scene);
+}
+
 static float value(const struct film_spec *film, float x) {
     float s = 2 * film->stddev * film->stddev;
     if (film->filter == FILTER_TENT) return fmaxf(film->radius - fabsf(x), 0);
@@ -141,6 +158,7 @@ int main(void) {
         cmocka_unit_test(field_of_view),
         cmocka_unit_test(rays_of_a_pinhole),
         cmocka_unit_test(lens_focuses),
+        cmocka_unit_test(rays_are_parallel),
         cmocka_unit_test(filter_samples_are_distributed),
         cmocka_unit_test(filter_samples_stay_inside),
     };
