@@ -86,10 +86,13 @@ static void print_materials(const struct satin_scene *scene) {
 }
 
 static void print_lights(const struct satin_scene *scene) {
-    static const char *const name[] = {
-        [LIGHT_AREA] = "area",         [LIGHT_POINT] = "point",
-        [LIGHT_SPOT] = "spot",         [LIGHT_DIRECTIONAL] = "directional",
-        [LIGHT_CONSTANT] = "constant", [LIGHT_ENVMAP] = "envmap"};
+    static const char *const name[] = {[LIGHT_AREA] = "area",
+                                       [LIGHT_POINT] = "point",
+                                       [LIGHT_SPOT] = "spot",
+                                       [LIGHT_PROJECTOR] = "projector",
+                                       [LIGHT_DIRECTIONAL] = "directional",
+                                       [LIGHT_CONSTANT] = "constant",
+                                       [LIGHT_ENVMAP] = "envmap"};
     enum { SHOWN = 20 };
     double total = 0.0;
     for (uint32_t i = 0; i < scene->light_count; i++) total += (double)scene->light[i].power;

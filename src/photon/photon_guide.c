@@ -93,7 +93,8 @@ static bool find_target(const struct satin_scene *scene, struct light_target *ou
 
 // The grid of a light in at most `budget` cells: fine along the numbers that it uses.
 static void split_light(const struct light *light, uint32_t budget, struct light_cells *cells) {
-    bool position = light->kind != LIGHT_POINT && light->kind != LIGHT_SPOT;
+    bool position =
+        light->kind != LIGHT_POINT && light->kind != LIGHT_SPOT && light->kind != LIGHT_PROJECTOR;
     bool direction = light->kind != LIGHT_DIRECTIONAL;
     for (int k = 0; k < 4; k++) cells->split[k] = 1;
     cells->total = 1;

@@ -132,6 +132,7 @@ enum light_kind {
     LIGHT_AREA = 0,
     LIGHT_POINT,
     LIGHT_SPOT,
+    LIGHT_PROJECTOR,
     LIGHT_DIRECTIONAL,
     LIGHT_CONSTANT,
     LIGHT_ENVMAP
@@ -150,11 +151,12 @@ struct light_face {
 struct light {
     enum light_kind kind;
     rgb value;                      // radiance, intensity or irradiance, by kind; envmap: scale
-    const struct texture *texture;  // area: radiance over uv, or NULL
+    const struct texture *texture;  // area: radiance over uv; spot, projector: their slide; or NULL
     uint32_t shape;                 // area
     struct mat4 to_world, to_local;
     vec3 position, direction;    // point, spot; spot and directional: the way the light goes
     float cos_cutoff, cos_beam;  // spot
+    float tan_x, tan_y;          // projector: half extents of its slide at unit distance
     const struct image *image;   // envmap: latitude-longitude, 3 channels
     // The rest is filled by scene_lights_prepare.
     const float *row_cdf,

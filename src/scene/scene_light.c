@@ -17,7 +17,6 @@ satin_status scene_lights_prepare(struct satin_scene *scene, struct log log) {
     satin_status status = power && cdf ? SATIN_OK : SATIN_ERROR_MEMORY;
     for (uint32_t i = 0; i < scene->light_count && status == SATIN_OK; i++) {
         struct light *light = &scene->light[i];
-        float beam, penumbra;
         switch (light->kind) {
             case LIGHT_AREA:
                 status = light_area_prepare(scene, light);
@@ -27,13 +26,9 @@ satin_status scene_lights_prepare(struct satin_scene *scene, struct log log) {
                 status = light_environment_prepare(scene, light);
                 break;
             case LIGHT_POINT:
-                light->strength = rgb_luminance(light->value);
-                light->power = 4.0f * PI_F * light->strength;
-                break;
             case LIGHT_SPOT:
-                light_spot_solid_angles(light, &beam, &penumbra);
-                light->strength = rgb_luminance(light->value);
-                light->power = (beam + penumbra) * light->strength;
+            case LIGHT_PROJECTOR:
+                light_point_prepare(light);
                 break;
             case LIGHT_DIRECTIONAL:
                 light->strength = rgb_luminance(light->value);
@@ -57,13 +52,9 @@ static float light_reach(const struct satin_scene *scene, const struct light *li
         case LIGHT_AREA:
             return light_area_reach(scene, light, p);
         case LIGHT_POINT:
-            return light->strength / fmaxf(v3_dist2(p, light->position), 1e-20f);
-        case LIGHT_SPOT: {
-            vec3 d = v3_sub(p, light->position);
-            float d2 = fmaxf(v3_len2(d), 1e-20f);
-            float f = light_spot_falloff(light, v3_dot(d, light->direction) / sqrtf(d2));
-            return light->strength * f / d2;
-        }
+        case LIGHT_SPOT:
+        case LIGHT_PROJECTOR:
+            return light_point_reach(light, p);
         case LIGHT_DIRECTIONAL:
         case LIGHT_CONSTANT:
         case LIGHT_ENVMAP:
@@ -126,20 +117,6 @@ float light_choose_probability(const struct satin_scene *scene, vec3 p, uint32_t
 
 // ---- Sampling ---------------------------------------------------------------------------------
 
-static bool sample_position(const struct light *light, vec3 p, struct light_sample *out) {
-    vec3 d = v3_sub(light->position, p);
-    float d2 = v3_len2(d), dist = sqrtf(d2);
-    if (!(dist > 0.0f)) return false;
-    vec3 wi = v3_mul(d, 1.0f / dist);
-    float scale = 1.0f / d2;
-    if (light->kind == LIGHT_SPOT)
-        scale *= light_spot_falloff(light, -v3_dot(wi, light->direction));
-    if (!(scale > 0.0f) || !isfinite(scale)) return false;
-    *out = (struct light_sample){
-        wi, light->position, v3(0, 0, 0), dist, rgb_scale(light->value, scale), 1.0f, true};
-    return true;
-}
-
 bool light_sample(const struct satin_scene *scene, uint32_t i, vec3 p, float u, float v,
                   struct light_sample *out) {
     const struct light *light = &scene->light[i];
@@ -148,7 +125,8 @@ bool light_sample(const struct satin_scene *scene, uint32_t i, vec3 p, float u, 
             return light_area_sample(scene, light, p, u, v, out);
         case LIGHT_POINT:
         case LIGHT_SPOT:
-            return sample_position(light, p, out);
+        case LIGHT_PROJECTOR:
+            return light_point_sample(light, p, out);
         case LIGHT_DIRECTIONAL:
             *out = (struct light_sample){.wi = v3_neg(light->direction),
                                          .dist = INFINITY,

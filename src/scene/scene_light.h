@@ -59,6 +59,17 @@ float light_box_shadow(const struct light_target *box, vec3 d);
 // The area that the scene's bounds show in direction d, and the area of their surface.
 float light_bounds_shadow(const struct satin_scene *scene, vec3 d);
 float light_bounds_area(const struct satin_scene *scene);
+
+// ---- Lights at a point (scene_light_point.c) --------------------------------------------------
+
+// Sets strength and power.
+void light_point_prepare(struct light *light);
+float light_point_reach(const struct light *light, vec3 p);
+bool light_point_sample(const struct light *light, vec3 p, struct light_sample *out);
+// A direction of emission; and what is sent along d over the density *pdf_w [1 / sr] of that: color
+// times the result; 0: nothing, or d was never drawn.
+vec3 light_point_direction(const struct light *light, float u, float v);
+float light_point_power(const struct light *light, vec3 d, rgb *color, float *pdf_w);
 // Fraction of the intensity that a spot light sends at `cos_theta` from its axis.
 float light_spot_falloff(const struct light *light, float cos_theta);
 // The integrals of the falloff over the full-intensity cone and over its penumbra [sr].

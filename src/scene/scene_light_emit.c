@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Photons leave the lights: area lights by area and cosine, point and spot lights by their
-// intensity, directional lights and environments through the sides of the scene's bounding box that
-// face them, which wastes less than a disk around the bounding sphere and is as exact. All of them
-// may be aimed (scene_light_aim.c).
+// Photons leave the lights: area lights by area and cosine, lights at a point by their
+// intensity (scene_light_point.c), directional lights and environments through the sides of the
+// scene's bounding box that face them, which wastes less than a disk around the bounding sphere and
+// is as exact. All of them may be aimed (scene_light_aim.c).
 #include "base/sampling.h"
 #include "scene/scene_light.h"
 
@@ -52,96 +52,31 @@ static bool box_ray(const struct satin_scene *scene, const struct light_target *
     return true;
 }
 
-float light_spot_falloff(const struct light *light, float cos_theta) {
-    if (cos_theta >= light->cos_beam) return 1.0f;
-    if (cos_theta <= light->cos_cutoff) return 0.0f;
-    float cutoff = acosf(light->cos_cutoff), beam = acosf(light->cos_beam);
-    return (cutoff - acosf(cos_theta)) / (cutoff - beam);
-}
-
-void light_spot_solid_angles(const struct light *light, float *beam, float *penumbra) {
-    double c = acos((double)light->cos_cutoff), b = acos((double)light->cos_beam);
-    *beam = (float)(2.0 * M_PI * (1.0 - cos(b)));
-    // The integral of sin t (c - t) / (c - b) from b to c.
-    double integral = c > b ? cos(b) - (sin(c) - sin(b)) / (c - b) : 0.0;
-    *penumbra = (float)(2.0 * M_PI * fmax(integral, 0.0));
-}
-
 // ---- Light from a place -----------------------------------------------------------------------
 
-// The beam uniformly; the penumbra by an angle whose density falls linearly, as the intensity does.
-static vec3 spot_direction(const struct light *light, float u, float v) {
-    float beam, penumbra;
-    light_spot_solid_angles(light, &beam, &penumbra);
-    float share = beam / (beam + penumbra);
-    if (u < share) return sample_uniform_cone(u / share, v, light->cos_beam);
-    float rest = (u - share) / (1.0f - share), phi = 2.0f * PI_F * v;
-    float c = acosf(light->cos_cutoff), b = acosf(light->cos_beam);
-    float theta = c - (c - b) * safe_sqrtf(1.0f - rest), s = sinf(theta);
-    return v3(s * cosf(phi), s * sinf(phi), cosf(theta));
-}
-
-// The intensity, relative to the light's value, over the density of spot_direction.
-static float spot_power(const struct light *light, float cos_theta) {
-    float beam, penumbra;
-    light_spot_solid_angles(light, &beam, &penumbra);
-    if (cos_theta >= light->cos_beam) return beam + penumbra;
-    if (cos_theta <= light->cos_cutoff) return 0.0f;
-    float c = acosf(light->cos_cutoff), b = acosf(light->cos_beam);
-    // falloff sin(theta) 2 pi over its density 2 (c - theta) / (c - b)^2 (1 - share)
-    return PI_F * safe_sqrtf(1.0f - sqrf(cos_theta)) * (c - b) * (beam + penumbra) / penumbra;
-}
-
-// Where a photon starts; the light sends it about frame.n, by the angle from it alone.
-struct place {
-    const struct light *light;
-    vec3 p;
-    struct frame frame;
+// The direction of a photon that leaves p: towards what matters, or as the light draws it.
+struct departure {
+    vec3 d;
+    bool aimed;  // d is set
+    float u, v;  // for the light otherwise
 };
 
-static vec3 draw_direction(const struct place *at, float u, float v) {
-    if (at->light->kind == LIGHT_AREA) return sample_cosine_hemisphere(u, v);
-    if (at->light->kind == LIGHT_SPOT) return spot_direction(at->light, u, v);
-    return sample_uniform_sphere(u, v);
-}
-
-// What the light sends along a direction over the density of draw_direction, which goes to *pdf_w.
-static float direction_power(const struct place *at, float cos_theta, float *pdf_w) {
-    float power;
-    switch (at->light->kind) {
-        case LIGHT_AREA:
-            *pdf_w = fmaxf(cos_theta, 0.0f) * (1.0f / PI_F);
-            return PI_F;
-        case LIGHT_SPOT:
-            power = spot_power(at->light, cos_theta);
-            *pdf_w = power > 0.0f ? light_spot_falloff(at->light, cos_theta) / power : 0.0f;
-            return power;
-        default:
-            *pdf_w = 0.25f / PI_F;
-            return 4.0f * PI_F;
-    }
-}
-
-// The direction of a photon and the factor of its power; 0: the light sends nothing there.
-static vec3 aim_direction(const struct place *at, const struct light_aim *aim, const float u[2],
-                          float *power) {
-    float u0 = u[0], pdf_w;
-    int spot = light_aim_choose(aim, &u0);
-    vec3 d;
-    if (!light_aim_direction(aim, spot, at->p, u0, u[1], &d))
-        d = frame_to_world(&at->frame, draw_direction(at, u0, u[1]));
-    *power = direction_power(at, v3_dot(d, at->frame.n), &pdf_w);
-    *power *= light_aim_weight(aim, at->p, d, pdf_w);
-    return d;
+static struct departure depart(const struct light_aim *aim, vec3 p, const float u[2]) {
+    struct departure out = {.u = u[0], .v = u[1]};
+    int spot = light_aim_choose(aim, &out.u);
+    out.aimed = light_aim_direction(aim, spot, p, out.u, out.v, &out.d);
+    return out;
 }
 
 static bool emit_area(const struct satin_scene *scene, const struct light *light,
                       const struct light_aim *aim, const float u[4], struct light_ray *out) {
     struct light_point point = light_area_point(scene, light, u[0], u[1]);
     if (!(point.pdf_a > 0.0f)) return false;
-    struct place at = {light, point.p, frame_from_normal(point.n)};
-    float power;
-    vec3 d = aim_direction(&at, aim, u + 2, &power);
+    struct frame frame = frame_from_normal(point.n);
+    struct departure to = depart(aim, point.p, u + 2);
+    vec3 d = to.aimed ? to.d : frame_to_world(&frame, sample_cosine_hemisphere(to.u, to.v));
+    float pdf_w = fmaxf(v3_dot(d, frame.n), 0.0f) * (1.0f / PI_F);
+    float power = PI_F * light_aim_weight(aim, point.p, d, pdf_w);
     out->ray = scene_spawn(scene, point.p, point.n, d);
     out->power = rgb_scale(point.L, power / point.pdf_a);
     return power > 0.0f;
@@ -149,13 +84,14 @@ static bool emit_area(const struct satin_scene *scene, const struct light *light
 
 static bool emit_position(const struct light *light, const struct light_aim *aim, const float u[4],
                           struct light_ray *out) {
-    struct place at = {light, light->position, {v3(1, 0, 0), v3(0, 1, 0), v3(0, 0, 1)}};
-    if (light->kind == LIGHT_SPOT) at.frame = frame_from_normal(light->direction);
-    float power;
-    vec3 d = aim_direction(&at, aim, u + 2, &power);
+    struct departure to = depart(aim, light->position, u + 2);
+    vec3 d = to.aimed ? to.d : light_point_direction(light, to.u, to.v);
+    rgb color;
+    float pdf_w, power = light_point_power(light, d, &color, &pdf_w);
+    power *= light_aim_weight(aim, light->position, d, pdf_w);
     out->ray = (struct ray){light->position, 0.0f, d, INFINITY};
-    out->power = rgb_scale(light->value, power);
-    return power > 0.0f;
+    out->power = rgb_scale(color, power);
+    return power > 0.0f && !rgb_black(color);
 }
 
 // ---- Light from infinitely far ----------------------------------------------------------------
@@ -201,6 +137,7 @@ bool light_emit(const struct satin_scene *scene, uint32_t i, const struct light_
             return emit_area(scene, light, aim, u, out);
         case LIGHT_POINT:
         case LIGHT_SPOT:
+        case LIGHT_PROJECTOR:
             return emit_position(light, aim, u, out);
         case LIGHT_DIRECTIONAL:
             return emit_directional(scene, light, aim, u, out);

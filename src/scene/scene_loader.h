@@ -71,6 +71,11 @@ satin_status scene_emitter_add(struct scene_loader *loader, struct xml_node *nod
                                int32_t *index);
 // Camera, film and samples per pixel of the scene (scene_plugins_sensor.c).
 satin_status scene_sensor_read(struct scene_loader *loader, struct xml_node *node);
+// Half extents at unit distance of what the parameters fov, fov_axis and focal_length ask for, of
+// width / height `aspect`; and the choices of fov_axis.
+satin_status scene_view_read(struct scene_loader *loader, const struct params *p, double aspect,
+                             float tan[2]);
+extern const char *const scene_fov_axes[];
 // What the <integrator> asks for (scene_plugins_integrator.c).
 satin_status scene_integrator_read(struct scene_loader *loader, struct xml_node *node);
 

@@ -27,7 +27,7 @@ static const char *const unread_bsdfs[] = {
     "polarizer",  "retarder",       "circular", "measured_polarized", NULL};
 static const char *const unread_textures[] = {"mesh_attribute", "volume", "volumeadapter", NULL};
 static const char *const unread_emitters[] = {
-    "projector", "sunsky", "timed_sunsky", "directionalarea", "sky", "sun", "volumelight", NULL};
+    "sunsky", "timed_sunsky", "directionalarea", "sky", "sun", "volumelight", NULL};
 static const char *const unread_sensors[] = {"distant",       "radiancemeter",   "batch",
                                              "hemispherical", "irradiancemeter", NULL};
 static const char *const unread_films[] = {"specfilm", NULL};

@@ -52,11 +52,37 @@ static const struct param_spec sampling_weight = {
     NULL,
     "sampling in Mitsuba; has no effect: lights are chosen by power"};
 
+static const struct param_spec spot_texture = {
+    "texture",
+    PARAM_LIGHT,
+    "1",
+    RANGE_NOT_NEGATIVE,
+    PARAM_TEXTURE,
+    NULL,
+    "factor of the intensity over the square around the cone"};
+static const struct param_spec slide = {"irradiance",
+                                        PARAM_LIGHT,
+                                        "1",
+                                        RANGE_NOT_NEGATIVE,
+                                        PARAM_TEXTURE,
+                                        NULL,
+                                        "what it throws; over pi, at unit distance"};
+static const struct param_spec slide_scale = {
+    "scale", PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "factor of the irradiance"};
+static const struct param_spec fov = {
+    "fov", PARAM_FLOAT, NULL, RANGE_POSITIVE, 0, NULL, "angle of the slide, degrees"};
+static const struct param_spec fov_axis = {
+    "fov_axis", PARAM_CHOICE, "x", 0, 0, scene_fov_axes, "the side that fov refers to"};
+static const struct param_spec focal_length = {
+    "focal_length", PARAM_STRING, "50mm", 0, 0, NULL, "in place of fov, for 35 mm film"};
+
 typedef const struct param_spec *const param_list[];
 static param_list area_params = {&area_radiance, &sampling_weight, NULL};
 static param_list point_params = {&intensity, &position, &to_world, &sampling_weight, NULL};
-static param_list spot_params = {&intensity, &cutoff_angle,    &beam_width,
+static param_list spot_params = {&intensity, &cutoff_angle,    &beam_width, &spot_texture,
                                  &to_world,  &sampling_weight, NULL};
+static param_list projector_params = {&slide,    &slide_scale,     &fov, &fov_axis, &focal_length,
+                                      &to_world, &sampling_weight, NULL};
 static param_list directional_params = {&irradiance, &direction, &to_world, &sampling_weight, NULL};
 static param_list constant_params = {&radiance, &sampling_weight, NULL};
 static param_list envmap_params = {&filename,     &scale,           &sky_to_world,
@@ -103,6 +129,33 @@ static satin_status build_point(struct scene_loader *loader, const struct params
     return status;
 }
 
+// A textured factor of light->value.
+static satin_status set_texture(struct scene_loader *loader, const struct param_value *value,
+                                struct light *light) {
+    if (value->texture) return scene_texture_of(loader, value->texture, &light->texture);
+    if (value->given) light->value = rgb_mul(light->value, value->color);
+    return SATIN_OK;
+}
+
+static satin_status build_projector(struct scene_loader *loader, const struct params *p,
+                                    void *object) {
+    struct light *light = object;
+    light->kind = LIGHT_PROJECTOR;
+    light->value = rgb_grey(param(p, "scale")->f);
+    satin_status status = set_texture(loader, param(p, "irradiance"), light);
+    if (status == SATIN_OK) status = set_place(loader, p, light);
+    if (status != SATIN_OK) return status;
+    // The slide has the shape of its image.
+    const struct image *image = light->texture ? light->texture->image : NULL;
+    double aspect = image ? (double)image->width / image->height : 1.0;
+    float tan[2];
+    status = scene_view_read(loader, p, aspect, tan);
+    if (status != SATIN_OK) return status;
+    light->tan_x = tan[0];
+    light->tan_y = tan[1];
+    return SATIN_OK;
+}
+
 static satin_status build_spot(struct scene_loader *loader, const struct params *p, void *object) {
     struct light *light = object;
     float cutoff = param(p, "cutoff_angle")->f, beam = 0.75f * cutoff;
@@ -111,6 +164,10 @@ static satin_status build_spot(struct scene_loader *loader, const struct params 
     if (beam > cutoff) return fail(loader, p, "its beam_width is larger than its cutoff_angle");
     light->kind = LIGHT_SPOT;
     light->value = param(p, "intensity")->color;
+    satin_status status = set_texture(loader, param(p, "texture"), light);
+    if (status != SATIN_OK) return status;
+    if (light->texture && cutoff >= 90.0f)
+        return fail(loader, p, "its texture needs a cutoff_angle below 90 degrees");
     light->cos_cutoff = cosf(cutoff * (PI_F / 180.0f));
     light->cos_beam = cosf(beam * (PI_F / 180.0f));
     return set_place(loader, p, light);
@@ -160,6 +217,8 @@ const struct plugin_spec scene_emitter_plugins[] = {
     {XML_EMITTER, "area", "light from the surface of a shape", area_params, 0, build_area, false},
     {XML_EMITTER, "point", "light from a point, to all sides", point_params, 0, build_point, false},
     {XML_EMITTER, "spot", "light from a point into a cone", spot_params, 0, build_spot, false},
+    {XML_EMITTER, "projector", "light from a point through a slide", projector_params, 0,
+     build_projector, false},
     {XML_EMITTER, "directional", "parallel light", directional_params, 0, build_directional, false},
     {XML_EMITTER, "constant", "the same light from all sides", constant_params, 0, build_constant,
      false},

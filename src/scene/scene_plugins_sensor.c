@@ -7,14 +7,14 @@
 #include "scene/scene_loader.h"
 
 enum fov_axis { AXIS_X = 0, AXIS_Y, AXIS_DIAGONAL, AXIS_SMALLER, AXIS_LARGER };
-static const char *const axes[] = {"x", "y", "diagonal", "smaller", "larger", NULL};
+const char *const scene_fov_axes[] = {"x", "y", "diagonal", "smaller", "larger", NULL};
 
 static const struct param_spec to_world = {
     "to_world", PARAM_TRANSFORM, "1", 0, 0, NULL, "camera space to world space; it looks along z"};
 static const struct param_spec fov = {
     "fov", PARAM_FLOAT, NULL, RANGE_POSITIVE, 0, NULL, "angle of view, degrees"};
 static const struct param_spec fov_axis = {
-    "fov_axis", PARAM_CHOICE, "x", 0, 0, axes, "the side of the film that fov refers to"};
+    "fov_axis", PARAM_CHOICE, "x", 0, 0, scene_fov_axes, "the side of the film that fov refers to"};
 static const struct param_spec focal_length = {
     "focal_length",
     PARAM_STRING,
@@ -100,11 +100,9 @@ static satin_status field_of_view(struct scene_loader *loader, const struct para
     return SATIN_OK;
 }
 
-// Half extents of the film at unit distance.
-static satin_status set_view(struct scene_loader *loader, const struct params *p,
-                             struct camera *camera) {
-    const struct film_spec *film = &loader->scene->film;
-    double aspect = (double)film->width / (double)film->height, tangent;
+satin_status scene_view_read(struct scene_loader *loader, const struct params *p, double aspect,
+                             float tan[2]) {
+    double tangent;
     enum fov_axis axis;
     satin_status status = field_of_view(loader, p, &tangent, &axis);
     if (status != SATIN_OK) return status;
@@ -112,10 +110,22 @@ static satin_status set_view(struct scene_loader *loader, const struct params *p
     if (axis == AXIS_LARGER) axis = aspect > 1.0 ? AXIS_X : AXIS_Y;
     if (axis == AXIS_Y) tangent *= aspect;
     if (axis == AXIS_DIAGONAL) tangent /= sqrt(1.0 + 1.0 / (aspect * aspect));
-    camera->tan_x = (float)tangent;
-    camera->tan_y = (float)(tangent / aspect);
-    if (camera->tan_x > 0.0f && camera->tan_x < 1e6f && camera->tan_y > 0.0f) return SATIN_OK;
+    tan[0] = (float)tangent;
+    tan[1] = (float)(tangent / aspect);
+    if (tan[0] > 0.0f && tan[0] < 1e6f && tan[1] > 0.0f) return SATIN_OK;
     return fail(loader, p, "its angle of view must be in (0, 180) degrees");
+}
+
+static satin_status set_view(struct scene_loader *loader, const struct params *p,
+                             struct camera *camera) {
+    const struct film_spec *film = &loader->scene->film;
+    float tan[2];
+    satin_status status =
+        scene_view_read(loader, p, (double)film->width / (double)film->height, tan);
+    if (status != SATIN_OK) return status;
+    camera->tan_x = tan[0];
+    camera->tan_y = tan[1];
+    return SATIN_OK;
 }
 
 // Rotation and mirroring are allowed, scale is not; the bound is Mitsuba's.

@@ -226,8 +226,94 @@ def cameras():
         '<scale x="3" y="2" z="4"/>', '<lookat origin="1, 3, 5" target="0, 0.8, 0" up="0, 1, 0"/>'))
 
 
+def emitters():
+    color = '<rgb name="{}" value="{}"/>'
+    noise = ('<texture type="bitmap" name="{}"><string name="filename" value="noise.png"/>'
+             '<string name="filter_type" value="{}"/></texture>')
+    above = place('<lookat origin="1, 4, 2" target="0, 0.5, 0" up="0, 1, 0"/>')
+
+    def emitter(kind, *parts):
+        return f'<emitter type="{kind}">{"".join(parts)}</emitter>\n'
+
+    def area(kind, where, radiance, *parts):
+        return (f'<shape type="{kind}">{"".join(parts)}{where}'
+                + emitter("area", radiance) + "</shape>\n")
+
+    down = place('<scale x="1.5" y="0.6"/>', '<rotate x="1" angle="90"/>', '<translate y="3.4"/>')
+    grey = color.format("radiance", "4, 5, 6")
+    yield "area_rectangle", area("rectangle", down, grey)
+    yield "area_textured", area("rectangle", down, noise.format("radiance", "bilinear"))
+    yield "area_checkerboard", area("rectangle", down, CHECKS.format("radiance"))
+    yield "area_sphere", area("sphere", place('<scale value="0.4"/>', '<translate y="3"/>'), grey)
+    yield "area_sphere_textured", area("sphere", place(
+        '<scale value="0.5"/>', TILT, '<translate y="2.7"/>'), noise.format("radiance", "nearest"))
+    yield "area_disk", area("disk", down, grey)
+    yield "area_disk_textured", area("disk", place(
+        '<rotate x="1" angle="90"/>', '<translate y="3"/>'), noise.format("radiance", "nearest"))
+    # Without texture: sampling a textured one, Mitsuba 3.9 disagrees with its own BSDF sampling.
+    yield "area_cylinder", area("cylinder", "", grey, '<point name="p0" x="-1" y="2.8" z="0"/>'
+                                '<point name="p1" x="1" y="3.2" z="0"/>', real("radius", 0.2))
+    yield "area_cube", area("cube", place('<scale value="0.3"/>', TILT, '<translate y="3"/>'), grey)
+    # With facets: where normals are smooth, Mitsuba tells by them how much a light shows of itself.
+    yield "area_mesh", area("ply", place('<scale value="0.5"/>', TILT, '<translate y="2.8"/>'),
+                            grey, text("filename", "plain.ply"), true("face_normals"))
+    yield "area_mesh_textured", area(
+        "ply", place('<scale value="0.5"/>', TILT, '<translate y="2.8"/>'),
+        noise.format("radiance", "nearest"), text("filename", "torus_ascii.ply"),
+        true("face_normals"))
+    yield "point", emitter("point", color.format("intensity", "20, 25, 30"),
+                           '<point name="position" x="1" y="3" z="2"/>')
+    spot = (real("cutoff_angle", 25), above)
+    yield "spot", emitter("spot", color.format("intensity", "40, 35, 30"), *spot)
+    yield "spot_beam", emitter("spot", color.format("intensity", "40, 35, 30"),
+                               real("beam_width", 5), *spot)
+    yield "spot_textured", emitter("spot", color.format("intensity", "40, 35, 30"), *spot,
+                                   noise.format("texture", "bilinear"))
+    fov = real("fov", 35)
+    yield "projector", emitter("projector", noise.format("irradiance", "bilinear"), fov,
+                               real("scale", 20), above)
+    yield "projector_axis", emitter("projector", noise.format("irradiance", "nearest"), fov,
+                                    text("fov_axis", "larger"), real("scale", 20), above)
+    yield "projector_plain", emitter("projector", color.format("irradiance", "8, 9, 10"), fov,
+                                     above)
+    yield "directional", emitter("directional", color.format("irradiance", "2, 1.5, 1"),
+                                 '<vector name="direction" x="-0.4" y="-1" z="-0.3"/>')
+    yield "directional_to_world", emitter("directional", above)
+    yield "constant", emitter("constant", color.format("radiance", "0.5, 0.6, 0.7"))
+    sky = text("filename", "sky.exr")
+    yield "envmap", emitter("envmap", sky)
+    yield "envmap_turned", emitter("envmap", sky, real("scale", 1.7), place(
+        '<rotate y="1" angle="70"/>', '<rotate x="1" angle="20"/>'))
+    rows_of_lamps = ""
+    for i in range(30):
+        for k in range(34):
+            rows_of_lamps += area("rectangle", place(
+                '<scale value="0.02"/>', '<rotate x="1" angle="90"/>',
+                f'<translate x="{0.2 * i - 2.9:.2f}" y="{1.6 + (i * k) % 5 * 0.3:.1f}"'
+                f' z="{0.2 * k - 3.3:.2f}"/>'),
+                color.format("radiance", f"{3 + i}, {20 + (7 * i + k) % 13}, {3 + k}"))
+    yield "thousand_areas", rows_of_lamps
+
+
+def colours():
+    def lit(radiance, reflectance=""):
+        reflectance = reflectance or '<rgb name="reflectance" value="0.5"/>'
+        return shape("sphere", '<point name="center" x="0" y="1" z="0"/>', bsdf=diffuse(
+            reflectance)) + f'<emitter type="constant">{radiance}</emitter>'
+
+    white = '<rgb name="radiance" value="0.5"/>'
+    samples = "400:0.2, 500:0.5, 550:0.7, 700:0.9"
+    for name, tail in (("constant", 'value="0.6"/>'), ("samples", f'value="{samples}"/>'),
+                       ("spd", 'filename="slope.spd"/>'), ("d65", 'type="d65"/>')):
+        yield f"radiance_{name}", lit(f'<spectrum name="radiance" {tail}')
+        if name != "d65":
+            yield f"reflectance_{name}", lit(white, f'<spectrum name="reflectance" {tail}')
+
+
 def rows(folder):
     write_files(folder)
     out = {f"shape_{name}": LIT + body for name, body in shapes()}
     out |= {f"camera_{name}": sensor + LIT + BALL for name, sensor in cameras()}
+    out |= {f"emitter_{name}": FLOOR + BALL + light for name, light in emitters()}
+    out |= {f"colour_{name}": FLOOR + body for name, body in colours()}
     return out

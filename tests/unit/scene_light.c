@@ -391,7 +391,9 @@ static void check_emission(const struct emission_case *c) {
                c->power, arrived, E);
     if (c->power > 0.0) assert_true(fabs(power / c->power - 1.0) < 2e-3);
     // The power of an image is summed over its cells at their centres; these cells are large.
-    assert_true(fabs(power / t.light[0].power - 1.0) < (c->light.image ? 0.1 : 2e-3));
+    // That of a slide over a grid, which its edges cut.
+    double rough = c->light.image ? 0.1 : c->light.texture ? 0.02 : 2e-3;
+    assert_true(fabs(power / t.light[0].power - 1.0) < rough);
     // The patch takes at least 1500 photons: three standard deviations are 8 % at most, while a
     // lost cosine or factor would be tens of per cent.
     assert_true(fabs(arrived / E - 1.0) < 0.08);
@@ -410,6 +412,23 @@ static void emission(void **state) {
     sun.direction = v3_unit(v3(0.5f, 0.3f, -1.0f));
     double c = 50.0 * M_PI / 180.0, b = 20.0 * M_PI / 180.0;
     double spot_power = 3.0 * 2.0 * M_PI * (1.0 - (sin(c) - sin(b)) / (c - b));
+    // Slides: at the place of `down`, looking down.
+    struct texture checks = {.kind = TEXTURE_CHECKERBOARD,
+                             .color0 = rgb_grey(0.9f),
+                             .color1 = rgb_grey(0.2f),
+                             .to_uv = {1.4f, 0, 0, 0, 1.4f, 0},
+                             .mean = rgb_grey(0.55f)};
+    struct mat4 place = turned(test_transform(v3(0.5f, 0.2f, 2.0f), v3(1, 1, 1)), v3(1, 0, 0), 180);
+    struct light slide = spot(50.0f, 20.0f), projector = {.kind = LIGHT_PROJECTOR};
+    slide.texture = projector.texture = &checks;
+    slide.position = projector.position = down.position;
+    slide.direction = projector.direction = down.direction;
+    projector.value = rgb_grey(3.0f);
+    projector.tan_x = 0.6f;
+    projector.tan_y = 0.4f;
+    slide.to_world = projector.to_world = place;
+    assert_true(mat4_inverse(&place, &slide.to_local));
+    projector.to_local = slide.to_local;
     const struct emission_case cases[] = {
         {"rectangle", {0}, 0, 3.0 * M_PI},
         {"cube", {0}, 1, 3.0 * M_PI * 6.0},
@@ -418,6 +437,8 @@ static void emission(void **state) {
         {"cylinder", {0}, 4, 3.0 * M_PI * M_PI * 0.5},
         {"point", point, -1, 8.0 * M_PI},
         {"spot", down, -1, spot_power},
+        {"spot with a slide", slide, -1, 0.0},
+        {"projector", projector, -1, 0.0},
         {"directional", sun, -1, 1.5 * 64.0 * (double)-sun.direction.z},
         {"constant", environment(NULL), -1, 0.5 * M_PI * 128.0},
         {"envmap", environment(&image), -1, 0.0},

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lights at a point: the same to all sides, into a cone (spot), through a slide (projector). Units
+// and texture coordinates were measured on Mitsuba 3.9.
+#include "base/sampling.h"
+#include "scene/scene_light.h"
+
+float light_spot_falloff(const struct light *light, float cos_theta) {
+    if (cos_theta >= light->cos_beam) return 1.0f;
+    if (cos_theta <= light->cos_cutoff) return 0.0f;
+    float cutoff = acosf(light->cos_cutoff), beam = acosf(light->cos_beam);
+    return (cutoff - acosf(cos_theta)) / (cutoff - beam);
+}
+
+void light_spot_solid_angles(const struct light *light, float *beam, float *penumbra) {
+    double c = acos((double)light->cos_cutoff), b = acos((double)light->cos_beam);
+    *beam = (float)(2.0 * M_PI * (1.0 - cos(b)));
+    // The integral of sin t (c - t) / (c - b) from b to c.
+    double integral = c > b ? cos(b) - (sin(c) - sin(b)) / (c - b) : 0.0;
+    *penumbra = (float)(2.0 * M_PI * fmax(integral, 0.0));
+}
+
+// ---- Slides -------------------------------------------------------------------------------------
+
+static rgb slide(const struct light *light, vec2 uv) {
+    return light->texture ? rgb_mul(light->value, texture_eval(light->texture, uv)) : light->value;
+}
+
+// A spot's texture covers the square around its cone.
+static rgb spot_color(const struct light *light, vec3 d) {
+    if (!light->texture) return light->value;
+    vec3 l = mat4_vector(&light->to_local, d);
+    float scale = 0.5f / (l.z * tanf(acosf(light->cos_cutoff)));
+    return slide(light, (vec2){0.5f + l.x * scale, 0.5f + l.y * scale});
+}
+
+// Where d (light space) meets the projector's slide; false if it passes beside it.
+static bool slide_uv(const struct light *light, vec3 d, vec2 *uv) {
+    *uv =
+        (vec2){0.5f - 0.5f * d.x / (d.z * light->tan_x), 0.5f - 0.5f * d.y / (d.z * light->tan_y)};
+    return d.z > 0.0f && uv->x >= 0.0f && uv->x <= 1.0f && uv->y >= 0.0f && uv->y <= 1.0f;
+}
+
+// The slide's irradiance is that of a plane at unit distance in light space, times pi; seen under
+// the angle theta from the axis that takes an intensity of 1 / cos^3. Its factor; 0: beside it.
+static float projector_factor(const struct light *light, vec3 d, vec2 *uv) {
+    vec3 axis = mat4_vector(&light->to_world, v3(0, 0, 1)), l = mat4_vector(&light->to_local, d);
+    if (!slide_uv(light, l, uv)) return 0.0f;
+    return PI_F / (l.z * l.z * v3_dot(axis, d));
+}
+
+// The power of a slide of irradiance 1: intensity times solid angle is pi times the slide's area,
+// by the length of the light's z axis for one unit of the world.
+static float slide_power(const struct light *light) {
+    float length = v3_len(mat4_vector(&light->to_world, v3(0, 0, 1)));
+    return 4.0f * light->tan_x * light->tan_y * PI_F * length;
+}
+
+// ---- Direct lighting ----------------------------------------------------------------------------
+
+float light_point_reach(const struct light *light, vec3 p) {
+    vec3 d = v3_sub(p, light->position);
+    float d2 = fmaxf(v3_len2(d), 1e-20f), f = 1.0f;
+    vec2 uv;
+    if (light->kind == LIGHT_SPOT)
+        f = light_spot_falloff(light, v3_dot(d, light->direction) / sqrtf(d2));
+    if (light->kind == LIGHT_PROJECTOR)
+        f = slide_uv(light, mat4_vector(&light->to_local, d), &uv) ? 1.0f : 0.0f;
+    return light->strength * f / d2;
+}
+
+bool light_point_sample(const struct light *light, vec3 p, struct light_sample *out) {
+    vec3 d = v3_sub(light->position, p);
+    float d2 = v3_len2(d), dist = sqrtf(d2);
+    if (!(dist > 0.0f)) return false;
+    vec3 wi = v3_mul(d, 1.0f / dist);
+    float scale = 1.0f / d2;
+    rgb color = light->value;
+    if (light->kind == LIGHT_SPOT) {
+        scale *= light_spot_falloff(light, -v3_dot(wi, light->direction));
+        color = spot_color(light, v3_neg(wi));
+    }
+    if (light->kind == LIGHT_PROJECTOR) {
+        vec2 uv;
+        scale *= projector_factor(light, v3_neg(wi), &uv);
+        color = slide(light, uv);
+    }
+    if (!(scale > 0.0f) || !isfinite(scale) || rgb_black(color) || !rgb_finite(color)) return false;
+    *out = (struct light_sample){
+        wi, light->position, v3(0, 0, 0), dist, rgb_scale(color, scale), 1.0f, true};
+    return true;
+}
+
+// ---- Emission -----------------------------------------------------------------------------------
+
+// The beam uniformly; the penumbra by an angle whose density falls linearly, as the intensity does.
+static vec3 spot_direction(const struct light *light, float u, float v) {
+    float beam, penumbra;
+    light_spot_solid_angles(light, &beam, &penumbra);
+    float share = beam / (beam + penumbra);
+    if (u < share) return sample_uniform_cone(u / share, v, light->cos_beam);
+    float rest = (u - share) / (1.0f - share), phi = 2.0f * PI_F * v;
+    float c = acosf(light->cos_cutoff), b = acosf(light->cos_beam);
+    float theta = c - (c - b) * safe_sqrtf(1.0f - rest), s = sinf(theta);
+    return v3(s * cosf(phi), s * sinf(phi), cosf(theta));
+}
+
+// The intensity, relative to the light's color, over the density of spot_direction.
+static float spot_power(const struct light *light, float cos_theta) {
+    float beam, penumbra;
+    light_spot_solid_angles(light, &beam, &penumbra);
+    if (cos_theta >= light->cos_beam) return beam + penumbra;
+    if (cos_theta <= light->cos_cutoff) return 0.0f;
+    float c = acosf(light->cos_cutoff), b = acosf(light->cos_beam);
+    // falloff sin(theta) 2 pi over its density 2 (c - theta) / (c - b)^2 (1 - share)
+    return PI_F * safe_sqrtf(1.0f - sqrf(cos_theta)) * (c - b) * (beam + penumbra) / penumbra;
+}
+
+vec3 light_point_direction(const struct light *light, float u, float v) {
+    if (light->kind == LIGHT_SPOT) {
+        struct frame frame = frame_from_normal(light->direction);
+        return frame_to_world(&frame, spot_direction(light, u, v));
+    }
+    if (light->kind != LIGHT_PROJECTOR) return sample_uniform_sphere(u, v);
+    // The irradiance is even over the slide, so that places on it are chosen evenly.
+    vec3 l = v3(light->tan_x * (1.0f - 2.0f * u), light->tan_y * (1.0f - 2.0f * v), 1.0f);
+    return v3_unit(mat4_vector(&light->to_world, l));
+}
+
+float light_point_power(const struct light *light, vec3 d, rgb *color, float *pdf_w) {
+    *color = light->value;
+    if (light->kind == LIGHT_SPOT) {
+        float cos_theta = v3_dot(d, light->direction), power = spot_power(light, cos_theta);
+        *pdf_w = power > 0.0f ? light_spot_falloff(light, cos_theta) / power : 0.0f;
+        if (power > 0.0f) *color = spot_color(light, d);
+        return power;
+    }
+    if (light->kind == LIGHT_PROJECTOR) {
+        vec2 uv;
+        float intensity = projector_factor(light, d, &uv), power = slide_power(light);
+        *pdf_w = intensity / power;
+        if (intensity > 0.0f) *color = slide(light, uv);
+        return intensity > 0.0f ? power : 0.0f;
+    }
+    *pdf_w = 0.25f / PI_F;
+    return 4.0f * PI_F;
+}
+
+// ---- Preparation --------------------------------------------------------------------------------
+
+// The mean power of what is emitted, over a grid of its numbers.
+static float mean_power(const struct light *light) {
+    enum { GRID = 64 };
+    double sum = 0.0;
+    for (int i = 0; i < GRID * GRID; i++) {
+        float u = ((float)(i / GRID) + 0.5f) / GRID, v = ((float)(i % GRID) + 0.5f) / GRID, pdf_w;
+        rgb color;
+        float power = light_point_power(light, light_point_direction(light, u, v), &color, &pdf_w);
+        sum += (double)(power * rgb_luminance(color));
+    }
+    return (float)(sum / (GRID * GRID));
+}
+
+void light_point_prepare(struct light *light) {
+    float beam = 4.0f * PI_F, penumbra = 0.0f;
+    light->strength = rgb_luminance(light->value);
+    if (light->kind == LIGHT_SPOT) light_spot_solid_angles(light, &beam, &penumbra);
+    light->power = (beam + penumbra) * light->strength;
+    if (light->kind == LIGHT_PROJECTOR) {
+        light->power = slide_power(light) * light->strength;
+        light->strength = light->power / (4.0f * light->tan_x * light->tan_y);
+    }
+    if (!light->texture) return;
+    float plain = light->power;
+    light->power = mean_power(light);
+    light->strength *= light->power / plain;
+}
