@@ -93,11 +93,12 @@ typedef enum rsh_normalisation {
     RSH_SCHMIDT,          // it is 4 pi / (2 l + 1): "SN3D", magnetics, ambisonics
     RSH_UNNORMALISED      // P_l^|m|(cos theta) cos(m phi) or sin(|m| phi) as they are
 } rsh_normalisation;
+// Complex harmonics have exp(i m phi); that of -m is the conjugate of that of m, with phase times
+// (-1)^m.
 typedef enum rsh_layout {
     RSH_BY_DEGREE = 0,  // n * n numbers, l (l + 1) + m (ours; "ACN")
     RSH_COSINE_SINE,    // [2][n][n]: [0][l][m] of cos(m phi), [1][l][m] of sin(m phi), as pyshtools
-    RSH_COMPLEX         // n * n pairs of real and imaginary part, l (l + 1) + m, of the harmonics
-                 // with exp(i m phi), whose -m is the conjugate of m, with phase times (-1)^m
+    RSH_COMPLEX         // n * n pairs of real and imaginary part, l (l + 1) + m
 } rsh_layout;
 typedef struct rsh_convention {
     rsh_normalisation norm;
@@ -141,20 +142,19 @@ typedef struct rsh_zyz {
 RSH_API rsh_zyz rsh_zyz_of_matrix(const float r[9]);
 RSH_API bool rsh_rotate_zyz(int order, int channels, rsh_zyz angles, const float *in, float *out);
 
-// The forms by name, all for any r.
-//   taylor           z, y, z with the series about y: for small beta only [K05 5.3]. 9 n^2
-//   products. pinchon_hoggan   z, y, z with the turn about y as one about z between two exchanges
-//   of y and z,
-//                    constant symmetric blocks [Pinchon and Hoggan 2007]. 2 n^3 / 3 + 6 n^2.
-//   zxzxz            the same between two quarter turns about x [Kautz et al. 2002]; plain C.
-//   ivanic           matrices band by band from r itself [Ivanic and Ruedenberg 1996, 1998]; plain
-//                    C. 4 n^3 / 3 to apply them, several times that to make them.
+// The forms by name, all for any r; products are per channel.
+// z, y, z with the series about y [K05 5.3]: for small beta only; 9 n^2 products.
 RSH_API bool rsh_rotate_taylor(rsh_taylor kind, int order, int channels, const float r[9],
                                const float *in, float *out);
+// z, y, z with the turn about y as one about z between two exchanges of y and z, constant symmetric
+// blocks [Pinchon and Hoggan 2007]: 2 n^3 / 3 + 6 n^2 products.
 RSH_API bool rsh_rotate_pinchon_hoggan(int order, int channels, const float r[9], const float *in,
                                        float *out);
+// The same between two quarter turns about x [Kautz et al. 2002], in plain C.
 RSH_API bool rsh_rotate_zxzxz(int order, int channels, const float r[9], const float *in,
                               float *out);
+// Matrices band by band from r itself [Ivanic and Ruedenberg 1996, corrected 1998], in plain C:
+// 4 n^3 / 3 products to apply them, several times that to make them.
 RSH_API bool rsh_rotate_ivanic(int order, int channels, const float r[9], const float *in,
                                float *out);
 
@@ -197,10 +197,26 @@ RSH_API bool rsh_align(rsh_basis basis, int order, int channels, const float fro
 RSH_API bool rsh_align_transposed(rsh_basis basis, int order, int channels, const float from[9],
                                   const float to[9], float beta_limit, const float *in, float *out);
 
-// The same for `count` records at once, as structures of arrays: coefficient k of channel c of
-// record i is in[(c * n * n + k) * count + i], entry e of its matrix or frame is r[e][i]. out == in
-// is allowed. A record's result does not depend on the others. Blocks of 16 to 64 records stay in
-// the first cache.
+// What a BRDF in frame `to` reflects of a record in frame `from`: out[c] = dot(BRDF, align(value +
+// x d_dx + y d_dy)), c = r, g, b. The BRDF is turned, not the record: one channel, or three, in
+// place of the record's nine. False also for a number of channels that is neither 1 nor 3.
+typedef struct rsh_reflection {
+    rsh_basis basis;
+    int order;
+    const float *from, *to;    // frames
+    float beta_limit;          // as for rsh_align
+    const float *value;        // [3 * n * n]
+    const float *d_dx, *d_dy;  // the same size; NULL: none
+    float x, y;                // displacement in the record's frame
+    const float *brdf;         // [brdf_channels * n * n]
+    int brdf_channels;         // 3, or 1 for all colours
+} rsh_reflection;
+RSH_API bool rsh_reflect(const rsh_reflection *reflection, float out[3]);
+
+// Rotation and alignment of `count` records at once, as structures of arrays: coefficient k of
+// channel c of record i is in[(c * n * n + k) * count + i], entry e of its matrix or frame is
+// r[e][i]. out == in is allowed. A record's result does not depend on the others. Blocks of 16 to
+// 64 records stay in the first cache.
 RSH_API bool rsh_rotate_many(int order, int channels, size_t count, const float *const r[9],
                              const float *in, float *out);
 RSH_API bool rsh_rotate_taylor_many(rsh_taylor kind, int order, int channels, size_t count,

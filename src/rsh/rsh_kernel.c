@@ -267,7 +267,7 @@ static void kernel_dot3(int n, int step, const float *a, const float *b, float o
     for (; k + W <= n; k += W)
         for (int c = 0; c < 3; c++) sum[c] += load(a + c * step + k) * load(b + c * n + k);
     if (k < n) {
-        vf mask = load(zeros_ones + n - k);
+        vf mask = load(zeros_ones + (n - k));
         for (int c = 0; c < 3; c++)
             sum[c] += load(a + c * step + n - W) * mask * load(b + c * n + n - W);
     }
