@@ -204,6 +204,7 @@ struct scene_hints {
     size_t option_count;
 };
 
+struct light_tree;
 struct trace;  // the Embree scene; scene_trace.c alone knows it
 
 struct satin_scene {
@@ -217,8 +218,9 @@ struct satin_scene {
     uint32_t side_count;  // numbers of sides, see material_side
     struct light *light;
     uint32_t light_count;
-    const float *light_cdf;  // light_count + 1, by power; NULL without lights
-    int32_t environment;     // index of the constant or envmap light, or -1
+    const float *light_cdf;         // light_count + 1, by power; NULL without lights
+    struct light_tree *light_tree;  // of many lights (scene_light_tree.c), else NULL
+    int32_t environment;            // index of the constant or envmap light, or -1
     struct camera camera;
     struct film_spec film;
     struct scene_hints hints;

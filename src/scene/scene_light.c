@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lights as the integrators see them: choosing one for a point, sampling a direction towards it,
 // and the densities that multiple importance sampling needs. Units and parameters are Mitsuba 3's.
-#include "scene/scene_light.h"
 #include "base/sampling.h"
+#include "scene/scene_light_tree.h"
 
-// Up to this many lights are weighed for each point; beyond, they are chosen by power alone.
+// Up to this many lights are weighed for each point; beyond, they are chosen through a tree.
 enum { WEIGHED_MAX = 16 };
 // Share of the choice that does not trust the estimates, which know neither shadows nor facing.
 #define CHOICE_EVEN 0.25f
@@ -41,13 +41,14 @@ satin_status scene_lights_prepare(struct satin_scene *scene, struct log log) {
     if (status != SATIN_OK) return log_fail(log, status, "not enough memory for the lights");
     sample_cdf_build(power, scene->light_count, cdf);
     scene->light_cdf = cdf;
-    return SATIN_OK;
+    if (scene->light_count <= WEIGHED_MAX) return SATIN_OK;
+    status = light_tree_build(scene);
+    return status == SATIN_OK ? status : log_fail(log, status, "not enough memory for the lights");
 }
 
 // ---- Choice -----------------------------------------------------------------------------------
 
-// An estimate of the irradiance (luminance) at p; 0 only if the light brings none.
-static float light_reach(const struct satin_scene *scene, const struct light *light, vec3 p) {
+float light_reach(const struct satin_scene *scene, const struct light *light, vec3 p) {
     switch (light->kind) {
         case LIGHT_AREA:
             return light_area_reach(scene, light, p);
@@ -88,11 +89,7 @@ uint32_t light_choose(const struct satin_scene *scene, vec3 p, float u, float *p
         *probability = 1.0f;
         return 0;
     }
-    if (n > WEIGHED_MAX) {
-        i = (uint32_t)sample_cdf(scene->light_cdf, n, u, NULL);
-        *probability = scene->light_cdf[i + 1] - scene->light_cdf[i];
-        return i;
-    }
+    if (scene->light_tree) return light_tree_choose(scene, p, u, probability);
     float weight[WEIGHED_MAX];
     weigh(scene, p, weight);
     uint32_t last = 0;
@@ -108,8 +105,7 @@ uint32_t light_choose(const struct satin_scene *scene, vec3 p, float u, float *p
 
 float light_choose_probability(const struct satin_scene *scene, vec3 p, uint32_t light) {
     if (scene->light_count == 1) return 1.0f;
-    if (scene->light_count > WEIGHED_MAX)
-        return scene->light_cdf[light + 1] - scene->light_cdf[light];
+    if (scene->light_tree) return light_tree_probability(scene, p, light);
     float weight[WEIGHED_MAX];
     weigh(scene, p, weight);
     return weight[light];

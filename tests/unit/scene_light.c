@@ -260,10 +260,20 @@ static void area_lights_have_a_front(void **state) {
     test_scene_free(&t);
 }
 
-// Lights are drawn as often as light_choose_probability says, few or many.
+static struct light spot(float cutoff, float beam) {
+    return (struct light){.kind = LIGHT_SPOT,
+                          .value = rgb_grey(3.0f),
+                          .position = v3(0, 0, 0),
+                          .direction = v3(0, 0, 1),
+                          .cos_cutoff = cosf(cutoff * PI_F / 180.0f),
+                          .cos_beam = cosf(beam * PI_F / 180.0f)};
+}
+
+// Lights are drawn as often as light_choose_probability says, few or many; never without a chance
+// where they bring light.
 static void choice_has_its_probability(void **state) {
     (void)state;
-    for (int lights = 3; lights <= 20; lights += 17) {
+    for (int lights = 3; lights <= 28; lights += 25) {
         struct test_scene t;
         test_scene_init(&t);
         uint32_t grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
@@ -271,7 +281,15 @@ static void choice_has_its_probability(void **state) {
             struct mat4 m = test_transform(v3((float)i, 0, 0), v3(0.3f, 0.3f, 0.3f));
             test_area_light(&t, test_rectangle(&t, m, grey), rgb_grey((float)(1 + i % 3)));
         }
+        // One of each other kind: on a line with the rest, and from afar.
+        struct light other[] = {spot(60.0f, 20.0f), {.kind = LIGHT_POINT}, environment(NULL)};
+        other[0].position = v3(3, 0.5f, -1);
+        other[1].position = v3(8, 0.5f, 2);
+        other[1].value = rgb_grey(2.0f);
+        for (int i = 0; i < 3 && lights > 16; i++) test_light(&t, other[i]);
+        lights += lights > 16 ? 3 : 0;
         test_scene_finish(&t);
+        assert_true((t.scene.light_tree != NULL) == (lights > 16));
         vec3 p = v3(1.0f, 0.5f, 0.7f);
         double drawn[32] = {0}, sum = 0.0;
         for (int i = 0; i < 100000; i++) {
@@ -282,21 +300,15 @@ static void choice_has_its_probability(void **state) {
         }
         for (int i = 0; i < lights; i++) {
             float probability = light_choose_probability(&t.scene, p, (uint32_t)i);
+            struct light_sample s;
+            if (light_sample(&t.scene, (uint32_t)i, p, 0.5f, 0.5f, &s))
+                assert_true(probability > 1e-4f);
             assert_true(fabs(drawn[i] - probability) < 1e-4);
             sum += probability;
         }
         assert_true(fabs(sum - 1.0) < 1e-5);
         test_scene_free(&t);
     }
-}
-
-static struct light spot(float cutoff, float beam) {
-    return (struct light){.kind = LIGHT_SPOT,
-                          .value = rgb_grey(3.0f),
-                          .position = v3(0, 0, 0),
-                          .direction = v3(0, 0, 1),
-                          .cos_cutoff = cosf(cutoff * PI_F / 180.0f),
-                          .cos_beam = cosf(beam * PI_F / 180.0f)};
 }
 
 // Mitsuba's falloff is linear in the angle (measured with 3.9.1).

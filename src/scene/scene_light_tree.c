@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: Apache-2.0
+// Many lights are chosen through a tree: every node holds a box around its lights, the cone of
+// their directions and the sum of their strengths, which bound what can reach a point [Conty
+// Estevez and Kulla 2018, "Importance sampling of many lights with adaptive tree splitting"]. A
+// choice goes down with the bounds' shares; in a leaf the lights' own estimates decide. Deviations:
+// the receiver's normal is not known here, nodes split at the median, and lights from infinitely
+// far have a tree of their own beside the root's.
+#include "scene/scene_light_tree.h"
+
+#include <stdlib.h>
+
+#include "base/sampling.h"
+
+// Share of each decision that goes by strength alone: what the bounds say nothing of is shadows.
+#define SHARE_BLIND 0.1f
+// The least cosine that a cone is believed to leave.
+#define COSINE_MIN 0.02f
+
+// Directions that light goes: within `spread` of the normals, which are within `open` of the axis.
+struct cone {
+    vec3 axis;
+    float open, spread;
+};
+
+struct light_node {
+    vec3 lo, hi;
+    struct cone cone;
+    float strength;
+    bool far;               // infinitely: a place means nothing
+    uint32_t first, count;  // leaf: lights of light_tree.order
+    uint32_t child;         // the first of two; 0: a leaf
+};
+
+struct light_tree {
+    struct light_node *node;
+    uint32_t node_count;
+    uint32_t *order;
+    uint32_t *path;  // light -> which child to take, from the lowest bit on
+};
+
+// ---- Bounds -------------------------------------------------------------------------------------
+
+static struct cone cone_all(void) { return (struct cone){v3(0, 0, 1), PI_F, 0.5f * PI_F}; }
+
+static float angle_between(vec3 a, vec3 b) {
+    return 2.0f * atan2f(v3_len(v3_sub(a, b)), v3_len(v3_add(a, b)));
+}
+
+// A cone around both: the axis turns towards the narrower one.
+static struct cone cone_union(struct cone a, struct cone b) {
+    if (b.open > a.open) {
+        struct cone swap = a;
+        a = b;
+        b = swap;
+    }
+    float spread = fmaxf(a.spread, b.spread), between = angle_between(a.axis, b.axis);
+    if (between + b.open <= a.open) return (struct cone){a.axis, a.open, spread};
+    float open = 0.5f * (a.open + between + b.open), turn = open - a.open;
+    vec3 side = v3_unit(v3_mad(b.axis, -v3_dot(a.axis, b.axis), a.axis));
+    if (open >= PI_F || v3_len2(side) < 0.5f) return (struct cone){a.axis, PI_F, spread};
+    vec3 axis = v3_unit(v3_mad(v3_mul(a.axis, cosf(turn)), sinf(turn), side));
+    return (struct cone){axis, open, spread};
+}
+
+static void grow(struct light_node *node, vec3 p) {
+    node->lo = v3_min(node->lo, p);
+    node->hi = v3_max(node->hi, p);
+}
+
+static void area_bounds(const struct satin_scene *scene, const struct light *light,
+                        struct light_node *node) {
+    const struct shape *shape = &scene->shape[light->shape];
+    if (shape->kind == SHAPE_MESH) {
+        for (size_t i = 0; i < shape->mesh.vertex_count; i++) {
+            const float *p = shape->mesh.position + 3 * i;
+            grow(node, v3(p[0], p[1], p[2]));
+        }
+    } else {
+        bool sphere = shape->kind == SHAPE_SPHERE;
+        for (int i = 0; i < 8; i++) {
+            vec3 corner = v3(i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f);
+            if (shape->kind != SHAPE_SPHERE) corner.z = fmaxf(corner.z, 0.0f);
+            if (shape->kind == SHAPE_DISK) corner.z = 0.0f;
+            grow(node, sphere ? v3_mad(shape->center, shape->radius, corner)
+                              : mat4_point(&shape->to_world, corner));
+        }
+    }
+    if (!light->face) return;
+    node->cone = (struct cone){light->face[0].n, 0.0f, 0.5f * PI_F};
+    for (uint32_t i = 1; i < light->face_count; i++)
+        node->cone = cone_union(node->cone, (struct cone){light->face[i].n, 0.0f, 0.5f * PI_F});
+}
+
+static struct light_node node_empty(void) {
+    return (struct light_node){.lo = v3(INFINITY, INFINITY, INFINITY),
+                               .hi = v3(-INFINITY, -INFINITY, -INFINITY)};
+}
+
+static struct light_node node_of(const struct satin_scene *scene, uint32_t index) {
+    const struct light *light = &scene->light[index];
+    struct light_node node = node_empty();
+    node.cone = cone_all();
+    node.strength = light->strength;
+    node.far = light->kind >= LIGHT_DIRECTIONAL;
+    if (light->kind == LIGHT_AREA) {
+        area_bounds(scene, light, &node);
+    } else {
+        node.lo = node.hi = node.far ? v3(0, 0, 0) : light->position;
+    }
+    if (light->kind == LIGHT_SPOT)
+        node.cone = (struct cone){light->direction, 0.0f, acosf(light->cos_cutoff)};
+    return node;
+}
+
+static struct light_node node_union(const struct light_node *a, const struct light_node *b) {
+    struct light_node node = *a;
+    node.lo = v3_min(a->lo, b->lo);
+    node.hi = v3_max(a->hi, b->hi);
+    node.cone = cone_union(a->cone, b->cone);
+    node.strength = a->strength + b->strength;
+    node.far = a->far && b->far;
+    return node;
+}
+
+// ---- Building -----------------------------------------------------------------------------------
+
+struct item {
+    struct light_node node;
+    vec3 centre;
+    uint32_t light;
+    float key;
+};
+
+struct build {
+    struct light_tree *tree;
+    struct item *item;
+};
+
+static int by_key(const void *a, const void *b) {
+    const struct item *x = a, *y = b;
+    if (x->key != y->key) return x->key < y->key ? -1 : 1;
+    return (x->light > y->light) - (x->light < y->light);
+}
+
+static float component(vec3 v, int k) { return k == 0 ? v.x : k == 1 ? v.y : v.z; }
+
+// Sorts along the longest side of the items' centres; lights from afar come last.
+static uint32_t split(struct item *item, uint32_t count) {
+    vec3 lo = item[0].centre, hi = lo;
+    uint32_t near = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        lo = v3_min(lo, item[i].centre);
+        hi = v3_max(hi, item[i].centre);
+        near += !item[i].node.far;
+    }
+    bool mixed = near > 0 && near < count;
+    vec3 size = v3_sub(hi, lo);
+    int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    for (uint32_t i = 0; i < count; i++)
+        item[i].key = mixed ? (float)item[i].node.far : component(item[i].centre, axis);
+    qsort(item, count, sizeof *item, by_key);
+    return mixed ? near : count / 2;
+}
+
+static void build_node(struct build *b, uint32_t at, uint32_t first, uint32_t count, uint32_t path,
+                       uint32_t depth) {
+    struct item *item = b->item + first;
+    struct light_node node = item[0].node;
+    uint32_t far = item[0].node.far;
+    for (uint32_t i = 1; i < count; i++) {
+        node = node_union(&node, &item[i].node);
+        far += item[i].node.far;
+    }
+    node.first = first;
+    node.count = count;
+    if (count > LIGHT_LEAF_MAX || (far && far < count)) {
+        uint32_t left = split(item, count);
+        node.child = b->tree->node_count;
+        b->tree->node_count += 2;
+        build_node(b, node.child, first, left, path, depth + 1);
+        build_node(b, node.child + 1, first + left, count - left, path | 1u << depth, depth + 1);
+    } else {
+        for (uint32_t i = 0; i < count; i++) {
+            b->tree->order[first + i] = item[i].light;
+            b->tree->path[item[i].light] = path;
+        }
+    }
+    b->tree->node[at] = node;
+}
+
+satin_status light_tree_build(struct satin_scene *scene) {
+    uint32_t n = scene->light_count;
+    struct arena *arena = &scene->arena;
+    struct light_tree *tree = arena_alloc(arena, sizeof *tree);
+    struct item *item = malloc((size_t)n * sizeof *item);
+    // At least one light for each leaf.
+    if (tree) {
+        tree->node = arena_array(arena, 2 * (size_t)n, sizeof *tree->node);
+        tree->order = arena_array(arena, n, sizeof *tree->order);
+        tree->path = arena_array(arena, n, sizeof *tree->path);
+    }
+    if (!tree || !item || !tree->node || !tree->order || !tree->path) {
+        free(item);
+        return SATIN_ERROR_MEMORY;
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        item[i] = (struct item){.node = node_of(scene, i), .light = i};
+        item[i].centre = v3_mul(v3_add(item[i].node.lo, item[i].node.hi), 0.5f);
+    }
+    tree->node_count = 1;
+    struct build b = {tree, item};
+    build_node(&b, 0, 0, n, 0, 0);
+    free(item);
+    scene->light_tree = tree;
+    return SATIN_OK;
+}
+
+// ---- Choice -------------------------------------------------------------------------------------
+
+// A bound, but for COSINE_MIN, of the irradiance that the node's lights bring to p.
+static float node_reach(const struct light_node *node, vec3 p) {
+    if (node->far) return node->strength;
+    vec3 centre = v3_mul(v3_add(node->lo, node->hi), 0.5f), d = v3_sub(p, centre);
+    float r2 = 0.25f * v3_dist2(node->lo, node->hi), d2 = v3_len2(d);
+    if (d2 <= r2) return node->strength / fmaxf(r2, 1e-20f);
+    float off = node->cone.open + asinf(sqrtf(r2 / d2));
+    float most = PI_F - off, cosine = 1.0f;
+    if (most > 0.0f) {
+        float beyond = angle_between(node->cone.axis, v3_mul(d, 1.0f / sqrtf(d2))) - off;
+        if (beyond > 0.0f)
+            cosine = beyond < node->cone.spread ? fmaxf(cosf(beyond), COSINE_MIN) : COSINE_MIN;
+    }
+    return node->strength * cosine / d2;
+}
+
+// The probability of the second child of an inner node.
+static float second_share(const struct light_tree *tree, const struct light_node *node, vec3 p) {
+    const struct light_node *a = &tree->node[node->child], *b = a + 1;
+    float blind = b->strength / (a->strength + b->strength);
+    float ra = node_reach(a, p), rb = node_reach(b, p), share = rb / (ra + rb);
+    if (!isfinite(share)) share = blind;
+    if (!isfinite(blind)) return 0.5f;
+    return share + SHARE_BLIND * (blind - share);
+}
+
+// What a leaf's lights are weighed by; their sum. Lights that bring nothing have no weight, unless
+// all are such.
+static float weigh_leaf(const struct satin_scene *scene, const struct light_node *leaf, vec3 p,
+                        float weight[LIGHT_LEAF_MAX]) {
+    float sum = 0.0f;
+    uint32_t lit = 0;
+    const uint32_t *order = scene->light_tree->order + leaf->first;
+    for (uint32_t i = 0; i < leaf->count; i++) {
+        weight[i] = light_reach(scene, &scene->light[order[i]], p);
+        sum += weight[i];
+        lit += weight[i] > 0.0f;
+    }
+    bool good = sum > 0.0f && isfinite(sum);
+    float even = good ? sum * (SHARE_BLIND / (float)lit) : 0.0f;
+    for (uint32_t i = 0; i < leaf->count; i++) {
+        if (!good) weight[i] = 1.0f;
+        if (good && weight[i] > 0.0f) weight[i] = weight[i] * (1.0f - SHARE_BLIND) + even;
+    }
+    return good ? sum : (float)leaf->count;
+}
+
+uint32_t light_tree_choose(const struct satin_scene *scene, vec3 p, float u, float *probability) {
+    const struct light_tree *tree = scene->light_tree;
+    const struct light_node *node = tree->node;
+    double x = (double)u, chosen = 1.0;
+    while (node->child) {
+        double second = (double)second_share(tree, node, p), first = 1.0 - second;
+        bool right = x >= first;
+        x = fmin(right ? (x - first) / second : x / first, 0x1.fffffffffffffp-1);
+        chosen *= right ? second : first;
+        node = &tree->node[node->child + right];
+    }
+    float weight[LIGHT_LEAF_MAX], sum = weigh_leaf(scene, node, p, weight);
+    uint32_t i = 0;
+    for (x *= (double)sum; i + 1 < node->count && x >= (double)weight[i]; i++)
+        x -= (double)weight[i];
+    while (!(weight[i] > 0.0f) && i > 0) i--;  // past the last one by rounding
+    *probability = (float)(chosen * (double)(weight[i] / sum));
+    return tree->order[node->first + i];
+}
+
+float light_tree_probability(const struct satin_scene *scene, vec3 p, uint32_t light) {
+    const struct light_tree *tree = scene->light_tree;
+    const struct light_node *node = tree->node;
+    double chosen = 1.0;
+    for (uint32_t path = tree->path[light]; node->child; path >>= 1) {
+        double second = (double)second_share(tree, node, p);
+        chosen *= path & 1 ? second : 1.0 - second;
+        node = &tree->node[node->child + (path & 1)];
+    }
+    float weight[LIGHT_LEAF_MAX], sum = weigh_leaf(scene, node, p, weight);
+    for (uint32_t i = 0; i < node->count; i++)
+        if (tree->order[node->first + i] == light)
+            return (float)(chosen * (double)(weight[i] / sum));
+    return 0.0f;
+}
