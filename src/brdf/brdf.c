@@ -14,10 +14,13 @@
 #include "brdf/brdf_models.h"
 
 const struct brdf_model *const brdf_models[] = {
-    &brdf_model_diffuse,    &brdf_model_conductor,      &brdf_model_roughconductor,
-    &brdf_model_dielectric, &brdf_model_thindielectric, &brdf_model_roughdielectric,
-    &brdf_model_null,       &brdf_model_plastic,        &brdf_model_roughplastic,
-    &brdf_model_phong,      &brdf_model_ward,           &(const struct brdf_model){.name = NULL}};
+    &brdf_model_diffuse,        &brdf_model_conductor,
+    &brdf_model_roughconductor, &brdf_model_dielectric,
+    &brdf_model_thindielectric, &brdf_model_roughdielectric,
+    &brdf_model_null,           &brdf_model_principled,
+    &brdf_model_principledthin, &brdf_model_plastic,
+    &brdf_model_roughplastic,   &brdf_model_phong,
+    &brdf_model_ward,           &(const struct brdf_model){.name = NULL}};
 
 const struct brdf_model *brdf_find(const char *name) {
     for (int i = 0; brdf_models[i]->name; i++)
@@ -28,6 +31,18 @@ const struct brdf_model *brdf_find(const char *name) {
 satin_status brdf_prepare(struct brdf *b, struct arena *arena) {
     satin_status status = b->model->prepare ? b->model->prepare(b, arena) : SATIN_OK;
     return status ? status : brdf_albedo_prepare(b, arena);
+}
+
+bool brdf_same_shape(const struct brdf *a, const struct brdf *b) {
+    struct brdf x = *a, y = *b;
+    if (x.model != y.model || x.ior != y.ior || x.distribution != y.distribution ||
+        x.variant != y.variant || x.opaque != y.opaque)
+        return false;
+    for (enum brdf_slot i = BRDF_SLOT_NUMBERS; i < BRDF_SLOT_COUNT; i++)
+        if (*brdf_number(&x, i) != *brdf_number(&y, i)) return false;
+    if (x.model->slots & 1u << BRDF_SLOT_ETA)
+        return memcmp(&x.eta, &y.eta, sizeof x.eta) == 0 && memcmp(&x.k, &y.k, sizeof x.k) == 0;
+    return !brdf_tinted(&x) || memcmp(&x.diffuse, &y.diffuse, sizeof x.diffuse) == 0;
 }
 
 unsigned brdf_lobes(const struct brdf *b) {

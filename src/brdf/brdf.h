@@ -130,6 +130,8 @@ struct brdf_model {
                 float *glossy);
     // Directional albedo of the diffuse part; NULL if that is Lambertian: `diffuse` itself.
     rgb (*diffuse_albedo)(const struct brdf *b, vec3 wo);
+    // A rough albedo of BRDF_GLOSSY or BRDF_THROUGH, where no table holds; NULL: by samples.
+    rgb (*glossy_estimate)(const struct brdf *b, vec3 wo, unsigned lobe);
     // Draws wi from those of the parts BRDF_GLOSSY and BRDF_THROUGH that are in `lobes`, by numbers
     // in [0, 1) of which x chooses; false if the sample fails (then it counts as zero). NULL
     // without such lobes.
@@ -149,6 +151,13 @@ const struct brdf_model *brdf_find(const char *name);  // NULL if there is none
 // Computes tables and constants; call once per material after its constants are set. Fails on lack
 // of memory.
 satin_status brdf_prepare(struct brdf *b, struct arena *arena);
+
+// Whether two BRDFs have the same glossy part but for the factors `specular` and `transmittance`.
+bool brdf_same_shape(const struct brdf *a, const struct brdf *b);
+// Whether the glossy part depends on `diffuse`: the metallic or tinted principled models.
+static inline bool brdf_tinted(const struct brdf *b) {
+    return b->metallic > 0.0f || b->spec_tint > 0.0f;
+}
 
 // The lobes that b really has (a black diffuse part does not count).
 unsigned brdf_lobes(const struct brdf *b);

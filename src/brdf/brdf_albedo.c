@@ -14,8 +14,8 @@ enum {
 
 // Albedo of the glossy lobe with `specular` 1, and of BRDF_THROUGH with `transmittance` 1.
 struct brdf_glossy {
-    float alpha_u, alpha_v, exponent;  // the tables hold for these
-    int azimuths;                      // AZIMUTHS, or 1 if isotropic
+    struct brdf brdf;  // the tables hold for its shape
+    int azimuths;      // AZIMUTHS, or 1 if isotropic
     struct nodes {
         rgb node[AZIMUTHS][NODES];
     } side[2][2];  // by lobe; for wo above, below
@@ -52,7 +52,7 @@ satin_status brdf_albedo_prepare(struct brdf *b, struct arena *arena) {
     if (!g) return SATIN_ERROR_MEMORY;
     struct brdf white = *b;
     white.specular = white.transmittance = rgb_grey(1.0f);
-    g->alpha_u = b->alpha_u, g->alpha_v = b->alpha_v, g->exponent = b->exponent;
+    g->brdf = *b;
     g->azimuths = brdf_isotropic(b) ? 1 : AZIMUTHS;
     for (int below = 0; below < (brdf_transmits(b) ? 2 : 1); below++) {
         fill_nodes(&white, g->azimuths, BRDF_GLOSSY, below, &g->side[0][below]);
@@ -72,8 +72,9 @@ static rgb lerp_nodes(const rgb *node, float x) {
 // Of BRDF_GLOSSY or BRDF_THROUGH.
 static rgb glossy_albedo(const struct brdf *b, vec3 wo, unsigned lobe) {
     const struct brdf_glossy *g = b->glossy;
-    if (!g || g->alpha_u != b->alpha_u || g->alpha_v != b->alpha_v || g->exponent != b->exponent)
-        return sample_mean(b, wo, lobe, LOOKUP_POINTS);
+    if (!g || !brdf_same_shape(&g->brdf, b))
+        return b->model->glossy_estimate ? b->model->glossy_estimate(b, wo, lobe)
+                                         : sample_mean(b, wo, lobe, LOOKUP_POINTS);
     const struct nodes *nodes = &g->side[lobe == BRDF_THROUGH][wo.z < 0.0f];
     rgb factor = lobe == BRDF_THROUGH ? b->transmittance : b->specular;
     float x = sqrtf(wo.x * wo.x + wo.y * wo.y) / (1.0f + fabsf(wo.z)) * (float)(NODES - 1);

@@ -11,6 +11,7 @@ extern const struct brdf_model brdf_model_conductor, brdf_model_roughconductor;
 extern const struct brdf_model brdf_model_dielectric, brdf_model_thindielectric;
 extern const struct brdf_model brdf_model_roughdielectric, brdf_model_null;
 extern const struct brdf_model brdf_model_plastic, brdf_model_roughplastic;
+extern const struct brdf_model brdf_model_principled, brdf_model_principledthin;
 extern const struct brdf_model brdf_model_phong;
 extern const struct brdf_model brdf_model_ward;
 

@@ -50,7 +50,7 @@ static const struct material_side *side_seen(const struct satin_scene *scene,
 // The weight of part[1].
 static float blend_weight(const struct material_side *side, const struct surfel *s) {
     if (!side->blend) return side->weight;
-    return clampf(rgb_luminance(texture_eval(side->blend, s->uv)), 0.0f, 1.0f);
+    return clampf(texture_number(side->blend, s->uv), 0.0f, 1.0f);
 }
 
 static int list_parts(const struct material_side *side, const struct surfel *s, float weight,
@@ -102,18 +102,18 @@ static void look_up(const struct material_side *side, vec2 uv, struct brdf *b) {
     const struct texture *const *slot = side->slot;
     for (enum brdf_slot i = 0; i < BRDF_SLOT_COUNT; i++) {
         if (!slot[i]) continue;
-        rgb value = texture_eval(slot[i], uv);
         if (i < BRDF_SLOT_NUMBERS)
-            *brdf_color(b, i) = value;
+            *brdf_color(b, i) = texture_eval(slot[i], uv);
         else
-            *brdf_number(b, i) = clampf(rgb_luminance(value), 0.0f, 1e6f);
+            *brdf_number(b, i) = clampf(texture_number(slot[i], uv), 0.0f, 1e6f);
     }
 }
 
-// Seen from behind as if that were the front.
+// Seen from behind as if that were the front: two-sided, or a thin sheet, which is alike from both.
 static bool is_flipped(const struct satin_scene *scene, const struct material_side *side,
                        const struct surfel *s, vec3 wo) {
-    return is_behind(s, wo) && scene->material[s->material].two_sided && !side->one_sided;
+    if (!is_behind(s, wo)) return false;
+    return side->base.model->thin || (scene->material[s->material].two_sided && !side->one_sided);
 }
 
 struct frame scene_part_frame(const struct satin_scene *scene, const struct material_side *side,

@@ -36,7 +36,7 @@ struct param_spec {
     const char *doc;
 };
 
-enum { PARAM_MAX = 16 };  // parameters of one plugin
+enum { PARAM_MAX = 24 };  // parameters of one plugin
 
 struct param_value {
     bool given;                // in the file; else the default, if there is one

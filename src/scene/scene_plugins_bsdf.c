@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // <bsdf>: materials. Names, parameters and defaults are those of Mitsuba 3; phong and ward are
 // those of Mitsuba 0.6 with its parameters spelt the new way.
+#include "scene/scene_plugins_bsdf.h"
 #include "base/array.h"
 #include "base/text.h"
-#include "scene/scene_loader.h"
 
 static const char *const distributions[] = {"beckmann", "ggx", NULL};  // enum brdf_distribution
 static const char *const variants[] = {"ward", "ward-duer", "balanced", NULL};  // enum brdf_variant
@@ -107,7 +107,6 @@ static const struct param_spec use_shadowing = {"use_shadowing_function",
                                                 NULL,
                                                 "slopes shadow light that comes in flat"};
 
-typedef const struct param_spec *const param_list[];
 static param_list blend_params = {&weight, NULL};
 static param_list bump_params = {&bump_scale, &flip_invalid, &use_shadowing, NULL};
 static param_list normal_params = {&normal_map, &flip_invalid, &use_shadowing, NULL};
@@ -140,8 +139,8 @@ static param_list ward_params = {&diffuse_reflectance, &lobe_reflectance, &varia
 // Below this the distributions degenerate in single precision; Mitsuba's bound too.
 #define ALPHA_MIN 1e-4f
 
-static satin_status set_color(struct scene_loader *loader, const struct param_value *value,
-                              struct material_side *side, enum brdf_slot slot) {
+satin_status bsdf_set_color(struct scene_loader *loader, const struct param_value *value,
+                            struct material_side *side, enum brdf_slot slot) {
     rgb *field = brdf_color(&side->base, slot);
     *field = value->color;
     if (!value->texture) return SATIN_OK;
@@ -150,8 +149,8 @@ static satin_status set_color(struct scene_loader *loader, const struct param_va
     return status;
 }
 
-static satin_status set_number(struct scene_loader *loader, const struct param_value *value,
-                               struct material_side *side, enum brdf_slot slot) {
+satin_status bsdf_set_number(struct scene_loader *loader, const struct param_value *value,
+                             struct material_side *side, enum brdf_slot slot) {
     bool rough = slot == BRDF_SLOT_ALPHA_U || slot == BRDF_SLOT_ALPHA_V;
     float number = value->f;
     if (value->texture) {
@@ -173,8 +172,8 @@ static satin_status set_alpha(struct scene_loader *loader, const struct params *
         return SATIN_ERROR_INPUT;
     }
     if (!u->given) u = v = param(p, "alpha");
-    satin_status status = set_number(loader, u, side, BRDF_SLOT_ALPHA_U);
-    return status == SATIN_OK ? set_number(loader, v, side, BRDF_SLOT_ALPHA_V) : status;
+    satin_status status = bsdf_set_number(loader, u, side, BRDF_SLOT_ALPHA_U);
+    return status == SATIN_OK ? bsdf_set_number(loader, v, side, BRDF_SLOT_ALPHA_V) : status;
 }
 
 static satin_status set_metal(struct scene_loader *loader, const struct params *p,
@@ -182,8 +181,8 @@ static satin_status set_metal(struct scene_loader *loader, const struct params *
     const struct param_value *eta = param(p, "eta"), *k = param(p, "k");
     const struct param_value *material = param(p, "material");
     if (!material->given) {
-        satin_status status = set_color(loader, eta, side, BRDF_SLOT_ETA);
-        return status == SATIN_OK ? set_color(loader, k, side, BRDF_SLOT_K) : status;
+        satin_status status = bsdf_set_color(loader, eta, side, BRDF_SLOT_ETA);
+        return status == SATIN_OK ? bsdf_set_color(loader, k, side, BRDF_SLOT_K) : status;
     }
     if (eta->given || k->given) {
         log_error_at(loader->log, material->place, "a metal is either a material, or eta and k");
@@ -221,14 +220,14 @@ static satin_status check_albedo(struct scene_loader *loader, const struct param
 
 static satin_status build_diffuse(struct scene_loader *loader, const struct params *p,
                                   void *object) {
-    return set_color(loader, param(p, "reflectance"), object, BRDF_SLOT_DIFFUSE);
+    return bsdf_set_color(loader, param(p, "reflectance"), object, BRDF_SLOT_DIFFUSE);
 }
 
 static satin_status build_conductor(struct scene_loader *loader, const struct params *p,
                                     void *object) {
     satin_status status = set_metal(loader, p, object);
     if (status != SATIN_OK) return status;
-    return set_color(loader, param(p, "specular_reflectance"), object, BRDF_SLOT_SPECULAR);
+    return bsdf_set_color(loader, param(p, "specular_reflectance"), object, BRDF_SLOT_SPECULAR);
 }
 
 static satin_status build_roughconductor(struct scene_loader *loader, const struct params *p,
@@ -244,9 +243,10 @@ static satin_status build_dielectric(struct scene_loader *loader, const struct p
     struct material_side *side = object;
     satin_status status = set_ior(loader, p, side);
     if (status == SATIN_OK)
-        status = set_color(loader, param(p, "specular_reflectance"), side, BRDF_SLOT_SPECULAR);
+        status = bsdf_set_color(loader, param(p, "specular_reflectance"), side, BRDF_SLOT_SPECULAR);
     if (status != SATIN_OK) return status;
-    return set_color(loader, param(p, "specular_transmittance"), side, BRDF_SLOT_TRANSMITTANCE);
+    return bsdf_set_color(loader, param(p, "specular_transmittance"), side,
+                          BRDF_SLOT_TRANSMITTANCE);
 }
 
 static satin_status build_roughdielectric(struct scene_loader *loader, const struct params *p,
@@ -271,9 +271,9 @@ static satin_status build_null(struct scene_loader *loader, const struct params 
 static satin_status set_both(struct scene_loader *loader, const struct params *p,
                              struct material_side *side) {
     satin_status status =
-        set_color(loader, param(p, "diffuse_reflectance"), side, BRDF_SLOT_DIFFUSE);
+        bsdf_set_color(loader, param(p, "diffuse_reflectance"), side, BRDF_SLOT_DIFFUSE);
     if (status != SATIN_OK) return status;
-    return set_color(loader, param(p, "specular_reflectance"), side, BRDF_SLOT_SPECULAR);
+    return bsdf_set_color(loader, param(p, "specular_reflectance"), side, BRDF_SLOT_SPECULAR);
 }
 
 static satin_status build_plastic(struct scene_loader *loader, const struct params *p,
@@ -295,7 +295,7 @@ static satin_status build_roughplastic(struct scene_loader *loader, const struct
 static satin_status build_phong(struct scene_loader *loader, const struct params *p, void *object) {
     satin_status status = set_both(loader, p, object);
     if (status == SATIN_OK)
-        status = set_number(loader, param(p, "exponent"), object, BRDF_SLOT_EXPONENT);
+        status = bsdf_set_number(loader, param(p, "exponent"), object, BRDF_SLOT_EXPONENT);
     return status == SATIN_OK ? check_albedo(loader, p, object) : status;
 }
 
@@ -304,9 +304,9 @@ static satin_status build_ward(struct scene_loader *loader, const struct params 
     side->base.variant = (enum brdf_variant)param(p, "variant")->i;
     satin_status status = set_both(loader, p, side);
     if (status == SATIN_OK)
-        status = set_number(loader, param(p, "alpha_u"), side, BRDF_SLOT_ALPHA_U);
+        status = bsdf_set_number(loader, param(p, "alpha_u"), side, BRDF_SLOT_ALPHA_U);
     if (status == SATIN_OK)
-        status = set_number(loader, param(p, "alpha_v"), side, BRDF_SLOT_ALPHA_V);
+        status = bsdf_set_number(loader, param(p, "alpha_v"), side, BRDF_SLOT_ALPHA_V);
     return status == SATIN_OK ? check_albedo(loader, p, side) : status;
 }
 
@@ -330,6 +330,10 @@ const struct plugin_spec scene_bsdf_plugins[] = {
      false},
     {XML_BSDF, "ward", "a diffuse part and Ward's anisotropic lobe", ward_params, 0, build_ward,
      false},
+    {XML_BSDF, "principled", "diffuse, metal, coat, sheen and refraction by a few numbers",
+     bsdf_principled_params, 0, bsdf_principled_build, false},
+    {XML_BSDF, "principledthin", "the same for a thin sheet", bsdf_principledthin_params, 0,
+     bsdf_principledthin_build, false},
     {XML_BSDF, "twosided", "one BRDF for both sides, or two, front and back", NULL, 1u << XML_BSDF,
      NULL, false},
     {XML_BSDF, "blendbsdf", "a mixture of two BRDFs", blend_params, 1u << XML_BSDF, NULL, false},

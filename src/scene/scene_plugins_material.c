@@ -167,8 +167,10 @@ static satin_status build_relief(struct scene_loader *loader, const struct param
 // ---- Any <bsdf> ---------------------------------------------------------------------------------
 
 static bool is_anisotropic(const struct material_side *side) {
-    return side->slot[BRDF_SLOT_ALPHA_U] != side->slot[BRDF_SLOT_ALPHA_V] ||
-           side->base.alpha_u != side->base.alpha_v;
+    bool two = side->base.model->slots >> BRDF_SLOT_ALPHA_V & 1;
+    return (two && side->slot[BRDF_SLOT_ALPHA_U] != side->slot[BRDF_SLOT_ALPHA_V]) ||
+           (two && side->base.alpha_u != side->base.alpha_v) || side->slot[BRDF_SLOT_ANISOTROPIC] ||
+           side->base.anisotropic != 0.0f;
 }
 
 static satin_status build_plain(struct scene_loader *loader, const struct params *p,

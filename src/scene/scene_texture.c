@@ -71,6 +71,14 @@ rgb texture_eval(const struct texture *texture, vec2 uv) {
     return right == lower ? texture->color0 : texture->color1;
 }
 
+float texture_number(const struct texture *texture, vec2 uv) {
+    if (texture->kind != TEXTURE_CHECKERBOARD) return rgb_luminance(texture_eval(texture, uv));
+    struct texture exchanged = *texture;
+    exchanged.color0 = texture->color1;
+    exchanged.color1 = texture->color0;
+    return rgb_luminance(texture_eval(&exchanged, uv));
+}
+
 vec2 texture_gradient(const struct texture *texture, vec2 uv) {
     float u, v;
     if (texture->kind != TEXTURE_BITMAP || texture->nearest || !to_texture(texture, uv, &u, &v))

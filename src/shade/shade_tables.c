@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // BRDF tables for the scene's glossy materials [K05 figure 3.5, preprocessing].
 #include <stdlib.h>
-#include <string.h>
 
 #include "shade/shade.h"
 
@@ -9,7 +8,7 @@
 static bool shape_textured(const struct material_side *side) {
     for (int i = BRDF_SLOT_ETA; i < BRDF_SLOT_COUNT; i++)
         if (side->slot[i]) return true;
-    return false;
+    return side->slot[BRDF_SLOT_DIFFUSE] && brdf_tinted(&side->base);
 }
 
 static satin_status build_side(const struct material_side *side, const satin_options *o,
@@ -23,14 +22,6 @@ static satin_status build_side(const struct material_side *side, const satin_opt
         *out = NULL;
     }
     return status;
-}
-
-// Whether two BRDFs have the same glossy part but for its factor.
-static bool alike(const struct brdf *a, const struct brdf *b) {
-    return a->model == b->model && a->alpha_u == b->alpha_u && a->alpha_v == b->alpha_v &&
-           a->exponent == b->exponent && a->ior == b->ior && a->distribution == b->distribution &&
-           a->variant == b->variant && memcmp(&a->eta, &b->eta, sizeof a->eta) == 0 &&
-           memcmp(&a->k, &b->k, sizeof a->k) == 0;
 }
 
 // What the visit of a material needs; `first` keeps the side of each index that is built.
@@ -50,7 +41,7 @@ static bool share_table(struct builder *b, const struct material_side *side) {
     for (size_t j = 0; j < b->tables.count; j++) {
         const struct material_side *other = b->first[j];
         if (!other || !b->tables.owned[j] || shape_textured(other)) continue;
-        if (!alike(&side->base, &other->base)) continue;
+        if (!brdf_same_shape(&side->base, &other->base)) continue;
         b->tables.table[side->index] = b->tables.table[j];
         b->tables.channels[side->index] = b->tables.channels[j];
         return true;

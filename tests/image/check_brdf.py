@@ -23,7 +23,7 @@ rng = np.random.default_rng(7)
 # The principled models' numbers, in the order of enum brdf_slot.
 NUMBERS = ("metallic", "anisotropic", "spec_trans", "spec_tint", "sheen", "sheen_tint", "flatness",
            "clearcoat", "clearcoat_gloss", "diff_trans")
-BOTH_SIDES = ("roughdielectric",)
+BOTH_SIDES = ("roughdielectric", "principled", "principledthin")
 
 
 class Params(dict):
@@ -35,6 +35,8 @@ class Params(dict):
                          ior=1.5, au=0.1, av=0.1, exponent=30.0)
         self.update(dict.fromkeys(NUMBERS, 0.0))
         self.update(kw)
+        if "principled" in model:
+            self["av"] = 0.0
 
     def line(self):
         p = self
@@ -56,7 +58,7 @@ def directions(n):
 def pairs(p):
     """Half random pairs, half near the mirror direction at the width of the lobe."""
     wo, wi = directions(DIRECTIONS), directions(DIRECTIONS)
-    m = np.stack([rng.normal(0, p["au"], DIRECTIONS), rng.normal(0, p["av"], DIRECTIONS),
+    m = np.stack([rng.normal(0, p["au"], DIRECTIONS), rng.normal(0, p["av"] or p["au"], DIRECTIONS),
                   np.ones(DIRECTIONS)], 1)
     m /= np.linalg.norm(m, axis=1)[:, None]
     mirrored = 2 * (wo * m).sum(1)[:, None] * m - wo
@@ -90,6 +92,11 @@ def mitsuba_bsdf(p):
                  diffuse_reflectance=rgb(p["diffuse"]), nonlinear=bool(p["nonlinear"]))
     if p["model"] == "roughplastic":
         d.update(alpha=float(p["au"]), distribution=name)
+    if "principled" in p["model"]:
+        names = set(NUMBERS) - ({"diff_trans"} if p["model"] == "principled" else
+                                {"metallic", "clearcoat", "clearcoat_gloss"})
+        d.update(base_color=rgb(p["diffuse"]), roughness=float(p["au"]), eta=float(p["ior"]),
+                 **{name: float(p[name]) for name in names})
     return mi.load_dict(d)
 
 
@@ -152,6 +159,12 @@ def cases():
                                       (1, 1.5, 1)):
             yield Params("roughplastic", distribution=distribution, au=alpha, av=alpha, ior=ior,
                          nonlinear=nonlinear, diffuse=color(), specular=color())
+    for roughness in (0.05, 0.2, 0.5, 1):
+        for ior in (1.5, 1.1, 2.0):
+            some = {name: float(rng.random()) * (rng.random() < 0.6) for name in NUMBERS}
+            yield Params("principled", au=roughness, ior=ior, diffuse=color(), **some)
+            some["diff_trans"] *= 2
+            yield Params("principledthin", au=roughness, ior=ior, diffuse=color(), **some)
     for ior, nonlinear in ((1.49, 0), (1.9, 1), (1.2, 1), (2.4, 0)):
         yield Params("plastic", ior=ior, nonlinear=nonlinear, diffuse=color(), specular=color())
     yield Params("conductor", specular=color(), eta=color(0.1, 3), k=color(0.5, 6))

@@ -189,6 +189,11 @@ static const struct refusal refusals[] = {
      "scene.xml:3:22: twosided cannot wrap another twosided"},
     {SHAPE("<bsdf type='blendbsdf'><float name='weight' value='.5'/><bsdf type='null'/></bsdf>"),
      "scene.xml:3:22: blendbsdf takes two <bsdf>s"},
+    {SCENE_TEXT("<bsdf type='principled'><float name='eta' value='2'/><float name='specular' "
+                "value='.5'/></bsdf>"),
+     "scene.xml:3:1: the reflectance is either eta or specular"},
+    {SCENE_TEXT("<bsdf type='principledthin'><float name='diff_trans' value='3'/></bsdf>"),
+     "scene.xml:3:29: diff_trans is over 2"},
     {SHAPE("<bsdf type='bumpmap'><bsdf type='diffuse'/></bsdf>"),
      "scene.xml:3:22: bumpmap needs a <texture>"},
     {SHAPE(

@@ -205,15 +205,25 @@ static void tables_are_complete(void **state) {
 // A parameter may be textured exactly where its model says so.
 static void textures_fit_models(void **state) {
     (void)state;
-    static const char *const slot_params[BRDF_SLOT_COUNT][2] = {
-        {"reflectance", "diffuse_reflectance"},
+    static const char *const slot_params[BRDF_SLOT_COUNT][3] = {
+        {"reflectance", "diffuse_reflectance", "base_color"},
         {"specular_reflectance", NULL},
         {"specular_transmittance", NULL},
         {"eta", NULL},
         {"k", NULL},
-        {"alpha", "alpha_u"},
+        {"alpha", "alpha_u", "roughness"},
         {"alpha", "alpha_v"},
-        {"exponent", NULL}};
+        {"exponent", NULL},
+        {"metallic", NULL},
+        {"anisotropic", NULL},
+        {"spec_trans", NULL},
+        {"spec_tint", NULL},
+        {"sheen", NULL},
+        {"sheen_tint", NULL},
+        {"flatness", NULL},
+        {"clearcoat", NULL},
+        {"clearcoat_gloss", NULL},
+        {"diff_trans", NULL}};
     for (const struct plugin_spec *b = scene_bsdf_plugins; b->name; b++) {
         if (!b->build) continue;
         const struct brdf_model *model = brdf_find(b->name);
@@ -221,7 +231,7 @@ static void textures_fit_models(void **state) {
         for (int i = 0; i < BRDF_SLOT_COUNT; i++) {
             bool textured = false;
             for (int j = 0; b->params && b->params[j]; j++)
-                for (int k = 0; k < 2; k++)
+                for (int k = 0; k < 3; k++)
                     if (slot_params[i][k] && strcmp(b->params[j]->name, slot_params[i][k]) == 0)
                         textured |= (b->params[j]->flags & PARAM_TEXTURE) != 0;
             assert_int_equal(textured, model->slots >> i & 1);

@@ -64,6 +64,7 @@ static void checks_alternate(void **state) {
     for (int i = 0; i < 9; i++) {
         rgb c = texture_eval(&t, uv[i]);
         assert_true(c.r == (float)first[i] && c.g == (float)!first[i]);
+        assert_true(texture_number(&t, uv[i]) == rgb_luminance(first[i] ? t.color1 : t.color0));
     }
 }
 

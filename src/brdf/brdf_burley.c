@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// The diffuse lobe of the principled models; see the header. With F = (1 - cos)^5 at both
+// directions, c = cos^2 of the angle between them halved, r the roughness, R = 2 r c:
+//   diffuse (1 - Fo/2) (1 - Fi/2), retroreflection R (Fo + Fi + Fo Fi (R - 1)),
+//   flattened 1.25 (S (1 / (cos_o + cos_i) - 1/2) + 1/2), S = (1 + (r c - 1) Fo) (1 + (r c - 1)
+//   Fi).
+// All are polynomials in r whose coefficients integrate to functions of cos_o alone.
+#include "brdf/brdf_burley.h"
+
+#include "brdf/brdf_models.h"
+#include "brdf/brdf_quadrature.h"
+
+enum { SIZE = 33, AZIMUTHS = 32, NODES = 24 };
+
+// Means over the hemisphere weighted by the cosine, for cosines 0 to 1, evenly spaced. The names
+// say what: c, c^2, F = Fi, G = 1 - Fi, w = 1 / (cos_o + cos_i) - 1/2, and the sheen's Schlick
+// weight.
+struct burley {
+    float c[SIZE], cF[SIZE], c2F[SIZE], wG[SIZE], wcF[SIZE], wcG[SIZE], wc2F[SIZE], sheen[SIZE];
+};
+
+satin_status burley_prepare(struct brdf *b, struct arena *arena) {
+    struct burley *t = arena_alloc(arena, sizeof *t);
+    if (!t) return SATIN_ERROR_MEMORY;
+    struct quadrature rule;
+    quadrature_gauss(&rule, NODES);
+    for (int i = 0; i < SIZE; i++) {
+        float mu = maxf((float)i / (SIZE - 1), 1e-3f), s = safe_sqrtf(1.0f - mu * mu);
+        double sum[8] = {0};
+        for (int j = 0; j < NODES; j++)
+            for (int k = 0; k < AZIMUTHS; k++) {
+                double x = rule.x[j], phi = M_PI * (k + 0.5) / AZIMUTHS;
+                double weight = rule.weight[j] * 2.0 * x / AZIMUTHS;
+                double c = 0.5 * (1.0 + mu * x + s * sqrt(1.0 - x * x) * cos(phi));
+                double F = (double)burley_weight((float)x), w = 1.0 / (mu + x) - 0.5;
+                const double value[8] = {c,
+                                         c * F,
+                                         c * c * F,
+                                         w * (1.0 - F),
+                                         w * c * F,
+                                         w * c * (1.0 - F),
+                                         w * c * c * F,
+                                         (double)burley_weight((float)sqrt(c))};
+                for (int n = 0; n < 8; n++) sum[n] += weight * value[n];
+            }
+        t->c[i] = (float)sum[0], t->cF[i] = (float)sum[1], t->c2F[i] = (float)sum[2];
+        t->wG[i] = (float)sum[3], t->wcF[i] = (float)sum[4], t->wcG[i] = (float)sum[5];
+        t->wc2F[i] = (float)sum[6], t->sheen[i] = (float)sum[7];
+    }
+    b->tables = t;
+    return SATIN_OK;
+}
+
+static rgb sheen_color(const struct brdf *b) {
+    rgb tint = rgb_scale(burley_tint(b), b->sheen_tint);
+    return rgb_scale(rgb_add(tint, rgb_grey(1.0f - b->sheen_tint)), b->sheen);
+}
+
+rgb burley_diffuse(const struct brdf *b, vec3 wo, vec3 wi, float base, float sheen) {
+    float Fo = burley_weight(wo.z), Fi = burley_weight(wi.z);
+    float c = minf(0.25f * v3_len2(v3_add(wo, wi)), 1.0f), R = 2.0f * b->alpha_u * c;
+    float f = (1.0f - 0.5f * Fo) * (1.0f - 0.5f * Fi) + R * (Fo + Fi + Fo * Fi * (R - 1.0f));
+    if (b->flatness > 0.0f) {
+        float m = 0.5f * R - 1.0f, S = (1.0f + m * Fo) * (1.0f + m * Fi);
+        float flat = 1.25f * (S * (1.0f / (wo.z + wi.z) - 0.5f) + 0.5f);
+        f = lerpf(f, flat, b->flatness);
+    }
+    rgb value = rgb_scale(b->diffuse, base * f * (1.0f / PI_F));
+    if (b->sheen == 0.0f) return value;
+    return rgb_mad(value, sheen_color(b), sheen * burley_weight(sqrtf(c)));
+}
+
+rgb burley_diffuse_albedo(const struct brdf *b, float cosine, float base, float sheen) {
+    const struct burley *t = b->tables;
+    float x = cosine * (float)(SIZE - 1), r = b->alpha_u, F = burley_weight(cosine), G = 1.0f - F;
+    int i = x < (float)(SIZE - 2) ? (int)x : SIZE - 2;
+    x -= (float)i;
+#define AT(name) lerpf(t->name[i], t->name[i + 1], x)
+    // The mean of 1 - Fi / 2 is 41 / 42.
+    float f = (1.0f - 0.5f * F) * (41.0f / 42.0f) +
+              2.0f * r * (F * AT(c) + G * AT(cF) + 2.0f * r * F * AT(c2F));
+    if (b->flatness > 0.0f) {
+        float S = G * AT(wG) + r * (G * AT(wcF) + F * AT(wcG) + r * F * AT(wc2F));
+        f = lerpf(f, 1.25f * (S + 0.5f), b->flatness);
+    }
+    rgb albedo = rgb_scale(b->diffuse, base * f);
+    return rgb_mad(albedo, sheen_color(b), sheen * PI_F * AT(sheen));
+#undef AT
+}

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Refraction at facets; see the header.
+#include "brdf/brdf_refraction.h"
+
+#include "brdf/brdf_fresnel.h"
+
+struct refraction refraction_at(struct microfacet facets, float ior, vec3 *wo, vec3 *wi) {
+    if (wo->z > 0.0f) return (struct refraction){facets, ior};
+    wo->z = -wo->z;
+    wi->z = -wi->z;
+    return (struct refraction){facets, 1.0f / ior};
+}
+
+// The facet that refracts wo into wi, and its cosines to both, co > 0 > ci; false if there is none.
+static bool find_facet(const struct refraction *at, vec3 wo, vec3 wi, vec3 *n, float *co,
+                       float *ci) {
+    vec3 h = v3_mad(wo, at->eta, wi);
+    float length = v3_len(h);
+    if (!(length > 0.0f)) return false;
+    *n = v3_mul(h, (h.z < 0.0f ? -1.0f : 1.0f) / length);
+    *co = v3_dot(wo, *n);
+    *ci = v3_dot(wi, *n);
+    return *co > 0.0f && *ci < 0.0f && n->z > 0.0f;
+}
+
+// Solid angle of facets per solid angle of refracted light.
+static float jacobian(const struct refraction *at, float co, float ci) {
+    return -sqrf(at->eta) * ci / sqrf(co + at->eta * ci);
+}
+
+float refraction_value(const struct refraction *at, vec3 wo, vec3 wi, enum brdf_mode mode) {
+    vec3 n;
+    float co, ci;
+    if (!find_facet(at, wo, wi, &n, &co, &ci)) return 0.0f;
+    float t = (1.0f - fresnel_dielectric(co, at->eta, NULL)) * microfacet_d(at->facets, n);
+    t *= microfacet_g1(at->facets, wo) * microfacet_g1(at->facets, v3(wi.x, wi.y, -wi.z));
+    t *= jacobian(at, co, ci) * co / (wo.z * -wi.z);
+    // Radiance is compressed into a smaller solid angle on the denser side.
+    return mode == BRDF_RADIANCE ? t / sqrf(at->eta) : t;
+}
+
+float refraction_pdf(const struct refraction *at, vec3 wo, vec3 wi, float *f) {
+    vec3 n;
+    float co, ci;
+    *f = 1.0f;
+    if (!find_facet(at, wo, wi, &n, &co, &ci)) return 0.0f;
+    *f = fresnel_dielectric(co, at->eta, NULL);
+    if (*f >= 1.0f) return 0.0f;
+    float visible = microfacet_d(at->facets, n) * microfacet_g1_exact(at->facets, wo) * co / wo.z;
+    return visible * jacobian(at, co, ci);
+}
+
+bool refraction_follow(const struct refraction *at, vec3 wo, vec3 n, bool refract, vec3 *wi) {
+    float co = v3_dot(wo, n), ct;
+    if (!(co > 0.0f)) return false;
+    if (!refract) {
+        *wi = v3_mad(v3_neg(wo), 2.0f * co, n);
+        return wi->z > 0.0f;
+    }
+    if (fresnel_dielectric(co, at->eta, &ct) >= 1.0f) return false;
+    *wi = v3_mad(v3_mul(wo, -1.0f / at->eta), co / at->eta + ct, n);
+    return wi->z < 0.0f;
+}

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to scene/: what the files that build BRDFs share.
+#ifndef SCENE_PLUGINS_BSDF_H
+#define SCENE_PLUGINS_BSDF_H
+
+#include "scene/scene_loader.h"
+
+typedef const struct param_spec *const param_list[];
+
+// Sets a colour's or a number's slot from a parameter: its value, or its texture and, as a constant
+// for estimates, the texture's mean.
+satin_status bsdf_set_color(struct scene_loader *loader, const struct param_value *value,
+                            struct material_side *side, enum brdf_slot slot);
+satin_status bsdf_set_number(struct scene_loader *loader, const struct param_value *value,
+                             struct material_side *side, enum brdf_slot slot);
+
+// scene_plugins_principled.c
+extern param_list bsdf_principled_params, bsdf_principledthin_params;
+satin_status bsdf_principled_build(struct scene_loader *loader, const struct params *p,
+                                   void *object);
+satin_status bsdf_principledthin_build(struct scene_loader *loader, const struct params *p,
+                                       void *object);
+
+#endif
