@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -29,7 +30,8 @@ enum {
 };
 
 const struct app_flag app_render_flags[] = {
-    {"--output", "-o", "OUT.exr", "The image, an OpenEXR file with all layers."},
+    {"--output", "-o", "OUT.exr",
+     "The image, an OpenEXR file with all layers; or OUT.png, the beauty alone."},
     {"--png", NULL, "[FILE.png]", "The beauty as a PNG too, beside the image if no name is given."},
     {"--stats", NULL, "FILE.json", "Statistics as JSON; - for standard output."},
     {"--define", "-D", "NAME=VALUE", "Replaces a default of the scene file; may be repeated."},
@@ -118,6 +120,21 @@ static int read_arguments(int argc, char **argv, struct request *r) {
         satin_options_resolve(NULL, r->setting, r->setting_count, app_log, NULL, &checked));
 }
 
+static bool ends_in(const char *name, const char *suffix) {
+    size_t n = strlen(name), m = strlen(suffix);
+    return n >= m && strcasecmp(name + n - m, suffix) == 0;
+}
+
+// What is written under -o follows from its ending.
+static int check_format(const struct request *r) {
+    static const char *const foreign[] = {".jpg", ".jpeg", ".tif", ".tiff", ".hdr",
+                                          ".bmp", ".webp", ".pfm", ".tga"};
+    for (size_t i = 0; i < sizeof foreign / sizeof *foreign; i++)
+        if (ends_in(r->output, foreign[i]))
+            return app_wrong("%s: images are written as .exr or .png", r->output);
+    return APP_DONE;
+}
+
 static bool same_file(const char *a, const char *b) {
     struct stat sa, sb;
     if (strcmp(a, b) == 0) return true;
@@ -153,7 +170,9 @@ static char *png_name(const char *output) {
 }
 
 static int check_outputs(struct request *r) {
-    if (r->want_png && !r->png) {
+    int status = check_format(r);
+    if (status != APP_DONE) return status;
+    if (r->want_png && !r->png && !ends_in(r->output, ".png")) {
         r->png = r->png_beside = png_name(r->output);
         if (!r->png) return APP_FAILED;
     }
@@ -163,7 +182,7 @@ static int check_outputs(struct request *r) {
         for (int j = 0; path[i] && j < i; j++)
             if (path[j] && same_file(path[i], path[j]))
                 return app_wrong("two outputs have the same name: %s", path[i]);
-        int status = path[i] ? check_output(path[i], r->scene) : APP_DONE;
+        status = path[i] ? check_output(path[i], r->scene) : APP_DONE;
         if (status != APP_DONE) return status;
     }
     return APP_DONE;
@@ -172,9 +191,14 @@ static int check_outputs(struct request *r) {
 static satin_status write_outputs(const struct request *r, const satin_film *film, int threads,
                                   struct log log) {
     const char *stats = satin_film_stats(film);
-    struct parallel *pool = parallel_new(threads);
-    satin_status status = film_write_exr(film, r->output, pool, log);
-    parallel_free(pool);
+    satin_status status;
+    if (ends_in(r->output, ".png")) {
+        status = satin_film_write_png(film, r->output, log.fn, log.user);
+    } else {
+        struct parallel *pool = parallel_new(threads);
+        status = film_write_exr(film, r->output, pool, log);
+        parallel_free(pool);
+    }
     if (status == SATIN_OK && r->png) status = satin_film_write_png(film, r->png, log.fn, log.user);
     if (status != SATIN_OK || !r->stats || !stats) return status;
     if (strcmp(r->stats, "-") != 0) return fileio_write(log, r->stats, stats, strlen(stats));

@@ -58,7 +58,8 @@ void text_nearest_try(struct text_nearest *search, const char *candidate) {
     size_t nw = strlen(search->word), nc = strlen(candidate);
     if (nw > WORD_MAX || nc > WORD_MAX) return;
     int edits = edit_distance(search->word, (int)nw, candidate, (int)nc);
-    if (edits > 1 + (int)nc / 3 || (search->best && edits >= search->edits)) return;
+    // A slip changes a letter in three at most; more is another word.
+    if (3 * edits > (int)(nw > nc ? nw : nc) || (search->best && edits >= search->edits)) return;
     search->best = candidate;
     search->edits = edits;
 }

@@ -9,6 +9,7 @@
 
 #include <climits>
 #include <cmath>
+#include <cstdlib>
 #include <new>
 
 extern "C" {
@@ -121,8 +122,22 @@ struct Tree final : photon_index {
 
 }  // namespace
 
+// Measured: a copy of the data and about 21 bytes of tree per row.
+static size_t tree_bytes(size_t rows, size_t columns) {
+    return rows * (sizeof(float) * columns + 21);
+}
+
+// FLANN's pool crashes without memory, so it is asked for before.
+static bool memory_for(size_t bytes) {
+    void *probe = std::malloc(bytes);
+    std::free(probe);
+    return probe != nullptr;
+}
+
 struct photon_index *photon_index_new(const float *data, size_t rows, int columns) {
     if (rows == 0 || rows > INT_MAX) return nullptr;
+    // A third more for what is held while it is built.
+    if (!memory_for(tree_bytes(rows, static_cast<size_t>(columns)) / 3 * 4)) return nullptr;
     try {
         if (columns == 3) return new Tree<3>(data, rows);
         if (columns == 6) return new Tree<6>(data, rows);
@@ -133,9 +148,8 @@ struct photon_index *photon_index_new(const float *data, size_t rows, int column
 
 void photon_index_free(struct photon_index *index) { delete index; }
 
-// Measured: a copy of the data and about 21 bytes of tree per row.
 size_t photon_index_bytes(const struct photon_index *index) {
-    return index ? index->rows * (sizeof(float) * index->columns() + 21) : 0;
+    return index ? tree_bytes(index->rows, index->columns()) : 0;
 }
 
 void photon_index_nearest(const struct photon_index *index, const float *query, size_t count, int k,

@@ -59,5 +59,7 @@ float scene_shape_area(const struct shape *shape);
 // `raw`: values are taken as they are; else sRGB or untagged 8- and 16-bit data are linearised.
 satin_status scene_image_load(const struct scene_source *source, bool raw,
                               const struct image **out);
+// What is wrong with a PNG file that was read whole, in words; NULL: nothing, or it is no PNG.
+const char *scene_image_png_problem(const char *data, size_t size);
 
 #endif

@@ -83,15 +83,19 @@ static void finish_texels(const struct scene_source *source, float *texel, size_
                     "%s: %zu values are negative or not finite and count as 0", source->path, bad);
 }
 
-static satin_status hash_file(const struct scene_source *source) {
+// Hashes the file and finds out what is wrong before a library tells of it on standard error.
+static satin_status check_file(const struct scene_source *source) {
     char *data;
     size_t size;
     satin_status status =
         fileio_read(source->log, source->place, source->path, SCENE_FILE_MAX, &data, &size);
     if (status != SATIN_OK) return status;
     if (source->hash) *source->hash = fileio_hash(*source->hash, data, size);
+    const char *problem = scene_image_png_problem(data, size);
     free(data);
-    return SATIN_OK;
+    if (!problem) return SATIN_OK;
+    log_error_at(source->log, source->place, "cannot read image '%s': %s", source->path, problem);
+    return SATIN_ERROR_INPUT;
 }
 
 static satin_status read_image(const struct scene_source *source, const struct oiio_module *module,
@@ -121,7 +125,7 @@ static satin_status read_image(const struct scene_source *source, const struct o
 
 satin_status scene_image_load(const struct scene_source *source, bool raw,
                               const struct image **out) {
-    satin_status status = hash_file(source);
+    satin_status status = check_file(source);
     if (status != SATIN_OK) return status;
     const struct oiio_module *module = open_module(source->log, source->place);
     if (!module) return SATIN_ERROR_INTERNAL;

@@ -97,6 +97,18 @@ static void refuses_wrong_files(void **state) {
     refuse("huge.pfm", "scene.xml:3:7: image 'huge.pfm' is too large: 100000 x 100000");
     scene_case_file("short.pfm", "PF\n100 100\n-1\n");
     refuse("short.pfm", "scene.xml:3:7: cannot read image 'short.pfm'");
+    static const unsigned char grey[6] = {0};
+    char png[256];
+    write_png("a.png", PNG_FORMAT_GRAY, grey);
+    FILE *file = fopen("a.png", "rb");
+    size_t size = fread(png, 1, sizeof png, file);
+    fclose(file);
+    scene_case_bytes("short.png", png, size / 2);
+    refuse("short.png", "scene.xml:3:7: cannot read image 'short.png': the PNG is cut short");
+    png[size - 20] ^= 1;
+    scene_case_bytes("wrong.png", png, size);
+    refuse("wrong.png",
+           "scene.xml:3:7: cannot read image 'wrong.png': a part of the PNG is damaged");
 }
 
 int main(void) {
