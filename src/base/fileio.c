@@ -111,3 +111,18 @@ uint64_t fileio_hash(uint64_t hash, const void *data, size_t size) {
     for (size_t i = 0; i < size; i++) hash = (hash ^ bytes[i]) * 0x100000001b3ull;
     return hash;
 }
+
+uint64_t fileio_hash_large(uint64_t hash, const void *data, size_t size) {
+    enum { LANES = 4, STEP = LANES * sizeof(uint64_t) };
+    uint64_t lane[LANES] = {1, 2, 3, 4}, word[LANES];
+    const unsigned char *bytes = data;
+    for (; size >= STEP; bytes += STEP, size -= STEP) {
+        memcpy(word, bytes, STEP);
+        // The shift brings high bits down, where multiplication does not.
+        for (int i = 0; i < LANES; i++) {
+            lane[i] = (lane[i] ^ word[i]) * 0x9e3779b97f4a7c15ull;
+            lane[i] ^= lane[i] >> 32;
+        }
+    }
+    return fileio_hash(fileio_hash(hash, lane, sizeof lane), bytes, size);
+}

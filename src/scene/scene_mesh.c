@@ -31,7 +31,7 @@ satin_status mesh_read(const struct scene_source *source, char **data, size_t *s
     satin_status status =
         fileio_read(source->log, source->place, source->path, SCENE_FILE_MAX, data, size);
     if (status == SATIN_OK && source->hash)
-        *source->hash = fileio_hash(*source->hash, *data, *size);
+        *source->hash = fileio_hash_large(*source->hash, *data, *size);
     return status;
 }
 

@@ -14,8 +14,9 @@ struct ply {
     struct mesh_text text;  // the cursor of a binary body too; then its line is not used
     struct ply_header header;
     struct mesh_parts parts;
-    uint32_t *index;
+    uint32_t *index;  // in the arena while it holds only triangles; then from malloc
     size_t index_count, index_capacity;
+    bool grown;
 };
 
 static int line_of(const struct ply *ply) { return ply->header.text ? ply->text.line : 0; }
@@ -117,10 +118,20 @@ static satin_status read_vertex(struct ply *ply, const struct ply_element *eleme
     return SATIN_OK;
 }
 
+// More triangles than faces: leaves the arena's array for one that grows.
+static bool grow_index(struct ply *ply) {
+    void *items = ply->grown ? ply->index : NULL;
+    size_t capacity = ply->grown ? ply->index_capacity : 0;
+    if (!array_reserve(&items, &capacity, ply->index_count + 3, sizeof *ply->index)) return false;
+    if (!ply->grown) memcpy(items, ply->index, ply->index_count * sizeof *ply->index);
+    ply->grown = true;
+    ply->index = items;
+    ply->index_capacity = capacity;
+    return true;
+}
+
 static bool add_triangle(struct ply *ply, uint32_t a, uint32_t b, uint32_t c) {
-    if (!array_reserve((void **)&ply->index, &ply->index_capacity, ply->index_count + 3,
-                       sizeof *ply->index))
-        return false;
+    if (ply->index_count + 3 > ply->index_capacity && !grow_index(ply)) return false;
     ply->index[ply->index_count++] = a;
     ply->index[ply->index_count++] = b;
     ply->index[ply->index_count++] = c;
@@ -171,6 +182,9 @@ static satin_status read_body(struct ply *ply) {
     bool uvs = header->has[PLY_U] && header->has[PLY_V];
     satin_status status =
         mesh_allocate(ply->source, (uint32_t)header->vertex_count, normals, uvs, &ply->parts);
+    ply->index_capacity = (size_t)header->face_count * 3;
+    ply->index = arena_array(ply->source->arena, ply->index_capacity, sizeof *ply->index);
+    if (status == SATIN_OK && !ply->index) return mesh_no_memory(ply->source);
     for (int e = 0; e < header->element_count && status == SATIN_OK; e++) {
         const struct ply_element *element = &header->element[e];
         // An item without properties takes no bytes, so that its count is not bounded.
@@ -183,6 +197,8 @@ static satin_status read_body(struct ply *ply) {
     if (ply->index_count / 3 > UINT32_MAX)
         return mesh_error(ply->source, 0, "there are too many triangles in it");
     ply->parts.triangle_count = (uint32_t)(ply->index_count / 3);
+    ply->parts.index = ply->index;
+    if (!ply->grown) return SATIN_OK;
     ply->parts.index = arena_array(ply->source->arena, ply->index_count, sizeof(uint32_t));
     if (!ply->parts.index) return mesh_no_memory(ply->source);
     memcpy(ply->parts.index, ply->index, ply->index_count * sizeof(uint32_t));
@@ -198,7 +214,7 @@ satin_status scene_mesh_ply(const struct scene_source *source, const struct mesh
     struct ply ply = {.source = source, .text = {data, data + size, 1}};
     status = ply_header_read(source, &ply.text, &ply.header);
     if (status == SATIN_OK) status = read_body(&ply);
-    free(ply.index);
+    if (ply.grown) free(ply.index);
     free(data);
     return status == SATIN_OK ? mesh_finish(source, request, &ply.parts, out) : status;
 }
