@@ -27,7 +27,8 @@ void app_print_wrapped(int at, int indent, const char *text);
 // then `search` has tried the names (app_help_plugins.c).
 struct text_nearest;
 void app_help_plugins(void);
-bool app_help_plugin(const char *name, struct text_nearest *search);
+bool app_help_plugin(const char *element, const char *name, struct text_nearest *search);
+void app_help_plugins_markdown(void);
 
 // ---- Arguments (app_args.c) ---------------------------------------------------------------------
 

@@ -9,7 +9,7 @@ enum { FLAG_MARKDOWN, FLAG_HELP };
 enum { COLUMNS = 88 };  // of running text
 
 const struct app_flag app_help_flags[] = {
-    {"--markdown", NULL, NULL, "Prints the options as a Markdown table."},
+    {"--markdown", NULL, NULL, "Prints all options, or plugins, as Markdown tables."},
     {"--help", "-h", NULL, "Prints this."},
     {NULL, NULL, NULL, NULL},
 };
@@ -50,7 +50,7 @@ static void print_overview(void) {
         "  satin help COMMAND     its arguments\n"
         "  satin help options     all options of --set and of <integrator type=\"satin\">\n"
         "  satin help plugins     what scene files may hold\n"
-        "  satin help NAME        one option or plugin\n"
+        "  satin help NAME        one option or plugin; or ELEMENT NAME\n"
         "  satin --version\n"
         "\n"
         "Exit status: 0 done, 1 the work failed, 2 the input or the command line is wrong,\n"
@@ -136,39 +136,39 @@ static bool help_option(const char *topic, struct text_nearest *search) {
 
 // ---- The command --------------------------------------------------------------------------------
 
-static int help_name(const char *topic) {
+static int help_name(const char *element, const char *topic) {
     struct text_nearest search = {.word = topic};
-    for (const struct app_command *c = app_commands; c->name; c++) {
+    for (const struct app_command *c = app_commands; c->name && !element; c++) {
         text_nearest_try(&search, c->name);
         if (strcmp(topic, c->name) != 0) continue;
         print_command(c);
         return APP_DONE;
     }
     // An option and a plugin may share a name.
-    bool option = help_option(topic, &search), plugin = app_help_plugin(topic, &search);
+    bool option = !element && help_option(topic, &search);
+    bool plugin = app_help_plugin(element, topic, &search);
     if (option || plugin) return APP_DONE;
     if (search.best) return app_wrong("no help on '%s' (did you mean '%s'?)", topic, search.best);
     return app_wrong("no help on '%s'; `satin help` lists what there is", topic);
 }
 
-static int help_topic(const char *topic, bool markdown) {
-    bool options = strcmp(topic, "options") == 0;
-    if (markdown && !options)
-        return app_wrong("--markdown prints options only: satin help options --markdown");
-    if (markdown)
-        print_options_markdown();
-    else if (options)
-        print_options();
-    else if (strcmp(topic, "plugins") == 0)
-        app_help_plugins();
-    else
-        return help_name(topic);
+// `second` is NULL, or a plugin of the element `topic`.
+static int help_topic(const char *topic, const char *second, bool markdown) {
+    bool options = strcmp(topic, "options") == 0, plugins = strcmp(topic, "plugins") == 0;
+    if (markdown && !options && !plugins)
+        return app_wrong("--markdown prints all options or plugins: satin help plugins --markdown");
+    if (second) return help_name(topic, second);
+    if (!options && !plugins) return help_name(NULL, topic);
+    if (options && markdown) print_options_markdown();
+    if (options && !markdown) print_options();
+    if (plugins && markdown) app_help_plugins_markdown();
+    if (plugins && !markdown) app_help_plugins();
     return APP_DONE;
 }
 
 int app_help(int argc, char **argv) {
     struct app_args args = {.argc = argc, .argv = argv};
-    const char *topic = NULL;
+    const char *topic = NULL, *second = NULL;
     char *value;
     bool markdown = false;
     int flag;
@@ -176,10 +176,12 @@ int app_help(int argc, char **argv) {
         if (flag == APP_BAD) return APP_WRONG;
         if (flag == FLAG_MARKDOWN) markdown = true;
         if (flag == FLAG_HELP) topic = "help";
-        if (flag == APP_POSITIONAL && topic) return app_wrong("help takes one topic");
-        if (flag == APP_POSITIONAL) topic = value;
+        if (flag == APP_POSITIONAL && second)
+            return app_wrong("help takes one topic, or an element and its plugin");
+        if (flag == APP_POSITIONAL && topic) second = value;
+        if (flag == APP_POSITIONAL && !topic) topic = value;
     }
-    if (topic || markdown) return help_topic(topic ? topic : "", markdown);
+    if (topic || markdown) return help_topic(topic ? topic : "", second, markdown);
     print_overview();
     return APP_DONE;
 }

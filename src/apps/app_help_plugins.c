@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// satin help plugins: what scene files may hold, printed from the tables that read them.
+// satin help plugins: what scene files may hold, printed from the tables that read them;
+// docs/scene.md is the same as Markdown.
 #include <string.h>
 
 #include "apps/app.h"
@@ -30,17 +31,64 @@ static void print_param(const struct scene_param_info *param) {
     printf("\n");
 }
 
-bool app_help_plugin(const char *name, struct text_nearest *search) {
+bool app_help_plugin(const char *element, const char *name, struct text_nearest *search) {
     struct scene_plugin_info plugin;
     struct scene_param_info param;
     bool found = false;
     for (int i = 0; scene_plugin_describe(i, &plugin); i++) {
         text_nearest_try(search, plugin.name);
         if (!text_same_name(plugin.name, name)) continue;
+        if (element && strcmp(plugin.element, element) != 0) continue;
         int at = printf("<%s type=\"%s\">", plugin.element, plugin.name);
         app_print_wrapped(at, INDENT, plugin.doc);
         for (int p = 0; scene_param_describe(i, p, &param); p++) print_param(&param);
         found = true;
     }
     return found;
+}
+
+// ---- Markdown -----------------------------------------------------------------------------------
+
+static void print_plugin_markdown(int index, const struct scene_plugin_info *plugin) {
+    struct scene_param_info param;
+    printf("\n### %s\n\n`<%s type=\"%s\">`: %s.\n", plugin->name, plugin->element, plugin->name,
+           plugin->doc);
+    for (int p = 0; scene_param_describe(index, p, &param); p++) {
+        if (p == 0)
+            printf(
+                "\n| parameter | element | range | default | meaning |\n|---|---|---|---|---|\n");
+        printf("| %s | %s | %s | %s | %s |\n", param.name, param.kind, param.range,
+               param.required ? "required"
+               : param.value  ? param.value
+                              : "",
+               param.doc);
+    }
+}
+
+void app_help_plugins_markdown(void) {
+    struct scene_plugin_info plugin;
+    const char *element = "";
+    printf(
+        "# Plugins of scene files\n\n"
+        "What may stand in a scene, by element; [language.md](language.md) tells the rest. Names "
+        "and\n"
+        "meanings are Mitsuba 3's where it has the plugin. Anything else is an error at its line.\n"
+        "\nThis page is printed by `satin help plugins --markdown`; `satin help NAME` prints "
+        "one.\n");
+    for (int i = 0; scene_plugin_describe(i, &plugin); i++) {
+        if (strcmp(element, plugin.element) != 0) printf("\n## %s\n", plugin.element);
+        element = plugin.element;
+        print_plugin_markdown(i, &plugin);
+    }
+    printf(
+        "\n## Refused\n\n"
+        "Mitsuba has these; here they are errors that say so. So are media, volumes and phase\n"
+        "functions, and all that needs wavelengths or polarisation.\n\n");
+    element = "";
+    for (int i = 0; scene_unread_describe(i, &plugin); i++) {
+        if (strcmp(element, plugin.element) != 0) printf("%s- %s:", i ? "\n" : "", plugin.element);
+        printf(" %s", plugin.name);
+        element = plugin.element;
+    }
+    printf("\n");
 }

@@ -30,8 +30,8 @@ char *fileio_beside(const char *base, const char *name);
 // FNV-1a over `size` bytes, continuing from `hash` (start with FILEIO_HASH).
 #define FILEIO_HASH 0xcbf29ce484222325ull
 uint64_t fileio_hash(uint64_t hash, const void *data, size_t size);
-// Another hash, for files of many megabytes: the same over words in four lanes, which do not wait for
-// each other.
+// Another hash, for files of many megabytes: the same over words in four lanes, which do not wait
+// for each other.
 uint64_t fileio_hash_large(uint64_t hash, const void *data, size_t size);
 
 #endif

@@ -396,5 +396,8 @@ struct scene_param_info {
 // Describe plugin `index`, and its parameter `index`, counting from 0; false beyond the last.
 bool scene_plugin_describe(int index, struct scene_plugin_info *out);
 bool scene_param_describe(int plugin, int index, struct scene_param_info *out);
+// Name `index`, counting from 0, of what Mitsuba knows and satin refuses, without a doc; false
+// beyond the last.
+bool scene_unread_describe(int index, struct scene_plugin_info *out);
 
 #endif

@@ -91,11 +91,16 @@ bool scene_plugin_describe(int index, struct scene_plugin_info *out) {
 
 // What one writes for a parameter: an element, or its choices.
 static void describe_kind(const struct param_spec *spec, char *text, size_t size) {
-    static const char *const elements[] = {
-        [PARAM_BOOLEAN] = "boolean",     [PARAM_INTEGER] = "integer", [PARAM_FLOAT] = "float",
-        [PARAM_STRING] = "string",       [PARAM_CHOICE] = "",         [PARAM_POINT] = "point",
-        [PARAM_TRANSFORM] = "transform", [PARAM_COLOR] = "rgb",       [PARAM_LIGHT] = "rgb",
-        [PARAM_IOR] = "float or string"};
+    static const char *const elements[] = {[PARAM_BOOLEAN] = "boolean",
+                                           [PARAM_INTEGER] = "integer",
+                                           [PARAM_FLOAT] = "float",
+                                           [PARAM_STRING] = "string",
+                                           [PARAM_CHOICE] = "",
+                                           [PARAM_POINT] = "point",
+                                           [PARAM_TRANSFORM] = "transform",
+                                           [PARAM_COLOR] = "rgb or spectrum",
+                                           [PARAM_LIGHT] = "rgb or spectrum",
+                                           [PARAM_IOR] = "float or string"};
     snprintf(text, size, "%s%s", elements[spec->kind],
              spec->flags & PARAM_TEXTURE ? " or texture" : "");
     for (int i = 0; spec->choices && spec->choices[i]; i++) {
@@ -119,4 +124,14 @@ bool scene_param_describe(int plugin_index, int index, struct scene_param_info *
     if (spec->kind == PARAM_TRANSFORM) out->value = "identity";
     describe_kind(spec, out->kind, sizeof out->kind);
     return true;
+}
+
+bool scene_unread_describe(int index, struct scene_plugin_info *out) {
+    for (size_t i = 0; index >= 0 && i < sizeof unread / sizeof *unread; i++)
+        for (const char *const *name = unread[i].name; *name; name++)
+            if (index-- == 0) {
+                *out = (struct scene_plugin_info){xml_tag_name(unread[i].tag), *name, NULL};
+                return true;
+            }
+    return false;
 }
