@@ -29,6 +29,8 @@ struct text_nearest;
 void app_help_plugins(void);
 bool app_help_plugin(const char *element, const char *name, struct text_nearest *search);
 void app_help_plugins_markdown(void);
+// satin info of a scene (app_info_scene.c).
+satin_status app_info_scene(const char *path, const satin_define *define, size_t count);
 
 // ---- Arguments (app_args.c) ---------------------------------------------------------------------
 

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+// satin info of a scene: what it holds, how its light will be carried, what will be slow.
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "apps/app.h"
+#include "scene/scene.h"
+#include "shade/shade.h"
+
+static void print_camera(const struct satin_scene *scene) {
+    static const char *const filter[] = {
+        [FILTER_BOX] = "box", [FILTER_TENT] = "tent", [FILTER_GAUSSIAN] = "gaussian"};
+    const struct camera *c = &scene->camera;
+    const struct film_spec *f = &scene->film;
+    vec3 eye = mat4_point(&c->to_world, v3(0, 0, 0));
+    vec3 look = v3_unit(mat4_vector(&c->to_world, v3(0, 0, 1)));
+    double degrees = 360.0 / (double)PI_F;
+    printf("camera     %s at (%g, %g, %g) towards (%.4g, %.4g, %.4g)\n",
+           c->orthographic      ? "orthographic"
+           : c->aperture > 0.0f ? "thin lens"
+                                : "pinhole",
+           (double)eye.x, (double)eye.y, (double)eye.z, (double)look.x, (double)look.y,
+           (double)look.z);
+    vec3 right = mat4_vector(&c->to_world, v3(2.0f * c->tan_x, 0, 0));
+    vec3 up = mat4_vector(&c->to_world, v3(0, 2.0f * c->tan_y, 0));
+    if (c->orthographic)
+        printf("           sees %.4g x %.4g units", (double)v3_len(right), (double)v3_len(up));
+    else
+        printf("           sees %.4g x %.4g degrees", degrees * atan((double)c->tan_x),
+               degrees * atan((double)c->tan_y));
+    if (c->aperture > 0.0f)
+        printf(", lens radius %g, focus at %g", (double)c->aperture, (double)c->focus_distance);
+    printf("\nfilm       %dx%d, %s filter of radius %g", f->width, f->height, filter[f->filter],
+           (double)f->radius);
+    if (f->crop_width != f->width || f->crop_height != f->height)
+        printf(", crop %dx%d at (%d, %d)", f->crop_width, f->crop_height, f->crop_x, f->crop_y);
+    printf("\n");
+}
+
+static void print_shapes(const struct satin_scene *scene) {
+    static const char *const name[] = {[SHAPE_MESH] = "mesh",
+                                       [SHAPE_SPHERE] = "sphere",
+                                       [SHAPE_DISK] = "disk",
+                                       [SHAPE_CYLINDER] = "cylinder",
+                                       [SHAPE_INSTANCE] = "instance"};
+    enum { KINDS = sizeof name / sizeof *name };
+    uint32_t count[KINDS] = {0};
+    for (uint32_t i = 0; i < scene->shape_count; i++) count[scene->shape[i].kind]++;
+    printf("shapes     %" PRIu32, scene->shape_count);
+    for (int k = 0; k < KINDS; k++)
+        if (count[k]) printf(", %s %" PRIu32, name[k], count[k]);
+    printf("; %" PRIu64 " triangles\n", scene->triangle_count);
+    if (scene->shape_count)
+        printf("bounds     (%g, %g, %g) to (%g, %g, %g)\n", (double)scene->bounds_lo.x,
+               (double)scene->bounds_lo.y, (double)scene->bounds_lo.z, (double)scene->bounds_hi.x,
+               (double)scene->bounds_hi.y, (double)scene->bounds_hi.z);
+}
+
+// ---- Materials ----------------------------------------------------------------------------------
+
+// What printing a material needs, and what is noticed on the way.
+struct materials {
+    const struct satin_scene *scene;
+    const satin_options *options;
+    const struct shade_tables *tables;
+    uint32_t sampled, delta, bright;    // materials whose lobes are gathered, ideal; or over 80 %
+    const struct material_side *front;  // of the material, once it was printed
+};
+
+static void print_glossy(const struct materials *m, const struct material_side *side) {
+    const struct shade_tables *t = m->tables;
+    const struct brdf_table *table = side->index < t->count ? t->table[side->index] : NULL;
+    if (!table) {
+        printf(", gloss by importance sampling");
+        return;
+    }
+    struct brdf_table_info info = brdf_table_info(table);
+    printf(
+        "; glossy lobe: radiance records of order %d, error below %g, over %.0f %% of directions",
+        info.order, (double)m->options->radiance_error, 100.0 * (double)info.share);
+}
+
+static void print_side(void *ctx, const struct material_side *side) {
+    struct materials *m = ctx;
+    unsigned lobes = brdf_lobes(&side->base);
+    bool cached = side->index < m->tables->count && m->tables->table[side->index];
+    if (m->front && m->front->index == side->index) return;  // the same on the back
+    printf("    %s%s", m->front ? "and " : "", side->base.model->name);
+    if (lobes & BRDF_DIFFUSE)
+        printf(", diffuse by %s",
+               m->options->irradiance_cache ? "irradiance records" : "importance sampling");
+    if (lobes & BRDF_GLOSSY) print_glossy(m, side);
+    if (lobes & BRDF_DELTA) printf(", ideal reflection followed");
+    printf(lobes ? "\n" : ", black\n");
+    m->sampled += lobes & BRDF_GLOSSY && !cached;
+    m->delta += (lobes & BRDF_DELTA) != 0;
+    m->bright += rgb_max(side->base.diffuse) > 0.8f;
+    m->front = side;
+}
+
+static void count_users(const struct satin_scene *scene, uint32_t material, uint32_t *shapes,
+                        uint64_t *triangles) {
+    *shapes = 0;
+    *triangles = 0;
+    for (uint32_t i = 0; i < scene->shape_count; i++) {
+        const struct shape *shape = &scene->shape[i];
+        if (shape->kind == SHAPE_INSTANCE || shape->material != material) continue;
+        ++*shapes;
+        *triangles += shape->kind == SHAPE_MESH ? shape->mesh.triangle_count : 0;
+    }
+}
+
+static void print_materials(struct materials *m) {
+    enum { SHOWN = 50 };
+    const struct satin_scene *scene = m->scene;
+    printf("materials  %" PRIu32 "\n", scene->material_count);
+    for (uint32_t i = 0; i < scene->material_count; i++) {
+        uint64_t triangles;
+        uint32_t shapes;
+        if (i == SHOWN) {
+            printf("  and %" PRIu32 " more\n", scene->material_count - SHOWN);
+            break;
+        }
+        count_users(scene, i, &shapes, &triangles);
+        printf("  %-24s %s, %" PRIu32 " shapes, %" PRIu64 " triangles\n",
+               scene->material[i].name ? scene->material[i].name : "(no name)",
+               scene->material[i].two_sided ? "two-sided" : "one-sided", shapes, triangles);
+        m->front = NULL;
+        material_visit(&scene->material[i], print_side, m);
+    }
+}
+
+// What takes time, and what there is to do about it.
+static void print_slow(const struct materials *m) {
+    const struct satin_scene *scene = m->scene;
+    const struct camera *camera = &scene->camera;
+    bool any = m->sampled || m->delta || m->bright || scene->light_count > 16 ||
+               scene->environment >= 0 || camera->aperture > 0.0f;
+    if (!any) return;
+    printf("takes time\n");
+    if (m->sampled)
+        printf("  %" PRIu32
+               " glossy lobes are too sharp, or textured, to be cached: each of their "
+               "points is gathered\n",
+               m->sampled);
+    if (m->delta)
+        printf("  %" PRIu32 " ideal lobes: caustics cost photons (caustic-photons)\n", m->delta);
+    if (m->bright)
+        printf("  %" PRIu32 " diffuse lobes reflect over 80 %%: in a closed room paths are long\n",
+               m->bright);
+    if (scene->light_count > 16)
+        printf("  %" PRIu32 " lights: one is chosen for each shadow ray\n", scene->light_count);
+    if (scene->environment >= 0)
+        printf("  the environment's photons are spread over the whole scene\n");
+    if (camera->aperture > 0.0f) printf("  depth of field: blurred places take samples\n");
+}
+
+static void print_lights(const struct satin_scene *scene) {
+    static const char *const name[] = {[LIGHT_AREA] = "area",
+                                       [LIGHT_POINT] = "point",
+                                       [LIGHT_SPOT] = "spot",
+                                       [LIGHT_PROJECTOR] = "projector",
+                                       [LIGHT_DIRECTIONAL] = "directional",
+                                       [LIGHT_CONSTANT] = "constant",
+                                       [LIGHT_ENVMAP] = "envmap"};
+    enum { SHOWN = 20 };
+    double total = 0.0;
+    for (uint32_t i = 0; i < scene->light_count; i++) total += (double)scene->light[i].power;
+    printf("lights     %" PRIu32 "\n", scene->light_count);
+    for (uint32_t i = 0; i < scene->light_count && i < SHOWN; i++) {
+        const struct light *light = &scene->light[i];
+        printf("  %-12s power %.4g W (%.3g %%)\n", name[light->kind], (double)light->power,
+               total > 0.0 ? 100.0 * (double)light->power / total : 0.0);
+    }
+    if (scene->light_count > SHOWN) printf("  and %" PRIu32 " more\n", scene->light_count - SHOWN);
+}
+
+// The tables that a render would build tell what is cached.
+static satin_status describe_materials(const struct satin_scene *scene) {
+    satin_options options;
+    struct log log = {app_log_file, NULL};
+    satin_status status = satin_options_resolve(scene, NULL, 0, log.fn, log.user, &options);
+    if (status != SATIN_OK) return status;
+    struct parallel *pool = parallel_new(options.threads);
+    struct shade_tables tables = {0};
+    if (!pool) return log_fail(log, SATIN_ERROR_MEMORY, "threads could not be started");
+    status = shade_tables_build(scene, &options, pool, log, &tables);
+    if (status == SATIN_OK) {
+        struct materials m = {.scene = scene, .options = &options, .tables = &tables};
+        print_materials(&m);
+        print_lights(scene);
+        print_slow(&m);
+    }
+    shade_tables_free(&tables);
+    parallel_free(pool);
+    return status;
+}
+
+satin_status app_info_scene(const char *path, const satin_define *define, size_t count) {
+    satin_scene *scene = NULL;
+    satin_status status = satin_scene_load(path, define, count, app_log_file, NULL, &scene);
+    if (status != SATIN_OK) return status;
+    printf("scene      %s, hash %016" PRIx64 "\n", path, satin_scene_hash(scene));
+    print_camera(scene);
+    print_shapes(scene);
+    status = describe_materials(scene);
+    const struct scene_hints *hints = &scene->hints;
+    if (hints->integrator) printf("integrator %s\n", hints->integrator);
+    for (size_t i = 0; i < hints->option_count; i++)
+        printf("  %s = %s\n", hints->option[i].name, hints->option[i].value);
+    satin_scene_free(scene);
+    return status;
+}
