@@ -15,11 +15,6 @@ static void frame_rows(const struct frame *f, float rows[9]) {
     }
 }
 
-// Angle [rad] up to which the fast rotation serves. The thesis goes to 1.25 a [K05 5.4]; there its
-// error is several per cent at order 10, more than the records' own, so the exact form takes over
-// early.
-static const float BETA_LIMIT = 0.05f;
-
 void cache_turn(const struct cache *cache, const struct frame *from, const struct frame *to,
                 struct cache_lobe *lobe, float *turned) {
     const satin_options *o = cache->g->options;
@@ -27,7 +22,9 @@ void cache_turn(const struct cache *cache, const struct frame *from, const struc
     frame_rows(from, point);
     frame_rows(to, record);
     rsh_basis basis = o->radiance_basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE;
-    if (!rsh_align_transposed(basis, lobe->order, lobe->channels, record, point, BETA_LIMIT,
+    // The thesis turns fast up to 1.25 a [K05 5.4]; there the error is several per cent at order
+    // 10, more than the records' own, so the option's default is less.
+    if (!rsh_align_transposed(basis, lobe->order, lobe->channels, record, point, o->radiance_turn,
                               lobe->C, turned))
         memcpy(turned, lobe->C,
                sizeof *turned * (size_t)(lobe->channels * lobe->order * lobe->order));

@@ -36,6 +36,7 @@ const satin_options satin_options_default = {
     .radiance_basis = SATIN_HSH,
     .radiance_order = 14,
     .radiance_error = 0.01f,
+    .radiance_turn = 0.05f,
     .radiance_rays = 5000,
     .radiance_a = 0.2f,
     .radiance_widen = 1.4f,

@@ -89,6 +89,8 @@ const struct option options_table[] = {
      "Largest order n of a radiance record, which then has n * n coefficients."},
     {"radiance-error", OPTION_FLOAT, AT(radiance_error), false, "0.0001..1",
      "Largest relative squared error of a BRDF in harmonics; glossier ones are sampled instead."},
+    {"radiance-turn", OPTION_FLOAT, AT(radiance_turn), false, "0..4",
+     "Angle of normals [rad] up to which records are aligned by the fast rotation; 0: none."},
     {"radiance-rays", OPTION_INT, AT(radiance_rays), true, "4..1048576",
      "Gather rays per radiance record."},
     {"radiance-a", OPTION_FLOAT, AT(radiance_a), true, "0.01..2",

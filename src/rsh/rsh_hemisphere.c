@@ -102,7 +102,7 @@ static bool align(bool transposed, rsh_basis basis, int order, int channels, con
         return true;
     }
     if (t.method == RSH_METHOD_EXACT) {
-        bool fast = beta_limit > 0.0f && atan2f(t.sin_beta, t.cos_beta) <= beta_limit;
+        bool fast = beta_limit > 0.0f && rsh_turn_angle(&t) <= beta_limit;
         if (basis == RSH_HEMISPHERE && !fast) {
             turn_through_sphere(&t, transposed, order, channels, in, out);
             return true;
@@ -110,7 +110,7 @@ static bool align(bool transposed, rsh_basis basis, int order, int channels, con
         if (basis == RSH_HEMISPHERE) rsh_turn_stretch(&t);
         if (fast) {
             t.method = RSH_METHOD_TAYLOR_2;
-            t.beta = atan2f(t.sin_beta, t.cos_beta);
+            t.beta = rsh_turn_angle(&t);
         }
     }
     rsh_kernels_best()->turn(&t, order, channels, in, out);

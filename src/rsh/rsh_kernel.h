@@ -86,6 +86,8 @@ static inline bool rsh_order_ok(int order) { return order >= 1 && order <= RSH_M
 
 // The turns whose product is the rotation r, rows first; RSH_METHOD_Z where that suffices.
 struct rsh_turn rsh_turn_of_matrix(const float r[9]);
+// Its angle about y, 0 .. pi.
+float rsh_turn_angle(const struct rsh_turn *turn);
 // Whether it turns by nothing that floats can tell.
 bool rsh_turn_is_nothing(const struct rsh_turn *turn);
 // Replaces beta by beta' = arccos(2 cos beta - 1), but for the field `beta`.

@@ -56,6 +56,14 @@ void rsh_turn_stretch(struct rsh_turn *t) {
     t->sin_beta = sqrtf(lift * (2.0f - lift));
 }
 
+// Small angles by the series of the arcsine, whose next term is below the rounding of floats.
+float rsh_turn_angle(const struct rsh_turn *t) {
+    float s = t->sin_beta, u = s * s;
+    if (!(u < 0.09f) || t->cos_beta < 0.0f) return atan2f(s, t->cos_beta);
+    float sum = 15.0f / 336.0f + u * (105.0f / 3456.0f);
+    return s + s * u * (1.0f / 6.0f + u * (3.0f / 40.0f + u * sum));
+}
+
 bool rsh_turn_is_nothing(const struct rsh_turn *t) {
     return t->method == RSH_METHOD_Z && t->cos_gamma > 0.0f && fabsf(t->sin_gamma) <= RSH_NO_ANGLE;
 }
@@ -125,7 +133,7 @@ bool rsh_rotate_taylor(rsh_taylor kind, int order, int channels, const float r[9
     struct rsh_turn t = rsh_turn_of_matrix(r);
     if (t.method == RSH_METHOD_EXACT) {
         t.method = method;
-        t.beta = atan2f(t.sin_beta, t.cos_beta);
+        t.beta = rsh_turn_angle(&t);
     }
     rsh_kernels_best()->turn(&t, order, channels, in, out);
     return true;

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// Figure 5.6 of [K05]: the image of a strongly curved glossy body with exact and with approximate
+// rotation of the radiance records, and their difference in colours. Both bases; the fast rotation
+// up to the default angle, up to the thesis' 1.25 a, and always.
+//
+// usage: fig_5_6 SCENE.xml FOLDER [WIDTH [ORDER]]        (default 256, 10); writes FOLDER/*.png
+//
+// Differences are those of RGB clamped to [0, 1] in linear radiance, as the thesis has them, and
+// relative to the exact image's luminance, over pixels whose luminance is above 1 % of the mean.
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "film/film.h"
+#include "satin/render.h"
+
+static void print_message(void *user, satin_log_level level, const char *message) {
+    (void)user;
+    if (level == SATIN_LOG_ERROR) fprintf(stderr, "%s\n", message);
+}
+
+static const char *const color[] = {"R", "G", "B"};
+
+static satin_film *render(const satin_scene *scene, satin_basis basis, float turn, int width,
+                          int order) {
+    satin_options options = satin_options_default;
+    options.width = options.height = width;
+    options.radiance_basis = basis;
+    options.radiance_order = order;
+    options.radiance_turn = turn;
+    satin_callbacks callbacks = {.log = print_message};
+    satin_film *film = NULL;
+    if (satin_render(scene, &options, &callbacks, &film) != SATIN_OK) return NULL;
+    return film;
+}
+
+struct measured {
+    double largest, mean;                    // on [0, 1]
+    double above;                            // share of pixels above 1 %
+    double largest_relative, mean_relative;  // of luminance
+};
+
+static double luminance(const satin_film *f, size_t i) {
+    return 0.2126 * (double)satin_film_channel(f, "R")[i] +
+           0.7152 * (double)satin_film_channel(f, "G")[i] +
+           0.0722 * (double)satin_film_channel(f, "B")[i];
+}
+
+// Blue at 0, green at .5 %, red at 1 % and above: the threshold of sight.
+static void paint(satin_film *picture, size_t i, double difference) {
+    double t = fmin(difference / 0.01, 1.0);
+    film_channel(picture, "R")[i] = (float)fmax(2 * t - 1, 0.0);
+    film_channel(picture, "G")[i] = (float)(1 - fabs(2 * t - 1));
+    film_channel(picture, "B")[i] = (float)fmax(1 - 2 * t, 0.0);
+}
+
+static struct measured measure(const satin_film *exact, const satin_film *fast, size_t count,
+                               satin_film *picture) {
+    struct measured m = {0};
+    double mean = 0.0, counted = 0.0;
+    for (size_t i = 0; i < count; i++) mean += luminance(exact, i) / (double)count;
+    for (size_t i = 0; i < count; i++) {
+        double difference = 0.0;
+        for (int c = 0; c < 3; c++) {
+            double a = (double)satin_film_channel(exact, color[c])[i];
+            double b = (double)satin_film_channel(fast, color[c])[i];
+            difference = fmax(difference, fabs(fmin(fmax(a, 0), 1) - fmin(fmax(b, 0), 1)));
+        }
+        m.largest = fmax(m.largest, difference);
+        m.mean += difference / (double)count;
+        m.above += (difference > 0.01) / (double)count;
+        paint(picture, i, difference);
+        double l = luminance(exact, i);
+        if (l < 0.01 * mean) continue;
+        double relative = fabs(luminance(fast, i) - l) / l;
+        m.largest_relative = fmax(m.largest_relative, relative);
+        m.mean_relative += relative;
+        counted++;
+    }
+    m.mean_relative /= fmax(counted, 1.0);
+    return m;
+}
+
+static void save(const satin_film *film, const char *folder, const char *basis, const char *name) {
+    char path[4096];
+    snprintf(path, sizeof path, "%s/%s-%s.png", folder, basis, name);
+    satin_film_write_png(film, path, print_message, NULL);
+}
+
+int main(int argc, char **argv) {
+    if (argc < 3) {
+        fprintf(stderr, "usage: fig_5_6 SCENE.xml FOLDER [WIDTH [ORDER]]\n");
+        return 2;
+    }
+    int width = argc > 3 ? atoi(argv[3]) : 256, order = argc > 4 ? atoi(argv[4]) : 10;
+    const struct {
+        const char *name;
+        float turn;
+    } cases[] = {{"default", satin_options_default.radiance_turn},
+                 {"1.25a", 1.25f * satin_options_default.radiance_a},
+                 {"always", 4.0f}};
+    satin_scene *scene = NULL;
+    if (satin_scene_load(argv[1], NULL, 0, print_message, NULL, &scene) != SATIN_OK) return 1;
+    printf("basis\tfast_up_to\trad\tlargest\tmean\tabove_1%%\tlargest_rel\tmean_rel\n");
+    for (int b = 0; b < 2; b++) {
+        const char *basis = b ? "sh" : "hsh";
+        satin_film *exact = render(scene, b ? SATIN_SH : SATIN_HSH, 0.0f, width, order);
+        satin_film *picture = film_new(width, width, color, 3);
+        if (!exact || !picture) return 1;
+        save(exact, argv[2], basis, "exact");
+        for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+            satin_film *fast = render(scene, b ? SATIN_SH : SATIN_HSH, cases[k].turn, width, order);
+            if (!fast) return 1;
+            struct measured m = measure(exact, fast, (size_t)width * (size_t)width, picture);
+            printf("%s\t%s\t%.3f\t%.4f\t%.5f\t%.4f\t%.4f\t%.5f\n", basis, cases[k].name,
+                   (double)cases[k].turn, m.largest, m.mean, m.above, m.largest_relative,
+                   m.mean_relative);
+            save(picture, argv[2], basis, cases[k].name);
+            satin_film_free(fast);
+        }
+        satin_film_free(exact);
+        satin_film_free(picture);
+    }
+    satin_scene_free(scene);
+    return 0;
+}
