@@ -33,7 +33,7 @@ static bool surface_below(const struct probe *probe, vec3 w, float t) {
     struct ray ray = {v3_mad(probe->origin, t, w), 0.0f, v3_neg(probe->n),
                       probe->height + DEPTH * probe->r};
     struct surfel s;
-    if (!scene_intersect(probe->scene, &ray, &s)) return false;
+    if (!scene_intersect_whole(probe->scene, &ray, &s)) return false;
     return fabsf(v3_dot(s.ng, probe->n)) > FACING;
 }
 

@@ -38,7 +38,11 @@ struct run {
 
 // ---- One path ---------------------------------------------------------------------------------
 
-static bool keep_hit(struct chunk *chunk, const struct surfel *s, vec3 wi, rgb power) {
+// Where a mask lets photons pass, those that stop stand for all that would come to whole surface.
+static bool keep_hit(const struct satin_scene *scene, struct chunk *chunk, const struct surfel *s,
+                     vec3 wi, rgb power) {
+    float opacity = material_opacity(&scene->material[s->material], s->uv);
+    if (opacity < 1.0f) power = rgb_scale(power, 1.0f / fmaxf(opacity, 0.05f));
     size_t n = chunk->count + 1;
     void *items = chunk->hit;
     if (!array_reserve(&items, &chunk->capacity, n, sizeof *chunk->hit)) {
@@ -114,7 +118,7 @@ static void walk(const struct photon_tracing *tracing, struct flight f, struct r
         if (!scene_intersect(scene, &f.ray, &s)) return;
         vec3 wi = v3_neg(f.ray.d);
         if (tracing->keep >> f.class & 1u && keeps_photons(scene, &s, wi)) {
-            if (!keep_hit(chunk, &s, wi, f.power)) return;
+            if (!keep_hit(scene, chunk, &s, wi, f.power)) return;
             chunk->stored[f.class]++;
         }
         if (!scatter(scene, &s, lobes, rng, &f)) return;

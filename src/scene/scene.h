@@ -74,13 +74,24 @@ struct material_side {
 // No more BRDFs may be blended on one side.
 enum { MATERIAL_PARTS_MAX = 16 };
 
+// How much of a surface is there: rays pass the rest.
+struct material_mask {
+    bool used;
+    const struct texture *texture;  // NULL: constant
+    float value;
+    bool inverted;
+};
+
 struct material {
     const char *name;  // the id of its bsdf element, or its model's name
     struct material_side front, back;
+    struct material_mask mask;
     bool two_sided;  // the back reflects too (with `back`); else it is black unless it transmits
     bool tangent;    // frames follow dp/du
 };
 
+// The share of rays that are stopped at uv, in [0, 1] (scene_opacity.c).
+float material_opacity(const struct material *m, vec2 uv);
 // Calls fn for every side of m that is no blend; those of the back if it is two-sided.
 void material_visit(const struct material *m,
                     void (*fn)(void *ctx, const struct material_side *side), void *ctx);
@@ -263,6 +274,9 @@ void scene_trace_free(struct trace *trace);
 // The nearest hit in (tnear, tfar), or false. A ray that is not finite, or has no direction, hits
 // nothing.
 bool scene_intersect(const struct satin_scene *scene, const struct ray *ray, struct surfel *out);
+// The same for a ray that sees masked surfaces as whole ones.
+bool scene_intersect_whole(const struct satin_scene *scene, const struct ray *ray,
+                           struct surfel *out);
 // Only the distance: INFINITY if there is no hit. Cheaper than scene_intersect.
 float scene_distance(const struct satin_scene *scene, const struct ray *ray);
 bool scene_occluded(const struct satin_scene *scene, const struct ray *ray);

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "base/array.h"
+#include "scene/scene_opacity.h"
 
 // ---- Callbacks ----------------------------------------------------------------------------------
 
@@ -23,9 +24,31 @@ static bool guard_accepts(const struct guard *guard, const struct RTCRay *ray,
                           ray->tnear);
 }
 
+static vec3 origin_of(const struct RTCRay *ray) { return v3(ray->org_x, ray->org_y, ray->org_z); }
+static vec3 direction_of(const struct RTCRay *ray) {
+    return v3(ray->dir_x, ray->dir_y, ray->dir_z);
+}
+
+static bool mask_stops(const struct guard *guard, const struct RTCRay *ray,
+                       const struct RTCHit *hit) {
+    const struct mesh *mesh = guard->mesh;
+    vec2 uv = {hit->u, hit->v};
+    if (mesh->uv) {
+        const uint32_t *index = mesh->index + (size_t)hit->primID * 3;
+        const float *a = mesh->uv + (size_t)index[0] * 2, *b = mesh->uv + (size_t)index[1] * 2,
+                    *c = mesh->uv + (size_t)index[2] * 2, first = 1.0f - hit->u - hit->v;
+        uv.x = first * a[0] + hit->u * b[0] + hit->v * c[0];
+        uv.y = first * a[1] + hit->u * b[1] + hit->v * c[1];
+    }
+    return opacity_stops(guard->mask, uv, origin_of(ray), direction_of(ray), hit->primID,
+                         ray->id != 0);
+}
+
 static void mesh_any(const struct RTCFilterFunctionNArguments *args) {
-    if (!guard_accepts(args->geometryUserPtr, (const struct RTCRay *)args->ray,
-                       (const struct RTCHit *)args->hit))
+    const struct guard *guard = args->geometryUserPtr;
+    const struct RTCRay *ray = (const struct RTCRay *)args->ray;
+    const struct RTCHit *hit = (const struct RTCHit *)args->hit;
+    if (!guard_accepts(guard, ray, hit) || (guard->mask && !mask_stops(guard, ray, hit)))
         args->valid[0] = 0;
 }
 
@@ -49,8 +72,19 @@ static void quadric_box(const struct RTCBoundsFunctionArguments *args) {
 }
 
 static bool quadric_hit(const struct quadric *q, const struct RTCRay *ray, float *t) {
-    return quadric_intersect(q, v3(ray->org_x, ray->org_y, ray->org_z),
-                             v3(ray->dir_x, ray->dir_y, ray->dir_z), ray->tnear, ray->tfar, t);
+    const vec3 o = origin_of(ray), d = direction_of(ray);
+    float near = ray->tnear;
+    for (int crossing = 0; crossing < 2; crossing++) {
+        if (!quadric_intersect(q, o, d, near, ray->tfar, t)) return false;
+        if (!q->mask) return true;
+        struct surfel s;
+        struct ray same = {.o = o, .d = d};
+        quadric_surfel(q, &same, *t, false, &s);
+        if (opacity_stops(q->mask, s.uv, o, d, q->shape + (uint32_t)crossing, ray->id != 0))
+            return true;
+        near = nextafterf(*t, INFINITY);  // t was rounded
+    }
+    return false;
 }
 
 static void quadric_nearest(const struct RTCIntersectFunctionNArguments *args) {
@@ -94,14 +128,14 @@ static void attach(struct level *level, RTCGeometry geometry, uint32_t id) {
 }
 
 static void attach_mesh(RTCDevice device, struct level *level, const struct mesh *mesh,
-                        uint32_t id) {
+                        const struct material *mask, uint32_t id) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     if (!geometry) return;
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                mesh->position, 0, 3 * sizeof(float), mesh->vertex_count);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->index, 0,
                                3 * sizeof(uint32_t), mesh->triangle_count);
-    level->guard[id] = (struct guard){mesh, surfel_error(mesh)};
+    level->guard[id] = (struct guard){mesh, mask, surfel_error(mesh)};
     rtcSetGeometryUserData(geometry, &level->guard[id]);
     rtcSetGeometryIntersectFilterFunction(geometry, mesh_nearest);
     rtcSetGeometryOccludedFilterFunction(geometry, mesh_any);
@@ -144,7 +178,7 @@ static satin_status collect(const struct satin_scene *scene, uint32_t first, uin
         if (shape->kind == SHAPE_MESH) {
             if (shape->mesh.triangle_count) level->geometry_shape[n++] = i;
         } else if (quadric_make(shape, i, &level->quadric[level->quadric_count])) {
-            level->quadric_count++;
+            level->quadric[level->quadric_count++].mask = opacity_of(scene, shape);
         } else {
             return log_fail(log, SATIN_ERROR_INPUT, "shape '%s' has a degenerate transform",
                             shape->name ? shape->name : "?");
@@ -172,7 +206,7 @@ satin_status level_build(RTCDevice device, const struct satin_scene *scene, uint
         if (id == level->quadric_id)
             continue;
         else if (id < level->quadric_id)
-            attach_mesh(device, level, &shape->mesh, id);
+            attach_mesh(device, level, &shape->mesh, opacity_of(scene, shape), id);
         else
             attach_instance(device, level, shape, &groups[shape->instance_of], id);
     }

@@ -11,6 +11,7 @@
 // A mesh as its filter sees it.
 struct guard {
     const struct mesh *mesh;
+    const struct material *mask;  // NULL if rays cannot pass
     struct surfel_error error;
 };
 

@@ -22,9 +22,9 @@ struct unread {
 static const char *const unread_shapes[] = {
     "bsplinecurve", "linearcurve", "sdfgrid", "ellipsoids", "ellipsoidsmesh",
     "blender",      "heightfield", "hair",    "mesh",       NULL};
-static const char *const unread_bsdfs[] = {"mask",     "measured",           "hair",
-                                           "pplastic", "polarizer",          "retarder",
-                                           "circular", "measured_polarized", NULL};
+static const char *const unread_bsdfs[] = {"measured",           "hair",     "pplastic",
+                                           "polarizer",          "retarder", "circular",
+                                           "measured_polarized", NULL};
 static const char *const unread_textures[] = {"mesh_attribute", "volume", "volumeadapter", NULL};
 static const char *const unread_emitters[] = {
     "sunsky", "timed_sunsky", "directionalarea", "sky", "sun", "volumelight", NULL};

@@ -107,6 +107,9 @@ static const struct param_spec use_shadowing = {"use_shadowing_function",
                                                 NULL,
                                                 "slopes shadow light that comes in flat"};
 
+static const struct param_spec opacity = {
+    "opacity", PARAM_COLOR, ".5", RANGE_UNIT, PARAM_TEXTURE, NULL, "share that is there"};
+static param_list mask_params = {&opacity, NULL};
 static param_list blend_params = {&weight, NULL};
 static param_list bump_params = {&bump_scale, &flip_invalid, &use_shadowing, NULL};
 static param_list normal_params = {&normal_map, &flip_invalid, &use_shadowing, NULL};
@@ -337,6 +340,7 @@ const struct plugin_spec scene_bsdf_plugins[] = {
     {XML_BSDF, "twosided", "one BRDF for both sides, or two, front and back", NULL, 1u << XML_BSDF,
      NULL, false},
     {XML_BSDF, "blendbsdf", "a mixture of two BRDFs", blend_params, 1u << XML_BSDF, NULL, false},
+    {XML_BSDF, "mask", "a BRDF with holes", mask_params, 1u << XML_BSDF, NULL, false},
     {XML_BSDF, "bumpmap", "a BRDF whose normal follows a map of heights, its <texture>",
      bump_params, 1u << XML_BSDF | 1u << XML_TEXTURE, NULL, false},
     {XML_BSDF, "normalmap", "a BRDF whose normal is read from a map", normal_params, 1u << XML_BSDF,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Materials from <bsdf>s: those that wrap others (twosided, blendbsdf, bumpmap, normalmap), which
-// may nest in any order, and the list of the scene's materials. A material is a tree of sides for
-// the front and one for the back, whose leaves are BRDFs.
+// Materials from <bsdf>s: those that wrap others (twosided, blendbsdf, mask, bumpmap, normalmap),
+// which may nest in any order, and the list of the scene's materials. A material is a tree of sides
+// for the front and one for the back, whose leaves are BRDFs.
 #include <string.h>
 
 #include "base/array.h"
@@ -76,6 +76,7 @@ static satin_status build_twosided(struct scene_loader *loader, const struct par
     satin_status status = build_nested(loader, p, 1, 2, side, &count);
     for (int i = 0; i < count && status == SATIN_OK; i++) {
         if (side[i].two_sided) return refuse(loader, p, "cannot wrap another twosided");
+        if (side[i].mask.used) return refuse(loader, p, "cannot wrap a mask; wrap it by one");
         status = change_leaves(loader, p, &side[i].front, make_side, NULL);
     }
     if (status != SATIN_OK) return status;
@@ -112,12 +113,30 @@ static satin_status join(struct scene_loader *loader, const struct params *p,
     return scene_texture_of(loader, weight->texture, &out->blend);
 }
 
+static bool is_null(const struct material *m) {
+    return !m->front.part[0] && m->front.base.model == brdf_find("null");
+}
+
+// A blend with nothing is a mask.
+static satin_status mask_part(struct scene_loader *loader, const struct params *p,
+                              const struct material *part, bool inverted, struct material *out) {
+    const struct param_value *weight = param(p, "weight");
+    *out = *part;
+    out->mask = (struct material_mask){.used = true, .value = weight->f, .inverted = inverted};
+    if (!weight->texture) return SATIN_OK;
+    return scene_texture_of(loader, weight->texture, &out->mask.texture);
+}
+
 static satin_status build_blend(struct scene_loader *loader, const struct params *p,
                                 struct material *out) {
     struct material part[2];
     int count;
     satin_status status = build_nested(loader, p, 2, 2, part, &count);
     if (status != SATIN_OK) return status;
+    if (part[0].mask.used || part[1].mask.used)
+        return refuse(loader, p, "cannot wrap a mask; wrap it by one");
+    for (int i = 0; i < 2; i++)
+        if (is_null(&part[i])) return mask_part(loader, p, &part[1 - i], i == 1, out);
     out->two_sided = part[0].two_sided || part[1].two_sided;
     out->tangent = part[0].tangent || part[1].tangent;
     for (int i = 0; i < 2 && out->two_sided && status == SATIN_OK; i++) {
@@ -129,6 +148,20 @@ static satin_status build_blend(struct scene_loader *loader, const struct params
     if (status != SATIN_OK) return status;
     out->back = out->front;
     return out->two_sided ? join(loader, p, &part[0].back, &part[1].back, &out->back) : SATIN_OK;
+}
+
+// ---- mask ---------------------------------------------------------------------------------------
+
+static satin_status build_mask(struct scene_loader *loader, const struct params *p,
+                               struct material *out) {
+    const struct param_value *opacity = param(p, "opacity");
+    int count;
+    satin_status status = build_nested(loader, p, 1, 1, out, &count);
+    if (status != SATIN_OK) return status;
+    if (out->mask.used) return refuse(loader, p, "cannot wrap another mask");
+    out->mask = (struct material_mask){.used = true, .value = rgb_luminance(opacity->color)};
+    if (!opacity->texture) return SATIN_OK;
+    return scene_texture_of(loader, opacity->texture, &out->mask.texture);
 }
 
 // ---- bumpmap, normalmap -------------------------------------------------------------------------
@@ -187,6 +220,7 @@ static satin_status build_any(struct scene_loader *loader, const struct params *
     if (p->plugin->build) return build_plain(loader, p, out);
     if (strcmp(name, "twosided") == 0) return build_twosided(loader, p, out);
     if (strcmp(name, "blendbsdf") == 0) return build_blend(loader, p, out);
+    if (strcmp(name, "mask") == 0) return build_mask(loader, p, out);
     return build_relief(loader, p, strcmp(name, "bumpmap") == 0, out);
 }
 

@@ -9,8 +9,9 @@
 // from 0 to 1, open at its ends. A sphere is kept by its centre and radius in world space.
 struct quadric {
     enum shape_kind kind;
-    uint32_t shape;  // index in the scene
-    bool flip;       // the front side is the inside, or -z
+    uint32_t shape;               // index in the scene
+    const struct material *mask;  // NULL if rays cannot pass
+    bool flip;                    // the front side is the inside, or -z
     double to_world[3][4], to_object[3][4];
     double center[3], radius;  // sphere
 };

@@ -135,9 +135,11 @@ static void surfel_of(const struct satin_scene *scene, const struct level *level
     out->light = shape->light;
 }
 
-bool scene_intersect(const struct satin_scene *scene, const struct ray *ray, struct surfel *out) {
+static bool find_hit(const struct satin_scene *scene, const struct ray *ray, bool whole,
+                     struct surfel *out) {
     struct RTCRayHit hit;
     if (!ray_load(ray, &hit.ray)) return false;
+    hit.ray.id = whole;  // for the masks
     hit.hit.geomID = hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     const struct trace *trace = scene->trace;
     embree_intersect(trace->top.scene, &hit);
@@ -153,6 +155,15 @@ bool scene_intersect(const struct satin_scene *scene, const struct ray *ray, str
     }
     out->t = hit.ray.tfar;
     return true;
+}
+
+bool scene_intersect(const struct satin_scene *scene, const struct ray *ray, struct surfel *out) {
+    return find_hit(scene, ray, false, out);
+}
+
+bool scene_intersect_whole(const struct satin_scene *scene, const struct ray *ray,
+                           struct surfel *out) {
+    return find_hit(scene, ray, true, out);
 }
 
 float scene_distance(const struct satin_scene *scene, const struct ray *ray) {

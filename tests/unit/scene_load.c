@@ -189,6 +189,12 @@ static const struct refusal refusals[] = {
      "scene.xml:3:22: twosided cannot wrap another twosided"},
     {SHAPE("<bsdf type='blendbsdf'><float name='weight' value='.5'/><bsdf type='null'/></bsdf>"),
      "scene.xml:3:22: blendbsdf takes two <bsdf>s"},
+    {SHAPE("<bsdf type='mask'><bsdf type='mask'><bsdf type='diffuse'/></bsdf></bsdf>"),
+     "scene.xml:3:22: mask cannot wrap another mask"},
+    {SHAPE("<bsdf type='twosided'><bsdf type='mask'><bsdf type='diffuse'/></bsdf></bsdf>"),
+     "scene.xml:3:22: twosided cannot wrap a mask; wrap it by one"},
+    {SHAPE("<bsdf type='mask'><bsdf type='diffuse'/></bsdf><emitter type='area'/>"),
+     "scene.xml:3:1: shape 'sphere': it emits, so it cannot have a mask"},
     {SCENE_TEXT("<bsdf type='principled'><float name='eta' value='2'/><float name='specular' "
                 "value='.5'/></bsdf>"),
      "scene.xml:3:1: the reflectance is either eta or specular"},

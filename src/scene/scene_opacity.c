@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Surfaces with holes; see the header.
+#include "scene/scene_opacity.h"
+
+#include <string.h>
+
+#include "base/rng.h"
+
+static bool is_null(const struct material *m) {
+    return !m->front.part[0] && m->front.base.model == brdf_find("null");
+}
+
+const struct material *opacity_of(const struct satin_scene *scene, const struct shape *shape) {
+    const struct material *m = &scene->material[shape->material];
+    return shape->light < 0 && (m->mask.used || is_null(m)) ? m : NULL;
+}
+
+float material_opacity(const struct material *m, vec2 uv) {
+    if (!m->mask.used) return is_null(m) ? 0.0f : 1.0f;
+    float a = m->mask.texture ? texture_number(m->mask.texture, uv) : m->mask.value;
+    a = clampf(a, 0.0f, 1.0f);
+    return m->mask.inverted ? 1.0f - a : a;
+}
+
+bool opacity_stops(const struct material *m, vec2 uv, vec3 o, vec3 d, uint32_t salt, bool whole) {
+    float a = material_opacity(m, uv);
+    if (whole || a <= 0.0f || a >= 1.0f) return a > 0.0f;
+    const float f[6] = {o.x, o.y, o.z, d.x, d.y, d.z};
+    uint32_t bits[6];
+    uint64_t key = rng_mix(salt + 0x2545f4914f6cdd1dull);
+    memcpy(bits, f, sizeof bits);
+    for (int i = 0; i < 6; i += 2) key = rng_mix(key ^ ((uint64_t)bits[i] << 32 | bits[i + 1]));
+    return (float)(key >> 40) * 0x1p-24f < a;
+}

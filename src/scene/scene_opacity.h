@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to scene/: surfaces with holes. A ray is stopped by a masked surface with the opacity
+// there as the probability, drawn by the ray and the primitive alone; else it goes on as if there
+// were none. So masks need no lobe of their own, and shadows, photons and records see through them.
+#ifndef SCENE_OPACITY_H
+#define SCENE_OPACITY_H
+
+#include "scene/scene.h"
+
+// The shape's material if rays may pass it; else NULL. What emits is not passed.
+const struct material *opacity_of(const struct satin_scene *scene, const struct shape *shape);
+// Whether the ray from o along d is stopped at uv of primitive `salt`. A ray that sees the
+// `whole` surface is unless nothing is there at all.
+bool opacity_stops(const struct material *m, vec2 uv, vec3 o, vec3 d, uint32_t salt, bool whole);
+
+#endif

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// Surfaces with holes: how many rays pass, by every query, through meshes and quadrics.
+#include "test_scene.h"
+
+enum { RAYS = 20000 };
+
+// A masked surface (a rectangle, or a sphere, which rays cross twice) before a wall, z = 0.
+static void build(struct test_scene *t, bool sphere, const struct material_mask *mask) {
+    test_scene_init(t);
+    uint32_t plain = test_diffuse(t, .5f, .5f, .5f), holes = test_diffuse(t, .5f, .5f, .5f);
+    t->material[holes].mask = *mask;
+    test_rectangle(t, test_transform(v3(0, 0, 0), v3(10, 10, 1)), plain);
+    if (sphere)
+        test_quadric(t, SHAPE_SPHERE, test_transform(v3(0, 0, 5), v3(2, 2, 2)), false, holes);
+    else
+        test_rectangle(t, test_transform(v3(0, 0, 5), v3(2, 2, 1)), holes);
+    test_scene_finish(t);
+}
+
+static struct ray ray_number(int i) {
+    float x = (float)(i % 100) * .01f + .1f, y = (float)(i / 100) * .005f - .4f;
+    return (struct ray){v3(x, y, 9), 0.0f, v3(0, 0, -1), INFINITY};
+}
+
+// Shares of rays that reach the wall, by the queries of scene.h.
+static void share_through(const struct satin_scene *scene, float share[2]) {
+    int hits = 0, free_ways = 0;
+    for (int i = 0; i < RAYS; i++) {
+        struct ray ray = ray_number(i), shadow = ray;
+        struct surfel s;
+        assert_true(scene_intersect(scene, &ray, &s));
+        bool wall = s.p.z == 0.0f;
+        hits += wall;
+        assert_true((scene_distance(scene, &ray) == 9.0f) == wall);
+        shadow.tfar = 8.5f;
+        bool clear = !scene_occluded(scene, &shadow);
+        assert_true(clear == wall);  // the same ray finds the same
+        free_ways += clear;
+        assert_true(scene_intersect_whole(scene, &ray, &s) && s.p.z > 0.0f);
+    }
+    share[0] = (float)hits / RAYS;
+    share[1] = (float)free_ways / RAYS;
+}
+
+static void lets_its_share_pass(void **state) {
+    (void)state;
+    const struct material_mask masks[] = {{.used = true, .value = .3f},
+                                          {.used = true, .value = .3f, .inverted = true}};
+    for (int k = 0; k < 4; k++) {
+        struct test_scene t;
+        build(&t, k & 1, &masks[k / 2]);
+        float share[2], pass = k / 2 ? .3f : .7f;
+        if (k & 1) pass *= pass;
+        share_through(&t.scene, share);
+        for (int i = 0; i < 2; i++)
+            assert_true(fabsf(share[i] - pass) < 4.0f * sqrtf(pass * (1 - pass) / RAYS));
+        test_scene_free(&t);
+    }
+}
+
+// The texture says where the holes are; a checkerboard that gives a number begins with color1.
+static void follows_its_texture(void **state) {
+    (void)state;
+    const struct texture checks = {
+        .kind = TEXTURE_CHECKERBOARD, .color0 = {1, 1, 1}, .to_uv = {1, 0, 0, 0, 1, 0}};
+    struct test_scene t;
+    build(&t, false, &(struct material_mask){.used = true, .texture = &checks});
+    for (int i = 0; i < 4; i++) {
+        float x = i & 1 ? 1.0f : -1.0f, y = i & 2 ? 1.0f : -1.0f;
+        struct ray ray = {v3(x, y, 9), 0.0f, v3(0, 0, -1), INFINITY};
+        struct surfel s;
+        assert_true(scene_intersect(&t.scene, &ray, &s));
+        assert_true((s.p.z > 0.0f) == (x != y));
+    }
+    test_scene_free(&t);
+}
+
+// A null surface is not there, but where it emits.
+static void null_is_nothing(void **state) {
+    (void)state;
+    struct test_scene t;
+    test_scene_init(&t);
+    uint32_t nothing = test_material(&t, "null", rgb_grey(0.0f), rgb_grey(0.0f));
+    uint32_t shape = test_rectangle(&t, test_transform(v3(0, 0, 5), v3(2, 2, 1)), nothing);
+    struct ray ray = {v3(0.5f, 0, 9), 0.0f, v3(0, 0, -1), INFINITY};
+    struct surfel s;
+    for (int emits = 0; emits < 2; emits++) {
+        t.shape[shape].light = emits - 1;
+        assert_int_equal(scene_trace_build(&t.scene, (struct log){0}), SATIN_OK);
+        assert_int_equal(scene_intersect(&t.scene, &ray, &s), emits);
+        scene_trace_free(t.scene.trace);
+        t.scene.trace = NULL;
+    }
+    test_scene_free(&t);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lets_its_share_pass),
+        cmocka_unit_test(follows_its_texture),
+        cmocka_unit_test(null_is_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
