@@ -176,6 +176,8 @@ static double tree_bytes(const struct cache_tree *t) {
                     t->ref_capacity * sizeof *t->ref);
 }
 
+uint64_t cache_rays(const struct cache *cache) { return cache->rays; }
+
 void cache_statistics(const struct cache *cache, struct stats *stats) {
     stats_set(stats, "records.irradiance", (double)cache_count(cache, CACHE_IRRADIANCE));
     stats_set(stats, "records.radiance", (double)cache_count(cache, CACHE_RADIANCE));

@@ -67,6 +67,8 @@ int cache_radiance(const struct cache *cache, const struct cache_place *at, floa
 
 // Counts, for statistics and the density layer.
 size_t cache_count(const struct cache *cache, enum cache_kind kind);
+// Gather rays of all records.
+uint64_t cache_rays(const struct cache *cache);
 // Position, normal and radius a R = `a` times R of record i of a kind, in order of creation.
 void cache_record(const struct cache *cache, enum cache_kind kind, size_t i, vec3 *p, vec3 *n,
                   float *R);

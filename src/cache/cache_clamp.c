@@ -38,25 +38,38 @@ float cache_clamp_irradiance(const struct cache *cache, const struct cache_site 
     return R;
 }
 
+// Squared lengths of a colour's vector and of its gradient.
+static void lengths2(const struct gather_radiance *value, int n2, int channel, float *size2,
+                     float *slope2) {
+    const float *lambda = value->lambda + channel * n2;
+    const float *dx = value->dx + channel * n2, *dy = value->dy + channel * n2;
+    *size2 = *slope2 = 0.0f;
+    for (int k = 0; k < n2; k++) {
+        *size2 += lambda[k] * lambda[k];
+        *slope2 += dx[k] * dx[k] + dy[k] * dy[k];
+    }
+}
+
 float cache_clamp_radiance(const struct cache *cache, const struct cache_site *site, float a,
                            struct gather_radiance *value) {
     const satin_options *o = cache->g->options;
     const int n2 = cache->order * cache->order;
-    float R = pixel_clamp(bounded(value->R, cache), a, site->pixel, o->radiance_min_pixels,
-                          o->radiance_max_pixels);
-    // The same for the vector of each colour, by its length.
+    float size2[3], slope2[3];
+    for (int c = 0; c < 3; c++) lengths2(value, n2, c, &size2[c], &slope2[c]);
+    float size = sqrtf(size2[0] + size2[1] + size2[2]);
+    float slope = sqrtf(slope2[0] + slope2[1] + slope2[2]);
+    // As for E: the vector may not change by more than its length within R. Measured where a wall
+    // reflects a box near to it: half of the records serve for the same error.
+    float R = bounded(value->R, cache);
+    if (slope * R > size && size > 0.0f) R = size / slope;
+    R = pixel_clamp(R, a, site->pixel, o->radiance_min_pixels, o->radiance_max_pixels);
+    // Where the pixel holds the radius up, the gradient of each colour gives way.
     for (int c = 0; c < 3; c++) {
-        float *lambda = value->lambda + c * n2, *dx = value->dx + c * n2, *dy = value->dy + c * n2;
-        float size = 0.0f, slope = 0.0f;
-        for (int k = 0; k < n2; k++) {
-            size += lambda[k] * lambda[k];
-            slope += dx[k] * dx[k] + dy[k] * dy[k];
-        }
-        float change = sqrtf(slope) * a * o->radiance_widen * R;
-        if (!(change > sqrtf(size))) continue;
-        for (int k = 0; k < n2; k++) {
-            dx[k] *= sqrtf(size) / change;
-            dy[k] *= sqrtf(size) / change;
+        float change = sqrtf(slope2[c]) * a * o->radiance_widen * R, length = sqrtf(size2[c]);
+        if (!(change > length)) continue;
+        for (int k = c * n2; k < (c + 1) * n2; k++) {
+            value->dx[k] *= length / change;
+            value->dy[k] *= length / change;
         }
     }
     return R;

@@ -13,7 +13,8 @@ enum {
     SITES_PER_PIXEL = 4
 };
 
-// Of a render with a time limit: the records' share of what is left after the photons.
+// Of a render with a time limit: the records' share of what is left after the photons, until the
+// first round is over and render_share.c knows better.
 static const double RECORD_SHARE = 0.5;
 
 // It fills at a times these first, so that the image is covered whenever the time is over.
@@ -116,23 +117,38 @@ static satin_status fill_levels(struct level *l, float widen, double done, doubl
     return status;
 }
 
+static void give_records(struct render *r, double share) {
+    double left = render_time_left(r) - render_write_seconds(r);
+    r->stop_at = render_elapsed(r) + share * left;
+}
+
+// The image reads the records at these factors of a.
+static void read_at(struct render *r, float irradiance, float radiance) {
+    r->shade.a_irradiance = r->options.irradiance_a * irradiance;
+    r->shade.a_radiance = r->options.radiance_a * radiance;
+}
+
 // With a time limit: rounds of ever finer records. The image reads them at the finest accuracy that
 // was finished.
 static satin_status fill_timed(struct level *l) {
     struct render *r = l->r;
     satin_status status = SATIN_OK;
     float finished = TIMED_WIDEN[0];
-    double left = render_time_left(r) - render_write_seconds(r);
-    r->stop_at = render_elapsed(r) + RECORD_SHARE * left;
-    for (int i = 0; i < TIMED_ROUNDS && status == SATIN_OK && time_remains(r); i++) {
+    give_records(r, RECORD_SHARE);
+    read_at(r, TIMED_WIDEN[0], TIMED_WIDEN[0]);
+    double start = stats_wall();
+    for (int i = 0; i < TIMED_ROUNDS && status == SATIN_OK; i++) {
         status = fill_levels(l, TIMED_WIDEN[i], (double)i / TIMED_ROUNDS, 1.0 / TIMED_ROUNDS);
-        if (time_remains(r)) finished = TIMED_WIDEN[i];
+        if (!time_remains(r)) break;
+        finished = TIMED_WIDEN[i];
+        if (i > 0) continue;
+        double pace = (double)cache_rays(r->cache) / fmax(stats_wall() - start, 1e-9);
+        give_records(r, render_share(r, pace, RECORD_SHARE));
     }
     r->stop_at = INFINITY;
     float fine = fminf(finished, 1.0f);
-    r->shade.a_irradiance =
-        r->options.irradiance_a * fmaxf(finished, fine * r->options.irradiance_widen);
-    r->shade.a_radiance = r->options.radiance_a * fmaxf(finished, fine * r->options.radiance_widen);
+    read_at(r, fmaxf(finished, fine * r->options.irradiance_widen),
+            fmaxf(finished, fine * r->options.radiance_widen));
     return status == SATIN_CANCELLED && !r->cancelled ? SATIN_OK : status;
 }
 

@@ -62,6 +62,11 @@ satin_status render_photons(struct render *r);
 // The constants of gathering. Photons that there was no time for are not missed.
 struct gather render_gather(const struct render *r);
 
+// ---- render_share.c
+// The records' share of the time that is left, judged by sampling a few pixels; `otherwise` if that
+// was cut short. `rays_per_second` is the pace at which records were gathered so far.
+double render_share(struct render *r, double rays_per_second, double otherwise);
+
 // ---- render_records.c
 // Fills the cache over the image's shading points, coarse to fine.
 satin_status render_records(struct render *r);
