@@ -2,6 +2,8 @@
 // Conversion between bases on lanes, one source for AVX2 and AVX-512: the build defines RSH_NAME,
 // the suffix. Lanes 0 to 7 hold the coefficients of +m and lanes 8 to 15 those of -m, of one band:
 // the low row for m = 0 .. 7 and, for bands from 8 on, the high row for m = 8 .. 15.
+#include <stddef.h>
+
 #include "rsh/rsh_lanes.h"
 #include "rsh/rsh_turn.h"
 
@@ -26,35 +28,41 @@ INLINE void store_row(lanes v, float *middle, int l, int base) {
     eight_store_first(middle + base, count, lanes_low(v));
 }
 
+// Outputs o .. o + block - 1 of the inputs from `base` on, whose factors begin at f.
+INLINE void convert_rows(int block, const float *f, const ptrdiff_t strides[2], int base,
+                         int inputs, const lanes *row, int o, float *out) {
+    lanes sum[BLOCK];
+    for (int k = 0; k < block; k++) sum[k] = lanes_zero();
+    int i = base;
+    do {
+        for (int k = 0; k < block; k++)
+            sum[k] = lanes_mad(lanes_twice(f + k * strides[0]), row[i], sum[k]);
+        f += strides[1];
+    } while (++i < inputs);
+    for (int k = 0; k < block; k++) store_row(sum[k], out + (o + k) * (o + k + 1), o + k, base);
+}
+
 // One part, low or high: `factor` has eight per (output, input), at the given strides.
-INLINE void convert_part(const float *factor, int output_stride, int input_stride, int base,
+INLINE void convert_part(const float *factor, const ptrdiff_t strides[2], int base,
                          const int bands[2], const float *in, float *out) {
     lanes row[RSH_MAX_ORDER];
     for (int i = base; i < bands[1]; i++) row[i] = load_row(in + i * (i + 1), i, base);
-    for (int o = base; o < bands[0]; o += BLOCK) {
-        lanes sum[BLOCK];
-        const float *f[BLOCK];
-        for (int k = 0; k < BLOCK; k++) {
-            sum[k] = lanes_zero();
-            int output = o + k < bands[0] ? o + k : bands[0] - 1;
-            f[k] = factor + (output - base) * output_stride;
-        }
-        for (int i = base; i < bands[1]; i++)
-            for (int k = 0; k < BLOCK; k++) {
-                sum[k] = lanes_mad(lanes_twice(f[k]), row[i], sum[k]);
-                f[k] += input_stride;
-            }
-        for (int k = 0; k < BLOCK && o + k < bands[0]; k++)
-            store_row(sum[k], out + (o + k) * (o + k + 1), o + k, base);
-    }
+    int o = base;
+    for (; o + BLOCK <= bands[0]; o += BLOCK, factor += BLOCK * strides[0])
+        convert_rows(BLOCK, factor, strides, base, bands[1], row, o, out);
+    if (o + 3 == bands[0]) convert_rows(3, factor, strides, base, bands[1], row, o, out);
+    if (o + 2 == bands[0]) convert_rows(2, factor, strides, base, bands[1], row, o, out);
+    if (o + 1 == bands[0]) convert_rows(1, factor, strides, base, bands[1], row, o, out);
 }
 
 void GLUE(rsh_convert_, RSH_NAME)(const struct rsh_rows *rows, bool transposed, const int bands[2],
                                   const float *in, float *out) {
-    int low = 8 * rows->inputs, high = 8 * (rows->inputs - 8);
-    convert_part(rows->low, transposed ? 8 : low, transposed ? low : 8, 0, bands, in, out);
+    const int low = 8 * rows->inputs, high = 8 * (rows->inputs - 8);
+    const ptrdiff_t of_low[2] = {transposed ? 8 : low, transposed ? low : 8};
+    const ptrdiff_t of_high[2] = {transposed ? 8 : high, transposed ? high : 8};
+    convert_part(rows->low, of_low, 0, bands, in, out);
     if (bands[0] > 8 && bands[1] > 8) {
-        convert_part(rows->high, transposed ? 8 : high, transposed ? high : 8, 8, bands, in, out);
+        convert_part(rows->high, of_high, 8, bands, in, out);
         return;
     }
     for (int l = 8; l < bands[0]; l++)

@@ -50,7 +50,8 @@ bool rsh_hemi_restrict_transposed(int order, int channels, const float *in, floa
 
 static void turn_through_sphere(const struct rsh_turn *t, bool transposed, int order, int channels,
                                 const float *in, float *out) {
-    float sphere[BLOCK * RSH_MAX_COEFFICIENTS];
+    // Turned in place, a band's loads would wait for the masked stores of the band before.
+    float sphere[BLOCK * RSH_MAX_COEFFICIENTS], turned[BLOCK * RSH_MAX_COEFFICIENTS];
     int n = order * order, larger = rsh_sphere_order(order);
     for (int c = 0; c < channels; c += BLOCK) {
         int block = channels - c < BLOCK ? channels - c : BLOCK;
@@ -58,11 +59,11 @@ static void turn_through_sphere(const struct rsh_turn *t, bool transposed, int o
             rsh_hemi_restrict_transposed(order, block, in + c * n, sphere);
         else
             rsh_hemi_extend(order, block, in + c * n, sphere);
-        rsh_kernels_best()->turn(t, larger, block, sphere, sphere);
+        rsh_kernels_best()->turn(t, larger, block, sphere, turned);
         if (transposed)
-            rsh_hemi_extend_transposed(order, block, sphere, out + c * n);
+            rsh_hemi_extend_transposed(order, block, turned, out + c * n);
         else
-            rsh_hemi_restrict(order, block, sphere, out + c * n);
+            rsh_hemi_restrict(order, block, turned, out + c * n);
     }
 }
 
