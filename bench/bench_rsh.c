@@ -153,6 +153,12 @@ static int add_cases(struct timed *cases) {
                     c++->channels = rgb ? 3 : 1;
                 }
         }
+    // A record of three colours, and one with its two derivative vectors.
+    for (int channels = 3; channels <= 9; channels += 6) {
+        add(c, NULL, run_align, "align a record", 10)->units = CALLS;
+        c->method = RSH_SPHERE;
+        c++->channels = channels;
+    }
     for (int n = 4; n <= 12; n += 2) {
         add(c, NULL, run_eval_one, "evaluate one", n)->units = CALLS;
         c++;

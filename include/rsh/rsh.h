@@ -172,7 +172,9 @@ RSH_API bool rsh_apply_blocks(int order, int channels, const float *blocks, cons
 
 // Hemispherical harmonics by r with beta' = arccos(2 cos beta - 1) in place of the angle beta of
 // the zyz decomposition, otherwise exact [K05 5.4; Gautron et al. 2004]: right at the pole only,
-// see rsh_align. Angles from 90 degrees on count as 90.
+// see rsh_align. The horizon stays where it is, so what is 60 degrees from the pole turns by 7.8
+// when the pole turns by 10, and what is 80 degrees by 4.8; near the horizon it can be worse than
+// no rotation. Angles from 90 degrees on count as 90.
 RSH_API bool rsh_rotate_stretched(int order, int channels, const float r[9], const float *in,
                                   float *out);
 
