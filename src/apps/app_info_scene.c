@@ -40,11 +40,9 @@ static void print_camera(const struct satin_scene *scene) {
 }
 
 static void print_shapes(const struct satin_scene *scene) {
-    static const char *const name[] = {[SHAPE_MESH] = "mesh",
-                                       [SHAPE_SPHERE] = "sphere",
-                                       [SHAPE_DISK] = "disk",
-                                       [SHAPE_CYLINDER] = "cylinder",
-                                       [SHAPE_INSTANCE] = "instance"};
+    static const char *const name[] = {
+        [SHAPE_MESH] = "mesh",         [SHAPE_SPHERE] = "sphere", [SHAPE_DISK] = "disk",
+        [SHAPE_CYLINDER] = "cylinder", [SHAPE_CURVES] = "curves", [SHAPE_INSTANCE] = "instance"};
     enum { KINDS = sizeof name / sizeof *name };
     uint32_t count[KINDS] = {0};
     for (uint32_t i = 0; i < scene->shape_count; i++) count[scene->shape[i].kind]++;

@@ -43,7 +43,7 @@ static void grow(struct light_target *box, vec3 p) {
 }
 
 static void grow_shape(struct light_target *box, const struct shape *shape) {
-    if (shape->kind == SHAPE_INSTANCE) {
+    if (shape->kind == SHAPE_INSTANCE || shape->kind == SHAPE_CURVES) {
         grow(box, shape->lo);
         grow(box, shape->hi);
     } else if (shape->kind == SHAPE_MESH) {

@@ -105,7 +105,17 @@ enum shape_kind {
     SHAPE_SPHERE,
     SHAPE_DISK,
     SHAPE_CYLINDER,
+    SHAPE_CURVES,
     SHAPE_INSTANCE  // a group of shapes at a place
+};
+
+// Round tubes along curves, in world space or that of a group.
+struct curves {
+    uint32_t points, segments;
+    const float *point;     // 4 per control point: x, y, z, radius
+    const uint32_t *first;  // first control point of each segment, which takes 2 or 4
+    const uint8_t *flags;   // 1: a segment goes before this one in its curve; 2: one comes after
+    bool linear;            // straight segments; else cubic B-splines
 };
 
 struct mesh {
@@ -120,13 +130,14 @@ struct shape {
     enum shape_kind kind;
     const char *name;
     struct mesh mesh;  // SHAPE_MESH (rectangle and cube too)
+    struct curves curves;
     struct mat4 to_world,
         to_object;   // the others: object space as in Mitsuba (unit sphere, disk, cylinder)
     vec3 center;     // sphere: world
     float radius;    // sphere: world; instance: its part of the scene's grain
     uint32_t group;  // 1 + index of the group that it is a part of, in whose space it is; 0: none
     uint32_t instance_of;  // instance: index of its group
-    vec3 lo, hi;           // instance: bounds, world; by scene_trace_build
+    vec3 lo, hi;           // instance (by scene_trace_build) and curves: bounds
     bool flip_normals;     // already applied to a mesh's vertex normals and to surfels
     bool face_normals;
     uint32_t material;

@@ -59,6 +59,14 @@ static void mesh_nearest(const struct RTCFilterFunctionNArguments *args) {
     mesh_any(args);
 }
 
+// Tubes are seen from outside only, as in Mitsuba: one looks through an open end.
+static void curve_any(const struct RTCFilterFunctionNArguments *args) {
+    const struct RTCRay *ray = (const struct RTCRay *)args->ray;
+    const struct RTCHit *hit = (const struct RTCHit *)args->hit;
+    vec3 n = v3(hit->Ng_x, hit->Ng_y, hit->Ng_z), d = v3(ray->dir_x, ray->dir_y, ray->dir_z);
+    if (v3_dot(n, d) > 0.0f) args->valid[0] = 0;
+}
+
 static void quadric_box(const struct RTCBoundsFunctionArguments *args) {
     const struct level *level = args->geometryUserPtr;
     float lo[3], hi[3];
@@ -142,6 +150,24 @@ static void attach_mesh(RTCDevice device, struct level *level, const struct mesh
     attach(level, geometry, id);
 }
 
+static void attach_curves(RTCDevice device, struct level *level, const struct curves *curves,
+                          uint32_t id) {
+    RTCGeometry geometry =
+        rtcNewGeometry(device, curves->linear ? RTC_GEOMETRY_TYPE_ROUND_LINEAR_CURVE
+                                              : RTC_GEOMETRY_TYPE_ROUND_BSPLINE_CURVE);
+    if (!geometry) return;
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
+                               curves->point, 0, 4 * sizeof(float), curves->points);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, curves->first,
+                               0, sizeof(uint32_t), curves->segments);
+    if (curves->linear)
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_FLAGS, 0, RTC_FORMAT_UCHAR,
+                                   curves->flags, 0, 1, curves->segments);
+    rtcSetGeometryIntersectFilterFunction(geometry, curve_any);
+    rtcSetGeometryOccludedFilterFunction(geometry, curve_any);
+    attach(level, geometry, id);
+}
+
 static void attach_quadrics(RTCDevice device, struct level *level) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
     if (!geometry) return;
@@ -163,7 +189,7 @@ static void attach_instance(RTCDevice device, struct level *level, const struct 
     attach(level, geometry, id);
 }
 
-// Sorts the shapes into geometries: meshes first, then all quadrics, then instances.
+// Sorts the shapes into geometries: meshes and curves first, then all quadrics, then instances.
 static satin_status collect(const struct satin_scene *scene, uint32_t first, uint32_t count,
                             uint32_t group, struct log log, struct level *level) {
     level->geometry_shape = array_new((size_t)count + 1, sizeof *level->geometry_shape);
@@ -177,6 +203,8 @@ static satin_status collect(const struct satin_scene *scene, uint32_t first, uin
         if (shape->group != group || shape->kind == SHAPE_INSTANCE) continue;
         if (shape->kind == SHAPE_MESH) {
             if (shape->mesh.triangle_count) level->geometry_shape[n++] = i;
+        } else if (shape->kind == SHAPE_CURVES) {
+            level->geometry_shape[n++] = i;
         } else if (quadric_make(shape, i, &level->quadric[level->quadric_count])) {
             level->quadric[level->quadric_count++].mask = opacity_of(scene, shape);
         } else {
@@ -205,6 +233,8 @@ satin_status level_build(RTCDevice device, const struct satin_scene *scene, uint
         const struct shape *shape = &scene->shape[level->geometry_shape[id]];
         if (id == level->quadric_id)
             continue;
+        else if (shape->kind == SHAPE_CURVES)
+            attach_curves(device, level, &shape->curves, id);
         else if (id < level->quadric_id)
             attach_mesh(device, level, &shape->mesh, opacity_of(scene, shape), id);
         else

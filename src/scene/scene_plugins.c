@@ -20,8 +20,7 @@ struct unread {
 };
 
 static const char *const unread_shapes[] = {
-    "bsplinecurve", "linearcurve", "sdfgrid", "ellipsoids", "ellipsoidsmesh",
-    "blender",      "heightfield", "hair",    "mesh",       NULL};
+    "sdfgrid", "ellipsoids", "ellipsoidsmesh", "blender", "heightfield", "hair", "mesh", NULL};
 static const char *const unread_bsdfs[] = {"measured",           "hair",     "pplastic",
                                            "polarizer",          "retarder", "circular",
                                            "measured_polarized", NULL};

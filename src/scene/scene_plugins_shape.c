@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "base/array.h"
+#include "scene/scene_curve.h"
 #include "scene/scene_loader.h"
 
 static const struct param_spec to_world = {
@@ -50,6 +51,15 @@ static param_list sphere_params = {&center, &radius, &to_world, &flip_normals, &
 static param_list disk_params = {&to_world, &flip_normals, &silhouette, NULL};
 static param_list cylinder_params = {&axis_start,   &axis_end,   &radius, &to_world,
                                      &flip_normals, &silhouette, NULL};
+
+static const struct param_spec curve_file = {"filename",
+                                             PARAM_STRING,
+                                             NULL,
+                                             0,
+                                             PARAM_REQUIRED,
+                                             NULL,
+                                             "lines `x y z radius`; blank ones part curves"};
+static param_list curve_params = {&curve_file, &to_world, &flip_normals, &silhouette, NULL};
 
 static satin_status fail(struct scene_loader *loader, const struct params *p, const char *why) {
     log_error_at(loader->log, p->node->place, "shape '%s': %s", p->plugin->name, why);
@@ -167,6 +177,27 @@ static satin_status build_cylinder(struct scene_loader *loader, const struct par
     return place(loader, p, shape, &m);
 }
 
+static satin_status build_curves(struct scene_loader *loader, const struct params *p,
+                                 struct shape *shape, bool linear) {
+    struct scene_source source;
+    satin_status status = scene_file_source(loader, param(p, "filename"), &source);
+    if (status != SATIN_OK) return status;
+    shape->kind = SHAPE_CURVES;
+    status = scene_curves_read(&source, &param(p, "to_world")->m, linear, &shape->curves);
+    free((char *)source.path);
+    if (status == SATIN_OK) scene_curves_bound(&shape->curves, &shape->lo, &shape->hi);
+    return status;
+}
+
+static satin_status build_spline(struct scene_loader *loader, const struct params *p,
+                                 void *object) {
+    return build_curves(loader, p, object, false);
+}
+
+static satin_status build_line(struct scene_loader *loader, const struct params *p, void *object) {
+    return build_curves(loader, p, object, true);
+}
+
 #define PARTS (1u << XML_BSDF | 1u << XML_EMITTER)
 
 const struct plugin_spec scene_shape_plugins[] = {
@@ -182,6 +213,10 @@ const struct plugin_spec scene_shape_plugins[] = {
      false},
     {XML_SHAPE, "cylinder", "an open cylinder, facing outside", cylinder_params, PARTS,
      build_cylinder, false},
+    {XML_SHAPE, "bsplinecurve", "round tubes along cubic B-splines", curve_params, PARTS,
+     build_spline, false},
+    {XML_SHAPE, "linearcurve", "round tubes along straight segments", curve_params, PARTS,
+     build_line, false},
     {0}};
 
 // The only child of a tag, or NULL. A second one is an error.
@@ -203,6 +238,16 @@ satin_status scene_shape_reserve(struct scene_loader *loader, const struct param
         return scene_no_memory(loader);
     loader->shape = items;
     return SATIN_OK;
+}
+
+static void see_side(void *ctx, const struct material_side *side) {
+    *(bool *)ctx |= side->base.model->transmits;
+}
+
+static bool transmits(const struct material *m) {
+    bool found = false;
+    material_visit(m, see_side, &found);
+    return found;
 }
 
 satin_status scene_shape_add(struct scene_loader *loader, struct xml_node *node) {
@@ -232,6 +277,9 @@ satin_status scene_shape_add(struct scene_loader *loader, struct xml_node *node)
         status = scene_emitter_add(loader, emitter, (int64_t)loader->shape_count, &shape.light);
     if (status != SATIN_OK) return status;
     shape.area = scene_shape_area(&shape);
+    if (shape.kind == SHAPE_CURVES && emitter) return fail(loader, &p, "curves cannot emit");
+    if (shape.kind == SHAPE_CURVES && transmits(&loader->material[shape.material]))
+        return fail(loader, &p, "curves cannot transmit light");
     if (shape.light >= 0 && !(shape.area > 0.0f))
         return fail(loader, &p, "it emits but has no area");
     loader->shape[loader->shape_count++] = shape;

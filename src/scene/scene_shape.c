@@ -103,6 +103,7 @@ static double column_area(const struct mat4 *m, int i, int j) {
 
 float scene_shape_area(const struct shape *shape) {
     switch (shape->kind) {
+        case SHAPE_CURVES:
         case SHAPE_INSTANCE:
             return 0.0f;
         case SHAPE_MESH:

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/array.h"
+#include "scene/scene_curve.h"
 #include "scene/scene_instance.h"
 #include "scene/scene_level.h"
 
@@ -115,6 +116,16 @@ static bool ray_load(const struct ray *ray, struct RTCRay *out) {
     return true;
 }
 
+static void surfel_of_curve(const struct shape *shape, const struct RTCRayHit *hit,
+                            const struct ray *ray, bool tangent, struct surfel *out) {
+    struct curve_hit at = {.segment = hit->hit.primID,
+                           .u = hit->hit.u,
+                           .p = v3_mad(ray->o, hit->ray.tfar, ray->d),
+                           .n = v3(hit->hit.Ng_x, hit->hit.Ng_y, hit->hit.Ng_z),
+                           .flip = shape->flip_normals};
+    curve_surfel(&shape->curves, &at, tangent, out);
+}
+
 // Fills a surfel but for t; ray and result are in the level's own space.
 static void surfel_of(const struct satin_scene *scene, const struct level *level,
                       const struct RTCRayHit *hit, const struct ray *ray, float margin,
@@ -127,6 +138,8 @@ static void surfel_of(const struct satin_scene *scene, const struct level *level
     struct surfel_hit at = {hit->hit.primID, hit->hit.u, hit->hit.v, tangent, margin};
     if (quadric)
         quadric_surfel(&level->quadric[hit->hit.primID], ray, hit->ray.tfar, tangent, out);
+    else if (shape->kind == SHAPE_CURVES)
+        surfel_of_curve(shape, hit, ray, tangent, out);
     else
         surfel_triangle(scene, shape, &at, out);
     out->shape = index;

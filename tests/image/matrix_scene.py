@@ -180,6 +180,8 @@ def shapes():
     yield "flip_normals", shape("ply", file, true("flip_normals"), lift, bsdf=diffuse())
     yield "mirrored_mesh", shape("obj", torus_obj, bsdf=diffuse() +
                                  place('<scale x="-0.9" y="0.8"/>', TILT, UP))
+    for kind in ("bsplinecurve", "linearcurve"):
+        yield kind, shape(kind, text("filename", "curve.txt"), bsdf=diffuse())
     yield "merge", ('<shape type="merge">' + shape("cube", place('<scale value="0.4"/>', UP))
                     + shape("obj", torus_obj, lift) + "</shape>")
     group = ('<shape type="shapegroup" id="group">' + shape("ply", file, bsdf=twosided(checks))
