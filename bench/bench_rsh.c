@@ -94,6 +94,28 @@ static void run_align(const struct timed *c) {
                              c->limit, coefficients, result);
 }
 
+// What hemispherical alignment by matrices of reprojection would take: two turns about z, and for
+// m >= 0 and m < 0 the matrices of one tabulated angle, or of two to interpolate between.
+static void run_tabulated(const struct timed *c) {
+    enum { ANGLES = 32, EVEN = 55, ODD = 45, SIZE = EVEN * EVEN + ODD * ODD };
+    static float table[(ANGLES + 1) * SIZE];
+    const struct rsh_turn z = {.method = RSH_METHOD_Z, .cos_gamma = 0.6f, .sin_gamma = 0.8f};
+    const float *v = coefficients;
+    uint32_t state = 1;
+    for (int i = 0; i < CALLS; i++) {
+        state = state * 1664525u + 1013904223u;
+        const float *const even[3] = {v, c->channels > 1 ? v + 100 : NULL, v + 200};
+        const float *const odd[3] = {v + EVEN, c->channels > 1 ? v + 100 + EVEN : NULL, v + 255};
+        const float *at = table + (state >> 16) % ANGLES * SIZE;
+        c->kernels->turn(&z, c->order, c->channels, v, result);
+        for (int k = 0; k < c->method; k++, at += SIZE) {
+            c->kernels->accumulate(EVEN, EVEN, at, even, result);
+            c->kernels->accumulate(ODD, ODD, at + EVEN * EVEN, odd, result + 3 * EVEN);
+        }
+        c->kernels->turn(&z, c->order, c->channels, result, result);
+    }
+}
+
 static void run_eval_one(const struct timed *c) {
     for (int i = 0; i < CALLS; i++)
         rsh_eval(RSH_HEMISPHERE, c->order,
@@ -152,6 +174,14 @@ static int add_cases(struct timed *cases) {
                     c->method = m;
                     c++->channels = rgb ? 3 : 1;
                 }
+        }
+    for (int angles = 1; angles <= 2; angles++)
+        for (int channels = 1; channels <= 3; channels += 2) {
+            add(c, rsh_kernels_best(), run_tabulated,
+                angles == 1 ? "tabulated, one angle" : "tabulated, two angles", 10);
+            c->units = CALLS;
+            c->method = angles;
+            c++->channels = channels;
         }
     // A record of three colours, and one with its two derivative vectors.
     for (int channels = 3; channels <= 9; channels += 6) {

@@ -13,6 +13,7 @@
 #include "rsh/rsh.h"
 #include "rsh/rsh_kernel.h"
 #include "rsh_noise.h"
+#include "rsh_quadrature.h"
 #include "rsh_rotations.h"
 
 static struct rsh_turn turn_of_angles(enum rsh_method method, float alpha, float beta,
@@ -66,6 +67,32 @@ static void forms_equal_wigner_matrices(void **state) {
             }
             assert_true(sqrt(square) < 3e-6);
         }
+}
+
+// Rotating is projecting the rotated function, by a quadrature that is exact for it.
+static void rotation_equals_projection(void **state) {
+    (void)state;
+    enum { ORDER = 12, N = ORDER * ORDER };
+    static struct quadrature q;
+    q = quadrature_make(0, 2 * ORDER);
+    uint32_t seed = 7;
+    for (int round = 0; round < 3; round++) {
+        float v[N], out[N], projected[N], r[9], back[9];
+        double sum[N] = {0};
+        noise_unit(&seed, N, v);
+        noise_rotation(&seed, r);
+        transpose(r, back);
+        for (int i = 0; i < q.count; i++) {
+            float y[N], w[3];
+            apply(back, q.w[i], w);
+            rsh_eval(RSH_SPHERE, ORDER, q.w[i], y);
+            double l = value(RSH_SPHERE, ORDER, v, w) * q.weight[i];
+            for (int k = 0; k < N; k++) sum[k] += l * (double)y[k];
+        }
+        for (int k = 0; k < N; k++) projected[k] = (float)sum[k];
+        assert_true(rsh_rotate(ORDER, 1, r, v, out));
+        assert_true(distance(N, out, projected) < 3e-6);
+    }
 }
 
 // Largest error over all: 3e-6 of the vector's length (floats of order 16 leave about 1e-6).
@@ -219,6 +246,7 @@ static void bad_input_is_refused(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(forms_equal_wigner_matrices),
+        cmocka_unit_test(rotation_equals_projection),
         cmocka_unit_test(rotation_moves_the_function),
         cmocka_unit_test(kernels_agree),
         cmocka_unit_test(inverse_and_product_hold),
