@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Real spherical and hemispherical harmonics: evaluation, projection, products. A library of its
-// own: it needs nothing but this header, allocates nothing in the calls below and keeps no state,
-// so every function may be called from any thread at any time.
+// Real spherical and hemispherical harmonics: evaluation, projection, products, rotation. A library
+// of its own: it needs nothing but this header, allocates nothing and keeps no state, so every
+// function may be called from any thread at any time.
 //
 // Conventions, said once
 //   order    n = number of bands, 1 to RSH_MAX_ORDER; a vector has n * n coefficients
@@ -10,14 +10,14 @@
 //            sin(|m| phi) for m < 0, s = sqrt 2 for m != 0 and 1 for m = 0,
 //            K_l^m = sqrt((2 l + 1) (l - m)! / (4 pi (l + m)!)).
 //   phase    No Condon-Shortley phase: P_m^m = +(2 m - 1)!! sin^m, so band 1 is
-//            sqrt(3 / (4 pi)) (y, z, x). rsh_flip_phase converts to and from the other convention.
+//            sqrt(3 / (4 pi)) (y, z, x). rsh_export and rsh_import convert to and from others.
 //   hemisphere (z >= 0; Gautron et al. 2004)
 //            H_l^m = s sqrt(2) K_l^|m| P_l^|m|(2 cos theta - 1) t. A direction below the horizon
 //            is treated as the horizon under it. All H with m != 0 vanish at the horizon.
 //   norm     Both bases are orthonormal over their domain; integral L F = dot(Lambda, Phi).
 //   channels Vectors of several channels lie one after another: out[channel * n * n + index].
-//   units    Directions are unit vectors, angles radians. Directions that are not unit give finite
-//            values without meaning; a NaN gives values without meaning. Neither does other harm.
+//   units    Directions are unit vectors, angles radians. A direction that is not unit, zero or NaN
+//            gives values without meaning and does no other harm.
 //
 // Functions that take an order return false, and write nothing, if it is not 1 .. RSH_MAX_ORDER.
 #ifndef RSH_RSH_H
@@ -218,7 +218,7 @@ RSH_API bool rsh_reflect(const rsh_reflection *reflection, float out[3]);
 // Rotation and alignment of `count` records at once, as structures of arrays: coefficient k of
 // channel c of record i is in[(c * n * n + k) * count + i], entry e of its matrix or frame is
 // r[e][i]. out == in is allowed. A record's result does not depend on the others. Blocks of 16 to
-// 64 records stay in the first cache.
+// 64 records stay in the first cache. These calls take up to 256 kB of stack.
 RSH_API bool rsh_rotate_many(int order, int channels, size_t count, const float *const r[9],
                              const float *in, float *out);
 RSH_API bool rsh_rotate_taylor_many(rsh_taylor kind, int order, int channels, size_t count,
