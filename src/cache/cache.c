@@ -74,19 +74,38 @@ void cache_free(struct cache *cache) {
     free(cache);
 }
 
+// The records to interpolate at a place.
+static int find(const struct cache_tree *tree, const struct cache_place *at, float a,
+                struct cache_near near[CACHE_NEAR_MAX]) {
+    int count = cache_tree_find(tree, at->p, at->n, a, near);
+    if (count > 0 || !(at->reach > 0.0f)) return count;
+    int64_t nearest = cache_tree_nearest(tree, at->p, at->n, at->reach);
+    if (nearest < 0) return 0;
+    near[0] = (struct cache_near){(uint32_t)nearest, 1.0f};
+    return 1;
+}
+
+// The way from a record to p, cut at the radius within which its gradient is good.
+static vec3 way_from(const struct cache_head *h, vec3 p, float a) {
+    vec3 d = v3_sub(p, h->p);
+    float length = v3_len(d), most = a * h->R;
+    return length > most ? v3_mul(d, most / length) : d;
+}
+
 // A facet that is turned by an angle t sees E cos t, and what the rotation gradient adds sin t.
-int cache_irradiance(const struct cache *cache, vec3 p, vec3 n, vec3 facing, float a, rgb *E) {
+int cache_irradiance(const struct cache *cache, const struct cache_place *at, float a, rgb *E) {
     struct cache_near near[CACHE_NEAR_MAX];
-    int count = cache_tree_find(&cache->irradiance_tree, p, n, a, near);
+    int count = find(&cache->irradiance_tree, at, a, near);
     if (count == 0) return 0;
+    const vec3 facing = at->frame.n;
     const bool gradients = cache->g->options->irradiance_gradients;
-    const float share = minf(v3_dot(n, facing), 1.0f);
+    const float share = minf(v3_dot(at->n, facing), 1.0f);
     float sum[3] = {0}, weights = 0.0f;
     for (int i = 0; i < count; i++) {
         const struct cache_head *h = &cache->irradiance_tree.head[near[i].record];
         const struct gather_irradiance *value = &cache->irradiance[near[i].record];
         const float Ei[3] = {value->E.r, value->E.g, value->E.b};
-        vec3 move = v3_sub(p, h->p), turn = v3_cross(h->n, facing);
+        vec3 move = way_from(h, at->p, a), turn = v3_cross(h->n, facing);
         float w = near[i].weight;
         for (int c = 0; c < 3; c++) {
             float e = share * Ei[c];
@@ -135,14 +154,14 @@ static void add_product(const struct cache *cache, const struct cache_radiance_r
 int cache_radiance(const struct cache *cache, const struct cache_place *at, float a,
                    const struct cache_lobe *lobe, rgb *glossy, rgb *E) {
     struct cache_near near[CACHE_NEAR_MAX];
-    int count = cache_tree_find(&cache->radiance_tree, at->p, at->n, a, near);
+    int count = find(&cache->radiance_tree, at, a, near);
     if (count == 0) return 0;
     const float on = cache->g->options->radiance_gradients ? 1.0f : 0.0f;
     const struct cache_lobe cosine = {cache->cosine, cache->cosine_order, 1};
     float shine[3] = {0}, diffuse[3] = {0}, weights = 0.0f;
     for (int i = 0; i < count; i++) {
         const struct cache_radiance_record *record = &cache->radiance[near[i].record];
-        vec3 d = v3_sub(at->p, cache->radiance_tree.head[near[i].record].p);
+        vec3 d = way_from(&cache->radiance_tree.head[near[i].record], at->p, a);
         const float move[2] = {on * v3_dot(d, record->frame.u), on * v3_dot(d, record->frame.v)};
         if (lobe) add_product(cache, record, &at->frame, *lobe, move, near[i].weight, shine);
         if (E) add_product(cache, record, &at->frame, cosine, move, near[i].weight, diffuse);

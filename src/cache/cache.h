@@ -45,10 +45,16 @@ struct cache_fill {
 };
 satin_status cache_fill(struct cache *cache, const struct cache_fill *fill);
 
-// Interpolated irradiance at p, where the surface has normal n, on a facet of normal `facing` (n
-// itself, or turned by bumps), at accuracy a [K05 (2.2)]; returns how many records it used, 0 if
-// none is near enough: then *E is untouched.
-int cache_irradiance(const struct cache *cache, vec3 p, vec3 n, vec3 facing, float a, rgb *E);
+// Where interpolated light is wanted.
+struct cache_place {
+    vec3 p, n;           // the surface's point and normal,
+    struct frame frame;  // the BRDF's frame, of the same normal unless bumps turned it
+    float reach;         // without a record of the accuracy asked for the nearest up to here serves
+};
+
+// Interpolated irradiance on a facet of normal frame.n at accuracy a [K05 (2.2)]; returns how many
+// records it used, 0 if none is near enough: then *E is untouched.
+int cache_irradiance(const struct cache *cache, const struct cache_place *at, float a, rgb *E);
 
 // What a glossy surface reflects of the interpolated radiance [K05 (3.2), (3.3)].
 struct cache_lobe {
@@ -56,12 +62,8 @@ struct cache_lobe {
     int order;       // at most the cache's
     int channels;    // 1 or 3
 };
-// n is the surface's normal at p, that of `frame` unless bumps turned it. lobe may be NULL: then
-// *glossy is untouched. E, the irradiance from the same records, may be NULL.
-struct cache_place {
-    vec3 p, n;
-    struct frame frame;
-};
+// lobe may be NULL: then *glossy is untouched. E, the irradiance from the same records, may be
+// NULL.
 int cache_radiance(const struct cache *cache, const struct cache_place *at, float a,
                    const struct cache_lobe *lobe, rgb *glossy, rgb *E);
 

@@ -17,6 +17,9 @@ static const float FRONT_SLACK = 0.05f;
 // than arccos(1 - a^2), so a surface that turns so far at a = .5 rises by .35 of the way.
 static const float SLAB = 0.4f;
 
+// Least cosine of normals for a record that is taken for want of a better one.
+static const float NEAREST_ALIKE = 0.9f;
+
 void cache_tree_init(struct cache_tree *tree, vec3 lo, vec3 hi) {
     *tree = (struct cache_tree){0};
     vec3 extent = v3_sub(hi, lo);
@@ -190,4 +193,29 @@ void cache_tree_visit(const struct cache_tree *tree, vec3 p, float radius,
                 stack[top++] = (struct visit){node->child[octant], lo, half};
         }
     }
+}
+
+struct nearest {
+    const struct cache_tree *tree;
+    vec3 p, n;
+    float reach, distance2;
+    int64_t record;
+};
+
+static void compare_one(void *ctx, uint32_t record) {
+    struct nearest *s = ctx;
+    const struct cache_head *h = &s->tree->head[record];
+    vec3 d = v3_sub(s->p, h->p);
+    float d2 = v3_len2(d);
+    bool nearer = d2 < s->distance2 || (d2 == s->distance2 && record < s->record);
+    if (!nearer || v3_dot(h->n, s->n) < NEAREST_ALIKE) return;
+    if (fabsf(v3_dot(d, h->n)) > SLAB * s->reach) return;
+    s->distance2 = d2;
+    s->record = record;
+}
+
+int64_t cache_tree_nearest(const struct cache_tree *tree, vec3 p, vec3 n, float reach) {
+    struct nearest s = {tree, p, n, reach, reach * reach, -1};
+    cache_tree_visit(tree, p, reach, compare_one, &s);
+    return s.record;
 }

@@ -55,6 +55,9 @@ bool cache_tree_insert(struct cache_tree *tree, const struct cache_head *head);
 // out.
 int cache_tree_find(const struct cache_tree *tree, vec3 p, vec3 n, float a,
                     struct cache_near near[CACHE_NEAR_MAX]);
+// The record nearest to p on a surface of like facing, at most `reach` away; -1: none. Where
+// slivers between pixels have been missed by the fill, it is better than none.
+int64_t cache_tree_nearest(const struct cache_tree *tree, vec3 p, vec3 n, float reach);
 // Whether S is not empty.
 bool cache_tree_covered(const struct cache_tree *tree, vec3 p, vec3 n, float a);
 // Calls fn for every record whose sphere's cells meet the ball (p, radius), some more than once.

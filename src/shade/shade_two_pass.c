@@ -7,6 +7,10 @@
 #include "shade/shade_indirect.h"
 #include "shade/shade_memo.h"
 
+// Pixels between a point that the fill has missed, in a sliver along an edge, and the record that
+// serves.
+#define REACH 8.0f
+
 // Which technique carries which lobes at this point.
 struct plan {
     unsigned cached;                 // glossy and diffuse lobes by a radiance record
@@ -57,6 +61,11 @@ static struct gather_site site_of(const struct shade_job *job) {
     return (struct gather_site){p->surfel.p, p->surfel.ng, p->base, job->stream};
 }
 
+static struct cache_place place_of(const struct shade_job *job) {
+    const struct gather_point *p = &job->vertex->point;
+    return (struct cache_place){p->surfel.p, p->base.n, p->frame, REACH * job->vertex->pixel};
+}
+
 // E on a facet that bumps turned, as cache_irradiance has it.
 static rgb turn_irradiance(const struct gather_irradiance *value, vec3 n, vec3 facing) {
     vec3 turn = v3_cross(n, facing);
@@ -75,12 +84,12 @@ static void note_records(struct shade_job *job, int used) {
 static void indirect_diffuse(struct shade_job *job, struct shade_memo_entry *memo) {
     const struct shade *s = job->shade;
     const struct gather_point *p = &job->vertex->point;
+    const struct cache_place at = place_of(job);
     rgb E = memo->E;
     if (!(memo->knows & MEMO_IRRADIANCE)) {
         memo->used = 0;
         if (s->g->options->irradiance_cache)
-            memo->used =
-                cache_irradiance(s->cache, p->surfel.p, p->base.n, p->frame.n, s->a_irradiance, &E);
+            memo->used = cache_irradiance(s->cache, &at, s->a_irradiance, &E);
     }
     if (memo->used) {
         memo->knows |= MEMO_IRRADIANCE;
@@ -106,7 +115,7 @@ static bool indirect_cached(struct shade_job *job, const struct plan *plan) {
     const bool diffuse = p->lobes & BRDF_DIFFUSE, shiny = plan->cached & BRDF_GLOSSY;
     if (!(memo->knows & MEMO_RADIANCE)) {
         float C[3 * RSH_MAX_COEFFICIENTS];
-        struct cache_place at = {p->surfel.p, p->base.n, p->frame};
+        struct cache_place at = place_of(job);
         struct cache_lobe lobe = {.C = C, .channels = plan->channels};
         if (shiny) lobe.order = brdf_table_lookup(plan->table, p->wo_l, C);
         memo->used = cache_radiance(s->cache, &at, s->a_radiance, shiny ? &lobe : NULL,

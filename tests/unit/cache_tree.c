@@ -119,8 +119,28 @@ static void an_empty_tree_covers_nothing(void **state) {
     cache_tree_free(&tree);
 }
 
+static void nearest_is_of_this_side_and_layer(void **state) {
+    (void)state;
+    struct cache_tree tree;
+    cache_tree_init(&tree, v3(-4, -4, -4), v3(4, 4, 4));
+    const vec3 up = v3(0, 0, 1);
+    const struct cache_head head[] = {
+        {v3(1, 0, 0), 0.1f, up, 0.1f},              // on the plane, far
+        {v3(0, 0.5f, 0), 0.1f, up, 0.1f},           // on the plane, near
+        {v3(0, 0.1f, 0), 0.1f, v3(1, 0, 0), 0.1f},  // faces elsewhere
+        {v3(0, 0, -0.45f), 0.1f, up, 0.1f},         // a layer below
+    };
+    assert_int_equal(cache_tree_nearest(&tree, v3(0, 0, 0), up, 1.0f), -1);
+    for (int i = 0; i < 4; i++) assert_true(cache_tree_insert(&tree, &head[i]));
+    assert_int_equal(cache_tree_nearest(&tree, v3(0, 0, 0), up, 1.0f), 1);
+    assert_int_equal(cache_tree_nearest(&tree, v3(0, 0, 0), up, 0.4f), -1);
+    assert_int_equal(cache_tree_nearest(&tree, v3(0.9f, 0, 0), up, 0.4f), 0);
+    cache_tree_free(&tree);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(nearest_is_of_this_side_and_layer),
         cmocka_unit_test(finds_all_and_only_S),
         cmocka_unit_test(rejects_points_in_front),
         cmocka_unit_test(visits_every_sphere_that_meets_the_ball),
