@@ -75,9 +75,8 @@ static void print_glossy(const struct materials *m, const struct material_side *
         return;
     }
     struct brdf_table_info info = brdf_table_info(table);
-    printf(
-        "; glossy lobe: radiance records of order %d, error below %g, over %.0f %% of directions",
-        info.order, (double)m->options->radiance_error, 100.0 * (double)info.share);
+    printf(", gloss by radiance records (order %d, error below %g, %.2g %% of directions)",
+           info.order, (double)m->options->radiance_error, 100.0 * (double)info.share);
 }
 
 static void print_side(void *ctx, const struct material_side *side) {

@@ -34,6 +34,8 @@ static const struct param_spec linear = {
     "value", PARAM_COLOR, NULL, RANGE_NOT_NEGATIVE, PARAM_REQUIRED, NULL, "linear sRGB"};
 static const struct param_spec linear_color = {
     "color", PARAM_COLOR, NULL, RANGE_NOT_NEGATIVE, PARAM_REQUIRED, NULL, "linear sRGB"};
+static const struct param_spec unbounded = {
+    "unbounded", PARAM_BOOLEAN, "false", 0, 0, NULL, "has no effect: the parameter has a range"};
 static const struct param_spec values = {"values", PARAM_STRING,     NULL, 0, PARAM_REQUIRED,
                                          NULL,     "list of numbers"};
 static const struct param_spec wavelengths = {
@@ -46,7 +48,7 @@ static param_list regular_params = {&values, &from, &to, NULL};
 static param_list irregular_params = {&wavelengths, &values, NULL};
 static param_list uniform_params = {&number, NULL};
 static param_list rgb_params = {&linear, NULL};
-static param_list srgb_params = {&linear_color, NULL};
+static param_list srgb_params = {&linear_color, &unbounded, NULL};
 
 const struct plugin_spec scene_spectrum_plugins[] = {
     {XML_SPECTRUM, "blackbody", "the glow of a black body, W/(m2 sr nm)", blackbody_params, 0, NULL,
