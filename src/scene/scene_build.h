@@ -28,6 +28,7 @@ struct mesh_request {
     struct mat4 to_world;
     bool flip_normals;
     bool face_normals;     // drop the file's vertex normals
+    float smooth_angle;    // make them anew over edges flatter than this [degrees]; 0: keep them
     bool flip_tex_coords;  // v -> 1 - v
     int shape_index;       // serialized: which mesh of the file
 };

@@ -149,7 +149,10 @@ static satin_status make_normals(const struct scene_source *source,
         parts->normal = NULL;
         return SATIN_OK;
     }
-    if (parts->normal) {
+    if (request->smooth_angle > 0.0f) {
+        satin_status status = mesh_smooth(source, request->smooth_angle, parts);
+        if (status != SATIN_OK) return status;
+    } else if (parts->normal) {
         transform_normals(&request->to_world, parts);
         satin_status status = complete_normals(source, parts);
         if (status != SATIN_OK) return status;

@@ -26,6 +26,10 @@ satin_status mesh_read(const struct scene_source *source, char **data, size_t *s
 satin_status mesh_allocate(const struct scene_source *source, uint32_t vertices, bool normals,
                            bool uvs, struct mesh_parts *out);
 
+// Makes normals that are smooth over edges flatter than an angle (scene_mesh_smooth.c).
+satin_status mesh_smooth(const struct scene_source *source, float degrees,
+                         struct mesh_parts *parts);
+
 // Checks the indices and transforms into world space; makes normals, winds the triangles, flips.
 satin_status mesh_finish(const struct scene_source *source, const struct mesh_request *request,
                          struct mesh_parts *parts, struct mesh *out);

@@ -24,6 +24,14 @@ static const struct param_spec shape_index = {
     "shape_index", PARAM_INTEGER, "0", RANGE_NOT_NEGATIVE, 0, NULL, "which mesh of the file"};
 static const struct param_spec face_normals = {
     "face_normals", PARAM_BOOLEAN, "false", 0, 0, NULL, "facets: no smooth normals"};
+static const struct param_spec smooth_angle = {
+    "max_smooth_angle",
+    PARAM_FLOAT,
+    NULL,
+    RANGE_POSITIVE,
+    0,
+    NULL,
+    "normals made anew, smooth over edges flatter than this, degrees; as in Mitsuba 0.6"};
 static const struct param_spec flip_v = {"flip_tex_coords", PARAM_BOOLEAN, "true", 0, 0, NULL,
                                          "v becomes 1 - v"};
 static const struct param_spec keep_v = {"flip_tex_coords", PARAM_BOOLEAN, "false", 0, 0, NULL,
@@ -40,12 +48,13 @@ static const struct param_spec axis_end = {"p1", PARAM_POINT, "0 0 1",          
 enum { SHAPES_MAX = 1 << 20 };  // each costs some kilobytes, whatever it is
 
 typedef const struct param_spec *const param_list[];
-static param_list obj_params = {&filename,     &face_normals, &flip_v, &to_world,
-                                &flip_normals, &silhouette,   NULL};
-static param_list ply_params = {&filename,     &face_normals, &keep_v, &to_world,
-                                &flip_normals, &silhouette,   NULL};
-static param_list serialized_params = {&filename, &shape_index,  &face_normals, &keep_v,
-                                       &to_world, &flip_normals, &silhouette,   NULL};
+static param_list obj_params = {&filename, &face_normals, &smooth_angle, &flip_v,
+                                &to_world, &flip_normals, &silhouette,   NULL};
+static param_list ply_params = {&filename, &face_normals, &smooth_angle, &keep_v,
+                                &to_world, &flip_normals, &silhouette,   NULL};
+static param_list serialized_params = {&filename,     &shape_index, &face_normals,
+                                       &smooth_angle, &keep_v,      &to_world,
+                                       &flip_normals, &silhouette,  NULL};
 static param_list flat_params = {&face_normals, &to_world, &flip_normals, &silhouette, NULL};
 static param_list sphere_params = {&center, &radius, &to_world, &flip_normals, &silhouette, NULL};
 static param_list disk_params = {&to_world, &flip_normals, &silhouette, NULL};
@@ -81,6 +90,10 @@ static satin_status read_mesh(struct scene_loader *loader, const struct params *
     struct mesh_request request = request_of(p);
     request.flip_tex_coords = param(p, "flip_tex_coords")->b;
     request.shape_index = index;
+    const struct param_value *angle = param(p, "max_smooth_angle");
+    if (angle->given && angle->f <= 180.0f) request.smooth_angle = angle->f;
+    if (angle->given && (angle->f > 180.0f || request.face_normals))
+        return fail(loader, p, "max_smooth_angle is at most 180 degrees, without face_normals");
     struct scene_source source;
     satin_status status = scene_file_source(loader, param(p, "filename"), &source);
     if (status != SATIN_OK) return status;
