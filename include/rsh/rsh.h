@@ -52,8 +52,8 @@ RSH_API bool rsh_eval_derivatives(rsh_basis basis, int order, const float w[3], 
                                   float *dtheta, float *dphi);
 
 // All basis functions in `count` directions, given as three arrays: out[k * count + i] is function
-// k in direction i. In float throughout: right to 2e-7 (rms), but next to the poles only to 4e-6 at
-// order 10 and 1e-5 at order 16.
+// k in direction i. In float throughout, so right to 1e-6 at order 10 and 2e-6 at order 16 on the
+// sphere, to twice as much on the hemisphere.
 RSH_API bool rsh_eval_many(rsh_basis basis, int order, size_t count, const float *x, const float *y,
                            const float *z, float *out);
 

@@ -85,22 +85,63 @@ INLINE void eval_column(int order, int m, vf z, vf c, vf s, size_t count, size_t
     }
 }
 
+// Re, Im (x + i y)^m.
+struct azimuth {
+    vf c, s;
+};
+
+INLINE struct azimuth next_azimuth(struct azimuth a, struct directions v) {
+    return (struct azimuth){v.x * a.c - v.y * a.s, v.x * a.s + v.y * a.c};
+}
+
+// All m < RSH_STEEP side by side, by differences of u = 1 - |z|.
+INLINE void eval_steep(int order, struct directions v, const struct azimuth *a, size_t count,
+                       size_t keep, float *out) {
+    vf u = (v.x * v.x + v.y * v.y) / (1.0f + magnitude(v.z)), sign = with_sign(splat(1.0f), v.z);
+    vf q[RSH_STEEP], d[RSH_STEEP];
+    struct azimuth part[2][RSH_STEEP];  // of even and of odd l - m
+    for (int m = 0; m < RSH_STEEP; m++) {
+        q[m] = splat(1.0f);
+        d[m] = (vf){0};
+        part[0][m] = a[m];
+        part[1][m] = (struct azimuth){a[m].c * sign, a[m].s * sign};
+    }
+    for (int l = 0; l < order; l++)
+        for (int m = 0; m < RSH_STEEP; m++) {
+            if (m > l) break;
+            const int at = m * RSH_MAX_ORDER + l;
+            if (l > m) {
+                d[m] = rsh_keep[at] * d[m] - (rsh_bend[at] * u) * q[m];
+                q[m] += d[m];
+            }
+            struct azimuth p = part[(l - m) & 1][m];
+            put_pair(out + (size_t)(l * (l + 1)) * count, (size_t)m * count, q[m] * rsh_pole[at],
+                     p.c, p.s, keep);
+        }
+}
+
+// All functions of one vector of directions.
+INLINE void eval_vector(int order, struct directions v, float scale, size_t count, size_t keep,
+                        float *out) {
+    struct azimuth a[RSH_STEEP + 1] = {{splat(scale), {0}}};
+    for (int m = 0; m < RSH_STEEP; m++) a[m + 1] = next_azimuth(a[m], v);
+    eval_steep(order, v, a, count, keep, out);
+    struct azimuth at = a[RSH_STEEP];
+    for (int m = RSH_STEEP; m < order; m++, at = next_azimuth(at, v))
+        eval_column(order, m, v.z, at.c, at.s, count, keep, out);
+}
+
 static void kernel_eval_many(rsh_basis basis, int order, size_t count, const float *x,
                              const float *y, const float *z, float *out) {
     const float *const d[3] = {x, y, z};
     for (size_t first = 0; first < count; first += W) {
         size_t keep = count - first < W ? count - first : W;
         struct directions v = load_directions(basis, d, first, keep);
-        vf c = splat(basis == RSH_HEMISPHERE ? sqrtf(2.0f) : 1.0f), s = {0};
-        for (int m = 0; m < order; m++) {
-            if (keep == W)
-                eval_column(order, m, v.z, c, s, count, W, out + first);
-            else
-                eval_column(order, m, v.z, c, s, count, keep, out + first);
-            vf t = v.x * c - v.y * s;
-            s = v.x * s + v.y * c;
-            c = t;
-        }
+        float scale = basis == RSH_HEMISPHERE ? sqrtf(2.0f) : 1.0f;
+        if (keep == W)
+            eval_vector(order, v, scale, count, W, out + first);
+        else
+            eval_vector(order, v, scale, count, keep, out + first);
     }
 }
 

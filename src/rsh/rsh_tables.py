@@ -10,6 +10,7 @@ import sys
 
 ORDER = 16
 LANES = 16
+STEEP = 3
 BELOW = 0.1  # weight of the mirror image below the horizon, see rsh_tables.h
 # Bands that share a vector of lanes, see rsh_tables.h.
 GROUPS = [[0, 1, 2, 3], [4, 5], [6, 7]] + [[l] for l in range(8, ORDER)]
@@ -27,6 +28,14 @@ def norm(l, m):
 def recurrence(l, m):
     """b in p_l = z p_(l-1) - b p_(l-2), for monic associated Legendre functions of one m."""
     return ((l - 1) ** 2 - m * m) / (4.0 * (l - 1) ** 2 - 1) if l >= m + 2 else 0.0
+
+
+@functools.lru_cache(None)
+def pole(l, m):
+    """The monic Legendre function at z = 1."""
+    if l <= m:
+        return 1.0 if l == m else 0.0
+    return pole(l - 1, m) - recurrence(l, m) * pole(l - 2, m)
 
 
 def slope(l, m):
@@ -143,6 +152,14 @@ def plain_tables(w):
     w.array("float", "rsh_norm[RSH_MAX_ORDER * RSH_MAX_ORDER]", [norm(l, m) for l, m in grid])
     for kind, name in (("float", "rsh_recurrence"), ("double", "rsh_recurrence_d")):
         w.array(kind, name + "[RSH_MAX_ORDER * RSH_MAX_ORDER]", [recurrence(l, m) for l, m in grid])
+    steep = [(l, m) for l, m in grid if m < STEEP]
+    w.array("float", "rsh_pole[RSH_STEEP * RSH_MAX_ORDER]",
+            [norm(l, m) * pole(l, m) for l, m in steep])
+    w.array("float", "rsh_bend[RSH_STEEP * RSH_MAX_ORDER]",
+            [pole(l - 1, m) / pole(l, m) if l > m else 0.0 for l, m in steep])
+    w.array("float", "rsh_keep[RSH_STEEP * RSH_MAX_ORDER]",
+            [recurrence(l, m) * pole(l - 2, m) / pole(l, m) if l > m + 1 else 0.0
+             for l, m in steep])
     flat = [(l, m) for l in range(ORDER) for m in range(-l, l + 1)]
     w.array("float", "rsh_slope[RSH_MAX_COEFFICIENTS + 2]",
             [slope(l, m) for l, m in flat] + [0.0, 0.0])

@@ -4,6 +4,7 @@
 #ifndef RSH_VECTOR_H
 #define RSH_VECTOR_H
 
+#include <stdint.h>
 #include <string.h>
 
 #ifndef RSH_WIDTH
@@ -34,6 +35,15 @@ INLINE vf load(const float *p) {
 INLINE void store(float *p, vf v) { memcpy(p, &v, sizeof v); }
 
 INLINE vf splat(float x) { return x - (vf){0}; }
+
+#if RSH_WIDTH > 1
+typedef int32_t vi __attribute__((vector_size(4 * RSH_WIDTH)));
+
+INLINE vf magnitude(vf v) { return (vf)((vi)v & INT32_MAX); }
+
+// v >= 0 with the sign of s.
+INLINE vf with_sign(vf v, vf s) { return (vf)((vi)v | ((vi)s & INT32_MIN)); }
+#endif
 
 // Keeps v in a register where the compiler would rather read memory at every use.
 #if defined(__x86_64__)
