@@ -13,14 +13,23 @@
 #include "base/sampling.h"
 #include "brdf/brdf_models.h"
 
-const struct brdf_model *const brdf_models[] = {
-    &brdf_model_diffuse,        &brdf_model_conductor,
-    &brdf_model_roughconductor, &brdf_model_dielectric,
-    &brdf_model_thindielectric, &brdf_model_roughdielectric,
-    &brdf_model_null,           &brdf_model_principled,
-    &brdf_model_principledthin, &brdf_model_plastic,
-    &brdf_model_roughplastic,   &brdf_model_phong,
-    &brdf_model_ward,           &(const struct brdf_model){.name = NULL}};
+const struct brdf_model *const brdf_models[] = {&brdf_model_diffuse,
+                                                &brdf_model_conductor,
+                                                &brdf_model_roughconductor,
+                                                &brdf_model_dielectric,
+                                                &brdf_model_thindielectric,
+                                                &brdf_model_roughdielectric,
+                                                &brdf_model_null,
+                                                &brdf_model_principled,
+                                                &brdf_model_principledthin,
+                                                &brdf_model_plastic,
+                                                &brdf_model_roughplastic,
+                                                &brdf_model_phong,
+                                                &brdf_model_ward,
+                                                &brdf_model_lafortune,
+                                                &brdf_model_merl,
+                                                &brdf_model_tabulated,
+                                                &(const struct brdf_model){.name = NULL}};
 
 const struct brdf_model *brdf_find(const char *name) {
     for (int i = 0; brdf_models[i]->name; i++)
@@ -36,7 +45,7 @@ satin_status brdf_prepare(struct brdf *b, struct arena *arena) {
 bool brdf_same_shape(const struct brdf *a, const struct brdf *b) {
     struct brdf x = *a, y = *b;
     if (x.model != y.model || x.ior != y.ior || x.distribution != y.distribution ||
-        x.variant != y.variant || x.opaque != y.opaque)
+        x.variant != y.variant || x.opaque != y.opaque || (x.model->data && x.tables != y.tables))
         return false;
     for (enum brdf_slot i = BRDF_SLOT_NUMBERS; i < BRDF_SLOT_COUNT; i++)
         if (*brdf_number(&x, i) != *brdf_number(&y, i)) return false;

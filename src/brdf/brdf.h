@@ -54,9 +54,12 @@ struct brdf {
     enum brdf_distribution distribution;
     enum brdf_variant variant;
     bool nonlinear;  // plastic, roughplastic: colour shifts by internal scattering
-    bool opaque;     // the model transmits, but not with these numbers
-    vec3 base;       // the surface's normal, where a bump or normal map turned the frame; else 0
-    float relief;    // alpha^2 of the shadowing by such a map's slopes; 0: none
+    bool
+        even_turn;  // measured, lafortune: turning both directions about the normal changes nothing
+    bool uneven;    // measured: not even mirroring them at the x or y axis is without effect
+    bool opaque;    // the model transmits, but not with these numbers
+    vec3 base;      // the surface's normal, where a bump or normal map turned the frame; else 0
+    float relief;   // alpha^2 of the shadowing by such a map's slopes; 0: none
     const void *tables;                // what the model's prepare made; owned by its arena
     const struct brdf_glossy *glossy;  // albedos of the glossy lobe, likewise; may be NULL
 };
@@ -116,6 +119,7 @@ struct brdf_model {
     unsigned lobes;  // what it has, a mask of brdf_lobe
     unsigned slots;  // what may be textured, a mask of 1 << brdf_slot
     bool transmits;  // it has lobes on both sides, for wo on either side
+    bool data;       // `tables` are what it is, made by a function of its own
     bool thin;       // and the same medium on both
     // Derived constants into b (tables); NULL if there are none.
     satin_status (*prepare)(struct brdf *b, struct arena *arena);
@@ -147,6 +151,33 @@ struct brdf_model {
 // All models, ended by a NULL name.
 extern const struct brdf_model *const brdf_models[];
 const struct brdf_model *brdf_find(const char *name);  // NULL if there is none
+
+// Of lafortune: a lobe color * (c.x xo xi + c.y yo yi + c.z zo zi)^exponent where that is positive.
+struct brdf_cosine_lobe {
+    vec3 c;
+    float exponent;
+    rgb color;
+};
+enum { BRDF_COSINE_LOBES_MAX = 8 };
+
+// Of merl and tabulated: f_r [sr^-1] >= 0 in a grid whose last dimension varies fastest, with 1 or
+// 3 channels at each node.
+enum brdf_grid_kind {
+    BRDF_GRID_HALF,  // cells of sqrt(theta_h), theta_d and phi_d over [0, 90], [0, 90], [0, 180]
+    BRDF_GRID_DIRECTIONS  // nodes at[] [rad] of theta_o, phi_o, theta_i, phi_i - phi_o
+};
+struct brdf_grid {
+    enum brdf_grid_kind kind;
+    int channels, size[4];
+    const float *at[4];  // ascending; one node of phi_o: isotropic, and phi over half a turn
+    const float *value;
+};
+
+// Give a BRDF of the model its data, before brdf_prepare. The grid's arrays must outlive b. Fail on
+// lack of memory.
+satin_status brdf_lafortune_set(struct brdf *b, struct arena *arena,
+                                const struct brdf_cosine_lobe *lobe, int count);
+satin_status brdf_measured_set(struct brdf *b, struct arena *arena, const struct brdf_grid *grid);
 
 // Computes tables and constants; call once per material after its constants are set. Fails on lack
 // of memory.

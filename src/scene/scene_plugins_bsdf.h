@@ -21,4 +21,12 @@ satin_status bsdf_principled_build(struct scene_loader *loader, const struct par
 satin_status bsdf_principledthin_build(struct scene_loader *loader, const struct params *p,
                                        void *object);
 
+// scene_plugins_measured.c
+extern param_list bsdf_lafortune_params, bsdf_measured_params;
+satin_status bsdf_lafortune_build(struct scene_loader *loader, const struct params *p,
+                                  void *object);
+satin_status bsdf_merl_build(struct scene_loader *loader, const struct params *p, void *object);
+satin_status bsdf_tabulated_build(struct scene_loader *loader, const struct params *p,
+                                  void *object);
+
 #endif

@@ -201,6 +201,7 @@ static satin_status build_relief(struct scene_loader *loader, const struct param
 
 static bool is_anisotropic(const struct material_side *side) {
     bool two = side->base.model->slots >> BRDF_SLOT_ALPHA_V & 1;
+    if (side->base.model->data) return !side->base.even_turn;
     return (two && side->slot[BRDF_SLOT_ALPHA_U] != side->slot[BRDF_SLOT_ALPHA_V]) ||
            (two && side->base.alpha_u != side->base.alpha_v) || side->slot[BRDF_SLOT_ANISOTROPIC] ||
            side->base.anisotropic != 0.0f;

@@ -13,7 +13,8 @@ static bool shape_textured(const struct material_side *side) {
 
 static satin_status build_side(const struct material_side *side, const satin_options *o,
                                struct parallel *pool, struct brdf_table **out) {
-    if (!side->base.model || !(brdf_lobes(&side->base) & BRDF_GLOSSY) || shape_textured(side))
+    if (!side->base.model || !(brdf_lobes(&side->base) & BRDF_GLOSSY) || shape_textured(side) ||
+        side->base.uneven)
         return SATIN_OK;
     satin_status status = brdf_table_build(&side->base, o->radiance_basis, o->radiance_order,
                                            o->radiance_error, pool, out);

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """BRDFs that Mitsuba 3 lacks, as plugins for it: `phong` and `ward` with the names and parameters
-of Mitsuba 0.6 in the spelling of 3.x. Used only to make reference images; call register() after
-mitsuba.set_variant().
+of Mitsuba 0.6 in the spelling of 3.x, and satin's `lafortune`. Used only to make reference
+images; call register() after mitsuba.set_variant().
 
 Sources: E. Lafortune, Y. Willems, Using the modified Phong reflectance model for physically based
 rendering, 1994; G. Ward, Measuring and modeling anisotropic reflection, 1992; A. Duer, An improved
@@ -152,6 +152,33 @@ class Ward(TwoLobes):
         return mi.reflect(wi, h)
 
 
+class Lafortune(TwoLobes):
+    """Generalised cosine lobes, drawn by the cosine alone: for references of broad ones."""
+
+    def __init__(self, props):
+        numbers = [float(x) for x in props.get("lobes").replace(",", " ").split()]
+        self.lobe = [numbers[i:i + 7] for i in range(0, len(numbers), 7)]
+        TwoLobes.__init__(self, props)
+
+    @staticmethod
+    def texture(props, name, default):
+        return TwoLobes.texture(props, name, 1.0 if name == "specular_reflectance" else default)
+
+    def glossy_value(self, wi, wo):
+        f = mi.Color3f(0)
+        for cx, cy, cz, n, *color in self.lobe:
+            c = dr.maximum(cx * wi.x * wo.x + cy * wi.y * wo.y + cz * wi.z * wo.z, 0)
+            f += mi.Color3f(*color) * dr.power(c, n)
+        return f
+
+    def glossy_density(self, wi, wo):
+        return mi.warp.square_to_cosine_hemisphere_pdf(wo)
+
+    def glossy_sample(self, wi, u):
+        return mi.warp.square_to_cosine_hemisphere(u)
+
+
 def register():
+    mi.register_bsdf("lafortune", Lafortune)
     mi.register_bsdf("phong", Phong)
     mi.register_bsdf("ward", Ward)

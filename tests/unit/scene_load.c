@@ -195,6 +195,10 @@ static const struct refusal refusals[] = {
      "scene.xml:3:22: twosided cannot wrap a mask; wrap it by one"},
     {SHAPE("<bsdf type='mask'><bsdf type='diffuse'/></bsdf><emitter type='area'/>"),
      "scene.xml:3:1: shape 'sphere': it emits, so it cannot have a mask"},
+    {SCENE_TEXT("<bsdf type='lafortune'><string name='lobes' value='-1 -1 1 5'/></bsdf>"),
+     "scene.xml:3:24: 'lobes' has 4 numbers, but needs seven for each of one to 8 lobes"},
+    {SCENE_TEXT("<bsdf type='lafortune'><string name='lobes' value='-1 -1 1 5 2 2 2'/></bsdf>"),
+     "scene.xml:3:1: it reflects 2.29 times the light that it gets"},
     {SCENE_TEXT("<bsdf type='principled'><float name='eta' value='2'/><float name='specular' "
                 "value='.5'/></bsdf>"),
      "scene.xml:3:1: the reflectance is either eta or specular"},

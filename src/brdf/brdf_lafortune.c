@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// Generalised cosine lobes [Lafortune et al. 1997]: f = diffuse / pi + sum of colour * c^n with
+// c = cx xo xi + cy yo yi + cz zo zi, where positive. With cx = cy = -1 and cz = 1 a lobe is
+// Phong's, unnormalised; cx other than cy makes it anisotropic, cz above the others off-specular.
+#include "base/frame.h"
+#include "brdf/brdf_models.h"
+
+struct lobes {
+    int count;
+    struct brdf_cosine_lobe lobe[BRDF_COSINE_LOBES_MAX];
+};
+
+satin_status brdf_lafortune_set(struct brdf *b, struct arena *arena,
+                                const struct brdf_cosine_lobe *lobe, int count) {
+    struct lobes *l = arena_alloc(arena, sizeof *l);
+    if (!l) return SATIN_ERROR_MEMORY;
+    l->count = count;
+    b->even_turn = true;
+    for (int i = 0; i < count; i++) {
+        l->lobe[i] = lobe[i];
+        if (lobe[i].c.x != lobe[i].c.y) b->even_turn = false;
+    }
+    b->tables = l;
+    return SATIN_OK;
+}
+
+// The axis of a lobe, not unit: c is its product with wi.
+static vec3 axis_of(const struct brdf_cosine_lobe *l, vec3 wo) {
+    return v3(l->c.x * wo.x, l->c.y * wo.y, l->c.z * wo.z);
+}
+
+static void eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
+    const struct lobes *l = b->tables;
+    *diffuse = rgb_scale(b->diffuse, 1.0f / PI_F);
+    *glossy = rgb_grey(0.0f);
+    for (int i = 0; i < l->count; i++) {
+        float c = v3_dot(axis_of(&l->lobe[i], wo), wi);
+        if (c > 0.0f) *glossy = rgb_mad(*glossy, l->lobe[i].color, powf(c, l->lobe[i].exponent));
+    }
+    *glossy = rgb_mul(*glossy, b->specular);
+}
+
+// Shares by the lobes' integrals over the sphere; false if none reflects.
+static bool choose(const struct lobes *l, vec3 wo, float share[BRDF_COSINE_LOBES_MAX]) {
+    float sum = 0.0f;
+    for (int i = 0; i < l->count; i++) {
+        float n = l->lobe[i].exponent, length = v3_len(axis_of(&l->lobe[i], wo));
+        share[i] = rgb_mean(l->lobe[i].color) * powf(length, n) / (n + 1.0f);
+        sum += share[i];
+    }
+    for (int i = 0; i < l->count; i++) share[i] /= sum;
+    return sum > 0.0f && isfinite(sum);
+}
+
+static void pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
+                float *glossy) {
+    (void)lobes;
+    const struct lobes *l = b->tables;
+    float share[BRDF_COSINE_LOBES_MAX];
+    *diffuse = wi.z * (1.0f / PI_F);
+    *glossy = 0.0f;
+    if (!choose(l, wo, share)) return;
+    for (int i = 0; i < l->count; i++) {
+        vec3 axis = axis_of(&l->lobe[i], wo);
+        float n = l->lobe[i].exponent, c = v3_dot(axis, wi);
+        if (!(c > 0.0f) || share[i] == 0.0f) continue;
+        *glossy += share[i] * (n + 1.0f) * (0.5f / PI_F) * powf(minf(c / v3_len(axis), 1.0f), n);
+    }
+}
+
+static bool sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
+    (void)lobes;
+    const struct lobes *l = b->tables;
+    float share[BRDF_COSINE_LOBES_MAX], x = u.x;
+    if (!choose(l, wo, share)) return false;
+    int i = 0;
+    for (; i < l->count - 1 && x >= share[i]; i++) x -= share[i];
+    vec3 axis = axis_of(&l->lobe[i], wo);
+    if (!(v3_len2(axis) > 0.0f)) return false;
+    float t = logf(maxf(1.0f - u.y, 0x1p-25f)) / (l->lobe[i].exponent + 1.0f);
+    float c = expf(t), s = safe_sqrtf(-expm1f(2.0f * t)), phi = 2.0f * PI_F * u.z;
+    struct frame f = frame_from_normal(v3_unit(axis));
+    *wi = frame_to_world(&f, v3(s * cosf(phi), s * sinf(phi), c));
+    return wi->z > 0.0f;
+}
+
+static void shares(const struct brdf *b, vec3 wo, float *diffuse, float *glossy, float *delta) {
+    (void)wo;
+    *delta = 0.0f;
+    *diffuse = rgb_mean(b->diffuse);
+    *glossy = maxf(1.0f - *diffuse, 0.1f);
+}
+
+const struct brdf_model brdf_model_lafortune = {
+    .name = "lafortune",
+    .doc = "diffuse base and generalised cosine lobes",
+    .lobes = BRDF_REFLECT,
+    .slots = 1u << BRDF_SLOT_DIFFUSE | 1u << BRDF_SLOT_SPECULAR,
+    .data = true,
+    .eval = eval,
+    .pdf = pdf,
+    .sample_glossy = sample,
+    .shares = shares,
+};

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Apache-2.0
+// Measured BRDFs: values in a grid, by half and difference angles as the MERL database keeps them
+// [Matusik et al. 2003], or by the angles of both directions. They are interpolated linearly.
+//
+// A grid has no lobes of its own. What it reflects in all directions alike, up to the least value
+// away from grazing ones, is called diffuse, the rest glossy. The rest is sampled by half vectors,
+// whose distribution is tabulated from mirror-like pairs, with a share of cosine-distributed
+// directions for what that misses.
+#include <string.h>
+
+#include "base/sampling.h"
+#include "brdf/brdf_models.h"
+
+enum { THETA = 64, PHI = 16, ALBEDO = 33, PAIRS = 5 };
+
+#define COSINE_SHARE 0.2f  // of the samples
+
+struct measured {
+    struct brdf_grid grid;
+    rgb least;           // of f [sr^-1]
+    rgb albedo[ALBEDO];  // of the diffuse part, by the cosine
+    float cdf[THETA * PHI + 1];
+};
+
+// ---- Values -------------------------------------------------------------------------------------
+
+// Position x among n ascending nodes, evenly spaced from `first` by `step`; turns if `period` nodes
+// make a turn. Outside it is clamped.
+struct place {
+    int i[2];
+    float f;
+};
+
+static struct place place_even(float x, int n, bool wraps) {
+    float i = floorf(x), f = x - i;
+    int lo = (int)i;
+    if (wraps) return (struct place){{((lo % n) + n) % n, (((lo + 1) % n) + n) % n}, f};
+    if (lo < 0) return (struct place){{0, 0}, 0.0f};
+    if (lo >= n - 1) return (struct place){{n - 1, n - 1}, 0.0f};
+    return (struct place){{lo, lo + 1}, f};
+}
+
+// The same among nodes at[0 .. n - 1]; `turn` is the period, or 0.
+static struct place place_among(float x, const float *at, int n, float turn) {
+    if (n == 1) return (struct place){{0, 0}, 0.0f};
+    if (turn > 0.0f) x = at[0] + (x - at[0]) - turn * floorf((x - at[0]) / turn);
+    if (x >= at[n - 1]) {
+        if (!(turn > 0.0f)) return (struct place){{n - 1, n - 1}, 0.0f};
+        float gap = at[0] + turn - at[n - 1];
+        return (struct place){{n - 1, 0}, gap > 0.0f ? (x - at[n - 1]) / gap : 0.0f};
+    }
+    int lo = 0, hi = n - 1;
+    while (hi - lo > 1) {
+        int mid = (lo + hi) / 2;
+        if (at[mid] <= x)
+            lo = mid;
+        else
+            hi = mid;
+    }
+    return (struct place){{lo, hi}, clampf((x - at[lo]) / (at[hi] - at[lo]), 0.0f, 1.0f)};
+}
+
+static rgb texel(const struct brdf_grid *g, size_t i) {
+    const float *v = g->value + i * (size_t)g->channels;
+    return g->channels == 1 ? rgb_grey(v[0]) : rgb_make(v[0], v[1], v[2]);
+}
+
+// Over all corners of the cell in `dimensions` places, of which the last varies fastest.
+static rgb blend(const struct brdf_grid *g, const struct place *at, int dimensions) {
+    rgb sum = rgb_grey(0.0f);
+    for (int corner = 0; corner < 1 << dimensions; corner++) {
+        float weight = 1.0f;
+        size_t i = 0;
+        for (int d = 0; d < dimensions; d++) {
+            int end = corner >> d & 1;
+            weight *= end ? at[d].f : 1.0f - at[d].f;
+            i = i * (size_t)g->size[d] + (size_t)at[d].i[end];
+        }
+        if (weight > 0.0f) sum = rgb_mad(sum, texel(g, i), weight);
+    }
+    return sum;
+}
+
+static rgb value_half(const struct brdf_grid *g, vec3 wo, vec3 wi) {
+    vec3 h = v3_unit(v3_add(wo, wi));
+    float theta_h = acosf(minf(h.z, 1.0f)), theta_d = acosf(clampf(v3_dot(h, wo), 0.0f, 1.0f));
+    // The azimuth of wi about h, from the plane of h and the normal; alike for wi and wo.
+    float s = sqrtf(h.x * h.x + h.y * h.y), phi = 0.0f;
+    if (s > 1e-6f) {
+        float c = h.x / s, d = h.y / s;
+        vec3 e = v3(c * h.z, d * h.z, -s), side = v3(-d, c, 0.0f);
+        phi = atan2f(v3_dot(wi, side), v3_dot(wi, e));
+        if (phi < 0.0f) phi += PI_F;
+    }
+    const float quarter = 0.5f * PI_F;
+    const struct place at[3] = {
+        place_even(sqrtf(theta_h / quarter) * (float)g->size[0] - 0.5f, g->size[0], false),
+        place_even(theta_d / quarter * (float)g->size[1] - 0.5f, g->size[1], false),
+        place_even(phi / PI_F * (float)g->size[2] - 0.5f, g->size[2], true)};
+    return blend(g, at, 3);
+}
+
+static rgb value_one_way(const struct brdf_grid *g, vec3 wo, vec3 wi) {
+    float theta_o = acosf(minf(wo.z, 1.0f)), theta_i = acosf(minf(wi.z, 1.0f));
+    float phi_o = atan2f(wo.y, wo.x), phi = atan2f(wi.y, wi.x) - phi_o;
+    const bool isotropic = g->size[1] == 1;
+    if (isotropic) phi = fabsf(remainderf(phi, 2.0f * PI_F));
+    const struct place at[4] = {
+        place_among(theta_o, g->at[0], g->size[0], 0.0f),
+        place_among(phi_o, g->at[1], g->size[1], 2.0f * PI_F),
+        place_among(theta_i, g->at[2], g->size[2], 0.0f),
+        place_among(phi, g->at[3], g->size[3], isotropic ? 0.0f : 2.0f * PI_F)};
+    return blend(g, at, 4);
+}
+
+// Reciprocal whatever the data: the mean of both ways.
+static rgb value(const struct measured *m, vec3 wo, vec3 wi) {
+    if (m->grid.kind == BRDF_GRID_HALF) return value_half(&m->grid, wo, wi);
+    return rgb_scale(rgb_add(value_one_way(&m->grid, wo, wi), value_one_way(&m->grid, wi, wo)),
+                     0.5f);
+}
+
+static rgb diffuse_part(const struct measured *m, rgb f) {
+    return rgb_make(minf(f.r, m->least.r), minf(f.g, m->least.g), minf(f.b, m->least.b));
+}
+
+// ---- What is derived ----------------------------------------------------------------------------
+
+static vec3 direction(float theta, float phi) {
+    return v3(sinf(theta) * cosf(phi), sinf(theta) * sinf(phi), cosf(theta));
+}
+
+// The least value where both angles are below 60 degrees.
+static rgb find_least(const struct measured *m) {
+    rgb least = rgb_grey(INFINITY);
+    for (uint32_t i = 0; i < 4096; i++) {
+        float u[4];
+        sample_sobol4(i, 5, u);
+        vec3 wo = sample_uniform_cone(u[0], u[1], 0.5f), wi = sample_uniform_cone(u[2], u[3], 0.5f);
+        rgb f = value(m, wo, wi);
+        least = rgb_make(minf(f.r, least.r), minf(f.g, least.g), minf(f.b, least.b));
+    }
+    return least;
+}
+
+static float theta_edge(int i) { return 0.5f * PI_F * sqrf((float)i / THETA); }
+
+// Brightness of facets in a cell of half vectors: pairs that they mirror, without the diffuse part.
+static float cell_weight(const struct measured *m, int i, int j) {
+    float theta = 0.5f * (theta_edge(i) + theta_edge(i + 1));
+    float phi = 2.0f * PI_F * ((float)j + 0.5f) / PHI, sum = 0.0f;
+    vec3 h = direction(theta, phi);
+    for (int k = 0; k < PAIRS; k++) {
+        // At 0 to 64 degrees from h, about it.
+        float tilt = 0.28f * (float)k, about = 2.4f * (float)k + phi;
+        vec3 u = v3_unit(v3_cross(fabsf(h.z) > 0.9f ? v3(1, 0, 0) : v3(0, 0, 1), h));
+        vec3 v = v3_cross(h, u);
+        vec3 side = v3_mad(v3_mul(u, cosf(about)), sinf(about), v);
+        vec3 wo = v3_mad(v3_mul(h, cosf(tilt)), sinf(tilt), side);
+        vec3 wi = v3_mad(v3_mul(h, cosf(tilt)), -sinf(tilt), side);
+        if (!(wo.z > 0.02f && wi.z > 0.02f)) continue;
+        rgb f = value(m, wo, wi);
+        sum += rgb_mean(rgb_sub(f, diffuse_part(m, f))) * cosf(tilt);
+    }
+    // Times the solid angle of the cell and the cosine, as D is normalised.
+    return sum * (cosf(theta_edge(i)) - cosf(theta_edge(i + 1))) * h.z;
+}
+
+static void find_albedo(struct measured *m) {
+    enum { POINTS = 512 };
+    for (int i = 0; i < ALBEDO; i++) {
+        float z = maxf((float)i / (ALBEDO - 1), 1e-3f);
+        vec3 wo = v3(safe_sqrtf(1.0f - z * z), 0.0f, z);
+        m->albedo[i] = rgb_grey(0.0f);
+        for (uint32_t k = 0; k < POINTS; k++) {
+            vec2 u = sample_sobol2(k, 6);
+            vec3 wi = sample_cosine_hemisphere(u.x, u.y);
+            m->albedo[i] = rgb_mad(m->albedo[i], diffuse_part(m, value(m, wo, wi)), PI_F / POINTS);
+        }
+    }
+}
+
+satin_status brdf_measured_set(struct brdf *b, struct arena *arena, const struct brdf_grid *grid) {
+    struct measured *m = arena_alloc(arena, sizeof *m);
+    if (!m) return SATIN_ERROR_MEMORY;
+    m->grid = *grid;
+    m->least = find_least(m);
+    float weight[THETA * PHI];
+    for (int i = 0; i < THETA; i++)
+        for (int j = 0; j < PHI; j++) weight[i * PHI + j] = cell_weight(m, i, j);
+    sample_cdf_build(weight, THETA * PHI, m->cdf);
+    find_albedo(m);
+    b->tables = m;
+    b->diffuse = rgb_scale(m->least, PI_F);
+    b->specular = rgb_grey(1.0f);
+    b->even_turn = grid->kind == BRDF_GRID_HALF || grid->size[1] == 1;
+    b->uneven = !b->even_turn;
+    return SATIN_OK;
+}
+
+// ---- The model ----------------------------------------------------------------------------------
+
+static void eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
+    const struct measured *m = b->tables;
+    rgb f = value(m, wo, wi);
+    *diffuse = diffuse_part(m, f);
+    *glossy = rgb_mul(rgb_sub(f, *diffuse), b->specular);
+}
+
+// Density over solid angle of the half vector.
+static float half_density(const struct measured *m, vec3 h) {
+    float theta = acosf(minf(h.z, 1.0f)), phi = atan2f(h.y, h.x) * (0.5f / PI_F);
+    int i = (int)(sqrtf(theta * (2.0f / PI_F)) * THETA), j = (int)((phi < 0 ? phi + 1 : phi) * PHI);
+    i = i < THETA ? i : THETA - 1;
+    j = j < PHI ? j : PHI - 1;
+    float p = m->cdf[i * PHI + j + 1] - m->cdf[i * PHI + j];
+    return p * PHI / (2.0f * PI_F * (cosf(theta_edge(i)) - cosf(theta_edge(i + 1))));
+}
+
+static void pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
+                float *glossy) {
+    (void)lobes;
+    vec3 h = v3_unit(v3_add(wo, wi));
+    *diffuse = wi.z * (1.0f / PI_F);
+    *glossy = COSINE_SHARE * *diffuse +
+              (1.0f - COSINE_SHARE) * half_density(b->tables, h) / (4.0f * v3_dot(wo, h));
+}
+
+static bool sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
+    (void)lobes;
+    const struct measured *m = b->tables;
+    if (u.x < COSINE_SHARE) {
+        *wi = sample_cosine_hemisphere(u.y, u.z);
+        return true;
+    }
+    float rest;
+    size_t cell = sample_cdf(m->cdf, THETA * PHI, u.y, &rest);
+    int i = (int)(cell / PHI), j = (int)(cell % PHI);
+    float z = lerpf(cosf(theta_edge(i)), cosf(theta_edge(i + 1)), rest), s = safe_sqrtf(1 - z * z);
+    float phi = 2.0f * PI_F * ((float)j + u.z) / PHI;
+    vec3 h = v3(s * cosf(phi), s * sinf(phi), z);
+    float c = v3_dot(wo, h);
+    *wi = v3_mad(v3_neg(wo), 2.0f * c, h);
+    return c > 0.0f && wi->z > 0.0f;
+}
+
+static rgb diffuse_albedo(const struct brdf *b, vec3 wo) {
+    const struct measured *m = b->tables;
+    float x = wo.z * (ALBEDO - 1);
+    int i = x < ALBEDO - 2 ? (int)x : ALBEDO - 2;
+    x -= (float)i;
+    return rgb_mad(rgb_scale(m->albedo[i], 1.0f - x), m->albedo[i + 1], x);
+}
+
+static void shares(const struct brdf *b, vec3 wo, float *diffuse, float *glossy, float *delta) {
+    (void)wo;
+    *delta = 0.0f;
+    *diffuse = rgb_mean(b->diffuse);
+    *glossy = maxf(1.0f - *diffuse, 0.2f) * 0.5f;
+}
+
+#define MEASURED(plugin, text)                                                                  \
+    {                                                                                           \
+        .name = plugin, .doc = text, .lobes = BRDF_REFLECT, .data = true, .eval = eval,         \
+        .pdf = pdf, .diffuse_albedo = diffuse_albedo, .sample_glossy = sample, .shares = shares \
+    }
+
+const struct brdf_model brdf_model_merl =
+    MEASURED("merl", "a measured isotropic BRDF, by half and difference angles");
+const struct brdf_model brdf_model_tabulated =
+    MEASURED("tabulated", "a measured BRDF, by the angles of both directions");
