@@ -80,6 +80,9 @@ typedef struct satin_options {
     float radiance_widen;
     float radiance_min_pixels;
     float radiance_max_pixels;  // largest record radius a R, in projected pixels
+    // Materials, by the ids of their BRDFs, whose glossy lobes are cached whatever their error, or
+    // sampled: "floor=on,vase=off". Ended by 0.
+    char material_cache[256];
 } satin_options;
 
 // The options at quality `preview`. Constant, static storage.
@@ -89,8 +92,9 @@ extern SATIN_API const satin_options satin_options_default;
 SATIN_API void satin_options_preset(satin_options *options, satin_quality quality);
 
 // Sets one option from text, by the name of its field (`-` and `_` are the same); `quality` applies
-// its preset. SATIN_ERROR_INPUT, with one logged line that names the nearest option or the range,
-// if the name or the value is wrong; then nothing changes.
+// its preset; `material.NAME.cache` = on or off adds to material_cache. SATIN_ERROR_INPUT, with one
+// logged line that names the nearest option or the range, if the name or the value is wrong; then
+// nothing changes.
 SATIN_API satin_status satin_options_set(satin_options *options, const char *name,
                                          const char *value, satin_log_fn log, void *log_user);
 
@@ -112,7 +116,7 @@ SATIN_API satin_status satin_options_resolve(const satin_scene *scene,
 // static storage but for `value`. False beyond the last.
 typedef struct satin_option_info {
     const char *name, *range, *doc;
-    char value[64];
+    char value[256];
 } satin_option_info;
 SATIN_API bool satin_options_describe(const satin_options *options, int index,
                                       satin_option_info *out);

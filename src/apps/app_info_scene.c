@@ -69,12 +69,12 @@ struct materials {
 
 static void print_glossy(const struct materials *m, const struct material_side *side) {
     const struct shade_tables *t = m->tables;
-    const struct brdf_table *table = side->index < t->count ? t->table[side->index] : NULL;
+    const struct brdf_range *table = side->index < t->count ? t->table[side->index] : NULL;
     if (!table) {
         printf(", gloss by importance sampling");
         return;
     }
-    struct brdf_table_info info = brdf_table_info(table);
+    struct brdf_table_info info = brdf_range_info(table);
     printf(", gloss by radiance records (order %d, error below %g, %.2g %% of directions)",
            info.order, (double)m->options->radiance_error, 100.0 * (double)info.share);
 }

@@ -235,14 +235,42 @@ struct brdf_table_info {
 };
 
 // Builds the table of b with its `specular` factor taken as 1. `max_order` in 1..14.
+// max_error as in brdf_fit.
 satin_status brdf_table_build(const struct brdf *b, satin_basis basis, int max_order,
                               float max_error, struct parallel *pool, struct brdf_table **out);
 void brdf_table_free(struct brdf_table *table);  // NULL is allowed
+int brdf_table_channels(const struct brdf_table *table);
 struct brdf_table_info brdf_table_info(const struct brdf_table *table);
 // The order n at wo, or 0 if the error would be over the bound there.
 int brdf_table_order(const struct brdf_table *table, vec3 wo);
 // Writes the interpolated coefficients for wo, channel by channel: c[channel * n * n + l (l + 1) +
 // m], to be multiplied by `specular`. Returns n, or 0 and writes nothing.
 int brdf_table_lookup(const struct brdf_table *table, vec3 wo, float *c);
+
+// Tables over a range of roughness, for materials that texture it (brdf_range.c).
+struct brdf_range;
+
+// The slot that is textured, alpha_u (with alpha_v the same) or exponent, and what values it takes.
+struct brdf_roughness {
+    enum brdf_slot slot;
+    float lo, hi;
+};
+// As for brdf_table_build.
+struct brdf_fit {
+    satin_basis basis;
+    int max_order;
+    float max_error;  // negative: its magnitude, but what misses it takes the largest order
+};
+// `over` NULL: all numbers are constant.
+satin_status brdf_range_build(const struct brdf *b, const struct brdf_roughness *over,
+                              const struct brdf_fit *fit, struct parallel *pool,
+                              struct brdf_range **out);
+void brdf_range_free(struct brdf_range *range);  // NULL is allowed
+// Order, share and size over all roughnesses.
+struct brdf_table_info brdf_range_info(const struct brdf_range *range);
+// As brdf_table_order and brdf_table_lookup, for the roughness that b has; as many channels as
+// brdf_range_info tells.
+int brdf_range_order(const struct brdf_range *range, const struct brdf *b, vec3 wo);
+int brdf_range_lookup(const struct brdf_range *range, const struct brdf *b, vec3 wo, float *c);
 
 #endif

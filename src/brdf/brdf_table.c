@@ -67,9 +67,9 @@ static int least_order(int max_order, int channels, const float *c, double norm,
         for (int channel = 0; channel < channels; channel++)
             for (int m = l * l; m < (l + 1) * (l + 1); m++)
                 held += (double)sqrf(c[channel * max_order * max_order + m]);
-        if (norm - held <= max_error * norm) return l + 1;
+        if (norm - held <= fabs(max_error) * norm) return l + 1;
     }
-    return 0;
+    return max_error < 0.0 ? max_order : 0;
 }
 
 struct build {
@@ -263,6 +263,8 @@ int brdf_table_lookup(const struct brdf_table *table, vec3 wo, float *c) {
         mirror(table, &at, wo, order, c);
     return order;
 }
+
+int brdf_table_channels(const struct brdf_table *table) { return table->channels; }
 
 struct brdf_table_info brdf_table_info(const struct brdf_table *t) {
     struct brdf_table_info info = {.channels = t->channels};

@@ -93,6 +93,8 @@ static size_t kind_size(enum option_kind kind) {
             return sizeof(float);
         case OPTION_DOUBLE:
             return sizeof(double);
+        case OPTION_TEXT:
+            return OPTION_TEXT_SIZE;
     }
     return 0;
 }
@@ -129,8 +131,25 @@ static satin_status refuse_name(struct log log, struct log_place place, const ch
     return refuse(log, place, text);
 }
 
+// material.NAME.cache: adds NAME=value to the list before it. False if it is none of these.
+static bool material_value(const satin_options *options, const char *name, const char *value,
+                           char *out, size_t size) {
+    static const char first[] = "material.", last[] = ".cache";
+    size_t length = strlen(name), head = sizeof first - 1, tail = sizeof last - 1;
+    if (length <= head + tail || strncmp(name, first, head) != 0 ||
+        strcmp(name + length - tail, last) != 0)
+        return false;
+    const char *list = options->material_cache;
+    snprintf(out, size, "%.*s=%s%s%s", (int)(length - head - tail), name + head, value,
+             *list ? "," : "", list);
+    return true;
+}
+
 static satin_status set(satin_options *options, const char *name, const char *value, struct log log,
                         struct log_place place) {
+    char list[2 * OPTION_TEXT_SIZE];
+    if (material_value(options, name, value, list, sizeof list))
+        name = "material-cache", value = list;
     const struct option *option = options_find(name);
     if (!option) return refuse_name(log, place, name);
     if (!option_parse(option, value, options)) {

@@ -101,6 +101,9 @@ const struct option options_table[] = {
      "Least radius of a radiance record in projected pixels."},
     {"radiance-max-pixels", OPTION_FLOAT, AT(radiance_max_pixels), true, "1..100000",
      "Largest radius of a radiance record in projected pixels."},
+    {"material-cache", OPTION_TEXT, AT(material_cache), false, "NAME=on|off,...",
+     "Materials, by the ids of their BRDFs, whose gloss is cached whatever its error, or sampled; "
+     "material.NAME.cache=on|off adds one."},
 };
 const int options_table_count = sizeof options_table / sizeof *options_table;
 
@@ -146,6 +149,21 @@ static bool parse_seed(const char *value, uint64_t *out) {
     return true;
 }
 
+// Words NAME=on or NAME=off, parted by commas.
+static bool parse_text(const char *value, char *out) {
+    size_t length = strlen(value);
+    if (length >= OPTION_TEXT_SIZE) return false;
+    for (const char *at = value; *at;) {
+        size_t word = strcspn(at, ","), name = strcspn(at, "=");
+        bool on = name + 3 == word && strncmp(at + name, "=on", 3) == 0;
+        bool off = name + 4 == word && strncmp(at + name, "=off", 4) == 0;
+        if (name == 0 || !(on || off)) return false;
+        at += word + (at[word] == ',');
+    }
+    memcpy(out, value, length + 1);
+    return true;
+}
+
 // The range as the numbers of its text; the dots end the first number.
 static bool in_range(const char *range, double value) {
     char low[32];
@@ -161,6 +179,7 @@ bool option_parse(const struct option *option, const char *value, satin_options 
     double number = 0.0;
     int word = 0;
     if (option->kind == OPTION_SEED) return parse_seed(value, out);
+    if (option->kind == OPTION_TEXT) return parse_text(value, out);
     if (option->kind == OPTION_CHOICE) {
         if (!parse_word(option->range, value, &word)) return false;
         memcpy(out, &word, sizeof word);  // an enum of the public header has the size of int
@@ -226,6 +245,9 @@ void option_print(const struct option *option, const satin_options *options, cha
             }
             break;
         }
+        case OPTION_TEXT:
+            snprintf(out, bytes, "%s", (const char *)in);
+            break;
         case OPTION_DOUBLE: {
             double value = *(const double *)in;
             for (int digits = 6; digits <= 17; digits++) {

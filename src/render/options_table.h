@@ -11,12 +11,15 @@
 enum option_kind {
     OPTION_CHOICE,  // an enum; the range lists its words from value 0 on
     OPTION_BOOL,
-    OPTION_INT,    // int
-    OPTION_COUNT,  // int64_t
-    OPTION_SEED,   // uint64_t
-    OPTION_FLOAT,  // float
-    OPTION_DOUBLE  // double
+    OPTION_INT,     // int
+    OPTION_COUNT,   // int64_t
+    OPTION_SEED,    // uint64_t
+    OPTION_FLOAT,   // float
+    OPTION_DOUBLE,  // double
+    OPTION_TEXT     // char[OPTION_TEXT_SIZE]; the range says its form
 };
+
+enum { OPTION_TEXT_SIZE = 256 };
 
 struct option {
     const char *name;  // of the field, with '-' for '_'

@@ -43,6 +43,8 @@ rgb texture_eval(const struct texture *texture, vec2 uv);
 // A texture that gives a number: its luminance. A checkerboard then begins with color1, as in
 // Mitsuba 3.9, which exchanges its colours where it asks for a number.
 float texture_number(const struct texture *texture, vec2 uv);
+// The least and the largest number that it gives; false if that is not known.
+bool texture_range(const struct texture *texture, float *lo, float *hi);
 // The gradient of its luminance by u and v; of a bitmap with bilinear filter, else 0.
 vec2 texture_gradient(const struct texture *texture, vec2 uv);
 

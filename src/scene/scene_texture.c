@@ -91,3 +91,22 @@ vec2 texture_gradient(const struct texture *texture, vec2 uv) {
     const float *m = texture->to_uv;
     return (vec2){m[0] * x + m[3] * y, m[1] * x + m[4] * y};
 }
+
+bool texture_range(const struct texture *texture, float *lo, float *hi) {
+    if (texture->kind == TEXTURE_BITMAP) {
+        const struct image *image = texture->image;
+        *lo = INFINITY, *hi = -INFINITY;
+        for (int y = 0; y < image->height; y++)
+            for (int x = 0; x < image->width; x++) {
+                float value = rgb_luminance(texel(image, x, y));
+                *lo = minf(*lo, value), *hi = maxf(*hi, value);
+            }
+        return *lo <= *hi;
+    }
+    if (texture->kind != TEXTURE_CONSTANT && texture->kind != TEXTURE_CHECKERBOARD) return false;
+    const bool checks = texture->kind == TEXTURE_CHECKERBOARD;
+    float a = rgb_luminance(checks ? texture->color0 : texture->value);
+    float b = checks ? rgb_luminance(texture->color1) : a;
+    *lo = minf(a, b), *hi = maxf(a, b);
+    return true;
+}

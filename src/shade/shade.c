@@ -110,9 +110,9 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
 static unsigned wanted(const struct shade *shade, const struct gather_point *p) {
     int channels;
     const satin_options *o = shade->g->options;
-    const struct brdf_table *table =
+    const struct brdf_range *table =
         p->lobes & BRDF_GLOSSY ? shade_table(shade, p, &channels) : NULL;
-    if (table && brdf_table_order(table, p->wo_l) > 0) return CACHE_RADIANCE;
+    if (table && brdf_range_order(table, &p->brdf, p->wo_l) > 0) return CACHE_RADIANCE;
     if ((p->lobes & BRDF_DIFFUSE) && o->radiance_cache && o->radiance_diffuse)
         return CACHE_RADIANCE;
     return (p->lobes & BRDF_DIFFUSE) && o->irradiance_cache ? CACHE_IRRADIANCE : 0u;

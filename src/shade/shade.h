@@ -10,7 +10,7 @@
 // The harmonics of a scene's glossy BRDFs, by the index of a material_side; NULL for those without.
 struct shade_tables {
     size_t count;
-    struct brdf_table **table;
+    struct brdf_range **table;
     bool *owned;    // false: the table is that of an equal BRDF before it
     int *channels;  // of each table: 1 or 3
     int order;      // largest order of all; 0: nothing glossy is cached
@@ -69,10 +69,11 @@ struct shade_memo {
     struct shade_memo_entry {
         vec3 p, n, wo;
         const struct material_side *side;
-        unsigned knows;  // mask of MEMO_...
-        int used;        // records behind E
-        rgb E;           // indirect irradiance by either cache
-        rgb glossy;      // reflected by the glossy lobes, without the factor brdf.specular
+        float alpha, exponent;  // roughness
+        unsigned knows;         // mask of MEMO_...
+        int used;               // records behind E
+        rgb E;                  // indirect irradiance by either cache
+        rgb glossy;             // reflected by the glossy lobes, without the factor brdf.specular
     } entry[SHADE_MEMO];
     int count, next;
 };

@@ -126,7 +126,7 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
     }
 }
 
-const struct brdf_table *shade_table(const struct shade *shade, const struct gather_point *p,
+const struct brdf_range *shade_table(const struct shade *shade, const struct gather_point *p,
                                      int *channels) {
     size_t i = p->side->index;
     if (i >= shade->tables->count) return NULL;

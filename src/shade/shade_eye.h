@@ -35,7 +35,7 @@ struct ray shade_eye_ray(const struct shade *shade, int x, int y, struct sampler
 struct sampler shade_eye_sampler(const struct gather *g, int x, int y, uint32_t index,
                                  enum rng_stage stage);
 // The table for the point's material and side, and its colour channels; or NULL.
-const struct brdf_table *shade_table(const struct shade *shade, const struct gather_point *p,
+const struct brdf_range *shade_table(const struct shade *shade, const struct gather_point *p,
                                      int *channels);
 
 #endif

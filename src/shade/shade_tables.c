@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // BRDF tables for the scene's glossy materials [K05 figure 3.5, preprocessing].
 #include <stdlib.h>
+#include <string.h>
 
 #include "shade/shade.h"
 
@@ -11,15 +12,47 @@ static bool shape_textured(const struct material_side *side) {
     return side->slot[BRDF_SLOT_DIFFUSE] && brdf_tinted(&side->base);
 }
 
+// Whether roughness, the same along both axes, is all that they change; and its range.
+static bool only_rough_textured(const struct material_side *side, struct brdf_roughness *over) {
+    const bool two = side->base.model->slots >> BRDF_SLOT_ALPHA_V & 1;
+    if (side->slot[BRDF_SLOT_DIFFUSE] && brdf_tinted(&side->base)) return false;
+    if (side->base.anisotropic != 0.0f) return false;
+    if (two && side->slot[BRDF_SLOT_ALPHA_U] != side->slot[BRDF_SLOT_ALPHA_V]) return false;
+    for (int i = BRDF_SLOT_ETA; i < BRDF_SLOT_COUNT; i++)
+        if (side->slot[i] && i != BRDF_SLOT_ALPHA_U && i != BRDF_SLOT_ALPHA_V &&
+            i != BRDF_SLOT_EXPONENT)
+            return false;
+    over->slot = side->slot[BRDF_SLOT_ALPHA_U] ? BRDF_SLOT_ALPHA_U : BRDF_SLOT_EXPONENT;
+    return side->slot[over->slot] && texture_range(side->slot[over->slot], &over->lo, &over->hi);
+}
+
+enum choice { BY_ERROR, CACHED, SAMPLED };
+
+// What material_cache says of a material: the first word with its name.
+static enum choice chosen(const satin_options *o, const char *name) {
+    size_t length = strlen(name);
+    for (const char *at = o->material_cache; *at;) {
+        size_t word = strcspn(at, ",");
+        if (strncmp(at, name, length) == 0 && at[length] == '=')
+            return at[length + 2] == 'n' ? CACHED : SAMPLED;
+        at += word + (at[word] == ',');
+    }
+    return BY_ERROR;
+}
+
 static satin_status build_side(const struct material_side *side, const satin_options *o,
-                               struct parallel *pool, struct brdf_table **out) {
-    if (!side->base.model || !(brdf_lobes(&side->base) & BRDF_GLOSSY) || shape_textured(side) ||
-        side->base.uneven)
+                               enum choice choice, struct parallel *pool, struct brdf_range **out) {
+    struct brdf_roughness over;
+    const struct brdf_fit fit = {o->radiance_basis, o->radiance_order,
+                                 choice == CACHED ? -o->radiance_error : o->radiance_error};
+    if (choice == SAMPLED) return SATIN_OK;
+    if (!side->base.model || !(brdf_lobes(&side->base) & BRDF_GLOSSY) || side->base.uneven)
         return SATIN_OK;
-    satin_status status = brdf_table_build(&side->base, o->radiance_basis, o->radiance_order,
-                                           o->radiance_error, pool, out);
-    if (status == SATIN_OK && brdf_table_info(*out).order == 0) {
-        brdf_table_free(*out);
+    const bool textured = shape_textured(side);
+    if (textured && !only_rough_textured(side, &over)) return SATIN_OK;
+    satin_status status = brdf_range_build(&side->base, textured ? &over : NULL, &fit, pool, out);
+    if (status == SATIN_OK && brdf_range_info(*out).order == 0) {
+        brdf_range_free(*out);
         *out = NULL;
     }
     return status;
@@ -31,7 +64,9 @@ struct builder {
     struct parallel *pool;
     struct log log;
     const char *material;
+    enum choice choice;
     const struct material_side **first;
+    enum choice *choices;  // of the sides in `first`
     struct shade_tables tables;
     satin_status status;
 };
@@ -42,6 +77,7 @@ static bool share_table(struct builder *b, const struct material_side *side) {
     for (size_t j = 0; j < b->tables.count; j++) {
         const struct material_side *other = b->first[j];
         if (!other || !b->tables.owned[j] || shape_textured(other)) continue;
+        if (b->choices[j] != b->choice) continue;
         if (!brdf_same_shape(&side->base, &other->base)) continue;
         b->tables.table[side->index] = b->tables.table[j];
         b->tables.channels[side->index] = b->tables.channels[j];
@@ -56,13 +92,14 @@ static void build_table(void *ctx, const struct material_side *side) {
     size_t i = side->index;
     if (b->status != SATIN_OK || b->first[i]) return;
     b->first[i] = side;
+    b->choices[i] = b->choice;
     if (share_table(b, side)) return;
-    b->status = build_side(side, b->options, b->pool, &t->table[i]);
+    b->status = build_side(side, b->options, b->choice, b->pool, &t->table[i]);
     t->owned[i] = true;
     if (b->status != SATIN_OK && b->status != SATIN_CANCELLED)
         log_fail(b->log, b->status, "cannot represent BRDF '%s' in harmonics", b->material);
     if (!t->table[i]) return;
-    struct brdf_table_info info = brdf_table_info(t->table[i]);
+    struct brdf_table_info info = brdf_range_info(t->table[i]);
     t->channels[i] = info.channels;
     if (info.order > t->order) t->order = info.order;
 }
@@ -74,25 +111,47 @@ static bool *used_materials(const struct satin_scene *scene) {
     return used;
 }
 
+// Every name in material_cache must be a material's.
+static satin_status check_names(const struct satin_scene *scene, const satin_options *o,
+                                struct log log) {
+    for (const char *at = o->material_cache; *at;) {
+        size_t word = strcspn(at, ","), name = strcspn(at, "=");
+        bool known = false;
+        for (uint32_t i = 0; i < scene->material_count && !known; i++)
+            known = strlen(scene->material[i].name) == name &&
+                    strncmp(scene->material[i].name, at, name) == 0;
+        if (!known)
+            return log_fail(log, SATIN_ERROR_INPUT, "option material-cache: no material '%.*s'",
+                            (int)name, at);
+        at += word + (at[word] == ',');
+    }
+    return SATIN_OK;
+}
+
 satin_status shade_tables_build(const struct satin_scene *scene, const satin_options *options,
                                 struct parallel *pool, struct log log, struct shade_tables *out) {
     struct builder b = {.options = options, .pool = pool, .log = log};
     struct shade_tables *t = &b.tables;
     t->count = options->radiance_cache ? scene->side_count : 0;
+    satin_status status = check_names(scene, options, log);
+    if (status != SATIN_OK) return status;
     bool *used = used_materials(scene);
     t->table = calloc(t->count + 1, sizeof *t->table);
     t->owned = calloc(t->count + 1, sizeof *t->owned);
     t->channels = calloc(t->count + 1, sizeof *t->channels);
     b.first = calloc(t->count + 1, sizeof *b.first);
+    b.choices = calloc(t->count + 1, sizeof *b.choices);
     if (options->radiance_cache && options->radiance_diffuse) t->order = options->radiance_order;
-    if (!used || !t->table || !t->owned || !t->channels || !b.first)
+    if (!used || !t->table || !t->owned || !t->channels || !b.first || !b.choices)
         b.status = log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for BRDF tables");
     for (uint32_t i = 0; t->count && i < scene->material_count && b.status == SATIN_OK; i++) {
         b.material = scene->material[i].name;
+        b.choice = chosen(options, b.material);
         if (used[i]) material_visit(&scene->material[i], build_table, &b);
     }
     free(used);
     free(b.first);
+    free(b.choices);
     if (b.status != SATIN_OK)
         shade_tables_free(t);
     else
@@ -102,7 +161,7 @@ satin_status shade_tables_build(const struct satin_scene *scene, const satin_opt
 
 void shade_tables_free(struct shade_tables *tables) {
     for (size_t i = 0; tables->table && tables->owned && i < tables->count; i++)
-        if (tables->owned[i]) brdf_table_free(tables->table[i]);
+        if (tables->owned[i]) brdf_range_free(tables->table[i]);
     free(tables->table);
     free(tables->owned);
     free(tables->channels);

@@ -16,7 +16,7 @@ struct plan {
     unsigned cached;                 // glossy and diffuse lobes by a radiance record
     unsigned diffuse;                // by irradiance
     unsigned sampled;                // glossy, or through, by importance sampling
-    const struct brdf_table *table;  // of the glossy lobe, if that is cached
+    const struct brdf_range *table;  // of the glossy lobe, if that is cached
     int channels;
     float relief;  // what bumps leave of the cached glossy light
     struct shade_memo_entry *memo;
@@ -39,7 +39,8 @@ static void make_plan(const struct shade_job *job, struct plan *plan) {
         return;
     }
     plan->relief = brdf_relief_glossy(&p->brdf, p->wo_l);
-    if (plan->table && plan->relief > RELIEF_LEAST && brdf_table_order(plan->table, p->wo_l) > 0) {
+    if (plan->table && plan->relief > RELIEF_LEAST &&
+        brdf_range_order(plan->table, &p->brdf, p->wo_l) > 0) {
         plan->cached = p->lobes & BRDF_REFLECT;
     } else {
         plan->sampled |= BRDF_GLOSSY;
@@ -117,7 +118,7 @@ static bool indirect_cached(struct shade_job *job, const struct plan *plan) {
         float C[3 * RSH_MAX_COEFFICIENTS];
         struct cache_place at = place_of(job);
         struct cache_lobe lobe = {.C = C, .channels = plan->channels};
-        if (shiny) lobe.order = brdf_table_lookup(plan->table, p->wo_l, C);
+        if (shiny) lobe.order = brdf_range_lookup(plan->table, &p->brdf, p->wo_l, C);
         memo->used = cache_radiance(s->cache, &at, s->a_radiance, shiny ? &lobe : NULL,
                                     &memo->glossy, diffuse ? &memo->E : NULL);
         if (!memo->used) return false;

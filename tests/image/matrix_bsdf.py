@@ -56,8 +56,8 @@ MODELS = {
         twosided(bsdf("roughconductor", GOLD, numbers("alpha", 0.15, 0.4)))),
     "roughconductor_eta": (
         twosided(bsdf("roughconductor", rgb("eta", "1.1, 0.8, 0.3"), rgb("k", "6, 4, 3"))),
-        twosided(bsdf("roughconductor", colours("eta", "1.1, 0.8, 0.3", "0.2, 0.9, 1"),
-                      colours("k", "6, 4, 3", "3, 4, 5"), real("alpha", 0.3)))),
+        twosided(bsdf("roughconductor", colours("eta", "1, 0.8, 0.3", "0.2, 0.9, 1"),
+                      colours("k", "1, 0.6, 0.3", "0.3, 0.4, 1"), real("alpha", 0.3)))),
     "plastic": (twosided(bsdf("plastic", rgb("diffuse_reflectance", "0.2, 0.5, 0.3"))),
                 twosided(bsdf("plastic", colours("diffuse_reflectance"), true("nonlinear")))),
     "roughplastic": (twosided(BASE), twosided(

@@ -72,6 +72,10 @@ static void values_are_checked(void **state) {
         {"hide-emitters", "2"},
         {"radiance-order", "15"},
         {"time", "-1"},
+        {"material-cache", "floor=maybe"},
+        {"material-cache", "=on"},
+        {"material.floor.cache", "1"},
+        {"material..cache", "on"},
     };
     satin_options o = satin_options_default;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
@@ -89,6 +93,9 @@ static void values_are_checked(void **state) {
     assert_int_equal(o.first_pass, SATIN_FIRST_NONE);
     assert_int_equal(satin_options_set(&o, "radiance_cache", "false", NULL, NULL), SATIN_OK);
     assert_false(o.radiance_cache);
+    assert_int_equal(satin_options_set(&o, "material.floor.cache", "on", NULL, NULL), SATIN_OK);
+    assert_int_equal(satin_options_set(&o, "material.a.b.cache", "off", NULL, NULL), SATIN_OK);
+    assert_string_equal(o.material_cache, "a.b=off,floor=on");
     assert_int_equal(satin_options_set(&o, "max-depth", "-1", NULL, NULL), SATIN_OK);
     assert_int_equal(o.max_depth, -1);
 }
@@ -115,12 +122,13 @@ static void table_covers_the_struct(void **state) {
                                   [OPTION_COUNT] = sizeof(int64_t),
                                   [OPTION_SEED] = 8,
                                   [OPTION_FLOAT] = sizeof(float),
-                                  [OPTION_DOUBLE] = sizeof(double)};
+                                  [OPTION_DOUBLE] = sizeof(double),
+                                  [OPTION_TEXT] = OPTION_TEXT_SIZE};
     size_t end = 0;
     for (int i = 0; i < options_table_count; i++) {
         const struct option *o = &options_table[i];
         assert_true(o->doc[strlen(o->doc) - 1] == '.');
-        size_t align = size[o->kind], padding = o->offset - end;
+        size_t align = o->kind == OPTION_TEXT ? 1 : size[o->kind], padding = o->offset - end;
         covered += size[o->kind];
         // Rows stand in the order of the fields, so that a forgotten field leaves a gap.
         if (o->offset >= end && end > 0) assert_true(padding < align);

@@ -128,6 +128,11 @@ static void reads_three_channels_and_constants(void **state) {
     assert_true(c.r == 2.5f && c.g == 3.5f && c.b == 4.5f);
     struct texture constant = {.kind = TEXTURE_CONSTANT, .value = {7, 8, 9}};
     assert_true(texture_eval(&constant, (vec2){NAN, 3}).g == 8.0f);
+    float lo, hi;
+    t.image = &two;
+    assert_true(texture_range(&t, &lo, &hi));
+    assert_true(lo == rgb_luminance(rgb_make(1, 2, 3)) && hi == rgb_luminance(rgb_make(4, 5, 6)));
+    assert_true(texture_range(&constant, &lo, &hi) && lo == hi);
 }
 
 int main(void) {
