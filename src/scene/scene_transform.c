@@ -70,11 +70,12 @@ static satin_status read_lookat(struct log log, const struct xml_node *step, str
     if (!read_triple(log, step, "origin", &origin) || !read_triple(log, step, "target", &target) ||
         !read_triple(log, step, "up", &up))
         return SATIN_ERROR_INPUT;
-    // Without an up vector any will do; this is the one that Mitsuba takes.
-    if (v3_max_abs(up) == 0.0f) up = frame_from_normal(v3_unit(v3_sub(target, origin))).u;
+    // Without an up vector, or along it, any will do; this is the one that Mitsuba takes without.
+    vec3 d = v3_unit(v3_sub(target, origin));
     struct mat4 m;
-    if (!mat4_look_at(origin, target, up, &m))
-        return fail(log, step, "origin and target, or direction and up, coincide");
+    if ((v3_max_abs(up) == 0.0f || !mat4_look_at(origin, target, up, &m)) &&
+        !mat4_look_at(origin, target, frame_from_normal(d).u, &m))
+        return fail(log, step, "origin and target coincide");
     *out = widen(&m);
     return SATIN_OK;
 }

@@ -57,6 +57,9 @@ static void lookat_without_up(void **state) {
            (float[]){0.18017852f, 0.8926596f, -0.41315195f, 3,   //
                      0.69755745f, 0.18017852f, 0.69350505f, -4,  //
                      0.69350505f, -0.41315195f, -0.59021705f, 5});
+    // So is one along the view, which Mitsuba cannot take.
+    expect("<lookat origin='0 0 0' target='0 2 0' up='0 1 0'/>",
+           (float[]){0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0});
 }
 
 static void refuses(void **state) {
@@ -70,9 +73,7 @@ static void refuses(void **state) {
         {"<translate x='1e39'/>", "'1e39' is not a number"},
         {"<matrix value='1 2 3'/>", "expected 16 numbers, found '1 2 3'"},
         {"<lookat origin='0 0 0' target='0 0 0' up='0 1 0'/>",
-         "<lookat>: origin and target, or direction and up, coincide"},
-        {"<lookat origin='0 0 0' target='0 2 0' up='0 1 0'/>",
-         "<lookat>: origin and target, or direction and up, coincide"},
+         "<lookat>: origin and target coincide"},
         {"<scale value='1e30'/><scale value='1e30'/>", "<transform>: the product overflows"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct scene_case c;
