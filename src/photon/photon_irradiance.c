@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass 2: irradiance precomputed at every 4th photon [Christensen 1999], so that a gather hit costs
-// one nearest-neighbour query. The query is in six dimensions, position and scaled normal: the
+// Pass 2: irradiance precomputed at every 8th photon [Christensen 1999, who takes every
+// 4th: here that costs more time than it saves error], so that a gather hit costs one
+// nearest-neighbour query. The query is in six dimensions, position and scaled normal: the
 // nearest photon of the right facing is then the nearest point of the index. The scale is twice the
-// median radius of the density estimates, about four times the spacing of the entries: photons of a
-// wall at right angles seem further than any neighbour on the own wall, while on curved surfaces
+// median radius of the density estimates, about three times the spacing of the entries: photons of
+// a wall at right angles seem further than any neighbour on the own wall, while on curved surfaces
 // the neighbours stay near as long as the surface does not turn within an estimate's disc.
 //
 // An entry's photon counts in its own estimate, which makes it too bright by 1 / (k - 1) on average

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The photon map. Photons are sorted along a Morton curve first, so that neighbours are neighbours
-// in memory too, and every 4th of them is an even choice.
+// in memory too, and every 8th of them is an even choice.
 #include "photon/photon_map.h"
 
 #include <stdlib.h>

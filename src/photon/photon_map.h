@@ -8,7 +8,7 @@
 
 enum {
     PHOTON_K_MAX = 10000,      // photons in one density estimate, the bound of options->photon_k
-    PHOTON_STRIDE = 4,         // irradiance is precomputed at every 4th photon of the sorted map
+    PHOTON_STRIDE = 8,         // irradiance is precomputed at every 8th photon of the sorted map
     PHOTON_CAUSTIC_STRIDE = 1  // and at every one of the caustic map
 };
 
