@@ -84,7 +84,7 @@ static void finish_texels(const struct scene_source *source, float *texel, size_
 }
 
 // Hashes the file and finds out what is wrong before a library tells of it on standard error.
-static satin_status check_file(const struct scene_source *source) {
+static satin_status check_file(const struct scene_source *source, size_t *bytes) {
     char *data;
     size_t size;
     satin_status status =
@@ -93,20 +93,34 @@ static satin_status check_file(const struct scene_source *source) {
     if (source->hash) *source->hash = fileio_hash(*source->hash, data, size);
     const char *problem = scene_image_png_problem(data, size);
     free(data);
+    *bytes = size;
     if (!problem) return SATIN_OK;
     log_error_at(source->log, source->place, "cannot read image '%s': %s", source->path, problem);
     return SATIN_ERROR_INPUT;
 }
 
-static satin_status read_image(const struct scene_source *source, const struct oiio_module *module,
-                               struct oiio_image *opened, bool raw, const struct image **out) {
+// Images of this many pixels may come out of any file; larger ones need a byte for so many pixels:
+// no compression of a real format does better (deflate shrinks 8 pixels of a bit by 1032).
+enum { PIXELS_FREE = 1 << 22, PIXELS_PER_BYTE = 10000 };
+
+static satin_status check_size(const struct scene_source *source, const struct oiio_image *opened,
+                               size_t bytes) {
     uint64_t pixels = (uint64_t)opened->width * (uint64_t)opened->height;
-    if (pixels > SCENE_IMAGE_PIXELS_MAX) {
+    if (pixels > SCENE_IMAGE_PIXELS_MAX)
         log_error_at(source->log, source->place, "image '%s' is too large: %d x %d", source->path,
                      opened->width, opened->height);
-        return SATIN_ERROR_INPUT;
-    }
-    size_t count = (size_t)pixels * (size_t)opened->channels;
+    else if (pixels > PIXELS_FREE && pixels / PIXELS_PER_BYTE > bytes)
+        log_error_at(source->log, source->place, "image '%s' is cut short: %d x %d in %zu bytes",
+                     source->path, opened->width, opened->height, bytes);
+    else
+        return SATIN_OK;
+    return SATIN_ERROR_INPUT;
+}
+
+static satin_status read_image(const struct scene_source *source, const struct oiio_module *module,
+                               struct oiio_image *opened, bool raw, const struct image **out) {
+    size_t pixels = (size_t)opened->width * (size_t)opened->height;
+    size_t count = pixels * (size_t)opened->channels;
     float *texel = arena_array(source->arena, count, sizeof *texel);
     struct image *image = arena_alloc(source->arena, sizeof *image);
     if (!texel || !image)
@@ -125,7 +139,8 @@ static satin_status read_image(const struct scene_source *source, const struct o
 
 satin_status scene_image_load(const struct scene_source *source, bool raw,
                               const struct image **out) {
-    satin_status status = check_file(source);
+    size_t bytes = 0;
+    satin_status status = check_file(source, &bytes);
     if (status != SATIN_OK) return status;
     const struct oiio_module *module = open_module(source->log, source->place);
     if (!module) return SATIN_ERROR_INTERNAL;
@@ -135,7 +150,8 @@ satin_status scene_image_load(const struct scene_source *source, bool raw,
         log_error_at(source->log, source->place, "cannot read image '%s': %s", source->path, error);
         return SATIN_ERROR_INPUT;
     }
-    status = read_image(source, module, &opened, raw, out);
+    status = check_size(source, &opened, bytes);
+    if (status == SATIN_OK) status = read_image(source, module, &opened, raw, out);
     module->close(&opened);
     return status;
 }

@@ -95,6 +95,8 @@ static void refuses_wrong_files(void **state) {
     refuse("text.png", "scene.xml:3:7: cannot read image 'text.png'");
     scene_case_file("huge.pfm", "PF\n100000 100000\n-1\n");
     refuse("huge.pfm", "scene.xml:3:7: image 'huge.pfm' is too large: 100000 x 100000");
+    scene_case_file("long.pfm", "PF\n9000 9000\n-1\n");
+    refuse("long.pfm", "scene.xml:3:7: image 'long.pfm' is cut short: 9000 x 9000 in 16 bytes");
     scene_case_file("short.pfm", "PF\n100 100\n-1\n");
     refuse("short.pfm", "scene.xml:3:7: cannot read image 'short.pfm'");
     static const unsigned char grey[6] = {0};
