@@ -45,6 +45,9 @@ SECOND = bsdf("roughconductor", GOLD, real("alpha", 0.3))
 LEAF = real("diff_trans", 1.2) + real("spec_trans", 0.3) + real("eta", 1.3)
 LOBES = text("lobes", "-1 -1 1 8 0.4 0.4 0.3  -0.7 -0.9 1.02 3 0.1 0.1 0.2")
 
+# Mitsuba counts a mask that is passed as an edge of the path, satin does not.
+ENDLESS = '<integrator type="path"><integer name="max_depth" value="-1"/></integrator>'
+
 # Name: with constants, with textures (or None).
 MODELS = {
     "diffuse": (twosided(FIRST), twosided(bsdf("diffuse", colours("reflectance")))),
@@ -127,5 +130,6 @@ def rows(folder):
             for light, emitter in LIGHTS.items():
                 if what:
                     out[f"bsdf_{name}_{kind}_{light}"] = (
-                        FLOOR + emitter + OBJECTS.format(what, tilted))
+                        ENDLESS * (name in ("mask", "null")) + FLOOR + emitter
+                        + OBJECTS.format(what, tilted))
     return out
