@@ -6,6 +6,9 @@
 // Neighbours count as alike if their normals are closer than about 25 degrees.
 static const float ALIKE = 0.9f;
 
+// Records farther away than this part of R bear on it through those in between.
+static const float NEIGHBOURS = 0.4f;
+
 // The shape-scale bound on a radius where nothing was hit.
 static float bounded(float R, const struct cache *cache) {
     return fminf(R, cache->g->scene->radius);
@@ -95,8 +98,8 @@ static void clamp_one(void *ctx, uint32_t record) {
 
 float cache_clamp_neighbours(struct cache_tree *tree, vec3 p, vec3 n, float R) {
     struct neighbours s = {tree, p, n, R, false};
-    cache_tree_visit(tree, p, R, clamp_one, &s);
+    cache_tree_visit(tree, p, NEIGHBOURS * R, clamp_one, &s);
     s.lower = true;
-    cache_tree_visit(tree, p, s.R, clamp_one, &s);
+    cache_tree_visit(tree, p, NEIGHBOURS * s.R, clamp_one, &s);
     return s.R;
 }

@@ -8,7 +8,10 @@
 #include "base/array.h"
 #include "cache/cache_records.h"
 
-enum { BATCH = 128 };  // fixed: the records depend on it; large enough to keep 32 threads busy
+enum {
+    BATCH = 128,   // fixed: the records depend on it; large enough to keep 32 threads busy
+    WINDOW = 1024  // sites that are judged together before some of them are chosen
+};
 
 // One record in the making.
 struct job {
@@ -24,6 +27,8 @@ struct batch {
     struct job job[BATCH];
     int count;
     float *coefficients;  // of radiance jobs: 9 * order^2 each
+    const struct cache_site **window;
+    bool covered[WINDOW];  // of the sites from `window` on
 };
 
 static void gather_jobs(void *ctx, size_t begin, size_t end, int worker) {
@@ -105,25 +110,38 @@ static bool apart(const struct batch *b, const struct cache_site *site) {
     return true;
 }
 
-// Takes the next members from waiting[*head .. count). Covered sites are dropped; those that lie
-// too close to a member wait at the front of what remains.
-static void choose(struct batch *b, const struct cache_site **waiting, size_t *head, size_t count) {
+static void judge_sites(void *ctx, size_t begin, size_t end, int worker) {
+    (void)worker;
+    struct batch *b = ctx;
     const bool irradiance = b->kind == CACHE_IRRADIANCE;
     const struct cache_tree *tree =
         irradiance ? &b->cache->irradiance_tree : &b->cache->radiance_tree;
     const float a = irradiance ? b->fill->a_irradiance : b->fill->a_radiance;
+    for (size_t i = begin; i < end; i++)
+        b->covered[i] = cache_tree_covered(tree, b->window[i]->p, b->window[i]->frame.n, a);
+}
+
+// Takes the next members from waiting[*head .. count). Covered sites are dropped; those that lie
+// too close to a member wait at the front of what remains. False if cancelled.
+static bool choose(struct batch *b, const struct cache_site **waiting, size_t *head, size_t count) {
     size_t start = *head, kept = 0, i = start;
     b->count = 0;
-    for (; i < count && b->count < BATCH; i++) {
-        const struct cache_site *site = waiting[i];
-        if (cache_tree_covered(tree, site->p, site->frame.n, a)) continue;
-        if (!apart(b, site))
-            waiting[start + kept++] = site;
-        else
-            start_job(b, site);
+    while (i < count && b->count < BATCH) {
+        size_t n = count - i < WINDOW ? count - i : WINDOW;
+        b->window = waiting + i;
+        if (!parallel_for(b->cache->pool, n, 64, judge_sites, b)) return false;
+        for (size_t j = 0; j < n && b->count < BATCH; j++, i++) {
+            const struct cache_site *site = waiting[i];
+            if (b->covered[j]) continue;
+            if (!apart(b, site))
+                waiting[start + kept++] = site;
+            else
+                start_job(b, site);
+        }
     }
     *head = i - kept;
     memmove(&waiting[*head], &waiting[start], kept * sizeof *waiting);
+    return true;
 }
 
 static satin_status fill_kind(struct batch *b, const struct cache_site **waiting) {
@@ -132,8 +150,8 @@ static satin_status fill_kind(struct batch *b, const struct cache_site **waiting
         if (b->fill->site[i].wants & b->kind) waiting[count++] = &b->fill->site[i];
     while (head < count) {
         if (b->fill->go_on && !b->fill->go_on(b->fill->user)) return SATIN_OK;
-        choose(b, waiting, &head, count);
-        if (!parallel_for(b->cache->pool, (size_t)b->count, 1, gather_jobs, b))
+        if (!choose(b, waiting, &head, count) ||
+            !parallel_for(b->cache->pool, (size_t)b->count, 1, gather_jobs, b))
             return SATIN_CANCELLED;
         for (int i = 0; i < b->count; i++) {
             bool ok = b->kind == CACHE_IRRADIANCE ? insert_irradiance(b, &b->job[i])

@@ -11,7 +11,7 @@
 
 enum {
     TILE = 16,
-    EVEN_LEAST = 4,  // samples per pixel that are spread evenly at least, and
+    EVEN_LEAST = 2,  // samples per pixel that are spread evenly at least, and
     EVEN_SHARE = 4,  // the share of all that is
     COARSEST = 16,   // pixels between the very first samples, or more, for
     LOOK = 256       // no more samples than these
