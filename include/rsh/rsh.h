@@ -52,8 +52,7 @@ RSH_API bool rsh_eval_derivatives(rsh_basis basis, int order, const float w[3], 
                                   float *dtheta, float *dphi);
 
 // All basis functions in `count` directions, given as three arrays: out[k * count + i] is function
-// k in direction i. In float throughout, so right to 1e-6 at order 10 and 2e-6 at order 16 on the
-// sphere, to twice as much on the hemisphere.
+// k in direction i. Right to 1e-6 of each function's largest value, as rsh_eval.
 RSH_API bool rsh_eval_many(rsh_basis basis, int order, size_t count, const float *x, const float *y,
                            const float *z, float *out);
 

@@ -2,9 +2,10 @@
 // The hot functions in vectors of the native width, one source for every instruction set.
 //
 // Evaluation and projection handle RSH_WIDTH directions per vector. The Legendre functions are kept
-// monic, so a step of their recurrence is a product and a fused multiply-add, and the
-// normalisation is applied once per coefficient at the end. Projection folds the factor
-// Re, Im (x + i y)^m into the values, so that each coefficient costs one fused multiply-add.
+// monic, so a step of their recurrence is two operations, and the normalisation is applied once per
+// coefficient at the end. Evaluation runs it on 1 - |z|, found in double, so that it is right to
+// 1e-6 also where functions are steep. Projection folds the factor Re, Im (x + i y)^m into the
+// values, so that each coefficient costs one fused multiply-add.
 #include "rsh/rsh_kernel.h"
 
 #include <math.h>
@@ -14,16 +15,18 @@
 #include "rsh/rsh_turn.h"
 #include "rsh/rsh_vector.h"
 
-enum { RUN = 4 };
+// Vectors of directions that share a pass over the sums; vectors prepared ahead of their
+// evaluation.
+enum { RUN = 4, AHEAD = 4 };
+// Orders up to here take only m < FEW_STEEP by differences, which costs more than the recurrence.
+enum { GENTLE_ORDER = 10, FEW_STEEP = 2 };
 
 struct directions {
     vf x, y, z;
 };
 
-// The hemisphere's directions are turned into the sphere's, as in rsh_eval. `keep` lanes are real,
-// the others get the pole.
-INLINE struct directions load_directions(rsh_basis basis, const float *const d[3], size_t first,
-                                         size_t keep) {
+// `keep` lanes are real, the others get the pole.
+INLINE struct directions load_directions(const float *const d[3], size_t first, size_t keep) {
     float tail[3][W];
     struct directions v;
     if (keep < W) {
@@ -34,17 +37,20 @@ INLINE struct directions load_directions(rsh_basis basis, const float *const d[3
     } else {
         v = (struct directions){load(d[0] + first), load(d[1] + first), load(d[2] + first)};
     }
-    if (basis == RSH_HEMISPHERE) {
-        float z[W], s[W];
-        store(z, v.z);
-        for (int i = 0; i < W; i++) {
-            z[i] = z[i] > 0.0f ? z[i] : 0.0f;
-            z[i] = z[i] < 1.0f ? z[i] : 1.0f;
-            s[i] = 2.0f * sqrtf(z[i] / (1.0f + z[i]));
-        }
-        v = (struct directions){v.x * load(s), v.y * load(s), 2.0f * load(z) - 1.0f};
-    }
     return v;
+}
+
+// The hemisphere's direction is turned into the sphere's, as in rsh_eval.
+INLINE struct directions stretch(rsh_basis basis, struct directions v) {
+    if (basis != RSH_HEMISPHERE) return v;
+    float z[W], s[W];
+    store(z, v.z);
+    for (int i = 0; i < W; i++) {
+        z[i] = z[i] > 0.0f ? z[i] : 0.0f;
+        z[i] = z[i] < 1.0f ? z[i] : 1.0f;
+        s[i] = 2.0f * sqrtf(z[i] / (1.0f + z[i]));
+    }
+    return (struct directions){v.x * load(s), v.y * load(s), 2.0f * load(z) - 1.0f};
 }
 
 INLINE vf load_values(const float *value, size_t first, size_t keep) {
@@ -54,94 +60,145 @@ INLINE vf load_values(const float *value, size_t first, size_t keep) {
     return load(tail);
 }
 
-// The functions of one vector of directions go to out[k * count], `keep` lanes of each.
-INLINE void put(float *out, vf v, size_t keep) {
-    if (keep == W)
-        store(out, v);
-    else
-        memcpy(out, &v, keep * sizeof *out);
-}
+// Where to evaluate: the direction as given, u = 1 - |z| and the sign of z once it is the sphere's,
+// and the factor that makes x and y the sphere's: size (1 + grow), grow being tiny.
+struct place {
+    vf x, y, u, sign, size, grow;
+};
 
-// One (l, m): the monic Legendre function p times the parts of the azimuth.
-INLINE void put_pair(float *out, size_t shift, vf p, vf c, vf s, size_t keep) {
-    if (shift) put(out - shift, p * s, keep);
-    put(out + shift, p * c, keep);
-}
-
-// One m: l = m .. order - 1, for c and s = Re, Im (x + i y)^m.
-INLINE void eval_column(int order, int m, vf z, vf c, vf s, size_t count, size_t keep, float *out) {
-    const float *norm = rsh_norm + m * RSH_MAX_ORDER, *b = rsh_recurrence + m * RSH_MAX_ORDER;
-    const size_t shift = (size_t)m * count, two = 2 * count;
-    float *to = out + (size_t)(m * (m + 1)) * count;
-    put_pair(to, shift, splat(norm[m]), c, s, keep);
-    vf p1 = splat(1.0f), p = z;
-    for (int l = m + 1; l < order; l++) {
-        to += (size_t)l * two;
-        put_pair(to, shift, p * norm[l], c, s, keep);
-        if (l + 1 == order) break;
-        vf next = z * p - b[l + 1] * p1;
-        p1 = p;
-        p = next;
-    }
-}
-
-// Re, Im (x + i y)^m.
+// Re, Im (x + i y)^m size^m.
 struct azimuth {
     vf c, s;
 };
 
-INLINE struct azimuth next_azimuth(struct azimuth a, struct directions v) {
-    return (struct azimuth){v.x * a.c - v.y * a.s, v.x * a.s + v.y * a.c};
+// Functions (l, -m) and (l, m): the Legendre function p times the parts of the azimuth.
+INLINE void put_pair(float *out, size_t shift, vf p, struct azimuth a) {
+    if (shift) store(out - shift, p * a.s);
+    store(out + shift, p * a.c);
 }
 
-// All m < RSH_STEEP side by side, by differences of u = 1 - |z|.
-INLINE void eval_steep(int order, struct directions v, const struct azimuth *a, size_t count,
-                       size_t keep, float *out) {
-    vf u = (v.x * v.x + v.y * v.y) / (1.0f + magnitude(v.z)), sign = with_sign(splat(1.0f), v.z);
+INLINE struct azimuth next_azimuth(struct azimuth a, const struct place *v) {
+    return (struct azimuth){v->size * (v->x * a.c - v->y * a.s),
+                            v->size * (v->x * a.s + v->y * a.c)};
+}
+
+// In double, because degree l makes l (l + 1) / 2 times as much of the error of u and m times as
+// much of that of the factor. Lengths are set right as in rsh_eval.
+INLINE struct place place_of(bool hemisphere, struct directions v) {
+    float x[W], y[W], z[W], u[W], sign[W], size[W], grow[W];
+    store(x, v.x);
+    store(y, v.y);
+    store(z, v.z);
+    for (int i = 0; i < W; i++) {
+        if (hemisphere) {
+            z[i] = z[i] > 0.0f ? z[i] : 0.0f;
+            z[i] = z[i] < 1.0f ? z[i] : 1.0f;
+        }
+        double a = (double)x[i], b = (double)y[i], c = (double)z[i];
+        double off = 0.5 - 0.5 * (a * a + b * b + c * c);
+        c += c * off;
+        size[i] = 1.0f;
+        grow[i] = (float)off;
+        if (hemisphere) {
+            // 2 sqrt(z / (1 + z)), and how far its square is off.
+            size[i] = 2.0f * sqrtf(z[i] / (1.0f + z[i]));
+            double square = (double)size[i] * (double)size[i];
+            grow[i] += (float)(4.0 * c - square * (1.0 + c)) / (8.0f * z[i] + 1e-30f);
+            c = 2.0 * c - 1.0;
+        }
+        u[i] = (float)(1.0 - fabs(c));
+        sign[i] = copysignf(1.0f, (float)c);
+    }
+    return (struct place){v.x, v.y, load(u), load(sign), load(size), load(grow)};
+}
+
+// The two factors of functions (l, +-m) that belong to m, for even and for odd l - m: what follows
+// is of |z|.
+struct sides {
+    struct azimuth of[2];
+};
+
+INLINE struct sides sides_of(struct azimuth a, int m, const struct place *v) {
+    vf right = 1.0f + (float)m * v->grow;
+    a.c *= right;
+    a.s *= right;
+    return (struct sides){{a, {a.c * v->sign, a.s * v->sign}}};
+}
+
+// One m: l = m .. order - 1. As |z| = 1 - u, the recurrence is p - u p - b p1, which near the pole
+// loses nothing of u.
+INLINE void eval_column(int order, int m, vf u, struct sides a, size_t count, float *out) {
+    const float *norm = rsh_norm + m * RSH_MAX_ORDER, *b = rsh_recurrence + m * RSH_MAX_ORDER;
+    const size_t shift = (size_t)m * count, two = 2 * count;
+    float *to = out + (size_t)(m * (m + 1)) * count;
+    vf p1 = {0}, p = splat(1.0f);
+    for (int l = m; l < order; l += 2) {
+        put_pair(to, shift, p * norm[l], a.of[0]);
+        if (l + 1 == order) break;
+        p1 = (p - u * p) - b[l + 1] * p1;
+        to += (size_t)(l + 1) * two;
+        put_pair(to, shift, p1 * norm[l + 1], a.of[1]);
+        if (l + 2 >= order) break;
+        p = (p1 - u * p1) - b[l + 2] * p;
+        to += (size_t)(l + 2) * two;
+    }
+}
+
+// All m < `steep` side by side, by differences of u.
+INLINE void eval_steep(int order, int steep, vf u, const struct sides *a, size_t count,
+                       float *out) {
     vf q[RSH_STEEP], d[RSH_STEEP];
-    struct azimuth part[2][RSH_STEEP];  // of even and of odd l - m
-    for (int m = 0; m < RSH_STEEP; m++) {
+    for (int m = 0; m < steep; m++) {
         q[m] = splat(1.0f);
         d[m] = (vf){0};
-        part[0][m] = a[m];
-        part[1][m] = (struct azimuth){a[m].c * sign, a[m].s * sign};
     }
     for (int l = 0; l < order; l++)
-        for (int m = 0; m < RSH_STEEP; m++) {
-            if (m > l) break;
+        for (int m = 0; m < steep && m <= l; m++) {
             const int at = m * RSH_MAX_ORDER + l;
             if (l > m) {
-                d[m] = rsh_keep[at] * d[m] - (rsh_bend[at] * u) * q[m];
-                q[m] += d[m];
+                d[m] -= (rsh_bend[at] * u) * q[m];
+                q[m] += rsh_keep[at] * d[m];
             }
-            struct azimuth p = part[(l - m) & 1][m];
             put_pair(out + (size_t)(l * (l + 1)) * count, (size_t)m * count, q[m] * rsh_pole[at],
-                     p.c, p.s, keep);
+                     a[m].of[(l - m) & 1]);
         }
 }
 
 // All functions of one vector of directions.
-INLINE void eval_vector(int order, struct directions v, float scale, size_t count, size_t keep,
+INLINE void eval_vector(int order, int steep, const struct place *v, float scale, size_t count,
                         float *out) {
-    struct azimuth a[RSH_STEEP + 1] = {{splat(scale), {0}}};
-    for (int m = 0; m < RSH_STEEP; m++) a[m + 1] = next_azimuth(a[m], v);
-    eval_steep(order, v, a, count, keep, out);
-    struct azimuth at = a[RSH_STEEP];
-    for (int m = RSH_STEEP; m < order; m++, at = next_azimuth(at, v))
-        eval_column(order, m, v.z, at.c, at.s, count, keep, out);
+    struct azimuth a = {splat(scale), {0}};
+    struct sides sides[RSH_STEEP];
+    for (int m = 0; m < steep; m++, a = next_azimuth(a, v)) sides[m] = sides_of(a, m, v);
+    eval_steep(order, steep, v->u, sides, count, out);
+    for (int m = steep; m < order; m++, a = next_azimuth(a, v))
+        eval_column(order, m, v->u, sides_of(a, m, v), count, out);
 }
 
 static void kernel_eval_many(rsh_basis basis, int order, size_t count, const float *x,
                              const float *y, const float *z, float *out) {
     const float *const d[3] = {x, y, z};
-    for (size_t first = 0; first < count; first += W) {
-        size_t keep = count - first < W ? count - first : W;
-        struct directions v = load_directions(basis, d, first, keep);
-        float scale = basis == RSH_HEMISPHERE ? sqrtf(2.0f) : 1.0f;
-        if (keep == W)
-            eval_vector(order, v, scale, count, W, out + first);
-        else
-            eval_vector(order, v, scale, count, keep, out + first);
+    const float scale = basis == RSH_HEMISPHERE ? sqrtf(2.0f) : 1.0f;
+    for (size_t first = 0; first < count; first += AHEAD * W) {
+        struct place v[AHEAD];
+        const size_t left = count - first;
+        const size_t vectors = left < AHEAD * W ? (left + W - 1) / W : AHEAD;
+        // Those of the next vectors need not wait for the stores of the functions.
+        for (size_t i = 0; i < vectors; i++) {
+            struct directions w = load_directions(d, first + i * W, left - i * W);
+            v[i] = basis == RSH_HEMISPHERE ? place_of(true, w) : place_of(false, w);
+        }
+        for (size_t i = 0; i < vectors; i++) {
+            const size_t at = first + i * W, keep = count - at;
+            float tail[RSH_MAX_COEFFICIENTS * W], *to = keep < W ? tail : out + at;
+            const size_t step = keep < W ? W : count;
+            if (order > GENTLE_ORDER)
+                eval_vector(order, RSH_STEEP, &v[i], scale, step, to);
+            else
+                eval_vector(order, FEW_STEEP, &v[i], scale, step, to);
+            for (int k = 0; k < order * order && keep < W; k++)
+                memcpy(out + (size_t)k * count + at, tail + k * W, keep * sizeof *out);
+        }
     }
 }
 
@@ -182,7 +239,7 @@ INLINE void project_channels(rsh_basis basis, int order, int channels, size_t co
         vf c[3][RUN], s[3][RUN], x[RUN], y[RUN], z[RUN];
         for (size_t i = 0; i < RUN; i++) {
             size_t at = first + i * W, left = at < count ? count - at : 0;
-            struct directions v = load_directions(basis, d, at, left);
+            struct directions v = stretch(basis, load_directions(d, at, left));
             x[i] = v.x, y[i] = v.y, z[i] = v.z;
             for (int a = 0; a < channels; a++) c[a][i] = load_values(value[a], at, left);
         }

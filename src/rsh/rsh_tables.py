@@ -10,7 +10,7 @@ import sys
 
 ORDER = 16
 LANES = 16
-STEEP = 3
+STEEP = 8
 BELOW = 0.1  # weight of the mirror image below the horizon, see rsh_tables.h
 # Bands that share a vector of lanes, see rsh_tables.h.
 GROUPS = [[0, 1, 2, 3], [4, 5], [6, 7]] + [[l] for l in range(8, ORDER)]
@@ -36,6 +36,13 @@ def pole(l, m):
     if l <= m:
         return 1.0 if l == m else 0.0
     return pole(l - 1, m) - recurrence(l, m) * pole(l - 2, m)
+
+
+def keep(l, m):
+    """How much smaller the difference of two neighbours at the pole is than that of the first."""
+    if l <= m + 1:
+        return 1.0
+    return keep(l - 1, m) * recurrence(l, m) * pole(l - 2, m) / pole(l, m)
 
 
 def slope(l, m):
@@ -156,10 +163,9 @@ def plain_tables(w):
     w.array("float", "rsh_pole[RSH_STEEP * RSH_MAX_ORDER]",
             [norm(l, m) * pole(l, m) for l, m in steep])
     w.array("float", "rsh_bend[RSH_STEEP * RSH_MAX_ORDER]",
-            [pole(l - 1, m) / pole(l, m) if l > m else 0.0 for l, m in steep])
+            [pole(l - 1, m) / (pole(l, m) * keep(l, m)) if l > m else 0.0 for l, m in steep])
     w.array("float", "rsh_keep[RSH_STEEP * RSH_MAX_ORDER]",
-            [recurrence(l, m) * pole(l - 2, m) / pole(l, m) if l > m + 1 else 0.0
-             for l, m in steep])
+            [keep(l, m) if l > m else 0.0 for l, m in steep])
     flat = [(l, m) for l in range(ORDER) for m in range(-l, l + 1)]
     w.array("float", "rsh_slope[RSH_MAX_COEFFICIENTS + 2]",
             [slope(l, m) for l, m in flat] + [0.0, 0.0])
