@@ -33,7 +33,7 @@ static const char *const form_names[FORMS] = {
 static void turn_scalar(enum rsh_method method, int order, int channels, const float *r) {
     struct rsh_turn t = rsh_turn_of_matrix(r);
     t.method = method;
-    t.beta = atan2f(t.sin_beta, t.cos_beta);
+    t.beta = rsh_turn_angle(&t);
     rsh_turn_scalar(&t, order, channels, in, out);
 }
 
