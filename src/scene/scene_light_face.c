@@ -102,9 +102,10 @@ float light_face_reach(const struct light_face *face, vec3 p) {
 }
 
 // The angle whose tangent is x y / (-z r): the part of the solid angle between the axes and a
-// corner.
+// corner. It is divided by r^2, as products of four lengths leave the range of float.
 static struct turn corner_angle(float x, float y, float z) {
-    return (struct turn){-z * sqrtf(x * x + y * y + z * z), x * y};
+    float r2 = x * x + y * y + z * z, r = sqrtf(r2);
+    return (struct turn){-z / r, x * y / r2};
 }
 
 // False if the face is to be sampled by area from p.
