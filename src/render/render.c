@@ -78,13 +78,17 @@ static satin_status film(struct render *r, satin_status status, satin_film **out
     if (!r->image) return status;
     if (r->sketch)
         log_message(r->log, SATIN_LOG_WARNING, "cancelled during %s: the image is a first look%s",
-                    r->sketch, r->maps ? "" : " at direct light alone");
+                    r->sketch, r->cache ? "" : " at direct light alone");
     bool any;
     struct satin_film *made = render_image_film(r, &any);
     if (!made) return SATIN_ERROR_MEMORY;
-    if (!any || !render_metadata(r, made)) {
+    if (status == SATIN_CANCELLED && !any) {
         satin_film_free(made);
-        return any ? SATIN_ERROR_MEMORY : status;
+        return status;
+    }
+    if (!render_metadata(r, made)) {
+        satin_film_free(made);
+        return SATIN_ERROR_MEMORY;
     }
     *out = made;
     return status;
