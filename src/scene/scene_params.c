@@ -3,6 +3,7 @@
 #include "scene/scene_params.h"
 
 #include <assert.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "base/text.h"
@@ -81,6 +82,20 @@ static satin_status read_object(struct log log, struct params *out, const struct
     return SATIN_ERROR_INPUT;
 }
 
+enum { TAG_LIST = 64 };  // at most four names of elements
+
+// "<integer> or <float>"
+static void list_tags(unsigned accepted, char text[TAG_LIST]) {
+    size_t length = 0;
+    for (int tag = 0; accepted && length < TAG_LIST; tag++) {
+        if (!(accepted & 1u << tag)) continue;
+        accepted &= ~(1u << tag);
+        const char *before = length == 0 ? "" : accepted ? ", " : " or ";
+        length += (size_t)snprintf(text + length, TAG_LIST - length, "%s<%s>", before,
+                                   xml_tag_name((enum xml_tag)tag));
+    }
+}
+
 // A child that gives a value, or (`child`) refers to one (`target`).
 static satin_status read_child(struct param_source source, struct params *out,
                                const struct xml_node *child, struct xml_node *target) {
@@ -106,10 +121,10 @@ static satin_status read_child(struct param_source source, struct params *out,
     }
     unsigned accepted = accepted_tags(spec->kind);
     if (!(accepted & 1u << target->tag)) {
-        int tag = 0;
-        while (!(accepted & 1u << tag)) tag++;
-        log_error_at(log, child->place, "'%s' must be an element <%s>, not <%s>", child->name,
-                     xml_tag_name((enum xml_tag)tag), xml_tag_name(target->tag));
+        char list[TAG_LIST];
+        list_tags(accepted, list);
+        log_error_at(log, child->place, "'%s' must be %s, not <%s>", child->name, list,
+                     xml_tag_name(target->tag));
         return SATIN_ERROR_INPUT;
     }
     value->given = true;
