@@ -3,7 +3,8 @@
 """Error and time of two-pass renders of the data scenes against converged path-traced references.
 
   bench/quality.py references DIR [SCENE ...]   render references (slow: PARTS x SPP samples)
-  bench/quality.py measure DIR [SCENE ...]      production, --time 4, --time 11, and path
+  bench/quality.py measure DIR [SCENE ...]      production, --time 4, --time 11; with --path also
+                                                path for 11 s, and its time at equal error
 
 DIR keeps the references (400x400) and what is rendered. relMSE is the mean of
 (x - r)^2 / (r^2 + 0.01) with emitters masked and the reference's own noise subtracted.
@@ -66,15 +67,24 @@ def measure_one(options, name, args):
 
 def measure(options):
     runs = [["--quality", "production"], ["--time", "4"], ["--time", "11"]]
+    path = ["--integrator", "path", "--time", "11", "--spp", "65536"]
     if options.path:
-        runs.append(["--integrator", "path", "--time", "11", "--spp", "65536"])
+        runs.append(path)
     print("%-16s %-44s %9s %8s %7s %7s" % ("scene", "run", "relMSE", "bias", "s", "MB"))
     for name in options.scene:
+        errors = []
         for args in runs:
             result, seconds, megabytes = measure_one(options, name, args)
             print("%-16s %-44s %9.6f %+7.2f%% %7.2f %7.0f"
                   % (label(name), " ".join(args), result["relmse"],
                      100 * (result["mean_ratio"] - 1), seconds, megabytes), flush=True)
+            errors.append(result["relmse"])
+        # The error of path tracing is variance alone, which falls as 1 / time.
+        for args, error in zip(runs, errors if options.path else []):
+            if args is not path and error > 0:
+                print("%-16s %-44s %9.6f %8s %7.0f %7.0f"
+                      % (label(name), "path, at the error of " + " ".join(args), error, "",
+                         seconds * errors[-1] / error, megabytes), flush=True)
 
 
 def main():
