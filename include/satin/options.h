@@ -32,6 +32,16 @@ typedef enum satin_first_pass {
 
 typedef enum satin_basis { SATIN_HSH = 0, SATIN_SH } satin_basis;
 
+// Translational gradients of records. Irradiance takes all of them, radiance all but the last, in
+// whose place it takes stratified ones.
+typedef enum satin_gradients {
+    SATIN_GRADIENTS_NONE = 0,     // interpolate without
+    SATIN_GRADIENTS_STRATIFIED,   // by what crosses the walls between strata [K05 4.3]
+    SATIN_GRADIENTS_SOLID_ANGLE,  // by how what each ray hit turns and comes nearer [K05 4.2]
+    SATIN_GRADIENTS_DIFFERENCES,  // the same by finite differences
+    SATIN_GRADIENTS_WARD_HECKBERT
+} satin_gradients;
+
 typedef struct satin_options {
     satin_integrator integrator;
     satin_quality quality;
@@ -61,7 +71,7 @@ typedef struct satin_options {
 
     // Irradiance cache (diffuse surfaces).
     bool irradiance_cache;
-    bool irradiance_gradients;
+    satin_gradients irradiance_gradients;
     int irradiance_rays;          // gather rays per record
     float irradiance_a;           // accuracy a at which the cache is filled
     float irradiance_widen;       // the image pass interpolates with a times this, 1 to 2
@@ -69,7 +79,7 @@ typedef struct satin_options {
 
     // Radiance cache (glossy surfaces).
     bool radiance_cache;
-    bool radiance_gradients;
+    satin_gradients radiance_gradients;
     bool radiance_diffuse;  // diffuse surfaces use radiance records too, for comparison
     satin_basis radiance_basis;
     int radiance_order;    // largest order n, 1 to 14

@@ -98,7 +98,7 @@ int cache_irradiance(const struct cache *cache, const struct cache_place *at, fl
     int count = find(&cache->irradiance_tree, at, a, near);
     if (count == 0) return 0;
     const vec3 facing = at->frame.n;
-    const bool gradients = cache->g->options->irradiance_gradients;
+    const bool gradients = cache->g->options->irradiance_gradients != SATIN_GRADIENTS_NONE;
     const float share = minf(v3_dot(at->n, facing), 1.0f);
     float sum[3] = {0}, weights = 0.0f;
     for (int i = 0; i < count; i++) {
@@ -156,7 +156,8 @@ int cache_radiance(const struct cache *cache, const struct cache_place *at, floa
     struct cache_near near[CACHE_NEAR_MAX];
     int count = find(&cache->radiance_tree, at, a, near);
     if (count == 0) return 0;
-    const float on = cache->g->options->radiance_gradients ? 1.0f : 0.0f;
+    const bool gradients = cache->g->options->radiance_gradients != SATIN_GRADIENTS_NONE;
+    const float on = gradients ? 1.0f : 0.0f;
     const struct cache_lobe cosine = {cache->cosine, cache->cosine_order, 1};
     float shine[3] = {0}, diffuse[3] = {0}, weights = 0.0f;
     for (int i = 0; i < count; i++) {

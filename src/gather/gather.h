@@ -60,14 +60,21 @@ rgb gather_direct(const struct gather *g, const struct gather_point *p, struct g
 // is the surfel on it, NULL for the environment along wi.
 float gather_light_pdf(const struct gather *g, vec3 p, vec3 wi, const struct surfel *hit);
 
+// The surface that a ray meets first.
+struct gather_first {
+    float r;  // its distance; INFINITY: there is none
+    vec3 ng;  // its geometric normal, on either side; 0 if it is ideally specular, or none
+};
+#define GATHER_NOTHING ((struct gather_first){.r = INFINITY})
+
 // ---- Paths (gather_path.c) ---------------------------------------------------------------------
 
 // Radiance along `ray` by path tracing with MIS of light and BRDF sampling. `depth` edges were
 // walked before. If not `emission`, light that is emitted along the ray itself does not count, nor,
 // unless the ray comes from the eye (depth 0), what is seen through ideal specular surfaces alone.
-// *distance gets the length of the ray to its hit, or INFINITY.
+// *first gets the surface that the ray itself meets.
 rgb gather_path(const struct gather *g, struct ray ray, int depth, bool emission,
-                struct sampler *sampler, float *distance);
+                struct sampler *sampler, struct gather_first *first);
 
 // ---- Gather rays (gather_ray.c) ----------------------------------------------------------------
 
@@ -80,7 +87,7 @@ struct gather_ray {
     rgb Le;            // emitted light seen directly
     float light_pdf;   // gather_light_pdf of Le
     rgb Le_specular;   // emitted light seen through ideal specular surfaces
-    float r;           // distance to the first hit; INFINITY if there is none
+    struct gather_first first;
 };
 
 // Scratch of one worker for `capacity` rays.
@@ -96,7 +103,7 @@ void gather_rays(const struct gather *g, struct gather_scratch *scratch, struct 
 
 // ---- Hemispheres (gather_hemisphere.c) ---------------------------------------------------------
 
-// Irradiance on a point, with gradients [Ward and Heckbert 1992].
+// Irradiance on a point, with gradients.
 struct gather_irradiance {
     rgb E;
     vec3 grad_t[3];  // translation: dE/dp per channel, world, in the tangent plane

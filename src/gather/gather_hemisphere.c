@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// A hemisphere of gather rays: irradiance with Ward and Heckbert's gradients, or incident radiance
-// in harmonics with stratification-based gradients [K05 4.3.1]. Sample directions are jittered per
-// cell; the gradients' weights are taken at the cells' fixed walls, which is what makes them
-// converge (docs/equations.md, errata 1).
+// A hemisphere of gather rays: irradiance, or incident radiance in harmonics [K05 (4.9)], with
+// gradients of the kind that the options name. Without gradients in the interpolation they still
+// bound the records' radii.
 #include <string.h>
 
-#include "gather/gather_layout.h"
-#include "gather/gather_scratch.h"
+#include "gather/gather_gradients.h"
 #include "rsh/rsh.h"
 
 // One jittered ray per cell, row by row.
@@ -34,7 +32,7 @@ static void distances(const struct gather_scratch *scratch, size_t count, float 
     double sum = 0.0;
     float least = INFINITY;
     for (size_t i = 0; i < count; i++) {
-        float r = scratch->rays[i].r;
+        float r = scratch->rays[i].first.r;
         sum += 1.0 / (double)r;  // a miss adds 0
         least = fminf(least, r);
     }
@@ -42,33 +40,28 @@ static void distances(const struct gather_scratch *scratch, size_t count, float 
     *r_min = least;
 }
 
-// (L_jk - L_neighbour) / min(r_jk, r_neighbour): how fast the wall between two cells carries light
-// across.
-static rgb wall_change(const struct gather_ray *a, const struct gather_ray *b) {
-    float r = fminf(a->r, b->r);
-    return isfinite(r) && r > 0.0f ? rgb_scale(rgb_sub(a->L, b->L), 1.0f / r) : rgb_grey(0.0f);
-}
-
-static void add_gradient(vec3 grad[3], rgb value, vec3 direction) {
-    grad[0] = v3_mad(grad[0], value.r, direction);
-    grad[1] = v3_mad(grad[1], value.g, direction);
-    grad[2] = v3_mad(grad[2], value.b, direction);
-}
-
-// Local gradients of one column k; cells are [j * N + k].
-static void irradiance_column(const struct gather_layout *l, const struct gather_ray *cell, int k,
-                              struct gather_irradiance *out) {
-    const int before = k ? k - 1 : l->N - 1;
-    rgb along_u = rgb_grey(0.0f), along_v = rgb_grey(0.0f), turn = rgb_grey(0.0f);
-    for (int j = 0; j < l->M; j++) {
-        const struct gather_ray *here = &cell[j * l->N + k];
-        if (j > 0) along_u = rgb_mad(along_u, wall_change(here, here - l->N), l->wall_u[j]);
-        along_v = rgb_mad(along_v, wall_change(here, &cell[j * l->N + before]), l->wall_v[j]);
-        turn = rgb_mad(turn, here->L, l->turn[j]);
+// E changes with the normal about the axis across each column by the integral of sin^2(theta).
+static void turn_gradient(const struct gather_cells *cells, vec3 grad[3]) {
+    const struct gather_layout *l = cells->layout;
+    for (int k = 0; k < l->N; k++) {
+        const struct gather_ray *ray = cells->scratch->rays + k;
+        const vec3 axis = v3(-l->sin_k[k], l->cos_k[k], 0.0f);
+        rgb turn = rgb_grey(0.0f);
+        for (int j = 0; j < l->M; j++, ray += l->N) turn = rgb_mad(turn, ray->L, l->turn[j]);
+        grad[0] = v3_mad(grad[0], turn.r, axis);
+        grad[1] = v3_mad(grad[1], turn.g, axis);
+        grad[2] = v3_mad(grad[2], turn.b, axis);
     }
-    add_gradient(out->grad_t, along_u, v3(l->cos_k[k], l->sin_k[k], 0.0f));
-    add_gradient(out->grad_t, along_v, v3(-l->sin_w[k], l->cos_w[k], 0.0f));
-    add_gradient(out->grad_r, turn, v3(-l->sin_k[k], l->cos_k[k], 0.0f));
+}
+
+static void irradiance_gradients(const struct gather_cells *cells, satin_gradients kind,
+                                 vec3 grad[3]) {
+    const struct gather_layout *l = cells->layout;
+    if (kind == SATIN_GRADIENTS_SOLID_ANGLE || kind == SATIN_GRADIENTS_DIFFERENCES)
+        gather_solid_angle_irradiance(cells, kind == SATIN_GRADIENTS_DIFFERENCES, grad);
+    else
+        gather_stratified_irradiance(
+            cells, kind == SATIN_GRADIENTS_STRATIFIED ? l->wall_h : l->wall_v, grad);
 }
 
 void gather_hemisphere_irradiance(const struct gather *g, const struct gather_layout *layout,
@@ -81,61 +74,21 @@ void gather_hemisphere_irradiance(const struct gather *g, const struct gather_la
     for (size_t i = 0; i < count; i++) out->E = rgb_add(out->E, scratch->rays[i].L);
     out->E = rgb_scale(out->E, PI_F / (float)count);
     distances(scratch, count, &out->R, &out->r_min);
-    for (int k = 0; k < layout->N; k++) irradiance_column(layout, scratch->rays, k, out);
+    const struct gather_cells cells = {layout, &site->frame, scratch};
+    irradiance_gradients(&cells, g->options->irradiance_gradients, out->grad_t);
+    turn_gradient(&cells, out->grad_r);
     for (int c = 0; c < 3; c++) {
         out->grad_t[c] = frame_to_world(&site->frame, out->grad_t[c]);
         out->grad_r[c] = frame_to_world(&site->frame, out->grad_r[c]);
     }
 }
 
-// Adds to gradient vectors dx, dy the change through one kind of wall in row j: sums over k by
-// trigonometric function first, then times the row's theta parts.
-static void radiance_row(const struct gather_layout *l, struct gather_scratch *scratch,
-                         const float *trig, const float *row, float *dx, float *dy) {
-    const int n = l->order, n2 = n * n, trigs = l->trig_count, N = l->N;
-    float sum[2][3 * (2 * RSH_MAX_ORDER - 1)];
-    for (int axis = 0; axis < 2; axis++) {
-        memset(sum[axis], 0, sizeof sum[axis]);
-        float *value = scratch->wall + axis * 3 * N;
-        rsh_accumulate(N, trigs, trig, value, value + N, value + 2 * N, sum[axis]);
-    }
-    for (int c = 0; c < 3; c++)
-        for (int i = 0; i < n; i++)
-            for (int m = -i; m <= i; m++) {
-                int index = i * (i + 1) + m, t = c * trigs + m + n - 1;
-                dx[c * n2 + index] += row[index] * sum[0][t];
-                dy[c * n2 + index] += row[index] * sum[1][t];
-            }
-}
-
-static void put_wall(float *wall, int N, int k, rgb value, float x, float y) {
-    wall[0 * N + k] = value.r * x;
-    wall[1 * N + k] = value.g * x;
-    wall[2 * N + k] = value.b * x;
-    wall[3 * N + k] = value.r * y;
-    wall[4 * N + k] = value.g * y;
-    wall[5 * N + k] = value.b * y;
-}
-
-static void radiance_gradients(const struct gather_layout *l, struct gather_scratch *scratch,
-                               float *dx, float *dy) {
-    const int N = l->N, n2 = l->order * l->order;
-    const struct gather_ray *cell = scratch->rays;
-    memset(dx, 0, sizeof *dx * 3 * (size_t)n2);
-    memset(dy, 0, sizeof *dy * 3 * (size_t)n2);
-    for (int j = 0; j < l->M; j++) {
-        const struct gather_ray *here = cell + (size_t)j * (size_t)N;
-        if (j > 0) {
-            for (int k = 0; k < N; k++)
-                put_wall(scratch->wall, N, k, wall_change(here + k, here + k - N), l->cos_k[k],
-                         l->sin_k[k]);
-            radiance_row(l, scratch, l->trig_u, l->row_u + j * n2, dx, dy);
-        }
-        for (int k = 0; k < N; k++)
-            put_wall(scratch->wall, N, k, wall_change(here + k, here + (k ? k - 1 : N - 1)),
-                     -l->sin_w[k], l->cos_w[k]);
-        radiance_row(l, scratch, l->trig_v, l->row_v + j * n2, dx, dy);
-    }
+static void radiance_gradients(const struct gather_cells *cells, satin_gradients kind, float *dx,
+                               float *dy) {
+    if (kind == SATIN_GRADIENTS_SOLID_ANGLE || kind == SATIN_GRADIENTS_DIFFERENCES)
+        gather_solid_angle_radiance(cells, kind == SATIN_GRADIENTS_DIFFERENCES, dx, dy);
+    else
+        gather_stratified_radiance(cells, dx, dy);
 }
 
 void gather_hemisphere_radiance(const struct gather *g, const struct gather_layout *layout,
@@ -157,5 +110,6 @@ void gather_hemisphere_radiance(const struct gather *g, const struct gather_layo
                 out->lambda);
     distances(scratch, count, &out->R, &out->r_min);
     out->rays = (uint32_t)count;
-    if (out->dx) radiance_gradients(layout, scratch, out->dx, out->dy);
+    const struct gather_cells cells = {layout, &site->frame, scratch};
+    if (out->dx) radiance_gradients(&cells, g->options->radiance_gradients, out->dx, out->dy);
 }

@@ -29,6 +29,7 @@ static void irradiance_rows(struct gather_layout *l) {
         double lo = wall_angle(l, j), hi = wall_angle(l, j + 1);
         l->wall_u[j] = (float)(step * cos(lo) * cos(lo) * sin(lo));
         l->wall_v[j] = (float)(sin(hi) - sin(lo));
+        l->wall_h[j] = (float)((hi - lo) * cos(0.5 * (lo + hi)));
         l->turn[j] = (float)(step * ((hi - lo) / 2.0 - (sin(2.0 * hi) - sin(2.0 * lo)) / 4.0));
     }
 }
@@ -87,14 +88,14 @@ struct gather_layout *gather_layout_new(int rays, satin_basis basis, int order) 
     l->trig_count = order ? 2 * order - 1 : 0;
     size_t M = (size_t)l->M, N = (size_t)l->N, n2 = (size_t)(order * order);
     size_t trig = N * (size_t)l->trig_count;
-    float *block = array_new(4 * N + 3 * M + 2 * trig + 2 * M * n2, sizeof *block);
+    float *block = array_new(4 * N + 4 * M + 2 * trig + 2 * M * n2, sizeof *block);
     if (!block) {
         free(l);
         return NULL;
     }
-    float **part[] = {&l->cos_k, &l->sin_k,  &l->cos_w,  &l->sin_w, &l->wall_u, &l->wall_v,
-                      &l->turn,  &l->trig_u, &l->trig_v, &l->row_u, &l->row_v};
-    size_t size[] = {N, N, N, N, M, M, M, trig, trig, M * n2, M * n2};
+    float **part[] = {&l->cos_k,  &l->sin_k, &l->cos_w,  &l->sin_w,  &l->wall_u, &l->wall_v,
+                      &l->wall_h, &l->turn,  &l->trig_u, &l->trig_v, &l->row_u,  &l->row_v};
+    size_t size[] = {N, N, N, N, M, M, M, M, trig, trig, M * n2, M * n2};
     for (size_t i = 0; i < sizeof part / sizeof *part; i++) {
         *part[i] = block;
         block += size[i];

@@ -14,6 +14,7 @@ struct gather_layout {
     // Irradiance, per row j [Ward and Heckbert 1992; errata: weights at the fixed walls].
     float *wall_u;  // M: d phi cos^2(theta_j-) sin(theta_j-), 0 for j = 0
     float *wall_v;  // M: sin(theta_j+) - sin(theta_j-)
+    float *wall_h;  // M: the same by [K05 4.3.2]: (theta_j+ - theta_j-) cos(their mean)
     float *turn;    // M: integral of sin^2(theta) over the cell
     // Radiance [K05 4.3.1, at the walls]: H(theta, phi) = P(theta) trig(phi), so the sums over k
     // are done first, once per trigonometric function.

@@ -12,7 +12,7 @@ static rgb emitted(const struct gather *g, const struct ray *ray, const struct s
 }
 
 rgb gather_path(const struct gather *g, struct ray ray, int depth, bool emission,
-                struct sampler *sampler, float *distance) {
+                struct sampler *sampler, struct gather_first *first) {
     const struct satin_scene *scene = g->scene;
     const int max_depth = g->options->max_depth;
     const struct gather_mis both = {{{BRDF_SMOOTH, 1.0f}}};
@@ -21,11 +21,10 @@ rgb gather_path(const struct gather *g, struct ray ray, int depth, bool emission
     float eta = 1.0f,
           pdf_w = 0.0f;  // density of the BRDF sample that made the ray; 0: delta or eye
     struct gather_point from = {0};
-    *distance = -1.0f;
     for (;;) {
         struct surfel s;
         bool hit = scene_intersect(scene, &ray, &s);
-        if (*distance < 0.0f) *distance = hit ? s.t : INFINITY;
+        if (first) *first = hit ? (struct gather_first){s.t, s.ng} : GATHER_NOTHING;
         if (emission && (hit ? s.light >= 0 : scene->environment >= 0)) {
             rgb Le = emitted(g, &ray, hit ? &s : NULL);
             float weight = 1.0f;
@@ -37,6 +36,8 @@ rgb gather_path(const struct gather *g, struct ray ray, int depth, bool emission
         if (!hit || (max_depth >= 0 && depth + 1 >= max_depth)) break;
 
         gather_point_make(scene, &s, ray.d, &from);
+        if (first && !(from.lobes & BRDF_SMOOTH)) first->ng = GATHER_NOTHING.ng;
+        first = NULL;
         if (!from.lobes) break;
         L = rgb_fma(L, T, gather_direct(g, &from, both, 1, *sampler));
         sampler->dimension += 2;

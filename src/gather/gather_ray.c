@@ -81,22 +81,24 @@ static float stop_probability(const struct gather_point *p) {
 }
 
 // Follows a ray through ideal specular surfaces to one with a smooth lobe. False if it meets none.
-// *first gets the distance to the first hit; T is multiplied; emitters may be NULL.
+// T is multiplied; emitters may be NULL.
 static bool trace_to_smooth(const struct gather *g, struct ray ray, struct sampler *sampler, rgb *T,
-                            float *first, struct emitters *emitters, struct gather_point *out) {
-    *first = INFINITY;
+                            struct gather_first *first, struct emitters *emitters,
+                            struct gather_point *out) {
+    *first = GATHER_NOTHING;
     for (int i = 0; i < DELTA_MAX; i++) {
         struct surfel s;
         bool hit = scene_intersect(g->scene, &ray, &s);
         if (emitters) meet(g, &ray, hit ? &s : NULL, *T, i == 0, emitters);
         if (!hit) return false;
-        if (i == 0) *first = s.t;
+        if (i == 0) *first = (struct gather_first){s.t, s.ng};
         gather_point_make(g->scene, &s, ray.d, out);
         float stop = stop_probability(out), u = stop < 1.0f ? sampler_1d(sampler) : 0.0f;
         if (u < stop) {
             *T = rgb_scale(*T, 1.0f / stop);
             return true;
         }
+        first->ng = GATHER_NOTHING.ng;
         struct brdf_sample next;
         float rest = stop > 0.0f ? (u - stop) / (1.0f - stop) : u;
         if (!out->lobes ||
@@ -181,7 +183,7 @@ static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned
     struct gather_point z;
     struct emitters e = {0};
     rgb T = rgb_scale(next.weight, 1.0f / survive), start = T;
-    float first;
+    struct gather_first first;
     bool found = trace_to_smooth(g, ray, sampler, &T, &first, &e, &z);
     if (e.light_pdf > 0.0f)
         L = rgb_scale(rgb_mul(start, e.Le), mis_power(survive * next.pdf_w, e.light_pdf));
@@ -238,14 +240,14 @@ static void trace_chunk(const struct gather *g, struct gather_scratch *scratch,
         hit->T = rgb_grey(1.0f);
         hit->ray = (uint32_t)i;
         if (first_pass != SATIN_FIRST_PATH || ray->sees_lights)
-            found = trace_to_smooth(g, ray->ray, &hit->sampler, &hit->T, &ray->r,
+            found = trace_to_smooth(g, ray->ray, &hit->sampler, &hit->T, &ray->first,
                                     ray->sees_lights ? &e : NULL, &hit->point);
         ray->Le = e.Le;
         ray->light_pdf = e.light_pdf;
         ray->Le_specular = e.Le_specular;
         ray->L = rgb_grey(0.0f);
         if (first_pass == SATIN_FIRST_PATH)
-            ray->L = gather_path(g, ray->ray, 1, false, &start, &ray->r);
+            ray->L = gather_path(g, ray->ray, 1, false, &start, &ray->first);
         else if (found && first_pass == SATIN_FIRST_NONE)
             ray->L = rgb_mul(hit->T, gather_direct(g, &hit->point, lights_alone, 1, hit->sampler));
         else if (found)

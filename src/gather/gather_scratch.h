@@ -20,7 +20,7 @@ struct gather_scratch {
     struct gather_ray *rays;  // capacity
     float *x, *y, *z;         // capacity: local directions
     float *r, *g, *b;         // capacity: weighted radiance
-    float *wall;              // 6 * capacity: differences across one row's walls
+    float *wall;              // 6 * capacity: of gradients
     struct gather_hit hit[GATHER_CHUNK];
     vec3 p[GATHER_CHUNK], n[GATHER_CHUNK];
     rgb E[GATHER_CHUNK];

@@ -66,8 +66,11 @@ const struct option options_table[] = {
 
     {"irradiance-cache", OPTION_BOOL, AT(irradiance_cache), false, "off|on",
      "Interpolate diffuse indirect light between records; off: gather at every sample."},
-    {"irradiance-gradients", OPTION_BOOL, AT(irradiance_gradients), false, "off|on",
-     "Interpolate irradiance records with their gradients."},
+    {"irradiance-gradients", OPTION_CHOICE, AT(irradiance_gradients), false,
+     "none|stratified|solid-angle|differences|ward-heckbert",
+     "How irradiance records are interpolated between: without gradients, by what crosses the "
+     "walls of strata, by how what was hit turns and comes nearer, the latter by finite "
+     "differences, or by strata as Ward and Heckbert weigh them."},
     {"irradiance-rays", OPTION_INT, AT(irradiance_rays), true, "4..1048576",
      "Gather rays per irradiance record; a time limit of more than .025 ms per pixel raises them."},
     {"irradiance-a", OPTION_FLOAT, AT(irradiance_a), true, "0.01..2",
@@ -79,8 +82,9 @@ const struct option options_table[] = {
 
     {"radiance-cache", OPTION_BOOL, AT(radiance_cache), false, "off|on",
      "Interpolate glossy indirect light between records; off: gather at every sample."},
-    {"radiance-gradients", OPTION_BOOL, AT(radiance_gradients), false, "off|on",
-     "Interpolate radiance records with their gradients."},
+    {"radiance-gradients", OPTION_CHOICE, AT(radiance_gradients), false,
+     "none|stratified|solid-angle|differences",
+     "The same for radiance records; stratified ones know of changes in occlusion."},
     {"radiance-diffuse", OPTION_BOOL, AT(radiance_diffuse), false, "off|on",
      "Diffuse surfaces use radiance records too, in place of irradiance records; for comparison."},
     {"radiance-basis", OPTION_CHOICE, AT(radiance_basis), false, "hsh|sh",

@@ -72,10 +72,11 @@ static void photons_seen(struct shade_job *job) {
 static void path_sample(const struct shade *shade, int x, int y, uint32_t index,
                         struct shade_sample *out) {
     struct sampler sampler = shade_eye_sampler(shade->g, x, y, index, RNG_PATH);
-    float spread, distance;
+    float spread;
+    struct gather_first first;
     struct ray ray = shade_eye_ray(shade, x, y, &sampler, &spread);
     bool seen = shade->g->options->hide_emitters <= 0;
-    out->beauty = gather_path(shade->g, ray, 0, seen, &sampler, &distance);
+    out->beauty = gather_path(shade->g, ray, 0, seen, &sampler, &first);
 }
 
 void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, int y,

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to gather/: translational gradients of what a stratified hemisphere of rays found, from
+// the same rays. In local coordinates; z is 0.
+#ifndef GATHER_GRADIENTS_H
+#define GATHER_GRADIENTS_H
+
+#include "gather/gather_layout.h"
+#include "gather/gather_scratch.h"
+
+// A hemisphere that was gathered: cell (j, k) is ray j * N + k of the scratch.
+struct gather_cells {
+    const struct gather_layout *layout;
+    const struct frame *frame;
+    struct gather_scratch *scratch;  // rays; x, y, z: local directions; r, g, b: their radiance
+                                     // times their solid angle, for harmonics only
+};
+
+// Stratification-based [K05 4.3; Ward and Heckbert 1992]: what crosses the walls between cells.
+// `weight_v` is layout->wall_v or wall_h. Adds to `grad`, one vector per channel.
+void gather_stratified_irradiance(const struct gather_cells *cells, const float *weight_v,
+                                  vec3 grad[3]);
+// dx and dy, [3 * order^2], are overwritten.
+void gather_stratified_radiance(const struct gather_cells *cells, float *dx, float *dy);
+
+// Solid-angle-based [K05 4.2]: how what each ray hit turns, comes nearer and looks larger. By
+// differentiation, or by finite differences.
+void gather_solid_angle_irradiance(const struct gather_cells *cells, bool differences,
+                                   vec3 grad[3]);
+void gather_solid_angle_radiance(const struct gather_cells *cells, bool differences, float *dx,
+                                 float *dy);
+
+#endif

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stratification-based gradients [K05 4.3]: when the centre moves, the walls between cells sweep
+// over what is seen, at a rate that the nearer side decides; so changes of occlusion count. Sample
+// directions are jittered per cell; the weights are taken at the cells' fixed walls, which is what
+// makes the gradients converge (docs/equations.md, erratum 1).
+#include <string.h>
+
+#include "gather/gather_gradients.h"
+#include "rsh/rsh.h"
+
+// (L_jk - L_neighbour) / min(r_jk, r_neighbour): how fast the wall between two cells carries light
+// across.
+static rgb wall_change(const struct gather_ray *a, const struct gather_ray *b) {
+    float r = fminf(a->first.r, b->first.r);
+    return isfinite(r) && r > 0.0f ? rgb_scale(rgb_sub(a->L, b->L), 1.0f / r) : rgb_grey(0.0f);
+}
+
+static void add_gradient(vec3 grad[3], rgb value, vec3 direction) {
+    grad[0] = v3_mad(grad[0], value.r, direction);
+    grad[1] = v3_mad(grad[1], value.g, direction);
+    grad[2] = v3_mad(grad[2], value.b, direction);
+}
+
+void gather_stratified_irradiance(const struct gather_cells *cells, const float *weight_v,
+                                  vec3 grad[3]) {
+    const struct gather_layout *l = cells->layout;
+    for (int k = 0; k < l->N; k++) {
+        const int before = k ? k - 1 : l->N - 1;
+        rgb along_u = rgb_grey(0.0f), along_v = rgb_grey(0.0f);
+        for (int j = 0; j < l->M; j++) {
+            const struct gather_ray *row = cells->scratch->rays + (size_t)j * (size_t)l->N;
+            if (j > 0)
+                along_u = rgb_mad(along_u, wall_change(&row[k], &row[k] - l->N), l->wall_u[j]);
+            along_v = rgb_mad(along_v, wall_change(&row[k], &row[before]), weight_v[j]);
+        }
+        add_gradient(grad, along_u, v3(l->cos_k[k], l->sin_k[k], 0.0f));
+        add_gradient(grad, along_v, v3(-l->sin_w[k], l->cos_w[k], 0.0f));
+    }
+}
+
+// Adds to gradient vectors dx, dy the change through one kind of wall in row j: sums over k by
+// trigonometric function first, then times the row's theta parts.
+static void add_row(const struct gather_layout *l, const float *wall, const float *trig,
+                    const float *row, float *dx, float *dy) {
+    const int n = l->order, n2 = n * n, trigs = l->trig_count, N = l->N;
+    float sum[2][3 * (2 * RSH_MAX_ORDER - 1)];
+    for (int axis = 0; axis < 2; axis++) {
+        memset(sum[axis], 0, sizeof sum[axis]);
+        const float *value = wall + axis * 3 * N;
+        rsh_accumulate((size_t)N, (size_t)trigs, trig, value, value + N, value + 2 * N, sum[axis]);
+    }
+    for (int c = 0; c < 3; c++)
+        for (int i = 0; i < n; i++)
+            for (int m = -i; m <= i; m++) {
+                int index = i * (i + 1) + m, t = c * trigs + m + n - 1;
+                dx[c * n2 + index] += row[index] * sum[0][t];
+                dy[c * n2 + index] += row[index] * sum[1][t];
+            }
+}
+
+static void put_wall(float *wall, int N, int k, rgb value, float x, float y) {
+    wall[0 * N + k] = value.r * x;
+    wall[1 * N + k] = value.g * x;
+    wall[2 * N + k] = value.b * x;
+    wall[3 * N + k] = value.r * y;
+    wall[4 * N + k] = value.g * y;
+    wall[5 * N + k] = value.b * y;
+}
+
+void gather_stratified_radiance(const struct gather_cells *cells, float *dx, float *dy) {
+    const struct gather_layout *l = cells->layout;
+    const int N = l->N, n2 = l->order * l->order;
+    float *wall = cells->scratch->wall;
+    memset(dx, 0, sizeof *dx * 3 * (size_t)n2);
+    memset(dy, 0, sizeof *dy * 3 * (size_t)n2);
+    for (int j = 0; j < l->M; j++) {
+        const struct gather_ray *row = cells->scratch->rays + (size_t)j * (size_t)N;
+        if (j > 0) {
+            for (int k = 0; k < N; k++)
+                put_wall(wall, N, k, wall_change(row + k, row + k - N), l->cos_k[k], l->sin_k[k]);
+            add_row(l, wall, l->trig_u, l->row_u + j * n2, dx, dy);
+        }
+        for (int k = 0; k < N; k++)
+            put_wall(wall, N, k, wall_change(row + k, row + (k ? k - 1 : N - 1)), -l->sin_w[k],
+                     l->cos_w[k]);
+        add_row(l, wall, l->trig_v, l->row_v + j * n2, dx, dy);
+    }
+}
