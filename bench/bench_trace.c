@@ -36,7 +36,7 @@ static void make_mesh(struct mesh *mesh) {
             memcpy(index + count, quad, sizeof quad);
             count += 6;
         }
-    *mesh = (struct mesh){ROWS * COLUMNS, count / 3, position, normal, NULL, index};
+    *mesh = (struct mesh){ROWS * COLUMNS, count / 3, position, normal, NULL, index, NULL, 0};
 }
 
 static RTCScene make_bare(RTCDevice device, const struct mesh *mesh) {

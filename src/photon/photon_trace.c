@@ -41,7 +41,8 @@ struct run {
 // Where a mask lets photons pass, those that stop stand for all that would come to whole surface.
 static bool keep_hit(const struct satin_scene *scene, struct chunk *chunk, const struct surfel *s,
                      vec3 wi, rgb power) {
-    float opacity = material_opacity(&scene->material[s->material], s->uv);
+    struct texture_place at = surfel_texture_place(scene, s);
+    float opacity = material_opacity(&scene->material[s->material], &at);
     if (opacity < 1.0f) power = rgb_scale(power, 1.0f / fmaxf(opacity, 0.05f));
     size_t n = chunk->count + 1;
     void *items = chunk->hit;

@@ -20,7 +20,7 @@
 // ---- Textures ---------------------------------------------------------------------------------
 
 enum texture_wrap { TEXTURE_REPEAT = 0, TEXTURE_MIRROR, TEXTURE_CLAMP };
-enum texture_kind { TEXTURE_CONSTANT = 0, TEXTURE_BITMAP, TEXTURE_CHECKERBOARD };
+enum texture_kind { TEXTURE_CONSTANT = 0, TEXTURE_BITMAP, TEXTURE_CHECKERBOARD, TEXTURE_ATTRIBUTE };
 
 // Linear texels; `channels` 1 or 3. Owned by the scene's arena.
 struct image {
@@ -35,14 +35,26 @@ struct texture {
     float to_uv[6];      // uv' = (a b c; d e f) (u v 1)
     const struct image *image;
     enum texture_wrap wrap;
-    bool nearest;  // filter_type nearest; else bilinear
-    rgb mean;      // average colour, for photon roulette and the like
+    bool nearest;           // filter_type nearest; else bilinear
+    const char *attribute;  // name of a mesh attribute, the same pointer for the same name
+    float scale;            // of the attribute
+    rgb mean;               // average colour, for photon roulette and the like
 };
 
-rgb texture_eval(const struct texture *texture, vec2 uv);
+// Where a texture is looked up: a place on a surface.
+struct mesh;
+struct texture_place {
+    vec2 uv;
+    const struct mesh *mesh;  // whose attributes there are; NULL: none
+    uint32_t prim;
+    vec2 bary;  // weights of the triangle's second and third corner
+};
+static inline struct texture_place texture_at(vec2 uv) { return (struct texture_place){.uv = uv}; }
+
+rgb texture_eval(const struct texture *texture, const struct texture_place *at);
 // A texture that gives a number: its luminance. A checkerboard then begins with color1, as in
 // Mitsuba 3.9, which exchanges its colours where it asks for a number.
-float texture_number(const struct texture *texture, vec2 uv);
+float texture_number(const struct texture *texture, const struct texture_place *at);
 // The least and the largest number that it gives; false if that is not known.
 bool texture_range(const struct texture *texture, float *lo, float *hi);
 // The gradient of its luminance by u and v; of a bitmap with bilinear filter, else 0.
@@ -92,8 +104,8 @@ struct material {
     bool tangent;    // frames follow dp/du
 };
 
-// The share of rays that are stopped at uv, in [0, 1] (scene_opacity.c).
-float material_opacity(const struct material *m, vec2 uv);
+// The share of rays that are stopped there, in [0, 1] (scene_opacity.c).
+float material_opacity(const struct material *m, const struct texture_place *at);
 // Calls fn for every side of m that is no blend; those of the back if it is two-sided.
 void material_visit(const struct material *m,
                     void (*fn)(void *ctx, const struct material_side *side), void *ctx);
@@ -120,12 +132,23 @@ struct curves {
     bool linear;            // straight segments; else cubic B-splines
 };
 
+// Numbers or colours at the vertices of a mesh, interpolated between them, or one for each
+// triangle.
+struct mesh_attribute {
+    const char *name;  // as textures have it
+    bool per_triangle;
+    int channels;  // 1 or 3
+    const float *value;
+};
+
 struct mesh {
     uint32_t vertex_count, triangle_count;
     const float *position;  // 3 per vertex, world space, 1 float of padding after the last
     const float *normal;    // 3 per vertex, unit, world space; NULL: face normals
     const float *uv;        // 2 per vertex; NULL: barycentric
     const uint32_t *index;  // 3 per triangle
+    const struct mesh_attribute *attribute;  // those that textures ask for
+    int attribute_count;
 };
 
 struct shape {
@@ -274,6 +297,7 @@ struct surfel {
     vec3 ng;             // geometric normal, unit; the front side, with flip_normals applied
     struct frame frame;  // shading frame; n on the side of ng
     vec2 uv;
+    vec2 bary;          // triangles: weights of the second and third corner
     vec3 dp_du, dp_dv;  // only if the material's frames follow dp/du
     float t;
     uint32_t shape, prim, material;
@@ -301,6 +325,13 @@ struct ray scene_spawn(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d)
 // The same towards the point q; it ends just before q. Normal nq of the surface at q, or zero if q
 // is free.
 struct ray scene_spawn_to(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 q, vec3 nq);
+
+// Where textures are looked up at s.
+static inline struct texture_place surfel_texture_place(const struct satin_scene *scene,
+                                                        const struct surfel *s) {
+    const struct mesh *mesh = &scene->shape[s->shape].mesh;
+    return (struct texture_place){s->uv, mesh->attribute_count ? mesh : NULL, s->prim, s->bary};
+}
 
 // ---- Shading (scene_material.c) ---------------------------------------------------------------
 

@@ -24,6 +24,13 @@ struct scene_source {
     uint64_t *hash;  // continued over the file's bytes
 };
 
+// Names of attributes that a mesh is asked for.
+enum { ATTRIBUTES_MAX = 8 };
+struct attribute_names {
+    int count;
+    const char *name[ATTRIBUTES_MAX];
+};
+
 struct mesh_request {
     struct mat4 to_world;
     bool flip_normals;
@@ -31,6 +38,7 @@ struct mesh_request {
     float smooth_angle;    // make them anew over edges flatter than this [degrees]; 0: keep them
     bool flip_tex_coords;  // v -> 1 - v
     int shape_index;       // serialized: which mesh of the file
+    struct attribute_names attributes;  // to be kept if the file has them
 };
 
 // Reads a mesh into world space. Normals absent in the file are made smooth as Mitsuba 3 makes
@@ -60,6 +68,10 @@ float scene_shape_area(const struct shape *shape);
 // `raw`: values are taken as they are; else sRGB or untagged 8- and 16-bit data are linearised.
 satin_status scene_image_load(const struct scene_source *source, bool raw,
                               const struct image **out);
+// Undoes the encoding of sRGB.
+static inline float srgb_to_linear(float x) {
+    return x <= 0.04045f ? x / 12.92f : powf((x + 0.055f) / 1.055f, 2.4f);
+}
 // What is wrong with a PNG file that was read whole, in words; NULL: nothing, or it is no PNG.
 const char *scene_image_png_problem(const char *data, size_t size);
 

@@ -6,15 +6,12 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "scene/scene_build.h"
 #include "scene/scene_params.h"
 #include "scene/scene_spectrum.h"
 
 // Linear sRGB of light of equal energy at all wavelengths, luminance 1, as Mitsuba integrates it.
 static const rgb equal_energy = {1.204794f, 0.948291f, 0.908916f};
-
-static float srgb_decode(float x) {
-    return x <= 0.04045f ? x / 12.92f : powf((x + 0.055f) / 1.055f, 2.4f);
-}
 
 static int hex_digit(char c) {
     if (c >= '0' && c <= '9') return c - '0';
@@ -28,7 +25,7 @@ static bool read_hex(const char *text, rgb *out) {
     for (int i = 0; i < 3; i++) {
         int high = hex_digit(text[1 + 2 * i]), low = hex_digit(text[2 + 2 * i]);
         if (high < 0 || low < 0) return false;
-        c[i] = srgb_decode((float)(16 * high + low) / 255.0f);
+        c[i] = srgb_to_linear((float)(16 * high + low) / 255.0f);
     }
     *out = rgb_make(c[0], c[1], c[2]);
     return true;
@@ -46,7 +43,7 @@ static satin_status read_rgb(struct log log, const struct xml_node *node, rgb *o
     if (!param_numbers(log, node->place, text, count, d)) return SATIN_ERROR_INPUT;
     *out = count == 1 ? rgb_grey((float)d[0]) : rgb_make((float)d[0], (float)d[1], (float)d[2]);
     if (node->encoded)
-        *out = rgb_make(srgb_decode(out->r), srgb_decode(out->g), srgb_decode(out->b));
+        *out = rgb_make(srgb_to_linear(out->r), srgb_to_linear(out->g), srgb_to_linear(out->b));
     return SATIN_OK;
 }
 

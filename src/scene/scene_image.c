@@ -65,10 +65,6 @@ static const struct oiio_module *open_module(struct log log, struct log_place pl
 
 // ---- Texels -------------------------------------------------------------------------------------
 
-static float srgb_to_linear(float x) {
-    return x <= 0.04045f ? x / 12.92f : powf((x + 0.055f) / 1.055f, 2.4f);
-}
-
 static void finish_texels(const struct scene_source *source, float *texel, size_t count,
                           bool decode) {
     size_t bad = 0;

@@ -32,16 +32,16 @@ static vec3 direction_of(const struct RTCRay *ray) {
 static bool mask_stops(const struct guard *guard, const struct RTCRay *ray,
                        const struct RTCHit *hit) {
     const struct mesh *mesh = guard->mesh;
-    vec2 uv = {hit->u, hit->v};
+    struct texture_place at = {{hit->u, hit->v}, mesh, hit->primID, {hit->u, hit->v}};
     if (mesh->uv) {
         const uint32_t *index = mesh->index + (size_t)hit->primID * 3;
         const float *a = mesh->uv + (size_t)index[0] * 2, *b = mesh->uv + (size_t)index[1] * 2,
                     *c = mesh->uv + (size_t)index[2] * 2, first = 1.0f - hit->u - hit->v;
-        uv.x = first * a[0] + hit->u * b[0] + hit->v * c[0];
-        uv.y = first * a[1] + hit->u * b[1] + hit->v * c[1];
+        at.uv.x = first * a[0] + hit->u * b[0] + hit->v * c[0];
+        at.uv.y = first * a[1] + hit->u * b[1] + hit->v * c[1];
     }
-    return opacity_stops(guard->mask, uv, origin_of(ray), direction_of(ray), hit->primID,
-                         ray->id != 0);
+    struct ray same = {.o = origin_of(ray), .d = direction_of(ray)};
+    return opacity_stops(guard->mask, &at, &same, hit->primID, ray->id != 0);
 }
 
 static void mesh_any(const struct RTCFilterFunctionNArguments *args) {
@@ -88,7 +88,8 @@ static bool quadric_hit(const struct quadric *q, const struct RTCRay *ray, float
         struct surfel s;
         struct ray same = {.o = o, .d = d};
         quadric_surfel(q, &same, *t, false, &s);
-        if (opacity_stops(q->mask, s.uv, o, d, q->shape + (uint32_t)crossing, ray->id != 0))
+        struct texture_place at = texture_at(s.uv);
+        if (opacity_stops(q->mask, &at, &same, q->shape + (uint32_t)crossing, ray->id != 0))
             return true;
         near = nextafterf(*t, INFINITY);  // t was rounded
     }

@@ -146,7 +146,8 @@ float light_pdf(const struct satin_scene *scene, vec3 p, vec3 wi, const struct s
 rgb light_emitted(const struct satin_scene *scene, const struct surfel *s, vec3 w) {
     if (s->light < 0 || !(v3_dot(s->ng, w) > 0.0f)) return rgb_grey(0.0f);
     const struct light *light = &scene->light[s->light];
-    return light->texture ? texture_eval(light->texture, s->uv) : light->value;
+    struct texture_place at = surfel_texture_place(scene, s);
+    return light->texture ? texture_eval(light->texture, &at) : light->value;
 }
 
 struct ray light_shadow_ray(const struct satin_scene *scene, vec3 p, vec3 ng,

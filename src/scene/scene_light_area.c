@@ -4,7 +4,7 @@
 // triangles, spheres by the cone they fill, disks and cylinders by area. Conventions are Mitsuba
 // 3's but for one: the front is told by the geometric normal, so that what is emitted is pi L A.
 #include "base/sampling.h"
-#include "scene/scene_build.h"
+#include "scene/scene_attribute.h"
 #include "scene/scene_light.h"
 
 enum { FACES_MAX = 16 };  // a choice among faces costs about 5 ns for each
@@ -16,8 +16,8 @@ static vec3 vertex(const struct mesh *mesh, uint32_t i) {
 
 static float normal_sign(const struct shape *shape) { return shape->flip_normals ? -1.0f : 1.0f; }
 
-static rgb radiance(const struct light *light, vec2 uv) {
-    return light->texture ? texture_eval(light->texture, uv) : light->value;
+static rgb radiance(const struct light *light, struct texture_place at) {
+    return light->texture ? texture_eval(light->texture, &at) : light->value;
 }
 
 // ---- Shapes -----------------------------------------------------------------------------------
@@ -46,7 +46,8 @@ static struct light_point sphere_point(const struct light *light, const struct s
                               .n = v3_mul(outward, normal_sign(shape)),
                               .pdf_a = 1.0f / shape->area};
     vec3 o = v3_unit(mat4_vector(&shape->to_object, outward));
-    out.L = radiance(light, (vec2){unit_turn(o.y, o.x), acosf(clampf(o.z, -1, 1)) * (1 / PI_F)});
+    vec2 uv = {unit_turn(o.y, o.x), acosf(clampf(o.z, -1, 1)) * (1 / PI_F)};
+    out.L = radiance(light, texture_at(uv));
     return out;
 }
 
@@ -56,7 +57,7 @@ static struct light_point disk_point(const struct light *light, const struct sha
     vec3 n = v3_unit(mat4_normal(&shape->to_object, v3(0.0f, 0.0f, 1.0f)));
     return (struct light_point){
         mat4_point(&shape->to_world, v3(d.x, d.y, 0.0f)), v3_mul(n, normal_sign(shape)),
-        radiance(light, (vec2){sqrtf(d.x * d.x + d.y * d.y), unit_turn(d.y, d.x)}),
+        radiance(light, texture_at((vec2){sqrtf(d.x * d.x + d.y * d.y), unit_turn(d.y, d.x)})),
         1.0f / shape->area};
 }
 
@@ -65,8 +66,8 @@ static struct light_point cylinder_point(const struct light *light, const struct
     vec3 o = v3(cosf(2.0f * PI_F * u), sinf(2.0f * PI_F * u), 0.0f);
     vec3 n = v3_unit(mat4_normal(&shape->to_object, o));
     return (struct light_point){mat4_point(&shape->to_world, v3(o.x, o.y, v)),
-                                v3_mul(n, normal_sign(shape)), radiance(light, (vec2){u, v}),
-                                1.0f / shape->area};
+                                v3_mul(n, normal_sign(shape)),
+                                radiance(light, texture_at((vec2){u, v})), 1.0f / shape->area};
 }
 
 static float triangle_pdf(const struct shape *shape, uint32_t i, float normal_length) {
@@ -78,17 +79,18 @@ static struct light_point triangle_point(const struct light *light, const struct
     const struct mesh *mesh = &shape->mesh;
     uint32_t i = (uint32_t)sample_cdf(shape->area_cdf, mesh->triangle_count, u, &u);
     struct triangle t = triangle_get(shape, i);
-    vec2 b = sample_triangle(u, v), uv = b;
+    vec2 b = sample_triangle(u, v);
+    struct texture_place at = {b, mesh, i, b};
     if (mesh->uv && light->texture) {
         const uint32_t *index = mesh->index + 3 * (size_t)i;
         const float *p = mesh->uv + 2 * (size_t)index[0], *q = mesh->uv + 2 * (size_t)index[1],
                     *r = mesh->uv + 2 * (size_t)index[2];
         float b0 = 1.0f - b.x - b.y;
-        uv = (vec2){b0 * p[0] + b.x * q[0] + b.y * r[0], b0 * p[1] + b.x * q[1] + b.y * r[1]};
+        at.uv = (vec2){b0 * p[0] + b.x * q[0] + b.y * r[0], b0 * p[1] + b.x * q[1] + b.y * r[1]};
     }
     float length = v3_len(t.n);
     return (struct light_point){v3_mad(v3_mad(t.a, b.x, t.ab), b.y, t.ac),
-                                v3_mul(t.n, 1.0f / length), radiance(light, uv),
+                                v3_mul(t.n, 1.0f / length), radiance(light, at),
                                 triangle_pdf(shape, i, length)};
 }
 
@@ -100,7 +102,7 @@ static rgb face_radiance(const struct light *light, const struct mesh *mesh,
     float scale = 1.0f / v3_len2(normal);
     float s = v3_dot(v3_cross(d, face->edge_v), normal) * scale;
     float t = v3_dot(v3_cross(face->edge_u, d), normal) * scale;
-    return texture_eval(light->texture, light_face_uv(face, mesh, s, t));
+    return radiance(light, texture_at(light_face_uv(face, mesh, s, t)));
 }
 
 struct light_point light_area_point(const struct satin_scene *scene, const struct light *light,
@@ -125,7 +127,8 @@ struct light_point light_area_point(const struct satin_scene *scene, const struc
 static satin_status prepare_mesh(struct satin_scene *scene, struct light *light) {
     struct shape *shape = &scene->shape[light->shape];
     uint32_t n = shape->mesh.triangle_count, pairs = n / 2;
-    bool plain = shape->mesh.uv || !light->texture;  // else uv are each triangle's own
+    // Without coordinates a texture goes by each triangle, as one of attributes does.
+    bool plain = !light->texture || (shape->mesh.uv && light->texture->kind != TEXTURE_ATTRIBUTE);
     if (n == 2 * pairs && pairs > 0 && pairs <= FACES_MAX && plain) {
         struct light_face *face = arena_array(&scene->arena, pairs, sizeof *face);
         if (!face) return SATIN_ERROR_MEMORY;
@@ -167,7 +170,10 @@ satin_status light_area_prepare(struct satin_scene *scene, struct light *light) 
         light->center = mat4_point(&shape->to_world, v3(0.0f, 0.0f, middle));
         if (shape->kind == SHAPE_SPHERE) light->center = shape->center;
     }
-    rgb mean = light->texture ? light->texture->mean : light->value;
+    const struct texture *texture = light->texture;
+    rgb mean = texture ? texture->mean : light->value;
+    if (texture && texture->kind == TEXTURE_ATTRIBUTE)
+        mean = rgb_scale(attribute_mean(&shape->mesh, texture->attribute), texture->scale);
     light->strength = rgb_luminance(mean) * shape->area;
     light->power = PI_F * light->strength;
     return SATIN_OK;

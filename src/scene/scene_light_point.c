@@ -22,7 +22,8 @@ void light_spot_solid_angles(const struct light *light, float *beam, float *penu
 // ---- Slides -------------------------------------------------------------------------------------
 
 static rgb slide(const struct light *light, vec2 uv) {
-    return light->texture ? rgb_mul(light->value, texture_eval(light->texture, uv)) : light->value;
+    struct texture_place at = texture_at(uv);
+    return light->texture ? rgb_mul(light->value, texture_eval(light->texture, &at)) : light->value;
 }
 
 // A spot's texture covers the square around its cone.

@@ -150,6 +150,7 @@ satin_status satin_scene_load(const char *path, const satin_define *defines, siz
     free(loader.light);
     free(loader.image);
     free(loader.group);
+    free(loader.attribute);
     if (status == SATIN_OK)
         *scene = loader.scene;
     else

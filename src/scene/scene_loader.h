@@ -24,13 +24,16 @@ struct scene_loader {
     struct light *light;
     struct loaded_image *image;
     struct shape_group *group;
-    size_t shape_count, material_count, light_count, image_count, group_count;
-    size_t shape_capacity, material_capacity, light_capacity, image_capacity, group_capacity;
+    const char **attribute;  // names that textures ask for, each once
+    size_t shape_count, material_count, light_count, image_count, group_count, attribute_count;
+    size_t shape_capacity, material_capacity, light_capacity, image_capacity, group_capacity,
+        attribute_capacity;
     size_t shape_elements;  // looked at, counting references
     uint32_t open_group;    // 1 + index of the <shape type="shapegroup"> that is being read, or 0
     int shape_depth;        // of shapes within shapes
     uint32_t plain[2];      // 1 + index of the materials of shapes without one: [emits]
     int bsdf_depth;         // of nested <bsdf>s being built
+    struct attribute_names wanted;  // by the textures of the shape that is being built
 };
 
 // Logs lack of memory and returns its status.

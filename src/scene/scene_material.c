@@ -48,26 +48,28 @@ static const struct material_side *side_seen(const struct satin_scene *scene,
 }
 
 // The weight of part[1].
-static float blend_weight(const struct material_side *side, const struct surfel *s) {
+static float blend_weight(const struct satin_scene *scene, const struct material_side *side,
+                          const struct surfel *s) {
     if (!side->blend) return side->weight;
-    return clampf(texture_number(side->blend, s->uv), 0.0f, 1.0f);
+    struct texture_place at = surfel_texture_place(scene, s);
+    return clampf(texture_number(side->blend, &at), 0.0f, 1.0f);
 }
 
-static int list_parts(const struct material_side *side, const struct surfel *s, float weight,
-                      struct scene_part *out, int count) {
+static int list_parts(const struct satin_scene *scene, const struct material_side *side,
+                      const struct surfel *s, float weight, struct scene_part *out, int count) {
     if (!(weight > 0.0f) || count == MATERIAL_PARTS_MAX) return count;
     if (!side->part[0]) {
         out[count] = (struct scene_part){side, weight};
         return count + 1;
     }
-    float second = blend_weight(side, s);
-    count = list_parts(side->part[0], s, weight * (1.0f - second), out, count);
-    return list_parts(side->part[1], s, weight * second, out, count);
+    float second = blend_weight(scene, side, s);
+    count = list_parts(scene, side->part[0], s, weight * (1.0f - second), out, count);
+    return list_parts(scene, side->part[1], s, weight * second, out, count);
 }
 
 int scene_parts(const struct satin_scene *scene, const struct surfel *s, vec3 wo,
                 struct scene_part out[MATERIAL_PARTS_MAX]) {
-    return list_parts(side_seen(scene, s, wo), s, 1.0f, out, 0);
+    return list_parts(scene, side_seen(scene, s, wo), s, 1.0f, out, 0);
 }
 
 // A number in [0, 1) that depends on the point and the direction.
@@ -86,7 +88,7 @@ const struct material_side *scene_part(const struct satin_scene *scene, const st
     if (!side->part[0]) return side;
     float u = draw(s, wo);
     while (side->part[0]) {
-        float second = blend_weight(side, s);
+        float second = blend_weight(scene, side, s);
         bool take = u < second;
         u = take ? u / second : (u - second) / (1.0f - second);
         side = side->part[take];
@@ -98,14 +100,15 @@ const struct material_side *scene_part(const struct satin_scene *scene, const st
 
 // Replaces the constants of `b` that are textured. Numbers take a texture's luminance, within what
 // the models can stand.
-static void look_up(const struct material_side *side, vec2 uv, struct brdf *b) {
+static void look_up(const struct material_side *side, const struct texture_place *at,
+                    struct brdf *b) {
     const struct texture *const *slot = side->slot;
     for (enum brdf_slot i = 0; i < BRDF_SLOT_COUNT; i++) {
         if (!slot[i]) continue;
         if (i < BRDF_SLOT_NUMBERS)
-            *brdf_color(b, i) = texture_eval(slot[i], uv);
+            *brdf_color(b, i) = texture_eval(slot[i], at);
         else
-            *brdf_number(b, i) = clampf(texture_number(slot[i], uv), 0.0f, 1e6f);
+            *brdf_number(b, i) = clampf(texture_number(slot[i], at), 0.0f, 1e6f);
     }
 }
 
@@ -122,9 +125,11 @@ struct frame scene_part_frame(const struct satin_scene *scene, const struct mate
 }
 
 // The normal of the relief in the surfel's frame, any length.
-static vec3 relief_normal(const struct material_relief *relief, const struct surfel *s) {
+static vec3 relief_normal(const struct satin_scene *scene, const struct material_relief *relief,
+                          const struct surfel *s) {
     if (relief->normal) {
-        rgb c = texture_eval(relief->normal, s->uv);
+        struct texture_place at = surfel_texture_place(scene, s);
+        rgb c = texture_eval(relief->normal, &at);
         return v3(2.0f * c.r - 1.0f, 2.0f * c.g - 1.0f, 2.0f * c.b - 1.0f);
     }
     vec2 slope = texture_gradient(relief->bump, s->uv);
@@ -135,10 +140,10 @@ static vec3 relief_normal(const struct material_relief *relief, const struct sur
     return frame_to_local(&s->frame, v3_dot(n, s->ng) < 0.0f ? v3_neg(n) : n);
 }
 
-// Turns `frame` by the relief for a view from wo, and tells the BRDF.
-static void apply_relief(const struct material_relief *relief, const struct surfel *s, vec3 wo,
-                         bool flipped, struct frame *frame, struct brdf *b) {
-    vec3 n = relief_normal(relief, s), w = frame_to_local(frame, wo);
+// Turns `frame` by a relief whose normal is n for a view from wo, and tells the BRDF.
+static void apply_relief(const struct material_relief *relief, vec3 n, vec3 wo, bool flipped,
+                         struct frame *frame, struct brdf *b) {
+    vec3 w = frame_to_local(frame, wo);
     // frame_flip keeps u and turns v.
     if (flipped) n = relief->outside ? v3(-n.x, n.y, n.z) : v3(n.x, -n.y, n.z);
     if (relief->upright && w.z * v3_dot(w, n) <= 0.0f) n = v3(-n.x, -n.y, n.z);
@@ -158,10 +163,12 @@ bool scene_part_brdf(const struct satin_scene *scene, const struct material_side
     const bool flipped = is_flipped(scene, side, s, wo);
     if (is_behind(s, wo) && !flipped && !brdf_transmits(&side->base)) return false;
     *brdf = side->base;
-    look_up(side, s->uv, brdf);
+    struct texture_place at = surfel_texture_place(scene, s);
+    look_up(side, &at, brdf);
     *frame = flipped ? frame_flip(s->frame) : s->frame;
     if (side->relief.bump || side->relief.normal)
-        apply_relief(&side->relief, s, wo, flipped, frame, brdf);
+        apply_relief(&side->relief, relief_normal(scene, &side->relief, s), wo, flipped, frame,
+                     brdf);
     return brdf_lobes(brdf) != 0;
 }
 

@@ -193,6 +193,8 @@ satin_status mesh_finish(const struct scene_source *source, const struct mesh_re
                          .position = parts->position,
                          .normal = parts->normal,
                          .uv = parts->uv,
-                         .index = parts->index};
+                         .index = parts->index,
+                         .attribute = parts->attribute,
+                         .attribute_count = parts->attribute_count};
     return SATIN_OK;
 }

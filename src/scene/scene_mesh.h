@@ -12,6 +12,8 @@ struct mesh_parts {
     float *normal;    // 3 per vertex, any length, zero where the file has none; or NULL
     float *uv;        // 2 per vertex or NULL
     uint32_t *index;  // 3 per triangle
+    struct mesh_attribute *attribute;
+    int attribute_count;
 };
 
 // An error that concerns the whole file, or `line` of a text file (0: unknown). SATIN_ERROR_INPUT.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // PLY, text and binary of both byte orders: positions, normals (nx ny nz) and texture coordinates
-// (u v or s t) of the element `vertex`, and the polygons of the element `face`, which become fans.
-// Other elements and properties are passed over. The header's own reader has checked the counts
-// against the size of the file, so memory stays in proportion to it.
+// (u v or s t) of the element `vertex`, the polygons of the element `face`, which become fans, and
+// attributes of both. Other elements and properties are passed over. The header's own reader has
+// checked the counts against the size of the file, so memory stays in proportion to it.
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,6 +17,7 @@ struct ply {
     uint32_t *index;  // in the arena while it holds only triangles; then from malloc
     size_t index_count, index_capacity;
     bool grown;
+    struct ply_attributes attributes;
 };
 
 static int line_of(const struct ply *ply) { return ply->header.text ? ply->text.line : 0; }
@@ -80,8 +81,15 @@ static bool read_length(struct ply *ply, const struct ply_property *property, ui
     return (double)*out == length;
 }
 
-static bool skip_property(struct ply *ply, const struct ply_property *property) {
+// Passes a property over, but for an attribute's.
+static bool read_other(struct ply *ply, const struct ply_property *property) {
     double number;
+    if (property->target) {
+        float *value = &ply->attributes.read[property->target - 1];
+        if (!read_number(ply, property->type, &number)) return false;
+        *value = ply_attribute_decode(property->type, number);
+        return isfinite(*value);
+    }
     if (!property->count_type) return read_number(ply, property->type, &number);
     uint64_t length;
     if (!read_length(ply, property, &length)) return false;
@@ -104,7 +112,7 @@ static satin_status read_vertex(struct ply *ply, const struct ply_element *eleme
         const struct ply_property *property = &ply->header.property[k];
         double number;
         if (property->role == PLY_OTHER) {
-            if (!skip_property(ply, property)) return fail_at(ply, element, i, cut_short);
+            if (!read_other(ply, property)) return fail_at(ply, element, i, cut_short);
             continue;
         }
         if (!read_number(ply, property->type, &number)) return fail_at(ply, element, i, cut_short);
@@ -115,6 +123,7 @@ static satin_status read_vertex(struct ply *ply, const struct ply_element *eleme
     memcpy(ply->parts.position + i * 3, value + PLY_X, 3 * sizeof(float));
     if (ply->parts.normal) memcpy(ply->parts.normal + i * 3, value + PLY_NX, 3 * sizeof(float));
     if (ply->parts.uv) memcpy(ply->parts.uv + i * 2, value + PLY_U, 2 * sizeof(float));
+    ply_attributes_vertex(&ply->attributes, i);
     return SATIN_OK;
 }
 
@@ -167,11 +176,13 @@ static satin_status read_item(struct ply *ply, const struct ply_element *element
         satin_status status = SATIN_OK;
         if (property->role == PLY_CORNERS)
             status = read_corners(ply, element, i, property);
-        else if (!skip_property(ply, property))
+        else if (!read_other(ply, property))
             status = fail_at(ply, element, i, cut_short);
         if (status != SATIN_OK) return status;
     }
-    return SATIN_OK;
+    bool ok =
+        element->kind != PLY_FACES || ply_attributes_face(&ply->attributes, ply->index_count / 3);
+    return ok ? SATIN_OK : mesh_no_memory(ply->source);
 }
 
 // ---- The file -----------------------------------------------------------------------------------
@@ -213,7 +224,11 @@ satin_status scene_mesh_ply(const struct scene_source *source, const struct mesh
     if (status != SATIN_OK) return status;
     struct ply ply = {.source = source, .text = {data, data + size, 1}};
     status = ply_header_read(source, &ply.text, &ply.header);
+    if (status == SATIN_OK)
+        status = ply_attributes_find(source, &request->attributes, &ply.header, &ply.attributes);
     if (status == SATIN_OK) status = read_body(&ply);
+    if (status == SATIN_OK) status = ply_attributes_keep(source, &ply.attributes, &ply.parts);
+    ply_attributes_free(&ply.attributes);
     if (ply.grown) free(ply.index);
     free(data);
     return status == SATIN_OK ? mesh_finish(source, request, &ply.parts, out) : status;

@@ -102,11 +102,13 @@ static satin_status read_property(const struct scene_source *source, struct mesh
     if (header->property_count == PLY_PROPERTIES_MAX)
         return fail(source, text, "too many properties");
     struct ply_element *element = &header->element[header->element_count - 1];
-    struct ply_property property = {.role = PLY_OTHER};
     bool list = is(words, 1, "list");
+    int last = list ? 4 : 2;
+    struct ply_property property = {
+        .role = PLY_OTHER, .name = words->word[last], .length = words->length[last]};
     property.count_type = list ? read_type(words, 2) : PLY_NONE;
     property.type = read_type(words, list ? 3 : 1);
-    if (words->count != (list ? 5 : 3))
+    if (words->count != last + 1)
         return fail(source, text, "expected: property [list COUNT_TYPE] TYPE NAME");
     if (!property.type || (list && (!property.count_type || property.count_type >= PLY_FLOAT)))
         return fail(source, text, "unknown type of a property");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to scene_mesh_ply.c: what the header of a PLY file declares.
+// Private to scene_mesh_ply.c: what the header of a PLY file declares, and attributes.
 #ifndef SCENE_MESH_PLY_HEADER_H
 #define SCENE_MESH_PLY_HEADER_H
 
@@ -39,6 +39,9 @@ struct ply_property {
     enum ply_type type;
     enum ply_type count_type;  // of a list's length; PLY_NONE: a scalar
     enum ply_role role;
+    const char *name;  // in the file
+    size_t length;
+    int target;  // 1 + index in ply_attributes.read; 0: none
 };
 
 enum ply_kind { PLY_VERTICES = 0, PLY_FACES, PLY_SKIPPED };
@@ -65,5 +68,35 @@ size_t ply_type_size(enum ply_type type);
 // of the file.
 satin_status ply_header_read(const struct scene_source *source, struct mesh_text *text,
                              struct ply_header *out);
+
+// Properties that make an attribute of the mesh (scene_mesh_ply_attribute.c).
+struct ply_attribute {
+    const char *name;
+    bool per_face;
+    int channels, property[3];
+    float *value;  // of vertices: in the arena; of triangles: from malloc
+    size_t count, capacity;
+};
+
+struct ply_attributes {
+    int count;
+    struct ply_attribute attribute[ATTRIBUTES_MAX];
+    float read[3 * ATTRIBUTES_MAX];  // of the vertex or face that is being read
+};
+
+// Finds those that have a name in `names`, marks their properties and makes room for vertices.
+satin_status ply_attributes_find(const struct scene_source *source,
+                                 const struct attribute_names *names, struct ply_header *header,
+                                 struct ply_attributes *out);
+// The value that a number in the file stands for.
+float ply_attribute_decode(enum ply_type type, double number);
+// Stores what was read for a vertex; and for a face, after which there are so many triangles: false
+// without memory.
+void ply_attributes_vertex(struct ply_attributes *attributes, uint64_t vertex);
+bool ply_attributes_face(struct ply_attributes *attributes, size_t triangles);
+// Moves them into the arena.
+satin_status ply_attributes_keep(const struct scene_source *source,
+                                 const struct ply_attributes *attributes, struct mesh_parts *parts);
+void ply_attributes_free(struct ply_attributes *attributes);
 
 #endif

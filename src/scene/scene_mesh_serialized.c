@@ -32,6 +32,7 @@ enum {
 
 struct packed {
     const struct scene_source *source;
+    const char *color;  // name of the attribute that colours become; NULL: they are not wanted
     z_stream stream;
     unsigned version;
 };
@@ -139,7 +140,7 @@ static satin_status read_header(struct packed *packed, struct packed_header *out
 
 // The arrays as they come out of the file, from malloc.
 struct arrays {
-    float *position, *normal, *uv;
+    float *position, *normal, *uv, *color;
     void *index;
 };
 
@@ -152,10 +153,25 @@ static satin_status read_arrays(struct packed *packed, const struct packed_heade
     if (status == SATIN_OK && header->flags & FLAG_UV)
         status = inflate_floats(packed, n * 2, size, &out->uv);
     if (status == SATIN_OK && header->flags & FLAG_COLORS)
-        status = inflate_words(packed, n * 3, size, NULL);
+        status = packed->color ? inflate_floats(packed, n * 3, size, &out->color)
+                               : inflate_words(packed, n * 3, size, NULL);
     if (status == SATIN_OK)
         status = inflate_words(packed, (size_t)header->triangles * 3, 4, &out->index);
     return status;
+}
+
+// Keeps the colours as an attribute.
+static satin_status keep_color(const struct packed *packed, const float *color,
+                               struct mesh_parts *parts) {
+    size_t n = (size_t)parts->vertex_count * 3;
+    struct mesh_attribute *kept = arena_alloc(packed->source->arena, sizeof *kept);
+    float *value = arena_array(packed->source->arena, n, sizeof *value);
+    if (!kept || !value) return mesh_no_memory(packed->source);
+    memcpy(value, color, n * sizeof *value);
+    *kept = (struct mesh_attribute){packed->color, false, 3, value};
+    parts->attribute = kept;
+    parts->attribute_count = 1;
+    return SATIN_OK;
 }
 
 static satin_status assemble(const struct packed *packed, const struct packed_header *header,
@@ -174,7 +190,7 @@ static satin_status assemble(const struct packed *packed, const struct packed_he
     if (!parts.index) return mesh_no_memory(packed->source);
     memcpy(parts.index, arrays->index, (size_t)header->triangles * 3 * sizeof(uint32_t));
     *out = parts;
-    return SATIN_OK;
+    return arrays->color ? keep_color(packed, arrays->color, out) : SATIN_OK;
 }
 
 static satin_status read_mesh(struct packed *packed, struct mesh_parts *out) {
@@ -187,6 +203,7 @@ static satin_status read_mesh(struct packed *packed, struct mesh_parts *out) {
     free(arrays.position);
     free(arrays.normal);
     free(arrays.uv);
+    free(arrays.color);
     free(arrays.index);
     return status;
 }
@@ -217,13 +234,17 @@ static unsigned version_at(const unsigned char *data, size_t size, size_t at) {
     return version == 3 || version == 4 ? version : 0;
 }
 
-static satin_status read_file(const struct scene_source *source, unsigned char *data, size_t size,
-                              int index, struct mesh_parts *out) {
+static satin_status read_file(const struct scene_source *source, const struct mesh_request *request,
+                              unsigned char *data, size_t size, struct mesh_parts *out) {
     struct packed packed = {.source = source, .version = version_at(data, size, 0)};
+    for (int i = 0; i < request->attributes.count; i++)
+        if (strcmp(request->attributes.name[i], "vertex_color") == 0)
+            packed.color = request->attributes.name[i];
     if (!packed.version)
         return mesh_error(source, 0, "it is not a serialized mesh of version 3 or 4");
     size_t start;
-    satin_status status = find_mesh(source, data, size, packed.version, index, &start);
+    satin_status status =
+        find_mesh(source, data, size, packed.version, request->shape_index, &start);
     if (status != SATIN_OK) return status;
     packed.version = version_at(data, size, start);
     if (!packed.version) return mesh_error(source, 0, "no mesh starts where its table says");
@@ -242,7 +263,7 @@ satin_status scene_mesh_serialized(const struct scene_source *source,
     satin_status status = mesh_read(source, &data, &size);
     if (status != SATIN_OK) return status;
     struct mesh_parts parts;
-    status = read_file(source, (unsigned char *)data, size, request->shape_index, &parts);
+    status = read_file(source, request, (unsigned char *)data, size, &parts);
     free(data);
     return status == SATIN_OK ? mesh_finish(source, request, &parts, out) : status;
 }

@@ -81,6 +81,25 @@ static void smooth_corners(const struct mesh_parts *parts, struct corner *corner
     }
 }
 
+// The attributes of corners, each of which is a vertex now.
+static satin_status spread_attributes(const struct scene_source *source,
+                                      const struct mesh_parts *parts, size_t corners,
+                                      struct mesh_parts *out) {
+    out->attribute = parts->attribute;
+    out->attribute_count = parts->attribute_count;
+    for (int i = 0; i < parts->attribute_count; i++) {
+        struct mesh_attribute *a = &parts->attribute[i];
+        size_t n = (size_t)a->channels;
+        if (a->per_triangle) continue;
+        float *value = arena_array(source->arena, corners * n, sizeof *value);
+        if (!value) return mesh_no_memory(source);
+        for (size_t k = 0; k < corners; k++)
+            memcpy(value + k * n, a->value + parts->index[k] * n, n * sizeof *value);
+        a->value = value;
+    }
+    return SATIN_OK;
+}
+
 satin_status mesh_smooth(const struct scene_source *source, float degrees,
                          struct mesh_parts *parts) {
     size_t count = (size_t)parts->triangle_count * 3;
@@ -104,6 +123,7 @@ satin_status mesh_smooth(const struct scene_source *source, float degrees,
         out.index[i] = (uint32_t)i;
     }
     out.triangle_count = parts->triangle_count;
-    *parts = out;
-    return SATIN_OK;
+    status = spread_attributes(source, parts, count, &out);
+    if (status == SATIN_OK) *parts = out;
+    return status;
 }

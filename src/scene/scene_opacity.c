@@ -15,17 +15,18 @@ const struct material *opacity_of(const struct satin_scene *scene, const struct 
     return shape->light < 0 && (m->mask.used || is_null(m)) ? m : NULL;
 }
 
-float material_opacity(const struct material *m, vec2 uv) {
+float material_opacity(const struct material *m, const struct texture_place *at) {
     if (!m->mask.used) return is_null(m) ? 0.0f : 1.0f;
-    float a = m->mask.texture ? texture_number(m->mask.texture, uv) : m->mask.value;
+    float a = m->mask.texture ? texture_number(m->mask.texture, at) : m->mask.value;
     a = clampf(a, 0.0f, 1.0f);
     return m->mask.inverted ? 1.0f - a : a;
 }
 
-bool opacity_stops(const struct material *m, vec2 uv, vec3 o, vec3 d, uint32_t salt, bool whole) {
-    float a = material_opacity(m, uv);
+bool opacity_stops(const struct material *m, const struct texture_place *at, const struct ray *ray,
+                   uint32_t salt, bool whole) {
+    float a = material_opacity(m, at);
     if (whole || a <= 0.0f || a >= 1.0f) return a > 0.0f;
-    const float f[6] = {o.x, o.y, o.z, d.x, d.y, d.z};
+    const float f[6] = {ray->o.x, ray->o.y, ray->o.z, ray->d.x, ray->d.y, ray->d.z};
     uint32_t bits[6];
     uint64_t key = rng_mix(salt + 0x2545f4914f6cdd1dull);
     memcpy(bits, f, sizeof bits);

@@ -9,8 +9,9 @@
 
 // The shape's material if rays may pass it; else NULL. What emits is not passed.
 const struct material *opacity_of(const struct satin_scene *scene, const struct shape *shape);
-// Whether the ray from o along d is stopped at uv of primitive `salt`. A ray that sees the
+// Whether the ray from o along d is stopped at a place of primitive `salt`. A ray that sees the
 // `whole` surface is unless nothing is there at all.
-bool opacity_stops(const struct material *m, vec2 uv, vec3 o, vec3 d, uint32_t salt, bool whole);
+bool opacity_stops(const struct material *m, const struct texture_place *at, const struct ray *ray,
+                   uint32_t salt, bool whole);
 
 #endif

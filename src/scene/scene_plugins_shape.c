@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "base/array.h"
+#include "scene/scene_attribute.h"
 #include "scene/scene_curve.h"
 #include "scene/scene_loader.h"
 
@@ -88,6 +89,7 @@ static struct mesh_request request_of(const struct params *p) {
 static satin_status read_mesh(struct scene_loader *loader, const struct params *p,
                               struct shape *shape, int index, mesh_reader read) {
     struct mesh_request request = request_of(p);
+    request.attributes = loader->wanted;
     request.flip_tex_coords = param(p, "flip_tex_coords")->b;
     request.shape_index = index;
     const struct param_value *angle = param(p, "max_smooth_angle");
@@ -263,6 +265,29 @@ static bool transmits(const struct material *m) {
     return found;
 }
 
+// Collects the attributes of meshes that the shape's textures look up.
+static satin_status want_attributes(struct scene_loader *loader, const struct params *p,
+                                    const struct shape *shape) {
+    const struct texture *radiance = shape->light >= 0 ? loader->light[shape->light].texture : NULL;
+    loader->wanted.count = 0;
+    if (attribute_want_all(&loader->wanted, &loader->material[shape->material]) &&
+        attribute_want(&loader->wanted, radiance))
+        return SATIN_OK;
+    return fail(loader, p, "its textures ask for more than 8 mesh attributes");
+}
+
+// Reads or makes the surface, with its attributes.
+static satin_status build_surface(struct scene_loader *loader, const struct params *p,
+                                  struct shape *shape) {
+    satin_status status = want_attributes(loader, p, shape);
+    if (status == SATIN_OK) status = p->plugin->build(loader, p, shape);
+    const char *missing = attribute_missing(&loader->wanted, &shape->mesh);
+    if (status != SATIN_OK || !missing) return status;
+    log_error_at(loader->log, p->node->place, "shape '%s' has no attribute '%s' for its texture",
+                 p->plugin->name, missing);
+    return SATIN_ERROR_INPUT;
+}
+
 satin_status scene_shape_add(struct scene_loader *loader, struct xml_node *node) {
     struct params p;
     satin_status status = scene_params(loader, node, &p);
@@ -282,12 +307,12 @@ satin_status scene_shape_add(struct scene_loader *loader, struct xml_node *node)
     if (!shape.name) return scene_no_memory(loader);
     if (emitter && shape.group) return fail(loader, &p, "it cannot emit in a shapegroup");
     status = scene_shape_reserve(loader, &p);
-    if (status == SATIN_OK) status = p.plugin->build(loader, &p, &shape);
     if (status == SATIN_OK) status = scene_material_of(loader, bsdf, emitter, &shape.material);
     if (status == SATIN_OK && emitter && loader->material[shape.material].mask.used)
         return fail(loader, &p, "it emits, so it cannot have a mask");
     if (status == SATIN_OK && emitter)
         status = scene_emitter_add(loader, emitter, (int64_t)loader->shape_count, &shape.light);
+    if (status == SATIN_OK) status = build_surface(loader, &p, &shape);
     if (status != SATIN_OK) return status;
     shape.area = scene_shape_area(&shape);
     if (shape.kind == SHAPE_CURVES && emitter) return fail(loader, &p, "curves cannot emit");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// <texture>: bitmap and checkerboard. A texture is built once, an image is read once, however often
-// they are used.
+// <texture>: bitmap, checkerboard, attributes of meshes. A texture is built once, an image is read
+// once, however often they are used.
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,9 +30,15 @@ static const struct param_spec color0 = {
 static const struct param_spec color1 = {"color1", PARAM_COLOR,           ".2", RANGE_UNIT, 0,
                                          NULL,     "colour of the others"};
 
+static const struct param_spec attribute = {
+    "name", PARAM_STRING, NULL, 0, PARAM_REQUIRED, NULL, "attribute: vertex_... or face_..."};
+static const struct param_spec factor = {"scale", PARAM_FLOAT,           "1", RANGE_NOT_NEGATIVE, 0,
+                                         NULL,    "factor of its values"};
+
 static const struct param_spec *const bitmap_params[] = {&filename, &filter_type, &wrap_mode, &raw,
                                                          &to_uv,    &format,      &accel,     NULL};
 static const struct param_spec *const checkerboard_params[] = {&color0, &color1, &to_uv, NULL};
+static const struct param_spec *const attribute_params[] = {&attribute, &factor, NULL};
 
 static void set_to_uv(struct texture *texture, const struct mat4 *m) {
     const float row[6] = {m->m[0][0], m->m[0][1], m->m[0][3], m->m[1][0], m->m[1][1], m->m[1][3]};
@@ -104,10 +110,42 @@ static satin_status build_checkerboard(struct scene_loader *loader, const struct
     return SATIN_OK;
 }
 
+// The one copy of a name, so that equal names are equal pointers; NULL without memory.
+static const char *attribute_name(struct scene_loader *loader, const char *text) {
+    for (size_t i = 0; i < loader->attribute_count; i++)
+        if (strcmp(loader->attribute[i], text) == 0) return loader->attribute[i];
+    void *items = loader->attribute;
+    const char *name = scene_keep_text(loader, text);
+    if (!name || !array_reserve(&items, &loader->attribute_capacity, loader->attribute_count + 1,
+                                sizeof *loader->attribute))
+        return NULL;
+    loader->attribute = items;
+    return loader->attribute[loader->attribute_count++] = name;
+}
+
+static satin_status build_attribute(struct scene_loader *loader, const struct params *p,
+                                    void *object) {
+    struct texture *texture = object;
+    const struct param_value *name = param(p, "name");
+    texture->kind = TEXTURE_ATTRIBUTE;
+    texture->scale = param(p, "scale")->f;
+    texture->mean = rgb_grey(texture->scale);
+    if (strncmp(name->s, "vertex_", 7) != 0 && strncmp(name->s, "face_", 5) != 0) {
+        log_error_at(loader->log, name->place,
+                     "the name of a mesh attribute begins with vertex_ or face_, not '%s'",
+                     name->s);
+        return SATIN_ERROR_INPUT;
+    }
+    texture->attribute = attribute_name(loader, name->s);
+    return texture->attribute ? SATIN_OK : scene_no_memory(loader);
+}
+
 const struct plugin_spec scene_texture_plugins[] = {
     {XML_TEXTURE, "bitmap", "an image", bitmap_params, 0, build_bitmap, false},
     {XML_TEXTURE, "checkerboard", "two colours in checks of half a unit", checkerboard_params, 0,
      build_checkerboard, false},
+    {XML_TEXTURE, "mesh_attribute", "numbers or colours of a mesh's vertices or faces",
+     attribute_params, 0, build_attribute, false},
     {0}};
 
 satin_status scene_texture_of(struct scene_loader *loader, struct xml_node *node,

@@ -139,7 +139,7 @@ void surfel_triangle(const struct satin_scene *scene, const struct shape *shape,
         if (v3_dot(n, ng) < 0.0f) ng = v3_neg(ng);
     }
     out->ng = ng;
-    out->uv = (vec2){(float)b[1], (float)b[2]};
+    out->uv = out->bary = (vec2){(float)b[1], (float)b[2]};
     if (mesh->uv) {
         const float *a = mesh->uv + (size_t)index[0] * 2, *c = mesh->uv + (size_t)index[1] * 2,
                     *d = mesh->uv + (size_t)index[2] * 2;

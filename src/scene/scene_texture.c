@@ -2,7 +2,7 @@
 // Looking a texture up at surface coordinates, with Mitsuba 3's conventions: v = 0 is the image's
 // top row; texel (0, 0) has its centre at (0.5 / width, 0.5 / height); a checkerboard's cell is
 // half a unit wide and the first one has color0.
-#include "scene/scene.h"
+#include "scene/scene_attribute.h"
 
 // The texel index in [0, n) for position i outside or inside the image.
 static int wrap(float i, int n, enum texture_wrap mode) {
@@ -62,21 +62,23 @@ static bool to_texture(const struct texture *texture, vec2 uv, float *u, float *
     return fabsf(*u) < 1e7f && fabsf(*v) < 1e7f;
 }
 
-rgb texture_eval(const struct texture *texture, vec2 uv) {
+rgb texture_eval(const struct texture *texture, const struct texture_place *at) {
     if (texture->kind == TEXTURE_CONSTANT) return texture->value;
+    if (texture->kind == TEXTURE_ATTRIBUTE)
+        return rgb_scale(attribute_eval(texture->attribute, at), texture->scale);
     float u, v;
-    if (!to_texture(texture, uv, &u, &v)) return texture->mean;
+    if (!to_texture(texture, at->uv, &u, &v)) return texture->mean;
     if (texture->kind == TEXTURE_BITMAP) return bitmap(texture, u, v);
     bool right = u - floorf(u) > 0.5f, lower = v - floorf(v) > 0.5f;
     return right == lower ? texture->color0 : texture->color1;
 }
 
-float texture_number(const struct texture *texture, vec2 uv) {
-    if (texture->kind != TEXTURE_CHECKERBOARD) return rgb_luminance(texture_eval(texture, uv));
+float texture_number(const struct texture *texture, const struct texture_place *at) {
+    if (texture->kind != TEXTURE_CHECKERBOARD) return rgb_luminance(texture_eval(texture, at));
     struct texture exchanged = *texture;
     exchanged.color0 = texture->color1;
     exchanged.color1 = texture->color0;
-    return rgb_luminance(texture_eval(&exchanged, uv));
+    return rgb_luminance(texture_eval(&exchanged, at));
 }
 
 vec2 texture_gradient(const struct texture *texture, vec2 uv) {

@@ -94,6 +94,24 @@ def write_ply(path, mesh, form, normals=True):
     path.write_bytes("\n".join(head).encode() + b"\n" + b"".join(body))
 
 
+def write_painted_ply(path, mesh):
+    """With attributes of vertices, in bytes and floats, and of faces."""
+    points, normals, uvs, quads = mesh
+    head = ["ply", "format ascii 1.0", f"element vertex {len(points)}"]
+    head += [f"property float {c}" for c in ("x", "y", "z", "nx", "ny", "nz", "u", "v")]
+    head += [f"property uchar {c}" for c in ("red", "green", "blue")]
+    head += ["property float share_x", f"element face {2 * len(quads)}"]
+    head += ["property list uchar int vertex_indices"]
+    head += [f"property float tint_{c}" for c in "rgb"] + ["end_header"]
+    body = [" ".join("%.9g" % x for x in (*p, *n, *t)) + " %d %d %d %g" % (
+        i % 200, 50 + 3 * i % 150, 200 - i % 200, i % 7 / 6)
+            for i, (p, n, t) in enumerate(zip(points, normals, uvs))]
+    for i, (a, b, c, d) in enumerate(quads):
+        for face in ((a, b, c), (a, c, d)):
+            body.append("3 %d %d %d %g %g %g" % (*face, i % 5 / 5, i % 3 / 3, 0.4))
+    path.write_text("\n".join(head + body) + "\n", encoding="utf-8")
+
+
 def write_serialized(path, mesh, version):
     points, normals, uvs, quads = mesh
     triangles = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
@@ -116,6 +134,7 @@ def write_files(folder):
     for form in ("ascii", "binary_little_endian", "binary_big_endian"):
         write_ply(folder / f"torus_{form}.ply", mesh, form)
     write_ply(folder / "plain.ply", torus(12, 8), "binary_little_endian", normals=False)
+    write_painted_ply(folder / "painted.ply", mesh)
     write_serialized(folder / "torus3.serialized", mesh, 3)
     write_serialized(folder / "torus4.serialized", mesh, 4)
     rng = np.random.default_rng(1)
@@ -151,6 +170,11 @@ def diffuse(texture=""):
     return f'<bsdf type="diffuse">{texture}</bsdf>'
 
 
+def attribute(slot, name, scale=1):
+    return (f'<texture type="mesh_attribute" name="{slot}">{text("name", name)}'
+            f'{real("scale", scale)}</texture>')
+
+
 def twosided(bsdf):
     return f'<bsdf type="twosided">{bsdf}</bsdf>'
 
@@ -180,6 +204,13 @@ def shapes():
     yield "flip_normals", shape("ply", file, true("flip_normals"), lift, bsdf=diffuse())
     yield "mirrored_mesh", shape("obj", torus_obj, bsdf=diffuse() +
                                  place('<scale x="-0.9" y="0.8"/>', TILT, UP))
+    painted = text("filename", "painted.ply")
+    for name, scale in (("vertex_color", 1 / 255), ("face_tint_color", 1), ("vertex_share", 0.9)):
+        yield name, shape("ply", painted, lift, bsdf=twosided(
+            diffuse(attribute("reflectance", name, scale))))
+    yield "vertex_blend", shape("ply", painted, lift, bsdf=twosided(
+        '<bsdf type="blendbsdf">' + attribute("weight", "vertex_share") + diffuse() + checks
+        + "</bsdf>"))
     for kind in ("bsplinecurve", "linearcurve"):
         yield kind, shape(kind, text("filename", "curve.txt"), bsdf=diffuse())
     yield "merge", ('<shape type="merge">' + shape("cube", place('<scale value="0.4"/>', UP))

@@ -186,7 +186,7 @@ static void triangle_density(void **state) {
     struct test_scene t;
     test_scene_init(&t);
     struct shape s = {.kind = SHAPE_MESH, .material = test_diffuse(&t, 0, 0, 0)};
-    s.mesh = (struct mesh){5, 3, position, NULL, NULL, index};
+    s.mesh = (struct mesh){5, 3, position, NULL, NULL, index, NULL, 0};
     test_area_light(&t, test_add_shape(&t, s), rgb_grey(1.0f));
     test_scene_finish(&t);
     check_density(&t, 0, v3(0.3f, 0.4f, 0.8f), "three triangles");

@@ -171,6 +171,12 @@ static const struct refusal refusals[] = {
      "scene.xml:3:43: reflectance is 2, but must be in [0, 1]"},
     {SHAPE("<bsdf type='phong'><rgb name='diffuse_reflectance' value='.9'/></bsdf>"),
      "scene.xml:3:22: diffuse_reflectance and specular_reflectance sum to 1.1, which is over 1"},
+    {SHAPE("<bsdf type='diffuse'><texture type='mesh_attribute' name='reflectance'>"
+           "<string name='name' value='vertex_color'/></texture></bsdf>"),
+     "scene.xml:3:1: shape 'sphere' has no attribute 'vertex_color' for its texture"},
+    {SHAPE("<bsdf type='diffuse'><texture type='mesh_attribute' name='reflectance'>"
+           "<string name='name' value='color'/></texture></bsdf>"),
+     "scene.xml:3:93: the name of a mesh attribute begins with vertex_ or face_, not 'color'"},
     {SHAPE("<bsdf type='conductor'><string name='material' value='Unobtainium'/></bsdf>"),
      "scene.xml:3:45: unknown metal 'Unobtainium'"},
     {SHAPE("<bsdf type='conductor'><string name='material' value='Al'/>"

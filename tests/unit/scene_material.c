@@ -9,6 +9,8 @@
 
 #include "scene/scene.h"
 
+static struct shape shape;  // the one that surfels are on
+
 static struct surfel surfel_facing(vec3 n) {
     return (struct surfel){.ng = n, .frame = frame_from_normal(n), .uv = {0.25f, 0.25f}};
 }
@@ -19,7 +21,7 @@ static void sides_and_frames(void **state) {
         .front.base = {.model = brdf_find("diffuse"), .diffuse = {.2f, .3f, .4f}},
         .back.base = {.model = brdf_find("phong"), .specular = {1, 1, 1}, .exponent = 5},
     };
-    struct satin_scene scene = {.material = &material, .material_count = 1};
+    struct satin_scene scene = {.shape = &shape, .material = &material, .material_count = 1};
     vec3 n = v3_unit(v3(1, 2, 3)), tilted = v3_unit(v3(2, 2, 2));
     struct surfel s = surfel_facing(n);
     struct brdf b;
@@ -51,7 +53,7 @@ static void textures_replace_slots(void **state) {
     const struct texture number = {.kind = TEXTURE_CONSTANT, .value = {.3f, .3f, .3f}};
     struct material material = {
         .front.base = {.model = brdf_find("ward"), .alpha_u = .1f, .alpha_v = .1f, .exponent = 7}};
-    struct satin_scene scene = {.material = &material, .material_count = 1};
+    struct satin_scene scene = {.shape = &shape, .material = &material, .material_count = 1};
     struct surfel s = surfel_facing(v3(0, 0, 1));
     struct brdf b;
     struct frame f;
@@ -77,7 +79,7 @@ static void blends_draw_their_parts(void **state) {
         {.base = {.model = brdf_find("null"), .transmittance = {1, 1, 1}}}};
     const struct material_side pair = {.part = {&leaf[0], &leaf[1]}, .weight = 0.25f};
     struct material material = {.front = {.part = {&pair, &leaf[2]}, .blend = &third}};
-    struct satin_scene scene = {.material = &material, .material_count = 1};
+    struct satin_scene scene = {.shape = &shape, .material = &material, .material_count = 1};
     struct surfel s = surfel_facing(v3(0, 0, 1));
     struct scene_part part[MATERIAL_PARTS_MAX];
     const float want[3] = {0.5f, 1 / 6.f, 1 / 3.f};
@@ -110,7 +112,7 @@ static void relief_turns_the_frame(void **state) {
                          .two_sided = true,
                          .tangent = true};
     m.back = m.front;
-    struct satin_scene scene = {.material = &m, .material_count = 1};
+    struct satin_scene scene = {.shape = &shape, .material = &m, .material_count = 1};
     struct surfel s = surfel_facing(v3(0, 0, 1));
     struct brdf b;
     struct frame f;

@@ -194,10 +194,69 @@ static void refuses_bad_binary_lists(void **state) {
     mesh_case_refuse(scene_mesh_ply, file, at + 16, "mesh: vertex 0: a coordinate is not finite");
 }
 
+// Reads a triangle and a quad with the given properties; `names` are the attributes asked for.
+static void read_attributes(struct mesh_case *c, const char *vertex, const char *face,
+                            const char *corner, const char *last, const char *const names[]) {
+    char text[2048];
+    const char *of_vertex = *vertex ? corner : "";
+    int size = snprintf(text, sizeof text,
+                        TEXT
+                        "element vertex 4\nproperty float x\nproperty float y\n%sproperty "
+                        "float z\nelement face 2\n%sproperty list uchar int vertex_index\n"
+                        "end_header\n0 0 %s 0\n1 0 %s 0\n1 1 %s 0\n0 1 %s 1\n"
+                        "%s 3 0 1 2\n%s 4 0 1 2 3\n",
+                        vertex, face, of_vertex, of_vertex, of_vertex, *vertex ? last : "",
+                        *face ? corner : "", *face ? last : "");
+    struct mesh_request request = mesh_case_plain();
+    for (; names[request.attributes.count]; request.attributes.count++)
+        request.attributes.name[request.attributes.count] = names[request.attributes.count];
+    assert_int_equal(mesh_case_read(c, scene_mesh_ply, request, text, (size_t)size), SATIN_OK);
+}
+
+// As Mitsuba 3.9 names and reads them.
+static void keeps_attributes(void **state) {
+    (void)state;
+    static const char *const names[] = {"vertex_color", "vertex_heat", "vertex_tint_color",
+                                        "vertex_pair",  "face_color",  "vertex_gone",
+                                        "face_tint",    NULL};
+    struct mesh_case c;
+    read_attributes(&c,
+                    "property uchar blue\nproperty uchar red\nproperty uchar green\n"
+                    "property ushort heat_x\nproperty float tint_r\nproperty float tint_g\n"
+                    "property float tint_b\nproperty float pair_x\nproperty float pair_y\n",
+                    "", "30 10 20 65535 .1 .2 .3 5 6", "33 11 22 0 .4 .5 .6 7 8", names);
+    assert_int_equal(c.mesh.attribute_count, 3);
+    static const float color[6] = {10, 20, 30, 11, 22, 33},
+                       tint[6] = {.1f, .2f, .3f, .4f, .5f, .6f};
+    const struct mesh_attribute *a = c.mesh.attribute;
+    assert_true(a[0].name == names[0] && a[0].channels == 3 && !a[0].per_triangle);
+    assert_memory_equal(a[0].value + 6, color, sizeof color);
+    assert_true(a[1].name == names[1] && a[1].channels == 1);
+    assert_true(a[1].value[2] == 1.0f && a[1].value[3] == 0.0f);
+    assert_true(a[2].name == names[2]);
+    assert_memory_equal(a[2].value + 6, tint, sizeof tint);
+    mesh_case_free(&c);
+    // The quad is two triangles, with its value each.
+    read_attributes(&c, "",
+                    "property float r\nproperty float g\nproperty float b\n"
+                    "property float tint_1\nproperty float tint_2\nproperty float tint_3\n",
+                    "1 2 3 7 8 9", "4 5 6 10 11 12", names);
+    assert_int_equal(c.mesh.attribute_count, 2);
+    static const float faces[2][9] = {{1, 2, 3, 4, 5, 6, 4, 5, 6},
+                                      {7, 8, 9, 10, 11, 12, 10, 11, 12}};
+    for (int i = 0; i < 2; i++) {
+        a = &c.mesh.attribute[i];
+        assert_true(a->name == names[i ? 6 : 4] && a->channels == 3 && a->per_triangle);
+        assert_memory_equal(a->value, faces[i], sizeof faces[i]);
+    }
+    mesh_case_free(&c);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(reads_every_format_and_type),
         cmocka_unit_test(refuses_what_is_wrong),
+        cmocka_unit_test(keeps_attributes),
         cmocka_unit_test(passes_over_empty_elements),
         cmocka_unit_test(refuses_bad_binary_lists),
     };

@@ -15,6 +15,16 @@ static struct texture bitmap(enum texture_wrap wrap, bool nearest) {
                             .mean = {5.5f, 5.5f, 5.5f}};
 }
 
+static rgb eval(const struct texture *texture, vec2 uv) {
+    struct texture_place at = texture_at(uv);
+    return texture_eval(texture, &at);
+}
+
+static float number(const struct texture *texture, vec2 uv) {
+    struct texture_place at = texture_at(uv);
+    return texture_number(texture, &at);
+}
+
 static void agrees_with_mitsuba(void **state) {
     (void)state;
     static const vec2 uv[10] = {
@@ -31,7 +41,7 @@ static void agrees_with_mitsuba(void **state) {
     for (int k = 0; k < 6; k++) {
         struct texture t = bitmap((enum texture_wrap)(k % 3), k < 3);
         for (int i = 0; i < 10; i++) {
-            rgb c = texture_eval(&t, uv[i]);
+            rgb c = eval(&t, uv[i]);
             assert_float_equal(c.r, value[k][i], 1e-4f);
             assert_true(c.g == c.r && c.b == c.r);
         }
@@ -47,8 +57,7 @@ static void transforms_coordinates(void **state) {
     for (int k = 0; k < 3; k++) {
         struct texture t = bitmap(TEXTURE_REPEAT, true);
         memcpy(t.to_uv, to_uv[k], sizeof t.to_uv);
-        for (int i = 0; i < 4; i++)
-            assert_float_equal(texture_eval(&t, uv[i]).r, value[k][i], 0.0f);
+        for (int i = 0; i < 4; i++) assert_float_equal(eval(&t, uv[i]).r, value[k][i], 0.0f);
     }
 }
 
@@ -62,9 +71,9 @@ static void checks_alternate(void **state) {
                                {.5f, .1f}, {1.1f, .1f}, {0, 0},     {-.6f, -.2f}};
     static const int first[9] = {1, 0, 0, 1, 0, 1, 1, 1, 0};
     for (int i = 0; i < 9; i++) {
-        rgb c = texture_eval(&t, uv[i]);
+        rgb c = eval(&t, uv[i]);
         assert_true(c.r == (float)first[i] && c.g == (float)!first[i]);
-        assert_true(texture_number(&t, uv[i]) == rgb_luminance(first[i] ? t.color1 : t.color0));
+        assert_true(number(&t, uv[i]) == rgb_luminance(first[i] ? t.color1 : t.color0));
     }
 }
 
@@ -79,18 +88,18 @@ static void wraps(void **state) {
         struct texture repeat = bitmap(TEXTURE_REPEAT, false);
         struct texture mirror = bitmap(TEXTURE_MIRROR, false);
         struct texture clamp = bitmap(TEXTURE_CLAMP, false);
-        float r = texture_eval(&repeat, p).r, m = texture_eval(&mirror, p).r;
-        assert_float_equal(texture_eval(&repeat, (vec2){p.x + n, p.y - n}).r, r, 2e-4f);
-        assert_float_equal(texture_eval(&mirror, (vec2){p.x + 2 * n, -p.y}).r, m, 2e-4f);
-        assert_float_equal(texture_eval(&clamp, (vec2){p.x, -p.y}).r,
-                           texture_eval(&clamp, (vec2){p.x, 0}).r, 2e-5f);
+        float r = eval(&repeat, p).r, m = eval(&mirror, p).r;
+        assert_float_equal(eval(&repeat, (vec2){p.x + n, p.y - n}).r, r, 2e-4f);
+        assert_float_equal(eval(&mirror, (vec2){p.x + 2 * n, -p.y}).r, m, 2e-4f);
+        assert_float_equal(eval(&clamp, (vec2){p.x, -p.y}).r, eval(&clamp, (vec2){p.x, 0}).r,
+                           2e-5f);
         union {
             uint32_t bits;
             float f;
         } u = {rng_u32(&rng)}, v = {rng_u32(&rng)};
         for (int k = 0; k < 6; k++) {
             struct texture t = bitmap((enum texture_wrap)(k % 3), k < 3);
-            float wild = texture_eval(&t, (vec2){u.f, v.f}).r;
+            float wild = eval(&t, (vec2){u.f, v.f}).r;
             assert_true(wild >= 0.0f && wild <= 11.0f);
         }
     }
@@ -107,10 +116,8 @@ static void gradients_are_differences(void **state) {
     for (int i = 0; i < 100; i++) {
         vec2 p = {0.013f + (float)i * 0.01f, 0.71f - (float)i * 0.007f};
         vec2 g = texture_gradient(&t, p);
-        float dx =
-            texture_eval(&t, (vec2){p.x + h, p.y}).r - texture_eval(&t, (vec2){p.x - h, p.y}).r;
-        float dy =
-            texture_eval(&t, (vec2){p.x, p.y + h}).r - texture_eval(&t, (vec2){p.x, p.y - h}).r;
+        float dx = eval(&t, (vec2){p.x + h, p.y}).r - eval(&t, (vec2){p.x - h, p.y}).r;
+        float dy = eval(&t, (vec2){p.x, p.y + h}).r - eval(&t, (vec2){p.x, p.y - h}).r;
         close += fabsf(dx - 2 * h * g.x) < 1e-4f && fabsf(dy - 2 * h * g.y) < 1e-4f;
     }
     assert_true(close > 90);  // the others straddle the middle of a texel
@@ -124,15 +131,36 @@ static void reads_three_channels_and_constants(void **state) {
     const struct image two = {2, 1, 3, color};
     struct texture t = bitmap(TEXTURE_CLAMP, false);
     t.image = &two;
-    rgb c = texture_eval(&t, (vec2){0.5f, 0.5f});
+    rgb c = eval(&t, (vec2){0.5f, 0.5f});
     assert_true(c.r == 2.5f && c.g == 3.5f && c.b == 4.5f);
     struct texture constant = {.kind = TEXTURE_CONSTANT, .value = {7, 8, 9}};
-    assert_true(texture_eval(&constant, (vec2){NAN, 3}).g == 8.0f);
+    assert_true(eval(&constant, (vec2){NAN, 3}).g == 8.0f);
     float lo, hi;
     t.image = &two;
     assert_true(texture_range(&t, &lo, &hi));
     assert_true(lo == rgb_luminance(rgb_make(1, 2, 3)) && hi == rgb_luminance(rgb_make(4, 5, 6)));
     assert_true(texture_range(&constant, &lo, &hi) && lo == hi);
+}
+
+// Numbers and colours of corners are interpolated, those of triangles are not.
+static void interpolates_attributes(void **state) {
+    (void)state;
+    static const char heat[] = "vertex_heat", tint[] = "face_color", none[] = "vertex_none";
+    static const float at_corner[4] = {1, 2, 4, 8}, of_triangle[6] = {1, 2, 3, 4, 5, 6};
+    static const uint32_t index[6] = {0, 1, 2, 2, 1, 3};
+    const struct mesh_attribute attribute[2] = {{heat, false, 1, at_corner},
+                                                {tint, true, 3, of_triangle}};
+    const struct mesh mesh = {.index = index, .attribute = attribute, .attribute_count = 2};
+    struct texture t = {.kind = TEXTURE_ATTRIBUTE, .attribute = heat, .scale = 2.0f};
+    struct texture_place at = {.mesh = &mesh, .prim = 1, .bary = {0.25f, 0.5f}};
+    assert_float_equal(texture_number(&t, &at), 2.0f * (0.25f * 4 + 0.25f * 2 + 0.5f * 8), 1e-5f);
+    t.attribute = tint;
+    rgb c = texture_eval(&t, &at);
+    assert_true(c.r == 8.0f && c.g == 10.0f && c.b == 12.0f);
+    t.attribute = none;
+    assert_true(rgb_black(texture_eval(&t, &at)));
+    t.attribute = heat;
+    assert_true(rgb_black(eval(&t, (vec2){0.5f, 0.5f})));
 }
 
 int main(void) {
@@ -143,6 +171,7 @@ int main(void) {
         cmocka_unit_test(wraps),
         cmocka_unit_test(gradients_are_differences),
         cmocka_unit_test(reads_three_channels_and_constants),
+        cmocka_unit_test(interpolates_attributes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// Attributes of meshes: which of them the textures of a shape ask for, and their values at a place.
+#include "scene/scene_attribute.h"
+
+#include "base/vec.h"
+
+// ---- Values -------------------------------------------------------------------------------------
+
+static rgb value_at(const struct mesh_attribute *a, uint32_t item) {
+    const float *v = a->value + (size_t)item * (size_t)a->channels;
+    return a->channels == 1 ? rgb_grey(v[0]) : rgb_make(v[0], v[1], v[2]);
+}
+
+rgb attribute_eval(const char *name, const struct texture_place *at) {
+    for (int i = 0; at->mesh && i < at->mesh->attribute_count; i++) {
+        const struct mesh_attribute *a = &at->mesh->attribute[i];
+        if (a->name != name) continue;
+        if (a->per_triangle) return value_at(a, at->prim);
+        const uint32_t *index = at->mesh->index + (size_t)at->prim * 3;
+        rgb c = rgb_scale(value_at(a, index[0]), 1.0f - at->bary.x - at->bary.y);
+        c = rgb_mad(c, value_at(a, index[1]), at->bary.x);
+        return rgb_mad(c, value_at(a, index[2]), at->bary.y);
+    }
+    return rgb_grey(0.0f);
+}
+
+static vec3 corner(const struct mesh *mesh, uint32_t triangle, int k) {
+    const float *p = mesh->position + (size_t)mesh->index[(size_t)triangle * 3 + (size_t)k] * 3;
+    return v3(p[0], p[1], p[2]);
+}
+
+rgb attribute_mean(const struct mesh *mesh, const char *name) {
+    double sum[3] = {0.0, 0.0, 0.0}, area = 0.0;
+    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+        vec3 a = corner(mesh, t, 0);
+        float n = v3_len(v3_cross(v3_sub(corner(mesh, t, 1), a), v3_sub(corner(mesh, t, 2), a)));
+        struct texture_place middle = {.mesh = mesh, .prim = t, .bary = {1.0f / 3.0f, 1.0f / 3.0f}};
+        rgb c = attribute_eval(name, &middle);
+        sum[0] += (double)(n * c.r), sum[1] += (double)(n * c.g), sum[2] += (double)(n * c.b);
+        area += (double)n;
+    }
+    double scale = area > 0.0 ? 1.0 / area : 0.0;
+    return rgb_make((float)(sum[0] * scale), (float)(sum[1] * scale), (float)(sum[2] * scale));
+}
+
+// ---- What textures ask for ----------------------------------------------------------------------
+
+bool attribute_want(struct attribute_names *names, const struct texture *texture) {
+    if (!texture || texture->kind != TEXTURE_ATTRIBUTE) return true;
+    for (int i = 0; i < names->count; i++)
+        if (names->name[i] == texture->attribute) return true;
+    if (names->count == ATTRIBUTES_MAX) return false;
+    names->name[names->count++] = texture->attribute;
+    return true;
+}
+
+static bool want_side(struct attribute_names *names, const struct material_side *side) {
+    if (side->part[0])
+        return attribute_want(names, side->blend) && want_side(names, side->part[0]) &&
+               want_side(names, side->part[1]);
+    for (int i = 0; i < BRDF_SLOT_COUNT; i++)
+        if (!attribute_want(names, side->slot[i])) return false;
+    return attribute_want(names, side->relief.normal);
+}
+
+bool attribute_want_all(struct attribute_names *names, const struct material *m) {
+    return attribute_want(names, m->mask.texture) && want_side(names, &m->front) &&
+           want_side(names, &m->back);
+}
+
+const char *attribute_missing(const struct attribute_names *names, const struct mesh *mesh) {
+    for (int i = 0, k; i < names->count; i++) {
+        for (k = 0; k < mesh->attribute_count; k++)
+            if (mesh->attribute[k].name == names->name[i]) break;
+        if (k == mesh->attribute_count) return names->name[i];
+    }
+    return NULL;
+}
