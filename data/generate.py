@@ -10,6 +10,8 @@ at or below 0.8 where nature allows a choice, so that long light paths die out.
 import pathlib
 import sys
 
+import cases
+import figures
 from parts import (area_light, box, diffuse, element, lathe, number, plugin, real, rectangle, ref,
                    rgb, scene, sensor, sphere, to_world, translate, tube, value)
 
@@ -207,6 +209,8 @@ def files():
         scenes[f"furnace-box-{percent}"] = furnace_box(percent / 100)
     out = {f"{name}.xml": text.encode() for name, text in scenes.items()}
     out["meshes/vase.ply"] = vase_mesh()
+    out.update(cases.files())
+    out.update(figures.files())
     return out
 
 

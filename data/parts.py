@@ -105,19 +105,22 @@ def tube(foot, height, radius, *children):
 # ---- Scenes --------------------------------------------------------------------------------------
 
 
-def sensor(origin, target, fov):
+def sensor(origin, target, fov, *more):
     view = element("lookat", {"origin": triple(origin), "target": triple(target), "up": "0, 1, 0"})
     sampler = plugin("sampler", "independent", value("integer", "sample_count", "$spp"))
     film = plugin("film", "hdrfilm", value("integer", "width", "$resx"),
                   value("integer", "height", "$resy"), plugin("rfilter", "$filter"))
-    return plugin("sensor", "perspective", real("fov", fov), to_world(view), sampler, film)
+    return plugin("sensor", "perspective", real("fov", fov), *more, to_world(view), sampler, film)
 
 
-def scene(comment, *children):
+def scene(comment, *children, depth=None):
+    """A scene file; depth: longest light path in edges."""
     defaults = [element("default", {"name": name, "value": text})
                 for name, text in (("spp", "256"), ("resx", "400"), ("resy", "400"),
                                    ("filter", "gaussian"))]
-    body = "\n\n".join(["\n".join(defaults), plugin("integrator", "path"), *children])
+    bound = [value("integer", "max_depth", str(depth))] if depth else []
+    integrator = plugin("integrator", "path", *bound)
+    body = "\n\n".join(["\n".join(defaults), integrator, *children])
     lines = "\n".join(line.rstrip() for line in comment.strip().split("\n"))
     return f"<!-- {lines} -->\n<scene version=\"3.0.0\">\n{indent(body)}\n</scene>\n"
 
@@ -126,7 +129,7 @@ def scene(comment, *children):
 
 
 def catmull_rom(points, steps):
-    """A smooth curve through 2-D points: positions and tangents, `steps` per span."""
+    """A smooth curve through points: positions and tangents, `steps` per span."""
     ends = [points[0], *points, points[-1]]
     curve = []
     for i in range(len(points) - 1):
@@ -138,14 +141,14 @@ def catmull_rom(points, steps):
             d = [(-1 + 4 * t - 3 * t**2) / 2, (-10 * t + 9 * t**2) / 2,
                  (1 + 8 * t - 9 * t**2) / 2, (-2 * t + 3 * t**2) / 2]
             curve.append(tuple(sum(c[j] * p[j][axis] for j in range(4))
-                               for c in (w, d) for axis in (0, 1)))
+                               for c in (w, d) for axis in range(len(p[0]))))
     return curve
 
 
 def lathe(profile, sides, steps):
     """Turns a profile of (radius, height) about the y axis: a binary PLY with smooth normals, which
     point to the right of the profile's way."""
-    vertices, faces = [], []
+    vertices = []
     curve = catmull_rom(profile, steps)
     for r, y, dr, dy in curve:
         length = math.hypot(dr, dy)
@@ -153,10 +156,50 @@ def lathe(profile, sides, steps):
             c, s = math.cos(2 * math.pi * k / sides), math.sin(2 * math.pi * k / sides)
             n = (dy * c / length, -dr / length, dy * s / length)
             vertices.append((r * c, y, r * s, *n))
-    for row in range(len(curve) - 1):
+    return ply(vertices, strips(len(curve), sides, True))
+
+
+def sweep(spine, sides, steps):
+    """A tube along a curve in the plane z = 0 through points of (x, y, radius), open at its ends: a
+    binary PLY with smooth normals, which point outside."""
+    vertices = []
+    curve = catmull_rom(spine, steps)
+    for x, y, r, dx, dy, _ in curve:
+        length = math.hypot(dx, dy)
         for k in range(sides):
-            a, b = row * sides + k, row * sides + (k + 1) % sides
-            faces += [(a, a + sides, b), (b, a + sides, b + sides)]
+            c, s = math.cos(2 * math.pi * k / sides), math.sin(2 * math.pi * k / sides)
+            n = (c * dy / length, -c * dx / length, s)
+            vertices.append((x + r * n[0], y + r * n[1], r * n[2], *n))
+    return ply(vertices, strips(len(curve), sides, True))
+
+
+def curtain(plan, foot, top, rows, steps):
+    """An upright sheet over a curve through points of (x, z), between heights that `foot` and `top`
+    give for the part of the way in [0, 1]: a binary PLY with smooth normals, which point to the
+    right of the curve's way."""
+    vertices = []
+    curve = catmull_rom(plan, steps)
+    for i in range(rows + 1):
+        for k, (x, z, dx, dz) in enumerate(curve):
+            low, high = foot(k / (len(curve) - 1)), top(k / (len(curve) - 1))
+            length = math.hypot(dx, dz)
+            vertices.append((x, low + (high - low) * i / rows, z, -dz / length, 0, dx / length))
+    return ply(vertices, strips(rows + 1, len(curve), False))
+
+
+def strips(rows, columns, closed):
+    """Two triangles in each cell of a grid of vertices, row by row; closed: the last column meets
+    the first."""
+    faces = []
+    for row in range(rows - 1):
+        for k in range(columns if closed else columns - 1):
+            a, b = row * columns + k, row * columns + (k + 1) % columns
+            faces += [(a, a + columns, b), (b, a + columns, b + columns)]
+    return faces
+
+
+def ply(vertices, faces):
+    """A binary PLY of vertices (x, y, z, nx, ny, nz) and triangles."""
     header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(vertices)}"]
     header += [f"property float {name}" for name in ("x", "y", "z", "nx", "ny", "nz")]
     header += [f"element face {len(faces)}", "property list uchar int vertex_indices",

@@ -1,0 +1,55 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Records follow the sharpness of a BRDF: their number and the error on a Ward-Duer floor of
+falling roughness, with adaptive and with uniform placing [K05 figure 6.15: 335, 516, 993 records].
+
+  bench/fig_6_15.py DIR [--spp N]      references are made in DIR if they are not there
+
+Prints a table in Markdown; the images stay in DIR.
+"""
+import os
+
+import runs
+
+ALPHAS = ["0.60", "0.30", "0.15"]
+SCENE = runs.scene_file("figures", "ward-floor")
+PARTS = 8
+
+
+def reference(options, alpha):
+    """Renders the reference in parts, so that its own noise is known, unless it is there."""
+    name = "ward-floor-" + alpha
+    path = os.path.join(options.dir, name + ".exr")
+    if not os.path.exists(path):
+        define = ["-D", "alpha=" + alpha]
+        parts = [runs.render(options, SCENE, f"{name}-part{i}", *define, "--integrator", "path",
+                             "--spp", str(options.spp // PARTS), "--seed", str(1000 + i))[0]
+                 for i in range(PARTS)]
+        mask, _ = runs.render(options, SCENE, name + "-mask", *define, "--integrator", "direct",
+                              "--spp", "16")
+        runs.run([options.average, path, mask, *parts])
+    return name
+
+
+def main():
+    parser = runs.parser(__doc__)
+    parser.add_argument("--average", default=os.path.join(runs.ROOT, "build", "bench", "average"))
+    parser.add_argument("--spp", type=int, default=4096, help="of references")
+    options = parser.parse_args()
+    print("| alpha | fill | radiance records | fill s | relMSE | mean |")
+    print("|---|---|---|---|---|---|")
+    for alpha in ALPHAS:
+        name = reference(options, alpha)
+        for fill, switch in (("adaptive", "on"), ("uniform", "off")):
+            # Every alpha is cached, also those that harmonics hold less well.
+            image, stats = runs.render(options, SCENE, f"{name}-{fill}", "-D", "alpha=" + alpha,
+                                       "--set", "adaptive-cache=" + switch, "--set",
+                                       "material-cache=floor=on", "--spp", "64", "--set",
+                                       "adaptive=off")
+            relmse, mean = runs.error(options, image, name)
+            print(f"| {alpha} | {fill} | {stats['records.radiance']:.0f} | "
+                  f"{stats['time.records_s']:.2f} | {relmse:.6f} | {mean:+.2%} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()

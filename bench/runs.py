@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the scripts of this folder share: renders, their statistics, their errors.
+
+References are those that `bench/quality.py references DIR SCENE.xml ...` makes.
+"""
+import argparse
+import json
+import os
+import subprocess
+import sys
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+
+
+def parser(description):
+    """Arguments that every script takes."""
+    p = argparse.ArgumentParser(description=description,
+                                formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("dir", help="folder of references; images are left there")
+    p.add_argument("--satin", default=os.path.join(ROOT, "build", "satin"))
+    p.add_argument("--extra", default="", help="more arguments for satin render")
+    return p
+
+
+def run(args):
+    done = subprocess.run(args, stdout=subprocess.PIPE, text=True, check=False)
+    if done.returncode:
+        sys.exit("failed: " + " ".join(args))
+    return done.stdout
+
+
+def scene_file(*parts):
+    return os.path.join(ROOT, "data", "scenes", *parts) + ".xml"
+
+
+def render(options, scene, out, *args, satin=None):
+    """Renders to DIR/out.exr: its path, and the statistics as a dictionary."""
+    image = os.path.join(options.dir, out + ".exr")
+    stats = os.path.join(options.dir, out + ".json")
+    run([satin or options.satin, "render", scene, "-o", image, "--stats", stats, "--quiet",
+         *args, *options.extra.split()])
+    with open(stats, encoding="utf-8") as file:
+        return image, json.load(file)
+
+
+def error(options, image, reference):
+    """relMSE, and the mean relative to the reference's; pixels of emitters are left out."""
+    found = json.loads(run([options.satin, "compare", image,
+                            os.path.join(options.dir, reference + ".exr"), "--mask-emission",
+                            "--json"]))
+    return found["relmse"], found["mean_ratio"] - 1
