@@ -24,6 +24,11 @@ struct scene_source {
     uint64_t *hash;  // continued over the file's bytes
 };
 
+// Reads the whole file of at most `max_bytes` and continues the hash over it; the caller frees
+// *data, which ends with a 0 after its `size` bytes.
+satin_status scene_source_read(const struct scene_source *source, size_t max_bytes, char **data,
+                               size_t *size);
+
 // Names of attributes that a mesh is asked for.
 enum { ATTRIBUTES_MAX = 8 };
 struct attribute_names {

@@ -107,7 +107,7 @@ satin_status scene_curves_read(const struct scene_source *source, const struct m
                                bool linear, struct curves *out) {
     char *data;
     size_t size;
-    satin_status status = mesh_read(source, &data, &size);
+    satin_status status = scene_source_read(source, SCENE_FILE_MAX, &data, &size);
     if (status != SATIN_OK) return status;
     struct reader r = {.source = source,
                        .text = {data, data + size, 1},

@@ -8,7 +8,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "base/fileio.h"
 #include "scene/scene_build.h"
 #include "scene/scene_image_oiio.h"
 
@@ -83,10 +82,8 @@ static void finish_texels(const struct scene_source *source, float *texel, size_
 static satin_status check_file(const struct scene_source *source, size_t *bytes) {
     char *data;
     size_t size;
-    satin_status status =
-        fileio_read(source->log, source->place, source->path, SCENE_FILE_MAX, &data, &size);
+    satin_status status = scene_source_read(source, SCENE_FILE_MAX, &data, &size);
     if (status != SATIN_OK) return status;
-    if (source->hash) *source->hash = fileio_hash(*source->hash, data, size);
     const char *problem = scene_image_png_problem(data, size);
     free(data);
     *bytes = size;

@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/fileio.h"
 #include "scene/scene_measured.h"
 
 enum { THETA_H = 90, THETA_D = 90, PHI_D = 180, CELLS = THETA_H * THETA_D * PHI_D };
@@ -36,8 +35,7 @@ static satin_status fill(const struct scene_source *source, const char *data,
 satin_status scene_measured_merl(const struct scene_source *source, struct brdf_grid *out) {
     char *data;
     size_t size;
-    satin_status status =
-        fileio_read(source->log, source->place, source->path, BYTES + 1, &data, &size);
+    satin_status status = scene_source_read(source, BYTES + 1, &data, &size);
     if (status != SATIN_OK) return status;
     const int32_t want[3] = {THETA_H, THETA_D, PHI_D};
     if (size != BYTES || memcmp(data, want, HEADER) != 0) {
@@ -46,7 +44,6 @@ satin_status scene_measured_merl(const struct scene_source *source, struct brdf_
                      source->path, BYTES, size);
         status = SATIN_ERROR_INPUT;
     } else {
-        if (source->hash) *source->hash = fileio_hash(*source->hash, data, size);
         status = fill(source, data, out);
     }
     free(data);

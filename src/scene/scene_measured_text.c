@@ -9,7 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/fileio.h"
 #include "scene/scene_measured.h"
 #include "scene/scene_mesh_text.h"
 
@@ -108,10 +107,8 @@ static satin_status read_grid(struct reader *r, struct brdf_grid *g) {
 satin_status scene_measured_text(const struct scene_source *source, struct brdf_grid *out) {
     char *data;
     size_t size;
-    satin_status status =
-        fileio_read(source->log, source->place, source->path, SCENE_FILE_MAX, &data, &size);
+    satin_status status = scene_source_read(source, SCENE_FILE_MAX, &data, &size);
     if (status != SATIN_OK) return status;
-    if (source->hash) *source->hash = fileio_hash(*source->hash, data, size);
     struct reader r = {source, {data, data + size, 1}};
     status = read_grid(&r, out);
     free(data);

@@ -7,8 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "base/fileio.h"
-
 // Embree drops triangles beyond 1.8e18 and aborts on rays from there.
 static const float COORDINATE_MAX = 1e18f;
 
@@ -25,14 +23,6 @@ satin_status mesh_error(const struct scene_source *source, int line, const char 
 satin_status mesh_no_memory(const struct scene_source *source) {
     return log_fail(source->log, SATIN_ERROR_MEMORY, "%s: not enough memory for its mesh",
                     source->path);
-}
-
-satin_status mesh_read(const struct scene_source *source, char **data, size_t *size) {
-    satin_status status =
-        fileio_read(source->log, source->place, source->path, SCENE_FILE_MAX, data, size);
-    if (status == SATIN_OK && source->hash)
-        *source->hash = fileio_hash_large(*source->hash, *data, *size);
-    return status;
 }
 
 satin_status mesh_allocate(const struct scene_source *source, uint32_t vertices, bool normals,

@@ -21,9 +21,6 @@ satin_status mesh_error(const struct scene_source *source, int line, const char 
     __attribute__((format(printf, 3, 4)));
 satin_status mesh_no_memory(const struct scene_source *source);
 
-// Reads the file and continues the hash over it; the caller frees *data.
-satin_status mesh_read(const struct scene_source *source, char **data, size_t *size);
-
 // Arrays of a mesh with `vertices` vertices; normal and uv only if asked for, index NULL.
 satin_status mesh_allocate(const struct scene_source *source, uint32_t vertices, bool normals,
                            bool uvs, struct mesh_parts *out);

@@ -225,7 +225,7 @@ satin_status scene_mesh_obj(const struct scene_source *source, const struct mesh
                             struct mesh *out) {
     char *data;
     size_t size;
-    satin_status status = mesh_read(source, &data, &size);
+    satin_status status = scene_source_read(source, SCENE_FILE_MAX, &data, &size);
     if (status != SATIN_OK) return status;
     struct obj obj = {.source = source, .text = {data, data + size, 1}};
     struct mesh_parts parts;

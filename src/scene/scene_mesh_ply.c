@@ -220,7 +220,7 @@ satin_status scene_mesh_ply(const struct scene_source *source, const struct mesh
                             struct mesh *out) {
     char *data;
     size_t size;
-    satin_status status = mesh_read(source, &data, &size);
+    satin_status status = scene_source_read(source, SCENE_FILE_MAX, &data, &size);
     if (status != SATIN_OK) return status;
     struct ply ply = {.source = source, .text = {data, data + size, 1}};
     status = ply_header_read(source, &ply.text, &ply.header);

@@ -260,7 +260,7 @@ satin_status scene_mesh_serialized(const struct scene_source *source,
                                    const struct mesh_request *request, struct mesh *out) {
     char *data;
     size_t size;
-    satin_status status = mesh_read(source, &data, &size);
+    satin_status status = scene_source_read(source, SCENE_FILE_MAX, &data, &size);
     if (status != SATIN_OK) return status;
     struct mesh_parts parts;
     status = read_file(source, request, (unsigned char *)data, size, &parts);

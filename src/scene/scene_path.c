@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the files are that a scene names: folders of <path>, and the order of the search.
+// Where the files are that a scene names: folders of <path>, the order of the search,
+// and reading them.
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/fileio.h"
+#include "scene/scene_build.h"
 #include "scene/scene_xml.h"
 
 char *scene_xml_resolve(const struct scene_xml *xml, struct log_place place, const char *name) {
@@ -48,4 +50,13 @@ satin_status scene_path_add(struct scene_xml *xml, struct log log, const struct 
     }
     xml->search[xml->search_count++] = copy;
     return SATIN_OK;
+}
+
+satin_status scene_source_read(const struct scene_source *source, size_t max_bytes, char **data,
+                               size_t *size) {
+    satin_status status =
+        fileio_read(source->log, source->place, source->path, max_bytes, data, size);
+    if (status == SATIN_OK && source->hash)
+        *source->hash = fileio_hash_large(*source->hash, *data, *size);
+    return status;
 }
