@@ -1,21 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any bytes given to the OpenEXR reader: a film or one logged line, no crash, bounded memory.
-#include <stdlib.h>
-
 #include "film/film.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
-static void count(void *user, satin_log_level level, const char *text) {
-    (void)level;
-    (void)text;
-    ++*(int *)user;
-}
+#include "fuzz_case.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     struct satin_film *film = NULL;
     int lines = 0;
-    satin_status status = film_parse_exr(data, size, "fuzz", (struct log){count, &lines}, &film);
+    satin_status status =
+        film_parse_exr(data, size, "fuzz", (struct log){fuzz_count, &lines}, &film);
     if ((status == SATIN_OK) != (film != NULL) || lines != (status != SATIN_OK)) abort();
     satin_film_free(film);
     return 0;

@@ -3,44 +3,8 @@
 // inflated content of a serialized mesh, which is packed here so that mutations get past zlib, 4
 // and 5 splines and linear curves; and normals made anew of an OBJ, 6. A sound mesh or one logged
 // line, no crash, memory in proportion to the input.
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <sys/mman.h>
-#include <unistd.h>
-#include <zlib.h>
-
+#include "fuzz_case.h"
 #include "scene/scene_curve.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
-static void count(void *user, satin_log_level level, const char *text) {
-    (void)level;
-    (void)text;
-    ++*(int *)user;
-}
-
-// The bytes as a file of this process; its descriptor.
-static int make_file(const uint8_t *data, size_t size, bool pack, char path[64]) {
-    int fd = memfd_create("mesh", MFD_CLOEXEC);
-    if (fd < 0) abort();
-    uLongf packed = compressBound(size);
-    uint8_t *content = malloc(packed + 4);
-    if (!content) abort();
-    if (pack) {
-        const uint8_t head[4] = {0x1c, 0x04, 4, 0};
-        memcpy(content, head, sizeof head);
-        if (compress(content + 4, &packed, data, size) != Z_OK) abort();
-        packed += 4;
-    } else {
-        if (size) memcpy(content, data, size);
-        packed = size;
-    }
-    if (write(fd, content, packed) != (ssize_t)packed) abort();
-    free(content);
-    sprintf(path, "/proc/self/fd/%d", fd);
-    return fd;
-}
 
 static void check_mesh(const struct mesh *mesh) {
     for (size_t i = 0; i < (size_t)mesh->triangle_count * 3; i++)
@@ -63,10 +27,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     if (!size) return 0;
     int kind = (*data++ & 7) % 7, lines = 0;
     size--;
-    char path[64];
-    int fd = make_file(data, size, kind == 3, path);
+    char path[FUZZ_PATH];
+    int fd = kind == 3 ? fuzz_file_packed(data, size, path) : fuzz_file(data, size, path);
     struct arena arena = {0};
-    struct scene_source source = {{count, &lines}, {"fuzz.xml", 1, 1}, &arena, path, NULL};
+    struct scene_source source = {{fuzz_count, &lines}, {"fuzz.xml", 1, 1}, &arena, path, NULL};
     struct mesh_request request = {.to_world = mat4_identity(), .face_normals = size & 1};
     request.shape_index = kind == 2 && size % 3 == 0;
     if (kind == 6) request.smooth_angle = 40.0f;

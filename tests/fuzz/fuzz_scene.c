@@ -1,18 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any bytes given as a scene file: a scene, or one logged error; no crash, no hang, bounded memory.
-#include <stdio.h>
-#include <stdlib.h>
-#include <sys/mman.h>
-#include <unistd.h>
-
+#include "fuzz_case.h"
 #include "scene/scene.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
-static void count(void *user, satin_log_level level, const char *text) {
-    (void)text;
-    if (level == SATIN_LOG_ERROR) ++*(int *)user;
-}
 
 // Uses of a loaded scene that its numbers must not break.
 static void use(const satin_scene *scene) {
@@ -28,12 +17,10 @@ static void use(const satin_scene *scene) {
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    int file = memfd_create("scene", 0), lines = 0;
-    if (file < 0 || write(file, data, size) != (ssize_t)size) abort();
-    char path[32];
-    snprintf(path, sizeof path, "/proc/self/fd/%d", file);
+    char path[FUZZ_PATH];
+    int file = fuzz_file(data, size, path), lines = 0;
     satin_scene *scene = NULL;
-    satin_status status = satin_scene_load(path, NULL, 0, count, &lines, &scene);
+    satin_status status = satin_scene_load(path, NULL, 0, fuzz_count, &lines, &scene);
     if ((status == SATIN_OK) != (scene != NULL) || lines != (status != SATIN_OK)) abort();
     if (scene) use(scene);
     satin_scene_free(scene);

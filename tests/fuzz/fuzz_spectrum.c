@@ -1,21 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any bytes given as a spectrum. The first one selects: 0 the text of an attribute, 1 an .spd file.
 // A colour that is finite, or one logged line; no crash, memory in proportion to the input.
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <sys/mman.h>
-#include <unistd.h>
-
+#include "fuzz_case.h"
 #include "scene/scene_spectrum.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
-static void count(void *user, satin_log_level level, const char *text) {
-    (void)level;
-    (void)text;
-    ++*(int *)user;
-}
 
 static satin_status read_text(struct log log, const uint8_t *data, size_t size,
                               struct spectrum *out) {
@@ -30,10 +17,8 @@ static satin_status read_text(struct log log, const uint8_t *data, size_t size,
 static satin_status read_file(struct log log, const uint8_t *data, size_t size,
                               struct spectrum *out) {
     uint64_t hash = 0;
-    char path[64];
-    int file = memfd_create("spectrum", MFD_CLOEXEC);
-    if (file < 0 || write(file, data, size) != (ssize_t)size) abort();
-    sprintf(path, "/proc/self/fd/%d", file);
+    char path[FUZZ_PATH];
+    int file = fuzz_file(data, size, path);
     satin_status status = spectrum_read(log, (struct log_place){0}, path, &hash, out);
     close(file);
     return status;
@@ -42,7 +27,7 @@ static satin_status read_file(struct log log, const uint8_t *data, size_t size,
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     if (!size) return 0;
     int lines = 0;
-    struct log log = {count, &lines};
+    struct log log = {fuzz_count, &lines};
     struct spectrum spectrum = {0};
     satin_status status = data[0] & 1 ? read_file(log, data + 1, size - 1, &spectrum)
                                       : read_text(log, data + 1, size - 1, &spectrum);
