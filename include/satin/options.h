@@ -42,6 +42,15 @@ typedef enum satin_gradients {
     SATIN_GRADIENTS_WARD_HECKBERT
 } satin_gradients;
 
+// How far a record reaches: by the distances that its rays found, or by the second derivatives of
+// its irradiance.
+typedef enum satin_radius {
+    SATIN_RADIUS_HARMONIC = 0,  // harmonic mean distance [Ward 1988]
+    SATIN_RADIUS_LEAST,         // least distance
+    SATIN_RADIUS_TABELLION,     // least distance without grazing rays
+    SATIN_RADIUS_HESSIAN        // occlusion Hessian; elliptic records
+} satin_radius;
+
 typedef struct satin_options {
     satin_integrator integrator;
     satin_quality quality;
@@ -72,10 +81,14 @@ typedef struct satin_options {
     // Irradiance cache (diffuse surfaces).
     bool irradiance_cache;
     satin_gradients irradiance_gradients;
-    int irradiance_rays;          // gather rays per record
-    float irradiance_a;           // accuracy a at which the cache is filled
-    float irradiance_widen;       // the image pass interpolates with a times this, 1 to 2
+    int irradiance_rays;     // gather rays per record
+    float irradiance_a;      // accuracy a at which the cache is filled
+    float irradiance_widen;  // the image pass interpolates with a times this, 1 to 2
+    satin_radius irradiance_radius;
+    bool irradiance_gradient_clamp;  // R is at most where E would change by itself [K05 6.5.1]
+    bool irradiance_neighbours;   // R of neighbours differs by their distance at most [K05 6.5.2]
     float irradiance_min_pixels;  // least record radius a R, in projected pixels
+    float irradiance_max_pixels;  // largest
 
     // Radiance cache (glossy surfaces).
     bool radiance_cache;
@@ -88,8 +101,17 @@ typedef struct satin_options {
     int radiance_rays;
     float radiance_a;
     float radiance_widen;
+    satin_radius radiance_radius;  // not by the Hessian
+    bool radiance_gradient_clamp;
+    bool radiance_neighbours;
     float radiance_min_pixels;
-    float radiance_max_pixels;  // largest record radius a R, in projected pixels
+    float radiance_max_pixels;
+
+    // Both caches.
+    bool adaptive_cache;      // records give way where they visibly disagree [K05 6.3]
+    float record_max_radius;  // largest R in scene units; 0: no limit
+    bool leak_test;           // records do not serve points that a wall hides from them
+
     // Materials, by the ids of their BRDFs, whose glossy lobes are cached whatever their error, or
     // sampled: "floor=on,vase=off". Ended by 0.
     char material_cache[256];

@@ -9,6 +9,7 @@
 
 #include "base/stats.h"
 #include "gather/gather.h"
+#include "rsh/rsh.h"
 
 struct cache;
 
@@ -21,6 +22,8 @@ struct cache_site {
     struct frame frame;  // shading frame; n on the same side
     float pixel;      // width of a projected pixel at p, across the line of sight, in scene units
     uint64_t stream;  // random stream, unique to the site
+    uint32_t source;  // the caller's, by which it knows the point again
+    uint8_t vertex;   // the same
     uint8_t wants;    // mask of cache_kind
 };
 
@@ -40,6 +43,7 @@ struct cache_fill {
     float a_irradiance, a_radiance;
     float widest;   // records will be read at accuracies up to this times the options' a
     float spacing;  // of sites, in pixels: members of a batch are farther apart than this
+    bool adapted;   // new records take their scale from the nearest one [K05 6.3.2]
     bool (*go_on)(void *user);  // asked between batches; false ends the fill early. NULL: never
     void *user;
 };
@@ -66,6 +70,32 @@ struct cache_lobe {
 // NULL.
 int cache_radiance(const struct cache *cache, const struct cache_place *at, float a,
                    const struct cache_lobe *lobe, rgb *glossy, rgb *E);
+
+// ---- Adaptive caching [K05 6.3] (cache_converge.c) ---------------------------------------------
+
+// What reflects at a point: L = specular * (lobe . Lambda) + diffuse * E. C of the lobe may point
+// into `coefficients`; order 0: no glossy part.
+struct cache_surface {
+    rgb specular, diffuse;
+    struct cache_lobe lobe;
+    float coefficients[3 * RSH_MAX_COEFFICIENTS];
+};
+
+// Full convergence for a set of shading points: where records disagree visibly, the farthest give
+// way, and new ones fill the gaps, until none disagree.
+struct cache_converge {
+    const struct cache_site *site;  // shading points, in the order in which gaps are filled
+    size_t count;
+    struct cache_fill fill;  // its accuracies; its sites are not used
+    float widen[2];          // irradiance, radiance: records are read at a times this
+    // The surface at a site; where it is in space, in *at.
+    void (*surface)(void *user, const struct cache_site *site, struct cache_place *at,
+                    struct cache_surface *out);
+    // Luminance of the direct light that it reflects.
+    float (*direct)(void *user, const struct cache_site *site);
+    void *user;
+};
+satin_status cache_converge(struct cache *cache, const struct cache_converge *with);
 
 // Counts, for statistics and the density layer.
 size_t cache_count(const struct cache *cache, enum cache_kind kind);

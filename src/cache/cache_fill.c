@@ -18,6 +18,7 @@ struct job {
     const struct cache_site *site;
     struct gather_irradiance irradiance;
     struct gather_radiance radiance;
+    struct gather_around around;
 };
 
 struct batch {
@@ -38,13 +39,41 @@ static void gather_jobs(void *ctx, size_t begin, size_t end, int worker) {
         struct job *job = &b->job[i];
         const struct cache_site *s = job->site;
         struct gather_site site = {s->p, s->ng, s->frame, s->stream};
-        if (b->kind == CACHE_IRRADIANCE)
-            gather_hemisphere_irradiance(c->g, c->irradiance_layout, c->scratch[worker], &site,
-                                         &job->irradiance);
+        const bool irradiance = b->kind == CACHE_IRRADIANCE;
+        const struct gather_layout *layout = irradiance ? c->irradiance_layout : c->radiance_layout;
+        if (irradiance)
+            gather_hemisphere_irradiance(c->g, layout, c->scratch[worker], &site, &job->irradiance);
         else
-            gather_hemisphere_radiance(c->g, c->radiance_layout, c->scratch[worker], &site,
-                                       &job->radiance);
+            gather_hemisphere_radiance(c->g, layout, c->scratch[worker], &site, &job->radiance);
+        gather_around_make(layout, c->scratch[worker],
+                           c->g->options->irradiance_radius == SATIN_RADIUS_HESSIAN, &job->around);
     }
+}
+
+// Of a new record among ones that were adapted: 1.4 times that of the nearest one [K05 6.3.2].
+static float first_scale(const struct cache_tree *tree, const struct cache_site *s, float reach) {
+    static const float GROWTH = 1.4f;
+    int64_t nearest = cache_tree_nearest(tree, s->p, s->frame.n, reach);
+    return nearest < 0 ? 1.0f : fminf(1.0f, GROWTH * tree->head[nearest].scale);
+}
+
+// Puts a record's area into the tree; its value must stand at the next index.
+static bool insert_head(struct cache_tree *tree, const struct job *job, struct cache_extent x,
+                        float a, const struct cache_fill *fill) {
+    const struct cache_site *s = job->site;
+    const float reach = a * fill->widest * x.R;
+    float ratio = x.R / x.across;
+    struct cache_head head = {
+        .p = s->p,
+        .R = x.R,
+        .n = s->frame.n,
+        .reach = reach,
+        .squeeze = v3_mul(x.axis, sqrtf(fmaxf(ratio * ratio - 1.0f, 0.0f))),
+        .scale = fill->adapted ? first_scale(tree, s, reach) : 1.0f,
+        .u = s->frame.u,
+        .walls = cache_leak_walls(&job->around, reach),
+    };
+    return cache_tree_insert(tree, &head);
 }
 
 static bool insert_irradiance(struct batch *b, struct job *job) {
@@ -54,14 +83,18 @@ static bool insert_irradiance(struct batch *b, struct job *job) {
     if (!array_reserve((void **)&c->irradiance, &c->irradiance_capacity, tree->head_count + 1,
                        sizeof *c->irradiance))
         return false;
-    const float a = c->g->options->irradiance_a;
-    float R = cache_clamp_irradiance(c, s, a, &job->irradiance);
-    R = cache_clamp_neighbours(tree, s->p, s->frame.n, R);
-    R = fmaxf(R, c->g->options->irradiance_min_pixels * s->pixel / a);
-    struct cache_head head = {s->p, R, s->frame.n, a * b->fill->widest * R};
-    c->irradiance[tree->head_count] = job->irradiance;
+    const satin_options *o = c->g->options;
+    const float a = o->irradiance_a;
+    struct cache_extent x = cache_extent_irradiance(c, s, &job->around, &job->irradiance);
+    if (o->irradiance_neighbours) {
+        x.R = cache_clamp_neighbours(tree, s->p, s->frame.n, x.R);
+        x.R = fmaxf(x.R, o->irradiance_min_pixels * s->pixel / a);
+        x.across = fminf(x.across, x.R);
+    }
+    c->irradiance[tree->head_count] =
+        (struct cache_irradiance_record){job->irradiance, job->around.deviation};
     c->rays += job->irradiance.rays;
-    return cache_tree_insert(tree, &head);
+    return insert_head(tree, job, x, a, b->fill);
 }
 
 // Into the layout of products, see cache_records.h.
@@ -81,13 +114,18 @@ static bool insert_radiance(struct batch *b, struct job *job) {
     if (!value || !array_reserve((void **)&c->radiance, &c->radiance_capacity, tree->head_count + 1,
                                  sizeof *c->radiance))
         return false;
-    const float a = c->g->options->radiance_a;
-    float R = cache_clamp_radiance(c, s, a, &job->radiance);
-    struct cache_head head = {s->p, R, s->frame.n, a * b->fill->widest * R};
+    const satin_options *o = c->g->options;
+    struct cache_extent x = cache_extent_radiance(c, s, &job->around, &job->radiance);
+    if (o->radiance_neighbours) {
+        x.R = cache_clamp_neighbours(tree, s->p, s->frame.n, x.R);
+        x.R = fmaxf(x.R, o->radiance_min_pixels * s->pixel / o->radiance_a);
+        x.across = fminf(x.across, x.R);
+    }
     interleave(&job->radiance, n2, value);
-    c->radiance[tree->head_count] = (struct cache_radiance_record){s->frame, value};
+    c->radiance[tree->head_count] =
+        (struct cache_radiance_record){s->frame, value, job->around.deviation};
     c->rays += job->radiance.rays;
-    return cache_tree_insert(tree, &head);
+    return insert_head(tree, job, x, o->radiance_a, b->fill);
 }
 
 static void start_job(struct batch *b, const struct cache_site *site) {
@@ -117,8 +155,10 @@ static void judge_sites(void *ctx, size_t begin, size_t end, int worker) {
     const struct cache_tree *tree =
         irradiance ? &b->cache->irradiance_tree : &b->cache->radiance_tree;
     const float a = irradiance ? b->fill->a_irradiance : b->fill->a_radiance;
+    struct cache_near near[CACHE_NEAR_MAX];
     for (size_t i = begin; i < end; i++)
-        b->covered[i] = cache_tree_covered(tree, b->window[i]->p, b->window[i]->frame.n, a);
+        b->covered[i] =
+            cache_find(b->cache, tree, b->window[i]->p, b->window[i]->frame.n, a, near) > 0;
 }
 
 // Takes the next members from waiting[*head .. count). Covered sites are dropped; those that lie

@@ -12,7 +12,13 @@ enum { CACHE_LANES = 12 };
 
 struct cache_radiance_record {
     struct frame frame;
-    float *value;  // order^2 * CACHE_LANES
+    float *value;     // order^2 * CACHE_LANES
+    float deviation;  // standard deviation of E over E
+};
+
+struct cache_irradiance_record {
+    struct gather_irradiance value;
+    float deviation;  // standard deviation of E over E
 };
 
 struct cache {
@@ -21,7 +27,7 @@ struct cache {
     int order;  // of radiance records; 0: none
 
     struct cache_tree irradiance_tree;
-    struct gather_irradiance *irradiance;
+    struct cache_irradiance_record *irradiance;
     size_t irradiance_capacity;
 
     struct cache_tree radiance_tree;
@@ -35,17 +41,41 @@ struct cache {
     struct gather_scratch **scratch;  // one per worker
     int scratch_count;
     uint64_t rays;
+    struct {
+        int passes;
+        uint64_t points, shrunk;  // points judged, records whose scale was lowered
+        double seconds;           // without gathering
+    } converged;
 };
 
-// R of a record as used: harmonic mean R limited by gradients and by the projected pixel
-// [K05 3.3, 6.5.1].
-float cache_clamp_irradiance(const struct cache *cache, const struct cache_site *site, float a,
-                             struct gather_irradiance *value);
-float cache_clamp_radiance(const struct cache *cache, const struct cache_site *site, float a,
-                           struct gather_radiance *value);
+// The area of a new record: R along the surface but `across` (at most R) along `axis`, a unit
+// vector of the tangent plane, before neighbour clamping. Limits the value's gradient where R
+// cannot follow it. From what its rays found around it [K05 3.3, 6.5.1].
+struct cache_extent {
+    float R, across;
+    vec3 axis;
+};
+struct cache_extent cache_extent_irradiance(const struct cache *cache,
+                                            const struct cache_site *site,
+                                            const struct gather_around *around,
+                                            struct gather_irradiance *value);
+struct cache_extent cache_extent_radiance(const struct cache *cache, const struct cache_site *site,
+                                          const struct gather_around *around,
+                                          struct gather_radiance *value);
 // Neighbour clamping [K05 6.5.2]: R of the new record, after limiting it by its neighbours and them
 // by it.
 float cache_clamp_neighbours(struct cache_tree *tree, vec3 p, vec3 n, float R);
+
+// Sectors in which something stands nearer than `reach`.
+uint32_t cache_leak_walls(const struct gather_around *around, float reach);
+// The records to interpolate at a place, without those that do not see it.
+int cache_find(const struct cache *cache, const struct cache_tree *tree, vec3 p, vec3 n, float a,
+               struct cache_near near[CACHE_NEAR_MAX]);
+// Luminance of what a surface reflects of one record.
+float cache_reflected(const struct cache *cache, enum cache_kind kind, uint32_t record,
+                      const struct cache_place *at, float a, const struct cache_surface *surface);
+// Whether a wall stands between the record and the point.
+bool cache_leaks(const struct cache *cache, const struct cache_head *head, vec3 p);
 
 // Re-expresses a BRDF given in frame `from` for products with a record in frame `to`; *lobe then
 // points into `turned` (3 * order^2).

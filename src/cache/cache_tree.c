@@ -119,16 +119,25 @@ bool cache_tree_insert(struct cache_tree *tree, const struct cache_head *head) {
     return true;
 }
 
+static float distance(const struct cache_head *h, vec3 d) {
+    float across = v3_dot(d, h->squeeze);
+    return sqrtf(v3_len2(d) + across * across);
+}
+
+float cache_tree_error(const struct cache_head *h, vec3 p, vec3 n) {
+    return distance(h, v3_sub(p, h->p)) / h->R + safe_sqrtf(1.0f - v3_dot(n, h->n));
+}
+
 // The record's weight at (p, n), 0 if it is not in S.
 static float weight_at(const struct cache_head *h, vec3 p, vec3 n, float a) {
     vec3 d = v3_sub(p, h->p);
-    float d2 = v3_len2(d), limit = a * h->R;
-    if (d2 >= limit * limit) return 0.0f;
-    float error = sqrtf(d2) / h->R + safe_sqrtf(1.0f - v3_dot(n, h->n));
-    if (error >= a) return 0.0f;
+    float own = a * h->scale, limit = own * h->R;
+    if (v3_len2(d) >= limit * limit) return 0.0f;
+    float error = distance(h, d) / h->R + safe_sqrtf(1.0f - v3_dot(n, h->n));
+    if (error >= own) return 0.0f;
     if (fabsf(v3_dot(d, h->n)) > SLAB * limit) return 0.0f;
-    if (v3_dot(d, v3_add(n, h->n)) < -2.0f * FRONT_SLACK * h->R * a) return 0.0f;
-    return 1.0f - error / a;
+    if (v3_dot(d, v3_add(n, h->n)) < -2.0f * FRONT_SLACK * h->R * own) return 0.0f;
+    return 1.0f - error / own;
 }
 
 int cache_tree_find(const struct cache_tree *tree, vec3 p, vec3 n, float a,

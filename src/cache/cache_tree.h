@@ -15,7 +15,11 @@ struct cache_head {
     vec3 p;
     float R;  // clamped; influence at accuracy a reaches a R
     vec3 n;
-    float reach;  // radius at which the tree refers to it, >= a R for every a in use
+    float reach;     // radius at which the tree refers to it, >= a R for every a in use
+    vec3 squeeze;    // an elliptic record is nearer by this: d^2 counts as d^2 + (d . squeeze)^2
+    float scale;     // its own accuracy is this times a [K05 6.3], in (0, 1]
+    vec3 u;          // azimuth 0 of
+    uint32_t walls;  // the sectors, from bit 0, where something stands within reach
 };
 
 struct cache_node {
@@ -50,7 +54,9 @@ void cache_tree_init(struct cache_tree *tree, vec3 lo, vec3 hi);
 void cache_tree_free(struct cache_tree *tree);
 // Appends a record; false without memory (then the tree is unchanged but for its capacity).
 bool cache_tree_insert(struct cache_tree *tree, const struct cache_head *head);
-// The set S at (p, n): records with error d / R + sqrt(1 - n . n_i) < a that do not lie behind p.
+// A record's error at (p, n): d / R + sqrt(1 - n . n_i).
+float cache_tree_error(const struct cache_head *head, vec3 p, vec3 n);
+// The set S at (p, n): records with an error below a times their scale that do not lie behind p.
 // At most CACHE_NEAR_MAX, in a fixed order. Weights are positive and reach 0 where a record drops
 // out.
 int cache_tree_find(const struct cache_tree *tree, vec3 p, vec3 n, float a,

@@ -108,8 +108,6 @@ struct gather_irradiance {
     rgb E;
     vec3 grad_t[3];  // translation: dE/dp per channel, world, in the tangent plane
     vec3 grad_r[3];  // rotation: E changes by (n_i x n) . grad_r
-    float R;         // harmonic mean of hit distances, cosine-weighted; INFINITY if no ray hit
-    float r_min;     // least hit distance
     uint32_t rays;
 };
 
@@ -117,8 +115,21 @@ struct gather_irradiance {
 // channel), owned by the caller; dx and dy may be NULL.
 struct gather_radiance {
     float *lambda, *dx, *dy;
-    float R, r_min;
     uint32_t rays;
+};
+
+enum { GATHER_SECTORS = 32 };
+
+// What the rays tell of the surroundings (gather_around.c). Distances are INFINITY if nothing was
+// hit.
+struct gather_around {
+    float harmonic;       // harmonic mean of hit distances
+    float least;          // least of them,
+    float least_upright;  // without rays that graze both the record's surface and the other
+    float
+        sector[GATHER_SECTORS];  // least distance along the tangent plane, by azimuth in the frame
+    float deviation;             // standard deviation of E, as a part of E [K05 6.4]
+    float bend[3];  // d2E/dx2, d2E/dxdy, d2E/dy2 of luminance in the frame; of irradiance, if asked
 };
 
 struct gather_site {
@@ -140,5 +151,9 @@ void gather_hemisphere_irradiance(const struct gather *g, const struct gather_la
 void gather_hemisphere_radiance(const struct gather *g, const struct gather_layout *layout,
                                 struct gather_scratch *scratch, const struct gather_site *site,
                                 struct gather_radiance *out);
+
+// Of the hemisphere that `scratch` holds, gathered last by `layout`. `bends` asks for the Hessian.
+void gather_around_make(const struct gather_layout *layout, const struct gather_scratch *scratch,
+                        bool bends, struct gather_around *out);
 
 #endif

@@ -28,18 +28,6 @@ static void make_rays(const struct gather *g, const struct gather_layout *l,
         }
 }
 
-static void distances(const struct gather_scratch *scratch, size_t count, float *R, float *r_min) {
-    double sum = 0.0;
-    float least = INFINITY;
-    for (size_t i = 0; i < count; i++) {
-        float r = scratch->rays[i].first.r;
-        sum += 1.0 / (double)r;  // a miss adds 0
-        least = fminf(least, r);
-    }
-    *R = sum > 0.0 ? (float)((double)count / sum) : INFINITY;
-    *r_min = least;
-}
-
 // E changes with the normal about the axis across each column by the integral of sin^2(theta).
 static void turn_gradient(const struct gather_cells *cells, vec3 grad[3]) {
     const struct gather_layout *l = cells->layout;
@@ -73,7 +61,6 @@ void gather_hemisphere_irradiance(const struct gather *g, const struct gather_la
     *out = (struct gather_irradiance){.rays = (uint32_t)count};
     for (size_t i = 0; i < count; i++) out->E = rgb_add(out->E, scratch->rays[i].L);
     out->E = rgb_scale(out->E, PI_F / (float)count);
-    distances(scratch, count, &out->R, &out->r_min);
     const struct gather_cells cells = {layout, &site->frame, scratch};
     irradiance_gradients(&cells, g->options->irradiance_gradients, out->grad_t);
     turn_gradient(&cells, out->grad_r);
@@ -108,7 +95,6 @@ void gather_hemisphere_radiance(const struct gather *g, const struct gather_layo
     rsh_project(layout->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, layout->order, (int)count,
                 scratch->x, scratch->y, scratch->z, scratch->r, scratch->g, scratch->b,
                 out->lambda);
-    distances(scratch, count, &out->R, &out->r_min);
     out->rays = (uint32_t)count;
     const struct gather_cells cells = {layout, &site->frame, scratch};
     if (out->dx) radiance_gradients(&cells, g->options->radiance_gradients, out->dx, out->dy);

@@ -34,6 +34,63 @@ static void irradiance_rows(struct gather_layout *l) {
     }
 }
 
+// Half the integral of the cosine law's boundary term along the edge from r1 to r2,
+// n . (r1 x r2) int dt / |r|^2, derived twice by the position of the eye in the tangent plane.
+static void edge_bend(const double r1[3], const double r2[3], float out[3]) {
+    static const double node[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
+                                  0.9602898564975363};
+    static const double weight[] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
+                                    0.1012285362903763};  // Gauss and Legendre, half of each
+    const double e[3] = {r2[0] - r1[0], r2[1] - r1[1], r2[2] - r1[2]};
+    const double height = r1[0] * r2[1] - r1[1] * r2[0], slope[2] = {-e[1], e[0]};
+    double first[2] = {0}, second[3] = {0};  // derivatives of int dt / |r|^2
+    for (int i = 0; i < 8; i++) {
+        double t = 0.5 + 0.5 * (i < 4 ? node[i] : -node[i - 4]), w = 0.5 * weight[i % 4];
+        double x = r1[0] + t * e[0], y = r1[1] + t * e[1], z = r1[2] + t * e[2];
+        double r2_ = x * x + y * y + z * z, r4 = r2_ * r2_, r6 = r4 * r2_;
+        first[0] += w * 2.0 * x / r4;
+        first[1] += w * 2.0 * y / r4;
+        second[0] += w * (8.0 * x * x / r6 - 2.0 / r4);
+        second[1] += w * 8.0 * x * y / r6;
+        second[2] += w * (8.0 * y * y / r6 - 2.0 / r4);
+    }
+    out[0] = (float)(0.5 * (height * second[0] + 2.0 * slope[0] * first[0]));
+    out[1] = (float)(0.5 * (height * second[1] + slope[0] * first[1] + slope[1] * first[0]));
+    out[2] = (float)(0.5 * (height * second[2] + 2.0 * slope[1] * first[1]));
+}
+
+// The same of what joins a wall's ends to those of its neighbours, which stand at other distances:
+// edges along the line of sight, whose own term is 0 but not its derivatives. Each wall brings its
+// part, from its ends to infinity.
+static void add_ends(const double r1[3], const double r2[3], float out[3]) {
+    out[0] += (float)(r1[0] * r1[1] - r2[0] * r2[1]);
+    out[1] += (float)(0.5 * (r2[0] * r2[0] - r2[1] * r2[1] - r1[0] * r1[0] + r1[1] * r1[1]));
+    out[2] += (float)(r2[0] * r2[1] - r1[0] * r1[1]);
+}
+
+static void direction(double theta, double phi, double out[3]) {
+    out[0] = sin(theta) * cos(phi);
+    out[1] = sin(theta) * sin(phi);
+    out[2] = cos(theta);
+}
+
+// Walls run with the azimuth, and from the horizon to the pole, as seen with the cell before them
+// on the left.
+static void bend_rows(struct gather_layout *l) {
+    const double half = 3.14159265358979323846 / l->N;
+    for (int j = 0; j < l->M; j++) {
+        double lo = wall_angle(l, j), hi = wall_angle(l, j + 1), from[3], to[3];
+        direction(hi, -half, from);
+        direction(hi, half, to);
+        edge_bend(from, to, l->bend_u[j]);
+        add_ends(from, to, l->bend_u[j]);
+        direction(hi, 0.0, from);
+        direction(lo, 0.0, to);
+        edge_bend(from, to, l->bend_v[j]);
+        add_ends(from, to, l->bend_v[j]);
+    }
+}
+
 static void evaluate(const struct gather_layout *l, double theta, double phi, float *y) {
     float w[3] = {(float)(sin(theta) * cos(phi)), (float)(sin(theta) * sin(phi)),
                   (float)cos(theta)};
@@ -88,20 +145,25 @@ struct gather_layout *gather_layout_new(int rays, satin_basis basis, int order) 
     l->trig_count = order ? 2 * order - 1 : 0;
     size_t M = (size_t)l->M, N = (size_t)l->N, n2 = (size_t)(order * order);
     size_t trig = N * (size_t)l->trig_count;
-    float *block = array_new(4 * N + 4 * M + 2 * trig + 2 * M * n2, sizeof *block);
+    float *block = array_new(4 * N + 10 * M + 2 * trig + 2 * M * n2, sizeof *block);
     if (!block) {
         free(l);
         return NULL;
     }
-    float **part[] = {&l->cos_k,  &l->sin_k, &l->cos_w,  &l->sin_w,  &l->wall_u, &l->wall_v,
-                      &l->wall_h, &l->turn,  &l->trig_u, &l->trig_v, &l->row_u,  &l->row_v};
-    size_t size[] = {N, N, N, N, M, M, M, M, trig, trig, M * n2, M * n2};
+    float *bend_u, *bend_v;
+    float **part[] = {&l->cos_k,  &l->sin_k,  &l->cos_w, &l->sin_w,  &l->wall_u,
+                      &l->wall_v, &l->wall_h, &l->turn,  &l->trig_u, &l->trig_v,
+                      &l->row_u,  &l->row_v,  &bend_u,   &bend_v};
+    size_t size[] = {N, N, N, N, M, M, M, M, trig, trig, M * n2, M * n2, 3 * M, 3 * M};
     for (size_t i = 0; i < sizeof part / sizeof *part; i++) {
         *part[i] = block;
         block += size[i];
     }
+    l->bend_u = (float(*)[3])bend_u;
+    l->bend_v = (float(*)[3])bend_v;
     azimuths(l);
     irradiance_rows(l);
+    bend_rows(l);
     if (order && !radiance_rows(l)) {
         gather_layout_free(l);
         return NULL;

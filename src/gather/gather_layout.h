@@ -16,6 +16,9 @@ struct gather_layout {
     float *wall_v;  // M: sin(theta_j+) - sin(theta_j-)
     float *wall_h;  // M: the same by [K05 4.3.2]: (theta_j+ - theta_j-) cos(their mean)
     float *turn;    // M: integral of sin^2(theta) over the cell
+    // Second derivatives of the cosine law over a wall at distance 1, xx xy yy (gather_around.c):
+    // of the wall below row j at its column's azimuth 0, and of the wall before a column there.
+    float (*bend_u)[3], (*bend_v)[3];  // M each
     // Radiance [K05 4.3.1, at the walls]: H(theta, phi) = P(theta) trig(phi), so the sums over k
     // are done first, once per trigonometric function.
     int trig_count;          // 2 order - 1: m = -(order - 1) .. order - 1

@@ -30,7 +30,10 @@ const satin_options satin_options_default = {
     .irradiance_rays = 600,
     .irradiance_a = 0.2f,
     .irradiance_widen = 2.0f,
+    .irradiance_gradient_clamp = true,
+    .irradiance_neighbours = true,
     .irradiance_min_pixels = 3.0f,
+    .irradiance_max_pixels = 100000.0f,
     .radiance_cache = true,
     .radiance_gradients = SATIN_GRADIENTS_STRATIFIED,
     .radiance_basis = SATIN_HSH,
@@ -40,8 +43,10 @@ const satin_options satin_options_default = {
     .radiance_rays = 4000,
     .radiance_a = 0.3f,
     .radiance_widen = 2.0f,
+    .radiance_gradient_clamp = true,
     .radiance_min_pixels = 1.5f,
     .radiance_max_pixels = 20.0f,
+    .leak_test = true,
 };
 
 // The fields that a quality decides; options_table says which they are. The preset `preview` is the

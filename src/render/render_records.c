@@ -40,16 +40,16 @@ static void find_sites(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-// The pixels of a level: on its grid, not on a coarser one; scrambled by Fisher and Yates.
-static uint32_t *level_pixels(const struct render *r, int stride, size_t *count) {
+uint32_t *render_grid(const struct render *r, int stride, bool finer, size_t *count) {
     int width = r->options.width, height = r->options.height;
     size_t columns = (size_t)(width + stride - 1) / (size_t)stride;
     size_t rows = (size_t)(height + stride - 1) / (size_t)stride, n = 0;
     uint32_t *pixel = array_new(columns * rows, sizeof *pixel);
+    *count = 0;
     if (!pixel) return NULL;
     for (int y = 0; y < height; y += stride)
         for (int x = 0; x < width; x += stride)
-            if (stride == COARSEST || x % (2 * stride) || y % (2 * stride))
+            if (!finer || x % (2 * stride) || y % (2 * stride))
                 pixel[n++] = (uint32_t)y * (uint32_t)width + (uint32_t)x;
     struct rng rng = rng_make(r->options.seed, RNG_SITE, (uint64_t)stride);
     for (size_t i = n; i > 1; i--) {
@@ -62,13 +62,12 @@ static uint32_t *level_pixels(const struct render *r, int stride, size_t *count)
     return pixel;
 }
 
-static bool time_remains(void *user) {
+bool render_time_remains(void *user) {
     const struct render *r = user;
     return render_elapsed(r) < r->stop_at;
 }
 
-// The factor of a over which no record is read: what the image pass may use.
-static float widest(const struct render *r) {
+float render_widest(const struct render *r) {
     float w = fmaxf(r->options.irradiance_widen, r->options.radiance_widen);
     return r->options.time > 0.0 ? fmaxf(w, TIMED_WIDEN[0]) : w;
 }
@@ -85,9 +84,9 @@ static satin_status fill_block(struct level *l, size_t count, float widen) {
         .count = n,
         .a_irradiance = r->options.irradiance_a * widen,
         .a_radiance = r->options.radiance_a * widen,
-        .widest = widest(r),
+        .widest = render_widest(r),
         .spacing = 1.5f * (float)l->stride,
-        .go_on = r->options.time > 0.0 ? time_remains : NULL,
+        .go_on = r->options.time > 0.0 ? render_time_remains : NULL,
         .user = r,
     };
     return cache_fill(r->cache, &fill);
@@ -95,7 +94,7 @@ static satin_status fill_block(struct level *l, size_t count, float widen) {
 
 static satin_status fill_level(struct level *l, float widen) {
     size_t count;
-    uint32_t *pixel = level_pixels(l->r, l->stride, &count);
+    uint32_t *pixel = render_grid(l->r, l->stride, l->stride != COARSEST, &count);
     if (!pixel) return SATIN_ERROR_MEMORY;
     satin_status status = SATIN_OK;
     for (size_t i = 0; i < count && status == SATIN_OK; i += BLOCK_PIXELS) {
@@ -128,6 +127,15 @@ static void read_at(struct render *r, float irradiance, float radiance) {
     r->shade.a_radiance = r->options.radiance_a * radiance;
 }
 
+// At the options' accuracies; then adapted.
+static satin_status fill(struct level *l) {
+    struct render *r = l->r;
+    const float read[2] = {r->options.irradiance_widen, r->options.radiance_widen};
+    satin_status status = fill_levels(l, 1.0f, 0.0, 1.0);
+    if (status != SATIN_OK || !r->options.adaptive_cache) return status;
+    return render_converge(r, 1.0f, read);
+}
+
 // With a time limit: rounds of ever finer records. The image reads them at the finest accuracy that
 // was finished.
 static satin_status fill_timed(struct level *l) {
@@ -139,7 +147,7 @@ static satin_status fill_timed(struct level *l) {
     double start = stats_wall();
     for (int i = 0; i < TIMED_ROUNDS && status == SATIN_OK; i++) {
         status = fill_levels(l, TIMED_WIDEN[i], (double)i / TIMED_ROUNDS, 1.0 / TIMED_ROUNDS);
-        if (!time_remains(r)) break;
+        if (!render_time_remains(r)) break;
         finished = TIMED_WIDEN[i];
         if (i > 0) continue;
         double pace = (double)cache_rays(r->cache) / fmax(stats_wall() - start, 1e-9);
@@ -158,8 +166,7 @@ satin_status render_records(struct render *r) {
     l.site = array_new((size_t)BLOCK_PIXELS * SITES_PER_PIXEL, sizeof *l.site);
     l.count = array_new(BLOCK_PIXELS, 1);
     satin_status status = SATIN_ERROR_MEMORY;
-    if (l.site && l.count)
-        status = r->options.time > 0.0 ? fill_timed(&l) : fill_levels(&l, 1.0f, 0.0, 1.0);
+    if (l.site && l.count) status = r->options.time > 0.0 ? fill_timed(&l) : fill(&l);
     free(l.site);
     free(l.count);
     return status;

@@ -70,6 +70,17 @@ double render_share(struct render *r, double rays_per_second, double otherwise);
 // ---- render_records.c
 // Fills the cache over the image's shading points, coarse to fine.
 satin_status render_records(struct render *r);
+// The pixels y * width + x of a grid of that stride, without those of the grid twice as coarse if
+// `finer`, scrambled by Fisher and Yates; malloc, NULL without memory.
+uint32_t *render_grid(const struct render *r, int stride, bool finer, size_t *count);
+bool render_time_remains(void *render);  // until stop_at
+// The factor of a over which no record is read: what the image pass may use.
+float render_widest(const struct render *r);
+
+// ---- render_converge.c
+// Adapts the records to the eye's points [K05 6.3]; they were filled at `widen` times a and will be
+// read at `read` times the options' a, irradiance and radiance.
+satin_status render_converge(struct render *r, float widen, const float read[2]);
 
 // ---- render_image.c
 struct render_image *render_image_new(int width, int height);

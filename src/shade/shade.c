@@ -132,7 +132,15 @@ int shade_sites(const struct shade *shade, int x, int y, uint32_t index, struct 
         uint64_t stream =
             rng_mix(((uint64_t)sampler.seed << 20) + ((uint64_t)index << 4) + (uint64_t)i);
         out[count++] = (struct cache_site){
-            v->point.surfel.p, v->point.surfel.ng, v->point.base, v->pixel, stream, (uint8_t)wants};
+            .p = v->point.surfel.p,
+            .ng = v->point.surfel.ng,
+            .frame = v->point.base,
+            .pixel = v->pixel,
+            .stream = stream,
+            .source = (uint32_t)y * (uint32_t)shade->g->options->width + (uint32_t)x,
+            .vertex = (uint8_t)i,
+            .wants = (uint8_t)wants,
+        };
     }
     return count;
 }

@@ -98,4 +98,10 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
 int shade_sites(const struct shade *shade, int x, int y, uint32_t index, struct cache_site *out,
                 int max);
 
+// A site of shade_sites(..., 0, ...) as adaptive caching sees it: the surface in place of bumps,
+// and direct light by a few samples. (shade_surface.c)
+void shade_surface(const struct shade *shade, const struct cache_site *site, struct cache_place *at,
+                   struct cache_surface *out);
+float shade_surface_direct(const struct shade *shade, const struct cache_site *site);
+
 #endif

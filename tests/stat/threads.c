@@ -19,6 +19,7 @@ static const char *const setting[][2] = {
     {"height", "64"},           {"spp", "6"},
     {"photons", "30000"},       {"caustic_photons", "30000"},
     {"irradiance_rays", "200"}, {"radiance_rays", "600"},
+    {"adaptive_cache", "on"},   {"irradiance_radius", "hessian"},
 };
 
 static uint64_t render_hash(const satin_scene *scene, const char *threads, const char *integrator) {

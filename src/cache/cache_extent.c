@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far a record reaches: by the distances that its rays found, or by how its irradiance bends;
+// then limited by what its gradient can carry and by the projected pixel [K05 3.3, 6.5.1].
+#include "cache/cache_records.h"
+
+// R by the Hessian is such that, at a R, the second-order term of E is a^2 times this part of E.
+static const float BEND_PART = 0.5f;
+
+// An elliptic record is at most so much longer than wide, and reaches at most this times the
+// harmonic mean distance.
+static const float LONGEST = 3.0f, FARTHEST = 2.0f;
+
+static float by_distance(satin_radius kind, const struct gather_around *around) {
+    if (kind == SATIN_RADIUS_LEAST) return around->least;
+    if (kind == SATIN_RADIUS_TABELLION) return around->least_upright;
+    return around->harmonic;
+}
+
+// The bound on a radius where nothing was hit, and the user's.
+static float bounded(float R, const struct cache *cache) {
+    const float most = cache->g->options->record_max_radius;
+    R = fminf(R, cache->g->scene->radius);
+    return most > 0.0f ? fminf(R, most) : R;
+}
+
+static struct cache_extent circle(float R) { return (struct cache_extent){R, R, {0, 0, 0}}; }
+
+// Radii along the directions in which E bends least and most: sqrt(2 part E / |lambda|).
+static struct cache_extent by_bend(const struct gather_around *around, const struct frame *frame,
+                                   float E) {
+    const float xx = around->bend[0], xy = around->bend[1], yy = around->bend[2];
+    float mean = 0.5f * (xx + yy), half = sqrtf(0.25f * (xx - yy) * (xx - yy) + xy * xy);
+    float most = fabsf(mean) + half, least = fabsf(fabsf(mean) - half);
+    if (!(most > 0.0f) || !(E > 0.0f)) return circle(around->harmonic);
+    // The eigenvector of the eigenvalue of largest modulus.
+    float angle = 0.5f * atan2f(2.0f * xy, xx - yy);
+    if (mean < 0.0f) angle += 0.5f * PI_F;
+    float narrow = sqrtf(2.0f * BEND_PART * E / most);
+    float wide = fminf(narrow * sqrtf(most / fmaxf(least, 1e-12f * most)), LONGEST * narrow);
+    const float limit = FARTHEST * around->harmonic;
+    vec3 axis = v3_add(v3_mul(frame->u, cosf(angle)), v3_mul(frame->v, sinf(angle)));
+    return (struct cache_extent){fminf(wide, limit), fminf(narrow, limit), axis};
+}
+
+// Keeps a R of both axes between so many pixels.
+static void clamp_pixels(struct cache_extent *x, float a, float pixel, float least, float most) {
+    const float lo = least * pixel / a, hi = most * pixel / a;
+    x->R = fmaxf(fminf(x->R, hi), lo);
+    x->across = fmaxf(fminf(x->across, x->R), lo);
+}
+
+static void limit(struct cache_extent *x, float R) {
+    x->R = fminf(x->R, R);
+    x->across = fminf(x->across, x->R);
+}
+
+static vec3 luminance_gradient(const struct gather_irradiance *value) {
+    vec3 grad = v3_mul(value->grad_t[0], 0.212671f);
+    grad = v3_mad(grad, 0.715160f, value->grad_t[1]);
+    return v3_mad(grad, 0.072169f, value->grad_t[2]);
+}
+
+struct cache_extent cache_extent_irradiance(const struct cache *cache,
+                                            const struct cache_site *site,
+                                            const struct gather_around *around,
+                                            struct gather_irradiance *value) {
+    const satin_options *o = cache->g->options;
+    const float a = o->irradiance_a, E = rgb_luminance(value->E);
+    struct cache_extent x = o->irradiance_radius == SATIN_RADIUS_HESSIAN
+                                ? by_bend(around, &site->frame, E)
+                                : circle(by_distance(o->irradiance_radius, around));
+    limit(&x, bounded(x.R, cache));
+    // E may not change by more than itself within R [K05 6.5.1].
+    const float slope = v3_len(luminance_gradient(value));
+    if (o->irradiance_gradient_clamp && slope * x.R > E && E > 0.0f) limit(&x, E / slope);
+    clamp_pixels(&x, a, site->pixel, o->irradiance_min_pixels, o->irradiance_max_pixels);
+    // Where the pixel holds the radius up, the gradient gives way: never extrapolate E below 0.
+    const float Ec[3] = {value->E.r, value->E.g, value->E.b};
+    for (int c = 0; c < 3; c++) {
+        float change = v3_len(value->grad_t[c]) * a * o->irradiance_widen * x.R;
+        if (change > Ec[c]) value->grad_t[c] = v3_mul(value->grad_t[c], Ec[c] / change);
+    }
+    return x;
+}
+
+// Squared lengths of a colour's vector and of its gradient.
+static void lengths2(const struct gather_radiance *value, int n2, int channel, float *size2,
+                     float *slope2) {
+    const float *lambda = value->lambda + channel * n2;
+    const float *dx = value->dx + channel * n2, *dy = value->dy + channel * n2;
+    *size2 = *slope2 = 0.0f;
+    for (int k = 0; k < n2; k++) {
+        *size2 += lambda[k] * lambda[k];
+        *slope2 += dx[k] * dx[k] + dy[k] * dy[k];
+    }
+}
+
+struct cache_extent cache_extent_radiance(const struct cache *cache, const struct cache_site *site,
+                                          const struct gather_around *around,
+                                          struct gather_radiance *value) {
+    const satin_options *o = cache->g->options;
+    const int n2 = cache->order * cache->order;
+    const float a = o->radiance_a;
+    float size2[3], slope2[3];
+    for (int c = 0; c < 3; c++) lengths2(value, n2, c, &size2[c], &slope2[c]);
+    const float size = sqrtf(size2[0] + size2[1] + size2[2]);
+    const float slope = sqrtf(slope2[0] + slope2[1] + slope2[2]);
+    struct cache_extent x = circle(bounded(by_distance(o->radiance_radius, around), cache));
+    // As for E: the vector may not change by more than its length within R. Measured where a wall
+    // reflects a box near to it: half of the records serve for the same error.
+    if (o->radiance_gradient_clamp && slope * x.R > size && size > 0.0f) limit(&x, size / slope);
+    clamp_pixels(&x, a, site->pixel, o->radiance_min_pixels, o->radiance_max_pixels);
+    // Where the pixel holds the radius up, the gradient of each colour gives way.
+    for (int c = 0; c < 3; c++) {
+        float change = sqrtf(slope2[c]) * a * o->radiance_widen * x.R, length = sqrtf(size2[c]);
+        if (!(change > length)) continue;
+        for (int k = c * n2; k < (c + 1) * n2; k++) {
+            value->dx[k] *= length / change;
+            value->dy[k] *= length / change;
+        }
+    }
+    return x;
+}

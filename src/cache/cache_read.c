@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reading the caches: what one record says of a place, and the weighted mean of those that are near
+// [K05 (2.2), (3.2), (3.3)].
+#include <string.h>
+
+#include "cache/cache_records.h"
+#include "rsh/rsh.h"
+
+// The records to interpolate at a place; where none is, the nearest one.
+static int find(const struct cache *cache, const struct cache_tree *tree,
+                const struct cache_place *at, float a, struct cache_near near[CACHE_NEAR_MAX]) {
+    int count = cache_find(cache, tree, at->p, at->n, a, near);
+    if (count > 0 || !(at->reach > 0.0f)) return count;
+    int64_t nearest = cache_tree_nearest(tree, at->p, at->n, at->reach);
+    if (nearest < 0 || cache_leaks(cache, &tree->head[nearest], at->p)) return 0;
+    near[0] = (struct cache_near){(uint32_t)nearest, 1.0f};
+    return 1;
+}
+
+// The way from a record to p, cut at the radius within which its gradient is good.
+static vec3 way_from(const struct cache_head *h, vec3 p, float a) {
+    vec3 d = v3_sub(p, h->p);
+    float length = v3_len(d), most = a * h->R;
+    return length > most ? v3_mul(d, most / length) : d;
+}
+
+// E of one record at a place. A facet that is turned by an angle t sees E cos t, and what the
+// rotation gradient adds sin t.
+static rgb irradiance_of(const struct cache *cache, uint32_t record, const struct cache_place *at,
+                         float a) {
+    const struct cache_head *h = &cache->irradiance_tree.head[record];
+    const struct gather_irradiance *value = &cache->irradiance[record].value;
+    const bool gradients = cache->g->options->irradiance_gradients != SATIN_GRADIENTS_NONE;
+    const float share = minf(v3_dot(at->n, at->frame.n), 1.0f);
+    const vec3 move = way_from(h, at->p, a), turn = v3_cross(h->n, at->frame.n);
+    float e[3] = {share * value->E.r, share * value->E.g, share * value->E.b};
+    for (int c = 0; c < 3; c++) {
+        if (gradients) e[c] += v3_dot(turn, value->grad_r[c]) + v3_dot(move, value->grad_t[c]);
+        e[c] = fmaxf(e[c], 0.0f);
+    }
+    return rgb_make(e[0], e[1], e[2]);
+}
+
+int cache_irradiance(const struct cache *cache, const struct cache_place *at, float a, rgb *E) {
+    struct cache_near near[CACHE_NEAR_MAX];
+    int count = find(cache, &cache->irradiance_tree, at, a, near);
+    if (count == 0) return 0;
+    rgb sum = rgb_grey(0.0f);
+    float weights = 0.0f;
+    for (int i = 0; i < count; i++) {
+        rgb e = irradiance_of(cache, near[i].record, at, a);
+        sum = rgb_mad(sum, e, near[i].weight);
+        weights += near[i].weight;
+    }
+    *E = rgb_scale(sum, 1.0f / weights);
+    return count;
+}
+
+// Whether two frames agree so well that no coefficient needs turning.
+static bool same_frame(const struct frame *a, const struct frame *b) {
+    return v3_dot(a->n, b->n) > 1.0f - 1e-6f && v3_dot(a->u, b->u) > 1.0f - 1e-6f;
+}
+
+// sum_k C_k (Lambda + dx d/dx + dy d/dy)_k of one record, per colour.
+static void product(const struct cache_radiance_record *record, const struct cache_lobe *lobe,
+                    float dx, float dy, float out[3]) {
+    const int n2 = lobe->order * lobe->order;
+    float sum[CACHE_LANES] = {0};
+    const float *v = record->value;
+    if (lobe->channels == 1) {
+        for (int k = 0; k < n2; k++, v += CACHE_LANES)
+            for (int i = 0; i < CACHE_LANES; i++) sum[i] += lobe->C[k] * v[i];
+    } else {
+        for (int k = 0; k < n2; k++, v += CACHE_LANES) {
+            const float c[4] = {lobe->C[k], lobe->C[n2 + k], lobe->C[2 * n2 + k], 0.0f};
+            for (int i = 0; i < CACHE_LANES; i++) sum[i] += c[i % 4] * v[i];
+        }
+    }
+    for (int c = 0; c < 3; c++) out[c] = sum[c] + dx * sum[4 + c] + dy * sum[8 + c];
+}
+
+// What a lobe, given in the place's frame, reflects of one record.
+static rgb radiance_of(const struct cache *cache, uint32_t index, const struct cache_place *at,
+                       float a, struct cache_lobe lobe) {
+    const struct cache_radiance_record *record = &cache->radiance[index];
+    const float on = cache->g->options->radiance_gradients != SATIN_GRADIENTS_NONE ? 1.0f : 0.0f;
+    const vec3 d = way_from(&cache->radiance_tree.head[index], at->p, a);
+    float turned[3 * RSH_MAX_COEFFICIENTS], value[3];
+    if (!same_frame(&at->frame, &record->frame))
+        cache_turn(cache, &at->frame, &record->frame, &lobe, turned);
+    product(record, &lobe, on * v3_dot(d, record->frame.u), on * v3_dot(d, record->frame.v), value);
+    return rgb_make(value[0], value[1], value[2]);
+}
+
+static rgb not_negative(rgb x) {
+    return rgb_make(fmaxf(x.r, 0.0f), fmaxf(x.g, 0.0f), fmaxf(x.b, 0.0f));
+}
+
+int cache_radiance(const struct cache *cache, const struct cache_place *at, float a,
+                   const struct cache_lobe *lobe, rgb *glossy, rgb *E) {
+    struct cache_near near[CACHE_NEAR_MAX];
+    int count = find(cache, &cache->radiance_tree, at, a, near);
+    if (count == 0) return 0;
+    const struct cache_lobe cosine = {cache->cosine, cache->cosine_order, 1};
+    rgb shine = rgb_grey(0.0f), diffuse = shine;
+    float weights = 0.0f;
+    for (int i = 0; i < count; i++) {
+        const uint32_t record = near[i].record;
+        const float w = near[i].weight;
+        if (lobe) shine = rgb_mad(shine, radiance_of(cache, record, at, a, *lobe), w);
+        if (E) diffuse = rgb_mad(diffuse, radiance_of(cache, record, at, a, cosine), w);
+        weights += w;
+    }
+    if (lobe) *glossy = not_negative(rgb_scale(shine, 1.0f / weights));
+    if (E) *E = not_negative(rgb_scale(diffuse, 1.0f / weights));
+    return count;
+}
+
+float cache_reflected(const struct cache *cache, enum cache_kind kind, uint32_t record,
+                      const struct cache_place *at, float a, const struct cache_surface *surface) {
+    rgb L = rgb_grey(0.0f);
+    if (kind == CACHE_IRRADIANCE)
+        return rgb_luminance(rgb_mul(surface->diffuse, irradiance_of(cache, record, at, a)));
+    const struct cache_lobe cosine = {cache->cosine, cache->cosine_order, 1};
+    if (surface->lobe.order)
+        L = rgb_mul(surface->specular, radiance_of(cache, record, at, a, surface->lobe));
+    if (!rgb_black(surface->diffuse))
+        L = rgb_fma(L, surface->diffuse, radiance_of(cache, record, at, a, cosine));
+    return rgb_luminance(L);
+}

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the rays of a hemisphere tell of a record's surroundings: distances, by which a record's
+// reach is chosen; the noise of E; and how E bends. The bend is the occlusion Hessian of
+// Schwarzhaupt et al. [2012], written for the cells of the stratified hemisphere: a wall between
+// two cells stands at the nearer of their hits, where an occluder's edge would be, so E is a sum of
+// polygons seen by the cosine law, and the second derivative of such a polygon edge is a constant
+// of the wall over the squared distance.
+#include "gather/gather_layout.h"
+#include "gather/gather_scratch.h"
+
+// Rays that leave and arrive more grazing than this say little of near geometry [Tabellion and
+// Lamorlette 2004].
+static const float GRAZING = 0.2f;
+
+static void distances(const struct gather_layout *l, const struct gather_scratch *scratch,
+                      struct gather_around *out) {
+    double sum = 0.0;
+    const size_t count = gather_layout_rays(l);
+    for (size_t i = 0; i < count; i++) {
+        const struct gather_ray *ray = &scratch->rays[i];
+        float r = ray->first.r;
+        sum += 1.0 / (double)r;  // a miss adds 0
+        out->least = fminf(out->least, r);
+        if (scratch->z[i] > GRAZING || fabsf(v3_dot(ray->ray.d, ray->first.ng)) > GRAZING)
+            out->least_upright = fminf(out->least_upright, r);
+    }
+    if (sum > 0.0) out->harmonic = (float)((double)count / sum);
+}
+
+// The least distances along the tangent plane, by azimuth.
+static void sectors(const struct gather_layout *l, const struct gather_scratch *scratch,
+                    struct gather_around *out) {
+    for (int k = 0; k < l->N; k++) {
+        float near = INFINITY;
+        for (int j = 0; j < l->M; j++) {
+            size_t i = (size_t)(j * l->N + k);
+            float sine = sqrtf(scratch->x[i] * scratch->x[i] + scratch->y[i] * scratch->y[i]);
+            near = fminf(near, scratch->rays[i].first.r * sine);
+        }
+        int first = k * GATHER_SECTORS / l->N, last = (k + 1) * GATHER_SECTORS / l->N;
+        for (int s = first; s <= last; s++) {
+            float *sector = &out->sector[s % GATHER_SECTORS];
+            *sector = fminf(*sector, near);
+        }
+    }
+}
+
+// The standard deviation of E over E, from all rays and from every second one [K05 6.4].
+static float deviation(const struct gather_layout *l, const struct gather_scratch *scratch) {
+    double sum[2] = {0}, weight[2] = {0};
+    for (int j = 0; j < l->M; j++)
+        for (int k = 0; k < l->N; k++) {
+            size_t i = (size_t)(j * l->N + k);
+            double w = l->order ? (double)scratch->z[i] : 1.0;
+            sum[(j + k) & 1] += w * (double)rgb_luminance(scratch->rays[i].L);
+            weight[(j + k) & 1] += w;
+        }
+    double all = (sum[0] + sum[1]) / (weight[0] + weight[1]);
+    return all > 0.0 && weight[0] > 0.0 ? (float)fabs(sum[0] / weight[0] / all - 1.0) : 0.0f;
+}
+
+// Adds a wall's constant, turned from azimuth 0 to that of (cosine, sine), times `weight`.
+static void add_bend(const float wall[3], float cosine, float sine, float weight, float bend[3]) {
+    float cc = cosine * cosine, ss = sine * sine, cs = cosine * sine;
+    bend[0] += weight * (cc * wall[0] - 2.0f * cs * wall[1] + ss * wall[2]);
+    bend[1] += weight * (cs * (wall[0] - wall[2]) + (cc - ss) * wall[1]);
+    bend[2] += weight * (ss * wall[0] + 2.0f * cs * wall[1] + cc * wall[2]);
+}
+
+// The change of luminance across a wall over the squared distance of the nearer side.
+static float step_over(const struct gather_ray *from, const struct gather_ray *to) {
+    float r = to ? fminf(from->first.r, to->first.r) : from->first.r;
+    if (!(isfinite(r) && r > 0.0f)) return 0.0f;
+    return (rgb_luminance(from->L) - (to ? rgb_luminance(to->L) : 0.0f)) / (r * r);
+}
+
+static void bend(const struct gather_layout *l, const struct gather_ray *cell, float out[3]) {
+    const int N = l->N;
+    for (int j = 0; j < l->M; j++)
+        for (int k = 0; k < N; k++) {
+            const struct gather_ray *here = &cell[j * N + k];
+            const struct gather_ray *before = &cell[j * N + (k ? k - 1 : N - 1)];
+            const struct gather_ray *below = j + 1 < l->M ? here + N : NULL;
+            add_bend(l->bend_u[j], l->cos_k[k], l->sin_k[k], step_over(here, below), out);
+            add_bend(l->bend_v[j], l->cos_w[k], l->sin_w[k], step_over(before, here), out);
+        }
+}
+
+void gather_around_make(const struct gather_layout *l, const struct gather_scratch *scratch,
+                        bool bends, struct gather_around *out) {
+    *out = (struct gather_around){.harmonic = INFINITY, .least = INFINITY};
+    out->least_upright = INFINITY;
+    for (int s = 0; s < GATHER_SECTORS; s++) out->sector[s] = INFINITY;
+    distances(l, scratch, out);
+    sectors(l, scratch, out);
+    out->deviation = deviation(l, scratch);
+    if (bends && !l->order) bend(l, scratch->rays, out->bend);
+}

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// The leak test: a record beside a thin wall serves points on its own side and beyond the wall's
+// end, none behind the wall.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "cache/cache_records.h"
+#include "test_scene.h"
+
+struct fixture {
+    struct test_scene scene;
+    satin_options options;
+    struct gather g;
+    struct cache cache;
+    struct cache_head head;
+};
+
+// A floor in the xy plane; a wall at x = 0, from y = -10 to 0.5. The record lies at x = .2.
+static void start(struct fixture *f) {
+    test_scene_init(&f->scene);
+    uint32_t grey = test_diffuse(&f->scene, 0.5f, 0.5f, 0.5f);
+    test_rectangle(&f->scene, mat4_scale(v3(10, 10, 1)), grey);
+    test_cube(&f->scene, test_transform(v3(0, -4.75f, 1), v3(0.001f, 5.25f, 1)), false, grey);
+    test_light(&f->scene, (struct light){.kind = LIGHT_POINT, .value = rgb_grey(1.0f)});
+    test_scene_finish(&f->scene);
+    f->options = satin_options_default;
+    f->options.first_pass = SATIN_FIRST_NONE;
+    f->options.max_depth = -1;
+    f->g = gather_make(&f->scene.scene, &f->options, NULL);
+    f->cache = (struct cache){.g = &f->g};
+
+    const vec3 up = v3(0, 0, 1);
+    struct gather_site site = {v3(0.2f, 0, 0), up, frame_from_tangent(up, v3(1, 0, 0)), 7};
+    struct gather_layout *layout = gather_layout_new(600, SATIN_HSH, 0);
+    struct gather_scratch *scratch = gather_scratch_new(gather_layout_rays(layout));
+    struct gather_irradiance value;
+    struct gather_around around;
+    gather_hemisphere_irradiance(&f->g, layout, scratch, &site, &value);
+    gather_around_make(layout, scratch, false, &around);
+    f->head = (struct cache_head){.p = site.p, .R = 2.0f, .n = up, .u = site.frame.u, .scale = 1};
+    f->head.walls = cache_leak_walls(&around, 2.0f);
+    gather_scratch_free(scratch);
+    gather_layout_free(layout);
+}
+
+static void a_wall_hides_what_is_behind(void **state) {
+    (void)state;
+    struct fixture f;
+    start(&f);
+    // Towards the wall, not away from it.
+    assert_true(f.head.walls >> (GATHER_SECTORS / 2) & 1u);
+    assert_false(f.head.walls & 1u);
+    assert_true(cache_leaks(&f.cache, &f.head, v3(-0.3f, 0, 0)));
+    assert_true(cache_leaks(&f.cache, &f.head, v3(-0.01f, -0.3f, 0)));
+    assert_false(cache_leaks(&f.cache, &f.head, v3(0.01f, 0, 0)));
+    assert_false(cache_leaks(&f.cache, &f.head, v3(0.9f, -0.4f, 0)));
+    assert_false(cache_leaks(&f.cache, &f.head, v3(-0.2f, 1.6f, 0)));  // around its end
+    f.options.leak_test = false;
+    assert_false(cache_leaks(&f.cache, &f.head, v3(-0.3f, 0, 0)));
+    test_scene_free(&f.scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(a_wall_hides_what_is_behind)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

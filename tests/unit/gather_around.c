@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a hemisphere tells of its surroundings: distances in a box, the sectors that a wall fills,
+// and the Hessian of E against second differences, in a box lit by a point light, whose gathered
+// radiance (first pass `none`) has no noise.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "gather/gather.h"
+#include "test_scene.h"
+
+struct fixture {
+    struct test_scene scene;
+    satin_options options;
+    struct gather g;
+    struct gather_layout *layout;
+    struct gather_scratch *scratch;
+};
+
+static void start(struct fixture *f, int rays) {
+    test_scene_finish(&f->scene);
+    f->options = satin_options_default;
+    f->options.first_pass = SATIN_FIRST_NONE;
+    f->options.max_depth = -1;
+    f->g = gather_make(&f->scene.scene, &f->options, NULL);
+    f->layout = gather_layout_new(rays, SATIN_HSH, 0);
+    f->scratch = gather_scratch_new(gather_layout_rays(f->layout));
+    assert_true(f->layout && f->scratch);
+}
+
+static void lamp(struct fixture *f, vec3 p) {
+    test_light(&f->scene,
+               (struct light){.kind = LIGHT_POINT, .position = p, .value = rgb_grey(1.0f)});
+}
+
+static void start_box(struct fixture *f, int rays) {
+    test_scene_init(&f->scene);
+    test_cube(&f->scene, mat4_identity(), true, test_diffuse(&f->scene, 0.5f, 0.6f, 0.7f));
+    lamp(f, v3(0.5f, 0.6f, 0.1f));
+    start(f, rays);
+}
+
+// A ball lit from its centre, so equally bright everywhere; a black plate hides a part of it.
+static void start_ball(struct fixture *f, int rays) {
+    test_scene_init(&f->scene);
+    test_quadric(&f->scene, SHAPE_SPHERE, mat4_scale(v3(2, 2, 2)), true,
+                 test_diffuse(&f->scene, 0.5f, 0.6f, 0.7f));
+    test_cube(&f->scene, test_transform(v3(0.5f, -0.3f, 0.1f), v3(0.3f, 0.01f, 0.2f)), false,
+              test_diffuse(&f->scene, 0, 0, 0));
+    lamp(f, v3(0, 0, 0));
+    start(f, rays);
+}
+
+static void stop(struct fixture *f) {
+    gather_scratch_free(f->scratch);
+    gather_layout_free(f->layout);
+    test_scene_free(&f->scene);
+}
+
+static double irradiance(struct fixture *f, float x, float z, uint64_t stream,
+                         struct gather_around *around) {
+    vec3 n = v3(0, 1, 0);
+    struct gather_site site = {v3(x, -1.0f, z), n, frame_from_tangent(n, v3(1, 0, 0)), stream};
+    struct gather_irradiance value;
+    gather_hemisphere_irradiance(&f->g, f->layout, f->scratch, &site, &value);
+    if (around) gather_around_make(f->layout, f->scratch, true, around);
+    return (double)rgb_luminance(value.E);
+}
+
+// x along u; v = n x u = -z.
+static void second_differences(struct fixture *f, float x, float z, float h, uint64_t stream,
+                               double out[3]) {
+    double E[3][3];
+    for (int i = -1; i <= 1; i++)
+        for (int j = -1; j <= 1; j++)
+            E[i + 1][j + 1] = irradiance(f, x + (float)i * h, z - (float)j * h, stream, NULL);
+    double h2 = (double)h * (double)h;
+    out[0] = (E[2][1] - 2.0 * E[1][1] + E[0][1]) / h2;
+    out[1] = (E[2][2] - E[2][0] - E[0][2] + E[0][0]) / (4.0 * h2);
+    out[2] = (E[1][2] - 2.0 * E[1][1] + E[1][0]) / h2;
+}
+
+// Root mean square of the error over that of the differences.
+static double bend_error(struct fixture *f, float x, float z, float h) {
+    double error = 0.0, size = 0.0;
+    for (uint64_t i = 0; i < 4; i++) {
+        struct gather_around around;
+        double difference[3];
+        irradiance(f, x, z, i, &around);
+        second_differences(f, x, z, h, i, difference);
+        for (int k = 0; k < 3; k++) {
+            double d = (double)around.bend[k] - difference[k];
+            error += d * d;
+            size += difference[k] * difference[k];
+        }
+    }
+    return sqrt(error / size);
+}
+
+static void the_bend_matches_second_differences(void **state) {
+    (void)state;
+    struct fixture f;
+    start_box(&f, 60000);
+    // The sum over cells is good to the first order in their size, 1 / 140; most of this is noise
+    // of the differences.
+    assert_true(bend_error(&f, -0.3f, 0.2f, 0.2f) < 0.05);
+    stop(&f);
+}
+
+static void the_bend_sees_an_edge_that_hides(void **state) {
+    (void)state;
+    struct fixture f;
+    start_ball(&f, 60000);
+    assert_true(bend_error(&f, 0.1f, 0.0f, 0.1f) < 0.1);
+    stop(&f);
+}
+
+static void distances_are_those_of_the_box(void **state) {
+    (void)state;
+    struct fixture f;
+    struct gather_around around;
+    start_box(&f, 2000);
+    irradiance(&f, 0.9f, 0.0f, 1, &around);
+    assert_true(around.least > 0.1f && around.least < 0.11f);
+    assert_true(around.least_upright >= around.least && around.least_upright < 0.12f);
+    assert_true(around.harmonic > around.least && around.harmonic < 2.0f);
+    // The wall at u = .1 stands .1 / cos(phi) away, the one behind at 1.9.
+    assert_true(around.sector[0] > 0.099f && around.sector[0] < 0.12f);
+    // Behind there is no wall nearer than 1.9; of the ceiling, 2 above, the ray nearest to the pole
+    // comes down near to it.
+    assert_true(around.sector[GATHER_SECTORS / 2] < 0.2f);
+    assert_true(around.deviation >= 0.0f && around.deviation < 0.05f);
+    stop(&f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_bend_matches_second_differences),
+        cmocka_unit_test(the_bend_sees_an_edge_that_hides),
+        cmocka_unit_test(distances_are_those_of_the_box),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
