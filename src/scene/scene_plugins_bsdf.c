@@ -10,20 +10,20 @@ static const char *const variants[] = {"ward", "ward-duer", "balanced", NULL};  
 
 static const struct param_spec reflectance = {"reflectance", PARAM_COLOR, ".5",    RANGE_UNIT,
                                               PARAM_TEXTURE, NULL,        "albedo"};
-static const struct param_spec diffuse_reflectance = {"diffuse_reflectance",
-                                                      PARAM_COLOR,
-                                                      ".5",
-                                                      RANGE_UNIT,
-                                                      PARAM_TEXTURE,
-                                                      NULL,
-                                                      "factor of the diffuse reflection"};
-static const struct param_spec specular_reflectance = {"specular_reflectance",
-                                                       PARAM_COLOR,
-                                                       "1",
-                                                       RANGE_UNIT,
-                                                       PARAM_TEXTURE,
-                                                       NULL,
-                                                       "factor of the specular reflection"};
+const struct param_spec bsdf_diffuse_reflectance = {"diffuse_reflectance",
+                                                    PARAM_COLOR,
+                                                    ".5",
+                                                    RANGE_UNIT,
+                                                    PARAM_TEXTURE,
+                                                    NULL,
+                                                    "factor of the diffuse reflection"};
+const struct param_spec bsdf_specular_reflectance = {"specular_reflectance",
+                                                     PARAM_COLOR,
+                                                     "1",
+                                                     RANGE_UNIT,
+                                                     PARAM_TEXTURE,
+                                                     NULL,
+                                                     "factor of the specular reflection"};
 static const struct param_spec lobe_reflectance = {
     "specular_reflectance",     PARAM_COLOR, ".2", RANGE_UNIT, PARAM_TEXTURE, NULL,
     "factor of the glossy lobe"};
@@ -114,15 +114,17 @@ static param_list blend_params = {&weight, NULL};
 static param_list bump_params = {&bump_scale, &flip_invalid, &use_shadowing, NULL};
 static param_list normal_params = {&normal_map, &flip_invalid, &use_shadowing, NULL};
 static param_list diffuse_params = {&reflectance, NULL};
-static param_list conductor_params = {&metal, &metal_eta, &metal_k, &specular_reflectance, NULL};
+static param_list conductor_params = {&metal, &metal_eta, &metal_k, &bsdf_specular_reflectance,
+                                      NULL};
 static param_list roughconductor_params = {
-    &metal, &metal_eta, &metal_k, &specular_reflectance, &distribution,
-    &alpha, &alpha_u,   &alpha_v, &sample_visible,       NULL};
-static param_list dielectric_params = {&glass_ior, &ext_ior, &specular_reflectance,
+    &metal,          &metal_eta, &metal_k, &bsdf_specular_reflectance,
+    &distribution,   &alpha,     &alpha_u, &alpha_v,
+    &sample_visible, NULL};
+static param_list dielectric_params = {&glass_ior, &ext_ior, &bsdf_specular_reflectance,
                                        &specular_transmittance, NULL};
 static param_list roughdielectric_params = {&glass_ior,
                                             &ext_ior,
-                                            &specular_reflectance,
+                                            &bsdf_specular_reflectance,
                                             &specular_transmittance,
                                             &distribution,
                                             &alpha,
@@ -130,14 +132,24 @@ static param_list roughdielectric_params = {&glass_ior,
                                             &alpha_v,
                                             &sample_visible,
                                             NULL};
-static param_list plastic_params = {
-    &diffuse_reflectance, &specular_reflectance, &plastic_ior, &ext_ior, &nonlinear, NULL};
-static param_list roughplastic_params = {
-    &diffuse_reflectance, &specular_reflectance, &plastic_ior,    &ext_ior, &nonlinear,
-    &distribution,        &plastic_alpha,        &sample_visible, NULL};
-static param_list phong_params = {&diffuse_reflectance, &lobe_reflectance, &exponent, NULL};
-static param_list ward_params = {&diffuse_reflectance, &lobe_reflectance, &variant,
-                                 &ward_alpha_u,        &ward_alpha_v,     NULL};
+static param_list plastic_params = {&bsdf_diffuse_reflectance,
+                                    &bsdf_specular_reflectance,
+                                    &plastic_ior,
+                                    &ext_ior,
+                                    &nonlinear,
+                                    NULL};
+static param_list roughplastic_params = {&bsdf_diffuse_reflectance,
+                                         &bsdf_specular_reflectance,
+                                         &plastic_ior,
+                                         &ext_ior,
+                                         &nonlinear,
+                                         &distribution,
+                                         &plastic_alpha,
+                                         &sample_visible,
+                                         NULL};
+static param_list phong_params = {&bsdf_diffuse_reflectance, &lobe_reflectance, &exponent, NULL};
+static param_list ward_params = {
+    &bsdf_diffuse_reflectance, &lobe_reflectance, &variant, &ward_alpha_u, &ward_alpha_v, NULL};
 
 // Below this the distributions degenerate in single precision; Mitsuba's bound too.
 #define ALPHA_MIN 1e-4f
@@ -270,9 +282,8 @@ static satin_status build_null(struct scene_loader *loader, const struct params 
     return SATIN_OK;
 }
 
-// The diffuse and the specular factor that plastics, phong and ward have.
-static satin_status set_both(struct scene_loader *loader, const struct params *p,
-                             struct material_side *side) {
+satin_status bsdf_set_reflectances(struct scene_loader *loader, const struct params *p,
+                                   struct material_side *side) {
     satin_status status =
         bsdf_set_color(loader, param(p, "diffuse_reflectance"), side, BRDF_SLOT_DIFFUSE);
     if (status != SATIN_OK) return status;
@@ -284,7 +295,7 @@ static satin_status build_plastic(struct scene_loader *loader, const struct para
     struct material_side *side = object;
     side->base.nonlinear = param(p, "nonlinear")->b;
     satin_status status = set_ior(loader, p, side);
-    return status == SATIN_OK ? set_both(loader, p, side) : status;
+    return status == SATIN_OK ? bsdf_set_reflectances(loader, p, side) : status;
 }
 
 static satin_status build_roughplastic(struct scene_loader *loader, const struct params *p,
@@ -296,7 +307,7 @@ static satin_status build_roughplastic(struct scene_loader *loader, const struct
 }
 
 static satin_status build_phong(struct scene_loader *loader, const struct params *p, void *object) {
-    satin_status status = set_both(loader, p, object);
+    satin_status status = bsdf_set_reflectances(loader, p, object);
     if (status == SATIN_OK)
         status = bsdf_set_number(loader, param(p, "exponent"), object, BRDF_SLOT_EXPONENT);
     return status == SATIN_OK ? check_albedo(loader, p, object) : status;
@@ -305,7 +316,7 @@ static satin_status build_phong(struct scene_loader *loader, const struct params
 static satin_status build_ward(struct scene_loader *loader, const struct params *p, void *object) {
     struct material_side *side = object;
     side->base.variant = (enum brdf_variant)param(p, "variant")->i;
-    satin_status status = set_both(loader, p, side);
+    satin_status status = bsdf_set_reflectances(loader, p, side);
     if (status == SATIN_OK)
         status = bsdf_set_number(loader, param(p, "alpha_u"), side, BRDF_SLOT_ALPHA_U);
     if (status == SATIN_OK)

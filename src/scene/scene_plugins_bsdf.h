@@ -14,6 +14,11 @@ satin_status bsdf_set_color(struct scene_loader *loader, const struct param_valu
 satin_status bsdf_set_number(struct scene_loader *loader, const struct param_value *value,
                              struct material_side *side, enum brdf_slot slot);
 
+// The diffuse and the specular factor that many have: their rows, and setting both.
+extern const struct param_spec bsdf_diffuse_reflectance, bsdf_specular_reflectance;
+satin_status bsdf_set_reflectances(struct scene_loader *loader, const struct params *p,
+                                   struct material_side *side);
+
 // scene_plugins_principled.c
 extern param_list bsdf_principled_params, bsdf_principledthin_params;
 satin_status bsdf_principled_build(struct scene_loader *loader, const struct params *p,

@@ -7,16 +7,6 @@
 
 static const struct param_spec filename = {"filename",     PARAM_STRING, NULL,  0,
                                            PARAM_REQUIRED, NULL,         "file"};
-static const struct param_spec diffuse = {"diffuse_reflectance",
-                                          PARAM_COLOR,
-                                          ".5",
-                                          RANGE_UNIT,
-                                          PARAM_TEXTURE,
-                                          NULL,
-                                          "factor of the diffuse reflection"};
-static const struct param_spec specular = {
-    "specular_reflectance", PARAM_COLOR, "1", RANGE_UNIT, PARAM_TEXTURE, NULL,
-    "factor of the lobes"};
 static const struct param_spec lobes = {
     "lobes",
     PARAM_STRING,
@@ -26,7 +16,8 @@ static const struct param_spec lobes = {
     NULL,
     "seven numbers for each: cx, cy, cz, exponent, red, green, blue"};
 
-param_list bsdf_lafortune_params = {&diffuse, &specular, &lobes, NULL};
+param_list bsdf_lafortune_params = {&bsdf_diffuse_reflectance, &bsdf_specular_reflectance, &lobes,
+                                    NULL};
 param_list bsdf_measured_params = {&filename, NULL};
 
 // Light must not grow on its way; looked at from a few sides.
@@ -70,10 +61,7 @@ satin_status bsdf_lafortune_build(struct scene_loader *loader, const struct para
         lobe[i] = (struct brdf_cosine_lobe){v3((float)n[0], (float)n[1], (float)n[2]), (float)n[3],
                                             rgb_make((float)n[4], (float)n[5], (float)n[6])};
     }
-    satin_status status =
-        bsdf_set_color(loader, param(p, "diffuse_reflectance"), side, BRDF_SLOT_DIFFUSE);
-    if (status == SATIN_OK)
-        status = bsdf_set_color(loader, param(p, "specular_reflectance"), side, BRDF_SLOT_SPECULAR);
+    satin_status status = bsdf_set_reflectances(loader, p, side);
     if (status != SATIN_OK) return status;
     if (brdf_lafortune_set(&side->base, &loader->scene->arena, lobe, count / 7) != SATIN_OK)
         return scene_no_memory(loader);
