@@ -65,29 +65,6 @@ static void turns_equal_the_plain_twin(void **state) {
             }
 }
 
-static void converters_equal_the_plain_twin(void **state) {
-    (void)state;
-    uint32_t seed = 12;
-    for (const struct rsh_kernels *const *k = rsh_kernels_usable(); *k; k++)
-        for (int n = 1; n <= RSH_MAX_ORDER; n++)
-            for (int variant = 0; variant < 4; variant++) {
-                const struct rsh_rows *rows =
-                    variant & 1 ? &rsh_restriction : &rsh_extension[n - 1];
-                bool transposed = variant & 2, up = (variant & 1) == (variant >> 1);
-                int larger = rsh_sphere_order(n), bands[2] = {up ? larger : n, up ? n : larger};
-                const size_t strides[2] = {RSH_MAX_WIDTH, STRIDE};
-                for (int j = 0; j < MAX * STRIDE; j++) in[j] = noise(&seed);
-                (*k)->convert_many(rows, transposed, bands, strides, in, out);
-                for (int i = 0; i < (*k)->width; i++) {
-                    float v[MAX], a[MAX], b[MAX];
-                    take(in, bands[1] * bands[1], 0, i, v);
-                    rsh_plain_convert(rows, transposed, bands, v, a);
-                    for (int j = 0; j < bands[0] * bands[0]; j++) b[j] = out[j * RSH_MAX_WIDTH + i];
-                    assert_true(distance(bands[0] * bands[0], a, b) < 3e-5);
-                }
-            }
-}
-
 // The angles of rotations, of turns about z, upside down, and of what is no rotation.
 static void angles_equal_the_plain_twin(void **state) {
     (void)state;
@@ -125,7 +102,6 @@ static void angles_equal_the_plain_twin(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(turns_equal_the_plain_twin),
-        cmocka_unit_test(converters_equal_the_plain_twin),
         cmocka_unit_test(angles_equal_the_plain_twin),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -86,27 +86,6 @@ static void hemisphere_turns_its_pole(void **state) {
     assert_true(distance(N, out, v) < 1e-5 * ORDER);
 }
 
-static void converters_equal_the_plain_twin(void **state) {
-    (void)state;
-    uint32_t seed = 8;
-    for (const struct rsh_kernels *const *k = rsh_kernels_usable(); *k; k++)
-        for (int n = 1; n <= RSH_MAX_ORDER; n++)
-            for (int variant = 0; variant < 4; variant++) {
-                const struct rsh_rows *rows =
-                    variant & 1 ? &rsh_restriction : &rsh_extension[n - 1];
-                bool transposed = variant & 2, up = (variant & 1) == (variant >> 1);
-                int larger = rsh_sphere_order(n), bands[2] = {up ? larger : n, up ? n : larger};
-                int out_size = bands[0] * bands[0], in_size = bands[1] * bands[1];
-                float in[MAX], a[MAX + 1], b[MAX + 1];
-                noise_unit(&seed, in_size, in);
-                a[out_size] = b[out_size] = 7.0f;
-                rsh_kernels_plain.convert(rows, transposed, bands, in, a);
-                (*k)->convert(rows, transposed, bands, in, b);
-                assert_true(distance(out_size, a, b) < 2e-6);
-                assert_true(b[out_size] == 7.0f);
-            }
-}
-
 // Radiance that is smooth over the whole sphere.
 static double radiance(const float *w) {
     return 1.0 + 0.4 * (double)w[0] + 0.3 * (double)w[1] * (double)w[2] +
@@ -203,7 +182,6 @@ int main(void) {
         cmocka_unit_test(alignment_keeps_the_world),
         cmocka_unit_test(transposed_moves_to_the_other_side),
         cmocka_unit_test(hemisphere_turns_its_pole),
-        cmocka_unit_test(converters_equal_the_plain_twin),
         cmocka_unit_test(true_alignment_is_close),
         cmocka_unit_test(extension_keeps_the_hemisphere),
     };
