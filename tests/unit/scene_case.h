@@ -14,6 +14,7 @@
 
 #include <cmocka.h>
 
+#include "satin/scene.h"
 #include "scene/scene_params.h"
 
 // The messages of one run.
@@ -46,6 +47,16 @@ static inline void scene_case_bytes(const char *name, const void *data, size_t s
 
 static inline void scene_case_file(const char *name, const char *text) {
     scene_case_bytes(name, text, strlen(text));
+}
+
+// Loads the text as a scene: a scene, or NULL and one error.
+static inline satin_scene *scene_case_load(struct scene_case *c, const char *text) {
+    satin_scene *scene = NULL;
+    struct log log = scene_case_begin(c);
+    scene_case_file("scene.xml", text);
+    satin_status status = satin_scene_load("scene.xml", NULL, 0, log.fn, log.user, &scene);
+    assert_true((status == SATIN_OK) == (scene != NULL) && c->errors == (scene == NULL));
+    return scene;
 }
 
 // Setup and teardown of a group: a new working directory.

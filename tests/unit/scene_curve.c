@@ -10,19 +10,8 @@ static const char two_curves[] =
     "-1 0 0 0.2\n-0.3 0.5 0 0.3\n0.4 -0.2 0.1 0.2\r\n1 0.3 0 0.25\n1.6 0 0 .2\n\n \n"
     "0 2 0 .1\n0 3 0 .1\n0 4 0 .3\n1 4 0 .1";
 
-static satin_scene *load(struct scene_case *c, const char *body) {
-    char text[1024];
-    satin_scene *scene = NULL;
-    struct log log = scene_case_begin(c);
-    snprintf(text, sizeof text, SCENE_TEXT("%s"), body);
-    scene_case_file("scene.xml", text);
-    satin_status status = satin_scene_load("scene.xml", NULL, 0, log.fn, log.user, &scene);
-    assert_true((status == SATIN_OK) == (scene != NULL) && c->errors == (scene == NULL));
-    return scene;
-}
-
 #define CURVE(kind, more) \
-    "<shape type='" kind "'><string name='filename' value='a.txt'/>" more "</shape>"
+    SCENE_TEXT("<shape type='" kind "'><string name='filename' value='a.txt'/>" more "</shape>")
 
 static void agrees_with_mitsuba(void **state) {
     (void)state;
@@ -58,8 +47,8 @@ static void agrees_with_mitsuba(void **state) {
                  {1, {-5, 0, 0}, {1, 0, 0}, {-1.2f, 0, 0}, {-1, 0, 0}, 0}};
     scene_case_file("a.txt", two_curves);
     struct scene_case c;
-    satin_scene *scene[2] = {load(&c, CURVE("bsplinecurve", "")),
-                             load(&c, CURVE("linearcurve", ""))};
+    satin_scene *scene[2] = {scene_case_load(&c, CURVE("bsplinecurve", "")),
+                             scene_case_load(&c, CURVE("linearcurve", ""))};
     assert_true(scene[0] && scene[1] && scene[0]->shape[0].curves.segments == 3 &&
                 scene[1]->shape[0].curves.segments == 7);
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
@@ -77,11 +66,11 @@ static void agrees_with_mitsuba(void **state) {
 // A straight tube: nothing of it is in the way of rays to the outside.
 static void rays_leave(void **state) {
     (void)state;
-    static const char *const bodies[] = {CURVE("bsplinecurve", ""), CURVE("linearcurve", "")};
+    static const char *const texts[] = {CURVE("bsplinecurve", ""), CURVE("linearcurve", "")};
     scene_case_file("a.txt", "50 0 0 .01\n51 0 0 .02\n52 0 0 .02\n53 0 0 .01\n");
     for (int kind = 0; kind < 2; kind++) {
         struct scene_case c;
-        satin_scene *scene = load(&c, bodies[kind]);
+        satin_scene *scene = scene_case_load(&c, texts[kind]);
         int hits = 0;
         for (uint64_t i = 0; i < 100000; i++) {
             struct rng rng = rng_make(1, RNG_TEST, i);
@@ -119,7 +108,7 @@ static void refuses(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct scene_case c;
         scene_case_file("a.txt", cases[i][0]);
-        assert_null(load(&c, cases[i][1]));
+        assert_null(scene_case_load(&c, cases[i][1]));
         assert_string_equal(c.error, cases[i][2]);
     }
 }

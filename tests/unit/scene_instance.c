@@ -20,22 +20,13 @@
     "<rotate y='1' z='.3' angle='50'/><scale value='3'/><scale x='-1'/>" \
     "<translate x='100' y='-40' z='7'/>"
 
-static satin_scene *load(struct scene_case *c, const char *body) {
-    char text[4096];
-    satin_scene *scene = NULL;
-    struct log log = scene_case_begin(c);
-    snprintf(text, sizeof text, SCENE_TEXT("%s"), body);
-    scene_case_file("scene.xml", text);
-    satin_status status = satin_scene_load("scene.xml", NULL, 0, log.fn, log.user, &scene);
-    assert_true((status == SATIN_OK) == (scene != NULL) && c->errors == (scene == NULL));
-    return scene;
-}
-
 static satin_scene *load_instances(void) {
     struct scene_case c;
-    return load(&c, "<shape type='shapegroup' id='g'>" SHAPES("") "</shape>"
+    return scene_case_load(
+        &c, SCENE_TEXT("<shape type='shapegroup' id='g'>" SHAPES(
+                "") "</shape>"
                     "<shape type='instance'><ref id='g'/><transform name='to_world'>" PLACE
-                    "</transform></shape><shape type='instance'><ref id='g'/></shape>");
+                    "</transform></shape><shape type='instance'><ref id='g'/></shape>"));
 }
 
 static vec3 random_point(const satin_scene *scene, uint64_t i) {
@@ -49,7 +40,7 @@ static vec3 random_point(const satin_scene *scene, uint64_t i) {
 static void shows_the_same(void **state) {
     (void)state;
     struct scene_case c;
-    satin_scene *direct = load(&c, SHAPES(PLACE) SHAPES(""));
+    satin_scene *direct = scene_case_load(&c, SCENE_TEXT(SHAPES(PLACE) SHAPES("")));
     satin_scene *instances = load_instances();
     assert_true(direct && instances && instances->group_count == 1);
     // Boxes of turned boxes are looser.
@@ -136,7 +127,9 @@ static void refuses(void **state) {
          "shape 'instance': to_world is singular"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct scene_case c;
-        assert_null(load(&c, cases[i][0]));
+        char text[512];
+        snprintf(text, sizeof text, SCENE_TEXT("%s"), cases[i][0]);
+        assert_null(scene_case_load(&c, text));
         assert_non_null(strstr(c.error, cases[i][1]));
     }
 }
@@ -144,8 +137,9 @@ static void refuses(void **state) {
 static void merges(void **state) {
     (void)state;
     struct scene_case c;
-    satin_scene *scene = load(&c, "<shape type='merge'>" SHAPES("") "<shape type='merge'>"
-                                  "<shape type='cube'/></shape></shape>");
+    satin_scene *scene = scene_case_load(
+        &c, SCENE_TEXT("<shape type='merge'>" SHAPES("") "<shape type='merge'>"
+                                                         "<shape type='cube'/></shape></shape>"));
     assert_true(scene && scene->shape_count == 4 && scene->triangle_count == 24);
     satin_scene_free(scene);
 }

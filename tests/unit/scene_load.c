@@ -6,12 +6,9 @@
 #include "scene_case.h"
 
 static satin_scene *load(const char *text) {
-    scene_case_file("scene.xml", text);
     struct scene_case c;
-    struct log log = scene_case_begin(&c);
-    satin_scene *scene = NULL;
-    satin_status status = satin_scene_load("scene.xml", NULL, 0, log.fn, log.user, &scene);
-    if (status != SATIN_OK) fail_msg("%s", c.error);
+    satin_scene *scene = scene_case_load(&c, text);
+    if (!scene) fail_msg("%s", c.error);
     return scene;
 }
 

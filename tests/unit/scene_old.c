@@ -5,15 +5,6 @@
 #include "scene/scene.h"
 #include "scene_case.h"
 
-static satin_scene *load(struct scene_case *c, const char *text) {
-    satin_scene *scene = NULL;
-    struct log log = scene_case_begin(c);
-    scene_case_file("scene.xml", text);
-    satin_status status = satin_scene_load("scene.xml", NULL, 0, log.fn, log.user, &scene);
-    assert_true((status == SATIN_OK) == (scene != NULL));
-    return scene;
-}
-
 static const char old[] =
     "<scene version='0.6.0'><integrator type='path'><integer name='maxDepth' value='7'/>"
     "<boolean name='hideEmitters' value='true'/></integrator>"
@@ -29,11 +20,11 @@ static const char old[] =
 static void translates(void **state) {
     (void)state;
     struct scene_case c;
-    assert_null(load(&c, old));  // the colour's '#'
+    assert_null(scene_case_load(&c, old));  // the colour's '#'
     char text[2048];
     snprintf(text, sizeof text, "%s", old);
     memcpy(strchr(text, '#'), "1", 1);
-    satin_scene *scene = load(&c, text);
+    satin_scene *scene = scene_case_load(&c, text);
     assert_non_null(scene);
     assert_true(scene->hints.max_depth == 7 && scene->hints.hide_emitters == 1);
     assert_true(scene->hints.spp == 9 && scene->film.width == 40 && scene->film.height == 576);
@@ -56,7 +47,7 @@ static void keeps_meaning(void **state) {
     char text[2048];
     struct scene_case c;
     snprintf(text, sizeof text, "<scene version='0.5.0'>%s", body);
-    satin_scene *scene = load(&c, text);
+    satin_scene *scene = scene_case_load(&c, text);
     assert_non_null(scene);
     const struct texture *texture = scene->material[0].front.slot[BRDF_SLOT_DIFFUSE];
     assert_true(texture->to_uv[0] == 4 && texture->to_uv[4] == 1 && texture->to_uv[5] == 0.5f);
@@ -66,7 +57,7 @@ static void keeps_meaning(void **state) {
     satin_scene_free(scene);
     // The same words in version 3 are wrong.
     snprintf(text, sizeof text, "<scene version='3.0.0'>%s", body);
-    assert_null(load(&c, text));
+    assert_null(scene_case_load(&c, text));
     assert_true(c.errors == 1 && strstr(c.error, "unknown element <srgb>"));
 }
 
@@ -85,7 +76,7 @@ static void refuses_the_rest(void **state) {
         char text[512];
         snprintf(text, sizeof text, "<scene version='0.6.0'>%s<sensor type='perspective'/></scene>",
                  cases[i][0]);
-        assert_null(load(&c, text));
+        assert_null(scene_case_load(&c, text));
         assert_int_equal(c.errors, 1);
         assert_int_equal(strncmp(c.error, cases[i][1], strlen(cases[i][1])), 0);
     }
