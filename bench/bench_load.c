@@ -17,8 +17,8 @@
 
 #include "base/array.h"
 #include "base/fileio.h"
+#include "bench_embree.h"
 #include "scene/scene.h"
-#include "scene/scene_embree.h"
 
 enum { ROUNDS = 3, INSTANCES = 1000 };
 
@@ -127,18 +127,8 @@ static double load_apart(const char *path) {
 
 static void build_bare(const struct sheet *s) {
     RTCDevice device = rtcNewDevice(NULL);
-    RTCScene scene = rtcNewScene(device);
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, s->position,
-                               0, 12, s->vertices);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, s->index, 0,
-                               12, s->triangles);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-    rtcCommitScene(scene);
-    rtcReleaseScene(scene);
+    const struct bare_mesh mesh = {s->position, s->index, s->vertices, s->triangles};
+    rtcReleaseScene(bare_build(device, &mesh));
     rtcReleaseDevice(device);
 }
 

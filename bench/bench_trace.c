@@ -5,12 +5,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "base/array.h"
 #include "base/sampling.h"
+#include "bench_embree.h"
+#include "bench_timing.h"
 #include "scene/scene_build.h"
-#include "scene/scene_embree.h"
 
 enum { ROWS = 157, COLUMNS = 314, RAYS = 200000, ROUNDS = 15 };
 
@@ -37,21 +37,6 @@ static void make_mesh(struct mesh *mesh) {
             count += 6;
         }
     *mesh = (struct mesh){ROWS * COLUMNS, count / 3, position, normal, NULL, index, NULL, 0};
-}
-
-static RTCScene make_bare(RTCDevice device, const struct mesh *mesh) {
-    RTCScene scene = rtcNewScene(device);
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                               mesh->position, 0, 12, mesh->vertex_count);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->index, 0,
-                               12, mesh->triangle_count);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-    rtcCommitScene(scene);
-    return scene;
 }
 
 // Rays from the inside of the surface over the hemisphere: what final gathering shoots.
@@ -85,18 +70,12 @@ static struct RTCRayHit bare_ray(const struct ray *ray) {
                               .hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
 }
 
-static double seconds(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 enum side { BARE_INTERSECT, DISTANCE, INTERSECT, BARE_OCCLUDED, OCCLUDED, SIDES };
 
 // Nanoseconds per ray; *sum keeps the work alive.
 static double run(enum side side, RTCScene bare, const struct satin_scene *scene,
                   const struct ray *ray, float *sum) {
-    double start = seconds();
+    double start = now_ns();
     for (int i = 0; i < RAYS; i++) {
         struct surfel s;
         if (side == BARE_INTERSECT) {
@@ -114,12 +93,7 @@ static double run(enum side side, RTCScene bare, const struct satin_scene *scene
             *sum += (float)scene_occluded(scene, &ray[i]);
         }
     }
-    return (seconds() - start) / RAYS * 1e9;
-}
-
-static int ascending(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
+    return (now_ns() - start) / RAYS;
 }
 
 int main(void) {
@@ -129,8 +103,10 @@ int main(void) {
         .shape = &shape, .shape_count = 1, .material = &material, .material_count = 1};
     make_mesh(&shape.mesh);
     if (scene_trace_build(&scene, (struct log){0}) != SATIN_OK) return 1;
+    const struct mesh *m = &shape.mesh;
+    const struct bare_mesh mesh = {m->position, m->index, m->vertex_count, m->triangle_count};
     RTCDevice device = rtcNewDevice(NULL);
-    RTCScene bare = make_bare(device, &shape.mesh);
+    RTCScene bare = bare_build(device, &mesh);
     struct ray *ray = make_rays(&scene);
 
     double time[SIDES][ROUNDS];
@@ -140,12 +116,11 @@ int main(void) {
             time[side][round] = run((enum side)side, bare, &scene, ray, &sum);
     static const char *const name[] = {"rtcIntersect1", "scene_distance", "scene_intersect",
                                        "rtcOccluded1", "scene_occluded"};
-    double median[SIDES];
+    double typical[SIDES];
     for (int side = 0; side < SIDES; side++) {
-        qsort(time[side], ROUNDS, sizeof(double), ascending);
-        median[side] = time[side][ROUNDS / 2];
+        typical[side] = median(time[side], ROUNDS);
         int base = side < BARE_OCCLUDED ? BARE_INTERSECT : BARE_OCCLUDED;
-        printf("%-16s %7.1f ns   %.3f\n", name[side], median[side], median[side] / median[base]);
+        printf("%-16s %7.1f ns   %.3f\n", name[side], typical[side], typical[side] / typical[base]);
     }
     rtcReleaseScene(bare);
     rtcReleaseDevice(device);
