@@ -7,11 +7,12 @@
 Each module matrix_*.py beside this file has rows(folder): it may write files into the folder and
 returns a dict of scenes, name -> XML between <scene> tags; the sensor is added unless the text has
 one. For every row Mitsuba's image is made as make_references.py makes it, with mean and variance
-per pixel, and BUILD/tests/image/z_test compares: a z-test per pixel and channel with Sidak's
-correction, and the image's mean. The outcome goes to matrix.csv beside this file: the least p of
-all pixels, the limit for it, and the ratio of the means with its standard deviation. For rows of
-BRDFs the mean of the two-pass image, at its defaults, over that of Mitsuba's follows. Rows of an
-earlier run that are not chosen by --only stay in the table. Needs `pip install mitsuba numpy`.
+per pixel, and BUILD/tests/image/z_test compares with half as many samples of ours: a z-test per
+pixel and channel with Sidak's correction, and the image's mean. The outcome goes to matrix.csv
+beside this file: Mitsuba's samples per pixel, the least p of all pixels, the limit for it, the
+ratio of the means with its standard deviation; then the mean of the two-pass image, at its
+defaults, over that of Mitsuba's. Rows of an earlier run that are not chosen by --only stay in the
+table. Needs `pip install mitsuba numpy`.
 """
 import argparse
 import csv
@@ -23,7 +24,7 @@ import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
 TABLE = HERE / "matrix.csv"
-HEAD = ["row", "least_p", "limit", "mean_ratio", "deviation", "two_pass", "verdict"]
+HEAD = ["row", "samples", "least_p", "limit", "mean_ratio", "deviation", "two_pass", "verdict"]
 TWO_PASS = 0.02  # by how much the two-pass image's mean may differ
 LINE = re.compile(r"least p (\S+) of \d+ \(limit ([^)]+)\).*mean ratio (\S+) \+- (\S+)")
 
@@ -88,16 +89,16 @@ def two_pass_ratio(path, image, options):
 
 
 def run_row(name, path, options):
-    result = dict.fromkeys(HEAD, "") | {"row": name}
+    result = dict.fromkeys(HEAD, "") | {"row": name, "samples": str(options.spp)}
     image = reference(path, options)
     done = subprocess.run([options.build / "tests/image/z_test", options.build / "src/apps/satin",
                            path, image, "8", str(max(options.spp // 16, 1))], cwd=options.work,
                           capture_output=True, text=True, check=False)
     found = LINE.search(done.stdout)
     if found:
-        result |= dict(zip(HEAD[1:5], found.groups()))
+        result |= dict(zip(HEAD[2:6], found.groups()))
     result["verdict"] = ["same", "differs"][done.returncode] if found else "failed"
-    if found and name.startswith("bsdf_"):
+    if found:
         ratio = two_pass_ratio(path, image, options)
         result["two_pass"] = f"{ratio:.4f}"
         if abs(ratio - 1) > TWO_PASS:

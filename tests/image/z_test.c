@@ -38,6 +38,8 @@ static const double significance = 0.01;
 static const double mean_tolerance = 0.003, mean_z = 3.3;
 // Two renderers in single precision agree to this, relative, where there is no noise at all.
 static const double rounding = 1e-5;
+// Mitsuba takes a density of microfacets below 1e-20 for none: what is darker than this is black.
+static const double black = 1e-15;
 static const char *const colour[CHANNELS] = {"R", "G", "B"};
 
 // Sums over parts, per channel and pixel.
@@ -138,7 +140,7 @@ static void judge(const struct parts *parts, double spp, const satin_film *refer
         double variance_a =
             fmax(0, parts->squares[c][i] / parts->count - a * a) / (parts->count - 1);
         double one = fmax(variance_a * n_a, variance_b[i] * n_b);
-        double deviation = sqrt(one / n_a + one / n_b + pow(rounding * b[i], 2));
+        double deviation = sqrt(one / n_a + one / n_b + pow(rounding * b[i] + black, 2));
         z[i] = a == b[i] ? 0.0f : (float)normal_of_student((a - b[i]) / deviation, freedom);
         double p = erfc(fabs(z[i]) / sqrt(2));
         if (!(p >= v->least_p)) {

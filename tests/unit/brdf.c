@@ -200,6 +200,56 @@ static void samples_carry_the_energy(void **state) {
     arena_free(&arena);
 }
 
+// What a pair of functions a and b of direction see of each other over the surface, the integral of
+// a(wo) |cos wo| f(wo, wi) |cos wi| b(wi), by one sample from one end: eye paths start with wo,
+// photons with wi.
+static double seen_over(const struct brdf *b, enum brdf_mode mode, struct rng *rng) {
+    const vec3 axis[2] = {v3(0.6f, 0.0f, 0.8f), v3(-0.2f, 0.5f, -0.9f)};
+    vec3 w = sample_uniform_sphere(rng_float(rng), rng_float(rng));
+    struct brdf_sample s;
+    float u = rng_float(rng), x = rng_float(rng), y = rng_float(rng);
+    if (!brdf_sample(b, w, u, x, y, BRDF_ALL, mode, &s)) return 0.0;
+    const vec3 start = axis[mode == BRDF_POWER], end = axis[mode != BRDF_POWER];
+    float from = sqrf(1.0f + v3_dot(start, w)), to = sqrf(1.0f + v3_dot(end, s.wi));
+    return (double)(4.0f * PI_F * fabsf(w.z) * from * to * s.weight.g);
+}
+
+static void photons_scatter_as_the_eye_sees(void **state) {
+    (void)state;
+    enum { SAMPLES = 40000 };
+    const double threshold = chi_threshold(0.01, CASES);  // Sidak's, as a p-value
+    struct arena arena = {0};
+    for (int i = 0; i < CASES; i++) {
+        struct brdf b = make(cases + i, &arena);
+        double mean[2], variance[2];
+        for (int mode = 0; mode < 2; mode++) {
+            struct rng rng = rng_make(5, RNG_TEST, (uint64_t)(2 * i + mode));
+            double sum = 0.0, squares = 0.0;
+            for (int k = 0; k < SAMPLES; k++) {
+                double x = seen_over(&b, (enum brdf_mode)mode, &rng);
+                sum += x;
+                squares += x * x;
+            }
+            mean[mode] = sum / SAMPLES;
+            variance[mode] = (squares / SAMPLES - mean[mode] * mean[mode]) / (SAMPLES - 1);
+        }
+        double z = (mean[0] - mean[1]) / sqrt(variance[0] + variance[1] + 1e-12);
+        if (erfc(fabs(z) / sqrt(2.0)) < threshold)
+            fail_msg("%s (case %d): %g for the eye, %g for photons, z %.1f", cases[i].model, i,
+                     mean[0], mean[1], z);
+    }
+    arena_free(&arena);
+}
+
+static void every_model_has_cases(void **state) {
+    (void)state;
+    for (int m = 0; brdf_models[m]->name; m++) {
+        int count = 0;
+        for (int i = 0; i < CASES; i++) count += strcmp(cases[i].model, brdf_models[m]->name) == 0;
+        if (!count) fail_msg("no case of %s", brdf_models[m]->name);
+    }
+}
+
 // A lobe with coefficients -1, -1, 1 is Phong's.
 static void lafortune_contains_phong(void **state) {
     (void)state;
@@ -362,7 +412,9 @@ int main(void) {
         cmocka_unit_test(chi_square_is_sound),
         cmocka_unit_test(samplers_follow_their_densities),
         cmocka_unit_test(models_are_reciprocal),
+        cmocka_unit_test(every_model_has_cases),
         cmocka_unit_test(samples_carry_the_energy),
+        cmocka_unit_test(photons_scatter_as_the_eye_sees),
         cmocka_unit_test(lafortune_contains_phong),
         cmocka_unit_test(grids_hold_their_values),
         cmocka_unit_test(ward_variants_differ_as_known),
