@@ -43,8 +43,8 @@ void gather_point_of(const struct satin_scene *scene, const struct material_side
 // ---- Direct light (gather_direct.c) ------------------------------------------------------------
 
 // How BRDF sampling shares direct light with light sampling: for each part of the BRDF, how many
-// BRDF samples there are per light sample. Ratio 0: light sampling alone. The parts' lobes do not
-// overlap.
+// BRDF samples there are per light sample, drawn from all lobes of the part: ideal ones among them
+// take their share of the samples. Ratio 0: light sampling alone. The parts' lobes do not overlap.
 struct gather_mis {
     struct {
         unsigned lobes;

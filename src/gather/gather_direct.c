@@ -8,8 +8,8 @@ static rgb weighted_brdf(const struct gather_point *p, struct gather_mis mis, ve
                          bool delta) {
     rgb sum = rgb_grey(0.0f);
     for (int i = 0; i < 3; i++) {
-        unsigned lobes = mis.part[i].lobes & p->lobes & BRDF_SMOOTH;
-        if (!lobes) continue;
+        unsigned lobes = mis.part[i].lobes & p->lobes;
+        if (!(lobes & BRDF_SMOOTH)) continue;
         rgb f = brdf_eval(&p->brdf, p->wo_l, wi, lobes);
         float ratio = mis.part[i].ratio, weight = 1.0f;
         if (ratio > 0.0f && !delta)

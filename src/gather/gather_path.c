@@ -15,7 +15,7 @@ rgb gather_path(const struct gather *g, struct ray ray, int depth, bool emission
                 struct sampler *sampler, struct gather_first *first) {
     const struct satin_scene *scene = g->scene;
     const int max_depth = g->options->max_depth;
-    const struct gather_mis both = {{{BRDF_SMOOTH, 1.0f}}};
+    const struct gather_mis both = {{{BRDF_ALL, 1.0f}}};
     rgb L = rgb_grey(0.0f), T = rgb_grey(1.0f);
     const bool from_eye = depth == 0;
     float eta = 1.0f,

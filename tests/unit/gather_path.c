@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Path tracing where the answer is known: a plane under a white sky is as bright as its albedo,
+// however light and BRDF sampling share the sky.
+#include "gather/gather.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "test_scene.h"
+
+enum { PATHS = 20000 };
+
+struct mean {
+    double value, variance;  // the variance of `value`
+};
+
+static struct mean mean_of(double sum, double squares) {
+    double value = sum / PATHS;
+    return (struct mean){value, (squares / PATHS - value * value) / (PATHS - 1)};
+}
+
+static struct mean by_paths(const struct gather *g, vec3 wo) {
+    double sum = 0.0, squares = 0.0;
+    for (uint32_t i = 0; i < PATHS; i++) {
+        struct rng rng = rng_make(1, RNG_TEST, i);
+        struct sampler sampler = {0, (uint32_t)(rng_float(&rng) * 0x1p32f), 0};
+        struct ray ray = {.o = v3_mul(wo, 3.0f), .d = v3_neg(wo), .tfar = INFINITY};
+        struct gather_first first;
+        double L = (double)gather_path(g, ray, 0, true, &sampler, &first).g;
+        sum += L;
+        squares += L * L;
+    }
+    return mean_of(sum, squares);
+}
+
+static struct mean by_brdf(const struct brdf *b, vec3 wo) {
+    double sum = 0.0, squares = 0.0;
+    struct rng rng = rng_make(2, RNG_TEST, 0);
+    for (int i = 0; i < PATHS; i++) {
+        struct brdf_sample s;
+        float u = rng_float(&rng), x = rng_float(&rng), y = rng_float(&rng);
+        if (!brdf_sample(b, wo, u, x, y, BRDF_ALL, BRDF_RADIANCE, &s)) continue;
+        sum += (double)s.weight.g;
+        squares += (double)(s.weight.g * s.weight.g);
+    }
+    return mean_of(sum, squares);
+}
+
+static void planes_are_as_bright_as_their_albedo(void **state) {
+    (void)state;
+    static const char *const model[] = {"diffuse", "plastic",        "roughplastic",   "phong",
+                                        "ward",    "roughconductor", "thindielectric", "conductor"};
+    for (size_t i = 0; i < sizeof model / sizeof *model; i++) {
+        struct test_scene t;
+        test_scene_init(&t);
+        uint32_t m = test_material(&t, model[i], rgb_grey(0.4f), rgb_grey(0.5f));
+        test_rectangle(&t, test_transform(v3(0, 0, 0), v3(1, 1, 1)), m);
+        test_light(&t, (struct light){.kind = LIGHT_CONSTANT, .value = rgb_grey(1.0f)});
+        test_scene_finish(&t);
+        const satin_options options = satin_options_default;
+        const struct gather g = {.scene = &t.scene, .options = &options};
+        for (float z = 0.2f; z < 1.0f; z += 0.35f) {
+            vec3 wo = v3(sqrtf(1.0f - z * z), 0.0f, z);
+            struct mean a = by_paths(&g, wo), b = by_brdf(&t.material[m].front.base, wo);
+            double off = fabs(a.value - b.value), deviation = sqrt(a.variance + b.variance);
+            // One false alarm in 600 runs of the 24 cases.
+            if (off > 4.0 * deviation + 1e-4)
+                fail_msg("%s at cosine %g: %g by paths, %g by the BRDF +- %g", model[i], (double)z,
+                         a.value, b.value, deviation);
+        }
+        test_scene_free(&t);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(planes_are_as_bright_as_their_albedo)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
