@@ -190,7 +190,7 @@ static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned
     if (lobes != BRDF_DIFFUSE) L = rgb_add(L, e.Le_specular);
     if (!found || !within_depth(g, level, 1)) return L;
     float radius;
-    rgb E = photon_irradiance(g->maps, z.surfel.p, z.ng, &radius);
+    rgb E = photon_irradiance(g->maps, g->scene, z.surfel.p, z.ng, &radius);
     bool near = g->options->gather_bounce && radius > g->trust;
     if (!within_depth(g, level, 2)) E = rgb_grey(0.0f);
     return rgb_fma(L, T, reflected(g, &z, E, near, level, sampler));
@@ -205,7 +205,8 @@ static void shade_from_photons(const struct gather *g, struct gather_scratch *sc
         scratch->n[i] = scratch->hit[i].point.ng;
     }
     if (precomputed)
-        photon_irradiance_many(g->maps, count, scratch->p, scratch->n, scratch->E, scratch->radius);
+        photon_irradiance_many(g->maps, g->scene, count, scratch->p, scratch->n, scratch->E,
+                               scratch->radius);
     for (size_t i = 0; i < count; i++) {
         struct gather_hit *hit = &scratch->hit[i];
         struct gather_point *y = &hit->point;

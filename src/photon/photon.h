@@ -24,11 +24,13 @@ void photon_maps_free(struct photon_maps *maps);  // NULL is allowed
 // The rough solution at a surface point: incident irradiance on the side of n (unit), by the
 // nearest photon on that side whose irradiance was precomputed. *radius gets the radius of its
 // density estimate. E includes direct light unless options->gather_shadow was set when the maps
-// were built. Black and radius INFINITY where no photon is near that faces as n does.
-rgb photon_irradiance(const struct photon_maps *maps, vec3 p, vec3 n, float *radius);
+// were built. Black and radius INFINITY where no photon is near that faces as n does and is not
+// behind a wall.
+rgb photon_irradiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
+                      vec3 n, float *radius);
 // The same for many points; arrays of `count`.
-void photon_irradiance_many(const struct photon_maps *maps, size_t count, const vec3 *p,
-                            const vec3 *n, rgb *E, float *radius);
+void photon_irradiance_many(const struct photon_maps *maps, const struct satin_scene *scene,
+                            size_t count, const vec3 *p, const vec3 *n, rgb *E, float *radius);
 
 // An estimate of a larger radius blurs over a good part of what is seen, and should not be
 // believed.

@@ -8,7 +8,6 @@
 
 #define FACING 0.5f  // as in photon_area.c
 #define LAYER 0.35f
-#define LIFT 0.1f  // of a line of sight over the surface, in units of its length
 
 // Whether the photon is one of the disc's surface: its facing and its distance from the plane.
 static bool belongs(const struct photon_disc *disc, int i) {
@@ -161,20 +160,6 @@ rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *sc
     return estimate(&query, &at, radius);
 }
 
-// Whether nothing stands between p and the place where entry's irradiance was precomputed, a little
-// above the surface.
-static bool entry_seen(const struct photon_maps *maps, const struct satin_scene *scene, int entry,
-                       vec3 p, vec3 n) {
-    vec3 q = photon_irradiance_place(&maps->caustic_irradiance, entry), d = v3_sub(q, p);
-    float distance = v3_len(d);
-    if (!(distance > 0.0f)) return true;
-    struct ray ray = scene_spawn(scene, p, n, n);
-    ray.o = v3_mad(ray.o, LIFT * distance, n);
-    ray.d = v3_mul(d, 1.0f / distance);
-    ray.tfar = distance;
-    return !scene_occluded(scene, &ray);
-}
-
 rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p, vec3 ng,
                    const struct frame *frame, const struct brdf *brdf, vec3 wo, unsigned lobes) {
     if (maps->caustic.count == 0) return rgb_grey(0.0f);
@@ -182,7 +167,8 @@ rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *sce
     if (brdf->model->lobes == BRDF_DIFFUSE && maps->area) {
         int entry = photon_irradiance_entry(&maps->caustic_irradiance, p, ng);
         if (entry < 0) return rgb_grey(0.0f);
-        if (maps->caustic.open[entry] || entry_seen(maps, scene, entry, p, ng)) {
+        if (maps->caustic.open[entry] ||
+            photon_irradiance_sees(&maps->caustic_irradiance, scene, entry, p, ng)) {
             rgb f = brdf_eval(brdf, wo, v3(0.0f, 0.0f, 1.0f), lobes);
             return rgb_mul(f, photon_irradiance_value(&maps->caustic_irradiance, entry, p));
         }

@@ -29,6 +29,8 @@ enum {
 // The nearest of evenly spread entries is further than the root of REACH / (pi density) once in
 // e^REACH places. Where it is, no light came down in between, and its irradiance fades.
 #define REACH 6.0f
+// A ray towards an entry runs so much of its length above the surface.
+#define LIFT 0.1f
 #define CLEARING 2.5f  // radius of a clearing over that of a disc
 
 struct precompute {
@@ -200,16 +202,37 @@ static bool faces(const struct photon_irradiance *r, int row, vec3 n) {
     return m[0] * n.x + m[1] * n.y + m[2] * n.z >= FACING * r->scale;
 }
 
-// The nearest entry that faces as n does, among a few; -1 if there is none.
-static int search_facing(const struct photon_irradiance *r, const float *query, vec3 n) {
+static vec3 place_of(const struct photon_irradiance *r, int entry) {
+    const float *q = r->row + 6 * (size_t)entry;
+    return v3(q[0], q[1], q[2]);
+}
+
+bool photon_irradiance_sees(const struct photon_irradiance *r, const struct satin_scene *scene,
+                            int entry, vec3 p, vec3 n) {
+    vec3 d = v3_sub(place_of(r, entry), p);
+    float distance = v3_len(d);
+    if (!(distance > 0.0f)) return true;
+    struct ray ray = scene_spawn(scene, p, n, n);
+    ray.o = v3_mad(ray.o, LIFT * distance, n);
+    ray.d = v3_mul(d, 1.0f / distance);
+    ray.tfar = distance;
+    return !scene_occluded(scene, &ray);
+}
+
+// The nearest entry that faces as n does, among a few, and of which no wall hides p; -1 if there is
+// none. Entries that are `open` have no wall near; NULL: walls do not matter.
+static int search_facing(const struct photon_irradiance *r, const float *query, vec3 n,
+                         const struct satin_scene *scene, const uint8_t *open) {
+    const vec3 p = v3(query[0], query[1], query[2]);
     int row[RETRY_K], best = -1;
     float distance2[RETRY_K], least = INFINITY;
     photon_index_nearest(r->index, query, 1, RETRY_K, row, distance2);
-    for (int i = 0; i < RETRY_K; i++)
-        if (row[i] >= 0 && distance2[i] < least && faces(r, row[i], n)) {
-            best = row[i];
-            least = distance2[i];
-        }
+    for (int i = 0; i < RETRY_K; i++) {
+        if (row[i] < 0 || distance2[i] >= least || !faces(r, row[i], n)) continue;
+        if (open && !open[row[i]] && !photon_irradiance_sees(r, scene, row[i], p, n)) continue;
+        best = row[i];
+        least = distance2[i];
+    }
     return best;
 }
 
@@ -219,12 +242,7 @@ int photon_irradiance_entry(const struct photon_irradiance *r, vec3 p, vec3 n) {
     if (r->count == 0) return -1;
     set_row(query, p, n, r->scale);
     photon_index_nearest(r->index, query, 1, 1, &row, &distance2);
-    return row >= 0 && !faces(r, row, n) ? search_facing(r, query, n) : row;
-}
-
-vec3 photon_irradiance_place(const struct photon_irradiance *r, int entry) {
-    const float *q = r->row + 6 * (size_t)entry;
-    return v3(q[0], q[1], q[2]);
+    return row >= 0 && !faces(r, row, n) ? search_facing(r, query, n, NULL, NULL) : row;
 }
 
 rgb photon_irradiance_value(const struct photon_irradiance *r, int entry, vec3 p) {
@@ -235,9 +253,10 @@ rgb photon_irradiance_value(const struct photon_irradiance *r, int entry, vec3 p
     return d2 > reach2 ? rgb_scale(r->E[entry], reach2 / d2) : r->E[entry];
 }
 
-void photon_irradiance_many(const struct photon_maps *maps, size_t count, const vec3 *p,
-                            const vec3 *n, rgb *E, float *radius) {
+void photon_irradiance_many(const struct photon_maps *maps, const struct satin_scene *scene,
+                            size_t count, const vec3 *p, const vec3 *n, rgb *E, float *radius) {
     const struct photon_irradiance *r = &maps->irradiance;
+    const uint8_t *open = maps->global.open;
     float query[6 * BATCH], distance2[BATCH];
     int row[BATCH];
     for (size_t at = 0; at < count; at += BATCH) {
@@ -249,16 +268,19 @@ void photon_irradiance_many(const struct photon_maps *maps, size_t count, const 
         if (r->count > 0) photon_index_nearest(r->index, query, batch, 1, row, distance2);
         for (size_t i = 0; i < batch; i++) {
             size_t j = at + i;
-            if (row[i] >= 0 && !faces(r, row[i], n[j]))
-                row[i] = search_facing(r, query + 6 * i, n[j]);
+            if (row[i] >= 0 &&
+                (!faces(r, row[i], n[j]) ||
+                 (!open[row[i]] && !photon_irradiance_sees(r, scene, row[i], p[j], n[j]))))
+                row[i] = search_facing(r, query + 6 * i, n[j], scene, open);
             E[j] = photon_irradiance_value(r, row[i], p[j]);
             radius[j] = row[i] >= 0 ? r->radius[row[i]] : INFINITY;
         }
     }
 }
 
-rgb photon_irradiance(const struct photon_maps *maps, vec3 p, vec3 n, float *radius) {
+rgb photon_irradiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
+                      vec3 n, float *radius) {
     rgb E;
-    photon_irradiance_many(maps, 1, &p, &n, &E, radius);
+    photon_irradiance_many(maps, scene, 1, &p, &n, &E, radius);
     return E;
 }

@@ -209,8 +209,10 @@ void photon_irradiance_free(struct photon_irradiance *irradiance);
 size_t photon_irradiance_bytes(const struct photon_irradiance *irradiance);
 // The entry that answers for p on the side of n, or -1.
 int photon_irradiance_entry(const struct photon_irradiance *irradiance, vec3 p, vec3 n);
-// Where it is, and its irradiance at p.
-vec3 photon_irradiance_place(const struct photon_irradiance *irradiance, int entry);
+// Whether nothing stands between p and the entry's place, a little above the surface.
+bool photon_irradiance_sees(const struct photon_irradiance *irradiance,
+                            const struct satin_scene *scene, int entry, vec3 p, vec3 n);
+// Its irradiance at p.
 rgb photon_irradiance_value(const struct photon_irradiance *irradiance, int entry, vec3 p);
 
 struct photon_maps {
