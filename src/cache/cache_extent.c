@@ -42,11 +42,13 @@ static struct cache_extent by_bend(const struct gather_around *around, const str
     return (struct cache_extent){fminf(wide, limit), fminf(narrow, limit), axis};
 }
 
-// Keeps a R of both axes between so many pixels.
-static void clamp_pixels(struct cache_extent *x, float a, float pixel, float least, float most) {
-    const float lo = least * pixel / a, hi = most * pixel / a;
+// Keeps a R of both axes between so many pixels. Returns the share of the gradient that holds so
+// far: where a record reaches farther than it should, its gradient would carry it away.
+static float clamp_pixels(struct cache_extent *x, float a, float pixel, float least, float most) {
+    const float lo = least * pixel / a, hi = most * pixel / a, wanted = x->R;
     x->R = fmaxf(fminf(x->R, hi), lo);
     x->across = fmaxf(fminf(x->across, x->R), lo);
+    return fminf(wanted / x->R, 1.0f);
 }
 
 static void limit(struct cache_extent *x, float R) {
@@ -73,12 +75,14 @@ struct cache_extent cache_extent_irradiance(const struct cache *cache,
     // E may not change by more than itself within R [K05 6.5.1].
     const float slope = v3_len(luminance_gradient(value));
     if (o->irradiance_gradient_clamp && slope * x.R > E && E > 0.0f) limit(&x, E / slope);
-    clamp_pixels(&x, a, site->pixel, o->irradiance_min_pixels, o->irradiance_max_pixels);
-    // Where the pixel holds the radius up, the gradient gives way: never extrapolate E below 0.
+    const float share =
+        clamp_pixels(&x, a, site->pixel, o->irradiance_min_pixels, o->irradiance_max_pixels);
+    // And never extrapolate E below 0.
     const float Ec[3] = {value->E.r, value->E.g, value->E.b};
     for (int c = 0; c < 3; c++) {
-        float change = v3_len(value->grad_t[c]) * a * o->irradiance_widen * x.R;
-        if (change > Ec[c]) value->grad_t[c] = v3_mul(value->grad_t[c], Ec[c] / change);
+        float change = share * v3_len(value->grad_t[c]) * a * o->irradiance_widen * x.R;
+        float part = change > Ec[c] ? share * Ec[c] / change : share;
+        value->grad_t[c] = v3_mul(value->grad_t[c], part);
     }
     return x;
 }
@@ -109,14 +113,14 @@ struct cache_extent cache_extent_radiance(const struct cache *cache, const struc
     // As for E: the vector may not change by more than its length within R. Measured where a wall
     // reflects a box near to it: half of the records serve for the same error.
     if (o->radiance_gradient_clamp && slope * x.R > size && size > 0.0f) limit(&x, size / slope);
-    clamp_pixels(&x, a, site->pixel, o->radiance_min_pixels, o->radiance_max_pixels);
-    // Where the pixel holds the radius up, the gradient of each colour gives way.
+    const float share =
+        clamp_pixels(&x, a, site->pixel, o->radiance_min_pixels, o->radiance_max_pixels);
     for (int c = 0; c < 3; c++) {
-        float change = sqrtf(slope2[c]) * a * o->radiance_widen * x.R, length = sqrtf(size2[c]);
-        if (!(change > length)) continue;
-        for (int k = c * n2; k < (c + 1) * n2; k++) {
-            value->dx[k] *= length / change;
-            value->dy[k] *= length / change;
+        float change = share * sqrtf(slope2[c]) * a * o->radiance_widen * x.R;
+        float length = sqrtf(size2[c]), part = change > length ? share * length / change : share;
+        for (int k = c * n2; part < 1.0f && k < (c + 1) * n2; k++) {
+            value->dx[k] *= part;
+            value->dy[k] *= part;
         }
     }
     return x;
