@@ -219,8 +219,16 @@ bool photon_irradiance_sees(const struct photon_irradiance *r, const struct sati
     return !scene_occluded(scene, &ray);
 }
 
+// Whether p may lie behind a wall: not within the disc of an open entry.
+static bool hidden(const struct photon_irradiance *r, const struct satin_scene *scene,
+                   const uint8_t *open, int entry, vec3 p, vec3 n) {
+    float radius = r->radius[entry];
+    if (open[entry] && v3_dist2(place_of(r, entry), p) <= radius * radius) return false;
+    return !photon_irradiance_sees(r, scene, entry, p, n);
+}
+
 // The nearest entry that faces as n does, among a few, and of which no wall hides p; -1 if there is
-// none. Entries that are `open` have no wall near; NULL: walls do not matter.
+// none. `open` NULL: walls do not matter.
 static int search_facing(const struct photon_irradiance *r, const float *query, vec3 n,
                          const struct satin_scene *scene, const uint8_t *open) {
     const vec3 p = v3(query[0], query[1], query[2]);
@@ -229,7 +237,7 @@ static int search_facing(const struct photon_irradiance *r, const float *query, 
     photon_index_nearest(r->index, query, 1, RETRY_K, row, distance2);
     for (int i = 0; i < RETRY_K; i++) {
         if (row[i] < 0 || distance2[i] >= least || !faces(r, row[i], n)) continue;
-        if (open && !open[row[i]] && !photon_irradiance_sees(r, scene, row[i], p, n)) continue;
+        if (open && hidden(r, scene, open, row[i], p, n)) continue;
         best = row[i];
         least = distance2[i];
     }
@@ -269,8 +277,7 @@ void photon_irradiance_many(const struct photon_maps *maps, const struct satin_s
         for (size_t i = 0; i < batch; i++) {
             size_t j = at + i;
             if (row[i] >= 0 &&
-                (!faces(r, row[i], n[j]) ||
-                 (!open[row[i]] && !photon_irradiance_sees(r, scene, row[i], p[j], n[j]))))
+                (!faces(r, row[i], n[j]) || hidden(r, scene, open, row[i], p[j], n[j])))
                 row[i] = search_facing(r, query + 6 * i, n[j], scene, open);
             E[j] = photon_irradiance_value(r, row[i], p[j]);
             radius[j] = row[i] >= 0 ? r->radius[row[i]] : INFINITY;
