@@ -27,7 +27,8 @@ typedef enum satin_first_pass {
     SATIN_FIRST_PRECOMPUTED = 0,  // irradiance precomputed at photons, one nearest-neighbour query
     SATIN_FIRST_PHOTONS,          // density estimate at every hit
     SATIN_FIRST_PATH,             // path tracing from the hit
-    SATIN_FIRST_NONE              // direct light at the hit only
+    SATIN_FIRST_NONE,             // direct light at the hit only
+    SATIN_FIRST_RECURSIVE         // direct light, and records of the next bounce
 } satin_first_pass;
 
 typedef enum satin_basis { SATIN_HSH = 0, SATIN_SH } satin_basis;
@@ -72,7 +73,8 @@ typedef struct satin_options {
     int64_t caustic_photons;  // photon paths emitted for the caustic map
     int photon_k;             // photons in a density estimate of the global map
     int caustic_k;            // photons in a density estimate of the caustic map
-    bool photon_area;         // divide by the area that is really there
+    int recursive_levels;  // bounces behind the image that first pass `recursive` has records for
+    bool photon_area;      // divide by the area that is really there
 
     // Gathering.
     bool gather_bounce;  // hits nearer than the lookup radius go on one more bounce

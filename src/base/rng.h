@@ -20,7 +20,8 @@ enum rng_stage {
     RNG_TEST,
     RNG_CAUSTIC,
     RNG_GUIDE,
-    RNG_VIEW
+    RNG_VIEW,
+    RNG_LEVEL
 };
 
 struct rng {

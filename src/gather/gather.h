@@ -9,13 +9,25 @@
 #include "photon/photon.h"
 #include "scene/scene.h"
 
+struct gather_point;
+
+// First pass `recursive`: records at the hits, made before by a later stage.
+struct gather_rough {
+    // Which smooth lobes of y the records tell of; adds the indirect light that these reflect to
+    // *L.
+    unsigned (*read)(const void *records, const struct gather_point *y, rgb *L);
+    const void *records;
+    const struct gather *gather;  // that made them; NULL: there are none
+};
+
 // What stays the same during a render. Plain data, shared by all threads.
 struct gather {
     const struct satin_scene *scene;
     const satin_options *options;  // max_depth and rr_depth resolved: max_depth < 0 means no limit
-    const struct photon_maps *maps;  // NULL for first passes `path` and `none`
-    bool wide_lights;                // lights so large that light sampling alone is noisy
-    float trust;  // photon lookups of a larger radius say nothing about their place
+    const struct photon_maps *maps;
+    bool wide_lights;  // lights so large that light sampling alone is noisy
+    float trust;       // photon lookups of a larger radius say nothing about their place
+    struct gather_rough rough;
 };
 
 struct gather gather_make(const struct satin_scene *scene, const satin_options *options,
@@ -95,6 +107,11 @@ struct gather_scratch;
 struct gather_scratch *gather_scratch_new(size_t capacity);  // NULL without memory
 void gather_scratch_free(struct gather_scratch *scratch);
 struct gather_ray *gather_scratch_rays(struct gather_scratch *scratch);  // room for `capacity`
+
+// Follows `ray` through ideal specular surfaces to a point with a smooth lobe. False if it meets
+// none. *first gets the surface that it meets first.
+bool gather_follow(const struct gather *g, struct ray ray, struct sampler *sampler,
+                   struct gather_first *first, struct gather_point *out);
 
 // Finds L and r of `count` rays (at most the scratch's capacity). `stream` and each ray's item seed
 // the decisions.

@@ -3,7 +3,9 @@
 // surfaces to y and reads the rough solution there. Emitted light adds nothing: direct light and
 // caustics at x carry it. Where the rough solution is not to be trusted, near y's own lookup
 // radius, and for y's glossy lobe, the path goes on one more bounce. Where photons are so few that
-// the lookup would blur over all that is seen, it goes on until it is absorbed: path tracing.
+// the lookup would blur over all that is seen, it goes on until it is absorbed: path tracing. In
+// first pass `recursive` records are the rough solution; lobes that they do not tell of go on, and
+// where that ray ends the records of the next level are.
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -110,6 +112,12 @@ static bool trace_to_smooth(const struct gather *g, struct ray ray, struct sampl
     return false;
 }
 
+bool gather_follow(const struct gather *g, struct ray ray, struct sampler *sampler,
+                   struct gather_first *first, struct gather_point *out) {
+    rgb T = rgb_grey(1.0f);
+    return trace_to_smooth(g, ray, sampler, &T, first, NULL, out);
+}
+
 // Reflected by y's diffuse lobe from the irradiance E of the rough solution.
 static rgb diffuse_radiance(const struct gather_point *y, rgb E) {
     rgb albedo = brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE);
@@ -139,30 +147,49 @@ static bool within_depth(const struct gather *g, int level, int more) {
     return g->options->max_depth < 0 || 2 + level + more <= g->options->max_depth;
 }
 
-// Radiance that y reflects, given the irradiance E of the rough solution there. The diffuse lobe
-// reads E, or if `near`, where E is not to be trusted, follows one more ray; the glossy lobe always
-// does.
+static bool recursive(const struct gather *g) {
+    return g->options->first_pass == SATIN_FIRST_RECURSIVE;
+}
+
+// Bounces over which y's glossy lobes are followed: the tail is diffuse where E tells of it.
+static int bounces_most(const struct gather *g, unsigned glossy) {
+    return glossy & BRDF_THROUGH || recursive(g) ? THROUGH_MAX : BOUNCE_MAX;
+}
+
+// Radiance that y reflects. Records tell of some of its lobes. Of the others, the diffuse one reads
+// the irradiance E of the rough solution, or if `near`, where E is not to be trusted, follows one
+// more ray; the glossy one always does.
 static rgb reflected(const struct gather *g, const struct gather_point *y, rgb E, bool near,
                      int level, struct sampler *sampler) {
-    const unsigned diffuse = y->lobes & BRDF_DIFFUSE, glossy = y->lobes & GLOSSY;
+    rgb albedo = rgb_grey(0.0f), L = albedo;
+    const unsigned known = g->rough.gather ? g->rough.read(g->rough.records, y, &L) : 0;
+    const unsigned diffuse = y->lobes & BRDF_DIFFUSE & ~known, glossy = y->lobes & GLOSSY & ~known;
     const bool shadow = near || g->options->gather_shadow;
-    rgb albedo = rgb_grey(0.0f);
     float survive = glossy ? follow(y, &albedo) : 0.0f;
     float survive_diffuse = diffuse && near ? go_on(y, level) : 0.0f;
-    const struct gather_mis mis = {{{shadow ? diffuse : 0u, survive_diffuse}, {glossy, survive}}};
-    rgb L = gather_direct(g, y, mis, 1, *sampler);
+    const struct gather_mis mis = {
+        {{shadow ? diffuse : 0u, survive_diffuse}, {glossy, survive}, {known, 0.0f}}};
+    L = rgb_add(L, gather_direct(g, y, mis, 1, *sampler));
     sampler->dimension += 2;
-    if (diffuse && near) {
+    const unsigned caustic = known | (near ? diffuse : 0u);
+    if (caustic)
         L = rgb_add(L, photon_caustic(g->maps, g->scene, y->surfel.p, y->ng, &y->frame, &y->brdf,
-                                      y->wo_l, BRDF_DIFFUSE));
+                                      y->wo_l, caustic));
+    if (diffuse && near) {
         L = rgb_add(L, bounce(g, y, BRDF_DIFFUSE, survive_diffuse, level + 1, sampler));
     } else if (diffuse) {
         L = rgb_add(L, diffuse_radiance(y, E));
     }
     if (!glossy) return L;
-    if (level >= (glossy & BRDF_THROUGH ? THROUGH_MAX : BOUNCE_MAX))
+    if (level >= bounces_most(g, glossy))
         return rgb_add(L, rgb_scale(rgb_mul(albedo, E), 1.0f / PI_F));
     return rgb_add(L, bounce(g, y, glossy, survive, level + 1, sampler));
+}
+
+// The same where no photon tells of E.
+static rgb distant(const struct gather *g, const struct gather_point *y, int level,
+                   struct sampler *sampler) {
+    return reflected(g, y, rgb_grey(0.0f), true, level, sampler);
 }
 
 // One more bounce from y by `lobes`, the diffuse or glossy ones, with probability `survive`:
@@ -189,6 +216,9 @@ static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned
         L = rgb_scale(rgb_mul(start, e.Le), mis_power(survive * next.pdf_w, e.light_pdf));
     if (lobes != BRDF_DIFFUSE) L = rgb_add(L, e.Le_specular);
     if (!found || !within_depth(g, level, 1)) return L;
+    // Where there are records, z is to the next level's gather what y is to g.
+    if (g->rough.gather) return rgb_fma(L, T, distant(g->rough.gather, &z, level - 1, sampler));
+    if (recursive(g)) return rgb_fma(L, T, distant(g, &z, level, sampler));
     float radius;
     rgb E = photon_irradiance(g->maps, g->scene, z.surfel.p, z.ng, &radius);
     bool near = g->options->gather_bounce && radius > g->trust;
@@ -251,6 +281,8 @@ static void trace_chunk(const struct gather *g, struct gather_scratch *scratch,
             ray->L = gather_path(g, ray->ray, 1, false, &start, &ray->first);
         else if (found && first_pass == SATIN_FIRST_NONE)
             ray->L = rgb_mul(hit->T, gather_direct(g, &hit->point, lights_alone, 1, hit->sampler));
+        else if (found && first_pass == SATIN_FIRST_RECURSIVE)
+            ray->L = rgb_mul(hit->T, distant(g, &hit->point, 0, &hit->sampler));
         else if (found)
             hits++;
     }

@@ -23,6 +23,7 @@ const satin_options satin_options_default = {
     .photon_k = 50,
     .caustic_k = 60,
     .photon_area = true,
+    .recursive_levels = 3,
     .gather_bounce = true,
     .gather_shadow = true,
     .irradiance_cache = true,

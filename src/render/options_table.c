@@ -18,9 +18,10 @@ const struct option options_table[] = {
     {"integrator", OPTION_CHOICE, AT(integrator), false, "two-pass|path|direct|photons",
      "Photon map and cached final gathering; path tracing, the reference; emitted and direct light "
      "alone; the photon map seen directly."},
-    {"first-pass", OPTION_CHOICE, AT(first_pass), false, "precomputed|photons|path|none",
+    {"first-pass", OPTION_CHOICE, AT(first_pass), false, "precomputed|photons|path|none|recursive",
      "What a gather ray reads where it hits: irradiance precomputed at photons, a density estimate "
-     "there, path tracing from there, or direct light alone."},
+     "there, path tracing from there, direct light alone, or direct light and records of the next "
+     "bounce."},
     {"spp", OPTION_INT, AT(spp), false, "0..1048576",
      "Samples per pixel; 0: for path those of the scene's sampler, else those of the quality."},
     {"adaptive", OPTION_BOOL, AT(adaptive), false, "off|on",
@@ -56,6 +57,9 @@ const struct option options_table[] = {
      "Photons in one density estimate of the global map."},
     {"caustic-k", OPTION_INT, AT(caustic_k), false, "1..10000",
      "Photons in one density estimate of the caustic map."},
+    {"recursive-levels", OPTION_INT, AT(recursive_levels), false, "1..8",
+     "Bounces behind the image that first pass recursive keeps records for; from the last of them "
+     "on it traces paths."},
     {"photon-area", OPTION_BOOL, AT(photon_area), false, "off|on",
      "Divide density estimates by the surface that is really there, not by the whole disc."},
 

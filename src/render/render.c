@@ -105,6 +105,7 @@ static void destroy(struct render *r) {
     render_image_free(r->image);
     shade_destroy(&r->shade);
     cache_free(r->cache);
+    render_levels_free(r);
     shade_tables_free(&r->tables);
     photon_maps_free(r->maps);
     parallel_free(r->pool);
@@ -132,6 +133,7 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
         r->gather = render_gather(r);
     }
     if (status == SATIN_OK && two_pass(r)) status = tables(r);
+    if (status == SATIN_OK && two_pass(r)) status = render_levels(r);
     if (status == SATIN_OK) status = records(r);
     if (status == SATIN_OK) status = image(r);
     if (status == SATIN_CANCELLED && !r->image) status = sketch(r);

@@ -11,10 +11,17 @@ enum {
 // Of the time limit; and what of the time that the pilot foretells is used.
 static const double PHOTON_SHARE = 0.3, CAUTION = 0.9;
 
+// Whether the global map is looked at.
+static bool reads_photons(const satin_options *o) {
+    return o->integrator == SATIN_PHOTONS || o->first_pass == SATIN_FIRST_PRECOMPUTED ||
+           o->first_pass == SATIN_FIRST_PHOTONS;
+}
+
 static satin_status build(struct render *r, double share) {
     satin_options o = r->options;
     o.photons = (int64_t)ceil((double)o.photons * share);
     o.caustic_photons = (int64_t)ceil((double)o.caustic_photons * share);
+    if (!reads_photons(&o)) o.photons = 0;
     r->photons_share = r->photons_wanted ? (double)o.photons / (double)r->photons_wanted : 0.0;
     return photon_maps_build(&r->scene, &o, r->pool, r->log, &r->stats, &r->maps);
 }

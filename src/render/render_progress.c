@@ -13,9 +13,8 @@ static const double WRITE_SECONDS = 0.05, WRITE_PIXEL_SECONDS = 0.9e-6;
 // Statistics names must be static text: one for each stage.
 static const char *seconds_name(const char *stage) {
     static const char *const name[][2] = {
-        {"photons", "time.photons_s"},
-        {"BRDF tables", "time.tables_s"},
-        {"records", "time.records_s"},
+        {"photons", "time.photons_s"},       {"BRDF tables", "time.tables_s"},
+        {"deeper records", "time.levels_s"}, {"records", "time.records_s"},
         {"image", "time.image_s"},
     };
     for (size_t i = 0; i < sizeof name / sizeof *name; i++)

@@ -35,6 +35,8 @@ struct render {
     struct photon_maps *maps;
     struct gather gather;
     struct shade_tables tables;
+    struct render_level *levels;  // records of each bounce behind the image, see render_levels.c
+    int level_count;
     struct cache *cache;
     struct shade shade;
     struct render_image *image;
@@ -61,6 +63,11 @@ double render_write_seconds(const struct render *r);
 satin_status render_photons(struct render *r);
 // The constants of gathering. Photons that there was no time for are not missed.
 struct gather render_gather(const struct render *r);
+
+// ---- render_levels.c
+// Records of deeper bounces, if the first pass is `recursive`; gather then reads them.
+satin_status render_levels(struct render *r);
+void render_levels_free(struct render *r);
 
 // ---- render_share.c
 // The records' share of the time that is left, judged by sampling a few pixels; `otherwise` if that

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "shade/shade_indirect.h"
+#include "shade/shade_records.h"
 
 enum {
     FALLBACK_RAYS =
@@ -108,17 +109,6 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
         out->beauty = rgb_add(out->beauty, out->layer[layer]);
 }
 
-static unsigned wanted(const struct shade *shade, const struct gather_point *p) {
-    int channels;
-    const satin_options *o = shade->g->options;
-    const struct brdf_range *table =
-        p->lobes & BRDF_GLOSSY ? shade_table(shade, p, &channels) : NULL;
-    if (table && brdf_range_order(table, &p->brdf, p->wo_l) > 0) return CACHE_RADIANCE;
-    if ((p->lobes & BRDF_DIFFUSE) && o->radiance_cache && o->radiance_diffuse)
-        return CACHE_RADIANCE;
-    return (p->lobes & BRDF_DIFFUSE) && o->irradiance_cache ? CACHE_IRRADIANCE : 0u;
-}
-
 int shade_sites(const struct shade *shade, int x, int y, uint32_t index, struct cache_site *out,
                 int max) {
     struct shade_eye eye;
@@ -127,7 +117,7 @@ int shade_sites(const struct shade *shade, int x, int y, uint32_t index, struct 
     int count = 0;
     for (int i = 0; i < eye.count && count < max; i++) {
         const struct shade_vertex *v = &eye.vertex[i];
-        unsigned wants = wanted(shade, &v->point);
+        unsigned wants = shade_wants(shade, &v->point);
         if (!wants) continue;
         uint64_t stream =
             rng_mix(((uint64_t)sampler.seed << 20) + ((uint64_t)index << 4) + (uint64_t)i);

@@ -97,6 +97,11 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
 // at most `max`.
 int shade_sites(const struct shade *shade, int x, int y, uint32_t index, struct cache_site *out,
                 int max);
+// A site of the `level`-th bounce behind the image: the end of a walk of that many bounces from
+// pixel (x, y). False if the walk ends before, or where no record is wanted.
+bool shade_walk(const struct shade *shade, int x, int y, int level, struct cache_site *out);
+// For struct gather_rough; `records` is a struct shade whose scratch is not needed.
+unsigned shade_known(const void *records, const struct gather_point *y, rgb *L);
 
 // A site of shade_sites(..., 0, ...) as adaptive caching sees it: the surface in place of bumps,
 // and direct light by a few samples. (shade_surface.c)

@@ -1,70 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// The second pass at one point [K05 3.5]: what a point reflects, each part of the path table once.
-// Low-frequency glossy BRDFs use radiance records for all they reflect smoothly; others use
-// irradiance records for the diffuse lobe and importance sampling for the glossy one. What passes
-// through is importance-sampled.
-#include "rsh/rsh.h"
+// The second pass at one point [K05 3.5]: what a point reflects, each part of the path table once,
+// its lobes by the techniques of shade_records.h.
 #include "shade/shade_indirect.h"
 #include "shade/shade_memo.h"
+#include "shade/shade_records.h"
 
 // Pixels between a point that the fill has missed, in a sliver along an edge, and the record that
 // serves.
 #define REACH 8.0f
 
-// Which technique carries which lobes at this point.
-struct plan {
-    unsigned cached;                 // glossy and diffuse lobes by a radiance record
-    unsigned diffuse;                // by irradiance
-    unsigned sampled;                // glossy, or through, by importance sampling
-    const struct brdf_range *table;  // of the glossy lobe, if that is cached
-    int channels;
-    float relief;  // what bumps leave of the cached glossy light
-    struct shade_memo_entry *memo;
-};
-
-// Where bumps leave less of a lobe, they cut it so that its harmonics do not tell.
-static const float RELIEF_LEAST = 0.8f;
-
-static void make_plan(const struct shade_job *job, struct plan *plan) {
-    const struct gather_point *p = &job->vertex->point;
-    plan->table = shade_table(job->shade, p, &plan->channels);
-    plan->cached = 0;
-    plan->sampled = p->lobes & BRDF_THROUGH;
-    plan->diffuse = p->lobes & BRDF_DIFFUSE;
-    plan->memo = shade_memo_find(&job->worker->memo, p, job->vertex->pixel);
-    const satin_options *o = job->shade->g->options;
-    if (plan->diffuse && o->radiance_cache && o->radiance_diffuse) plan->cached = plan->diffuse;
-    if (!(p->lobes & BRDF_GLOSSY)) {
-        plan->diffuse &= ~plan->cached;
-        return;
-    }
-    plan->relief = brdf_relief_glossy(&p->brdf, p->wo_l);
-    if (plan->table && plan->relief > RELIEF_LEAST &&
-        brdf_range_order(plan->table, &p->brdf, p->wo_l) > 0) {
-        plan->cached = p->lobes & BRDF_REFLECT;
-    } else {
-        plan->sampled |= BRDF_GLOSSY;
-    }
-    plan->diffuse &= ~plan->cached;
-}
-
 static void add(struct shade_job *job, enum shade_layer layer, rgb L) {
     job->out->layer[layer] = rgb_fma(job->out->layer[layer], job->vertex->T, L);
-}
-
-static rgb diffuse_albedo(const struct gather_point *p) {
-    float share = brdf_relief_diffuse(&p->brdf) * (1.0f / PI_F);
-    return rgb_scale(brdf_albedo(&p->brdf, p->wo_l, BRDF_DIFFUSE), share);
 }
 
 static struct gather_site site_of(const struct shade_job *job) {
     const struct gather_point *p = &job->vertex->point;
     return (struct gather_site){p->surfel.p, p->surfel.ng, p->base, job->stream};
-}
-
-static struct cache_place place_of(const struct shade_job *job) {
-    const struct gather_point *p = &job->vertex->point;
-    return (struct cache_place){p->surfel.p, p->base.n, p->frame, REACH * job->vertex->pixel};
 }
 
 // E on a facet that bumps turned, as cache_irradiance has it.
@@ -85,7 +36,7 @@ static void note_records(struct shade_job *job, int used) {
 static void indirect_diffuse(struct shade_job *job, struct shade_memo_entry *memo) {
     const struct shade *s = job->shade;
     const struct gather_point *p = &job->vertex->point;
-    const struct cache_place at = place_of(job);
+    const struct cache_place at = shade_place(p, REACH * job->vertex->pixel);
     rgb E = memo->E;
     if (!(memo->knows & MEMO_IRRADIANCE)) {
         memo->used = 0;
@@ -105,29 +56,25 @@ static void indirect_diffuse(struct shade_job *job, struct shade_memo_entry *mem
         E = turn_irradiance(&value, p->base.n, p->frame.n);
         job->worker->counts.gathered++;
     }
-    add(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(diffuse_albedo(p), E));
+    add(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(shade_diffuse_albedo(p), E));
 }
 
 // By radiance records; false if none is near.
-static bool indirect_cached(struct shade_job *job, const struct plan *plan) {
+static bool indirect_cached(struct shade_job *job, const struct shade_plan *plan,
+                            struct shade_memo_entry *memo) {
     const struct shade *s = job->shade;
     const struct gather_point *p = &job->vertex->point;
-    struct shade_memo_entry *memo = plan->memo;
     const bool diffuse = p->lobes & BRDF_DIFFUSE, shiny = plan->cached & BRDF_GLOSSY;
     if (!(memo->knows & MEMO_RADIANCE)) {
-        float C[3 * RSH_MAX_COEFFICIENTS];
-        struct cache_place at = place_of(job);
-        struct cache_lobe lobe = {.C = C, .channels = plan->channels};
-        if (shiny) lobe.order = brdf_range_lookup(plan->table, &p->brdf, p->wo_l, C);
-        memo->used = cache_radiance(s->cache, &at, s->a_radiance, shiny ? &lobe : NULL,
-                                    &memo->glossy, diffuse ? &memo->E : NULL);
+        const struct cache_place at = shade_place(p, REACH * job->vertex->pixel);
+        memo->used = shade_radiance(s, plan, p, &at, &memo->glossy, &memo->E);
         if (!memo->used) return false;
         memo->knows |= MEMO_RADIANCE;
     }
     note_records(job, memo->used);
     rgb factor = rgb_scale(p->brdf.specular, plan->relief);
     if (shiny) add(job, SHADE_INDIRECT_GLOSSY, rgb_mul(factor, memo->glossy));
-    if (diffuse) add(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(diffuse_albedo(p), memo->E));
+    if (diffuse) add(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(shade_diffuse_albedo(p), memo->E));
     return true;
 }
 
@@ -207,8 +154,9 @@ void shade_vertex_two_pass(struct shade_job *job) {
     const struct gather_point *p = &job->vertex->point;
     const satin_options *o = g->options;
     const bool indirect = o->integrator == SATIN_TWO_PASS && (o->max_depth < 0 || o->max_depth > 2);
-    struct plan plan;
-    make_plan(job, &plan);
+    struct shade_plan plan;
+    shade_plan_make(job->shade, p, &plan);
+    struct shade_memo_entry *memo = shade_memo_find(&job->worker->memo, p, job->vertex->pixel);
     job->worker->counts.points++;
 
     // Direct light. The samples of glossy lobes, or one extra BRDF sample, share the lights with
@@ -228,12 +176,12 @@ void shade_vertex_two_pass(struct shade_job *job) {
         add(job, SHADE_CAUSTIC,
             photon_caustic(g->maps, g->scene, p->surfel.p, p->ng, &p->frame, &p->brdf, p->wo_l,
                            plan.cached | plan.diffuse));
-    if (plan.cached && !indirect_cached(job, &plan)) {
+    if (plan.cached && !indirect_cached(job, &plan, memo)) {
         // No record is near: gather for the diffuse lobe, sample the glossy one.
         plan.diffuse = plan.cached & BRDF_DIFFUSE;
         if (plan.cached & BRDF_GLOSSY) sample_lobes(job, BRDF_GLOSSY, 0.0f);
         job->worker->counts.gathered++;
     }
-    if (plan.diffuse) indirect_diffuse(job, plan.memo);
+    if (plan.diffuse) indirect_diffuse(job, memo);
     if (plan.sampled) sample_lobes(job, plan.sampled, ratio);
 }

@@ -22,13 +22,19 @@ static const char *const setting[][2] = {
     {"adaptive_cache", "on"},   {"irradiance_radius", "hessian"},
 };
 
-static uint64_t render_hash(const satin_scene *scene, const char *threads, const char *integrator) {
+struct mode {
+    const char *integrator, *first_pass;
+};
+
+static uint64_t render_hash(const satin_scene *scene, const char *threads, struct mode mode) {
     satin_options options = satin_options_default;
     for (size_t i = 0; i < sizeof setting / sizeof *setting; i++)
         if (satin_options_set(&options, setting[i][0], setting[i][1], print_message, NULL))
             return 0;
     if (satin_options_set(&options, "threads", threads, print_message, NULL)) return 0;
-    if (satin_options_set(&options, "integrator", integrator, print_message, NULL)) return 0;
+    if (satin_options_set(&options, "integrator", mode.integrator, print_message, NULL) ||
+        satin_options_set(&options, "first-pass", mode.first_pass, print_message, NULL))
+        return 0;
     satin_callbacks callbacks = {.log = print_message};
     satin_film *film = NULL;
     if (satin_render(scene, &options, &callbacks, &film) != SATIN_OK) return 0;
@@ -45,24 +51,28 @@ static uint64_t render_hash(const satin_scene *scene, const char *threads, const
 
 int main(int argc, char **argv) {
     static const char *const threads[] = {"1", "2", "3", "8"};
-    static const char *const integrators[] = {"two-pass", "path", "photons"};
+    static const struct mode modes[] = {{"two-pass", "precomputed"},
+                                        {"two-pass", "recursive"},
+                                        {"path", "precomputed"},
+                                        {"photons", "precomputed"}};
     int failed = 0;
     for (int s = 1; s < argc; s++) {
         satin_scene *scene = NULL;
         if (satin_scene_load(argv[s], NULL, 0, print_message, NULL, &scene) != SATIN_OK) return 1;
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 4; k++) {
             uint64_t first = 0;
             for (int t = 0; t < 4; t++) {
-                uint64_t hash = render_hash(scene, threads[t], integrators[k]);
+                uint64_t hash = render_hash(scene, threads[t], modes[k]);
                 if (t == 0) first = hash;
                 bool same = hash != 0 && hash == first;
                 failed += !same;
-                printf("%s %s --threads %s: %016llx%s\n", argv[s], integrators[k], threads[t],
+                printf("%s %s, first pass %s, --threads %s: %016llx%s\n", argv[s],
+                       modes[k].integrator, modes[k].first_pass, threads[t],
                        (unsigned long long)hash, same ? "" : " DIFFERS");
             }
         }
         satin_scene_free(scene);
     }
-    printf("%d passed, %d failed\n", 12 * (argc - 1) - failed, failed);
+    printf("%d passed, %d failed\n", 16 * (argc - 1) - failed, failed);
     return failed != 0 || argc < 2;
 }

@@ -135,7 +135,8 @@ static void table_covers_the_struct(void **state) {
         if (o->offset + size[o->kind] > end) end = o->offset + size[o->kind];
     }
     assert_true(sizeof(satin_options) - end < 8);
-    assert_true(sizeof(satin_options) - covered < 32);
+    // Up to three bytes behind each of ten runs of flags, and the end's alignment.
+    assert_true(sizeof(satin_options) - covered < 38);
 }
 
 static void layers_in_order(void **state) {

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which technique carries which lobes of a point, and what the records tell there [K05 3.5].
+// Low-frequency glossy BRDFs use radiance records for all they reflect smoothly; others use
+// irradiance records for the diffuse lobe and importance sampling for the glossy one. What passes
+// through is importance-sampled.
+#include "shade/shade_records.h"
+
+#include "rsh/rsh.h"
+#include "shade/shade_eye.h"
+
+// Where bumps leave less of a lobe, they cut it so that its harmonics do not tell.
+static const float RELIEF_LEAST = 0.8f;
+
+void shade_plan_make(const struct shade *shade, const struct gather_point *p,
+                     struct shade_plan *plan) {
+    const satin_options *o = shade->g->options;
+    plan->table = shade_table(shade, p, &plan->channels);
+    plan->cached = 0;
+    plan->sampled = p->lobes & BRDF_THROUGH;
+    plan->diffuse = p->lobes & BRDF_DIFFUSE;
+    if (plan->diffuse && o->radiance_cache && o->radiance_diffuse) plan->cached = plan->diffuse;
+    if (!(p->lobes & BRDF_GLOSSY)) {
+        plan->diffuse &= ~plan->cached;
+        return;
+    }
+    plan->relief = brdf_relief_glossy(&p->brdf, p->wo_l);
+    if (plan->table && plan->relief > RELIEF_LEAST &&
+        brdf_range_order(plan->table, &p->brdf, p->wo_l) > 0) {
+        plan->cached = p->lobes & BRDF_REFLECT;
+    } else {
+        plan->sampled |= BRDF_GLOSSY;
+    }
+    plan->diffuse &= ~plan->cached;
+}
+
+int shade_radiance(const struct shade *shade, const struct shade_plan *plan,
+                   const struct gather_point *p, const struct cache_place *at, rgb *glossy,
+                   rgb *E) {
+    float C[3 * RSH_MAX_COEFFICIENTS];
+    struct cache_lobe lobe = {.C = C, .channels = plan->channels};
+    const bool shiny = plan->cached & BRDF_GLOSSY;
+    if (shiny) lobe.order = brdf_range_lookup(plan->table, &p->brdf, p->wo_l, C);
+    return cache_radiance(shade->cache, at, shade->a_radiance, shiny ? &lobe : NULL, glossy,
+                          p->lobes & BRDF_DIFFUSE ? E : NULL);
+}
+
+rgb shade_diffuse_albedo(const struct gather_point *p) {
+    float share = brdf_relief_diffuse(&p->brdf) * (1.0f / PI_F);
+    return rgb_scale(brdf_albedo(&p->brdf, p->wo_l, BRDF_DIFFUSE), share);
+}
+
+unsigned shade_wants(const struct shade *shade, const struct gather_point *p) {
+    int channels;
+    const satin_options *o = shade->g->options;
+    const struct brdf_range *table =
+        p->lobes & BRDF_GLOSSY ? shade_table(shade, p, &channels) : NULL;
+    if (table && brdf_range_order(table, &p->brdf, p->wo_l) > 0) return CACHE_RADIANCE;
+    if ((p->lobes & BRDF_DIFFUSE) && o->radiance_cache && o->radiance_diffuse)
+        return CACHE_RADIANCE;
+    return (p->lobes & BRDF_DIFFUSE) && o->irradiance_cache ? CACHE_IRRADIANCE : 0u;
+}
+
+unsigned shade_known(const void *records, const struct gather_point *y, rgb *L) {
+    const struct shade *s = records;
+    const struct cache_place at = shade_place(y, 0.0f);
+    struct shade_plan plan;
+    rgb glossy = rgb_grey(0.0f), E = glossy;
+    shade_plan_make(s, y, &plan);
+    unsigned known = 0;
+    if (plan.cached && shade_radiance(s, &plan, y, &at, &glossy, &E)) {
+        known |= plan.cached;
+        if (plan.cached & BRDF_GLOSSY)
+            *L = rgb_fma(*L, rgb_scale(y->brdf.specular, plan.relief), glossy);
+    } else if (plan.diffuse && cache_irradiance(s->cache, &at, s->a_irradiance, &E)) {
+        known |= plan.diffuse;
+    }
+    if (known & BRDF_DIFFUSE) *L = rgb_fma(*L, shade_diffuse_albedo(y), E);
+    return known;
+}

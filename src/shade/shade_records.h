@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to shade/: what records tell of the light at a point, and which lobes are left to other
+// techniques.
+#ifndef SHADE_RECORDS_H
+#define SHADE_RECORDS_H
+
+#include "shade/shade.h"
+
+// Which technique carries which lobes at a point.
+struct shade_plan {
+    unsigned cached;                 // glossy and diffuse lobes by a radiance record
+    unsigned diffuse;                // by irradiance
+    unsigned sampled;                // glossy, or through, by importance sampling
+    const struct brdf_range *table;  // of the glossy lobe, if that is cached
+    int channels;
+    float relief;  // what bumps leave of the cached glossy light
+};
+
+void shade_plan_make(const struct shade *shade, const struct gather_point *p,
+                     struct shade_plan *plan);
+
+// A place for lookups; without a record of the accuracy asked for the nearest up to `reach` serves.
+static inline struct cache_place shade_place(const struct gather_point *p, float reach) {
+    return (struct cache_place){p->surfel.p, p->base.n, p->frame, reach};
+}
+
+// What the glossy lobes reflect, without the factor brdf.specular, and the irradiance, if the point
+// has such lobes and the plan says so, from radiance records; returns how many, 0: untouched.
+int shade_radiance(const struct shade *shade, const struct shade_plan *plan,
+                   const struct gather_point *p, const struct cache_place *at, rgb *glossy, rgb *E);
+// Share of the irradiance that the diffuse lobe reflects, per solid angle.
+rgb shade_diffuse_albedo(const struct gather_point *p);
+
+// The cache_kind that a point asks for; 0: none.
+unsigned shade_wants(const struct shade *shade, const struct gather_point *p);
+
+#endif
