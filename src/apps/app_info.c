@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // satin info: what a scene or an image holds, in words.
+#include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "apps/app.h"
 #include "film/film.h"
@@ -58,9 +60,10 @@ static bool starts_as_image(const char *path) {
     // The name decides for a file that cannot be an image by its content, so that the message fits.
     if (length > 4 && strcmp(path + length - 4, ".exr") == 0) return true;
     if (length > 4 && strcmp(path + length - 4, ".xml") == 0) return false;
-    FILE *file = fopen(path, "rb");
-    bool same = file && fread(head, 1, 4, file) == 4 && memcmp(head, magic, 4) == 0;
-    if (file) fclose(file);
+    // Non-blocking, lest it wait for the other end of a named pipe.
+    int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    bool same = file >= 0 && read(file, head, 4) == 4 && memcmp(head, magic, 4) == 0;
+    if (file >= 0) close(file);
     return same;
 }
 
