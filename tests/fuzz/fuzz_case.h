@@ -17,6 +17,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 enum { FUZZ_PATH = 64 };
 
+// Ends the process, with the place and the text of what does not hold.
+#define FUZZ_REQUIRE(good) ((good) ? (void)0 : fuzz_fail(__LINE__, #good))
+
+static inline void fuzz_fail(int line, const char *text) {
+    fprintf(stderr, "line %d: not true: %s\n", line, text);
+    abort();
+}
+
 // A satin_log_fn: counts the errors in the int at `user`.
 static inline void fuzz_count(void *user, satin_log_level level, const char *text) {
     (void)text;

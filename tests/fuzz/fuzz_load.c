@@ -65,28 +65,24 @@ static int write_scene(const char *body, const char *path, char scene_path[FUZZ_
     return fuzz_file(all, (size_t)size, scene_path);
 }
 
-static void require(bool good) {
-    if (!good) abort();
-}
-
 static bool sound(rgb c) { return rgb_finite(c) && c.r >= 0.0f && c.g >= 0.0f && c.b >= 0.0f; }
 
 static void use_surface(const satin_scene *scene, const struct surfel *s, vec3 wo, const float *u) {
     struct brdf brdf;
     struct frame frame;
     struct brdf_sample to;
-    require(v3_finite(s->p) && v3_finite(s->ng) && sound(light_emitted(scene, s, wo)));
+    FUZZ_REQUIRE(v3_finite(s->p) && v3_finite(s->ng) && sound(light_emitted(scene, s, wo)));
     if (!scene_brdf(scene, s, wo, &brdf, &frame)) return;
     vec3 local = frame_to_local(&frame, wo);
     if (brdf_sample(&brdf, local, u[0], u[1], u[2], BRDF_ALL, BRDF_RADIANCE, &to))
-        require(v3_finite(to.wi) && sound(to.weight) && to.pdf_w >= 0.0f);
+        FUZZ_REQUIRE(v3_finite(to.wi) && sound(to.weight) && to.pdf_w >= 0.0f);
     struct light_sample light;
     float p;
     if (!scene->light_count) return;
     uint32_t chosen = light_choose(scene, s->p, u[3], &p);
-    require(chosen < scene->light_count && p > 0.0f);
+    FUZZ_REQUIRE(chosen < scene->light_count && p > 0.0f);
     if (light_sample(scene, chosen, s->p, u[1], u[2], &light))
-        require(v3_finite(light.wi) && sound(light.L) && light.pdf_w > 0.0f);
+        FUZZ_REQUIRE(v3_finite(light.wi) && sound(light.L) && light.pdf_w > 0.0f);
 }
 
 // Rays from outside towards the middle of what was loaded, and light back from it.
@@ -100,9 +96,9 @@ static void use(const satin_scene *scene) {
         vec3 d = sample_uniform_sphere(u[0], u[1]);
         struct ray ray = {v3_mad(centre, -2.0f * scene->radius, d), 0.0f, d, INFINITY};
         if (scene_intersect(scene, &ray, &s)) use_surface(scene, &s, v3_neg(d), u);
-        require(sound(light_environment(scene, d)));
+        FUZZ_REQUIRE(sound(light_environment(scene, d)));
         if (scene->light_count && light_emit(scene, i % scene->light_count, NULL, u, &photon))
-            require(v3_finite(photon.ray.o) && v3_finite(photon.ray.d) && sound(photon.power));
+            FUZZ_REQUIRE(v3_finite(photon.ray.o) && v3_finite(photon.ray.d) && sound(photon.power));
     }
 }
 
@@ -115,11 +111,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     int text = write_scene(kind->scene, path, scene_path), lines = 0;
     satin_scene *scene = NULL;
     satin_status status = satin_scene_load(scene_path, NULL, 0, fuzz_count, &lines, &scene);
-    require((status == SATIN_OK) == (scene != NULL) && lines == (status != SATIN_OK));
-    require(status == SATIN_OK || status == SATIN_ERROR_INPUT);
+    FUZZ_REQUIRE((status == SATIN_OK) == (scene != NULL) && lines == (status != SATIN_OK));
+    FUZZ_REQUIRE(status == SATIN_OK || status == SATIN_ERROR_INPUT);
     if (scene) {
         off_t bytes = lseek(file, 0, SEEK_END);
-        require(scene->arena.bytes < kind->growth * (size_t)bytes + (1 << 20));
+        FUZZ_REQUIRE(scene->arena.bytes < kind->growth * (size_t)bytes + (1 << 20));
         use(scene);
     }
     satin_scene_free(scene);
