@@ -36,10 +36,21 @@ static inline vec3 v3_cross(vec3 a, vec3 b) {
 }
 static inline float v3_len2(vec3 a) { return v3_dot(a, a); }
 static inline float v3_len(vec3 a) { return sqrtf(v3_len2(a)); }
+// The length of a vector whose square may leave the range of float.
+static inline float v3_len_wide(vec3 a) {
+    double x = a.x, y = a.y, z = a.z;
+    return (float)sqrt(x * x + y * y + z * z);
+}
 static inline float v3_dist2(vec3 a, vec3 b) { return v3_len2(v3_sub(a, b)); }
 // a / |a|; a zero vector stays zero.
 static inline vec3 v3_unit(vec3 a) {
     float l = v3_len(a);
+    return l > 0.0f ? v3_mul(a, 1.0f / l) : a;
+}
+// The same where the square of a leaves the range of float: the cross product of long or short
+// edges.
+static inline vec3 v3_unit_wide(vec3 a) {
+    float l = v3_len_wide(a);
     return l > 0.0f ? v3_mul(a, 1.0f / l) : a;
 }
 static inline bool v3_finite(vec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }

@@ -88,7 +88,7 @@ static struct light_point triangle_point(const struct light *light, const struct
         float b0 = 1.0f - b.x - b.y;
         at.uv = (vec2){b0 * p[0] + b.x * q[0] + b.y * r[0], b0 * p[1] + b.x * q[1] + b.y * r[1]};
     }
-    float length = v3_len(t.n);
+    float length = v3_len_wide(t.n);
     return (struct light_point){v3_mad(v3_mad(t.a, b.x, t.ab), b.y, t.ac),
                                 v3_mul(t.n, 1.0f / length), radiance(light, at),
                                 triangle_pdf(shape, i, length)};
@@ -143,7 +143,7 @@ static satin_status prepare_mesh(struct satin_scene *scene, struct light *light)
     float *area = arena_array(&scene->arena, (size_t)n + 1, sizeof *area);
     float *cdf = arena_array(&scene->arena, (size_t)n + 1, sizeof *cdf);
     if (!area || !cdf) return SATIN_ERROR_MEMORY;
-    for (uint32_t i = 0; i < n; i++) area[i] = 0.5f * v3_len(triangle_get(shape, i).n);
+    for (uint32_t i = 0; i < n; i++) area[i] = 0.5f * v3_len_wide(triangle_get(shape, i).n);
     if (n > 0) shape->area = (float)sample_cdf_build(area, n, cdf);
     shape->area_cdf = cdf;
     return SATIN_OK;
@@ -287,7 +287,7 @@ float light_area_pdf(const struct satin_scene *scene, const struct light *light,
         return probability * light_face_pdf(&light->face[i], p, s->p);
     }
     float pdf_a = shape->kind == SHAPE_MESH
-                      ? triangle_pdf(shape, s->prim, v3_len(triangle_get(shape, s->prim).n))
+                      ? triangle_pdf(shape, s->prim, v3_len_wide(triangle_get(shape, s->prim).n))
                       : 1.0f / shape->area;
     return pdf_a * d2 / cosine;
 }

@@ -70,7 +70,7 @@ static bool face_pair(const struct mesh *mesh, uint32_t first, struct light_face
                                         .edge_v = ev,
                                         .n = v3_cross(eu, ev),
                                         .vertex = {corner, u, v, far, fv, fu}};
-            face->area = v3_len(face->n);
+            face->area = v3_len_wide(face->n);
             face->length_u = v3_len(eu);
             face->length_v = v3_len(ev);
             float skew = fabsf(v3_dot(eu, ev));

@@ -63,7 +63,7 @@ static void smooth_normals(const struct mesh_parts *parts, const bool *wanted, f
         const uint32_t *index = parts->index + (size_t)t * 3;
         vec3 p[3];
         for (int k = 0; k < 3; k++) p[k] = vertex(parts->position, index[k]);
-        vec3 n = v3_unit(v3_cross(v3_sub(p[1], p[0]), v3_sub(p[2], p[0])));
+        vec3 n = v3_unit_wide(v3_cross(v3_sub(p[1], p[0]), v3_sub(p[2], p[0])));
         if (v3_len2(n) == 0.0f) continue;
         for (int k = 0; k < 3; k++) {
             if (wanted && !wanted[index[k]]) continue;

@@ -42,7 +42,7 @@ static int by_place(const void *a, const void *b) {
 static vec3 face_normal(const struct mesh_parts *parts, uint32_t corner) {
     uint32_t first = corner - corner % 3;
     vec3 a = point_of(parts, first), b = point_of(parts, first + 1), c = point_of(parts, first + 2);
-    return v3_unit(v3_cross(v3_sub(b, a), v3_sub(c, a)));
+    return v3_unit_wide(v3_cross(v3_sub(b, a), v3_sub(c, a)));
 }
 
 static float corner_angle(const struct mesh_parts *parts, uint32_t corner) {

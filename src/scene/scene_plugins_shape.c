@@ -8,6 +8,9 @@
 #include "scene/scene_curve.h"
 #include "scene/scene_loader.h"
 
+// The least area of an emitter: cubes of its size stay in the range of float.
+#define EMITTER_AREA_MIN 1e-24f
+
 static const struct param_spec to_world = {
     "to_world", PARAM_TRANSFORM, "1", 0, 0, NULL, "object space to world space"};
 static const struct param_spec flip_normals = {
@@ -123,6 +126,7 @@ static satin_status make_mesh(struct scene_loader *loader, const struct params *
     struct mesh_request request = request_of(p);
     shape->face_normals = request.face_normals;
     satin_status status = make(&loader->scene->arena, &request, &shape->mesh);
+    if (status == SATIN_ERROR_INPUT) return fail(loader, p, "to_world makes it too large");
     return status == SATIN_ERROR_MEMORY ? scene_no_memory(loader) : status;
 }
 
@@ -318,7 +322,7 @@ satin_status scene_shape_add(struct scene_loader *loader, struct xml_node *node)
     if (shape.kind == SHAPE_CURVES && emitter) return fail(loader, &p, "curves cannot emit");
     if (shape.kind == SHAPE_CURVES && transmits(&loader->material[shape.material]))
         return fail(loader, &p, "curves cannot transmit light");
-    if (shape.light >= 0 && !(shape.area > 0.0f))
+    if (shape.light >= 0 && !(shape.area >= EMITTER_AREA_MIN))
         return fail(loader, &p, "it emits but has no area");
     loader->shape[loader->shape_count++] = shape;
     return SATIN_OK;

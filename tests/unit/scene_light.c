@@ -157,27 +157,6 @@ static void area_density(void **state) {
     }
 }
 
-// Products of lengths neither overflow nor vanish: the solid angle is that of the unit square.
-static void rectangles_of_any_size(void **state) {
-    (void)state;
-    static const float size[] = {1.0f, 1e-7f, 1e5f, 1e7f};
-    float first = 0.0f;
-    for (int i = 0; i < 4; i++) {
-        struct test_scene t;
-        test_scene_init(&t);
-        struct mat4 scale = test_transform(v3(0, 0, 0), v3(size[i], size[i], size[i]));
-        uint32_t shape = test_rectangle(&t, scale, test_diffuse(&t, 0.5f, 0.5f, 0.5f));
-        test_area_light(&t, shape, rgb_grey(1.0f));
-        test_scene_finish(&t);
-        struct light_sample s;
-        vec3 p = v3_mul(v3(0.2f, 0.1f, 0.7f), size[i]);
-        assert_true(light_sample(&t.scene, 0, p, 0.3f, 0.6f, &s));
-        if (i == 0) first = s.pdf_w;
-        assert_true(fabsf(s.pdf_w - first) <= 1e-5f * first);
-        test_scene_free(&t);
-    }
-}
-
 // A mesh of three triangles, which is no row of faces, is drawn by triangle.
 static void triangle_density(void **state) {
     (void)state;
@@ -482,7 +461,6 @@ static void emission(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(area_density),
-        cmocka_unit_test(rectangles_of_any_size),
         cmocka_unit_test(triangle_density),
         cmocka_unit_test(environment_density),
         cmocka_unit_test(environment_orientation),

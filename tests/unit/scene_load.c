@@ -225,6 +225,12 @@ static const struct refusal refusals[] = {
      "scene.xml:3:22: radius is 0, but must be positive"},
     {SCENE_TEXT("<shape type='disk'><transform name='to_world'><scale x='0'/></transform></shape>"),
      "scene.xml:3:1: shape 'disk': to_world is singular"},
+    {SCENE_TEXT("<shape type='cube'><transform name='to_world'><scale value='1e30'/></transform>"
+                "</shape>"),
+     "scene.xml:3:1: shape 'cube': to_world makes it too large"},
+    {SCENE_TEXT("<shape type='cube'><transform name='to_world'><scale value='1e-13'/></transform>"
+                "<emitter type='area'/></shape>"),
+     "scene.xml:3:1: shape 'cube': it emits but has no area"},
     {SCENE_TEXT("<emitter type='constant'/><emitter type='constant'/>"),
      "scene.xml:3:27: emitter 'constant': the scene has another environment"},
     {SCENE_TEXT("<emitter type='spot'><float name='beam_width' value='30'/></emitter>"),
