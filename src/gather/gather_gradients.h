@@ -15,9 +15,9 @@ struct gather_cells {
                                      // times their solid angle, for harmonics only
 };
 
-// Stratification-based [K05 4.3; Ward and Heckbert 1992]: what crosses the walls between cells.
-// `weight_v` is layout->wall_v or wall_h. Adds to `grad`, one vector per channel.
-void gather_stratified_irradiance(const struct gather_cells *cells, const float *weight_v,
+// Stratification-based [K05 4.3], or as Ward and Heckbert [1992] have it: what crosses the walls
+// between cells. Adds to `grad`, one vector per channel.
+void gather_stratified_irradiance(const struct gather_cells *cells, bool ward_heckbert,
                                   vec3 grad[3]);
 // dx and dy, [3 * order^2], are overwritten.
 void gather_stratified_radiance(const struct gather_cells *cells, float *dx, float *dy);

@@ -44,12 +44,10 @@ static void turn_gradient(const struct gather_cells *cells, vec3 grad[3]) {
 
 static void irradiance_gradients(const struct gather_cells *cells, satin_gradients kind,
                                  vec3 grad[3]) {
-    const struct gather_layout *l = cells->layout;
     if (kind == SATIN_GRADIENTS_SOLID_ANGLE || kind == SATIN_GRADIENTS_DIFFERENCES)
         gather_solid_angle_irradiance(cells, kind == SATIN_GRADIENTS_DIFFERENCES, grad);
     else
-        gather_stratified_irradiance(
-            cells, kind == SATIN_GRADIENTS_STRATIFIED ? l->wall_h : l->wall_v, grad);
+        gather_stratified_irradiance(cells, kind == SATIN_GRADIENTS_WARD_HECKBERT, grad);
 }
 
 void gather_hemisphere_irradiance(const struct gather *g, const struct gather_layout *layout,

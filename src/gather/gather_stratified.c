@@ -3,16 +3,34 @@
 // over what is seen, at a rate that the nearer side decides; so changes of occlusion count. Sample
 // directions are jittered per cell; the weights are taken at the cells' fixed walls, which is what
 // makes the gradients converge (docs/equations.md, erratum 1).
+//
+// Deviation: where the two sides of a wall hit one surface, it is their mean distance that counts,
+// not the lesser. The lesser is too short by half of what the surface recedes from cell to cell,
+// which was most of the error where nothing is hidden: 6 % fell to 2 % for irradiance of 4096 rays.
 #include <string.h>
 
 #include "gather/gather_gradients.h"
 #include "rsh/rsh.h"
 
-// (L_jk - L_neighbour) / min(r_jk, r_neighbour): how fast the wall between two cells carries light
-// across.
-static rgb wall_change(const struct gather_ray *a, const struct gather_ray *b) {
-    float r = fminf(a->first.r, b->first.r);
-    return isfinite(r) && r > 0.0f ? rgb_scale(rgb_sub(a->L, b->L), 1.0f / r) : rgb_grey(0.0f);
+// Squared sine of the largest angle between a surface and the way to the next hit on it.
+static const float ALONG = 0.1f;
+
+// Whether two neighbouring rays hit one surface: the way from hit to hit is along both.
+static bool one_surface(const struct gather_ray *a, const struct gather_ray *b) {
+    vec3 way = v3_sub(v3_mad(v3_mul(a->ray.d, a->first.r), -b->first.r, b->ray.d),
+                      v3_sub(b->ray.o, a->ray.o));
+    float out_a = v3_dot(way, a->first.ng), out_b = v3_dot(way, b->first.ng);
+    return fmaxf(out_a * out_a, out_b * out_b) < ALONG * v3_len2(way);
+}
+
+// (L_jk - L_neighbour) / r: how fast the wall between two cells carries light across, r the
+// distance of what it sweeps over there: the nearer side's if that hides the other, or always if
+// `nearer`.
+static rgb wall_change(const struct gather_ray *a, const struct gather_ray *b, bool nearer) {
+    float r = fminf(a->first.r, b->first.r), far = fmaxf(a->first.r, b->first.r);
+    if (!isfinite(r) || !(r > 0.0f)) return rgb_grey(0.0f);
+    if (!nearer && isfinite(far) && one_surface(a, b)) r = 0.5f * (r + far);
+    return rgb_scale(rgb_sub(a->L, b->L), 1.0f / r);
 }
 
 static void add_gradient(vec3 grad[3], rgb value, vec3 direction) {
@@ -21,17 +39,20 @@ static void add_gradient(vec3 grad[3], rgb value, vec3 direction) {
     grad[2] = v3_mad(grad[2], value.b, direction);
 }
 
-void gather_stratified_irradiance(const struct gather_cells *cells, const float *weight_v,
+void gather_stratified_irradiance(const struct gather_cells *cells, bool ward_heckbert,
                                   vec3 grad[3]) {
     const struct gather_layout *l = cells->layout;
+    const float *weight_v = ward_heckbert ? l->wall_v : l->wall_h;
     for (int k = 0; k < l->N; k++) {
         const int before = k ? k - 1 : l->N - 1;
         rgb along_u = rgb_grey(0.0f), along_v = rgb_grey(0.0f);
         for (int j = 0; j < l->M; j++) {
             const struct gather_ray *row = cells->scratch->rays + (size_t)j * (size_t)l->N;
             if (j > 0)
-                along_u = rgb_mad(along_u, wall_change(&row[k], &row[k] - l->N), l->wall_u[j]);
-            along_v = rgb_mad(along_v, wall_change(&row[k], &row[before]), weight_v[j]);
+                along_u = rgb_mad(along_u, wall_change(&row[k], &row[k] - l->N, ward_heckbert),
+                                  l->wall_u[j]);
+            along_v =
+                rgb_mad(along_v, wall_change(&row[k], &row[before], ward_heckbert), weight_v[j]);
         }
         add_gradient(grad, along_u, v3(l->cos_k[k], l->sin_k[k], 0.0f));
         add_gradient(grad, along_v, v3(-l->sin_w[k], l->cos_w[k], 0.0f));
@@ -77,12 +98,13 @@ void gather_stratified_radiance(const struct gather_cells *cells, float *dx, flo
         const struct gather_ray *row = cells->scratch->rays + (size_t)j * (size_t)N;
         if (j > 0) {
             for (int k = 0; k < N; k++)
-                put_wall(wall, N, k, wall_change(row + k, row + k - N), l->cos_k[k], l->sin_k[k]);
+                put_wall(wall, N, k, wall_change(row + k, row + k - N, false), l->cos_k[k],
+                         l->sin_k[k]);
             add_row(l, wall, l->trig_u, l->row_u + j * n2, dx, dy);
         }
         for (int k = 0; k < N; k++)
-            put_wall(wall, N, k, wall_change(row + k, row + (k ? k - 1 : N - 1)), -l->sin_w[k],
-                     l->cos_w[k]);
+            put_wall(wall, N, k, wall_change(row + k, row + (k ? k - 1 : N - 1), false),
+                     -l->sin_w[k], l->cos_w[k]);
         add_row(l, wall, l->trig_v, l->row_v + j * n2, dx, dy);
     }
 }
