@@ -54,6 +54,8 @@ class Checker:
         words = shlex.split(line, comments=True)
         while words and (words[0] in ("nice", "time", "-n", "10", "sudo") or "=" in words[0]):
             words = words[1:]
+        if ">" in words:
+            words = words[:words.index(">")]
         if not words or words[0] in FOREIGN:
             return
         program = words[0]
@@ -100,7 +102,8 @@ class Checker:
 def main():
     tree = pathlib.Path(sys.argv[1]).resolve()
     checker = Checker(tree, sys.argv[2])
-    pages = [tree / "README.md", *sorted((tree / "docs").glob("*.md")), tree / "data/README.md"]
+    pages = [tree / "README.md", *sorted((tree / "docs").glob("*.md")), tree / "data/README.md",
+             tree / "tests/fuzz/README.md"]
     for path in pages:
         checker.page(path)
     print("\n".join(checker.wrong))
