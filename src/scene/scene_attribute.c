@@ -33,7 +33,8 @@ rgb attribute_mean(const struct mesh *mesh, const char *name) {
     double sum[3] = {0.0, 0.0, 0.0}, area = 0.0;
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
         vec3 a = corner(mesh, t, 0);
-        float n = v3_len(v3_cross(v3_sub(corner(mesh, t, 1), a), v3_sub(corner(mesh, t, 2), a)));
+        float n =
+            v3_len_wide(v3_cross(v3_sub(corner(mesh, t, 1), a), v3_sub(corner(mesh, t, 2), a)));
         struct texture_place middle = {.mesh = mesh, .prim = t, .bary = {1.0f / 3.0f, 1.0f / 3.0f}};
         rgb c = attribute_eval(name, &middle);
         sum[0] += (double)(n * c.r), sum[1] += (double)(n * c.g), sum[2] += (double)(n * c.b);

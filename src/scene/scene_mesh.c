@@ -159,6 +159,21 @@ static satin_status make_normals(const struct scene_source *source,
     return SATIN_OK;
 }
 
+// ---- Attributes ---------------------------------------------------------------------------------
+
+void mesh_attribute_check(const struct scene_source *source, const char *name, float *value,
+                          size_t count) {
+    size_t bad = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (value[i] >= 0.0f) continue;
+        value[i] = 0.0f;
+        bad++;
+    }
+    if (bad)
+        log_message(source->log, SATIN_LOG_WARNING,
+                    "%s: %zu values of %s are negative and count as 0", source->path, bad, name);
+}
+
 // ---- Finishing ----------------------------------------------------------------------------------
 
 satin_status mesh_finish(const struct scene_source *source, const struct mesh_request *request,

@@ -25,6 +25,10 @@ satin_status mesh_no_memory(const struct scene_source *source);
 satin_status mesh_allocate(const struct scene_source *source, uint32_t vertices, bool normals,
                            bool uvs, struct mesh_parts *out);
 
+// What is below 0 of an attribute's values becomes 0, with a warning, as in images.
+void mesh_attribute_check(const struct scene_source *source, const char *name, float *value,
+                          size_t count);
+
 // Makes normals that are smooth over edges flatter than an angle (scene_mesh_smooth.c).
 satin_status mesh_smooth(const struct scene_source *source, float degrees,
                          struct mesh_parts *parts);

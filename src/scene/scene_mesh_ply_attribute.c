@@ -138,6 +138,8 @@ satin_status ply_attributes_keep(const struct scene_source *source,
     for (int i = 0; i < attributes->count; i++) {
         const struct ply_attribute *a = &attributes->attribute[i];
         float *value = a->value;
+        size_t count = a->per_face ? a->count : (size_t)parts->vertex_count * (size_t)a->channels;
+        mesh_attribute_check(source, a->name, value, count);
         if (a->per_face) {
             value = arena_array(source->arena, a->count, sizeof *value);
             if (!value) return mesh_no_memory(source);

@@ -168,6 +168,7 @@ static satin_status keep_color(const struct packed *packed, const float *color,
     float *value = arena_array(packed->source->arena, n, sizeof *value);
     if (!kept || !value) return mesh_no_memory(packed->source);
     memcpy(value, color, n * sizeof *value);
+    mesh_attribute_check(packed->source, packed->color, value, n);
     *kept = (struct mesh_attribute){packed->color, false, 3, value};
     parts->attribute = kept;
     parts->attribute_count = 1;

@@ -252,11 +252,27 @@ static void keeps_attributes(void **state) {
     mesh_case_free(&c);
 }
 
+static void counts_negative_values_as_none(void **state) {
+    (void)state;
+    static const char *const names[] = {"vertex_heat", "face_heat", NULL};
+    struct mesh_case c;
+    read_attributes(&c, "property float heat_x\n", "", "-1", "3", names);
+    const float *value = c.mesh.attribute[0].value;
+    assert_true(value[0] == 0.0f && value[2] == 0.0f && value[3] == 3.0f);
+    assert_string_equal(c.log.warning, "mesh: 3 values of vertex_heat are negative and count as 0");
+    mesh_case_free(&c);
+    read_attributes(&c, "", "property float heat_x\n", "2", "-7", names);
+    value = c.mesh.attribute[0].value;
+    assert_true(value[0] == 2.0f && value[1] == 0.0f && value[2] == 0.0f);
+    mesh_case_free(&c);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(reads_every_format_and_type),
         cmocka_unit_test(refuses_what_is_wrong),
         cmocka_unit_test(keeps_attributes),
+        cmocka_unit_test(counts_negative_values_as_none),
         cmocka_unit_test(passes_over_empty_elements),
         cmocka_unit_test(refuses_bad_binary_lists),
     };
