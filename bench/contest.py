@@ -56,7 +56,7 @@ class Contest:
 
     def row(self, what, image, stats):
         relmse, mean = runs.error(self.options, image, self.name)
-        fill, overhead = stats["time.records_s"], stats.get("cache.overhead.seconds", 0.0)
+        fill, overhead = stats["time.records_s"], stats.get("cache.overhead_s", 0.0)
         print(f"| {self.name} | {what} | {stats['records.radiance']:.0f} | "
               f"{stats['records.irradiance']:.0f} | {fill:.2f} | {overhead / fill:.1%} | "
               f"{stats.get('cache.passes', 1):.0f} | {relmse:.6f} | {mean:+.2%} |", flush=True)

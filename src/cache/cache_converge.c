@@ -6,154 +6,34 @@
 // and queues the points that this concerns: nothing depends on the order of the points or the
 // threads.
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/array.h"
 #include "base/stats.h"
-#include "cache/cache_records.h"
+#include "cache/cache_converge.h"
 
 enum {
-    CONTRIBUTIONS = 6,  // of one point; more are hardly ever there [K05 6.3.2]
-    PASSES_MAX = 11,    // the thesis never needed more
+    PASSES_MAX = 11,  // the thesis never needed more
     GRAIN = 256
 };
-
-// Weber's law, with what is widely used in computer graphics [K05 6.4].
-static const float VISIBLE = 0.02f;
 
 // A record that gives way to a point ends so much before it.
 static const float SHORT_OF = 1e-4f;
 
-// What one record says of a point.
-struct contribution {
-    uint32_t record;
-    uint32_t change;  // of the record when it was last seen to be valid
-    float error;      // d / R + sqrt(1 - n . n_i)
-    float Y;          // luminance reflected; negative: not yet known
-};
-
-struct point {
-    struct contribution with[CONTRIBUTIONS];
-    float direct;                            // luminance; negative: not yet known
-    uint8_t count, queued, bare, gives_way;  // the last: mask of contributions
-};
-
-struct converge {
-    struct cache *cache;
-    const struct cache_converge *with;
-    enum cache_kind kind;
-    struct cache_tree *tree;
-    float a, read_a;
-    const struct cache_site **site;  // those of the kind
-    struct point *point;
-    size_t count;
-    uint32_t *change;  // per record: how often its area has shrunk
-    float *R, *scale;  // per record, when the pass began
-    size_t records;    // then
-    size_t capacity[3];
-    struct cache_tree news, shrunk;  // areas of the pass: of new records, and of shrunk ones before
-};
-
-static struct cache_place place_of(const struct cache_site *s) {
-    return (struct cache_place){s->p, s->frame.n, s->frame, 0.0f};
-}
-
-static float deviation(const struct converge *c, uint32_t record) {
-    return c->kind == CACHE_IRRADIANCE ? c->cache->irradiance[record].deviation
-                                       : c->cache->radiance[record].deviation;
-}
-
-// Drops contributions whose records have shrunk away from the point.
-static void revise(const struct converge *c, const struct cache_site *s, struct point *p) {
-    int kept = 0;
-    for (int i = 0; i < p->count; i++) {
-        struct contribution x = p->with[i];
-        if (x.change != c->change[x.record]) {
-            const struct cache_head *h = &c->tree->head[x.record];
-            x.error = cache_tree_error(h, s->p, s->frame.n);
-            x.change = c->change[x.record];
-            if (x.error >= c->read_a * h->scale) continue;
-        }
-        p->with[kept++] = x;
-    }
-    p->count = (uint8_t)kept;
-    p->bare = true;
-    for (int i = 0; i < kept; i++)
-        if (p->with[i].error < c->a * c->tree->head[p->with[i].record].scale) p->bare = false;
-}
-
-static void look(const struct converge *c, const struct cache_site *s, struct point *p) {
-    struct cache_surface surface;
-    struct cache_place at = place_of(s);
-    c->with->surface(c->with->user, s, &at, &surface);
-    for (int i = 0; i < p->count; i++)
-        if (p->with[i].Y < 0.0f)
-            p->with[i].Y = fmaxf(0.0f, cache_reflected(c->cache, c->kind, p->with[i].record, &at,
-                                                       c->read_a, &surface));
-}
-
-// Mean luminance of the contributions in `mask`, weighted by 1 / error, and its deviation.
-static float mean_of(const struct converge *c, const struct point *p, unsigned mask, float *sigma) {
-    float sum = 0.0f, weights = 0.0f, spread = 0.0f;
-    for (int i = 0; i < p->count; i++) {
-        if (!(mask >> i & 1u)) continue;
-        float w = 1.0f / fmaxf(p->with[i].error, 1e-6f);
-        sum += w * p->with[i].Y;
-        spread += w * p->with[i].Y * deviation(c, p->with[i].record);
-        weights += w;
-    }
-    *sigma = spread / weights;
-    return sum / weights;
-}
-
-// Whether a record may end before this point: not within the least radius of a record.
-static bool may_end(const struct converge *c, const struct cache_site *s, uint32_t record) {
-    const satin_options *o = c->cache->g->options;
-    float pixels = c->kind == CACHE_IRRADIANCE ? o->irradiance_min_pixels : o->radiance_min_pixels;
-    return v3_dist2(c->tree->head[record].p, s->p) > pixels * pixels * s->pixel * s->pixel;
-}
-
-// The criterion: of the contributions that make a visible difference, the one of least weight gives
-// way; again with the rest.
-static void judge(struct converge *c, const struct cache_site *s, struct point *p) {
-    unsigned mask = (1u << p->count) - 1u;
-    p->gives_way = 0;
-    for (int left = p->count; left > 1; left--) {
-        float sigma, all = mean_of(c, p, mask, &sigma);
-        int worst = -1;
-        for (int i = 0; i < p->count; i++) {
-            if (!(mask >> i & 1u)) continue;
-            float rest_sigma, rest = mean_of(c, p, mask & ~(1u << i), &rest_sigma);
-            float noise = fmaxf(sigma, rest_sigma), difference = fabsf(all - rest);
-            if (difference <= VISIBLE * all + noise) continue;
-            if (p->direct < 0.0f) p->direct = c->with->direct(c->with->user, s);
-            if (difference <= VISIBLE * (all + p->direct) + noise) continue;
-            if (worst < 0 || p->with[i].error > p->with[worst].error) worst = i;
-        }
-        if (worst < 0 || !may_end(c, s, p->with[worst].record)) return;
-        p->gives_way |= (uint8_t)(1u << worst);
-        mask &= ~(1u << worst);
-    }
-}
-
 static void judge_points(void *ctx, size_t begin, size_t end, int worker) {
-    struct converge *c = ctx;
+    struct cache_convergence *c = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        struct point *p = &c->point[i];
+        struct cache_point *p = &c->point[i];
         if (!p->queued) continue;
-        revise(c, c->site[i], p);
-        p->gives_way = 0;
-        if (p->count < 2) continue;
-        look(c, c->site[i], p);
-        judge(c, c->site[i], p);
+        cache_judge_revise(c, c->site[i], p);
+        cache_judge(c, c->site[i], p);
     }
 }
 
 // Ends records before the points to which they give way.
-static void shrink(struct converge *c) {
+static void shrink(struct cache_convergence *c) {
     for (size_t i = 0; i < c->count; i++) {
-        struct point *p = &c->point[i];
+        struct cache_point *p = &c->point[i];
         if (!p->queued || !p->gives_way) continue;
         for (int k = 0; k < p->count; k++) {
             if (!(p->gives_way >> k & 1u)) continue;
@@ -164,14 +44,15 @@ static void shrink(struct converge *c) {
 }
 
 // Keeps the contribution among the point's, in place of the worst if there is no room.
-static void contribute(struct converge *c, const struct cache_site *s, struct point *p,
-                       uint32_t record) {
-    struct contribution x = {record, c->change[record],
-                             cache_tree_error(&c->tree->head[record], s->p, s->frame.n), -1.0f};
+static void contribute(struct cache_convergence *c, const struct cache_site *s,
+                       struct cache_point *p, uint32_t record) {
+    struct cache_contribution x = {record, c->change[record],
+                                   cache_tree_error(&c->tree->head[record], s->p, s->frame.n),
+                                   -1.0f};
     int at = p->count;
-    if (at == CONTRIBUTIONS) {
+    if (at == CACHE_CONTRIBUTIONS) {
         at = 0;
-        for (int i = 1; i < CONTRIBUTIONS; i++)
+        for (int i = 1; i < CACHE_CONTRIBUTIONS; i++)
             if (p->with[i].error > p->with[at].error) at = i;
         if (p->with[at].error <= x.error) return;
     } else {
@@ -182,11 +63,11 @@ static void contribute(struct converge *c, const struct cache_site *s, struct po
 
 // Queues the points that the pass concerns, and gives them the new records.
 static void queue_points(void *ctx, size_t begin, size_t end, int worker) {
-    struct converge *c = ctx;
+    struct cache_convergence *c = ctx;
     (void)worker;
     struct cache_near near[CACHE_NEAR_MAX];
     for (size_t i = begin; i < end; i++) {
-        struct point *p = &c->point[i];
+        struct cache_point *p = &c->point[i];
         const struct cache_site *s = c->site[i];
         p->queued = cache_tree_covered(&c->shrunk, s->p, s->frame.n, c->read_a);
         int count = cache_tree_find(&c->news, s->p, s->frame.n, c->read_a, near);
@@ -200,7 +81,7 @@ static void queue_points(void *ctx, size_t begin, size_t end, int worker) {
 }
 
 // Notes the records as they are; counts and sets aside those that have changed since, and new ones.
-static bool note_changes(struct converge *c) {
+static bool note_changes(struct cache_convergence *c) {
     const size_t before = c->records, now = c->tree->head_count;
     const struct satin_scene *scene = c->cache->g->scene;
     cache_tree_free(&c->news);
@@ -233,12 +114,12 @@ static bool note_changes(struct converge *c) {
 }
 
 // New records where points have lost their last one.
-static satin_status fill_gaps(struct converge *c) {
+static satin_status fill_gaps(struct cache_convergence *c) {
     size_t gaps = 0;
     for (size_t i = 0; i < c->count; i++) {
-        struct point *p = &c->point[i];
+        struct cache_point *p = &c->point[i];
         if (!p->queued) continue;
-        revise(c, c->site[i], p);
+        cache_judge_revise(c, c->site[i], p);
         gaps += p->bare;
     }
     if (gaps == 0) return SATIN_OK;
@@ -259,7 +140,7 @@ static satin_status fill_gaps(struct converge *c) {
     return status;
 }
 
-static satin_status converge(struct converge *c) {
+static satin_status converge(struct cache_convergence *c) {
     struct parallel *pool = c->cache->pool;
     int pass = 0;
     // At first all records are new to all points.
@@ -285,14 +166,14 @@ static satin_status converge(struct converge *c) {
         c->cache->converged.seconds += gather - start + (stats_wall() - note);
         if (c->with->fill.go_on && !c->with->fill.go_on(c->with->fill.user)) break;
     }
-    c->cache->converged.passes += pass;
+    if (c->cache->converged.passes < pass) c->cache->converged.passes = pass;
     return SATIN_OK;
 }
 
 static satin_status converge_kind(struct cache *cache, const struct cache_converge *with,
                                   enum cache_kind kind) {
     const bool irradiance = kind == CACHE_IRRADIANCE;
-    struct converge c = {
+    struct cache_convergence c = {
         .cache = cache,
         .with = with,
         .kind = kind,

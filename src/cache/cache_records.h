@@ -42,7 +42,7 @@ struct cache {
     int scratch_count;
     uint64_t rays;
     struct {
-        int passes;
+        int passes;               // of the cache that took more
         uint64_t points, shrunk;  // points judged, records whose scale was lowered
         double seconds;           // without gathering
     } converged;

@@ -45,18 +45,31 @@ static void sectors(const struct gather_layout *l, const struct gather_scratch *
     }
 }
 
-// The standard deviation of E over E, from all rays and from every second one [K05 6.4].
+// The standard deviation of E over E, by the spread of interleaved parts of the rays. The thesis
+// compares every second ray with all of them [K05 6.4], which is 0 now and then by chance.
 static float deviation(const struct gather_layout *l, const struct gather_scratch *scratch) {
-    double sum[2] = {0}, weight[2] = {0};
+    enum { PARTS = 8 };
+    double sum[PARTS] = {0}, weight[PARTS] = {0}, all = 0.0, total = 0.0, square = 0.0;
     for (int j = 0; j < l->M; j++)
         for (int k = 0; k < l->N; k++) {
             size_t i = (size_t)(j * l->N + k);
             double w = l->order ? (double)scratch->z[i] : 1.0;
-            sum[(j + k) & 1] += w * (double)rgb_luminance(scratch->rays[i].L);
-            weight[(j + k) & 1] += w;
+            sum[(3 * j + k) % PARTS] += w * (double)rgb_luminance(scratch->rays[i].L);
+            weight[(3 * j + k) % PARTS] += w;
         }
-    double all = (sum[0] + sum[1]) / (weight[0] + weight[1]);
-    return all > 0.0 && weight[0] > 0.0 ? (float)fabs(sum[0] / weight[0] / all - 1.0) : 0.0f;
+    for (int i = 0; i < PARTS; i++) {
+        all += sum[i];
+        total += weight[i];
+    }
+    if (!(all > 0.0)) return 0.0f;
+    int parts = 0;
+    for (int i = 0; i < PARTS; i++) {
+        if (!(weight[i] > 0.0)) continue;
+        double d = sum[i] / weight[i] * total / all - 1.0;
+        square += d * d;
+        parts++;
+    }
+    return parts > 1 ? (float)sqrt(square / (parts * (parts - 1))) : 0.0f;
 }
 
 // Adds a wall's constant, turned from azimuth 0 to that of (cosine, sine), times `weight`.

@@ -45,8 +45,9 @@ const satin_options satin_options_default = {
     .radiance_a = 0.3f,
     .radiance_widen = 2.0f,
     .radiance_gradient_clamp = true,
-    .radiance_min_pixels = 1.5f,
+    .radiance_min_pixels = 3.0f,
     .radiance_max_pixels = 20.0f,
+    .adaptive_cache = true,
     .leak_test = true,
 };
 
@@ -81,8 +82,9 @@ static const satin_options production = {
     .radiance_rays = 10000,
     .radiance_a = 0.2f,
     .radiance_widen = 1.6f,
-    .radiance_min_pixels = 1.5f,
+    .radiance_min_pixels = 2.0f,
     .radiance_max_pixels = 20.0f,
+    .adaptive_cache = true,
 };
 
 static size_t kind_size(enum option_kind kind) {

@@ -126,8 +126,9 @@ const struct option options_table[] = {
     {"radiance-max-pixels", OPTION_FLOAT, AT(radiance_max_pixels), true, "1..100000",
      "Largest radius of a radiance record in projected pixels."},
 
-    {"adaptive-cache", OPTION_BOOL, AT(adaptive_cache), false, "off|on",
-     "Records are shrunk and added until no two visibly disagree at a point that is seen."},
+    {"adaptive-cache", OPTION_BOOL, AT(adaptive_cache), true, "off|on",
+     "Records are shrunk and added until no two visibly disagree at a point that is seen. A render "
+     "with a time limit refines them by rounds instead."},
     {"record-max-radius", OPTION_FLOAT, AT(record_max_radius), false, "0..1e30",
      "Largest R of a record of either cache, in scene units; 0: no limit."},
     {"leak-test", OPTION_BOOL, AT(leak_test), false, "off|on",

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// The criterion of adaptive caching [K05 6.3.1, 6.4]: whether what the records of a point say
+// differs visibly, by Weber's law over direct and indirect light, beyond their noise; and which of
+// them give way.
+#include "cache/cache_converge.h"
+
+// Weber's law, with what is widely used in computer graphics [K05 6.4].
+static const float VISIBLE = 0.02f;
+
+static struct cache_place place_of(const struct cache_site *s) {
+    return (struct cache_place){s->p, s->frame.n, s->frame, 0.0f};
+}
+
+static float deviation(const struct cache_convergence *c, uint32_t record) {
+    return c->kind == CACHE_IRRADIANCE ? c->cache->irradiance[record].deviation
+                                       : c->cache->radiance[record].deviation;
+}
+
+void cache_judge_revise(const struct cache_convergence *c, const struct cache_site *s,
+                        struct cache_point *p) {
+    int kept = 0;
+    for (int i = 0; i < p->count; i++) {
+        struct cache_contribution x = p->with[i];
+        if (x.change != c->change[x.record]) {
+            const struct cache_head *h = &c->tree->head[x.record];
+            x.error = cache_tree_error(h, s->p, s->frame.n);
+            x.change = c->change[x.record];
+            if (x.error >= c->read_a * h->scale) continue;
+        }
+        p->with[kept++] = x;
+    }
+    p->count = (uint8_t)kept;
+    p->bare = true;
+    for (int i = 0; i < kept; i++)
+        if (p->with[i].error < c->a * c->tree->head[p->with[i].record].scale) p->bare = false;
+}
+
+// How much noisier than E a lobe's product with as many uniform samples is: by the mean square of
+// the lobe over its square mean, for the cosine 4 / 3. Harmonics give both.
+static float lobe_noise(const struct cache_convergence *c, const struct cache_lobe *lobe) {
+    const int n2 = lobe->order * lobe->order;
+    const float whole = c->cache->g->options->radiance_basis == SATIN_HSH ? 1.0f : 0.5f;
+    float sum = 0.0f;
+    for (int k = 0; k < n2; k++) sum += lobe->C[k] * lobe->C[k];
+    float mean2 = lobe->C[0] * lobe->C[0];
+    return mean2 > 0.0f ? sqrtf(fmaxf(0.75f * whole * sum / mean2, 1.0f)) : 1.0f;
+}
+
+static void look(const struct cache_convergence *c, const struct cache_site *s,
+                 struct cache_point *p) {
+    struct cache_surface surface;
+    struct cache_place at = place_of(s);
+    c->with->surface(c->with->user, s, &at, &surface);
+    p->noise = surface.lobe.order ? lobe_noise(c, &surface.lobe) : 1.0f;
+    for (int i = 0; i < p->count; i++)
+        if (p->with[i].Y < 0.0f)
+            p->with[i].Y = fmaxf(0.0f, cache_reflected(c->cache, c->kind, p->with[i].record, &at,
+                                                       c->read_a, &surface));
+}
+
+// Mean luminance of the contributions in `mask`, weighted by 1 / error, and its deviation.
+static float mean_of(const struct cache_convergence *c, const struct cache_point *p, unsigned mask,
+                     float *sigma) {
+    float sum = 0.0f, weights = 0.0f, spread = 0.0f;
+    for (int i = 0; i < p->count; i++) {
+        if (!(mask >> i & 1u)) continue;
+        float w = 1.0f / fmaxf(p->with[i].error, 1e-6f);
+        sum += w * p->with[i].Y;
+        spread += w * p->with[i].Y * deviation(c, p->with[i].record);
+        weights += w;
+    }
+    *sigma = p->noise * spread / weights;
+    return sum / weights;
+}
+
+// Whether a record may end before this point: not within the least radius of a record.
+static bool may_end(const struct cache_convergence *c, const struct cache_site *s,
+                    uint32_t record) {
+    const satin_options *o = c->cache->g->options;
+    float pixels = c->kind == CACHE_IRRADIANCE ? o->irradiance_min_pixels : o->radiance_min_pixels;
+    return v3_dist2(c->tree->head[record].p, s->p) > pixels * pixels * s->pixel * s->pixel;
+}
+
+// Whether a difference in luminance beside `all` and direct light can be seen [K05 6.4].
+static bool visible(const struct cache_convergence *c, const struct cache_site *s,
+                    struct cache_point *p, float difference, float all, float noise) {
+    if (difference <= VISIBLE * all + noise) return false;
+    if (p->direct < 0.0f) p->direct = c->with->direct(c->with->user, s);
+    return difference > VISIBLE * (all + p->direct) + noise;
+}
+
+// Whether the mean of the contributions in `mask` visibly differs from that without one of them.
+static bool disagree(const struct cache_convergence *c, const struct cache_site *s,
+                     struct cache_point *p, unsigned mask) {
+    float sigma, all = mean_of(c, p, mask, &sigma);
+    for (int i = 0; i < p->count; i++) {
+        if (!(mask >> i & 1u)) continue;
+        float rest_sigma, rest = mean_of(c, p, mask & ~(1u << i), &rest_sigma);
+        if (visible(c, s, p, fabsf(all - rest), all, fmaxf(sigma, rest_sigma))) return true;
+    }
+    return false;
+}
+
+// The contributions that are to blame for what `worst` says otherwise than the rest: an error grows
+// with the square of the distance, so those hardly nearer have their part in it.
+static unsigned to_blame(const struct cache_convergence *c, const struct cache_site *s,
+                         struct cache_point *p, unsigned rest, int worst) {
+    float sigma, all = mean_of(c, p, rest, &sigma);
+    const float difference = fabsf(p->with[worst].Y - all);
+    const float far2 = p->with[worst].error * p->with[worst].error;
+    unsigned blamed = 1u << worst;
+    for (int i = 0; i < p->count; i++) {
+        float near2 = p->with[i].error * p->with[i].error;
+        if (rest >> i & 1u && visible(c, s, p, difference * near2 / (near2 + far2), all, sigma))
+            blamed |= 1u << i;
+    }
+    return blamed;
+}
+
+// The criterion: while contributions disagree, the one of least weight gives way [K05 figure 6.2],
+// and with it, beyond the thesis, those to which the same may be due: else a point whose records
+// all err alike keeps the nearest of them.
+void cache_judge(const struct cache_convergence *c, const struct cache_site *s,
+                 struct cache_point *p) {
+    p->gives_way = 0;
+    if (p->count < 2) return;
+    look(c, s, p);
+    unsigned mask = (1u << p->count) - 1u;
+    while (mask & (mask - 1u) && disagree(c, s, p, mask)) {
+        int worst = -1;
+        for (int i = 0; i < p->count; i++)
+            if (mask >> i & 1u && (worst < 0 || p->with[i].error > p->with[worst].error)) worst = i;
+        unsigned blamed = to_blame(c, s, p, mask & ~(1u << worst), worst);
+        for (int i = 0; i < p->count; i++)
+            if (blamed >> i & 1u && !may_end(c, s, p->with[i].record)) blamed &= ~(1u << i);
+        if (!blamed) return;
+        p->gives_way |= (uint8_t)blamed;
+        mask &= ~blamed;
+    }
+}
