@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels that take a vector's width of records at once, one declaration per instruction set;
+// The kernels that take a vector's width at once, one declaration per instruction set;
 // rsh_kernel.h says what they do.
 #ifndef RSH_BATCH_H
 #define RSH_BATCH_H
@@ -7,6 +7,11 @@
 #include "rsh/rsh_kernel.h"
 
 #define RSH_BATCH(name)                                                                            \
+    void rsh_eval_many_##name(rsh_basis basis, int order, size_t count, const float *x,            \
+                              const float *y, const float *z, float *out);                         \
+    void rsh_project_##name(rsh_basis basis, int order, size_t count, const float *x,              \
+                            const float *y, const float *z, const float *const value[3],           \
+                            float *out);                                                           \
     void rsh_angles_##name(const float r[9][RSH_MAX_WIDTH], bool stretch, struct rsh_turns *t);    \
     void rsh_turn_many_##name(const struct rsh_turns *t, int order, int channels, size_t stride,   \
                               const float *in, float *out);                                        \

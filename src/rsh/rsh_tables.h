@@ -23,6 +23,21 @@ extern const float rsh_pole[RSH_STEEP * RSH_MAX_ORDER];
 extern const float rsh_bend[RSH_STEEP * RSH_MAX_ORDER];
 extern const float rsh_keep[RSH_STEEP * RSH_MAX_ORDER];
 
+// Two steps of the recurrence in one: with q_m = q_(m+1) = 1, q_l = (z^2 - from_lm) q_(l-2) -
+// fall_lm q_(l-4), Y_l^m = norm_lm q_l Re (x + i y)^m, times z for odd l - m. For m < RSH_POLAR by
+// differences, as above: with d_m = d_(m+1) = 0, d_l = d_(l-2) - from_lm (1 - z^2) q_(l-2), q_l =
+// q_(l-2) + fall_lm d_l. The norms of the hemisphere contain its factor sqrt 2.
+enum { RSH_POLAR = 1 };
+extern const float rsh_half_norm[2 * RSH_MAX_ORDER * RSH_MAX_ORDER];  // of sphere and hemisphere
+extern const float rsh_half_from[RSH_MAX_ORDER * RSH_MAX_ORDER];
+extern const float rsh_half_fall[RSH_MAX_ORDER * RSH_MAX_ORDER];
+
+// Y of all m from one set of functions of z: f_0 = 1, f_1 = z, f_k = z f_(k-1) - recurrence_k
+// f_(k-2), and norm_lm p_l^m = sum over j = k, k - 2 .. of mix[m][k][j / 2] f_j, k = l - m. The
+// sets are the monic Legendre functions of m = 1 and of m = 5.
+extern const float rsh_mix_recurrence[2][RSH_MAX_ORDER];
+extern const float rsh_mix[2][RSH_MAX_ORDER][RSH_MAX_ORDER][RSH_MAX_ORDER / 2];
+
 // D, the derivative of the rotation about y at angle 0, is antisymmetric and couples neighbours
 // only: entry (i, i - 1) is rsh_slope[i], and 0 between bands [K05 C; errata 4].
 extern const float rsh_slope[RSH_MAX_COEFFICIENTS + 2];

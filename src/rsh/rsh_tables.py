@@ -4,6 +4,7 @@
 
 usage: rsh_tables.py OUTPUT.c        (declarations and meanings stand in rsh_tables.h)
 """
+import fractions
 import functools
 import math
 import sys
@@ -11,6 +12,8 @@ import sys
 ORDER = 16
 LANES = 16
 STEEP = 8
+POLAR = 1
+MIXED = (1, 5)  # the m whose Legendre functions are the sets of rsh_mix
 BELOW = 0.1  # weight of the mirror image below the horizon, see rsh_tables.h
 # Bands that share a vector of lanes, see rsh_tables.h.
 GROUPS = [[0, 1, 2, 3], [4, 5], [6, 7]] + [[l] for l in range(8, ORDER)]
@@ -25,9 +28,9 @@ def norm(l, m):
     return math.sqrt(k * (2 if m else 1)) * leading
 
 
-def recurrence(l, m):
+def recurrence(l, m, number=float):
     """b in p_l = z p_(l-1) - b p_(l-2), for monic associated Legendre functions of one m."""
-    return ((l - 1) ** 2 - m * m) / (4.0 * (l - 1) ** 2 - 1) if l >= m + 2 else 0.0
+    return number((l - 1) ** 2 - m * m) / (4 * (l - 1) ** 2 - 1) if l >= m + 2 else number(0)
 
 
 @functools.lru_cache(None)
@@ -174,6 +177,71 @@ def plain_tables(w):
                                     for a in range(-l, l + 1) for b in range(-l, l + 1)])
     quarter_tables(w, flat)
     ivanic_tables(w, flat)
+    half_tables(w)
+    mix_tables(w)
+
+
+def half_tables(w):
+    """Two steps of the recurrence in one, see rsh_tables.h: norm, from and fall, or norm times the
+    value at the pole, bend and keep."""
+    b = lambda l, m: recurrence(l, m) if l < ORDER else 0.0
+    norms, froms, falls = [], [], []
+    for m in range(ORDER):
+        kept = [1.0, 1.0]
+        for l in range(ORDER):
+            at, fall = pole(l, m), b(l - 1, m) * b(l - 2, m)
+            if m >= POLAR or l < m + 2:
+                norms.append(norm(l, m) * (at if m < POLAR and l >= m else 1.0))
+                froms.append(b(l, m) + b(l - 1, m))
+                falls.append(fall)
+                continue
+            if l > m + 3:
+                kept[l % 2] *= fall * pole(l - 4, m) / at
+            norms.append(norm(l, m) * at)
+            froms.append(pole(l - 2, m) / (at * kept[l % 2]))
+            falls.append(kept[l % 2])
+    w.array("float", "rsh_half_norm[2 * RSH_MAX_ORDER * RSH_MAX_ORDER]",
+            norms + [math.sqrt(2) * v for v in norms])
+    w.array("float", "rsh_half_from[RSH_MAX_ORDER * RSH_MAX_ORDER]", froms)
+    w.array("float", "rsh_half_fall[RSH_MAX_ORDER * RSH_MAX_ORDER]", falls)
+
+
+def monic(m):
+    """Coefficients of the monic Legendre functions of one m, lowest power first, exact."""
+    rows, one = [[fractions.Fraction(1)]], fractions.Fraction(0)
+    for k in range(1, ORDER):
+        b = recurrence(m + k, m, fractions.Fraction)
+        before = rows[k - 2] if k > 1 else []
+        rows.append([(rows[-1][i - 1] if i else one)
+                     - (b * before[i] if i < len(before) else one) for i in range(k + 1)])
+    return rows
+
+
+def mix_tables(w):
+    """Y_(m+k)^m from the functions f_j of a set, see rsh_tables.h."""
+    rows = [braces("%.9ef", [recurrence(m + k, m) for k in range(ORDER)]) for m in MIXED]
+    w.lines.append("const float rsh_mix_recurrence[2][RSH_MAX_ORDER] = %s;" % pair(rows))
+    sets = []
+    for mixed in MIXED:
+        f, parts = monic(mixed), []
+        for m in range(ORDER):
+            p = monic(m)
+            parts.append(pair([braces("%.9ef", mix_row(f, p[k], norm(m + k, m)))
+                               for k in range(ORDER - m)]))
+        sets.append(pair(parts))
+    w.lines.append("const float rsh_mix[2][RSH_MAX_ORDER][RSH_MAX_ORDER][RSH_MAX_ORDER / 2] =\n"
+                   "    %s;" % pair(sets))
+
+
+def mix_row(f, polynomial, scale):
+    """The factors of f_k, f_(k-2) .. in a polynomial of degree k times scale, lowest first."""
+    rest, row = list(polynomial), [0.0] * (ORDER // 2)
+    for j in range(len(rest) - 1, -1, -2):
+        factor = rest[j]
+        row[j // 2] = float(factor) * scale
+        for i, c in enumerate(f[j]):
+            rest[i] -= factor * c
+    return row
 
 
 def quarter_tables(w, flat):
