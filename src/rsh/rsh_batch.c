@@ -4,44 +4,22 @@
 //
 // Nothing is permuted here: bands are taken one by one, three channels share the angles and the
 // constants. A rotation about z costs four operations per pair (m, -m), the exchange of y and z one
-// fused multiply-add per entry that parity leaves, the series three to five per coefficient.
+// fused multiply-add per entry that parity leaves. The series: rsh_batch_series.h.
 #include "rsh/rsh_batch.h"
 
 #include <stddef.h>
 #include <stdint.h>
 
+#include "rsh/rsh_batch_series.h"
 #include "rsh/rsh_turn.h"
-#include "rsh/rsh_vector.h"
 
 // Pairs of rows summed at once for three channels and for one; their sums stay in registers.
-enum { SIZE = 2 * RSH_MAX_ORDER - 1, CHANNELS = 3 };
+enum { SIZE = 2 * RSH_MAX_ORDER - 1 };
 enum { PAIRS_OF_THREE = RSH_WIDTH == 16 ? 3 : 2, PAIRS_OF_ONE = 4 };
-
-// cos(m a) and sin(m a), a record per lane.
-struct powers {
-    vf cosine[RSH_MAX_ORDER], sine[RSH_MAX_ORDER];
-};
 
 struct turns {
     struct powers alpha, beta, gamma;
 };
-
-// A band of one vector of records: coefficient (l, m) of channel c is at p + m step + c channel.
-struct band {
-    float *p;
-    ptrdiff_t step, channel;
-};
-
-INLINE void powers_of(const float *cosine, const float *sine, int order, struct powers *p) {
-    vf c1 = load(cosine), s1 = load(sine), c = splat(1.0f), s = {0};
-    for (int m = 0; m < order; m++) {
-        p->cosine[m] = c;
-        p->sine[m] = s;
-        vf t = c * c1 - s * s1;
-        s = c * s1 + s * c1;
-        c = t;
-    }
-}
 
 // The pair (m, -m) of all channels, turned about z.
 INLINE void load_pair(struct band b, int channels, const struct powers *p, int m, vf *plus,
@@ -182,94 +160,51 @@ INLINE void exact_band(int l, int channels, const struct turns *t, struct band i
     exchange(l, channels, &t->alpha, u, out);
 }
 
-// Row m of the series about y. D is antisymmetric and D(-m, -m - 1) = -D(m + 1, m), so the row of
-// -m has the factors of that of m; where it would reach m = 0, its window has 0.
-struct factors {
-    vf down, own, up, down2, up2;
-};
-
-// `reach` 1 without and 2 with the entries two off the diagonal; at[2] is coefficient m.
-INLINE void series_row(int reach, int channels, const struct factors *f, vf (*at)[CHANNELS],
-                       vf *out) {
-    for (int c = 0; c < channels; c++) {
-        out[c] = f->own * at[2][c] + f->down * at[1][c] - f->up * at[3][c];
-        if (reach == 2) out[c] += f->down2 * at[0][c] + f->up2 * at[4][c];
-    }
-}
-
-// A window of five coefficients of each sign moves along the band.
-INLINE void series_band(int reach, int l, int channels, const struct turns *t, vf beta, vf half,
-                        struct band in, struct band out) {
-    const float *slope = rsh_slope + l * (l + 1), *curve = rsh_curve + l * (l + 1);
-    vf plus[5][CHANNELS], minus[5][CHANNELS], a[CHANNELS], b[CHANNELS];
-    for (int k = 0; k < 5; k++)
-        for (int c = 0; c < channels; c++) plus[k][c] = minus[k][c] = (vf){0};
-    for (int c = 0; c < channels; c++) plus[2][c] = load(in.p + c * in.channel);
-    for (int m = 1; m <= reach && m <= l; m++)
-        load_pair(in, channels, &t->gamma, m, plus[2 + m], minus[2 + m]);
-    struct factors f = {.up = slope[1] * beta};
-    for (int m = 0; m <= l; m++) {
-        // Beyond l the slope counts as 0; the table has the next band's there.
-        float next = m + 1 < l ? slope[m + 1] * slope[m + 2] : 0.0f;
-        f.own = 1.0f + curve[m] * half;
-        if (reach == 2) {
-            f.down2 = m > 1 ? slope[m] * slope[m - 1] * half : (vf){0};
-            f.up2 = next * half;
-        }
-        series_row(reach, channels, &f, plus, a);
-        if (m == 0) {
-            for (int c = 0; c < channels; c++) store(out.p + c * out.channel, a[c]);
-        } else {
-            if (m == 1) f.own = 1.0f + curve[-1] * half;
-            series_row(reach, channels, &f, minus, b);
-            store_pair(out, channels, &t->alpha, m, a, b);
-        }
-        for (int k = 0; k < 2 + reach; k++)
-            for (int c = 0; c < channels; c++) {
-                plus[k][c] = plus[k + 1][c];
-                minus[k][c] = m == 0 && k == 1 ? (vf){0} : minus[k + 1][c];
-            }
-        f.down = f.up;
-        f.up = m + 2 <= l ? slope[m + 2] * beta : (vf){0};
-        if (m + 1 + reach <= l)
-            load_pair(in, channels, &t->gamma, m + 1 + reach, plus[2 + reach], minus[2 + reach]);
-    }
-}
-
-INLINE void turn_bands(const struct rsh_turns *angles, const struct turns *t, int order,
+// `reach` as in series_band, or 0 for the exact form.
+INLINE void turn_bands(int reach, const struct turns *t, const struct slants *s, int order,
                        int channels, size_t stride, const float *in, float *out) {
-    vf beta = load(angles->beta), half = {0};
-    if (angles->method != RSH_METHOD_TAYLOR_1) half = 0.5f * beta * beta;
     ptrdiff_t step = (ptrdiff_t)stride, channel = order * order * step;
     for (int c = 0; c < channels; c++) store(out + c * channel, load(in + c * channel));
     for (int l = 1; l < order; l++) {
         // `in` is only read.
         const struct band from = {(float *)(uintptr_t)in + l * (l + 1) * step, step, channel};
         const struct band to = {out + l * (l + 1) * step, step, channel};
-        if (angles->method == RSH_METHOD_EXACT)
+        if (reach == 0)
             exact_band(l, channels, t, from, to);
-        else if (angles->method == RSH_METHOD_TAYLOR_2)
-            series_band(2, l, channels, t, beta, half, from, to);
         else
-            series_band(1, l, channels, t, beta, half, from, to);
+            series_band(reach, l, channels, s, from, to);
     }
+}
+
+INLINE void turn_channels(int reach, const struct turns *t, const struct slants *s, int order,
+                          int channels, size_t stride, const float *in, float *out) {
+    const size_t n = (size_t)(order * order) * stride;
+    for (; channels >= CHANNELS; channels -= CHANNELS, in += CHANNELS * n, out += CHANNELS * n)
+        turn_bands(reach, t, s, order, CHANNELS, stride, in, out);
+    for (; channels > 0; channels--, in += n, out += n)
+        turn_bands(reach, t, s, order, 1, stride, in, out);
 }
 
 void GLUE(rsh_turn_many_, RSH_NAME)(const struct rsh_turns *angles, int order, int channels,
                                     size_t stride, const float *in, float *out) {
+    if (angles->method != RSH_METHOD_EXACT) {
+        struct slants s;
+        if (angles->method == RSH_METHOD_TAYLOR_2) {
+            slants_of(2, angles, order, &s);
+            turn_channels(2, NULL, &s, order, channels, stride, in, out);
+        } else {
+            slants_of(1, angles, order, &s);
+            turn_channels(1, NULL, &s, order, channels, stride, in, out);
+        }
+        return;
+    }
     struct turns t;
-    size_t n = (size_t)(order * order) * stride;
     powers_of(angles->cos_gamma, angles->sin_gamma, order, &t.gamma);
     powers_of(angles->cos_alpha, angles->sin_alpha, order, &t.alpha);
-    if (angles->method == RSH_METHOD_EXACT) {
-        // The exchange turns the sense round: y by beta is z by -beta between two exchanges.
-        powers_of(angles->cos_beta, angles->sin_beta, order, &t.beta);
-        for (int m = 0; m < order; m++) t.beta.sine[m] = -t.beta.sine[m];
-    }
-    for (; channels >= CHANNELS; channels -= CHANNELS, in += CHANNELS * n, out += CHANNELS * n)
-        turn_bands(angles, &t, order, CHANNELS, stride, in, out);
-    for (; channels > 0; channels--, in += n, out += n)
-        turn_bands(angles, &t, order, 1, stride, in, out);
+    // The exchange turns the sense round: y by beta is z by -beta between two exchanges.
+    powers_of(angles->cos_beta, angles->sin_beta, order, &t.beta);
+    for (int m = 0; m < order; m++) t.beta.sine[m] = -t.beta.sine[m];
+    turn_channels(0, &t, NULL, order, channels, stride, in, out);
 }
 
 #if RSH_WIDTH == 1

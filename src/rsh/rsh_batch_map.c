@@ -25,35 +25,73 @@ INLINE float angle_of(float s, float c) {
     return 8.0f * t * (1.0f - u * sum);
 }
 
+// Roots and quotients take longer than all the rest, so what small angles and true rotations do not
+// need is left out where all lanes are such. Each lane's result is the same either way.
+
+// As rsh_turn_angle.
+INLINE void angles_of(const float s[W], const float c[W], float angle[W]) {
+    int large = 0;
+    for (int i = 0; i < W; i++) {
+        float u = s[i] * s[i], sum = 15.0f / 336.0f + u * (105.0f / 3456.0f);
+        angle[i] = s[i] + s[i] * u * (1.0f / 6.0f + u * (3.0f / 40.0f + u * sum));
+        large |= u >= 0.09f || c[i] < 0.0f;
+    }
+    for (int i = 0; i < W && large; i++)
+        angle[i] = choose(s[i] * s[i] >= 0.09f || c[i] < 0.0f, angle_of(s[i], c[i]), angle[i]);
+}
+
+// 1 / sqrt(x), 0 for 0; near 1 by a step of Newton's iteration as in rsh_turn_of_matrix.
+INLINE void inverse_lengths(const float x[W], float inverse[W]) {
+    int far = 0;
+    for (int i = 0; i < W; i++) {
+        inverse[i] = 1.5f - 0.5f * x[i];
+        far |= !(fabsf(x[i] - 1.0f) < 1e-3f);
+    }
+    for (int i = 0; i < W && far; i++) {
+        float root = choose(x[i] > 0.0f, 1.0f / sqrtf(choose(x[i] > 0.0f, x[i], 1.0f)), 0.0f);
+        inverse[i] = choose(fabsf(x[i] - 1.0f) < 1e-3f, inverse[i], root);
+    }
+}
+
+// cos beta' = 2 cos beta - 1.
+INLINE void stretch_angles(float cosine[W], float sine[W]) {
+    for (int i = 0; i < W; i++) {
+        float above = choose(cosine[i] > 0.0f, cosine[i], 0.0f),
+              lift = 2.0f * sine[i] * sine[i] / (1.0f + above);
+        lift = choose(cosine[i] > 0.0f && lift < 2.0f, lift, 2.0f);
+        cosine[i] = 1.0f - lift;
+        sine[i] = sqrtf(lift * (2.0f - lift));
+    }
+}
+
 // What rsh_turn_of_matrix does; where there is no turn about y, beta is 0.
-void GLUE(rsh_angles_, RSH_NAME)(const float matrices[9][RSH_MAX_WIDTH], bool stretch,
+void GLUE(rsh_angles_, RSH_NAME)(const float r[9][RSH_MAX_WIDTH], bool stretch,
                                  struct rsh_turns *t) {
-    float r[9][W], ca[W], sa[W], cb[W], sb[W], cg[W], sg[W], beta[W];
-    for (int e = 0; e < 9; e++) memcpy(r[e], matrices[e], sizeof r[e]);
+    float ca[W], sa[W], cb[W], sb[W], cg[W], sg[W], beta[W], square[W], unit[W], length[W];
     for (int i = 0; i < W; i++) {
         float s2 = r[2][i] * r[2][i] + r[5][i] * r[5][i], s = sqrtf(s2);
-        float length = sqrtf(s2 + r[8][i] * r[8][i]);
+        square[i] = s2 + r[8][i] * r[8][i];
         s = choose(s > RSH_NO_ANGLE, s, 0.0f);
         float inverse = 1.0f / choose(s > 0.0f, s, 1.0f);
-        float unit = 1.0f / choose(length > 0.0f, length, 1.0f);
         ca[i] = choose(s > 0.0f, r[2][i] * inverse, 1.0f);
         sa[i] = choose(s > 0.0f, r[5][i] * inverse, 0.0f);
-        sb[i] = s * unit;
-        cb[i] = choose(s > 0.0f, r[8][i] * unit, choose(r[8][i] < 0.0f, -1.0f, 1.0f));
-        float sine = ca[i] * r[3][i] - sa[i] * r[0][i], cosine = ca[i] * r[4][i] - sa[i] * r[1][i];
-        length = sqrtf(sine * sine + cosine * cosine);
-        unit = 1.0f / choose(length > 0.0f, length, 1.0f);
-        sg[i] = sine * unit;
-        cg[i] = choose(length > 0.0f, cosine * unit, 1.0f);
+        sb[i] = s;
+        sg[i] = ca[i] * r[3][i] - sa[i] * r[0][i];
+        cg[i] = ca[i] * r[4][i] - sa[i] * r[1][i];
+        length[i] = sg[i] * sg[i] + cg[i] * cg[i];
     }
-    for (int i = 0; i < W && stretch; i++) {
-        float above = choose(cb[i] > 0.0f, cb[i], 0.0f),
-              lift = 2.0f * sb[i] * sb[i] / (1.0f + above);
-        lift = choose(cb[i] > 0.0f && lift < 2.0f, lift, 2.0f);
-        cb[i] = 1.0f - lift;
-        sb[i] = sqrtf(lift * (2.0f - lift));
+    inverse_lengths(square, unit);
+    for (int i = 0; i < W; i++) {
+        cb[i] = choose(sb[i] > 0.0f, r[8][i] * unit[i], choose(r[8][i] < 0.0f, -1.0f, 1.0f));
+        sb[i] *= unit[i];
     }
-    for (int i = 0; i < W; i++) beta[i] = angle_of(sb[i], cb[i]);
+    inverse_lengths(length, unit);
+    for (int i = 0; i < W; i++) {
+        sg[i] *= unit[i];
+        cg[i] = choose(length[i] > 0.0f, cg[i] * unit[i], 1.0f);
+    }
+    if (stretch) stretch_angles(cb, sb);
+    angles_of(sb, cb, beta);
     memcpy(t->cos_alpha, ca, sizeof ca);
     memcpy(t->sin_alpha, sa, sizeof sa);
     memcpy(t->cos_beta, cb, sizeof cb);

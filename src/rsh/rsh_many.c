@@ -123,7 +123,10 @@ static void load_rotations(const float *const a[9], const float *const *b, size_
     for (int e = 0; e < (b ? 18 : 9); e++) {
         const float *from = (e < 9 ? a[e] : b[e - 9]) + first;
         float *to = b ? f[e] : r[e];
-        for (size_t i = 0; i < RSH_MAX_WIDTH; i++) to[i] = from[i < count ? i : 0];
+        if (count == RSH_MAX_WIDTH)
+            memcpy(to, from, RSH_MAX_WIDTH * sizeof *to);
+        else
+            for (size_t i = 0; i < RSH_MAX_WIDTH; i++) to[i] = from[i < count ? i : 0];
     }
     for (int e = 0; b && e < 9; e++) {
         const float(*x)[RSH_MAX_WIDTH] = &f[9 + e / 3 * 3], (*y)[RSH_MAX_WIDTH] = &f[e % 3 * 3];

@@ -45,6 +45,17 @@ INLINE vf magnitude(vf v) { return (vf)((vi)v & INT32_MAX); }
 INLINE vf with_sign(vf v, vf s) { return (vf)((vi)v | ((vi)s & INT32_MIN)); }
 #endif
 
+// v, but no smaller in magnitude than `least`.
+INLINE vf at_least(vf v, float least) {
+#if RSH_WIDTH == 1
+    return v > least || v < -least ? v : least;
+#else
+    const vf floor = splat(least);
+    const vi small = ((vi)v & INT32_MAX) < (vi)floor;
+    return (vf)(((vi)v & ~small) | ((vi)floor & small));
+#endif
+}
+
 // Keeps v in a register where the compiler would rather read memory at every use.
 #if defined(__x86_64__)
 #define RSH_KEEP(v) __asm__("" : "+v"(v))

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the forms of rotation of many records share: bands of records, multiples of angles.
+#ifndef RSH_BATCH_BAND_H
+#define RSH_BATCH_BAND_H
+
+#include <math.h>
+#include <stddef.h>
+
+#include "rsh/rsh.h"
+#include "rsh/rsh_vector.h"
+
+// Channels turned at once, sharing what depends on the angles only.
+enum { CHANNELS = 3 };
+
+// cos(m a) and sin(m a), a record per lane.
+struct powers {
+    vf cosine[RSH_MAX_ORDER], sine[RSH_MAX_ORDER];
+};
+
+INLINE void powers_of(const float *cosine, const float *sine, int order, struct powers *p) {
+    vf c1 = load(cosine), s1 = load(sine), c = splat(1.0f), s = {0};
+    for (int m = 0; m < order; m++) {
+        p->cosine[m] = c;
+        p->sine[m] = s;
+        vf t = c * c1 - s * s1;
+        s = c * s1 + s * c1;
+        c = t;
+    }
+}
+
+// A band of one vector of records: coefficient (l, m) of channel c is at p + m step + c channel.
+struct band {
+    float *p;
+    ptrdiff_t step, channel;
+};
+
+#endif
