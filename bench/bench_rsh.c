@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Times the harmonics on one thread, every instruction set this machine has, next to the peak rate
 // of fused multiply-adds measured in the same run. All cases take turns; a figure is the median of
-// the rounds in nanoseconds per unit named in its row.
+// the rounds in nanoseconds per unit named in its row. "least ns" is what the multiply-adds, at the
+// measured peak, or the stores, at 32 bytes per cycle, take alone, whichever is more.
 //
 // usage: bench_rsh [ROUNDS]        (default 15)
 #include <math.h>
@@ -17,9 +18,11 @@
 enum { BATCH = 64, RECORDS = 512 };
 enum { COUNT = 2048, CALLS = 200, MAX_CASES = 512, MAX_ROUNDS = 101, N_MAX = RSH_MAX_COEFFICIENTS };
 
-static float directions[3][COUNT], values[3][COUNT], matrix[COUNT * N_MAX];
+// Whole lines of the cache: a vector of 64 bytes across two of them costs twice.
+static _Alignas(64) float directions[3][COUNT], values[3][COUNT], matrix[COUNT * N_MAX];
 // The margin keeps the two from falling on the same lines of the cache.
-static float records[2][3 * N_MAX * 16 + 64], matrices[9][16];
+static _Alignas(64) float records[2][3 * N_MAX * 16 + 64];
+static float matrices[9][16];
 static float coefficients[9 * N_MAX], result[9 * N_MAX + 24], frames[CALLS + 1][9];
 
 struct timed {
@@ -27,6 +30,7 @@ struct timed {
     const struct rsh_kernels *kernels;
     void (*run)(const struct timed *c);
     double units, flops;  // per run; flops of the sum that is asked for, 0 if not of interest
+    double steps, bytes;  // per unit: multiply-adds or products as done here, bytes stored
     int order, channels, method;
     float limit;
     double ns[MAX_ROUNDS];
@@ -128,6 +132,33 @@ static void run_peak(const struct timed *c) {
 }
 #endif
 
+// Multiply-adds per direction: of the functions, and of Re, Im (x + i y)^m.
+static double azimuth_steps(int n) {
+    double steps = 0.0;
+    for (int m = 2; m < n; m++) steps += m % 2 ? 4.0 : 3.0;
+    return steps;
+}
+
+static double eval_steps(int n) {
+    double steps = azimuth_steps(n);
+    for (int m = 0; m < n; m++)
+        for (int k = 0; k < n - m; k++)
+            steps += (m ? 2.0 : 1.0) + (k >= 2) +
+                     (k >= 4 ? (m ? 2.0 : 3.0)
+                      : m    ? 0.0
+                             : 1.0 * (k >= 2));
+    return steps + 2.0 * n;
+}
+
+// Of three colours, per sample and per record.
+static double project_steps(int n) {
+    return 3.0 * (n * n - n) + 3.0 * (n - 1) + 2.0 * (n - 2) + azimuth_steps(n);
+}
+
+static double batch_steps(int n) { return 33.0 * n * (n - 1) / 2.0 + 12.0 * n; }
+
+static double exact_steps(int n) { return n * (2.0 * n * n + 18.0 * n - 14.0); }
+
 static struct timed *add(struct timed *c, const struct rsh_kernels *k,
                          void (*run)(const struct timed *), const char *what, int order) {
     *c = (struct timed){.kernels = k, .run = run, .units = 1.0, .order = order, .channels = 1};
@@ -150,8 +181,10 @@ static int add_cases(struct timed *cases) {
     for (const struct rsh_kernels *const *k = rsh_kernels_usable(); *k; k++)
         for (int n = 4; n <= 12; n += 2) {
             add(c, *k, run_eval, "evaluate many", n)->units = COUNT;
-            c++;
+            c->steps = n <= 10 ? eval_steps(n) : 0.0;
+            c++->bytes = 4.0 * n * n;
             add(c, *k, run_project, "project rgb", n)->units = COUNT;
+            c->steps = n <= 10 ? project_steps(n) : 0.0;
             c++->flops = 6.0 * n * n * COUNT;
             add(c, *k, run_accumulate, "accumulate rgb", n)->units = COUNT;
             c++->flops = 6.0 * n * n * COUNT;
@@ -164,6 +197,10 @@ static int add_cases(struct timed *cases) {
                 add(c, *k, run_batch, what[m - RSH_METHOD_TAYLOR_1_5], n);
                 c->units = RECORDS;
                 c->method = m;
+                c->steps = m == RSH_METHOD_EXACT        ? exact_steps(n)
+                           : m == RSH_METHOD_TAYLOR_1_5 ? batch_steps(n)
+                                                        : 0.0;
+                c->bytes = 12.0 * n * n;
                 c++->channels = 3;
             }
             for (int rgb = 0; rgb < 2; rgb++)
@@ -230,6 +267,7 @@ int main(int argc, char **argv) {
     static struct timed cases[MAX_CASES];
     int rounds = argc > 1 ? atoi(argv[1]) : 15, count = add_cases(cases);
     rounds = rounds < 1 ? 1 : rounds > MAX_ROUNDS ? MAX_ROUNDS : rounds;
+    double peak = 1.0;
     fill();
     for (int r = 0; r < rounds; r++)
         for (int i = 0; i < count; i++) {
@@ -237,12 +275,19 @@ int main(int argc, char **argv) {
             cases[i].run(&cases[i]);
             cases[i].ns[r] = (now_ns() - start) / cases[i].units;
         }
-    printf("kernels  what                       order channels        ns  GFLOP/s\n");
+    printf("kernels  what                       order channels        ns  GFLOP/s  least ns\n");
     for (int i = 0; i < count; i++) {
         struct timed *c = &cases[i];
         double ns = median(c->ns, (size_t)rounds);
         printf("%s %5d %8d %9.2f", c->name, c->order, c->channels, ns);
-        if (c->flops > 0.0) printf(" %8.1f", c->flops / (ns * c->units));
+        // The first case is the peak.
+        if (i == 0) peak = c->flops / (ns * c->units);
+        if (c->flops > 0.0)
+            printf(" %8.1f", c->flops / (ns * c->units));
+        else if (c->steps > 0.0)
+            printf("         ");
+        // A vector of 32 bytes stored and two multiplied and added per cycle: 32 bytes, 32 flops.
+        if (c->steps > 0.0) printf(" %9.2f", fmax(2.0 * c->steps, c->bytes) / peak);
         printf("\n");
     }
     return 0;

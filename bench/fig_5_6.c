@@ -97,9 +97,8 @@ int main(int argc, char **argv) {
     const struct {
         const char *name;
         float turn;
-    } cases[] = {{"default", satin_options_default.radiance_turn},
-                 {"1.25a", 1.25f * satin_options_default.radiance_a},
-                 {"always", 4.0f}};
+    } cases[] = {
+        {"small", 0.05f}, {"1.25a", 1.25f * satin_options_default.radiance_a}, {"always", 4.0f}};
     satin_scene *scene = NULL;
     if (satin_scene_load(argv[1], NULL, 0, print_message, NULL, &scene) != SATIN_OK) return 1;
     printf("basis\tfast_up_to\trad\tlargest\tmean\tabove_1%%\tlargest_rel\tmean_rel\n");

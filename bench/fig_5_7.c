@@ -21,7 +21,8 @@
 enum { FIRST = 4, LAST = 12, RECORDS = 64, VECTOR = 16, MAX_ROUNDS = 101 };
 enum { N_MAX = RSH_MAX_COEFFICIENTS, CHANNELS = 3 };
 
-static float in[CHANNELS * N_MAX * VECTOR + 64], out[CHANNELS * N_MAX * VECTOR + 64];
+// Whole lines of the cache: a vector of 64 bytes across two of them costs twice.
+static _Alignas(64) float in[CHANNELS * N_MAX * VECTOR + 64], out[CHANNELS * N_MAX * VECTOR + 64];
 static float matrix[RECORDS][9], entries[9][RECORDS];
 static const float *columns[9];
 

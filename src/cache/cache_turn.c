@@ -23,7 +23,7 @@ void cache_turn(const struct cache *cache, const struct frame *from, const struc
     frame_rows(to, record);
     rsh_basis basis = o->radiance_basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE;
     // The thesis turns fast up to 1.25 a [K05 5.4]; there the error is several per cent at order
-    // 10, more than the records' own, so the option's default is less.
+    // 10, more than the records' own, and the true form takes no measurable time: the default is 0.
     if (!rsh_align_transposed(basis, lobe->order, lobe->channels, record, point, o->radiance_turn,
                               lobe->C, turned))
         memcpy(turned, lobe->C,

@@ -20,16 +20,12 @@ struct point {
     vf x, y, z, t, u;
 };
 
-// What 2 sqrt(z / (1 + z)), rounded to s, lacks in relation to itself.
-INLINE vf stretch_error(vf height, vf scale) {
-    float z[W], s[W], error[W];
-    store(z, height);
-    store(s, scale);
-    for (int i = 0; i < W; i++) {
-        double square = (double)s[i] * (double)s[i], above = (double)z[i];
-        error[i] = (float)(4.0 * above - square * (1.0 + above)) / (8.0f * z[i] + 1e-30f);
-    }
-    return load(error);
+// What s, 2 sqrt(z / (1 + z)) rounded, lacks in relation to itself.
+INLINE vf stretch_error(vf z, vf s) {
+    vf square = s * s;
+    RSH_KEEP(square);  // so that the next line is fused, where it can be, and gives its rounding
+    const vf lost = s * s - square;
+    return ((4.0f * z - square) - square * z - (lost + lost * z)) / (8.0f * z + 1e-30f);
 }
 
 // `off` is what the length lacks of 1, `rest` what z lacks: m times the one and l (l + 1) / 2 times
@@ -39,17 +35,17 @@ INLINE struct point point_of(rsh_basis basis, struct directions v) {
     off = 0.5f * ((off - v.x * v.x) - v.y * v.y);
     struct point p = {v.x, v.y, v.z, {0}, {0}};
     vf rest = off * v.z;
+    vf scale = splat(1.0f);
     if (basis == RSH_HEMISPHERE) {
-        vf scale = stretch(&p.z), twice = p.z + p.z;
+        scale = stretch(&p.z);
+        const vf twice = p.z + p.z;
         rest = off * p.z;
-        off += stretch_error(p.z + rest, scale);
-        p.x *= scale;
-        p.y *= scale;
+        off = scale * (off + stretch_error(p.z + rest, scale));
         p.z = twice - 1.0f;
         rest = (twice - (p.z + 1.0f)) + (rest + rest);
     }
-    p.x += off * p.x;
-    p.y += off * p.y;
+    p.x = v.x * scale + v.x * off;
+    p.y = v.y * scale + v.y * off;
     vf change = (p.z + p.z) * rest;
     p.t = p.z * p.z + change;
     p.u = (1.0f - p.z * p.z) - change;
