@@ -111,8 +111,12 @@ typedef struct satin_options {
 
     // Both caches.
     bool adaptive_cache;      // records give way where they visibly disagree [K05 6.3]
+    bool origin_shift;        // records are made off the edges of triangles [K05 6.5.3]
     float record_max_radius;  // largest R in scene units; 0: no limit
-    bool leak_test;           // records do not serve points that a wall hides from them
+    // Where the R that records should have is less than this part of the least that pixels allow,
+    // the image pass gathers.
+    float gather_room;
+    bool leak_test;  // records do not serve points that a wall hides from them
 
     // Materials, by the ids of their BRDFs, whose glossy lobes are cached whatever their error, or
     // sampled: "floor=on,vase=off". Ended by 0.

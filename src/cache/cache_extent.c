@@ -23,7 +23,7 @@ static float bounded(float R, const struct cache *cache) {
     return most > 0.0f ? fminf(R, most) : R;
 }
 
-static struct cache_extent circle(float R) { return (struct cache_extent){R, R, {0, 0, 0}}; }
+static struct cache_extent circle(float R) { return (struct cache_extent){R, R, {0, 0, 0}, 1.0f}; }
 
 // Radii along the directions in which E bends least and most: sqrt(2 part E / |lambda|).
 static struct cache_extent by_bend(const struct gather_around *around, const struct frame *frame,
@@ -39,16 +39,16 @@ static struct cache_extent by_bend(const struct gather_around *around, const str
     float wide = fminf(narrow * sqrtf(most / fmaxf(least, 1e-12f * most)), LONGEST * narrow);
     const float limit = FARTHEST * around->harmonic;
     vec3 axis = v3_add(v3_mul(frame->u, cosf(angle)), v3_mul(frame->v, sinf(angle)));
-    return (struct cache_extent){fminf(wide, limit), fminf(narrow, limit), axis};
+    return (struct cache_extent){fminf(wide, limit), fminf(narrow, limit), axis, 1.0f};
 }
 
-// Keeps a R of both axes between so many pixels. Returns the share of the gradient that holds so
-// far: where a record reaches farther than it should, its gradient would carry it away.
-static float clamp_pixels(struct cache_extent *x, float a, float pixel, float least, float most) {
+// Keeps a R of both axes between so many pixels. Where a record reaches farther than it should, its
+// gradient would carry it away, and holds by its `room` only.
+static void clamp_pixels(struct cache_extent *x, float a, float pixel, float least, float most) {
     const float lo = least * pixel / a, hi = most * pixel / a, wanted = x->R;
     x->R = fmaxf(fminf(x->R, hi), lo);
     x->across = fmaxf(fminf(x->across, x->R), lo);
-    return fminf(wanted / x->R, 1.0f);
+    x->room = fminf(wanted / x->R, 1.0f);
 }
 
 static void limit(struct cache_extent *x, float R) {
@@ -75,13 +75,12 @@ struct cache_extent cache_extent_irradiance(const struct cache *cache,
     // E may not change by more than itself within R [K05 6.5.1].
     const float slope = v3_len(luminance_gradient(value));
     if (o->irradiance_gradient_clamp && slope * x.R > E && E > 0.0f) limit(&x, E / slope);
-    const float share =
-        clamp_pixels(&x, a, site->pixel, o->irradiance_min_pixels, o->irradiance_max_pixels);
+    clamp_pixels(&x, a, site->pixel, o->irradiance_min_pixels, o->irradiance_max_pixels);
     // And never extrapolate E below 0.
     const float Ec[3] = {value->E.r, value->E.g, value->E.b};
     for (int c = 0; c < 3; c++) {
-        float change = share * v3_len(value->grad_t[c]) * a * o->irradiance_widen * x.R;
-        float part = change > Ec[c] ? share * Ec[c] / change : share;
+        float change = x.room * v3_len(value->grad_t[c]) * a * o->irradiance_widen * x.R;
+        float part = change > Ec[c] ? x.room * Ec[c] / change : x.room;
         value->grad_t[c] = v3_mul(value->grad_t[c], part);
     }
     return x;
@@ -113,11 +112,10 @@ struct cache_extent cache_extent_radiance(const struct cache *cache, const struc
     // As for E: the vector may not change by more than its length within R. Measured where a wall
     // reflects a box near to it: half of the records serve for the same error.
     if (o->radiance_gradient_clamp && slope * x.R > size && size > 0.0f) limit(&x, size / slope);
-    const float share =
-        clamp_pixels(&x, a, site->pixel, o->radiance_min_pixels, o->radiance_max_pixels);
+    clamp_pixels(&x, a, site->pixel, o->radiance_min_pixels, o->radiance_max_pixels);
     for (int c = 0; c < 3; c++) {
-        float change = share * sqrtf(slope2[c]) * a * o->radiance_widen * x.R;
-        float length = sqrtf(size2[c]), part = change > length ? share * length / change : share;
+        float change = x.room * sqrtf(slope2[c]) * a * o->radiance_widen * x.R;
+        float length = sqrtf(size2[c]), part = change > length ? x.room * length / change : x.room;
         for (int k = c * n2; part < 1.0f && k < (c + 1) * n2; k++) {
             value->dx[k] *= part;
             value->dy[k] *= part;

@@ -92,7 +92,7 @@ static bool insert_irradiance(struct batch *b, struct job *job) {
         x.across = fminf(x.across, x.R);
     }
     c->irradiance[tree->head_count] =
-        (struct cache_irradiance_record){job->irradiance, job->around.deviation};
+        (struct cache_irradiance_record){job->irradiance, job->around.deviation, x.room};
     c->rays += job->irradiance.rays;
     return insert_head(tree, job, x, a, b->fill);
 }
@@ -123,7 +123,7 @@ static bool insert_radiance(struct batch *b, struct job *job) {
     }
     interleave(&job->radiance, n2, value);
     c->radiance[tree->head_count] =
-        (struct cache_radiance_record){s->frame, value, job->around.deviation};
+        (struct cache_radiance_record){s->frame, value, job->around.deviation, x.room};
     c->rays += job->radiance.rays;
     return insert_head(tree, job, x, o->radiance_a, b->fill);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reading the caches: what one record says of a place, and the weighted mean of those that are near
 // [K05 (2.2), (3.2), (3.3)].
+#include <stdlib.h>
 #include <string.h>
 
 #include "cache/cache_records.h"
@@ -41,10 +42,25 @@ static rgb irradiance_of(const struct cache *cache, uint32_t record, const struc
     return rgb_make(e[0], e[1], e[2]);
 }
 
+// Whether most of the weight is of records that reach much farther than they should: near contacts,
+// where none could be placed densely enough.
+static bool crowded(const struct cache *cache, enum cache_kind kind, const struct cache_near *near,
+                    int count) {
+    const float least = cache->g->options->gather_room;
+    float sum = 0.0f, weights = 0.0f;
+    for (int i = 0; i < count; i++) {
+        float room = kind == CACHE_IRRADIANCE ? cache->irradiance[near[i].record].room
+                                              : cache->radiance[near[i].record].room;
+        if (room < least) sum += near[i].weight;
+        weights += near[i].weight;
+    }
+    return sum > 0.5f * weights;
+}
+
 int cache_irradiance(const struct cache *cache, const struct cache_place *at, float a, rgb *E) {
     struct cache_near near[CACHE_NEAR_MAX];
     int count = find(cache, &cache->irradiance_tree, at, a, near);
-    if (count == 0) return 0;
+    if (count == 0 || crowded(cache, CACHE_IRRADIANCE, near, count)) return 0;
     rgb sum = rgb_grey(0.0f);
     float weights = 0.0f;
     for (int i = 0; i < count; i++) {
@@ -100,7 +116,7 @@ int cache_radiance(const struct cache *cache, const struct cache_place *at, floa
                    const struct cache_lobe *lobe, rgb *glossy, rgb *E) {
     struct cache_near near[CACHE_NEAR_MAX];
     int count = find(cache, &cache->radiance_tree, at, a, near);
-    if (count == 0) return 0;
+    if (count == 0 || crowded(cache, CACHE_RADIANCE, near, count)) return 0;
     const struct cache_lobe cosine = {cache->cosine, cache->cosine_order, 1};
     rgb shine = rgb_grey(0.0f), diffuse = shine;
     float weights = 0.0f;

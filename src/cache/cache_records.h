@@ -14,11 +14,13 @@ struct cache_radiance_record {
     struct frame frame;
     float *value;     // order^2 * CACHE_LANES
     float deviation;  // standard deviation of E over E
+    float room;       // as above
 };
 
 struct cache_irradiance_record {
     struct gather_irradiance value;
     float deviation;  // standard deviation of E over E
+    float room;       // R that was wanted over R, below 1 where the least radius holds it up
 };
 
 struct cache {
@@ -54,6 +56,7 @@ struct cache {
 struct cache_extent {
     float R, across;
     vec3 axis;
+    float room;  // R that was wanted over R; at most 1
 };
 struct cache_extent cache_extent_irradiance(const struct cache *cache,
                                             const struct cache_site *site,

@@ -48,6 +48,8 @@ const satin_options satin_options_default = {
     .radiance_min_pixels = 3.0f,
     .radiance_max_pixels = 20.0f,
     .adaptive_cache = true,
+    .origin_shift = true,
+    .gather_room = 0.1f,
     .leak_test = true,
 };
 

@@ -129,8 +129,13 @@ const struct option options_table[] = {
     {"adaptive-cache", OPTION_BOOL, AT(adaptive_cache), true, "off|on",
      "Records are shrunk and added until no two visibly disagree at a point that is seen. A render "
      "with a time limit refines them by rounds instead."},
+    {"origin-shift", OPTION_BOOL, AT(origin_shift), false, "off|on",
+     "Records are made off the edges of triangles, by half a pixel at most."},
     {"record-max-radius", OPTION_FLOAT, AT(record_max_radius), false, "0..1e30",
      "Largest R of a record of either cache, in scene units; 0: no limit."},
+    {"gather-room", OPTION_FLOAT, AT(gather_room), false, "0..1",
+     "Where records should be smaller than this part of the least radius in pixels, near contacts, "
+     "the image pass gathers instead; 0: nowhere."},
     {"leak-test", OPTION_BOOL, AT(leak_test), false, "off|on",
      "Records do not serve points that a wall hides from them."},
     {"material-cache", OPTION_TEXT, AT(material_cache), false, "NAME=on|off,...",

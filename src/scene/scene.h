@@ -318,6 +318,10 @@ bool scene_intersect_whole(const struct satin_scene *scene, const struct ray *ra
 float scene_distance(const struct satin_scene *scene, const struct ray *ray);
 bool scene_occluded(const struct satin_scene *scene, const struct ray *ray);
 
+// A surface point moved off the edges of its triangle by `margin` where it is nearer, or as far
+// towards the triangle's centre, by no more than `margin`. Points of other shapes stay.
+vec3 scene_off_edges(const struct satin_scene *scene, const struct surfel *s, float margin);
+
 // A ray that leaves a surface point in direction d: its origin is moved off the surface, to the
 // side that d points to, by a bound of the rounding error there, so that it does not hit the
 // surface it leaves.

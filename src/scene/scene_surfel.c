@@ -150,6 +150,18 @@ void surfel_triangle(const struct satin_scene *scene, const struct shape *shape,
     out->frame = hit->tangent ? frame_from_tangent(n, out->dp_du) : frame_from_normal(n);
 }
 
+vec3 scene_off_edges(const struct satin_scene *scene, const struct surfel *s, float margin) {
+    const struct shape *shape = &scene->shape[s->shape];
+    if (shape->kind != SHAPE_MESH || !(margin > 0.0f)) return s->p;
+    struct triangle t;
+    triangle_get(&shape->mesh, s->prim, &t);
+    double b[3] = {1.0 - (double)s->bary.x - (double)s->bary.y, s->bary.x, s->bary.y};
+    if (!pull_inside(&t, margin, b)) return s->p;
+    vec3 way = v3_sub(blend_corners(&t, b), s->p);
+    float length = v3_len(way);
+    return length > margin ? v3_mad(s->p, margin / length, way) : v3_add(s->p, way);
+}
+
 static vec3 leave(vec3 p, vec3 ng, vec3 d, float offset) {
     double side = (double)ng.x * d.x + (double)ng.y * d.y + (double)ng.z * d.z;
     return v3_mad(p, side < 0.0 ? -offset : offset, ng);

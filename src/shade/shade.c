@@ -109,8 +109,12 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
         out->beauty = rgb_add(out->beauty, out->layer[layer]);
 }
 
+// Records are made so far off edges, where rays would slip through gaps [K05 6.5.3].
+static const float EDGE_PIXELS = 0.5f;
+
 int shade_sites(const struct shade *shade, int x, int y, uint32_t index, struct cache_site *out,
                 int max) {
+    const satin_options *o = shade->g->options;
     struct shade_eye eye;
     struct sampler sampler = shade_eye_sampler(shade->g, x, y, index, RNG_SITE);
     shade_eye_trace(shade, x, y, &sampler, &eye);
@@ -122,7 +126,9 @@ int shade_sites(const struct shade *shade, int x, int y, uint32_t index, struct 
         uint64_t stream =
             rng_mix(((uint64_t)sampler.seed << 20) + ((uint64_t)index << 4) + (uint64_t)i);
         out[count++] = (struct cache_site){
-            .p = v->point.surfel.p,
+            .p = o->origin_shift
+                     ? scene_off_edges(shade->g->scene, &v->point.surfel, EDGE_PIXELS * v->pixel)
+                     : v->point.surfel.p,
             .ng = v->point.surfel.ng,
             .frame = v->point.base,
             .pixel = v->pixel,

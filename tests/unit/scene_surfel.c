@@ -214,10 +214,37 @@ static void shades_by_vertex_normals(void **state) {
     }
 }
 
+// A point beside an edge goes off it by the margin; at a corner too, as far as the margin allows;
+// one in the middle stays.
+static void moves_off_edges(void **state) {
+    (void)state;
+    struct test_scene t;
+    test_scene_init(&t);
+    test_rectangle(&t, mat4_identity(), test_diffuse(&t, 0.5f, 0.5f, 0.5f));
+    test_scene_finish(&t);
+    const float margin = 0.01f;
+    const vec3 place[] = {{0.3f, -0.999f, 1}, {-0.9995f, -0.9995f, 1}, {0.2f, -0.6f, 1}};
+    for (int i = 0; i < 3; i++) {
+        struct ray ray = {place[i], 0.0f, v3(0, 0, -1), INFINITY};
+        struct surfel s;
+        assert_true(scene_intersect(&t.scene, &ray, &s));
+        vec3 p = scene_off_edges(&t.scene, &s, margin);
+        float moved = v3_len(v3_sub(p, s.p));
+        assert_true(moved <= margin * 1.001f && fabsf(p.z) < 1e-6f);
+        if (i == 0) assert_true(fabsf(p.y + 1.0f - margin) < 1e-5f && moved > 0.008f);
+        if (i == 1) assert_true(p.x > s.p.x && p.y > s.p.y && moved > 0.005f);
+        if (i == 2) assert_true(moved == 0.0f);
+    }
+    test_scene_free(&t);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(leaves_surfaces_at_any_scale), cmocka_unit_test(leaves_cylinders),
-        cmocka_unit_test(leaves_huge_floors),           cmocka_unit_test(connects_points),
+        cmocka_unit_test(leaves_surfaces_at_any_scale),
+        cmocka_unit_test(leaves_cylinders),
+        cmocka_unit_test(moves_off_edges),
+        cmocka_unit_test(leaves_huge_floors),
+        cmocka_unit_test(connects_points),
         cmocka_unit_test(shades_by_vertex_normals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
