@@ -12,7 +12,7 @@
 #include "gather/gather_scratch.h"
 
 enum {
-    DELTA_MAX = 32,    // ideal specular surfaces in a row before a gather ray is given up
+    DELTA_SURE = 32,   // ideal specular surfaces in a row, after which chance may end a gather ray
     BOUNCE_MAX = 6,    // glossy bounces behind y; the tail is taken as diffuse
     THROUGH_MAX = 32,  // the same inside rough glass, where no photon tells of the tail
     PATH_MAX = 64      // diffuse ones where there are no photons; the tail is lost
@@ -47,6 +47,10 @@ void gather_scratch_free(struct gather_scratch *scratch) {
 struct gather_ray *gather_scratch_rays(struct gather_scratch *scratch) {
     return scratch->rays;
 }
+
+// Chance of going on at each further ideal specular surface: light that is guided along a pane of
+// glass meets some hundred.
+static const float DELTA_SURVIVE = 0.98f;
 
 // What is followed from y by one more ray.
 static const unsigned GLOSSY = BRDF_GLOSSY | BRDF_THROUGH;
@@ -88,7 +92,11 @@ static bool trace_to_smooth(const struct gather *g, struct ray ray, struct sampl
                             struct gather_first *first, struct emitters *emitters,
                             struct gather_point *out) {
     *first = GATHER_NOTHING;
-    for (int i = 0; i < DELTA_MAX; i++) {
+    for (int i = 0;; i++) {
+        if (i >= DELTA_SURE) {
+            if (!(sampler_1d(sampler) < DELTA_SURVIVE)) return false;
+            *T = rgb_scale(*T, 1.0f / DELTA_SURVIVE);
+        }
         struct surfel s;
         bool hit = scene_intersect(g->scene, &ray, &s);
         if (emitters) meet(g, &ray, hit ? &s : NULL, *T, i == 0, emitters);
@@ -109,7 +117,6 @@ static bool trace_to_smooth(const struct gather *g, struct ray ray, struct sampl
         *T = rgb_mul(*T, rgb_scale(next.weight, 1.0f / (1.0f - stop)));
         ray = scene_spawn(g->scene, s.p, s.ng, frame_to_world(&out->frame, next.wi));
     }
-    return false;
 }
 
 bool gather_follow(const struct gather *g, struct ray ray, struct sampler *sampler,
