@@ -63,6 +63,8 @@ static bool insert_head(struct cache_tree *tree, const struct job *job, struct c
     const struct cache_site *s = job->site;
     const float reach = a * fill->widest * x.R;
     float ratio = x.R / x.across;
+    float clear;
+    const uint32_t walls = cache_leak_walls(&job->around, reach, &clear);
     struct cache_head head = {
         .p = s->p,
         .R = x.R,
@@ -71,7 +73,8 @@ static bool insert_head(struct cache_tree *tree, const struct job *job, struct c
         .squeeze = v3_mul(x.axis, sqrtf(fmaxf(ratio * ratio - 1.0f, 0.0f))),
         .scale = fill->adapted ? first_scale(tree, s, reach) : 1.0f,
         .u = s->frame.u,
-        .walls = cache_leak_walls(&job->around, reach),
+        .walls = walls,
+        .clear = clear,
     };
     return cache_tree_insert(tree, &head);
 }

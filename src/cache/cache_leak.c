@@ -8,10 +8,17 @@
 // surface.
 static const float LIFT = 0.1f;
 
-uint32_t cache_leak_walls(const struct gather_around *around, float reach) {
+// Of the least distance that rays have found; they may have missed something nearer.
+static const float CLEAR = 0.8f;
+
+uint32_t cache_leak_walls(const struct gather_around *around, float reach, float *clear) {
     uint32_t walls = 0;
+    *clear = reach;
     for (int s = 0; s < GATHER_SECTORS; s++)
-        if (around->sector[s] < reach) walls |= 1u << s;
+        if (around->sector[s] < reach) {
+            walls |= 1u << s;
+            *clear = fminf(*clear, CLEAR * around->sector[s]);
+        }
     return walls;
 }
 
@@ -27,7 +34,7 @@ bool cache_leaks(const struct cache *cache, const struct cache_head *h, vec3 p) 
     if (!h->walls || !cache->g->options->leak_test) return false;
     vec3 d = v3_sub(p, h->p);
     float length = v3_len(d);
-    if (!(length > 0.0f) || !(h->walls >> sector_of(h, d) & 1u)) return false;
+    if (!(length > h->clear) || !(h->walls >> sector_of(h, d) & 1u)) return false;
     vec3 lift = v3_mul(h->n, LIFT * length), from = v3_add(h->p, lift), to = v3_add(p, lift);
     struct ray ray = scene_spawn_to(cache->g->scene, from, h->n, to, v3(0, 0, 0));
     return scene_occluded(cache->g->scene, &ray);

@@ -69,8 +69,8 @@ struct cache_extent cache_extent_radiance(const struct cache *cache, const struc
 // by it.
 float cache_clamp_neighbours(struct cache_tree *tree, vec3 p, vec3 n, float R);
 
-// Sectors in which something stands nearer than `reach`.
-uint32_t cache_leak_walls(const struct gather_around *around, float reach);
+// Sectors in which something stands nearer than `reach`; *clear gets the least distance of all.
+uint32_t cache_leak_walls(const struct gather_around *around, float reach, float *clear);
 // The records to interpolate at a place, without those that do not see it.
 int cache_find(const struct cache *cache, const struct cache_tree *tree, vec3 p, vec3 n, float a,
                struct cache_near near[CACHE_NEAR_MAX]);

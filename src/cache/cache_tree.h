@@ -19,7 +19,8 @@ struct cache_head {
     vec3 squeeze;    // an elliptic record is nearer by this: d^2 counts as d^2 + (d . squeeze)^2
     float scale;     // its own accuracy is this times a [K05 6.3], in (0, 1]
     vec3 u;          // azimuth 0 of
-    uint32_t walls;  // the sectors, from bit 0, where something stands within reach
+    uint32_t walls;  // the sectors, from bit 0, where something stands within reach,
+    float clear;     // none of it nearer than this
 };
 
 struct cache_node {

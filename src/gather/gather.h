@@ -143,9 +143,8 @@ struct gather_around {
     float harmonic;       // harmonic mean of hit distances
     float least;          // least of them,
     float least_upright;  // without rays that graze both the record's surface and the other
-    float
-        sector[GATHER_SECTORS];  // least distance along the tangent plane, by azimuth in the frame
-    float deviation;             // standard deviation of E, as a part of E [K05 6.4]
+    float sector[GATHER_SECTORS];  // along the tangent plane to what stands there, by azimuth
+    float deviation;               // standard deviation of E, as a part of E [K05 6.4]
     float bend[3];  // d2E/dx2, d2E/dxdy, d2E/dy2 of luminance in the frame; of irradiance, if asked
 };
 

@@ -27,7 +27,8 @@ static void distances(const struct gather_layout *l, const struct gather_scratch
     if (sum > 0.0) out->harmonic = (float)((double)count / sum);
 }
 
-// The least distances along the tangent plane, by azimuth.
+// The least distances along the tangent plane, by azimuth, of what stands there: rays steeper than
+// 45 degrees find what hangs over it.
 static void sectors(const struct gather_layout *l, const struct gather_scratch *scratch,
                     struct gather_around *out) {
     for (int k = 0; k < l->N; k++) {
@@ -35,7 +36,7 @@ static void sectors(const struct gather_layout *l, const struct gather_scratch *
         for (int j = 0; j < l->M; j++) {
             size_t i = (size_t)(j * l->N + k);
             float sine = sqrtf(scratch->x[i] * scratch->x[i] + scratch->y[i] * scratch->y[i]);
-            near = fminf(near, scratch->rays[i].first.r * sine);
+            if (scratch->z[i] < sine) near = fminf(near, scratch->rays[i].first.r * sine);
         }
         int first = k * GATHER_SECTORS / l->N, last = (k + 1) * GATHER_SECTORS / l->N;
         for (int s = first; s <= last; s++) {

@@ -43,7 +43,7 @@ static void start(struct fixture *f) {
     gather_hemisphere_irradiance(&f->g, layout, scratch, &site, &value);
     gather_around_make(layout, scratch, false, &around);
     f->head = (struct cache_head){.p = site.p, .R = 2.0f, .n = up, .u = site.frame.u, .scale = 1};
-    f->head.walls = cache_leak_walls(&around, 2.0f);
+    f->head.walls = cache_leak_walls(&around, 2.0f, &f->head.clear);
     gather_scratch_free(scratch);
     gather_layout_free(layout);
 }
