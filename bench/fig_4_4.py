@@ -57,7 +57,7 @@ def teapot():
 # Records are few and placed alike for every kind, so that the gradients make the difference.
 PLACING = ["adaptive-cache=off", "{}-gradient-clamp=off", "{}-neighbours=off", "{}-rays=4096"]
 DIFFUSE = ["irradiance-a=0.15", "irradiance-widen=1", "irradiance-min-pixels=0"]
-GLOSSY = ["radiance-a=0.3", "radiance-widen=1.4", "radiance-max-pixels=60"]
+GLOSSY = ["radiance-a=0.3", "radiance-widen=1.4", "radiance-max-pixels=15"]
 DIFFUSE_REFERENCE = ["irradiance-cache=off", "irradiance-rays=10000"]
 GLOSSY_REFERENCE = ["radiance-a=0.1", "radiance-widen=1", "radiance-min-pixels=1",
                     "radiance-max-pixels=1", "radiance-rays=8192"]
@@ -66,7 +66,7 @@ KINDS = ["none", "stratified", "solid-angle", "differences"]
 FIGURES = {
     "4.4": (cornell_diffuse, "irradiance", None, 1.5, "0.2,0.4,0.8,0.9"),
     "4.6": (sphere_alone, "radiance", "floor", 4, "0.2,0.3,0.8,0.8"),
-    "4.7": (teapot, "radiance", "glaze", 1, "0.3,0.15,0.7,0.5"),
+    "4.7": (teapot, "radiance", "both", 1, "0.3,0.15,0.7,0.5"),
     "4.8": (figures.box_pyramid, "radiance", "metal", 1, "0.2,0.5,0.8,0.9"),
 }
 

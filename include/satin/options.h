@@ -98,7 +98,7 @@ typedef struct satin_options {
     bool radiance_diffuse;  // diffuse surfaces use radiance records too, for comparison
     satin_basis radiance_basis;
     int radiance_order;    // largest order n, 1 to 14
-    float radiance_error;  // largest relative squared error of a BRDF's representation [K05 (3.4)]
+    float radiance_error;  // largest relative rms error of radiance by a BRDF in harmonics
     float radiance_turn;   // largest angle [rad] of normals for the fast rotation, 0 to 4; 0: none
     int radiance_rays;
     float radiance_a;

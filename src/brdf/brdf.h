@@ -223,8 +223,8 @@ float brdf_relief_diffuse(const struct brdf *b);
 float brdf_relief_glossy(const struct brdf *b, vec3 wo);
 
 // Harmonics of the glossy part [K05 2.5, 3.4]: per outgoing direction on a parabolic map the
-// coefficients of f_r cos(theta_i), with the least order whose error (3.4, with the cosine below
-// the line too) meets the bound. Isotropic BRDFs keep one radius of the map and turn it about z.
+// coefficients of f_r cos(theta_i), with the least order whose error of reflected radiance meets
+// the bound. Isotropic BRDFs keep one radius of the map and turn it about z.
 struct brdf_table;
 
 struct brdf_table_info {
@@ -259,7 +259,8 @@ struct brdf_roughness {
 struct brdf_fit {
     satin_basis basis;
     int max_order;
-    float max_error;  // negative: its magnitude, but what misses it takes the largest order
+    float max_error;  // of reflected radiance, see brdf_table.c; negative: its magnitude, but what
+                      // misses it takes the largest order
 };
 // `over` NULL: all numbers are constant.
 satin_status brdf_range_build(const struct brdf *b, const struct brdf_roughness *over,

@@ -9,8 +9,12 @@
 // - anisotropic: one quadrant serves all, as our models are symmetric about the x and the y axis;
 //   mirroring a lobe changes signs of coefficients. Nodes beyond the disk repeat its rim.
 //
-// Deviation from [K05 (3.4)]: the error is 1 - sum c^2 / integral (f_r cos)^2, with the cosine
-// below the line too, as the coefficients have it; it is a squared relative error.
+// Deviation from [K05 (3.4)]: the order follows the error of what is reflected, not that of the
+// BRDF. The power of light in a coefficient of band l falls as (l + 1)^-3 in both bases, as that of
+// any function with edges (measured: to a factor of about two). So the expected squared error
+// is the power of the bands left out over (l + 1)^3, relative to the same sum over all bands. It
+// tells the error to a factor of 1.5; a bound on the BRDF's own error turns down lobes that end at
+// the horizon and would be served as well (docs/experiments.md).
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -59,15 +63,28 @@ static vec3 node_direction(const struct brdf_table *t, size_t node) {
     return v3(2.0f * p * scale, 2.0f * q * scale, (1.0f - r * r) * scale);
 }
 
-// The least order whose bands hold enough of the squared norm; 0 if none does.
+// Power of light in a coefficient of band l, relative to band 0.
+static double light_power(int l) { return 1.0 / ((l + 1.0) * (l + 1.0) * (l + 1.0)); }
+
+// The least order whose bands hold enough of what is reflected; 0 if none does. What no order holds
+// of the squared norm is taken to be in the next band.
 static int least_order(int max_order, int channels, const float *c, double norm, double max_error) {
-    double held = 0.0;
+    double band[ORDER_MAX], rest = norm, all = 0.0, missing;
     if (!(norm > 0.0)) return 0;
     for (int l = 0; l < max_order; l++) {
+        band[l] = 0.0;
         for (int channel = 0; channel < channels; channel++)
             for (int m = l * l; m < (l + 1) * (l + 1); m++)
-                held += (double)sqrf(c[channel * max_order * max_order + m]);
-        if (norm - held <= fabs(max_error) * norm) return l + 1;
+                band[l] += (double)sqrf(c[channel * max_order * max_order + m]);
+        rest -= band[l];
+        band[l] *= light_power(l);
+        all += band[l];
+    }
+    all += fmax(rest, 0.0) * light_power(max_order);
+    missing = all;
+    for (int l = 0; l < max_order; l++) {
+        missing -= band[l];
+        if (missing <= max_error * max_error * all) return l + 1;
     }
     return max_error < 0.0 ? max_order : 0;
 }

@@ -106,7 +106,8 @@ const struct option options_table[] = {
     {"radiance-order", OPTION_INT, AT(radiance_order), true, "1..14",
      "Largest order n of a radiance record, which then has n * n coefficients."},
     {"radiance-error", OPTION_FLOAT, AT(radiance_error), false, "0.0001..1",
-     "Largest relative squared error of a BRDF in harmonics; glossier ones are sampled instead."},
+     "Largest relative error of what a BRDF reflects in harmonics, expected of the light of "
+     "rooms; glossier ones are sampled instead."},
     {"radiance-turn", OPTION_FLOAT, AT(radiance_turn), false, "0..4",
      "Angle of normals [rad] up to which records are aligned by the fast rotation; 0: none."},
     {"radiance-rays", OPTION_INT, AT(radiance_rays), true, "4..1048576",
