@@ -159,6 +159,7 @@ static void print_lights(const struct satin_scene *scene) {
                                        [LIGHT_POINT] = "point",
                                        [LIGHT_SPOT] = "spot",
                                        [LIGHT_PROJECTOR] = "projector",
+                                       [LIGHT_BEAM] = "directionalarea",
                                        [LIGHT_DIRECTIONAL] = "directional",
                                        [LIGHT_CONSTANT] = "constant",
                                        [LIGHT_ENVMAP] = "envmap"};

@@ -95,7 +95,7 @@ static bool find_target(const struct satin_scene *scene, struct light_target *ou
 static void split_light(const struct light *light, uint32_t budget, struct light_cells *cells) {
     bool position =
         light->kind != LIGHT_POINT && light->kind != LIGHT_SPOT && light->kind != LIGHT_PROJECTOR;
-    bool direction = light->kind != LIGHT_DIRECTIONAL;
+    bool direction = light->kind != LIGHT_DIRECTIONAL && light->kind != LIGHT_BEAM;
     for (int k = 0; k < 4; k++) cells->split[k] = 1;
     cells->total = 1;
     // Doubles one number after the other; directions of an area light first.

@@ -183,6 +183,7 @@ enum light_kind {
     LIGHT_POINT,
     LIGHT_SPOT,
     LIGHT_PROJECTOR,
+    LIGHT_BEAM,  // parallel light from a flat shape
     LIGHT_DIRECTIONAL,
     LIGHT_CONSTANT,
     LIGHT_ENVMAP
@@ -202,20 +203,24 @@ struct light {
     enum light_kind kind;
     rgb value;                      // radiance, intensity or irradiance, by kind; envmap: scale
     const struct texture *texture;  // area: radiance over uv; spot, projector: their slide; or NULL
-    uint32_t shape;                 // area
+    uint32_t shape;                 // area, beam
     struct mat4 to_world, to_local;
     vec3 position, direction;    // point, spot; spot and directional: the way the light goes
     float cos_cutoff, cos_beam;  // spot
     float tan_x, tan_y;          // projector: half extents of its slide at unit distance
     const struct image *image;   // envmap: latitude-longitude, 3 channels
+    vec3 sun;                    // envmap: towards the middle of a disc of uniform light, unit
+    rgb sun_value;               // its radiance; black: there is none
+    float sun_chord;             // of the angle from its middle to its rim
     // The rest is filled by scene_lights_prepare.
     const float *row_cdf,
         *column_cdf;                // envmap, cells between texels: rows + 1; rows * (width + 1)
     const struct light_face *face;  // area: set if all triangles pair into few faces, else NULL
     uint32_t face_count;
-    vec3 center;     // area: of its bounds
-    float strength;  // luminance of radiance * area, intensity or irradiance, by kind
-    float power;     // luminance of the emitted power [W], > 0
+    vec3 center;      // area: of its bounds
+    float strength;   // luminance of radiance * area, intensity or irradiance, by kind
+    float sun_share;  // of the samples, for the disc
+    float power;      // luminance of the emitted power [W], > 0
 };
 
 // ---- Camera and film --------------------------------------------------------------------------

@@ -21,6 +21,9 @@ satin_status scene_lights_prepare(struct satin_scene *scene, struct log log) {
             case LIGHT_AREA:
                 status = light_area_prepare(scene, light);
                 break;
+            case LIGHT_BEAM:
+                status = light_beam_prepare(scene, light);
+                break;
             case LIGHT_CONSTANT:
             case LIGHT_ENVMAP:
                 status = light_environment_prepare(scene, light);
@@ -52,6 +55,8 @@ float light_reach(const struct satin_scene *scene, const struct light *light, ve
     switch (light->kind) {
         case LIGHT_AREA:
             return light_area_reach(scene, light, p);
+        case LIGHT_BEAM:
+            return light_beam_reach(scene, light, p);
         case LIGHT_POINT:
         case LIGHT_SPOT:
         case LIGHT_PROJECTOR:
@@ -119,6 +124,8 @@ bool light_sample(const struct satin_scene *scene, uint32_t i, vec3 p, float u, 
     switch (light->kind) {
         case LIGHT_AREA:
             return light_area_sample(scene, light, p, u, v, out);
+        case LIGHT_BEAM:
+            return light_beam_sample(scene, light, p, out);
         case LIGHT_POINT:
         case LIGHT_SPOT:
         case LIGHT_PROJECTOR:
@@ -139,13 +146,14 @@ bool light_sample(const struct satin_scene *scene, uint32_t i, vec3 p, float u, 
 }
 
 float light_pdf(const struct satin_scene *scene, vec3 p, vec3 wi, const struct surfel *s) {
-    if (s->light < 0) return 0.0f;
+    if (s->light < 0 || scene->light[s->light].kind != LIGHT_AREA) return 0.0f;
     return light_area_pdf(scene, &scene->light[s->light], p, wi, s);
 }
 
 rgb light_emitted(const struct satin_scene *scene, const struct surfel *s, vec3 w) {
     if (s->light < 0 || !(v3_dot(s->ng, w) > 0.0f)) return rgb_grey(0.0f);
     const struct light *light = &scene->light[s->light];
+    if (light->kind != LIGHT_AREA) return rgb_grey(0.0f);
     struct texture_place at = surfel_texture_place(scene, s);
     return light->texture ? texture_eval(light->texture, &at) : light->value;
 }

@@ -55,6 +55,14 @@ satin_status light_environment_prepare(struct satin_scene *scene, struct light *
 bool light_environment_sample(const struct light *light, float u, float v, vec3 *wi, rgb *L,
                               float *pdf_w);
 
+// ---- Beams (scene_light_beam.c) ---------------------------------------------------------------
+
+// Sets position, direction, strength and power. SATIN_ERROR_MEMORY.
+satin_status light_beam_prepare(struct satin_scene *scene, struct light *light);
+float light_beam_reach(const struct satin_scene *scene, const struct light *light, vec3 p);
+bool light_beam_sample(const struct satin_scene *scene, const struct light *light, vec3 p,
+                       struct light_sample *out);
+
 // ---- Emission (scene_light_emit.c) ------------------------------------------------------------
 
 // The area that a box shows in direction d.

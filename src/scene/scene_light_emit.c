@@ -82,6 +82,14 @@ static bool emit_area(const struct satin_scene *scene, const struct light *light
     return power > 0.0f;
 }
 
+static bool emit_beam(const struct satin_scene *scene, const struct light *light, const float u[4],
+                      struct light_ray *out) {
+    struct light_point point = light_area_point(scene, light, u[0], u[1]);
+    out->ray = scene_spawn(scene, point.p, point.n, point.n);
+    out->power = rgb_scale(point.L, 1.0f / point.pdf_a);
+    return point.pdf_a > 0.0f;
+}
+
 static bool emit_position(const struct light *light, const struct light_aim *aim, const float u[4],
                           struct light_ray *out) {
     struct departure to = depart(aim, light->position, u + 2);
@@ -135,6 +143,8 @@ bool light_emit(const struct satin_scene *scene, uint32_t i, const struct light_
     switch (light->kind) {
         case LIGHT_AREA:
             return emit_area(scene, light, aim, u, out);
+        case LIGHT_BEAM:
+            return emit_beam(scene, light, u, out);
         case LIGHT_POINT:
         case LIGHT_SPOT:
         case LIGHT_PROJECTOR:

@@ -3,7 +3,8 @@
 // Mitsuba 3.9 puts its texels (measured): the direction (sin phi sin theta, cos theta, -cos phi sin
 // theta) of the light's own space lies at x = width phi / 2 pi - 1/2, wrapped, and y = (height - 1)
 // theta / pi. Directions are drawn in proportion to the interpolated luminance times sin theta: a
-// cell between four texels by its mean, then a point of the cell by bilinear interpolation.
+// cell between four texels by its mean, then a point of the cell by bilinear interpolation. A sun
+// is a disc of light on top of the image, which gets a share of the samples.
 #include "base/sampling.h"
 #include "scene/scene_light.h"
 
@@ -101,6 +102,43 @@ static vec3 direction_at(const struct light *light, float x, float y) {
     return v3_unit(mat4_vector(&light->to_world, v3(s * sinf(phi), cosf(theta), -s * cosf(phi))));
 }
 
+// ---- The sun ------------------------------------------------------------------------------------
+
+static bool in_sun(const struct light *light, vec3 w) {
+    return light->sun_share > 0.0f && v3_dist2(w, light->sun) <= sqrf(light->sun_chord);
+}
+
+static float sun_solid_angle(const struct light *light) { return PI_F * sqrf(light->sun_chord); }
+
+// Neither the sun nor the sky is left to few samples, whichever brings more.
+#define SUN_SHARE_MIN 0.2f
+#define SUN_SHARE_MAX 0.7f
+
+static void add_sun(const struct satin_scene *scene, struct light *light) {
+    float facing = rgb_luminance(light->sun_value) * sun_solid_angle(light);
+    if (!(facing > 0.0f)) return;
+    float power = facing * light_bounds_shadow(scene, light->sun);
+    light->sun_share = clampf(power / (power + light->power), SUN_SHARE_MIN, SUN_SHARE_MAX);
+    light->strength += 0.25f * facing;
+    light->power += power;
+    if (rgb_black(light->value)) light->sun_share = 1.0f;
+}
+
+// The density of drawing a direction from that of drawing it for the image.
+static float mixed_pdf(const struct light *light, bool sun, float pdf_w) {
+    float of_image = (1.0f - light->sun_share) * pdf_w;
+    return sun ? of_image + light->sun_share / sun_solid_angle(light) : of_image;
+}
+
+static vec3 sun_direction(const struct light *light, float u, float v) {
+    float versine = 0.5f * u * sqrf(light->sun_chord), phi = 2.0f * PI_F * v;
+    float s = safe_sqrtf(versine * (2.0f - versine));
+    struct frame f = frame_from_normal(light->sun);
+    return frame_to_world(&f, v3(s * cosf(phi), s * sinf(phi), 1.0f - versine));
+}
+
+// ---- The light ----------------------------------------------------------------------------------
+
 static satin_status prepare_image(struct satin_scene *scene, struct light *light) {
     const struct image *image = light->image;
     size_t rows = (size_t)cell_rows(image), columns = (size_t)image->width;
@@ -127,6 +165,7 @@ static satin_status prepare_image(struct satin_scene *scene, struct light *light
     float scale = rgb_luminance(light->value);
     light->strength = 0.25f * scale * (float)flux;  // mean irradiance over all facings
     light->power = scale * (float)power;
+    add_sun(scene, light);
     return SATIN_OK;
 }
 
@@ -145,6 +184,14 @@ bool light_environment_sample(const struct light *light, float u, float v, vec3 
         *L = light->value;
         return !rgb_black(*L);
     }
+    if (u < light->sun_share) {
+        *wi = sun_direction(light, u / light->sun_share, v);
+        struct texel_place at = place_of(light, *wi);
+        *pdf_w = mixed_pdf(light, true, place_pdf(light, &at));
+        *L = rgb_add(light->sun_value, interpolate(light, &at));
+        return true;
+    }
+    u = fminf((u - light->sun_share) / (1.0f - light->sun_share), 0x1.fffffep-1f);
     const struct image *image = light->image;
     int row = (int)sample_cdf(light->row_cdf, (size_t)cell_rows(image), v, &v);
     const float *columns = light->column_cdf + (size_t)row * (size_t)(image->width + 1);
@@ -156,8 +203,10 @@ bool light_environment_sample(const struct light *light, float u, float v, vec3 
     float y = ((float)row + at.fy) / (float)cell_rows(image);
     at.sin_theta = sinf(PI_F * y);
     *wi = direction_at(light, ((float)column + at.fx + 0.5f) / (float)image->width, y);
-    *pdf_w = place_pdf(light, &at);
+    bool sun = in_sun(light, *wi);
+    *pdf_w = mixed_pdf(light, sun, place_pdf(light, &at));
     *L = interpolate(light, &at);
+    if (sun) *L = rgb_add(*L, light->sun_value);
     return *pdf_w > 0.0f && !rgb_black(*L);
 }
 
@@ -167,7 +216,7 @@ float light_environment_pdf(const struct satin_scene *scene, vec3 p, vec3 wi) {
     const struct light *light = &scene->light[scene->environment];
     if (light->kind == LIGHT_CONSTANT) return 0.25f / PI_F;
     struct texel_place at = place_of(light, wi);
-    return place_pdf(light, &at);
+    return mixed_pdf(light, in_sun(light, wi), place_pdf(light, &at));
 }
 
 rgb light_environment(const struct satin_scene *scene, vec3 w) {
@@ -175,5 +224,6 @@ rgb light_environment(const struct satin_scene *scene, vec3 w) {
     const struct light *light = &scene->light[scene->environment];
     if (light->kind == LIGHT_CONSTANT) return light->value;
     struct texel_place at = place_of(light, w);
-    return interpolate(light, &at);
+    rgb L = interpolate(light, &at);
+    return in_sun(light, w) ? rgb_add(L, light->sun_value) : L;
 }

@@ -101,7 +101,7 @@ static struct light_node node_of(const struct satin_scene *scene, uint32_t index
     struct light_node node = node_empty();
     node.cone = cone_all();
     node.strength = light->strength;
-    node.far = light->kind >= LIGHT_DIRECTIONAL;
+    node.far = light->kind >= LIGHT_BEAM;
     if (light->kind == LIGHT_AREA) {
         area_bounds(scene, light, &node);
     } else {

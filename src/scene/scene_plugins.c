@@ -25,8 +25,8 @@ static const char *const unread_bsdfs[] = {"measured",           "hair",     "pp
                                            "polarizer",          "retarder", "circular",
                                            "measured_polarized", NULL};
 static const char *const unread_textures[] = {"volume", "volumeadapter", NULL};
-static const char *const unread_emitters[] = {
-    "sunsky", "timed_sunsky", "directionalarea", "sky", "sun", "volumelight", NULL};
+static const char *const unread_emitters[] = {"sunsky", "timed_sunsky", "sky",
+                                              "sun",    "volumelight",  NULL};
 static const char *const unread_sensors[] = {"distant",       "radiancemeter",   "batch",
                                              "hemispherical", "irradiancemeter", NULL};
 static const char *const unread_films[] = {"specfilm", NULL};
@@ -51,6 +51,12 @@ static bool is_unread(const struct xml_node *node) {
     return false;
 }
 
+// What there is in place of an unread plugin, to end a sentence.
+static const char *substitute(const struct xml_node *node) {
+    bool sky = node->tag == XML_EMITTER && (strstr(node->type, "sky") || strstr(node->type, "sun"));
+    return sky ? "; 'preethamsky' is a sky by formulas, which looks a little different" : "";
+}
+
 const struct plugin_spec *scene_plugin_find(struct log log, const struct xml_node *node) {
     for (int t = 0; tables[t]; t++)
         for (const struct plugin_spec *plugin = tables[t]; plugin->name; plugin++)
@@ -63,7 +69,8 @@ const struct plugin_spec *scene_plugin_find(struct log log, const struct xml_nod
             if (plugin->tag == node->tag) text_nearest_try(&nearest, plugin->name);
     const char *noun = scene_plugin_noun(node->tag);
     if (is_unread(node))
-        log_error_at(log, node->place, "%s '%s' is not supported", noun, node->type);
+        log_error_at(log, node->place, "%s '%s' is not supported%s", noun, node->type,
+                     substitute(node));
     else if (nearest.best)
         log_error_at(log, node->place, "unknown %s '%s' (did you mean '%s'?)", noun, node->type,
                      nearest.best);

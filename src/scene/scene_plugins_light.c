@@ -5,6 +5,7 @@
 
 #include "base/array.h"
 #include "scene/scene_loader.h"
+#include "scene/scene_sky.h"
 
 static const struct param_spec area_radiance = {
     "radiance", PARAM_LIGHT, "1", RANGE_NOT_NEGATIVE, PARAM_TEXTURE, NULL, "radiance"};
@@ -26,7 +27,7 @@ static const struct param_spec direction = {
 static const struct param_spec to_world = {
     "to_world", PARAM_TRANSFORM, "1", 0, 0, NULL, "light space to world space; light goes along z"};
 static const struct param_spec sky_to_world = {
-    "to_world", PARAM_TRANSFORM, "1", 0, 0, NULL, "image space to world space; y is up"};
+    "to_world", PARAM_TRANSFORM, "1", 0, 0, NULL, "its own space to world space; y is up"};
 static const struct param_spec cutoff_angle = {
     "cutoff_angle", PARAM_FLOAT, "20", RANGE_POSITIVE, 0, NULL, "half angle of the cone, degrees"};
 static const struct param_spec beam_width = {
@@ -76,6 +77,23 @@ static const struct param_spec fov_axis = {
 static const struct param_spec focal_length = {
     "focal_length", PARAM_STRING, "50mm", 0, 0, NULL, "in place of fov, for 35 mm film"};
 
+static const struct param_spec haze = {
+    "turbidity", PARAM_FLOAT, "3", RANGE_POSITIVE, 0, NULL, "haze: 2 very clear, 10 hazy"};
+static const struct param_spec sun_direction = {
+    "sun_direction", PARAM_POINT, "1 1 1", 0, 0, NULL, "where the sun is, in world space"};
+static const struct param_spec sky_scale = {
+    "sky_scale", PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "factor of the sky"};
+static const struct param_spec sun_scale = {
+    "sun_scale", PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "factor of the sun"};
+static const struct param_spec sun_aperture = {
+    "sun_aperture",
+    PARAM_FLOAT,
+    "0.5338",
+    RANGE_POSITIVE,
+    0,
+    NULL,
+    "angle that the sun fills, degrees; a wider one is dimmer"};
+
 typedef const struct param_spec *const param_list[];
 static param_list area_params = {&area_radiance, &sampling_weight, NULL};
 static param_list point_params = {&intensity, &position, &to_world, &sampling_weight, NULL};
@@ -87,6 +105,9 @@ static param_list directional_params = {&irradiance, &direction, &to_world, &sam
 static param_list constant_params = {&radiance, &sampling_weight, NULL};
 static param_list envmap_params = {&filename,     &scale,           &sky_to_world,
                                    &compensation, &sampling_weight, NULL};
+
+static param_list sky_params = {&haze,         &sun_direction, &sky_scale,       &sun_scale,
+                                &sun_aperture, &sky_to_world,  &sampling_weight, NULL};
 
 static satin_status fail(struct scene_loader *loader, const struct params *p, const char *why) {
     log_error_at(loader->log, p->node->place, "emitter '%s': %s", p->plugin->name, why);
@@ -114,6 +135,12 @@ static satin_status build_area(struct scene_loader *loader, const struct params 
     if (!value->texture) return SATIN_OK;
     satin_status status = scene_texture_of(loader, value->texture, &light->texture);
     if (status == SATIN_OK) light->value = light->texture->mean;
+    return status;
+}
+
+static satin_status build_beam(struct scene_loader *loader, const struct params *p, void *object) {
+    satin_status status = build_area(loader, p, object);
+    ((struct light *)object)->kind = LIGHT_BEAM;
     return status;
 }
 
@@ -213,8 +240,37 @@ static satin_status build_envmap(struct scene_loader *loader, const struct param
     return status;
 }
 
+static satin_status build_sky(struct scene_loader *loader, const struct params *p, void *object) {
+    struct light *light = object;
+    const struct param_value *turbidity = param(p, "turbidity");
+    float aperture = param(p, "sun_aperture")->f * (PI_F / 180.0f);
+    light->kind = LIGHT_ENVMAP;
+    light->value = rgb_grey(param(p, "sky_scale")->f);
+    satin_status status = set_place(loader, p, light);
+    if (status != SATIN_OK) return status;
+    light->sun = v3_unit(param(p, "sun_direction")->v);
+    struct sky sky = {turbidity->f, v3_unit(mat4_vector(&light->to_local, light->sun))};
+    if (!(turbidity->f >= SKY_TURBIDITY_MIN && turbidity->f <= SKY_TURBIDITY_MAX))
+        return fail(loader, p, "its turbidity is not in [2, 10]");
+    if (!(v3_len2(sky.sun) > 0.5f) || !(sky.sun.y >= 0.0f))
+        return fail(loader, p, "its sun_direction does not point above the horizon");
+    if (!(aperture < 0.5f * PI_F))
+        return fail(loader, p, "its sun_aperture is not below 90 degrees");
+    // A wider sun is dimmer.
+    const float natural = 0.5338f * (PI_F / 180.0f);
+    light->sun_chord = 2.0f * sinf(0.25f * aperture);
+    float shrink = sqrf(2.0f * sinf(0.25f * natural) / light->sun_chord);
+    light->sun_value = rgb_scale(sky_sun(&sky), param(p, "sun_scale")->f * shrink);
+    struct image *image = arena_alloc(&loader->scene->arena, sizeof *image);
+    if (!image || !sky_image(&loader->scene->arena, &sky, image)) return scene_no_memory(loader);
+    light->image = image;
+    return SATIN_OK;
+}
+
 const struct plugin_spec scene_emitter_plugins[] = {
     {XML_EMITTER, "area", "light from the surface of a shape", area_params, 0, build_area, false},
+    {XML_EMITTER, "directionalarea", "parallel light from a rectangle or disk", area_params, 0,
+     build_beam, false},
     {XML_EMITTER, "point", "light from a point, to all sides", point_params, 0, build_point, false},
     {XML_EMITTER, "spot", "light from a point into a cone", spot_params, 0, build_spot, false},
     {XML_EMITTER, "projector", "light from a point through a slide", projector_params, 0,
@@ -224,15 +280,20 @@ const struct plugin_spec scene_emitter_plugins[] = {
      false},
     {XML_EMITTER, "envmap", "light from an image of the surroundings", envmap_params, 0,
      build_envmap, false},
+    {XML_EMITTER, "preethamsky", "daylight: a clear sky and its sun", sky_params, 0, build_sky,
+     false},
     {0}};
+
+static bool is_environment(const struct light *light) {
+    return light->kind == LIGHT_CONSTANT || light->kind == LIGHT_ENVMAP;
+}
 
 // Whether the light fits where it stands.
 static satin_status check_place(struct scene_loader *loader, const struct params *p,
                                 const struct light *light, bool in_shape) {
-    if (in_shape && light->kind != LIGHT_AREA)
-        return fail(loader, p, "it cannot be part of a shape; area lights are");
-    bool environment = light->kind == LIGHT_CONSTANT || light->kind == LIGHT_ENVMAP;
-    if (environment && loader->scene->environment >= 0)
+    bool area = light->kind == LIGHT_AREA || light->kind == LIGHT_BEAM;
+    if (in_shape && !area) return fail(loader, p, "it cannot be part of a shape; area lights are");
+    if (is_environment(light) && loader->scene->environment >= 0)
         return fail(loader, p, "the scene has another environment");
     return SATIN_OK;
 }
@@ -247,16 +308,15 @@ satin_status scene_emitter_add(struct scene_loader *loader, struct xml_node *nod
     if (status != SATIN_OK) return status;
     *index = -1;
     // An area light outside of a shape is there to be referred to by its id.
-    if (light.kind == LIGHT_AREA && shape < 0 && !xml_get(node, "id"))
-        return fail(loader, &p, "it must be part of a shape");
-    if (rgb_black(light.value) || (light.kind == LIGHT_AREA && shape < 0)) return SATIN_OK;
+    bool waits = shape < 0 && (light.kind == LIGHT_AREA || light.kind == LIGHT_BEAM);
+    if (waits && !xml_get(node, "id")) return fail(loader, &p, "it must be part of a shape");
+    if (waits || (rgb_black(light.value) && rgb_black(light.sun_value))) return SATIN_OK;
     void *items = loader->light;
     if (!array_reserve(&items, &loader->light_capacity, loader->light_count + 1, sizeof light))
         return scene_no_memory(loader);
     loader->light = items;
     *index = (int32_t)loader->light_count;
-    if (light.kind == LIGHT_CONSTANT || light.kind == LIGHT_ENVMAP)
-        loader->scene->environment = *index;
+    if (is_environment(&light)) loader->scene->environment = *index;
     loader->light[loader->light_count++] = light;
     return SATIN_OK;
 }

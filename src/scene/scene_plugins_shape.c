@@ -2,6 +2,7 @@
 // <shape>: meshes from files, rectangle and cube as meshes, sphere, disk and cylinder as they are.
 // Frames, orientation and texture coordinates are Mitsuba 3's.
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/array.h"
 #include "scene/scene_attribute.h"
@@ -322,6 +323,9 @@ satin_status scene_shape_add(struct scene_loader *loader, struct xml_node *node)
     if (shape.kind == SHAPE_CURVES && emitter) return fail(loader, &p, "curves cannot emit");
     if (shape.kind == SHAPE_CURVES && transmits(&loader->material[shape.material]))
         return fail(loader, &p, "curves cannot transmit light");
+    bool flat = shape.kind == SHAPE_DISK || strcmp(p.plugin->name, "rectangle") == 0;
+    if (shape.light >= 0 && !flat && loader->light[shape.light].kind == LIGHT_BEAM)
+        return fail(loader, &p, "a directionalarea emitter needs a rectangle or a disk");
     if (shape.light >= 0 && !(shape.area >= EMITTER_AREA_MIN))
         return fail(loader, &p, "it emits but has no area");
     loader->shape[loader->shape_count++] = shape;

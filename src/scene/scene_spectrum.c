@@ -51,15 +51,15 @@ static double planck(double nanometres, double kelvin) {
     return 1e-9 * 2.0 * h * c * c / (pow(l, 5.0) * expm1(h * c / (l * k * kelvin)));
 }
 
-static rgb xyz_to_rgb(const double xyz[3]) {
+// Of an integral by STEPS steps, or as it is.
+static rgb xyz_to_rgb(const double xyz[3], double scale) {
     static const double m[3][3] = {{3.240479, -1.537150, -0.498535},
                                    {-0.969256, 1.875991, 0.041556},
                                    {0.055648, -0.204043, 1.057311}};
-    const double range = SPECTRUM_CIE_STEP * (SPECTRUM_CIE_ROWS - 1);
     float c[3];
     for (int i = 0; i < 3; i++) {
         double sum = m[i][0] * xyz[0] + m[i][1] * xyz[1] + m[i][2] * xyz[2];
-        c[i] = (float)fmax(sum * (range / STEPS / y_integral), 0.0);
+        c[i] = (float)fmax(sum * scale, 0.0);
     }
     return rgb_make(c[0], c[1], c[2]);
 }
@@ -67,6 +67,12 @@ static rgb xyz_to_rgb(const double xyz[3]) {
 static double step_wavelength(int i) {
     const double range = SPECTRUM_CIE_STEP * (SPECTRUM_CIE_ROWS - 1);
     return SPECTRUM_CIE_FIRST + range * i / (STEPS - 1);
+}
+
+// A step of the integral over that of y.
+static double step_share(void) {
+    const double range = SPECTRUM_CIE_STEP * (SPECTRUM_CIE_ROWS - 1);
+    return range / STEPS / y_integral;
 }
 
 rgb spectrum_to_rgb(const struct spectrum *spectrum, bool light) {
@@ -78,18 +84,34 @@ rgb spectrum_to_rgb(const struct spectrum *spectrum, bool light) {
         if (!light) y *= row[3] / d65_scale;
         for (int k = 0; k < 3; k++) xyz[k] += row[k] * y;
     }
-    return xyz_to_rgb(xyz);
+    return xyz_to_rgb(xyz, step_share());
+}
+
+rgb spectrum_filtered(double kelvin, double (*share)(const void *ctx, double nanometres),
+                      const void *ctx) {
+    double xyz[3] = {0.0, 0.0, 0.0}, row[4];
+    for (int i = 0; i < STEPS; i++) {
+        double wavelength = step_wavelength(i), passed = share(ctx, wavelength);
+        observer_at(wavelength, row);
+        for (int k = 0; k < 3; k++) xyz[k] += row[k] * planck(wavelength, kelvin) * passed;
+    }
+    return xyz_to_rgb(xyz, step_share());
+}
+
+// Nothing outside of two wavelengths.
+static double between(const void *ctx, double wavelength) {
+    const double *range = ctx;
+    return wavelength >= range[0] && wavelength <= range[1] ? 1.0 : 0.0;
 }
 
 rgb spectrum_blackbody(double kelvin, double first, double last) {
-    double xyz[3] = {0.0, 0.0, 0.0}, row[4];
-    for (int i = 0; i < STEPS; i++) {
-        double wavelength = step_wavelength(i);
-        if (wavelength < first || wavelength > last) continue;
-        observer_at(wavelength, row);
-        for (int k = 0; k < 3; k++) xyz[k] += row[k] * planck(wavelength, kelvin);
-    }
-    return xyz_to_rgb(xyz);
+    const double range[2] = {first, last};
+    return spectrum_filtered(kelvin, between, range);
+}
+
+rgb spectrum_chromaticity(double x, double y, double luminance) {
+    double scale = y > 0.0 ? luminance / y : 0.0;
+    return xyz_to_rgb((const double[3]){x, y, 1.0 - x - y}, scale);
 }
 
 // ---- Reading ------------------------------------------------------------------------------------

@@ -24,6 +24,12 @@ rgb spectrum_to_rgb(const struct spectrum *spectrum, bool light);
 // Linear sRGB of a black body's radiance [W m^-2 sr^-1 nm^-1] between two wavelengths [nm].
 rgb spectrum_blackbody(double kelvin, double first, double last);
 
+// The same through a filter: the share that it lets pass at a wavelength.
+rgb spectrum_filtered(double kelvin, double (*share)(const void *ctx, double nanometres),
+                      const void *ctx);
+// Linear sRGB of the CIE's chromaticity x, y and a luminance; cut at 0.
+rgb spectrum_chromaticity(double x, double y, double luminance);
+
 // Appends a sample. SATIN_ERROR_INPUT, logged, if wavelengths do not ascend or are too many;
 // SATIN_ERROR_MEMORY, logged.
 satin_status spectrum_add(struct log log, struct log_place place, struct spectrum *spectrum,

@@ -193,13 +193,20 @@ static void environment_density(void **state) {
     (void)state;
     float texel[16 * 9 * 3];
     struct image image = noise_image(texel, 16, 9);
-    for (int kind = 0; kind < 2; kind++) {
+    for (int kind = 0; kind < 3; kind++) {
         struct test_scene t;
         test_scene_init(&t);
         test_quadric(&t, SHAPE_SPHERE, mat4_identity(), false, test_diffuse(&t, 0.5f, 0.5f, 0.5f));
-        test_light(&t, environment(kind ? &image : NULL));
+        struct light light = environment(kind ? &image : NULL);
+        if (kind == 2) {
+            light.sun = v3_unit(v3(0.3f, 0.2f, -0.8f));
+            light.sun_value = rgb_grey(5.0f);
+            light.sun_chord = 0.3f;
+        }
+        test_light(&t, light);
         test_scene_finish(&t);
-        check_density(&t, 0, v3(0, 0, 0), kind ? "envmap" : "constant");
+        static const char *const name[] = {"constant", "envmap", "envmap with a sun"};
+        check_density(&t, 0, v3(0, 0, 0), name[kind]);
         test_scene_free(&t);
     }
 }

@@ -157,6 +157,16 @@ static const struct refusal refusals[] = {
     {SCENE_TEXT("<bsdf type='phng'/>"),
      "scene.xml:3:1: unknown BRDF 'phng' (did you mean 'phong'?)"},
     {SCENE_TEXT("<bsdf type='hair'/>"), "scene.xml:3:1: BRDF 'hair' is not supported"},
+    {SCENE_TEXT("<emitter type='sunsky'/>"),
+     "scene.xml:3:1: emitter 'sunsky' is not supported; 'preethamsky' is a sky by formulas, which "
+     "looks a little different"},
+    {SCENE_TEXT("<emitter type='preethamsky'><float name='turbidity' value='1'/></emitter>"),
+     "scene.xml:3:1: emitter 'preethamsky': its turbidity is not in [2, 10]"},
+    {SCENE_TEXT("<emitter type='preethamsky'><vector name='sun_direction' x='1' y='-.1' "
+                "z='0'/></emitter>"),
+     "scene.xml:3:1: emitter 'preethamsky': its sun_direction does not point above the horizon"},
+    {SHAPE("<emitter type='directionalarea'/>"),
+     "scene.xml:3:1: shape 'sphere': a directionalarea emitter needs a rectangle or a disk"},
     {SCENE_TEXT("<shape type='zzzzzzzzz'/>"), "scene.xml:3:1: unknown shape 'zzzzzzzzz'"},
     {"<scene version='3.0.0'/>", "scene.xml:1:1: the scene has no <sensor>"},
     {SHAPE("<ref id='nothing'/>"), "scene.xml:3:22: reference to unknown id 'nothing'"},

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// Beams: light that leaves a rectangle or a disk along its normal alone, so that it brings the same
+// irradiance at any distance to what lies before the shape, and nothing to the rest. No ray meets
+// it by chance: a point's foot on the shape is its light sample.
+#include "scene/scene_light.h"
+
+// The place of q in the shape's plane as texture coordinates; false if it is outside of the shape.
+static bool locate(const struct light *light, const struct shape *shape, vec3 q, vec2 *uv) {
+    if (shape->kind == SHAPE_DISK) {
+        vec3 l = mat4_point(&shape->to_object, q);
+        float r = sqrtf(l.x * l.x + l.y * l.y), turn = atan2f(l.y, l.x) * (0.5f / PI_F);
+        *uv = (vec2){r, turn < 0.0f ? turn + 1.0f : turn};
+        return r <= 1.0f;
+    }
+    const struct light_face *face = light->face;
+    // q = corner + s edge_u + t edge_v, by the dual basis of the edges.
+    vec3 d = v3_sub(q, face->corner), normal = v3_cross(face->edge_u, face->edge_v);
+    float scale = 1.0f / v3_len2(normal);
+    float s = v3_dot(v3_cross(d, face->edge_v), normal) * scale;
+    float t = v3_dot(v3_cross(face->edge_u, d), normal) * scale;
+    if (!(s >= 0.0f && s <= 1.0f && t >= 0.0f && t <= 1.0f)) return false;
+    if (light->texture) *uv = light_face_uv(face, &shape->mesh, s, t);
+    return true;
+}
+
+bool light_beam_sample(const struct satin_scene *scene, const struct light *light, vec3 p,
+                       struct light_sample *out) {
+    const struct shape *shape = &scene->shape[light->shape];
+    float height = v3_dot(v3_sub(p, light->position), light->direction);
+    vec3 q = v3_mad(p, -height, light->direction);
+    vec2 uv = {0.0f, 0.0f};
+    if (!(height > 0.0f) || !locate(light, shape, q, &uv)) return false;
+    struct texture_place at = texture_at(uv);
+    *out = (struct light_sample){
+        .wi = v3_neg(light->direction),
+        .p = q,
+        .n = light->direction,
+        .dist = height,
+        .L = light->texture ? texture_eval(light->texture, &at) : light->value,
+        .pdf_w = 1.0f,
+        .delta = true};
+    return true;
+}
+
+float light_beam_reach(const struct satin_scene *scene, const struct light *light, vec3 p) {
+    struct light_sample sample;
+    return light_beam_sample(scene, light, p, &sample) ? light->strength : 0.0f;
+}
+
+satin_status light_beam_prepare(struct satin_scene *scene, struct light *light) {
+    satin_status status = light_area_prepare(scene, light);
+    if (status != SATIN_OK) return status;
+    const struct shape *shape = &scene->shape[light->shape];
+    struct light_point point = light_area_point(scene, light, 0.5f, 0.5f);
+    light->position = point.p;
+    light->direction = point.n;
+    light->power = light->strength;  // what the area sends per steradian goes one way
+    light->strength = light->power / shape->area;
+    return SATIN_OK;
+}

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to scene/: a clear sky with its sun.
+#ifndef SCENE_SKY_H
+#define SCENE_SKY_H
+
+#include "scene/scene_build.h"
+
+// Where the models were fitted.
+#define SKY_TURBIDITY_MIN 2.0f
+#define SKY_TURBIDITY_MAX 10.0f
+
+struct sky {
+    float turbidity;
+    vec3 sun;  // direction towards it, unit, y up; not below the horizon
+};
+
+// Tabulates the sky as an image for an envmap: linear sRGB, black below the horizon. False without
+// memory.
+bool sky_image(struct arena *arena, const struct sky *sky, struct image *out);
+// Radiance of the sun's disc at the elevation that its direction has.
+rgb sky_sun(const struct sky *sky);
+
+#endif
