@@ -27,6 +27,8 @@ void app_print_wrapped(int at, int indent, const char *text);
 // then `search` has tried the names (app_help_plugins.c).
 struct text_nearest;
 void app_help_plugins(void);
+// Lists the plugins of an element; false if the topic is none.
+bool app_help_element(const char *topic);
 bool app_help_plugin(const char *element, const char *name, struct text_nearest *search);
 void app_help_plugins_markdown(void);
 // satin info of a scene (app_info_scene.c).

@@ -144,10 +144,11 @@ static int help_name(const char *element, const char *topic) {
         print_command(c);
         return APP_DONE;
     }
-    // An option and a plugin may share a name.
+    // An option, a plugin and an element may share a name.
     bool option = !element && help_option(topic, &search);
     bool plugin = app_help_plugin(element, topic, &search);
-    if (option || plugin) return APP_DONE;
+    bool list = !element && app_help_element(topic);
+    if (option || plugin || list) return APP_DONE;
     if (search.best) return app_wrong("no help on '%s' (did you mean '%s'?)", topic, search.best);
     return app_wrong("no help on '%s'; `satin help` lists what there is", topic);
 }

@@ -20,6 +20,24 @@ void app_help_plugins(void) {
     }
 }
 
+// Whether a topic names an element, or more than one: `shape`, `shapes`.
+static bool names_element(const char *topic, const char *element) {
+    size_t n = strlen(element);
+    return strncmp(topic, element, n) == 0 && (!topic[n] || strcmp(topic + n, "s") == 0);
+}
+
+bool app_help_element(const char *topic) {
+    struct scene_plugin_info plugin;
+    bool found = false;
+    for (int i = 0; scene_plugin_describe(i, &plugin); i++) {
+        if (!names_element(topic, plugin.element)) continue;
+        if (!found) printf("<%s type=\"...\">\n", plugin.element);
+        app_print_wrapped(printf("  %s", plugin.name), INDENT, plugin.doc);
+        found = true;
+    }
+    return found;
+}
+
 static void print_param(const struct scene_param_info *param) {
     app_print_wrapped(printf("  %s", param->name), INDENT, param->doc);
     printf("%*s%s", INDENT, "", param->kind);

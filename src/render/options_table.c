@@ -26,7 +26,8 @@ const struct option options_table[] = {
      "Samples per pixel; 0: for path those of the scene's sampler, else those of the quality."},
     {"adaptive", OPTION_BOOL, AT(adaptive), false, "off|on",
      "spp is the mean: three quarters of the samples go where the image is noisy; off, and with "
-     "path always: the same number to every pixel."},
+     "path, or where the film's filter is negative somewhere, always: the same number to every "
+     "pixel."},
     {"width", OPTION_INT, AT(width), false, "0..65536", "Film width in pixels; 0: the scene's."},
     {"height", OPTION_INT, AT(height), false, "0..65536", "Film height in pixels; 0: the scene's."},
     {"seed", OPTION_SEED, AT(seed), false, "0..18446744073709551615",

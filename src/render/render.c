@@ -6,7 +6,7 @@
 
 #include <stdlib.h>
 
-#include "render/render_state.h"
+#include "render/render_image.h"
 
 // With a time limit, the part of it after which no more BRDF tables are made; and how long a first
 // look may take after a cancellation.
@@ -17,6 +17,15 @@ static bool two_pass(const struct render *r) { return r->options.integrator == S
 static bool needs_photons(const struct render *r) {
     if (r->options.integrator == SATIN_PHOTONS) return true;
     return two_pass(r) && (r->options.max_depth < 0 || r->options.max_depth > 2);
+}
+
+// Room for the image, so that it is not missing when all else is done.
+static satin_status room(struct render *r) {
+    const struct film_spec *film = &r->scene.film;
+    r->image = render_image_new(film->crop_width, film->crop_height);
+    if (r->image) return SATIN_OK;
+    return log_fail(r->log, SATIN_ERROR_MEMORY, "not enough memory for an image of %d x %d pixels",
+                    film->crop_width, film->crop_height);
 }
 
 // 1, 2. Photons and the rough solution.
@@ -49,8 +58,7 @@ static satin_status records(struct render *r) {
 
 // 5. The image.
 static satin_status image(struct render *r) {
-    r->image = render_image_new(r->scene.film.crop_width, r->scene.film.crop_height);
-    if (!r->image) return SATIN_ERROR_MEMORY;
+    r->image_begun = true;
     if (r->options.time > 0.0 && !r->sketch) r->stop_at = r->options.time - render_write_seconds(r);
     return render_image_fill(r);
 }
@@ -75,22 +83,16 @@ static satin_status sketch(struct render *r) {
 static satin_status film(struct render *r, satin_status status, satin_film **out) {
     render_stage(r, "film", "", 0.0);
     if (status != SATIN_OK && status != SATIN_CANCELLED) return status;
-    if (!r->image) return status;
+    if (!r->image_begun) return status;
     if (r->sketch)
         log_message(r->log, SATIN_LOG_WARNING, "cancelled during %s: the image is a first look%s",
                     r->sketch, r->cache ? "" : " at direct light alone");
     bool any;
-    struct satin_film *made = render_image_film(r, &any);
-    if (!made) return SATIN_ERROR_MEMORY;
-    if (status == SATIN_CANCELLED && !any) {
-        satin_film_free(made);
-        return status;
-    }
-    if (!render_metadata(r, made)) {
-        satin_film_free(made);
-        return SATIN_ERROR_MEMORY;
-    }
-    *out = made;
+    render_image_film(r, &any);
+    if (status == SATIN_CANCELLED && !any) return status;
+    if (!render_metadata(r, r->image->film)) return SATIN_ERROR_MEMORY;
+    *out = r->image->film;
+    r->image->film = NULL;
     return status;
 }
 
@@ -129,14 +131,15 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
     }
     if (status == SATIN_OK) {
         render_progress_install(r);
-        if (needs_photons(r)) status = photons(r);
+        status = room(r);
+        if (status == SATIN_OK && needs_photons(r)) status = photons(r);
         r->gather = render_gather(r);
     }
     if (status == SATIN_OK && two_pass(r)) status = tables(r);
     if (status == SATIN_OK && two_pass(r)) status = render_levels(r);
     if (status == SATIN_OK) status = records(r);
     if (status == SATIN_OK) status = image(r);
-    if (status == SATIN_CANCELLED && !r->image) status = sketch(r);
+    if (status == SATIN_CANCELLED && !r->image_begun) status = sketch(r);
     if (r->pool) status = film(r, status, &made);
     if (status == SATIN_ERROR_MEMORY && !r->error_told)
         log_message(r->log, SATIN_LOG_ERROR, "not enough memory");

@@ -3,6 +3,9 @@
 // before a pixel had its first sample, it shows a neighbour's.
 #include "render/render_image.h"
 
+// Least weight of a pixel per sample; on average they weigh 1.
+static const float WEIGHT_LEAST = 0.25f;
+
 static const char *const channel_names[] = {"R",
                                             "G",
                                             "B",
@@ -50,18 +53,24 @@ static const struct image_pixel *source_of(const struct render_image *image, int
 
 static void put_pixel(struct satin_film *film, size_t at, const struct image_pixel *pixel) {
     const int channels = film->channel_count;
-    float scale = pixel->samples ? 1.0f / (float)pixel->samples : 0.0f;
+    // A few samples of a filter with negative lobes may weigh next to nothing together.
+    float least = WEIGHT_LEAST * (float)pixel->samples;
+    float scale = pixel->samples ? 1.0f / fmaxf(pixel->weight, least) : 0.0f;
     put_rgb(film, 0, at, pixel->beauty, scale);
     for (int k = 0; k < SHADE_LAYERS; k++) put_rgb(film, 3 + 3 * k, at, pixel->layer[k], scale);
     film->channel[channels - 3][at] = pixel->depth * scale;
     film->channel[channels - 2][at] = pixel->density * scale;
 }
 
-struct satin_film *render_image_film(struct render *r, bool *any) {
-    const struct render_image *image = r->image;
+struct satin_film *render_film_new(int width, int height) {
     const int channels = (int)(sizeof channel_names / sizeof *channel_names);
-    struct satin_film *film = film_new(image->width, image->height, channel_names, channels);
-    if (!film) return NULL;
+    return film_new(width, height, channel_names, channels);
+}
+
+void render_image_film(struct render *r, bool *any) {
+    const struct render_image *image = r->image;
+    struct satin_film *film = image->film;
+    const int channels = film->channel_count;
     uint64_t samples = 0, dropped = 0, filled = 0;
     for (int y = 0; y < image->height; y++)
         for (int x = 0; x < image->width; x++) {
@@ -83,5 +92,4 @@ struct satin_film *render_image_film(struct render *r, bool *any) {
                     "the time was too short: %.0f %% of the pixels show a neighbour's sample",
                     100.0 * (double)filled / ((double)image->width * (double)image->height));
     *any = samples > 0;
-    return film;
 }

@@ -32,7 +32,8 @@ struct render_image *render_image_new(int width, int height) {
     *image = (struct render_image){.width = width, .height = height, .coarsest = COARSEST};
     while ((width / image->coarsest) * (height / image->coarsest) > LOOK) image->coarsest *= 2;
     image->pixel = array_new((size_t)width * (size_t)height, sizeof *image->pixel);
-    if (image->pixel && adapt_make(&image->adapt, width, height)) return image;
+    image->film = render_film_new(width, height);
+    if (image->pixel && image->film && adapt_make(&image->adapt, width, height)) return image;
     render_image_free(image);
     return NULL;
 }
@@ -40,6 +41,7 @@ struct render_image *render_image_new(int width, int height) {
 void render_image_free(struct render_image *image) {
     if (!image) return;
     adapt_destroy(&image->adapt);
+    satin_film_free(image->film);
     free(image->pixel);
     free(image);
 }
@@ -61,10 +63,12 @@ static bool add_sample(struct image_pixel *pixel, const struct shade_sample *s) 
         return false;
     }
     pixel->samples++;
-    pixel->beauty = rgb_add(pixel->beauty, s->beauty);
-    for (int i = 0; i < SHADE_LAYERS; i++) pixel->layer[i] = rgb_add(pixel->layer[i], s->layer[i]);
-    pixel->depth += s->depth;
-    pixel->density += s->density;
+    pixel->weight += s->weight;
+    pixel->beauty = rgb_mad(pixel->beauty, s->beauty, s->weight);
+    for (int i = 0; i < SHADE_LAYERS; i++)
+        pixel->layer[i] = rgb_mad(pixel->layer[i], s->layer[i], s->weight);
+    pixel->depth += s->weight * s->depth;
+    pixel->density += s->weight * s->density;
     return true;
 }
 

@@ -5,11 +5,12 @@
 
 #include "render/render_state.h"
 
-// The sums of a pixel's samples.
+// The weighted sums of a pixel's samples.
 struct image_pixel {
     rgb beauty;
     rgb layer[SHADE_LAYERS];
     float depth, density;
+    float weight;  // that the film's filter gives to them
     uint32_t samples, dropped;
 };
 
@@ -17,8 +18,12 @@ struct render_image {
     int width, height;
     struct image_pixel *pixel;
     struct adapt adapt;
-    uint64_t taken;  // samples
-    int coarsest;    // pixels between the first samples, a power of two
+    uint64_t taken;           // samples
+    int coarsest;             // pixels between the first samples, a power of two
+    struct satin_film *film;  // what it becomes
 };
+
+// The film, empty, of an image; NULL without memory (render_film.c).
+struct satin_film *render_film_new(int width, int height);
 
 #endif

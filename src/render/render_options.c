@@ -66,6 +66,8 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
     // A render with a time limit takes as many samples as fit. A path tracer's sample count would
     // be wasteful for two passes.
     int scene_spp = o->integrator == SATIN_PATH ? hints->spp : 0;
+    // Samples that count negatively are not few where the image is smooth.
+    if (film_filter_has_lobes(&scene->film)) o->adaptive = false;
     if (o->spp == 0 && o->time > 0.0) o->spp = TIMED_SPP;
     r->photons_wanted = o->photons;
     if (o->time > 0.0) {

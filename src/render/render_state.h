@@ -40,6 +40,7 @@ struct render {
     struct cache *cache;
     struct shade shade;
     struct render_image *image;
+    bool image_begun;
 };
 
 // ---- render_options.c: options and scene hints -> what is rendered
@@ -96,8 +97,8 @@ void render_image_free(struct render_image *image);
 satin_status render_image_fill(struct render *r);
 
 // ---- render_film.c
-// The film of what is there; NULL without memory. *any: some pixel has a sample.
-struct satin_film *render_image_film(struct render *r, bool *any);
+// Fills the image's film with what is there. *any: some pixel has a sample.
+void render_image_film(struct render *r, bool *any);
 
 // ---- render_metadata.c
 // Attributes and statistics of a finished film; false without memory.

@@ -235,13 +235,14 @@ struct camera {
     vec2 shift;  // principal point offset, in film widths and heights
 };
 
-enum filter_kind { FILTER_BOX = 0, FILTER_TENT, FILTER_GAUSSIAN };
+enum filter_kind { FILTER_BOX = 0, FILTER_TENT, FILTER_GAUSSIAN, FILTER_CUBIC, FILTER_LANCZOS };
 
 struct film_spec {
     int width, height;  // full film
     int crop_x, crop_y, crop_width, crop_height;
     enum filter_kind filter;
     float radius, stddev;  // in pixels
+    float b, c;            // cubic: its parameters
 };
 
 // An option of <integrator type="satin">, not yet checked.
@@ -430,20 +431,30 @@ bool light_emit(const struct satin_scene *scene, uint32_t i, const struct light_
 // wide.
 struct ray camera_ray(const struct satin_scene *scene, float x, float y, float u, float v,
                       float *spread);
-// Offset from a pixel's centre drawn from the film's filter, and its inverse distribution truncated
-// so that the position stays inside [lo, hi) (the crop window), as a renormalised filter at the
-// border does.
+// ---- Filter (scene_filter.c) -------------------------------------------------------------------
+
+// Offset from a pixel's centre drawn by u from the film's filter, one without negative lobes,
+// truncated so that the position stays inside [lo, hi) (the crop window), as a renormalised filter
+// at the border does.
 float film_filter_sample(const struct film_spec *film, float centre, float lo, float hi, float u);
 
-// The same from a table, for pixels that the border does not touch; others are computed.
+// The same from tables, for every filter. The sample counts `weight` times: 1, or where lobes of
+// the filter are negative on average 1, and less than 0 in the lobes.
 enum { FILM_FILTER_STEPS = 1024 };
 struct film_filter {
     const struct film_spec *film;
     float inverse[FILM_FILTER_STEPS + 2];  // offset at u = i / FILM_FILTER_STEPS
+    // With negative lobes: integrals from the left end, of the filter and of its absolute value.
+    float sum[FILM_FILTER_STEPS + 1], size[FILM_FILTER_STEPS + 1];
 };
+struct film_offset {
+    float x, weight;
+};
+// Whether it is negative somewhere.
+bool film_filter_has_lobes(const struct film_spec *film);
 void film_filter_make(const struct film_spec *film, struct film_filter *out);
-float film_filter_offset(const struct film_filter *filter, float centre, float lo, float hi,
-                         float u);
+struct film_offset film_filter_offset(const struct film_filter *filter, float centre, float lo,
+                                      float hi, float u);
 
 // ---- Plugins of scene files (scene_plugins.c) -------------------------------------------------
 

@@ -30,12 +30,10 @@ static const char *const unread_emitters[] = {"sunsky", "timed_sunsky", "sky",
 static const char *const unread_sensors[] = {"distant",       "radiancemeter",   "batch",
                                              "hemispherical", "irradiancemeter", NULL};
 static const char *const unread_films[] = {"specfilm", NULL};
-static const char *const unread_filters[] = {"mitchell", "catmullrom", "lanczos", NULL};
 
 static const struct unread unread[] = {
     {XML_SHAPE, unread_shapes},     {XML_BSDF, unread_bsdfs},     {XML_TEXTURE, unread_textures},
-    {XML_EMITTER, unread_emitters}, {XML_SENSOR, unread_sensors}, {XML_FILM, unread_films},
-    {XML_RFILTER, unread_filters}};
+    {XML_EMITTER, unread_emitters}, {XML_SENSOR, unread_sensors}, {XML_FILM, unread_films}};
 
 const char *scene_plugin_noun(enum xml_tag tag) {
     if (tag == XML_BSDF) return "BRDF";

@@ -39,6 +39,13 @@ static const struct param_spec tent_radius = {
 static const struct param_spec stddev = {
     "stddev", PARAM_FLOAT, ".5", RANGE_POSITIVE, 0, NULL, "standard deviation, pixels"};
 
+static const struct param_spec cubic_b = {"B", PARAM_FLOAT, "0.3333333", RANGE_UNIT,
+                                          0,   NULL,        "blur"};
+static const struct param_spec cubic_c = {"C", PARAM_FLOAT, "0.3333333", RANGE_UNIT,
+                                          0,   NULL,        "ringing"};
+static const struct param_spec lobes = {
+    "lobes", PARAM_FLOAT, "3", RANGE_POSITIVE, 0, NULL, "where it ends, pixels"};
+
 static const struct param_spec sample_count = {
     "sample_count", PARAM_INTEGER, "4", RANGE_POSITIVE, 0, NULL, "samples per pixel"};
 static const struct param_spec seed = {
@@ -54,6 +61,8 @@ static param_list film_params = {
     &file_format, &pixel_format, &component_format, &sample_border, &compensate, NULL};
 static param_list tent_params = {&tent_radius, NULL};
 static param_list gaussian_params = {&stddev, NULL};
+static param_list mitchell_params = {&cubic_b, &cubic_c, NULL};
+static param_list lanczos_params = {&lobes, NULL};
 static param_list random_params = {&sample_count, &seed, NULL};
 static param_list jitter_params = {&sample_count, &seed, &jitter, NULL};
 static param_list orthogonal_params = {&sample_count, &seed, &jitter, &strength, NULL};
@@ -130,6 +139,35 @@ static satin_status build_gaussian(struct scene_loader *loader, const struct par
     return check_radius(loader, p, film);
 }
 
+static satin_status build_cubic(struct film_spec *film, float b, float c) {
+    film->filter = FILTER_CUBIC;
+    film->radius = 2.0f;
+    film->b = b;
+    film->c = c;
+    return SATIN_OK;
+}
+
+static satin_status build_mitchell(struct scene_loader *loader, const struct params *p,
+                                   void *object) {
+    (void)loader;
+    return build_cubic(object, param(p, "B")->f, param(p, "C")->f);
+}
+
+static satin_status build_catmullrom(struct scene_loader *loader, const struct params *p,
+                                     void *object) {
+    (void)loader, (void)p;
+    return build_cubic(object, 0.0f, 0.5f);
+}
+
+static satin_status build_lanczos(struct scene_loader *loader, const struct params *p,
+                                  void *object) {
+    struct film_spec *film = object;
+    film->filter = FILTER_LANCZOS;
+    film->radius = param(p, "lobes")->f;
+    if (film->radius >= 1.0f && film->radius <= FILTER_RADIUS_MAX) return SATIN_OK;
+    return fail(loader, p, "it has less than one lobe, or over 100");
+}
+
 static satin_status build_sampler(struct scene_loader *loader, const struct params *p,
                                   void *object) {
     (void)object;
@@ -143,6 +181,11 @@ const struct plugin_spec scene_film_plugins[] = {
     {XML_RFILTER, "tent", "a linear slope to all sides", tent_params, 0, build_tent, false},
     {XML_RFILTER, "gaussian", "cut off at four standard deviations", gaussian_params, 0,
      build_gaussian, false},
+    {XML_RFILTER, "mitchell", "a cubic with negative lobes: sharper, and noisier", mitchell_params,
+     0, build_mitchell, false},
+    {XML_RFILTER, "catmullrom", "the same, still sharper", NULL, 0, build_catmullrom, false},
+    {XML_RFILTER, "lanczos", "a windowed sinc, which rings", lanczos_params, 0, build_lanczos,
+     false},
     {XML_SAMPLER, "independent", "samples per pixel", random_params, 0, build_sampler, false},
     {XML_SAMPLER, "stratified", "samples per pixel", jitter_params, 0, build_sampler, false},
     {XML_SAMPLER, "multijitter", "samples per pixel", jitter_params, 0, build_sampler, false},

@@ -73,11 +73,12 @@ static void photons_seen(struct shade_job *job) {
 static void path_sample(const struct shade *shade, int x, int y, uint32_t index,
                         struct shade_sample *out) {
     struct sampler sampler = shade_eye_sampler(shade->g, x, y, index, RNG_PATH);
-    float spread;
+    struct shade_lens lens;
     struct gather_first first;
-    struct ray ray = shade_eye_ray(shade, x, y, &sampler, &spread);
+    struct ray ray = shade_eye_ray(shade, x, y, &sampler, &lens);
     bool seen = shade->g->options->hide_emitters <= 0;
     out->beauty = gather_path(shade->g, ray, 0, seen, &sampler, &first);
+    out->weight = lens.weight;
 }
 
 void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, int y,
@@ -107,6 +108,7 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
     }
     for (int layer = SHADE_DIRECT; layer <= SHADE_EMISSION; layer++)
         out->beauty = rgb_add(out->beauty, out->layer[layer]);
+    out->weight = eye.weight;
 }
 
 // Records are made so far off edges, where rays would slip through gaps [K05 6.5.3].

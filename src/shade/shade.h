@@ -37,6 +37,7 @@ struct shade_sample {
     rgb layer[SHADE_LAYERS];  // of the first surface that is not ideal specular; normal as x y z
     float depth;              // distance to the first surface; 0 if there is none
     float density;            // records interpolated at the point
+    float weight;             // that the film's filter gives to the sample
 };
 
 // Constants of an image pass and a worker's scratch.

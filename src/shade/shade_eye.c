@@ -26,16 +26,18 @@ struct sampler shade_eye_sampler(const struct gather *g, int x, int y, uint32_t 
 }
 
 struct ray shade_eye_ray(const struct shade *shade, int x, int y, struct sampler *sampler,
-                         float *spread) {
+                         struct shade_lens *out) {
     const struct satin_scene *scene = shade->g->scene;
     const struct film_spec *film = &scene->film;
     vec2 pixel = sampler_2d(sampler), lens = sampler_2d(sampler);
     float cx = (float)(film->crop_x + x) + 0.5f, cy = (float)(film->crop_y + y) + 0.5f;
-    float px = cx + film_filter_offset(&shade->filter, cx, (float)film->crop_x,
-                                       (float)(film->crop_x + film->crop_width), pixel.x);
-    float py = cy + film_filter_offset(&shade->filter, cy, (float)film->crop_y,
-                                       (float)(film->crop_y + film->crop_height), pixel.y);
-    return camera_ray(scene, px, py, lens.x, lens.y, spread);
+    struct film_offset x_offset = film_filter_offset(
+        &shade->filter, cx, (float)film->crop_x, (float)(film->crop_x + film->crop_width), pixel.x);
+    struct film_offset y_offset =
+        film_filter_offset(&shade->filter, cy, (float)film->crop_y,
+                           (float)(film->crop_y + film->crop_height), pixel.y);
+    out->weight = x_offset.weight * y_offset.weight;
+    return camera_ray(scene, cx + x_offset.x, cy + y_offset.x, lens.x, lens.y, &out->spread);
 }
 
 static void emitted(const struct shade *shade, const struct branch *b, const struct surfel *s,
@@ -92,9 +94,10 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
     const struct satin_scene *scene = shade->g->scene;
     const int max_depth = shade->g->options->max_depth;
     struct branch stack[SHADE_VERTICES + 2];
-    float spread;
-    struct ray ray = shade_eye_ray(shade, x, y, sampler, &spread);
+    struct shade_lens lens;
+    struct ray ray = shade_eye_ray(shade, x, y, sampler, &lens);
     stack[0] = (struct branch){ray, rgb_grey(1.0f), 0.0f, 0, 0};
+    out->weight = lens.weight;
     out->count = 0;
     out->hit = false;
     out->emission = rgb_grey(0.0f);
@@ -119,7 +122,7 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
             if (max_depth >= 0 && b.depth + 1 >= max_depth) continue;
             if ((point.lobes & BRDF_SMOOTH) && out->count < SHADE_VERTICES)
                 out->vertex[out->count++] =
-                    (struct shade_vertex){point, own.T, spread * (b.distance + s.t)};
+                    (struct shade_vertex){point, own.T, lens.spread * (b.distance + s.t)};
             if ((point.lobes & BRDF_DELTA) && b.depth < EYE_DEPTH)
                 top = scatter(shade, &own, &point, sampler, stack, top);
         }

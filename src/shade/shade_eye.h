@@ -18,6 +18,7 @@ struct shade_eye {
     struct shade_vertex vertex[SHADE_VERTICES];
     int count;
     rgb emission;  // emitted light seen
+    float weight;  // that the film's filter gives to the sample
     // The first surface, for channels that are not light.
     bool hit;
     struct gather_point first;  // of a blend the part that weighs most
@@ -28,9 +29,13 @@ struct shade_eye {
 // them is chosen at deeper ones.
 void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sampler,
                      struct shade_eye *out);
-// The eye ray itself; *pixel gets its spread.
+// The eye ray itself.
+struct shade_lens {
+    float spread;  // its width per distance
+    float weight;  // that the film's filter gives to the sample
+};
 struct ray shade_eye_ray(const struct shade *shade, int x, int y, struct sampler *sampler,
-                         float *spread);
+                         struct shade_lens *lens);
 // The sampler of a sample: its numbers depend on the seed, the pixel and the index alone.
 struct sampler shade_eye_sampler(const struct gather *g, int x, int y, uint32_t index,
                                  enum rng_stage stage);

@@ -7,7 +7,10 @@
 static void use(const satin_scene *scene) {
     const struct film_spec *film = &scene->film;
     float spread, right = (float)(film->crop_x + film->crop_width);
-    float x = right - 0.5f + film_filter_sample(film, right - 0.5f, (float)film->crop_x, right, 0);
+    struct film_filter filter;
+    film_filter_make(film, &filter);
+    float x =
+        right - 0.5f + film_filter_offset(&filter, right - 0.5f, (float)film->crop_x, right, 0).x;
     struct ray ray = camera_ray(scene, x, 0.5f, 0.3f, 0.7f, &spread);
     struct surfel s;
     struct brdf brdf;

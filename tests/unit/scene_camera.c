@@ -103,64 +103,12 @@ static void rays_are_parallel(void **state) {
     satin_scene_free(scene);
 }
 
-static float value(const struct film_spec *film, float x) {
-    float s = 2 * film->stddev * film->stddev;
-    if (film->filter == FILTER_TENT) return fmaxf(film->radius - fabsf(x), 0);
-    if (film->filter == FILTER_GAUSSIAN)
-        return fmaxf(expf(-x * x / s) - expf(-film->radius * film->radius / s), 0);
-    return fabsf(x) <= film->radius ? 1 : 0;
-}
-
-// The share of stratified samples left of a point is the filter's integral up to there, also where
-// the window cuts the filter.
-static void filter_samples_are_distributed(void **state) {
-    (void)state;
-    const struct film_spec films[] = {{.filter = FILTER_BOX, .radius = 0.5f},
-                                      {.filter = FILTER_TENT, .radius = 1.5f},
-                                      {.filter = FILTER_GAUSSIAN, .radius = 2.0f, .stddev = 0.5f},
-                                      {.filter = FILTER_GAUSSIAN, .radius = 12.0f, .stddev = 3.0f}};
-    enum { COUNT = 2000, STEPS = 4000 };
-    for (int f = 0; f < 4; f++)
-        for (int c = 0; c < 3; c++) {
-            const float centre = (float[]){0.5f, 50.5f, 99.5f}[c];
-            float at = centre + 0.3f * films[f].radius;
-            double total = 0, left = 0;
-            for (int i = 0; i < STEPS; i++) {
-                float x = 100.0f * ((float)i + 0.5f) / STEPS;
-                total += value(&films[f], x - centre);
-                if (x < at) left += value(&films[f], x - centre);
-            }
-            int below = 0;
-            for (int i = 0; i < COUNT; i++) {
-                float u = ((float)i + 0.5f) / COUNT;
-                float x = centre + film_filter_sample(&films[f], centre, 0, 100, u);
-                assert_true(x >= 0 && x < 100);
-                below += x < at;
-            }
-            // One step of the sum and one sample.
-            double slack = 100.0 / STEPS / films[f].radius + 1.0 / COUNT;
-            assert_true(fabs((double)below / COUNT - left / total) < slack);
-        }
-}
-
-static void filter_samples_stay_inside(void **state) {
-    (void)state;
-    const struct film_spec film = {.filter = FILTER_BOX, .radius = 0.5f};
-    const float ends[] = {0.0f, 0.5f, 0x1.fffffep-1f};
-    for (int i = 0; i < 3; i++) {
-        float x = 4095.5f + film_filter_sample(&film, 4095.5f, 4095, 4096, ends[i]);
-        assert_true(x >= 4095 && x < 4096);
-    }
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(field_of_view),
         cmocka_unit_test(rays_of_a_pinhole),
         cmocka_unit_test(lens_focuses),
         cmocka_unit_test(rays_are_parallel),
-        cmocka_unit_test(filter_samples_are_distributed),
-        cmocka_unit_test(filter_samples_stay_inside),
     };
     return cmocka_run_group_tests(tests, scene_case_setup, scene_case_teardown);
 }

@@ -268,7 +268,8 @@ static const struct refusal refusals[] = {
      "scene.xml:4:1: height is 0, but must be positive"},
     {FILM("<integer name='crop_width' value='769'/>"),
      "scene.xml:3:1: film 'hdrfilm': its crop window is not inside of it"},
-    {FILM("<rfilter type='mitchell'/>"), "scene.xml:4:1: filter 'mitchell' is not supported"},
+    {FILM("<rfilter type='lanczos'><float name='lobes' value='.5'/></rfilter>"),
+     "scene.xml:4:1: filter 'lanczos': it has less than one lobe, or over 100"},
 };
 
 static void refuse(const char *error) {

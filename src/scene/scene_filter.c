@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+// The film's filter, by importance: a sample's offset from the pixel's centre is drawn from it, so
+// that every sample belongs to one pixel and counts the same. A filter with negative lobes is drawn
+// from by its absolute value, and samples in the lobes count negatively; their mean weight is 1.
+#include "base/sampling.h"
+#include "scene/scene.h"
+
+// ---- Filters that are nowhere negative ----------------------------------------------------------
+
+// The filter's integral from -radius to x, up to a factor; and its value, by the same factor.
+static double filter_integral(const struct film_spec *film, double x) {
+    double r = (double)film->radius, sigma = (double)film->stddev;
+    switch (film->filter) {
+        case FILTER_TENT:
+            return x < 0.0 ? 0.5 * (r + x) * (r + x) : r * r - 0.5 * (r - x) * (r - x);
+        case FILTER_GAUSSIAN:
+            // Lowered to reach zero at the radius.
+            return sigma * sqrt(0.5 * 3.14159265358979323846) *
+                       (erf(x / (sigma * sqrt(2.0))) + erf(r / (sigma * sqrt(2.0)))) -
+                   (x + r) * exp(-0.5 * r * r / (sigma * sigma));
+        default:
+            return x + r;
+    }
+}
+
+static double filter_value(const struct film_spec *film, double x) {
+    double r = (double)film->radius, sigma = (double)film->stddev;
+    switch (film->filter) {
+        case FILTER_TENT:
+            return r - fabs(x);
+        case FILTER_GAUSSIAN:
+            return exp(-0.5 * x * x / (sigma * sigma)) - exp(-0.5 * r * r / (sigma * sigma));
+        default:
+            return 1.0;
+    }
+}
+
+// Rounding must not move the position out of [lo, hi).
+static float keep_inside(float centre, float lo, float hi, float offset) {
+    if (centre + offset >= hi) offset = nextafterf(hi, -INFINITY) - centre;
+    return centre + offset < lo ? lo - centre : offset;
+}
+
+float film_filter_sample(const struct film_spec *film, float centre, float lo, float hi, float u) {
+    double r = (double)film->radius;
+    double a = fmax(-r, (double)lo - (double)centre), b = fmin(r, (double)hi - (double)centre);
+    if (!(a < b)) return 0.0f;
+    double from = filter_integral(film, a), to = filter_integral(film, b);
+    double wanted = from + (double)u * (to - from);
+    // Newton's method; where it leaves the bracket, halving. The integral only grows, so the
+    // bracket closes.
+    double left = a, right = b, x = 0.5 * (a + b);
+    for (int i = 0; i < 40; i++) {
+        double error = filter_integral(film, x) - wanted;
+        if (error > 0.0)
+            right = x;
+        else
+            left = x;
+        double step = error / filter_value(film, x), next = x - step;
+        if (!(next > left && next < right)) next = 0.5 * (left + right);
+        if (fabs(next - x) < 1e-8 * r) break;
+        x = next;
+    }
+    return keep_inside(centre, lo, hi, (float)x);
+}
+
+// ---- Filters with negative lobes ----------------------------------------------------------------
+
+bool film_filter_has_lobes(const struct film_spec *film) {
+    return film->filter == FILTER_CUBIC || film->filter == FILTER_LANCZOS;
+}
+
+// The two-parameter family of [Mitchell and Netravali 1988, (8)].
+static double cubic(double b, double c, double x) {
+    if (x >= 2.0) return 0.0;
+    if (x >= 1.0)
+        return ((((-b - 6.0 * c) * x + 6.0 * b + 30.0 * c) * x - 12.0 * b - 48.0 * c) * x +
+                8.0 * b + 24.0 * c) /
+               6.0;
+    return (((12.0 - 9.0 * b - 6.0 * c) * x - 18.0 + 12.0 * b + 6.0 * c) * x * x + 6.0 - 2.0 * b) /
+           6.0;
+}
+
+static double sinc(double x) { return x == 0.0 ? 1.0 : sin(M_PI * x) / (M_PI * x); }
+
+static double lobes_value(const struct film_spec *film, double x) {
+    x = fabs(x);
+    if (film->filter == FILTER_CUBIC) return cubic((double)film->b, (double)film->c, x);
+    return x < (double)film->radius ? sinc(x) * sinc(x / (double)film->radius) : 0.0;
+}
+
+// Tabulates the integrals of the filter and of its absolute value.
+static void make_lobes(struct film_filter *filter) {
+    enum { FINE = 8 };  // points of each step
+    const double r = (double)filter->film->radius, step = 2.0 * r / FILM_FILTER_STEPS;
+    double sum = 0.0, size = 0.0;
+    filter->sum[0] = filter->size[0] = 0.0f;
+    for (int i = 0; i < FILM_FILTER_STEPS; i++) {
+        for (int k = 0; k < FINE; k++) {
+            double f = lobes_value(filter->film, -r + step * (i + (k + 0.5) / FINE)) / FINE;
+            sum += step * f;
+            size += step * fabs(f);
+        }
+        filter->sum[i + 1] = (float)sum;
+        filter->size[i + 1] = (float)size;
+    }
+}
+
+static float table_at(const float table[FILM_FILTER_STEPS + 1], float at) {
+    int i = (int)clampf(at, 0.0f, (float)(FILM_FILTER_STEPS - 1));
+    return lerpf(table[i], table[i + 1], at - (float)i);
+}
+
+// The place, in steps, where the table has a value.
+static float table_find(const float table[FILM_FILTER_STEPS + 1], float value) {
+    int low = 0, high = FILM_FILTER_STEPS;
+    while (high - low > 1) {
+        int middle = (low + high) / 2;
+        if (table[middle] <= value)
+            low = middle;
+        else
+            high = middle;
+    }
+    float rise = table[high] - table[low];
+    return (float)low + (rise > 0.0f ? clampf((value - table[low]) / rise, 0.0f, 1.0f) : 0.5f);
+}
+
+static struct film_offset draw_lobes(const struct film_filter *filter, float centre, float lo,
+                                     float hi, float u) {
+    const float r = filter->film->radius, scale = FILM_FILTER_STEPS / (2.0f * r);
+    float a = clampf((lo - centre + r) * scale, 0.0f, (float)FILM_FILTER_STEPS);
+    float b = clampf((hi - centre + r) * scale, 0.0f, (float)FILM_FILTER_STEPS);
+    float from = table_at(filter->size, a), size = table_at(filter->size, b) - from;
+    float sum = table_at(filter->sum, b) - table_at(filter->sum, a);
+    if (!(sum > 0.0f)) return (struct film_offset){0.0f, 1.0f};
+    float offset = table_find(filter->size, from + u * size) / scale - r;
+    float weight = lobes_value(filter->film, (double)offset) < 0.0 ? -size / sum : size / sum;
+    return (struct film_offset){keep_inside(centre, lo, hi, offset), weight};
+}
+
+// ---- Any filter ---------------------------------------------------------------------------------
+
+void film_filter_make(const struct film_spec *film, struct film_filter *out) {
+    out->film = film;
+    if (film_filter_has_lobes(film)) {
+        make_lobes(out);
+        return;
+    }
+    for (int i = 0; i <= FILM_FILTER_STEPS; i++)
+        out->inverse[i] = film_filter_sample(film, 0.0f, -INFINITY, INFINITY,
+                                             (float)i / (float)FILM_FILTER_STEPS);
+    out->inverse[FILM_FILTER_STEPS + 1] = out->inverse[FILM_FILTER_STEPS];
+}
+
+struct film_offset film_filter_offset(const struct film_filter *filter, float centre, float lo,
+                                      float hi, float u) {
+    if (film_filter_has_lobes(filter->film)) return draw_lobes(filter, centre, lo, hi, u);
+    float r = filter->film->radius;
+    if (centre - r < lo || centre + r >= hi)
+        return (struct film_offset){film_filter_sample(filter->film, centre, lo, hi, u), 1.0f};
+    float at = u * (float)FILM_FILTER_STEPS;
+    int i = (int)at;
+    return (struct film_offset){lerpf(filter->inverse[i], filter->inverse[i + 1], at - (float)i),
+                                1.0f};
+}
