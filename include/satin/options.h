@@ -77,8 +77,9 @@ typedef struct satin_options {
     bool photon_area;      // divide by the area that is really there
 
     // Gathering.
-    bool gather_bounce;  // hits nearer than the lookup radius go on one more bounce
-    bool gather_shadow;  // direct light at gather hits by a shadow ray instead of photons
+    bool gather_bounce;   // hits nearer than the lookup radius go on one more bounce
+    bool gather_shadow;   // direct light at gather hits by a shadow ray instead of photons
+    bool texture_filter;  // bitmaps are averaged over what a ray stands for
 
     // Irradiance cache (diffuse surfaces).
     bool irradiance_cache;

@@ -94,6 +94,7 @@ rgb gather_path(const struct gather *g, struct ray ray, int depth, bool emission
 struct gather_ray {
     struct ray ray;
     uint32_t item;     // numbers the random decisions behind the hit
+    float spread;      // width of what it stands for, per distance, for textures; 0: a point
     bool sees_lights;  // fill Le, light_pdf and Le_specular
     rgb L;             // radiance that arrives by reflection: no emitted light
     rgb Le;            // emitted light seen directly

@@ -12,6 +12,8 @@ static void make_rays(const struct gather *g, const struct gather_layout *l,
                       struct gather_scratch *scratch, const struct gather_site *site) {
     struct rng rng = rng_make(g->options->seed, RNG_GATHER, site->stream);
     struct gather_ray *out = scratch->rays;
+    const float spread =
+        g->options->texture_filter ? sqrtf(2.0f * PI_F / (float)gather_layout_rays(l)) : 0.0f;
     for (int j = 0; j < l->M; j++)
         for (int k = 0; k < l->N; k++, out++) {
             float u = ((float)j + rng_float(&rng)) / (float)l->M;
@@ -24,6 +26,7 @@ static void make_rays(const struct gather *g, const struct gather_layout *l,
             scratch->z[i] = w.z;
             out->ray = scene_spawn(g->scene, site->p, site->ng, frame_to_world(&site->frame, w));
             out->item = (uint32_t)i;
+            out->spread = spread;
             out->sees_lights = false;
         }
 }

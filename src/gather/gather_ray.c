@@ -86,11 +86,19 @@ static float stop_probability(const struct gather_point *p) {
     return smooth + delta > 0.0f ? smooth / (smooth + delta) : 1.0f;
 }
 
+// A ray and the width per distance of what it stands for.
+struct cone {
+    struct ray ray;
+    float spread;
+};
+
 // Follows a ray through ideal specular surfaces to one with a smooth lobe. False if it meets none.
 // T is multiplied; emitters may be NULL.
-static bool trace_to_smooth(const struct gather *g, struct ray ray, struct sampler *sampler, rgb *T,
-                            struct gather_first *first, struct emitters *emitters,
+static bool trace_to_smooth(const struct gather *g, struct cone cone, struct sampler *sampler,
+                            rgb *T, struct gather_first *first, struct emitters *emitters,
                             struct gather_point *out) {
+    struct ray ray = cone.ray;
+    float distance = 0.0f;
     *first = GATHER_NOTHING;
     for (int i = 0;; i++) {
         if (i >= DELTA_SURE) {
@@ -102,6 +110,8 @@ static bool trace_to_smooth(const struct gather *g, struct ray ray, struct sampl
         if (emitters) meet(g, &ray, hit ? &s : NULL, *T, i == 0, emitters);
         if (!hit) return false;
         if (i == 0) *first = (struct gather_first){s.t, s.ng};
+        distance += s.t;
+        s.footprint = cone.spread * distance;
         gather_point_make(g->scene, &s, ray.d, out);
         float stop = stop_probability(out), u = stop < 1.0f ? sampler_1d(sampler) : 0.0f;
         if (u < stop) {
@@ -122,7 +132,7 @@ static bool trace_to_smooth(const struct gather *g, struct ray ray, struct sampl
 bool gather_follow(const struct gather *g, struct ray ray, struct sampler *sampler,
                    struct gather_first *first, struct gather_point *out) {
     rgb T = rgb_grey(1.0f);
-    return trace_to_smooth(g, ray, sampler, &T, first, NULL, out);
+    return trace_to_smooth(g, (struct cone){ray, 0.0f}, sampler, &T, first, NULL, out);
 }
 
 // Reflected by y's diffuse lobe from the irradiance E of the rough solution.
@@ -218,7 +228,7 @@ static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned
     struct emitters e = {0};
     rgb T = rgb_scale(next.weight, 1.0f / survive), start = T;
     struct gather_first first;
-    bool found = trace_to_smooth(g, ray, sampler, &T, &first, &e, &z);
+    bool found = trace_to_smooth(g, (struct cone){ray, 0.0f}, sampler, &T, &first, &e, &z);
     if (e.light_pdf > 0.0f)
         L = rgb_scale(rgb_mul(start, e.Le), mis_power(survive * next.pdf_w, e.light_pdf));
     if (lobes != BRDF_DIFFUSE) L = rgb_add(L, e.Le_specular);
@@ -278,8 +288,8 @@ static void trace_chunk(const struct gather *g, struct gather_scratch *scratch,
         hit->T = rgb_grey(1.0f);
         hit->ray = (uint32_t)i;
         if (first_pass != SATIN_FIRST_PATH || ray->sees_lights)
-            found = trace_to_smooth(g, ray->ray, &hit->sampler, &hit->T, &ray->first,
-                                    ray->sees_lights ? &e : NULL, &hit->point);
+            found = trace_to_smooth(g, (struct cone){ray->ray, ray->spread}, &hit->sampler, &hit->T,
+                                    &ray->first, ray->sees_lights ? &e : NULL, &hit->point);
         ray->Le = e.Le;
         ray->light_pdf = e.light_pdf;
         ray->Le_specular = e.Le_specular;

@@ -24,6 +24,7 @@ const satin_options satin_options_default = {
     .caustic_k = 60,
     .photon_area = true,
     .recursive_levels = 3,
+    .texture_filter = true,
     .gather_bounce = true,
     .gather_shadow = true,
     .irradiance_cache = true,

@@ -68,6 +68,9 @@ const struct option options_table[] = {
      "Gather rays that hit nearer than the photon lookup radius go on for one more bounce."},
     {"gather-shadow", OPTION_BOOL, AT(gather_shadow), false, "off|on",
      "Direct light at gather hits by a shadow ray; off: by photons."},
+    {"texture-filter", OPTION_BOOL, AT(texture_filter), false, "off|on",
+     "Colours from bitmaps are averaged over what an eye ray or gather ray stands for; path takes "
+     "them as they are."},
 
     {"irradiance-cache", OPTION_BOOL, AT(irradiance_cache), false, "off|on",
      "Interpolate diffuse indirect light between records; off: gather at every sample."},

@@ -34,6 +34,9 @@ struct texture {
     rgb color0, color1;  // checkerboard
     float to_uv[6];      // uv' = (a b c; d e f) (u v 1)
     const struct image *image;
+    const struct image *level;  // the image at half its size, a quarter, ...; or NULL
+    int levels;
+    float texels;  // of the image along a unit of uv, the mean of both ways
     enum texture_wrap wrap;
     bool nearest;           // filter_type nearest; else bilinear
     const char *attribute;  // name of a mesh attribute, the same pointer for the same name
@@ -47,7 +50,8 @@ struct texture_place {
     vec2 uv;
     const struct mesh *mesh;  // whose attributes there are; NULL: none
     uint32_t prim;
-    vec2 bary;  // weights of the triangle's second and third corner
+    vec2 bary;    // weights of the triangle's second and third corner
+    float width;  // of the area to average over, in uv; 0: a point
 };
 static inline struct texture_place texture_at(vec2 uv) { return (struct texture_place){.uv = uv}; }
 
@@ -102,6 +106,7 @@ struct material {
     struct material_mask mask;
     bool two_sided;  // the back reflects too (with `back`); else it is black unless it transmits
     bool tangent;    // frames follow dp/du
+    bool filtered;   // colours come from bitmaps that can be averaged
 };
 
 // The share of rays that are stopped there, in [0, 1] (scene_opacity.c).
@@ -306,6 +311,8 @@ struct surfel {
     vec2 bary;          // triangles: weights of the second and third corner
     vec3 dp_du, dp_dv;  // only if the material's frames follow dp/du
     float t;
+    float uv_rate;    // uv per length if the material is `filtered`, else 0
+    float footprint;  // width of the area that the ray stands for, for textures; 0: a point
     uint32_t shape, prim, material;
     int32_t light;  // area light of the shape, or -1
 };
@@ -314,8 +321,8 @@ struct surfel {
 satin_status scene_trace_build(struct satin_scene *scene, struct log log);
 void scene_trace_free(struct trace *trace);
 
-// The nearest hit in (tnear, tfar), or false. A ray that is not finite, or has no direction, hits
-// nothing.
+// The nearest hit in (tnear, tfar), or false; footprint 0. A ray that is not finite, or has no
+// direction, hits nothing.
 bool scene_intersect(const struct satin_scene *scene, const struct ray *ray, struct surfel *out);
 // The same for a ray that sees masked surfaces as whole ones.
 bool scene_intersect_whole(const struct satin_scene *scene, const struct ray *ray,
@@ -340,7 +347,8 @@ struct ray scene_spawn_to(const struct satin_scene *scene, vec3 p, vec3 ng, vec3
 static inline struct texture_place surfel_texture_place(const struct satin_scene *scene,
                                                         const struct surfel *s) {
     const struct mesh *mesh = &scene->shape[s->shape].mesh;
-    return (struct texture_place){s->uv, mesh->attribute_count ? mesh : NULL, s->prim, s->bary};
+    return (struct texture_place){s->uv, mesh->attribute_count ? mesh : NULL, s->prim, s->bary,
+                                  s->footprint * s->uv_rate};
 }
 
 // ---- Shading (scene_material.c) ---------------------------------------------------------------

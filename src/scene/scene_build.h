@@ -73,6 +73,9 @@ float scene_shape_area(const struct shape *shape);
 // `raw`: values are taken as they are; else sRGB or untagged 8- and 16-bit data are linearised.
 satin_status scene_image_load(const struct scene_source *source, bool raw,
                               const struct image **out);
+// Makes all smaller copies of an image, down to one texel; false without memory.
+bool scene_image_levels(struct arena *arena, const struct image *image, const struct image **level,
+                        int *levels);
 // Undoes the encoding of sRGB.
 static inline float srgb_to_linear(float x) {
     return x <= 0.04045f ? x / 12.92f : powf((x + 0.055f) / 1.055f, 2.4f);

@@ -41,6 +41,10 @@ void instance_place(const struct shape *shape, bool tangent, struct surfel *s) {
         s->dp_du = mat4_vector(&shape->to_world, s->dp_du);
         s->dp_dv = mat4_vector(&shape->to_world, s->dp_dv);
     }
+    if (s->uv_rate > 0.0f) {
+        vec3 v = mat4_vector(&shape->to_world, s->frame.v);
+        s->uv_rate /= sqrtf(fmaxf(v3_len(v3_cross(u, v)), 1e-20f));
+    }
     vec3 n = v3_unit(mat4_normal(&shape->to_object, s->frame.n));
     s->p = mat4_point(&shape->to_world, s->p);
     s->ng = v3_unit(mat4_normal(&shape->to_object, s->ng));

@@ -32,7 +32,7 @@ static vec3 direction_of(const struct RTCRay *ray) {
 static bool mask_stops(const struct guard *guard, const struct RTCRay *ray,
                        const struct RTCHit *hit) {
     const struct mesh *mesh = guard->mesh;
-    struct texture_place at = {{hit->u, hit->v}, mesh, hit->primID, {hit->u, hit->v}};
+    struct texture_place at = {{hit->u, hit->v}, mesh, hit->primID, {hit->u, hit->v}, 0.0f};
     if (mesh->uv) {
         const uint32_t *index = mesh->index + (size_t)hit->primID * 3;
         const float *a = mesh->uv + (size_t)index[0] * 2, *b = mesh->uv + (size_t)index[1] * 2,

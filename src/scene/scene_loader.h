@@ -12,6 +12,8 @@ struct loaded_image {
     const char *path;
     bool raw;
     const struct image *image;
+    const struct image *level;  // smaller copies, unless raw
+    int levels;
 };
 
 struct scene_loader {

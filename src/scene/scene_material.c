@@ -52,6 +52,7 @@ static float blend_weight(const struct satin_scene *scene, const struct material
                           const struct surfel *s) {
     if (!side->blend) return side->weight;
     struct texture_place at = surfel_texture_place(scene, s);
+    at.width = 0.0f;
     return clampf(texture_number(side->blend, &at), 0.0f, 1.0f);
 }
 
@@ -98,17 +99,19 @@ const struct material_side *scene_part(const struct satin_scene *scene, const st
 
 // ---- The BRDF of a part -------------------------------------------------------------------------
 
-// Replaces the constants of `b` that are textured. Numbers take a texture's luminance, within what
-// the models can stand.
+// Replaces the constants of `b` that are textured; colours are averaged over the place. Numbers
+// take a texture's luminance, within what the models can stand.
 static void look_up(const struct material_side *side, const struct texture_place *at,
                     struct brdf *b) {
     const struct texture *const *slot = side->slot;
+    struct texture_place point = *at;
+    point.width = 0.0f;
     for (enum brdf_slot i = 0; i < BRDF_SLOT_COUNT; i++) {
         if (!slot[i]) continue;
         if (i < BRDF_SLOT_NUMBERS)
             *brdf_color(b, i) = texture_eval(slot[i], at);
         else
-            *brdf_number(b, i) = clampf(texture_number(slot[i], at), 0.0f, 1e6f);
+            *brdf_number(b, i) = clampf(texture_number(slot[i], &point), 0.0f, 1e6f);
     }
 }
 
@@ -129,6 +132,7 @@ static vec3 relief_normal(const struct satin_scene *scene, const struct material
                           const struct surfel *s) {
     if (relief->normal) {
         struct texture_place at = surfel_texture_place(scene, s);
+        at.width = 0.0f;
         rgb c = texture_eval(relief->normal, &at);
         return v3(2.0f * c.r - 1.0f, 2.0f * c.g - 1.0f, 2.0f * c.b - 1.0f);
     }

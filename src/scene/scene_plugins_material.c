@@ -227,6 +227,12 @@ static satin_status build_any(struct scene_loader *loader, const struct params *
     return build_relief(loader, p, strcmp(name, "bumpmap") == 0, out);
 }
 
+static void see_bitmaps(void *ctx, const struct material_side *side) {
+    bool *found = ctx;
+    for (int i = 0; i < BRDF_SLOT_NUMBERS; i++)
+        *found = *found || (side->slot[i] && side->slot[i]->levels);
+}
+
 satin_status scene_material_build(struct scene_loader *loader, struct xml_node *node,
                                   struct material *out) {
     *out = (struct material){0};
@@ -238,6 +244,7 @@ satin_status scene_material_build(struct scene_loader *loader, struct xml_node *
     loader->bsdf_depth++;
     status = build_any(loader, &p, out);
     loader->bsdf_depth--;
+    if (status == SATIN_OK) material_visit(out, see_bitmaps, &out->filtered);
     if (status == SATIN_OK &&
         !(out->name = scene_keep_text(loader, node->id ? node->id : p.plugin->name)))
         return scene_no_memory(loader);

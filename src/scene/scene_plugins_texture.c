@@ -58,30 +58,34 @@ static rgb image_mean(const struct image *image) {
 }
 
 static satin_status image_of(struct scene_loader *loader, const struct param_value *name,
-                             bool as_is, const struct image **out) {
+                             bool as_is, const struct loaded_image **out) {
     struct scene_source source;
     satin_status status = scene_file_source(loader, name, &source);
     if (status != SATIN_OK) return status;
     for (size_t i = 0; i < loader->image_count; i++) {
         const struct loaded_image *image = &loader->image[i];
         if (image->raw != as_is || strcmp(image->path, source.path) != 0) continue;
-        *out = image->image;
+        *out = image;
         free((char *)source.path);
         return SATIN_OK;
     }
-    struct loaded_image image = {scene_keep_text(loader, source.path), as_is, NULL};
+    struct loaded_image image = {.path = scene_keep_text(loader, source.path), .raw = as_is};
     void *items = loader->image;
     if (image.path && array_reserve(&items, &loader->image_capacity, loader->image_count + 1,
                                     sizeof *loader->image)) {
         loader->image = items;
         status = scene_image_load(&source, as_is, &image.image);
+        // Numbers and normals are not averaged.
+        if (status == SATIN_OK && !as_is &&
+            !scene_image_levels(source.arena, image.image, &image.level, &image.levels))
+            status = scene_no_memory(loader);
     } else {
         status = scene_no_memory(loader);
     }
     free((char *)source.path);
     if (status != SATIN_OK) return status;
-    loader->image[loader->image_count++] = image;
-    *out = image.image;
+    loader->image[loader->image_count] = image;
+    *out = &loader->image[loader->image_count++];
     return SATIN_OK;
 }
 
@@ -92,10 +96,17 @@ static satin_status build_bitmap(struct scene_loader *loader, const struct param
     texture->nearest = param(p, "filter_type")->i == 1;
     texture->wrap = (enum texture_wrap)param(p, "wrap_mode")->i;
     set_to_uv(texture, &param(p, "to_uv")->m);
-    satin_status status =
-        image_of(loader, param(p, "filename"), param(p, "raw")->b, &texture->image);
-    if (status == SATIN_OK) texture->mean = image_mean(texture->image);
-    return status;
+    const struct loaded_image *loaded;
+    satin_status status = image_of(loader, param(p, "filename"), param(p, "raw")->b, &loaded);
+    if (status != SATIN_OK) return status;
+    const struct image *image = texture->image = loaded->image;
+    const float *m = texture->to_uv;
+    texture->level = loaded->level;
+    texture->levels = texture->nearest ? 0 : loaded->levels;
+    texture->texels =
+        sqrtf(fabsf(m[0] * m[4] - m[1] * m[3]) * (float)image->width * (float)image->height);
+    texture->mean = image_mean(image);
+    return SATIN_OK;
 }
 
 static satin_status build_checkerboard(struct scene_loader *loader, const struct params *p,

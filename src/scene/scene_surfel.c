@@ -140,12 +140,16 @@ void surfel_triangle(const struct satin_scene *scene, const struct shape *shape,
     }
     out->ng = ng;
     out->uv = out->bary = (vec2){(float)b[1], (float)b[2]};
+    double spanned = 1.0;  // by the triangle in uv, twice over
     if (mesh->uv) {
         const float *a = mesh->uv + (size_t)index[0] * 2, *c = mesh->uv + (size_t)index[1] * 2,
                     *d = mesh->uv + (size_t)index[2] * 2;
         out->uv = (vec2){(float)(b[0] * a[0] + b[1] * c[0] + b[2] * d[0]),
                          (float)(b[0] * a[1] + b[1] * c[1] + b[2] * d[1])};
+        spanned = fabs(((double)c[0] - a[0]) * ((double)d[1] - a[1]) -
+                       ((double)d[0] - a[0]) * ((double)c[1] - a[1]));
     }
+    if (hit->rate) out->uv_rate = (float)sqrt(spanned / sqrt(dot3(t.n, t.n)));
     if (hit->tangent) triangle_tangents(mesh, index, &t, ng, &out->dp_du, &out->dp_dv);
     out->frame = hit->tangent ? frame_from_tangent(n, out->dp_du) : frame_from_normal(n);
 }

@@ -19,9 +19,11 @@ struct surfel_hit {
     uint32_t prim;
     float u, v;
     bool tangent;  // the frame follows dp/du
+    bool rate;     // uv_rate is wanted
     float margin;  // how far off its edges a point is kept; 0: 4 offsets
 };
-// Fills p, ng, frame and uv, and if `tangent` dp_du and dp_dv, in the mesh's own space.
+// Fills p, ng, frame and uv, if `tangent` dp_du and dp_dv, and if `rate` uv_rate, in the mesh's own
+// space.
 void surfel_triangle(const struct satin_scene *scene, const struct shape *shape,
                      const struct surfel_hit *hit, struct surfel *out);
 

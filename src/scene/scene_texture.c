@@ -26,8 +26,8 @@ struct cell {
     float fx, fy;
 };
 
-static struct cell cell_at(const struct texture *texture, float x, float y) {
-    const struct image *image = texture->image;
+static struct cell cell_at(const struct texture *texture, const struct image *image, float x,
+                           float y) {
     float x0 = floorf(x), y0 = floorf(y);
     int left = wrap(x0, image->width, texture->wrap),
         right = wrap(x0 + 1.0f, image->width, texture->wrap);
@@ -41,16 +41,35 @@ static struct cell cell_at(const struct texture *texture, float x, float y) {
                          y - y0};
 }
 
-static rgb bitmap(const struct texture *texture, float u, float v) {
-    const struct image *image = texture->image;
-    int w = image->width, h = image->height;
-    float x = u * (float)w, y = v * (float)h;
-    if (texture->nearest)
-        return texel(image, wrap(floorf(x), w, texture->wrap), wrap(floorf(y), h, texture->wrap));
-    struct cell c = cell_at(texture, x - 0.5f, y - 0.5f);
+static rgb interpolate(const struct texture *texture, const struct image *image, float u, float v) {
+    float x = u * (float)image->width, y = v * (float)image->height;
+    struct cell c = cell_at(texture, image, x - 0.5f, y - 0.5f);
     rgb upper = rgb_mad(rgb_scale(c.upper_left, 1.0f - c.fx), c.upper_right, c.fx);
     rgb lower = rgb_mad(rgb_scale(c.lower_left, 1.0f - c.fx), c.lower_right, c.fx);
     return rgb_mad(rgb_scale(upper, 1.0f - c.fy), lower, c.fy);
+}
+
+static rgb nearest(const struct texture *texture, float u, float v) {
+    const struct image *image = texture->image;
+    int w = image->width, h = image->height;
+    float x = floorf(u * (float)w), y = floorf(v * (float)h);
+    return texel(image, wrap(x, w, texture->wrap), wrap(y, h, texture->wrap));
+}
+
+static const struct image *level_of(const struct texture *texture, int i) {
+    return i ? &texture->level[i - 1] : texture->image;
+}
+
+static rgb bitmap(const struct texture *texture, float u, float v, float width) {
+    if (texture->nearest) return nearest(texture, u, v);
+    float texels = width * texture->texels;
+    if (!(texels > 1.0f) || !texture->levels) return interpolate(texture, texture->image, u, v);
+    // Between the level whose texels are that wide at most and the next [Williams 1983].
+    float height = fminf(log2f(texels), (float)texture->levels);
+    int low = (int)height, high = low < texture->levels ? low + 1 : low;
+    rgb fine = interpolate(texture, level_of(texture, low), u, v);
+    rgb coarse = interpolate(texture, level_of(texture, high), u, v);
+    return rgb_mad(rgb_scale(fine, (float)(low + 1) - height), coarse, height - (float)low);
 }
 
 // Coordinates in the texture; false if they are not finite, or so large that a float no longer
@@ -68,7 +87,7 @@ rgb texture_eval(const struct texture *texture, const struct texture_place *at) 
         return rgb_scale(attribute_eval(texture->attribute, at), texture->scale);
     float u, v;
     if (!to_texture(texture, at->uv, &u, &v)) return texture->mean;
-    if (texture->kind == TEXTURE_BITMAP) return bitmap(texture, u, v);
+    if (texture->kind == TEXTURE_BITMAP) return bitmap(texture, u, v, at->width);
     bool right = u - floorf(u) > 0.5f, lower = v - floorf(v) > 0.5f;
     return right == lower ? texture->color0 : texture->color1;
 }
@@ -86,7 +105,7 @@ vec2 texture_gradient(const struct texture *texture, vec2 uv) {
     if (texture->kind != TEXTURE_BITMAP || texture->nearest || !to_texture(texture, uv, &u, &v))
         return (vec2){0.0f, 0.0f};
     float w = (float)texture->image->width, h = (float)texture->image->height;
-    struct cell c = cell_at(texture, u * w - 0.5f, v * h - 0.5f);
+    struct cell c = cell_at(texture, texture->image, u * w - 0.5f, v * h - 0.5f);
     float a = rgb_luminance(c.upper_left), b = rgb_luminance(c.upper_right);
     float d = rgb_luminance(c.lower_left), e = rgb_luminance(c.lower_right);
     float x = w * lerpf(b - a, e - d, c.fy), y = h * lerpf(d - a, e - b, c.fx);

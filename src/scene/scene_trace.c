@@ -135,13 +135,18 @@ static void surfel_of(const struct satin_scene *scene, const struct level *level
         quadric ? level->quadric[hit->hit.primID].shape : level->geometry_shape[hit->hit.geomID];
     const struct shape *shape = &scene->shape[index];
     bool tangent = scene->material[shape->material].tangent;
-    struct surfel_hit at = {hit->hit.primID, hit->hit.u, hit->hit.v, tangent, margin};
+    bool rate = scene->material[shape->material].filtered;
+    struct surfel_hit at = {hit->hit.primID, hit->hit.u, hit->hit.v, tangent, rate, margin};
     if (quadric)
         quadric_surfel(&level->quadric[hit->hit.primID], ray, hit->ray.tfar, tangent, out);
     else if (shape->kind == SHAPE_CURVES)
         surfel_of_curve(shape, hit, ray, tangent, out);
     else
         surfel_triangle(scene, shape, &at, out);
+    if (!rate)
+        out->uv_rate = 0.0f;
+    else if (shape->kind != SHAPE_MESH)
+        out->uv_rate = 1.0f / sqrtf(fmaxf(v3_len(v3_cross(out->dp_du, out->dp_dv)), 1e-20f));
     out->shape = index;
     out->prim = quadric ? 0 : hit->hit.primID;
     out->material = shape->material;
@@ -167,6 +172,7 @@ static bool find_hit(const struct satin_scene *scene, const struct ray *ray, boo
         instance_place(shape, scene->material[out->material].tangent, out);
     }
     out->t = hit.ray.tfar;
+    out->footprint = 0.0f;
     return true;
 }
 

@@ -21,6 +21,8 @@ satin_status shade_init(struct shade *shade, const struct gather *g,
     s.a_irradiance = o->irradiance_a * o->irradiance_widen;
     s.a_radiance = o->radiance_a * o->radiance_widen;
     film_filter_make(&g->scene->film, &s.filter);
+    // The samples of a pixel share it.
+    if (o->texture_filter) s.sharpness = 1.0f / sqrtf((float)(o->spp > 1 ? o->spp : 1));
     // Without the cache the same rays are spread over the samples of the pixel.
     int rays = o->irradiance_rays / (o->spp > 0 ? o->spp : 1);
     s.gather = gather_layout_new(rays > 8 ? rays : 8, o->radiance_basis, 0);

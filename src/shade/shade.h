@@ -47,6 +47,7 @@ struct shade {
     const struct cache *cache;
     float a_irradiance, a_radiance;  // accuracies of the image pass
     struct film_filter filter;
+    float sharpness;                  // width of a sample's footprint, in pixels; 0: a point
     struct gather_layout *gather;     // hemisphere where a cache is off
     struct gather_layout *fallback;   // hemisphere where no record is near
     struct gather_scratch **scratch;  // one per worker

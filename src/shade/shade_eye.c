@@ -107,6 +107,7 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
         bool hit = scene_intersect(scene, &b.ray, &s);
         emitted(shade, &b, hit ? &s : NULL, out);
         if (!hit) continue;
+        s.footprint = shade->sharpness * lens.spread * (b.distance + s.t);
         struct scene_part part[MATERIAL_PARTS_MAX];
         int parts = find_parts(scene, &s, b.ray.d, out->count + top, part);
         for (int i = 0; i < parts; i++) {

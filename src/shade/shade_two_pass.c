@@ -78,12 +78,16 @@ static bool indirect_cached(struct shade_job *job, const struct shade_plan *plan
     return true;
 }
 
+// Widest footprint of a drawn ray, per distance.
+#define SPREAD_MAX 0.2f
+
 enum { GLOSSY_MAX = 256 };  // rays of one sample; the range of the option glossy_samples
 
 // Draws gather rays from `lobes`; returns how many did not fail, with their weights and densities.
 static int draw_rays(struct shade_job *job, unsigned lobes, int count, rgb *weight, float *pdf) {
     const struct gather_point *p = &job->vertex->point;
     struct gather_ray *ray = gather_scratch_rays(job->worker->scratch);
+    const bool sharp = !job->shade->g->options->texture_filter;
     int rays = 0;
     for (int i = 0; i < count; i++) {
         struct sampler u = {job->sampler.index * (uint32_t)count + (uint32_t)i, job->sampler.seed,
@@ -96,6 +100,7 @@ static int draw_rays(struct shade_job *job, unsigned lobes, int count, rgb *weig
         ray[rays].ray = scene_spawn(job->shade->g->scene, p->surfel.p, p->surfel.ng, d);
         ray[rays].item = u.index;
         ray[rays].sees_lights = true;
+        ray[rays].spread = sharp ? 0.0f : fminf(1.0f / sqrtf(b.pdf_w * (float)count), SPREAD_MAX);
         weight[rays] = b.weight;
         pdf[rays++] = b.pdf_w;
     }

@@ -200,13 +200,11 @@ static void environment_density(void **state) {
         struct light light = environment(kind ? &image : NULL);
         if (kind == 2) {
             light.sun = v3_unit(v3(0.3f, 0.2f, -0.8f));
-            light.sun_value = rgb_grey(5.0f);
-            light.sun_chord = 0.3f;
+            light.sun_value = rgb_grey(5.0f), light.sun_chord = 0.3f;
         }
         test_light(&t, light);
         test_scene_finish(&t);
-        static const char *const name[] = {"constant", "envmap", "envmap with a sun"};
-        check_density(&t, 0, v3(0, 0, 0), name[kind]);
+        check_density(&t, 0, v3(0, 0, 0), kind == 2 ? "sun" : kind ? "envmap" : "constant");
         test_scene_free(&t);
     }
 }

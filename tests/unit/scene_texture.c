@@ -163,6 +163,45 @@ static void interpolates_attributes(void **state) {
     assert_true(rgb_black(eval(&t, (vec2){0.5f, 0.5f})));
 }
 
+// Wide lookups: a texel of a smaller copy at its own width, the mean of all at the widest, and
+// nothing changes below a texel's width.
+static void averages_over_wide_places(void **state) {
+    (void)state;
+    enum { W = 13, H = 6 };
+    float texels[W * H];
+    struct rng rng = rng_make(2, RNG_TEST, 0);
+    double mean = 0.0;
+    for (int i = 0; i < W * H; i++) mean += (double)(texels[i] = rng_float(&rng)) / (W * H);
+    const struct image odd = {W, H, 1, texels};
+    struct texture t = bitmap(TEXTURE_REPEAT, false);
+    struct arena arena = {0};
+    t.image = &odd;
+    assert_true(scene_image_levels(&arena, &odd, &t.level, &t.levels));
+    t.texels = sqrtf(W * H);
+    assert_int_equal(t.levels, 3);
+    assert_true(t.level[0].width == 6 && t.level[0].height == 3);
+    assert_true(t.level[2].width == 1 && t.level[2].height == 1);
+    for (int i = 0; i < 3; i++) {
+        double sum = 0.0;
+        int count = t.level[i].width * t.level[i].height;
+        for (int k = 0; k < count; k++) sum += (double)t.level[i].texel[k] / count;
+        assert_float_equal(sum, mean, 1e-6);
+    }
+    struct texture_place at = texture_at((vec2){0.5f / 6, 0.5f / 3});
+    float sharp = texture_eval(&t, &at).r;
+    at.width = 1.0f / t.texels;
+    assert_true(texture_eval(&t, &at).r == sharp);
+    at.width = 2.0f / t.texels;
+    assert_float_equal(texture_eval(&t, &at).r, t.level[0].texel[0], 1e-6f);
+    at.width = INFINITY;
+    assert_float_equal(texture_eval(&t, &at).r, mean, 1e-6);
+    at.width = 2.0f / t.texels * sqrtf(2.0f);  // halfway between two copies
+    float half = texture_eval(&t, &at).r;
+    at.width = 4.0f / t.texels;
+    assert_float_equal(half, 0.5f * (t.level[0].texel[0] + texture_eval(&t, &at).r), 1e-5f);
+    arena_free(&arena);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(agrees_with_mitsuba),
@@ -172,6 +211,7 @@ int main(void) {
         cmocka_unit_test(gradients_are_differences),
         cmocka_unit_test(reads_three_channels_and_constants),
         cmocka_unit_test(interpolates_attributes),
+        cmocka_unit_test(averages_over_wide_places),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

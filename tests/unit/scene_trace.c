@@ -15,7 +15,7 @@ static int make_room(void **state) {
     (void)state;
     test_scene_init(&t);
     uint32_t plain = test_diffuse(&t, .5f, .5f, .5f), brushed = test_diffuse(&t, .5f, .5f, .5f);
-    t.material[brushed].tangent = true;
+    t.material[brushed].tangent = t.material[brushed].filtered = true;
     test_cube(&t, test_transform(v3(0, 0, 0), v3(10, 10, 10)), true, plain);
     test_quadric(&t, SHAPE_SPHERE, test_transform(v3(5, 0, 0), v3(2, 2, 2)), false, brushed);
     test_quadric(&t, SHAPE_DISK, test_transform(v3(-5, 0, 0), v3(2, 2, 2)), true, plain);
@@ -153,11 +153,35 @@ static void refuses_degenerate_shapes(void **state) {
     assert_null(scene.trace);
 }
 
+// Texture coordinates per length: the root of the ratio of areas, where it is wanted.
+static void tells_the_rate_of_coordinates(void **state) {
+    (void)state;
+    const struct {
+        vec3 to;
+        float rate;
+    } known[] = {{{0.1f, -5, 0}, 0.353553f},  // 2 x 4 for 1 x 1
+                 {{5, 0, 0.01f}, 0.112540f},  // 1 / sqrt(2 pi r pi r), r = 2, at its equator
+                 {{-5, 0.1f, 0.1f}, 0.0f}};   // not wanted
+    for (int i = 0; i < 3; i++) {
+        struct surfel s;
+        struct ray ray =
+            ray_between(v3(known[i].to.x, known[i].to.y, known[i].to.z + 4), known[i].to);
+        if (i == 1) ray = ray_between(v3(0, 0, 0), known[i].to);
+        assert_true(scene_intersect(&t.scene, &ray, &s));
+        assert_float_equal(s.uv_rate, known[i].rate, 1e-4f);
+        assert_true(s.footprint == 0.0f);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(knows_bounds),          cmocka_unit_test(fills_surfels),
-        cmocka_unit_test(queries_agree),         cmocka_unit_test(survives_every_ray),
-        cmocka_unit_test(builds_an_empty_scene), cmocka_unit_test(refuses_degenerate_shapes),
+        cmocka_unit_test(knows_bounds),
+        cmocka_unit_test(fills_surfels),
+        cmocka_unit_test(queries_agree),
+        cmocka_unit_test(survives_every_ray),
+        cmocka_unit_test(tells_the_rate_of_coordinates),
+        cmocka_unit_test(builds_an_empty_scene),
+        cmocka_unit_test(refuses_degenerate_shapes),
     };
     return cmocka_run_group_tests(tests, make_room, free_room);
 }
