@@ -70,6 +70,14 @@ static struct clearing find_clearing(const struct photon_precompute *what, size_
     return clearing;
 }
 
+// How far from the entry a wall or an edge is at least, by the sectors of its disc.
+static float clear_radius(const struct photon_disc *disc) {
+    float inverse = 1.0f;
+    for (int i = 0; disc->corrected && i < AREA_SECTORS; i++)
+        inverse = fmaxf(inverse, disc->area.inverse[i]);
+    return disc->r / inverse;
+}
+
 static void precompute_one(struct precompute *job, size_t entry, const struct clearing *clearing,
                            const int *row, const float *distance2) {
     const struct photon_precompute *what = job->what;
@@ -84,6 +92,7 @@ static void precompute_one(struct precompute *job, size_t entry, const struct cl
     what->map->open[entry] = !disc.corrected;
     job->out->E[entry] = photon_disc_irradiance(&disc);
     job->out->radius[entry] = disc.r;
+    job->out->clear[entry] = clear_radius(&disc);
 }
 
 static void precompute_chunk(void *ctx, size_t begin, size_t end, int worker) {
@@ -161,7 +170,8 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
     r.row = array_new(6 * r.count, sizeof *r.row);
     r.E = array_new(r.count, sizeof *r.E);
     r.radius = array_new(r.count, sizeof *r.radius);
-    if (map->open && r.row && r.E && r.radius) {
+    r.clear = array_new(r.count, sizeof *r.clear);
+    if (map->open && r.row && r.E && r.radius && r.clear) {
         struct precompute job = {.what = what, .out = &r};
         atomic_init(&job.failed, false);
         if (!parallel_for(pool, r.count, GRAIN, precompute_chunk, &job))
@@ -187,11 +197,12 @@ void photon_irradiance_free(struct photon_irradiance *irradiance) {
     free(irradiance->row);
     free(irradiance->E);
     free(irradiance->radius);
+    free(irradiance->clear);
     *irradiance = (struct photon_irradiance){0};
 }
 
 size_t photon_irradiance_bytes(const struct photon_irradiance *irradiance) {
-    return irradiance->count * (6 * sizeof(float) + sizeof(rgb) + sizeof(float)) +
+    return irradiance->count * (6 * sizeof(float) + sizeof(rgb) + 2 * sizeof(float)) +
            photon_index_bytes(irradiance->index);
 }
 
@@ -219,25 +230,25 @@ bool photon_irradiance_sees(const struct photon_irradiance *r, const struct sati
     return !scene_occluded(scene, &ray);
 }
 
-// Whether p may lie behind a wall: not within the disc of an open entry.
-static bool hidden(const struct photon_irradiance *r, const struct satin_scene *scene,
-                   const uint8_t *open, int entry, vec3 p, vec3 n) {
-    float radius = r->radius[entry];
-    if (open[entry] && v3_dist2(place_of(r, entry), p) <= radius * radius) return false;
-    return !photon_irradiance_sees(r, scene, entry, p, n);
+// Whether p lies behind a wall.
+static bool hidden(const struct photon_irradiance *r, const struct satin_scene *scene, int entry,
+                   vec3 p, vec3 n) {
+    float clear = r->clear[entry];
+    return v3_dist2(place_of(r, entry), p) > clear * clear &&
+           !photon_irradiance_sees(r, scene, entry, p, n);
 }
 
 // The nearest entry that faces as n does, among a few, and of which no wall hides p; -1 if there is
-// none. `open` NULL: walls do not matter.
+// none. `scene` NULL: walls do not matter.
 static int search_facing(const struct photon_irradiance *r, const float *query, vec3 n,
-                         const struct satin_scene *scene, const uint8_t *open) {
+                         const struct satin_scene *scene) {
     const vec3 p = v3(query[0], query[1], query[2]);
     int row[RETRY_K], best = -1;
     float distance2[RETRY_K], least = INFINITY;
     photon_index_nearest(r->index, query, 1, RETRY_K, row, distance2);
     for (int i = 0; i < RETRY_K; i++) {
         if (row[i] < 0 || distance2[i] >= least || !faces(r, row[i], n)) continue;
-        if (open && hidden(r, scene, open, row[i], p, n)) continue;
+        if (scene && hidden(r, scene, row[i], p, n)) continue;
         best = row[i];
         least = distance2[i];
     }
@@ -250,7 +261,7 @@ int photon_irradiance_entry(const struct photon_irradiance *r, vec3 p, vec3 n) {
     if (r->count == 0) return -1;
     set_row(query, p, n, r->scale);
     photon_index_nearest(r->index, query, 1, 1, &row, &distance2);
-    return row >= 0 && !faces(r, row, n) ? search_facing(r, query, n, NULL, NULL) : row;
+    return row >= 0 && !faces(r, row, n) ? search_facing(r, query, n, NULL) : row;
 }
 
 rgb photon_irradiance_value(const struct photon_irradiance *r, int entry, vec3 p) {
@@ -264,7 +275,6 @@ rgb photon_irradiance_value(const struct photon_irradiance *r, int entry, vec3 p
 void photon_irradiance_many(const struct photon_maps *maps, const struct satin_scene *scene,
                             size_t count, const vec3 *p, const vec3 *n, rgb *E, float *radius) {
     const struct photon_irradiance *r = &maps->irradiance;
-    const uint8_t *open = maps->global.open;
     float query[6 * BATCH], distance2[BATCH];
     int row[BATCH];
     for (size_t at = 0; at < count; at += BATCH) {
@@ -276,9 +286,8 @@ void photon_irradiance_many(const struct photon_maps *maps, const struct satin_s
         if (r->count > 0) photon_index_nearest(r->index, query, batch, 1, row, distance2);
         for (size_t i = 0; i < batch; i++) {
             size_t j = at + i;
-            if (row[i] >= 0 &&
-                (!faces(r, row[i], n[j]) || hidden(r, scene, open, row[i], p[j], n[j])))
-                row[i] = search_facing(r, query + 6 * i, n[j], scene, open);
+            if (row[i] >= 0 && (!faces(r, row[i], n[j]) || hidden(r, scene, row[i], p[j], n[j])))
+                row[i] = search_facing(r, query + 6 * i, n[j], scene);
             E[j] = photon_irradiance_value(r, row[i], p[j]);
             radius[j] = row[i] >= 0 ? r->radius[row[i]] : INFINITY;
         }

@@ -187,7 +187,8 @@ struct photon_irradiance {
     size_t count;
     float *row;  // 6 per entry: position, scale * normal
     rgb *E;
-    float *radius;
+    float *radius;  // of its estimate
+    float *clear;   // within this no wall or edge cuts its disc
     float scale;
     float reach2;  // of an entry, in units of its squared radius
     struct photon_index *index;
