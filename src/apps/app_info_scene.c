@@ -10,8 +10,11 @@
 #include "shade/shade.h"
 
 static void print_camera(const struct satin_scene *scene) {
-    static const char *const filter[] = {
-        [FILTER_BOX] = "box", [FILTER_TENT] = "tent", [FILTER_GAUSSIAN] = "gaussian"};
+    static const char *const filter[] = {[FILTER_BOX] = "box",
+                                         [FILTER_TENT] = "tent",
+                                         [FILTER_GAUSSIAN] = "gaussian",
+                                         [FILTER_CUBIC] = "cubic",
+                                         [FILTER_LANCZOS] = "lanczos"};
     const struct camera *c = &scene->camera;
     const struct film_spec *f = &scene->film;
     vec3 eye = mat4_point(&c->to_world, v3(0, 0, 0));
@@ -169,7 +172,8 @@ static void print_lights(const struct satin_scene *scene) {
     printf("lights     %" PRIu32 "\n", scene->light_count);
     for (uint32_t i = 0; i < scene->light_count && i < SHOWN; i++) {
         const struct light *light = &scene->light[i];
-        printf("  %-12s power %.4g W (%.3g %%)\n", name[light->kind], (double)light->power,
+        printf("  %-12s power %.4g W (%.3g %%)\n",
+               light->sun_chord > 0.0f ? "preethamsky" : name[light->kind], (double)light->power,
                total > 0.0 ? 100.0 * (double)light->power / total : 0.0);
     }
     if (scene->light_count > SHOWN) printf("  and %" PRIu32 " more\n", scene->light_count - SHOWN);
