@@ -50,7 +50,7 @@ const satin_options satin_options_default = {
     .radiance_max_pixels = 20.0f,
     .adaptive_cache = true,
     .origin_shift = true,
-    .gather_room = 0.1f,
+    .gather_room = 0.05f,
     .leak_test = true,
 };
 
