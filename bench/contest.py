@@ -9,7 +9,7 @@ import dataclasses
 
 import runs
 
-IMAGE = ["--spp", "64", "--set", "adaptive=off"]
+IMAGE = ["--spp", "16", "--set", "adaptive=off"]     # the same noise in all
 CLOSE = 0.02    # numbers of records are equal within this
 STEP = 5 / 6    # of the accuracy, in search of the equal error
 MOST = 12       # such steps
@@ -26,10 +26,11 @@ class Contest:
     plain: str
     accuracy: str       # the option that sets how many records the plain way makes
     counted: str        # the statistic that counts them
+    both: tuple = ()    # options of both ways
 
     def fill_plain(self, out, a, more):
         return runs.render(self.options, self.scene, f"{self.name}-{out}", "--set", self.plain,
-                           "--set", f"{self.accuracy}={a:.5f}", *more)
+                           "--set", f"{self.accuracy}={a:.5f}", *self.both, *more)
 
     def equal_count(self, wanted):
         """The accuracy at which the plain way makes as many records, or the nearest in 10 tries."""
@@ -65,7 +66,7 @@ class Contest:
     def run(self):
         """Prints the rows of a table under HEAD."""
         image, stats = runs.render(self.options, self.scene, self.name + "-better", "--set",
-                                   self.better, *IMAGE)
+                                   self.better, *self.both, *IMAGE)
         wanted, count = self.row(self.better, image, stats), stats[self.counted]
         a = self.equal_count(count)
         image, stats = self.fill_plain("plain", a, IMAGE)

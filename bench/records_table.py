@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Error, records and CPU seconds on the data scenes at each quality, as a table in Markdown.
 
-  bench/records_table.py DIR [--binary NAME=SATIN ...] [--scene NAME ...] [--seeds N]
+  bench/records_table.py DIR [--binary NAME=SATIN ...] [--scene NAME ...] [--quality NAME ...]
 
 Several binaries are set side by side, for a change before and after. DIR holds the references of
 `bench/quality.py references DIR`. Figures are means over N seeds.
@@ -39,6 +39,7 @@ def main():
     parser = runs.parser(__doc__)
     parser.add_argument("--binary", action="append", metavar="NAME=SATIN")
     parser.add_argument("--scene", action="append", choices=SCENES)
+    parser.add_argument("--quality", action="append", choices=QUALITIES)
     parser.add_argument("--seeds", type=int, default=1)
     options = parser.parse_args()
     binaries = [b.split("=", 1) for b in options.binary or ["satin=" + options.satin]]
@@ -47,7 +48,7 @@ def main():
     print("| scene | quality | " + " | ".join(heads) + " |")
     print("|---|---|" + "---|" * len(heads))
     for scene in options.scene or SCENES:
-        for quality in QUALITIES:
+        for quality in options.quality or QUALITIES:
             cells = [measure(options, satin, scene, quality) for _, satin in binaries]
             print(f"| {scene} | {quality} | " + " | ".join(cells) + " |", flush=True)
 
