@@ -41,10 +41,12 @@ static void be_silent(exr_const_context_t exr, exr_result_t code, const char *me
 // Takes the place of the pipeline's last step, writing: chunks finish in any order here.
 static exr_result_t keep_chunk(exr_encode_pipeline_t *pipe) {
     struct chunk *chunk = pipe->encoding_user_data;
-    chunk->data = malloc(pipe->compressed_bytes ? pipe->compressed_bytes : 1);
+    // A chunk as long as the plain one is read as the plain one.
+    bool shorter = pipe->compressed_bytes < pipe->packed_bytes;
+    chunk->bytes = shorter ? pipe->compressed_bytes : pipe->packed_bytes;
+    chunk->data = malloc(chunk->bytes ? chunk->bytes : 1);
     if (!chunk->data) return EXR_ERR_OUT_OF_MEMORY;
-    memcpy(chunk->data, pipe->compressed_buffer, pipe->compressed_bytes);
-    chunk->bytes = pipe->compressed_bytes;
+    memcpy(chunk->data, shorter ? pipe->compressed_buffer : pipe->packed_buffer, chunk->bytes);
     return EXR_ERR_SUCCESS;
 }
 
