@@ -92,11 +92,14 @@ bool cache_tree_insert(struct cache_tree *tree, const struct cache_head *head) {
     int depth = level_of(tree, head->reach);
     float size = ldexpf(tree->size, -depth);
     // Cells of that level, numbered from the root's corner, that the sphere's box touches.
-    vec3 from = v3_mul(v3_sub(v3_sub(head->p, tree->lo), v3(head->reach, head->reach, head->reach)),
-                       1.0f / size);
-    int first[3] = {(int)floorf(from.x), (int)floorf(from.y), (int)floorf(from.z)},
-        most = 1 << depth;
-    enum { SPAN = 6 };  // 2 reach / size <= 4, and a cell on either side
+    const float p[3] = {head->p.x - tree->lo.x, head->p.y - tree->lo.y, head->p.z - tree->lo.z};
+    const int most = 1 << depth;
+    int first[3], last[3];
+    for (int k = 0; k < 3; k++) {
+        first[k] = (int)fmaxf(floorf((p[k] - head->reach) / size), 0.0f);
+        last[k] = (int)fminf(floorf((p[k] + head->reach) / size), (float)(most - 1));
+    }
+    enum { SPAN = 6 };  // 2 reach / size <= 4 but at the root, and a cell on either side
     if (!array_reserve((void **)&tree->head, &tree->head_capacity, tree->head_count + 1,
                        sizeof *tree->head) ||
         !array_reserve((void **)&tree->node, &tree->node_capacity,
@@ -108,14 +111,13 @@ bool cache_tree_insert(struct cache_tree *tree, const struct cache_head *head) {
     if (tree->node_count == 0) node_new(tree);
     uint32_t record = (uint32_t)tree->head_count;
     tree->head[tree->head_count++] = *head;
-    for (int i = 0; i < SPAN * SPAN * SPAN; i++) {
-        int x = first[0] + i % SPAN, y = first[1] + i / SPAN % SPAN,
-            z = first[2] + i / (SPAN * SPAN);
-        if (x < 0 || y < 0 || z < 0 || x >= most || y >= most || z >= most) continue;
-        vec3 centre = v3_add(tree->lo, v3(((float)x + 0.5f) * size, ((float)y + 0.5f) * size,
-                                          ((float)z + 0.5f) * size));
-        if (cell_meets(head, centre, size)) add_reference(tree, centre, depth, record);
-    }
+    for (int z = first[2]; z <= last[2]; z++)
+        for (int y = first[1]; y <= last[1]; y++)
+            for (int x = first[0]; x <= last[0]; x++) {
+                vec3 centre = v3_mul(v3((float)x + 0.5f, (float)y + 0.5f, (float)z + 0.5f), size);
+                centre = v3_add(tree->lo, centre);
+                if (cell_meets(head, centre, size)) add_reference(tree, centre, depth, record);
+            }
     return true;
 }
 

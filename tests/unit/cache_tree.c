@@ -140,6 +140,19 @@ static void an_ellipse_and_a_scale_shorten_the_reach(void **state) {
     cache_tree_free(&tree);
 }
 
+// A record that reaches beyond all of the scene is found everywhere in it.
+static void a_reach_beyond_the_scene_is_found(void **state) {
+    (void)state;
+    struct cache_tree tree;
+    cache_tree_init(&tree, v3(-1, -1, -1), v3(1, 1, 1));
+    const vec3 up = v3(0, 0, 1);
+    struct cache_head head = {.R = 2e9f, .n = up, .reach = 1e9f, .scale = 1.0f};
+    assert_true(cache_tree_insert(&tree, &head));
+    assert_true(cache_tree_covered(&tree, v3(0.9f, -0.9f, 0), up, 0.5f));
+    assert_true(cache_tree_covered(&tree, v3(-0.2f, 0.9f, 0), up, 0.5f));
+    cache_tree_free(&tree);
+}
+
 static void nearest_is_of_this_side_and_layer(void **state) {
     (void)state;
     struct cache_tree tree;
@@ -162,6 +175,7 @@ static void nearest_is_of_this_side_and_layer(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_ellipse_and_a_scale_shorten_the_reach),
+        cmocka_unit_test(a_reach_beyond_the_scene_is_found),
         cmocka_unit_test(nearest_is_of_this_side_and_layer),
         cmocka_unit_test(finds_all_and_only_S),
         cmocka_unit_test(rejects_points_in_front),
