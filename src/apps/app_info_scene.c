@@ -78,7 +78,7 @@ static void print_glossy(const struct materials *m, const struct material_side *
         return;
     }
     struct brdf_table_info info = brdf_range_info(table);
-    printf(", gloss by radiance records (order %d, error below %g, %.2g %% of directions)",
+    printf(", gloss by radiance records (order %d, error below %g, %.3g %% of directions)",
            info.order, (double)m->options->radiance_error, 100.0 * (double)info.share);
 }
 

@@ -47,7 +47,7 @@ const struct option options_table[] = {
      "1: emitters seen directly are black; 0: they are not; -1: the scene's, else 0."},
     {"light-samples", OPTION_INT, AT(light_samples), true, "1..1024",
      "Light samples per pixel sample at the first hit."},
-    {"glossy-samples", OPTION_INT, AT(glossy_samples), true, "1..4096",
+    {"glossy-samples", OPTION_INT, AT(glossy_samples), true, "1..256",
      "Gather rays per pixel sample for glossy reflection that is not cached."},
 
     {"photons", OPTION_COUNT, AT(photons), true, "0..1000000000000",
