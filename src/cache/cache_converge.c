@@ -48,7 +48,7 @@ static void contribute(struct cache_convergence *c, const struct cache_site *s,
                        struct cache_point *p, uint32_t record) {
     struct cache_contribution x = {record, c->change[record],
                                    cache_tree_error(&c->tree->head[record], s->p, s->frame.n),
-                                   -1.0f};
+                                   -1.0f, 0.0f};
     int at = p->count;
     if (at == CACHE_CONTRIBUTIONS) {
         at = 0;

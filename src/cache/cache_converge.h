@@ -14,12 +14,12 @@ struct cache_contribution {
     uint32_t change;  // of the record when it was last seen to be valid
     float error;      // d / R + sqrt(1 - n . n_i)
     float Y;          // luminance reflected; negative: not yet known
+    float noise;      // its standard deviation
 };
 
 struct cache_point {
     struct cache_contribution with[CACHE_CONTRIBUTIONS];
     float direct;                            // luminance; negative: not yet known
-    float noise;                             // of what is reflected over that of E, both relative
     uint8_t count, queued, bare, gives_way;  // the last: mask of contributions
 };
 

@@ -27,7 +27,7 @@ struct batch {
     enum cache_kind kind;
     struct job job[BATCH];
     int count;
-    float *coefficients;  // of radiance jobs: 9 * order^2 each
+    float *coefficients;  // of radiance jobs: 10 * order^2 each
     const struct cache_site **window;
     bool covered[WINDOW];  // of the sites from `window` on
 };
@@ -106,6 +106,7 @@ static void interleave(const struct gather_radiance *from, int n2, float *value)
     for (int k = 0; k < n2; k++)
         for (int i = 0; i < 3; i++)
             for (int c = 0; c < 3; c++) value[k * CACHE_LANES + 4 * i + c] = part[i][c * n2 + k];
+    for (int k = 0; k < n2; k++) value[k * CACHE_LANES + 3] = from->noise[k];
 }
 
 static bool insert_radiance(struct batch *b, struct job *job) {
@@ -125,18 +126,18 @@ static bool insert_radiance(struct batch *b, struct job *job) {
         x.across = fminf(x.across, x.R);
     }
     interleave(&job->radiance, n2, value);
-    c->radiance[tree->head_count] =
-        (struct cache_radiance_record){s->frame, value, job->around.deviation, x.room};
+    c->radiance[tree->head_count] = (struct cache_radiance_record){s->frame, value, x.room};
     c->rays += job->radiance.rays;
     return insert_head(tree, job, x, o->radiance_a, b->fill);
 }
 
 static void start_job(struct batch *b, const struct cache_site *site) {
-    const size_t n = 3 * (size_t)(b->cache->order * b->cache->order);
-    float *block = b->coefficients + 3 * n * (size_t)b->count;
+    const size_t n2 = (size_t)(b->cache->order * b->cache->order), n = 3 * n2;
+    float *block = b->coefficients + 10 * n2 * (size_t)b->count;
     struct job *job = &b->job[b->count++];
     job->site = site;
-    job->radiance = (struct gather_radiance){.lambda = block, .dx = block + n, .dy = block + 2 * n};
+    job->radiance = (struct gather_radiance){
+        .lambda = block, .dx = block + n, .dy = block + 2 * n, .noise = block + 3 * n};
 }
 
 // Whether a site lies apart from all members of the batch.
@@ -211,7 +212,7 @@ satin_status cache_fill(struct cache *cache, const struct cache_fill *fill) {
     struct batch *b = calloc(1, sizeof *b);
     if (b)
         b->coefficients =
-            array_new((size_t)(BATCH * 9 * cache->order * cache->order), sizeof(float));
+            array_new((size_t)(BATCH * 10 * cache->order * cache->order), sizeof(float));
     if (waiting && b && b->coefficients) {
         b->cache = cache;
         b->fill = fill;

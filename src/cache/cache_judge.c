@@ -7,13 +7,12 @@
 // Weber's law, with what is widely used in computer graphics [K05 6.4].
 static const float VISIBLE = 0.02f;
 
+// Differences of so many standard deviations may be noise. The thesis has one; over all points and
+// pairs of records that is met by chance, and shrunk records show more noise, not less.
+static const float DEVIATIONS = 2.5f;
+
 static struct cache_place place_of(const struct cache_site *s) {
     return (struct cache_place){s->p, s->frame.n, s->frame, 0.0f};
-}
-
-static float deviation(const struct cache_convergence *c, uint32_t record) {
-    return c->kind == CACHE_IRRADIANCE ? c->cache->irradiance[record].deviation
-                                       : c->cache->radiance[record].deviation;
 }
 
 void cache_judge_revise(const struct cache_convergence *c, const struct cache_site *s,
@@ -35,42 +34,37 @@ void cache_judge_revise(const struct cache_convergence *c, const struct cache_si
         if (p->with[i].error < c->a * c->tree->head[p->with[i].record].scale) p->bare = false;
 }
 
-// How much noisier than E a lobe's product with as many uniform samples is: by the mean square of
-// the lobe over its square mean, for the cosine 4 / 3. Harmonics give both.
-static float lobe_noise(const struct cache_convergence *c, const struct cache_lobe *lobe) {
-    const int n2 = lobe->order * lobe->order;
-    const float whole = c->cache->g->options->radiance_basis == SATIN_HSH ? 1.0f : 0.5f;
-    float sum = 0.0f;
-    for (int k = 0; k < n2; k++) sum += lobe->C[k] * lobe->C[k];
-    float mean2 = lobe->C[0] * lobe->C[0];
-    return mean2 > 0.0f ? sqrtf(fmaxf(0.75f * whole * sum / mean2, 1.0f)) : 1.0f;
-}
-
 static void look(const struct cache_convergence *c, const struct cache_site *s,
                  struct cache_point *p) {
     struct cache_surface surface;
     struct cache_place at = place_of(s);
     c->with->surface(c->with->user, s, &at, &surface);
-    p->noise = surface.lobe.order ? lobe_noise(c, &surface.lobe) : 1.0f;
-    for (int i = 0; i < p->count; i++)
-        if (p->with[i].Y < 0.0f)
-            p->with[i].Y = fmaxf(0.0f, cache_reflected(c->cache, c->kind, p->with[i].record, &at,
-                                                       c->read_a, &surface));
+    for (int i = 0; i < p->count; i++) {
+        struct cache_contribution *x = &p->with[i];
+        if (x->Y < 0.0f)
+            x->Y = fmaxf(0.0f, cache_reflected(c->cache, c->kind, x->record, &at, c->read_a,
+                                               &surface, &x->noise));
+    }
 }
 
-// Mean luminance of the contributions in `mask`, weighted by 1 / error, and its deviation.
-static float mean_of(const struct cache_convergence *c, const struct cache_point *p, unsigned mask,
-                     float *sigma) {
-    float sum = 0.0f, weights = 0.0f, spread = 0.0f;
+// Mean luminance of the contributions in `mask`, weighted by 1 / error.
+static float mean_of(const struct cache_point *p, unsigned mask) {
+    float sum = 0.0f, weights = 0.0f;
     for (int i = 0; i < p->count; i++) {
         if (!(mask >> i & 1u)) continue;
         float w = 1.0f / fmaxf(p->with[i].error, 1e-6f);
         sum += w * p->with[i].Y;
-        spread += w * p->with[i].Y * deviation(c, p->with[i].record);
         weights += w;
     }
-    *sigma = p->noise * spread / weights;
     return sum / weights;
+}
+
+// What noise may make of a difference: that of one record is too noisy itself to tell, so all that
+// reach the point are taken together.
+static float noise_of(const struct cache_point *p) {
+    float square = 0.0f;
+    for (int i = 0; i < p->count; i++) square += p->with[i].noise * p->with[i].noise;
+    return DEVIATIONS * sqrtf(square / (float)p->count);
 }
 
 // Whether a record may end before this point: not within the least radius of a record.
@@ -92,11 +86,11 @@ static bool visible(const struct cache_convergence *c, const struct cache_site *
 // Whether the mean of the contributions in `mask` visibly differs from that without one of them.
 static bool disagree(const struct cache_convergence *c, const struct cache_site *s,
                      struct cache_point *p, unsigned mask) {
-    float sigma, all = mean_of(c, p, mask, &sigma);
+    const float all = mean_of(p, mask), noise = noise_of(p);
     for (int i = 0; i < p->count; i++) {
         if (!(mask >> i & 1u)) continue;
-        float rest_sigma, rest = mean_of(c, p, mask & ~(1u << i), &rest_sigma);
-        if (visible(c, s, p, fabsf(all - rest), all, fmaxf(sigma, rest_sigma))) return true;
+        float rest = mean_of(p, mask & ~(1u << i));
+        if (visible(c, s, p, fabsf(all - rest), all, noise)) return true;
     }
     return false;
 }
@@ -105,13 +99,13 @@ static bool disagree(const struct cache_convergence *c, const struct cache_site 
 // with the square of the distance, so those hardly nearer have their part in it.
 static unsigned to_blame(const struct cache_convergence *c, const struct cache_site *s,
                          struct cache_point *p, unsigned rest, int worst) {
-    float sigma, all = mean_of(c, p, rest, &sigma);
+    const float all = mean_of(p, rest), noise = noise_of(p);
     const float difference = fabsf(p->with[worst].Y - all);
     const float far2 = p->with[worst].error * p->with[worst].error;
     unsigned blamed = 1u << worst;
     for (int i = 0; i < p->count; i++) {
         float near2 = p->with[i].error * p->with[i].error;
-        if (rest >> i & 1u && visible(c, s, p, difference * near2 / (near2 + far2), all, sigma))
+        if (rest >> i & 1u && visible(c, s, p, difference * near2 / (near2 + far2), all, noise))
             blamed |= 1u << i;
     }
     return blamed;

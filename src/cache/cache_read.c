@@ -77,9 +77,9 @@ static bool same_frame(const struct frame *a, const struct frame *b) {
     return v3_dot(a->n, b->n) > 1.0f - 1e-6f && v3_dot(a->u, b->u) > 1.0f - 1e-6f;
 }
 
-// sum_k C_k (Lambda + dx d/dx + dy d/dy)_k of one record, per colour.
+// sum_k C_k (Lambda + dx d/dx + dy d/dy)_k of one record, per colour, and its noise.
 static void product(const struct cache_radiance_record *record, const struct cache_lobe *lobe,
-                    float dx, float dy, float out[3]) {
+                    float dx, float dy, float out[4]) {
     const int n2 = lobe->order * lobe->order;
     float sum[CACHE_LANES] = {0};
     const float *v = record->value;
@@ -88,23 +88,27 @@ static void product(const struct cache_radiance_record *record, const struct cac
             for (int i = 0; i < CACHE_LANES; i++) sum[i] += lobe->C[k] * v[i];
     } else {
         for (int k = 0; k < n2; k++, v += CACHE_LANES) {
-            const float c[4] = {lobe->C[k], lobe->C[n2 + k], lobe->C[2 * n2 + k], 0.0f};
+            const float r = lobe->C[k], g = lobe->C[n2 + k], b = lobe->C[2 * n2 + k];
+            const float c[4] = {r, g, b, rgb_luminance(rgb_make(r, g, b))};
             for (int i = 0; i < CACHE_LANES; i++) sum[i] += c[i % 4] * v[i];
         }
     }
     for (int c = 0; c < 3; c++) out[c] = sum[c] + dx * sum[4 + c] + dy * sum[8 + c];
+    out[3] = fabsf(sum[3]);
 }
 
-// What a lobe, given in the place's frame, reflects of one record.
+// What a lobe, given in the place's frame, reflects of one record; *noise, if not NULL, gets that
+// of its luminance.
 static rgb radiance_of(const struct cache *cache, uint32_t index, const struct cache_place *at,
-                       float a, struct cache_lobe lobe) {
+                       float a, struct cache_lobe lobe, float *noise) {
     const struct cache_radiance_record *record = &cache->radiance[index];
     const float on = cache->g->options->radiance_gradients != SATIN_GRADIENTS_NONE ? 1.0f : 0.0f;
     const vec3 d = way_from(&cache->radiance_tree.head[index], at->p, a);
-    float turned[3 * RSH_MAX_COEFFICIENTS], value[3];
+    float turned[3 * RSH_MAX_COEFFICIENTS], value[4];
     if (!same_frame(&at->frame, &record->frame))
         cache_turn(cache, &at->frame, &record->frame, &lobe, turned);
     product(record, &lobe, on * v3_dot(d, record->frame.u), on * v3_dot(d, record->frame.v), value);
+    if (noise) *noise = value[3];
     return rgb_make(value[0], value[1], value[2]);
 }
 
@@ -123,8 +127,8 @@ int cache_radiance(const struct cache *cache, const struct cache_place *at, floa
     for (int i = 0; i < count; i++) {
         const uint32_t record = near[i].record;
         const float w = near[i].weight;
-        if (lobe) shine = rgb_mad(shine, radiance_of(cache, record, at, a, *lobe), w);
-        if (E) diffuse = rgb_mad(diffuse, radiance_of(cache, record, at, a, cosine), w);
+        if (lobe) shine = rgb_mad(shine, radiance_of(cache, record, at, a, *lobe, NULL), w);
+        if (E) diffuse = rgb_mad(diffuse, radiance_of(cache, record, at, a, cosine, NULL), w);
         weights += w;
     }
     if (lobe) *glossy = not_negative(rgb_scale(shine, 1.0f / weights));
@@ -133,14 +137,24 @@ int cache_radiance(const struct cache *cache, const struct cache_place *at, floa
 }
 
 float cache_reflected(const struct cache *cache, enum cache_kind kind, uint32_t record,
-                      const struct cache_place *at, float a, const struct cache_surface *surface) {
+                      const struct cache_place *at, float a, const struct cache_surface *surface,
+                      float *noise) {
     rgb L = rgb_grey(0.0f);
-    if (kind == CACHE_IRRADIANCE)
-        return rgb_luminance(rgb_mul(surface->diffuse, irradiance_of(cache, record, at, a)));
+    *noise = 0.0f;
+    if (kind == CACHE_IRRADIANCE) {
+        float Y = rgb_luminance(rgb_mul(surface->diffuse, irradiance_of(cache, record, at, a)));
+        *noise = cache->irradiance[record].deviation * Y;
+        return Y;
+    }
     const struct cache_lobe cosine = {cache->cosine, cache->cosine_order, 1};
-    if (surface->lobe.order)
-        L = rgb_mul(surface->specular, radiance_of(cache, record, at, a, surface->lobe));
-    if (!rgb_black(surface->diffuse))
-        L = rgb_fma(L, surface->diffuse, radiance_of(cache, record, at, a, cosine));
+    float part = 0.0f;
+    if (surface->lobe.order) {
+        L = rgb_mul(surface->specular, radiance_of(cache, record, at, a, surface->lobe, &part));
+        *noise += part * rgb_luminance(surface->specular);
+    }
+    if (!rgb_black(surface->diffuse)) {
+        L = rgb_fma(L, surface->diffuse, radiance_of(cache, record, at, a, cosine, &part));
+        *noise += part * rgb_luminance(surface->diffuse);
+    }
     return rgb_luminance(L);
 }

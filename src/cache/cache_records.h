@@ -7,14 +7,13 @@
 #include "cache/cache_tree.h"
 
 // A radiance record's value, laid out for products with a BRDF: for each coefficient k, CACHE_LANES
-// floats: Lambda r g b 0, d/dx r g b 0, d/dy r g b 0.
+// floats: Lambda r g b and its noise, d/dx r g b 0, d/dy r g b 0.
 enum { CACHE_LANES = 12 };
 
 struct cache_radiance_record {
     struct frame frame;
-    float *value;     // order^2 * CACHE_LANES
-    float deviation;  // standard deviation of E over E
-    float room;       // as above
+    float *value;  // order^2 * CACHE_LANES
+    float room;    // as above
 };
 
 struct cache_irradiance_record {
@@ -74,9 +73,11 @@ uint32_t cache_leak_walls(const struct gather_around *around, float reach, float
 // The records to interpolate at a place, without those that do not see it.
 int cache_find(const struct cache *cache, const struct cache_tree *tree, vec3 p, vec3 n, float a,
                struct cache_near near[CACHE_NEAR_MAX]);
-// Luminance of what a surface reflects of one record.
+// Luminance of what a surface reflects of one record; *noise gets its standard deviation, or for
+// radiance one sample of it.
 float cache_reflected(const struct cache *cache, enum cache_kind kind, uint32_t record,
-                      const struct cache_place *at, float a, const struct cache_surface *surface);
+                      const struct cache_place *at, float a, const struct cache_surface *surface,
+                      float *noise);
 // Whether a wall stands between the record and the point.
 bool cache_leaks(const struct cache *cache, const struct cache_head *head, vec3 p);
 

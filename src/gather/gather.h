@@ -133,6 +133,9 @@ struct gather_irradiance {
 // channel), owned by the caller; dx and dy may be NULL.
 struct gather_radiance {
     float *lambda, *dx, *dy;
+    // order^2, or NULL: luminance projected with alternating signs of the cells. Its product with a
+    // lobe has the standard deviation of what the lobe reflects of lambda.
+    float *noise;
     uint32_t rays;
 };
 

@@ -79,6 +79,23 @@ static void radiance_gradients(const struct gather_cells *cells, satin_gradients
         gather_stratified_radiance(cells, dx, dy);
 }
 
+// What is projected when every second cell counts negatively: signal cancels, noise does not.
+static void project_noise(const struct gather_layout *l, struct gather_scratch *scratch,
+                          float weight, float *noise) {
+    const size_t n2 = (size_t)(l->order * l->order);
+    float sum[3 * RSH_MAX_COEFFICIENTS] = {0};
+    for (int j = 0; j < l->M; j++)
+        for (int k = 0; k < l->N; k++) {
+            size_t i = (size_t)(j * l->N + k);
+            float L = weight * rgb_luminance(scratch->rays[i].L);
+            scratch->r[i] = (j + k) & 1 ? -L : L;
+            scratch->g[i] = scratch->b[i] = 0.0f;
+        }
+    rsh_project(l->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, l->order, l->M * l->N,
+                scratch->x, scratch->y, scratch->z, scratch->r, scratch->g, scratch->b, sum);
+    memcpy(noise, sum, n2 * sizeof *noise);
+}
+
 void gather_hemisphere_radiance(const struct gather *g, const struct gather_layout *layout,
                                 struct gather_scratch *scratch, const struct gather_site *site,
                                 struct gather_radiance *out) {
@@ -98,5 +115,6 @@ void gather_hemisphere_radiance(const struct gather *g, const struct gather_layo
                 out->lambda);
     out->rays = (uint32_t)count;
     const struct gather_cells cells = {layout, &site->frame, scratch};
+    if (out->noise) project_noise(layout, scratch, weight, out->noise);
     if (out->dx) radiance_gradients(&cells, g->options->radiance_gradients, out->dx, out->dy);
 }
