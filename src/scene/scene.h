@@ -290,7 +290,8 @@ struct satin_scene {
     float radius;               // of the sphere around the bounds, > 0
     float grain;                // a length: coordinates are good to some ulp of it at least
     uint64_t triangle_count;
-    uint64_t hash;
+    uint64_t hash;   // of everything that was read
+    uint64_t world;  // the same without how it is looked at: sensor and integrator
 };
 
 // ---- Rays (scene_trace.c) ---------------------------------------------------------------------

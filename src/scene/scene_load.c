@@ -19,7 +19,7 @@ const char *scene_keep_text(struct scene_loader *loader, const char *text) {
 satin_status scene_params(struct scene_loader *loader, struct xml_node *node, struct params *out) {
     const struct plugin_spec *plugin = scene_plugin_find(loader->log, node);
     if (!plugin) return SATIN_ERROR_INPUT;
-    struct param_source source = {loader->log, &loader->xml, &loader->scene->hash};
+    struct param_source source = {loader->log, &loader->xml, &loader->scene->world};
     return params_read(source, plugin, node, out);
 }
 
@@ -28,7 +28,7 @@ satin_status scene_file_source(struct scene_loader *loader, const struct param_v
     char *path = scene_xml_resolve(&loader->xml, name->place, name->s);
     if (!path) return scene_no_memory(loader);
     *out = (struct scene_source){loader->log, name->place, &loader->scene->arena, path,
-                                 &loader->scene->hash};
+                                 &loader->scene->world};
     return SATIN_OK;
 }
 
@@ -119,9 +119,21 @@ static satin_status check_power(const struct scene_loader *loader) {
                     loader->path);
 }
 
+// Continues the hash over an element and what it holds, but for sensors and integrators.
+static uint64_t hash_world(uint64_t hash, const struct xml_node *node) {
+    if (node->tag == XML_SENSOR || node->tag == XML_INTEGRATOR) return hash;
+    const unsigned char head[3] = {(unsigned char)node->tag, node->old, node->encoded};
+    hash = fileio_hash(hash, head, sizeof head);
+    for (const char *const *text = node->attribute; *text; text++)
+        hash = fileio_hash(hash, *text, strlen(*text) + 1);
+    for (const struct xml_node *child = node->child; child; child = child->next)
+        hash = hash_world(hash, child);
+    return fileio_hash(hash, ")", 1);
+}
+
 static satin_status load(struct scene_loader *loader) {
     struct params p;
-    struct param_source source = {loader->log, &loader->xml, &loader->scene->hash};
+    struct param_source source = {loader->log, &loader->xml, &loader->scene->world};
     satin_status status = params_read(source, &scene_plugin, loader->xml.root, &p);
     if (status == SATIN_OK) status = build_objects(loader);
     if (status == SATIN_OK) status = check_unused(loader);
@@ -143,7 +155,13 @@ satin_status satin_scene_load(const char *path, const satin_define *defines, siz
     loader.scene->hints = (struct scene_hints){.max_depth = -2, .hide_emitters = -1};
     satin_status status =
         scene_xml_read(loader.log, path, defines, define_count, &loader.scene->hash, &loader.xml);
-    if (status == SATIN_OK) status = load(&loader);
+    // What the files hold goes into the world's hash as they are read.
+    if (status == SATIN_OK) {
+        loader.scene->world = hash_world(FILEIO_HASH, loader.xml.root);
+        status = load(&loader);
+        const uint64_t world = loader.scene->world;
+        loader.scene->hash = fileio_hash(loader.scene->hash, &world, sizeof world);
+    }
     scene_xml_free(&loader.xml);
     free(loader.shape);
     free(loader.material);

@@ -138,6 +138,7 @@ static void hashes_all_that_is_read(void **state) {
     struct satin_scene *c = load(text);
     assert_true(satin_scene_hash(a) == satin_scene_hash(b));
     assert_true(satin_scene_hash(a) != satin_scene_hash(c));
+    assert_true(a->world == b->world && a->world != c->world);
     satin_scene_free(a);
     satin_scene_free(b);
     satin_scene_free(c);
