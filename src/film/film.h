@@ -41,6 +41,20 @@ satin_status film_write_exr(const struct satin_film *film, const char *path, str
 satin_status film_parse_exr(const void *data, size_t size, const char *name, struct log log,
                             struct satin_film **film);
 
+// The sRGB transfer function in 8 bits; NaN and negative values are black.
+unsigned char film_encode_srgb(float linear);
+// Writes a PNG of 8-bit sRGB pixels; `path` appears whole or not at all.
+satin_status film_write_pixels(const char *path, int width, int height, const unsigned char *rgb,
+                               struct log log);
+// A picture of one number per pixel (film_map.c): black where it is 0 or not finite, then from dark
+// blue to light yellow, evenly in lightness, up to *top: almost the largest value, so that a few
+// do not darken the others.
+satin_status film_write_map(const struct satin_film *film, const float *value, const char *path,
+                            struct log log, float *top);
+// The beauty in grey, and over it the share `dot` of each pixel in one colour.
+satin_status film_write_dots(const struct satin_film *film, const float *dot, const char *path,
+                             struct log log);
+
 // How far an image is from a reference; film_compare.c defines each figure.
 struct film_difference {
     double rmse;         // linear, over pixels and channels

@@ -8,25 +8,29 @@
 #include "base/fileio.h"
 #include "film/film.h"
 
-// The sRGB transfer function, IEC 61966-2-1. NaN and negative values are black.
-static unsigned char encode_srgb(float linear) {
+// IEC 61966-2-1.
+unsigned char film_encode_srgb(float linear) {
     if (!(linear > 0.0f)) return 0;
     if (linear >= 1.0f) return 255;
     float v = linear <= 0.0031308f ? 12.92f * linear : 1.055f * powf(linear, 1.0f / 2.4f) - 0.055f;
     return (unsigned char)(255.0f * v + 0.5f);
 }
 
-static satin_status write_pixels(const char *path, png_image *image, const unsigned char *pixel,
-                                 struct log log) {
+satin_status film_write_pixels(const char *path, int width, int height, const unsigned char *rgb,
+                               struct log log) {
+    png_image image = {.version = PNG_IMAGE_VERSION,
+                       .width = (png_uint_32)width,
+                       .height = (png_uint_32)height,
+                       .format = PNG_FORMAT_RGB};
     // The bound of libpng's own macro for incompressible data, so one encoding suffices.
-    png_alloc_size_t bytes = PNG_IMAGE_PNG_SIZE_MAX(*image);
+    png_alloc_size_t bytes = PNG_IMAGE_PNG_SIZE_MAX(image);
     void *file = malloc(bytes);
     if (!file) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
     satin_status status;
-    if (png_image_write_to_memory(image, file, &bytes, 0, pixel, 0, NULL))
+    if (png_image_write_to_memory(&image, file, &bytes, 0, rgb, 0, NULL))
         status = fileio_write(log, path, file, bytes);
     else
-        status = log_fail(log, SATIN_ERROR_INTERNAL, "%s: PNG: %s", path, image->message);
+        status = log_fail(log, SATIN_ERROR_INTERNAL, "%s: PNG: %s", path, image.message);
     free(file);
     return status;
 }
@@ -42,12 +46,8 @@ satin_status satin_film_write_png(const satin_film *film, const char *path, sati
     unsigned char *rgb = malloc(3 * pixels);
     if (!rgb) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
     for (size_t i = 0; i < pixels; i++)
-        for (int c = 0; c < 3; c++) rgb[3 * i + (size_t)c] = encode_srgb(beauty[c][i]);
-    png_image image = {.version = PNG_IMAGE_VERSION,
-                       .width = (png_uint_32)film->width,
-                       .height = (png_uint_32)film->height,
-                       .format = PNG_FORMAT_RGB};
-    satin_status status = write_pixels(path, &image, rgb, log);
+        for (int c = 0; c < 3; c++) rgb[3 * i + (size_t)c] = film_encode_srgb(beauty[c][i]);
+    satin_status status = film_write_pixels(path, film->width, film->height, rgb, log);
     free(rgb);
     return status;
 }
