@@ -117,7 +117,8 @@ typedef struct satin_options {
     // Where the R that records should have is less than this part of the least that pixels allow,
     // the image pass gathers.
     float gather_room;
-    bool leak_test;  // records do not serve points that a wall hides from them
+    bool leak_test;    // records do not serve points that a wall hides from them
+    bool record_maps;  // the film gets channels that show the records
 
     // Materials, by the ids of their BRDFs, whose glossy lobes are cached whatever their error, or
     // sampled: "floor=on,vase=off". Ended by 0.

@@ -27,6 +27,10 @@ typedef struct satin_callbacks {
     void *log_user;
     satin_progress_fn progress;  // NULL: no progress, no cancellation
     void *progress_user;
+    // Files of cache records: read before records are made, and written after. NULL: none. The file
+    // must have been made for the same scene, whatever its sensor, and by the same options, but for
+    // those that do not decide records; else SATIN_ERROR_INPUT, with one logged line.
+    const char *load_cache, *save_cache;
 } satin_callbacks;
 
 // Renders. SATIN_CANCELLED if the progress function asked for it; *film is then the image so far,

@@ -18,6 +18,7 @@ enum app_exit app_exit_of(satin_status status);
 int app_render(int argc, char **argv);
 int app_compare(int argc, char **argv);
 int app_info(int argc, char **argv);
+int app_maps(int argc, char **argv);
 int app_help(int argc, char **argv);
 
 // Prints text from column `indent` on, wrapped at blanks; the cursor stands at column `at`.
@@ -31,7 +32,10 @@ void app_help_plugins(void);
 bool app_help_element(const char *topic);
 bool app_help_plugin(const char *element, const char *name, struct text_nearest *search);
 void app_help_plugins_markdown(void);
-// satin info of a scene (app_info_scene.c).
+// satin info of a file of cache records (app_info_cache.c), and of a scene (app_info_scene.c).
+// Whether a file begins with these, at most 16, bytes.
+bool app_info_starts(const char *path, const char *magic);
+satin_status app_info_cache(const char *path);
 satin_status app_info_scene(const char *path, const satin_define *define, size_t count);
 
 // ---- Arguments (app_args.c) ---------------------------------------------------------------------
@@ -56,6 +60,7 @@ extern const struct app_command app_commands[];  // ended by a NULL name
 extern const struct app_flag app_render_flags[];
 extern const struct app_flag app_compare_flags[];
 extern const struct app_flag app_info_flags[];
+extern const struct app_flag app_maps_flags[];
 extern const struct app_flag app_help_flags[];
 
 struct app_args {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// satin info: what a scene or an image holds, in words.
+// satin info: what a scene, an image or a file of cache records holds, in words.
 #include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "apps/app.h"
+#include "cache/cache.h"
 #include "film/film.h"
 
 enum { FLAG_DEFINE, FLAG_HELP };
@@ -17,6 +18,16 @@ const struct app_flag app_info_flags[] = {
     {"--help", "-h", NULL, "Prints this."},
     {NULL, NULL, NULL, NULL},
 };
+
+bool app_info_starts(const char *path, const char *magic) {
+    char head[16];
+    const size_t size = strlen(magic);
+    // Non-blocking, lest it wait for the other end of a named pipe.
+    int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    bool same = file >= 0 && read(file, head, size) == (ssize_t)size && !memcmp(head, magic, size);
+    if (file >= 0) close(file);
+    return same;
+}
 
 // ---- Images -------------------------------------------------------------------------------------
 
@@ -54,17 +65,11 @@ static satin_status describe_image(const char *path) {
 }
 
 static bool starts_as_image(const char *path) {
-    static const unsigned char magic[4] = {0x76, 0x2f, 0x31, 0x01};
-    unsigned char head[4];
     size_t length = strlen(path);
     // The name decides for a file that cannot be an image by its content, so that the message fits.
     if (length > 4 && strcmp(path + length - 4, ".exr") == 0) return true;
     if (length > 4 && strcmp(path + length - 4, ".xml") == 0) return false;
-    // Non-blocking, lest it wait for the other end of a named pipe.
-    int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    bool same = file >= 0 && read(file, head, 4) == 4 && memcmp(head, magic, 4) == 0;
-    if (file >= 0) close(file);
-    return same;
+    return app_info_starts(path, "\x76\x2f\x31\x01");
 }
 
 // ---- The command --------------------------------------------------------------------------------
@@ -100,6 +105,8 @@ int app_info(int argc, char **argv) {
     if (result == APP_DONE && path) {
         if (starts_as_image(path))
             result = app_exit_of(describe_image(path));
+        else if (app_info_starts(path, CACHE_FILE_MAGIC))
+            result = app_exit_of(app_info_cache(path));
         else
             result = app_exit_of(app_info_scene(path, define, defines));
     }

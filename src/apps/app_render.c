@@ -22,6 +22,8 @@ enum {
     FLAG_OUTPUT,
     FLAG_PNG,
     FLAG_STATS,
+    FLAG_LOAD,
+    FLAG_SAVE,
     FLAG_DEFINE,
     FLAG_SET,
     FLAG_QUIET,
@@ -34,6 +36,9 @@ const struct app_flag app_render_flags[] = {
      "The image, an OpenEXR file with all layers; or OUT.png, the beauty alone."},
     {"--png", NULL, "[FILE.png]", "The beauty as a PNG too, beside the image if no name is given."},
     {"--stats", NULL, "FILE.json", "Statistics as JSON; - for standard output."},
+    {"--load-cache", NULL, "FILE",
+     "Begins with the cache records of a render of the same scene, with any sensor."},
+    {"--save-cache", NULL, "FILE", "Keeps the cache records."},
     {"--define", "-D", "NAME=VALUE", "Replaces a default of the scene file; may be repeated."},
     {"--set", NULL, "OPTION=VALUE", "Sets any option of `satin help options`; may be repeated."},
     {"--quiet", "-q", NULL, "Prints errors only."},
@@ -52,7 +57,7 @@ const struct app_flag app_render_flags[] = {
 };
 
 struct request {
-    const char *scene, *output, *png, *stats;
+    const char *scene, *output, *png, *stats, *load, *save;
     bool want_png, quiet, help;
     satin_define *define;
     satin_setting *setting;
@@ -69,6 +74,12 @@ static int take_flag(struct request *r, int flag, char *value) {
             return APP_DONE;
         case FLAG_STATS:
             r->stats = value;
+            return APP_DONE;
+        case FLAG_LOAD:
+            r->load = value;
+            return APP_DONE;
+        case FLAG_SAVE:
+            r->save = value;
             return APP_DONE;
         case FLAG_QUIET:
             r->quiet = true;
@@ -170,6 +181,8 @@ static char *png_name(const char *output) {
     return name;
 }
 
+enum { OUTPUTS = 4 };
+
 static int check_outputs(struct request *r) {
     int status = check_format(r);
     if (status != APP_DONE) return status;
@@ -178,8 +191,8 @@ static int check_outputs(struct request *r) {
         if (!r->png) return APP_FAILED;
     }
     const char *stats = r->stats && strcmp(r->stats, "-") != 0 ? r->stats : NULL;
-    const char *path[3] = {r->output, r->png, stats};
-    for (int i = 0; i < 3; i++) {
+    const char *path[OUTPUTS] = {r->output, r->png, stats, r->save};
+    for (int i = 0; i < OUTPUTS; i++) {
         for (int j = 0; path[i] && j < i; j++)
             if (path[j] && same_file(path[i], path[j]))
                 return app_wrong("two outputs have the same name: %s", path[i]);
@@ -229,7 +242,8 @@ static satin_status render(const struct request *r, const satin_scene *scene,
     // The limit is the user's: reading the scene is part of it.
     if (options.time > 0.0)
         options.time = fmax(options.time - (stats_wall() - start), LOAD_LEAVES * options.time);
-    satin_callbacks callbacks = {app_log, progress, app_progress_update, progress};
+    satin_callbacks callbacks = {app_log,  progress, app_progress_update,
+                                 progress, r->load,  r->save};
     satin_film *film = NULL;
     status = satin_render(scene, &options, &callbacks, &film);
     app_progress_end(progress);

@@ -9,7 +9,11 @@ const struct app_command app_commands[] = {
     {"render", "SCENE.xml -o OUT.exr", "Renders a Mitsuba 3 scene.", app_render_flags, app_render},
     {"compare", "IMAGE.exr REFERENCE.exr", "Measures how far an image is from a reference.",
      app_compare_flags, app_compare},
-    {"info", "FILE", "Describes a scene or an image.", app_info_flags, app_info},
+    {"info", "FILE", "Describes a scene, an image or a file of cache records.", app_info_flags,
+     app_info},
+    {"maps", "IMAGE.exr -o DIR",
+     "Makes pictures of where an image's records are and how they serve.", app_maps_flags,
+     app_maps},
     {"help", "[TOPIC]", "Explains a command, an option or a plugin.", app_help_flags, app_help},
     {NULL, NULL, NULL, NULL, NULL},
 };

@@ -7,6 +7,7 @@
 #ifndef CACHE_CACHE_H
 #define CACHE_CACHE_H
 
+#include "base/log.h"
 #include "base/stats.h"
 #include "gather/gather.h"
 #include "rsh/rsh.h"
@@ -56,9 +57,21 @@ struct cache_place {
     float reach;         // without a record of the accuracy asked for the nearest up to here serves
 };
 
-// Interpolated irradiance on a facet of normal frame.n at accuracy a [K05 (2.2)]; returns how many
-// records it used, 0 if none is near enough: then *E is untouched.
-int cache_irradiance(const struct cache *cache, const struct cache_place *at, float a, rgb *E);
+// The records that an interpolation used: sums over them. One that serves for want of a better one
+// weighs 1.
+struct cache_used {
+    int count;
+    float weight;
+    float a, rays;  // the record's own accuracy and its gather rays, each times its weight
+};
+static inline struct cache_used cache_used_add(struct cache_used x, struct cache_used y) {
+    return (struct cache_used){x.count + y.count, x.weight + y.weight, x.a + y.a, x.rays + y.rays};
+}
+
+// Interpolated irradiance on a facet of normal frame.n at accuracy a [K05 (2.2)]; count is 0 if no
+// record is near enough: then *E is untouched.
+struct cache_used cache_irradiance(const struct cache *cache, const struct cache_place *at, float a,
+                                   rgb *E);
 
 // What a glossy surface reflects of the interpolated radiance [K05 (3.2), (3.3)].
 struct cache_lobe {
@@ -68,8 +81,10 @@ struct cache_lobe {
 };
 // lobe may be NULL: then *glossy is untouched. E, the irradiance from the same records, may be
 // NULL.
-int cache_radiance(const struct cache *cache, const struct cache_place *at, float a,
-                   const struct cache_lobe *lobe, rgb *glossy, rgb *E);
+struct cache_used cache_radiance(const struct cache *cache, const struct cache_place *at, float a,
+                                 const struct cache_lobe *lobe, rgb *glossy, rgb *E);
+// Whether a record of any kind stands within `reach` of p, on a surface that faces alike.
+bool cache_stands(const struct cache *cache, vec3 p, vec3 n, float reach);
 
 // ---- Adaptive caching [K05 6.3] (cache_converge.c) ---------------------------------------------
 
@@ -97,7 +112,49 @@ struct cache_converge {
 };
 satin_status cache_converge(struct cache *cache, const struct cache_converge *with);
 
-// Counts, for statistics and the density layer.
+// ---- Files of records (cache_file.c, docs/formats.md) -------------------------------------------
+
+// The first 8 bytes. Line breaks are among them, so that a transfer as text shows.
+#define CACHE_FILE_MAGIC "\211satin\r\n"
+
+// What records were made for.
+struct cache_origin {
+    uint64_t world;       // the scene's hash
+    uint64_t view;        // of camera, film and seed, if all that they need is there; else 0
+    const char *options;  // those that decide records: `name=value`, parted by blanks
+};
+
+// Writes all records, so that the file appears whole or not at all.
+satin_status cache_save(const struct cache *cache, const struct cache_origin *origin,
+                        const char *path, struct log log);
+
+// The bytes of a file, checked; `name` is for messages. SATIN_ERROR_INPUT with one logged line if
+// they are damaged. The caller frees *file; `data` must outlive it.
+struct cache_file;
+satin_status cache_file_parse(const void *data, size_t size, const char *name, struct log log,
+                              struct cache_file **file);
+void cache_file_free(struct cache_file *file);  // NULL is allowed
+// SATIN_ERROR_INPUT, with one logged line, if the records are of another origin, but for the view.
+satin_status cache_file_check(const struct cache_file *file, const struct cache_origin *origin,
+                              const char *name, struct log log);
+// Adds the records, of the same origin, to a cache that has none.
+satin_status cache_load(struct cache *cache, const struct cache_file *file, const char *name,
+                        struct log log);
+
+// What a file holds. Texts belong to the file.
+struct cache_summary {
+    struct cache_origin origin;
+    uint64_t rays;
+    int order;                    // of radiance records
+    size_t irradiance, radiance;  // records
+};
+struct cache_summary cache_file_summary(const struct cache_file *file);
+// R and scale (a_i as a part of a) of record i.
+void cache_file_record(const struct cache_file *file, enum cache_kind kind, size_t i, float *R,
+                       float *scale);
+
+// ---- Counts, for statistics and the density layer -----------------------------------------------
+
 size_t cache_count(const struct cache *cache, enum cache_kind kind);
 // Gather rays of all records.
 uint64_t cache_rays(const struct cache *cache);

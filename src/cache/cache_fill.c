@@ -126,7 +126,8 @@ static bool insert_radiance(struct batch *b, struct job *job) {
         x.across = fminf(x.across, x.R);
     }
     interleave(&job->radiance, n2, value);
-    c->radiance[tree->head_count] = (struct cache_radiance_record){s->frame, value, x.room};
+    c->radiance[tree->head_count] =
+        (struct cache_radiance_record){s->frame, value, x.room, job->radiance.rays};
     c->rays += job->radiance.rays;
     return insert_head(tree, job, x, o->radiance_a, b->fill);
 }

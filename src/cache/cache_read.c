@@ -57,19 +57,30 @@ static bool crowded(const struct cache *cache, enum cache_kind kind, const struc
     return sum > 0.5f * weights;
 }
 
-int cache_irradiance(const struct cache *cache, const struct cache_place *at, float a, rgb *E) {
+// Counts one more record; `a` is the options'.
+static void use(struct cache_used *used, const struct cache_head *h, float weight, float a,
+                uint32_t rays) {
+    const struct cache_used one = {1, weight, weight * a * h->scale, weight * (float)rays};
+    *used = cache_used_add(*used, one);
+}
+
+struct cache_used cache_irradiance(const struct cache *cache, const struct cache_place *at, float a,
+                                   rgb *E) {
+    const struct cache_tree *tree = &cache->irradiance_tree;
+    const float whole = cache->g->options->irradiance_a;
     struct cache_near near[CACHE_NEAR_MAX];
-    int count = find(cache, &cache->irradiance_tree, at, a, near);
-    if (count == 0 || crowded(cache, CACHE_IRRADIANCE, near, count)) return 0;
+    struct cache_used used = {0};
+    const int count = find(cache, tree, at, a, near);
+    if (count == 0 || crowded(cache, CACHE_IRRADIANCE, near, count)) return used;
     rgb sum = rgb_grey(0.0f);
-    float weights = 0.0f;
     for (int i = 0; i < count; i++) {
-        rgb e = irradiance_of(cache, near[i].record, at, a);
-        sum = rgb_mad(sum, e, near[i].weight);
-        weights += near[i].weight;
+        const uint32_t record = near[i].record;
+        sum = rgb_mad(sum, irradiance_of(cache, record, at, a), near[i].weight);
+        use(&used, &tree->head[record], near[i].weight, whole,
+            cache->irradiance[record].value.rays);
     }
-    *E = rgb_scale(sum, 1.0f / weights);
-    return count;
+    *E = rgb_scale(sum, 1.0f / used.weight);
+    return used;
 }
 
 // Whether two frames agree so well that no coefficient needs turning.
@@ -116,24 +127,31 @@ static rgb not_negative(rgb x) {
     return rgb_make(fmaxf(x.r, 0.0f), fmaxf(x.g, 0.0f), fmaxf(x.b, 0.0f));
 }
 
-int cache_radiance(const struct cache *cache, const struct cache_place *at, float a,
-                   const struct cache_lobe *lobe, rgb *glossy, rgb *E) {
+struct cache_used cache_radiance(const struct cache *cache, const struct cache_place *at, float a,
+                                 const struct cache_lobe *lobe, rgb *glossy, rgb *E) {
+    const struct cache_tree *tree = &cache->radiance_tree;
+    const float whole = cache->g->options->radiance_a;
     struct cache_near near[CACHE_NEAR_MAX];
-    int count = find(cache, &cache->radiance_tree, at, a, near);
-    if (count == 0 || crowded(cache, CACHE_RADIANCE, near, count)) return 0;
+    struct cache_used used = {0};
+    const int count = find(cache, tree, at, a, near);
+    if (count == 0 || crowded(cache, CACHE_RADIANCE, near, count)) return used;
     const struct cache_lobe cosine = {cache->cosine, cache->cosine_order, 1};
     rgb shine = rgb_grey(0.0f), diffuse = shine;
-    float weights = 0.0f;
     for (int i = 0; i < count; i++) {
         const uint32_t record = near[i].record;
         const float w = near[i].weight;
         if (lobe) shine = rgb_mad(shine, radiance_of(cache, record, at, a, *lobe, NULL), w);
         if (E) diffuse = rgb_mad(diffuse, radiance_of(cache, record, at, a, cosine, NULL), w);
-        weights += w;
+        use(&used, &tree->head[record], w, whole, cache->radiance[record].rays);
     }
-    if (lobe) *glossy = not_negative(rgb_scale(shine, 1.0f / weights));
-    if (E) *E = not_negative(rgb_scale(diffuse, 1.0f / weights));
-    return count;
+    if (lobe) *glossy = not_negative(rgb_scale(shine, 1.0f / used.weight));
+    if (E) *E = not_negative(rgb_scale(diffuse, 1.0f / used.weight));
+    return used;
+}
+
+bool cache_stands(const struct cache *cache, vec3 p, vec3 n, float reach) {
+    return cache_tree_nearest(&cache->irradiance_tree, p, n, reach) >= 0 ||
+           cache_tree_nearest(&cache->radiance_tree, p, n, reach) >= 0;
 }
 
 float cache_reflected(const struct cache *cache, enum cache_kind kind, uint32_t record,

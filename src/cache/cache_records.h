@@ -14,6 +14,7 @@ struct cache_radiance_record {
     struct frame frame;
     float *value;  // order^2 * CACHE_LANES
     float room;    // as above
+    uint32_t rays;
 };
 
 struct cache_irradiance_record {

@@ -143,6 +143,8 @@ const struct option options_table[] = {
      "the image pass gathers instead; 0: nowhere."},
     {"leak-test", OPTION_BOOL, AT(leak_test), false, "off|on",
      "Records do not serve points that a wall hides from them."},
+    {"record-maps", OPTION_BOOL, AT(record_maps), false, "off|on",
+     "The image gets channels that show the records, for `satin maps`."},
     {"material-cache", OPTION_TEXT, AT(material_cache), false, "NAME=on|off,...",
      "Materials, by the ids of their BRDFs, whose gloss is cached whatever its error, or sampled; "
      "material.NAME.cache=on|off adds one."},

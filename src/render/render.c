@@ -22,7 +22,7 @@ static bool needs_photons(const struct render *r) {
 // Room for the image, so that it is not missing when all else is done.
 static satin_status room(struct render *r) {
     const struct film_spec *film = &r->scene.film;
-    r->image = render_image_new(film->crop_width, film->crop_height);
+    r->image = render_image_new(film->crop_width, film->crop_height, r->options.record_maps);
     if (r->image) return SATIN_OK;
     return log_fail(r->log, SATIN_ERROR_MEMORY, "not enough memory for an image of %d x %d pixels",
                     film->crop_width, film->crop_height);
@@ -107,6 +107,7 @@ static void destroy(struct render *r) {
     render_image_free(r->image);
     shade_destroy(&r->shade);
     cache_free(r->cache);
+    render_cache_free(r);
     render_levels_free(r);
     shade_tables_free(&r->tables);
     photon_maps_free(r->maps);
@@ -125,6 +126,7 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
     satin_film *made = NULL;
 
     satin_status status = render_resolve(r, scene, options);
+    if (status == SATIN_OK) status = render_cache_open(r);
     if (status == SATIN_OK) {
         r->pool = parallel_new(r->options.threads);
         if (!r->pool) status = log_fail(r->log, SATIN_ERROR_MEMORY, "threads could not be started");

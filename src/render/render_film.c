@@ -32,7 +32,21 @@ static const char *const channel_names[] = {"R",
                                             "normal.Z",
                                             "depth.Z",
                                             "density.Y",
-                                            "samples.Y"};
+                                            "samples.Y",
+                                            "records.position",
+                                            "records.a",
+                                            "records.weight",
+                                            "records.rays"};
+
+enum {
+    CHANNEL_LAYERS = 3,
+    CHANNEL_DEPTH = CHANNEL_LAYERS + 3 * SHADE_LAYERS,
+    CHANNEL_DENSITY,
+    CHANNEL_SAMPLES,
+    CHANNEL_MAPS,  // four, of records, if they are asked for
+    CHANNELS = CHANNEL_MAPS + 4
+};
+_Static_assert(CHANNELS == sizeof channel_names / sizeof *channel_names, "a name per channel");
 
 static void put_rgb(struct satin_film *film, int channel, size_t at, rgb value, float scale) {
     film->channel[channel][at] = value.r * scale;
@@ -52,25 +66,35 @@ static const struct image_pixel *source_of(const struct render_image *image, int
 }
 
 static void put_pixel(struct satin_film *film, size_t at, const struct image_pixel *pixel) {
-    const int channels = film->channel_count;
     // A few samples of a filter with negative lobes may weigh next to nothing together.
     float least = WEIGHT_LEAST * (float)pixel->samples;
     float scale = pixel->samples ? 1.0f / fmaxf(pixel->weight, least) : 0.0f;
     put_rgb(film, 0, at, pixel->beauty, scale);
-    for (int k = 0; k < SHADE_LAYERS; k++) put_rgb(film, 3 + 3 * k, at, pixel->layer[k], scale);
-    film->channel[channels - 3][at] = pixel->depth * scale;
-    film->channel[channels - 2][at] = pixel->density * scale;
+    for (int k = 0; k < SHADE_LAYERS; k++)
+        put_rgb(film, CHANNEL_LAYERS + 3 * k, at, pixel->layer[k], scale);
+    film->channel[CHANNEL_DEPTH][at] = pixel->depth * scale;
+    if (pixel->samples)
+        film->channel[CHANNEL_DENSITY][at] = (float)pixel->used.count / (float)pixel->samples;
 }
 
-struct satin_film *render_film_new(int width, int height) {
-    const int channels = (int)(sizeof channel_names / sizeof *channel_names);
-    return film_new(width, height, channel_names, channels);
+// What the pixel's records are like, in the mean by weight.
+static void put_maps(struct satin_film *film, size_t at, const struct image_pixel *pixel) {
+    const struct cache_used *used = &pixel->used;
+    const float scale = pixel->samples ? 1.0f / (float)pixel->samples : 0.0f;
+    const float share = used->weight > 0.0f ? 1.0f / used->weight : 0.0f;
+    film->channel[CHANNEL_MAPS][at] = pixel->record * scale;
+    film->channel[CHANNEL_MAPS + 1][at] = used->a * share;
+    film->channel[CHANNEL_MAPS + 2][at] = used->weight * scale;
+    film->channel[CHANNEL_MAPS + 3][at] = used->rays * share;
+}
+
+struct satin_film *render_film_new(int width, int height, bool maps) {
+    return film_new(width, height, channel_names, maps ? CHANNELS : CHANNEL_MAPS);
 }
 
 void render_image_film(struct render *r, bool *any) {
     const struct render_image *image = r->image;
     struct satin_film *film = image->film;
-    const int channels = film->channel_count;
     uint64_t samples = 0, dropped = 0, filled = 0;
     for (int y = 0; y < image->height; y++)
         for (int x = 0; x < image->width; x++) {
@@ -79,8 +103,9 @@ void render_image_film(struct render *r, bool *any) {
             samples += pixel->samples;
             dropped += pixel->dropped;
             filled += source != pixel;
-            film->channel[channels - 1][at] = (float)pixel->samples;
+            film->channel[CHANNEL_SAMPLES][at] = (float)pixel->samples;
             if (source) put_pixel(film, at, source);
+            if (source && r->options.record_maps) put_maps(film, at, source);
         }
     stats_set(&r->stats, "image.nonfinite", (double)dropped);
     stats_set(&r->stats, "image.filled", (double)filled);

@@ -26,13 +26,13 @@ struct pass {
     int columns;
 };
 
-struct render_image *render_image_new(int width, int height) {
+struct render_image *render_image_new(int width, int height, bool maps) {
     struct render_image *image = calloc(1, sizeof *image);
     if (!image) return NULL;
     *image = (struct render_image){.width = width, .height = height, .coarsest = COARSEST};
     while ((width / image->coarsest) * (height / image->coarsest) > LOOK) image->coarsest *= 2;
     image->pixel = array_new((size_t)width * (size_t)height, sizeof *image->pixel);
-    image->film = render_film_new(width, height);
+    image->film = render_film_new(width, height, maps);
     if (image->pixel && image->film && adapt_make(&image->adapt, width, height)) return image;
     render_image_free(image);
     return NULL;
@@ -68,7 +68,8 @@ static bool add_sample(struct image_pixel *pixel, const struct shade_sample *s) 
     for (int i = 0; i < SHADE_LAYERS; i++)
         pixel->layer[i] = rgb_mad(pixel->layer[i], s->layer[i], s->weight);
     pixel->depth += s->weight * s->depth;
-    pixel->density += s->weight * s->density;
+    pixel->record += s->record;
+    pixel->used = cache_used_add(pixel->used, s->used);
     return true;
 }
 

@@ -9,7 +9,8 @@
 struct image_pixel {
     rgb beauty;
     rgb layer[SHADE_LAYERS];
-    float depth, density;
+    float depth, record;
+    struct cache_used used;
     float weight;  // that the film's filter gives to them
     uint32_t samples, dropped;
 };
@@ -24,6 +25,6 @@ struct render_image {
 };
 
 // The film, empty, of an image; NULL without memory (render_film.c).
-struct satin_film *render_film_new(int width, int height);
+struct satin_film *render_film_new(int width, int height, bool maps);
 
 #endif

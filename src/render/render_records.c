@@ -160,8 +160,7 @@ static satin_status fill_timed(struct level *l) {
     return status == SATIN_CANCELLED && !r->cancelled ? SATIN_OK : status;
 }
 
-satin_status render_records(struct render *r) {
-    render_stage(r, "records", "", 0.0);
+static satin_status make_records(struct render *r) {
     struct level l = {.r = r};
     l.site = array_new((size_t)BLOCK_PIXELS * SITES_PER_PIXEL, sizeof *l.site);
     l.count = array_new(BLOCK_PIXELS, 1);
@@ -170,4 +169,12 @@ satin_status render_records(struct render *r) {
     free(l.site);
     free(l.count);
     return status;
+}
+
+satin_status render_records(struct render *r) {
+    bool whole;
+    render_stage(r, "records", "", 0.0);
+    satin_status status = render_cache_load(r, &whole);
+    if (status == SATIN_OK && !whole) status = make_records(r);
+    return status == SATIN_OK ? render_cache_save(r) : status;
 }

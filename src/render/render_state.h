@@ -38,6 +38,8 @@ struct render {
     struct render_level *levels;  // records of each bounce behind the image, see render_levels.c
     int level_count;
     struct cache *cache;
+    char *cache_bytes;              // of the file that was read, or NULL
+    struct cache_file *cache_file;  // the same
     struct shade shade;
     struct render_image *image;
     bool image_begun;
@@ -75,6 +77,14 @@ void render_levels_free(struct render *r);
 // was cut short. `rays_per_second` is the pace at which records were gathered so far.
 double render_share(struct render *r, double rays_per_second, double otherwise);
 
+// ---- render_cache.c: files of records
+// Reads the file that the caller named, if any, and refuses one that does not fit.
+satin_status render_cache_open(struct render *r);
+// Puts its records into the cache. *whole: the image needs no more.
+satin_status render_cache_load(struct render *r, bool *whole);
+satin_status render_cache_save(const struct render *r);  // if the caller named a file
+void render_cache_free(struct render *r);
+
 // ---- render_records.c
 // Fills the cache over the image's shading points, coarse to fine.
 satin_status render_records(struct render *r);
@@ -91,7 +101,7 @@ float render_widest(const struct render *r);
 satin_status render_converge(struct render *r, float widen, const float read[2]);
 
 // ---- render_image.c
-struct render_image *render_image_new(int width, int height);
+struct render_image *render_image_new(int width, int height, bool maps);
 void render_image_free(struct render_image *image);
 // Adds samples until every pixel has options.spp, or the loop was stopped.
 satin_status render_image_fill(struct render *r);

@@ -36,7 +36,8 @@ struct shade_sample {
     rgb beauty;               // the sum of the light layers
     rgb layer[SHADE_LAYERS];  // of the first surface that is not ideal specular; normal as x y z
     float depth;              // distance to the first surface; 0 if there is none
-    float density;            // records interpolated at the point
+    struct cache_used used;   // records interpolated at the point
+    float record;             // 1: one stands there, within a pixel; only with record_maps
     float weight;             // that the film's filter gives to the sample
 };
 
@@ -71,11 +72,11 @@ struct shade_memo {
     struct shade_memo_entry {
         vec3 p, n, wo;
         const struct material_side *side;
-        float alpha, exponent;  // roughness
-        unsigned knows;         // mask of MEMO_...
-        int used;               // records behind E
-        rgb E;                  // indirect irradiance by either cache
-        rgb glossy;             // reflected by the glossy lobes, without the factor brdf.specular
+        float alpha, exponent;   // roughness
+        unsigned knows;          // mask of MEMO_...
+        struct cache_used used;  // records behind E
+        rgb E;                   // indirect irradiance by either cache
+        rgb glossy;              // reflected by the glossy lobes, without the factor brdf.specular
     } entry[SHADE_MEMO];
     int count, next;
 };

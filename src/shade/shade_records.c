@@ -33,9 +33,9 @@ void shade_plan_make(const struct shade *shade, const struct gather_point *p,
     plan->diffuse &= ~plan->cached;
 }
 
-int shade_radiance(const struct shade *shade, const struct shade_plan *plan,
-                   const struct gather_point *p, const struct cache_place *at, rgb *glossy,
-                   rgb *E) {
+struct cache_used shade_radiance(const struct shade *shade, const struct shade_plan *plan,
+                                 const struct gather_point *p, const struct cache_place *at,
+                                 rgb *glossy, rgb *E) {
     float C[3 * RSH_MAX_COEFFICIENTS];
     struct cache_lobe lobe = {.C = C, .channels = plan->channels};
     const bool shiny = plan->cached & BRDF_GLOSSY;
@@ -67,11 +67,11 @@ unsigned shade_known(const void *records, const struct gather_point *y, rgb *L) 
     rgb glossy = rgb_grey(0.0f), E = glossy;
     shade_plan_make(s, y, &plan);
     unsigned known = 0;
-    if (plan.cached && shade_radiance(s, &plan, y, &at, &glossy, &E)) {
+    if (plan.cached && shade_radiance(s, &plan, y, &at, &glossy, &E).count) {
         known |= plan.cached;
         if (plan.cached & BRDF_GLOSSY)
             *L = rgb_fma(*L, rgb_scale(y->brdf.specular, plan.relief), glossy);
-    } else if (plan.diffuse && cache_irradiance(s->cache, &at, s->a_irradiance, &E)) {
+    } else if (plan.diffuse && cache_irradiance(s->cache, &at, s->a_irradiance, &E).count) {
         known |= plan.diffuse;
     }
     if (known & BRDF_DIFFUSE) *L = rgb_fma(*L, shade_diffuse_albedo(y), E);

@@ -25,9 +25,10 @@ static inline struct cache_place shade_place(const struct gather_point *p, float
 }
 
 // What the glossy lobes reflect, without the factor brdf.specular, and the irradiance, if the point
-// has such lobes and the plan says so, from radiance records; returns how many, 0: untouched.
-int shade_radiance(const struct shade *shade, const struct shade_plan *plan,
-                   const struct gather_point *p, const struct cache_place *at, rgb *glossy, rgb *E);
+// has such lobes and the plan says so, from radiance records; count 0: untouched.
+struct cache_used shade_radiance(const struct shade *shade, const struct shade_plan *plan,
+                                 const struct gather_point *p, const struct cache_place *at,
+                                 rgb *glossy, rgb *E);
 // Share of the irradiance that the diffuse lobe reflects, per solid angle.
 rgb shade_diffuse_albedo(const struct gather_point *p);
 

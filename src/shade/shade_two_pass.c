@@ -27,10 +27,10 @@ static rgb turn_irradiance(const struct gather_irradiance *value, vec3 n, vec3 f
                     fmaxf(share * value->E.b + v3_dot(turn, value->grad_r[2]), 0.0f));
 }
 
-static void note_records(struct shade_job *job, int used) {
+static void note_records(struct shade_job *job, struct cache_used used) {
     job->worker->counts.interpolated++;
-    job->worker->counts.records_used += (uint64_t)used;
-    job->out->density += (float)used;
+    job->worker->counts.records_used += (uint64_t)used.count;
+    job->out->used = cache_used_add(job->out->used, used);
 }
 
 static void indirect_diffuse(struct shade_job *job, struct shade_memo_entry *memo) {
@@ -39,11 +39,11 @@ static void indirect_diffuse(struct shade_job *job, struct shade_memo_entry *mem
     const struct cache_place at = shade_place(p, REACH * job->vertex->pixel);
     rgb E = memo->E;
     if (!(memo->knows & MEMO_IRRADIANCE)) {
-        memo->used = 0;
+        memo->used = (struct cache_used){0};
         if (s->g->options->irradiance_cache)
             memo->used = cache_irradiance(s->cache, &at, s->a_irradiance, &E);
     }
-    if (memo->used) {
+    if (memo->used.count) {
         memo->knows |= MEMO_IRRADIANCE;
         memo->E = E;
         note_records(job, memo->used);
@@ -68,7 +68,7 @@ static bool indirect_cached(struct shade_job *job, const struct shade_plan *plan
     if (!(memo->knows & MEMO_RADIANCE)) {
         const struct cache_place at = shade_place(p, REACH * job->vertex->pixel);
         memo->used = shade_radiance(s, plan, p, &at, &memo->glossy, &memo->E);
-        if (!memo->used) return false;
+        if (!memo->used.count) return false;
         memo->knows |= MEMO_RADIANCE;
     }
     note_records(job, memo->used);
@@ -176,6 +176,9 @@ void shade_vertex_two_pass(struct shade_job *job) {
     if (extra) look_for_lights(job, extra, 1.0f / lights);
     job->sampler.dimension += 2;
     if (!indirect) return;
+    if (o->record_maps &&
+        cache_stands(job->shade->cache, p->surfel.p, p->base.n, job->vertex->pixel))
+        job->out->record = 1.0f;
 
     if (plan.cached | plan.diffuse)
         add(job, SHADE_CAUSTIC,

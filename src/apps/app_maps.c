@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// satin maps: pictures of an image's records, from the channels that the option record-maps gives
+// it.
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "apps/app.h"
+#include "film/film.h"
+
+enum { FLAG_OUTPUT, FLAG_HELP };
+
+const struct app_flag app_maps_flags[] = {
+    {"--output", "-o", "DIR", "The folder of the pictures; made if it is not there."},
+    {"--help", "-h", NULL, "Prints this."},
+    {NULL, NULL, NULL, NULL},
+};
+
+static const char position[] = "records.position";
+
+static const struct map {
+    const char *channel, *file, *meaning;
+} maps[] = {
+    {position, "records.png", "where records are"},
+    {"density.Y", "count.png", "records interpolated per sample"},
+    {"records.weight", "weight.png", "sum of their weights"},
+    {"records.a", "a.png", "their accuracy a"},
+    {"records.rays", "rays.png", "gather rays of a record"},
+    {"samples.Y", "samples.png", "samples of a pixel"},
+};
+enum { MAPS = sizeof maps / sizeof *maps };
+
+static satin_status write_map(const satin_film *film, const struct map *map, const char *path,
+                              struct log log) {
+    const float *value = satin_film_channel(film, map->channel);
+    if (!value) return SATIN_OK;
+    float top = 0.0f;
+    const bool dots = map->channel == position;
+    satin_status status = dots ? film_write_dots(film, value, path, log)
+                               : film_write_map(film, value, path, log, &top);
+    if (status != SATIN_OK) return status;
+    printf("%-12s %s", map->file, map->meaning);
+    if (!dots) printf(", 0 to %.4g", (double)top);
+    printf("\n");
+    return SATIN_OK;
+}
+
+static satin_status write_maps(const satin_film *film, const char *image, const char *folder) {
+    struct log log = {app_log_file, NULL};
+    if (!satin_film_channel(film, position))
+        return log_fail(log, SATIN_ERROR_INPUT,
+                        "%s: it has no channels of records; render it with --set record-maps=on",
+                        image);
+    if (mkdir(folder, 0777) != 0 && errno != EEXIST)
+        return log_fail(log, SATIN_ERROR_INPUT, "%s: cannot make the folder: %s", folder,
+                        strerror(errno));
+    satin_status status = SATIN_OK;
+    for (int i = 0; i < MAPS && status == SATIN_OK; i++) {
+        size_t n = strlen(folder) + strlen(maps[i].file) + 2;
+        char *path = malloc(n);
+        if (!path) return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory");
+        snprintf(path, n, "%s/%s", folder, maps[i].file);
+        status = write_map(film, &maps[i], path, log);
+        free(path);
+    }
+    return status;
+}
+
+int app_maps(int argc, char **argv) {
+    struct app_args args = {.argc = argc, .argv = argv};
+    const char *image = NULL, *folder = NULL;
+    char *value;
+    int flag;
+    while ((flag = app_args_next(&args, app_maps_flags, "", &value)) != APP_END) {
+        if (flag == APP_BAD) return APP_WRONG;
+        if (flag == FLAG_HELP) return app_help(1, (char *[]){"maps"});
+        if (flag == FLAG_OUTPUT) folder = value;
+        if (flag == APP_POSITIONAL && image) return app_wrong("maps takes one image");
+        if (flag == APP_POSITIONAL) image = value;
+    }
+    if (!image || !folder || !*folder)
+        return app_wrong("maps takes an image and a folder: satin maps IMAGE.exr -o DIR");
+    satin_film *film = NULL;
+    satin_status status = satin_film_read(image, app_log_file, NULL, &film);
+    if (status == SATIN_OK) status = write_maps(film, image, folder);
+    satin_film_free(film);
+    return app_exit_of(status);
+}

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reading a file of records. Nothing of it is believed before sizes and checksums agree, and
+// nothing is allocated by a number that it holds.
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/fileio.h"
+#include "cache/cache_file.h"
+
+static satin_status refuse(struct log log, const char *name, const char *why) {
+    return log_fail(log, SATIN_ERROR_INPUT, "%s: %s", name, why);
+}
+
+static satin_status read_header(const unsigned char *data, size_t size, const char *name,
+                                struct log log, struct cache_file_header *h) {
+    const size_t magic = sizeof h->magic;
+    if (size < magic || memcmp(data, CACHE_FILE_MAGIC, magic) != 0)
+        return refuse(log, name, "it is not a file of cache records");
+    if (size < sizeof *h) return refuse(log, name, "the file of cache records ends early");
+    memcpy(h, data, sizeof *h);
+    if (h->version != CACHE_FILE_VERSION)
+        return log_fail(log, SATIN_ERROR_INPUT,
+                        "%s: cache records of version %u, but this satin reads version %d", name,
+                        h->version, CACHE_FILE_VERSION);
+    if (h->sections != SECTIONS || h->order > RSH_MAX_ORDER ||
+        fileio_hash(FILEIO_HASH, data, offsetof(struct cache_file_header, checksum)) != h->checksum)
+        return refuse(log, name, "the header of the cache records is damaged");
+    return SATIN_OK;
+}
+
+static satin_status find_sections(const unsigned char *data, size_t size, const char *name,
+                                  struct log log, struct cache_file *f) {
+    size_t at = sizeof f->header;
+    for (int i = 0; i < SECTIONS; i++) {
+        const struct cache_file_section *s = &f->header.section[i];
+        if (at > size || s->size > size - at)
+            return refuse(log, name, "the file of cache records ends early");
+        f->section[i] = data + at;
+        const size_t row = cache_file_row((enum cache_section)i, f->header.order);
+        f->rows[i] = row ? s->size / row : 0;
+        if ((row && s->size % row) ||
+            fileio_hash_large(FILEIO_HASH, f->section[i], s->size) != s->checksum)
+            return refuse(log, name, "the cache records are damaged");
+        at += cache_file_padded(s->size);
+    }
+    if (at != size)
+        return refuse(log, name, "the file of cache records has another size than it says");
+    if (f->rows[SECTION_IRRADIANCE_HEADS] != f->rows[SECTION_IRRADIANCE] ||
+        f->rows[SECTION_RADIANCE_HEADS] != f->rows[SECTION_RADIANCE] ||
+        f->rows[SECTION_IRRADIANCE] > UINT32_MAX || f->rows[SECTION_RADIANCE] > UINT32_MAX ||
+        (f->rows[SECTION_RADIANCE] && !f->header.order))
+        return refuse(log, name, "the cache records do not fit together");
+    return SATIN_OK;
+}
+
+static struct cache_head head_at(const struct cache_file *f, enum cache_section section, size_t i) {
+    struct cache_head head;
+    memcpy(&head, f->section[section] + i * sizeof head, sizeof head);
+    return head;
+}
+
+static bool unit(vec3 v) { return fabsf(v3_len2(v) - 1.0f) < 1e-3f; }
+
+// What the tree and the lookups rely on. Values may be anything: samples that are not finite are
+// dropped.
+static bool sound(const struct cache_head *h) {
+    return v3_finite(h->p) && unit(h->n) && unit(h->u) && h->R >= 0.0f && isfinite(h->R) &&
+           h->reach >= 0.0f && isfinite(h->reach) && h->scale >= 0.0f && h->scale <= 1.0f;
+}
+
+static satin_status check_heads(const struct cache_file *f, const char *name, struct log log) {
+    for (int s = SECTION_IRRADIANCE_HEADS; s <= SECTION_RADIANCE_HEADS; s += 2)
+        for (size_t i = 0; i < f->rows[s]; i++) {
+            const struct cache_head head = head_at(f, (enum cache_section)s, i);
+            if (!sound(&head)) return refuse(log, name, "a cache record has an impossible place");
+        }
+    return SATIN_OK;
+}
+
+static satin_status keep_options(const char *name, struct log log, struct cache_file *f) {
+    const size_t size = f->header.section[SECTION_OPTIONS].size;
+    if (memchr(f->section[SECTION_OPTIONS], 0, size))
+        return refuse(log, name, "the options of the cache records are no text");
+    f->options = malloc(size + 1);
+    if (!f->options) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", name);
+    memcpy(f->options, f->section[SECTION_OPTIONS], size);
+    f->options[size] = 0;
+    return SATIN_OK;
+}
+
+satin_status cache_file_parse(const void *data, size_t size, const char *name, struct log log,
+                              struct cache_file **file) {
+    struct cache_file *f = calloc(1, sizeof *f);
+    if (!f) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", name);
+    satin_status status = read_header(data, size, name, log, &f->header);
+    if (status == SATIN_OK) status = find_sections(data, size, name, log, f);
+    if (status == SATIN_OK) status = check_heads(f, name, log);
+    if (status == SATIN_OK) status = keep_options(name, log, f);
+    if (status == SATIN_OK)
+        *file = f;
+    else
+        cache_file_free(f);
+    return status;
+}
+
+void cache_file_free(struct cache_file *file) {
+    if (!file) return;
+    free(file->options);
+    free(file);
+}
+
+// The first word of `a` that is not in its place in `b`.
+static const char *first_difference(const char *a, const char *b) {
+    while (*a && *b) {
+        const size_t n = strcspn(a, " "), m = strcspn(b, " ");
+        if (n != m || memcmp(a, b, n) != 0) return a;
+        a += n + (a[n] == ' ');
+        b += m + (b[m] == ' ');
+    }
+    return a;
+}
+
+satin_status cache_file_check(const struct cache_file *file, const struct cache_origin *origin,
+                              const char *name, struct log log) {
+    if (file->header.world != origin->world)
+        return refuse(log, name, "the cache records are of another scene");
+    if (strcmp(file->options, origin->options) == 0) return SATIN_OK;
+    const char *theirs = first_difference(file->options, origin->options);
+    const char *ours = first_difference(origin->options, file->options);
+    return log_fail(log, SATIN_ERROR_INPUT,
+                    "%s: the cache records were made with %.*s, not with %.*s", name,
+                    (int)strcspn(theirs, " "), theirs, (int)strcspn(ours, " "), ours);
+}
+
+struct cache_summary cache_file_summary(const struct cache_file *f) {
+    return (struct cache_summary){.origin = {f->header.world, f->header.view, f->options},
+                                  .rays = f->header.rays,
+                                  .order = (int)f->header.order,
+                                  .irradiance = f->rows[SECTION_IRRADIANCE],
+                                  .radiance = f->rows[SECTION_RADIANCE]};
+}
+
+void cache_file_record(const struct cache_file *file, enum cache_kind kind, size_t i, float *R,
+                       float *scale) {
+    const struct cache_head head = head_at(
+        file, kind == CACHE_IRRADIANCE ? SECTION_IRRADIANCE_HEADS : SECTION_RADIANCE_HEADS, i);
+    *R = head.R;
+    *scale = head.scale;
+}

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files of cache records. They hold for a scene, whatever its sensor and its integrator element,
+// and for the options that decide records. A render of the same view takes them as they are; one of
+// another view adds what it misses.
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/fileio.h"
+#include "base/text.h"
+#include "render/render_state.h"
+
+static const size_t BYTES_MAX = (size_t)1 << 38;
+
+// Options that decide no record, but for where records are wanted.
+static const char *const free_options[] = {
+    "quality",   "integrator",      "spp",           "adaptive",
+    "width",     "height",          "seed",          "threads",
+    "time",      "hide-emitters",   "light-samples", "glossy-samples",
+    "caustic-k", "caustic-photons", "record-maps",
+};
+
+static bool decides(const char *option) {
+    for (size_t i = 0; i < sizeof free_options / sizeof *free_options; i++)
+        if (text_same_name(option, free_options[i])) return false;
+    return true;
+}
+
+// The options that decide records as `name=value` words; malloc.
+static char *deciding_options(const struct render *r) {
+    satin_option_info info;
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) return NULL;
+    for (int i = 0; satin_options_describe(&r->options, i, &info); i++)
+        if (decides(info.name)) fprintf(out, "%s=%s ", info.name, info.value);
+    fprintf(out, "widest=%g", (double)render_widest(r));
+    if (fclose(out) == 0) return text;
+    free(text);
+    return NULL;
+}
+
+// What decides where records are wanted. With a time limit it is not only that: 0.
+static uint64_t view_of(const struct render *r) {
+    const satin_options *o = &r->options;
+    if (o->time > 0.0) return 0;
+    const uint64_t view[4] = {r->scene.hash, (uint64_t)o->width, (uint64_t)o->height, o->seed};
+    return fileio_hash(FILEIO_HASH, view, sizeof view);
+}
+
+// Without an origin there is no memory: options NULL. The caller frees options.
+static struct cache_origin origin_of(const struct render *r, char **options) {
+    *options = deciding_options(r);
+    return (struct cache_origin){r->scene.world, view_of(r), *options};
+}
+
+satin_status render_cache_open(struct render *r) {
+    const char *path = r->callbacks.load_cache;
+    size_t size = 0;
+    if ((path || r->callbacks.save_cache) && r->options.integrator != SATIN_TWO_PASS)
+        return log_fail(r->log, SATIN_ERROR_INPUT,
+                        "only the integrator two-pass has cache records");
+    if (!path) return SATIN_OK;
+    char *options;
+    const struct cache_origin origin = origin_of(r, &options);
+    satin_status status = SATIN_ERROR_MEMORY;
+    if (options)
+        status =
+            fileio_read(r->log, (struct log_place){0}, path, BYTES_MAX, &r->cache_bytes, &size);
+    if (status == SATIN_OK)
+        status = cache_file_parse(r->cache_bytes, size, path, r->log, &r->cache_file);
+    if (status == SATIN_OK) status = cache_file_check(r->cache_file, &origin, path, r->log);
+    free(options);
+    return status;
+}
+
+satin_status render_cache_load(struct render *r, bool *whole) {
+    *whole = false;
+    if (!r->cache_file) return SATIN_OK;
+    const struct cache_summary file = cache_file_summary(r->cache_file);
+    satin_status status = cache_load(r->cache, r->cache_file, r->callbacks.load_cache, r->log);
+    *whole = file.origin.view != 0 && file.origin.view == view_of(r);
+    stats_set(&r->stats, "records.loaded", (double)(file.irradiance + file.radiance));
+    render_cache_free(r);
+    return status;
+}
+
+satin_status render_cache_save(const struct render *r) {
+    const char *path = r->callbacks.save_cache;
+    if (!path) return SATIN_OK;
+    char *options;
+    const struct cache_origin origin = origin_of(r, &options);
+    satin_status status = SATIN_ERROR_MEMORY;
+    if (options) status = cache_save(r->cache, &origin, path, r->log);
+    free(options);
+    return status;
+}
+
+void render_cache_free(struct render *r) {
+    cache_file_free(r->cache_file);
+    free(r->cache_bytes);
+    r->cache_file = NULL;
+    r->cache_bytes = NULL;
+}

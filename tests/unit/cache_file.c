@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files of records: what was saved is what is loaded, bit by bit, and answers the same; files that
+// are cut, changed in any byte, of other sizes than they say, or of another origin are refused in
+// one line.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "base/fileio.h"
+#include "base/rng.h"
+#include "cache/cache_file.h"
+#include "message_case.h"
+
+enum { ORDER = 3, RECORDS = 20, LOOKUPS = 200 };
+
+static const struct cache_origin origin = {0x1234567890abcdef, 77, "photons=9 irradiance-a=0.2"};
+
+struct fixture {
+    satin_options options;
+    struct gather g;
+    struct cache cache;
+};
+
+static void start(struct fixture *f) {
+    f->options = satin_options_default;
+    f->options.leak_test = false;
+    f->g = (struct gather){.options = &f->options};
+    f->cache = (struct cache){.g = &f->g, .order = ORDER};
+    cache_tree_init(&f->cache.irradiance_tree, v3(-1, -1, -1), v3(1, 1, 1));
+    cache_tree_init(&f->cache.radiance_tree, v3(-1, -1, -1), v3(1, 1, 1));
+}
+
+static void stop(struct fixture *f) {
+    cache_tree_free(&f->cache.irradiance_tree);
+    cache_tree_free(&f->cache.radiance_tree);
+    free(f->cache.irradiance);
+    free(f->cache.radiance);
+    arena_free(&f->cache.radiance_arena);
+}
+
+static vec3 draw(struct rng *rng) {
+    float x = rng_float(rng), y = rng_float(rng);
+    return v3(2.0f * x - 1.0f, 2.0f * y - 1.0f, 0.0f);
+}
+
+static struct cache_head head(struct rng *rng) {
+    struct frame frame = frame_from_normal(v3(0, 0, 1));
+    return (struct cache_head){.p = draw(rng),
+                               .R = 0.2f + rng_float(rng),
+                               .n = frame.n,
+                               .reach = 0.6f,
+                               .squeeze = draw(rng),
+                               .scale = 0.5f + 0.5f * rng_float(rng),
+                               .u = frame.u,
+                               .walls = rng_u32(rng)};
+}
+
+// A cache of records that hold any numbers.
+static void make(struct fixture *f) {
+    start(f);
+    struct cache *c = &f->cache;
+    struct rng rng = rng_make(1, RNG_SITE, 0);
+    c->rays = 1234;
+    c->irradiance = calloc(RECORDS, sizeof *c->irradiance);
+    c->radiance = calloc(RECORDS, sizeof *c->radiance);
+    c->irradiance_capacity = c->radiance_capacity = RECORDS;
+    for (uint32_t i = 0; i < RECORDS; i++) {
+        struct cache_irradiance_record *e = &c->irradiance[i];
+        e->value.E = rgb_make(rng_float(&rng), rng_float(&rng), rng_float(&rng));
+        for (int k = 0; k < 3; k++) e->value.grad_t[k] = draw(&rng);
+        for (int k = 0; k < 3; k++) e->value.grad_r[k] = draw(&rng);
+        e->value.rays = 100 + i;
+        e->deviation = rng_float(&rng);
+        e->room = rng_float(&rng);
+        struct cache_head h = head(&rng);
+        assert_true(cache_tree_insert(&c->irradiance_tree, &h));
+        float *value = arena_array(&c->radiance_arena, CACHE_LANES * ORDER * ORDER, sizeof *value);
+        for (int k = 0; k < CACHE_LANES * ORDER * ORDER; k++)
+            if (k % 4 != 3 || k % CACHE_LANES == 3) value[k] = rng_float(&rng);
+        c->radiance[i] = (struct cache_radiance_record){frame_from_normal(v3(0, 0, 1)), value,
+                                                        rng_float(&rng), 1000 + i};
+        h = head(&rng);
+        assert_true(cache_tree_insert(&c->radiance_tree, &h));
+    }
+}
+
+// The bytes of a saved file; malloc.
+static unsigned char *save(const struct fixture *f, size_t *size) {
+    char *data = NULL;
+    assert_int_equal(cache_save(&f->cache, &origin, "c.cache", (struct log){0}), SATIN_OK);
+    assert_int_equal(
+        fileio_read((struct log){0}, (struct log_place){0}, "c.cache", 1 << 20, &data, size),
+        SATIN_OK);
+    unlink("c.cache");
+    return (unsigned char *)data;
+}
+
+// The one line with which a file is refused.
+static const char *refusal(const void *data, size_t size) {
+    static struct message seen;
+    struct cache_file *file = NULL;
+    seen = (struct message){0};
+    assert_int_equal(cache_file_parse(data, size, "f", (struct log){keep, &seen}, &file),
+                     SATIN_ERROR_INPUT);
+    assert_null(file);
+    assert_int_equal(seen.count, 1);
+    return seen.text;
+}
+
+static void loads_what_was_saved(void **state) {
+    (void)state;
+    struct fixture a, b;
+    size_t size, again_size;
+    make(&a);
+    start(&b);
+    unsigned char *data = save(&a, &size);
+    struct cache_file *file = NULL;
+    assert_int_equal(cache_file_parse(data, size, "f", (struct log){0}, &file), SATIN_OK);
+    struct cache_summary summary = cache_file_summary(file);
+    assert_int_equal(summary.irradiance, RECORDS);
+    assert_int_equal(summary.radiance, RECORDS);
+    assert_true(summary.order == ORDER && summary.rays == 1234 && summary.origin.view == 77);
+    assert_string_equal(summary.origin.options, origin.options);
+    assert_int_equal(cache_file_check(file, &origin, "f", (struct log){0}), SATIN_OK);
+    assert_int_equal(cache_load(&b.cache, file, "f", (struct log){0}), SATIN_OK);
+    cache_file_free(file);
+    unsigned char *again = save(&b, &again_size);
+    assert_int_equal(again_size, size);
+    assert_memory_equal(again, data, size);
+    // The trees are the same, node by node, so that sums are taken in the same order.
+    assert_int_equal(a.cache.radiance_tree.ref_count, b.cache.radiance_tree.ref_count);
+    assert_memory_equal(a.cache.radiance_tree.ref, b.cache.radiance_tree.ref,
+                        a.cache.radiance_tree.ref_count * sizeof *a.cache.radiance_tree.ref);
+    assert_int_equal(a.cache.irradiance_tree.node_count, b.cache.irradiance_tree.node_count);
+    struct rng rng = rng_make(2, RNG_SITE, 0);
+    for (int i = 0; i < LOOKUPS; i++) {
+        struct cache_place at = {draw(&rng), v3(0, 0, 1), frame_from_normal(v3(0, 0, 1)), 0.0f};
+        rgb x = rgb_grey(-1.0f), y = x;
+        assert_int_equal(cache_irradiance(&a.cache, &at, 0.5f, &x).count,
+                         cache_irradiance(&b.cache, &at, 0.5f, &y).count);
+        assert_memory_equal(&x, &y, sizeof x);
+    }
+    free(data);
+    free(again);
+    stop(&a);
+    stop(&b);
+}
+
+static void damaged_files_are_refused(void **state) {
+    (void)state;
+    struct fixture f;
+    size_t size;
+    make(&f);
+    unsigned char *data = save(&f, &size);
+    for (size_t i = 0; i < size; i += i < 200 ? 1 : 97) assert_non_null(refusal(data, i));
+    const size_t options = sizeof(struct cache_file_header) + strlen(origin.options);
+    for (size_t i = 0; i < size; i += 1 + i / 200) {
+        const bool filling = i >= options && i < cache_file_padded(options);
+        if (filling) continue;
+        data[i] ^= 0x10;
+        assert_non_null(refusal(data, size));
+        data[i] ^= 0x10;
+    }
+    assert_non_null(strstr(refusal("P6 1 1", 6), "it is not a file of cache records"));
+    free(data);
+    stop(&f);
+}
+
+// With right checksums.
+static const char *refusal_of_header(const unsigned char *data, size_t size,
+                                     struct cache_file_header h) {
+    unsigned char *copy = malloc(size);
+    h.checksum = fileio_hash(FILEIO_HASH, &h, offsetof(struct cache_file_header, checksum));
+    memcpy(copy, data, size);
+    memcpy(copy, &h, sizeof h);
+    const char *text = refusal(copy, size);
+    free(copy);
+    return text;
+}
+
+static void lies_are_refused(void **state) {
+    (void)state;
+    struct fixture f;
+    size_t size;
+    make(&f);
+    unsigned char *data = save(&f, &size);
+    struct cache_file_header right, h;
+    memcpy(&right, data, sizeof right);
+    h = right;
+    h.version = 9;
+    assert_non_null(strstr(refusal_of_header(data, size, h), "version 9"));
+    h = right;
+    h.order = 1000000;
+    assert_non_null(refusal_of_header(data, size, h));
+    for (int i = 0; i < SECTIONS; i++) {
+        h = right;
+        h.section[i].size = UINT64_MAX - 7;
+        assert_non_null(strstr(refusal_of_header(data, size, h), "ends early"));
+    }
+    free(data);
+    // A record outside of all, one without a direction, and one that is not finite.
+    const size_t at[] = {0, 4, 3};
+    const float wrong[] = {NAN, 5.0f, INFINITY};
+    for (int i = 0; i < 3; i++) {
+        float *word = (float *)&f.cache.irradiance_tree.head[3] + at[i], kept = *word;
+        *word = wrong[i];
+        data = save(&f, &size);
+        assert_non_null(strstr(refusal(data, size), "impossible place"));
+        *word = kept;
+        free(data);
+    }
+    stop(&f);
+}
+
+static void other_origins_are_refused(void **state) {
+    (void)state;
+    struct fixture f, g;
+    size_t size;
+    make(&f);
+    start(&g);
+    f.cache.irradiance_tree.head[3].p.x = 50.0f;
+    unsigned char *data = save(&f, &size);
+    struct cache_file *file = NULL;
+    struct message seen = {0};
+    assert_int_equal(cache_file_parse(data, size, "f", (struct log){0}, &file), SATIN_OK);
+    struct cache_origin other = origin;
+    other.options = "photons=9 irradiance-a=0.3";
+    assert_int_equal(cache_file_check(file, &other, "f", (struct log){keep, &seen}),
+                     SATIN_ERROR_INPUT);
+    assert_string_equal(seen.text,
+                        "f: the cache records were made with irradiance-a=0.2, not with "
+                        "irradiance-a=0.3");
+    other = origin;
+    other.world++;
+    assert_int_equal(cache_file_check(file, &other, "f", (struct log){keep, &seen}),
+                     SATIN_ERROR_INPUT);
+    other = origin;
+    other.view = 0;  // another view is no other origin
+    assert_int_equal(cache_file_check(file, &other, "f", (struct log){0}), SATIN_OK);
+    assert_int_equal(cache_load(&g.cache, file, "f", (struct log){keep, &seen}), SATIN_ERROR_INPUT);
+    assert_int_equal(seen.count, 3);
+    cache_file_free(file);
+    free(data);
+    stop(&f);
+    stop(&g);
+}
+
+int main(void) {
+    char folder[] = "/tmp/satin-test-XXXXXX";
+    if (!mkdtemp(folder) || chdir(folder) != 0) return 1;
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(loads_what_was_saved),
+        cmocka_unit_test(damaged_files_are_refused),
+        cmocka_unit_test(lies_are_refused),
+        cmocka_unit_test(other_origins_are_refused),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    rmdir(folder);
+    return failed;
+}

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// What an interpolation says of the records behind it: how many, their weights, their own
+// accuracies and gather rays by weight; and where records stand.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "cache/cache_records.h"
+
+enum { RECORDS = 2 };
+
+struct fixture {
+    satin_options options;
+    struct gather g;
+    struct cache cache;
+    struct cache_irradiance_record record[RECORDS];
+};
+
+// Two records on a plane: a whole one of 100 rays, and one of half its accuracy and 300 rays.
+static void start(struct fixture *f) {
+    static const float x[RECORDS] = {0.0f, 0.3f}, scale[RECORDS] = {1.0f, 0.5f};
+    f->options = satin_options_default;
+    f->options.irradiance_a = 0.4f;
+    f->options.leak_test = false;
+    f->g = (struct gather){.options = &f->options};
+    f->cache = (struct cache){.g = &f->g, .irradiance = f->record};
+    cache_tree_init(&f->cache.irradiance_tree, v3(-1, -1, -1), v3(1, 1, 1));
+    for (int i = 0; i < RECORDS; i++) {
+        f->record[i] = (struct cache_irradiance_record){
+            .value = {.E = rgb_grey((float)i), .rays = i ? 300 : 100}, .room = 1.0f};
+        struct cache_head head = {
+            .p = v3(x[i], 0, 0), .R = 1.0f, .n = v3(0, 0, 1), .reach = 1.0f, .scale = scale[i]};
+        assert_true(cache_tree_insert(&f->cache.irradiance_tree, &head));
+    }
+}
+
+static struct cache_place place(float x) {
+    return (struct cache_place){v3(x, 0, 0), v3(0, 0, 1), frame_from_normal(v3(0, 0, 1)), 0.0f};
+}
+
+static bool near(float x, float wanted) { return fabsf(x - wanted) < 1e-5f; }
+
+static void records_behind_a_value(void **state) {
+    (void)state;
+    struct fixture f;
+    start(&f);
+    // At accuracy .8: weights 1 - .2 / .8 and 1 - .1 / .4, both 3/4.
+    struct cache_place at = place(0.2f);
+    rgb E;
+    struct cache_used used = cache_irradiance(&f.cache, &at, 0.8f, &E);
+    assert_int_equal(used.count, 2);
+    assert_true(near(used.weight, 1.5f) && near(E.r, 0.5f));
+    assert_true(near(used.a / used.weight, 0.5f * (0.4f + 0.2f)));
+    assert_true(near(used.rays / used.weight, 200.0f));
+    // Beyond the second one's: the first alone.
+    at = place(-0.4f);
+    used = cache_irradiance(&f.cache, &at, 0.8f, &E);
+    assert_int_equal(used.count, 1);
+    assert_true(near(used.weight, 0.5f) && near(used.a, 0.2f) && near(used.rays, 50.0f));
+    cache_tree_free(&f.cache.irradiance_tree);
+}
+
+static void none_is_near(void **state) {
+    (void)state;
+    struct fixture f;
+    start(&f);
+    struct cache_place at = place(-0.9f);
+    rgb E = rgb_grey(7.0f);
+    assert_int_equal(cache_irradiance(&f.cache, &at, 0.8f, &E).count, 0);
+    assert_true(E.r == 7.0f);
+    // The nearest one serves, if it is asked for.
+    at.reach = 1.0f;
+    struct cache_used used = cache_irradiance(&f.cache, &at, 0.8f, &E);
+    assert_true(used.count == 1 && used.weight == 1.0f);
+    cache_tree_free(&f.cache.irradiance_tree);
+}
+
+static void where_records_stand(void **state) {
+    (void)state;
+    struct fixture f;
+    start(&f);
+    const vec3 up = v3(0, 0, 1);
+    assert_true(cache_stands(&f.cache, v3(0.31f, 0, 0), up, 0.02f));
+    assert_false(cache_stands(&f.cache, v3(0.31f, 0, 0), v3_neg(up), 0.02f));
+    assert_false(cache_stands(&f.cache, v3(0.35f, 0, 0), up, 0.02f));
+    cache_tree_free(&f.cache.irradiance_tree);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(records_behind_a_value),
+        cmocka_unit_test(none_is_near),
+        cmocka_unit_test(where_records_stand),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
