@@ -5,38 +5,20 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "satin/render.h"
+#include "stat_case.h"
 
 #define BOUND 0.02
 
-static void print_message(void *user, satin_log_level level, const char *message) {
-    (void)user;
-    (void)level;
-    fprintf(stderr, "%s\n", message);
-}
-
 static double mean(const satin_scene *scene, const char *integrator, const char *spp) {
     const satin_setting setting[] = {{"integrator", integrator}, {"spp", spp}};
-    satin_options options;
-    satin_callbacks callbacks = {.log = print_message};
-    satin_film *film = NULL;
-    if (satin_options_resolve(scene, setting, 2, print_message, NULL, &options) ||
-        satin_render(scene, &options, &callbacks, &film) != SATIN_OK)
-        return NAN;
-    int width, height;
-    double sum = 0.0;
-    satin_film_size(film, &width, &height);
-    const float *green = satin_film_channel(film, "G");
-    for (int i = 0; i < width * height; i++) sum += (double)green[i];
-    satin_film_free(film);
-    return sum / (width * height);
+    return stat_mean(scene, setting, 2);
 }
 
 int main(int argc, char **argv) {
     int failed = 0;
     for (int i = 1; i < argc; i++) {
         satin_scene *scene = NULL;
-        if (satin_scene_load(argv[i], NULL, 0, print_message, NULL, &scene) != SATIN_OK) return 1;
+        if (satin_scene_load(argv[i], NULL, 0, stat_say, NULL, &scene) != SATIN_OK) return 1;
         double path = mean(scene, "path", "512"), two = mean(scene, "two-pass", "16");
         double error = two / path - 1.0;
         bool ok = fabs(error) < BOUND;

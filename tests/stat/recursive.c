@@ -6,35 +6,17 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "satin/render.h"
+#include "stat_case.h"
 
 // Measured: .04 % in the boxes, .35 % (caches are smooth where the image is not) in the other.
 #define EXACT_BOUND 0.004
 #define MEAN_BOUND 0.01
 
-static void print_message(void *user, satin_log_level level, const char *message) {
-    (void)user;
-    (void)level;
-    fprintf(stderr, "%s\n", message);
-}
-
 static double mean(const satin_scene *scene, const char *integrator, const char *spp) {
     const satin_setting setting[] = {
         {"integrator", integrator}, {"spp", spp},    {"first_pass", "recursive"},
         {"max_depth", "6"},         {"width", "24"}, {"height", "24"}};
-    satin_options options;
-    satin_callbacks callbacks = {.log = print_message};
-    satin_film *film = NULL;
-    if (satin_options_resolve(scene, setting, 6, print_message, NULL, &options) ||
-        satin_render(scene, &options, &callbacks, &film) != SATIN_OK)
-        return NAN;
-    int width, height;
-    double sum = 0.0;
-    satin_film_size(film, &width, &height);
-    const float *green = satin_film_channel(film, "G");
-    for (int i = 0; i < width * height; i++) sum += (double)green[i];
-    satin_film_free(film);
-    return sum / (width * height);
+    return stat_mean(scene, setting, 6);
 }
 
 // rho 0: the truth is path tracing's.
@@ -42,7 +24,7 @@ static bool agrees(const char *folder, const char *name, double rho) {
     char path[4096];
     snprintf(path, sizeof path, "%s/%s.xml", folder, name);
     satin_scene *scene = NULL;
-    if (satin_scene_load(path, NULL, 0, print_message, NULL, &scene) != SATIN_OK) return false;
+    if (satin_scene_load(path, NULL, 0, stat_say, NULL, &scene) != SATIN_OK) return false;
     double truth = rho > 0.0 ? 1.0 - pow(rho, 6.0) : mean(scene, "path", "4096");
     double error = mean(scene, "two-pass", "32") / truth - 1.0;
     bool ok = fabs(error) < (rho > 0.0 ? EXACT_BOUND : MEAN_BOUND);

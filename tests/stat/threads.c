@@ -5,13 +5,7 @@
 #include <string.h>
 
 #include "base/fileio.h"
-#include "satin/render.h"
-
-static void print_message(void *user, satin_log_level level, const char *message) {
-    (void)user;
-    (void)level;
-    fprintf(stderr, "%s\n", message);
-}
+#include "stat_case.h"
 
 // Settings that reach every stage in a few seconds.
 static const char *const setting[][2] = {
@@ -29,13 +23,12 @@ struct mode {
 static uint64_t render_hash(const satin_scene *scene, const char *threads, struct mode mode) {
     satin_options options = satin_options_default;
     for (size_t i = 0; i < sizeof setting / sizeof *setting; i++)
-        if (satin_options_set(&options, setting[i][0], setting[i][1], print_message, NULL))
-            return 0;
-    if (satin_options_set(&options, "threads", threads, print_message, NULL)) return 0;
-    if (satin_options_set(&options, "integrator", mode.integrator, print_message, NULL) ||
-        satin_options_set(&options, "first-pass", mode.first_pass, print_message, NULL))
+        if (satin_options_set(&options, setting[i][0], setting[i][1], stat_say, NULL)) return 0;
+    if (satin_options_set(&options, "threads", threads, stat_say, NULL)) return 0;
+    if (satin_options_set(&options, "integrator", mode.integrator, stat_say, NULL) ||
+        satin_options_set(&options, "first-pass", mode.first_pass, stat_say, NULL))
         return 0;
-    satin_callbacks callbacks = {.log = print_message};
+    satin_callbacks callbacks = {.log = stat_say};
     satin_film *film = NULL;
     if (satin_render(scene, &options, &callbacks, &film) != SATIN_OK) return 0;
     int width, height;
@@ -58,7 +51,7 @@ int main(int argc, char **argv) {
     int failed = 0;
     for (int s = 1; s < argc; s++) {
         satin_scene *scene = NULL;
-        if (satin_scene_load(argv[s], NULL, 0, print_message, NULL, &scene) != SATIN_OK) return 1;
+        if (satin_scene_load(argv[s], NULL, 0, stat_say, NULL, &scene) != SATIN_OK) return 1;
         for (int k = 0; k < 4; k++) {
             uint64_t first = 0;
             for (int t = 0; t < 4; t++) {
