@@ -11,7 +11,7 @@
 //     rms    sqrt(mean((x - r)^2 - v)) / mean(r)        everything
 //     block  largest |mean of x - r in 3x3| / mean(r)   blotches that the eye sees
 //
-// The seed is fixed; docs/experiments.md says how far others lie from the bounds. On failure
+// The seed is fixed; docs/experiments.md has what was measured with it. On failure
 // cases-NAME.exr in the working folder holds the picture.
 #include <inttypes.h>
 #include <math.h>
