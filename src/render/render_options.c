@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Options meet the scene: what the caller left open is taken from the scene, then from a default.
+#include <stdio.h>
+#include <string.h>
+
+#include "base/text.h"
 #include "render/options_table.h"
 #include "render/render_state.h"
 
@@ -48,6 +52,31 @@ static void resize(struct satin_scene *scene, int width, int height) {
     film->crop_height = height;
 }
 
+// Every name in material_cache must be a material's, whether or not this render caches anything.
+static satin_status check_materials(const struct satin_scene *scene, const satin_options *o,
+                                    struct log log) {
+    char name[sizeof o->material_cache];
+    for (const char *at = o->material_cache; *at;) {
+        size_t word = strcspn(at, ",");
+        snprintf(name, sizeof name, "%.*s", (int)strcspn(at, "="), at);
+        struct text_nearest search = {.word = name};
+        bool known = false;
+        for (uint32_t i = 0; i < scene->material_count && !known; i++) {
+            known = strcmp(scene->material[i].name, name) == 0;
+            text_nearest_try(&search, scene->material[i].name);
+        }
+        if (!known && search.best)
+            return log_fail(log, SATIN_ERROR_INPUT,
+                            "option material-cache: no material '%s' (did you mean '%s'?)", name,
+                            search.best);
+        if (!known)
+            return log_fail(log, SATIN_ERROR_INPUT, "option material-cache: no material '%s'",
+                            name);
+        at += word + (at[word] == ',');
+    }
+    return SATIN_OK;
+}
+
 satin_status render_resolve(struct render *r, const struct satin_scene *scene,
                             const satin_options *options) {
     const struct scene_hints *hints = &scene->hints;
@@ -60,6 +89,8 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
     if ((int64_t)o->width * o->height > INT32_MAX)
         return log_fail(r->log, SATIN_ERROR_INPUT, "a film of %d x %d pixels is too large",
                         o->width, o->height);
+    satin_status status = check_materials(scene, o, r->log);
+    if (status != SATIN_OK) return status;
     o->max_depth = or_else(o->max_depth, -2, hints->max_depth, -2, -1);
     o->rr_depth = or_else(o->rr_depth, 0, hints->rr_depth, 0, 5);
     o->hide_emitters = or_else(o->hide_emitters, -1, hints->hide_emitters, -1, 0);

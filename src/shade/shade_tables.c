@@ -111,30 +111,11 @@ static bool *used_materials(const struct satin_scene *scene) {
     return used;
 }
 
-// Every name in material_cache must be a material's.
-static satin_status check_names(const struct satin_scene *scene, const satin_options *o,
-                                struct log log) {
-    for (const char *at = o->material_cache; *at;) {
-        size_t word = strcspn(at, ","), name = strcspn(at, "=");
-        bool known = false;
-        for (uint32_t i = 0; i < scene->material_count && !known; i++)
-            known = strlen(scene->material[i].name) == name &&
-                    strncmp(scene->material[i].name, at, name) == 0;
-        if (!known)
-            return log_fail(log, SATIN_ERROR_INPUT, "option material-cache: no material '%.*s'",
-                            (int)name, at);
-        at += word + (at[word] == ',');
-    }
-    return SATIN_OK;
-}
-
 satin_status shade_tables_build(const struct satin_scene *scene, const satin_options *options,
                                 struct parallel *pool, struct log log, struct shade_tables *out) {
     struct builder b = {.options = options, .pool = pool, .log = log};
     struct shade_tables *t = &b.tables;
     t->count = options->radiance_cache ? scene->side_count : 0;
-    satin_status status = check_names(scene, options, log);
-    if (status != SATIN_OK) return status;
     bool *used = used_materials(scene);
     t->table = calloc(t->count + 1, sizeof *t->table);
     t->owned = calloc(t->count + 1, sizeof *t->owned);
