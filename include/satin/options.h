@@ -113,7 +113,7 @@ typedef struct satin_options {
     // Both caches.
     bool adaptive_cache;      // records give way where they visibly disagree [K05 6.3]
     bool origin_shift;        // records are made off the edges of triangles [K05 6.5.3]
-    float record_max_radius;  // largest R in scene units; 0: no limit
+    float record_max_radius;  // largest R in scene units, over those in pixels; 0: no limit
     // Where the R that records should have is less than this part of the least that pixels allow,
     // the image pass gathers.
     float gather_room;

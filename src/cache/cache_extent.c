@@ -42,10 +42,21 @@ static struct cache_extent by_bend(const struct gather_around *around, const str
     return (struct cache_extent){fminf(wide, limit), fminf(narrow, limit), axis, 1.0f};
 }
 
-// Keeps a R of both axes between so many pixels. Where a record reaches farther than it should, its
+// The largest radii are the user's last word: the least one gives way to them.
+float cache_least_radius(const struct cache *cache, enum cache_kind kind, float pixel) {
+    const satin_options *o = cache->g->options;
+    const bool irradiance = kind == CACHE_IRRADIANCE;
+    const float a = irradiance ? o->irradiance_a : o->radiance_a;
+    const float least = irradiance ? o->irradiance_min_pixels : o->radiance_min_pixels;
+    const float most = irradiance ? o->irradiance_max_pixels : o->radiance_max_pixels;
+    const float R = fminf(least, most) * pixel / a;
+    return o->record_max_radius > 0.0f ? fminf(R, o->record_max_radius) : R;
+}
+
+// Keeps R of both axes between `lo` and `hi`. Where a record reaches farther than it should, its
 // gradient would carry it away, and holds by its `room` only.
-static void clamp_pixels(struct cache_extent *x, float a, float pixel, float least, float most) {
-    const float lo = least * pixel / a, hi = most * pixel / a, wanted = x->R;
+static void clamp_radii(struct cache_extent *x, float lo, float hi) {
+    const float wanted = x->R;
     x->R = fmaxf(fminf(x->R, hi), lo);
     x->across = fmaxf(fminf(x->across, x->R), lo);
     x->room = fminf(wanted / x->R, 1.0f);
@@ -75,7 +86,8 @@ struct cache_extent cache_extent_irradiance(const struct cache *cache,
     // E may not change by more than itself within R [K05 6.5.1].
     const float slope = v3_len(luminance_gradient(value));
     if (o->irradiance_gradient_clamp && slope * x.R > E && E > 0.0f) limit(&x, E / slope);
-    clamp_pixels(&x, a, site->pixel, o->irradiance_min_pixels, o->irradiance_max_pixels);
+    clamp_radii(&x, cache_least_radius(cache, CACHE_IRRADIANCE, site->pixel),
+                o->irradiance_max_pixels * site->pixel / a);
     // And never extrapolate E below 0.
     const float Ec[3] = {value->E.r, value->E.g, value->E.b};
     for (int c = 0; c < 3; c++) {
@@ -112,7 +124,8 @@ struct cache_extent cache_extent_radiance(const struct cache *cache, const struc
     // As for E: the vector may not change by more than its length within R. Measured where a wall
     // reflects a box near to it: half of the records serve for the same error.
     if (o->radiance_gradient_clamp && slope * x.R > size && size > 0.0f) limit(&x, size / slope);
-    clamp_pixels(&x, a, site->pixel, o->radiance_min_pixels, o->radiance_max_pixels);
+    clamp_radii(&x, cache_least_radius(cache, CACHE_RADIANCE, site->pixel),
+                o->radiance_max_pixels * site->pixel / a);
     for (int c = 0; c < 3; c++) {
         float change = x.room * sqrtf(slope2[c]) * a * o->radiance_widen * x.R;
         float length = sqrtf(size2[c]), part = change > length ? x.room * length / change : x.room;

@@ -87,17 +87,16 @@ static bool insert_irradiance(struct batch *b, struct job *job) {
                        sizeof *c->irradiance))
         return false;
     const satin_options *o = c->g->options;
-    const float a = o->irradiance_a;
     struct cache_extent x = cache_extent_irradiance(c, s, &job->around, &job->irradiance);
     if (o->irradiance_neighbours) {
         x.R = cache_clamp_neighbours(tree, s->p, s->frame.n, x.R);
-        x.R = fmaxf(x.R, o->irradiance_min_pixels * s->pixel / a);
+        x.R = fmaxf(x.R, cache_least_radius(c, CACHE_IRRADIANCE, s->pixel));
         x.across = fminf(x.across, x.R);
     }
     c->irradiance[tree->head_count] =
         (struct cache_irradiance_record){job->irradiance, job->around.deviation, x.room};
     c->rays += job->irradiance.rays;
-    return insert_head(tree, job, x, a, b->fill);
+    return insert_head(tree, job, x, o->irradiance_a, b->fill);
 }
 
 // Into the layout of products, see cache_records.h.
@@ -122,7 +121,7 @@ static bool insert_radiance(struct batch *b, struct job *job) {
     struct cache_extent x = cache_extent_radiance(c, s, &job->around, &job->radiance);
     if (o->radiance_neighbours) {
         x.R = cache_clamp_neighbours(tree, s->p, s->frame.n, x.R);
-        x.R = fmaxf(x.R, o->radiance_min_pixels * s->pixel / o->radiance_a);
+        x.R = fmaxf(x.R, cache_least_radius(c, CACHE_RADIANCE, s->pixel));
         x.across = fminf(x.across, x.R);
     }
     interleave(&job->radiance, n2, value);

@@ -71,8 +71,9 @@ static float noise_of(const struct cache_point *p) {
 static bool may_end(const struct cache_convergence *c, const struct cache_site *s,
                     uint32_t record) {
     const satin_options *o = c->cache->g->options;
-    float pixels = c->kind == CACHE_IRRADIANCE ? o->irradiance_min_pixels : o->radiance_min_pixels;
-    return v3_dist2(c->tree->head[record].p, s->p) > pixels * pixels * s->pixel * s->pixel;
+    const float a = c->kind == CACHE_IRRADIANCE ? o->irradiance_a : o->radiance_a;
+    const float least = a * cache_least_radius(c->cache, c->kind, s->pixel);
+    return v3_dist2(c->tree->head[record].p, s->p) > least * least;
 }
 
 // Whether a difference in luminance beside `all` and direct light can be seen [K05 6.4].

@@ -65,6 +65,8 @@ struct cache_extent cache_extent_irradiance(const struct cache *cache,
 struct cache_extent cache_extent_radiance(const struct cache *cache, const struct cache_site *site,
                                           const struct gather_around *around,
                                           struct gather_radiance *value);
+// The least R that is made where a pixel is so wide: a R of the options' least radius in pixels.
+float cache_least_radius(const struct cache *cache, enum cache_kind kind, float pixel);
 // Neighbour clamping [K05 6.5.2]: R of the new record, after limiting it by its neighbours and them
 // by it.
 float cache_clamp_neighbours(struct cache_tree *tree, vec3 p, vec3 n, float R);

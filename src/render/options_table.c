@@ -94,7 +94,8 @@ const struct option options_table[] = {
     {"irradiance-neighbours", OPTION_BOOL, AT(irradiance_neighbours), false, "off|on",
      "Radii of neighbouring records differ by no more than their distance."},
     {"irradiance-min-pixels", OPTION_FLOAT, AT(irradiance_min_pixels), true, "0..1000",
-     "Least radius of an irradiance record in projected pixels."},
+     "Least radius of an irradiance record in projected pixels; where it is more than the largest "
+     "or than record-max-radius allows, those hold."},
     {"irradiance-max-pixels", OPTION_FLOAT, AT(irradiance_max_pixels), false, "1..100000",
      "Largest radius of an irradiance record in projected pixels."},
 
@@ -127,7 +128,8 @@ const struct option options_table[] = {
     {"radiance-neighbours", OPTION_BOOL, AT(radiance_neighbours), false, "off|on",
      "Radii of neighbouring records differ by no more than their distance."},
     {"radiance-min-pixels", OPTION_FLOAT, AT(radiance_min_pixels), true, "0..1000",
-     "Least radius of a radiance record in projected pixels."},
+     "Least radius of a radiance record in projected pixels; where it is more than the largest or "
+     "than record-max-radius allows, those hold."},
     {"radiance-max-pixels", OPTION_FLOAT, AT(radiance_max_pixels), true, "1..100000",
      "Largest radius of a radiance record in projected pixels."},
 
@@ -137,7 +139,8 @@ const struct option options_table[] = {
     {"origin-shift", OPTION_BOOL, AT(origin_shift), false, "off|on",
      "Records are made off the edges of triangles, by half a pixel at most."},
     {"record-max-radius", OPTION_FLOAT, AT(record_max_radius), false, "0..1e30",
-     "Largest R of a record of either cache, in scene units; 0: no limit."},
+     "Largest R of a record of either cache, in scene units, whatever the radii in pixels; 0: no "
+     "limit."},
     {"gather-room", OPTION_FLOAT, AT(gather_room), false, "0..1",
      "Where records should be smaller than this part of the least radius in pixels, near contacts, "
      "the image pass gathers instead; 0: nowhere."},

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// The bounds of a record's radius, and which of them wins: the largest in scene units, then the
+// largest in pixels, then the least in pixels, then what the rays found.
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "cache/cache_records.h"
+
+static const float PIXEL = 0.01f;
+
+struct fixture {
+    struct satin_scene scene;
+    satin_options options;
+    struct gather g;
+    struct cache cache;
+};
+
+static void start(struct fixture *f) {
+    *f = (struct fixture){.options = satin_options_default};
+    f->scene.radius = 100.0f;
+    f->options.irradiance_a = f->options.radiance_a = 0.5f;
+    f->options.irradiance_min_pixels = f->options.radiance_min_pixels = 3.0f;
+    f->options.irradiance_max_pixels = f->options.radiance_max_pixels = 20.0f;
+    f->g = (struct gather){.scene = &f->scene, .options = &f->options};
+    f->cache = (struct cache){.g = &f->g, .order = 1};
+}
+
+// a R in pixels of a record whose rays found walls at that distance; both caches must agree.
+static float pixels(const struct fixture *f, float distance) {
+    const struct cache_site site = {.frame = frame_from_normal(v3(0, 0, 1)), .pixel = PIXEL};
+    const struct gather_around around = {.harmonic = distance, .least = distance};
+    float lambda[3] = {1, 1, 1}, dx[3] = {0}, dy[3] = {0};
+    struct gather_irradiance E = {.E = rgb_grey(1.0f)};
+    struct gather_radiance L = {.lambda = lambda, .dx = dx, .dy = dy};
+    const float R = cache_extent_irradiance(&f->cache, &site, &around, &E).R;
+    assert_true(cache_extent_radiance(&f->cache, &site, &around, &L).R == R);
+    return R * 0.5f / PIXEL;
+}
+
+static void pixels_bound_what_rays_found(void **state) {
+    (void)state;
+    struct fixture f;
+    start(&f);
+    assert_float_equal(pixels(&f, 0.2f), 10.0f, 1e-4f);
+    assert_float_equal(pixels(&f, 0.001f), 3.0f, 1e-4f);
+    assert_float_equal(pixels(&f, 5.0f), 20.0f, 1e-4f);
+}
+
+static void largest_pixels_win_over_least(void **state) {
+    (void)state;
+    struct fixture f;
+    start(&f);
+    f.options.irradiance_max_pixels = f.options.radiance_max_pixels = 2.0f;
+    assert_float_equal(pixels(&f, 0.001f), 2.0f, 1e-4f);
+    assert_float_equal(pixels(&f, 5.0f), 2.0f, 1e-4f);
+}
+
+static void scene_units_win_over_pixels(void **state) {
+    (void)state;
+    struct fixture f;
+    start(&f);
+    f.options.record_max_radius = 0.02f;  // one pixel
+    assert_float_equal(pixels(&f, 0.001f), 1.0f, 1e-4f);
+    assert_float_equal(pixels(&f, 5.0f), 1.0f, 1e-4f);
+    assert_float_equal(cache_least_radius(&f.cache, CACHE_IRRADIANCE, PIXEL), 0.02f, 1e-6f);
+}
+
+// A record that reaches farther than its rays said keeps that in mind; one that is cut does not.
+static void room_tells_what_was_wanted(void **state) {
+    (void)state;
+    struct fixture f;
+    start(&f);
+    const struct cache_site site = {.frame = frame_from_normal(v3(0, 0, 1)), .pixel = PIXEL};
+    struct gather_around around = {.harmonic = 0.03f};
+    struct gather_irradiance E = {.E = rgb_grey(1.0f)};
+    assert_float_equal(cache_extent_irradiance(&f.cache, &site, &around, &E).room, 0.5f, 1e-5f);
+    around.harmonic = 5.0f;
+    assert_float_equal(cache_extent_irradiance(&f.cache, &site, &around, &E).room, 1.0f, 1e-5f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pixels_bound_what_rays_found),
+        cmocka_unit_test(largest_pixels_win_over_least),
+        cmocka_unit_test(scene_units_win_over_pixels),
+        cmocka_unit_test(room_tells_what_was_wanted),
+    };
+    return cmocka_run_group_tests_name("cache_extent", tests, NULL, NULL);
+}
