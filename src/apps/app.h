@@ -74,10 +74,10 @@ enum { APP_POSITIONAL = -1, APP_END = -2, APP_BAD = -3 };
 
 // The next argument: the index of its flag in `flags`, or one of the values above. *value gets the
 // flag's value (NULL if it has none) or the positional argument. A value that may be left out is
-// taken if it follows `=` or is the next argument and ends in `suffix_of_optional`. APP_BAD was
-// reported.
+// taken if it follows `=` or is the next argument and one that `takes` says yes to (NULL: none).
+// APP_BAD was reported.
 int app_args_next(struct app_args *args, const struct app_flag *flags,
-                  const char *suffix_of_optional, char **value);
+                  bool (*takes)(const char *next), char **value);
 
 // Cuts `name=value` in two, in place; false, and nothing changed, if it is something else.
 bool app_args_split(char *pair, const char **name, const char **value);

@@ -30,11 +30,6 @@ int app_wrong(const char *format, ...) {
     return APP_WRONG;
 }
 
-static bool ends_in(const char *text, const char *suffix) {
-    size_t n = strlen(text), m = strlen(suffix);
-    return n >= m && strcmp(text + n - m, suffix) == 0;
-}
-
 // Whether `argument` gives this flag; *attached gets what is attached to it, or NULL.
 static bool matches(const struct app_flag *flag, char *argument, char **attached) {
     size_t n = strlen(flag->name);
@@ -61,13 +56,13 @@ static int unknown(const struct app_flag *flags, const char *argument) {
 }
 
 int app_args_next(struct app_args *args, const struct app_flag *flags,
-                  const char *suffix_of_optional, char **value) {
+                  bool (*takes)(const char *next), char **value) {
     *value = NULL;
     if (args->at == args->argc) return APP_END;
     char *argument = args->argv[args->at++], *attached;
     if (!args->positional_only && strcmp(argument, "--") == 0) {
         args->positional_only = true;
-        return app_args_next(args, flags, suffix_of_optional, value);
+        return app_args_next(args, flags, takes, value);
     }
     if (args->positional_only || argument[0] != '-' || !argument[1]) {
         *value = argument;
@@ -82,7 +77,7 @@ int app_args_next(struct app_args *args, const struct app_flag *flags,
             app_wrong("%s takes no value", flag->name);
             return APP_BAD;
         }
-        if (!attached && flag->value && next && (!optional || ends_in(next, suffix_of_optional))) {
+        if (!attached && flag->value && next && (!optional || (takes && takes(next)))) {
             attached = next;
             args->at++;
         }

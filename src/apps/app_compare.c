@@ -68,7 +68,7 @@ int app_compare(int argc, char **argv) {
     char *value;
     bool json = false, mask = false;
     int count = 0, flag;
-    while ((flag = app_args_next(&args, app_compare_flags, "", &value)) != APP_END) {
+    while ((flag = app_args_next(&args, app_compare_flags, NULL, &value)) != APP_END) {
         if (flag == APP_BAD) return APP_WRONG;
         if (flag == FLAG_HELP) return app_help(1, (char *[]){"compare"});
         if (flag == FLAG_JSON) json = true;

@@ -173,7 +173,7 @@ int app_help(int argc, char **argv) {
     char *value;
     bool markdown = false;
     int flag;
-    while ((flag = app_args_next(&args, app_help_flags, "", &value)) != APP_END) {
+    while ((flag = app_args_next(&args, app_help_flags, NULL, &value)) != APP_END) {
         if (flag == APP_BAD) return APP_WRONG;
         if (flag == FLAG_MARKDOWN) markdown = true;
         if (flag == FLAG_HELP) topic = "help";

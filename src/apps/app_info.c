@@ -78,7 +78,7 @@ static int read_arguments(struct app_args *args, satin_define *define, size_t *d
                           const char **path) {
     char *value;
     for (;;) {
-        int flag = app_args_next(args, app_info_flags, "", &value);
+        int flag = app_args_next(args, app_info_flags, NULL, &value);
         if (flag == APP_END) break;
         if (flag == APP_BAD) return APP_WRONG;
         if (flag == FLAG_HELP) {

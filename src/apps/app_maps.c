@@ -72,7 +72,7 @@ int app_maps(int argc, char **argv) {
     const char *image = NULL, *folder = NULL;
     char *value;
     int flag;
-    while ((flag = app_args_next(&args, app_maps_flags, "", &value)) != APP_END) {
+    while ((flag = app_args_next(&args, app_maps_flags, NULL, &value)) != APP_END) {
         if (flag == APP_BAD) return APP_WRONG;
         if (flag == FLAG_HELP) return app_help(1, (char *[]){"maps"});
         if (flag == FLAG_OUTPUT) folder = value;

@@ -108,11 +108,25 @@ static int take_flag(struct request *r, int flag, char *value) {
     }
 }
 
+static bool ends_in(const char *name, const char *suffix) {
+    size_t n = strlen(name), m = strlen(suffix);
+    return n >= m && strcasecmp(name + n - m, suffix) == 0;
+}
+
+// Whether a name is that of an image, be it of a kind that is not written: what follows --png.
+static bool is_image(const char *name) {
+    static const char *const ending[] = {".png", ".exr",  ".jpg", ".jpeg", ".tif", ".tiff",
+                                         ".hdr", ".webp", ".bmp", ".pfm",  ".tga"};
+    for (size_t i = 0; i < sizeof ending / sizeof *ending; i++)
+        if (ends_in(name, ending[i])) return true;
+    return false;
+}
+
 static int read_arguments(int argc, char **argv, struct request *r) {
     struct app_args args = {.argc = argc, .argv = argv};
     char *value;
     for (;;) {
-        int flag = app_args_next(&args, app_render_flags, ".png", &value), status = APP_DONE;
+        int flag = app_args_next(&args, app_render_flags, is_image, &value), status = APP_DONE;
         if (flag == APP_END) break;
         if (flag == APP_BAD) return APP_WRONG;
         if (flag != APP_POSITIONAL)
@@ -132,18 +146,12 @@ static int read_arguments(int argc, char **argv, struct request *r) {
         satin_options_resolve(NULL, r->setting, r->setting_count, app_log, NULL, &checked));
 }
 
-static bool ends_in(const char *name, const char *suffix) {
-    size_t n = strlen(name), m = strlen(suffix);
-    return n >= m && strcasecmp(name + n - m, suffix) == 0;
-}
-
-// What is written under -o follows from its ending.
+// What is written follows from the ending of its name.
 static int check_format(const struct request *r) {
-    static const char *const foreign[] = {".jpg", ".jpeg", ".tif", ".tiff", ".hdr",
-                                          ".bmp", ".webp", ".pfm", ".tga"};
-    for (size_t i = 0; i < sizeof foreign / sizeof *foreign; i++)
-        if (ends_in(r->output, foreign[i]))
-            return app_wrong("%s: images are written as .exr or .png", r->output);
+    if (!ends_in(r->output, ".exr") && !ends_in(r->output, ".png"))
+        return app_wrong("%s: an image is written as .exr or .png, by the end of its name",
+                         r->output);
+    if (r->png && !ends_in(r->png, ".png")) return app_wrong("%s: --png writes a .png", r->png);
     return APP_DONE;
 }
 
@@ -175,7 +183,7 @@ static int check_output(const char *path, const char *scene) {
 // OUT.exr -> OUT.png; malloc.
 static char *png_name(const char *output) {
     size_t n = strlen(output);
-    if (n > 4 && strcmp(output + n - 4, ".exr") == 0) n -= 4;
+    if (ends_in(output, ".exr")) n -= 4;
     char *name = malloc(n + 5);
     if (name) snprintf(name, n + 5, "%.*s.png", (int)n, output);
     return name;
@@ -184,8 +192,6 @@ static char *png_name(const char *output) {
 enum { OUTPUTS = 4 };
 
 static int check_outputs(struct request *r) {
-    int status = check_format(r);
-    if (status != APP_DONE) return status;
     if (r->want_png && !r->png && !ends_in(r->output, ".png")) {
         r->png = r->png_beside = png_name(r->output);
         if (!r->png) return APP_FAILED;
@@ -196,10 +202,10 @@ static int check_outputs(struct request *r) {
         for (int j = 0; path[i] && j < i; j++)
             if (path[j] && same_file(path[i], path[j]))
                 return app_wrong("two outputs have the same name: %s", path[i]);
-        status = path[i] ? check_output(path[i], r->scene) : APP_DONE;
+        int status = path[i] ? check_output(path[i], r->scene) : APP_DONE;
         if (status != APP_DONE) return status;
     }
-    return APP_DONE;
+    return check_format(r);
 }
 
 static satin_status write_outputs(const struct request *r, const satin_film *film, int threads,
