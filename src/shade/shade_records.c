@@ -50,14 +50,11 @@ rgb shade_diffuse_albedo(const struct gather_point *p) {
 }
 
 unsigned shade_wants(const struct shade *shade, const struct gather_point *p) {
-    int channels;
-    const satin_options *o = shade->g->options;
-    const struct brdf_range *table =
-        p->lobes & BRDF_GLOSSY ? shade_table(shade, p, &channels) : NULL;
-    if (table && brdf_range_order(table, &p->brdf, p->wo_l) > 0) return CACHE_RADIANCE;
-    if ((p->lobes & BRDF_DIFFUSE) && o->radiance_cache && o->radiance_diffuse)
-        return CACHE_RADIANCE;
-    return (p->lobes & BRDF_DIFFUSE) && o->irradiance_cache ? CACHE_IRRADIANCE : 0u;
+    struct shade_plan plan;
+    shade_plan_make(shade, p, &plan);
+    unsigned wants = plan.cached ? CACHE_RADIANCE : 0u;
+    if (plan.diffuse && shade->g->options->irradiance_cache) wants |= CACHE_IRRADIANCE;
+    return wants;
 }
 
 unsigned shade_known(const void *records, const struct gather_point *y, rgb *L) {

@@ -32,7 +32,7 @@ struct cache_used shade_radiance(const struct shade *shade, const struct shade_p
 // Share of the irradiance that the diffuse lobe reflects, per solid angle.
 rgb shade_diffuse_albedo(const struct gather_point *p);
 
-// The cache_kind that a point asks for; 0: none.
+// The kinds of records that the plan of a point reads, a mask of cache_kind; 0: none.
 unsigned shade_wants(const struct shade *shade, const struct gather_point *p);
 
 #endif
