@@ -58,6 +58,11 @@ static float deviation(const struct gather_layout *l, const struct gather_scratc
             sum[(3 * j + k) % PARTS] += w * (double)rgb_luminance(scratch->rays[i].L);
             weight[(3 * j + k) % PARTS] += w;
         }
+    const size_t even = gather_layout_rays(l);
+    for (size_t i = even; i < even + scratch->guide.made; i++) {
+        double w = l->order ? (double)scratch->z[i] : 1.0;
+        sum[i % PARTS] += w * (double)rgb_luminance(scratch->rays[i].L);
+    }
     for (int i = 0; i < PARTS; i++) {
         all += sum[i];
         total += weight[i];
@@ -100,6 +105,22 @@ static void bend(const struct gather_layout *l, const struct gather_ray *cell, f
         }
 }
 
+// The same by a ray that stands for a patch around its hit q: f = cos(theta) Omega, its logarithm
+// derived twice. Letters as in gather_solid_angle.c, v = q - p.
+static void add_point(const struct gather_scratch *scratch, size_t i, float weight, float out[3]) {
+    const struct gather_ray *ray = &scratch->rays[i];
+    const float r = ray->first.r;
+    const vec3 w = v3(scratch->x[i], scratch->y[i], scratch->z[i]);
+    const vec3 n = frame_to_local(&scratch->guide.frame, ray->first.ng);
+    const float c = -v3_dot(n, w);
+    if (!(isfinite(r) && r > 0.0f && fabsf(c) > GRAZING)) return;
+    const float value = weight * rgb_luminance(ray->L) / (r * r);
+    const float gx = n.x / c + 4.0f * w.x, gy = n.y / c + 4.0f * w.y;
+    out[0] += value * (gx * gx - n.x * n.x / (c * c) + 8.0f * w.x * w.x - 4.0f);
+    out[1] += value * (gx * gy - n.x * n.y / (c * c) + 8.0f * w.x * w.y);
+    out[2] += value * (gy * gy - n.y * n.y / (c * c) + 8.0f * w.y * w.y - 4.0f);
+}
+
 void gather_around_make(const struct gather_layout *l, const struct gather_scratch *scratch,
                         bool bends, struct gather_around *out) {
     *out = (struct gather_around){.harmonic = INFINITY, .least = INFINITY};
@@ -108,5 +129,9 @@ void gather_around_make(const struct gather_layout *l, const struct gather_scrat
     distances(l, scratch, out);
     sectors(l, scratch, out);
     out->deviation = deviation(l, scratch);
-    if (bends && !l->order) bend(l, scratch->rays, out->bend);
+    if (!bends || l->order) return;
+    bend(l, scratch->rays, out->bend);
+    const size_t even = gather_layout_rays(l);
+    for (size_t i = even; i < even + scratch->guide.made; i++)
+        add_point(scratch, i, PI_F / (float)even, out->bend);
 }

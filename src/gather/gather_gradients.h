@@ -7,7 +7,7 @@
 #include "gather/gather_layout.h"
 #include "gather/gather_scratch.h"
 
-// A hemisphere that was gathered: cell (j, k) is ray j * N + k of the scratch.
+// A hemisphere that was gathered: cell (j, k) is ray j * N + k of the scratch, guided rays follow.
 struct gather_cells {
     const struct gather_layout *layout;
     const struct frame *frame;
@@ -19,14 +19,15 @@ struct gather_cells {
 // between cells. Adds to `grad`, one vector per channel.
 void gather_stratified_irradiance(const struct gather_cells *cells, bool ward_heckbert,
                                   vec3 grad[3]);
-// dx and dy, [3 * order^2], are overwritten.
+// Adds to dx and dy, [3 * order^2].
 void gather_stratified_radiance(const struct gather_cells *cells, float *dx, float *dy);
 
 // Solid-angle-based [K05 4.2]: how what each ray hit turns, comes nearer and looks larger. By
-// differentiation, or by finite differences.
-void gather_solid_angle_irradiance(const struct gather_cells *cells, bool differences,
+// differentiation, or by finite differences. Both add what rays first .. of the hemisphere tell,
+// the guided ones at the end included.
+void gather_solid_angle_irradiance(const struct gather_cells *cells, bool differences, size_t first,
                                    vec3 grad[3]);
-void gather_solid_angle_radiance(const struct gather_cells *cells, bool differences, float *dx,
-                                 float *dy);
+void gather_solid_angle_radiance(const struct gather_cells *cells, bool differences, size_t first,
+                                 float *dx, float *dy);
 
 #endif

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 
 #include "base/array.h"
-#include "gather/gather_scratch.h"
+#include "gather/gather_guide.h"
 
 enum {
     DELTA_SURE = 32,   // ideal specular surfaces in a row, after which chance may end a gather ray
@@ -21,6 +21,7 @@ enum {
 struct gather_scratch *gather_scratch_new(size_t capacity) {
     struct gather_scratch *s = calloc(1, sizeof *s);
     if (!s) return NULL;
+    capacity += capacity / 2;
     s->capacity = capacity;
     s->rays = array_new(capacity, sizeof *s->rays);
     s->x = array_new(12 * capacity, sizeof *s->x);
@@ -141,8 +142,14 @@ static rgb diffuse_radiance(const struct gather_point *y, rgb E) {
     return rgb_scale(rgb_mul(albedo, E), 1.0f / PI_F);
 }
 
+// What decides along a path behind a gather ray.
+struct choice {
+    struct sampler sampler;
+    const struct gather_guide *guide;  // of a site near by
+};
+
 static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned lobes,
-                  float survive, int level, struct sampler *sampler);
+                  float survive, int level, struct choice *choice);
 
 // Probability that a glossy lobe is followed: faint ones, as of a coat, are followed now and then.
 static float follow(const struct gather_point *y, rgb *albedo) {
@@ -177,7 +184,7 @@ static int bounces_most(const struct gather *g, unsigned glossy) {
 // the irradiance E of the rough solution, or if `near`, where E is not to be trusted, follows one
 // more ray; the glossy one always does.
 static rgb reflected(const struct gather *g, const struct gather_point *y, rgb E, bool near,
-                     int level, struct sampler *sampler) {
+                     int level, struct choice *choice) {
     rgb albedo = rgb_grey(0.0f), L = albedo;
     const unsigned known = g->rough.gather ? g->rough.read(g->rough.records, y, &L) : 0;
     const unsigned diffuse = y->lobes & BRDF_DIFFUSE & ~known, glossy = y->lobes & GLOSSY & ~known;
@@ -186,27 +193,27 @@ static rgb reflected(const struct gather *g, const struct gather_point *y, rgb E
     float survive_diffuse = diffuse && near ? go_on(y, level) : 0.0f;
     const struct gather_mis mis = {
         {{shadow ? diffuse : 0u, survive_diffuse}, {glossy, survive}, {known, 0.0f}}};
-    L = rgb_add(L, gather_direct(g, y, mis, 1, *sampler));
-    sampler->dimension += 2;
+    L = rgb_add(L, gather_direct(g, y, mis, 1, choice->sampler));
+    choice->sampler.dimension += 2;
     const unsigned caustic = known | (near ? diffuse : 0u);
     if (caustic)
         L = rgb_add(L, photon_caustic(g->maps, g->scene, y->surfel.p, y->ng, &y->frame, &y->brdf,
                                       y->wo_l, caustic));
     if (diffuse && near) {
-        L = rgb_add(L, bounce(g, y, BRDF_DIFFUSE, survive_diffuse, level + 1, sampler));
+        L = rgb_add(L, bounce(g, y, BRDF_DIFFUSE, survive_diffuse, level + 1, choice));
     } else if (diffuse) {
         L = rgb_add(L, diffuse_radiance(y, E));
     }
     if (!glossy) return L;
     if (level >= bounces_most(g, glossy))
         return rgb_add(L, rgb_scale(rgb_mul(albedo, E), 1.0f / PI_F));
-    return rgb_add(L, bounce(g, y, glossy, survive, level + 1, sampler));
+    return rgb_add(L, bounce(g, y, glossy, survive, level + 1, choice));
 }
 
 // The same where no photon tells of E.
 static rgb distant(const struct gather *g, const struct gather_point *y, int level,
-                   struct sampler *sampler) {
-    return reflected(g, y, rgb_grey(0.0f), true, level, sampler);
+                   struct choice *choice) {
+    return reflected(g, y, rgb_grey(0.0f), true, level, choice);
 }
 
 // One more bounce from y by `lobes`, the diffuse or glossy ones, with probability `survive`:
@@ -214,14 +221,20 @@ static rgb distant(const struct gather *g, const struct gather_point *y, int lev
 // solution where it ends. Emitted light behind specular surfaces counts for the glossy lobe; the
 // diffuse one has caustic photons.
 static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned lobes,
-                  float survive, int level, struct sampler *sampler) {
+                  float survive, int level, struct choice *choice) {
     struct brdf_sample next;
+    struct sampler *sampler = &choice->sampler;
     float u_lobe = sampler_1d(sampler);
     vec2 u = sampler_2d(sampler);
     rgb L = rgb_grey(0.0f);
     if (u_lobe >= survive) return L;
     u_lobe /= survive;
-    if (!brdf_sample(&y->brdf, y->wo_l, u_lobe, u.x, u.y, lobes, BRDF_RADIANCE, &next)) return L;
+    if (lobes == BRDF_DIFFUSE && choice->guide) {
+        if (!gather_guide_bounce(choice->guide, y, u_lobe, u, &next)) return L;
+    } else if (!brdf_sample(&y->brdf, y->wo_l, u_lobe, u.x, u.y, lobes, BRDF_RADIANCE, &next)) {
+        return L;
+    }
+    choice->guide = NULL;
     struct ray ray =
         scene_spawn(g->scene, y->surfel.p, y->surfel.ng, frame_to_world(&y->frame, next.wi));
     struct gather_point z;
@@ -234,18 +247,18 @@ static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned
     if (lobes != BRDF_DIFFUSE) L = rgb_add(L, e.Le_specular);
     if (!found || !within_depth(g, level, 1)) return L;
     // Where there are records, z is to the next level's gather what y is to g.
-    if (g->rough.gather) return rgb_fma(L, T, distant(g->rough.gather, &z, level - 1, sampler));
-    if (recursive(g)) return rgb_fma(L, T, distant(g, &z, level, sampler));
+    if (g->rough.gather) return rgb_fma(L, T, distant(g->rough.gather, &z, level - 1, choice));
+    if (recursive(g)) return rgb_fma(L, T, distant(g, &z, level, choice));
     float radius;
     rgb E = photon_irradiance(g->maps, g->scene, z.surfel.p, z.ng, &radius);
     bool near = g->options->gather_bounce && radius > g->trust;
     if (!within_depth(g, level, 2)) E = rgb_grey(0.0f);
-    return rgb_fma(L, T, reflected(g, &z, E, near, level, sampler));
+    return rgb_fma(L, T, reflected(g, &z, E, near, level, choice));
 }
 
 // First passes `photons` and `photons-precomputed`: all hits of a chunk look the map up together.
 static void shade_from_photons(const struct gather *g, struct gather_scratch *scratch, size_t count,
-                               struct gather_ray *rays) {
+                               struct gather_ray *rays, const struct gather_guide *guide) {
     const bool precomputed = g->options->first_pass == SATIN_FIRST_PRECOMPUTED;
     for (size_t i = 0; i < count; i++) {
         scratch->p[i] = scratch->hit[i].point.surfel.p;
@@ -268,20 +281,29 @@ static void shade_from_photons(const struct gather *g, struct gather_scratch *sc
         }
         float radius = scratch->radius[i];
         bool near = g->options->gather_bounce && (y->surfel.t < radius || radius > g->trust);
-        rgb L = reflected(g, y, E, near, 0, &hit->sampler);
+        struct choice choice = {hit->sampler, y->surfel.t < radius ? guide : NULL};
+        rgb L = reflected(g, y, E, near, 0, &choice);
         rays[hit->ray].L = rgb_mul(hit->T, L);
     }
 }
 
+// Rays that are traced together.
+struct bundle {
+    struct gather_ray *rays;
+    const struct gather_guide *guide;  // may be NULL
+    uint32_t seed;
+};
+
 static void trace_chunk(const struct gather *g, struct gather_scratch *scratch,
-                        struct gather_ray *rays, size_t begin, size_t end, uint32_t seed) {
+                        const struct bundle *bundle, size_t begin, size_t end) {
+    struct gather_ray *rays = bundle->rays;
     const satin_first_pass first_pass = g->options->first_pass;
     const struct gather_mis lights_alone = {{{BRDF_SMOOTH, 0.0f}}};
     size_t hits = 0;
     for (size_t i = begin; i < end; i++) {
         struct gather_ray *ray = &rays[i];
         struct gather_hit *hit = &scratch->hit[hits];
-        hit->sampler = (struct sampler){ray->item, seed, 0};
+        hit->sampler = (struct sampler){ray->item, bundle->seed, 0};
         struct sampler start = hit->sampler;
         struct emitters e = {0};
         bool found = false;
@@ -299,18 +321,26 @@ static void trace_chunk(const struct gather *g, struct gather_scratch *scratch,
         else if (found && first_pass == SATIN_FIRST_NONE)
             ray->L = rgb_mul(hit->T, gather_direct(g, &hit->point, lights_alone, 1, hit->sampler));
         else if (found && first_pass == SATIN_FIRST_RECURSIVE)
-            ray->L = rgb_mul(hit->T, distant(g, &hit->point, 0, &hit->sampler));
+            ray->L =
+                rgb_mul(hit->T, distant(g, &hit->point, 0, &(struct choice){hit->sampler, NULL}));
         else if (found)
             hits++;
     }
-    shade_from_photons(g, scratch, hits, rays);
+    shade_from_photons(g, scratch, hits, rays, bundle->guide);
+}
+
+void gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
+                        struct gather_ray *rays, size_t count, uint64_t stream,
+                        const struct gather_guide *guide) {
+    const uint32_t seed = (uint32_t)rng_mix(stream ^ rng_mix(g->options->seed + RNG_GATHER_HIT));
+    const struct bundle bundle = {rays, guide, seed};
+    for (size_t begin = 0; begin < count; begin += GATHER_CHUNK) {
+        size_t end = count - begin > GATHER_CHUNK ? begin + GATHER_CHUNK : count;
+        trace_chunk(g, scratch, &bundle, begin, end);
+    }
 }
 
 void gather_rays(const struct gather *g, struct gather_scratch *scratch, struct gather_ray *rays,
                  size_t count, uint64_t stream) {
-    uint32_t seed = (uint32_t)rng_mix(stream ^ rng_mix(g->options->seed + RNG_GATHER_HIT));
-    for (size_t begin = 0; begin < count; begin += GATHER_CHUNK) {
-        size_t end = count - begin > GATHER_CHUNK ? begin + GATHER_CHUNK : count;
-        trace_chunk(g, scratch, rays, begin, end, seed);
-    }
+    gather_rays_guided(g, scratch, rays, count, stream, NULL);
 }

@@ -15,12 +15,23 @@ struct gather_hit {
     struct sampler sampler;
 };
 
+// The bright places that a site sees, and the rays that it sends there (gather_guide.c).
+struct gather_guide {
+    struct photon_cone cone[PHOTON_CONES];
+    int rays[PHOTON_CONES];       // each a power of 2
+    float density[PHOTON_CONES];  // of a cone's rays over solid angle
+    int count, dealt;             // cones; rays of all
+    struct frame frame;           // of the site
+    size_t made;                  // of the rays: none goes below the horizon
+};
+
 struct gather_scratch {
-    size_t capacity;
+    size_t capacity;          // half as many again as asked for: guided rays
     struct gather_ray *rays;  // capacity
     float *x, *y, *z;         // capacity: local directions
     float *r, *g, *b;         // capacity: weighted radiance
     float *wall;              // 6 * capacity: of gradients
+    struct gather_guide guide;
     struct gather_hit hit[GATHER_CHUNK];
     vec3 p[GATHER_CHUNK], n[GATHER_CHUNK];
     rgb E[GATHER_CHUNK];

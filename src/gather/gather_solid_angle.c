@@ -36,6 +36,10 @@ static bool see(const struct gather_cells *cells, size_t i, struct seen *out) {
     return fabsf(out->c) > GRAZING;
 }
 
+static size_t ray_count(const struct gather_cells *cells) {
+    return gather_layout_rays(cells->layout) + cells->scratch->guide.made;
+}
+
 // What a move by `step` r along `axis` makes of a ray: returns its new length over r; *w gets its
 // direction, *omega its solid angle over the old one.
 static float displace(const struct seen *at, vec3 axis, float step, vec3 *w, float *omega) {
@@ -57,11 +61,11 @@ static float cosine_difference(const struct seen *at, vec3 axis) {
 }
 
 // Rays are dense as the cosine, so cos(theta) Omega is pi / count for each of them [K05 4.2.3].
-void gather_solid_angle_irradiance(const struct gather_cells *cells, bool differences,
+void gather_solid_angle_irradiance(const struct gather_cells *cells, bool differences, size_t first,
                                    vec3 grad[3]) {
-    const size_t count = gather_layout_rays(cells->layout);
-    const float share = PI_F / (float)count;
-    for (size_t i = 0; i < count; i++) {
+    const float share = PI_F / (float)gather_layout_rays(cells->layout);
+    const size_t count = ray_count(cells);
+    for (size_t i = first; i < count; i++) {
         struct seen at;
         if (!see(cells, i, &at)) continue;
         vec3 change;
@@ -98,12 +102,12 @@ static void derive(const struct gather_layout *l, const struct seen *at, float *
     }
 }
 
-static void differentiate(const struct gather_cells *cells, float *dx, float *dy) {
+static void differentiate(const struct gather_cells *cells, size_t first, float *dx, float *dy) {
     const struct gather_scratch *s = cells->scratch;
-    const size_t count = gather_layout_rays(cells->layout);
+    const size_t count = ray_count(cells);
     const size_t n2 = (size_t)(cells->layout->order * cells->layout->order);
     float by_x[BLOCK * RSH_MAX_COEFFICIENTS], by_y[BLOCK * RSH_MAX_COEFFICIENTS];
-    for (size_t i = 0; i < count; i += BLOCK) {
+    for (size_t i = first; i < count; i += BLOCK) {
         size_t n = count - i < BLOCK ? count - i : BLOCK;
         memset(by_x, 0, sizeof *by_x * n * n2);
         memset(by_y, 0, sizeof *by_y * n * n2);
@@ -118,13 +122,14 @@ static void differentiate(const struct gather_cells *cells, float *dx, float *dy
 
 // Adds one side of the difference quotient along an axis: a projection of displaced rays. A step
 // that grows with r keeps close hits as exact as far ones, unlike the fixed one of [K05 4.2.1].
-static void difference(const struct gather_cells *cells, vec3 axis, float side, float *out) {
+static void difference(const struct gather_cells *cells, size_t first, vec3 axis, float side,
+                       float *out) {
     const struct gather_layout *l = cells->layout;
     const struct gather_scratch *s = cells->scratch;
-    const size_t count = gather_layout_rays(l);
+    const size_t count = ray_count(cells);
     float *x = s->wall, *y = x + count, *z = y + count, *r = z + count, *g = r + count,
           *b = g + count;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = first; i < count; i++) {
         struct seen at;
         vec3 w = v3(0.0f, 0.0f, 1.0f);
         float omega = 0.0f, value = 0.0f;
@@ -135,21 +140,18 @@ static void difference(const struct gather_cells *cells, vec3 axis, float side, 
         x[i] = w.x, y[i] = w.y, z[i] = w.z;
         r[i] = s->r[i] * value, g[i] = s->g[i] * value, b[i] = s->b[i] * value;
     }
-    rsh_project(l->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, l->order, count, x, y, z, r, g,
-                b, out);
+    rsh_project(l->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, l->order, count - first,
+                x + first, y + first, z + first, r + first, g + first, b + first, out);
 }
 
-void gather_solid_angle_radiance(const struct gather_cells *cells, bool differences, float *dx,
-                                 float *dy) {
-    const size_t n2 = (size_t)(cells->layout->order * cells->layout->order);
-    memset(dx, 0, sizeof *dx * 3 * n2);
-    memset(dy, 0, sizeof *dy * 3 * n2);
+void gather_solid_angle_radiance(const struct gather_cells *cells, bool differences, size_t first,
+                                 float *dx, float *dy) {
     if (!differences) {
-        differentiate(cells, dx, dy);
+        differentiate(cells, first, dx, dy);
         return;
     }
     for (int side = -1; side <= 1; side += 2) {
-        difference(cells, v3(1.0f, 0.0f, 0.0f), (float)side, dx);
-        difference(cells, v3(0.0f, 1.0f, 0.0f), (float)side, dy);
+        difference(cells, first, v3(1.0f, 0.0f, 0.0f), (float)side, dx);
+        difference(cells, first, v3(0.0f, 1.0f, 0.0f), (float)side, dy);
     }
 }

@@ -92,8 +92,6 @@ void gather_stratified_radiance(const struct gather_cells *cells, float *dx, flo
     const struct gather_layout *l = cells->layout;
     const int N = l->N, n2 = l->order * l->order;
     float *wall = cells->scratch->wall;
-    memset(dx, 0, sizeof *dx * 3 * (size_t)n2);
-    memset(dy, 0, sizeof *dy * 3 * (size_t)n2);
     for (int j = 0; j < l->M; j++) {
         const struct gather_ray *row = cells->scratch->rays + (size_t)j * (size_t)N;
         if (j > 0) {

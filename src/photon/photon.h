@@ -45,4 +45,29 @@ rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *sc
 rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p, vec3 ng,
                    const struct frame *frame, const struct brdf *brdf, vec3 wo, unsigned lobes);
 
+// ---- Bright places (photon_bright.c) ----------------------------------------------------------
+
+// From where light is gathered.
+struct photon_eye {
+    vec3 p, n, ng;  // hemisphere about n; geometric normal on the same side
+};
+
+// A sphere around a place where light comes down densely, and the directions in which it is seen.
+struct photon_cone {
+    vec3 center, axis;
+    float radius, cosine;  // of the sphere, of the half angle
+    float E;               // roughly what a white surface there adds to the irradiance [W m^-2]
+    float chance;          // roughly that a cosine-weighted ray meets what is bright,
+    float filled;          // and that one within the cone does
+};
+enum { PHOTON_CONES = 32 };
+
+// Cones of the bright places that the eye sees, returned is how many; *mean gets the irradiance
+// where photons come down, if there are any. Which they are does not depend on what gather rays
+// find.
+void photon_cone_aim(struct photon_cone *cone, vec3 p);  // axis and cosine from p, outside of it
+int photon_bright_cones(const struct photon_maps *maps, const struct satin_scene *scene,
+                        const struct photon_eye *eye, struct photon_cone out[PHOTON_CONES],
+                        float *mean);
+
 #endif

@@ -216,9 +216,19 @@ bool photon_irradiance_sees(const struct photon_irradiance *irradiance,
 // Its irradiance at p.
 rgb photon_irradiance_value(const struct photon_irradiance *irradiance, int entry, vec3 p);
 
+// ---- Bright places (photon_bright.c) ----------------------------------------------------------
+
+struct photon_bright;
+// Of photons that stand for all light, which are reordered. *out is NULL if light is spread evenly.
+satin_status photon_bright_build(struct photon_hit *hit, size_t count, struct log log,
+                                 struct photon_bright **out);
+void photon_bright_free(struct photon_bright *bright);  // NULL is allowed
+size_t photon_bright_bytes(const struct photon_bright *bright);
+
 struct photon_maps {
     struct photon_map global, caustic;
     struct photon_irradiance irradiance, caustic_irradiance;
+    struct photon_bright *bright;  // may be NULL
     int photon_k, caustic_k;
     bool area;
     float trust;

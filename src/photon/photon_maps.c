@@ -11,6 +11,7 @@
 
 enum {
     KEEP_ALL = 1 << PHOTON_DIRECT | 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT,
+    BRIGHT_PATHS = 1 << 15,
     KEEP_BOUNCED = 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT
 };
 
@@ -109,6 +110,25 @@ static satin_status build_caustic(const struct pass *pass, struct photon_maps *m
     return status;
 }
 
+// A coarse pass of its own, as the global map may lack direct light.
+static satin_status build_bright(const struct pass *pass, struct photon_maps *maps) {
+    const satin_options *o = pass->options;
+    if (!o->gather_guide || o->integrator != SATIN_TWO_PASS) return SATIN_OK;
+    double start = stats_wall();
+    struct photon_tracing tracing = {.scene = pass->scene,
+                                     .seed = o->seed,
+                                     .paths = BRIGHT_PATHS,
+                                     .keep = KEEP_ALL,
+                                     .bounces = bounces_left(o, 2)};
+    struct photon_trace trace = {0};
+    satin_status status = photon_trace_run(&tracing, pass->pool, pass->log, &trace);
+    if (status == SATIN_OK)
+        status = photon_bright_build(trace.hit, trace.count, pass->log, &maps->bright);
+    photon_trace_free(&trace);
+    stats_add(pass->stats, "photons.bright_s", stats_wall() - start);
+    return status;
+}
+
 satin_status photon_maps_build(const struct satin_scene *scene, const satin_options *options,
                                struct parallel *pool, struct log log, struct stats *stats,
                                struct photon_maps **out) {
@@ -123,6 +143,7 @@ satin_status photon_maps_build(const struct satin_scene *scene, const satin_opti
     maps->trust = TRUST * pass.view.reach;
     satin_status status = build_global(&pass, maps);
     if (status == SATIN_OK) status = build_caustic(&pass, maps);
+    if (status == SATIN_OK) status = build_bright(&pass, maps);
     if (status != SATIN_OK) {
         photon_maps_free(maps);
         return status;
@@ -133,7 +154,8 @@ satin_status photon_maps_build(const struct satin_scene *scene, const satin_opti
     stats_set(stats, "photons.bytes",
               (double)(photon_map_bytes(&maps->global) + photon_map_bytes(&maps->caustic) +
                        photon_irradiance_bytes(&maps->irradiance) +
-                       photon_irradiance_bytes(&maps->caustic_irradiance)));
+                       photon_irradiance_bytes(&maps->caustic_irradiance) +
+                       photon_bright_bytes(maps->bright)));
     *out = maps;
     return SATIN_OK;
 }
@@ -146,5 +168,6 @@ void photon_maps_free(struct photon_maps *maps) {
     photon_irradiance_free(&maps->caustic_irradiance);
     photon_map_free(&maps->global);
     photon_map_free(&maps->caustic);
+    photon_bright_free(maps->bright);
     free(maps);
 }

@@ -68,6 +68,9 @@ const struct option options_table[] = {
      "Gather rays that hit nearer than the photon lookup radius go on for one more bounce."},
     {"gather-shadow", OPTION_BOOL, AT(gather_shadow), false, "off|on",
      "Direct light at gather hits by a shadow ray; off: by photons."},
+    {"gather-guide", OPTION_BOOL, AT(gather_guide), false, "off|on",
+     "Hemispheres get more rays, up to half as many again, towards places where photons come down "
+     "densely."},
     {"texture-filter", OPTION_BOOL, AT(texture_filter), false, "off|on",
      "Colours from bitmaps are averaged over what an eye ray or gather ray stands for; path takes "
      "them as they are."},

@@ -48,6 +48,7 @@ static const struct row rows[] = {
     {"corner", "corner", {"corner", 18, 18, 46, 50}, {0.01, 0.03, 0.11}},
     {"mirror", "mirror", {"floor in the mirror", 8, 32, 56, 48}, {0.015, 0.04, 0.15}},
     {"room-5m", "room-5m", {"below the lamp", 0, 28, 64, 64}, {0.015, 0.04, 0.2}},
+    {"spot", "spot-lamp", {"room", 0, 8, 64, 64}, {0.03, 0.1, 0.2}},
     {"stairs", "stairs", {"steps", 4, 14, 64, 46}, {0.01, 0.03, 0.12}},
     {"storeys", "storeys", {"above", 0, 14, 64, 31}, {0.02, 0.05, 0.15}},
     {"storeys", "storeys", {"below", 0, 33, 64, 62}, {0.02, 0.05, 0.15}},
@@ -181,10 +182,11 @@ static bool run_row(const struct folders *in, const struct row *row) {
     return good;
 }
 
-// The room in another unit of length gives the same picture but for rounding, which moves records.
+// The room in another unit of length gives the same picture but for rounding, which moves a record
+// now and then: over ten seeds rms .0 to .7 %, largest block .0 to 5.9 %.
 static bool run_unit(const struct folders *in, const char *name) {
     static const struct region all = {"as the room of 5 m", 0, 0, SIZE, SIZE};
-    static const struct errors bound = {0.002, 0.02, 0.04};
+    static const struct errors bound = {0.002, 0.01, 0.08};
     satin_film *film = render_plain(in, name), *other = render_plain(in, "room-5m");
     bool good = film && other && judge(name, &all, measure(film, other, &all), bound);
     satin_film_free(film);

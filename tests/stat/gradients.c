@@ -165,12 +165,12 @@ static void fill(const struct scene *scene, const struct gather_cells *cells, ve
 
 static void measure_radiance(const struct gather_cells *cells, int first_kind,
                              const double *wanted[2], struct tally *t) {
-    float d[2][3 * N2];
     for (int kind = 0; kind < 3; kind++) {
+        float d[2][3 * N2] = {{0}};
         if (kind == 0)
             gather_stratified_radiance(cells, d[0], d[1]);
         else
-            gather_solid_angle_radiance(cells, kind == 2, d[0], d[1]);
+            gather_solid_angle_radiance(cells, kind == 2, 0, d[0], d[1]);
         for (int axis = 0; axis < 2; axis++)
             note(t, first_kind + kind, 3 * N2, d[axis], wanted[axis]);
     }
@@ -183,7 +183,7 @@ static void measure_irradiance(const struct gather_cells *cells, const struct ve
         if (kind < 2)
             gather_stratified_irradiance(cells, kind == 1, grad);
         else
-            gather_solid_angle_irradiance(cells, kind == 3, grad);
+            gather_solid_angle_irradiance(cells, kind == 3, 0, grad);
         note(t, 6 + kind, 3, (float[]){grad[0].x, grad[1].x, grad[2].x}, wanted[0].E);
         note(t, 6 + kind, 3, (float[]){grad[0].y, grad[1].y, grad[2].y}, wanted[1].E);
     }

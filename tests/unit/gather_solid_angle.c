@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -112,7 +113,9 @@ static void radiance(satin_basis basis) {
     static float dx[3 * N2], dy[3 * N2];
     for (int axis = 0; axis < 2; axis++) wanted_radiance(&f, axis, wanted[axis]);
     for (int differences = 0; differences < 2; differences++) {
-        gather_solid_angle_radiance(&f.cells, differences, dx, dy);
+        memset(dx, 0, sizeof dx);
+        memset(dy, 0, sizeof dy);
+        gather_solid_angle_radiance(&f.cells, differences, 0, dx, dy);
         compare(dx, wanted[0], 3 * N2, 2e-3);
         compare(dy, wanted[1], 3 * N2, 2e-3);
     }
@@ -148,7 +151,7 @@ static void irradiance(void **state) {
         }
     for (int differences = 0; differences < 2; differences++) {
         vec3 grad[3] = {{0}};
-        gather_solid_angle_irradiance(&f.cells, differences, grad);
+        gather_solid_angle_irradiance(&f.cells, differences, 0, grad);
         const float given[6] = {grad[0].x, grad[0].y, grad[1].x, grad[1].y, grad[2].x, grad[2].y};
         compare(given, wanted, 6, 2e-4);
         for (int c = 0; c < 3; c++) assert_true(grad[c].z == 0.0f);

@@ -67,7 +67,7 @@ static void radiance_in_a_sphere(void **state) {
     // cos(theta) = (sqrt(2 pi) H_0 + sqrt(2 pi / 3) H_1) / 2.
     const double c0 = 0.5 * sqrt(2.0 * 3.14159265358979), c2 = c0 / sqrt(3.0);
     for (int turned = 0; turned < 2; turned++) {
-        float dx[3 * N2], dy[3 * N2];
+        float dx[3 * N2] = {0}, dy[3 * N2] = {0};
         look(s, l, turned ? v3(0.0f, 1.0f, 0.0f) : v3(1.0f, 0.0f, 0.0f));
         gather_stratified_radiance(&cells, dx, dy);
         for (int c = 0; c < 3; c++) {

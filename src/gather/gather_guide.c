@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+// Guided rays: a hemisphere's even rays meet a small bright place by luck; some more rays go to
+// each one that the site sees. Together they are one estimate by the balance heuristic [Veach and
+// Guibas 1995]: every ray, whichever way it was drawn, counts by the density of the even rays over
+// that of all, so nothing is counted twice and no light is left out where a place was not guessed.
+#include "gather/gather_guide.h"
+
+#include "base/rng.h"
+
+// The deviation of what comes from one place over all, below which luck is good enough.
+static const float LUCK = 0.01f;
+// The same that guided rays should reach, and that of one of them that meets its place, over its
+// mean.
+static const float AIM = 0.01f, SPREAD = 0.5f;
+
+// Of the bounces near a site, the part that goes where the site's own rays went.
+static const float GUIDED = 0.5f;
+
+enum { LEAST = 8, MOST = 256 };  // rays of one cone, powers of 2: whole nets
+
+// How many rays a place is worth that sends a `share` of the light.
+static int worth(const struct photon_cone *cone, float share, size_t even) {
+    if (!(share > LUCK * sqrtf((float)even * cone->chance))) return 0;
+    const float missed = 1.0f / fmaxf(cone->filled, 0.01f) - 1.0f;
+    const float wanted = sqrf(share / AIM) * (sqrf(SPREAD) + missed);
+    int rays = LEAST;
+    while (rays < MOST && (float)rays < wanted) rays *= 2;
+    return rays;
+}
+
+static float solid_angle(const struct photon_cone *cone) {
+    return 2.0f * PI_F * (1.0f - cone->cosine);
+}
+
+// Deals rays to the cones and drops those that get none.
+static void deal(struct gather_guide *guide, float mean, size_t even) {
+    float all = mean;
+    for (int i = 0; i < guide->count; i++) all += guide->cone[i].E;
+    int total = 0, kept = 0;
+    for (int i = 0; i < guide->count; i++) {
+        guide->rays[i] = worth(&guide->cone[i], guide->cone[i].E / all, even);
+        total += guide->rays[i];
+    }
+    // No more than half as many as there are without.
+    int halvings = 0;
+    while (total >> halvings > (int)(even / 2)) halvings++;
+    for (int i = 0; i < guide->count; i++) {
+        const int rays = guide->rays[i] >> halvings;
+        if (rays == 0) continue;
+        guide->cone[kept] = guide->cone[i];
+        guide->rays[kept] = rays;
+        guide->density[kept] = (float)rays / solid_angle(&guide->cone[i]);
+        guide->dealt += rays;
+        kept++;
+    }
+    guide->count = kept;
+}
+
+static vec3 in_cone(const struct photon_cone *cone, vec2 u) {
+    const struct frame frame = frame_from_normal(cone->axis);
+    return frame_to_world(&frame, sample_uniform_cone(u.x, u.y, cone->cosine));
+}
+
+size_t gather_guide_rays(const struct gather *g, const struct gather_layout *layout,
+                         const struct gather_site *site, struct gather_scratch *scratch) {
+    const size_t even = gather_layout_rays(layout);
+    const struct photon_eye eye = {site->p, site->frame.n, site->ng};
+    struct gather_guide *guide = &scratch->guide;
+    float mean = 0.0f;
+    *guide = (struct gather_guide){.frame = site->frame};
+    if (!g->options->gather_guide) return 0;
+    guide->count = photon_bright_cones(g->maps, g->scene, &eye, guide->cone, &mean);
+    if (guide->count == 0) return 0;
+    deal(guide, mean, even);
+    size_t i = even;
+    for (int c = 0; c < guide->count; c++) {
+        const uint32_t seed = (uint32_t)rng_mix(site->stream + 0x9e3779b97f4a7c15ull * (size_t)c);
+        for (int k = 0; k < guide->rays[c]; k++) {
+            const vec3 w = in_cone(&guide->cone[c], sample_sobol2((uint32_t)k, seed));
+            const vec3 local = frame_to_local(&site->frame, w);
+            if (!(local.z > 0.0f)) continue;
+            scratch->x[i] = local.x;
+            scratch->y[i] = local.y;
+            scratch->z[i] = local.z;
+            scratch->rays[i] = (struct gather_ray){
+                .ray = scene_spawn(g->scene, site->p, site->ng, w),
+                .item = (uint32_t)i,
+                .spread = g->options->texture_filter ? sqrtf(1.0f / guide->density[c]) : 0.0f,
+            };
+            i++;
+        }
+    }
+    return guide->made = i - even;
+}
+
+void gather_guide_weigh(const struct gather_layout *layout, struct gather_scratch *scratch) {
+    const struct gather_guide *guide = &scratch->guide;
+    const size_t even = gather_layout_rays(layout), count = even + guide->made;
+    if (guide->count == 0) return;
+    for (size_t i = 0; i < count; i++) {
+        struct gather_ray *ray = &scratch->rays[i];
+        float density = (float)even * (layout->order ? 0.5f / PI_F : scratch->z[i] / PI_F);
+        float all = density;
+        for (int c = 0; c < guide->count; c++)
+            if (v3_dot(ray->ray.d, guide->cone[c].axis) >= guide->cone[c].cosine)
+                all += guide->density[c];
+        ray->L = rgb_scale(ray->L, density / all);
+    }
+}
+
+bool gather_guide_bounce(const struct gather_guide *guide, const struct gather_point *y,
+                         float u_lobe, vec2 u, struct brdf_sample *out) {
+    struct photon_cone seen[PHOTON_CONES];
+    float share[PHOTON_CONES], all = 0.0f;
+    int count = 0;
+    for (int c = 0; c < guide->count; c++) {
+        struct photon_cone *cone = &seen[count];
+        *cone = guide->cone[c];
+        if (!(v3_dist2(cone->center, y->surfel.p) > 4.0f * sqrf(cone->radius))) continue;
+        photon_cone_aim(cone, y->surfel.p);
+        if (!(v3_dot(cone->axis, y->frame.n) > 0.0f)) continue;
+        all += share[count++] = (float)guide->rays[c];
+    }
+    if (count == 0)
+        return brdf_sample(&y->brdf, y->wo_l, u_lobe, u.x, u.y, BRDF_DIFFUSE, BRDF_RADIANCE, out);
+    if (u_lobe < GUIDED) {
+        int c = 0;
+        for (float at = u_lobe / GUIDED * all; c + 1 < count && at >= share[c]; c++) at -= share[c];
+        out->wi = frame_to_local(&y->frame, in_cone(&seen[c], u));
+        out->lobe = BRDF_DIFFUSE;
+    } else if (!brdf_sample(&y->brdf, y->wo_l, (u_lobe - GUIDED) / (1.0f - GUIDED), u.x, u.y,
+                            BRDF_DIFFUSE, BRDF_RADIANCE, out)) {
+        return false;
+    }
+    const vec3 w = frame_to_world(&y->frame, out->wi);
+    out->pdf_w = brdf_pdf(&y->brdf, y->wo_l, out->wi, BRDF_DIFFUSE);
+    float density = (1.0f - GUIDED) * out->pdf_w;
+    for (int c = 0; c < count; c++)
+        if (v3_dot(w, seen[c].axis) >= seen[c].cosine)
+            density += GUIDED * share[c] / all / solid_angle(&seen[c]);
+    if (!(density > 0.0f)) return false;
+    const rgb f = brdf_eval(&y->brdf, y->wo_l, out->wi, BRDF_DIFFUSE);
+    out->weight = rgb_scale(f, fabsf(out->wi.z) / density);
+    return !rgb_black(out->weight);
+}

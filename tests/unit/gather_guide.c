@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+// Guided rays, where all light comes from a spot of light on a ceiling, so small that irradiance,
+// radiance and their gradients are known: with them all are right within the noise that a few
+// hundred rays have, without them most hemispheres miss the spot.
+#include "gather/gather_guide.h"
+
+#include <math.h>
+
+#include "rsh/rsh.h"
+#include "test_scene.h"
+
+enum { ORDER = 6, N2 = ORDER * ORDER, STREAMS = 32, RAYS = 600 };
+
+static const vec3 LAMP = {0.2f, 0.0f, 0.1f};
+static const float HALF_ANGLE = 0.03f, ALBEDO = 0.5f;
+
+struct fixture {
+    struct test_scene scene;
+    satin_options options;
+    struct parallel *pool;
+    struct photon_maps *maps;
+    struct gather g;
+    struct gather_layout *layout;
+    struct gather_scratch *scratch;
+};
+
+static void start(struct fixture *f, int order) {
+    test_scene_init(&f->scene);
+    test_cube(&f->scene, mat4_identity(), true, test_diffuse(&f->scene, ALBEDO, ALBEDO, ALBEDO));
+    struct light spot = {.kind = LIGHT_SPOT,
+                         .position = LAMP,
+                         .direction = v3(0, 1, 0),
+                         .to_world = mat4_translate(LAMP),
+                         .value = rgb_grey(1.0f)};
+    spot.cos_cutoff = cosf(HALF_ANGLE);
+    spot.cos_beam = cosf(0.999f * HALF_ANGLE);
+    test_light(&f->scene, spot);
+    test_scene_finish(&f->scene);
+    f->options = satin_options_default;
+    f->options.first_pass = SATIN_FIRST_NONE;
+    f->options.photons = f->options.caustic_photons = 0;
+    f->options.max_depth = -1;
+    f->pool = parallel_new(2);
+    assert_non_null(f->pool);
+    struct stats stats = {0};
+    assert_int_equal(
+        photon_maps_build(&f->scene.scene, &f->options, f->pool, (struct log){0}, &stats, &f->maps),
+        SATIN_OK);
+    f->g = gather_make(&f->scene.scene, &f->options, f->maps);
+    f->layout = gather_layout_new(RAYS, SATIN_HSH, order);
+    f->scratch = gather_scratch_new(gather_layout_rays(f->layout));
+    assert_true(f->layout && f->scratch);
+}
+
+static void stop(struct fixture *f) {
+    gather_scratch_free(f->scratch);
+    gather_layout_free(f->layout);
+    photon_maps_free(f->maps);
+    parallel_free(f->pool);
+    test_scene_free(&f->scene);
+}
+
+static struct gather_site floor_site(uint64_t stream) {
+    vec3 n = v3(0, 1, 0);
+    return (struct gather_site){v3(-0.3f, -1.0f, 0.4f), n, frame_from_normal(n), stream};
+}
+
+// The flux into the spot, reflected, comes to p from one direction: E over the cosine at p.
+static double arrives(vec3 p, vec3 *w) {
+    const vec3 d = v3_sub(v3(LAMP.x, 1.0f, LAMP.z), p);
+    const double r = (double)v3_len(d),
+                 flux = 2.0 * 3.14159265358979 * (1.0 - cos((double)HALF_ANGLE));
+    *w = v3_unit(d);
+    return (double)ALBEDO / 3.14159265358979 * flux * (double)w->y / (r * r);
+}
+
+static void irradiance_is_right(void **state) {
+    (void)state;
+    struct fixture f;
+    start(&f, 0);
+    const struct gather_site first = floor_site(0);
+    vec3 w;
+    const double E = arrives(first.p, &w) * (double)w.y;
+    // E = const * height^2 / r^4.
+    const vec3 d = v3_sub(v3(LAMP.x, 1.0f, LAMP.z), first.p);
+    const vec3 moved = v3_mul(v3(d.x, 0.0f, d.z), 4.0f * (float)E / v3_len2(d));
+    double sum = 0.0, square = 0.0, gradient = 0.0, turn = 0.0;
+    for (uint64_t i = 0; i < STREAMS; i++) {
+        const struct gather_site site = floor_site(i);
+        struct gather_irradiance value;
+        gather_hemisphere_irradiance(&f.g, f.layout, f.scratch, &site, &value);
+        assert_true(value.rays > RAYS && value.rays <= RAYS * 3 / 2 + 3);
+        const double x = (double)value.E.g / E;
+        sum += x / STREAMS;
+        square += (x - 1.0) * (x - 1.0) / STREAMS;
+        gradient += (double)v3_len(v3_sub(value.grad_t[1], moved)) / STREAMS;
+        // What a turn of the normal by a small angle changes: E / cos(theta) * w . n'.
+        const vec3 tilted = v3_unit(v3(0.02f, 1.0f, -0.01f));
+        const double wanted = E / (double)w.y * (double)v3_dot(w, tilted) - E;
+        const double given = (double)v3_dot(v3_cross(site.frame.n, tilted), value.grad_r[1]);
+        turn += fabs(given - wanted) / fabs(wanted) / STREAMS;
+    }
+    assert_true(fabs(sum - 1.0) < 0.01);
+    assert_true(sqrt(square) < 0.05);
+    assert_true(gradient < 0.05 * (double)v3_len(moved));
+    assert_true(turn < 0.05);
+    // Without them one hemisphere in nine meets the spot at all.
+    f.options.gather_guide = false;
+    int dark = 0;
+    for (uint64_t i = 0; i < STREAMS; i++) {
+        const struct gather_site site = floor_site(i);
+        struct gather_irradiance value;
+        gather_hemisphere_irradiance(&f.g, f.layout, f.scratch, &site, &value);
+        assert_int_equal(value.rays, gather_layout_rays(f.layout));
+        dark += value.E.g == 0.0f;
+    }
+    assert_true(dark > STREAMS / 2);
+    stop(&f);
+}
+
+// The mean of Lambda and of its derivative along the frame's u against what one direction makes.
+static void radiance_is_right(void **state) {
+    (void)state;
+    struct fixture f;
+    start(&f, ORDER);
+    double sum[3][N2] = {{0}};
+    struct gather_site site = floor_site(0);
+    for (uint64_t i = 0; i < STREAMS; i++) {
+        float lambda[3 * N2], dx[3 * N2], dy[3 * N2], noise[N2];
+        struct gather_radiance out = {.lambda = lambda, .dx = dx, .dy = dy, .noise = noise};
+        site.stream = i;
+        gather_hemisphere_radiance(&f.g, f.layout, f.scratch, &site, &out);
+        for (int k = 0; k < N2; k++) {
+            sum[0][k] += (double)lambda[N2 + k] / STREAMS;
+            sum[1][k] += (double)dx[N2 + k] / STREAMS;
+            sum[2][k] += (double)dy[N2 + k] / STREAMS;
+        }
+    }
+    double wanted[3][N2] = {{0}}, error[3] = {0}, size[3] = {0};
+    const float h = 0.01f;
+    for (int at = -2; at <= 2; at++) {
+        const int axis = at < 0 ? -at : at;
+        const float step = at < 0 ? -h : h;
+        vec3 w, p = site.p;
+        if (axis) p = v3_mad(p, step, axis == 1 ? site.frame.u : site.frame.v);
+        const double L = arrives(p, &w) * (axis ? 1.0 / (2.0 * (double)step) : 1.0);
+        const vec3 local = frame_to_local(&site.frame, w);
+        float H[N2];
+        rsh_eval(RSH_HEMISPHERE, ORDER, (const float[3]){local.x, local.y, local.z}, H);
+        for (int k = 0; k < N2; k++) wanted[axis][k] += L * (double)H[k];
+    }
+    for (int axis = 0; axis < 3; axis++) {
+        for (int k = 0; k < N2; k++) {
+            double d = sum[axis][k] - wanted[axis][k];
+            error[axis] += d * d;
+            size[axis] += wanted[axis][k] * wanted[axis][k];
+        }
+        assert_true(sqrt(error[axis] / size[axis]) < 0.02);
+    }
+    stop(&f);
+}
+
+// A bounce near the site: the mean of its weight times what is seen is the integral, guided or not.
+static void bounces_are_unbiased(void **state) {
+    (void)state;
+    enum { BOUNCES = 40000 };
+    struct fixture f;
+    start(&f, 0);
+    const struct gather_site site = floor_site(1);
+    struct gather_irradiance value;
+    gather_hemisphere_irradiance(&f.g, f.layout, f.scratch, &site, &value);
+    assert_true(f.scratch->guide.count > 0);
+    struct surfel s;
+    const struct ray ray = {v3_mad(site.p, 0.5f, v3(0, 1, 0)), 0.0f, v3(0, -1, 0), INFINITY};
+    assert_true(scene_intersect(&f.scene.scene, &ray, &s));
+    struct gather_point y;
+    gather_point_make(&f.scene.scene, &s, ray.d, &y);
+    double sum = 0.0, hits = 0.0;
+    for (uint32_t i = 0; i < BOUNCES; i++) {
+        struct brdf_sample next;
+        if (!gather_guide_bounce(&f.scratch->guide, &y, sample_sobol1(i, 3), sample_sobol2(i, 5),
+                                 &next))
+            continue;
+        const vec3 w = frame_to_world(&y.frame, next.wi);
+        // Light of 1 from all sides reflects the albedo, and through the spot its solid angle.
+        sum += (double)next.weight.g / BOUNCES;
+        const float t = (1.0f - y.surfel.p.y) / w.y;
+        const vec3 at = v3_sub(v3_mad(y.surfel.p, t, w), v3(LAMP.x, 1.0f, LAMP.z));
+        if (v3_len(at) < tanf(HALF_ANGLE)) hits += (double)next.weight.g / BOUNCES;
+    }
+    assert_true(fabs(sum / (double)ALBEDO - 1.0) < 0.01);
+    vec3 w;
+    const double r2 = (double)v3_dist2(v3(LAMP.x, 1.0f, LAMP.z), y.surfel.p),
+                 area = 3.14159265358979 * pow(tan((double)HALF_ANGLE), 2.0);
+    (void)arrives(y.surfel.p, &w);
+    const double wanted = (double)ALBEDO / 3.14159265358979 * area * (double)(w.y * w.y) / r2;
+    assert_true(fabs(hits / wanted - 1.0) < 0.02);
+    stop(&f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(irradiance_is_right),
+        cmocka_unit_test(radiance_is_right),
+        cmocka_unit_test(bounces_are_unbiased),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
