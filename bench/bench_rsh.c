@@ -2,7 +2,8 @@
 // Times the harmonics on one thread, every instruction set this machine has, next to the peak rate
 // of fused multiply-adds measured in the same run. All cases take turns; a figure is the median of
 // the rounds in nanoseconds per unit named in its row. "least ns" is what the multiply-adds, at the
-// measured peak, or the stores, at 32 bytes per cycle, take alone, whichever is more.
+// measured peak, or the stores, at 32 bytes per cycle, take alone, whichever is more. A round of a
+// case takes a tenth of a millisecond or more, since reading the clock takes half a microsecond.
 //
 // usage: bench_rsh [ROUNDS]        (default 15)
 #include <math.h>
@@ -17,6 +18,7 @@
 // Evaluated at once: 64 directions times 100 functions stay in the first cache.
 enum { BATCH = 64, RECORDS = 512 };
 enum { COUNT = 2048, CALLS = 200, MAX_CASES = 512, MAX_ROUNDS = 101, N_MAX = RSH_MAX_COEFFICIENTS };
+enum { ROUND_NS = 100000 };
 
 // Whole lines of the cache: a vector of 64 bytes across two of them costs twice.
 static _Alignas(64) float directions[3][COUNT], values[3][COUNT], matrix[COUNT * N_MAX];
@@ -31,7 +33,7 @@ struct timed {
     void (*run)(const struct timed *c);
     double units, flops;  // per run; flops of the sum that is asked for, 0 if not of interest
     double steps, bytes;  // per unit: multiply-adds or products as done here, bytes stored
-    int order, channels, method;
+    int order, channels, method, repeats;
     float limit;
     double ns[MAX_ROUNDS];
 };
@@ -263,18 +265,25 @@ static void fill(void) {
     }
 }
 
+// ns per unit.
+static double time_case(const struct timed *c) {
+    double start = now_ns();
+    for (int i = 0; i < c->repeats; i++) c->run(c);
+    return (now_ns() - start) / (c->units * c->repeats);
+}
+
 int main(int argc, char **argv) {
     static struct timed cases[MAX_CASES];
     int rounds = argc > 1 ? atoi(argv[1]) : 15, count = add_cases(cases);
     rounds = rounds < 1 ? 1 : rounds > MAX_ROUNDS ? MAX_ROUNDS : rounds;
     double peak = 1.0;
     fill();
+    for (int i = 0; i < count; i++) {
+        cases[i].repeats = 2;  // the first, with cold tables, counts for less
+        cases[i].repeats = 1 + (int)(ROUND_NS / (time_case(&cases[i]) * cases[i].units));
+    }
     for (int r = 0; r < rounds; r++)
-        for (int i = 0; i < count; i++) {
-            double start = now_ns();
-            cases[i].run(&cases[i]);
-            cases[i].ns[r] = (now_ns() - start) / cases[i].units;
-        }
+        for (int i = 0; i < count; i++) cases[i].ns[r] = time_case(&cases[i]);
     printf("kernels  what                       order channels        ns  GFLOP/s  least ns\n");
     for (int i = 0; i < count; i++) {
         struct timed *c = &cases[i];

@@ -71,8 +71,9 @@ static void run_one(enum form form, int order, int channels, const float *r) {
 
 // ns per record.
 static double time_form(enum form form, int order, int channels) {
-    // Rounds of slow forms are shorter, so that all take about as long.
-    int repeats = form >= FAST_BATCH ? 16 : form == IVANIC ? 1 : 4;
+    // Rounds of slow forms are shorter, so that all take about as long; reading the clock takes
+    // half a microsecond.
+    int repeats = form >= FAST_BATCH ? 64 : form == IVANIC ? 2 : 16;
     double start = now_ns();
     for (int k = 0; k < repeats; k++) {
         if (form >= FAST_BATCH)

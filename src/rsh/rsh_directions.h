@@ -57,8 +57,7 @@ INLINE struct azimuth azimuth_add(struct azimuth a, struct azimuth b) {
 }
 
 INLINE struct azimuth azimuth_double(struct azimuth a) {
-    vf half = a.c * a.s;
-    return (struct azimuth){a.c * a.c - a.s * a.s, half + half};
+    return (struct azimuth){(a.c - a.s) * (a.c + a.s), (a.c + a.c) * a.s};
 }
 
 // Functions (l, -m) and (l, m): the Legendre function p times the parts of the azimuth.

@@ -4,9 +4,10 @@
 // The sums are not those of the harmonics but of f_k(z) Re, Im (x + i y)^m with one set of f_k for
 // all m, so that f_k times the values is found once per k and every sum costs one multiply-add, for
 // m = 0 one addition. A triangular matrix per m turns the sums into those of Y_(m+k)^m at the end
-// (rsh_mix). The f_k are the Legendre functions of one m in the middle, which keeps the entries of
-// the matrices small: sums enlarge their rounding by 7 at most up to order 10. Beyond it small and
-// large m have sets of their own, and it is 5.
+// (rsh_mix). The f_k are Gegenbauer's polynomials, scaled so that a step of their recurrence is one
+// multiply-add; those of Chebyshev's second kind stand between the Legendre functions of m = 0 and
+// of m = 1, which keeps the entries of the matrices small: sums enlarge their rounding by 7 at most
+// up to order 10. Beyond it small and large m have sets of their own, and it is 5.
 #include "rsh/rsh_directions.h"
 #include "rsh/rsh_kernel.h"
 #include "rsh/rsh_tables.h"
@@ -15,13 +16,24 @@
 enum { RUN = 4, PARTS = 2, MOST = 3 };
 // Orders up to here take one set for all m; the others have the second from m = SECOND on.
 enum { ONE_SET = 10, SECOND = 3 };
+// Holds the PARTS * MOST sums of one k and m, and two more.
+enum { SPACE = 8 };
+typedef float sextet __attribute__((vector_size(4 * SPACE)));
 
-// Re, Im (x + i y)^m and z of RUN vectors of samples, and their values.
-struct run {
-    vf c[RSH_MAX_ORDER][RUN], s[RSH_MAX_ORDER][RUN], z[RUN], value[MOST][RUN];
+// Re, Im (x + i y)^m of RUN vectors of samples.
+struct turn {
+    vf c[RUN], s[RUN];
 };
 
-INLINE void load_run(rsh_basis basis, int order, int channels, size_t first, size_t count,
+// RUN vectors of samples: z counts twice; the values are the caller's, or a padded copy.
+struct run {
+    struct turn turn[RSH_MAX_ORDER];
+    vf z[RUN];
+    const float *value[MOST];
+    float padded[MOST][RUN * W];
+};
+
+INLINE void load_run(rsh_basis basis, int channels, size_t first, size_t count,
                      const float *const d[3], const float *const value[3], struct run *r) {
     for (size_t i = 0; i < RUN; i++) {
         size_t at = first + i * W, left = at < count ? count - at : 0;
@@ -32,107 +44,155 @@ INLINE void load_run(rsh_basis basis, int order, int channels, size_t first, siz
             v.y *= s;
             v.z = 2.0f * v.z - 1.0f;
         }
-        r->c[1][i] = v.x, r->s[1][i] = v.y, r->z[i] = v.z;
-        for (int a = 0; a < channels; a++) r->value[a][i] = load_values(value[a], at, left);
+        r->turn[1].c[i] = v.x, r->turn[1].s[i] = v.y, r->z[i] = v.z + v.z;
     }
-    for (int m = 2; m < order; m += 2)
-        for (int i = 0; i < RUN; i++) {
-            const struct azimuth one = azimuth_of(r->c[1][i], r->s[1][i]);
-            const struct azimuth even = azimuth_double(azimuth_of(r->c[m / 2][i], r->s[m / 2][i]));
-            const struct azimuth odd = azimuth_add(even, one);
-            r->c[m][i] = even.c, r->s[m][i] = even.s;
-            r->c[m + 1][i] = odd.c, r->s[m + 1][i] = odd.s;
-        }
+    const bool whole = count - first >= RUN * W;
+    for (int a = 0; a < channels; a++) {
+        r->value[a] = whole ? value[a] + first : r->padded[a];
+        if (whole) continue;
+        memset(r->padded[a], 0, sizeof r->padded[a]);
+        memcpy(r->padded[a], value[a] + first, (count - first) * sizeof *value[a]);
+    }
 }
 
-// Adds g c_m and g s_m to the sums of one k, m = first .. end - 1; of m = 0 only the first is used.
-INLINE vf *add_products(int channels, int first, int end, const struct run *r, vf g[MOST][RUN],
-                        vf *sum) {
-    int m = first;
-    if (m == 0) {
-        for (int a = 0; a < channels; a++)
-            for (int i = 0; i < RUN; i++) sum[a] += g[a][i];
-        sum += channels;
-        m++;
-    }
-    for (; m < end; m++, sum += PARTS * channels) {
-        vf total[MOST][PARTS];
-        for (int p = 0; p < PARTS * channels; p++) total[p / PARTS][p % PARTS] = sum[p];
-        for (int i = 0; i < RUN; i++) {
-            vf c = r->c[m][i], s = r->s[m][i];
-            RSH_KEEP(c);
-            RSH_KEEP(s);
-            for (int a = 0; a < channels; a++) {
-                total[a][0] += g[a][i] * c;
-                total[a][1] += g[a][i] * s;
-            }
-        }
-        for (int p = 0; p < PARTS * channels; p++) sum[p] = total[p / PARTS][p % PARTS];
-    }
-    return sum;
+// Adds g to the sums of m = 0.
+INLINE vf *add_zonal(int channels, vf g[MOST][RUN], vf *sum) {
+    for (int a = 0; a < channels; a++) sum[a] += (g[a][0] + g[a][1]) + (g[a][2] + g[a][3]);
+    return sum + channels;
 }
 
-// The sums of m = first .. end - 1, by k, then m, then channel.
-INLINE vf *project_set(int order, int channels, int set, int first, int end, const struct run *r,
+// Adds g times cosine and sine to the sums of one m.
+INLINE vf *add_turned(int channels, const struct turn *t, vf g[MOST][RUN], vf *sum) {
+    vf total[MOST][PARTS];
+    for (int p = 0; p < PARTS * channels; p++) total[p / PARTS][p % PARTS] = sum[p];
+    for (int i = 0; i < RUN; i++) {
+        vf c = t->c[i], s = t->s[i];
+        RSH_KEEP(c);
+        RSH_KEEP(s);
+        for (int a = 0; a < channels; a++) {
+            total[a][0] += g[a][i] * c;
+            total[a][1] += g[a][i] * s;
+        }
+    }
+    for (int p = 0; p < PARTS * channels; p++) sum[p] = total[p / PARTS][p % PARTS];
+    return sum + PARTS * channels;
+}
+
+// (x + i y)^m from smaller powers.
+INLINE void next_turn(int m, struct turn *turn) {
+    const struct turn *half = turn + m / 2, *other = turn + (m + 1) / 2;
+    for (int i = 0; i < RUN; i++) {
+        const struct azimuth a = azimuth_of(half->c[i], half->s[i]);
+        const struct azimuth t =
+            m % 2 ? azimuth_add(a, azimuth_of(other->c[i], other->s[i])) : azimuth_double(a);
+        turn[m].c[i] = t.c, turn[m].s[i] = t.s;
+    }
+}
+
+// Adds to the sums of m = first .. end - 1, by k, then m, then channel, and returns the next sum.
+// Set 0, which begins at m = 0, finds the powers of x + i y on its way.
+INLINE vf *project_set(int order, int channels, int set, int first, int end, struct run *r,
                        vf *sum) {
-    const float *b = rsh_mix_recurrence[set];
     vf f[RUN], f1[RUN], g[MOST][RUN];
     for (int i = 0; i < RUN; i++) {
         f[i] = splat(1.0f);
         f1[i] = (vf){0};
-        for (int a = 0; a < channels; a++) g[a][i] = r->value[a][i];
+        for (int a = 0; a < channels; a++) g[a][i] = load(r->value[a] + i * W);
     }
     for (int k = 0; k < order - first; k++) {
         for (int i = 0; i < RUN && k > 0; i++) {
-            vf next = r->z[i] * f[i] - b[k] * f1[i];
+            const vf z = set == 0 ? r->z[i] : rsh_mix_step[set][k] * r->z[i];
+            vf next = z * f[i] - f1[i];
             f1[i] = f[i];
             f[i] = next;
-            for (int a = 0; a < channels; a++) g[a][i] = f[i] * r->value[a][i];
+            for (int a = 0; a < channels; a++) g[a][i] = next * load(r->value[a] + i * W);
         }
-        sum = add_products(channels, first, end < order - k ? end : order - k, r, g, sum);
+        const int last = end < order - k ? end : order - k;
+        if (set == 0) sum = add_zonal(channels, g, sum);
+        for (int m = set == 0 ? 1 : first; m < last; m++) {
+            if (k == 0 && set == 0 && m > 1) next_turn(m, r->turn);
+            sum = add_turned(channels, &r->turn[m], g, sum);
+        }
     }
     return sum;
 }
 
-// From the sums of one set to `out`.
-INLINE const vf *mix_set(float scale, int order, int channels, int set, int first, int end,
-                         const vf *sum, float *out) {
-    float sums[RSH_MAX_ORDER][RSH_MAX_ORDER][MOST * PARTS] = {0};
-    for (int k = 0; k < order - first; k++)
-        for (int m = first; m < end && m < order - k; m++)
-            for (int a = 0; a < channels; a++)
-                for (int part = 0; part < (m ? PARTS : 1); part++)
-                    sums[m][k][PARTS * a + part] = sum_lanes(*sum++);
-    for (int m = first; m < end; m++)
+// From the sums of one set, each a number now, to `out`; returns the sums of the next set.
+INLINE const float *mix_set(float scale, int order, int channels, int set, int first, int end,
+                            const float *sum, float *out) {
+    const float *row[RSH_MAX_ORDER];
+    for (int k = 0; k < order - first; k++) {
+        const int last = end < order - k ? end : order - k;
+        row[k] = sum;
+        sum += channels * (PARTS * (last - first) - (first == 0));
+    }
+    for (int m = first; m < end; m++) {
+        const int at = m ? channels * (PARTS * (m - first) - (first == 0)) : 0;
         for (int k = 0; k < order - m; k++) {
             const float *mix = rsh_mix[set][m][k];
-            float total[MOST * PARTS] = {0};
-            for (int j = k & 1; j <= k; j += 2)
-                for (int p = 0; p < MOST * PARTS; p++) total[p] += mix[j / 2] * sums[m][j][p];
-            const int l = m + k;
-            for (int a = 0; a < channels; a++) {
-                float *to = out + a * order * order + l * (l + 1);
-                to[m] += scale * total[PARTS * a];
-                if (m) to[-m] += scale * total[PARTS * a + 1];
+            sextet total = {0};
+            for (int j = k & 1; j <= k; j += 2) {
+                sextet v;
+                memcpy(&v, row[j] + at, sizeof v);
+                total += (scale * mix[j / 2]) * v;
+            }
+            float *to = out + (m + k) * (m + k + 1);
+            for (int a = 0; a < channels; a++, to += order * order) {
+                to[m] += total[m ? PARTS * a : a];
+                if (m) to[-m] += total[PARTS * a + 1];
             }
         }
+    }
     return sum;
+}
+
+// Adds the lanes of all sums and what they amount to.
+INLINE void mix_sums(rsh_basis basis, int order, int channels, int second, const vf *sums,
+                     float *out) {
+    float sum[MOST * RSH_MAX_COEFFICIENTS + SPACE];
+    const float scale = basis == RSH_HEMISPHERE ? sqrtf(2.0f) : 1.0f;
+    for (int i = 0; i < channels * order * order; i += 4) {
+        const quartet v = sum_four(sums + i);
+        memcpy(sum + i, &v, sizeof v);
+    }
+    memset(sum + channels * order * order, 0, SPACE * sizeof *sum);
+    const float *next = mix_set(scale, order, channels, 0, 0, second, sum, out);
+    if (second < order) mix_set(scale, order, channels, 1, second, order, next, out);
+}
+
+// A function of its own per shape: inlined together they leave too few registers.
+#define SHAPE(name, channels, set)                                              \
+    static __attribute__((noinline))                                            \
+    vf *project_##name(int order, int first, int end, struct run *r, vf *sum) { \
+        return project_set(order, channels, set, first, end, r, sum);           \
+    }
+SHAPE(one, 1, 0)
+SHAPE(one_more, 1, 1)
+SHAPE(three, 3, 0)
+SHAPE(three_more, 3, 1)
+#undef SHAPE
+
+INLINE void project_run(int order, int channels, int second, struct run *r, vf *sums) {
+    if (channels == 1)
+        sums = project_one(order, 0, second, r, sums);
+    else
+        sums = project_three(order, 0, second, r, sums);
+    for (int m = second; m < order; m++) next_turn(m, r->turn);
+    if (second < order && channels == 1) project_one_more(order, second, order, r, sums);
+    if (second < order && channels == 3) project_three_more(order, second, order, r, sums);
 }
 
 INLINE void project_channels(rsh_basis basis, int order, int channels, size_t count,
                              const float *const d[3], const float *const value[3], float *out) {
-    vf sums[MOST * RSH_MAX_COEFFICIENTS];
+    vf sums[MOST * RSH_MAX_COEFFICIENTS + 4];
     const int second = order <= ONE_SET ? order : SECOND;
-    memset(sums, 0, (size_t)(channels * order * order) * sizeof *sums);
+    memset(sums, 0, (size_t)(channels * order * order + 4) * sizeof *sums);
     for (size_t first = 0; first < count; first += RUN * W) {
         struct run r;
-        load_run(basis, order, channels, first, count, d, value, &r);
-        vf *sum = project_set(order, channels, 0, 0, second, &r, sums);
-        if (second < order) project_set(order, channels, 1, second, order, &r, sum);
+        load_run(basis, channels, first, count, d, value, &r);
+        project_run(order, channels, second, &r, sums);
     }
-    const float scale = basis == RSH_HEMISPHERE ? sqrtf(2.0f) : 1.0f;
-    const vf *sum = mix_set(scale, order, channels, 0, 0, second, sums, out);
-    if (second < order) mix_set(scale, order, channels, 1, second, order, sum, out);
+    mix_sums(basis, order, channels, second, sums, out);
 }
 
 void GLUE(rsh_project_, RSH_NAME)(rsh_basis basis, int order, size_t count, const float *x,

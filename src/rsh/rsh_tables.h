@@ -32,10 +32,11 @@ extern const float rsh_half_norm[2 * RSH_MAX_ORDER * RSH_MAX_ORDER];  // of sphe
 extern const float rsh_half_from[RSH_MAX_ORDER * RSH_MAX_ORDER];
 extern const float rsh_half_fall[RSH_MAX_ORDER * RSH_MAX_ORDER];
 
-// Y of all m from one set of functions of z: f_0 = 1, f_1 = z, f_k = z f_(k-1) - recurrence_k
-// f_(k-2), and norm_lm p_l^m = sum over j = k, k - 2 .. of mix[m][k][j / 2] f_j, k = l - m. The
-// sets are the monic Legendre functions of m = 1 and of m = 5.
-extern const float rsh_mix_recurrence[2][RSH_MAX_ORDER];
+// Y of all m from one set of functions of z: f_0 = 1, f_(-1) = 0, f_k = 2 step_k z f_(k-1) -
+// f_(k-2), and norm_lm p_l^m = sum over j = k, k - 2 .. of mix[m][k][j / 2] f_j, k = l - m. Set 0
+// are Chebyshev's polynomials of the second kind, all steps 1; set 1 the Legendre functions of m
+// = 5.
+extern const float rsh_mix_step[2][RSH_MAX_ORDER];
 extern const float rsh_mix[2][RSH_MAX_ORDER][RSH_MAX_ORDER][RSH_MAX_ORDER / 2];
 
 // D, the derivative of the rotation about y at angle 0, is antisymmetric and couples neighbours

@@ -13,7 +13,9 @@ ORDER = 16
 LANES = 16
 STEEP = 8
 POLAR = 1
-MIXED = (1, 5)  # the m whose Legendre functions are the sets of rsh_mix
+# The m, whole or not, whose Legendre functions are the sets of rsh_mix: Chebyshev's polynomials of
+# the second kind, and Gegenbauer's of 11 / 2.
+MIXED = (fractions.Fraction(1, 2), fractions.Fraction(5))
 BELOW = 0.1  # weight of the mirror image below the horizon, see rsh_tables.h
 # Bands that share a vector of lanes, see rsh_tables.h.
 GROUPS = [[0, 1, 2, 3], [4, 5], [6, 7]] + [[l] for l in range(8, ORDER)]
@@ -217,28 +219,37 @@ def monic(m):
     return rows
 
 
+def scales(m):
+    """s_k, by which the monic functions of m are divided so that f_k = step z f_(k-1) - f_(k-2)."""
+    b = [float(recurrence(m + k, m, fractions.Fraction)) for k in range(ORDER)]
+    s = [1.0, math.sqrt(b[2])]
+    for k in range(2, ORDER):
+        s.append(b[k] * s[k - 2])
+    return s
+
+
 def mix_tables(w):
     """Y_(m+k)^m from the functions f_j of a set, see rsh_tables.h."""
-    rows = [braces("%.9ef", [recurrence(m + k, m) for k in range(ORDER)]) for m in MIXED]
-    w.lines.append("const float rsh_mix_recurrence[2][RSH_MAX_ORDER] = %s;" % pair(rows))
-    sets = []
+    sets, steps_of = [], []
     for mixed in MIXED:
-        f, parts = monic(mixed), []
+        f, s, parts = monic(mixed), scales(mixed), []
         for m in range(ORDER):
             p = monic(m)
-            parts.append(pair([braces("%.9ef", mix_row(f, p[k], norm(m + k, m)))
+            parts.append(pair([braces("%.9ef", mix_row(f, s, p[k], norm(m + k, m)))
                                for k in range(ORDER - m)]))
         sets.append(pair(parts))
+        steps_of.append(braces("%.9ef", [0.0] + [s[k - 1] / s[k] / 2 for k in range(1, ORDER)]))
+    w.lines.append("const float rsh_mix_step[2][RSH_MAX_ORDER] = %s;" % pair(steps_of))
     w.lines.append("const float rsh_mix[2][RSH_MAX_ORDER][RSH_MAX_ORDER][RSH_MAX_ORDER / 2] =\n"
                    "    %s;" % pair(sets))
 
 
-def mix_row(f, polynomial, scale):
+def mix_row(f, s, polynomial, scale):
     """The factors of f_k, f_(k-2) .. in a polynomial of degree k times scale, lowest first."""
     rest, row = list(polynomial), [0.0] * (ORDER // 2)
     for j in range(len(rest) - 1, -1, -2):
         factor = rest[j]
-        row[j // 2] = float(factor) * scale
+        row[j // 2] = float(factor) * s[j] * scale
         for i, c in enumerate(f[j]):
             rest[i] -= factor * c
     return row

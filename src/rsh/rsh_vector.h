@@ -86,4 +86,29 @@ INLINE float sum_lanes(vf v) {
 #endif
 }
 
+#if RSH_WIDTH > 1
+typedef float quartet __attribute__((vector_size(16)));
+
+INLINE quartet load_quartet(const float *p) {
+    quartet v;
+    memcpy(&v, p, sizeof v);
+    return v;
+}
+
+// Lane i is the sum of the lanes of v[i], i < 4, added as by sum_lanes.
+INLINE quartet sum_four(const vf *v) {
+    quartet t[4];
+    for (int i = 0; i < 4; i++) {
+        const float *p = (const float *)(v + i);
+        t[i] = load_quartet(p);
+        for (int k = 4; k < W; k += 4) t[i] += load_quartet(p + k);
+    }
+    const quartet a = __builtin_shufflevector(t[0], t[1], 0, 1, 4, 5) +
+                      __builtin_shufflevector(t[0], t[1], 2, 3, 6, 7);
+    const quartet b = __builtin_shufflevector(t[2], t[3], 0, 1, 4, 5) +
+                      __builtin_shufflevector(t[2], t[3], 2, 3, 6, 7);
+    return __builtin_shufflevector(a, b, 0, 2, 4, 6) + __builtin_shufflevector(a, b, 1, 3, 5, 7);
+}
+#endif
+
 #endif
