@@ -86,6 +86,8 @@ typedef struct satin_options {
     bool irradiance_cache;
     satin_gradients irradiance_gradients;
     int irradiance_rays;     // gather rays per record
+    float irradiance_noise;  // deviation of E over E by which records choose their rays; 0: they do
+                             // not
     float irradiance_a;      // accuracy a at which the cache is filled
     float irradiance_widen;  // the image pass interpolates with a times this, 1 to 2
     satin_radius irradiance_radius;
@@ -103,6 +105,7 @@ typedef struct satin_options {
     float radiance_error;  // largest relative rms error of radiance by a BRDF in harmonics
     float radiance_turn;   // largest angle [rad] of normals for the fast rotation, 0 to 4; 0: none
     int radiance_rays;
+    float radiance_noise;  // the same of the coefficients' vector
     float radiance_a;
     float radiance_widen;
     satin_radius radiance_radius;  // not by the Hessian

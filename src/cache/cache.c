@@ -26,6 +26,17 @@ static void project_cosine(float *out, satin_basis basis, int order) {
     }
 }
 
+static size_t most_rays(const struct cache *cache) {
+    size_t most = 0;
+    for (int i = 0; i < 2 * CACHE_LAYOUTS; i++) {
+        const struct gather_layout *layout = i < CACHE_LAYOUTS
+                                                 ? cache->irradiance_layout[i]
+                                                 : cache->radiance_layout[i - CACHE_LAYOUTS];
+        if (layout && gather_layout_rays(layout) > most) most = gather_layout_rays(layout);
+    }
+    return most;
+}
+
 struct cache *cache_new(const struct gather *g, int order, struct parallel *pool) {
     struct cache *c = calloc(1, sizeof *c);
     if (!c) return NULL;
@@ -35,23 +46,19 @@ struct cache *cache_new(const struct gather *g, int order, struct parallel *pool
     c->order = order;
     cache_tree_init(&c->irradiance_tree, g->scene->bounds_lo, g->scene->bounds_hi);
     cache_tree_init(&c->radiance_tree, g->scene->bounds_lo, g->scene->bounds_hi);
-    c->irradiance_layout = gather_layout_new(o->irradiance_rays, o->radiance_basis, 0);
-    if (!c->irradiance_layout) goto fail;
-    size_t rays = gather_layout_rays(c->irradiance_layout);
+    if (cache_rays_prepare(c, CACHE_IRRADIANCE, c->irradiance_layout) != SATIN_OK) goto fail;
     if (order) {
-        c->radiance_layout = gather_layout_new(o->radiance_rays, o->radiance_basis, order);
         c->cosine_order = o->radiance_basis == SATIN_HSH && order > 2 ? 2 : order;
         c->cosine = array_new((size_t)(c->cosine_order * c->cosine_order), sizeof *c->cosine);
-        if (!c->radiance_layout || !c->cosine) goto fail;
+        if (!c->cosine) goto fail;
+        if (cache_rays_prepare(c, CACHE_RADIANCE, c->radiance_layout) != SATIN_OK) goto fail;
         project_cosine(c->cosine, o->radiance_basis, c->cosine_order);
-        if (gather_layout_rays(c->radiance_layout) > rays)
-            rays = gather_layout_rays(c->radiance_layout);
     }
     c->scratch_count = parallel_threads(pool);
     c->scratch = calloc((size_t)c->scratch_count, sizeof *c->scratch);
     if (!c->scratch) goto fail;
     for (int i = 0; i < c->scratch_count; i++)
-        if (!(c->scratch[i] = gather_scratch_new(rays))) goto fail;
+        if (!(c->scratch[i] = gather_scratch_new(most_rays(c)))) goto fail;
     return c;
 fail:
     cache_free(c);
@@ -66,8 +73,10 @@ void cache_free(struct cache *cache) {
     free(cache->radiance);
     arena_free(&cache->radiance_arena);
     free(cache->cosine);
-    gather_layout_free(cache->irradiance_layout);
-    gather_layout_free(cache->radiance_layout);
+    for (int i = 0; i < CACHE_LAYOUTS; i++) {
+        gather_layout_free(cache->irradiance_layout[i]);
+        gather_layout_free(cache->radiance_layout[i]);
+    }
     for (int i = 0; cache->scratch && i < cache->scratch_count; i++)
         gather_scratch_free(cache->scratch[i]);
     free(cache->scratch);

@@ -40,7 +40,8 @@ static void gather_jobs(void *ctx, size_t begin, size_t end, int worker) {
         const struct cache_site *s = job->site;
         struct gather_site site = {s->p, s->ng, s->frame, s->stream};
         const bool irradiance = b->kind == CACHE_IRRADIANCE;
-        const struct gather_layout *layout = irradiance ? c->irradiance_layout : c->radiance_layout;
+        const float a = irradiance ? b->fill->a_irradiance : b->fill->a_radiance;
+        const struct gather_layout *layout = cache_rays_layout(c, b->kind, s, a * b->fill->widest);
         if (irradiance)
             gather_hemisphere_irradiance(c->g, layout, c->scratch[worker], &site, &job->irradiance);
         else

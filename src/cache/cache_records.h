@@ -10,6 +10,9 @@
 // floats: Lambda r g b and its noise, d/dx r g b 0, d/dy r g b 0.
 enum { CACHE_LANES = 12 };
 
+// Numbers of rays that records of a cache may have (cache_rays.c), and the most of them.
+enum { CACHE_LAYOUTS = 5, CACHE_RAYS_MAX = 1 << 20 };
+
 struct cache_radiance_record {
     struct frame frame;
     float *value;  // order^2 * CACHE_LANES
@@ -39,7 +42,7 @@ struct cache {
     float *cosine;                // the projection of cos(theta), so that E = Lambda . cosine
     int cosine_order;             // HSH hold the cosine in two bands
 
-    struct gather_layout *irradiance_layout, *radiance_layout;
+    struct gather_layout *irradiance_layout[CACHE_LAYOUTS], *radiance_layout[CACHE_LAYOUTS];
     struct gather_scratch **scratch;  // one per worker
     int scratch_count;
     uint64_t rays;
@@ -65,6 +68,12 @@ struct cache_extent cache_extent_irradiance(const struct cache *cache,
 struct cache_extent cache_extent_radiance(const struct cache *cache, const struct cache_site *site,
                                           const struct gather_around *around,
                                           struct gather_radiance *value);
+// Makes the layouts that the options ask for. SATIN_ERROR_MEMORY; those made are the caller's.
+satin_status cache_rays_prepare(const struct cache *cache, enum cache_kind kind,
+                                struct gather_layout *layout[CACHE_LAYOUTS]);
+// The layout of a new record, by the records that reach its site at accuracy a.
+const struct gather_layout *cache_rays_layout(const struct cache *cache, enum cache_kind kind,
+                                              const struct cache_site *site, float a);
 // The least R that is made where a pixel is so wide: a R of the options' least radius in pixels.
 float cache_least_radius(const struct cache *cache, enum cache_kind kind, float pixel);
 // Neighbour clamping [K05 6.5.2]: R of the new record, after limiting it by its neighbours and them

@@ -84,6 +84,9 @@ const struct option options_table[] = {
      "differences, or by strata as Ward and Heckbert weigh them."},
     {"irradiance-rays", OPTION_INT, AT(irradiance_rays), true, "4..1048576",
      "Gather rays per irradiance record; a time limit of more than .025 ms per pixel raises them."},
+    {"irradiance-noise", OPTION_FLOAT, AT(irradiance_noise), false, "0..1",
+     "Standard deviation over E by which a record gets rays, from a quarter of irradiance-rays to "
+     "four times as many, as the records around it measured the variance; 0: all get the same."},
     {"irradiance-a", OPTION_FLOAT, AT(irradiance_a), true, "0.01..2",
      "Error a at which the irradiance cache is filled; less means more records."},
     {"irradiance-widen", OPTION_FLOAT, AT(irradiance_widen), true, "1..2",
@@ -120,6 +123,8 @@ const struct option options_table[] = {
      "Angle of normals [rad] up to which records are aligned by the fast rotation; 0: none."},
     {"radiance-rays", OPTION_INT, AT(radiance_rays), true, "4..1048576",
      "Gather rays per radiance record; a time limit of more than .025 ms per pixel raises them."},
+    {"radiance-noise", OPTION_FLOAT, AT(radiance_noise), false, "0..1",
+     "The same for radiance records, of the vector of their coefficients."},
     {"radiance-a", OPTION_FLOAT, AT(radiance_a), true, "0.01..2",
      "Error a at which the radiance cache is filled; less means more records."},
     {"radiance-widen", OPTION_FLOAT, AT(radiance_widen), true, "1..2",

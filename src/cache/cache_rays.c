@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// How many rays a new record gets: a fixed number, or one by the variance that the records around
+// it measured [K05 7.2.1]. Their rays, not its own, decide: a number that depends on the rays that
+// are kept would bias the mean.
+#include "cache/cache_records.h"
+
+// The plain number of rays, and up to four times more or less.
+enum { PLAIN = CACHE_LAYOUTS / 2 };
+
+satin_status cache_rays_prepare(const struct cache *cache, enum cache_kind kind,
+                                struct gather_layout *layout[CACHE_LAYOUTS]) {
+    const satin_options *o = cache->g->options;
+    const bool irradiance = kind == CACHE_IRRADIANCE;
+    const int rays = irradiance ? o->irradiance_rays : o->radiance_rays;
+    const float noise = irradiance ? o->irradiance_noise : o->radiance_noise;
+    for (int i = 0; i < CACHE_LAYOUTS; i++) {
+        if (!(noise > 0.0f) && i != PLAIN) continue;
+        const double wanted = fmax(4.0, fmin(ldexp(rays, i - PLAIN), CACHE_RAYS_MAX));
+        layout[i] =
+            gather_layout_new((int)wanted, o->radiance_basis, irradiance ? 0 : cache->order);
+        if (!layout[i]) return SATIN_ERROR_MEMORY;
+    }
+    return SATIN_OK;
+}
+
+// The squared deviation of a record over its value, times its rays.
+static float variance_of(const struct cache *cache, enum cache_kind kind, uint32_t record) {
+    if (kind == CACHE_IRRADIANCE) {
+        const struct cache_irradiance_record *r = &cache->irradiance[record];
+        return r->deviation * r->deviation * (float)r->value.rays;
+    }
+    const struct cache_radiance_record *r = &cache->radiance[record];
+    float noise2 = 0.0f, size2 = 0.0f;
+    for (int k = 0; k < cache->order * cache->order; k++) {
+        const float *value = r->value + k * CACHE_LANES;
+        noise2 += sqrf(value[3]);
+        size2 += sqrf(rgb_luminance(rgb_make(value[0], value[1], value[2])));
+    }
+    return size2 > 0.0f ? noise2 / size2 * (float)r->rays : 0.0f;
+}
+
+const struct gather_layout *cache_rays_layout(const struct cache *cache, enum cache_kind kind,
+                                              const struct cache_site *site, float a) {
+    const bool irradiance = kind == CACHE_IRRADIANCE;
+    const satin_options *o = cache->g->options;
+    struct gather_layout *const *layout =
+        irradiance ? cache->irradiance_layout : cache->radiance_layout;
+    const struct cache_tree *tree = irradiance ? &cache->irradiance_tree : &cache->radiance_tree;
+    const float noise = irradiance ? o->irradiance_noise : o->radiance_noise;
+    if (!(noise > 0.0f)) return layout[PLAIN];
+    struct cache_near near[CACHE_NEAR_MAX];
+    const int count = cache_find(cache, tree, site->p, site->frame.n, a, near);
+    float variance = 0.0f;
+    for (int i = 0; i < count; i++) variance += variance_of(cache, kind, near[i].record);
+    if (!(variance > 0.0f)) return layout[PLAIN];
+    const float wanted = variance / ((float)count * noise * noise);
+    const float times = wanted / (float)gather_layout_rays(layout[PLAIN]);
+    const int step = (int)lroundf(log2f(clampf(times, 0x1p-10f, 0x1p10f)));
+    return layout[step < -PLAIN ? 0 : step > PLAIN ? CACHE_LAYOUTS - 1 : PLAIN + step];
+}
