@@ -11,9 +11,18 @@
 
 #if SATIN_EMBREE == 4
 #include <embree4/rtcore.h>
+typedef struct RTCRayQueryContext embree_context;
 #else
 #include <embree3/rtcore.h>
+typedef struct RTCIntersectContext embree_context;
 #endif
+
+// What the callbacks of embree_occluded find behind the context in their arguments. To them a ray
+// ends at the hit that they are asked about.
+struct embree_occlusion {
+    embree_context context;
+    float end;  // tfar of the ray
+};
 
 // Finds the nearest hit; hit.geomID stays invalid without one.
 static inline void embree_intersect(RTCScene scene, struct RTCRayHit *ray_hit) {
@@ -28,12 +37,16 @@ static inline void embree_intersect(RTCScene scene, struct RTCRayHit *ray_hit) {
 
 // Whether anything is hit; the ray is spent.
 static inline bool embree_occluded(RTCScene scene, struct RTCRay *ray) {
+    struct embree_occlusion query = {.end = ray->tfar};
 #if SATIN_EMBREE == 4
-    rtcOccluded1(scene, ray, NULL);
+    struct RTCOccludedArguments arguments;
+    rtcInitRayQueryContext(&query.context);
+    rtcInitOccludedArguments(&arguments);
+    arguments.context = &query.context;
+    rtcOccluded1(scene, ray, &arguments);
 #else
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcOccluded1(scene, &context, ray);
+    rtcInitIntersectContext(&query.context);
+    rtcOccluded1(scene, &query.context, ray);
 #endif
     return ray->tfar < 0.0f;  // set to -infinity by a hit
 }

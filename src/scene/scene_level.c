@@ -11,17 +11,17 @@
 
 // ---- Callbacks ----------------------------------------------------------------------------------
 
-// A hit whose plane is farther from the origin than Embree's rounding is real; a nearer one is
-// looked at again in double.
+// A hit whose plane is farther from both ends of the ray than Embree's rounding is real; a nearer
+// one is looked at again in double.
 static bool guard_accepts(const struct guard *guard, const struct RTCRay *ray,
-                          const struct RTCHit *hit) {
+                          const struct RTCHit *hit, float end) {
     vec3 n = v3(hit->Ng_x, hit->Ng_y, hit->Ng_z), d = v3(ray->dir_x, ray->dir_y, ray->dir_z);
-    double distance = fabs((double)ray->tfar * v3_dot(n, d));  // times |n|
+    double t = ray->tfar, distance = fabs(fmin(t, end - t) * v3_dot(n, d));  // times |n|
     if (distance > guard->error.most) return true;
     double n2 = v3_len2(n), by_area = guard->error.by_area;
     if (distance * distance > by_area * by_area * n2 * sqrt(n2)) return true;
     return surfel_crosses(guard->mesh, hit->primID, v3(ray->org_x, ray->org_y, ray->org_z), d,
-                          ray->tnear);
+                          ray->tnear, end);
 }
 
 static vec3 origin_of(const struct RTCRay *ray) { return v3(ray->org_x, ray->org_y, ray->org_z); }
@@ -44,19 +44,23 @@ static bool mask_stops(const struct guard *guard, const struct RTCRay *ray,
     return opacity_stops(guard->mask, &at, &same, hit->primID, ray->id != 0);
 }
 
-static void mesh_any(const struct RTCFilterFunctionNArguments *args) {
+static void mesh_hit(const struct RTCFilterFunctionNArguments *args, float end) {
     const struct guard *guard = args->geometryUserPtr;
     const struct RTCRay *ray = (const struct RTCRay *)args->ray;
     const struct RTCHit *hit = (const struct RTCHit *)args->hit;
-    if (!guard_accepts(guard, ray, hit) || (guard->mask && !mask_stops(guard, ray, hit)))
+    if (!guard_accepts(guard, ray, hit, end) || (guard->mask && !mask_stops(guard, ray, hit)))
         args->valid[0] = 0;
+}
+
+static void mesh_any(const struct RTCFilterFunctionNArguments *args) {
+    mesh_hit(args, ((const struct embree_occlusion *)args->context)->end);
 }
 
 static void mesh_nearest(const struct RTCFilterFunctionNArguments *args) {
     // The surfel will want the corners: their indices come while the traversal goes on.
     const struct guard *guard = args->geometryUserPtr;
     __builtin_prefetch(guard->mesh->index + (size_t)((const struct RTCHit *)args->hit)->primID * 3);
-    mesh_any(args);
+    mesh_hit(args, INFINITY);
 }
 
 // Tubes are seen from outside only, as in Mitsuba: one looks through an open end.

@@ -4,8 +4,9 @@
 // Self-intersection is kept out by three measures that need no tolerance in world units:
 // - a hit point is combined in double and rounded once, so it lies within half an ulp of the plane;
 // - scene_spawn moves the origin off by a few ulp of the position, which exceeds that half ulp;
-// - the filter of scene_trace.c asks surfel_crosses, in double, before it believes a hit that is
-//   nearer than what the float intersector can resolve on a large or thin triangle.
+// - the filter of scene_level.c asks surfel_crosses, in double, before it believes a hit that is
+//   nearer than what the float intersector can resolve on a large or thin triangle; so too where a
+//   ray ends on the surface that it leads to.
 // Leaks at edges are kept out by pulling hits a few ulp into their triangle: next to an edge a
 // rounded position can lie beyond the neighbouring face.
 #include "scene/scene_surfel.h"
@@ -34,13 +35,14 @@ static double dot3(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-bool surfel_crosses(const struct mesh *mesh, uint32_t prim, vec3 o, vec3 d, float tnear) {
+bool surfel_crosses(const struct mesh *mesh, uint32_t prim, vec3 o, vec3 d, float tnear,
+                    float tfar) {
     struct triangle t;
     triangle_get(mesh, prim, &t);
     const double to[3] = {t.p[0][0] - o.x, t.p[0][1] - o.y, t.p[0][2] - o.z};
     const double direction[3] = {d.x, d.y, d.z};
-    double height = dot3(to, t.n), slope = dot3(direction, t.n);
-    return slope < 0.0 ? height < tnear * slope : height > tnear * slope;
+    double at = dot3(to, t.n) / dot3(direction, t.n);
+    return at > tnear && at < tfar;
 }
 
 struct surfel_error surfel_error(const struct mesh *mesh) {

@@ -27,8 +27,9 @@ struct surfel_hit {
 void surfel_triangle(const struct satin_scene *scene, const struct shape *shape,
                      const struct surfel_hit *hit, struct surfel *out);
 
-// Whether the ray o + t d crosses the plane of the triangle at t > tnear, in double.
-bool surfel_crosses(const struct mesh *mesh, uint32_t prim, vec3 o, vec3 d, float tnear);
+// Whether the ray o + t d crosses the plane of the triangle at tnear < t < tfar, in double.
+bool surfel_crosses(const struct mesh *mesh, uint32_t prim, vec3 o, vec3 d, float tnear,
+                    float tfar);
 
 // How far the plane distance of a triangle of the mesh is off when a ray tracer computes it in
 // float, times the length |n| of the product of two edges: a few ulp of the longest edge cubed. It

@@ -144,33 +144,44 @@ static void leaves_huge_floors(void **state) {
     }
 }
 
-// Two sheets face each other: every point of one sees every point of the other, and the ray ends
-// before the other sheet; a sheet between them hides all.
+// A point of a sheet of the scene, straight along n from a random place between the sheets.
+static struct surfel point_of_sheet(const struct satin_scene *scene, const struct mat4 *turn,
+                                    vec3 n, float z, struct rng *rng) {
+    vec3 local = v3(17.9f * rng_float(rng) - 8.95f, 17.9f * rng_float(rng) - 8.95f, z);
+    struct ray ray = {mat4_point(turn, local), 0.0f, n, INFINITY};
+    struct surfel s;
+    assert_true(scene_intersect(scene, &ray, &s));
+    return s;
+}
+
+// Two sheets of any size face each other: every point of one sees every point of the other, and the
+// ray ends before the other sheet; a sheet between them hides all.
 static void connects_points(void **state) {
     (void)state;
-    for (int blocked = 0; blocked < 2; blocked++) {
+    for (int run = 0; run < 6; run++) {
+        const int blocked = run & 1;
+        const float size = run < 2 ? 9.0f : run < 4 ? 900.0f : 9e4f;
         static struct test_scene t;
         test_scene_init(&t);
         test_diffuse(&t, .5f, .5f, .5f);
         struct mat4 turn = mat4_rotate(v3(3, 1, 2), 77);
         for (int i = 0; i < 2 + blocked; i++) {
-            struct mat4 m = test_transform(v3(0, 0, i == 0 ? 0 : i == 1 ? 1 : .5f), v3(9, 9, 1));
+            struct mat4 m = test_transform(v3(0, 0,
+                                              i == 0   ? 0
+                                              : i == 1 ? 1
+                                                       : .5f),
+                                           v3(size, size, 1));
             test_rectangle(&t, mat4_mul(&turn, &m), 0);
         }
         test_scene_finish(&t);
         vec3 n = mat4_vector(&turn, v3(0, 0, 1));
         struct rng rng = rng_make(1, RNG_TEST, 0);
-        for (int i = 0; i < 100000; i++) {
-            struct ray down = {mat4_point(&turn, v3(17.9f * rng_float(&rng) - 8.95f,
-                                                    17.9f * rng_float(&rng) - 8.95f, 0.25f)),
-                               0.0f, v3_neg(n), INFINITY};
-            struct surfel p;
-            assert_true(scene_intersect(&t.scene, &down, &p));
-            vec3 q = mat4_point(
-                &turn, v3(17.9f * rng_float(&rng) - 8.95f, 17.9f * rng_float(&rng) - 8.95f, 1.0f));
-            struct ray ray = scene_spawn_to(&t.scene, p.p, p.ng, q, n);
+        for (int i = 0; i < 30000; i++) {
+            struct surfel p = point_of_sheet(&t.scene, &turn, v3_neg(n), 0.25f, &rng);
+            struct surfel q = point_of_sheet(&t.scene, &turn, n, 0.75f, &rng);
+            struct ray ray = scene_spawn_to(&t.scene, p.p, p.ng, q.p, q.ng);
             assert_true(scene_occluded(&t.scene, &ray) == blocked);
-            assert_float_equal(v3_len(v3_sub(v3_mad(ray.o, ray.tfar, ray.d), q)), 0.0f, 2e-5f);
+            assert_float_equal(v3_len(v3_sub(v3_mad(ray.o, ray.tfar, ray.d), q.p)), 0.0f, 2e-5f);
             assert_true(scene_occluded(&t.scene, &(struct ray){ray.o, 0, ray.d, 2 * ray.tfar}));
         }
         test_scene_free(&t);
