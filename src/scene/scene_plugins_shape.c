@@ -165,7 +165,8 @@ static satin_status build_sphere(struct scene_loader *loader, const struct param
     struct mat4 m = mat4_mul(&translate, &scale);
     m = mat4_mul(&param(p, "to_world")->m, &m);
     shape->kind = SHAPE_SPHERE;
-    if (!is_similarity(&m)) return fail(loader, p, "its scale must be uniform");
+    if (!is_similarity(&m))
+        return fail(loader, p, "to_world stretches or shears it, but it must stay round");
     satin_status status = place(loader, p, shape, &m);
     if (status != SATIN_OK) return status;
     if (!(shape->radius > 0.0f) || !isfinite(shape->radius) || !v3_finite(shape->center))
@@ -228,7 +229,8 @@ const struct plugin_spec scene_shape_plugins[] = {
     {XML_SHAPE, "rectangle", "[-1, 1]^2 in the xy plane, facing +z", flat_params, PARTS,
      build_rectangle, false},
     {XML_SHAPE, "cube", "[-1, 1]^3", flat_params, PARTS, build_cube, false},
-    {XML_SHAPE, "sphere", "a sphere", sphere_params, PARTS, build_sphere, false},
+    {XML_SHAPE, "sphere", "a sphere, which to_world may not stretch or shear", sphere_params, PARTS,
+     build_sphere, false},
     {XML_SHAPE, "disk", "the unit disk in the xy plane, facing +z", disk_params, PARTS, build_disk,
      false},
     {XML_SHAPE, "cylinder", "an open cylinder, facing outside", cylinder_params, PARTS,

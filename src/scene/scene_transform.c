@@ -84,7 +84,13 @@ static satin_status read_lookat(struct log log, const struct xml_node *step, str
 static satin_status read_matrix(struct log log, const struct xml_node *step, struct matrix *out) {
     const char *text = xml_get(step, "value");
     double d[16];
-    int side = param_words(text) == 9 ? 3 : 4;
+    const int words = param_words(text), side = words == 9 ? 3 : 4;
+    if (words != 9 && words != 16) {
+        log_error_at(log, step->place,
+                     "<matrix>: expected 16 numbers by rows, or 9 of the upper 3 x 3, found %d",
+                     words);
+        return SATIN_ERROR_INPUT;
+    }
     if (!param_numbers(log, step->place, text, side * side, d)) return SATIN_ERROR_INPUT;
     struct mat4 identity = mat4_identity();
     *out = widen(&identity);

@@ -231,7 +231,7 @@ static const struct refusal refusals[] = {
     {SHAPE("<transform name='toWorld'/>"),
      "scene.xml:3:22: shape 'sphere' has no parameter 'toWorld' (did you mean 'to_world'?)"},
     {SHAPE("<transform name='to_world'><scale x='2'/></transform>"),
-     "scene.xml:3:1: shape 'sphere': its scale must be uniform"},
+     "scene.xml:3:1: shape 'sphere': to_world stretches or shears it, but it must stay round"},
     {SHAPE("<float name='radius' value='0'/>"),
      "scene.xml:3:22: radius is 0, but must be positive"},
     {SCENE_TEXT("<shape type='disk'><transform name='to_world'><scale x='0'/></transform></shape>"),

@@ -71,7 +71,8 @@ static void refuses(void **state) {
         {"<rotate x='1' angle='3x'/>", "'3x' is not a number"},
         {"<translate x='nan'/>", "'nan' is not a number"},
         {"<translate x='1e39'/>", "'1e39' is not a number"},
-        {"<matrix value='1 2 3'/>", "expected 16 numbers, found '1 2 3'"},
+        {"<matrix value='1 2 3'/>",
+         "<matrix>: expected 16 numbers by rows, or 9 of the upper 3 x 3, found 3"},
         {"<lookat origin='0 0 0' target='0 0 0' up='0 1 0'/>",
          "<lookat>: origin and target coincide"},
         {"<scale value='1e30'/><scale value='1e30'/>", "<transform>: the product overflows"}};
