@@ -95,7 +95,8 @@ struct app_progress {
     bool bar;  // a bar is on the screen
     const char *stage;
     char unit[32];
-    double stage_start, last_draw;
+    double stage_start, last;  // elapsed seconds: of the stage's beginning, when it last told
+    double last_draw;
     double rate;
 };
 

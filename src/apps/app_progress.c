@@ -126,7 +126,7 @@ static void finish_stage(struct app_progress *p) {
     if (!p->quiet && !p->terminal) {
         char rate[32];
         print_rate(rate, sizeof rate, p->rate);
-        fprintf(stderr, "%s: %.2f s", p->stage, stats_wall() - p->stage_start);
+        fprintf(stderr, "%s: %.2f s", p->stage, p->last - p->stage_start);
         if (p->rate > 0.0) fprintf(stderr, ", %s %s/s", rate, p->unit);
         fputc('\n', stderr);
     }
@@ -144,16 +144,18 @@ void app_progress_start(struct app_progress *progress, bool quiet) {
 bool app_progress_update(void *user, const satin_progress *now) {
     struct app_progress *p = user;
     double time = stats_wall();
+    // A stage ends with the last that it tells; the next one may be silent for a while.
     if (!p->stage || strcmp(p->stage, now->stage) != 0) {
         finish_stage(p);
         p->stage = now->stage;
-        p->stage_start = time;
+        p->stage_start = p->last;
         p->last_draw = 0.0;
     }
+    p->last = now->elapsed;
     p->rate = now->rate;
     snprintf(p->unit, sizeof p->unit, "%s", now->unit ? now->unit : "items");
     if (!p->quiet && p->terminal && time - p->last_draw >= REDRAW_SECONDS) {
-        draw_bar(p, now, time - p->stage_start);
+        draw_bar(p, now, p->last - p->stage_start);
         p->last_draw = time;
     }
     return app_interrupted();
