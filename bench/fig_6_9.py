@@ -6,10 +6,11 @@ reflect, at equal number, and how many uniform records reach that of the adaptiv
 
   bench/fig_6_9.py DIR [SCENE ...] [--size N] [--a A]
 
-Only the channels `indirect_glossy` count, against pictures without the radiance cache that share
-the first pass but no random numbers: two of each, so that the product of two errors tells the
-systematic part alone. Prints a table in Markdown; the images stay in DIR. Needs the Python packages
-numpy and OpenEXR.
+Both interpolate at the accuracy at which they fill, as the thesis does. Only the channels
+`indirect_glossy` count, against pictures without the radiance cache that share the first pass
+but no random numbers: two of each, so that the product of two errors tells the systematic part
+alone. Prints a table in Markdown; the images stay in DIR. Needs the Python packages numpy and
+OpenEXR.
 """
 import os
 
@@ -51,7 +52,7 @@ class Scene:
             path, stats = runs.render(
                 self.options, runs.scene_file("figures", self.name), f"{self.name}-{seed}",
                 *self.size, "--seed", str(seed), "--spp", "8", "--set", "adaptive=off", "--set",
-                "radiance-max-pixels=100000", "--set", f"adaptive-cache={adaptive}", "--set",
+                "radiance-max-pixels=100000", "--set", "radiance-widen=1", "--set", f"adaptive-cache={adaptive}", "--set",
                 f"radiance-a={a:.4f}")
             images.append(channels(path, LAYER))
         brute = [channels(path, LAYER) for path in self.reference]
