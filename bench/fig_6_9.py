@@ -8,10 +8,11 @@ reflect, at equal number, and how many uniform records reach that of the adaptiv
 
 Both interpolate at the accuracy at which they fill, as the thesis does. Only the channels
 `indirect_glossy` count, against pictures without the radiance cache that share the first pass
-but no random numbers: two of each, so that the product of two errors tells the systematic part
-alone. Prints a table in Markdown; the images stay in DIR. Needs the Python packages numpy and
+but no random numbers: several of each, so that the product of two errors tells the systematic
+part alone. Prints a table in Markdown; the images stay in DIR. Needs the Python packages numpy and
 OpenEXR.
 """
+import itertools
 import os
 
 import numpy
@@ -20,6 +21,7 @@ import OpenEXR
 import runs
 
 LAYER = "indirect_glossy."
+SEEDS = (1, 2, 3, 4)
 STEPS = 5  # of the search for a number of records, and for an error
 
 
@@ -48,17 +50,18 @@ class Scene:
     def measure(self, adaptive, a):
         """Records, statistics, systematic and random error at accuracy a."""
         images = []
-        for seed in (1, 2):
+        for seed in SEEDS:
             path, stats = runs.render(
                 self.options, runs.scene_file("figures", self.name), f"{self.name}-{seed}",
-                *self.size, "--seed", str(seed), "--spp", "8", "--set", "adaptive=off", "--set",
+                *self.size, "--seed", str(seed), "--spp", "4", "--set", "adaptive=off", "--set",
                 "radiance-max-pixels=100000", "--set", "radiance-widen=1", "--set", f"adaptive-cache={adaptive}", "--set",
                 f"radiance-a={a:.4f}")
             images.append(channels(path, LAYER))
         brute = [channels(path, LAYER) for path in self.reference]
-        systematic = sum(((images[0] - brute[i]) * (images[1] - brute[1 - i]) * self.weight).mean()
-                         for i in (0, 1)) / 2
-        random = ((images[0] - images[1]) ** 2 / 2 * self.weight).mean()
+        pairs = list(itertools.permutations(images, 2))
+        systematic = sum(((a - brute[0]) * (b - brute[1]) * self.weight).mean()
+                         for a, b in pairs) / len(pairs)
+        random = sum(((a - b) ** 2 / 2 * self.weight).mean() for a, b in pairs) / len(pairs)
         return stats["records.radiance"], stats, systematic, random
 
     def search(self, wanted, index, low, high):
