@@ -34,7 +34,10 @@ static uint32_t add_ball(struct test_scene *t, struct mat4 m) {
             if (j + 1 < ROWS) memcpy(index + count, lower, sizeof lower), count += 3;
         }
     struct shape s = {.kind = SHAPE_MESH,
-                      .mesh = {vertices, count / 3, position, NULL, NULL, index}};
+                      .mesh = {.vertex_count = vertices,
+                               .triangle_count = count / 3,
+                               .position = position,
+                               .index = index}};
     return test_add_shape(t, s);
 }
 
@@ -204,7 +207,12 @@ static void shades_by_vertex_normals(void **state) {
         for (int i = 0; i < 9; i++) turned[i] = flip ? -normal[i] : normal[i];
         test_add_shape(&t, (struct shape){.kind = SHAPE_MESH,
                                           .flip_normals = flip,
-                                          .mesh = {3, 1, position, turned, uv, index}});
+                                          .mesh = {.vertex_count = 3,
+                                                   .triangle_count = 1,
+                                                   .position = position,
+                                                   .normal = turned,
+                                                   .uv = uv,
+                                                   .index = index}});
         test_scene_finish(&t);
         float side = flip ? -1.0f : 1.0f;
         struct surfel s;
