@@ -21,7 +21,8 @@ enum rng_stage {
     RNG_CAUSTIC,
     RNG_GUIDE,
     RNG_VIEW,
-    RNG_LEVEL
+    RNG_LEVEL,
+    RNG_DEAL
 };
 
 struct rng {

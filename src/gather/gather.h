@@ -65,11 +65,12 @@ struct gather_mis {
 };
 
 // Light reflected at p towards wo by the smooth lobes that `mis` names, by sampling the lights
-// `samples` times, each with the power heuristic's weight against BRDF sampling.
+// `samples` times, or few lights each once if they are more than that, with the power heuristic's
+// weight against BRDF sampling.
 rgb gather_direct(const struct gather *g, const struct gather_point *p, struct gather_mis mis,
                   int samples, struct sampler sampler);
-// Density over solid angle at p with which gather_direct draws the direction of an emitter: `hit`
-// is the surfel on it, NULL for the environment along wi.
+// Density over solid angle at p with which gather_direct, choosing one light, draws the direction
+// of an emitter: `hit` is the surfel on it, NULL for the environment along wi.
 float gather_light_pdf(const struct gather *g, vec3 p, vec3 wi, const struct surfel *hit);
 
 // The surface that a ray meets first.

@@ -3,6 +3,15 @@
 // [Veach 1997, 9.2]. One estimator serves the reference path tracer, first hits and gather hits.
 #include "gather/gather.h"
 
+// Up to so many lights are all sampled where fewer samples are asked for: the choice of one knows
+// nothing of shadows, as of the walls that hide the sky from most of a room.
+enum { FEW = 4 };
+
+struct choice {
+    uint32_t light;
+    float probability;
+};
+
 // f_r of the parts, each with its weight against BRDF sampling.
 static rgb weighted_brdf(const struct gather_point *p, struct gather_mis mis, vec3 wi, float pdf,
                          bool delta) {
@@ -19,35 +28,50 @@ static rgb weighted_brdf(const struct gather_point *p, struct gather_mis mis, ve
     return sum;
 }
 
-static rgb one_sample(const struct gather *g, const struct gather_point *p, struct gather_mis mis,
-                      float u_choose, vec2 u) {
+// What the sample u of one light adds, without the probability of its choice. The weight against
+// BRDF sampling has that probability even where all are sampled, as gather_light_pdf has it.
+static rgb sample_light(const struct gather *g, const struct gather_point *p, struct gather_mis mis,
+                        struct choice choice, vec2 u) {
     const struct satin_scene *scene = g->scene;
     rgb none = rgb_grey(0.0f);
-    float choice;
-    uint32_t light = light_choose(scene, p->surfel.p, u_choose, &choice);
     struct light_sample s;
-    if (!light_sample(scene, light, p->surfel.p, u.x, u.y, &s)) return none;
+    if (!light_sample(scene, choice.light, p->surfel.p, u.x, u.y, &s)) return none;
     vec3 wi = frame_to_local(&p->frame, s.wi);
-    float pdf = s.pdf_w * choice;
-    rgb f = weighted_brdf(p, mis, wi, pdf, s.delta);
+    rgb f = weighted_brdf(p, mis, wi, s.pdf_w * choice.probability, s.delta);
     if (rgb_black(f)) return none;
     struct ray shadow = light_shadow_ray(scene, p->surfel.p, p->surfel.ng, &s);
     if (scene_occluded(scene, &shadow)) return none;
-    return rgb_scale(rgb_mul(f, s.L), fabsf(wi.z) / pdf);
+    return rgb_scale(rgb_mul(f, s.L), fabsf(wi.z) / s.pdf_w);
+}
+
+// Each light by one sample.
+static rgb all_lights(const struct gather *g, const struct gather_point *p, struct gather_mis mis,
+                      struct sampler sampler) {
+    rgb sum = rgb_grey(0.0f);
+    const vec2 u = sampler_2d(&sampler);
+    for (uint32_t i = 0; i < g->scene->light_count; i++) {
+        struct choice choice = {i, light_choose_probability(g->scene, p->surfel.p, i)};
+        if (choice.probability > 0.0f) sum = rgb_add(sum, sample_light(g, p, mis, choice, u));
+    }
+    return sum;
 }
 
 rgb gather_direct(const struct gather *g, const struct gather_point *p, struct gather_mis mis,
                   int samples, struct sampler sampler) {
     rgb sum = rgb_grey(0.0f);
+    const uint32_t lights = g->scene->light_count;
     unsigned lobes = mis.part[0].lobes | mis.part[1].lobes | mis.part[2].lobes;
     lobes &= p->lobes & BRDF_SMOOTH;
-    if (!lobes || g->scene->light_count == 0) return sum;
+    if (!lobes || lights == 0) return sum;
+    if ((uint32_t)samples < lights && lights <= FEW) return all_lights(g, p, mis, sampler);
     uint32_t first = sampler.index * (uint32_t)samples;
     for (int i = 0; i < samples; i++) {
         struct sampler s = {first + (uint32_t)i, sampler.seed, sampler.dimension};
+        struct choice choice;
         vec2 u = sampler_2d(&s);
-        float u_choose = g->scene->light_count > 1 ? sampler_1d(&s) : 0.0f;
-        sum = rgb_add(sum, one_sample(g, p, mis, u_choose, u));
+        float u_choose = lights > 1 ? sampler_1d(&s) : 0.0f;
+        choice.light = light_choose(g->scene, p->surfel.p, u_choose, &choice.probability);
+        sum = rgb_mad(sum, sample_light(g, p, mis, choice, u), 1.0f / choice.probability);
     }
     return rgb_scale(sum, 1.0f / (float)samples);
 }

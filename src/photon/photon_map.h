@@ -36,7 +36,8 @@ static inline bool material_has_delta(const struct material *m) {
     return material_lobes(m) & BRDF_DELTA;
 }
 
-// ---- Tracing (photon_trace.c, photon_guide.c) -------------------------------------------------
+// ---- Tracing (photon_trace.c, photon_view.c, photon_guide.c)
+// -------------------------------------------------
 
 // What one tracing pass makes. Arrays by malloc; free with photon_trace_free.
 struct photon_trace {
@@ -48,16 +49,32 @@ struct photon_trace {
 
 // What the eye sees of the scene (photon_view.c). Boxes hold all, nine tenths and half of the
 // points.
-enum { PHOTON_VIEW_BOXES = LIGHT_SPOTS / 2 };
+enum { PHOTON_VIEW_BOXES = LIGHT_SPOTS / 2, PHOTON_VIEW_PATHS = 1024 };
 struct photon_view {
     float reach;                     // median length of gather rays; INFINITY if they meet nothing
     int seen_count, specular_count;  // points; 0: no boxes
     struct light_target seen[PHOTON_VIEW_BOXES], specular[PHOTON_VIEW_BOXES];
 };
 void photon_view_make(const struct satin_scene *scene, uint64_t seed, struct photon_view *out);
+// Follows the ray through ideal specular surfaces to one with a smooth lobe, with normal *n; false
+// if there is none. *ray becomes its last edge.
+bool photon_view_follow(const struct satin_scene *scene, struct ray *ray, struct rng *rng,
+                        struct surfel *s, vec3 *n);
+// The same from the eye, for path i of PHOTON_VIEW_PATHS.
+bool photon_view_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng, struct surfel *s,
+                     vec3 *n);
 // Aims at what is small against `all`, the box of everything that matters.
 void photon_view_aim(const struct photon_view *view, struct light_target all,
                      struct light_aim *out);
+
+// How a pass deals its paths to the lights (photon_deal.c).
+enum { PHOTON_DEAL_LIGHTS = 16 };
+struct photon_deal {
+    bool by_power;                    // `share` is not set
+    float share[PHOTON_DEAL_LIGHTS];  // of all paths, by light
+};
+// By what each light brings to what is seen.
+void photon_deal_make(const struct satin_scene *scene, uint64_t seed, struct photon_deal *out);
 
 struct photon_guide;  // where in the space of emission caustic paths start
 
@@ -69,6 +86,7 @@ struct photon_tracing {
     int bounces;    // photons that bounced more often are not kept; < 0: no limit
     // Caustic pass: paths end at their first smooth scattering and start by the guide. NULL: all.
     const struct photon_guide *guide;
+    const struct photon_deal *deal;  // how paths are dealt to lights; NULL: by power
 };
 
 // SATIN_CANCELLED or SATIN_ERROR_MEMORY on failure; *out untouched.

@@ -23,6 +23,7 @@ struct pass {
     struct log log;
     struct stats *stats;
     struct photon_view view;
+    struct photon_deal deal;
 };
 
 // A lookup wider than this part of what is seen is not trusted.
@@ -65,7 +66,8 @@ static satin_status build_global(const struct pass *pass, struct photon_maps *ma
         .paths = o->photons > 0 ? (uint64_t)o->photons : 0,
         .keep = bounced ? KEEP_BOUNCED : KEEP_ALL,
         // Seen by the eye, or by the eye through a gather ray.
-        .bounces = bounces_left(o, o->integrator == SATIN_PHOTONS ? 1 : 2)};
+        .bounces = bounces_left(o, o->integrator == SATIN_PHOTONS ? 1 : 2),
+        .deal = &pass->deal};
     satin_status status = trace_into(pass, &tracing, &maps->global);
     if (status != SATIN_OK) return status;
     maps->global.radius_max = INFINITY;
@@ -140,6 +142,7 @@ satin_status photon_maps_build(const struct satin_scene *scene, const satin_opti
     struct pass pass = {
         .scene = scene, .options = options, .pool = pool, .log = log, .stats = stats};
     photon_view_make(scene, options->seed, &pass.view);
+    photon_deal_make(scene, options->seed, &pass.deal);
     maps->trust = TRUST * pass.view.reach;
     satin_status status = build_global(&pass, maps);
     if (status == SATIN_OK) status = build_caustic(&pass, maps);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pass 1a: photons leave the lights, scatter and are kept where a smooth lobe could reflect them.
-// Paths are dealt to the lights in proportion to power, in one run of path indices each, so that
-// well-spread numbers make the emission of every light even and no choice of a light adds noise.
-// Scattering ends by Russian roulette at the albedo, which keeps the photons' powers alike [Jensen
-// 2001]; shading normals get the factor of the adjoint BSDF [Veach 1997, 5.3.2].
+// Paths are dealt to the lights, by power or by what is seen of it (photon_deal.c), in one run of
+// path indices each, so that well-spread numbers make the emission of every light even and no
+// choice of a light adds noise. Scattering ends by Russian roulette at the albedo, which keeps the
+// photons' powers alike [Jensen 2001]; shading normals get the factor of the adjoint BSDF [Veach
+// 1997, 5.3.2].
 #include <limits.h>
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -130,8 +131,10 @@ static void walk(const struct photon_tracing *tracing, struct flight f, struct r
 
 static uint64_t paths_of(const struct photon_tracing *tracing, uint32_t light) {
     if (tracing->guide) return photon_guide_paths(tracing->guide, light);
+    const struct photon_deal *deal = tracing->deal;
     const float *cdf = tracing->scene->light_cdf;
     double share = (double)cdf[light + 1] - (double)cdf[light];
+    if (deal && !deal->by_power) share = (double)deal->share[light];
     uint64_t n = (uint64_t)llround(share * (double)tracing->paths);
     return n > 0 ? n : 1;  // even the faintest light is represented
 }

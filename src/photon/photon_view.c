@@ -10,7 +10,7 @@
 #include "base/sampling.h"
 #include "photon/photon_map.h"
 
-enum { PATHS = 1024, SPECULAR_MAX = 16 };
+enum { SPECULAR_MAX = 16 };
 
 static const double QUANTILE[PHOTON_VIEW_BOXES] = {1.0, 0.9, 0.5};
 
@@ -23,7 +23,7 @@ struct point {
 };
 
 struct cloud {
-    struct point point[PATHS];
+    struct point point[PHOTON_VIEW_PATHS];
     int count;
 };
 
@@ -42,7 +42,7 @@ static void add(struct cloud *cloud, vec3 p) { cloud->point[cloud->count++].p = 
 // ---- Boxes ------------------------------------------------------------------------------------
 
 static float median(const struct cloud *cloud, int axis) {
-    float x[PATHS];
+    float x[PHOTON_VIEW_PATHS];
     for (int i = 0; i < cloud->count; i++) {
         vec3 p = cloud->point[i].p;
         x[i] = axis == 0 ? p.x : axis == 1 ? p.y : p.z;
@@ -95,45 +95,50 @@ void photon_view_aim(const struct photon_view *view, struct light_target all,
 
 // ---- Paths ------------------------------------------------------------------------------------
 
-// Follows the ray through ideal specular surfaces to one with a smooth lobe; false if there is
-// none.
-static bool to_smooth(const struct satin_scene *scene, struct ray ray, struct rng *rng,
-                      struct surfel *s, vec3 *n) {
+bool photon_view_follow(const struct satin_scene *scene, struct ray *ray, struct rng *rng,
+                        struct surfel *s, vec3 *n) {
     for (int i = 0; i < SPECULAR_MAX; i++) {
         struct brdf b;
         struct frame frame;
         struct brdf_sample next;
-        vec3 wo = v3_neg(ray.d);
-        if (!scene_intersect(scene, &ray, s) || !scene_brdf(scene, s, wo, &b, &frame)) return false;
+        vec3 wo = v3_neg(ray->d);
+        if (!scene_intersect(scene, ray, s) || !scene_brdf(scene, s, wo, &b, &frame)) return false;
         *n = frame.n;
         if (brdf_lobes(&b) & BRDF_SMOOTH) return true;
         float u = rng_float(rng);
         if (!brdf_sample(&b, frame_to_local(&frame, wo), u, 0.5f, 0.5f, BRDF_DELTA, BRDF_RADIANCE,
                          &next))
             return false;
-        ray = scene_spawn(scene, s->p, s->ng, frame_to_world(&frame, next.wi));
+        *ray = scene_spawn(scene, s->p, s->ng, frame_to_world(&frame, next.wi));
     }
     return false;
 }
 
-void photon_view_make(const struct satin_scene *scene, uint64_t seed, struct photon_view *out) {
+bool photon_view_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng, struct surfel *s,
+                     vec3 *n) {
     const struct film_spec *film = &scene->film;
+    const vec2 pixel = sample_sobol2(i, 0);
+    float spread;
+    struct ray ray =
+        camera_ray(scene, (float)film->crop_x + pixel.x * (float)film->crop_width,
+                   (float)film->crop_y + pixel.y * (float)film->crop_height, 0.5f, 0.5f, &spread);
+    return photon_view_follow(scene, &ray, rng, s, n);
+}
+
+void photon_view_make(const struct satin_scene *scene, uint64_t seed, struct photon_view *out) {
     struct cloud seen = {.count = 0}, specular = {.count = 0};
-    float length[PATHS], spread;
+    float length[PHOTON_VIEW_PATHS];
     int hits = 0;
-    for (uint32_t i = 0; i < PATHS; i++) {
+    for (uint32_t i = 0; i < PHOTON_VIEW_PATHS; i++) {
         struct rng rng = rng_make(seed, RNG_VIEW, i);
-        vec2 pixel = sample_sobol2(i, 0), direction = sample_sobol2(i, 1);
+        vec2 direction = sample_sobol2(i, 1);
         struct surfel s;
         vec3 n = v3(0, 0, 1);
-        struct ray ray = camera_ray(scene, (float)film->crop_x + pixel.x * (float)film->crop_width,
-                                    (float)film->crop_y + pixel.y * (float)film->crop_height, 0.5f,
-                                    0.5f, &spread);
-        if (!to_smooth(scene, ray, &rng, &s, &n)) continue;
+        if (!photon_view_eye(scene, i, &rng, &s, &n)) continue;
         add(&seen, s.p);
         struct frame frame = frame_from_normal(n);
         vec3 d = frame_to_world(&frame, sample_cosine_hemisphere(direction.x, direction.y));
-        ray = scene_spawn(scene, s.p, s.ng, d);
+        struct ray ray = scene_spawn(scene, s.p, s.ng, d);
         if (!scene_intersect(scene, &ray, &s)) continue;
         length[hits++] = s.t;
         if (material_has_delta(&scene->material[s.material])) add(&specular, s.p);

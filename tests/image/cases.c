@@ -46,6 +46,8 @@ static const struct row rows[] = {
     {"bump", "bump", {"floor", 0, 34, 64, 64}, {0.015, 0.04, 0.1}},
     {"caustic-gloss", "caustic-gloss", {"focus", 28, 38, 54, 52}, {0.02, 0.08, 0.2}},
     {"corner", "corner", {"corner", 18, 18, 46, 50}, {0.01, 0.03, 0.11}},
+    {"gap", "gap", {"floor", 0, 40, 64, 64}, {0.02, 0.04, 0.1}},
+    {"gap", "gap", {"wall", 0, 16, 64, 35}, {0.02, 0.04, 0.1}},
     {"mirror", "mirror", {"floor in the mirror", 8, 32, 56, 48}, {0.015, 0.04, 0.15}},
     {"room-5m", "room-5m", {"below the lamp", 0, 28, 64, 64}, {0.015, 0.04, 0.2}},
     {"spot", "spot-lamp", {"room", 0, 8, 64, 64}, {0.03, 0.1, 0.2}},

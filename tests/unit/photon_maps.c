@@ -266,7 +266,12 @@ static struct photon_trace trace_caustics(const struct test_scene *t,
     struct photon_guiding guiding = {&t->scene, view, 1, paths};
     if (view) assert_int_equal(photon_guide_build(&guiding, pool, quiet, &guide), SATIN_OK);
     assert_true((guide != NULL) == (view != NULL));
-    struct photon_tracing tracing = {&t->scene, 1, paths, 1 << PHOTON_CAUSTIC, -1, guide};
+    struct photon_tracing tracing = {.scene = &t->scene,
+                                     .seed = 1,
+                                     .paths = paths,
+                                     .keep = 1 << PHOTON_CAUSTIC,
+                                     .bounces = -1,
+                                     .guide = guide};
     assert_int_equal(photon_trace_run(&tracing, pool, quiet, &trace), SATIN_OK);
     photon_guide_free(guide);
     parallel_free(pool);

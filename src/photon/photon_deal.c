@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// How many of the photons each light gets. Dealt by power all photons weigh alike. But power may go
+// where nothing is seen of it, as that of the sky around a closed room, and what is left for the
+// lamp inside is too few to tell of its light. So one half is dealt by power, the other by what a
+// few paths from the eye find: they go on as light's paths to the gather rays' hits would,
+// backwards, and sample the lights where they go. The first half serves light that comes in ways
+// that they have missed.
+#include "photon/photon_map.h"
+
+#include "base/sampling.h"
+
+enum { BOUNCES = 3 };  // of a path: behind the first one is what gather rays ask photons for
+
+// Irradiance that each light brings to the paths' vertices.
+struct tally {
+    const struct satin_scene *scene;
+    double light[PHOTON_DEAL_LIGHTS];
+};
+
+// What comes from one light at s, chosen by chance.
+static void add_direct(struct tally *tally, const struct surfel *s, vec3 n, float T,
+                       struct rng *rng) {
+    const struct satin_scene *scene = tally->scene;
+    const float u_choose = rng_float(rng), u = rng_float(rng), v = rng_float(rng);
+    float choice;
+    struct light_sample sample;
+    const uint32_t light = light_choose(scene, s->p, u_choose, &choice);
+    if (!light_sample(scene, light, s->p, u, v, &sample)) return;
+    const float cosine = v3_dot(sample.wi, n);
+    if (!(cosine > 0.0f)) return;
+    struct ray shadow = light_shadow_ray(scene, s->p, s->ng, &sample);
+    const float E = T * cosine * rgb_luminance(sample.L) / (sample.pdf_w * choice);
+    if (isfinite(E) && !scene_occluded(scene, &shadow)) tally->light[light] += (double)E;
+}
+
+// A light that the last ray has met behind ideal specular surfaces, where no sample finds it.
+static void add_emitted(struct tally *tally, const struct ray *ray, const struct surfel *hit,
+                        float T) {
+    const struct satin_scene *scene = tally->scene;
+    const int light = hit ? hit->light : scene->environment;
+    if (light < 0) return;
+    rgb Le = hit ? light_emitted(scene, hit, v3_neg(ray->d)) : light_environment(scene, ray->d);
+    const float E = T * PI_F * rgb_luminance(Le);
+    if (isfinite(E)) tally->light[light] += (double)E;
+}
+
+static void walk(struct tally *tally, struct surfel s, vec3 n, struct rng *rng) {
+    const struct satin_scene *scene = tally->scene;
+    float T = 1.0f;
+    for (int i = 0; i < BOUNCES; i++) {
+        const struct frame frame = frame_from_normal(n);
+        const float u = rng_float(rng), v = rng_float(rng);
+        const vec3 d = frame_to_world(&frame, sample_cosine_hemisphere(u, v));
+        struct ray ray = scene_spawn(scene, s.p, s.ng, d);
+        const vec3 start = ray.o;
+        const bool found = photon_view_follow(scene, &ray, rng, &s, &n);
+        if (v3_dist2(ray.o, start) > 0.0f) add_emitted(tally, &ray, found ? &s : NULL, T);
+        if (!found) return;
+        add_direct(tally, &s, n, T, rng);
+        struct brdf b;
+        struct frame local;
+        const vec3 wo = v3_neg(ray.d);
+        if (!scene_brdf(scene, &s, wo, &b, &local)) return;
+        T *= rgb_luminance(brdf_albedo(&b, frame_to_local(&local, wo), BRDF_SMOOTH));
+    }
+}
+
+void photon_deal_make(const struct satin_scene *scene, uint64_t seed, struct photon_deal *out) {
+    struct tally tally = {.scene = scene};
+    double sum = 0.0;
+    out->by_power = true;
+    // Among more lights than this, chance would deal.
+    if (scene->light_count < 2 || scene->light_count > PHOTON_DEAL_LIGHTS) return;
+    for (uint32_t i = 0; i < PHOTON_VIEW_PATHS; i++) {
+        struct rng rng = rng_make(seed, RNG_DEAL, i);
+        struct surfel s;
+        vec3 n;
+        if (photon_view_eye(scene, i, &rng, &s, &n)) walk(&tally, s, n, &rng);
+    }
+    for (uint32_t i = 0; i < scene->light_count; i++) sum += tally.light[i];
+    if (!(sum > 0.0)) return;
+    out->by_power = false;
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        out->share[i] = 0.5f * (scene->light_cdf[i + 1] - scene->light_cdf[i]) +
+                        0.5f * (float)(tally.light[i] / sum);
+}

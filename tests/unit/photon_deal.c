@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// Photons go to the lights by what is seen of their light: a lamp in a closed room, in a bright
+// sky.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "photon/photon_map.h"
+#include "test_scene.h"
+
+// A camera amid a cube of half-width 1, with a small lamp at its ceiling, beneath a sky that brings
+// some hundred times its power. The lamp is light 0.
+static void room(struct test_scene *t, bool closed) {
+    test_scene_init(t);
+    const uint32_t grey = test_diffuse(t, 0.5f, 0.5f, 0.5f);
+    if (closed) {
+        test_cube(t, mat4_identity(), true, grey);
+    } else {
+        test_rectangle(t, test_transform(v3(0, 0, -1), v3(1, 1, 1)), grey);
+    }
+    // Turned over, so that it shines down.
+    struct mat4 down = test_transform(v3(0, 0, 0.9f), v3(0.2f, -0.2f, -1.0f));
+    test_area_light(t, test_rectangle(t, down, grey), rgb_grey(10.0f));
+    test_light(t, (struct light){.kind = LIGHT_CONSTANT, .value = rgb_grey(10.0f)});
+    test_scene_finish(t);
+    t->scene.camera = (struct camera){
+        .to_world = mat4_scale(v3(1, 1, -1)), .tan_x = 1.0f, .tan_y = 1.0f, .far_clip = INFINITY};
+    t->scene.film =
+        (struct film_spec){.width = 64, .height = 64, .crop_width = 64, .crop_height = 64};
+}
+
+static void lamps_in_closed_rooms_get_half(void **state) {
+    (void)state;
+    struct test_scene t;
+    struct photon_deal deal;
+    room(&t, true);
+    const float by_power = t.scene.light_cdf[1];
+    assert_true(by_power < 0.01f);
+    photon_deal_make(&t.scene, 1, &deal);
+    assert_false(deal.by_power);
+    assert_true(fabsf(deal.share[0] - 0.5f - 0.5f * by_power) < 1e-6f);
+    assert_true(fabsf(deal.share[0] + deal.share[1] - 1.0f) < 1e-6f);
+    test_scene_free(&t);
+}
+
+static void skies_over_open_floors_get_most(void **state) {
+    (void)state;
+    struct test_scene t;
+    struct photon_deal deal;
+    room(&t, false);
+    photon_deal_make(&t.scene, 1, &deal);
+    // Walks leave the floor upwards and meet nothing but the back of the lamp, or the sky.
+    assert_true(deal.by_power || deal.share[1] > 0.5f);
+    test_scene_free(&t);
+}
+
+// What is dealt otherwise arrives in the same amount.
+static void power_is_kept(void **state) {
+    (void)state;
+    struct test_scene t;
+    room(&t, true);
+    struct photon_deal deal;
+    photon_deal_make(&t.scene, 1, &deal);
+    struct parallel *pool = parallel_new(1);
+    assert_non_null(pool);
+    double sum[2] = {0.0, 0.0};
+    for (int i = 0; i < 2; i++) {
+        struct photon_tracing tracing = {.scene = &t.scene,
+                                         .seed = 1,
+                                         .paths = 1 << 20,
+                                         .keep = 1 << PHOTON_DIRECT,
+                                         .bounces = 0,
+                                         .deal = i ? &deal : NULL};
+        struct photon_trace trace;
+        struct log quiet = {0};
+        assert_int_equal(photon_trace_run(&tracing, pool, quiet, &trace), SATIN_OK);
+        for (size_t k = 0; k < trace.count; k++) sum[i] += (double)trace.hit[k].power.g;
+        photon_trace_free(&trace);
+    }
+    parallel_free(pool);
+    test_scene_free(&t);
+    assert_true(sum[0] > 0.0 && fabs(sum[1] / sum[0] - 1.0) < 2e-3);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lamps_in_closed_rooms_get_half),
+        cmocka_unit_test(skies_over_open_floors_get_most),
+        cmocka_unit_test(power_is_kept),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
