@@ -134,28 +134,23 @@ static void run_peak(const struct timed *c) {
 }
 #endif
 
-// Multiply-adds per direction: of the functions, and of Re, Im (x + i y)^m.
+// Products per direction, added to or not: of the functions, and of Re, Im (x + i y)^m.
 static double azimuth_steps(int n) {
     double steps = 0.0;
-    for (int m = 2; m < n; m++) steps += m % 2 ? 4.0 : 3.0;
+    for (int m = 2; m < n; m++) steps += m % 2 ? 4.0 : 2.0;
     return steps;
 }
 
+// One per root of the Legendre function in z^2, one per function, z at m = 0 too, and the point.
 static double eval_steps(int n) {
-    double steps = azimuth_steps(n);
+    double steps = azimuth_steps(n) + 2.0 * (n - 2) + 20.0;
     for (int m = 0; m < n; m++)
-        for (int k = 0; k < n - m; k++)
-            steps += (m ? 2.0 : 1.0) + (k >= 2) +
-                     (k >= 4 ? (m ? 2.0 : 3.0)
-                      : m    ? 0.0
-                             : 1.0 * (k >= 2));
-    return steps + 2.0 * n;
+        for (int k = 0; k < n - m; k++) steps += k / 2 + (m ? 2 : k % 2);
+    return steps;
 }
 
 // Of three colours, per sample and per record.
-static double project_steps(int n) {
-    return 3.0 * (n * n - n) + 3.0 * (n - 1) + 2.0 * (n - 2) + azimuth_steps(n);
-}
+static double project_steps(int n) { return 3.0 * (n * n - n) + 4.0 * (n - 1) + azimuth_steps(n); }
 
 static double batch_steps(int n) { return 33.0 * n * (n - 1) / 2.0 + 12.0 * n; }
 

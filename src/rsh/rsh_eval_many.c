@@ -1,31 +1,45 @@
 // SPDX-License-Identifier: Apache-2.0
 // Evaluation of all harmonics in many directions, RSH_WIDTH directions per vector.
 //
-// Up to order GENTLE_ORDER: the Legendre functions of one m are polynomials in w = 2 (x^2 + y^2),
-// those of odd l - m times z. Two recurrences in w, one for either parity, go two degrees per step;
-// z is multiplied to the azimuth once per m. So a pair of functions (l, +-m) costs at most five
-// operations, near l = m fewer, and w is exact to rounding near the poles, where functions are
-// steep. Higher orders: rsh_eval_steep.h.
+// Up to order RSH_GENTLE: the Legendre functions of one m are polynomials in z^2, those of odd l -
+// m times z, and are found as products of their roots' factors; z is multiplied to the azimuth once
+// per m. So a pair of functions (l, +-m) costs two products and one per root, the differences go to
+// adders that are idle otherwise, and no function waits for another. The factors of large roots
+// take z^2 - 1, which near the poles, where functions are steep, is exact to rounding. Higher
+// orders: rsh_eval_steep.h.
 #include "rsh/rsh_batch.h"
 #include "rsh/rsh_directions.h"
 #include "rsh/rsh_eval_steep.h"
 #include "rsh/rsh_tables.h"
 
-// Vectors prepared ahead of their evaluation, which need not wait for the stores of the functions.
-enum { AHEAD = 4, GENTLE_ORDER = 10 };
-
-// x, y and z of the sphere, of unit length; t = z^2 and u = 1 - z^2, either right to rounding where
+// x, y and z of the sphere, of unit length; t = z^2 and u = z^2 - 1, either right to rounding where
 // it is small.
 struct point {
     vf x, y, z, t, u;
 };
 
-// What s, 2 sqrt(z / (1 + z)) rounded, lacks in relation to itself.
-INLINE vf stretch_error(vf z, vf s) {
+// 2 sqrt(z / (1 + z)) as by `stretch`, and what its rounded value lacks in relation to itself, z
+// being short by `off` of itself.
+struct scale {
+    vf size, lack;
+};
+
+INLINE struct scale scale_of(vf *height, vf off) {
+    float z[W], inverse[W];
+    store(z, *height);
+    for (int i = 0; i < W; i++) {
+        z[i] = z[i] > 0.0f ? z[i] : 0.0f;
+        z[i] = z[i] < 1.0f ? z[i] : 1.0f;
+        inverse[i] = 1.0f / sqrtf(z[i] + z[i] * z[i] + 1e-30f);
+    }
+    const vf h = load(z), y = load(inverse), s = (h + h) * y;
     vf square = s * s;
     RSH_KEEP(square);  // so that the next line is fused, where it can be, and gives its rounding
-    const vf lost = s * s - square;
-    return ((4.0f * z - square) - square * z - (lost + lost * z)) / (8.0f * z + 1e-30f);
+    const vf lost = s * s - square, more = off * h;
+    const vf rest =
+        (((4.0f * h - square) - square * h) - (lost + lost * h)) + more * (4.0f - square);
+    *height = h;
+    return (struct scale){s, rest * (0.125f + 0.125f * h) * (y * y)};
 }
 
 // `off` is what the length lacks of 1, `rest` what z lacks: m times the one and l (l + 1) / 2 times
@@ -35,137 +49,177 @@ INLINE struct point point_of(rsh_basis basis, struct directions v) {
     off = 0.5f * ((off - v.x * v.x) - v.y * v.y);
     struct point p = {v.x, v.y, v.z, {0}, {0}};
     vf rest = off * v.z;
-    vf scale = splat(1.0f);
+    vf size = splat(1.0f);
     if (basis == RSH_HEMISPHERE) {
-        scale = stretch(&p.z);
+        const struct scale scale = scale_of(&p.z, off);
+        size = scale.size;
         const vf twice = p.z + p.z;
         rest = off * p.z;
-        off = scale * (off + stretch_error(p.z + rest, scale));
+        off = size * (off + scale.lack);
         p.z = twice - 1.0f;
         rest = (twice - (p.z + 1.0f)) + (rest + rest);
     }
-    p.x = v.x * scale + v.x * off;
-    p.y = v.y * scale + v.y * off;
+    p.x = v.x * size + v.x * off;
+    p.y = v.y * size + v.y * off;
     vf change = (p.z + p.z) * rest;
     p.t = p.z * p.z + change;
-    p.u = (1.0f - p.z * p.z) - change;
+    p.u = (p.z * p.z - 1.0f) + change;
     p.z += rest;
     return p;
 }
 
+// Vectors evaluated side by side, which share the constants, where there are registers for two.
+enum { PAIR = RSH_WIDTH == 16 ? 2 : 1 };
+
+// (x + i y)^m of `vectors` vectors.
+struct powers {
+    struct azimuth of[PAIR];
+};
+
+INLINE struct powers power_sum(int vectors, const struct powers *a, const struct powers *b) {
+    struct powers sum;
+    for (int i = 0; i < vectors; i++)
+        sum.of[i] = a == b ? azimuth_double(a->of[i]) : azimuth_add(a->of[i], b->of[i]);
+    return sum;
+}
+
 // Functions l = m .. order - 1 of one m, whose azimuth is given.
-INLINE void eval_column(const float *norm, int order, int m, const struct point *v,
-                        struct azimuth even, size_t count, float *out) {
-    const float *from = rsh_half_from + m * RSH_MAX_ORDER,
-                *fall = rsh_half_fall + m * RSH_MAX_ORDER;
-    const struct azimuth odd = {even.c * v->z, even.s * v->z};
+INLINE void eval_column(const float *norm, int order, int m, int vectors, const struct point *v,
+                        const struct powers *even, size_t count, float *out) {
+    struct powers odd;
+    for (int i = 0; i < vectors; i++)
+        odd.of[i] = azimuth_of(even->of[i].c * v[i].z, even->of[i].s * v[i].z);
     const size_t shift = (size_t)m * count;
     float *to = out + (size_t)(m * (m + 1)) * count;
-    // Of even and of odd l - m: the last function, and the one before or the last difference.
-    vf p[2] = {splat(1.0f), splat(1.0f)}, p1[2] = {{0}, {0}};
 #pragma GCC unroll 16
     for (int l = m; l < order; l++) {
-        const int side = (l - m) & 1;
-        if (l > m + 1 && m < RSH_POLAR) {
-            p1[side] -= l > m + 3 ? (from[l] * v->u) * p[side] : from[l] * v->u;
-            p[side] += fall[l] * p1[side];
-        } else if (l > m + 1) {
-            vf next = (v->t - from[l]) * p[side];
-            if (l > m + 3) next -= fall[l] * p1[side];
-            p1[side] = p[side];
-            p[side] = next;
+        const int roots = (l - m) / 2;
+        const float *root = rsh_gentle_root[m * RSH_GENTLE + l];
+        vf value[PAIR];
+        for (int i = 0; i < vectors; i++) value[i] = splat(norm[m * RSH_GENTLE + l]);
+#pragma GCC unroll 4
+        for (int k = 0; k < roots; k++) {
+            vf r = splat(root[k]);
+            RSH_KEEP(r);
+            for (int i = 0; i < vectors; i++) value[i] *= k < roots / 2 ? v[i].u + r : v[i].t - r;
         }
-        const vf value = p[side] * norm[m * RSH_MAX_ORDER + l];
-        if (m > 0) store(to - shift, value * (side ? odd.s : even.s));
-        store(to + shift, value * (side ? odd.c : even.c));
+        for (int i = 0; i < vectors; i++) {
+            const struct azimuth a = (l - m) % 2 ? odd.of[i] : even->of[i];
+            if (m > 0) store(to - shift + i * W, value[i] * a.s);
+            store(to + shift + i * W, value[i] * a.c);
+        }
         to += (size_t)(2 * (l + 1)) * count;
     }
 }
 
-// All functions of one vector of directions; a function of its own per order, which leaves nothing
-// to branch on.
-INLINE void eval_vector(const float *norm, int order, const struct point *p, size_t count,
-                        float *out) {
-#define COLUMN(m, first)               \
-    const struct azimuth a##m = first; \
-    eval_column(norm, order, m, p, a##m, count, out)
-    COLUMN(0, azimuth_of(splat(1.0f), splat(0.0f)));
-    COLUMN(1, azimuth_of(p->x, p->y));
-    COLUMN(2, azimuth_double(a1));
-    COLUMN(3, azimuth_add(a2, a1));
-    COLUMN(4, azimuth_double(a2));
-    COLUMN(5, azimuth_add(a4, a1));
-    COLUMN(6, azimuth_double(a3));
-    COLUMN(7, azimuth_add(a6, a1));
-    COLUMN(8, azimuth_double(a4));
-    COLUMN(9, azimuth_add(a8, a1));
+// All functions of one vector of directions or two; a function of its own per order, which leaves
+// nothing to branch on. Directions are prepared here, not ahead: stores take longer than all else.
+INLINE void eval_gentle(rsh_basis basis, int order, int vectors, const float *const d[3],
+                        size_t count, float *out) {
+    const bool hemisphere = basis == RSH_HEMISPHERE;
+    const float *norm = rsh_gentle_norm + (hemisphere ? RSH_GENTLE * RSH_GENTLE : 0);
+    struct point p[PAIR];
+    struct powers w0, w1;
+    for (int i = 0; i < vectors; i++) {
+        const struct directions v = load_directions(d, (size_t)(i * W), W);
+        p[i] = hemisphere ? point_of(RSH_HEMISPHERE, v) : point_of(RSH_SPHERE, v);
+        w0.of[i] = azimuth_of(splat(1.0f), splat(0.0f));
+        w1.of[i] = azimuth_of(p[i].x, p[i].y);
+    }
+#define COLUMN(m) eval_column(norm, order, m, vectors, p, &w##m, count, out)
+#define NEXT(m, i, j)                                            \
+    const struct powers w##m = power_sum(vectors, &w##i, &w##j); \
+    COLUMN(m)
+    COLUMN(0);
+    COLUMN(1);
+    NEXT(2, 1, 1);
+    NEXT(3, 2, 1);
+    NEXT(4, 2, 2);
+    NEXT(5, 4, 1);
+    NEXT(6, 3, 3);
+    NEXT(7, 6, 1);
+    NEXT(8, 4, 4);
+    NEXT(9, 8, 1);
+#undef NEXT
 #undef COLUMN
 }
 
-#define EVAL(order)                                                                              \
-    static __attribute__((noinline)) void eval_##order(const float *norm, const struct point *p, \
-                                                       size_t count, float *out) {               \
-        eval_vector(norm, order, p, count, out);                                                 \
+typedef void evaluation(rsh_basis basis, const float *const d[3], size_t count, float *out);
+
+#define EVAL(name, order, vectors)                                                       \
+    static __attribute__((noinline)) void name(rsh_basis basis, const float *const d[3], \
+                                               size_t count, float *out) {               \
+        eval_gentle(basis, order, vectors, d, count, out);                               \
     }
-EVAL(1)
-EVAL(2)
-EVAL(3)
-EVAL(4)
-EVAL(5)
-EVAL(6)
-EVAL(7)
-EVAL(8)
-EVAL(9)
-EVAL(10)
+EVAL(one_1, 1, 1)
+EVAL(one_2, 2, 1)
+EVAL(one_3, 3, 1)
+EVAL(one_4, 4, 1)
+EVAL(one_5, 5, 1)
+EVAL(one_6, 6, 1)
+EVAL(one_7, 7, 1)
+EVAL(one_8, 8, 1)
+EVAL(one_9, 9, 1)
+EVAL(one_10, 10, 1)
+#if RSH_WIDTH == 16
+EVAL(pair_1, 1, 2)
+EVAL(pair_2, 2, 2)
+EVAL(pair_3, 3, 2)
+EVAL(pair_4, 4, 2)
+EVAL(pair_5, 5, 2)
+EVAL(pair_6, 6, 2)
+EVAL(pair_7, 7, 2)
+EVAL(pair_8, 8, 2)
+EVAL(pair_9, 9, 2)
+EVAL(pair_10, 10, 2)
+#endif
 #undef EVAL
 
-INLINE void eval_gentle(rsh_basis basis, int order, size_t vectors, const struct directions *v,
-                        size_t count, float *out) {
-    static void (*const eval[GENTLE_ORDER])(const float *, const struct point *, size_t,
-                                            float *) = {eval_1, eval_2, eval_3, eval_4, eval_5,
-                                                        eval_6, eval_7, eval_8, eval_9, eval_10};
-    const float *norm = rsh_half_norm + (int)basis * RSH_MAX_ORDER * RSH_MAX_ORDER;
-    struct point p[AHEAD];
-    for (size_t i = 0; i < vectors; i++) p[i] = point_of(basis, v[i]);
-    for (size_t i = 0; i < vectors; i++) eval[order - 1](norm, &p[i], count, out + i * W);
-}
-
-INLINE void eval_steep(rsh_basis basis, int order, size_t vectors, const struct directions *v,
-                       size_t count, float *out) {
-    struct steep_point p[AHEAD];
-    for (size_t i = 0; i < vectors; i++) p[i] = steep_point_of(basis, v[i]);
-    for (size_t i = 0; i < vectors; i++) steep_vector(basis, order, &p[i], count, out + i * W);
-}
-
-INLINE void eval_vectors(rsh_basis basis, int order, size_t vectors, const struct directions *v,
+// One vector of directions, or PAIR of them.
+INLINE void eval_vectors(rsh_basis basis, int order, int vectors, const float *const d[3],
                          size_t count, float *out) {
-    if (order > GENTLE_ORDER)
-        eval_steep(basis, order, vectors, v, count, out);
-    else if (basis == RSH_HEMISPHERE)
-        eval_gentle(RSH_HEMISPHERE, order, vectors, v, count, out);
-    else
-        eval_gentle(RSH_SPHERE, order, vectors, v, count, out);
+    static evaluation *const gentle[PAIR][RSH_GENTLE] = {
+        {one_1, one_2, one_3, one_4, one_5, one_6, one_7, one_8, one_9, one_10},
+#if RSH_WIDTH == 16
+        {pair_1, pair_2, pair_3, pair_4, pair_5, pair_6, pair_7, pair_8, pair_9, pair_10},
+#endif
+    };
+    if (order <= RSH_GENTLE) {
+        gentle[vectors - 1][order - 1](basis, d, count, out);
+        return;
+    }
+    for (int i = 0; i < vectors; i++) {
+        const struct steep_point p = steep_point_of(basis, load_directions(d, (size_t)(i * W), W));
+        steep_vector(basis, order, &p, count, out + i * W);
+    }
+}
+
+// Fewer directions than a vector holds.
+static void eval_few(rsh_basis basis, int order, size_t count, const float *const d[3],
+                     float *out) {
+    float few[RSH_MAX_COEFFICIENTS * W], padded[3][W];
+    const struct directions v = load_directions(d, 0, count);
+    const float *const all[3] = {padded[0], padded[1], padded[2]};
+    store(padded[0], v.x);
+    store(padded[1], v.y);
+    store(padded[2], v.z);
+    eval_vectors(basis, order, 1, all, W, few);
+    for (int k = 0; k < order * order; k++)
+        memcpy(out + (size_t)k * count, few + k * W, count * sizeof *out);
 }
 
 void GLUE(rsh_eval_many_, RSH_NAME)(rsh_basis basis, int order, size_t count, const float *x,
                                     const float *y, const float *z, float *out) {
-    const float *const d[3] = {x, y, z};
     if (count < W) {
-        float few[RSH_MAX_COEFFICIENTS * W];
-        const struct directions v = load_directions(d, 0, count);
-        eval_vectors(basis, order, 1, &v, W, few);
-        for (int k = 0; k < order * order; k++)
-            memcpy(out + (size_t)k * count, few + k * W, count * sizeof *out);
+        eval_few(basis, order, count, (const float *const[3]){x, y, z}, out);
         return;
     }
     for (size_t first = 0; first < count;) {
         // The last vector may begin among directions that are done already.
-        struct directions v[AHEAD];
-        size_t vectors = (count - first) / W;
-        if (vectors == 0) first = count - W;
-        vectors = vectors < 1 ? 1 : vectors > AHEAD ? AHEAD : vectors;
-        for (size_t i = 0; i < vectors; i++) v[i] = load_directions(d, first + i * W, W);
-        eval_vectors(basis, order, vectors, v, count, out + first);
-        first += vectors * W;
+        const int vectors = count - first >= PAIR * W ? PAIR : 1;
+        if (count - first < W) first = count - W;
+        const float *const d[3] = {x + first, y + first, z + first};
+        eval_vectors(basis, order, vectors, d, count, out + first);
+        first += (size_t)(vectors * W);
     }
 }

@@ -23,14 +23,13 @@ extern const float rsh_pole[RSH_STEEP * RSH_MAX_ORDER];
 extern const float rsh_bend[RSH_STEEP * RSH_MAX_ORDER];
 extern const float rsh_keep[RSH_STEEP * RSH_MAX_ORDER];
 
-// Two steps of the recurrence in one: with q_m = q_(m+1) = 1, q_l = (z^2 - from_lm) q_(l-2) -
-// fall_lm q_(l-4), Y_l^m = norm_lm q_l Re (x + i y)^m, times z for odd l - m. For m < RSH_POLAR by
-// differences, as above: with d_m = d_(m+1) = 0, d_l = d_(l-2) - from_lm (1 - z^2) q_(l-2), q_l =
-// q_(l-2) + fall_lm d_l. The norms of the hemisphere contain its factor sqrt 2.
-enum { RSH_POLAR = 1 };
-extern const float rsh_half_norm[2 * RSH_MAX_ORDER * RSH_MAX_ORDER];  // of sphere and hemisphere
-extern const float rsh_half_from[RSH_MAX_ORDER * RSH_MAX_ORDER];
-extern const float rsh_half_fall[RSH_MAX_ORDER * RSH_MAX_ORDER];
+// The same for l < RSH_GENTLE by the roots in z^2: Y_l^m = norm_lm times z^2 - root for each of the
+// (l - m) / 2 roots, times Re (x + i y)^m, times z for odd l - m. The largest come first, and the
+// first half of them, rounded down, stands as 1 - root, to be taken from 1 - z^2. Both tables are
+// indexed m * RSH_GENTLE + l; the norms of the hemisphere contain its factor sqrt 2.
+enum { RSH_GENTLE = 10, RSH_GENTLE_ROOTS = 4 };
+extern const float rsh_gentle_norm[2 * RSH_GENTLE * RSH_GENTLE];  // of sphere and hemisphere
+extern const float rsh_gentle_root[RSH_GENTLE * RSH_GENTLE][RSH_GENTLE_ROOTS];
 
 // Y of all m from one set of functions of z: f_0 = 1, f_(-1) = 0, f_k = 2 step_k z f_(k-1) -
 // f_(k-2), and norm_lm p_l^m = sum over j = k, k - 2 .. of mix[m][k][j / 2] f_j, k = l - m. Set 0

@@ -12,7 +12,7 @@ import sys
 ORDER = 16
 LANES = 16
 STEEP = 8
-POLAR = 1
+GENTLE, GENTLE_ROOTS = 10, 4
 # The m, whole or not, whose Legendre functions are the sets of rsh_mix: Chebyshev's polynomials of
 # the second kind, and Gegenbauer's of 11 / 2.
 MIXED = (fractions.Fraction(1, 2), fractions.Fraction(5))
@@ -179,33 +179,41 @@ def plain_tables(w):
                                     for a in range(-l, l + 1) for b in range(-l, l + 1)])
     quarter_tables(w, flat)
     ivanic_tables(w, flat)
-    half_tables(w)
+    gentle_tables(w)
     mix_tables(w)
 
 
-def half_tables(w):
-    """Two steps of the recurrence in one, see rsh_tables.h: norm, from and fall, or norm times the
-    value at the pole, bend and keep."""
-    b = lambda l, m: recurrence(l, m) if l < ORDER else 0.0
-    norms, froms, falls = [], [], []
-    for m in range(ORDER):
-        kept = [1.0, 1.0]
-        for l in range(ORDER):
-            at, fall = pole(l, m), b(l - 1, m) * b(l - 2, m)
-            if m >= POLAR or l < m + 2:
-                norms.append(norm(l, m) * (at if m < POLAR and l >= m else 1.0))
-                froms.append(b(l, m) + b(l - 1, m))
-                falls.append(fall)
-                continue
-            if l > m + 3:
-                kept[l % 2] *= fall * pole(l - 4, m) / at
-            norms.append(norm(l, m) * at)
-            froms.append(pole(l - 2, m) / (at * kept[l % 2]))
-            falls.append(kept[l % 2])
-    w.array("float", "rsh_half_norm[2 * RSH_MAX_ORDER * RSH_MAX_ORDER]",
+def gentle_tables(w):
+    """Norms and roots of the Legendre functions of small orders, see rsh_tables.h."""
+    norms, roots = [], []
+    for m in range(GENTLE):
+        for l in range(GENTLE):
+            norms.append(norm(l, m))
+            found = square_roots(monic(m)[l - m]) if l > m + 1 else []
+            # The larger half as what is left to 1.
+            found = [1 - r if i < len(found) // 2 else r for i, r in enumerate(found)]
+            roots.append(braces("%.9ef", found + [0.0] * (GENTLE_ROOTS - len(found))))
+    w.array("float", "rsh_gentle_norm[2 * RSH_GENTLE * RSH_GENTLE]",
             norms + [math.sqrt(2) * v for v in norms])
-    w.array("float", "rsh_half_from[RSH_MAX_ORDER * RSH_MAX_ORDER]", froms)
-    w.array("float", "rsh_half_fall[RSH_MAX_ORDER * RSH_MAX_ORDER]", falls)
+    w.lines.append("const float rsh_gentle_root[RSH_GENTLE * RSH_GENTLE][RSH_GENTLE_ROOTS] = {")
+    w.lines += ["    %s," % row for row in roots] + ["};"]
+
+
+def square_roots(polynomial):
+    """The squares of the roots of an even or odd polynomial but 0, the largest first."""
+    even = [float(c) for c in polynomial[(len(polynomial) - 1) % 2::2]]
+    value = lambda t: functools.reduce(lambda sum, c: sum * t + c, reversed(even), 0.0)
+    result, steps_in = [], 997  # no root is a multiple of 1 / 997
+    for i in reversed(range(steps_in)):
+        low, high = i / steps_in, (i + 1) / steps_in
+        if value(low) * value(high) > 0:
+            continue
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if value(low) * value(middle) <= 0 else (middle, high)
+        result.append(0.5 * (low + high))
+    assert len(result) == len(even) - 1
+    return result
 
 
 def monic(m):
