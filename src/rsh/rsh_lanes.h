@@ -60,12 +60,15 @@ typedef __m512i places;
 LANES_INLINE places places_load(const int32_t *p) { return _mm512_loadu_si512(p); }
 LANES_INLINE places places_next(places p) { return _mm512_add_epi32(p, _mm512_set1_epi32(1)); }
 
-LANES_INLINE lanes lanes_swap(lanes v) { return _mm512_shuffle_f32x4(v, v, 0x4e); }
 // Lane i gets lane place[i] of v: within its half (places count round there), from the other half,
 // or from either.
 LANES_INLINE lanes lanes_within(lanes v, places p) { return _mm512_permutexvar_ps(p, v); }
 LANES_INLINE lanes lanes_across(lanes v, places p) { return _mm512_permutexvar_ps(p, v); }
 LANES_INLINE lanes lanes_any(lanes v, places p) { return _mm512_permutexvar_ps(p, v); }
+// Of the halves exchanged: lane i gets lane place[i] + 8 or - 8, places counting as for `within`.
+LANES_INLINE lanes lanes_opposite(lanes v, places p) {
+    return _mm512_permutexvar_ps(_mm512_xor_si512(p, _mm512_set1_epi32(8)), v);
+}
 
 // Lane i gets in[place[i]], or 0 where place[i] >= count; count <= 32, place < 32.
 struct lanes_source {
@@ -168,12 +171,14 @@ LANES_INLINE places places_next(places p) {
     return (places){_mm256_add_epi32(p.lo, one), _mm256_add_epi32(p.hi, one)};
 }
 
-LANES_INLINE lanes lanes_swap(lanes v) { return (lanes){v.hi, v.lo}; }
 // The instruction looks at the low three bits of a place only.
 LANES_INLINE lanes lanes_within(lanes v, places p) {
     return (lanes){_mm256_permutevar8x32_ps(v.lo, p.lo), _mm256_permutevar8x32_ps(v.hi, p.hi)};
 }
-LANES_INLINE lanes lanes_across(lanes v, places p) { return lanes_within(lanes_swap(v), p); }
+LANES_INLINE lanes lanes_opposite(lanes v, places p) {
+    return lanes_within((lanes){v.hi, v.lo}, p);
+}
+LANES_INLINE lanes lanes_across(lanes v, places p) { return lanes_opposite(v, p); }
 LANES_INLINE __m256 either(lanes v, __m256i place) {
     __m256 high = _mm256_castsi256_ps(_mm256_slli_epi32(place, 28));
     return _mm256_blendv_ps(_mm256_permutevar8x32_ps(v.lo, place),

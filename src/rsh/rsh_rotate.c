@@ -2,14 +2,22 @@
 // Rotation of spherical harmonics: from angles and matrices to the turns about z, y and z that the
 // kernels apply. [K05 5.3, C, D; Pinchon and Hoggan 2007 for the exchange of y and z.]
 #include <math.h>
+#include <stdint.h>
 #include <string.h>
 
 #include "rsh/rsh_kernel.h"
 
 bool rsh_in_range(const float *v, int count) {
-    bool good = true;
-    for (int i = 0; i < count; i++) good &= fabsf(v[i]) <= RSH_MAX_ENTRY;
-    return good;
+    // As integers magnitudes have the same order, and what is no number comes last; a difference
+    // below 0 shows in the sign of all differences together.
+    const float most = RSH_MAX_ENTRY;
+    int32_t limit, bits, left = 0;
+    memcpy(&limit, &most, sizeof limit);
+    for (int i = 0; i < count; i++) {
+        memcpy(&bits, v + i, sizeof bits);
+        left |= limit - (bits & INT32_MAX);
+    }
+    return left >= 0;
 }
 
 void rsh_copy(int order, int channels, const float *in, float *out) {

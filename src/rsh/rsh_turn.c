@@ -56,21 +56,18 @@ INLINE void turn_parts(struct angle t, lanes *even, lanes *odd) {
 }
 
 // Exchanges y and z of `block` channels; direction 0 leads to the inner layout, 1 back.
-INLINE void exchange(const struct rsh_lane_group *g, int direction, int block, lanes *even,
-                     lanes *odd) {
+INLINE void exchange(const struct rsh_lane_group *g, int steps, int direction, int block,
+                     lanes *even, lanes *odd) {
     const struct rsh_lane_step *step = rsh_lane_steps + g->offset;
     places source = places_load(g->source[direction]);
     lanes a[BLOCK], b[BLOCK];
-    for (int c = 0; c < block; c++) {
-        a[c] = b[c] = lanes_zero();
-        odd[c] = lanes_swap(odd[c]);
-    }
-    for (int i = 0; i < g->steps; i++, source = places_next(source)) {
+    for (int c = 0; c < block; c++) a[c] = b[c] = lanes_zero();
+    for (int i = 0; i < steps; i++, source = places_next(source)) {
         lanes even_factor = lanes_load(step[i].factor[direction][0]);
         lanes odd_factor = lanes_load(step[i].factor[direction][1]);
         for (int c = 0; c < block; c++) {
             a[c] = lanes_mad(lanes_within(even[c], source), even_factor, a[c]);
-            b[c] = lanes_mad(lanes_within(odd[c], source), odd_factor, b[c]);
+            b[c] = lanes_mad(lanes_opposite(odd[c], source), odd_factor, b[c]);
         }
     }
     for (int c = 0; c < block; c++) {
@@ -111,17 +108,18 @@ INLINE struct angle place(const struct angle *a, const int32_t *power) {
     return (struct angle){lanes_within(a->cosine, p), lanes_within(a->sine, p)};
 }
 
-// Coefficients of the group that n in all have.
-INLINE int group_count(const struct rsh_lane_group *g, int n) {
-    int end = g + 1 < rsh_lane_groups + RSH_LANE_GROUPS ? g[1].first : RSH_MAX_COEFFICIENTS;
-    return (n < end ? n : end) - g->first;
-}
+// What of a group is known where it is used: its coefficients, and the steps of its exchange.
+struct span {
+    int first, end, steps;
+};
 
-// `in` and `out` are the group's place in the first of `block` channels of n coefficients each.
-INLINE void turn_group(const struct rsh_lane_group *g, const struct rsh_turn *t,
+// `in` and `out` are the first of `block` channels of n coefficients each.
+INLINE void turn_group(const struct rsh_lane_group *g, struct span span, const struct rsh_turn *t,
                        const struct multiples *multiples, int block, int n, const float *in,
                        float *out) {
-    int count = group_count(g, n);
+    const int count = (n < span.end ? n : span.end) - span.first;
+    in += span.first;
+    out += span.first;
     struct angle gamma = place(&multiples->gamma, g->power[0]);
     lanes even[BLOCK], odd[BLOCK];
     for (int c = 0; c < block; c++) {
@@ -134,9 +132,9 @@ INLINE void turn_group(const struct rsh_lane_group *g, const struct rsh_turn *t,
         places p = places_load(g->power[1]);
         struct angle beta = {lanes_any(multiples->beta.cosine, p),
                              lanes_any(multiples->beta.sine, p)};
-        exchange(g, 0, block, even, odd);
+        exchange(g, span.steps, 0, block, even, odd);
         for (int c = 0; c < block; c++) turn_parts(beta, &even[c], &odd[c]);
-        exchange(g, 1, block, even, odd);
+        exchange(g, span.steps, 1, block, even, odd);
     } else if (t->method != RSH_METHOD_Z) {
         for (int c = 0; c < block; c++) turn_series(g, t, &even[c], &odd[c]);
     }
@@ -147,22 +145,44 @@ INLINE void turn_group(const struct rsh_lane_group *g, const struct rsh_turn *t,
     for (int c = 0; c < block; c++) lanes_scatter(even[c], odd[c], g->natural, count, out + c * n);
 }
 
+// The first two groups, which are all that small orders have, with what the tables say of them.
 INLINE void turn_channels(const struct rsh_turn *t, const struct multiples *multiples, int order,
                           int block, const float *in, float *out) {
     const struct rsh_lane_group *g = rsh_lane_groups, *end = g + RSH_LANE_GROUPS;
     int n = order * order;
-    for (; g < end && g->first < n; g++)
-        turn_group(g, t, multiples, block, n, in + g->first, out + g->first);
+    turn_group(g++, (struct span){0, 16, 2}, t, multiples, block, n, in, out);
+    if (n > 16) turn_group(g++, (struct span){16, 36, 3}, t, multiples, block, n, in, out);
+    for (; g < end && g->first < n; g++) {
+        int next = g + 1 < end ? g[1].first : RSH_MAX_COEFFICIENTS;
+        turn_group(g, (struct span){g->first, next, g->steps}, t, multiples, block, n, in, out);
+    }
 }
 
-void GLUE(rsh_turn_, RSH_NAME)(const struct rsh_turn *t, int order, int channels, const float *in,
-                               float *out) {
+INLINE struct multiples multiples_of(const struct rsh_turn *t, bool wide) {
     struct multiples m;
-    bool wide = order > 8;
     m.alpha = m.beta = m.gamma = multiples(t->cos_gamma, t->sin_gamma, wide);
     if (t->method != RSH_METHOD_Z) m.alpha = multiples(t->cos_alpha, t->sin_alpha, wide);
     // The exchange turns the sense round: y by beta is z by -beta between two exchanges.
     if (t->method == RSH_METHOD_EXACT) m.beta = multiples(t->cos_beta, -t->sin_beta, wide);
+    return m;
+}
+
+// One channel of order 6, without a branch.
+static __attribute__((noinline)) void turn_six(const struct rsh_turn *turn, const float *in,
+                                               float *out) {
+    struct rsh_turn t = *turn;
+    t.method = RSH_METHOD_EXACT;
+    const struct multiples m = multiples_of(&t, false);
+    turn_channels(&t, &m, 6, 1, in, out);
+}
+
+void GLUE(rsh_turn_, RSH_NAME)(const struct rsh_turn *t, int order, int channels, const float *in,
+                               float *out) {
+    if (t->method == RSH_METHOD_EXACT && order == 6 && channels == 1) {
+        turn_six(t, in, out);
+        return;
+    }
+    const struct multiples m = multiples_of(t, order > 8);
     int n = order * order;
     for (; channels >= BLOCK; channels -= BLOCK, in += BLOCK * n, out += BLOCK * n)
         turn_channels(t, &m, order, BLOCK, in, out);
