@@ -46,7 +46,7 @@ def draw_times(rows):
     for axis, channels in zip(axes, ("1", "3")):
         for form in dict.fromkeys(r["form"] for r in rows):
             chosen = [r for r in rows if r["form"] == form and r["channels"] == channels]
-            style = "--" if "scalar" in form or form in ("zxzxz", "ivanic") else "-"
+            style = "--" if "scalar" in form or form in ("zxzxz", "zxzxz-whole", "ivanic") else "-"
             axis.plot([int(r["n"]) for r in chosen], [float(r["ns"]) for r in chosen], style,
                       marker=".", label=form)
         axis.set_yscale("log")
