@@ -40,8 +40,8 @@ struct timed {
 
 static void run_eval(const struct timed *c) {
     for (int i = 0; i < COUNT; i += BATCH)
-        c->kernels->eval_many(RSH_HEMISPHERE, c->order, BATCH, directions[0] + i, directions[1] + i,
-                              directions[2] + i, matrix);
+        c->kernels->eval_many((rsh_basis)c->method, c->order, BATCH, directions[0] + i,
+                              directions[1] + i, directions[2] + i, matrix);
 }
 
 static void run_project(const struct timed *c) {
@@ -142,8 +142,8 @@ static double azimuth_steps(int n) {
 }
 
 // One per root of the Legendre function in z^2, one per function, z at m = 0 too, and the point.
-static double eval_steps(int n) {
-    double steps = azimuth_steps(n) + 2.0 * (n - 2) + 20.0;
+static double eval_steps(int basis, int n) {
+    double steps = azimuth_steps(n) + 2.0 * (n - 2) + (basis == RSH_SPHERE ? 10.0 : 20.0);
     for (int m = 0; m < n; m++)
         for (int k = 0; k < n - m; k++) steps += k / 2 + (m ? 2 : k % 2);
     return steps;
@@ -163,52 +163,48 @@ static struct timed *add(struct timed *c, const struct rsh_kernels *k,
     return c;
 }
 
-static int add_cases(struct timed *cases) {
-    struct timed *c = cases;
-#if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx512f")) {
-        add(c, NULL, run_peak, "peak fma, 512 bit", 16)->units = COUNT * 16.0;
-        c++->flops = 2.0 * 16 * 16 * COUNT;
+// What a table of kernels does, of one order.
+static struct timed *add_kernels(struct timed *c, const struct rsh_kernels *k, int n) {
+    for (int basis = RSH_SPHERE; basis <= RSH_HEMISPHERE; basis++) {
+        add(c, k, run_eval, basis == RSH_SPHERE ? "evaluate many" : "evaluate many, hemisphere", n);
+        c->units = COUNT;
+        c->method = basis;
+        c->steps = n <= 10 ? eval_steps(basis, n) : 0.0;
+        c++->bytes = 4.0 * n * n;
     }
-    if (__builtin_cpu_supports("avx2")) {
-        add(c, NULL, run_peak, "peak fma, 256 bit", 8)->units = COUNT * 12.0;
-        c++->flops = 2.0 * 8 * 12 * COUNT;
+    add(c, k, run_project, "project rgb", n)->units = COUNT;
+    c->steps = n <= 10 ? project_steps(n) : 0.0;
+    c++->flops = 6.0 * n * n * COUNT;
+    add(c, k, run_accumulate, "accumulate rgb", n)->units = COUNT;
+    c++->flops = 6.0 * n * n * COUNT;
+    add(c, k, run_dot, "dot rgb", n)->units = CALLS;
+    c++->flops = 6.0 * n * n * CALLS;
+    add(c, k, run_extend, "extend", n)->units = CALLS;
+    c++;
+    for (int m = RSH_METHOD_TAYLOR_1_5; m <= RSH_METHOD_EXACT; m++) {
+        static const char *const what[] = {"batch 1.5th", "batch 2nd", "batch exact"};
+        add(c, k, run_batch, what[m - RSH_METHOD_TAYLOR_1_5], n);
+        c->units = RECORDS;
+        c->method = m;
+        c->steps = m == RSH_METHOD_EXACT        ? exact_steps(n)
+                   : m == RSH_METHOD_TAYLOR_1_5 ? batch_steps(n)
+                                                : 0.0;
+        c->bytes = 12.0 * n * n;
+        c++->channels = 3;
     }
-#endif
-    for (const struct rsh_kernels *const *k = rsh_kernels_usable(); *k; k++)
-        for (int n = 4; n <= 12; n += 2) {
-            add(c, *k, run_eval, "evaluate many", n)->units = COUNT;
-            c->steps = n <= 10 ? eval_steps(n) : 0.0;
-            c++->bytes = 4.0 * n * n;
-            add(c, *k, run_project, "project rgb", n)->units = COUNT;
-            c->steps = n <= 10 ? project_steps(n) : 0.0;
-            c++->flops = 6.0 * n * n * COUNT;
-            add(c, *k, run_accumulate, "accumulate rgb", n)->units = COUNT;
-            c++->flops = 6.0 * n * n * COUNT;
-            add(c, *k, run_dot, "dot rgb", n)->units = CALLS;
-            c++->flops = 6.0 * n * n * CALLS;
-            add(c, *k, run_extend, "extend", n)->units = CALLS;
-            c++;
-            for (int m = RSH_METHOD_TAYLOR_1_5; m <= RSH_METHOD_EXACT; m++) {
-                static const char *const what[] = {"batch 1.5th", "batch 2nd", "batch exact"};
-                add(c, *k, run_batch, what[m - RSH_METHOD_TAYLOR_1_5], n);
-                c->units = RECORDS;
-                c->method = m;
-                c->steps = m == RSH_METHOD_EXACT        ? exact_steps(n)
-                           : m == RSH_METHOD_TAYLOR_1_5 ? batch_steps(n)
-                                                        : 0.0;
-                c->bytes = 12.0 * n * n;
-                c++->channels = 3;
-            }
-            for (int rgb = 0; rgb < 2; rgb++)
-                for (int m = RSH_METHOD_TAYLOR_1_5; m <= RSH_METHOD_EXACT; m++) {
-                    static const char *const what[] = {"turn 1.5th", "turn 2nd", "turn exact"};
-                    add(c, *k, run_turn, what[m - RSH_METHOD_TAYLOR_1_5], n);
-                    c->units = CALLS;
-                    c->method = m;
-                    c++->channels = rgb ? 3 : 1;
-                }
+    for (int rgb = 0; rgb < 2; rgb++)
+        for (int m = RSH_METHOD_TAYLOR_1_5; m <= RSH_METHOD_EXACT; m++) {
+            static const char *const what[] = {"turn 1.5th", "turn 2nd", "turn exact"};
+            add(c, k, run_turn, what[m - RSH_METHOD_TAYLOR_1_5], n);
+            c->units = CALLS;
+            c->method = m;
+            c++->channels = rgb ? 3 : 1;
         }
+    return c;
+}
+
+// The library's calls, and what is held against them.
+static struct timed *add_calls(struct timed *c) {
     for (int angles = 1; angles <= 2; angles++)
         for (int channels = 1; channels <= 3; channels += 2) {
             add(c, rsh_kernels_best(), run_tabulated,
@@ -239,7 +235,24 @@ static int add_cases(struct timed *cases) {
                 c++->channels = rgb ? 3 : 1;
             }
     }
-    return (int)(c - cases);
+    return c;
+}
+
+static int add_cases(struct timed *cases) {
+    struct timed *c = cases;
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx512f")) {
+        add(c, NULL, run_peak, "peak fma, 512 bit", 16)->units = COUNT * 16.0;
+        c++->flops = 2.0 * 16 * 16 * COUNT;
+    }
+    if (__builtin_cpu_supports("avx2")) {
+        add(c, NULL, run_peak, "peak fma, 256 bit", 8)->units = COUNT * 12.0;
+        c++->flops = 2.0 * 8 * 12 * COUNT;
+    }
+#endif
+    for (const struct rsh_kernels *const *k = rsh_kernels_usable(); *k; k++)
+        for (int n = 4; n <= 12; n += 2) c = add_kernels(c, *k, n);
+    return (int)(add_calls(c) - cases);
 }
 
 static void fill(void) {
