@@ -137,7 +137,7 @@ static void run_peak(const struct timed *c) {
 // Products per direction, added to or not: of the functions, and of Re, Im (x + i y)^m.
 static double azimuth_steps(int n) {
     double steps = 0.0;
-    for (int m = 2; m < n; m++) steps += m % 2 ? 4.0 : 2.0;
+    for (int m = 2; m < n; m++) steps += m % 2 ? 4.0 : 3.0;
     return steps;
 }
 
