@@ -30,13 +30,15 @@ struct image {
 
 struct texture {
     enum texture_kind kind;
-    rgb value;           // constant
-    rgb color0, color1;  // checkerboard
-    float to_uv[6];      // uv' = (a b c; d e f) (u v 1)
+    rgb value;                       // constant
+    const struct texture *check[2];  // checkerboard: what it changes between
+    int nesting;                     // of checkerboards in it and in each other
+    float to_uv[6];                  // uv' = (a b c; d e f) (u v 1)
     const struct image *image;
     const struct image *level;  // the image at half its size, a quarter, ...; or NULL
     int levels;
-    float texels;  // of the image along a unit of uv, the mean of both ways
+    bool filtered;  // it, or what is nested in it, can be averaged over a width
+    float texels;   // of the image along a unit of uv, the mean of both ways
     enum texture_wrap wrap;
     bool nearest;           // filter_type nearest; else bilinear
     const char *attribute;  // name of a mesh attribute, the same pointer for the same name
@@ -61,7 +63,7 @@ rgb texture_eval(const struct texture *texture, const struct texture_place *at);
 float texture_number(const struct texture *texture, const struct texture_place *at);
 // The least and the largest number that it gives; false if that is not known.
 bool texture_range(const struct texture *texture, float *lo, float *hi);
-// The gradient of its luminance by u and v; of a bitmap with bilinear filter, else 0.
+// The gradient of its number by u and v; of a bitmap with bilinear filter, else 0.
 vec2 texture_gradient(const struct texture *texture, vec2 uv);
 
 // ---- Materials --------------------------------------------------------------------------------

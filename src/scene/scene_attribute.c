@@ -29,7 +29,7 @@ static vec3 corner(const struct mesh *mesh, uint32_t triangle, int k) {
     return v3(p[0], p[1], p[2]);
 }
 
-rgb attribute_mean(const struct mesh *mesh, const char *name) {
+static rgb mean_of(const struct mesh *mesh, const char *name) {
     double sum[3] = {0.0, 0.0, 0.0}, area = 0.0;
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
         vec3 a = corner(mesh, t, 0);
@@ -44,10 +44,22 @@ rgb attribute_mean(const struct mesh *mesh, const char *name) {
     return rgb_make((float)(sum[0] * scale), (float)(sum[1] * scale), (float)(sum[2] * scale));
 }
 
+rgb attribute_mean(const struct mesh *mesh, const struct texture *texture) {
+    if (texture->kind == TEXTURE_CHECKERBOARD)
+        return rgb_scale(rgb_add(attribute_mean(mesh, texture->check[0]),
+                                 attribute_mean(mesh, texture->check[1])),
+                         0.5f);
+    if (texture->kind != TEXTURE_ATTRIBUTE) return texture->mean;
+    return rgb_scale(mean_of(mesh, texture->attribute), texture->scale);
+}
+
 // ---- What textures ask for ----------------------------------------------------------------------
 
 bool attribute_want(struct attribute_names *names, const struct texture *texture) {
-    if (!texture || texture->kind != TEXTURE_ATTRIBUTE) return true;
+    if (!texture) return true;
+    if (texture->kind == TEXTURE_CHECKERBOARD)
+        return attribute_want(names, texture->check[0]) && attribute_want(names, texture->check[1]);
+    if (texture->kind != TEXTURE_ATTRIBUTE) return true;
     for (int i = 0; i < names->count; i++)
         if (names->name[i] == texture->attribute) return true;
     if (names->count == ATTRIBUTES_MAX) return false;

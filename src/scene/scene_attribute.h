@@ -8,10 +8,10 @@
 
 // The attribute of that name (the pointer counts) at a place; black if the mesh has none.
 rgb attribute_eval(const char *name, const struct texture_place *at);
-// The mean of an attribute over the surface of a mesh.
-rgb attribute_mean(const struct mesh *mesh, const char *name);
+// The mean of a texture, where it is an attribute over the surface of the mesh.
+rgb attribute_mean(const struct mesh *mesh, const struct texture *texture);
 
-// Adds the name that the texture asks for, if it is an attribute; NULL: no texture. False if there
+// Adds the names that the texture, or one nested in it, asks for; NULL: no texture. False if there
 // are more than ATTRIBUTES_MAX.
 bool attribute_want(struct attribute_names *names, const struct texture *texture);
 // The same for all textures of a material.

@@ -128,7 +128,9 @@ static satin_status prepare_mesh(struct satin_scene *scene, struct light *light)
     struct shape *shape = &scene->shape[light->shape];
     uint32_t n = shape->mesh.triangle_count, pairs = n / 2;
     // Without coordinates a texture goes by each triangle, as one of attributes does.
-    bool plain = !light->texture || (shape->mesh.uv && light->texture->kind != TEXTURE_ATTRIBUTE);
+    struct attribute_names names = {0};
+    bool plain = attribute_want(&names, light->texture) && names.count == 0 &&
+                 (!light->texture || shape->mesh.uv);
     if (n == 2 * pairs && pairs > 0 && pairs <= FACES_MAX && plain) {
         struct light_face *face = arena_array(&scene->arena, pairs, sizeof *face);
         if (!face) return SATIN_ERROR_MEMORY;
@@ -171,9 +173,7 @@ satin_status light_area_prepare(struct satin_scene *scene, struct light *light) 
         if (shape->kind == SHAPE_SPHERE) light->center = shape->center;
     }
     const struct texture *texture = light->texture;
-    rgb mean = texture ? texture->mean : light->value;
-    if (texture && texture->kind == TEXTURE_ATTRIBUTE)
-        mean = rgb_scale(attribute_mean(&shape->mesh, texture->attribute), texture->scale);
+    rgb mean = texture ? attribute_mean(&shape->mesh, texture) : light->value;
     light->strength = rgb_luminance(mean) * shape->area;
     light->power = PI_F * light->strength;
     return SATIN_OK;

@@ -35,6 +35,7 @@ struct scene_loader {
     int shape_depth;        // of shapes within shapes
     uint32_t plain[2];      // 1 + index of the materials of shapes without one: [emits]
     int bsdf_depth;         // of nested <bsdf>s being built
+    int texture_depth;      // of nested <texture>s being built
     struct attribute_names wanted;  // by the textures of the shape that is being built
 };
 

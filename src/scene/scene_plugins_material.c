@@ -230,7 +230,7 @@ static satin_status build_any(struct scene_loader *loader, const struct params *
 static void see_bitmaps(void *ctx, const struct material_side *side) {
     bool *found = ctx;
     for (int i = 0; i < BRDF_SLOT_NUMBERS; i++)
-        *found = *found || (side->slot[i] && side->slot[i]->levels);
+        *found = *found || (side->slot[i] && side->slot[i]->filtered);
 }
 
 satin_status scene_material_build(struct scene_loader *loader, struct xml_node *node,

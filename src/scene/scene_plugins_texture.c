@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // <texture>: bitmap, checkerboard, attributes of meshes. A texture is built once, an image is read
-// once, however often they are used.
+// once, however often they are used; textures within textures count as often as they are met.
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/array.h"
 #include "scene/scene_loader.h"
+
+enum { NESTING_MAX = 8 };  // of checkerboards: what goes over the parts of one takes 2^8 steps
 
 static const char *const filters[] = {"bilinear", "nearest", NULL};
 static const char *const wraps[] = {"repeat", "mirror", "clamp", NULL};
@@ -26,9 +28,9 @@ static const struct param_spec format = {
 static const struct param_spec accel = {
     "accel", PARAM_BOOLEAN, "true", 0, 0, NULL, "hardware in Mitsuba; has no effect"};
 static const struct param_spec color0 = {
-    "color0", PARAM_COLOR, ".4", RANGE_UNIT, 0, NULL, "colour of the first checks"};
-static const struct param_spec color1 = {"color1", PARAM_COLOR,           ".2", RANGE_UNIT, 0,
-                                         NULL,     "colour of the others"};
+    "color0", PARAM_COLOR, ".4", RANGE_UNIT, PARAM_TEXTURE, NULL, "colour of the first checks"};
+static const struct param_spec color1 = {
+    "color1", PARAM_COLOR, ".2", RANGE_UNIT, PARAM_TEXTURE, NULL, "colour of the others"};
 
 static const struct param_spec attribute = {
     "name", PARAM_STRING, NULL, 0, PARAM_REQUIRED, NULL, "attribute: vertex_... or face_..."};
@@ -103,20 +105,36 @@ static satin_status build_bitmap(struct scene_loader *loader, const struct param
     const float *m = texture->to_uv;
     texture->level = loaded->level;
     texture->levels = texture->nearest ? 0 : loaded->levels;
+    texture->filtered = texture->levels > 0;
     texture->texels =
         sqrtf(fabsf(m[0] * m[4] - m[1] * m[3]) * (float)image->width * (float)image->height);
     texture->mean = image_mean(image);
     return SATIN_OK;
 }
 
+static satin_status make_check(struct scene_loader *loader, const struct param_value *value,
+                               const struct texture **out) {
+    if (value->texture) return scene_texture_of(loader, value->texture, out);
+    struct texture *constant = arena_alloc(&loader->scene->arena, sizeof *constant);
+    if (!constant) return scene_no_memory(loader);
+    *constant = (struct texture){.value = value->color, .mean = value->color};
+    *out = constant;
+    return SATIN_OK;
+}
+
 static satin_status build_checkerboard(struct scene_loader *loader, const struct params *p,
                                        void *object) {
-    (void)loader;
     struct texture *texture = object;
     texture->kind = TEXTURE_CHECKERBOARD;
-    texture->color0 = param(p, "color0")->color;
-    texture->color1 = param(p, "color1")->color;
-    texture->mean = rgb_scale(rgb_add(texture->color0, texture->color1), 0.5f);
+    for (int i = 0; i < 2; i++) {
+        satin_status status =
+            make_check(loader, param(p, i ? "color1" : "color0"), &texture->check[i]);
+        if (status != SATIN_OK) return status;
+        const struct texture *check = texture->check[i];
+        texture->mean = rgb_mad(texture->mean, check->mean, 0.5f);
+        texture->filtered = texture->filtered || check->filtered;
+        if (check->nesting >= texture->nesting) texture->nesting = check->nesting + 1;
+    }
     set_to_uv(texture, &param(p, "to_uv")->m);
     return SATIN_OK;
 }
@@ -153,20 +171,26 @@ static satin_status build_attribute(struct scene_loader *loader, const struct pa
 
 const struct plugin_spec scene_texture_plugins[] = {
     {XML_TEXTURE, "bitmap", "an image", bitmap_params, 0, build_bitmap, false},
-    {XML_TEXTURE, "checkerboard", "two colours in checks of half a unit", checkerboard_params, 0,
-     build_checkerboard, false},
+    {XML_TEXTURE, "checkerboard", "two colours, or textures, in checks of half a unit",
+     checkerboard_params, 0, build_checkerboard, false},
     {XML_TEXTURE, "mesh_attribute", "numbers or colours of a mesh's vertices or faces",
      attribute_params, 0, build_attribute, false},
     {0}};
 
 satin_status scene_texture_of(struct scene_loader *loader, struct xml_node *node,
                               const struct texture **out) {
+    if (loader->texture_depth + (node->texture ? node->texture->nesting : 0) > NESTING_MAX) {
+        log_error_at(loader->log, node->place, "textures are nested too deep, or in a circle");
+        return SATIN_ERROR_INPUT;
+    }
     if (!node->texture) {
         struct texture *texture = arena_alloc(&loader->scene->arena, sizeof *texture);
         if (!texture) return scene_no_memory(loader);
         struct params p;
         satin_status status = scene_params(loader, node, &p);
+        loader->texture_depth++;
         if (status == SATIN_OK) status = p.plugin->build(loader, &p, texture);
+        loader->texture_depth--;
         if (status != SATIN_OK) return status;
         node->texture = texture;
     }

@@ -81,27 +81,39 @@ static bool to_texture(const struct texture *texture, vec2 uv, float *u, float *
     return fabsf(*u) < 1e7f && fabsf(*v) < 1e7f;
 }
 
-rgb texture_eval(const struct texture *texture, const struct texture_place *at) {
+// What checkerboards show at uv, which nested textures take as it is; `exchanged`: they begin with
+// the second.
+static const struct texture *find_check(const struct texture *texture, vec2 uv, bool exchanged) {
+    while (texture->kind == TEXTURE_CHECKERBOARD) {
+        float u, v;
+        bool second = false;
+        if (to_texture(texture, uv, &u, &v))
+            second = (u - floorf(u) > 0.5f) != (v - floorf(v) > 0.5f);
+        texture = texture->check[second != exchanged];
+    }
+    return texture;
+}
+
+static rgb eval(const struct texture *texture, const struct texture_place *at) {
     if (texture->kind == TEXTURE_CONSTANT) return texture->value;
     if (texture->kind == TEXTURE_ATTRIBUTE)
         return rgb_scale(attribute_eval(texture->attribute, at), texture->scale);
     float u, v;
     if (!to_texture(texture, at->uv, &u, &v)) return texture->mean;
-    if (texture->kind == TEXTURE_BITMAP) return bitmap(texture, u, v, at->width);
-    bool right = u - floorf(u) > 0.5f, lower = v - floorf(v) > 0.5f;
-    return right == lower ? texture->color0 : texture->color1;
+    return bitmap(texture, u, v, at->width);
+}
+
+rgb texture_eval(const struct texture *texture, const struct texture_place *at) {
+    return eval(find_check(texture, at->uv, false), at);
 }
 
 float texture_number(const struct texture *texture, const struct texture_place *at) {
-    if (texture->kind != TEXTURE_CHECKERBOARD) return rgb_luminance(texture_eval(texture, at));
-    struct texture exchanged = *texture;
-    exchanged.color0 = texture->color1;
-    exchanged.color1 = texture->color0;
-    return rgb_luminance(texture_eval(&exchanged, at));
+    return rgb_luminance(eval(find_check(texture, at->uv, true), at));
 }
 
 vec2 texture_gradient(const struct texture *texture, vec2 uv) {
     float u, v;
+    texture = find_check(texture, uv, true);
     if (texture->kind != TEXTURE_BITMAP || texture->nearest || !to_texture(texture, uv, &u, &v))
         return (vec2){0.0f, 0.0f};
     float w = (float)texture->image->width, h = (float)texture->image->height;
@@ -113,21 +125,32 @@ vec2 texture_gradient(const struct texture *texture, vec2 uv) {
     return (vec2){m[0] * x + m[3] * y, m[1] * x + m[4] * y};
 }
 
+static void image_range(const struct image *image, float *lo, float *hi) {
+    *lo = INFINITY, *hi = -INFINITY;
+    for (int y = 0; y < image->height; y++)
+        for (int x = 0; x < image->width; x++) {
+            float value = rgb_luminance(texel(image, x, y));
+            *lo = minf(*lo, value), *hi = maxf(*hi, value);
+        }
+}
+
 bool texture_range(const struct texture *texture, float *lo, float *hi) {
-    if (texture->kind == TEXTURE_BITMAP) {
-        const struct image *image = texture->image;
-        *lo = INFINITY, *hi = -INFINITY;
-        for (int y = 0; y < image->height; y++)
-            for (int x = 0; x < image->width; x++) {
-                float value = rgb_luminance(texel(image, x, y));
-                *lo = minf(*lo, value), *hi = maxf(*hi, value);
-            }
-        return *lo <= *hi;
+    float lo_1, hi_1;
+    switch (texture->kind) {
+        case TEXTURE_CONSTANT:
+            *lo = *hi = rgb_luminance(texture->value);
+            return true;
+        case TEXTURE_BITMAP:
+            image_range(texture->image, lo, hi);
+            return *lo <= *hi;
+        case TEXTURE_CHECKERBOARD:
+            if (!texture_range(texture->check[0], lo, hi) ||
+                !texture_range(texture->check[1], &lo_1, &hi_1))
+                return false;
+            *lo = minf(*lo, lo_1), *hi = maxf(*hi, hi_1);
+            return true;
+        case TEXTURE_ATTRIBUTE:
+            break;
     }
-    if (texture->kind != TEXTURE_CONSTANT && texture->kind != TEXTURE_CHECKERBOARD) return false;
-    const bool checks = texture->kind == TEXTURE_CHECKERBOARD;
-    float a = rgb_luminance(checks ? texture->color0 : texture->value);
-    float b = checks ? rgb_luminance(texture->color1) : a;
-    *lo = minf(a, b), *hi = maxf(a, b);
-    return true;
+    return false;
 }

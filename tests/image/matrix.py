@@ -116,6 +116,7 @@ def main():
     parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("/tmp/satin-matrix"))
     options = parser.parse_args()
     options.build = options.build.resolve()
+    options.work = options.work.resolve()
     options.work.mkdir(exist_ok=True)
     sys.path.insert(0, str(HERE))
     rows = {}

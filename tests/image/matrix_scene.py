@@ -277,6 +277,9 @@ def emitters():
     yield "area_rectangle", area("rectangle", down, grey)
     yield "area_textured", area("rectangle", down, noise.format("radiance", "bilinear"))
     yield "area_checkerboard", area("rectangle", down, CHECKS.format("radiance"))
+    yield "area_nested", area("rectangle", down, '<texture type="checkerboard" name="radiance">'
+                              + noise.format("color0", "bilinear") + CHECKS.format("color1")
+                              + "</texture>")
     yield "area_sphere", area("sphere", place('<scale value="0.4"/>', '<translate y="3"/>'), grey)
     yield "area_sphere_textured", area("sphere", place(
         '<scale value="0.5"/>', TILT, '<translate y="2.7"/>'), noise.format("radiance", "nearest"))

@@ -61,6 +61,11 @@ def bitmap(name, file, *parts):
     return f'<texture type="bitmap" name="{name}">{inside}</texture>'
 
 
+def nested(name, *parts):
+    return (f'<texture type="checkerboard" name="{name}">{"".join(parts)}'
+            '<transform name="to_uv"><scale x="2" y="3"/></transform></texture>')
+
+
 def floor_of(texture):
     return (shape("rectangle", place('<scale value="2.6"/>', '<rotate x="1" angle="-90"/>',
                                      '<translate y="0.1"/>'), bsdf=diffuse(texture)))
@@ -80,6 +85,8 @@ def parameters():
         '<texture type="checkerboard" name="reflectance"><rgb name="color1" value="0.8, 0.2, 0.3"/>'
         '<transform name="to_uv"><translate x="-0.1" y="0.2"/><scale x="5" y="-3"/>'
         '<rotate z="1" angle="25"/></transform></texture>')
+    yield "checkerboard_nested", nested("reflectance", bitmap("color1", "eight.png", AROUND),
+                                        CHECKS.format("color0"))
 
 
 FORMATS = ("sixteen.png", "grey.png", "alpha.png", "picture.jpg", "float.exr", "half.exr",
@@ -101,6 +108,8 @@ def numbers():
         + real("color0", 0.1) + real("color1", 0.8)
         + '<transform name="to_uv"><scale x="6" y="3"/></transform></texture>' + black + white
         + "</bsdf>")
+    yield "weight_nested", twosided('<bsdf type="blendbsdf">' + nested(
+        "weight", bitmap("color0", "eight.png"), real("color1", 0.8)) + black + white + "</bsdf>")
 
 
 def coordinates():

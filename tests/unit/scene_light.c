@@ -430,9 +430,9 @@ static void emission(void **state) {
     double c = 50.0 * M_PI / 180.0, b = 20.0 * M_PI / 180.0;
     double spot_power = 3.0 * 2.0 * M_PI * (1.0 - (sin(c) - sin(b)) / (c - b));
     // Slides: at the place of `down`, looking down.
+    const struct texture light = {.value = rgb_grey(0.9f)}, dark = {.value = rgb_grey(0.2f)};
     struct texture checks = {.kind = TEXTURE_CHECKERBOARD,
-                             .color0 = rgb_grey(0.9f),
-                             .color1 = rgb_grey(0.2f),
+                             .check = {&light, &dark},
                              .to_uv = {1.4f, 0, 0, 0, 0.8f, 0},  // no edge near p
                              .mean = rgb_grey(0.55f)};
     struct mat4 place = turned(test_transform(v3(0.5f, 0.2f, 2.0f), v3(1, 1, 1)), v3(1, 0, 0), 180);

@@ -185,6 +185,9 @@ static const struct refusal refusals[] = {
     {SHAPE("<bsdf type='diffuse'><texture type='mesh_attribute' name='reflectance'>"
            "<string name='name' value='color'/></texture></bsdf>"),
      "scene.xml:3:93: the name of a mesh attribute begins with vertex_ or face_, not 'color'"},
+    {SHAPE("<bsdf type='diffuse'><texture type='checkerboard' id='a' name='reflectance'>"
+           "<ref id='a' name='color0'/></texture></bsdf>"),
+     "scene.xml:3:43: textures are nested too deep, or in a circle"},
     {SHAPE("<bsdf type='conductor'><string name='material' value='Unobtainium'/></bsdf>"),
      "scene.xml:3:45: unknown metal 'Unobtainium'"},
     {SHAPE("<bsdf type='conductor'><string name='material' value='Al'/>"

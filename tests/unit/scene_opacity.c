@@ -61,8 +61,9 @@ static void lets_its_share_pass(void **state) {
 // The texture says where the holes are; a checkerboard that gives a number begins with color1.
 static void follows_its_texture(void **state) {
     (void)state;
+    const struct texture white = {.value = {1, 1, 1}}, black = {0};
     const struct texture checks = {
-        .kind = TEXTURE_CHECKERBOARD, .color0 = {1, 1, 1}, .to_uv = {1, 0, 0, 0, 1, 0}};
+        .kind = TEXTURE_CHECKERBOARD, .check = {&white, &black}, .to_uv = {1, 0, 0, 0, 1, 0}};
     struct test_scene t;
     build(&t, false, &(struct material_mask){.used = true, .texture = &checks});
     for (int i = 0; i < 4; i++) {

@@ -63,18 +63,43 @@ static void transforms_coordinates(void **state) {
 
 static void checks_alternate(void **state) {
     (void)state;
-    struct texture t = {.kind = TEXTURE_CHECKERBOARD,
-                        .to_uv = {1, 0, 0, 0, 1, 0},
-                        .color0 = {1, 0, 0},
-                        .color1 = {0, 1, 0}};
+    const struct texture red = {.value = {1, 0, 0}}, green = {.value = {0, 1, 0}};
+    const struct texture t = {
+        .kind = TEXTURE_CHECKERBOARD, .to_uv = {1, 0, 0, 0, 1, 0}, .check = {&red, &green}};
     static const vec2 uv[9] = {{.1f, .1f}, {.6f, .1f},  {.1f, .6f}, {.6f, .6f},  {-.1f, .1f},
                                {.5f, .1f}, {1.1f, .1f}, {0, 0},     {-.6f, -.2f}};
     static const int first[9] = {1, 0, 0, 1, 0, 1, 1, 1, 0};
     for (int i = 0; i < 9; i++) {
         rgb c = eval(&t, uv[i]);
         assert_true(c.r == (float)first[i] && c.g == (float)!first[i]);
-        assert_true(number(&t, uv[i]) == rgb_luminance(first[i] ? t.color1 : t.color0));
+        assert_true(number(&t, uv[i]) == rgb_luminance(first[i] ? green.value : red.value));
     }
+}
+
+// Nested textures take the coordinates as they come; the parts of numbers are exchanged at every
+// level.
+static void checks_nest(void **state) {
+    (void)state;
+    const struct texture red = {.value = {1, 0, 0}}, green = {.value = {0, 1, 0}};
+    const struct texture picture = bitmap(TEXTURE_REPEAT, true);
+    const struct texture inner = {
+        .kind = TEXTURE_CHECKERBOARD, .to_uv = {4, 0, 0, 0, 4, 0}, .check = {&red, &green}};
+    const struct texture outer = {
+        .kind = TEXTURE_CHECKERBOARD, .to_uv = {1, 0, 0, 0, 1, 0}, .check = {&inner, &picture}};
+    assert_true(eval(&outer, (vec2){.05f, .05f}).r == 1.0f);
+    assert_true(eval(&outer, (vec2){.2f, .05f}).g == 1.0f);
+    assert_true(eval(&outer, (vec2){.6f, .1f}).r == 2.0f);
+    assert_true(number(&outer, (vec2){.3f, .4f}) == 5.0f);
+    assert_true(number(&outer, (vec2){.55f, .05f}) == rgb_luminance(green.value));
+    assert_true(number(&outer, (vec2){.7f, .05f}) == rgb_luminance(red.value));
+    float lo, hi;
+    assert_true(texture_range(&outer, &lo, &hi) && lo == 0.0f && hi == 11.0f);
+    struct texture smooth = bitmap(TEXTURE_REPEAT, false);
+    const struct texture map = {
+        .kind = TEXTURE_CHECKERBOARD, .to_uv = {1, 0, 0, 0, 1, 0}, .check = {&red, &smooth}};
+    vec2 at = {.3f, .2f}, own = texture_gradient(&smooth, at), seen = texture_gradient(&map, at);
+    assert_true(own.x == seen.x && own.y == seen.y && own.x != 0.0f);
+    assert_true(texture_gradient(&map, (vec2){.6f, .2f}).x == 0.0f);
 }
 
 // Repetition has period 1, mirroring period 2 and symmetry, clamping is constant outside; and no
@@ -207,6 +232,7 @@ int main(void) {
         cmocka_unit_test(agrees_with_mitsuba),
         cmocka_unit_test(transforms_coordinates),
         cmocka_unit_test(checks_alternate),
+        cmocka_unit_test(checks_nest),
         cmocka_unit_test(wraps),
         cmocka_unit_test(gradients_are_differences),
         cmocka_unit_test(reads_three_channels_and_constants),
