@@ -264,22 +264,60 @@ static satin_status default_material(struct scene_loader *loader, bool emits,
     return SATIN_OK;
 }
 
+// What emits is met by every ray, and what its mask would let pass goes on through it: the mask
+// becomes a part of a blend.
+static satin_status unmask(struct scene_loader *loader, struct xml_node *node, struct material *m) {
+    struct material_side *part = arena_array(&loader->scene->arena, 3, sizeof *part);
+    if (!part) return scene_no_memory(loader);
+    struct brdf *hole = &part[0].base;
+    part[0] = (struct material_side){.index = loader->scene->side_count++};
+    hole->model = brdf_find("null");
+    hole->transmittance = rgb_grey(1.0f);
+    if (brdf_prepare(hole, &loader->scene->arena) != SATIN_OK) return scene_no_memory(loader);
+    part[1] = m->front;
+    part[2] = m->back;
+    struct material_side *side[2] = {&m->front, &m->back};
+    for (int i = 0; i < 2; i++) {
+        *side[i] = (struct material_side){.blend = m->mask.texture, .weight = m->mask.value};
+        side[i]->part[m->mask.inverted] = &part[0];
+        side[i]->part[!m->mask.inverted] = &part[1 + i];
+        if (count_parts(side[i]) <= MATERIAL_PARTS_MAX) continue;
+        log_error_at(loader->log, node->place, "what emits has a mask around 16 BRDFs");
+        return SATIN_ERROR_INPUT;
+    }
+    m->mask = (struct material_mask){0};
+    return SATIN_OK;
+}
+
+// Adds it to the scene's; *known gets 1 + its index.
+static satin_status add_material(struct scene_loader *loader, const struct material *material,
+                                 uint32_t *known) {
+    void *items = loader->material;
+    if (!array_reserve(&items, &loader->material_capacity, loader->material_count + 1,
+                       sizeof *material))
+        return scene_no_memory(loader);
+    loader->material = items;
+    loader->material[loader->material_count++] = *material;
+    *known = (uint32_t)loader->material_count;
+    return SATIN_OK;
+}
+
 satin_status scene_material_of(struct scene_loader *loader, struct xml_node *node, bool emits,
                                uint32_t *index) {
     uint32_t *known = node ? &node->material : &loader->plain[emits];
+    struct material material;
+    satin_status status = SATIN_OK;
     if (!*known) {
-        struct material material;
-        satin_status status = node ? scene_material_build(loader, node, &material)
-                                   : default_material(loader, emits, &material);
-        if (status != SATIN_OK) return status;
-        void *items = loader->material;
-        if (!array_reserve(&items, &loader->material_capacity, loader->material_count + 1,
-                           sizeof material))
-            return scene_no_memory(loader);
-        loader->material = items;
-        loader->material[loader->material_count++] = material;
-        *known = (uint32_t)loader->material_count;
+        status = node ? scene_material_build(loader, node, &material)
+                      : default_material(loader, emits, &material);
+        if (status == SATIN_OK) status = add_material(loader, &material, known);
     }
-    *index = *known - 1;
-    return SATIN_OK;
+    if (status == SATIN_OK && emits && loader->material[*known - 1].mask.used) {
+        material = loader->material[*known - 1];
+        known = &node->material_lit;
+        if (!*known) status = unmask(loader, node, &material);
+        if (!*known && status == SATIN_OK) status = add_material(loader, &material, known);
+    }
+    if (status == SATIN_OK) *index = *known - 1;
+    return status;
 }

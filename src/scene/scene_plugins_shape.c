@@ -315,8 +315,6 @@ satin_status scene_shape_add(struct scene_loader *loader, struct xml_node *node)
     if (emitter && shape.group) return fail(loader, &p, "it cannot emit in a shapegroup");
     status = scene_shape_reserve(loader, &p);
     if (status == SATIN_OK) status = scene_material_of(loader, bsdf, emitter, &shape.material);
-    if (status == SATIN_OK && emitter && loader->material[shape.material].mask.used)
-        return fail(loader, &p, "it emits, so it cannot have a mask");
     if (status == SATIN_OK && emitter)
         status = scene_emitter_add(loader, emitter, (int64_t)loader->shape_count, &shape.light);
     if (status == SATIN_OK) status = build_surface(loader, &p, &shape);

@@ -210,8 +210,6 @@ static const struct refusal refusals[] = {
      "scene.xml:3:22: mask cannot wrap another mask"},
     {SHAPE("<bsdf type='twosided'><bsdf type='mask'><bsdf type='diffuse'/></bsdf></bsdf>"),
      "scene.xml:3:22: twosided cannot wrap a mask; wrap it by one"},
-    {SHAPE("<bsdf type='mask'><bsdf type='diffuse'/></bsdf><emitter type='area'/>"),
-     "scene.xml:3:1: shape 'sphere': it emits, so it cannot have a mask"},
     {SCENE_TEXT("<bsdf type='lafortune'><string name='lobes' value='-1 -1 1 5'/></bsdf>"),
      "scene.xml:3:24: 'lobes' has 4 numbers, but needs seven for each of one to 8 lobes"},
     {SCENE_TEXT("<bsdf type='lafortune'><string name='lobes' value='-1 -1 1 5 2 2 2'/></bsdf>"),
