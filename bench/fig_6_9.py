@@ -54,7 +54,8 @@ class Scene:
             path, stats = runs.render(
                 self.options, runs.scene_file("figures", self.name), f"{self.name}-{seed}",
                 *self.size, "--seed", str(seed), "--spp", "4", "--set", "adaptive=off", "--set",
-                "radiance-max-pixels=100000", "--set", "radiance-widen=1", "--set", f"adaptive-cache={adaptive}", "--set",
+                "radiance-max-pixels=100000", "--set", "radiance-widen=1", "--set",
+                f"adaptive-cache={adaptive}", "--set",
                 f"radiance-a={a:.4f}")
             images.append(channels(path, LAYER))
         brute = [channels(path, LAYER) for path in self.reference]
