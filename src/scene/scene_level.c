@@ -235,10 +235,9 @@ satin_status level_build(RTCDevice device, const struct satin_scene *scene, uint
     rtcSetSceneBuildQuality(level->scene, RTC_BUILD_QUALITY_MEDIUM);
     rtcSetSceneFlags(level->scene, RTC_SCENE_FLAG_ROBUST);
     for (uint32_t id = 0; id < level->geometry_count; id++) {
+        if (id == level->quadric_id) continue;
         const struct shape *shape = &scene->shape[level->geometry_shape[id]];
-        if (id == level->quadric_id)
-            continue;
-        else if (shape->kind == SHAPE_CURVES)
+        if (shape->kind == SHAPE_CURVES)
             attach_curves(device, level, &shape->curves, id);
         else if (id < level->quadric_id)
             attach_mesh(device, level, &shape->mesh, opacity_of(scene, shape), id);
