@@ -64,6 +64,29 @@ static void records_behind_a_value(void **state) {
     cache_tree_free(&f.cache.irradiance_tree);
 }
 
+// Two records on the parabola E = 1 + x + x^2, with its slopes.
+static void parabolas_are_kept(void **state) {
+    (void)state;
+    struct fixture f;
+    start(&f);
+    for (int i = 0; i < RECORDS; i++) {
+        const float x = f.cache.irradiance_tree.head[i].p.x;
+        f.cache.irradiance_tree.head[i].scale = 1.0f;
+        f.record[i].value.E = rgb_grey(1.0f + x + x * x);
+        for (int c = 0; c < 3; c++) f.record[i].value.grad_t[c] = v3(1.0f + 2.0f * x, 0, 0);
+    }
+    rgb E;
+    struct cache_place at = place(0.15f);
+    assert_int_equal(cache_irradiance(&f.cache, &at, 0.4f, &E).count, 2);
+    assert_true(near(E.r, 1.0f + 0.15f + 0.15f * 0.15f));
+    // Elsewhere the error is the square of the mean way: weights 3/4 and 1/2, ways .1 and -.2.
+    at = place(0.1f);
+    assert_int_equal(cache_irradiance(&f.cache, &at, 0.4f, &E).count, 2);
+    const float way = (0.75f * 0.1f - 0.5f * 0.2f) / (0.75f + 0.5f);
+    assert_true(near(E.r, 1.0f + 0.1f + 0.01f - way * way));
+    cache_tree_free(&f.cache.irradiance_tree);
+}
+
 static void none_is_near(void **state) {
     (void)state;
     struct fixture f;
@@ -93,6 +116,7 @@ static void where_records_stand(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(records_behind_a_value),
+        cmocka_unit_test(parabolas_are_kept),
         cmocka_unit_test(none_is_near),
         cmocka_unit_test(where_records_stand),
     };
