@@ -59,6 +59,34 @@ static void print_shapes(const struct satin_scene *scene) {
                (double)scene->bounds_hi.y, (double)scene->bounds_hi.z);
 }
 
+static double megabytes(const struct image *image, int count) {
+    double sum = 0.0;
+    for (int i = 0; i < count; i++)
+        sum += (double)image[i].width * image[i].height * image[i].channels * sizeof(float);
+    return sum * 1e-6;
+}
+
+static void print_textures(const struct satin_scene *scene) {
+    enum { SHOWN = 20 };
+    if (!scene->texture_count) return;
+    double total = 0.0;
+    for (uint32_t i = 0; i < scene->image_count; i++)
+        total += megabytes(scene->image[i].image, 1) +
+                 megabytes(scene->image[i].level, scene->image[i].levels);
+    printf("textures   %" PRIu32, scene->texture_count);
+    if (scene->image_count)
+        printf(", of %" PRIu32 " image%s in %.3g MB", scene->image_count,
+               scene->image_count > 1 ? "s" : "", total);
+    printf("\n");
+    for (uint32_t i = 0; i < scene->image_count && i < SHOWN; i++) {
+        const struct image_file *file = &scene->image[i];
+        const char *slash = strrchr(file->path, '/');
+        printf("  %-24s %dx%d, %d channels\n", slash ? slash + 1 : file->path, file->image->width,
+               file->image->height, file->image->channels);
+    }
+    if (scene->image_count > SHOWN) printf("  and %" PRIu32 " more\n", scene->image_count - SHOWN);
+}
+
 // ---- Materials ----------------------------------------------------------------------------------
 
 // What printing a material needs, and what is noticed on the way.
@@ -207,6 +235,7 @@ satin_status app_info_scene(const char *path, const satin_define *define, size_t
     printf("scene      %s, hash %016" PRIx64 "\n", path, satin_scene_hash(scene));
     print_camera(scene);
     print_shapes(scene);
+    print_textures(scene);
     status = describe_materials(scene);
     const struct scene_hints *hints = &scene->hints;
     if (hints->integrator) printf("integrator %s\n", hints->integrator);

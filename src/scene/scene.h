@@ -28,14 +28,21 @@ struct image {
     const float *texel;  // row by row from the top
 };
 
+// A file of texels, with the smaller copies that wide lookups take.
+struct image_file {
+    const char *path;
+    const struct image *image, *level;  // level: half its size, a quarter, ...; NULL if raw
+    int levels;
+    bool raw;
+};
+
 struct texture {
     enum texture_kind kind;
-    rgb value;                       // constant
-    const struct texture *check[2];  // checkerboard: what it changes between
-    int nesting;                     // of checkerboards in it and in each other
-    float to_uv[6];                  // uv' = (a b c; d e f) (u v 1)
-    const struct image *image;
-    const struct image *level;  // the image at half its size, a quarter, ...; or NULL
+    rgb value;                          // constant
+    const struct texture *check[2];     // checkerboard: what it changes between
+    int nesting;                        // of checkerboards in it
+    float to_uv[6];                     // uv' = (a b c; d e f) (u v 1)
+    const struct image *image, *level;  // level: half its size, a quarter, ...; or NULL
     int levels;
     bool filtered;  // it, or what is nested in it, can be averaged over a width
     float texels;   // of the image along a unit of uv, the mean of both ways
@@ -277,8 +284,9 @@ struct satin_scene {
     struct shape_group *group;
     uint32_t group_count;
     struct material *material;
-    uint32_t material_count;
-    uint32_t side_count;  // numbers of sides, see material_side
+    uint32_t material_count, side_count;  // the latter: numbers of sides, see material_side
+    struct image_file *image;             // of bitmap textures
+    uint32_t image_count, texture_count;
     struct light *light;
     uint32_t light_count;
     const float *light_cdf;         // light_count + 1, by power; NULL without lights

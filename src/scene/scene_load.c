@@ -100,9 +100,11 @@ static satin_status keep_objects(struct scene_loader *loader) {
     scene->material =
         keep_array(loader, loader->material, loader->material_count, sizeof *scene->material);
     scene->light = keep_array(loader, loader->light, loader->light_count, sizeof *scene->light);
+    scene->image = keep_array(loader, loader->image, loader->image_count, sizeof *scene->image);
     scene->group = keep_array(loader, loader->group, loader->group_count, sizeof *scene->group);
-    if (!scene->shape || !scene->material || !scene->light || !scene->group)
+    if (!scene->shape || !scene->material || !scene->light || !scene->image || !scene->group)
         return scene_no_memory(loader);
+    scene->image_count = (uint32_t)loader->image_count;
     scene->group_count = (uint32_t)loader->group_count;
     scene->shape_count = (uint32_t)loader->shape_count;
     scene->material_count = (uint32_t)loader->material_count;

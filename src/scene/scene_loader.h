@@ -8,14 +8,6 @@
 #include "scene/scene_build.h"
 #include "scene/scene_params.h"
 
-struct loaded_image {
-    const char *path;
-    bool raw;
-    const struct image *image;
-    const struct image *level;  // smaller copies, unless raw
-    int levels;
-};
-
 struct scene_loader {
     struct log log;
     const char *path;  // of the main file
@@ -24,7 +16,7 @@ struct scene_loader {
     struct shape *shape;
     struct material *material;
     struct light *light;
-    struct loaded_image *image;
+    struct image_file *image;
     struct shape_group *group;
     const char **attribute;  // names that textures ask for, each once
     size_t shape_count, material_count, light_count, image_count, group_count, attribute_count;

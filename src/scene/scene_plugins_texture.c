@@ -60,18 +60,18 @@ static rgb image_mean(const struct image *image) {
 }
 
 static satin_status image_of(struct scene_loader *loader, const struct param_value *name,
-                             bool as_is, const struct loaded_image **out) {
+                             bool as_is, const struct image_file **out) {
     struct scene_source source;
     satin_status status = scene_file_source(loader, name, &source);
     if (status != SATIN_OK) return status;
     for (size_t i = 0; i < loader->image_count; i++) {
-        const struct loaded_image *image = &loader->image[i];
+        const struct image_file *image = &loader->image[i];
         if (image->raw != as_is || strcmp(image->path, source.path) != 0) continue;
         *out = image;
         free((char *)source.path);
         return SATIN_OK;
     }
-    struct loaded_image image = {.path = scene_keep_text(loader, source.path), .raw = as_is};
+    struct image_file image = {.path = scene_keep_text(loader, source.path), .raw = as_is};
     void *items = loader->image;
     if (image.path && array_reserve(&items, &loader->image_capacity, loader->image_count + 1,
                                     sizeof *loader->image)) {
@@ -98,7 +98,7 @@ static satin_status build_bitmap(struct scene_loader *loader, const struct param
     texture->nearest = param(p, "filter_type")->i == 1;
     texture->wrap = (enum texture_wrap)param(p, "wrap_mode")->i;
     set_to_uv(texture, &param(p, "to_uv")->m);
-    const struct loaded_image *loaded;
+    const struct image_file *loaded;
     satin_status status = image_of(loader, param(p, "filename"), param(p, "raw")->b, &loaded);
     if (status != SATIN_OK) return status;
     const struct image *image = texture->image = loaded->image;
@@ -193,6 +193,7 @@ satin_status scene_texture_of(struct scene_loader *loader, struct xml_node *node
         loader->texture_depth--;
         if (status != SATIN_OK) return status;
         node->texture = texture;
+        loader->scene->texture_count++;
     }
     *out = node->texture;
     return SATIN_OK;
