@@ -21,20 +21,18 @@ enum { LEAST = 8, MOST = 256 };  // rays of one cone, powers of 2: whole nets
 // How many rays a place is worth that sends a `share` of the light.
 static int worth(const struct photon_cone *cone, float share, size_t even) {
     if (!(share > LUCK * sqrtf((float)even * cone->chance))) return 0;
-    const float missed = 1.0f / fmaxf(cone->filled, 0.01f) - 1.0f;
+    const float missed = 1.0f / clampf(cone->filled, 0.01f, 1.0f) - 1.0f;
     const float wanted = sqrf(share / AIM) * (sqrf(SPREAD) + missed);
     int rays = LEAST;
     while (rays < MOST && (float)rays < wanted) rays *= 2;
     return rays;
 }
 
-static float solid_angle(const struct photon_cone *cone) {
-    return 2.0f * PI_F * (1.0f - cone->cosine);
-}
+static float solid_angle(const struct photon_cone *cone) { return 2.0f * PI_F * cone->versine; }
 
 // Deals rays to the cones and drops those that get none.
-static void deal(struct gather_guide *guide, float mean, size_t even) {
-    float all = mean;
+static void deal(struct gather_guide *guide, float expected, size_t even) {
+    float all = expected;
     for (int i = 0; i < guide->count; i++) all += guide->cone[i].E;
     int total = 0, kept = 0;
     for (int i = 0; i < guide->count; i++) {
@@ -57,8 +55,16 @@ static void deal(struct gather_guide *guide, float mean, size_t even) {
 }
 
 static vec3 in_cone(const struct photon_cone *cone, vec2 u) {
+    // As sample_uniform_cone, which has no digits left for the narrowest.
     const struct frame frame = frame_from_normal(cone->axis);
-    return frame_to_world(&frame, sample_uniform_cone(u.x, u.y, cone->cosine));
+    const float away = u.x * cone->versine, sine = safe_sqrtf(away * (2.0f - away));
+    const float phi = 2.0f * PI_F * u.y;
+    return frame_to_world(&frame, v3(sine * cosf(phi), sine * sinf(phi), 1.0f - away));
+}
+
+// Whether a direction is in the cone: |w - axis|^2 = 2 (1 - cosine) keeps the digits.
+static bool holds(const struct photon_cone *cone, vec3 w) {
+    return v3_dist2(w, cone->axis) <= 2.0f * cone->versine;
 }
 
 size_t gather_guide_rays(const struct gather *g, const struct gather_layout *layout,
@@ -66,14 +72,15 @@ size_t gather_guide_rays(const struct gather *g, const struct gather_layout *lay
     const size_t even = gather_layout_rays(layout);
     const struct photon_eye eye = {site->p, site->frame.n, site->ng};
     struct gather_guide *guide = &scratch->guide;
-    float mean = 0.0f;
+    float expected = 0.0f;
     *guide = (struct gather_guide){.frame = site->frame};
     if (!g->options->gather_guide) return 0;
-    guide->count = photon_bright_cones(g->maps, g->scene, &eye, guide->cone, &mean);
+    guide->count = photon_bright_cones(g->maps, g->scene, &eye, guide->cone, &expected);
     if (guide->count == 0) return 0;
-    deal(guide, mean, even);
+    deal(guide, expected, even);
     size_t i = even;
     for (int c = 0; c < guide->count; c++) {
+        guide->first[c] = i;
         const uint32_t seed = (uint32_t)rng_mix(site->stream + 0x9e3779b97f4a7c15ull * (size_t)c);
         for (int k = 0; k < guide->rays[c]; k++) {
             const vec3 w = in_cone(&guide->cone[c], sample_sobol2((uint32_t)k, seed));
@@ -97,13 +104,14 @@ void gather_guide_weigh(const struct gather_layout *layout, struct gather_scratc
     const struct gather_guide *guide = &scratch->guide;
     const size_t even = gather_layout_rays(layout), count = even + guide->made;
     if (guide->count == 0) return;
+    int own = -1;  // the cone that a guided ray was drawn from, whatever the last digit says
     for (size_t i = 0; i < count; i++) {
+        while (own + 1 < guide->count && i >= guide->first[own + 1]) own++;
         struct gather_ray *ray = &scratch->rays[i];
         float density = (float)even * (layout->order ? 0.5f / PI_F : scratch->z[i] / PI_F);
         float all = density;
         for (int c = 0; c < guide->count; c++)
-            if (v3_dot(ray->ray.d, guide->cone[c].axis) >= guide->cone[c].cosine)
-                all += guide->density[c];
+            if (c == own || holds(&guide->cone[c], ray->ray.d)) all += guide->density[c];
         ray->L = rgb_scale(ray->L, density / all);
     }
 }
@@ -123,10 +131,12 @@ bool gather_guide_bounce(const struct gather_guide *guide, const struct gather_p
     }
     if (count == 0)
         return brdf_sample(&y->brdf, y->wo_l, u_lobe, u.x, u.y, BRDF_DIFFUSE, BRDF_RADIANCE, out);
+    int own = -1;
     if (u_lobe < GUIDED) {
         int c = 0;
         for (float at = u_lobe / GUIDED * all; c + 1 < count && at >= share[c]; c++) at -= share[c];
         out->wi = frame_to_local(&y->frame, in_cone(&seen[c], u));
+        own = c;
         out->lobe = BRDF_DIFFUSE;
     } else if (!brdf_sample(&y->brdf, y->wo_l, (u_lobe - GUIDED) / (1.0f - GUIDED), u.x, u.y,
                             BRDF_DIFFUSE, BRDF_RADIANCE, out)) {
@@ -136,7 +146,7 @@ bool gather_guide_bounce(const struct gather_guide *guide, const struct gather_p
     out->pdf_w = brdf_pdf(&y->brdf, y->wo_l, out->wi, BRDF_DIFFUSE);
     float density = (1.0f - GUIDED) * out->pdf_w;
     for (int c = 0; c < count; c++)
-        if (v3_dot(w, seen[c].axis) >= seen[c].cosine)
+        if (c == own || holds(&seen[c], w))
             density += GUIDED * share[c] / all / solid_angle(&seen[c]);
     if (!(density > 0.0f)) return false;
     const rgb f = brdf_eval(&y->brdf, y->wo_l, out->wi, BRDF_DIFFUSE);

@@ -22,6 +22,7 @@ struct gather_guide {
     float density[PHOTON_CONES];  // of a cone's rays over solid angle
     int count, dealt;             // cones; rays of all
     struct frame frame;           // of the site
+    size_t first[PHOTON_CONES];   // ray of a cone
     size_t made;                  // of the rays: none goes below the horizon
 };
 

@@ -55,19 +55,19 @@ struct photon_eye {
 // A sphere around a place where light comes down densely, and the directions in which it is seen.
 struct photon_cone {
     vec3 center, axis;
-    float radius, cosine;  // of the sphere, of the half angle
-    float E;               // roughly what a white surface there adds to the irradiance [W m^-2]
-    float chance;          // roughly that a cosine-weighted ray meets what is bright,
-    float filled;          // and that one within the cone does
+    float radius, versine;  // of the sphere; 1 - cosine of the half angle
+    float E;                // roughly what a white surface there adds to the irradiance [W m^-2]
+    float chance;           // roughly that a cosine-weighted ray meets what is bright,
+    float filled;           // and that one within the cone does; over 1: more than the cone holds
 };
-enum { PHOTON_CONES = 32 };
+enum { PHOTON_CONES = 48 };
 
-// Cones of the bright places that the eye sees, returned is how many; *mean gets the irradiance
-// where photons come down, if there are any. Which they are does not depend on what gather rays
-// find.
-void photon_cone_aim(struct photon_cone *cone, vec3 p);  // axis and cosine from p, outside of it
+// Cones of the bright places that the eye sees, returned is how many; if there are any, *expected
+// gets roughly the irradiance at p by indirect light. Which they are does not depend on what gather
+// rays find.
+void photon_cone_aim(struct photon_cone *cone, vec3 p);  // axis and versine from p, outside of it
 int photon_bright_cones(const struct photon_maps *maps, const struct satin_scene *scene,
                         const struct photon_eye *eye, struct photon_cone out[PHOTON_CONES],
-                        float *mean);
+                        float *expected);
 
 #endif

@@ -1,37 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
-// Places where light comes down much more densely than elsewhere: what a spot or the sun through a
-// window lights, a caustic. To the rest of the scene each is a small bright source, which the even
-// rays of a hemisphere meet by luck; from here the gather learns where to look [Jensen 1995 guides
-// by the photons themselves]. A coarse pass of photons is cut into leaves of equal numbers; the
-// dense ones go into a hierarchy of spheres, of which each gather point takes those that it sees
-// as small.
+// Places where light comes down much more densely than it will at the point that looks: what a spot
+// or the sun through a window lights, a caustic. To the rest of a room each is a small bright
+// source, which the even rays of a hemisphere meet by luck; from here the gather learns where to
+// look [Jensen 1995 guides by the photons themselves]. A coarse pass of photons is cut into leaves
+// of equal numbers and these are gathered into a hierarchy of spheres, of which each point takes
+// the dense ones that it sees as small.
 #include <stdlib.h>
 
 #include "base/array.h"
 #include "photon/photon_map.h"
 
 enum {
-    LEAF = 64,  // photons of a leaf
+    LEAF = 32,  // photons of a leaf
     BINS = 16,  // places where a node may be split along an axis
     PROBES = 4  // rays that tell whether a place is seen
 };
-#define DENSE 4.0f
-#define WORTH 0.02f  // of all power must have come down densely
+#define DENSE 16.0f       // irradiance of a dense place over what is expected at the point
+#define SINE_LEAST 1e-4f  // of half an angle: directions are floats
+#define CLEARLY 1.001f    // more than rounding
+#define STEPS 1024.0f     // of an order
 #define NARROW 0.35f
+#define EVEN 0.4f      // mean irradiance over area over that by power, of a place that is one
 #define FILLED 0.2f    // of a sphere's disc that its leaves should fill
-#define FAINT 0.0002f  // of the mean irradiance: what comes from less is left to chance
-#define ALIKE 0.7f     // cosine between normals of one surface
+#define FAINT 0.0002f  // of what is expected at the point: what comes from less is left to chance
 
 struct leaf {
     size_t first, count;  // photons
     vec3 center, normal;  // mean normal times power
     float radius, power, area;
-    bool whole;  // all on one surface
 };
 
 struct node {
     vec3 center;
     float radius, power, area;
+    float dense;          // largest irradiance of its leaves,
+    float common;         // and their mean, by power
     vec3 normal;          // mean of unit normals, by power
     size_t first, count;  // photons of its leaves
     int32_t right;        // its left child is the next node; 0: a leaf
@@ -40,30 +43,63 @@ struct node {
 struct photon_bright {
     struct node *node;  // depth first
     size_t node_count;
-    vec3 *place;  // of photons
-    float mean;   // irradiance where photons come down [W m^-2]
+    vec3 *place;   // of photons
+    float spread;  // irradiance if all the light came down on a sphere around the scene [W m^-2]
 };
 
 // ---- Leaves -----------------------------------------------------------------------------------
 
 static float along(vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
-static int longest(vec3 lo, vec3 hi) {
-    vec3 d = v3_sub(hi, lo);
-    return d.x >= d.y && d.x >= d.z ? 0 : d.y >= d.z ? 1 : 2;
+// The axes of a box from the longest to the shortest. Ties are broken by their order, not by the
+// last digit.
+static void sort_axes(vec3 lo, vec3 hi, int axis[3]) {
+    const vec3 d = v3_sub(hi, lo);
+    axis[0] = d.y > CLEARLY * d.x ? 1 : 0;
+    if (d.z > CLEARLY * along(d, axis[0])) axis[0] = 2;
+    axis[1] = axis[0] == 0 ? 1 : 0;
+    axis[2] = 3 - axis[0] - axis[1];
+    if (along(d, axis[2]) > CLEARLY * along(d, axis[1])) {
+        axis[1] = axis[2];
+        axis[2] = 3 - axis[0] - axis[1];
+    }
 }
 
-// Puts the middle one of hit[0 .. n) along the axis to its place, lesser ones before it [Hoare
-// 1961].
-static void halve(struct photon_hit *hit, size_t n, int axis) {
+// Where photons of a box are along its longest axis, and of those alike along the second, so that a
+// wall is cut into pieces too; coarse, so that rounding does not decide.
+struct order {
+    int axis[2];
+    float lo[2], scale[2];
+};
+
+static struct order order_of(vec3 lo, vec3 hi) {
+    int axis[3];
+    sort_axes(lo, hi, axis);
+    struct order o = {.axis = {axis[0], axis[1]}};
+    for (int i = 0; i < 2; i++) {
+        const float length = along(hi, axis[i]) - along(lo, axis[i]);
+        o.lo[i] = along(lo, axis[i]);
+        o.scale[i] = length > 0.0f ? STEPS / length : 0.0f;
+    }
+    return o;
+}
+
+static float rank(const struct order *o, const struct photon_hit *hit) {
+    const float first = roundf((along(hit->p, o->axis[0]) - o->lo[0]) * o->scale[0]);
+    const float second = roundf((along(hit->p, o->axis[1]) - o->lo[1]) * o->scale[1]);
+    return first * (2.0f * STEPS) + second;
+}
+
+// Puts the middle one of hit[0 .. n) in the order to its place, lesser ones before it [Hoare 1961].
+static void halve(struct photon_hit *hit, size_t n, const struct order *order) {
     const ptrdiff_t middle = (ptrdiff_t)(n / 2);
     ptrdiff_t lo = 0, hi = (ptrdiff_t)n - 1;
     while (lo < hi) {
-        const float pivot = along(hit[lo + (hi - lo) / 2].p, axis);
+        const float pivot = rank(order, &hit[lo + (hi - lo) / 2]);
         ptrdiff_t i = lo, j = hi;
         while (i <= j) {
-            while (along(hit[i].p, axis) < pivot) i++;
-            while (along(hit[j].p, axis) > pivot) j--;
+            while (rank(order, &hit[i]) < pivot) i++;
+            while (rank(order, &hit[j]) > pivot) j--;
             if (i > j) break;
             struct photon_hit swap = hit[i];
             hit[i++] = hit[j];
@@ -94,10 +130,6 @@ static struct leaf make_leaf(const struct photon_hit *hit, size_t first, size_t 
     for (size_t i = first; i < first + count; i++)
         leaf.radius = fmaxf(leaf.radius, v3_dist2(hit[i].p, leaf.center));
     leaf.radius = sqrtf(leaf.radius);
-    const vec3 n = v3_unit(leaf.normal);
-    leaf.whole = true;
-    for (size_t i = first; i < first + count && leaf.whole; i++)
-        leaf.whole = v3_dot(photon_unpack(hit[i].n), n) > ALIKE;
     return leaf;
 }
 
@@ -112,27 +144,10 @@ static size_t cut(struct photon_hit *hit, size_t first, size_t count, struct lea
         lo = v3_min(lo, hit[i].p);
         hi = v3_max(hi, hit[i].p);
     }
-    halve(hit + first, count, longest(lo, hi));
+    const struct order order = order_of(lo, hi);
+    halve(hit + first, count, &order);
     size_t leaves = cut(hit, first, count / 2, out);
     return leaves + cut(hit, first + count / 2, count - count / 2, out + leaves);
-}
-
-// Moves the dense leaves to the front; returns how many, 0 if they are not worth it.
-static size_t keep_dense(struct leaf *leaf, size_t count, float *mean) {
-    double power = 0.0, area = 0.0, dense = 0.0;
-    for (size_t i = 0; i < count; i++) {
-        if (!leaf[i].whole) continue;
-        power += (double)leaf[i].power;
-        area += (double)leaf[i].area;
-    }
-    *mean = area > 0.0 ? (float)(power / area) : 0.0f;
-    size_t kept = 0;
-    for (size_t i = 0; i < count && area > 0.0; i++) {
-        if (!(leaf[i].power > DENSE * *mean * leaf[i].area)) continue;
-        dense += (double)leaf[i].power;
-        leaf[kept++] = leaf[i];
-    }
-    return dense > (double)WORTH * power ? kept : 0;
 }
 
 // ---- The hierarchy ----------------------------------------------------------------------------
@@ -184,7 +199,7 @@ static size_t part(struct leaf *leaf, size_t count) {
         for (int b = BINS - 1; b > 0; b--) {
             span_add(&side, bin[b].lo, bin[b].hi, bin[b].power);
             float cost = span_cost(&left[b - 1]) + span_cost(&side);
-            if (!(side.power > 0.0f && left[b - 1].power > 0.0f && cost < best)) continue;
+            if (!(side.power > 0.0f && left[b - 1].power > 0.0f && CLEARLY * cost < best)) continue;
             best = cost;
             best_axis = axis;
             best_bin = b;
@@ -206,10 +221,14 @@ static void bound(const struct leaf *leaf, size_t count, struct node *node) {
     for (size_t i = 0; i < count; i++) {
         span_add(&all, leaf[i].center, leaf[i].center, leaf[i].power);
         node->area += leaf[i].area;
+        const float E = leaf[i].power / fmaxf(leaf[i].area, 1e-30f);
+        node->dense = fmaxf(node->dense, E);
+        node->common += leaf[i].power * E;
         node->normal = v3_add(node->normal, leaf[i].normal);
     }
     node->power = all.power;
     node->normal = v3_mul(node->normal, 1.0f / all.power);
+    node->common /= all.power;
     node->center = v3_mul(v3_add(all.lo, all.hi), 0.5f);
     for (size_t i = 0; i < count; i++)
         node->radius =
@@ -233,32 +252,27 @@ static void add_nodes(struct photon_bright *out, struct leaf *leaf, size_t count
     node->count = *placed - node->first;
 }
 
-satin_status photon_bright_build(struct photon_hit *hit, size_t count, struct log log,
-                                 struct photon_bright **out) {
+satin_status photon_bright_build(const struct satin_scene *scene, struct photon_hit *hit,
+                                 size_t count, struct log log, struct photon_bright **out) {
     *out = NULL;
     if (count < 2 * LEAF) return SATIN_OK;
-    satin_status status = SATIN_ERROR_MEMORY;
     struct photon_bright *bright = calloc(1, sizeof *bright);
     struct leaf *leaf = array_new(2 * count / LEAF + 1, sizeof *leaf);
-    if (!bright || !leaf) goto done;
-    size_t kept = keep_dense(leaf, cut(hit, 0, count, leaf), &bright->mean), places = 0;
-    status = SATIN_OK;
-    if (kept == 0) goto done;
-    for (size_t i = 0; i < kept; i++) places += leaf[i].count;
-    status = SATIN_ERROR_MEMORY;
-    bright->node = array_new(2 * kept, sizeof *bright->node);
-    bright->place = array_new(places, sizeof *bright->place);
-    if (!bright->node || !bright->place) goto done;
-    places = 0;
-    add_nodes(bright, leaf, kept, &places, hit);
-    *out = bright;
-    bright = NULL;
-    status = SATIN_OK;
-done:
-    photon_bright_free(bright);
+    size_t leaves = leaf ? cut(hit, 0, count, leaf) : 0, placed = 0;
+    if (bright && leaf) {
+        bright->node = array_new(2 * leaves, sizeof *bright->node);
+        bright->place = array_new(count, sizeof *bright->place);
+    }
+    if (!bright || !leaf || !bright->node || !bright->place) {
+        photon_bright_free(bright);
+        free(leaf);
+        return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for bright places");
+    }
+    add_nodes(bright, leaf, leaves, &placed, hit);
+    bright->spread = bright->node->power / (4.0f * PI_F * sqrf(scene->radius));
     free(leaf);
-    if (status == SATIN_ERROR_MEMORY) log_fail(log, status, "not enough memory for bright places");
-    return status;
+    *out = bright;
+    return SATIN_OK;
 }
 
 void photon_bright_free(struct photon_bright *bright) {
@@ -294,56 +308,88 @@ static float seen(const struct photon_bright *bright, const struct satin_scene *
 
 void photon_cone_aim(struct photon_cone *cone, vec3 p) {
     const vec3 d = v3_sub(cone->center, p);
-    const float distance = v3_len(d);
+    const float distance = v3_len(d), sine = clampf(cone->radius / distance, SINE_LEAST, 1.0f);
     cone->axis = v3_mul(d, 1.0f / distance);
-    cone->cosine = fminf(safe_sqrtf(1.0f - sqrf(cone->radius / distance)), 1.0f - 1e-6f);
+    cone->versine = sqrf(sine) / (1.0f + safe_sqrtf(1.0f - sqrf(sine)));
 }
 
-// The cone of a node, if the point sees it as narrow and bright enough; *deeper tells whether its
-// children would be seen better.
-static bool look(const struct photon_bright *bright, const struct node *node,
-                 const struct photon_eye *eye, struct photon_cone *out, bool *deeper) {
-    vec3 d = v3_sub(node->center, eye->p);
-    float distance = v3_len(d), height = v3_dot(d, eye->n);
-    *deeper = false;
-    if (height < -node->radius) return false;  // below the horizon
-    float nearest = fmaxf(distance - node->radius, 0.0f);
-    if (node->power < FAINT * bright->mean * PI_F * sqrf(nearest)) return false;
-    const bool wide = !(node->radius < NARROW * distance);
+// A node as the point sees it.
+struct view {
+    const struct node *node;
+    float most;   // irradiance that may come from it at most; 0: it does not matter
+    bool narrow;  // it has a cone
+    bool coarse;  // its children would be seen better
+};
+
+static struct view view_of(const struct node *node, const struct photon_eye *eye, float expected) {
+    struct view view = {.node = node};
+    const vec3 d = v3_sub(node->center, eye->p);
+    const float distance = v3_len(d), nearest = fmaxf(distance - node->radius, 0.0f);
+    if (v3_dot(d, eye->n) < -node->radius) return view;  // below the horizon
+    if (node->dense < DENSE * expected) return view;
+    if (node->power < FAINT * expected * PI_F * sqrf(nearest)) return view;
+    view.narrow = node->radius < NARROW * distance;
     const bool sparse = node->area < FILLED * PI_F * sqrf(node->radius);
-    *deeper = node->right > 0 && (wide || sparse);
-    if (*deeper || wide) return false;
-    const vec3 axis = v3_mul(d, 1.0f / distance);
-    const float sine = node->radius / distance, turned = 1.0f - v3_len(node->normal);
-    float cosine = fmaxf(height / distance, 0.25f * sine);
-    float facing = clampf(turned - v3_dot(node->normal, axis), 0.0f, 1.0f);
+    const bool uneven = node->power < EVEN * node->common * node->area;
+    view.coarse = node->right > 0 && (!view.narrow || sparse || uneven);
+    if (view.narrow || view.coarse)
+        view.most = node->power / (PI_F * fmaxf(sqrf(nearest), sqrf(node->radius)));
+    return view;
+}
+
+// False if nothing of the node is seen or comes.
+static bool make_cone(const struct photon_bright *bright, const struct satin_scene *scene,
+                      const struct photon_eye *eye, const struct node *node,
+                      struct photon_cone *out) {
+    const vec3 d = v3_sub(node->center, eye->p);
+    const float distance = v3_len(d), sine = node->radius / distance;
+    const float cosine = fmaxf(v3_dot(d, eye->n) / distance, 0.25f * sine);
+    const float turned = 1.0f - v3_len(node->normal);
     *out = (struct photon_cone){.center = node->center, .radius = node->radius};
     photon_cone_aim(out, eye->p);
+    const float facing = clampf(turned - v3_dot(node->normal, out->axis), 0.0f, 1.0f);
     out->E = node->power * cosine * facing / (PI_F * sqrf(distance));
     out->chance = out->E / node->power * node->area;
-    out->filled = fminf(facing * node->area / (PI_F * sqrf(node->radius)), 1.0f);
-    return out->E > FAINT * bright->mean;
+    out->filled = facing * node->area / (2.0f * PI_F * out->versine * sqrf(distance));
+    if (!(out->E > 0.0f)) return false;
+    out->E *= seen(bright, scene, node, eye);
+    return out->E > 0.0f;
+}
+
+// Replaces the view that may send most, of those that are coarse, by views of the node's children,
+// as long as there is room.
+static int refine(const struct photon_bright *bright, const struct photon_eye *eye, float expected,
+                  struct view view[PHOTON_CONES]) {
+    int count = 1;
+    view[0] = view_of(bright->node, eye, expected);
+    while (count < PHOTON_CONES) {
+        int best = -1;
+        for (int i = 0; i < count; i++)
+            if (view[i].coarse && (best < 0 || view[i].most > view[best].most)) best = i;
+        if (best < 0) break;
+        const struct node *parent = view[best].node;
+        view[best] = view_of(parent + 1, eye, expected);
+        const struct view right = view_of(bright->node + parent->right, eye, expected);
+        if (right.most > 0.0f) view[count++] = right;
+        if (!(view[best].most > 0.0f)) view[best] = view[--count];
+        if (count == 0) break;
+    }
+    return count;
 }
 
 int photon_bright_cones(const struct photon_maps *maps, const struct satin_scene *scene,
                         const struct photon_eye *eye, struct photon_cone out[PHOTON_CONES],
-                        float *mean) {
-    enum { STACK = 64 };
+                        float *expected) {
     const struct photon_bright *bright = maps ? maps->bright : NULL;
     if (!bright) return 0;
-    *mean = bright->mean;
-    int32_t stack[STACK];
-    int depth = 0, count = 0;
-    for (int32_t i = 0; i >= 0 && count<PHOTON_CONES; i = depth> 0 ? stack[--depth] : -1) {
-        const struct node *node = &bright->node[i];
-        bool deeper;
-        if (look(bright, node, eye, &out[count], &deeper)) {
-            out[count].E *= seen(bright, scene, node, eye);
-            count += out[count].E > 0.0f;
-        }
-        if (!deeper || depth + 2 > STACK) continue;
-        stack[depth++] = node->right;
-        stack[depth++] = i + 1;
-    }
+    float radius;
+    *expected = rgb_luminance(photon_irradiance(maps, scene, eye->p, eye->ng, &radius));
+    if (!(*expected > 0.0f)) *expected = bright->spread;
+    struct view view[PHOTON_CONES];
+    const int views = refine(bright, eye, *expected, view);
+    int count = 0;
+    for (int i = 0; i < views; i++)
+        if (view[i].narrow && view[i].most > 0.0f)
+            count += make_cone(bright, scene, eye, view[i].node, &out[count]);
     return count;
 }

@@ -11,7 +11,9 @@
 
 enum {
     KEEP_ALL = 1 << PHOTON_DIRECT | 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT,
-    BRIGHT_PATHS = 1 << 15,
+    BRIGHT_LEAST = 1 << 15,  // paths that look for bright places:
+    BRIGHT_MOST = 1 << 18,   // a part of those of the global map, within bounds
+    BRIGHT_PART = 3,
     KEEP_BOUNCED = 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT
 };
 
@@ -117,15 +119,18 @@ static satin_status build_bright(const struct pass *pass, struct photon_maps *ma
     const satin_options *o = pass->options;
     if (!o->gather_guide || o->integrator != SATIN_TWO_PASS) return SATIN_OK;
     double start = stats_wall();
+    const uint64_t paths = o->photons > 0 ? (uint64_t)o->photons / BRIGHT_PART : 0;
     struct photon_tracing tracing = {.scene = pass->scene,
                                      .seed = o->seed,
-                                     .paths = BRIGHT_PATHS,
+                                     .paths = paths < BRIGHT_LEAST  ? BRIGHT_LEAST
+                                              : paths > BRIGHT_MOST ? BRIGHT_MOST
+                                                                    : paths,
                                      .keep = KEEP_ALL,
                                      .bounces = bounces_left(o, 2)};
     struct photon_trace trace = {0};
     satin_status status = photon_trace_run(&tracing, pass->pool, pass->log, &trace);
     if (status == SATIN_OK)
-        status = photon_bright_build(trace.hit, trace.count, pass->log, &maps->bright);
+        status = photon_bright_build(pass->scene, trace.hit, trace.count, pass->log, &maps->bright);
     photon_trace_free(&trace);
     stats_add(pass->stats, "photons.bright_s", stats_wall() - start);
     return status;

@@ -185,11 +185,12 @@ static bool run_row(const struct folders *in, const struct row *row) {
     return good;
 }
 
-// The room in another unit of length gives the same picture but for rounding, which moves a record
-// now and then: over ten seeds rms .0 to .7 %, largest block .0 to 5.9 %.
+// The room in another unit of length gives the same picture but for rounding, which now and then
+// moves a record or gives it other rays: over twelve renders rms .0 to 1.1 %, largest block .0 to
+// 12 %, less than two seeds differ by.
 static bool run_unit(const struct folders *in, const char *name) {
     static const struct region all = {"as the room of 5 m", 0, 0, SIZE, SIZE};
-    static const struct errors bound = {0.002, 0.01, 0.08};
+    static const struct errors bound = {0.002, 0.015, 0.15};
     satin_film *film = render_plain(in, name), *other = render_plain(in, "room-5m");
     bool good = film && other && judge(name, &all, measure(film, other, &all), bound);
     satin_film_free(film);
