@@ -45,7 +45,7 @@ rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *sc
 rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p, vec3 ng,
                    const struct frame *frame, const struct brdf *brdf, vec3 wo, unsigned lobes);
 
-// ---- Bright places (photon_bright.c) ----------------------------------------------------------
+// ---- Bright places (photon_cones.c) -----------------------------------------------------------
 
 // From where light is gathered.
 struct photon_eye {

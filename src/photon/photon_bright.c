@@ -1,50 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// Places where light comes down much more densely than it will at the point that looks: what a spot
-// or the sun through a window lights, a caustic. To the rest of a room each is a small bright
-// source, which the even rays of a hemisphere meet by luck; from here the gather learns where to
-// look [Jensen 1995 guides by the photons themselves]. A coarse pass of photons is cut into leaves
-// of equal numbers and these are gathered into a hierarchy of spheres, of which each point takes
-// the dense ones that it sees as small.
+// Places where light comes down densely: a coarse pass of photons is cut into leaves of equal
+// numbers, and these are gathered into a hierarchy of spheres that keeps what is bright and small
+// together. photon_cones.c looks at it.
 #include <stdlib.h>
 
 #include "base/array.h"
-#include "photon/photon_map.h"
+#include "photon/photon_bright.h"
 
 enum {
     LEAF = 32,  // photons of a leaf
-    BINS = 16,  // places where a node may be split along an axis
-    PROBES = 4  // rays that tell whether a place is seen
+    BINS = 16   // places where a node may be split along an axis
 };
-#define DENSE 16.0f       // irradiance of a dense place over what is expected at the point
-#define SINE_LEAST 1e-4f  // of half an angle: directions are floats
-#define CLEARLY 1.001f    // more than rounding
-#define STEPS 1024.0f     // of an order
-#define NARROW 0.35f
-#define EVEN 0.4f      // mean irradiance over area over that by power, of a place that is one
-#define FILLED 0.2f    // of a sphere's disc that its leaves should fill
-#define FAINT 0.0002f  // of what is expected at the point: what comes from less is left to chance
+#define CLEARLY 1.001f  // more than rounding
+#define STEPS 1024.0f   // of an order
 
 struct leaf {
     size_t first, count;  // photons
     vec3 center, normal;  // mean normal times power
     float radius, power, area;
-};
-
-struct node {
-    vec3 center;
-    float radius, power, area;
-    float dense;          // largest irradiance of its leaves,
-    float common;         // and their mean, by power
-    vec3 normal;          // mean of unit normals, by power
-    size_t first, count;  // photons of its leaves
-    int32_t right;        // its left child is the next node; 0: a leaf
-};
-
-struct photon_bright {
-    struct node *node;  // depth first
-    size_t node_count;
-    vec3 *place;   // of photons
-    float spread;  // irradiance if all the light came down on a sphere around the scene [W m^-2]
 };
 
 // ---- Leaves -----------------------------------------------------------------------------------
@@ -216,7 +189,7 @@ static size_t part(struct leaf *leaf, size_t count) {
     return first > 0 && first < count ? first : count / 2;
 }
 
-static void bound(const struct leaf *leaf, size_t count, struct node *node) {
+static void bound(const struct leaf *leaf, size_t count, struct photon_place *node) {
     struct span all = NO_SPAN;
     for (size_t i = 0; i < count; i++) {
         span_add(&all, leaf[i].center, leaf[i].center, leaf[i].power);
@@ -238,8 +211,8 @@ static void bound(const struct leaf *leaf, size_t count, struct node *node) {
 // Appends the nodes of some leaves, whose places go beside them.
 static void add_nodes(struct photon_bright *out, struct leaf *leaf, size_t count, size_t *placed,
                       const struct photon_hit *hit) {
-    struct node *node = &out->node[out->node_count++];
-    *node = (struct node){.first = *placed};
+    struct photon_place *node = &out->node[out->node_count++];
+    *node = (struct photon_place){.first = *placed};
     bound(leaf, count, node);
     if (count == 1) {
         for (size_t i = 0; i < leaf->count; i++) out->place[(*placed)++] = hit[leaf->first + i].p;
@@ -284,112 +257,6 @@ void photon_bright_free(struct photon_bright *bright) {
 
 size_t photon_bright_bytes(const struct photon_bright *bright) {
     if (!bright) return 0;
-    const struct node *root = bright->node;
+    const struct photon_place *root = bright->node;
     return bright->node_count * sizeof *root + root->count * sizeof *bright->place;
-}
-
-// ---- What a point sees of it ------------------------------------------------------------------
-
-// How much of some of its photons is seen from p.
-static float seen(const struct photon_bright *bright, const struct satin_scene *scene,
-                  const struct node *node, const struct photon_eye *eye) {
-    int clear = 0;
-    for (size_t i = 0; i < PROBES; i++) {
-        vec3 place = bright->place[node->first + (2 * i + 1) * node->count / (2 * PROBES)];
-        vec3 d = v3_sub(place, eye->p);
-        float distance = v3_len(d);
-        if (!(v3_dot(d, eye->n) > 0.0f)) continue;
-        struct ray ray = scene_spawn(scene, eye->p, eye->ng, v3_mul(d, 1.0f / distance));
-        ray.tfar = 0.999f * distance;
-        clear += !scene_occluded(scene, &ray);
-    }
-    return (float)clear / PROBES;
-}
-
-void photon_cone_aim(struct photon_cone *cone, vec3 p) {
-    const vec3 d = v3_sub(cone->center, p);
-    const float distance = v3_len(d), sine = clampf(cone->radius / distance, SINE_LEAST, 1.0f);
-    cone->axis = v3_mul(d, 1.0f / distance);
-    cone->versine = sqrf(sine) / (1.0f + safe_sqrtf(1.0f - sqrf(sine)));
-}
-
-// A node as the point sees it.
-struct view {
-    const struct node *node;
-    float most;   // irradiance that may come from it at most; 0: it does not matter
-    bool narrow;  // it has a cone
-    bool coarse;  // its children would be seen better
-};
-
-static struct view view_of(const struct node *node, const struct photon_eye *eye, float expected) {
-    struct view view = {.node = node};
-    const vec3 d = v3_sub(node->center, eye->p);
-    const float distance = v3_len(d), nearest = fmaxf(distance - node->radius, 0.0f);
-    if (v3_dot(d, eye->n) < -node->radius) return view;  // below the horizon
-    if (node->dense < DENSE * expected) return view;
-    if (node->power < FAINT * expected * PI_F * sqrf(nearest)) return view;
-    view.narrow = node->radius < NARROW * distance;
-    const bool sparse = node->area < FILLED * PI_F * sqrf(node->radius);
-    const bool uneven = node->power < EVEN * node->common * node->area;
-    view.coarse = node->right > 0 && (!view.narrow || sparse || uneven);
-    if (view.narrow || view.coarse)
-        view.most = node->power / (PI_F * fmaxf(sqrf(nearest), sqrf(node->radius)));
-    return view;
-}
-
-// False if nothing of the node is seen or comes.
-static bool make_cone(const struct photon_bright *bright, const struct satin_scene *scene,
-                      const struct photon_eye *eye, const struct node *node,
-                      struct photon_cone *out) {
-    const vec3 d = v3_sub(node->center, eye->p);
-    const float distance = v3_len(d), sine = node->radius / distance;
-    const float cosine = fmaxf(v3_dot(d, eye->n) / distance, 0.25f * sine);
-    const float turned = 1.0f - v3_len(node->normal);
-    *out = (struct photon_cone){.center = node->center, .radius = node->radius};
-    photon_cone_aim(out, eye->p);
-    const float facing = clampf(turned - v3_dot(node->normal, out->axis), 0.0f, 1.0f);
-    out->E = node->power * cosine * facing / (PI_F * sqrf(distance));
-    out->chance = out->E / node->power * node->area;
-    out->filled = facing * node->area / (2.0f * PI_F * out->versine * sqrf(distance));
-    if (!(out->E > 0.0f)) return false;
-    out->E *= seen(bright, scene, node, eye);
-    return out->E > 0.0f;
-}
-
-// Replaces the view that may send most, of those that are coarse, by views of the node's children,
-// as long as there is room.
-static int refine(const struct photon_bright *bright, const struct photon_eye *eye, float expected,
-                  struct view view[PHOTON_CONES]) {
-    int count = 1;
-    view[0] = view_of(bright->node, eye, expected);
-    while (count < PHOTON_CONES) {
-        int best = -1;
-        for (int i = 0; i < count; i++)
-            if (view[i].coarse && (best < 0 || view[i].most > view[best].most)) best = i;
-        if (best < 0) break;
-        const struct node *parent = view[best].node;
-        view[best] = view_of(parent + 1, eye, expected);
-        const struct view right = view_of(bright->node + parent->right, eye, expected);
-        if (right.most > 0.0f) view[count++] = right;
-        if (!(view[best].most > 0.0f)) view[best] = view[--count];
-        if (count == 0) break;
-    }
-    return count;
-}
-
-int photon_bright_cones(const struct photon_maps *maps, const struct satin_scene *scene,
-                        const struct photon_eye *eye, struct photon_cone out[PHOTON_CONES],
-                        float *expected) {
-    const struct photon_bright *bright = maps ? maps->bright : NULL;
-    if (!bright) return 0;
-    float radius;
-    *expected = rgb_luminance(photon_irradiance(maps, scene, eye->p, eye->ng, &radius));
-    if (!(*expected > 0.0f)) *expected = bright->spread;
-    struct view view[PHOTON_CONES];
-    const int views = refine(bright, eye, *expected, view);
-    int count = 0;
-    for (int i = 0; i < views; i++)
-        if (view[i].narrow && view[i].most > 0.0f)
-            count += make_cone(bright, scene, eye, view[i].node, &out[count]);
-    return count;
 }
