@@ -18,6 +18,7 @@
 #include "bench_timing.h"
 #include "rsh/rsh.h"
 #include "rsh/rsh_kernel.h"
+#include "rsh/rsh_multiples.h"
 #include "rsh/rsh_tables.h"
 #include "rsh/rsh_turn.h"
 
@@ -88,47 +89,20 @@ static void quarter_turn(int order, const float *m, const float *v, float *to) {
     }
 }
 
-// cos(m a) and sin(m a), and the turn by them about z.
-struct multiples {
-    float cosine[RSH_MAX_ORDER], sine[RSH_MAX_ORDER];
-};
-
-static struct multiples multiples_of(float cosine, float sine, int order) {
-    struct multiples a;
-    a.cosine[0] = 1.0f;
-    a.sine[0] = 0.0f;
-    for (int m = 1; m < order; m++) {
-        a.cosine[m] = a.cosine[m - 1] * cosine - a.sine[m - 1] * sine;
-        a.sine[m] = a.cosine[m - 1] * sine + a.sine[m - 1] * cosine;
-    }
-    return a;
-}
-
-static void turn_z(int order, const struct multiples *a, float *v) {
-    for (int l = 1; l < order; l++) {
-        float *middle = v + l * (l + 1);
-        for (int m = 1; m <= l; m++) {
-            float plus = middle[m], minus = middle[-m];
-            middle[m] = a->cosine[m] * plus - a->sine[m] * minus;
-            middle[-m] = a->sine[m] * plus + a->cosine[m] * minus;
-        }
-    }
-}
-
 static void zxzxz_whole(int order, int channels, const float *r) {
     const struct rsh_turn t = rsh_turn_of_matrix(r);
-    const struct multiples alpha = multiples_of(t.cos_alpha, t.sin_alpha, order),
-                           beta = multiples_of(t.cos_beta, t.sin_beta, order),
-                           gamma = multiples_of(t.cos_gamma, t.sin_gamma, order);
+    const struct rsh_multiples alpha = rsh_multiples_of(t.cos_alpha, t.sin_alpha, order),
+                               beta = rsh_multiples_of(t.cos_beta, t.sin_beta, order),
+                               gamma = rsh_multiples_of(t.cos_gamma, t.sin_gamma, order);
     const int n = order * order;
     for (int c = 0; c < channels; c++) {
         float v[N_MAX], u[N_MAX];
         memcpy(v, in + c * n, (size_t)n * sizeof *v);
-        turn_z(order, &gamma, v);
+        rsh_turn_multiples(order, &gamma, v);
         quarter_turn(order, quarter[0], v, u);
-        turn_z(order, &beta, u);
+        rsh_turn_multiples(order, &beta, u);
         quarter_turn(order, quarter[1], u, v);
-        turn_z(order, &alpha, v);
+        rsh_turn_multiples(order, &alpha, v);
         memcpy(out + c * n, v, (size_t)n * sizeof *v);
     }
 }
