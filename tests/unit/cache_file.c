@@ -14,6 +14,7 @@
 #include "base/fileio.h"
 #include "base/rng.h"
 #include "cache/cache_file.h"
+#include "folder_case.h"
 #include "message_case.h"
 
 enum { ORDER = 3, RECORDS = 20, LOOKUPS = 200 };
@@ -251,15 +252,11 @@ static void other_origins_are_refused(void **state) {
 }
 
 int main(void) {
-    char folder[] = "/tmp/satin-test-XXXXXX";
-    if (!mkdtemp(folder) || chdir(folder) != 0) return 1;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(loads_what_was_saved),
         cmocka_unit_test(damaged_files_are_refused),
         cmocka_unit_test(lies_are_refused),
         cmocka_unit_test(other_origins_are_refused),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    rmdir(folder);
-    return failed;
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -6,65 +6,30 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdlib.h>
 
 #include <cmocka.h>
 
-#include "base/parallel.h"
-#include "cache/cache_records.h"
-#include "test_scene.h"
+#include "cache_case.h"
 
-enum { SIDE = 40, RAYS = 900 };
-
-struct fixture {
-    struct test_scene scene;
-    satin_options options;
-    struct gather g;
-    struct parallel *pool;
-    struct cache *cache;
-    struct cache_site site[SIDE * SIDE];
-};
+enum { RAYS = 900 };
 
 // The floor of a box that a point light in it lights from aside.
-static void start(struct fixture *f, int threads, float noise) {
-    test_scene_init(&f->scene);
+static void start(struct cache_case *f, int threads, float noise) {
+    cache_case_begin(f);
     test_cube(&f->scene, mat4_identity(), true, test_diffuse(&f->scene, 0.5f, 0.5f, 0.5f));
     test_light(&f->scene,
                (struct light){
                    .kind = LIGHT_POINT, .position = v3(0.7f, 0.5f, 0.6f), .value = rgb_grey(1.0f)});
-    test_scene_finish(&f->scene);
-    f->options = satin_options_default;
-    f->options.first_pass = SATIN_FIRST_NONE;
-    f->options.max_depth = -1;
     f->options.irradiance_rays = f->options.radiance_rays = RAYS;
     f->options.irradiance_a = f->options.radiance_a = 0.5f;
     f->options.irradiance_noise = f->options.radiance_noise = noise;
-    f->g = gather_make(&f->scene.scene, &f->options, NULL);
-    f->pool = parallel_new(threads);
-    f->cache = cache_new(&f->g, 4, f->pool);
-    assert_non_null(f->cache);
-    const vec3 up = v3(0, 1, 0);
-    for (int i = 0; i < SIDE * SIDE; i++) {
-        int j = i * 1103 % (SIDE * SIDE);  // scattered
-        vec3 p = v3(1.8f * ((float)(j % SIDE) + 0.5f) / SIDE - 0.9f, -1.0f,
-                    1.8f * ((float)(j / SIDE) + 0.5f) / SIDE - 0.9f);
-        f->site[i] = (struct cache_site){.p = p,
-                                         .ng = up,
-                                         .frame = frame_from_normal(up),
-                                         .pixel = 0.01f,
-                                         .stream = (uint64_t)j,
-                                         .wants = CACHE_IRRADIANCE | CACHE_RADIANCE};
-    }
-}
-
-static void stop(struct fixture *f) {
-    cache_free(f->cache);
-    parallel_free(f->pool);
-    test_scene_free(&f->scene);
+    cache_case_finish(
+        f, 4, threads, v3(0, -1, 0), v3(0, 0, 0.9f), v3(0.9f, 0, 0),
+        (struct cache_site){.pixel = 0.01f, .wants = CACHE_IRRADIANCE | CACHE_RADIANCE});
 }
 
 // Some coarse records, then finer ones among them; returns how many were coarse.
-static size_t fill(struct fixture *f, enum cache_kind kind) {
+static size_t fill(struct cache_case *f, enum cache_kind kind) {
     struct cache_fill fill = {.site = f->site,
                               .count = 16,
                               .a_irradiance = 0.5f,
@@ -73,14 +38,14 @@ static size_t fill(struct fixture *f, enum cache_kind kind) {
                               .spacing = 1.0f};
     assert_int_equal(cache_fill(f->cache, &fill), SATIN_OK);
     size_t coarse = cache_count(f->cache, kind);
-    fill.count = SIDE * SIDE;
+    fill.count = CACHE_CASE_SITES;
     fill.a_irradiance = fill.a_radiance = 0.25f;
     assert_int_equal(cache_fill(f->cache, &fill), SATIN_OK);
     assert_true(cache_count(f->cache, kind) > coarse + 8);
     return coarse;
 }
 
-static uint32_t rays_of(const struct fixture *f, enum cache_kind kind, size_t i) {
+static uint32_t rays_of(const struct cache_case *f, enum cache_kind kind, size_t i) {
     return kind == CACHE_IRRADIANCE ? f->cache->irradiance[i].value.rays
                                     : f->cache->radiance[i].rays;
 }
@@ -95,7 +60,7 @@ static void the_ends_are_four_times_off(void **state) {
     static const double times[] = {1.0, 4.0, 0.25};
     for (int k = 0; k < 6; k++) {
         const enum cache_kind kind = k % 2 ? CACHE_RADIANCE : CACHE_IRRADIANCE;
-        struct fixture f;
+        struct cache_case f;
         start(&f, 2, noise[k / 2]);
         size_t coarse = fill(&f, kind);
         const size_t count = cache_count(f.cache, kind);
@@ -108,7 +73,7 @@ static void the_ends_are_four_times_off(void **state) {
             off += near_to(rays, RAYS * times[k / 2]);
         }
         assert_true(4 * off > 3 * (count - coarse));
-        stop(&f);
+        cache_case_free(&f);
     }
 }
 
@@ -117,7 +82,7 @@ static void rays_reach_the_deviation(void **state) {
     (void)state;
     double mean[2] = {0};
     for (int asked = 0; asked < 2; asked++) {
-        struct fixture f;
+        struct cache_case f;
         start(&f, 2, asked ? 0.7f * (float)mean[0] : 0.0f);
         size_t coarse = fill(&f, CACHE_IRRADIANCE);
         const size_t count = cache_count(f.cache, CACHE_IRRADIANCE);
@@ -129,14 +94,14 @@ static void rays_reach_the_deviation(void **state) {
         }
         mean[asked] = sqrt(square);
         if (asked) assert_true(rays > 1.5 * RAYS && rays < 3.0 * RAYS);
-        stop(&f);
+        cache_case_free(&f);
     }
     assert_true(mean[1] > 0.5 * mean[0] && mean[1] < 0.9 * mean[0]);
 }
 
 static void threads_do_not_matter(void **state) {
     (void)state;
-    struct fixture one, four;
+    struct cache_case one, four;
     start(&one, 1, 0.02f);
     start(&four, 4, 0.02f);
     fill(&one, CACHE_RADIANCE);
@@ -148,8 +113,8 @@ static void threads_do_not_matter(void **state) {
         for (size_t i = 0; i < count; i++)
             assert_int_equal(rays_of(&one, kinds[k], i), rays_of(&four, kinds[k], i));
     }
-    stop(&one);
-    stop(&four);
+    cache_case_free(&one);
+    cache_case_free(&four);
 }
 
 int main(void) {

@@ -16,6 +16,7 @@
 #include "base/fileio.h"
 #include "base/rng.h"
 #include "film/film.h"
+#include "folder_case.h"
 #include "message_case.h"
 
 enum { WIDTH = 37, HEIGHT = 45, TILE = 16, LEFT = -3, TOP = 11 };
@@ -232,14 +233,10 @@ static void not_a_file(void **state) {
 }
 
 int main(void) {
-    char folder[] = "/tmp/satin-test-XXXXXX";
-    if (!mkdtemp(folder) || chdir(folder) != 0) return 1;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_kind),    cmocka_unit_test(cut_short),
         cmocka_unit_test(flipped_bytes), cmocka_unit_test(promises_too_much),
         cmocka_unit_test(not_a_file),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    if (rmdir(folder) != 0) return 1;
-    return failed;
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

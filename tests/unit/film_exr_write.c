@@ -16,6 +16,7 @@
 #include "base/fileio.h"
 #include "base/rng.h"
 #include "film/film.h"
+#include "folder_case.h"
 #include "message_case.h"
 #include "satin/render.h"
 
@@ -128,15 +129,11 @@ static void failure_leaves_nothing(void **state) {
 }
 
 int main(void) {
-    char folder[] = "/tmp/satin-test-XXXXXX";
-    if (!mkdtemp(folder) || chdir(folder) != 0) return 1;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(round_trip),
         cmocka_unit_test(same_bytes_for_any_threads),
         cmocka_unit_test(not_finite_becomes_zero),
         cmocka_unit_test(failure_leaves_nothing),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    if (rmdir(folder) != 0) return 1;
-    return failed;
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "film/film.h"
+#include "folder_case.h"
 
 enum { WIDTH = 1024 };
 
@@ -101,15 +102,11 @@ static void no_beauty_no_file(void **state) {
 }
 
 int main(void) {
-    char folder[] = "/tmp/satin-test-XXXXXX";
-    if (!mkdtemp(folder) || chdir(folder) != 0) return 1;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(colours_grow_lighter),
         cmocka_unit_test(nothing_is_black),
         cmocka_unit_test(dots_over_grey),
         cmocka_unit_test(no_beauty_no_file),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    rmdir(folder);
-    return failed;
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "film/film.h"
+#include "folder_case.h"
 
 static void known_bytes(void **state) {
     (void)state;
@@ -45,13 +46,9 @@ static void no_beauty_no_file(void **state) {
 }
 
 int main(void) {
-    char folder[] = "/tmp/satin-test-XXXXXX";
-    if (!mkdtemp(folder) || chdir(folder) != 0) return 1;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(known_bytes),
         cmocka_unit_test(no_beauty_no_file),
     };
-    int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    if (rmdir(folder) != 0) return 1;
-    return failed;
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -110,5 +110,5 @@ int main(void) {
         cmocka_unit_test(lens_focuses),
         cmocka_unit_test(rays_are_parallel),
     };
-    return cmocka_run_group_tests(tests, scene_case_setup, scene_case_teardown);
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -8,12 +8,11 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include <cmocka.h>
 
+#include "folder_case.h"
 #include "satin/scene.h"
 #include "scene/scene_params.h"
 
@@ -57,21 +56,6 @@ static inline satin_scene *scene_case_load(struct scene_case *c, const char *tex
     satin_status status = satin_scene_load("scene.xml", NULL, 0, log.fn, log.user, &scene);
     assert_true((status == SATIN_OK) == (scene != NULL) && c->errors == (scene == NULL));
     return scene;
-}
-
-// Setup and teardown of a group: a new working directory.
-static char scene_case_folder[] = "/tmp/satin-test-XXXXXX";
-
-static inline int scene_case_setup(void **state) {
-    (void)state;
-    return mkdtemp(scene_case_folder) && chdir(scene_case_folder) == 0 ? 0 : -1;
-}
-
-static inline int scene_case_teardown(void **state) {
-    (void)state;
-    char command[64];
-    snprintf(command, sizeof command, "rm -r %s", scene_case_folder);
-    return chdir("/") == 0 && system(command) == 0 ? 0 : -1;
 }
 
 // The body of a scene with a sensor, so that it loads.

@@ -116,5 +116,5 @@ static void refuses(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(agrees_with_mitsuba),
                                        cmocka_unit_test(rays_leave), cmocka_unit_test(refuses)};
-    return cmocka_run_group_tests(tests, scene_case_setup, scene_case_teardown);
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

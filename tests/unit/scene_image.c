@@ -119,5 +119,5 @@ int main(void) {
         cmocka_unit_test(takes_floats_that_light_can_have),
         cmocka_unit_test(refuses_wrong_files),
     };
-    return cmocka_run_group_tests(tests, scene_case_setup, scene_case_teardown);
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

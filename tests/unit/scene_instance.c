@@ -148,5 +148,5 @@ int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(shows_the_same),
                                        cmocka_unit_test(rays_leave), cmocka_unit_test(refuses),
                                        cmocka_unit_test(merges)};
-    return cmocka_run_group_tests(tests, scene_case_setup, scene_case_teardown);
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

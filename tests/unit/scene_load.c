@@ -338,5 +338,5 @@ int main(void) {
         cmocka_unit_test(hashes_all_that_is_read), cmocka_unit_test(refuses_with_place),
         cmocka_unit_test(refuses_bad_files),       cmocka_unit_test(warns_of_what_has_no_effect),
     };
-    return cmocka_run_group_tests(tests, scene_case_setup, scene_case_teardown);
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

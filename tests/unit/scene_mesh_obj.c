@@ -123,5 +123,5 @@ int main(void) {
         cmocka_unit_test(names_the_line_of_an_error),
         cmocka_unit_test(names_the_scene_for_a_missing_file),
     };
-    return cmocka_run_group_tests(tests, scene_case_setup, scene_case_teardown);
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

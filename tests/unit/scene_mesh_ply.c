@@ -276,5 +276,5 @@ int main(void) {
         cmocka_unit_test(passes_over_empty_elements),
         cmocka_unit_test(refuses_bad_binary_lists),
     };
-    return cmocka_run_group_tests(tests, scene_case_setup, scene_case_teardown);
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

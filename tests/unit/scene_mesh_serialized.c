@@ -146,5 +146,5 @@ int main(void) {
         cmocka_unit_test(refuses_a_bad_table),
         cmocka_unit_test(refuses_damage),
     };
-    return cmocka_run_group_tests(tests, scene_case_setup, scene_case_teardown);
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

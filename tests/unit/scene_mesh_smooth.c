@@ -68,5 +68,5 @@ int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(keeps_edges),
                                        cmocka_unit_test(smooths_flatter_ones),
                                        cmocka_unit_test(refuses)};
-    return cmocka_run_group_tests(tests, scene_case_setup, scene_case_teardown);
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

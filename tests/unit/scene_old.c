@@ -86,5 +86,5 @@ int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(translates),
                                        cmocka_unit_test(keeps_meaning),
                                        cmocka_unit_test(refuses_the_rest)};
-    return cmocka_run_group_tests(tests, scene_case_setup, scene_case_teardown);
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -247,5 +247,5 @@ int main(void) {
         cmocka_unit_test(reads_colours),       cmocka_unit_test(refuses),
         cmocka_unit_test(tables_are_complete), cmocka_unit_test(textures_fit_models),
     };
-    return cmocka_run_group_tests(tests, scene_case_setup, scene_case_teardown);
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -78,5 +78,5 @@ int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(converts), cmocka_unit_test(glows),
                                        cmocka_unit_test(reads_files),
                                        cmocka_unit_test(refuses_files)};
-    return cmocka_run_group_tests(tests, scene_case_setup, scene_case_teardown);
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

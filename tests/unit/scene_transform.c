@@ -92,5 +92,5 @@ int main(void) {
         cmocka_unit_test(lookat_without_up),
         cmocka_unit_test(refuses),
     };
-    return cmocka_run_group_tests(tests, scene_case_setup, scene_case_teardown);
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -212,5 +212,5 @@ int main(void) {
         cmocka_unit_test(refuses_with_place),      cmocka_unit_test(nesting_is_bounded),
         cmocka_unit_test(substitution_is_bounded),
     };
-    return cmocka_run_group_tests(tests, scene_case_setup, scene_case_teardown);
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }
