@@ -183,6 +183,25 @@ def stairs():
                  *steps, lamp("+y", (0.4, 2.1, 0.7), (0.4, 0.4), 14, 13, 11))
 
 
+def window():
+    outer = [box((0, -0.1, 0), (2.6, 0.1, 2.6), 0, ref("floor")),
+             box((0, 2.9, 0), (2.6, 0.1, 2.6), 0, ref("white")),
+             box((0, 1.4, -2.6), (2.6, 1.4, 0.1), 0, ref("white")),
+             box((0, 1.4, 2.6), (2.6, 1.4, 0.1), 0, ref("white")),
+             box((2.6, 1.4, 0), (0.1, 1.4, 2.6), 0, ref("cool"))]
+    # The wall with the hole: below, above and beside it.
+    holed = [box((-2.6, y, z), (0.1, half_y, half_z), 0, ref("warm"))
+             for y, z, half_y, half_z in [(0.45, 0, 0.45, 2.6), (2.5, 0, 0.3, 2.6),
+                                          (1.55, -1.75, 0.65, 0.85), (1.55, 1.75, 0.65, 0.85)]]
+    return scene("A room that sun and sky shine into through an open window.",
+                 sensor((1.9, 1.5, 2.2), (-0.7, 0.9, -1.4), 68), *PAINT, *outer, *holed,
+                 box((-0.6, 0.4, -1.3), (0.4, 0.4, 0.4), 20, ref("white")),
+                 plugin("emitter", "directional",
+                        element("vector", {"name": "direction", "x": "0.8", "y": "-0.6",
+                                           "z": "0.2"}), rgb("irradiance", 11, 10, 8)),
+                 plugin("emitter", "constant", rgb("radiance", 0.6, 0.8, 1.2)))
+
+
 def scaled_room(unit, what):
     """Everything of lengths times `unit`; radiance is what it was."""
     def at(*xyz):
@@ -211,7 +230,7 @@ def files():
     scenes = {"spot": spot_beam(), "spot-lamp": spot_disk(), "corner": corner(),
               "thin-wall": thin_wall(), "backlit": backlit(), "caustic-gloss": caustic_gloss(),
               "mirror": mirror(), "contact": contact(), "bump": bump(), "storeys": storeys(),
-              "gap": gap(), "stairs": stairs(), "room-5m": scaled_room(1, "5 m"),
+              "gap": gap(), "stairs": stairs(), "window": window(), "room-5m": scaled_room(1, "5 m"),
               "room-5mm": scaled_room(0.001, "5 mm"), "room-500km": scaled_room(1e5, "500 km")}
     out = {f"cases/{name}.xml": text.encode() for name, text in scenes.items()}
     out["cases/waves.ppm"] = waves_image()

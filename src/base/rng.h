@@ -22,7 +22,8 @@ enum rng_stage {
     RNG_GUIDE,
     RNG_VIEW,
     RNG_LEVEL,
-    RNG_DEAL
+    RNG_DEAL,
+    RNG_SKY
 };
 
 struct rng {

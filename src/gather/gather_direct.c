@@ -35,7 +35,11 @@ static rgb sample_light(const struct gather *g, const struct gather_point *p, st
     const struct satin_scene *scene = g->scene;
     rgb none = rgb_grey(0.0f);
     struct light_sample s;
-    if (!light_sample(scene, choice.light, p->surfel.p, u.x, u.y, &s)) return none;
+    const bool found =
+        (int32_t)choice.light == scene->environment
+            ? light_environment_sample(scene, photon_sky_window(g->maps, p->surfel.p), u.x, u.y, &s)
+            : light_sample(scene, choice.light, p->surfel.p, u.x, u.y, &s);
+    if (!found) return none;
     vec3 wi = frame_to_local(&p->frame, s.wi);
     rgb f = weighted_brdf(p, mis, wi, s.pdf_w * choice.probability, s.delta);
     if (rgb_black(f)) return none;
@@ -78,7 +82,9 @@ rgb gather_direct(const struct gather *g, const struct gather_point *p, struct g
 
 float gather_light_pdf(const struct gather *g, vec3 p, vec3 wi, const struct surfel *hit) {
     const struct satin_scene *scene = g->scene;
+    if (!hit && scene->environment < 0) return 0.0f;
     uint32_t light = (uint32_t)(hit ? hit->light : scene->environment);
-    float pdf = hit ? light_pdf(scene, p, wi, hit) : light_environment_pdf(scene, p, wi);
+    float pdf = hit ? light_pdf(scene, p, wi, hit)
+                    : light_environment_pdf(scene, photon_sky_window(g->maps, p), wi);
     return pdf * light_choose_probability(scene, p, light);
 }

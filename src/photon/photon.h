@@ -45,6 +45,9 @@ rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *sc
 rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p, vec3 ng,
                    const struct frame *frame, const struct brdf *brdf, vec3 wo, unsigned lobes);
 
+// How to draw the environment at p; NULL: as the light does.
+const struct light_window *photon_sky_window(const struct photon_maps *maps, vec3 p);
+
 // ---- Bright places (photon_cones.c) -----------------------------------------------------------
 
 // From where light is gathered.

@@ -136,6 +136,14 @@ static satin_status build_bright(const struct pass *pass, struct photon_maps *ma
     return status;
 }
 
+static satin_status build_sky(const struct pass *pass, struct photon_maps *maps) {
+    if (!pass->options->sky_guide || pass->options->integrator != SATIN_TWO_PASS) return SATIN_OK;
+    double start = stats_wall();
+    satin_status status = photon_sky_build(pass->scene, pass->options, pass->pool, &maps->sky);
+    stats_add(pass->stats, "photons.sky_s", stats_wall() - start);
+    return status;
+}
+
 satin_status photon_maps_build(const struct satin_scene *scene, const satin_options *options,
                                struct parallel *pool, struct log log, struct stats *stats,
                                struct photon_maps **out) {
@@ -152,6 +160,7 @@ satin_status photon_maps_build(const struct satin_scene *scene, const satin_opti
     satin_status status = build_global(&pass, maps);
     if (status == SATIN_OK) status = build_caustic(&pass, maps);
     if (status == SATIN_OK) status = build_bright(&pass, maps);
+    if (status == SATIN_OK) status = build_sky(&pass, maps);
     if (status != SATIN_OK) {
         photon_maps_free(maps);
         return status;
@@ -177,5 +186,6 @@ void photon_maps_free(struct photon_maps *maps) {
     photon_map_free(&maps->global);
     photon_map_free(&maps->caustic);
     photon_bright_free(maps->bright);
+    photon_sky_free(maps->sky);
     free(maps);
 }

@@ -28,6 +28,7 @@ const satin_options satin_options_default = {
     .gather_bounce = true,
     .gather_shadow = true,
     .gather_guide = true,
+    .sky_guide = true,
     .irradiance_cache = true,
     .irradiance_gradients = SATIN_GRADIENTS_STRATIFIED,
     .irradiance_rays = 600,

@@ -13,9 +13,9 @@
 #include "base/mat4.h"
 #include "base/parallel.h"
 #include "base/rng.h"
-#include "base/vec.h"
 #include "brdf/brdf.h"
 #include "satin/scene.h"
+#include "scene/scene_light_window.h"
 
 // ---- Textures ---------------------------------------------------------------------------------
 
@@ -123,6 +123,8 @@ float material_opacity(const struct material *m, const struct texture_place *at)
 // Calls fn for every side of m that is no blend; those of the back if it is two-sided.
 void material_visit(const struct material *m,
                     void (*fn)(void *ctx, const struct material_side *side), void *ctx);
+// Whether light passes through one of them.
+bool material_transmits(const struct material *m);
 // The lobes of their models, a mask of brdf_lobe.
 unsigned material_lobes(const struct material *m);
 
@@ -409,10 +411,8 @@ float light_choose_probability(const struct satin_scene *scene, vec3 p, uint32_t
 // A direction towards light i; false if none contributes. Does not test visibility.
 bool light_sample(const struct satin_scene *scene, uint32_t i, vec3 p, float u, float v,
                   struct light_sample *out);
-// Density over solid angle at p with which light_sample of s's light draws s (or, for environments,
-// wi).
+// Density over solid angle at p with which light_sample of s's light draws s.
 float light_pdf(const struct satin_scene *scene, vec3 p, vec3 wi, const struct surfel *s);
-float light_environment_pdf(const struct satin_scene *scene, vec3 p, vec3 wi);
 // Radiance that s emits towards w (world, away from the surface); black if s is no light.
 rgb light_emitted(const struct satin_scene *scene, const struct surfel *s, vec3 w);
 // Radiance of the environment along w (world, away from the eye); black without one.

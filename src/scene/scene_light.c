@@ -139,8 +139,7 @@ bool light_sample(const struct satin_scene *scene, uint32_t i, vec3 p, float u, 
             return true;
         case LIGHT_CONSTANT:
         case LIGHT_ENVMAP:
-            *out = (struct light_sample){.dist = INFINITY};
-            return light_environment_sample(light, u, v, &out->wi, &out->L, &out->pdf_w);
+            return light_environment_sample(scene, NULL, u, v, out);
     }
     return false;
 }

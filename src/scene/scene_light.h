@@ -51,9 +51,12 @@ vec2 light_face_uv(const struct light_face *face, const struct mesh *mesh, float
 
 // Builds the distribution of an envmap; sets strength and power. SATIN_ERROR_MEMORY.
 satin_status light_environment_prepare(struct satin_scene *scene, struct light *light);
-// A direction towards the environment (world) by u, v; false if its radiance is black.
-bool light_environment_sample(const struct light *light, float u, float v, vec3 *wi, rgb *L,
-                              float *pdf_w);
+
+// ---- Windows (scene_light_window.c) -----------------------------------------------------------
+
+// A direction by the bins, and the density over solid angle of drawing it so.
+vec3 light_window_sample(const struct light_window *window, float u, float v);
+float light_window_pdf(const struct light_window *window, vec3 w);
 
 // ---- Beams (scene_light_beam.c) ---------------------------------------------------------------
 

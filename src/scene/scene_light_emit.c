@@ -124,14 +124,13 @@ static bool emit_directional(const struct satin_scene *scene, const struct light
     return true;
 }
 
-static bool emit_environment(const struct satin_scene *scene, const struct light *light,
-                             const struct light_aim *aim, const float u[4], struct light_ray *out) {
-    vec3 w;
-    rgb L;
-    float pdf_w, area;
-    if (!light_environment_sample(light, u[2], u[3], &w, &L, &pdf_w)) return false;
-    if (!aim_ray(scene, aim, v3_neg(w), u, &out->ray, &area)) return false;
-    out->power = rgb_scale(L, area / pdf_w);
+static bool emit_environment(const struct satin_scene *scene, const struct light_aim *aim,
+                             const float u[4], struct light_ray *out) {
+    struct light_sample s;
+    float area;
+    if (!light_environment_sample(scene, NULL, u[2], u[3], &s)) return false;
+    if (!aim_ray(scene, aim, v3_neg(s.wi), u, &out->ray, &area)) return false;
+    out->power = rgb_scale(s.L, area / s.pdf_w);
     return true;
 }
 
@@ -153,7 +152,7 @@ bool light_emit(const struct satin_scene *scene, uint32_t i, const struct light_
             return emit_directional(scene, light, aim, u, out);
         case LIGHT_CONSTANT:
         case LIGHT_ENVMAP:
-            return emit_environment(scene, light, aim, u, out);
+            return emit_environment(scene, aim, u, out);
     }
     return false;
 }

@@ -124,12 +124,6 @@ static void add_sun(const struct satin_scene *scene, struct light *light) {
     if (rgb_black(light->value)) light->sun_share = 1.0f;
 }
 
-// The density of drawing a direction from that of drawing it for the image.
-static float mixed_pdf(const struct light *light, bool sun, float pdf_w) {
-    float of_image = (1.0f - light->sun_share) * pdf_w;
-    return sun ? of_image + light->sun_share / sun_solid_angle(light) : of_image;
-}
-
 static vec3 sun_direction(const struct light *light, float u, float v) {
     float versine = 0.5f * u * sqrf(light->sun_chord), phi = 2.0f * PI_F * v;
     float s = safe_sqrtf(versine * (2.0f - versine));
@@ -176,22 +170,41 @@ satin_status light_environment_prepare(struct satin_scene *scene, struct light *
     return SATIN_OK;
 }
 
-bool light_environment_sample(const struct light *light, float u, float v, vec3 *wi, rgb *L,
-                              float *pdf_w) {
+// The density of drawing a direction, in the sun or not, from that of drawing it for the radiance.
+static float mixed_pdf(const struct light *light, const struct light_window *window, vec3 wi,
+                       bool sun, float pdf_w) {
+    if (window) pdf_w = lerpf(pdf_w, light_window_pdf(window, wi), window->share);
+    pdf_w *= 1.0f - light->sun_share;
+    return sun ? pdf_w + light->sun_share / sun_solid_angle(light) : pdf_w;
+}
+
+static float radiance_pdf(const struct light *light, vec3 wi) {
+    if (light->kind == LIGHT_CONSTANT) return 0.25f / PI_F;
+    struct texel_place at = place_of(light, wi);
+    return place_pdf(light, &at);
+}
+
+// Whether u < share; if so, or if not, u is stretched to [0, 1) again.
+static bool takes(float share, float *u) {
+    const bool yes = *u < share;
+    *u = yes ? *u / share : fminf((*u - share) / (1.0f - share), 0x1.fffffep-1f);
+    return yes;
+}
+
+// But for the sun.
+static rgb radiance(const struct light *light, vec3 w) {
+    if (light->kind == LIGHT_CONSTANT) return light->value;
+    struct texel_place at = place_of(light, w);
+    return interpolate(light, &at);
+}
+
+// A direction by the radiance, its density and the radiance there.
+static vec3 sample_radiance(const struct light *light, float u, float v, float *pdf_w, rgb *L) {
     if (light->kind == LIGHT_CONSTANT) {
-        *wi = sample_uniform_sphere(u, v);
         *pdf_w = 0.25f / PI_F;
         *L = light->value;
-        return !rgb_black(*L);
+        return sample_uniform_sphere(u, v);
     }
-    if (u < light->sun_share) {
-        *wi = sun_direction(light, u / light->sun_share, v);
-        struct texel_place at = place_of(light, *wi);
-        *pdf_w = mixed_pdf(light, true, place_pdf(light, &at));
-        *L = rgb_add(light->sun_value, interpolate(light, &at));
-        return true;
-    }
-    u = fminf((u - light->sun_share) / (1.0f - light->sun_share), 0x1.fffffep-1f);
     const struct image *image = light->image;
     int row = (int)sample_cdf(light->row_cdf, (size_t)cell_rows(image), v, &v);
     const float *columns = light->column_cdf + (size_t)row * (size_t)(image->width + 1);
@@ -202,28 +215,38 @@ bool light_environment_sample(const struct light *light, float u, float v, vec3 
     at.fx = sample_linear(u, lerpf(c.w00, c.w01, at.fy), lerpf(c.w10, c.w11, at.fy));
     float y = ((float)row + at.fy) / (float)cell_rows(image);
     at.sin_theta = sinf(PI_F * y);
-    *wi = direction_at(light, ((float)column + at.fx + 0.5f) / (float)image->width, y);
-    bool sun = in_sun(light, *wi);
-    *pdf_w = mixed_pdf(light, sun, place_pdf(light, &at));
+    *pdf_w = place_pdf(light, &at);
     *L = interpolate(light, &at);
-    if (sun) *L = rgb_add(*L, light->sun_value);
-    return *pdf_w > 0.0f && !rgb_black(*L);
+    return direction_at(light, ((float)column + at.fx + 0.5f) / (float)image->width, y);
 }
 
-float light_environment_pdf(const struct satin_scene *scene, vec3 p, vec3 wi) {
-    (void)p;
-    if (scene->environment < 0) return 0.0f;
+bool light_environment_sample(const struct satin_scene *scene, const struct light_window *window,
+                              float u, float v, struct light_sample *out) {
     const struct light *light = &scene->light[scene->environment];
-    if (light->kind == LIGHT_CONSTANT) return 0.25f / PI_F;
-    struct texel_place at = place_of(light, wi);
-    return mixed_pdf(light, in_sun(light, wi), place_pdf(light, &at));
+    bool sun = light->sun_share > 0.0f && takes(light->sun_share, &u);
+    *out = (struct light_sample){.dist = INFINITY};
+    if (sun || (window && takes(window->share, &u))) {
+        out->wi = sun ? sun_direction(light, u, v) : light_window_sample(window, u, v);
+        out->pdf_w = radiance_pdf(light, out->wi);
+        out->L = radiance(light, out->wi);
+    } else {
+        out->wi = sample_radiance(light, u, v, &out->pdf_w, &out->L);
+    }
+    sun = sun || in_sun(light, out->wi);  // drawn at its rim it may be off by a digit
+    if (sun) out->L = rgb_add(out->L, light->sun_value);
+    out->pdf_w = mixed_pdf(light, window, out->wi, sun, out->pdf_w);
+    return out->pdf_w > 0.0f && !rgb_black(out->L);
+}
+
+float light_environment_pdf(const struct satin_scene *scene, const struct light_window *window,
+                            vec3 wi) {
+    const struct light *light = &scene->light[scene->environment];
+    return mixed_pdf(light, window, wi, in_sun(light, wi), radiance_pdf(light, wi));
 }
 
 rgb light_environment(const struct satin_scene *scene, vec3 w) {
     if (scene->environment < 0) return rgb_grey(0.0f);
     const struct light *light = &scene->light[scene->environment];
-    if (light->kind == LIGHT_CONSTANT) return light->value;
-    struct texel_place at = place_of(light, w);
-    rgb L = interpolate(light, &at);
+    rgb L = radiance(light, w);
     return in_sun(light, w) ? rgb_add(L, light->sun_value) : L;
 }

@@ -26,6 +26,16 @@ void material_visit(const struct material *m,
     if (m->two_sided) visit(&m->back, fn, ctx);
 }
 
+static void add_transmits(void *ctx, const struct material_side *side) {
+    *(bool *)ctx |= side->base.model->transmits;
+}
+
+bool material_transmits(const struct material *m) {
+    bool found = false;
+    material_visit(m, add_transmits, &found);
+    return found;
+}
+
 static void add_lobes(void *ctx, const struct material_side *side) {
     unsigned *lobes = ctx;
     *lobes |= side->base.model->lobes;

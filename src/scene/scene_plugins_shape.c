@@ -262,16 +262,6 @@ satin_status scene_shape_reserve(struct scene_loader *loader, const struct param
     return SATIN_OK;
 }
 
-static void see_side(void *ctx, const struct material_side *side) {
-    *(bool *)ctx |= side->base.model->transmits;
-}
-
-static bool transmits(const struct material *m) {
-    bool found = false;
-    material_visit(m, see_side, &found);
-    return found;
-}
-
 // Collects the attributes of meshes that the shape's textures look up.
 static satin_status want_attributes(struct scene_loader *loader, const struct params *p,
                                     const struct shape *shape) {
@@ -321,7 +311,7 @@ satin_status scene_shape_add(struct scene_loader *loader, struct xml_node *node)
     if (status != SATIN_OK) return status;
     shape.area = scene_shape_area(&shape);
     if (shape.kind == SHAPE_CURVES && emitter) return fail(loader, &p, "curves cannot emit");
-    if (shape.kind == SHAPE_CURVES && transmits(&loader->material[shape.material]))
+    if (shape.kind == SHAPE_CURVES && material_transmits(&loader->material[shape.material]))
         return fail(loader, &p, "curves cannot transmit light");
     bool flat = shape.kind == SHAPE_DISK || strcmp(p.plugin->name, "rectangle") == 0;
     if (shape.light >= 0 && !flat && loader->light[shape.light].kind == LIGHT_BEAM)

@@ -58,6 +58,7 @@ static const struct row rows[] = {
     {"storeys", "storeys", {"below", 0, 33, 64, 62}, {0.02, 0.05, 0.15}},
     {"thin-wall", "thin-wall", {"bright side", 14, 14, 31, 62}, {0.02, 0.05, 0.15}},
     {"thin-wall", "thin-wall", {"dark side", 33, 14, 50, 62}, {0.02, 0.05, 0.15}},
+    {"window", "window", {"room", 0, 0, 64, 64}, {0.01, 0.03, 0.2}},
 };
 
 // Where scenes and their references are.

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the sky is seen from: in a room with a hole in its wall, directions that are drawn there
+// mostly go through the hole, and bring the light that all of them do; where no wall is, or no sky,
+// they are drawn as anywhere.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "base/sampling.h"
+#include "photon/photon_map.h"
+#include "test_scene.h"
+
+// A camera looks down at the floor of a cube of half-width 1 whose wall at x = 1 has a slit above
+// z = .2; beneath a sky.
+static void room(struct test_scene *t, bool walls, bool sky) {
+    test_scene_init(t);
+    const uint32_t grey = test_diffuse(t, 0.5f, 0.5f, 0.5f);
+    test_cube(t, test_transform(v3(0, 0, -1.05f), v3(1, 1, 0.05f)), false, grey);
+    if (walls) {
+        test_cube(t, test_transform(v3(0, 0, 1.05f), v3(1, 1, 0.05f)), false, grey);
+        test_cube(t, test_transform(v3(-1.05f, 0, 0), v3(0.05f, 1.1f, 1.1f)), false, grey);
+        test_cube(t, test_transform(v3(1.05f, 0, -0.4f), v3(0.05f, 1.1f, 0.6f)), false, grey);
+        test_cube(t, test_transform(v3(1.05f, 0, 0.8f), v3(0.05f, 1.1f, 0.3f)), false, grey);
+        test_cube(t, test_transform(v3(0, 1.05f, 0), v3(1.1f, 0.05f, 1.1f)), false, grey);
+        test_cube(t, test_transform(v3(0, -1.05f, 0), v3(1.1f, 0.05f, 1.1f)), false, grey);
+    }
+    if (sky)
+        test_light(t, (struct light){.kind = LIGHT_CONSTANT, .value = rgb_grey(1.0f)});
+    else
+        test_light(t, (struct light){.kind = LIGHT_POINT, .value = rgb_grey(1.0f)});
+    test_scene_finish(t);
+    t->scene.camera = (struct camera){
+        .to_world = mat4_scale(v3(1, 1, -1)), .tan_x = 1.0f, .tan_y = 1.0f, .far_clip = INFINITY};
+    t->scene.film =
+        (struct film_spec){.width = 64, .height = 64, .crop_width = 64, .crop_height = 64};
+}
+
+struct tally {
+    double E, visible;  // irradiance; part of the samples that see the sky
+};
+
+// Of samples at p on the floor, with normal z.
+static struct tally sample(const struct test_scene *t, const struct light_window *window, vec3 p) {
+    enum { SAMPLES = 1 << 16 };
+    struct tally tally = {0};
+    for (uint32_t i = 0; i < SAMPLES; i++) {
+        const vec2 u = sample_sobol2(i, 3);
+        struct light_sample s;
+        assert_true(light_environment_sample(&t->scene, window, u.x, u.y, &s));
+        struct ray ray = scene_spawn(&t->scene, p, v3(0, 0, 1), s.wi);
+        if (!(s.wi.z > 0.0f) || scene_occluded(&t->scene, &ray)) continue;
+        tally.visible += 1.0 / SAMPLES;
+        tally.E += (double)(s.wi.z / s.pdf_w) / SAMPLES;
+    }
+    return tally;
+}
+
+// Builds the maps' windows by that many threads.
+static void look(struct test_scene *t, int threads, struct photon_maps *maps) {
+    satin_options options = satin_options_default;
+    struct parallel *pool = parallel_new(threads);
+    *maps = (struct photon_maps){.photon_k = 1};
+    assert_int_equal(photon_sky_build(&t->scene, &options, pool, &maps->sky), SATIN_OK);
+    parallel_free(pool);
+}
+
+static void samples_go_through_the_hole(void **state) {
+    (void)state;
+    struct test_scene t;
+    struct photon_maps maps;
+    room(&t, true, true);
+    look(&t, 2, &maps);
+    for (int i = 0; i < 9; i++) {
+        const vec3 p = v3(0.3f * (float)(i % 3 - 1), 0.3f * (float)(i / 3 - 1), -1.0f);
+        const struct light_window *window = photon_sky_window(&maps, p);
+        assert_non_null(window);
+        const struct tally blind = sample(&t, NULL, p), guided = sample(&t, window, p);
+        assert_true(guided.visible > 30.0 * blind.visible);
+        assert_true(fabs(guided.E - blind.E) < 0.05 * blind.E);
+    }
+    photon_sky_free(maps.sky);
+    test_scene_free(&t);
+}
+
+static void an_open_floor_looks_up(void **state) {
+    (void)state;
+    struct test_scene t;
+    struct photon_maps maps;
+    room(&t, false, true);
+    look(&t, 1, &maps);
+    const vec3 p = v3(0, 0, -1);
+    const struct light_window *window = photon_sky_window(&maps, p);
+    assert_non_null(window);
+    const struct tally blind = sample(&t, NULL, p), guided = sample(&t, window, p);
+    assert_true(fabs(blind.visible - 0.5) < 0.01 && guided.visible > 0.85);
+    assert_true(fabs(guided.E - M_PI) < 0.02);
+    photon_sky_free(maps.sky);
+    test_scene_free(&t);
+}
+
+static void without_sky_there_is_nothing(void **state) {
+    (void)state;
+    struct test_scene t;
+    struct photon_maps maps;
+    room(&t, true, false);
+    look(&t, 1, &maps);
+    assert_null(maps.sky);
+    assert_null(photon_sky_window(&maps, v3(0, 0, 0)));
+    assert_null(photon_sky_window(NULL, v3(0, 0, 0)));
+    test_scene_free(&t);
+}
+
+static void threads_make_no_difference(void **state) {
+    (void)state;
+    struct test_scene t;
+    struct photon_maps one, three;
+    room(&t, true, true);
+    look(&t, 1, &one);
+    look(&t, 3, &three);
+    for (int i = 0; i < 64; i++) {
+        const vec3 p = v3(0.06f * (float)(i % 8) - 0.2f, 0.06f * (float)(i / 8) - 0.2f, -1.0f);
+        const struct light_window *a = photon_sky_window(&one, p);
+        const struct light_window *b = photon_sky_window(&three, p);
+        assert_memory_equal(a->cdf, b->cdf, (LIGHT_WINDOW_BINS + 1) * sizeof *a->cdf);
+    }
+    photon_sky_free(one.sky);
+    photon_sky_free(three.sky);
+    test_scene_free(&t);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(samples_go_through_the_hole),
+        cmocka_unit_test(an_open_floor_looks_up),
+        cmocka_unit_test(without_sky_there_is_nothing),
+        cmocka_unit_test(threads_make_no_difference),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
