@@ -64,18 +64,22 @@ static const struct oiio_module *open_module(struct log log, struct log_place pl
 
 // ---- Texels -------------------------------------------------------------------------------------
 
+// Sums of as many texels as there may be are finite.
+#define TEXEL_LIMIT 1e25f
+
 static void finish_texels(const struct scene_source *source, float *texel, size_t count,
                           bool decode) {
     size_t bad = 0;
     for (size_t i = 0; i < count; i++) {
         if (decode) texel[i] = srgb_to_linear(texel[i]);
-        if (isfinite(texel[i]) && texel[i] >= 0.0f) continue;
+        if (texel[i] >= 0.0f && texel[i] < TEXEL_LIMIT) continue;
         texel[i] = 0.0f;
         bad++;
     }
     if (bad)
         log_message(source->log, SATIN_LOG_WARNING,
-                    "%s: %zu values are negative or not finite and count as 0", source->path, bad);
+                    "%s: %zu values are negative, not finite or over %g and count as 0",
+                    source->path, bad, (double)TEXEL_LIMIT);
 }
 
 // Hashes the file and finds out what is wrong before a library tells of it on standard error.
