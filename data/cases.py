@@ -230,7 +230,8 @@ def files():
     scenes = {"spot": spot_beam(), "spot-lamp": spot_disk(), "corner": corner(),
               "thin-wall": thin_wall(), "backlit": backlit(), "caustic-gloss": caustic_gloss(),
               "mirror": mirror(), "contact": contact(), "bump": bump(), "storeys": storeys(),
-              "gap": gap(), "stairs": stairs(), "window": window(), "room-5m": scaled_room(1, "5 m"),
+              "gap": gap(), "stairs": stairs(), "window": window(),
+              "room-5m": scaled_room(1, "5 m"),
               "room-5mm": scaled_room(0.001, "5 mm"), "room-500km": scaled_room(1e5, "500 km")}
     out = {f"cases/{name}.xml": text.encode() for name, text in scenes.items()}
     out["cases/waves.ppm"] = waves_image()
