@@ -64,7 +64,8 @@ INLINE void stretch_angles(float cosine[W], float sine[W]) {
     }
 }
 
-// What rsh_turn_of_matrix does; where there is no turn about y, beta is 0.
+// What rsh_turn_of_matrix does, but gamma from row y of R_z(-alpha) r, for which true rotations
+// need no second root; where there is no turn about y, beta is 0.
 void GLUE(rsh_angles_, RSH_NAME)(const float r[9][RSH_MAX_WIDTH], bool stretch,
                                  struct rsh_turns *t) {
     float ca[W], sa[W], cb[W], sb[W], cg[W], sg[W], beta[W], square[W], unit[W], length[W];

@@ -19,6 +19,12 @@ typedef __m512 lanes;
 
 LANES_INLINE lanes lanes_load(const float *p) { return _mm512_loadu_ps(p); }
 LANES_INLINE lanes lanes_splat(float x) { return _mm512_set1_ps(x); }
+// The compiler is kept from computing with the number before it is splat.
+LANES_INLINE lanes lanes_splat_now(float x) {
+    __m512 v = _mm512_set1_ps(x);
+    __asm__("" : "+v"(v));
+    return v;
+}
 LANES_INLINE lanes lanes_zero(void) { return _mm512_setzero_ps(); }
 LANES_INLINE lanes lanes_add(lanes a, lanes b) { return _mm512_add_ps(a, b); }
 LANES_INLINE lanes lanes_mul(lanes a, lanes b) { return _mm512_mul_ps(a, b); }
@@ -58,6 +64,10 @@ LANES_INLINE void eight_store_last(float *p, int count, __m256 v) {
 
 typedef __m512i places;
 LANES_INLINE places places_load(const int32_t *p) { return _mm512_loadu_si512(p); }
+// a in the lanes whose place is -1, b in those where it is 0.
+LANES_INLINE lanes lanes_where(places p, lanes a, lanes b) {
+    return _mm512_mask_mov_ps(b, _mm512_movepi32_mask(p), a);
+}
 LANES_INLINE places places_next(places p) { return _mm512_add_epi32(p, _mm512_set1_epi32(1)); }
 
 // Lane i gets lane place[i] of v: within its half (places count round there), from the other half,
@@ -65,10 +75,10 @@ LANES_INLINE places places_next(places p) { return _mm512_add_epi32(p, _mm512_se
 LANES_INLINE lanes lanes_within(lanes v, places p) { return _mm512_permutexvar_ps(p, v); }
 LANES_INLINE lanes lanes_across(lanes v, places p) { return _mm512_permutexvar_ps(p, v); }
 LANES_INLINE lanes lanes_any(lanes v, places p) { return _mm512_permutexvar_ps(p, v); }
-// Of the halves exchanged: lane i gets lane place[i] + 8 or - 8, places counting as for `within`.
-LANES_INLINE lanes lanes_opposite(lanes v, places p) {
-    return _mm512_permutexvar_ps(_mm512_xor_si512(p, _mm512_set1_epi32(8)), v);
-}
+// Of the halves exchanged: lane i gets lane place[i] + 8 or - 8, places counting as for `within`
+// before they were made those of the opposite half.
+LANES_INLINE places places_opposite(places p) { return _mm512_xor_si512(p, _mm512_set1_epi32(8)); }
+LANES_INLINE lanes lanes_opposite(lanes v, places p) { return _mm512_permutexvar_ps(p, v); }
 
 // Lane i gets in[place[i]], or 0 where place[i] >= count; count <= 32, place < 32.
 struct lanes_source {
@@ -102,6 +112,11 @@ LANES_INLINE lanes lanes_load(const float *p) {
     return (lanes){_mm256_loadu_ps(p), _mm256_loadu_ps(p + 8)};
 }
 LANES_INLINE lanes lanes_splat(float x) { return (lanes){_mm256_set1_ps(x), _mm256_set1_ps(x)}; }
+LANES_INLINE lanes lanes_splat_now(float x) {
+    __m256 v = _mm256_set1_ps(x);
+    __asm__("" : "+v"(v));
+    return (lanes){v, v};
+}
 LANES_INLINE lanes lanes_zero(void) { return (lanes){_mm256_setzero_ps(), _mm256_setzero_ps()}; }
 LANES_INLINE lanes lanes_add(lanes a, lanes b) {
     return (lanes){_mm256_add_ps(a.lo, b.lo), _mm256_add_ps(a.hi, b.hi)};
@@ -166,6 +181,10 @@ LANES_INLINE __m256i eight_places(const int32_t *p) {
 LANES_INLINE places places_load(const int32_t *p) {
     return (places){eight_places(p), eight_places(p + 8)};
 }
+LANES_INLINE lanes lanes_where(places p, lanes a, lanes b) {
+    return (lanes){_mm256_blendv_ps(b.lo, a.lo, _mm256_castsi256_ps(p.lo)),
+                   _mm256_blendv_ps(b.hi, a.hi, _mm256_castsi256_ps(p.hi))};
+}
 LANES_INLINE places places_next(places p) {
     const __m256i one = _mm256_set1_epi32(1);
     return (places){_mm256_add_epi32(p.lo, one), _mm256_add_epi32(p.hi, one)};
@@ -175,6 +194,7 @@ LANES_INLINE places places_next(places p) {
 LANES_INLINE lanes lanes_within(lanes v, places p) {
     return (lanes){_mm256_permutevar8x32_ps(v.lo, p.lo), _mm256_permutevar8x32_ps(v.hi, p.hi)};
 }
+LANES_INLINE places places_opposite(places p) { return p; }
 LANES_INLINE lanes lanes_opposite(lanes v, places p) {
     return lanes_within((lanes){v.hi, v.lo}, p);
 }

@@ -31,26 +31,35 @@ static float inverse_length(float x) {
     return x > 0.0f ? 1.0f / sqrtf(x) : 0.0f;
 }
 
-// The turns whose product is r. Alpha follows from the third column; gamma then from row y of
-// R_z(-alpha) r, which does not suffer when beta is nearly 0 and alpha is uncertain.
+// The turns whose product is r. Alpha follows from the third column. The upper left quarter of r
+// gives gamma + alpha, which does not suffer when beta is nearly 0 and alpha is uncertain, or,
+// where beta is above 90 degrees, gamma - alpha: sums and differences of its entries are 1 +
+// |cos beta| times cosine and sine. Both roots are taken at once.
 struct rsh_turn rsh_turn_of_matrix(const float r[9]) {
     struct rsh_turn t = {.method = RSH_METHOD_EXACT, .cos_alpha = 1.0f};
+    const bool below = r[8] < 0.0f;
+    float cosine = below ? r[4] - r[0] : r[4] + r[0], sine = below ? r[3] + r[1] : r[3] - r[1];
+    float length = sqrtf(cosine * cosine + sine * sine);
     float s2 = r[2] * r[2] + r[5] * r[5], s = sqrtf(s2);
     if (s > RSH_NO_ANGLE) {
-        float inverse = 1.0f / s, unit = inverse_length(s2 + r[8] * r[8]);
-        t.cos_alpha = r[2] * inverse;
-        t.sin_alpha = r[5] * inverse;
+        float unit = inverse_length(s2 + r[8] * r[8]);
+        t.cos_alpha = r[2] / s;
+        t.sin_alpha = r[5] / s;
         t.cos_beta = r[8] * unit;
         t.sin_beta = s * unit;
     } else {
-        t.cos_beta = r[8] < 0.0f ? -1.0f : 1.0f;
-        if (r[8] >= 0.0f) t.method = RSH_METHOD_Z;
+        t.cos_beta = below ? -1.0f : 1.0f;
+        if (!below) t.method = RSH_METHOD_Z;
     }
-    float sine = t.cos_alpha * r[3] - t.sin_alpha * r[0];
-    float cosine = t.cos_alpha * r[4] - t.sin_alpha * r[1];
-    float unit = inverse_length(sine * sine + cosine * cosine);
-    t.sin_gamma = sine * unit;
-    t.cos_gamma = unit > 0.0f ? cosine * unit : 1.0f;
+    cosine = length > 0.0f ? cosine / length : 1.0f;
+    sine = length > 0.0f ? sine / length : 0.0f;
+    const float back = below ? t.sin_alpha : -t.sin_alpha;
+    t.cos_gamma = cosine * t.cos_alpha - sine * back;
+    t.sin_gamma = sine * t.cos_alpha + cosine * back;
+    // Gamma's length has the rounding of alpha's, of which alpha is given the inverse.
+    const float inverse = 2.0f - (t.cos_alpha * t.cos_alpha + t.sin_alpha * t.sin_alpha);
+    t.cos_alpha *= inverse;
+    t.sin_alpha *= inverse;
     return t;
 }
 

@@ -78,25 +78,40 @@ extern const float rsh_ivanic_column[RSH_MAX_COEFFICIENTS];
 enum { RSH_LANES = 16, RSH_LANE_GROUPS = 11 };
 
 struct rsh_lane_group {
-    int first;                                // index of the group's first coefficient
-    int steps;                                // of the exchange
-    int offset;                               // of its first step in rsh_lane_steps
-    int32_t even[RSH_LANES], odd[RSH_LANES];  // coefficient - first of each lane; 31: none
-    int32_t natural[2 * RSH_LANES];           // lane of coefficient first + k, + 16 if in odd
-    int32_t power[2][RSH_LANES];              // place of m among 0 2 .. 14 1 3 .. 15: outer, inner
-    int32_t source[2][RSH_LANES];             // lane at step 0: outer to inner, inner to outer
-    int32_t down[RSH_LANES], up[RSH_LANES];   // lane of |m| - 1 and |m| + 1
+    // Coefficient - first of each lane; 31: none. All rows fill lines of the cache.
+    _Alignas(64) int32_t even[RSH_LANES];
+    int32_t odd[RSH_LANES];
+    int32_t natural[2 * RSH_LANES];          // lane of coefficient first + k, + 16 if in odd
+    int32_t power[2][RSH_LANES];             // place of m among 0 2 .. 14 1 3 .. 15: outer, inner
+    int32_t source[2][RSH_LANES];            // lane at step 0: outer to inner, inner to outer
+    int32_t down[RSH_LANES], up[RSH_LANES];  // lane of |m| - 1 and |m| + 1
     float from_down[2][RSH_LANES], from_up[2][RSH_LANES];  // entries of D, into even and odd
     float curve[2][RSH_LANES];                             // the diagonal of D^2, even and odd
+    int first;                                             // index of its first coefficient
+    int steps;                                             // of the exchange
+    int offset;                                            // of the first in rsh_lane_steps
 };
 extern const struct rsh_lane_group rsh_lane_groups[RSH_LANE_GROUPS];
 
 // One step of the exchange: out[lane] += factor[lane] * in[source[lane] + step], the source
 // counted round within its half.
 struct rsh_lane_step {
-    float factor[2][2][RSH_LANES];  // [outer to inner, inner to outer][even, odd]
+    _Alignas(64) float factor[2][2][RSH_LANES];  // [outer to inner, inner to outer][even, odd]
 };
 extern const struct rsh_lane_step rsh_lane_steps[];
+
+// Multiples of an angle a up to 5, which are all that the first two groups ask for, lane by lane as
+// polynomials of t = cos 2 a: with k = [group][0: outer, 1: inner layout],
+//   cos(m a) = (cosine[0] + t (cosine[1] + t cosine[2])) (cos a where m is odd, 1 elsewhere)
+//   (-1)^m sin(m a) = (sine[0] + t (sine[1] + t sine[2])) sin a (1 where m is odd, cos a
+//   elsewhere).
+// Up to 3, as in group 0, the last factors are 0.
+struct rsh_lane_multiples {
+    _Alignas(64) float cosine[3][RSH_LANES];
+    float sine[3][RSH_LANES];
+    int32_t odd[RSH_LANES];  // -1 where m is odd, 0 elsewhere
+};
+extern const struct rsh_lane_multiples rsh_lane_multiples[2][2];
 
 // A linear map that keeps m, from coefficients of order `inputs` to order `outputs`: the factor of
 // (i, +-m) in (o, +-m) is low[(o * inputs + i) * 8 + m] for m < 8 and, for o and i >= 8,

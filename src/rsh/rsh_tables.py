@@ -329,8 +329,8 @@ def lane_tables(w):
         texts += [braces("%d", r) for r in neighbours]
         texts += [pair([braces("%.9ef", series_factors(outer, part, kind)) for part in (0, 1)])
                   for kind in ("down", "up", "curve")]
-        rows.append("    {%d, %d, %d,\n     %s}," % (first, steps(group), len(exchange),
-                                                  ",\n     ".join(texts)))
+        rows.append("    {%s,\n     %d, %d, %d}," % (",\n     ".join(texts), first, steps(group),
+                                                  len(exchange)))
         for t in range(steps(group)):
             exchange.append([exchange_factors(group, source, target, part, t)
                              for source, target in ((outer, inner), (inner, outer))
@@ -341,6 +341,34 @@ def lane_tables(w):
         texts = [braces("%.9ef", r) for r in factors]
         w.lines.append("    {%s}," % pair([pair(texts[:2]), pair(texts[2:])]))
     w.lines.append("};")
+
+
+def multiple(m, sine):
+    """cos(m a), or (-1)^m sin(m a), without its odd powers of cos a and sin a: the factors of 1, t
+    and t^2, t = cos 2 a; Chebyshev's polynomials of all four kinds."""
+    odd = m % 2
+    if sine:
+        before, now = ([1, 0, 0], [1, 2, 0]) if odd else ([0, 0, 0], [2, 0, 0])
+    else:
+        before, now = [1, 0, 0], [-1 if odd else 0, 2 if odd else 1, 0]
+    for _ in range(m // 2):
+        before, now = now, [2 * a - b for a, b in zip([0] + now, before)]
+    return [-v if sine and odd else v for v in before]
+
+
+def multiple_tables(w):
+    """The polynomials of struct rsh_lane_multiples."""
+    groups = []
+    for group in GROUPS[:2]:
+        layouts = []
+        for inner in (False, True):
+            ms = [lm[1] if lm else 0 for lm in layout(group, inner)]
+            texts = [pair([braces("%.1ff", [multiple(m, sine)[power] for m in ms])
+                           for power in range(3)]) for sine in (False, True)]
+            texts.append(braces("%d", [-(m % 2) for m in ms]))
+            layouts.append(braces("%s", texts))
+        groups.append(pair(layouts))
+    w.lines.append("const struct rsh_lane_multiples rsh_lane_multiples[2][2] = %s;" % pair(groups))
 
 
 def series_factors(outer, part, kind):
@@ -483,6 +511,7 @@ def main():
     w = Writer()
     plain_tables(w)
     lane_tables(w)
+    multiple_tables(w)
     hemisphere_tables(w)
     with open(sys.argv[1], "w") as f:
         f.write("\n".join(w.lines) + "\n")

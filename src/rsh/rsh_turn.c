@@ -55,19 +55,31 @@ INLINE void turn_parts(struct angle t, lanes *even, lanes *odd) {
     *odd = lanes_mad(t.sine, a, lanes_mul(t.cosine, b));
 }
 
+// What of a group is known where it is used: its coefficients, the steps of its exchange with the
+// place of the first and the polynomials of small multiples, or NULL, with their degree.
+struct span {
+    int first, end, steps, offset;
+    const struct rsh_lane_multiples *small;
+    int degree;
+};
+
 // Exchanges y and z of `block` channels; direction 0 leads to the inner layout, 1 back.
-INLINE void exchange(const struct rsh_lane_group *g, int steps, int direction, int block,
+INLINE void exchange(const struct rsh_lane_group *g, struct span span, int direction, int block,
                      lanes *even, lanes *odd) {
-    const struct rsh_lane_step *step = rsh_lane_steps + g->offset;
-    places source = places_load(g->source[direction]);
-    lanes a[BLOCK], b[BLOCK];
-    for (int c = 0; c < block; c++) a[c] = b[c] = lanes_zero();
-    for (int i = 0; i < steps; i++, source = places_next(source)) {
-        lanes even_factor = lanes_load(step[i].factor[direction][0]);
-        lanes odd_factor = lanes_load(step[i].factor[direction][1]);
+    const struct rsh_lane_step *step = rsh_lane_steps + span.offset;
+    places source = places_load(g->source[direction]), other = places_opposite(source);
+    lanes a[BLOCK], b[BLOCK], p = lanes_load(step->factor[direction][0]),
+                              q = lanes_load(step->factor[direction][1]);
+    for (int c = 0; c < block; c++) {
+        a[c] = lanes_mul(lanes_within(even[c], source), p);
+        b[c] = lanes_mul(lanes_opposite(odd[c], other), q);
+    }
+    for (int i = 1; i < span.steps; i++) {
+        source = places_next(source), other = places_next(other);
+        p = lanes_load(step[i].factor[direction][0]), q = lanes_load(step[i].factor[direction][1]);
         for (int c = 0; c < block; c++) {
-            a[c] = lanes_mad(lanes_within(even[c], source), even_factor, a[c]);
-            b[c] = lanes_mad(lanes_opposite(odd[c], source), odd_factor, b[c]);
+            a[c] = lanes_mad(lanes_within(even[c], source), p, a[c]);
+            b[c] = lanes_mad(lanes_opposite(odd[c], other), q, b[c]);
         }
     }
     for (int c = 0; c < block; c++) {
@@ -99,28 +111,57 @@ INLINE void turn_series(const struct rsh_lane_group *g, const struct rsh_turn *t
     *odd = lanes_mad(beta, b, *odd);
 }
 
-struct multiples {
-    struct angle alpha, beta, gamma;
+// An angle: the cosines and sines of all multiples, or, where those up to 5 suffice, its own in
+// every lane, with their product and the cosine of twice the angle.
+struct spin {
+    struct angle angle;
+    lanes product, twice;
 };
 
-INLINE struct angle place(const struct angle *a, const int32_t *power) {
-    places p = places_load(power);
-    return (struct angle){lanes_within(a->cosine, p), lanes_within(a->sine, p)};
+struct spins {
+    struct spin alpha, beta, gamma;
+};
+
+INLINE struct spin spin_of(float c, float s, bool small, bool wide) {
+    if (!small) return (struct spin){.angle = multiples(c, s, wide)};
+    struct spin a = {.angle = {lanes_splat_now(c), lanes_splat_now(s)}};
+    a.product = lanes_mul(a.angle.cosine, a.angle.sine);
+    a.twice = lanes_nmad(a.angle.sine, a.angle.sine, lanes_mul(a.angle.cosine, a.angle.cosine));
+    return a;
 }
 
-// What of a group is known where it is used: its coefficients, and the steps of its exchange.
-struct span {
-    int first, end, steps;
-};
+// The small multiples of an angle, as rsh_tables.h has them.
+INLINE struct angle polynomials(const struct rsh_lane_multiples *m, int degree, int inner,
+                                const struct spin *a) {
+    const places odd = places_load(m->odd);
+    const lanes one = lanes_splat(1.0f), c1 = a->angle.cosine, s1 = a->angle.sine;
+    lanes c = lanes_load(m->cosine[degree]), s = lanes_load(m->sine[degree]);
+    for (int k = degree - 1; k >= 0; k--) {
+        c = lanes_mad(c, a->twice, lanes_load(m->cosine[k]));
+        s = lanes_mad(s, a->twice, lanes_load(m->sine[k]));
+    }
+    // In the outer layout all odd multiples are in the upper half.
+    return (struct angle){
+        lanes_mul(c, inner ? lanes_where(odd, c1, one) : lanes_halves(one, c1)),
+        lanes_mul(s, inner ? lanes_where(odd, s1, a->product) : lanes_halves(a->product, s1))};
+}
+
+// The multiples where the group's lanes want them, in the outer (0) or the inner (1) layout.
+INLINE struct angle place(const struct rsh_lane_group *g, struct span span, int inner,
+                          const struct spin *a) {
+    if (span.small) return polynomials(span.small + inner, span.degree, inner, a);
+    const places p = places_load(g->power[inner]);
+    if (inner) return (struct angle){lanes_any(a->angle.cosine, p), lanes_any(a->angle.sine, p)};
+    return (struct angle){lanes_within(a->angle.cosine, p), lanes_within(a->angle.sine, p)};
+}
 
 // `in` and `out` are the first of `block` channels of n coefficients each.
 INLINE void turn_group(const struct rsh_lane_group *g, struct span span, const struct rsh_turn *t,
-                       const struct multiples *multiples, int block, int n, const float *in,
-                       float *out) {
+                       const struct spins *spins, int block, int n, const float *in, float *out) {
     const int count = (n < span.end ? n : span.end) - span.first;
     in += span.first;
     out += span.first;
-    struct angle gamma = place(&multiples->gamma, g->power[0]);
+    struct angle gamma = place(g, span, 0, &spins->gamma);
     lanes even[BLOCK], odd[BLOCK];
     for (int c = 0; c < block; c++) {
         struct lanes_source source = lanes_source(in + c * n, count);
@@ -129,62 +170,76 @@ INLINE void turn_group(const struct rsh_lane_group *g, struct span span, const s
         turn_parts(gamma, &even[c], &odd[c]);
     }
     if (t->method == RSH_METHOD_EXACT) {
-        places p = places_load(g->power[1]);
-        struct angle beta = {lanes_any(multiples->beta.cosine, p),
-                             lanes_any(multiples->beta.sine, p)};
-        exchange(g, span.steps, 0, block, even, odd);
+        struct angle beta = place(g, span, 1, &spins->beta);
+        exchange(g, span, 0, block, even, odd);
         for (int c = 0; c < block; c++) turn_parts(beta, &even[c], &odd[c]);
-        exchange(g, span.steps, 1, block, even, odd);
+        exchange(g, span, 1, block, even, odd);
     } else if (t->method != RSH_METHOD_Z) {
         for (int c = 0; c < block; c++) turn_series(g, t, &even[c], &odd[c]);
     }
     if (t->method != RSH_METHOD_Z) {
-        struct angle alpha = place(&multiples->alpha, g->power[0]);
+        struct angle alpha = place(g, span, 0, &spins->alpha);
         for (int c = 0; c < block; c++) turn_parts(alpha, &even[c], &odd[c]);
     }
     for (int c = 0; c < block; c++) lanes_scatter(even[c], odd[c], g->natural, count, out + c * n);
 }
 
 // The first two groups, which are all that small orders have, with what the tables say of them.
-INLINE void turn_channels(const struct rsh_turn *t, const struct multiples *multiples, int order,
-                          int block, const float *in, float *out) {
+INLINE void turn_channels(const struct rsh_turn *t, const struct spins *spins, bool small,
+                          int order, int block, const float *in, float *out) {
     const struct rsh_lane_group *g = rsh_lane_groups, *end = g + RSH_LANE_GROUPS;
+    const struct span first = {0, 16, 2, 0, small ? rsh_lane_multiples[0] : NULL, 1};
+    const struct span second = {16, 36, 3, 2, small ? rsh_lane_multiples[1] : NULL, 2};
     int n = order * order;
-    turn_group(g++, (struct span){0, 16, 2}, t, multiples, block, n, in, out);
-    if (n > 16) turn_group(g++, (struct span){16, 36, 3}, t, multiples, block, n, in, out);
-    for (; g < end && g->first < n; g++) {
+    turn_group(g++, first, t, spins, block, n, in, out);
+    if (n > 16) turn_group(g++, second, t, spins, block, n, in, out);
+    for (; !small && g < end && g->first < n; g++) {
         int next = g + 1 < end ? g[1].first : RSH_MAX_COEFFICIENTS;
-        turn_group(g, (struct span){g->first, next, g->steps}, t, multiples, block, n, in, out);
+        const struct span span = {g->first, next, g->steps, g->offset, NULL, 0};
+        turn_group(g, span, t, spins, block, n, in, out);
     }
 }
 
-INLINE struct multiples multiples_of(const struct rsh_turn *t, bool wide) {
-    struct multiples m;
-    m.alpha = m.beta = m.gamma = multiples(t->cos_gamma, t->sin_gamma, wide);
-    if (t->method != RSH_METHOD_Z) m.alpha = multiples(t->cos_alpha, t->sin_alpha, wide);
+INLINE void turn(const struct rsh_turn *t, bool small, int order, int channels, const float *in,
+                 float *out) {
+    const bool wide = order > 8;
+    struct spins a;
+    a.alpha = a.beta = a.gamma = spin_of(t->cos_gamma, t->sin_gamma, small, wide);
+    if (t->method != RSH_METHOD_Z) a.alpha = spin_of(t->cos_alpha, t->sin_alpha, small, wide);
     // The exchange turns the sense round: y by beta is z by -beta between two exchanges.
-    if (t->method == RSH_METHOD_EXACT) m.beta = multiples(t->cos_beta, -t->sin_beta, wide);
-    return m;
+    if (t->method == RSH_METHOD_EXACT) a.beta = spin_of(t->cos_beta, -t->sin_beta, small, wide);
+    int n = order * order;
+    for (; channels >= BLOCK; channels -= BLOCK, in += BLOCK * n, out += BLOCK * n)
+        turn_channels(t, &a, small, order, BLOCK, in, out);
+    for (; channels > 0; channels--, in += n, out += n)
+        turn_channels(t, &a, small, order, 1, in, out);
 }
 
-// One channel of order 6, without a branch.
-static __attribute__((noinline)) void turn_six(const struct rsh_turn *turn, const float *in,
+// Three shapes: any order, orders whose multiples are few, and one channel of order 6 exactly,
+// which has no branch.
+static __attribute__((noinline)) void turn_any(const struct rsh_turn *t, int order, int channels,
+                                               const float *in, float *out) {
+    turn(t, false, order, channels, in, out);
+}
+
+static __attribute__((noinline)) void turn_small(const struct rsh_turn *t, int order, int channels,
+                                                 const float *in, float *out) {
+    turn(t, true, order, channels, in, out);
+}
+
+static __attribute__((noinline)) void turn_six(const struct rsh_turn *exact, const float *in,
                                                float *out) {
-    struct rsh_turn t = *turn;
+    struct rsh_turn t = *exact;
     t.method = RSH_METHOD_EXACT;
-    const struct multiples m = multiples_of(&t, false);
-    turn_channels(&t, &m, 6, 1, in, out);
+    turn(&t, true, 6, 1, in, out);
 }
 
 void GLUE(rsh_turn_, RSH_NAME)(const struct rsh_turn *t, int order, int channels, const float *in,
                                float *out) {
-    if (t->method == RSH_METHOD_EXACT && order == 6 && channels == 1) {
+    if (order > 6)
+        turn_any(t, order, channels, in, out);
+    else if (t->method == RSH_METHOD_EXACT && order == 6 && channels == 1)
         turn_six(t, in, out);
-        return;
-    }
-    const struct multiples m = multiples_of(t, order > 8);
-    int n = order * order;
-    for (; channels >= BLOCK; channels -= BLOCK, in += BLOCK * n, out += BLOCK * n)
-        turn_channels(t, &m, order, BLOCK, in, out);
-    for (; channels > 0; channels--, in += n, out += n) turn_channels(t, &m, order, 1, in, out);
+    else
+        turn_small(t, order, channels, in, out);
 }
