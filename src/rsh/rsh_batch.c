@@ -4,13 +4,17 @@
 //
 // Nothing is permuted here: bands are taken one by one, three channels share the angles and the
 // constants. A rotation about z costs four operations per pair (m, -m), the exchange of y and z one
-// fused multiply-add per entry that parity leaves. The series: rsh_batch_series.h.
+// fused multiply-add per entry that parity leaves. The series: rsh_batch_series.h, and of a single
+// record rsh_batch_one.h.
 #include "rsh/rsh_batch.h"
 
 #include <stddef.h>
 #include <stdint.h>
 
 #include "rsh/rsh_batch_series.h"
+#if RSH_WIDTH == 1
+#include "rsh/rsh_batch_one.h"
+#endif
 #include "rsh/rsh_turn.h"
 
 // Pairs of rows summed at once for three channels and for one; their sums stay in registers.
@@ -216,6 +220,12 @@ void rsh_turn_scalar(const struct rsh_turn *t, int order, int channels, const fl
     }
     const struct rsh_turns one = {t->method,     {t->beta},     {t->cos_alpha}, {t->sin_alpha},
                                   {t->cos_beta}, {t->sin_beta}, {t->cos_gamma}, {t->sin_gamma}};
+    if (t->method == RSH_METHOD_TAYLOR_1 || t->method == RSH_METHOD_TAYLOR_1_5) {
+        struct slants s;
+        slants_of(1, &one, order, &s);
+        turn_one(order, channels, &s, in, out);
+        return;
+    }
     rsh_turn_many_scalar(&one, order, channels, 1, in, out);
 }
 #endif
