@@ -65,8 +65,8 @@ struct texture_place {
 static inline struct texture_place texture_at(vec2 uv) { return (struct texture_place){.uv = uv}; }
 
 rgb texture_eval(const struct texture *texture, const struct texture_place *at);
-// A texture that gives a number: its luminance. A checkerboard then begins with color1, as in
-// Mitsuba 3.9, which exchanges its colours where it asks for a number.
+// A texture that gives a number: an image's luminance, a colour's mean. A checkerboard then begins
+// with color1, as in Mitsuba 3.9, which exchanges its colours where it asks for a number.
 float texture_number(const struct texture *texture, const struct texture_place *at);
 // The least and the largest number that it gives; false if that is not known.
 bool texture_range(const struct texture *texture, float *lo, float *hi);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Colours: <rgb> as one number (grey), three (linear sRGB) or #rrggbb (encoded sRGB); <spectrum>
-// as a constant, a list of samples, a file or by a type; <float>. Conversions are those of Mitsuba
-// 3 in its RGB mode.
+// as a constant, a list of samples, a file or by a type; <float>; <vector>. Conversions are those
+// of Mitsuba 3 in its RGB mode.
 #include <stdlib.h>
 #include <string.h>
 
@@ -85,5 +85,11 @@ static satin_status read_spectrum(struct param_source source, struct xml_node *n
 satin_status scene_color_read(struct param_source source, struct xml_node *node, bool light,
                               rgb *out) {
     if (node->tag == XML_SPECTRUM) return read_spectrum(source, node, light, out);
+    if (node->tag == XML_POINT || node->tag == XML_VECTOR) {
+        vec3 v;
+        if (!param_xyz(source.log, node, NAN, &v)) return SATIN_ERROR_INPUT;
+        *out = rgb_make(v.x, v.y, v.z);
+        return SATIN_OK;
+    }
     return read_rgb(source.log, node, out);
 }

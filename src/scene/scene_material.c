@@ -110,7 +110,7 @@ const struct material_side *scene_part(const struct satin_scene *scene, const st
 // ---- The BRDF of a part -------------------------------------------------------------------------
 
 // Replaces the constants of `b` that are textured; colours are averaged over the place. Numbers
-// take a texture's luminance, within what the models can stand.
+// are kept within what the models can stand.
 static void look_up(const struct material_side *side, const struct texture_place *at,
                     struct brdf *b) {
     const struct texture *const *slot = side->slot;

@@ -8,27 +8,30 @@
 
 #include "base/text.h"
 
-// Which elements give a value of a kind: bits 1 << xml_tag.
-static unsigned accepted_tags(enum param_kind kind) {
-    switch (kind) {
+// Which elements give a parameter: bits 1 << xml_tag.
+static unsigned accepted_tags(const struct plugin_spec *plugin, const struct param_spec *spec) {
+    const unsigned number = 1u << XML_FLOAT | 1u << XML_INTEGER;
+    const unsigned color = 1u << XML_RGB | 1u << XML_SPECTRUM;
+    const unsigned point = 1u << XML_POINT | 1u << XML_VECTOR;
+    switch (spec->kind) {
         case PARAM_BOOLEAN:
             return 1u << XML_BOOLEAN;
         case PARAM_INTEGER:
             return 1u << XML_INTEGER;
         case PARAM_FLOAT:
-            return 1u << XML_FLOAT | 1u << XML_INTEGER;
+            return spec->flags & PARAM_TEXTURE ? number | color : number;
         case PARAM_STRING:
         case PARAM_CHOICE:
             return 1u << XML_STRING;
         case PARAM_POINT:
-            return 1u << XML_POINT | 1u << XML_VECTOR;
+            return point;
         case PARAM_TRANSFORM:
             return 1u << XML_TRANSFORM;
         case PARAM_COLOR:
         case PARAM_LIGHT:
-            return 1u << XML_RGB | 1u << XML_SPECTRUM | 1u << XML_FLOAT | 1u << XML_INTEGER;
+            return number | color | (plugin->tag == XML_SPECTRUM ? point : 0u);
         case PARAM_IOR:
-            return 1u << XML_FLOAT | 1u << XML_INTEGER | 1u << XML_STRING;
+            return number | 1u << XML_STRING;
     }
     return 0;
 }
@@ -119,7 +122,7 @@ static satin_status read_child(struct param_source source, struct params *out,
         log_error_at(log, child->place, "'%s' is given twice", child->name);
         return SATIN_ERROR_INPUT;
     }
-    unsigned accepted = accepted_tags(spec->kind);
+    unsigned accepted = accepted_tags(plugin, spec);
     if (!(accepted & 1u << target->tag)) {
         char list[TAG_LIST];
         list_tags(accepted, list);

@@ -16,7 +16,7 @@ enum param_kind {
     PARAM_CHOICE,  // one of `choices`, letter case aside
     PARAM_POINT,   // <point> or <vector>
     PARAM_TRANSFORM,
-    PARAM_COLOR,  // <rgb>, <spectrum> or <float>
+    PARAM_COLOR,  // <rgb>, <spectrum> or <float>; in a spectrum also <vector>
     PARAM_LIGHT,  // the same for light: a constant <spectrum> is equal energy, not white
     PARAM_IOR     // <float> or the name of a substance
 };
@@ -121,7 +121,9 @@ satin_status scene_transform_read(struct log log, const struct xml_node *node, s
 // A colour from <rgb>, <spectrum> or <float> (scene_color.c).
 satin_status scene_color_read(struct param_source source, struct xml_node *node, bool light,
                               rgb *out);
-// A colour from a <spectrum> with a type (scene_plugins_spectrum.c).
+// Whether a type is that of a <spectrum> (scene_plugins_spectrum.c).
+bool scene_spectrum_named(const char *type);
+// A colour from a <spectrum> with a type.
 satin_status scene_spectrum_of(struct param_source source, struct xml_node *node, bool light,
                                rgb *out);
 

@@ -159,7 +159,7 @@ static satin_status build_mask(struct scene_loader *loader, const struct params 
     satin_status status = build_nested(loader, p, 1, 1, out, &count);
     if (status != SATIN_OK) return status;
     if (out->mask.used) return refuse(loader, p, "cannot wrap another mask");
-    out->mask = (struct material_mask){.used = true, .value = rgb_luminance(opacity->color)};
+    out->mask = (struct material_mask){.used = true, .value = rgb_mean(opacity->color)};
     if (!opacity->texture) return SATIN_OK;
     return scene_texture_of(loader, opacity->texture, &out->mask.texture);
 }

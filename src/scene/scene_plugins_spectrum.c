@@ -61,6 +61,12 @@ const struct plugin_spec scene_spectrum_plugins[] = {
     {XML_SPECTRUM, "srgb", "a colour", srgb_params, 0, NULL, false},
     {0}};
 
+bool scene_spectrum_named(const char *type) {
+    for (const struct plugin_spec *plugin = scene_spectrum_plugins; plugin->name; plugin++)
+        if (strcmp(plugin->name, type) == 0) return true;
+    return false;
+}
+
 // Makes room in `spectrum` by reading `values`; `at` gives wavelengths, or NULL: evenly spread.
 static satin_status read_samples(struct log log, const struct params *p, const double ends[2],
                                  struct spectrum *spectrum) {

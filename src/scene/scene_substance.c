@@ -3,6 +3,7 @@
 // are what Mitsuba 3.9 uses under these names in its RGB mode, read from its parameters.
 #include <string.h>
 
+#include "base/text.h"
 #include "scene/scene_params.h"
 
 struct dielectric {
@@ -70,7 +71,7 @@ static const struct metal metals[] = {
 
 bool scene_ior_find(const char *name, float *ior) {
     for (const struct dielectric *d = dielectrics; d->name; d++)
-        if (strcmp(d->name, name) == 0) {
+        if (text_same_name(d->name, name)) {
             *ior = d->ior;
             return true;
         }

@@ -108,7 +108,9 @@ rgb texture_eval(const struct texture *texture, const struct texture_place *at) 
 }
 
 float texture_number(const struct texture *texture, const struct texture_place *at) {
-    return rgb_luminance(eval(find_check(texture, at->uv, true), at));
+    texture = find_check(texture, at->uv, true);
+    if (texture->kind == TEXTURE_CONSTANT) return rgb_mean(texture->value);
+    return rgb_luminance(eval(texture, at));
 }
 
 vec2 texture_gradient(const struct texture *texture, vec2 uv) {
@@ -138,7 +140,7 @@ bool texture_range(const struct texture *texture, float *lo, float *hi) {
     float lo_1, hi_1;
     switch (texture->kind) {
         case TEXTURE_CONSTANT:
-            *lo = *hi = rgb_luminance(texture->value);
+            *lo = *hi = rgb_mean(texture->value);
             return true;
         case TEXTURE_BITMAP:
             image_range(texture->image, lo, hi);

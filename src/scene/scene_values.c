@@ -143,6 +143,15 @@ static satin_status read_boolean(struct log log, const struct param_spec *spec, 
     return SATIN_ERROR_INPUT;
 }
 
+// A number that a texture could give, from a colour: the mean.
+static satin_status read_mean(struct param_source source, const struct param_spec *spec,
+                              struct xml_node *node, struct param_value *value) {
+    satin_status status = scene_color_read(source, node, false, &value->color);
+    if (status != SATIN_OK) return status;
+    value->f = rgb_mean(value->color);
+    return check_range(source.log, spec, value->place, value->f);
+}
+
 // Reads a value that is written as one text; `tag` is that of the element it stands in.
 static satin_status read_text(struct log log, const struct param_spec *spec, enum xml_tag tag,
                               const char *text, struct param_value *value) {
@@ -190,6 +199,10 @@ satin_status param_read(struct param_source source, const struct param_spec *spe
         case PARAM_COLOR:
         case PARAM_LIGHT:
             return read_color(source, spec, node, value);
+        case PARAM_FLOAT:
+            if (node->tag == XML_RGB || node->tag == XML_SPECTRUM)
+                return read_mean(source, spec, node, value);
+            return read_text(log, spec, node->tag, xml_get(node, "value"), value);
         default:
             return read_text(log, spec, node->tag, xml_get(node, "value"), value);
     }

@@ -14,6 +14,7 @@
 #include "scene/scene_build.h"
 #include "scene/scene_define.h"
 #include "scene/scene_old.h"
+#include "scene/scene_params.h"
 
 // One run over the main file and its includes.
 struct reader {
@@ -95,6 +96,9 @@ static satin_status copy_attributes(struct file *file, const char **from, struct
     node->type = xml_get(node, "type");
     node->id = xml_get(node, "id");
     node->name = xml_get(node, "name");
+    // Mitsuba's own writer has <texture> for both.
+    if (node->tag == XML_TEXTURE && node->type && scene_spectrum_named(node->type))
+        node->tag = XML_SPECTRUM;
     return SATIN_OK;
 }
 

@@ -16,12 +16,14 @@ static const struct param_spec choice = {"choice", PARAM_CHOICE, "green", 0, 0, 
 static const struct param_spec place = {"place", PARAM_POINT, "1 2 3", 0, 0, NULL, ""};
 static const struct param_spec colour = {"colour",      PARAM_COLOR, ".25", RANGE_UNIT,
                                          PARAM_TEXTURE, NULL,        ""};
+static const struct param_spec share = {"share",       PARAM_FLOAT, ".5", RANGE_UNIT,
+                                        PARAM_TEXTURE, NULL,        ""};
 static const struct param_spec light = {"light", PARAM_LIGHT, NULL, RANGE_NOT_NEGATIVE,
                                         0,       NULL,        ""};
 static const struct param_spec ior = {"ior", PARAM_IOR, "bk7", RANGE_POSITIVE, 0, NULL, ""};
 static const struct param_spec must = {"must", PARAM_FLOAT, NULL, 0, PARAM_REQUIRED, NULL, ""};
-static const struct param_spec *const specs[] = {&flag,   &count, &size, &text, &choice, &place,
-                                                 &colour, &light, &ior,  &must, NULL};
+static const struct param_spec *const specs[] = {&flag,   &count, &size,  &text, &choice, &place,
+                                                 &colour, &share, &light, &ior,  &must,   NULL};
 static const struct plugin_spec plugin = {XML_BSDF, "test", "", specs, 1u << XML_BSDF, NULL, false};
 
 static satin_status read_params(struct scene_case *c, const char *body, struct scene_xml *xml,
@@ -71,7 +73,7 @@ static void reads_values(void **state) {
                                       "<vector name='place' value='-1, 2e1 .5'/>"
                                       "<ref name='colour' id='t'/>"
                                       "<spectrum name='light' value='2'/>"
-                                      "<string name='ior' value='water'/><bsdf type='x'/>",
+                                      "<string name='ior' value='Water'/><bsdf type='x'/>",
                                  &xml, &p),
                      SATIN_OK);
     assert_true(!param(&p, "flag")->b && param(&p, "count")->i == 12);
@@ -100,6 +102,12 @@ static void reads_colours(void **state) {
                  {"<spectrum name='colour' type='rgb'><rgb name='value' value='.1 .2 .3'/>"
                   "</spectrum>",
                   {.1f, .2f, .3f}},
+                 // As Mitsuba 3.9 writes them.
+                 {"<texture name='colour' type='d65'><float name='scale' value='.3'/></texture>",
+                  {.3f, .3f, .3f}},
+                 {"<texture name='colour' type='srgb'><vector name='color' x='.1' y='.2' z='.3'/>"
+                  "</texture>",
+                  {.1f, .2f, .3f}},
                  // What Mitsuba 3.9 makes of the same samples.
                  {"<spectrum name='colour' value='400:0.2, 500:0.5, 550:0.7,700:0.9'/>",
                   {.8484015f, .6581277f, .31988475f}},
@@ -121,65 +129,87 @@ static void reads_colours(void **state) {
     }
 }
 
-static void refuses(void **state) {
+// What may be textured may be a colour, which as a number is its mean.
+static void takes_means_of_colours(void **state) {
     (void)state;
-    static const char *const cases[][2] = {
-        {"<float name='sise' value='1'/>",
-         "BRDF 'test' has no parameter 'sise' (did you mean 'size'?)"},
-        {"<float name='zzzzzzzz' value='1'/>", "BRDF 'test' has no parameter 'zzzzzzzz'"},
-        {"<float name='size' value='1'/><float name='size' value='1'/>", "'size' is given twice"},
-        {"<float name='count' value='1'/>", "'count' must be <integer>, not <float>"},
-        {"<boolean name='colour' value='true'/>",
-         "'colour' must be <integer>, <float>, <rgb> or <spectrum>, not <boolean>"},
-        {"<integer name='count' value='1.0'/>", "count: '1.0' is not an integer, or too large"},
-        {"<integer name='count' value='2147483648'/>",
-         "count: '2147483648' is not an integer, or too large"},
-        {"<integer name='count' value='0'/>", "count is 0, but must be positive"},
-        {"<float name='size' value='1.5'/>", "size is 1.5, but must be in [0, 1]"},
-        {"<float name='size' value='1x'/>", "'1x' is not a number"},
-        {"<float name='size' value='0x1'/>", "'0x1' is not a number"},
-        {"<float name='size' value='inf'/>", "'inf' is not a number"},
-        {"<float name='size' value='nan'/>", "'nan' is not a number"},
-        {"<float name='size' value=''/>", "expected 1 number, found ''"},
-        {"<boolean name='flag' value='1'/>", "flag: '1' is neither true nor false"},
-        {"<string name='choice' value='geen'/>",
-         "choice: unknown value 'geen' (did you mean 'green'?)"},
-        {"<string name='ior' value='bk9'/>", "ior: unknown value 'bk9' (did you mean 'bk7'?)"},
-        {"<float name='ior' value='-1'/>", "ior is -1, but must be positive"},
-        {"<point name='place' x='1' z='2'/>", "<point> needs the attribute 'y'"},
-        {"<rgb name='colour' value='1 1 2'/>", "colour is 2, but must be in [0, 1]"},
-        {"<rgb name='colour' value='1 1'/>", "expected 3 numbers, found '1 1'"},
-        {"<rgb name='colour' value='#12345g'/>", "'#12345g' is not a colour of the form #rrggbb"},
-        {"<spectrum name='colour' value='400:1, 700'/>",
-         "a spectrum is a list of pairs of wavelength and value, not ''"},
-        {"<spectrum name='colour' value='400:1, 400:2'/>", "wavelengths do not ascend at sample 1"},
-        {"<spectrum name='colour'/>", "<spectrum> has either a value, a filename or a type"},
-        {"<spectrum name='colour' filename='none.spd'/>",
-         "cannot read 'none.spd': No such file or directory"},
-        {"<spectrum name='colour' type='d56'/>", "unknown spectrum 'd56' (did you mean 'd65'?)"},
-        {"<spectrum name='colour' type='blackbody'><float name='temperature' "
-         "value='1'/></spectrum>",
-         "a black body is light, not a reflectance"},
-        {"<spectrum name='colour' type='regular'><string name='values' value='1'/>"
-         "<float name='wavelength_min' value='1'/><float name='wavelength_max' value='2'/>"
-         "</spectrum>",
-         "a spectrum needs two values or more, one per wavelength"},
-        {"<rgb value='1'/>", "<rgb> needs the attribute 'name'"},
-        {"<rgb name='light' value='-1 0 0'/>", "light is -1, but must be 0 or more"},
-        {"<texture name='light' type='x'/>", "light of BRDF 'test' cannot be textured"},
-        {"<texture type='x'/>", "BRDF 'test' takes no <texture> without a name"},
-        {"<texture name='color' type='x'/>",
-         "BRDF 'test' has no parameter 'color' (did you mean 'colour'?)"},
-        {"<shape type='cube'/>", "BRDF 'test' takes no <shape>"},
-        {"<ref name='colour' id='s'/>", "reference to unknown id 's'"},
-        {"<float name='size' value='1'/>", "BRDF 'test' needs the parameter 'must'"}};
+    static const char *const cases[] = {
+        "<rgb name='share' value='.5 .2 .9'/>", "<rgb name='share' value='.5333333'/>",
+        "<spectrum name='share' value='.5333333'/>",
+        "<texture name='share' type='uniform'><float name='value' value='.5333333'/></texture>"};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct scene_case c;
         struct scene_xml xml;
         struct params p;
-        assert_int_equal(read_params(&c, cases[i][0], &xml, &p), SATIN_ERROR_INPUT);
+        char body[512];
+        snprintf(body, sizeof body, MUST "%s", cases[i]);
+        assert_int_equal(read_params(&c, body, &xml, &p), SATIN_OK);
+        assert_true(fabsf(param(&p, "share")->f - .5333333f) < 1e-6f);
+        scene_xml_free(&xml);
+    }
+}
+
+static const char *const refusals[][2] = {
+    {"<float name='sise' value='1'/>",
+     "BRDF 'test' has no parameter 'sise' (did you mean 'size'?)"},
+    {"<float name='zzzzzzzz' value='1'/>", "BRDF 'test' has no parameter 'zzzzzzzz'"},
+    {"<float name='size' value='1'/><float name='size' value='1'/>", "'size' is given twice"},
+    {"<float name='count' value='1'/>", "'count' must be <integer>, not <float>"},
+    {"<boolean name='colour' value='true'/>",
+     "'colour' must be <integer>, <float>, <rgb> or <spectrum>, not <boolean>"},
+    {"<integer name='count' value='1.0'/>", "count: '1.0' is not an integer, or too large"},
+    {"<integer name='count' value='2147483648'/>",
+     "count: '2147483648' is not an integer, or too large"},
+    {"<integer name='count' value='0'/>", "count is 0, but must be positive"},
+    {"<float name='size' value='1.5'/>", "size is 1.5, but must be in [0, 1]"},
+    {"<rgb name='size' value='.5'/>", "'size' must be <integer> or <float>, not <rgb>"},
+    {"<rgb name='share' value='1 1 2'/>", "share is 1.33333, but must be in [0, 1]"},
+    {"<float name='size' value='1x'/>", "'1x' is not a number"},
+    {"<float name='size' value='0x1'/>", "'0x1' is not a number"},
+    {"<float name='size' value='inf'/>", "'inf' is not a number"},
+    {"<float name='size' value='nan'/>", "'nan' is not a number"},
+    {"<float name='size' value=''/>", "expected 1 number, found ''"},
+    {"<boolean name='flag' value='1'/>", "flag: '1' is neither true nor false"},
+    {"<string name='choice' value='geen'/>",
+     "choice: unknown value 'geen' (did you mean 'green'?)"},
+    {"<string name='ior' value='bk9'/>", "ior: unknown value 'bk9' (did you mean 'bk7'?)"},
+    {"<float name='ior' value='-1'/>", "ior is -1, but must be positive"},
+    {"<point name='place' x='1' z='2'/>", "<point> needs the attribute 'y'"},
+    {"<rgb name='colour' value='1 1 2'/>", "colour is 2, but must be in [0, 1]"},
+    {"<rgb name='colour' value='1 1'/>", "expected 3 numbers, found '1 1'"},
+    {"<rgb name='colour' value='#12345g'/>", "'#12345g' is not a colour of the form #rrggbb"},
+    {"<spectrum name='colour' value='400:1, 700'/>",
+     "a spectrum is a list of pairs of wavelength and value, not ''"},
+    {"<spectrum name='colour' value='400:1, 400:2'/>", "wavelengths do not ascend at sample 1"},
+    {"<spectrum name='colour'/>", "<spectrum> has either a value, a filename or a type"},
+    {"<spectrum name='colour' filename='none.spd'/>",
+     "cannot read 'none.spd': No such file or directory"},
+    {"<spectrum name='colour' type='d56'/>", "unknown spectrum 'd56' (did you mean 'd65'?)"},
+    {"<spectrum name='colour' type='blackbody'><float name='temperature' "
+     "value='1'/></spectrum>",
+     "a black body is light, not a reflectance"},
+    {"<spectrum name='colour' type='regular'><string name='values' value='1'/>"
+     "<float name='wavelength_min' value='1'/><float name='wavelength_max' value='2'/>"
+     "</spectrum>",
+     "a spectrum needs two values or more, one per wavelength"},
+    {"<rgb value='1'/>", "<rgb> needs the attribute 'name'"},
+    {"<rgb name='light' value='-1 0 0'/>", "light is -1, but must be 0 or more"},
+    {"<texture name='light' type='x'/>", "light of BRDF 'test' cannot be textured"},
+    {"<texture type='x'/>", "BRDF 'test' takes no <texture> without a name"},
+    {"<texture name='color' type='x'/>",
+     "BRDF 'test' has no parameter 'color' (did you mean 'colour'?)"},
+    {"<shape type='cube'/>", "BRDF 'test' takes no <shape>"},
+    {"<ref name='colour' id='s'/>", "reference to unknown id 's'"},
+    {"<float name='size' value='1'/>", "BRDF 'test' needs the parameter 'must'"}};
+
+static void refuses(void **state) {
+    (void)state;
+    for (size_t i = 0; i < sizeof refusals / sizeof *refusals; i++) {
+        struct scene_case c;
+        struct scene_xml xml;
+        struct params p;
+        assert_int_equal(read_params(&c, refusals[i][0], &xml, &p), SATIN_ERROR_INPUT);
         assert_int_equal(strncmp(c.error, "scene.xml:", 10), 0);
-        assert_string_equal(strstr(c.error, ": ") + 2, cases[i][1]);
+        assert_string_equal(strstr(c.error, ": ") + 2, refusals[i][1]);
         assert_int_equal(c.errors, 1);
         scene_xml_free(&xml);
     }
@@ -243,9 +273,13 @@ static void textures_fit_models(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(takes_defaults),      cmocka_unit_test(reads_values),
-        cmocka_unit_test(reads_colours),       cmocka_unit_test(refuses),
-        cmocka_unit_test(tables_are_complete), cmocka_unit_test(textures_fit_models),
+        cmocka_unit_test(takes_defaults),
+        cmocka_unit_test(reads_values),
+        cmocka_unit_test(takes_means_of_colours),
+        cmocka_unit_test(reads_colours),
+        cmocka_unit_test(refuses),
+        cmocka_unit_test(tables_are_complete),
+        cmocka_unit_test(textures_fit_models),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -72,7 +72,7 @@ static void checks_alternate(void **state) {
     for (int i = 0; i < 9; i++) {
         rgb c = eval(&t, uv[i]);
         assert_true(c.r == (float)first[i] && c.g == (float)!first[i]);
-        assert_true(number(&t, uv[i]) == rgb_luminance(first[i] ? green.value : red.value));
+        assert_true(number(&t, uv[i]) == rgb_mean(first[i] ? green.value : red.value));
     }
 }
 
@@ -90,8 +90,8 @@ static void checks_nest(void **state) {
     assert_true(eval(&outer, (vec2){.2f, .05f}).g == 1.0f);
     assert_true(eval(&outer, (vec2){.6f, .1f}).r == 2.0f);
     assert_true(number(&outer, (vec2){.3f, .4f}) == 5.0f);
-    assert_true(number(&outer, (vec2){.55f, .05f}) == rgb_luminance(green.value));
-    assert_true(number(&outer, (vec2){.7f, .05f}) == rgb_luminance(red.value));
+    assert_true(number(&outer, (vec2){.55f, .05f}) == rgb_mean(green.value));
+    assert_true(number(&outer, (vec2){.7f, .05f}) == rgb_mean(red.value));
     float lo, hi;
     assert_true(texture_range(&outer, &lo, &hi) && lo == 0.0f && hi == 11.0f);
     struct texture smooth = bitmap(TEXTURE_REPEAT, false);
