@@ -22,17 +22,15 @@ struct leaf {
 
 // ---- Leaves -----------------------------------------------------------------------------------
 
-static float along(vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
-
 // The axes of a box from the longest to the shortest. Ties are broken by their order, not by the
 // last digit.
 static void sort_axes(vec3 lo, vec3 hi, int axis[3]) {
     const vec3 d = v3_sub(hi, lo);
     axis[0] = d.y > CLEARLY * d.x ? 1 : 0;
-    if (d.z > CLEARLY * along(d, axis[0])) axis[0] = 2;
+    if (d.z > CLEARLY * v3_along(d, axis[0])) axis[0] = 2;
     axis[1] = axis[0] == 0 ? 1 : 0;
     axis[2] = 3 - axis[0] - axis[1];
-    if (along(d, axis[2]) > CLEARLY * along(d, axis[1])) {
+    if (v3_along(d, axis[2]) > CLEARLY * v3_along(d, axis[1])) {
         axis[1] = axis[2];
         axis[2] = 3 - axis[0] - axis[1];
     }
@@ -50,16 +48,16 @@ static struct order order_of(vec3 lo, vec3 hi) {
     sort_axes(lo, hi, axis);
     struct order o = {.axis = {axis[0], axis[1]}};
     for (int i = 0; i < 2; i++) {
-        const float length = along(hi, axis[i]) - along(lo, axis[i]);
-        o.lo[i] = along(lo, axis[i]);
+        const float length = v3_along(hi, axis[i]) - v3_along(lo, axis[i]);
+        o.lo[i] = v3_along(lo, axis[i]);
         o.scale[i] = length > 0.0f ? STEPS / length : 0.0f;
     }
     return o;
 }
 
 static float rank(const struct order *o, const struct photon_hit *hit) {
-    const float first = roundf((along(hit->p, o->axis[0]) - o->lo[0]) * o->scale[0]);
-    const float second = roundf((along(hit->p, o->axis[1]) - o->lo[1]) * o->scale[1]);
+    const float first = roundf((v3_along(hit->p, o->axis[0]) - o->lo[0]) * o->scale[0]);
+    const float second = roundf((v3_along(hit->p, o->axis[1]) - o->lo[1]) * o->scale[1]);
     return first * (2.0f * STEPS) + second;
 }
 
@@ -145,8 +143,8 @@ static float span_cost(const struct span *span) {
 }
 
 static int bin_of(const struct leaf *leaf, int axis, vec3 lo, vec3 hi) {
-    float from = along(lo, axis), to = along(hi, axis);
-    int bin = to > from ? (int)((float)BINS * (along(leaf->center, axis) - from) / (to - from)) : 0;
+    float from = v3_along(lo, axis), to = v3_along(hi, axis);
+    int bin = to > from ? (int)((float)BINS * (v3_along(leaf->center, axis) - from) / (to - from)) : 0;
     return bin < BINS ? bin : BINS - 1;
 }
 

@@ -74,8 +74,6 @@ static size_t add_path(const struct satin_scene *scene, uint64_t seed, uint32_t 
 
 // ---- Cells ------------------------------------------------------------------------------------
 
-static float along(vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
-
 static int by_key(const void *a, const void *b) {
     const struct point *x = a, *y = b;
     if (x->key != y->key) return x->key < y->key ? -1 : 1;
@@ -99,7 +97,7 @@ static void cut(struct photon_sky *sky, struct point *point, size_t count, size_
         return;
     }
     const int axis = longest_axis(point, count);
-    for (size_t i = 0; i < count; i++) point[i].key = along(point[i].p, axis);
+    for (size_t i = 0; i < count; i++) point[i].key = v3_along(point[i].p, axis);
     qsort(point, count, sizeof *point, by_key);
     const size_t half = count / 2;
     sky->split[node].axis = axis;
@@ -219,7 +217,7 @@ const struct light_window *photon_sky_window(const struct photon_maps *maps, vec
     if (!sky) return NULL;
     size_t node = 0;
     for (int level = 0; level < sky->depth; level++)
-        node = 2 * node + (along(p, sky->split[node].axis) < sky->split[node].at ? 1 : 2);
+        node = 2 * node + (v3_along(p, sky->split[node].axis) < sky->split[node].at ? 1 : 2);
     const struct light_window *window = &sky->window[node - (((size_t)1 << sky->depth) - 1)];
     return window->share > 0.0f ? window : NULL;
 }

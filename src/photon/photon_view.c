@@ -43,10 +43,7 @@ static void add(struct cloud *cloud, vec3 p) { cloud->point[cloud->count++].p = 
 
 static float median(const struct cloud *cloud, int axis) {
     float x[PHOTON_VIEW_PATHS];
-    for (int i = 0; i < cloud->count; i++) {
-        vec3 p = cloud->point[i].p;
-        x[i] = axis == 0 ? p.x : axis == 1 ? p.y : p.z;
-    }
+    for (int i = 0; i < cloud->count; i++) x[i] = v3_along(cloud->point[i].p, axis);
     qsort(x, (size_t)cloud->count, sizeof *x, compare_floats);
     return x[cloud->count / 2];
 }
