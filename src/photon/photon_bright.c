@@ -144,7 +144,8 @@ static float span_cost(const struct span *span) {
 
 static int bin_of(const struct leaf *leaf, int axis, vec3 lo, vec3 hi) {
     float from = v3_along(lo, axis), to = v3_along(hi, axis);
-    int bin = to > from ? (int)((float)BINS * (v3_along(leaf->center, axis) - from) / (to - from)) : 0;
+    int bin =
+        to > from ? (int)((float)BINS * (v3_along(leaf->center, axis) - from) / (to - from)) : 0;
     return bin < BINS ? bin : BINS - 1;
 }
 
