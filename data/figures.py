@@ -121,6 +121,21 @@ def hall_meshes():
     return {"hall-left.ply": left, "hall-right.ply": right, "hall-prow.ply": prow}
 
 
+def steps():
+    flight = [box((0, 0.03 * (i + 1), -0.6 - 0.3 * i), (1.2, 0.03 * (i + 1), 0.15), 0, ref("ochre"))
+              for i in range(6)]
+    return scene("A flight of low steps in a hall, lit from in front along the floor.",
+                 sensor((0.9, 1.7, 3.6), (0.1, 0.5, -1.4), 52), WHITE,
+                 diffuse("ochre", 0.75, 0.5, 0.2), diffuse("slate", 0.22, 0.24, 0.28), *flight,
+                 rectangle("+y", (0, 0, 0), (4, 4), ref("slate")),
+                 rectangle("-y", (0, 3, 0), (4, 4), ref("white")),
+                 rectangle("+x", (-3, 1.5, 0), (4, 1.5), ref("white")),
+                 rectangle("-x", (3, 1.5, 0), (4, 1.5), ref("white")),
+                 rectangle("+z", (0, 1.5, -3), (3, 1.5), ref("white")),
+                 rectangle("-z", (0, 1.5, 4), (3, 1.5), ref("white")),
+                 rectangle("-z", (0, 0.4, 3.98), (1.2, 0.3), ref("white"), area_light(12, 11, 9)))
+
+
 def ward_floor():
     floor = plugin("bsdf", "ward", value("string", "variant", "ward-duer"),
                    value("float", "alpha_u", "$alpha"), value("float", "alpha_v", "$alpha"),
@@ -139,7 +154,7 @@ def ward_floor():
 def files():
     """Every file of scenes/figures as {path: bytes}."""
     scenes = {"box-pyramid": box_pyramid(), "teapot": teapot(), "hall": hall(),
-              "ward-floor": ward_floor()}
+              "ward-floor": ward_floor(), "steps": steps()}
     out = {f"{name}.xml": text.encode() for name, text in scenes.items()}
     out["pyramid.ply"] = pyramid_mesh()
     out.update(teapot_meshes())
