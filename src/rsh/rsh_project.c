@@ -61,20 +61,20 @@ INLINE vf *add_zonal(int channels, vf g[MOST][RUN], vf *sum) {
     return sum + channels;
 }
 
-// Adds g times cosine and sine to the sums of one m.
+// Adds g times cosine and sine to the sums of one m. The run is added up before the sums are
+// touched: they come and go by the adders, which work beside the products.
 INLINE vf *add_turned(int channels, const struct turn *t, vf g[MOST][RUN], vf *sum) {
     vf total[MOST][PARTS];
-    for (int p = 0; p < PARTS * channels; p++) total[p / PARTS][p % PARTS] = sum[p];
     for (int i = 0; i < RUN; i++) {
         vf c = t->c[i], s = t->s[i];
         RSH_KEEP(c);
         RSH_KEEP(s);
         for (int a = 0; a < channels; a++) {
-            total[a][0] += g[a][i] * c;
-            total[a][1] += g[a][i] * s;
+            total[a][0] = i ? total[a][0] + g[a][i] * c : g[a][i] * c;
+            total[a][1] = i ? total[a][1] + g[a][i] * s : g[a][i] * s;
         }
     }
-    for (int p = 0; p < PARTS * channels; p++) sum[p] = total[p / PARTS][p % PARTS];
+    for (int p = 0; p < PARTS * channels; p++) sum[p] += total[p / PARTS][p % PARTS];
     return sum + PARTS * channels;
 }
 
