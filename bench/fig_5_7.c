@@ -4,6 +4,7 @@
 // the median of the rounds, a ratio the median of the rounds' ratios. plot_rotation.py draws it.
 //
 // usage: fig_5_7 [ROUNDS]        (default 31); times are of one thread, in ns per record
+//        fig_5_7_fma [ROUNDS]    the scalar forms with fused multiply-adds, without heading
 //
 // Scalar against scalar is one number at a time on both sides: the series and Pinchon and Hoggan's
 // form by the batch kernel of width one, zxzxz and Ivanic in plain C. Zxzxz is there twice: with
@@ -30,6 +31,7 @@ static _Alignas(64) float in[CHANNELS * N_MAX * VECTOR + 64], out[CHANNELS * N_M
 static float matrix[RECORDS][9], entries[9][RECORDS];
 static const float *columns[9];
 
+// The forms from FAST on are the library's own, however this is compiled.
 enum form {
     FAST_SCALAR,
     EXACT_SCALAR,
@@ -45,6 +47,16 @@ enum form {
 static const char *const form_names[FORMS] = {
     "fast-scalar", "pinchon-hoggan-scalar", "zxzxz",      "zxzxz-whole",         "ivanic",
     "fast",        "pinchon-hoggan",        "fast-batch", "pinchon-hoggan-batch"};
+
+#ifdef FUSED
+enum { TIMED = FAST };
+static const char suffix[] = "-fma";
+static bool can_run(void) { return __builtin_cpu_supports("fma"); }
+#else
+enum { TIMED = FORMS };
+static const char suffix[] = "";
+static bool can_run(void) { return true; }
+#endif
 
 static void turn_scalar(enum rsh_method method, int order, int channels, const float *r) {
     struct rsh_turn t = rsh_turn_of_matrix(r);
@@ -203,16 +215,17 @@ int main(int argc, char **argv) {
     static double ns[FORMS][MAX_ROUNDS], peak[MAX_ROUNDS], ratio[MAX_ROUNDS];
     int rounds = argc > 1 ? atoi(argv[1]) : 31;
     rounds = rounds < 1 ? 1 : rounds > MAX_ROUNDS ? MAX_ROUNDS : rounds;
+    if (!can_run()) return 0;
     fill();
     fill_quarter();
-    printf("n\tchannels\tform\tns\tof_fast\tGFLOP/s\tof_peak\n");
+    if (!*suffix) printf("n\tchannels\tform\tns\tof_fast\tGFLOP/s\tof_peak\n");
     for (int n = FIRST; n <= LAST; n++)
         for (int channels = 1; channels <= CHANNELS; channels += CHANNELS - 1) {
             for (int r = 0; r < rounds; r++) {
                 peak[r] = time_peak();
-                for (int f = 0; f < FORMS; f++) ns[f][r] = time_form((enum form)f, n, channels);
+                for (int f = 0; f < TIMED; f++) ns[f][r] = time_form((enum form)f, n, channels);
             }
-            for (int f = 0; f < FORMS; f++) {
+            for (int f = 0; f < TIMED; f++) {
                 // Against the fast form of the same kind: scalar, with vectors, or in batches.
                 int fast = f <= IVANIC ? FAST_SCALAR : f <= EXACT ? FAST : FAST_BATCH;
                 for (int r = 0; r < rounds; r++) ratio[r] = ns[f][r] / ns[fast][r];
@@ -221,8 +234,8 @@ int main(int argc, char **argv) {
                 double time = median(sorted, (size_t)rounds);
                 double rate = 2.0 * products((enum form)f, n) * channels / time;
                 memcpy(sorted, peak, sizeof sorted);
-                printf("%d\t%d\t%s\t%.1f\t%.2f\t%.1f\t%.2f\n", n, channels, form_names[f], time,
-                       of_fast, rate, rate / median(sorted, (size_t)rounds));
+                printf("%d\t%d\t%s%s\t%.1f\t%.2f\t%.1f\t%.2f\n", n, channels, form_names[f], suffix,
+                       time, of_fast, rate, rate / median(sorted, (size_t)rounds));
             }
         }
     return 0;

@@ -44,7 +44,7 @@ def draw_errors(rows):
 def draw_times(rows):
     figure, axes = plt.subplots(1, 2, figsize=(10, 4.5), sharey=True)
     for axis, channels in zip(axes, ("1", "3")):
-        for form in dict.fromkeys(r["form"] for r in rows):
+        for form in dict.fromkeys(r["form"] for r in rows if not r["form"].endswith("-fma")):
             chosen = [r for r in rows if r["form"] == form and r["channels"] == channels]
             style = "--" if "scalar" in form or form in ("zxzxz", "zxzxz-whole", "ivanic") else "-"
             axis.plot([int(r["n"]) for r in chosen], [float(r["ns"]) for r in chosen], style,
