@@ -215,16 +215,16 @@ INLINE void turn(const struct rsh_turn *t, bool small, int order, int channels, 
         turn_channels(t, &a, small, order, 1, in, out);
 }
 
-// Three shapes: any order, orders whose multiples are few, and one channel of order 6 exactly,
-// which has no branch.
+// Three shapes: anything; one channel of an order whose multiples are few; and of order 6 exactly,
+// which has no branch. With three channels the polynomials would leave too few registers.
 static __attribute__((noinline)) void turn_any(const struct rsh_turn *t, int order, int channels,
                                                const float *in, float *out) {
     turn(t, false, order, channels, in, out);
 }
 
-static __attribute__((noinline)) void turn_small(const struct rsh_turn *t, int order, int channels,
+static __attribute__((noinline)) void turn_small(const struct rsh_turn *t, int order,
                                                  const float *in, float *out) {
-    turn(t, true, order, channels, in, out);
+    turn(t, true, order, 1, in, out);
 }
 
 static __attribute__((noinline)) void turn_six(const struct rsh_turn *exact, const float *in,
@@ -236,10 +236,10 @@ static __attribute__((noinline)) void turn_six(const struct rsh_turn *exact, con
 
 void GLUE(rsh_turn_, RSH_NAME)(const struct rsh_turn *t, int order, int channels, const float *in,
                                float *out) {
-    if (order > 6)
+    if (order > 6 || channels != 1)
         turn_any(t, order, channels, in, out);
-    else if (t->method == RSH_METHOD_EXACT && order == 6 && channels == 1)
+    else if (t->method == RSH_METHOD_EXACT && order == 6)
         turn_six(t, in, out);
     else
-        turn_small(t, order, channels, in, out);
+        turn_small(t, order, in, out);
 }
