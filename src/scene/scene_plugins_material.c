@@ -58,7 +58,8 @@ static satin_status change_leaves(struct scene_loader *loader, const struct para
 
 // ---- twosided -----------------------------------------------------------------------------------
 
-// Whatever transmits is refused; the relief of a back is its own.
+// Whatever transmits is refused; the relief of a back is its own. Of what is two-sided already the
+// front is what either side would see, as in Mitsuba.
 static satin_status make_side(struct scene_loader *loader, const struct params *p,
                               struct material_side *leaf, const void *ctx) {
     (void)ctx;
@@ -75,7 +76,6 @@ static satin_status build_twosided(struct scene_loader *loader, const struct par
     int count;
     satin_status status = build_nested(loader, p, 1, 2, side, &count);
     for (int i = 0; i < count && status == SATIN_OK; i++) {
-        if (side[i].two_sided) return refuse(loader, p, "cannot wrap another twosided");
         if (side[i].mask.used) return refuse(loader, p, "cannot wrap a mask; wrap it by one");
         status = change_leaves(loader, p, &side[i].front, make_side, NULL);
     }

@@ -12,6 +12,22 @@ static satin_scene *load(const char *text) {
     return scene;
 }
 
+// Around another, it shows the front of that on both sides; also around a blend of such.
+static void twosided_nests(void **state) {
+    (void)state;
+    struct satin_scene *scene = load(SCENE_TEXT(
+        "<shape type='disk'><bsdf type='twosided'><bsdf type='twosided'><bsdf type='plastic'/>"
+        "<bsdf type='diffuse'/></bsdf></bsdf></shape>"
+        "<shape type='disk'><bsdf type='twosided'><bsdf type='blendbsdf'>"
+        "<float name='weight' value='.5'/><bsdf type='twosided'><bsdf type='plastic'/></bsdf>"
+        "<bsdf type='diffuse'/></bsdf></bsdf></shape>"));
+    const struct material *m = scene->material;
+    assert_true(m->two_sided && m->front.base.model == brdf_find("plastic"));
+    assert_ptr_equal(m->back.base.model, m->front.base.model);
+    assert_true(m[1].two_sided && !m[1].back.part[1]->one_sided);
+    satin_scene_free(scene);
+}
+
 static void builds_materials(void **state) {
     (void)state;
     struct satin_scene *scene = load(SCENE_TEXT(
@@ -202,8 +218,6 @@ static const struct refusal refusals[] = {
     {SHAPE("<bsdf type='twosided'/>"), "scene.xml:3:22: twosided takes one or two <bsdf>s"},
     {SCENE_TEXT("<bsdf type='twosided' id='a'><ref id='a'/></bsdf>"),
      "scene.xml:3:1: twosided is nested too deep, or in itself"},
-    {SHAPE("<bsdf type='twosided'><bsdf type='twosided'><bsdf type='diffuse'/></bsdf></bsdf>"),
-     "scene.xml:3:22: twosided cannot wrap another twosided"},
     {SHAPE("<bsdf type='blendbsdf'><float name='weight' value='.5'/><bsdf type='null'/></bsdf>"),
      "scene.xml:3:22: blendbsdf takes two <bsdf>s"},
     {SHAPE("<bsdf type='mask'><bsdf type='mask'><bsdf type='diffuse'/></bsdf></bsdf>"),
@@ -333,10 +347,15 @@ static void warns_of_what_has_no_effect(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(builds_materials),        cmocka_unit_test(builds_shapes),
-        cmocka_unit_test(builds_lights),           cmocka_unit_test(keeps_hints),
-        cmocka_unit_test(hashes_all_that_is_read), cmocka_unit_test(refuses_with_place),
-        cmocka_unit_test(refuses_bad_files),       cmocka_unit_test(warns_of_what_has_no_effect),
+        cmocka_unit_test(builds_materials),
+        cmocka_unit_test(twosided_nests),
+        cmocka_unit_test(builds_shapes),
+        cmocka_unit_test(builds_lights),
+        cmocka_unit_test(keeps_hints),
+        cmocka_unit_test(hashes_all_that_is_read),
+        cmocka_unit_test(refuses_with_place),
+        cmocka_unit_test(refuses_bad_files),
+        cmocka_unit_test(warns_of_what_has_no_effect),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }
