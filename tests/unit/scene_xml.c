@@ -16,7 +16,7 @@ static void keeps_order_and_places(void **state) {
     struct scene_case c;
     struct scene_xml xml;
     assert_int_equal(read_text(&c,
-                               "<scene version='3.0.0'>\n"
+                               "<!DOCTYPE scene><scene version='3.0.0'>\n"
                                "  <shape type='sphere' id='a'><float name='radius' value='2'/>\n"
                                "    words, which mean nothing -->\n"
                                "    <ref id='m'/></shape>\n"
@@ -156,8 +156,10 @@ static const struct refusal refusals[] = {
     {S "<shape type='$what'/></scene>",
      "scene.xml:1:24: undefined parameter '$what' (-D what=VALUE defines it)"},
     {S "<default name='' value='1'/></scene>", "scene.xml:1:24: <default> with an empty name"},
+    {"<!DOCTYPE scene SYSTEM 'a.dtd'>" S "</scene>",
+     "scene.xml:1:31: declarations of a document type are not allowed"},
     {"<!DOCTYPE scene [<!ENTITY a 'b'>]>" S "</scene>",
-     "scene.xml:1:17: document type declarations are not allowed"},
+     "scene.xml:1:17: declarations of a document type are not allowed"},
     {S "<shape type='&a;'/></scene>", "scene.xml:1:24: not XML: undefined entity"},
     {S "<include filename='none.xml'/></scene>",
      "scene.xml:1:24: cannot read 'none.xml': No such file or directory"},
