@@ -7,6 +7,8 @@
 #include <ctype.h>
 #include <string.h>
 
+#include "base/text.h"
+
 struct pair {
     const char *from, *to;
 };
@@ -175,11 +177,12 @@ static satin_status respell_value(struct log log, struct arena *arena, struct xm
         return move_to_uv(arena, parent, node);
     }
     const char *text = xml_get(node, "value");
+    double gamma;
     if (is(parent, XML_TEXTURE, "bitmap") && strcmp(node->name, "gamma") == 0 &&
-        (strncmp(text, "1", 4) == 0 || strncmp(text, "1.0", 4) == 0)) {
-        node->tag = XML_BOOLEAN;
+        text_double(text, &gamma) && (gamma == 1.0 || gamma == -1.0)) {
+        node->tag = XML_BOOLEAN;  // 1: numbers, -1: as the file says
         node->name = "raw";
-        return set_attribute(arena, node, "value", "true");
+        return set_attribute(arena, node, "value", gamma == 1.0 ? "true" : "false");
     }
     static const struct pair filters[] = {
         {"trilinear", "bilinear"}, {"ewa", "bilinear"}, {NULL, NULL}};

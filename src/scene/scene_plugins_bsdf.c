@@ -197,7 +197,14 @@ static satin_status set_metal(struct scene_loader *loader, const struct params *
     const struct param_value *material = param(p, "material");
     if (!material->given) {
         satin_status status = bsdf_set_color(loader, eta, side, BRDF_SLOT_ETA);
-        return status == SATIN_OK ? bsdf_set_color(loader, k, side, BRDF_SLOT_K) : status;
+        if (status == SATIN_OK) status = bsdf_set_color(loader, k, side, BRDF_SLOT_K);
+        // What is not given is a perfect mirror's, in version 0.6 copper's.
+        rgb n, absorption;
+        if (status == SATIN_OK && p->node->old && scene_metal_find("Cu", &n, &absorption)) {
+            if (!eta->given) side->base.eta = n;
+            if (!k->given) side->base.k = absorption;
+        }
+        return status;
     }
     if (eta->given || k->given) {
         log_error_at(loader->log, material->place, "a metal is either a material, or eta and k");

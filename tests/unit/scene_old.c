@@ -3,6 +3,7 @@
 #include "scene/scene_old.h"
 
 #include "scene/scene.h"
+#include "scene/scene_params.h"
 #include "scene_case.h"
 
 static const char old[] =
@@ -61,6 +62,33 @@ static void keeps_meaning(void **state) {
     assert_true(c.errors == 1 && strstr(c.error, "unknown element <srgb>"));
 }
 
+// A metal without a name is copper, in version 3 it is a mirror; a gamma of -1 is the file's own.
+static void keeps_defaults(void **state) {
+    (void)state;
+    struct scene_case c;
+    satin_scene *scene = scene_case_load(
+        &c,
+        "<scene version='0.6.0'><sensor type='perspective'/>"
+        "<shape type='sphere'><bsdf type='roughconductor'/></shape>"
+        "<shape type='sphere'><bsdf type='conductor'><rgb name='k' value='2'/></bsdf></shape>"
+        "<shape type='sphere'><bsdf type='conductor'><string name='material' value='none'/>"
+        "</bsdf></shape></scene>");
+    assert_non_null(scene);
+    rgb eta, k;
+    assert_true(scene_metal_find("Cu", &eta, &k));
+    const struct material *m = scene->material;
+    assert_true(m[0].front.base.eta.r == eta.r && m[0].front.base.k.g == k.g);
+    assert_true(m[1].front.base.eta.r == eta.r && m[1].front.base.k.g == 2.0f);
+    assert_true(m[2].front.base.eta.r == 0.0f && m[2].front.base.k.g == 1.0f);
+    satin_scene_free(scene);
+    assert_null(
+        scene_case_load(&c,
+                        "<scene version='0.6.0'><sensor type='perspective'/><texture type='bitmap'>"
+                        "<string name='filename' value='none.png'/>"
+                        "<float name='gamma' value='-1'/></texture></scene>"));
+    assert_non_null(strstr(c.error, "none.png"));
+}
+
 static void refuses_the_rest(void **state) {
     (void)state;
     static const char *const cases[][2] = {
@@ -83,8 +111,8 @@ static void refuses_the_rest(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(translates),
-                                       cmocka_unit_test(keeps_meaning),
-                                       cmocka_unit_test(refuses_the_rest)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(translates), cmocka_unit_test(keeps_meaning),
+        cmocka_unit_test(keeps_defaults), cmocka_unit_test(refuses_the_rest)};
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }
