@@ -88,6 +88,7 @@ static satin_status field_of_view(struct scene_loader *loader, const struct para
     char text[32] = "";
     size_t n = strlen(focal->s);
     if (n > 2 && strcmp(focal->s + n - 2, "mm") == 0) n -= 2;
+    while (n && focal->s[n - 1] == ' ') n--;
     if (n < sizeof text) memcpy(text, focal->s, n);
     double length;
     if (!text_double(text, &length) || !(length > 1e-3 && length < 1e9)) {

@@ -41,6 +41,7 @@ static void field_of_view(void **state) {
     float half = hypotf(36, 24) / 2;
     expect_tan("", half / 50 / sqrtf(1.25f));
     expect_tan("<string name='focal_length' value='35mm'/>", half / 35 / sqrtf(1.25f));
+    expect_tan("<string name='focal_length' value='35 mm'/>", half / 35 / sqrtf(1.25f));
 }
 
 static void rays_of_a_pinhole(void **state) {
