@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // <integrator>: hints for the render. `satin` passes its options on by their names; of any other
-// one, the depth and the visibility of emitters are kept.
+// one, the depth and the visibility of emitters are kept; `direct` has a depth by its meaning.
 #include <string.h>
 
 #include "scene/scene_loader.h"
@@ -69,6 +69,7 @@ static satin_status read_bounds(struct scene_loader *loader, struct xml_node *no
                      longest->i);
         return SATIN_ERROR_INPUT;
     }
+    if (strcmp(node->type, "direct") == 0) hints->max_depth = 2;
     if (longest->given) hints->max_depth = longest->i;
     if (param(&p, "rr_depth")->given) hints->rr_depth = param(&p, "rr_depth")->i;
     if (param(&p, "hide_emitters")->given) hints->hide_emitters = param(&p, "hide_emitters")->b;

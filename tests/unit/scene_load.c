@@ -140,6 +140,9 @@ static void keeps_hints(void **state) {
     assert_string_equal(scene->hints.option[0].value, "100");
     assert_int_equal(scene->hints.max_depth, -2);
     satin_scene_free(scene);
+    scene = load(SCENE_TEXT("<integrator type='direct'/>"));
+    assert_int_equal(scene->hints.max_depth, 2);
+    satin_scene_free(scene);
 }
 
 #define OBJ "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
