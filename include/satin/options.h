@@ -80,7 +80,7 @@ typedef struct satin_options {
     bool gather_bounce;   // hits nearer than the lookup radius go on one more bounce
     bool gather_shadow;   // direct light at gather hits by a shadow ray instead of photons
     bool gather_guide;    // more gather rays to where photons come down densely
-    bool sky_guide;       // the environment is sampled where it is seen, as through windows
+    bool light_guide;     // direct light is sampled by what is seen of the lights around
     bool texture_filter;  // bitmaps are averaged over what a ray stands for
 
     // Irradiance cache (diffuse surfaces).

@@ -23,7 +23,8 @@ enum rng_stage {
     RNG_VIEW,
     RNG_LEVEL,
     RNG_DEAL,
-    RNG_SKY
+    RNG_CELL,
+    RNG_SEEN
 };
 
 struct rng {

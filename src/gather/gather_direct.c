@@ -8,6 +8,7 @@
 enum { FEW = 4 };
 
 struct choice {
+    struct light_seen seen;
     uint32_t light;
     float probability;
 };
@@ -35,11 +36,8 @@ static rgb sample_light(const struct gather *g, const struct gather_point *p, st
     const struct satin_scene *scene = g->scene;
     rgb none = rgb_grey(0.0f);
     struct light_sample s;
-    const bool found =
-        (int32_t)choice.light == scene->environment
-            ? light_environment_sample(scene, photon_sky_window(g->maps, p->surfel.p), u.x, u.y, &s)
-            : light_sample(scene, choice.light, p->surfel.p, u.x, u.y, &s);
-    if (!found) return none;
+    if (!light_sample_seen(scene, choice.light, choice.seen, p->surfel.p, u.x, u.y, &s))
+        return none;
     vec3 wi = frame_to_local(&p->frame, s.wi);
     rgb f = weighted_brdf(p, mis, wi, s.pdf_w * choice.probability, s.delta);
     if (rgb_black(f)) return none;
@@ -50,11 +48,11 @@ static rgb sample_light(const struct gather *g, const struct gather_point *p, st
 
 // Each light by one sample.
 static rgb all_lights(const struct gather *g, const struct gather_point *p, struct gather_mis mis,
-                      struct sampler sampler) {
+                      struct light_seen seen, struct sampler sampler) {
     rgb sum = rgb_grey(0.0f);
     const vec2 u = sampler_2d(&sampler);
     for (uint32_t i = 0; i < g->scene->light_count; i++) {
-        struct choice choice = {i, light_choose_probability(g->scene, p->surfel.p, i)};
+        struct choice choice = {seen, i, light_choose_probability(g->scene, p->surfel.p, seen, i)};
         if (choice.probability > 0.0f) sum = rgb_add(sum, sample_light(g, p, mis, choice, u));
     }
     return sum;
@@ -67,14 +65,15 @@ rgb gather_direct(const struct gather *g, const struct gather_point *p, struct g
     unsigned lobes = mis.part[0].lobes | mis.part[1].lobes | mis.part[2].lobes;
     lobes &= p->lobes & BRDF_SMOOTH;
     if (!lobes || lights == 0) return sum;
-    if ((uint32_t)samples < lights && lights <= FEW) return all_lights(g, p, mis, sampler);
+    const struct light_seen seen = photon_seen_at(g->maps, p->surfel.p);
+    if ((uint32_t)samples < lights && lights <= FEW) return all_lights(g, p, mis, seen, sampler);
     uint32_t first = sampler.index * (uint32_t)samples;
     for (int i = 0; i < samples; i++) {
         struct sampler s = {first + (uint32_t)i, sampler.seed, sampler.dimension};
-        struct choice choice;
+        struct choice choice = {.seen = seen};
         vec2 u = sampler_2d(&s);
         float u_choose = lights > 1 ? sampler_1d(&s) : 0.0f;
-        choice.light = light_choose(g->scene, p->surfel.p, u_choose, &choice.probability);
+        choice.light = light_choose(g->scene, p->surfel.p, seen, u_choose, &choice.probability);
         sum = rgb_mad(sum, sample_light(g, p, mis, choice, u), 1.0f / choice.probability);
     }
     return rgb_scale(sum, 1.0f / (float)samples);
@@ -83,8 +82,8 @@ rgb gather_direct(const struct gather *g, const struct gather_point *p, struct g
 float gather_light_pdf(const struct gather *g, vec3 p, vec3 wi, const struct surfel *hit) {
     const struct satin_scene *scene = g->scene;
     if (!hit && scene->environment < 0) return 0.0f;
+    const struct light_seen seen = photon_seen_at(g->maps, p);
     uint32_t light = (uint32_t)(hit ? hit->light : scene->environment);
-    float pdf = hit ? light_pdf(scene, p, wi, hit)
-                    : light_environment_pdf(scene, photon_sky_window(g->maps, p), wi);
-    return pdf * light_choose_probability(scene, p, light);
+    float pdf = hit ? light_pdf(scene, p, wi, hit) : light_environment_pdf(scene, seen.window, wi);
+    return pdf * light_choose_probability(scene, p, seen, light);
 }

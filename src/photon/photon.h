@@ -45,8 +45,8 @@ rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *sc
 rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p, vec3 ng,
                    const struct frame *frame, const struct brdf *brdf, vec3 wo, unsigned lobes);
 
-// How to draw the environment at p; NULL: as the light does.
-const struct light_window *photon_sky_window(const struct photon_maps *maps, vec3 p);
+// What is seen of the lights around p, for sampling direct light.
+struct light_seen photon_seen_at(const struct photon_maps *maps, vec3 p);
 
 // ---- Bright places (photon_cones.c) -----------------------------------------------------------
 

@@ -243,19 +243,20 @@ satin_status photon_bright_build(const struct satin_scene *scene, struct photon_
 void photon_bright_free(struct photon_bright *bright);  // NULL is allowed
 size_t photon_bright_bytes(const struct photon_bright *bright);
 
-// ---- Windows (photon_sky.c) -------------------------------------------------------------------
+// ---- What is seen of the lights (photon_seen.c) -----------------------------------------------
 
-struct photon_sky;
-// *out is NULL in a scene without an environment. SATIN_CANCELLED or SATIN_ERROR_MEMORY.
-satin_status photon_sky_build(const struct satin_scene *scene, const satin_options *options,
-                              struct parallel *pool, struct photon_sky **out);
-void photon_sky_free(struct photon_sky *sky);  // NULL is allowed
+struct photon_seen;
+// *out is NULL where nothing is to learn: a single light that is no environment, more lights than
+// are weighed, or nothing that paths from the eye meet. SATIN_CANCELLED or SATIN_ERROR_MEMORY.
+satin_status photon_seen_build(const struct satin_scene *scene, const satin_options *options,
+                               struct parallel *pool, struct photon_seen **out);
+void photon_seen_free(struct photon_seen *seen);  // NULL is allowed
 
 struct photon_maps {
     struct photon_map global, caustic;
     struct photon_irradiance irradiance, caustic_irradiance;
     struct photon_bright *bright;  // may be NULL
-    struct photon_sky *sky;        // may be NULL
+    struct photon_seen *seen;      // may be NULL
     int photon_k, caustic_k;
     bool area;
     float trust;

@@ -136,11 +136,11 @@ static satin_status build_bright(const struct pass *pass, struct photon_maps *ma
     return status;
 }
 
-static satin_status build_sky(const struct pass *pass, struct photon_maps *maps) {
-    if (!pass->options->sky_guide || pass->options->integrator != SATIN_TWO_PASS) return SATIN_OK;
+static satin_status build_seen(const struct pass *pass, struct photon_maps *maps) {
+    if (!pass->options->light_guide || pass->options->integrator != SATIN_TWO_PASS) return SATIN_OK;
     double start = stats_wall();
-    satin_status status = photon_sky_build(pass->scene, pass->options, pass->pool, &maps->sky);
-    stats_add(pass->stats, "photons.sky_s", stats_wall() - start);
+    satin_status status = photon_seen_build(pass->scene, pass->options, pass->pool, &maps->seen);
+    stats_add(pass->stats, "photons.seen_s", stats_wall() - start);
     return status;
 }
 
@@ -160,7 +160,7 @@ satin_status photon_maps_build(const struct satin_scene *scene, const satin_opti
     satin_status status = build_global(&pass, maps);
     if (status == SATIN_OK) status = build_caustic(&pass, maps);
     if (status == SATIN_OK) status = build_bright(&pass, maps);
-    if (status == SATIN_OK) status = build_sky(&pass, maps);
+    if (status == SATIN_OK) status = build_seen(&pass, maps);
     if (status != SATIN_OK) {
         photon_maps_free(maps);
         return status;
@@ -186,6 +186,6 @@ void photon_maps_free(struct photon_maps *maps) {
     photon_map_free(&maps->global);
     photon_map_free(&maps->caustic);
     photon_bright_free(maps->bright);
-    photon_sky_free(maps->sky);
+    photon_seen_free(maps->seen);
     free(maps);
 }

@@ -71,8 +71,8 @@ const struct option options_table[] = {
     {"gather-guide", OPTION_BOOL, AT(gather_guide), false, "off|on",
      "Hemispheres get more rays, up to half as many again, towards places where photons come down "
      "densely."},
-    {"sky-guide", OPTION_BOOL, AT(sky_guide), false, "off|on",
-     "Direct light of the environment is sampled where it is seen around a point, as through "
+    {"light-guide", OPTION_BOOL, AT(light_guide), false, "off|on",
+     "Direct light is sampled by what is seen of the lights around a point, as of the sky through "
      "windows; with integrator two-pass."},
     {"texture-filter", OPTION_BOOL, AT(texture_filter), false, "off|on",
      "Colours from bitmaps are averaged over what an eye ray or gather ray stands for; path takes "

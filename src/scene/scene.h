@@ -15,7 +15,7 @@
 #include "base/rng.h"
 #include "brdf/brdf.h"
 #include "satin/scene.h"
-#include "scene/scene_light_window.h"
+#include "scene/scene_light_seen.h"
 
 // ---- Textures ---------------------------------------------------------------------------------
 
@@ -405,9 +405,6 @@ struct light_sample {
 // Fills light_cdf, powers, image distributions and the shapes' area_cdf. After scene_trace_build.
 satin_status scene_lights_prepare(struct satin_scene *scene, struct log log);
 
-// Chooses a light for direct lighting at p; *probability > 0. Needs light_count > 0.
-uint32_t light_choose(const struct satin_scene *scene, vec3 p, float u, float *probability);
-float light_choose_probability(const struct satin_scene *scene, vec3 p, uint32_t light);
 // A direction towards light i; false if none contributes. Does not test visibility.
 bool light_sample(const struct satin_scene *scene, uint32_t i, vec3 p, float u, float v,
                   struct light_sample *out);

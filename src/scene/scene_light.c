@@ -4,10 +4,10 @@
 #include "base/sampling.h"
 #include "scene/scene_light_tree.h"
 
-// Up to this many lights are weighed for each point; beyond, they are chosen through a tree.
-enum { WEIGHED_MAX = 16 };
-// Share of the choice that does not trust the estimates, which know neither shadows nor facing.
+// Share of the choice that does not trust the estimates, which know neither shadows nor facing, or
+// know them from around the point.
 #define CHOICE_EVEN 0.25f
+#define CHOICE_EVEN_SEEN 0.1f
 
 satin_status scene_lights_prepare(struct satin_scene *scene, struct log log) {
     scene->light_cdf = NULL;
@@ -44,7 +44,7 @@ satin_status scene_lights_prepare(struct satin_scene *scene, struct log log) {
     if (status != SATIN_OK) return log_fail(log, status, "not enough memory for the lights");
     sample_cdf_build(power, scene->light_count, cdf);
     scene->light_cdf = cdf;
-    if (scene->light_count <= WEIGHED_MAX) return SATIN_OK;
+    if (scene->light_count <= LIGHT_WEIGHED_MAX) return SATIN_OK;
     status = light_tree_build(scene);
     return status == SATIN_OK ? status : log_fail(log, status, "not enough memory for the lights");
 }
@@ -69,17 +69,19 @@ float light_reach(const struct satin_scene *scene, const struct light *light, ve
     return 0.0f;
 }
 
-// Probabilities of all lights, which are at most WEIGHED_MAX.
-static void weigh(const struct satin_scene *scene, vec3 p, float probability[WEIGHED_MAX]) {
+// Probabilities of all lights, which are at most LIGHT_WEIGHED_MAX.
+static void weigh(const struct satin_scene *scene, vec3 p, const float *share,
+                  float probability[LIGHT_WEIGHED_MAX]) {
     uint32_t n = scene->light_count, lit = 0;
     float sum = 0.0f;
     for (uint32_t i = 0; i < n; i++) {
-        probability[i] = light_reach(scene, &scene->light[i], p);
+        probability[i] = light_reach(scene, &scene->light[i], p) * (share ? share[i] : 1.0f);
         sum += probability[i];
         lit += probability[i] > 0.0f;
     }
-    float even = lit ? CHOICE_EVEN / (float)lit : 0.0f;
-    float scale = (1.0f - CHOICE_EVEN) / sum;
+    const float part = share ? CHOICE_EVEN_SEEN : CHOICE_EVEN;
+    float even = lit ? part / (float)lit : 0.0f;
+    float scale = (1.0f - part) / sum;
     if (!(sum > 0.0f) || !isfinite(scale)) {  // nothing reaches p: any choice will do
         for (uint32_t i = 0; i < n; i++) probability[i] = 1.0f / (float)n;
         return;
@@ -88,15 +90,16 @@ static void weigh(const struct satin_scene *scene, vec3 p, float probability[WEI
         if (probability[i] > 0.0f) probability[i] = probability[i] * scale + even;
 }
 
-uint32_t light_choose(const struct satin_scene *scene, vec3 p, float u, float *probability) {
+uint32_t light_choose(const struct satin_scene *scene, vec3 p, struct light_seen seen, float u,
+                      float *probability) {
     uint32_t n = scene->light_count, i = 0;
     if (n == 1) {
         *probability = 1.0f;
         return 0;
     }
     if (scene->light_tree) return light_tree_choose(scene, p, u, probability);
-    float weight[WEIGHED_MAX];
-    weigh(scene, p, weight);
+    float weight[LIGHT_WEIGHED_MAX];
+    weigh(scene, p, seen.share, weight);
     uint32_t last = 0;
     for (; i < n; i++) {
         if (!(weight[i] > 0.0f)) continue;
@@ -108,11 +111,12 @@ uint32_t light_choose(const struct satin_scene *scene, vec3 p, float u, float *p
     return last;
 }
 
-float light_choose_probability(const struct satin_scene *scene, vec3 p, uint32_t light) {
+float light_choose_probability(const struct satin_scene *scene, vec3 p, struct light_seen seen,
+                               uint32_t light) {
     if (scene->light_count == 1) return 1.0f;
     if (scene->light_tree) return light_tree_probability(scene, p, light);
-    float weight[WEIGHED_MAX];
-    weigh(scene, p, weight);
+    float weight[LIGHT_WEIGHED_MAX];
+    weigh(scene, p, seen.share, weight);
     return weight[light];
 }
 
@@ -120,6 +124,11 @@ float light_choose_probability(const struct satin_scene *scene, vec3 p, uint32_t
 
 bool light_sample(const struct satin_scene *scene, uint32_t i, vec3 p, float u, float v,
                   struct light_sample *out) {
+    return light_sample_seen(scene, i, LIGHT_SEEN_ALL, p, u, v, out);
+}
+
+bool light_sample_seen(const struct satin_scene *scene, uint32_t i, struct light_seen seen, vec3 p,
+                       float u, float v, struct light_sample *out) {
     const struct light *light = &scene->light[i];
     switch (light->kind) {
         case LIGHT_AREA:
@@ -139,7 +148,7 @@ bool light_sample(const struct satin_scene *scene, uint32_t i, vec3 p, float u, 
             return true;
         case LIGHT_CONSTANT:
         case LIGHT_ENVMAP:
-            return light_environment_sample(scene, NULL, u, v, out);
+            return light_environment_sample(scene, seen.window, u, v, out);
     }
     return false;
 }

@@ -5,9 +5,6 @@
 
 #include "scene/scene.h"
 
-// An estimate of the irradiance (luminance) at p; 0 only if the light brings none (scene_light.c).
-float light_reach(const struct satin_scene *scene, const struct light *light, vec3 p);
-
 // ---- Area lights (scene_light_area.c) ---------------------------------------------------------
 
 // Pairs the triangles of an emitting mesh into faces, or builds its area_cdf; sets area, center,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the sky is seen from: in a room with a hole in its wall, directions that are drawn there
-// mostly go through the hole, and bring the light that all of them do; where no wall is, or no sky,
-// they are drawn as anywhere.
+// What is seen of the lights: in a room with a hole in its wall, directions of the sky that are
+// drawn there mostly go through the hole, and bring the light that all of them do; a lamp behind a
+// wall is hardly chosen.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,8 +14,9 @@
 #include "test_scene.h"
 
 // A camera looks down at the floor of a cube of half-width 1 whose wall at x = 1 has a slit above
-// z = .2; beneath a sky.
-static void room(struct test_scene *t, bool walls, bool sky) {
+// z = .2; beneath a sky, or with lamps above the floor and
+// above the ceiling.
+static void room(struct test_scene *t, bool walls, int lamps) {
     test_scene_init(t);
     const uint32_t grey = test_diffuse(t, 0.5f, 0.5f, 0.5f);
     test_cube(t, test_transform(v3(0, 0, -1.05f), v3(1, 1, 0.05f)), false, grey);
@@ -27,10 +28,11 @@ static void room(struct test_scene *t, bool walls, bool sky) {
         test_cube(t, test_transform(v3(0, 1.05f, 0), v3(1.1f, 0.05f, 1.1f)), false, grey);
         test_cube(t, test_transform(v3(0, -1.05f, 0), v3(1.1f, 0.05f, 1.1f)), false, grey);
     }
-    if (sky)
-        test_light(t, (struct light){.kind = LIGHT_CONSTANT, .value = rgb_grey(1.0f)});
-    else
-        test_light(t, (struct light){.kind = LIGHT_POINT, .value = rgb_grey(1.0f)});
+    if (!lamps) test_light(t, (struct light){.kind = LIGHT_CONSTANT, .value = rgb_grey(1.0f)});
+    for (int i = 0; i < lamps; i++)
+        test_light(t, (struct light){.kind = LIGHT_POINT,
+                                     .position = v3(0, 0, i ? 1.2f : 0.9f),
+                                     .value = rgb_grey(1.0f)});
     test_scene_finish(t);
     t->scene.camera = (struct camera){
         .to_world = mat4_scale(v3(1, 1, -1)), .tan_x = 1.0f, .tan_y = 1.0f, .far_clip = INFINITY};
@@ -63,7 +65,7 @@ static void look(struct test_scene *t, int threads, struct photon_maps *maps) {
     satin_options options = satin_options_default;
     struct parallel *pool = parallel_new(threads);
     *maps = (struct photon_maps){.photon_k = 1};
-    assert_int_equal(photon_sky_build(&t->scene, &options, pool, &maps->sky), SATIN_OK);
+    assert_int_equal(photon_seen_build(&t->scene, &options, pool, &maps->seen), SATIN_OK);
     parallel_free(pool);
 }
 
@@ -71,17 +73,17 @@ static void samples_go_through_the_hole(void **state) {
     (void)state;
     struct test_scene t;
     struct photon_maps maps;
-    room(&t, true, true);
+    room(&t, true, 0);
     look(&t, 2, &maps);
     for (int i = 0; i < 9; i++) {
         const vec3 p = v3(0.3f * (float)(i % 3 - 1), 0.3f * (float)(i / 3 - 1), -1.0f);
-        const struct light_window *window = photon_sky_window(&maps, p);
+        const struct light_window *window = photon_seen_at(&maps, p).window;
         assert_non_null(window);
         const struct tally blind = sample(&t, NULL, p), guided = sample(&t, window, p);
         assert_true(guided.visible > 30.0 * blind.visible);
         assert_true(fabs(guided.E - blind.E) < 0.05 * blind.E);
     }
-    photon_sky_free(maps.sky);
+    photon_seen_free(maps.seen);
     test_scene_free(&t);
 }
 
@@ -89,15 +91,15 @@ static void an_open_floor_looks_up(void **state) {
     (void)state;
     struct test_scene t;
     struct photon_maps maps;
-    room(&t, false, true);
+    room(&t, false, 0);
     look(&t, 1, &maps);
     const vec3 p = v3(0, 0, -1);
-    const struct light_window *window = photon_sky_window(&maps, p);
+    const struct light_window *window = photon_seen_at(&maps, p).window;
     assert_non_null(window);
     const struct tally blind = sample(&t, NULL, p), guided = sample(&t, window, p);
     assert_true(fabs(blind.visible - 0.5) < 0.01 && guided.visible > 0.85);
     assert_true(fabs(guided.E - M_PI) < 0.02);
-    photon_sky_free(maps.sky);
+    photon_seen_free(maps.seen);
     test_scene_free(&t);
 }
 
@@ -105,11 +107,29 @@ static void without_sky_there_is_nothing(void **state) {
     (void)state;
     struct test_scene t;
     struct photon_maps maps;
-    room(&t, true, false);
+    room(&t, true, 1);
     look(&t, 1, &maps);
-    assert_null(maps.sky);
-    assert_null(photon_sky_window(&maps, v3(0, 0, 0)));
-    assert_null(photon_sky_window(NULL, v3(0, 0, 0)));
+    assert_null(maps.seen);
+    assert_null(photon_seen_at(&maps, v3(0, 0, 0)).window);
+    assert_null(photon_seen_at(NULL, v3(0, 0, 0)).window);
+    test_scene_free(&t);
+}
+
+// Two lamps alike, one above the floor, the other above the ceiling.
+static void lamps_behind_walls_are_hardly_chosen(void **state) {
+    (void)state;
+    struct test_scene t;
+    struct photon_maps maps;
+    room(&t, true, 2);
+    look(&t, 2, &maps);
+    const vec3 p = v3(0.1f, 0.2f, -1);
+    const struct light_seen seen = photon_seen_at(&maps, p);
+    assert_null(seen.window);
+    assert_true(light_choose_probability(&t.scene, p, LIGHT_SEEN_ALL, 1) > 0.3f);
+    const float behind = light_choose_probability(&t.scene, p, seen, 1);
+    assert_true(behind > 0.01f && behind < 0.1f);
+    assert_true(fabsf(behind + light_choose_probability(&t.scene, p, seen, 0) - 1.0f) < 1e-5f);
+    photon_seen_free(maps.seen);
     test_scene_free(&t);
 }
 
@@ -117,17 +137,17 @@ static void threads_make_no_difference(void **state) {
     (void)state;
     struct test_scene t;
     struct photon_maps one, three;
-    room(&t, true, true);
+    room(&t, true, 0);
     look(&t, 1, &one);
     look(&t, 3, &three);
     for (int i = 0; i < 64; i++) {
         const vec3 p = v3(0.06f * (float)(i % 8) - 0.2f, 0.06f * (float)(i / 8) - 0.2f, -1.0f);
-        const struct light_window *a = photon_sky_window(&one, p);
-        const struct light_window *b = photon_sky_window(&three, p);
+        const struct light_window *a = photon_seen_at(&one, p).window;
+        const struct light_window *b = photon_seen_at(&three, p).window;
         assert_memory_equal(a->cdf, b->cdf, (LIGHT_WINDOW_BINS + 1) * sizeof *a->cdf);
     }
-    photon_sky_free(one.sky);
-    photon_sky_free(three.sky);
+    photon_seen_free(one.seen);
+    photon_seen_free(three.seen);
     test_scene_free(&t);
 }
 
@@ -136,6 +156,7 @@ int main(void) {
         cmocka_unit_test(samples_go_through_the_hole),
         cmocka_unit_test(an_open_floor_looks_up),
         cmocka_unit_test(without_sky_there_is_nothing),
+        cmocka_unit_test(lamps_behind_walls_are_hardly_chosen),
         cmocka_unit_test(threads_make_no_difference),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

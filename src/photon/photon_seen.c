@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+// What of the lights is seen from where. Through a window the environment is a small part of all
+// directions, and a lamp in the next room is none at all; samples that know nothing of walls mostly
+// end at them. Rays from the points of each cell tell in which bins of directions the environment
+// is seen there, and how much of each light arrives; direct light is sampled by both.
+#include "photon/photon_seen.h"
+
+#include <stdlib.h>
+
+#include "base/sampling.h"
+
+enum {
+    BIN_RAYS = 8,     // per bin at most,
+    BIN_PER = 30000,  // and one for each so many photons: who wants few has little time
+    LIGHT_RAYS = 32
+};
+
+// A bin beside one where the environment is seen gets this part of its weight: rays are few.
+#define BESIDE 0.1f
+// Share of samples that bins get: a constant sky has nothing to draw by, and an image draws well
+// where all of it is seen.
+#define SHARE_CONSTANT 0.9f
+#define SHARE_IMAGE 0.75f
+// A light that no ray has found may yet arrive.
+#define UNSEEN 0.02f
+
+struct learning {
+    const struct satin_scene *scene;
+    uint64_t seed;
+    int rays;  // per bin
+    struct photon_seen *seen;
+};
+
+// ---- Windows ----------------------------------------------------------------------------------
+
+// What rays from a cell find of the environment: the square root of its luminance, as the peaks are
+// the own sampling's.
+struct tally {
+    float weight[LIGHT_WINDOW_BINS];  // mean of a bin
+    float seen, facing;               // sums: what is seen, and were without walls
+};
+
+static void ask(const struct learning *l, const struct photon_cell *cell, int bin, struct rng *rng,
+                struct tally *tally) {
+    const size_t first = rng_u32(rng) % cell->count;
+    float sum = 0.0f;
+    int asked = 0;
+    for (size_t k = 0; k < cell->count && asked < l->rays; k++) {
+        const struct photon_cell_point *p = &cell->point[(first + k) % cell->count];
+        const float u = rng_float(rng), v = rng_float(rng);
+        const vec3 w = light_window_direction(bin, u, v);
+        if (!p->both && !(v3_dot(w, p->n) > 0.0f)) continue;
+        asked++;
+        const float L = sqrtf(rgb_luminance(light_environment(l->scene, w)));
+        if (!(L > 0.0f)) continue;
+        tally->facing += L;
+        struct ray ray = scene_spawn(l->scene, p->p, p->ng, w);
+        if (!scene_occluded(l->scene, &ray)) sum += L;
+    }
+    tally->seen += sum;
+    tally->weight[bin] = asked ? sum / (float)asked : 0.0f;
+}
+
+// Rows end at the poles, columns meet.
+static float brightest_beside(const struct tally *tally, int bin) {
+    const int row = bin / LIGHT_WINDOW_SIDE, column = bin % LIGHT_WINDOW_SIDE;
+    float most = 0.0f;
+    for (int y = row - 1; y <= row + 1; y++) {
+        if (y < 0 || y >= LIGHT_WINDOW_SIDE) continue;
+        for (int x = column - 1; x <= column + 1; x++) {
+            const int beside = (x + LIGHT_WINDOW_SIDE) % LIGHT_WINDOW_SIDE;
+            most = fmaxf(most, tally->weight[y * LIGHT_WINDOW_SIDE + beside]);
+        }
+    }
+    return most;
+}
+
+static void learn_window(const struct learning *l, size_t i, struct rng *rng) {
+    const struct light *light = &l->scene->light[l->scene->environment];
+    struct tally tally = {.seen = 0.0f};
+    float weight[LIGHT_WINDOW_BINS];
+    for (int bin = 0; bin < LIGHT_WINDOW_BINS; bin++)
+        ask(l, &l->seen->cells.cell[i], bin, rng, &tally);
+    if (!(tally.seen > 0.0f)) return;  // its share stays 0
+    for (int bin = 0; bin < LIGHT_WINDOW_BINS; bin++)
+        weight[bin] = fmaxf(tally.weight[bin], BESIDE * brightest_beside(&tally, bin));
+    sample_cdf_build(weight, LIGHT_WINDOW_BINS, l->seen->cdf[i]);
+    const float unseen = 1.0f - tally.seen / tally.facing;
+    l->seen->window[i] = (struct light_window){
+        light->kind == LIGHT_CONSTANT ? SHARE_CONSTANT : SHARE_IMAGE * unseen, l->seen->cdf[i]};
+}
+
+// ---- Lights -----------------------------------------------------------------------------------
+
+// Irradiance of one light at a point by one sample.
+static float arrives(const struct satin_scene *scene, uint32_t light, struct light_seen seen,
+                     const struct photon_cell_point *p, struct rng *rng) {
+    const float u = rng_float(rng), v = rng_float(rng);
+    struct light_sample s;
+    if (!light_sample_seen(scene, light, seen, p->p, u, v, &s)) return 0.0f;
+    float cosine = v3_dot(s.wi, p->n);
+    if (p->both) cosine = fabsf(cosine);
+    if (!(cosine > 0.0f)) return 0.0f;
+    struct ray ray = light_shadow_ray(scene, p->p, p->ng, &s);
+    return scene_occluded(scene, &ray) ? 0.0f : cosine * rgb_luminance(s.L) / s.pdf_w;
+}
+
+static void learn_choice(const struct learning *l, size_t i, struct rng *rng) {
+    const struct photon_cell *cell = &l->seen->cells.cell[i];
+    const struct light_window *window = &l->seen->window[i];
+    const struct light_seen seen = {window->share > 0.0f ? window : NULL, NULL};
+    for (uint32_t light = 0; light < l->scene->light_count; light++) {
+        float E = 0.0f, reach = 0.0f;
+        for (size_t k = 0; k < LIGHT_RAYS; k++) {
+            const struct photon_cell_point *p = &cell->point[k % cell->count];
+            reach += light_reach(l->scene, &l->scene->light[light], p->p);
+            E += arrives(l->scene, light, seen, p, rng);
+        }
+        const float share = E / reach;
+        l->seen->share[i][light] = isfinite(share) ? fmaxf(share, UNSEEN) : 1.0f;
+    }
+}
+
+// ---- The whole --------------------------------------------------------------------------------
+
+static void learn(void *ctx, size_t begin, size_t end, int worker) {
+    const struct learning *l = ctx;
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        struct rng rng = rng_make(l->seed, RNG_SEEN, i);
+        if (l->seen->sky) learn_window(l, i, &rng);
+        if (l->seen->choice) learn_choice(l, i, &rng);
+    }
+}
+
+static int rays_per_bin(int64_t photons) {
+    return photons < 2 * BIN_PER          ? 1
+           : photons > BIN_RAYS * BIN_PER ? BIN_RAYS
+                                          : (int)(photons / BIN_PER);
+}
+
+satin_status photon_seen_build(const struct satin_scene *scene, const satin_options *options,
+                               struct parallel *pool, struct photon_seen **out) {
+    const bool sky = scene->environment >= 0;
+    const bool choice = scene->light_count > 1 && scene->light_count <= LIGHT_WEIGHED_MAX;
+    *out = NULL;
+    if (!sky && !choice) return SATIN_OK;
+    struct photon_seen *seen = calloc(1, sizeof *seen);
+    if (!seen || !photon_cells_make(scene, options->seed, &seen->cells)) {
+        free(seen);
+        return SATIN_ERROR_MEMORY;
+    }
+    seen->sky = sky;
+    seen->choice = choice;
+    struct learning learning = {scene, options->seed, rays_per_bin(options->photons), seen};
+    const size_t cells = seen->cells.cell[0].count > 0 ? photon_cells_count(&seen->cells) : 0;
+    const bool done = parallel_for(pool, cells, 1, learn, &learning);
+    free(seen->cells.point);
+    seen->cells.point = NULL;
+    if (done && cells > 0)
+        *out = seen;
+    else
+        free(seen);
+    return done ? SATIN_OK : SATIN_CANCELLED;
+}
+
+struct light_seen photon_seen_at(const struct photon_maps *maps, vec3 p) {
+    const struct photon_seen *seen = maps ? maps->seen : NULL;
+    if (!seen) return LIGHT_SEEN_ALL;
+    const size_t i = photon_cells_find(&seen->cells, p);
+    return (struct light_seen){seen->window[i].share > 0.0f ? &seen->window[i] : NULL,
+                               seen->choice ? seen->share[i] : NULL};
+}
+
+void photon_seen_free(struct photon_seen *seen) { free(seen); }
