@@ -22,7 +22,7 @@ enum {
 #define SHARE_CONSTANT 0.9f
 #define SHARE_IMAGE 0.75f
 // A light that no ray has found may yet arrive.
-#define UNSEEN 0.02f
+#define UNSEEN 0.1f
 
 struct learning {
     const struct satin_scene *scene;
