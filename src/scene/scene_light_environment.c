@@ -220,6 +220,10 @@ static vec3 sample_radiance(const struct light *light, float u, float v, float *
     return direction_at(light, ((float)column + at.fx + 0.5f) / (float)image->width, y);
 }
 
+// Where texels of next to no light are interpolated the density may be so small that nothing can be
+// divided by it, and what is lost is as small.
+#define PDF_LEAST 1e-18f
+
 bool light_environment_sample(const struct satin_scene *scene, const struct light_window *window,
                               float u, float v, struct light_sample *out) {
     const struct light *light = &scene->light[scene->environment];
@@ -235,7 +239,7 @@ bool light_environment_sample(const struct satin_scene *scene, const struct ligh
     sun = sun || in_sun(light, out->wi);  // drawn at its rim it may be off by a digit
     if (sun) out->L = rgb_add(out->L, light->sun_value);
     out->pdf_w = mixed_pdf(light, window, out->wi, sun, out->pdf_w);
-    return out->pdf_w > 0.0f && !rgb_black(out->L);
+    return out->pdf_w > PDF_LEAST && !rgb_black(out->L);
 }
 
 float light_environment_pdf(const struct satin_scene *scene, const struct light_window *window,
