@@ -82,12 +82,22 @@ struct gather_first {
 
 // ---- Paths (gather_path.c) ---------------------------------------------------------------------
 
-// Radiance along `ray` by path tracing with MIS of light and BRDF sampling. `depth` edges were
-// walked before. If not `emission`, light that is emitted along the ray itself does not count, nor,
-// unless the ray comes from the eye (depth 0), what is seen through ideal specular surfaces alone.
-// *first gets the surface that the ray itself meets.
-rgb gather_path(const struct gather *g, struct ray ray, int depth, bool emission,
-                struct sampler *sampler, struct gather_first *first);
+// Radiance that is reflected towards the start of a gather ray, by path tracing with MIS of light
+// and BRDF sampling: light that is emitted along the ray itself does not count, nor what is seen
+// through ideal specular surfaces alone. *first gets the surface that the ray itself meets.
+rgb gather_path(const struct gather *g, struct ray ray, struct sampler *sampler,
+                struct gather_first *first);
+
+// What an eye ray meets.
+struct gather_seen {
+    bool hit;
+    struct gather_point point;  // of the first surface, if one was hit
+    rgb emission;  // the part of the radiance that is emitted light, seen directly or through ideal
+                   // specular surfaces alone
+};
+// Radiance along an eye ray, all of it but for what hide_emitters hides.
+rgb gather_path_eye(const struct gather *g, struct ray ray, struct sampler *sampler,
+                    struct gather_seen *seen);
 
 // ---- Gather rays (gather_ray.c) ----------------------------------------------------------------
 

@@ -6,59 +6,100 @@
 // Survival is never certain, so that no path is endless between perfect mirrors.
 static const float ROULETTE_MAX = 0.95f;
 
-// Emitted light that the ray meets: at the surface it hit, or from the environment.
-static rgb emitted(const struct gather *g, const struct ray *ray, const struct surfel *hit) {
-    return hit ? light_emitted(g->scene, hit, v3_neg(ray->d)) : light_environment(g->scene, ray->d);
+// Where a path stands, behind its start.
+struct walk {
+    struct ray ray;
+    rgb T;
+    float eta;
+    float pdf_w;    // density of the BRDF sample that made the ray; 0: delta or eye
+    int depth;      // edges before the ray
+    bool emission;  // emitted light that the ray meets counts
+    bool specular;  // all surfaces so far were ideal specular
+};
+
+// Emitted light that the ray meets, at the surface it hit or from the environment, with its share
+// beside light sampling at `from`.
+static rgb emitted(const struct gather *g, const struct walk *walk, const struct surfel *hit,
+                   const struct gather_point *from) {
+    if (hit ? hit->light < 0 : g->scene->environment < 0) return rgb_grey(0.0f);
+    const vec3 d = walk->ray.d;
+    rgb Le = hit ? light_emitted(g->scene, hit, v3_neg(d)) : light_environment(g->scene, d);
+    if (!(walk->pdf_w > 0.0f) || rgb_black(Le)) return Le;
+    return rgb_scale(Le, mis_power(walk->pdf_w, gather_light_pdf(g, from->surfel.p, d, hit)));
 }
 
-rgb gather_path(const struct gather *g, struct ray ray, int depth, bool emission,
-                struct sampler *sampler, struct gather_first *first) {
-    const struct satin_scene *scene = g->scene;
-    const int max_depth = g->options->max_depth;
-    const struct gather_mis both = {{{BRDF_ALL, 1.0f}}};
-    rgb L = rgb_grey(0.0f), T = rgb_grey(1.0f);
-    const bool from_eye = depth == 0;
-    float eta = 1.0f,
-          pdf_w = 0.0f;  // density of the BRDF sample that made the ray; 0: delta or eye
-    struct gather_point from = {0};
-    for (;;) {
-        struct surfel s;
-        bool hit = scene_intersect(scene, &ray, &s);
-        if (first) *first = hit ? (struct gather_first){s.t, s.ng} : GATHER_NOTHING;
-        if (emission && (hit ? s.light >= 0 : scene->environment >= 0)) {
-            rgb Le = emitted(g, &ray, hit ? &s : NULL);
-            float weight = 1.0f;
-            if (pdf_w > 0.0f && !rgb_black(Le))
-                weight =
-                    mis_power(pdf_w, gather_light_pdf(g, from.surfel.p, ray.d, hit ? &s : NULL));
-            L = rgb_fma(L, T, rgb_scale(Le, weight));
-        }
-        if (!hit || (max_depth >= 0 && depth + 1 >= max_depth)) break;
+// Goes on from a point by what it reflects and transmits; false: the path ends there.
+static bool bounce(const struct gather *g, const struct gather_point *from, struct sampler *sampler,
+                   struct walk *walk) {
+    struct brdf_sample next;
+    float u_lobe = sampler_1d(sampler);
+    vec2 u = sampler_2d(sampler);
+    if (!brdf_sample(&from->brdf, from->wo_l, u_lobe, u.x, u.y, BRDF_ALL, BRDF_RADIANCE, &next))
+        return false;
+    walk->T = rgb_mul(walk->T, next.weight);
+    walk->eta *= next.eta;
+    walk->pdf_w = next.pdf_w;
+    walk->emission = walk->emission || next.pdf_w > 0.0f || walk->depth == 0;
+    walk->specular = walk->specular && !(next.pdf_w > 0.0f);
+    walk->depth++;
+    walk->ray = scene_spawn(g->scene, from->surfel.p, from->surfel.ng,
+                            frame_to_world(&from->frame, next.wi));
+    if (walk->depth >= g->options->rr_depth) {
+        float survive = fminf(rgb_max(walk->T) * walk->eta * walk->eta, ROULETTE_MAX);
+        if (!(sampler_1d(sampler) < survive)) return false;
+        walk->T = rgb_scale(walk->T, 1.0f / survive);
+    }
+    return !rgb_black(walk->T);
+}
 
-        gather_point_make(scene, &s, ray.d, &from);
+// The radiance of a path, and what its first ray meets: `first` of a gather ray, `seen` of one from
+// the eye.
+static rgb follow(const struct gather *g, struct walk walk, struct sampler *sampler,
+                  struct gather_first *first, struct gather_seen *seen) {
+    const struct gather_mis both = {{{BRDF_ALL, 1.0f}}};
+    const int max_depth = g->options->max_depth;
+    rgb L = rgb_grey(0.0f);
+    struct gather_point from = {0};
+    do {
+        struct surfel s;
+        bool hit = scene_intersect(g->scene, &walk.ray, &s);
+        if (first) *first = hit ? (struct gather_first){s.t, s.ng} : GATHER_NOTHING;
+        if (walk.emission) {
+            rgb Le = emitted(g, &walk, hit ? &s : NULL, &from);
+            L = rgb_fma(L, walk.T, Le);
+            if (seen && walk.specular) seen->emission = rgb_fma(seen->emission, walk.T, Le);
+        }
+        const bool last = max_depth >= 0 && walk.depth + 1 >= max_depth;
+        if (!hit || (last && (!seen || seen->hit))) break;
+
+        gather_point_make(g->scene, &s, walk.ray.d, &from);
         if (first && !(from.lobes & BRDF_SMOOTH)) first->ng = GATHER_NOTHING.ng;
         first = NULL;
-        if (!from.lobes) break;
-        L = rgb_fma(L, T, gather_direct(g, &from, both, 1, *sampler));
-        sampler->dimension += 2;
-
-        struct brdf_sample next;
-        float u_lobe = sampler_1d(sampler);
-        vec2 u = sampler_2d(sampler);
-        if (!brdf_sample(&from.brdf, from.wo_l, u_lobe, u.x, u.y, BRDF_ALL, BRDF_RADIANCE, &next))
-            break;
-        T = rgb_mul(T, next.weight);
-        eta *= next.eta;
-        pdf_w = next.pdf_w;
-        emission = emission || pdf_w > 0.0f || from_eye;
-        depth++;
-        ray = scene_spawn(scene, s.p, s.ng, frame_to_world(&from.frame, next.wi));
-        if (depth >= g->options->rr_depth) {
-            float survive = fminf(rgb_max(T) * eta * eta, ROULETTE_MAX);
-            if (!(sampler_1d(sampler) < survive)) break;
-            T = rgb_scale(T, 1.0f / survive);
+        if (seen && !seen->hit) {
+            seen->hit = true;
+            seen->point = from;
         }
-        if (rgb_black(T)) break;
-    }
+        if (last || !from.lobes) break;
+        L = rgb_fma(L, walk.T, gather_direct(g, &from, both, 1, *sampler));
+        sampler->dimension += 2;
+    } while (bounce(g, &from, sampler, &walk));
     return L;
+}
+
+rgb gather_path(const struct gather *g, struct ray ray, struct sampler *sampler,
+                struct gather_first *first) {
+    struct walk walk = {.ray = ray, .T = rgb_grey(1.0f), .eta = 1.0f, .depth = 1};
+    return follow(g, walk, sampler, first, NULL);
+}
+
+rgb gather_path_eye(const struct gather *g, struct ray ray, struct sampler *sampler,
+                    struct gather_seen *seen) {
+    struct walk walk = {.ray = ray,
+                        .T = rgb_grey(1.0f),
+                        .eta = 1.0f,
+                        .emission = g->options->hide_emitters <= 0,
+                        .specular = true};
+    seen->hit = false;
+    seen->emission = rgb_grey(0.0f);
+    return follow(g, walk, sampler, NULL, seen);
 }

@@ -317,7 +317,7 @@ static void trace_chunk(const struct gather *g, struct gather_scratch *scratch,
         ray->Le_specular = e.Le_specular;
         ray->L = rgb_grey(0.0f);
         if (first_pass == SATIN_FIRST_PATH)
-            ray->L = gather_path(g, ray->ray, 1, false, &start, &ray->first);
+            ray->L = gather_path(g, ray->ray, &start, &ray->first);
         else if (found && first_pass == SATIN_FIRST_NONE)
             ray->L = rgb_mul(hit->T, gather_direct(g, &hit->point, lights_alone, 1, hit->sampler));
         else if (found && first_pass == SATIN_FIRST_RECURSIVE)

@@ -1,42 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // The film of an image: means of the pixels' samples by channel. Where an image was cut short
-// before a pixel had its first sample, it shows a neighbour's.
+// before a pixel had its first sample, it shows a neighbour's. What an integrator does not compute
+// has no channel.
 #include "render/render_image.h"
 
 // Least weight of a pixel per sample; on average they weigh 1.
 static const float WEIGHT_LEAST = 0.25f;
 
-static const char *const channel_names[] = {"R",
-                                            "G",
-                                            "B",
-                                            "direct.R",
-                                            "direct.G",
-                                            "direct.B",
-                                            "caustic.R",
-                                            "caustic.G",
-                                            "caustic.B",
-                                            "indirect_diffuse.R",
-                                            "indirect_diffuse.G",
-                                            "indirect_diffuse.B",
-                                            "indirect_glossy.R",
-                                            "indirect_glossy.G",
-                                            "indirect_glossy.B",
-                                            "emission.R",
-                                            "emission.G",
-                                            "emission.B",
-                                            "albedo.R",
-                                            "albedo.G",
-                                            "albedo.B",
-                                            "normal.X",
-                                            "normal.Y",
-                                            "normal.Z",
-                                            "depth.Z",
-                                            "density.Y",
-                                            "samples.Y",
-                                            "records.position",
-                                            "records.a",
-                                            "records.weight",
-                                            "records.rays"};
+// Which integrators compute a channel: bits 1 << satin_integrator.
+enum {
+    BY_TWO_PASS = 1 << SATIN_TWO_PASS,
+    BY_PATH = 1 << SATIN_PATH,
+    BY_DIRECT = 1 << SATIN_DIRECT,
+    BY_PHOTONS = 1 << SATIN_PHOTONS,
+    ANY = BY_TWO_PASS | BY_PATH | BY_DIRECT | BY_PHOTONS
+};
 
 enum {
     CHANNEL_LAYERS = 3,
@@ -46,12 +24,57 @@ enum {
     CHANNEL_MAPS,  // four, of records, if they are asked for
     CHANNELS = CHANNEL_MAPS + 4
 };
-_Static_assert(CHANNELS == sizeof channel_names / sizeof *channel_names, "a name per channel");
 
-static void put_rgb(struct satin_film *film, int channel, size_t at, rgb value, float scale) {
-    film->channel[channel][at] = value.r * scale;
-    film->channel[channel + 1][at] = value.g * scale;
-    film->channel[channel + 2][at] = value.b * scale;
+static const struct {
+    const char *name;
+    unsigned by;
+} channels[CHANNELS] = {
+    {"R", ANY},
+    {"G", ANY},
+    {"B", ANY},
+    {"direct.R", BY_TWO_PASS | BY_DIRECT},
+    {"direct.G", BY_TWO_PASS | BY_DIRECT},
+    {"direct.B", BY_TWO_PASS | BY_DIRECT},
+    {"caustic.R", BY_TWO_PASS},
+    {"caustic.G", BY_TWO_PASS},
+    {"caustic.B", BY_TWO_PASS},
+    {"indirect_diffuse.R", BY_TWO_PASS | BY_PHOTONS},
+    {"indirect_diffuse.G", BY_TWO_PASS | BY_PHOTONS},
+    {"indirect_diffuse.B", BY_TWO_PASS | BY_PHOTONS},
+    {"indirect_glossy.R", BY_TWO_PASS},
+    {"indirect_glossy.G", BY_TWO_PASS},
+    {"indirect_glossy.B", BY_TWO_PASS},
+    {"emission.R", ANY},
+    {"emission.G", ANY},
+    {"emission.B", ANY},
+    {"albedo.R", ANY},
+    {"albedo.G", ANY},
+    {"albedo.B", ANY},
+    {"normal.X", ANY},
+    {"normal.Y", ANY},
+    {"normal.Z", ANY},
+    {"depth.Z", ANY},
+    {"density.Y", BY_TWO_PASS},
+    {"samples.Y", ANY},
+    {"records.position", BY_TWO_PASS},
+    {"records.a", BY_TWO_PASS},
+    {"records.weight", BY_TWO_PASS},
+    {"records.rays", BY_TWO_PASS},
+};
+
+// The values of the channels; NULL: the film has no such channel.
+struct planes {
+    float *of[CHANNELS];
+};
+
+static void put(const struct planes *planes, int channel, size_t at, float value) {
+    if (planes->of[channel]) planes->of[channel][at] = value;
+}
+
+static void put_rgb(const struct planes *planes, int channel, size_t at, rgb value, float scale) {
+    put(planes, channel, at, value.r * scale);
+    put(planes, channel + 1, at, value.g * scale);
+    put(planes, channel + 2, at, value.b * scale);
 }
 
 // The sampled pixel that stands for (x, y): itself, or the nearest of the grids of first_look; NULL
@@ -65,36 +88,41 @@ static const struct image_pixel *source_of(const struct render_image *image, int
     return NULL;
 }
 
-static void put_pixel(struct satin_film *film, size_t at, const struct image_pixel *pixel) {
+static void put_pixel(const struct planes *planes, size_t at, const struct image_pixel *pixel) {
     // A few samples of a filter with negative lobes may weigh next to nothing together.
     float least = WEIGHT_LEAST * (float)pixel->samples;
     float scale = pixel->samples ? 1.0f / fmaxf(pixel->weight, least) : 0.0f;
-    put_rgb(film, 0, at, pixel->beauty, scale);
+    put_rgb(planes, 0, at, pixel->beauty, scale);
     for (int k = 0; k < SHADE_LAYERS; k++)
-        put_rgb(film, CHANNEL_LAYERS + 3 * k, at, pixel->layer[k], scale);
-    film->channel[CHANNEL_DEPTH][at] = pixel->depth * scale;
+        put_rgb(planes, CHANNEL_LAYERS + 3 * k, at, pixel->layer[k], scale);
+    put(planes, CHANNEL_DEPTH, at, pixel->depth * scale);
     if (pixel->samples)
-        film->channel[CHANNEL_DENSITY][at] = (float)pixel->used.count / (float)pixel->samples;
+        put(planes, CHANNEL_DENSITY, at, (float)pixel->used.count / (float)pixel->samples);
 }
 
 // What the pixel's records are like, in the mean by weight.
-static void put_maps(struct satin_film *film, size_t at, const struct image_pixel *pixel) {
+static void put_maps(const struct planes *planes, size_t at, const struct image_pixel *pixel) {
     const struct cache_used *used = &pixel->used;
     const float scale = pixel->samples ? 1.0f / (float)pixel->samples : 0.0f;
     const float share = used->weight > 0.0f ? 1.0f / used->weight : 0.0f;
-    film->channel[CHANNEL_MAPS][at] = pixel->record * scale;
-    film->channel[CHANNEL_MAPS + 1][at] = used->a * share;
-    film->channel[CHANNEL_MAPS + 2][at] = used->weight * scale;
-    film->channel[CHANNEL_MAPS + 3][at] = used->rays * share;
+    put(planes, CHANNEL_MAPS, at, pixel->record * scale);
+    put(planes, CHANNEL_MAPS + 1, at, used->a * share);
+    put(planes, CHANNEL_MAPS + 2, at, used->weight * scale);
+    put(planes, CHANNEL_MAPS + 3, at, used->rays * share);
 }
 
-struct satin_film *render_film_new(int width, int height, bool maps) {
-    return film_new(width, height, channel_names, maps ? CHANNELS : CHANNEL_MAPS);
+struct satin_film *render_film_new(int width, int height, const satin_options *options) {
+    const char *name[CHANNELS];
+    int count = 0;
+    for (int i = 0; i < (options->record_maps ? CHANNELS : CHANNEL_MAPS); i++)
+        if (channels[i].by & 1u << options->integrator) name[count++] = channels[i].name;
+    return film_new(width, height, name, count);
 }
 
 void render_image_film(struct render *r, bool *any) {
     const struct render_image *image = r->image;
-    struct satin_film *film = image->film;
+    struct planes planes;
+    for (int i = 0; i < CHANNELS; i++) planes.of[i] = film_channel(image->film, channels[i].name);
     uint64_t samples = 0, dropped = 0, filled = 0;
     for (int y = 0; y < image->height; y++)
         for (int x = 0; x < image->width; x++) {
@@ -103,9 +131,10 @@ void render_image_film(struct render *r, bool *any) {
             samples += pixel->samples;
             dropped += pixel->dropped;
             filled += source != pixel;
-            film->channel[CHANNEL_SAMPLES][at] = (float)pixel->samples;
-            if (source) put_pixel(film, at, source);
-            if (source && r->options.record_maps) put_maps(film, at, source);
+            put(&planes, CHANNEL_SAMPLES, at, (float)pixel->samples);
+            if (!source) continue;
+            put_pixel(&planes, at, source);
+            put_maps(&planes, at, source);
         }
     stats_set(&r->stats, "image.nonfinite", (double)dropped);
     stats_set(&r->stats, "image.filled", (double)filled);

@@ -26,13 +26,13 @@ struct pass {
     int columns;
 };
 
-struct render_image *render_image_new(int width, int height, bool maps) {
+struct render_image *render_image_new(int width, int height, const satin_options *options) {
     struct render_image *image = calloc(1, sizeof *image);
     if (!image) return NULL;
     *image = (struct render_image){.width = width, .height = height, .coarsest = COARSEST};
     while ((width / image->coarsest) * (height / image->coarsest) > LOOK) image->coarsest *= 2;
     image->pixel = array_new((size_t)width * (size_t)height, sizeof *image->pixel);
-    image->film = render_film_new(width, height, maps);
+    image->film = render_film_new(width, height, options);
     if (image->pixel && image->film && adapt_make(&image->adapt, width, height)) return image;
     render_image_free(image);
     return NULL;

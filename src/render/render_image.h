@@ -25,6 +25,6 @@ struct render_image {
 };
 
 // The film, empty, of an image; NULL without memory (render_film.c).
-struct satin_film *render_film_new(int width, int height, bool maps);
+struct satin_film *render_film_new(int width, int height, const satin_options *options);
 
 #endif

@@ -52,9 +52,8 @@ void shade_destroy(struct shade *shade) {
     *shade = (struct shade){0};
 }
 
-static void surface_channels(const struct shade_eye *eye, struct shade_sample *out) {
-    if (!eye->hit) return;
-    const struct gather_point *p = &eye->first;
+// The channels that are not light, of the first surface.
+static void surface_channels(const struct gather_point *p, struct shade_sample *out) {
     vec3 n = v3_dot(p->frame.n, p->ng) < 0.0f ? v3_neg(p->frame.n) : p->frame.n;
     if (p->lobes) out->layer[SHADE_ALBEDO] = brdf_albedo(&p->brdf, p->wo_l, BRDF_ALL);
     out->layer[SHADE_NORMAL] = rgb_make(n.x, n.y, n.z);
@@ -76,10 +75,11 @@ static void path_sample(const struct shade *shade, int x, int y, uint32_t index,
                         struct shade_sample *out) {
     struct sampler sampler = shade_eye_sampler(shade->g, x, y, index, RNG_PATH);
     struct shade_lens lens;
-    struct gather_first first;
+    struct gather_seen seen;
     struct ray ray = shade_eye_ray(shade, x, y, &sampler, &lens);
-    bool seen = shade->g->options->hide_emitters <= 0;
-    out->beauty = gather_path(shade->g, ray, 0, seen, &sampler, &first);
+    out->beauty = gather_path_eye(shade->g, ray, &sampler, &seen);
+    out->layer[SHADE_EMISSION] = seen.emission;
+    if (seen.hit) surface_channels(&seen.point, out);
     out->weight = lens.weight;
 }
 
@@ -95,7 +95,7 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
     struct shade_eye eye;
     struct sampler sampler = shade_eye_sampler(shade->g, x, y, index, RNG_PIXEL);
     shade_eye_trace(shade, x, y, &sampler, &eye);
-    surface_channels(&eye, out);
+    if (eye.hit) surface_channels(&eye.first, out);
     out->layer[SHADE_EMISSION] = eye.emission;
     for (int i = 0; i < eye.count; i++) {
         uint64_t pixel = rng_mix((uint64_t)sampler.seed + (uint64_t)i);

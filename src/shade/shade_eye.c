@@ -109,16 +109,17 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
         if (!hit) continue;
         s.footprint = shade->sharpness * lens.spread * (b.distance + s.t);
         struct scene_part part[MATERIAL_PARTS_MAX];
+        const struct material_side *shown =
+            b.depth == 0 ? scene_part(scene, &s, v3_neg(b.ray.d)) : NULL;
         int parts = find_parts(scene, &s, b.ray.d, out->count + top, part);
         for (int i = 0; i < parts; i++) {
             struct gather_point point;
             struct branch own = b;
             own.T = rgb_scale(b.T, part[i].weight);
             gather_point_of(scene, part[i].side, &s, b.ray.d, &point);
-            if (b.depth == 0 && (!out->hit || part[i].weight > out->first_weight)) {
+            if (part[i].side == shown) {
                 out->hit = true;
                 out->first = point;
-                out->first_weight = part[i].weight;
             }
             if (max_depth >= 0 && b.depth + 1 >= max_depth) continue;
             if ((point.lobes & BRDF_SMOOTH) && out->count < SHADE_VERTICES)

@@ -21,8 +21,7 @@ struct shade_eye {
     float weight;  // that the film's filter gives to the sample
     // The first surface, for channels that are not light.
     bool hit;
-    struct gather_point first;  // of a blend the part that weighs most
-    float first_weight;
+    struct gather_point first;  // of a blend one part, as likely as it weighs
 };
 
 // Follows the eye ray of a sample; both ways are taken at the first ideal specular surfaces, one of

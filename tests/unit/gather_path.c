@@ -29,8 +29,8 @@ static struct mean by_paths(const struct gather *g, vec3 wo) {
         struct rng rng = rng_make(1, RNG_TEST, i);
         struct sampler sampler = {0, (uint32_t)(rng_float(&rng) * 0x1p32f), 0};
         struct ray ray = {.o = v3_mul(wo, 3.0f), .d = v3_neg(wo), .tfar = INFINITY};
-        struct gather_first first;
-        double L = (double)gather_path(g, ray, 0, true, &sampler, &first).g;
+        struct gather_seen seen;
+        double L = (double)gather_path_eye(g, ray, &sampler, &seen).g;
         sum += L;
         squares += L * L;
     }
@@ -76,7 +76,42 @@ static void planes_are_as_bright_as_their_albedo(void **state) {
     }
 }
 
+// A diffuse plane beside a pane that shows the sky: what the ray meets, and which part of the
+// light is emission, whether or not longer paths are wanted.
+static void tells_what_the_eye_sees(void **state) {
+    (void)state;
+    struct test_scene t;
+    test_scene_init(&t);
+    uint32_t grey = test_material(&t, "diffuse", rgb_grey(0.4f), rgb_grey(0.0f));
+    uint32_t pane = test_material(&t, "thindielectric", rgb_grey(0.0f), rgb_grey(0.5f));
+    test_rectangle(&t, test_transform(v3(0, 0, 0), v3(1, 1, 1)), grey);
+    test_rectangle(&t, test_transform(v3(3, 0, 0), v3(1, 1, 1)), pane);
+    test_light(&t, (struct light){.kind = LIGHT_CONSTANT, .value = rgb_grey(2.0f)});
+    test_scene_finish(&t);
+    satin_options options = satin_options_default;
+    options.rr_depth = 9;
+    const struct gather g = {.scene = &t.scene, .options = &options};
+    for (int depth = 1; depth < 4; depth++) {
+        options.max_depth = depth;
+        struct sampler sampler = {0};
+        struct gather_seen seen;
+        struct ray ray = {.o = v3(0.5f, 0.5f, 2.0f), .d = v3(0, 0, -1), .tfar = INFINITY};
+        rgb L = gather_path_eye(&g, ray, &sampler, &seen);
+        assert_true(seen.hit && seen.point.surfel.t == 2.0f && seen.point.surfel.ng.z == 1.0f);
+        assert_true(rgb_black(seen.emission) && (depth == 1) == rgb_black(L));
+        ray.o.x = 3.5f;
+        L = gather_path_eye(&g, ray, &sampler, &seen);
+        assert_true(seen.hit && (seen.point.lobes & BRDF_DELTA));
+        assert_true(L.g == seen.emission.g && (depth == 1) == rgb_black(L));
+        ray.o.x = 9.0f;
+        L = gather_path_eye(&g, ray, &sampler, &seen);
+        assert_true(!seen.hit && L.g == 2.0f && seen.emission.g == 2.0f);
+    }
+    test_scene_free(&t);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(planes_are_as_bright_as_their_albedo)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(planes_are_as_bright_as_their_albedo),
+                                       cmocka_unit_test(tells_what_the_eye_sees)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
