@@ -67,8 +67,8 @@ struct plugin_spec {
     const struct param_spec *const *params;  // NULL-ended; NULL: none
     unsigned children;                       // what it takes besides parameters: bits 1 << xml_tag
     plugin_build build;
-    // The last row of its element: stands for all other names, and other parameters have no effect,
-    // which is a warning, not an error.
+    // Stands for the names of scene_transport too, and other parameters have no effect, which is a
+    // warning, not an error.
     bool lenient;
 };
 
@@ -130,6 +130,8 @@ satin_status scene_spectrum_of(struct param_source source, struct xml_node *node
 // All plugins (scene_plugins.c). Finds the one of an element; logs, with the nearest name, and
 // returns NULL if there is none.
 const struct plugin_spec *scene_plugin_find(struct log log, const struct xml_node *node);
+// Integrators that are read as `path` is (scene_plugins_integrator.c), NULL-ended.
+extern const char *const scene_transport[];
 // How messages call an object: BRDF, shape, ...
 const char *scene_plugin_noun(enum xml_tag tag);
 

@@ -30,10 +30,14 @@ static const char *const unread_emitters[] = {"sunsky", "timed_sunsky", "sky",
 static const char *const unread_sensors[] = {"distant",       "radiancemeter",   "batch",
                                              "hemispherical", "irradiancemeter", NULL};
 static const char *const unread_films[] = {"specfilm", NULL};
+static const char *const unread_integrators[] = {
+    "depth", "moment", "stokes", "volprim_rf_basic", "multichannel", "field", NULL};
 
 static const struct unread unread[] = {
-    {XML_SHAPE, unread_shapes},     {XML_BSDF, unread_bsdfs},     {XML_TEXTURE, unread_textures},
-    {XML_EMITTER, unread_emitters}, {XML_SENSOR, unread_sensors}, {XML_FILM, unread_films}};
+    {XML_SHAPE, unread_shapes},          {XML_BSDF, unread_bsdfs},
+    {XML_TEXTURE, unread_textures},      {XML_EMITTER, unread_emitters},
+    {XML_SENSOR, unread_sensors},        {XML_FILM, unread_films},
+    {XML_INTEGRATOR, unread_integrators}};
 
 const char *scene_plugin_noun(enum xml_tag tag) {
     if (tag == XML_BSDF) return "BRDF";
@@ -55,23 +59,37 @@ static const char *substitute(const struct xml_node *node) {
     return sky ? "; 'preethamsky' is a sky by formulas, which looks a little different" : "";
 }
 
+static bool is_named(const struct plugin_spec *plugin, const char *type) {
+    if (strcmp(plugin->name, type) == 0) return true;
+    for (const char *const *name = scene_transport; plugin->lenient && *name; name++)
+        if (strcmp(*name, type) == 0) return true;
+    return false;
+}
+
+// What a misspelt name may have meant.
+static const char *nearest_name(const struct xml_node *node) {
+    struct text_nearest nearest = {.word = node->type};
+    for (int t = 0; tables[t]; t++)
+        for (const struct plugin_spec *plugin = tables[t]; plugin->name; plugin++) {
+            if (plugin->tag != node->tag) continue;
+            text_nearest_try(&nearest, plugin->name);
+            for (const char *const *name = scene_transport; plugin->lenient && *name; name++)
+                text_nearest_try(&nearest, *name);
+        }
+    return nearest.best;
+}
+
 const struct plugin_spec *scene_plugin_find(struct log log, const struct xml_node *node) {
     for (int t = 0; tables[t]; t++)
         for (const struct plugin_spec *plugin = tables[t]; plugin->name; plugin++)
-            if (plugin->tag == node->tag &&
-                (plugin->lenient || strcmp(plugin->name, node->type) == 0))
-                return plugin;
-    struct text_nearest nearest = {.word = node->type};
-    for (int t = 0; tables[t]; t++)
-        for (const struct plugin_spec *plugin = tables[t]; plugin->name; plugin++)
-            if (plugin->tag == node->tag) text_nearest_try(&nearest, plugin->name);
-    const char *noun = scene_plugin_noun(node->tag);
+            if (plugin->tag == node->tag && is_named(plugin, node->type)) return plugin;
+    const char *noun = scene_plugin_noun(node->tag), *nearest = nearest_name(node);
     if (is_unread(node))
         log_error_at(log, node->place, "%s '%s' is not supported%s", noun, node->type,
                      substitute(node));
-    else if (nearest.best)
+    else if (nearest)
         log_error_at(log, node->place, "unknown %s '%s' (did you mean '%s'?)", noun, node->type,
-                     nearest.best);
+                     nearest);
     else
         log_error_at(log, node->place, "unknown %s '%s'", noun, node->type);
     return NULL;

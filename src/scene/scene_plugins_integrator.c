@@ -16,10 +16,36 @@ static const struct param_spec hide_emitters = {
 
 static const struct param_spec *const path_params[] = {&max_depth, &rr_depth, &hide_emitters, NULL};
 
+// Light transport by other ways, of Mitsuba 3 and of version 0.6; and `aov`, which holds another.
+const char *const scene_transport[] = {"aov",
+                                       "direct",
+                                       "direct_projective",
+                                       "prb",
+                                       "prb_basic",
+                                       "prbvolpath",
+                                       "prb_projective",
+                                       "ptracer",
+                                       "volpath",
+                                       "volpathmis",
+                                       "bdpt",
+                                       "erpt",
+                                       "mlt",
+                                       "pssmlt",
+                                       "ppm",
+                                       "photonmapper",
+                                       "sppm",
+                                       "volpath_simple",
+                                       "irrcache",
+                                       "adaptive",
+                                       "vpl",
+                                       NULL};
+
 const struct plugin_spec scene_integrator_plugins[] = {
     {XML_INTEGRATOR, "satin", "takes every option of `satin help options` by its name", NULL, 0,
      NULL, false},
-    {XML_INTEGRATOR, "path", "and any other: satin chooses its own way, within these bounds",
+    {XML_INTEGRATOR, "path",
+     "and `direct`, `volpath`, `ptracer`, `prb`, `aov` and all others of light transport: satin "
+     "chooses its own way, within these bounds",
      path_params, 1u << XML_INTEGRATOR, NULL, true},
     {0}};
 
