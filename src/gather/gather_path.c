@@ -94,10 +94,11 @@ rgb gather_path(const struct gather *g, struct ray ray, struct sampler *sampler,
 
 rgb gather_path_eye(const struct gather *g, struct ray ray, struct sampler *sampler,
                     struct gather_seen *seen) {
+    const satin_options *o = g->options;
     struct walk walk = {.ray = ray,
                         .T = rgb_grey(1.0f),
                         .eta = 1.0f,
-                        .emission = g->options->hide_emitters <= 0,
+                        .emission = o->hide_emitters <= 0 && o->max_depth != 0,
                         .specular = true};
     seen->hit = false;
     seen->emission = rgb_grey(0.0f);

@@ -39,8 +39,8 @@ const struct option options_table[] = {
      "without a sample filled from their neighbours; 0: no limit. A first look and the writing are "
      "never left out: they take .2 s, and .5 s more per million pixels."},
     {"max-depth", OPTION_INT, AT(max_depth), false, "-2..1000000",
-     "Longest light path in edges, 1: emission alone; -1: no limit; -2: the scene's, else no "
-     "limit."},
+     "Longest light path in edges, 1: emission alone, 0: black; -1: no limit; -2: the scene's, "
+     "else no limit."},
     {"rr-depth", OPTION_INT, AT(rr_depth), false, "0..1000000",
      "Path depth at which Russian roulette starts; 0: the scene's, else 5."},
     {"hide-emitters", OPTION_INT, AT(hide_emitters), false, "-1..1",

@@ -43,7 +43,8 @@ struct ray shade_eye_ray(const struct shade *shade, int x, int y, struct sampler
 static void emitted(const struct shade *shade, const struct branch *b, const struct surfel *s,
                     struct shade_eye *out) {
     const struct satin_scene *scene = shade->g->scene;
-    if (b->depth == 0 && shade->g->options->hide_emitters > 0) return;
+    const satin_options *o = shade->g->options;
+    if (o->max_depth == 0 || (b->depth == 0 && o->hide_emitters > 0)) return;
     if (s ? s->light < 0 : scene->environment < 0) return;
     rgb Le = s ? light_emitted(scene, s, v3_neg(b->ray.d)) : light_environment(scene, b->ray.d);
     out->emission = rgb_fma(out->emission, b->T, Le);
