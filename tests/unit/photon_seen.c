@@ -125,9 +125,9 @@ static void lamps_behind_walls_are_hardly_chosen(void **state) {
     const vec3 p = v3(0.1f, 0.2f, -1);
     const struct light_seen seen = photon_seen_at(&maps, p);
     assert_null(seen.window);
-    assert_true(light_choose_probability(&t.scene, p, LIGHT_SEEN_ALL, 1) > 0.3f);
+    assert_true(light_choose_probability(&t.scene, p, LIGHT_SEEN_ALL, 1) > 0.35f);
     const float behind = light_choose_probability(&t.scene, p, seen, 1);
-    assert_true(behind > 0.01f && behind < 0.1f);
+    assert_true(behind > 0.01f && behind < 0.2f);
     assert_true(fabsf(behind + light_choose_probability(&t.scene, p, seen, 0) - 1.0f) < 1e-5f);
     photon_seen_free(maps.seen);
     test_scene_free(&t);
