@@ -112,6 +112,7 @@ static void print_glossy(const struct materials *m, const struct material_side *
 
 static void print_side(void *ctx, const struct material_side *side) {
     struct materials *m = ctx;
+    if (side->holes) return;
     unsigned lobes = brdf_lobes(&side->base);
     bool cached = side->index < m->tables->count && m->tables->table[side->index];
     if (m->front && m->front->index == side->index) return;  // the same on the back
@@ -152,11 +153,13 @@ static void print_materials(struct materials *m) {
             break;
         }
         count_users(scene, i, &shapes, &triangles);
-        printf("  %-24s %s, %" PRIu32 " shapes, %" PRIu64 " triangles\n",
-               scene->material[i].name ? scene->material[i].name : "(no name)",
-               scene->material[i].two_sided ? "two-sided" : "one-sided", shapes, triangles);
+        const struct material *material = &scene->material[i];
+        printf("  %-24s %s%s, %" PRIu32 " shapes, %" PRIu64 " triangles\n",
+               material->name ? material->name : "(no name)",
+               material->two_sided ? "two-sided" : "one-sided",
+               material->front.holes ? " with holes" : "", shapes, triangles);
         m->front = NULL;
-        material_visit(&scene->material[i], print_side, m);
+        material_visit(material, print_side, m);
     }
 }
 

@@ -22,10 +22,9 @@ static size_t add_path(const struct satin_scene *scene, uint64_t seed, uint32_t 
     size_t count = 0;
     bool found = photon_view_eye(scene, i, &rng, &s, &n);
     while (found) {
-        out[count] =
-            (struct photon_cell_point){s.p,  s.ng,
-                                       n,    material_transmits(&scene->material[s.material]),
-                                       0.0f, (uint32_t)(i * (1 + BOUNCES) + count)};
+        bool through = material_transmits(&scene->material[s.material], s.light >= 0);
+        out[count] = (struct photon_cell_point){
+            s.p, s.ng, n, through, 0.0f, (uint32_t)(i * (1 + BOUNCES) + count)};
         if (count++ == BOUNCES) break;
         const struct frame frame = frame_from_normal(n);
         const float u = rng_float(&rng), v = rng_float(&rng);

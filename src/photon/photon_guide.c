@@ -64,11 +64,11 @@ static void grow_shape(struct light_target *box, const struct shape *shape) {
 }
 
 // Whether some of a shape, or of the group that it is an instance of, has a delta lobe.
-static bool shape_has_delta(const struct satin_scene *scene, const struct shape *shape) {
-    if (shape->kind != SHAPE_INSTANCE) return material_has_delta(&scene->material[shape->material]);
-    const struct shape_group *group = &scene->group[shape->instance_of];
+static bool some_has_delta(const struct satin_scene *scene, uint32_t shape) {
+    if (scene->shape[shape].kind != SHAPE_INSTANCE) return shape_has_delta(scene, shape);
+    const struct shape_group *group = &scene->group[scene->shape[shape].instance_of];
     for (uint32_t i = group->first; i < group->first + group->count; i++)
-        if (material_has_delta(&scene->material[scene->shape[i].material])) return true;
+        if (shape_has_delta(scene, i)) return true;
     return false;
 }
 
@@ -79,7 +79,7 @@ static bool find_target(const struct satin_scene *scene, struct light_target *ou
     bool found = false;
     for (uint32_t i = 0; i < scene->shape_count; i++) {
         const struct shape *shape = &scene->shape[i];
-        if (shape->group || !shape_has_delta(scene, shape)) continue;
+        if (shape->group || !some_has_delta(scene, i)) continue;
         grow_shape(&box, shape);
         found = true;
     }
@@ -136,7 +136,7 @@ static bool meets_delta(const struct pilot *pilot, const float u[4]) {
     struct surfel s;
     if (!light_emit(pilot->scene, pilot->light, &pilot->guide->aim, u, &start)) return false;
     if (!scene_intersect(pilot->scene, &start.ray, &s)) return false;
-    return material_has_delta(&pilot->scene->material[s.material]);
+    return shape_has_delta(pilot->scene, s.shape);
 }
 
 static void probe_cells(void *ctx, size_t begin, size_t end, int worker) {

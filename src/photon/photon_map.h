@@ -31,9 +31,10 @@ struct photon {
 uint32_t photon_pack(vec3 w);
 vec3 photon_unpack(uint32_t packed);
 
-// Whether a side of the material that reflects has an ideal specular lobe.
-static inline bool material_has_delta(const struct material *m) {
-    return material_lobes(m) & BRDF_DELTA;
+// Whether a shape that is no instance has an ideal specular lobe.
+static inline bool shape_has_delta(const struct satin_scene *scene, uint32_t shape) {
+    const struct shape *s = &scene->shape[shape];
+    return material_lobes(&scene->material[s->material], s->light >= 0) & BRDF_DELTA;
 }
 
 // ---- Tracing (photon_trace.c, photon_view.c, photon_guide.c)

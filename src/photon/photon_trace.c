@@ -43,7 +43,7 @@ struct run {
 static bool keep_hit(const struct satin_scene *scene, struct chunk *chunk, const struct surfel *s,
                      vec3 wi, rgb power) {
     struct texture_place at = surfel_texture_place(scene, s);
-    float opacity = material_opacity(&scene->material[s->material], &at);
+    float opacity = s->light < 0 ? material_opacity(&scene->material[s->material], &at) : 1.0f;
     if (opacity < 1.0f) power = rgb_scale(power, 1.0f / fmaxf(opacity, 0.05f));
     size_t n = chunk->count + 1;
     void *items = chunk->hit;

@@ -138,7 +138,7 @@ void photon_view_make(const struct satin_scene *scene, uint64_t seed, struct pho
         struct ray ray = scene_spawn(scene, s.p, s.ng, d);
         if (!scene_intersect(scene, &ray, &s)) continue;
         length[hits++] = s.t;
-        if (material_has_delta(&scene->material[s.material])) add(&specular, s.p);
+        if (shape_has_delta(scene, s.shape)) add(&specular, s.p);
     }
     *out = (struct photon_view){
         .reach = INFINITY, .seen_count = seen.count, .specular_count = specular.count};

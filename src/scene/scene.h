@@ -86,7 +86,9 @@ struct material_relief {
 };
 
 // A side of a surface: a BRDF with constants in `base`, and textures (or NULL) that replace slots
-// of it; or, if part[0] is set, a blend of two sides.
+// of it; or, if part[0] is set, a blend of two sides. Where one of them is nothing (a null BRDF) it
+// is a mask: the surface has holes. At least one leaf of a tree is not nothing, unless it is the
+// only one.
 struct material_side {
     struct brdf base;
     const struct texture *slot[BRDF_SLOT_COUNT];
@@ -96,23 +98,15 @@ struct material_side {
     const struct material_side *part[2];
     const struct texture *blend;  // weight of part[1]; NULL: constant
     float weight;
+    bool holes;  // it is nothing; or a leaf of it is
 };
 
 // No more BRDFs may be blended on one side.
 enum { MATERIAL_PARTS_MAX = 16 };
 
-// How much of a surface is there: rays pass the rest.
-struct material_mask {
-    bool used;
-    const struct texture *texture;  // NULL: constant
-    float value;
-    bool inverted;
-};
-
 struct material {
-    const char *name;  // the id of its bsdf element, or its model's name
-    struct material_side front, back;
-    struct material_mask mask;
+    const char *name;                  // the id of its bsdf element, or its model's name
+    struct material_side front, back;  // with the same holes
     bool two_sided;  // the back reflects too (with `back`); else it is black unless it transmits
     bool tangent;    // frames follow dp/du
     bool filtered;   // colours come from bitmaps that can be averaged
@@ -123,10 +117,10 @@ float material_opacity(const struct material *m, const struct texture_place *at)
 // Calls fn for every side of m that is no blend; those of the back if it is two-sided.
 void material_visit(const struct material *m,
                     void (*fn)(void *ctx, const struct material_side *side), void *ctx);
-// Whether light passes through one of them.
-bool material_transmits(const struct material *m);
-// The lobes of their models, a mask of brdf_lobe.
-unsigned material_lobes(const struct material *m);
+// Whether light passes through one of them; holes count if asked for.
+bool material_transmits(const struct material *m, bool holes);
+// The lobes of their models, a mask of brdf_lobe; likewise.
+unsigned material_lobes(const struct material *m, bool holes);
 
 // ---- Shapes -----------------------------------------------------------------------------------
 
@@ -372,7 +366,8 @@ struct scene_part {
     float weight;
 };
 
-// All of them: at most MATERIAL_PARTS_MAX; weights over 0 that sum to 1.
+// All of them: at most MATERIAL_PARTS_MAX; weights over 0 that sum to 1. Rays have passed the holes
+// of s, so these are no parts, but where it emits.
 int scene_parts(const struct satin_scene *scene, const struct surfel *s, vec3 wo,
                 struct scene_part out[MATERIAL_PARTS_MAX]);
 // One, drawn with its weight as the probability, by s and wo alone.

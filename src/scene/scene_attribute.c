@@ -77,8 +77,7 @@ static bool want_side(struct attribute_names *names, const struct material_side 
 }
 
 bool attribute_want_all(struct attribute_names *names, const struct material *m) {
-    return attribute_want(names, m->mask.texture) && want_side(names, &m->front) &&
-           want_side(names, &m->back);
+    return want_side(names, &m->front) && want_side(names, &m->back);
 }
 
 const char *attribute_missing(const struct attribute_names *names, const struct mesh *mesh) {

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "base/rng.h"
-#include "scene/scene.h"
+#include "scene/scene_opacity.h"
 
 static void visit(const struct material_side *side,
                   void (*fn)(void *ctx, const struct material_side *side), void *ctx) {
@@ -26,25 +26,30 @@ void material_visit(const struct material *m,
     if (m->two_sided) visit(&m->back, fn, ctx);
 }
 
-static void add_transmits(void *ctx, const struct material_side *side) {
-    *(bool *)ctx |= side->base.model->transmits;
+// What the sides of a material have together.
+struct union_of {
+    bool holes;  // count
+    bool transmits;
+    unsigned lobes;
+};
+
+static void add_side(void *ctx, const struct material_side *side) {
+    struct union_of *all = ctx;
+    if (side->holes && !all->holes) return;
+    all->transmits |= side->base.model->transmits;
+    all->lobes |= side->base.model->lobes;
 }
 
-bool material_transmits(const struct material *m) {
-    bool found = false;
-    material_visit(m, add_transmits, &found);
-    return found;
+bool material_transmits(const struct material *m, bool holes) {
+    struct union_of all = {.holes = holes};
+    material_visit(m, add_side, &all);
+    return all.transmits;
 }
 
-static void add_lobes(void *ctx, const struct material_side *side) {
-    unsigned *lobes = ctx;
-    *lobes |= side->base.model->lobes;
-}
-
-unsigned material_lobes(const struct material *m) {
-    unsigned lobes = 0;
-    material_visit(m, add_lobes, &lobes);
-    return lobes;
+unsigned material_lobes(const struct material *m, bool holes) {
+    struct union_of all = {.holes = holes};
+    material_visit(m, add_side, &all);
+    return all.lobes;
 }
 
 // ---- Parts of a blend ---------------------------------------------------------------------------
@@ -57,13 +62,19 @@ static const struct material_side *side_seen(const struct satin_scene *scene,
     return m->two_sided && is_behind(s, wo) ? &m->back : &m->front;
 }
 
-// The weight of part[1].
+static bool is_hole(const struct material_side *side) { return side->holes && !side->part[0]; }
+
+// The weight of part[1]; among the parts that are there, where rays pass the holes.
 static float blend_weight(const struct satin_scene *scene, const struct material_side *side,
                           const struct surfel *s) {
-    if (!side->blend) return side->weight;
+    const struct material_side *first = side->part[0], *second = side->part[1];
+    const bool passed = side->holes && s->light < 0;
+    if (passed && (is_hole(first) || is_hole(second))) return is_hole(first) ? 1.0f : 0.0f;
     struct texture_place at = surfel_texture_place(scene, s);
-    at.width = 0.0f;
-    return clampf(texture_number(side->blend, &at), 0.0f, 1.0f);
+    float weight = side_weight(side, &at);
+    if (!passed) return weight;
+    float a = (1.0f - weight) * side_opacity(first, &at), b = weight * side_opacity(second, &at);
+    return a + b > 0.0f ? b / (a + b) : weight;  // rounded uv may be where nothing is
 }
 
 static int list_parts(const struct satin_scene *scene, const struct material_side *side,

@@ -6,20 +6,28 @@
 
 #include "base/rng.h"
 
-static bool is_null(const struct material *m) {
-    return !m->front.part[0] && m->front.base.model == brdf_find("null");
+float side_weight(const struct material_side *side, const struct texture_place *at) {
+    if (!side->blend) return side->weight;
+    struct texture_place point = *at;
+    point.width = 0.0f;
+    return clampf(texture_number(side->blend, &point), 0.0f, 1.0f);
+}
+
+float side_opacity(const struct material_side *side, const struct texture_place *at) {
+    if (!side->holes) return 1.0f;
+    if (!side->part[0]) return 0.0f;
+    float second = side_weight(side, at);
+    return (1.0f - second) * side_opacity(side->part[0], at) +
+           second * side_opacity(side->part[1], at);
 }
 
 const struct material *opacity_of(const struct satin_scene *scene, const struct shape *shape) {
     const struct material *m = &scene->material[shape->material];
-    return shape->light < 0 && (m->mask.used || is_null(m)) ? m : NULL;
+    return shape->light < 0 && m->front.holes ? m : NULL;
 }
 
 float material_opacity(const struct material *m, const struct texture_place *at) {
-    if (!m->mask.used) return is_null(m) ? 0.0f : 1.0f;
-    float a = m->mask.texture ? texture_number(m->mask.texture, at) : m->mask.value;
-    a = clampf(a, 0.0f, 1.0f);
-    return m->mask.inverted ? 1.0f - a : a;
+    return side_opacity(&m->front, at);
 }
 
 bool opacity_stops(const struct material *m, const struct texture_place *at, const struct ray *ray,

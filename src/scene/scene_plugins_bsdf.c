@@ -286,6 +286,7 @@ static satin_status build_null(struct scene_loader *loader, const struct params 
     struct material_side *side = object;
     (void)loader, (void)p;
     side->base.transmittance = rgb_grey(1.0f);
+    side->holes = true;
     return SATIN_OK;
 }
 

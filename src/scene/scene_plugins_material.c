@@ -76,7 +76,8 @@ static satin_status build_twosided(struct scene_loader *loader, const struct par
     int count;
     satin_status status = build_nested(loader, p, 1, 2, side, &count);
     for (int i = 0; i < count && status == SATIN_OK; i++) {
-        if (side[i].mask.used) return refuse(loader, p, "cannot wrap a mask; wrap it by one");
+        if (side[i].front.part[0] && side[i].front.holes)
+            return refuse(loader, p, "cannot wrap a mask; wrap it by one");
         status = change_leaves(loader, p, &side[i].front, make_side, NULL);
     }
     if (status != SATIN_OK) return status;
@@ -96,47 +97,49 @@ static satin_status make_one_sided(struct scene_loader *loader, const struct par
     return SATIN_OK;
 }
 
-// Joins a and b under one node.
+// The weight of a blend's second part, constant or textured.
+struct weight {
+    float value;
+    const struct texture *texture;
+};
+
+static satin_status find_weight(struct scene_loader *loader, const struct param_value *value,
+                                float constant, struct weight *out) {
+    *out = (struct weight){.value = constant};
+    return value->texture ? scene_texture_of(loader, value->texture, &out->texture) : SATIN_OK;
+}
+
+static bool is_hole(const struct material_side *side) { return side->holes && !side->part[0]; }
+
+// Joins a and b under one node, which may be one of them.
 static satin_status join(struct scene_loader *loader, const struct params *p,
                          const struct material_side *a, const struct material_side *b,
-                         struct material_side *out) {
+                         const struct weight *weight, struct material_side *out) {
+    if (is_hole(a) && is_hole(b)) {
+        *out = *a;
+        return SATIN_OK;
+    }
     struct material_side *part = arena_array(&loader->scene->arena, 2, sizeof *part);
     if (!part) return scene_no_memory(loader);
     part[0] = *a;
     part[1] = *b;
-    *out = (struct material_side){.part = {&part[0], &part[1]}};
-    if (count_parts(out) > MATERIAL_PARTS_MAX)
-        return refuse(loader, p, "blends more than 16 BRDFs");
-    const struct param_value *weight = param(p, "weight");
-    out->weight = weight->f;
-    if (!weight->texture) return SATIN_OK;
-    return scene_texture_of(loader, weight->texture, &out->blend);
-}
-
-static bool is_null(const struct material *m) {
-    return !m->front.part[0] && m->front.base.model == brdf_find("null");
-}
-
-// A blend with nothing is a mask.
-static satin_status mask_part(struct scene_loader *loader, const struct params *p,
-                              const struct material *part, bool inverted, struct material *out) {
-    const struct param_value *weight = param(p, "weight");
-    *out = *part;
-    out->mask = (struct material_mask){.used = true, .value = weight->f, .inverted = inverted};
-    if (!weight->texture) return SATIN_OK;
-    return scene_texture_of(loader, weight->texture, &out->mask.texture);
+    *out = (struct material_side){.part = {&part[0], &part[1]},
+                                  .blend = weight->texture,
+                                  .weight = weight->value,
+                                  .holes = a->holes || b->holes};
+    if (count_parts(out) <= MATERIAL_PARTS_MAX) return SATIN_OK;
+    return refuse(loader, p, "blends more than 16 BRDFs");
 }
 
 static satin_status build_blend(struct scene_loader *loader, const struct params *p,
                                 struct material *out) {
     struct material part[2];
+    struct weight weight;
     int count;
     satin_status status = build_nested(loader, p, 2, 2, part, &count);
+    if (status == SATIN_OK)
+        status = find_weight(loader, param(p, "weight"), param(p, "weight")->f, &weight);
     if (status != SATIN_OK) return status;
-    if (part[0].mask.used || part[1].mask.used)
-        return refuse(loader, p, "cannot wrap a mask; wrap it by one");
-    for (int i = 0; i < 2; i++)
-        if (is_null(&part[i])) return mask_part(loader, p, &part[1 - i], i == 1, out);
     out->two_sided = part[0].two_sided || part[1].two_sided;
     out->tangent = part[0].tangent || part[1].tangent;
     for (int i = 0; i < 2 && out->two_sided && status == SATIN_OK; i++) {
@@ -144,24 +147,34 @@ static satin_status build_blend(struct scene_loader *loader, const struct params
         part[i].back = part[i].front;
         status = change_leaves(loader, p, &part[i].back, make_one_sided, NULL);
     }
-    if (status == SATIN_OK) status = join(loader, p, &part[0].front, &part[1].front, &out->front);
+    if (status == SATIN_OK)
+        status = join(loader, p, &part[0].front, &part[1].front, &weight, &out->front);
     if (status != SATIN_OK) return status;
     out->back = out->front;
-    return out->two_sided ? join(loader, p, &part[0].back, &part[1].back, &out->back) : SATIN_OK;
+    if (!out->two_sided) return SATIN_OK;
+    return join(loader, p, &part[0].back, &part[1].back, &weight, &out->back);
 }
 
 // ---- mask ---------------------------------------------------------------------------------------
 
+// A blend of nothing with the nested BRDF.
 static satin_status build_mask(struct scene_loader *loader, const struct params *p,
                                struct material *out) {
     const struct param_value *opacity = param(p, "opacity");
+    struct material_side hole = {.index = loader->scene->side_count++, .holes = true};
+    struct weight weight;
     int count;
+    hole.base.model = brdf_find("null");
+    hole.base.transmittance = rgb_grey(1.0f);
+    if (brdf_prepare(&hole.base, &loader->scene->arena) != SATIN_OK) return scene_no_memory(loader);
     satin_status status = build_nested(loader, p, 1, 1, out, &count);
+    if (status == SATIN_OK)
+        status = find_weight(loader, opacity, rgb_mean(opacity->color), &weight);
+    if (status == SATIN_OK) status = join(loader, p, &hole, &out->front, &weight, &out->front);
     if (status != SATIN_OK) return status;
-    if (out->mask.used) return refuse(loader, p, "cannot wrap another mask");
-    out->mask = (struct material_mask){.used = true, .value = rgb_mean(opacity->color)};
-    if (!opacity->texture) return SATIN_OK;
-    return scene_texture_of(loader, opacity->texture, &out->mask.texture);
+    if (out->two_sided) return join(loader, p, &hole, &out->back, &weight, &out->back);
+    out->back = out->front;
+    return SATIN_OK;
 }
 
 // ---- bumpmap, normalmap -------------------------------------------------------------------------
@@ -171,6 +184,7 @@ static satin_status set_relief(struct scene_loader *loader, const struct params 
     if (leaf->relief.bump || leaf->relief.normal)
         return refuse(loader, p, "cannot wrap another bumpmap or normalmap");
     (void)loader;
+    if (leaf->holes) return SATIN_OK;
     leaf->relief = *(const struct material_relief *)ctx;
     return SATIN_OK;
 }
@@ -264,31 +278,6 @@ static satin_status default_material(struct scene_loader *loader, bool emits,
     return SATIN_OK;
 }
 
-// What emits is met by every ray, and what its mask would let pass goes on through it: the mask
-// becomes a part of a blend.
-static satin_status unmask(struct scene_loader *loader, struct xml_node *node, struct material *m) {
-    struct material_side *part = arena_array(&loader->scene->arena, 3, sizeof *part);
-    if (!part) return scene_no_memory(loader);
-    struct brdf *hole = &part[0].base;
-    part[0] = (struct material_side){.index = loader->scene->side_count++};
-    hole->model = brdf_find("null");
-    hole->transmittance = rgb_grey(1.0f);
-    if (brdf_prepare(hole, &loader->scene->arena) != SATIN_OK) return scene_no_memory(loader);
-    part[1] = m->front;
-    part[2] = m->back;
-    struct material_side *side[2] = {&m->front, &m->back};
-    for (int i = 0; i < 2; i++) {
-        *side[i] = (struct material_side){.blend = m->mask.texture, .weight = m->mask.value};
-        side[i]->part[m->mask.inverted] = &part[0];
-        side[i]->part[!m->mask.inverted] = &part[1 + i];
-        if (count_parts(side[i]) <= MATERIAL_PARTS_MAX) continue;
-        log_error_at(loader->log, node->place, "what emits has a mask around 16 BRDFs");
-        return SATIN_ERROR_INPUT;
-    }
-    m->mask = (struct material_mask){0};
-    return SATIN_OK;
-}
-
 // Adds it to the scene's; *known gets 1 + its index.
 static satin_status add_material(struct scene_loader *loader, const struct material *material,
                                  uint32_t *known) {
@@ -311,12 +300,6 @@ satin_status scene_material_of(struct scene_loader *loader, struct xml_node *nod
         status = node ? scene_material_build(loader, node, &material)
                       : default_material(loader, emits, &material);
         if (status == SATIN_OK) status = add_material(loader, &material, known);
-    }
-    if (status == SATIN_OK && emits && loader->material[*known - 1].mask.used) {
-        material = loader->material[*known - 1];
-        known = &node->material_lit;
-        if (!*known) status = unmask(loader, node, &material);
-        if (!*known && status == SATIN_OK) status = add_material(loader, &material, known);
     }
     if (status == SATIN_OK) *index = *known - 1;
     return status;

@@ -311,7 +311,7 @@ satin_status scene_shape_add(struct scene_loader *loader, struct xml_node *node)
     if (status != SATIN_OK) return status;
     shape.area = scene_shape_area(&shape);
     if (shape.kind == SHAPE_CURVES && emitter) return fail(loader, &p, "curves cannot emit");
-    if (shape.kind == SHAPE_CURVES && material_transmits(&loader->material[shape.material]))
+    if (shape.kind == SHAPE_CURVES && material_transmits(&loader->material[shape.material], true))
         return fail(loader, &p, "curves cannot transmit light");
     bool flat = shape.kind == SHAPE_DISK || strcmp(p.plugin->name, "rectangle") == 0;
     if (shape.light >= 0 && !flat && loader->light[shape.light].kind == LIGHT_BEAM)

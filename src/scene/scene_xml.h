@@ -67,8 +67,8 @@ struct xml_node {
     bool old;                              // spelt as in version 0.6
     bool encoded;                          // <srgb> of those: its numbers are not linear
     const struct texture *texture;         // what the builders made of it, for further
-    uint32_t material, material_lit;       // references: NULL if nothing; 1 + index;
-    uint32_t group;                        // lit: of what emits, where that is another one
+    uint32_t material;                     // references: NULL if nothing; 1 + index
+    uint32_t group;
 };
 
 struct xml_id {

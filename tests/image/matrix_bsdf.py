@@ -88,6 +88,14 @@ MODELS = {
                   twosided(bsdf("blendbsdf", numbers("weight", 0.2, 0.9), FIRST, SECOND))),
     "mask": (bsdf("mask", real("opacity", 0.6), twosided(FIRST)),
              bsdf("mask", numbers("opacity", 0.1, 1), twosided(BASE))),
+    "mask_mask": (bsdf("mask", real("opacity", 0.7), bsdf("mask", real("opacity", 0.8),
+                                                          twosided(FIRST))), None),
+    "mask_blend": (bsdf("blendbsdf", real("weight", 0.4), bsdf("mask", real("opacity", 0.3), FIRST),
+                        twosided(SECOND)),
+                   bsdf("mask", real("opacity", 0.9), bsdf(
+                       "blendbsdf", numbers("weight", 0.2, 0.9),
+                       bsdf("mask", numbers("opacity", 0.1, 1), twosided(FIRST)),
+                       bsdf("mask", real("opacity", 0.8), twosided(SECOND))))),
     "bumpmap": (None, twosided(bsdf("bumpmap", real("scale", 0.2), image("map", "height.exr"),
                                     BASE))),
     "normalmap": (None, bsdf("normalmap", image("normalmap", "normal.exr"), twosided(BASE))),
@@ -133,6 +141,6 @@ def rows(folder):
             for light, emitter in LIGHTS.items():
                 if what:
                     out[f"bsdf_{name}_{kind}_{light}"] = (
-                        THROUGH * (name in ("mask", "null")) + FLOOR + emitter
+                        THROUGH * (name.startswith(("mask", "null"))) + FLOOR + emitter
                         + OBJECTS.format(what, tilted))
     return out

@@ -28,6 +28,35 @@ static void twosided_nests(void **state) {
     satin_scene_free(scene);
 }
 
+// Masks and what is nothing, in each other and in blends, on one side and on two.
+static void masks_nest(void **state) {
+    (void)state;
+#define MASK "<bsdf type='mask'><float name='opacity' value='.6'/>"
+#define BLEND "<bsdf type='blendbsdf'><float name='weight' value='.25'/>"
+#define PLAIN "<bsdf type='diffuse'/>"
+    struct satin_scene *scene =
+        load(SCENE_TEXT("<shape type='disk'>" MASK MASK PLAIN "</bsdf></bsdf></shape>"
+                        "<shape type='disk'>" BLEND MASK PLAIN "</bsdf>" PLAIN "</bsdf></shape>"
+                        "<shape type='disk'>" MASK BLEND PLAIN MASK "<bsdf type='twosided'>" PLAIN
+                        "</bsdf></bsdf></bsdf></bsdf></shape>"
+                        "<shape type='disk'>" BLEND PLAIN "<bsdf type='null'/></bsdf></shape>"
+                        "<shape type='disk'>" MASK BLEND
+                        "<bsdf type='null'/><bsdf type='null'/></bsdf></bsdf>"
+                        "</shape>"
+                        "<shape type='disk'>" BLEND PLAIN PLAIN "</bsdf></shape>"));
+    const float opacity[] = {.36f, .7f, .54f, .75f, 0.0f, 1.0f};
+    const struct texture_place at = {.width = 0.0f};
+    for (int i = 0; i < 6; i++) {
+        const struct material *m = &scene->material[i];
+        assert_true(fabsf(material_opacity(m, &at) - opacity[i]) < 1e-6f);
+        assert_int_equal(m->front.holes, opacity[i] < 1.0f);
+        assert_int_equal(m->back.holes, m->front.holes);
+        assert_int_equal(m->two_sided, i == 2);
+    }
+    assert_null(scene->material[4].front.part[0]);
+    satin_scene_free(scene);
+}
+
 static void builds_materials(void **state) {
     (void)state;
     struct satin_scene *scene = load(SCENE_TEXT(
@@ -223,8 +252,6 @@ static const struct refusal refusals[] = {
      "scene.xml:3:1: twosided is nested too deep, or in itself"},
     {SHAPE("<bsdf type='blendbsdf'><float name='weight' value='.5'/><bsdf type='null'/></bsdf>"),
      "scene.xml:3:22: blendbsdf takes two <bsdf>s"},
-    {SHAPE("<bsdf type='mask'><bsdf type='mask'><bsdf type='diffuse'/></bsdf></bsdf>"),
-     "scene.xml:3:22: mask cannot wrap another mask"},
     {SHAPE("<bsdf type='twosided'><bsdf type='mask'><bsdf type='diffuse'/></bsdf></bsdf>"),
      "scene.xml:3:22: twosided cannot wrap a mask; wrap it by one"},
     {SCENE_TEXT("<bsdf type='lafortune'><string name='lobes' value='-1 -1 1 5'/></bsdf>"),
@@ -358,15 +385,11 @@ static void warns_of_what_has_no_effect(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(builds_materials),
-        cmocka_unit_test(twosided_nests),
-        cmocka_unit_test(builds_shapes),
-        cmocka_unit_test(builds_lights),
-        cmocka_unit_test(keeps_hints),
-        cmocka_unit_test(hashes_all_that_is_read),
-        cmocka_unit_test(refuses_with_place),
-        cmocka_unit_test(refuses_bad_files),
-        cmocka_unit_test(warns_of_what_has_no_effect),
+        cmocka_unit_test(builds_materials),        cmocka_unit_test(masks_nest),
+        cmocka_unit_test(twosided_nests),          cmocka_unit_test(builds_shapes),
+        cmocka_unit_test(builds_lights),           cmocka_unit_test(keeps_hints),
+        cmocka_unit_test(hashes_all_that_is_read), cmocka_unit_test(refuses_with_place),
+        cmocka_unit_test(refuses_bad_files),       cmocka_unit_test(warns_of_what_has_no_effect),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -69,6 +69,41 @@ static void textures_replace_slots(void **state) {
     assert_true(b.exponent == 0.0f);
 }
 
+// Of a surface with holes only what is there is drawn, by weight times opacity; what emits is met
+// as a whole.
+static void holes_are_no_parts(void **state) {
+    (void)state;
+    const struct material_side leaf[3] = {
+        {.base = {.model = brdf_find("diffuse"), .diffuse = {1, 1, 1}}},
+        {.base = {.model = brdf_find("phong"), .specular = {1, 1, 1}}},
+        {.base = {.model = brdf_find("null"), .transmittance = {1, 1, 1}}, .holes = true}};
+    const struct material_side mask = {
+        .part = {&leaf[2], &leaf[0]}, .weight = 0.25f, .holes = true};
+    struct material material = {
+        .front = {.part = {&mask, &leaf[1]}, .weight = 0.1f, .holes = true}};
+    struct satin_scene scene = {.shape = &shape, .material = &material, .material_count = 1};
+    struct surfel s = surfel_facing(v3(0, 0, 1));
+    struct scene_part part[MATERIAL_PARTS_MAX];
+    s.light = -1;
+    const float there = 0.9f * 0.25f + 0.1f, diffuse = 0.9f * 0.25f / there;
+    assert_int_equal(scene_parts(&scene, &s, v3(0, 0, 1), part), 2);
+    assert_true(part[0].side == &leaf[0] && fabsf(part[0].weight - diffuse) < 1e-6f);
+    assert_true(part[1].side == &leaf[1] && fabsf(part[1].weight - 0.1f / there) < 1e-6f);
+    enum { DRAWS = 20000 };
+    int count = 0;
+    for (int i = 0; i < DRAWS; i++) {
+        s.p = v3((float)i * 0.37f, 1.0f, 2.0f);
+        const struct material_side *side = scene_part(&scene, &s, v3(0, 0, 1));
+        assert_ptr_not_equal(side, &leaf[2]);
+        count += side == &leaf[0];
+    }
+    assert_true(fabsf((float)count / DRAWS - diffuse) <
+                4.0f * sqrtf(diffuse * (1.0f - diffuse) / DRAWS));
+    s.light = 0;
+    assert_int_equal(scene_parts(&scene, &s, v3(0, 0, 1), part), 3);
+    assert_true(part[0].side == &leaf[2] && fabsf(part[0].weight - 0.9f * 0.75f) < 1e-6f);
+}
+
 // A blend lists its parts by weight, and draws them as often.
 static void blends_draw_their_parts(void **state) {
     (void)state;
@@ -140,9 +175,8 @@ static void relief_turns_the_frame(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(blends_draw_their_parts),
-        cmocka_unit_test(relief_turns_the_frame),
-        cmocka_unit_test(sides_and_frames),
+        cmocka_unit_test(blends_draw_their_parts), cmocka_unit_test(holes_are_no_parts),
+        cmocka_unit_test(relief_turns_the_frame),  cmocka_unit_test(sides_and_frames),
         cmocka_unit_test(textures_replace_slots),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -4,11 +4,18 @@
 
 enum { RAYS = 20000 };
 
-// A masked surface (a rectangle, or a sphere, which rays cross twice) before a wall, z = 0.
-static void build(struct test_scene *t, bool sphere, const struct material_mask *mask) {
+// Joins sides under a blend of the given weight.
+static struct material_side join(const struct material_side *a, const struct material_side *b,
+                                 float weight, const struct texture *texture) {
+    return (struct material_side){
+        .part = {a, b}, .weight = weight, .blend = texture, .holes = a->holes || b->holes};
+}
+
+// A surface with holes (a rectangle, or a sphere, which rays cross twice) before a wall, z = 0.
+static void build(struct test_scene *t, bool sphere, const struct material_side *side) {
     test_scene_init(t);
     uint32_t plain = test_diffuse(t, .5f, .5f, .5f), holes = test_diffuse(t, .5f, .5f, .5f);
-    t->material[holes].mask = *mask;
+    t->material[holes].front = t->material[holes].back = *side;
     test_rectangle(t, test_transform(v3(0, 0, 0), v3(10, 10, 1)), plain);
     if (sphere)
         test_quadric(t, SHAPE_SPHERE, test_transform(v3(0, 0, 5), v3(2, 2, 2)), false, holes);
@@ -42,14 +49,24 @@ static void share_through(const struct satin_scene *scene, float share[2]) {
     share[1] = (float)free_ways / RAYS;
 }
 
+static const struct material_side hole = {.holes = true};
+static const struct material_side whole;
+
 static void lets_its_share_pass(void **state) {
     (void)state;
-    const struct material_mask masks[] = {{.used = true, .value = .3f},
-                                          {.used = true, .value = .3f, .inverted = true}};
-    for (int k = 0; k < 4; k++) {
+    const struct material_side mask = join(&hole, &whole, .3f, NULL),
+                               inverted = join(&whole, &hole, .3f, NULL),
+                               blend = join(&inverted, &whole, .4f, NULL),
+                               both = join(&mask, &inverted, .25f, NULL);
+    const struct {
+        struct material_side side;
+        float pass;
+    } holes[] = {{mask, .7f},   {inverted, .3f}, {join(&hole, &mask, .5f, NULL), .85f},
+                 {blend, .18f}, {both, .6f},     {join(&blend, &mask, .5f, NULL), .44f}};
+    for (int k = 0; k < 12; k++) {
         struct test_scene t;
-        build(&t, k & 1, &masks[k / 2]);
-        float share[2], pass = k / 2 ? .3f : .7f;
+        build(&t, k & 1, &holes[k / 2].side);
+        float share[2], pass = holes[k / 2].pass;
         if (k & 1) pass *= pass;
         share_through(&t.scene, share);
         for (int i = 0; i < 2; i++)
@@ -65,7 +82,8 @@ static void follows_its_texture(void **state) {
     const struct texture checks = {
         .kind = TEXTURE_CHECKERBOARD, .check = {&white, &black}, .to_uv = {1, 0, 0, 0, 1, 0}};
     struct test_scene t;
-    build(&t, false, &(struct material_mask){.used = true, .texture = &checks});
+    struct material_side side = join(&hole, &whole, 0.0f, &checks);
+    build(&t, false, &side);
     for (int i = 0; i < 4; i++) {
         float x = i & 1 ? 1.0f : -1.0f, y = i & 2 ? 1.0f : -1.0f;
         struct ray ray = {v3(x, y, 9), 0.0f, v3(0, 0, -1), INFINITY};
