@@ -95,23 +95,34 @@ static unsigned smooth_lobes(const struct brdf *b, vec3 wo, vec3 wi, unsigned lo
     return sides < 0.0f && !b->opaque ? lobes & BRDF_THROUGH : 0;
 }
 
+// Whether map i turned the frame.
+static bool is_turned(const struct brdf *b, int i) {
+    return b->base[i].x != 0.0f || b->base[i].y != 0.0f || b->base[i].z != 0.0f;
+}
+
 // What is left of light from `light` when w is the other direction, or light itself, at a turned
 // frame. Both are local.
 static float relief_share(const struct brdf *b, vec3 w, vec3 light) {
-    if (!(v3_dot(b->base, w) * w.z > 0.0f)) return 0.0f;
-    float c = v3_dot(b->base, light), c2 = c * c;
-    if (b->relief == 0.0f || !(c2 > 0.0f)) return 1.0f;
-    return 2.0f / (1.0f + sqrtf(1.0f + b->relief * maxf(1.0f - c2, 0.0f) / c2));
+    float share = 1.0f;
+    for (int i = 0; i < BRDF_RELIEFS && is_turned(b, i); i++) {
+        if (!(v3_dot(b->base[i], w) * w.z > 0.0f)) return 0.0f;
+        float c = v3_dot(b->base[i], light), c2 = c * c;
+        if (b->relief[i] == 0.0f || !(c2 > 0.0f)) continue;
+        share *= 2.0f / (1.0f + sqrtf(1.0f + b->relief[i] * maxf(1.0f - c2, 0.0f) / c2));
+    }
+    return share;
 }
 
-static bool has_relief(const struct brdf *b) {
-    return b->base.x != 0.0f || b->base.y != 0.0f || b->base.z != 0.0f;
-}
+static bool has_relief(const struct brdf *b) { return is_turned(b, 0); }
 
-// A fit to the cosine-weighted mean, good to 0.2 %.
+// A fit to the cosine-weighted mean, good to 0.2 %; of two maps the product of theirs.
 float brdf_relief_diffuse(const struct brdf *b) {
-    float a = sqrtf(b->relief);
-    return 1.0f - b->relief * (0.5006f / sqrtf(maxf(a, 1e-6f)) - 0.2735f);
+    float mean = 1.0f;
+    for (int i = 0; i < BRDF_RELIEFS; i++) {
+        float a = sqrtf(b->relief[i]);
+        mean *= 1.0f - b->relief[i] * (0.5006f / sqrtf(maxf(a, 1e-6f)) - 0.2735f);
+    }
+    return mean;
 }
 
 float brdf_relief_glossy(const struct brdf *b, vec3 wo) {

@@ -38,6 +38,8 @@ enum brdf_mode { BRDF_RADIANCE = 0, BRDF_POWER };
 struct brdf_model;
 struct brdf_glossy;
 
+enum { BRDF_RELIEFS = 2 };  // bump and normal maps around one BRDF
+
 // One BRDF at one point. Fields that a model does not use are ignored.
 struct brdf {
     const struct brdf_model *model;
@@ -58,8 +60,10 @@ struct brdf {
         even_turn;  // measured, lafortune: turning both directions about the normal changes nothing
     bool uneven;    // measured: not even mirroring them at the x or y axis is without effect
     bool opaque;    // the model transmits, but not with these numbers
-    vec3 base;      // the surface's normal, where a bump or normal map turned the frame; else 0
-    float relief;   // alpha^2 of the shadowing by such a map's slopes; 0: none
+    // For each bump or normal map that turned the frame, the outermost first: the normal before,
+    // which is 0 behind the last one, and alpha^2 of the shadowing by its slopes, 0: none.
+    vec3 base[BRDF_RELIEFS];
+    float relief[BRDF_RELIEFS];
     const void *tables;                // what the model's prepare made; owned by its arena
     const struct brdf_glossy *glossy;  // albedos of the glossy lobe, likewise; may be NULL
 };

@@ -84,6 +84,7 @@ struct material_relief {
     bool shadows;  // slopes shadow light that comes in flat
     bool outside;  // of twosided: the back shows the bumps from below, else its own
 };
+static inline bool relief_used(const struct material_relief *r) { return r->bump || r->normal; }
 
 // A side of a surface: a BRDF with constants in `base`, and textures (or NULL) that replace slots
 // of it; or, if part[0] is set, a blend of two sides. Where one of them is nothing (a null BRDF) it
@@ -92,7 +93,7 @@ struct material_relief {
 struct material_side {
     struct brdf base;
     const struct texture *slot[BRDF_SLOT_COUNT];
-    struct material_relief relief;
+    struct material_relief relief[BRDF_RELIEFS];  // the outermost first
     bool one_sided;  // at the back of a blend that is two-sided in other parts only
     uint32_t index;  // of the scene's sides that are no blends; a back may share the front's
     const struct material_side *part[2];

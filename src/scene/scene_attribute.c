@@ -73,7 +73,9 @@ static bool want_side(struct attribute_names *names, const struct material_side 
                want_side(names, side->part[1]);
     for (int i = 0; i < BRDF_SLOT_COUNT; i++)
         if (!attribute_want(names, side->slot[i])) return false;
-    return attribute_want(names, side->relief.normal);
+    for (int i = 0; i < BRDF_RELIEFS; i++)
+        if (!attribute_want(names, side->relief[i].normal)) return false;
+    return true;
 }
 
 bool attribute_want_all(struct attribute_names *names, const struct material *m) {

@@ -148,9 +148,9 @@ struct frame scene_part_frame(const struct satin_scene *scene, const struct mate
     return is_flipped(scene, side, s, wo) ? frame_flip(s->frame) : s->frame;
 }
 
-// The normal of the relief in the surfel's frame, any length.
+// The normal of the relief in the frame that it turns, any length.
 static vec3 relief_normal(const struct satin_scene *scene, const struct material_relief *relief,
-                          const struct surfel *s) {
+                          const struct surfel *s, const struct frame *frame) {
     if (relief->normal) {
         struct texture_place at = surfel_texture_place(scene, s);
         at.width = 0.0f;
@@ -158,29 +158,44 @@ static vec3 relief_normal(const struct satin_scene *scene, const struct material
         return v3(2.0f * c.r - 1.0f, 2.0f * c.g - 1.0f, 2.0f * c.b - 1.0f);
     }
     vec2 slope = texture_gradient(relief->bump, s->uv);
-    vec3 n = s->frame.n, u = s->dp_du, v = s->dp_dv;
+    vec3 n = frame->n, u = s->dp_du, v = s->dp_dv;
     u = v3_mad(u, relief->scale * slope.x - v3_dot(n, u), n);
     v = v3_mad(v, relief->scale * slope.y - v3_dot(n, v), n);
     n = v3_cross(u, v);
-    return frame_to_local(&s->frame, v3_dot(n, s->ng) < 0.0f ? v3_neg(n) : n);
+    return frame_to_local(frame, v3_dot(n, s->ng) < 0.0f ? v3_neg(n) : n);
 }
 
-// Turns `frame` by a relief whose normal is n for a view from wo, and tells the BRDF.
-static void apply_relief(const struct material_relief *relief, vec3 n, vec3 wo, bool flipped,
-                         struct frame *frame, struct brdf *b) {
+// Turns `frame` by a relief whose normal is n for a view from wo; false if it stays. *shadows gets
+// the alpha^2 of its slopes.
+static bool turn_frame(const struct material_relief *relief, vec3 n, vec3 wo, bool flipped,
+                       struct frame *frame, float *shadows) {
     vec3 w = frame_to_local(frame, wo);
     // frame_flip keeps u and turns v.
     if (flipped) n = relief->outside ? v3(-n.x, n.y, n.z) : v3(n.x, -n.y, n.z);
     if (relief->upright && w.z * v3_dot(w, n) <= 0.0f) n = v3(-n.x, -n.y, n.z);
     float length = v3_len(n);
-    if (!(length > 0.0f && isfinite(length))) return;
+    if (!(length > 0.0f && isfinite(length))) return false;
     n = v3_mul(n, 1.0f / length);
-    if (n.z >= 1.0f) return;
-    vec3 up = frame->n;
+    if (n.z >= 1.0f) return false;
     *frame = frame_from_tangent(frame_to_world(frame, n), frame->u);
-    b->base = frame_to_local(frame, up);
     float c2 = n.z * n.z;
-    if (relief->shadows) b->relief = minf(0.125f * (1.0f - c2) / maxf(c2, 1e-12f), 1.0f);
+    *shadows = relief->shadows ? minf(0.125f * (1.0f - c2) / maxf(c2, 1e-12f), 1.0f) : 0.0f;
+    return true;
+}
+
+// Turns `frame` by the reliefs of a side, from the outermost on, and tells the BRDF.
+static void apply_reliefs(const struct satin_scene *scene, const struct material_side *side,
+                          const struct surfel *s, vec3 wo, struct frame *frame, struct brdf *b) {
+    const bool flipped = is_flipped(scene, side, s, wo);
+    vec3 up[BRDF_RELIEFS];
+    int turned = 0;
+    for (int i = 0; i < BRDF_RELIEFS && relief_used(&side->relief[i]); i++) {
+        const struct frame front = flipped ? frame_flip(*frame) : *frame;
+        vec3 n = relief_normal(scene, &side->relief[i], s, &front);
+        up[turned] = frame->n;
+        turned += turn_frame(&side->relief[i], n, wo, flipped, frame, &b->relief[turned]);
+    }
+    for (int i = 0; i < turned; i++) b->base[i] = frame_to_local(frame, up[i]);
 }
 
 bool scene_part_brdf(const struct satin_scene *scene, const struct material_side *side,
@@ -191,9 +206,7 @@ bool scene_part_brdf(const struct satin_scene *scene, const struct material_side
     struct texture_place at = surfel_texture_place(scene, s);
     look_up(side, &at, brdf);
     *frame = flipped ? frame_flip(s->frame) : s->frame;
-    if (side->relief.bump || side->relief.normal)
-        apply_relief(&side->relief, relief_normal(scene, &side->relief, s), wo, flipped, frame,
-                     brdf);
+    if (relief_used(&side->relief[0])) apply_reliefs(scene, side, s, wo, frame, brdf);
     return brdf_lobes(brdf) != 0;
 }
 

@@ -63,7 +63,7 @@ static satin_status change_leaves(struct scene_loader *loader, const struct para
 static satin_status make_side(struct scene_loader *loader, const struct params *p,
                               struct material_side *leaf, const void *ctx) {
     (void)ctx;
-    leaf->relief.outside = false;
+    for (int i = 0; i < BRDF_RELIEFS; i++) leaf->relief[i].outside = false;
     if (!brdf_transmits(&leaf->base)) return SATIN_OK;
     log_error_at(loader->log, p->node->place, "'%s' transmits, so it cannot be twosided",
                  leaf->base.model->name);
@@ -181,11 +181,14 @@ static satin_status build_mask(struct scene_loader *loader, const struct params 
 
 static satin_status set_relief(struct scene_loader *loader, const struct params *p,
                                struct material_side *leaf, const void *ctx) {
-    if (leaf->relief.bump || leaf->relief.normal)
-        return refuse(loader, p, "cannot wrap another bumpmap or normalmap");
-    (void)loader;
+    const struct material_relief *relief = ctx;
     if (leaf->holes) return SATIN_OK;
-    leaf->relief = *(const struct material_relief *)ctx;
+    if (relief_used(&leaf->relief[1]))
+        return refuse(loader, p, "cannot wrap two more bumpmaps or normalmaps");
+    if (relief->bump && relief_used(&leaf->relief[0]))
+        return refuse(loader, p, "cannot wrap another bumpmap or normalmap; a normalmap can");
+    leaf->relief[1] = leaf->relief[0];
+    leaf->relief[0] = *relief;
     return SATIN_OK;
 }
 

@@ -99,6 +99,8 @@ MODELS = {
     "bumpmap": (None, twosided(bsdf("bumpmap", real("scale", 0.2), image("map", "height.exr"),
                                     BASE))),
     "normalmap": (None, bsdf("normalmap", image("normalmap", "normal.exr"), twosided(BASE))),
+    "bump_in_normal": (None, twosided(bsdf("normalmap", image("normalmap", "normal.exr"), bsdf(
+        "bumpmap", real("scale", 0.15), image("map", "height.exr"), BASE)))),
     "null": (bsdf("null"), None),
     "twosided": (bsdf("twosided", FIRST, BASE), None),
     "phong": (twosided(bsdf("phong", rgb("diffuse_reflectance", "0.3, 0.2, 0.1"),

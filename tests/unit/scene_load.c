@@ -265,10 +265,15 @@ static const struct refusal refusals[] = {
      "scene.xml:3:29: diff_trans is over 2"},
     {SHAPE("<bsdf type='bumpmap'><bsdf type='diffuse'/></bsdf>"),
      "scene.xml:3:22: bumpmap needs a <texture>"},
-    {SHAPE(
-         "<bsdf type='normalmap'><texture name='normalmap' type='checkerboard'/>"
-         "<bsdf type='bumpmap'><texture type='checkerboard'/><bsdf type='diffuse'/></bsdf></bsdf>"),
-     "scene.xml:3:22: normalmap cannot wrap another bumpmap or normalmap"},
+    {SHAPE("<bsdf type='normalmap'><texture name='normalmap' type='checkerboard'/>"
+           "<bsdf type='normalmap'><texture name='normalmap' type='checkerboard'/>"
+           "<bsdf type='bumpmap'><texture type='checkerboard'/>"
+           "<bsdf type='diffuse'/></bsdf></bsdf></bsdf>"),
+     "scene.xml:3:22: normalmap cannot wrap two more bumpmaps or normalmaps"},
+    {SHAPE("<bsdf type='bumpmap'><texture type='checkerboard'/>"
+           "<bsdf type='normalmap'><texture name='normalmap' type='checkerboard'/>"
+           "<bsdf type='diffuse'/></bsdf></bsdf>"),
+     "scene.xml:3:22: bumpmap cannot wrap another bumpmap or normalmap; a normalmap can"},
     {SHAPE("<bsdf type='diffuse'/><bsdf type='diffuse'/>"),
      "scene.xml:3:44: shape 'sphere' has two <bsdf>s"},
     {SHAPE("<emitter type='point'/>"),

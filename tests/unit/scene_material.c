@@ -143,7 +143,7 @@ static void relief_turns_the_frame(void **state) {
     const struct texture tilt = {.kind = TEXTURE_CONSTANT,
                                  .value = {.8f, .5f, .9f}};  // (.6, 0, .8)
     struct material m = {.front.base = {.model = brdf_find("diffuse"), .diffuse = {1, 1, 1}},
-                         .front.relief = {.normal = &tilt, .upright = true, .shadows = true},
+                         .front.relief = {{.normal = &tilt, .upright = true, .shadows = true}},
                          .two_sided = true,
                          .tangent = true};
     m.back = m.front;
@@ -154,8 +154,8 @@ static void relief_turns_the_frame(void **state) {
     vec3 x = s.frame.u, n = s.frame.n;
     assert_true(scene_brdf(&scene, &s, n, &b, &f));
     assert_true(v3_dist2(f.n, v3_mad(v3_mul(n, .8f), .6f, x)) < 1e-10f);
-    assert_true(v3_dist2(frame_to_world(&f, b.base), n) < 1e-10f);
-    assert_true(fabsf(b.relief - 0.125f * 0.5625f) < 1e-6f);
+    assert_true(v3_dist2(frame_to_world(&f, b.base[0]), n) < 1e-10f);
+    assert_true(fabsf(b.relief[0] - 0.125f * 0.5625f) < 1e-6f);
     // Behind the facet but above the surface, and the other way round.
     vec3 wo = frame_to_local(&f, n), under = v3_unit(v3_mad(v3_mul(x, -1), .2f, n));
     assert_true(rgb_black(brdf_eval(&b, wo, frame_to_local(&f, under), BRDF_ALL)));
@@ -168,16 +168,50 @@ static void relief_turns_the_frame(void **state) {
     // From behind: twosided around the map mirrors it at the surface, the map around twosided not.
     assert_true(scene_brdf(&scene, &s, v3_neg(n), &b, &f));
     assert_true(v3_dist2(f.n, v3_mad(v3_mul(n, -.8f), .6f, x)) < 1e-10f);
-    m.back.relief.outside = true;
+    m.back.relief[0].outside = true;
     assert_true(scene_brdf(&scene, &s, v3_neg(n), &b, &f));
     assert_true(v3_dist2(f.n, v3_mad(v3_mul(n, -.8f), -.6f, x)) < 1e-10f);
+}
+
+// A map in a map turns what that has turned; both hide what is behind them. Seen from behind, maps
+// around twosided are the same surface.
+static void reliefs_turn_in_turn(void **state) {
+    (void)state;
+    const struct texture right = {.kind = TEXTURE_CONSTANT, .value = {.8f, .5f, .9f}},
+                         left = {.kind = TEXTURE_CONSTANT, .value = {.3f, .5f, .95826f}};
+    const struct material_relief outer = {.normal = &right, .shadows = true, .outside = true},
+                                 inner = {.normal = &left, .shadows = true, .outside = true};
+    struct material m = {.front.base = {.model = brdf_find("diffuse"), .diffuse = {1, 1, 1}},
+                         .front.relief = {outer, inner},
+                         .two_sided = true,
+                         .tangent = true};
+    m.back = m.front;
+    struct satin_scene scene = {.shape = &shape, .material = &m, .material_count = 1};
+    struct surfel s = surfel_facing(v3(0, 0, 1));
+    struct brdf b;
+    struct frame f;
+    const vec3 x = s.frame.u, n = s.frame.n, first = v3_mad(v3_mul(n, .8f), .6f, x);
+    const float angle = asinf(.6f) - asinf(.4f);
+    const vec3 want = v3_mad(v3_mul(n, cosf(angle)), sinf(angle), x);
+    assert_true(scene_brdf(&scene, &s, n, &b, &f));
+    assert_true(v3_dist2(f.n, want) < 1e-8f);
+    assert_true(v3_dist2(frame_to_world(&f, b.base[0]), n) < 1e-8f);
+    assert_true(v3_dist2(frame_to_world(&f, b.base[1]), first) < 1e-8f);
+    assert_true(fabsf(b.relief[1] - 0.125f * .16f / .84f) < 1e-5f);
+    // Above the surface and the last facet, but behind the first.
+    vec3 wo = frame_to_local(&f, n), wi = v3_unit(v3_mad(n, 2.0f, v3_neg(x)));
+    assert_true(v3_dot(wi, n) > 0.0f && v3_dot(wi, f.n) > 0.0f && v3_dot(wi, first) < 0.0f);
+    assert_true(rgb_black(brdf_eval(&b, wo, frame_to_local(&f, wi), BRDF_ALL)));
+    assert_true(scene_brdf(&scene, &s, v3_neg(n), &b, &f));
+    assert_true(v3_dist2(f.n, v3_neg(want)) < 1e-8f);
+    assert_true(v3_dist2(frame_to_world(&f, b.base[1]), v3_neg(first)) < 1e-8f);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(blends_draw_their_parts), cmocka_unit_test(holes_are_no_parts),
-        cmocka_unit_test(relief_turns_the_frame),  cmocka_unit_test(sides_and_frames),
-        cmocka_unit_test(textures_replace_slots),
+        cmocka_unit_test(relief_turns_the_frame),  cmocka_unit_test(reliefs_turn_in_turn),
+        cmocka_unit_test(sides_and_frames),        cmocka_unit_test(textures_replace_slots),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
