@@ -104,13 +104,14 @@ rgb gather_path_eye(const struct gather *g, struct ray ray, struct sampler *samp
 // A gather ray and what it found. Filled by gather_rays.
 struct gather_ray {
     struct ray ray;
-    uint32_t item;     // numbers the random decisions behind the hit
-    float spread;      // width of what it stands for, per distance, for textures; 0: a point
-    bool sees_lights;  // fill Le, light_pdf and Le_specular
-    rgb L;             // radiance that arrives by reflection: no emitted light
-    rgb Le;            // emitted light seen directly
-    float light_pdf;   // gather_light_pdf of Le
-    rgb Le_specular;   // emitted light seen through ideal specular surfaces
+    uint32_t item;    // numbers the random decisions behind the hit
+    float spread;     // width of what it stands for, per distance, for textures; 0: a point
+    const vec3 *lit;  // the point whose light it looks for, to which gather_direct brings the rest:
+                      // fill Le, light_pdf and Le_specular; NULL: do not
+    rgb L;            // radiance that arrives by reflection: no emitted light
+    rgb Le;           // emitted light seen directly
+    float light_pdf;  // gather_light_pdf of Le at *lit
+    rgb Le_specular;  // emitted light seen through ideal specular surfaces
     struct gather_first first;
 };
 

@@ -28,7 +28,7 @@ static void make_rays(const struct gather *g, const struct gather_layout *l,
             out->ray = scene_spawn(g->scene, site->p, site->ng, frame_to_world(&site->frame, w));
             out->item = (uint32_t)i;
             out->spread = spread;
-            out->sees_lights = false;
+            out->lit = NULL;
         }
 }
 

@@ -58,7 +58,8 @@ static const unsigned GLOSSY = BRDF_GLOSSY | BRDF_THROUGH;
 
 // Emitted light that a ray meets on its way to a smooth surface.
 struct emitters {
-    rgb Le;  // before any ideal specular surface
+    vec3 from;  // the surface point that the ray leaves
+    rgb Le;     // before any ideal specular surface
     float light_pdf;
     rgb Le_specular;  // behind one
 };
@@ -71,7 +72,7 @@ static void meet(const struct gather *g, const struct ray *ray, const struct sur
     if (rgb_black(Le)) return;
     if (first) {
         e->Le = Le;
-        e->light_pdf = gather_light_pdf(g, ray->o, ray->d, hit);
+        e->light_pdf = gather_light_pdf(g, e->from, ray->d, hit);
     } else {
         e->Le_specular = rgb_fma(e->Le_specular, T, Le);
     }
@@ -238,7 +239,7 @@ static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned
     struct ray ray =
         scene_spawn(g->scene, y->surfel.p, y->surfel.ng, frame_to_world(&y->frame, next.wi));
     struct gather_point z;
-    struct emitters e = {0};
+    struct emitters e = {.from = y->surfel.p};
     rgb T = rgb_scale(next.weight, 1.0f / survive), start = T;
     struct gather_first first;
     bool found = trace_to_smooth(g, (struct cone){ray, 0.0f}, sampler, &T, &first, &e, &z);
@@ -305,13 +306,13 @@ static void trace_chunk(const struct gather *g, struct gather_scratch *scratch,
         struct gather_hit *hit = &scratch->hit[hits];
         hit->sampler = (struct sampler){ray->item, bundle->seed, 0};
         struct sampler start = hit->sampler;
-        struct emitters e = {0};
+        struct emitters e = {.from = ray->lit ? *ray->lit : ray->ray.o};
         bool found = false;
         hit->T = rgb_grey(1.0f);
         hit->ray = (uint32_t)i;
-        if (first_pass != SATIN_FIRST_PATH || ray->sees_lights)
+        if (first_pass != SATIN_FIRST_PATH || ray->lit)
             found = trace_to_smooth(g, (struct cone){ray->ray, ray->spread}, &hit->sampler, &hit->T,
-                                    &ray->first, ray->sees_lights ? &e : NULL, &hit->point);
+                                    &ray->first, ray->lit ? &e : NULL, &hit->point);
         ray->Le = e.Le;
         ray->light_pdf = e.light_pdf;
         ray->Le_specular = e.Le_specular;

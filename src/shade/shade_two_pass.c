@@ -99,7 +99,7 @@ static int draw_rays(struct shade_job *job, unsigned lobes, int count, rgb *weig
         vec3 d = frame_to_world(&p->frame, b.wi);
         ray[rays].ray = scene_spawn(job->shade->g->scene, p->surfel.p, p->surfel.ng, d);
         ray[rays].item = u.index;
-        ray[rays].sees_lights = true;
+        ray[rays].lit = &p->surfel.p;
         ray[rays].spread = sharp ? 0.0f : fminf(1.0f / sqrtf(b.pdf_w * (float)count), SPREAD_MAX);
         weight[rays] = b.weight;
         pdf[rays++] = b.pdf_w;

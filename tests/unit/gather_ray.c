@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// Gather rays that look for lights: what they meet is weighed against the light samples of the very
+// point that they leave, though they begin off its surface and cells of what is seen may end there.
+#include "gather/gather.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "photon/photon_seen.h"
+#include "test_scene.h"
+
+// A floor at z = 0 beneath a sky and a lamp.
+static void scene_of(struct test_scene *t) {
+    test_scene_init(t);
+    test_rectangle(t, test_transform(v3(0, 0, 0), v3(9, 9, 1)), test_diffuse(t, 1.0f, 1.0f, 1.0f));
+    test_light(t, (struct light){.kind = LIGHT_CONSTANT, .value = rgb_grey(1.0f)});
+    test_light(
+        t, (struct light){.kind = LIGHT_POINT, .position = v3(0, 0, 2), .value = rgb_grey(4.0f)});
+    test_scene_finish(t);
+}
+
+// Two cells that meet at `height`: the lower one hardly sees the sky, the upper one not the lamp.
+static struct photon_seen *cells_at(float height) {
+    struct photon_seen *seen = calloc(1, sizeof *seen);
+    assert_non_null(seen);
+    seen->choice = true;
+    seen->cells.depth = 1;
+    seen->cells.split[0].axis = 2;
+    seen->cells.split[0].at = height;
+    for (int cell = 0; cell < 2; cell++)
+        for (int light = 0; light < 2; light++) seen->share[cell][light] = cell == light ? .02f : 1;
+    return seen;
+}
+
+static void light_is_weighed_at_the_point_that_rays_leave(void **state) {
+    (void)state;
+    struct test_scene t;
+    scene_of(&t);
+    satin_options options = satin_options_default;
+    options.first_pass = SATIN_FIRST_NONE;
+    struct gather_scratch *scratch = gather_scratch_new(1);
+    assert_non_null(scratch);
+    const vec3 p = v3(0, 0, 0), up = v3(0, 0, 1);
+    const float border[2] = {0.0f, 1e-30f};
+    for (int i = 0; i < 2; i++) {
+        struct photon_maps maps = {.seen = cells_at(border[i])};
+        const struct gather g = {.scene = &t.scene, .options = &options, .maps = &maps};
+        struct gather_ray *ray = gather_scratch_rays(scratch);
+        *ray = (struct gather_ray){.ray = scene_spawn(&t.scene, p, up, up), .lit = &p};
+        gather_rays(&g, scratch, ray, 1, 0);
+        assert_true(ray->ray.o.z > border[1]);
+        assert_true(rgb_luminance(ray->Le) > 0.0f);
+        assert_true(ray->light_pdf == gather_light_pdf(&g, p, up, NULL));
+        // A sky and a lamp that reach p alike would get half of the samples each.
+        assert_true(i == 0 ? ray->light_pdf > 0.4f / PI_F * 0.5f : ray->light_pdf < 0.05f / PI_F);
+        free(maps.seen);
+    }
+    gather_scratch_free(scratch);
+    test_scene_free(&t);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(light_is_weighed_at_the_point_that_rays_leave),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
