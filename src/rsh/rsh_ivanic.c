@@ -80,9 +80,10 @@ static void build(int order, int highest, float *blocks) {
 bool rsh_rotation_blocks(int order, const float r[9], float *blocks) {
     if (!rsh_order_ok(order) || !rsh_in_range(r, 9)) return false;
     blocks[0] = 1.0f;
-    // Band 1 is (y, z, x).
+    // Band 1 is (y, z, x). Entries beyond 1, which no rotation has, would overflow in high bands.
     static const int axis[3] = {1, 2, 0};
-    for (int i = 0; i < 9 && order > 1; i++) blocks[1 + i] = r[3 * axis[i / 3] + axis[i % 3]];
+    for (int i = 0; i < 9 && order > 1; i++)
+        blocks[1 + i] = fminf(fmaxf(r[3 * axis[i / 3] + axis[i % 3]], -1.0f), 1.0f);
     build(order, 0, blocks);
     return true;
 }

@@ -120,11 +120,10 @@ static void fuzz_rotation(struct input *in, int order, const float r[9], const f
             case 8:
                 done = rsh_align_transposed(basis, order, CHANNELS, r, s, limit, v, out);
                 break;
-            // Matrices of what is no rotation, and series at large angles, may overflow.
             case 9:
-                done = rsh_rotate_ivanic(order, CHANNELS, r, v, out), finite = false;
+                done = rsh_rotate_ivanic(order, CHANNELS, r, v, out);
                 break;
-            case 10:
+            case 10:  // series at large angles may overflow
                 done = rsh_rotate_y_taylor(kind, order, CHANNELS, r[1], v, out), finite = false;
                 break;
             default:

@@ -80,6 +80,24 @@ static void derivatives_equal_differences(void **state) {
     }
 }
 
+// What is no rotation has no meaning, but does not overflow.
+static void any_matrix_gives_finite_values(void **state) {
+    (void)state;
+    static float blocks[RSH_MAX_BLOCKS];
+    const float size[4] = {1.0f, 1.5f, 1e3f, 1e9f};
+    for (int i = 0; i < 4 * 512; i++) {
+        float r[9];
+        for (int e = 0; e < 9; e++) r[e] = i / 4 >> e & 1 ? -size[i % 4] : size[i % 4];
+        assert_true(rsh_rotation_blocks(RSH_MAX_ORDER, r, blocks));
+        float most = 0.0f;
+        for (int k = 0; k < RSH_MAX_BLOCKS; k++) {
+            assert_true(isfinite(blocks[k]));
+            most = fmaxf(most, fabsf(blocks[k]));
+        }
+        assert_true(most < 1e20f);
+    }
+}
+
 static void bad_input_is_refused(void **state) {
     (void)state;
     float v[1] = {1}, out[1] = {7};
@@ -103,6 +121,7 @@ int main(void) {
         cmocka_unit_test(equals_the_fastest_form),
         cmocka_unit_test(derivatives_equal_the_printed_ones),
         cmocka_unit_test(derivatives_equal_differences),
+        cmocka_unit_test(any_matrix_gives_finite_values),
         cmocka_unit_test(bad_input_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
