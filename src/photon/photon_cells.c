@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cells of places that matter: points on paths from the eye, and on their bounces, parted by a tree
-// into cells of equal numbers. What is learned in a cell serves all points that fall into it.
+// into cells of about equal numbers. What is learned in a cell serves all points that fall into it.
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -11,7 +11,8 @@ enum {
     PATHS = 4 * PHOTON_VIEW_PATHS,
     BOUNCES = 2,  // of a path: gather rays sample direct light behind the first one
     POINTS = PATHS * (1 + BOUNCES),
-    LEAST = 8  // points of a cell
+    LEAST = 8,  // points of a cell, in the mean
+    NEAR = 16   // the middle is so many parts of all to either side
 };
 
 static size_t add_path(const struct satin_scene *scene, uint64_t seed, uint32_t i,
@@ -51,21 +52,45 @@ static int longest_axis(const struct photon_cell_point *point, size_t count) {
     return d.x >= d.y && d.x >= d.z ? 0 : d.y >= d.z ? 1 : 2;
 }
 
-// Cuts the points of a node in halves, down to its cells.
+// Where to cut sorted points: in the widest gap near their middle, so that rounding does not part
+// those of a wall; if all there lie on one, in the widest of all.
+static size_t gap(const struct photon_cell_point *point, size_t count) {
+    const size_t middle = count / 2, near = count / NEAR;
+    size_t first = middle - near > 1 ? middle - near : 1, last = middle + near, best = middle;
+    float widest = 0.0f;
+    for (int pass = 0; pass < 2 && !(widest > 0.0f); pass++) {
+        for (size_t i = first; i <= last; i++) {
+            const float width = point[i].key - point[i - 1].key;
+            if (!(width > widest)) continue;
+            widest = width;
+            best = i;
+        }
+        first = 1;
+        last = count - 1;
+    }
+    return best;
+}
+
+// Parts the points of a node into two, down to its cells.
 static void cut(struct photon_cells *cells, struct photon_cell_point *point, size_t count,
                 size_t node, int level) {
     if (level == cells->depth) {
         cells->cell[node + 1 - photon_cells_count(cells)] = (struct photon_cell){point, count};
         return;
     }
+    if (count < 2) {  // a point of its own serves both sides
+        cut(cells, point, count, 2 * node + 1, level + 1);
+        cut(cells, point, count, 2 * node + 2, level + 1);
+        return;
+    }
     const int axis = longest_axis(point, count);
     for (size_t i = 0; i < count; i++) point[i].key = v3_along(point[i].p, axis);
     qsort(point, count, sizeof *point, by_key);
-    const size_t half = count / 2;
+    const size_t left = gap(point, count);
     cells->split[node].axis = axis;
-    cells->split[node].at = point[half].key;
-    cut(cells, point, half, 2 * node + 1, level + 1);
-    cut(cells, point + half, count - half, 2 * node + 2, level + 1);
+    cells->split[node].at = 0.5f * (point[left - 1].key + point[left].key);
+    cut(cells, point, left, 2 * node + 1, level + 1);
+    cut(cells, point + left, count - left, 2 * node + 2, level + 1);
 }
 
 bool photon_cells_make(const struct satin_scene *scene, uint64_t seed, struct photon_cells *out) {
