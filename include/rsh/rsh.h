@@ -180,7 +180,7 @@ RSH_API bool rsh_rotate_stretched(int order, int channels, const float r[9], con
 // Coefficients given in frame `from`, re-expressed in frame `to`; frames are rows u, v, n of one
 // right-handed orthonormal basis each. Costs a copy when the frames agree and a rotation about z
 // when the normals do. Up to the angle `beta_limit` between the normals the fast form is used,
-// beyond it the true one; beta_limit 0 is always true, 4 never.
+// beyond it the true one; beta_limit 0, or a NaN, is always true, 4 never.
 //   sphere      fast: the second-order series, which adds an error of 1 % of radiance at 10 degrees
 //               and 5 % at 15 for order 10, and saves a quarter of the time or less. True: the
 //               exact rotation.

@@ -70,7 +70,7 @@ void rsh_accumulate(size_t count, size_t coefficients, const float *matrix, cons
 }
 
 bool rsh_dot3(int order, int a_channels, const float *a, const float *b, float out[3]) {
-    if (!rsh_order_ok(order)) return false;
+    if (!rsh_order_ok(order) || (a_channels != 1 && a_channels != 3)) return false;
     int n = order * order;
     rsh_kernels_best()->dot3(n, a_channels == 1 ? 0 : n, a, b, out);
     return true;

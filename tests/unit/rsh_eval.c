@@ -111,6 +111,8 @@ static void products_take_one_or_three_channels(void **state) {
     float out[3];
     assert_true(rsh_dot3(2, 3, a, b, out));
     assert_true(out[0] == 5.0f && out[1] == 6.0f && out[2] == 22.0f);
+    assert_false(rsh_dot3(2, 2, a, b, out) || rsh_dot3(2, 0, a, b, out) ||
+                 rsh_dot3(2, 4, a, b, out));
     assert_true(rsh_dot3(2, 1, a, b, out));
     assert_true(out[0] == 5.0f && out[1] == 2.0f && out[2] == 6.0f);
 }
