@@ -3,8 +3,8 @@
 // [Veach 1997, 9.2]. One estimator serves the reference path tracer, first hits and gather hits.
 #include "gather/gather.h"
 
-// Up to so many lights are all sampled where fewer samples are asked for: the choice of one knows
-// nothing of shadows, as of the walls that hide the sky from most of a room.
+// Up to so many lights are all sampled where fewer samples are asked for: what the choice of one
+// knows of shadows is of a cell around the point, or nothing.
 enum { FEW = 4 };
 
 struct choice {

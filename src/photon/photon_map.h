@@ -252,6 +252,7 @@ struct photon_seen;
 satin_status photon_seen_build(const struct satin_scene *scene, const satin_options *options,
                                struct parallel *pool, struct photon_seen **out);
 void photon_seen_free(struct photon_seen *seen);  // NULL is allowed
+size_t photon_seen_bytes(const struct photon_seen *seen);
 
 struct photon_maps {
     struct photon_map global, caustic;

@@ -172,7 +172,7 @@ satin_status photon_maps_build(const struct satin_scene *scene, const satin_opti
               (double)(photon_map_bytes(&maps->global) + photon_map_bytes(&maps->caustic) +
                        photon_irradiance_bytes(&maps->irradiance) +
                        photon_irradiance_bytes(&maps->caustic_irradiance) +
-                       photon_bright_bytes(maps->bright)));
+                       photon_bright_bytes(maps->bright) + photon_seen_bytes(maps->seen)));
     *out = maps;
     return SATIN_OK;
 }

@@ -172,4 +172,6 @@ struct light_seen photon_seen_at(const struct photon_maps *maps, vec3 p) {
                                seen->choice ? seen->share[i] : NULL};
 }
 
+size_t photon_seen_bytes(const struct photon_seen *seen) { return seen ? sizeof *seen : 0; }
+
 void photon_seen_free(struct photon_seen *seen) { free(seen); }
