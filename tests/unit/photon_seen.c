@@ -69,12 +69,22 @@ static void look(struct test_scene *t, int threads, struct photon_maps *maps) {
     parallel_free(pool);
 }
 
+static void begin(struct test_scene *t, bool walls, int lamps, int threads,
+                  struct photon_maps *maps) {
+    room(t, walls, lamps);
+    look(t, threads, maps);
+}
+
+static void end(struct test_scene *t, struct photon_maps *maps) {
+    photon_seen_free(maps->seen);
+    test_scene_free(t);
+}
+
 static void samples_go_through_the_hole(void **state) {
     (void)state;
     struct test_scene t;
     struct photon_maps maps;
-    room(&t, true, 0);
-    look(&t, 2, &maps);
+    begin(&t, true, 0, 2, &maps);
     for (int i = 0; i < 9; i++) {
         const vec3 p = v3(0.3f * (float)(i % 3 - 1), 0.3f * (float)(i / 3 - 1), -1.0f);
         const struct light_window *window = photon_seen_at(&maps, p).window;
@@ -83,32 +93,28 @@ static void samples_go_through_the_hole(void **state) {
         assert_true(guided.visible > 30.0 * blind.visible);
         assert_true(fabs(guided.E - blind.E) < 0.05 * blind.E);
     }
-    photon_seen_free(maps.seen);
-    test_scene_free(&t);
+    end(&t, &maps);
 }
 
 static void an_open_floor_looks_up(void **state) {
     (void)state;
     struct test_scene t;
     struct photon_maps maps;
-    room(&t, false, 0);
-    look(&t, 1, &maps);
+    begin(&t, false, 0, 1, &maps);
     const vec3 p = v3(0, 0, -1);
     const struct light_window *window = photon_seen_at(&maps, p).window;
     assert_non_null(window);
     const struct tally blind = sample(&t, NULL, p), guided = sample(&t, window, p);
     assert_true(fabs(blind.visible - 0.5) < 0.01 && guided.visible > 0.85);
     assert_true(fabs(guided.E - M_PI) < 0.02);
-    photon_seen_free(maps.seen);
-    test_scene_free(&t);
+    end(&t, &maps);
 }
 
 static void without_sky_there_is_nothing(void **state) {
     (void)state;
     struct test_scene t;
     struct photon_maps maps;
-    room(&t, true, 1);
-    look(&t, 1, &maps);
+    begin(&t, true, 1, 1, &maps);
     assert_null(maps.seen);
     assert_null(photon_seen_at(&maps, v3(0, 0, 0)).window);
     assert_null(photon_seen_at(NULL, v3(0, 0, 0)).window);
@@ -120,8 +126,7 @@ static void lamps_behind_walls_are_hardly_chosen(void **state) {
     (void)state;
     struct test_scene t;
     struct photon_maps maps;
-    room(&t, true, 2);
-    look(&t, 2, &maps);
+    begin(&t, true, 2, 2, &maps);
     const vec3 p = v3(0.1f, 0.2f, -1);
     const struct light_seen seen = photon_seen_at(&maps, p);
     assert_null(seen.window);
@@ -129,8 +134,7 @@ static void lamps_behind_walls_are_hardly_chosen(void **state) {
     const float behind = light_choose_probability(&t.scene, p, seen, 1);
     assert_true(behind > 0.01f && behind < 0.2f);
     assert_true(fabsf(behind + light_choose_probability(&t.scene, p, seen, 0) - 1.0f) < 1e-5f);
-    photon_seen_free(maps.seen);
-    test_scene_free(&t);
+    end(&t, &maps);
 }
 
 static void threads_make_no_difference(void **state) {

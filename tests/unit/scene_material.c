@@ -136,17 +136,23 @@ static void blends_draw_their_parts(void **state) {
     assert_true(scene_part_brdf(&scene, &leaf[2], &s, v3(0, 0, -1), &b, &f));
 }
 
+static struct material white_under(struct material_relief outer, struct material_relief inner) {
+    struct material m = {.front.base = {.model = brdf_find("diffuse"), .diffuse = {1, 1, 1}},
+                         .front.relief = {outer, inner},
+                         .two_sided = true,
+                         .tangent = true};
+    m.back = m.front;
+    return m;
+}
+
 // A tilted normal turns the frame, whichever side twosided shows of it; the true surface still
 // bounds the light.
 static void relief_turns_the_frame(void **state) {
     (void)state;
     const struct texture tilt = {.kind = TEXTURE_CONSTANT,
                                  .value = {.8f, .5f, .9f}};  // (.6, 0, .8)
-    struct material m = {.front.base = {.model = brdf_find("diffuse"), .diffuse = {1, 1, 1}},
-                         .front.relief = {{.normal = &tilt, .upright = true, .shadows = true}},
-                         .two_sided = true,
-                         .tangent = true};
-    m.back = m.front;
+    const struct material_relief bump = {.normal = &tilt, .upright = true, .shadows = true};
+    struct material m = white_under(bump, (struct material_relief){.normal = NULL});
     struct satin_scene scene = {.shape = &shape, .material = &m, .material_count = 1};
     struct surfel s = surfel_facing(v3(0, 0, 1));
     struct brdf b;
@@ -181,11 +187,7 @@ static void reliefs_turn_in_turn(void **state) {
                          left = {.kind = TEXTURE_CONSTANT, .value = {.3f, .5f, .95826f}};
     const struct material_relief outer = {.normal = &right, .shadows = true, .outside = true},
                                  inner = {.normal = &left, .shadows = true, .outside = true};
-    struct material m = {.front.base = {.model = brdf_find("diffuse"), .diffuse = {1, 1, 1}},
-                         .front.relief = {outer, inner},
-                         .two_sided = true,
-                         .tangent = true};
-    m.back = m.front;
+    struct material m = white_under(outer, inner);
     struct satin_scene scene = {.shape = &shape, .material = &m, .material_count = 1};
     struct surfel s = surfel_facing(v3(0, 0, 1));
     struct brdf b;
