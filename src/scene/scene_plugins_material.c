@@ -185,8 +185,6 @@ static satin_status set_relief(struct scene_loader *loader, const struct params 
     if (leaf->holes) return SATIN_OK;
     if (relief_used(&leaf->relief[1]))
         return refuse(loader, p, "cannot wrap two more bumpmaps or normalmaps");
-    if (relief->bump && relief_used(&leaf->relief[0]))
-        return refuse(loader, p, "cannot wrap another bumpmap or normalmap; a normalmap can");
     leaf->relief[1] = leaf->relief[0];
     leaf->relief[0] = *relief;
     return SATIN_OK;

@@ -101,6 +101,13 @@ MODELS = {
     "normalmap": (None, bsdf("normalmap", image("normalmap", "normal.exr"), twosided(BASE))),
     "bump_in_normal": (None, twosided(bsdf("normalmap", image("normalmap", "normal.exr"), bsdf(
         "bumpmap", real("scale", 0.15), image("map", "height.exr"), BASE)))),
+    "normal_in_normal": (None, twosided(bsdf("normalmap", image("normalmap", "normal.exr"), bsdf(
+        "normalmap", image("normalmap", "normal.exr"), BASE)))),
+    "normal_in_bump": (None, twosided(bsdf("bumpmap", real("scale", 0.15), image(
+        "map", "height.exr"), bsdf("normalmap", image("normalmap", "normal.exr"), BASE)))),
+    "bump_in_bump": (None, twosided(bsdf("bumpmap", real("scale", 0.15), image(
+        "map", "height.exr"), bsdf("bumpmap", real("scale", 0.1), image("map", "height.exr"),
+                                   BASE)))),
     "null": (bsdf("null"), None),
     "twosided": (bsdf("twosided", FIRST, BASE), None),
     "phong": (twosided(bsdf("phong", rgb("diffuse_reflectance", "0.3, 0.2, 0.1"),
@@ -114,11 +121,15 @@ MODELS = {
                   None),
 }
 
+# Mitsuba 3.9.1 turns what is in a bumpmap about the normal, by an angle that is 0 only where the
+# surface's own frame is the world's. Its later sources do not.
+UPRIGHT = ("normal_in_bump", "bump_in_bump")
+
 # The ball is above the floor: where a null one touched it, Mitsuba's rays, which set out farther
 # from surfaces, lost the floor.
-OBJECTS = """<shape type="sphere"><point name="center" x="-1.1" y="1.1" z="0"/>{0}</shape>
-<shape type="rectangle">{1}{0}</shape>
-"""
+SHEET = '<shape type="rectangle">{1}{0}</shape>\n'
+OBJECTS = ('<shape type="sphere"><point name="center" x="-1.1" y="1.1" z="0"/>{0}</shape>\n'
+           + SHEET)
 
 
 def write_maps(folder):
@@ -137,12 +148,14 @@ def rows(folder):
     write_maps(folder)
     tilted = place('<scale value="0.9"/><rotate x="1" angle="-20"/><rotate y="1" angle="25"/>'
                    '<translate x="1.2" y="1"/>')
+    upright = place('<translate y="1.1"/>')
     out = {}
     for name, kinds in MODELS.items():
+        things, where = (SHEET, upright) if name in UPRIGHT else (OBJECTS, tilted)
         for kind, what in zip(("constant", "textured"), kinds):
             for light, emitter in LIGHTS.items():
                 if what:
                     out[f"bsdf_{name}_{kind}_{light}"] = (
                         THROUGH * (name.startswith(("mask", "null"))) + FLOOR + emitter
-                        + OBJECTS.format(what, tilted))
+                        + things.format(what, where))
     return out

@@ -270,10 +270,6 @@ static const struct refusal refusals[] = {
            "<bsdf type='bumpmap'><texture type='checkerboard'/>"
            "<bsdf type='diffuse'/></bsdf></bsdf></bsdf>"),
      "scene.xml:3:22: normalmap cannot wrap two more bumpmaps or normalmaps"},
-    {SHAPE("<bsdf type='bumpmap'><texture type='checkerboard'/>"
-           "<bsdf type='normalmap'><texture name='normalmap' type='checkerboard'/>"
-           "<bsdf type='diffuse'/></bsdf></bsdf>"),
-     "scene.xml:3:22: bumpmap cannot wrap another bumpmap or normalmap; a normalmap can"},
     {SHAPE("<bsdf type='diffuse'/><bsdf type='diffuse'/>"),
      "scene.xml:3:44: shape 'sphere' has two <bsdf>s"},
     {SHAPE("<emitter type='point'/>"),

@@ -209,11 +209,46 @@ static void reliefs_turn_in_turn(void **state) {
     assert_true(v3_dist2(frame_to_world(&f, b.base[1]), v3_neg(first)) < 1e-8f);
 }
 
+// A map in bumps turns their facet; bumps in a map rise over its facet, where the axes of the
+// texture are foreshortened.
+static void bumps_and_maps_nest(void **state) {
+    (void)state;
+    static const float height[4] = {0.0f, 0.25f, 0.0f, 0.25f};
+    const struct image image = {2, 2, 1, height};
+    const struct texture slope = {
+        .kind = TEXTURE_BITMAP, .image = &image, .to_uv = {1, 0, 0, 0, 1}};
+    const struct texture tilt = {.kind = TEXTURE_CONSTANT, .value = {.8f, .5f, .9f}};
+    const struct material_relief rise = {.bump = &slope, .scale = 1.0f, .outside = true},
+                                 turn = {.normal = &tilt, .outside = true};
+    struct surfel s = surfel_facing(v3_unit(v3(1, 2, 3)));
+    s.uv = (vec2){0.5f, 0.5f};
+    s.dp_du = s.frame.u, s.dp_dv = s.frame.v;
+    const float up = asinf(.6f), back = atanf(.5f), steep = atanf(.5f / .8f);
+    const struct {
+        struct material_relief outer, inner;
+        float angle;
+    } cases[] = {{rise, turn, up - back}, {turn, rise, up - steep}};
+    for (int i = 0; i < 2; i++) {
+        struct material m = white_under(cases[i].outer, cases[i].inner);
+        struct satin_scene scene = {.shape = &shape, .material = &m, .material_count = 1};
+        vec3 want =
+            v3_mad(v3_mul(s.frame.n, cosf(cases[i].angle)), sinf(cases[i].angle), s.frame.u);
+        struct brdf b;
+        struct frame f;
+        for (int side = 1; side >= -1; side -= 2) {
+            vec3 wo = v3_mul(s.frame.n, (float)side);
+            assert_true(scene_brdf(&scene, &s, wo, &b, &f));
+            assert_true(v3_dist2(v3_mul(f.n, (float)side), want) < 1e-8f);
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(blends_draw_their_parts), cmocka_unit_test(holes_are_no_parts),
-        cmocka_unit_test(relief_turns_the_frame),  cmocka_unit_test(reliefs_turn_in_turn),
-        cmocka_unit_test(sides_and_frames),        cmocka_unit_test(textures_replace_slots),
+        cmocka_unit_test(blends_draw_their_parts), cmocka_unit_test(bumps_and_maps_nest),
+        cmocka_unit_test(holes_are_no_parts),      cmocka_unit_test(relief_turns_the_frame),
+        cmocka_unit_test(reliefs_turn_in_turn),    cmocka_unit_test(sides_and_frames),
+        cmocka_unit_test(textures_replace_slots),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
