@@ -22,7 +22,7 @@ static bool needs_photons(const struct render *r) {
 // Room for the image, so that it is not missing when all else is done.
 static satin_status room(struct render *r) {
     const struct film_spec *film = &r->scene.film;
-    r->image = render_image_new(film->crop_width, film->crop_height, &r->options);
+    r->image = render_image_new(&r->scene, &r->options);
     if (r->image) return SATIN_OK;
     return log_fail(r->log, SATIN_ERROR_MEMORY, "not enough memory for an image of %d x %d pixels",
                     film->crop_width, film->crop_height);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The film of an image: means of the pixels' samples by channel. Where an image was cut short
 // before a pixel had its first sample, it shows a neighbour's. What an integrator does not compute
-// has no channel.
+// has no channel; a channel that the scene asks for by the name of one of these takes its place.
+#include <string.h>
+
 #include "render/render_image.h"
 
 // Least weight of a pixel per sample; on average they weigh 1.
@@ -88,10 +90,15 @@ static const struct image_pixel *source_of(const struct render_image *image, int
     return NULL;
 }
 
-static void put_pixel(const struct planes *planes, size_t at, const struct image_pixel *pixel) {
+// What makes means of a pixel's weighted sums.
+static float mean_scale(const struct image_pixel *pixel) {
     // A few samples of a filter with negative lobes may weigh next to nothing together.
     float least = WEIGHT_LEAST * (float)pixel->samples;
-    float scale = pixel->samples ? 1.0f / fmaxf(pixel->weight, least) : 0.0f;
+    return pixel->samples ? 1.0f / fmaxf(pixel->weight, least) : 0.0f;
+}
+
+static void put_pixel(const struct planes *planes, size_t at, const struct image_pixel *pixel) {
+    const float scale = mean_scale(pixel);
     put_rgb(planes, 0, at, pixel->beauty, scale);
     for (int k = 0; k < SHADE_LAYERS; k++)
         put_rgb(planes, CHANNEL_LAYERS + 3 * k, at, pixel->layer[k], scale);
@@ -111,18 +118,39 @@ static void put_maps(const struct planes *planes, size_t at, const struct image_
     put(planes, CHANNEL_MAPS + 3, at, used->rays * share);
 }
 
-struct satin_film *render_film_new(int width, int height, const satin_options *options) {
-    const char *name[CHANNELS];
+// What the scene asks for, where its channels are.
+static void put_aovs(const struct render_image *image, float *const *plane, size_t at,
+                     const struct image_pixel *pixel) {
+    const struct scene_aovs *aovs = image->aovs;
+    const float scale = mean_scale(pixel);
+    const float *sum = image->aov + (size_t)(pixel - image->pixel) * (size_t)aovs->values;
+    for (int i = 0; i < aovs->count; i++) plane[i][at] = sum[aovs->channel[i].value] * scale;
+}
+
+static bool is_aov(const struct scene_aovs *aovs, const char *name) {
+    for (int i = 0; i < aovs->count; i++)
+        if (strcmp(aovs->channel[i].name, name) == 0) return true;
+    return false;
+}
+
+struct satin_film *render_film_new(int width, int height, const struct scene_aovs *aovs,
+                                   const satin_options *options) {
+    const char *name[CHANNELS + AOV_CHANNELS_MAX];
     int count = 0;
     for (int i = 0; i < (options->record_maps ? CHANNELS : CHANNEL_MAPS); i++)
-        if (channels[i].by & 1u << options->integrator) name[count++] = channels[i].name;
+        if (channels[i].by & 1u << options->integrator && !is_aov(aovs, channels[i].name))
+            name[count++] = channels[i].name;
+    for (int i = 0; i < aovs->count; i++) name[count++] = aovs->channel[i].name;
     return film_new(width, height, name, count);
 }
 
 void render_image_film(struct render *r, bool *any) {
     const struct render_image *image = r->image;
     struct planes planes;
+    float *aov[AOV_CHANNELS_MAX];
     for (int i = 0; i < CHANNELS; i++) planes.of[i] = film_channel(image->film, channels[i].name);
+    for (int i = 0; i < image->aovs->count; i++)
+        aov[i] = film_channel(image->film, image->aovs->channel[i].name);
     uint64_t samples = 0, dropped = 0, filled = 0;
     for (int y = 0; y < image->height; y++)
         for (int x = 0; x < image->width; x++) {
@@ -135,6 +163,7 @@ void render_image_film(struct render *r, bool *any) {
             if (!source) continue;
             put_pixel(&planes, at, source);
             put_maps(&planes, at, source);
+            if (image->aov) put_aovs(image, aov, at, source);
         }
     stats_set(&r->stats, "image.nonfinite", (double)dropped);
     stats_set(&r->stats, "image.filled", (double)filled);

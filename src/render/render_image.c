@@ -26,14 +26,21 @@ struct pass {
     int columns;
 };
 
-struct render_image *render_image_new(int width, int height, const satin_options *options) {
+struct render_image *render_image_new(const struct satin_scene *scene,
+                                      const satin_options *options) {
+    const struct scene_aovs *aovs = &scene->hints.aovs;
+    const int width = scene->film.crop_width, height = scene->film.crop_height;
+    const size_t pixels = (size_t)width * (size_t)height;
     struct render_image *image = calloc(1, sizeof *image);
     if (!image) return NULL;
-    *image = (struct render_image){.width = width, .height = height, .coarsest = COARSEST};
+    *image =
+        (struct render_image){.width = width, .height = height, .aovs = aovs, .coarsest = COARSEST};
     while ((width / image->coarsest) * (height / image->coarsest) > LOOK) image->coarsest *= 2;
-    image->pixel = array_new((size_t)width * (size_t)height, sizeof *image->pixel);
-    image->film = render_film_new(width, height, options);
-    if (image->pixel && image->film && adapt_make(&image->adapt, width, height)) return image;
+    image->pixel = array_new(pixels, sizeof *image->pixel);
+    image->aov = array_new(pixels, (size_t)aovs->values * sizeof *image->aov);
+    image->film = render_film_new(width, height, aovs, options);
+    bool ok = image->pixel && image->film && (image->aov || !aovs->values);
+    if (ok && adapt_make(&image->adapt, width, height)) return image;
     render_image_free(image);
     return NULL;
 }
@@ -42,6 +49,7 @@ void render_image_free(struct render_image *image) {
     if (!image) return;
     adapt_destroy(&image->adapt);
     satin_film_free(image->film);
+    free(image->aov);
     free(image->pixel);
     free(image);
 }
@@ -73,6 +81,12 @@ static bool add_sample(struct image_pixel *pixel, const struct shade_sample *s) 
     return true;
 }
 
+static void add_aovs(const struct render_image *image, size_t at, const struct shade_sample *s) {
+    const int values = image->aovs->values;
+    float *sum = image->aov + at * (size_t)values;
+    for (int i = 0; i < values; i++) sum[i] += s->weight * s->aov[i];
+}
+
 static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
     struct pass *pass = ctx;
     struct render_image *image = pass->r->image;
@@ -89,6 +103,7 @@ static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
                     shade_pixel(&pass->r->shade, &pass->worker[worker], x, y, adapt->count,
                                 &sample);
                     bool finite = add_sample(&image->pixel[at], &sample);
+                    if (finite && image->aov) add_aovs(image, at, &sample);
                     adapt_add(adapt, finite ? judged(&sample) : rgb_grey(0.0f));
                 }
             }

@@ -18,6 +18,8 @@ struct image_pixel {
 struct render_image {
     int width, height;
     struct image_pixel *pixel;
+    const struct scene_aovs *aovs;
+    float *aov;  // sums of a pixel's aovs->values, weighted, pixel by pixel; NULL: there are none
     struct adapt adapt;
     uint64_t taken;           // samples
     int coarsest;             // pixels between the first samples, a power of two
@@ -25,6 +27,7 @@ struct render_image {
 };
 
 // The film, empty, of an image; NULL without memory (render_film.c).
-struct satin_film *render_film_new(int width, int height, const satin_options *options);
+struct satin_film *render_film_new(int width, int height, const struct scene_aovs *aovs,
+                                   const satin_options *options);
 
 #endif

@@ -101,7 +101,8 @@ float render_widest(const struct render *r);
 satin_status render_converge(struct render *r, float widen, const float read[2]);
 
 // ---- render_image.c
-struct render_image *render_image_new(int width, int height, const satin_options *options);
+struct render_image *render_image_new(const struct satin_scene *scene,
+                                      const satin_options *options);
 void render_image_free(struct render_image *image);
 // Adds samples until every pixel has options.spp, or the loop was stopped.
 satin_status render_image_fill(struct render *r);

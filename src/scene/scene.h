@@ -15,6 +15,7 @@
 #include "base/rng.h"
 #include "brdf/brdf.h"
 #include "satin/scene.h"
+#include "scene/scene_hints.h"
 #include "scene/scene_light_seen.h"
 
 // ---- Textures ---------------------------------------------------------------------------------
@@ -256,21 +257,6 @@ struct film_spec {
     float b, c;            // cubic: its parameters
 };
 
-// An option of <integrator type="satin">, not yet checked.
-struct scene_option {
-    const char *name, *value;
-    struct log_place place;
-};
-
-// What the scene's integrator and sampler elements ask for; see satin_options for the meaning.
-struct scene_hints {
-    const char *integrator;                       // its plugin name, or NULL
-    int max_depth, rr_depth, hide_emitters, spp;  // -2, 0, -1, 0 when absent
-    // <integrator type="satin">: its options in order, for satin_options_resolve.
-    const struct scene_option *option;
-    size_t option_count;
-};
-
 struct light_tree;
 struct trace;  // the Embree scene; scene_trace.c alone knows it
 
@@ -317,7 +303,7 @@ struct surfel {
     struct frame frame;  // shading frame; n on the side of ng
     vec2 uv;
     vec2 bary;          // triangles: weights of the second and third corner
-    vec3 dp_du, dp_dv;  // only if the material's frames follow dp/du
+    vec3 dp_du, dp_dv;  // of meshes only if the material's frames follow dp/du or AOVs ask for it
     float t;
     float uv_rate;    // uv per length if the material is `filtered`, else 0
     float footprint;  // width of the area that the ray stands for, for textures; 0: a point

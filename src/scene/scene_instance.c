@@ -35,9 +35,9 @@ float instance_margin(const struct satin_scene *scene, const struct shape *shape
     return 4.0f * surfel_offset(scene, p) * longest_column(&shape->to_object);
 }
 
-void instance_place(const struct shape *shape, bool tangent, struct surfel *s) {
+void instance_place(const struct shape *shape, bool tangent, bool partials, struct surfel *s) {
     vec3 u = mat4_vector(&shape->to_world, s->frame.u);
-    if (tangent) {
+    if (partials) {
         s->dp_du = mat4_vector(&shape->to_world, s->dp_du);
         s->dp_dv = mat4_vector(&shape->to_world, s->dp_dv);
     }

@@ -74,6 +74,9 @@ satin_status scene_sensor_read(struct scene_loader *loader, struct xml_node *nod
 satin_status scene_view_read(struct scene_loader *loader, const struct params *p, double aspect,
                              float tan[2]);
 extern const char *const scene_fov_axes[];
+// The `name:type` pairs of an `aov` integrator (scene_aov.c).
+satin_status scene_aovs_read(struct scene_loader *loader, const struct param_value *text,
+                             struct scene_aovs *out);
 // What the <integrator> asks for (scene_plugins_integrator.c).
 satin_status scene_integrator_read(struct scene_loader *loader, struct xml_node *node);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// <integrator>: hints for the render. `satin` passes its options on by their names; of any other
-// one, the depth and the visibility of emitters are kept; `direct` has a depth by its meaning.
+// <integrator>: hints for the render. `satin` passes its options on by their names; `aov` asks for
+// channels; of any other one, the depth and the visibility of emitters are kept; `direct` has a
+// depth by its meaning.
 #include <string.h>
 
 #include "scene/scene_loader.h"
@@ -14,11 +15,19 @@ static const struct param_spec rr_depth = {
 static const struct param_spec hide_emitters = {
     "hide_emitters", PARAM_BOOLEAN, "false", 0, 0, NULL, "emitters seen directly are black"};
 
-static const struct param_spec *const path_params[] = {&max_depth, &rr_depth, &hide_emitters, NULL};
+static const struct param_spec aovs = {"aovs",
+                                       PARAM_STRING,
+                                       NULL,
+                                       0,
+                                       PARAM_REQUIRED,
+                                       NULL,
+                                       "pairs `name:type` parted by commas or blanks"};
 
-// Light transport by other ways, of Mitsuba 3 and of version 0.6; and `aov`, which holds another.
-const char *const scene_transport[] = {"aov",
-                                       "direct",
+static const struct param_spec *const path_params[] = {&max_depth, &rr_depth, &hide_emitters, NULL};
+static const struct param_spec *const aov_params[] = {&aovs, &hide_emitters, NULL};
+
+// Light transport by other ways, of Mitsuba 3 and of version 0.6.
+const char *const scene_transport[] = {"direct",
                                        "direct_projective",
                                        "prb",
                                        "prb_basic",
@@ -44,9 +53,16 @@ const struct plugin_spec scene_integrator_plugins[] = {
     {XML_INTEGRATOR, "satin", "takes every option of `satin help options` by its name", NULL, 0,
      NULL, false},
     {XML_INTEGRATOR, "path",
-     "and `direct`, `volpath`, `ptracer`, `prb`, `aov` and all others of light transport: satin "
-     "chooses its own way, within these bounds",
+     "and `direct`, `volpath`, `ptracer`, `prb` and all others of light transport: satin chooses "
+     "its own way, within these bounds",
      path_params, 1u << XML_INTEGRATOR, NULL, true},
+    {XML_INTEGRATOR, "aov",
+     "values of the surface that the eye ray meets first, as channels beside the image of the "
+     "integrator inside: `albedo` (`name.R .G .B`: diffuse reflectance), `depth` (`.T`), "
+     "`position` (`.X .Y .Z`), `uv` (`.U .V`), `geo_normal`, `sh_normal` (before bumps), `dp_du`, "
+     "`dp_dv` (`.X .Y .Z`), `duv_dx`, `duv_dy` (`.U .V`: over the width of a sample's share of the "
+     "pixel), `prim_index`, `shape_index` (`.I`: shapes count from 1, as they stand in the file)",
+     aov_params, 1u << XML_INTEGRATOR, NULL, true},
     {0}};
 
 // The options of `satin`, checked when they are applied.
@@ -89,6 +105,9 @@ static satin_status read_bounds(struct scene_loader *loader, struct xml_node *no
     }
     if (status != SATIN_OK) return status;
     struct scene_hints *hints = &loader->scene->hints;
+    if (param(&p, "hide_emitters")->given) hints->hide_emitters = param(&p, "hide_emitters")->b;
+    if (strcmp(node->type, "aov") == 0)
+        return scene_aovs_read(loader, param(&p, "aovs"), &hints->aovs);
     const struct param_value *longest = param(&p, "max_depth");
     if (longest->i < -1) {
         log_error_at(loader->log, longest->place, "max_depth is %d, but must be -1 or more",
@@ -98,7 +117,6 @@ static satin_status read_bounds(struct scene_loader *loader, struct xml_node *no
     if (strcmp(node->type, "direct") == 0) hints->max_depth = 2;
     if (longest->given) hints->max_depth = longest->i;
     if (param(&p, "rr_depth")->given) hints->rr_depth = param(&p, "rr_depth")->i;
-    if (param(&p, "hide_emitters")->given) hints->hide_emitters = param(&p, "hide_emitters")->b;
     return SATIN_OK;
 }
 

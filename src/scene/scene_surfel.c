@@ -152,7 +152,7 @@ void surfel_triangle(const struct satin_scene *scene, const struct shape *shape,
                        ((double)d[0] - a[0]) * ((double)c[1] - a[1]));
     }
     if (hit->rate) out->uv_rate = (float)sqrt(spanned / sqrt(dot3(t.n, t.n)));
-    if (hit->tangent) triangle_tangents(mesh, index, &t, ng, &out->dp_du, &out->dp_dv);
+    if (hit->partials) triangle_tangents(mesh, index, &t, ng, &out->dp_du, &out->dp_dv);
     out->frame = hit->tangent ? frame_from_tangent(n, out->dp_du) : frame_from_normal(n);
 }
 

@@ -18,12 +18,12 @@ static inline float surfel_offset(const struct satin_scene *scene, vec3 p) {
 struct surfel_hit {
     uint32_t prim;
     float u, v;
-    bool tangent;  // the frame follows dp/du
-    bool rate;     // uv_rate is wanted
-    float margin;  // how far off its edges a point is kept; 0: 4 offsets
+    bool tangent;   // the frame follows dp/du
+    bool partials;  // dp_du and dp_dv are wanted; they are if `tangent`
+    bool rate;      // uv_rate is wanted
+    float margin;   // how far off its edges a point is kept; 0: 4 offsets
 };
-// Fills p, ng, frame and uv, if `tangent` dp_du and dp_dv, and if `rate` uv_rate, in the mesh's own
-// space.
+// Fills p, ng, frame and uv, if wanted dp_du and dp_dv, and uv_rate, in the mesh's own space.
 void surfel_triangle(const struct satin_scene *scene, const struct shape *shape,
                      const struct surfel_hit *hit, struct surfel *out);
 

@@ -136,7 +136,9 @@ static void surfel_of(const struct satin_scene *scene, const struct level *level
     const struct shape *shape = &scene->shape[index];
     bool tangent = scene->material[shape->material].tangent;
     bool rate = scene->material[shape->material].filtered;
-    struct surfel_hit at = {hit->hit.primID, hit->hit.u, hit->hit.v, tangent, rate, margin};
+    bool partials = tangent || scene->hints.aovs.partials;
+    struct surfel_hit at = {hit->hit.primID, hit->hit.u, hit->hit.v, tangent,
+                            partials,        rate,       margin};
     if (quadric)
         quadric_surfel(&level->quadric[hit->hit.primID], ray, hit->ray.tfar, tangent, out);
     else if (shape->kind == SHAPE_CURVES)
@@ -169,7 +171,8 @@ static bool find_hit(const struct satin_scene *scene, const struct ray *ray, boo
         struct ray local = instance_ray(shape, ray);
         float margin = instance_margin(scene, shape, v3_mad(ray->o, hit.ray.tfar, ray->d));
         surfel_of(scene, &trace->group[shape->instance_of], &hit, &local, margin, out);
-        instance_place(shape, scene->material[out->material].tangent, out);
+        bool tangent = scene->material[out->material].tangent;
+        instance_place(shape, tangent, tangent || scene->hints.aovs.partials, out);
     }
     out->t = hit.ray.tfar;
     out->footprint = 0.0f;

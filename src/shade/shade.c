@@ -4,6 +4,7 @@
 
 #include <stdlib.h>
 
+#include "shade/shade_aov.h"
 #include "shade/shade_indirect.h"
 #include "shade/shade_records.h"
 
@@ -53,11 +54,13 @@ void shade_destroy(struct shade *shade) {
 }
 
 // The channels that are not light, of the first surface.
-static void surface_channels(const struct gather_point *p, struct shade_sample *out) {
+static void surface_channels(const struct shade *shade, const struct gather_point *p,
+                             const struct shade_lens *lens, struct shade_sample *out) {
     vec3 n = v3_dot(p->frame.n, p->ng) < 0.0f ? v3_neg(p->frame.n) : p->frame.n;
     if (p->lobes) out->layer[SHADE_ALBEDO] = brdf_albedo(&p->brdf, p->wo_l, BRDF_ALL);
     out->layer[SHADE_NORMAL] = rgb_make(n.x, n.y, n.z);
     out->depth = p->surfel.t;
+    if (shade->g->scene->hints.aovs.count) shade_aov(shade, p, lens, out->aov);
 }
 
 // The photon map seen directly: all light at the point, emitted and mirrored light apart.
@@ -79,7 +82,7 @@ static void path_sample(const struct shade *shade, int x, int y, uint32_t index,
     struct ray ray = shade_eye_ray(shade, x, y, &sampler, &lens);
     out->beauty = gather_path_eye(shade->g, ray, &sampler, &seen);
     out->layer[SHADE_EMISSION] = seen.emission;
-    if (seen.hit) surface_channels(&seen.point, out);
+    if (seen.hit) surface_channels(shade, &seen.point, &lens, out);
     out->weight = lens.weight;
 }
 
@@ -95,7 +98,7 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
     struct shade_eye eye;
     struct sampler sampler = shade_eye_sampler(shade->g, x, y, index, RNG_PIXEL);
     shade_eye_trace(shade, x, y, &sampler, &eye);
-    if (eye.hit) surface_channels(&eye.first, out);
+    if (eye.hit) surface_channels(shade, &eye.first, &eye.lens, out);
     out->layer[SHADE_EMISSION] = eye.emission;
     for (int i = 0; i < eye.count; i++) {
         uint64_t pixel = rng_mix((uint64_t)sampler.seed + (uint64_t)i);
@@ -110,7 +113,7 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
     }
     for (int layer = SHADE_DIRECT; layer <= SHADE_EMISSION; layer++)
         out->beauty = rgb_add(out->beauty, out->layer[layer]);
-    out->weight = eye.weight;
+    out->weight = eye.lens.weight;
 }
 
 // Records are made so far off edges, where rays would slip through gaps [K05 6.5.3].

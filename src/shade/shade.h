@@ -39,6 +39,7 @@ struct shade_sample {
     struct cache_used used;   // records interpolated at the point
     float record;             // 1: one stands there, within a pixel; only with record_maps
     float weight;             // that the film's filter gives to the sample
+    float aov[AOV_VALUES];    // as the scene asks for them, 0 if there is no surface
 };
 
 // Constants of an image pass and a worker's scratch.

@@ -36,8 +36,10 @@ struct ray shade_eye_ray(const struct shade *shade, int x, int y, struct sampler
     struct film_offset y_offset =
         film_filter_offset(&shade->filter, cy, (float)film->crop_y,
                            (float)(film->crop_y + film->crop_height), pixel.y);
-    out->weight = x_offset.weight * y_offset.weight;
-    return camera_ray(scene, cx + x_offset.x, cy + y_offset.x, lens.x, lens.y, &out->spread);
+    *out = (struct shade_lens){.weight = x_offset.weight * y_offset.weight,
+                               .film = {cx + x_offset.x, cy + y_offset.x},
+                               .at = lens};
+    return camera_ray(scene, out->film.x, out->film.y, lens.x, lens.y, &out->spread);
 }
 
 static void emitted(const struct shade *shade, const struct branch *b, const struct surfel *s,
@@ -95,10 +97,9 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
     const struct satin_scene *scene = shade->g->scene;
     const int max_depth = shade->g->options->max_depth;
     struct branch stack[SHADE_VERTICES + 2];
-    struct shade_lens lens;
-    struct ray ray = shade_eye_ray(shade, x, y, sampler, &lens);
+    struct ray ray = shade_eye_ray(shade, x, y, sampler, &out->lens);
+    const float spread = out->lens.spread;
     stack[0] = (struct branch){ray, rgb_grey(1.0f), 0.0f, 0, 0};
-    out->weight = lens.weight;
     out->count = 0;
     out->hit = false;
     out->emission = rgb_grey(0.0f);
@@ -108,7 +109,7 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
         bool hit = scene_intersect(scene, &b.ray, &s);
         emitted(shade, &b, hit ? &s : NULL, out);
         if (!hit) continue;
-        s.footprint = shade->sharpness * lens.spread * (b.distance + s.t);
+        s.footprint = shade->sharpness * spread * (b.distance + s.t);
         struct scene_part part[MATERIAL_PARTS_MAX];
         const struct material_side *shown =
             b.depth == 0 ? scene_part(scene, &s, v3_neg(b.ray.d)) : NULL;
@@ -125,7 +126,7 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
             if (max_depth >= 0 && b.depth + 1 >= max_depth) continue;
             if ((point.lobes & BRDF_SMOOTH) && out->count < SHADE_VERTICES)
                 out->vertex[out->count++] =
-                    (struct shade_vertex){point, own.T, lens.spread * (b.distance + s.t)};
+                    (struct shade_vertex){point, own.T, spread * (b.distance + s.t)};
             if ((point.lobes & BRDF_DELTA) && b.depth < EYE_DEPTH)
                 top = scatter(shade, &own, &point, sampler, stack, top);
         }

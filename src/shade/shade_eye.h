@@ -14,11 +14,19 @@ struct shade_vertex {
     float pixel;  // width of a projected pixel there
 };
 
+// An eye ray.
+struct shade_lens {
+    float spread;  // its width per distance
+    float weight;  // that the film's filter gives to the sample
+    vec2 film;     // where it passes the film, in pixels of all of it
+    vec2 at;       // random numbers for its place on the lens
+};
+
 struct shade_eye {
     struct shade_vertex vertex[SHADE_VERTICES];
     int count;
     rgb emission;  // emitted light seen
-    float weight;  // that the film's filter gives to the sample
+    struct shade_lens lens;
     // The first surface, for channels that are not light.
     bool hit;
     struct gather_point first;  // of a blend one part, as likely as it weighs
@@ -29,10 +37,6 @@ struct shade_eye {
 void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sampler,
                      struct shade_eye *out);
 // The eye ray itself.
-struct shade_lens {
-    float spread;  // its width per distance
-    float weight;  // that the film's filter gives to the sample
-};
 struct ray shade_eye_ray(const struct shade *shade, int x, int y, struct sampler *sampler,
                          struct shade_lens *lens);
 // The sampler of a sample: its numbers depend on the seed, the pixel and the index alone.

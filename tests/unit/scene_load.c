@@ -300,8 +300,9 @@ static const struct refusal refusals[] = {
      "scene.xml:3:1: unknown integrator 'volpth' (did you mean 'volpath'?)"},
     {SCENE_TEXT("<integrator type='stokes'><integrator type='path'/></integrator>"),
      "scene.xml:3:1: integrator 'stokes' is not supported"},
-    {SCENE_TEXT("<integrator type='aov'><integrator type='depth'/></integrator>"),
-     "scene.xml:3:24: integrator 'depth' is not supported"},
+    {SCENE_TEXT("<integrator type='aov'><string name='aovs' value='a:uv'/>"
+                "<integrator type='depth'/></integrator>"),
+     "scene.xml:3:58: integrator 'depth' is not supported"},
     {SCENE_TEXT("<integrator type='path'/><integrator type='direct'/>"),
      "scene.xml:3:26: the scene has another integrator"},
     {"<scene version='3.0.0'><sensor type='perspective'><float name='fov' value='180'/>"

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// Values of the first surface that an `aov` integrator asks for, as Mitsuba 3 defines them.
+#include "shade/shade_aov.h"
+
+// How uv grows on the tangent plane of s from the eye ray to one through `film`: the least squares
+// solution of du dp/du + dv dp/dv = dp. 0 where the ray misses the plane or uv spans none.
+static vec2 uv_towards(const struct satin_scene *scene, const struct surfel *s, vec2 film,
+                       vec2 lens) {
+    const struct ray ray = camera_ray(scene, film.x, film.y, lens.x, lens.y, NULL);
+    const float t = v3_dot(v3_sub(s->p, ray.o), s->ng) / v3_dot(ray.d, s->ng);
+    const vec3 dp = v3_sub(v3_mad(ray.o, t, ray.d), s->p), u = s->dp_du, v = s->dp_dv;
+    const float uu = v3_dot(u, u), uv = v3_dot(u, v), vv = v3_dot(v, v);
+    const float pu = v3_dot(u, dp), pv = v3_dot(v, dp), det = uu * vv - uv * uv;
+    const vec2 d = {(vv * pu - uv * pv) / det, (uu * pv - uv * pu) / det};
+    return isfinite(d.x) && isfinite(d.y) ? d : (vec2){0.0f, 0.0f};
+}
+
+// Where the values of a kind go; NULL: nowhere.
+static float *place(const struct scene_aovs *aovs, enum aov_kind kind, float *out) {
+    return aovs->first[kind] >= 0 ? out + aovs->first[kind] : NULL;
+}
+
+static void put1(float *to, float value) {
+    if (to) to[0] = value;
+}
+
+static void put2(float *to, vec2 v) {
+    if (to) to[0] = v.x, to[1] = v.y;
+}
+
+static void put3(float *to, vec3 v) {
+    if (to) to[0] = v.x, to[1] = v.y, to[2] = v.z;
+}
+
+static void put_partials(const struct shade *shade, const struct surfel *s,
+                         const struct shade_lens *lens, float *out) {
+    const struct satin_scene *scene = shade->g->scene;
+    const struct scene_aovs *aovs = &scene->hints.aovs;
+    float *dx = place(aovs, AOV_DUV_DX, out), *dy = place(aovs, AOV_DUV_DY, out);
+    put3(place(aovs, AOV_DP_DU, out), s->dp_du);
+    put3(place(aovs, AOV_DP_DV, out), s->dp_dv);
+    if (!dx && !dy) return;
+    // A sample stands for its share of the pixel.
+    const int spp = shade->g->options->spp;
+    const float side = 1.0f / sqrtf((float)(spp > 1 ? spp : 1));
+    const vec2 film = lens->film, right = {film.x + side, film.y}, below = {film.x, film.y + side};
+    put2(dx, uv_towards(scene, s, right, lens->at));
+    put2(dy, uv_towards(scene, s, below, lens->at));
+}
+
+void shade_aov(const struct shade *shade, const struct gather_point *p,
+               const struct shade_lens *lens, float *out) {
+    const struct scene_aovs *aovs = &shade->g->scene->hints.aovs;
+    const struct surfel *s = &p->surfel;
+    if (p->lobes && p->brdf.model->slots & 1u << BRDF_SLOT_DIFFUSE) {
+        const rgb c = p->brdf.diffuse;
+        put3(place(aovs, AOV_ALBEDO, out), v3(c.r, c.g, c.b));
+    }
+    put1(place(aovs, AOV_DEPTH, out), s->t);
+    put3(place(aovs, AOV_POSITION, out), s->p);
+    put2(place(aovs, AOV_UV, out), s->uv);
+    put3(place(aovs, AOV_GEO_NORMAL, out), s->ng);
+    put3(place(aovs, AOV_SH_NORMAL, out), s->frame.n);
+    put1(place(aovs, AOV_PRIM_INDEX, out), (float)s->prim);
+    put1(place(aovs, AOV_SHAPE_INDEX, out), (float)(s->shape + 1));
+    if (aovs->partials) put_partials(shade, s, lens, out);
+}

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// What `aov` integrators ask for, and one line for what they can't have.
+#include "scene/scene.h"
+#include "scene_case.h"
+
+#define AOV(pairs) \
+    SCENE_TEXT("<integrator type='aov'><string name='aovs' value='" pairs "'/></integrator>")
+
+static void names_channels(void **state) {
+    (void)state;
+    struct scene_case c;
+    satin_scene *scene = scene_case_load(&c, AOV("dd.y:depth,nn:sh_normal  i:shape_index,d:depth"));
+    assert_non_null(scene);
+    assert_int_equal(c.warnings, 0);
+    const struct scene_aovs *aovs = &scene->hints.aovs;
+    const char *const name[] = {"dd.y.T", "nn.X", "nn.Y", "nn.Z", "i.I", "d.T"};
+    const int value[] = {0, 1, 2, 3, 4, 0};
+    assert_int_equal(aovs->count, 6);
+    assert_int_equal(aovs->values, 5);
+    for (int i = 0; i < aovs->count; i++) {
+        assert_string_equal(aovs->channel[i].name, name[i]);
+        assert_int_equal(aovs->channel[i].value, value[i]);
+    }
+    assert_int_equal(aovs->first[AOV_SH_NORMAL], 1);
+    assert_int_equal(aovs->first[AOV_UV], -1);
+    assert_false(aovs->partials);
+    satin_scene_free(scene);
+}
+
+static void holds_every_kind(void **state) {
+    (void)state;
+    struct scene_case c;
+    satin_scene *scene = scene_case_load(
+        &c, AOV("a:albedo,b:depth,c:position,d:uv,e:geo_normal,f:sh_normal,g:dp_du,h:dp_dv,"
+                "i:duv_dx,j:duv_dy,k:prim_index,l:shape_index"));
+    assert_non_null(scene);
+    assert_int_equal(scene->hints.aovs.values, AOV_VALUES);
+    assert_int_equal(scene->hints.aovs.count, AOV_VALUES);
+    assert_true(scene->hints.aovs.partials);
+    satin_scene_free(scene);
+}
+
+static void refuses_by_name(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *error;
+    } bad[] = {
+        {AOV("depth"), "scene.xml:3:24: aovs: 'depth' is no pair name:type"},
+        {AOV("a:"), "scene.xml:3:24: aovs: 'a:' is no pair name:type"},
+        {AOV(":depth"), "scene.xml:3:24: aovs: ':depth' is no pair name:type"},
+        {AOV("a:b:depth"), "scene.xml:3:24: aovs: 'a:b:depth' is no pair name:type"},
+        {AOV("a:dept"), "scene.xml:3:24: aovs: unknown type 'dept' (did you mean 'depth'?)"},
+        {AOV("a:boundary_test"), "scene.xml:3:24: aovs: type 'boundary_test' is not supported"},
+        {AOV("a:depth,a:depth"), "scene.xml:3:24: aovs: channel 'a.T' stands twice"},
+        {AOV("a:position,a:sh_normal"), "scene.xml:3:24: aovs: channel 'a.X' stands twice"},
+        {SCENE_TEXT("<integrator type='aov'/>"),
+         "scene.xml:3:1: integrator 'aov' needs the parameter 'aovs'"},
+        {SCENE_TEXT("<integrator type='aov'><string name='aovs' value='a:uv'/><integrator "
+                    "type='aov'><string name='aovs' value='b:uv'/></integrator></integrator>"),
+         "scene.xml:3:24: the scene has another integrator 'aov'"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        struct scene_case c;
+        assert_null(scene_case_load(&c, bad[i].text));
+        assert_string_equal(c.error, bad[i].error);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(names_channels),
+        cmocka_unit_test(holds_every_kind),
+        cmocka_unit_test(refuses_by_name),
+    };
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
+}
