@@ -37,10 +37,9 @@ static inline bool shape_has_delta(const struct satin_scene *scene, uint32_t sha
     return material_lobes(&scene->material[s->material], s->light >= 0) & BRDF_DELTA;
 }
 
-// ---- Tracing (photon_trace.c, photon_view.c, photon_guide.c)
-// -------------------------------------------------
+// ---- Tracing (photon_trace.c, photon_view.c, photon_guide.c) ----------------------------------
 
-// What one tracing pass makes. Arrays by malloc; free with photon_trace_free.
+// What one tracing pass leaves to one who keeps photons. By malloc; free with photon_trace_free.
 struct photon_trace {
     struct photon_hit *hit;
     size_t count;
@@ -79,20 +78,27 @@ void photon_deal_make(const struct satin_scene *scene, uint64_t seed, struct pho
 
 struct photon_guide;  // where in the space of emission caustic paths start
 
+// Who keeps photons of a pass, as if its paths were all.
+struct photon_keep {
+    uint64_t paths;                  // 0: none
+    unsigned classes;                // mask of 1 << photon_class
+    const struct photon_deal *deal;  // how paths are dealt to lights; NULL: by power
+};
+enum { PHOTON_KEEPS = 2 };
+
 struct photon_tracing {
     const struct satin_scene *scene;
     uint64_t seed;
-    uint64_t paths;
-    unsigned keep;  // mask of 1 << photon_class
-    int bounces;    // photons that bounced more often are not kept; < 0: no limit
-    // Caustic pass: paths end at their first smooth scattering and start by the guide. NULL: all.
+    struct photon_keep keep[PHOTON_KEEPS];
+    int bounces;  // photons that bounced more often are not kept; < 0: no limit
+    // Caustic pass: paths end at their first smooth scattering, start by the guide and are as many
+    // as it says. NULL: all.
     const struct photon_guide *guide;
-    const struct photon_deal *deal;  // how paths are dealt to lights; NULL: by power
 };
 
-// SATIN_CANCELLED or SATIN_ERROR_MEMORY on failure; *out untouched.
+// SATIN_CANCELLED or SATIN_ERROR_MEMORY on failure; `out` untouched.
 satin_status photon_trace_run(const struct photon_tracing *tracing, struct parallel *pool,
-                              struct log log, struct photon_trace *out);
+                              struct log log, struct photon_trace out[PHOTON_KEEPS]);
 void photon_trace_free(struct photon_trace *trace);
 
 // Finds by a coarse pass of single rays which parts of each light's emission meet a surface with

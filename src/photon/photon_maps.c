@@ -4,17 +4,19 @@
 // Which photons the global map keeps follows from who reads it. The photons integrator sees it
 // directly and needs all. A gather ray that finds direct light by a shadow ray needs the caustic
 // and the indirect ones; one that does not needs all. The caustic map is seen directly at the first
-// hit; its photons come from a pass of their own, aimed at what can cause caustics.
+// hit; its photons come from a pass of their own, aimed at what can cause caustics. What looks for
+// bright places needs all, but fewer, dealt by power so that they weigh alike; the pass of the
+// global map brings them too.
 #include <stdlib.h>
 
 #include "photon/photon_map.h"
 
 enum {
     KEEP_ALL = 1 << PHOTON_DIRECT | 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT,
+    KEEP_BOUNCED = 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT,
     BRIGHT_LEAST = 1 << 15,  // paths that look for bright places:
     BRIGHT_MOST = 1 << 18,   // a part of those of the global map, within bounds
-    BRIGHT_PART = 3,
-    KEEP_BOUNCED = 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT
+    BRIGHT_PART = 3
 };
 
 // What the steps share.
@@ -34,21 +36,21 @@ static const float TRUST = 0.25f;
 // An estimate leaves out its outermost photon, so it takes two to see light.
 static int clamp_k(int k) { return k < 2 ? 2 : k > PHOTON_K_MAX ? PHOTON_K_MAX : k; }
 
+// Traces, and sorts the first keeper's photons into the map.
 static satin_status trace_into(const struct pass *pass, const struct photon_tracing *tracing,
-                               struct photon_map *map) {
-    struct photon_trace trace = {0};
+                               struct photon_map *map, struct photon_trace trace[PHOTON_KEEPS]) {
     double start = stats_wall();
-    satin_status status = photon_trace_run(tracing, pass->pool, pass->log, &trace);
+    satin_status status = photon_trace_run(tracing, pass->pool, pass->log, trace);
     if (status != SATIN_OK) return status;
     double traced = stats_wall();
-    status = photon_map_build(pass->scene, trace.hit, trace.count, pass->log, map);
-    stats_add(pass->stats, "photons.emitted", (double)trace.emitted);
-    stats_add(pass->stats, "photons.stored_direct", (double)trace.stored[PHOTON_DIRECT]);
-    stats_add(pass->stats, "photons.stored_caustic", (double)trace.stored[PHOTON_CAUSTIC]);
-    stats_add(pass->stats, "photons.stored_indirect", (double)trace.stored[PHOTON_INDIRECT]);
+    status = photon_map_build(pass->scene, trace->hit, trace->count, pass->log, map);
+    stats_add(pass->stats, "photons.emitted", (double)trace->emitted);
+    stats_add(pass->stats, "photons.stored_direct", (double)trace->stored[PHOTON_DIRECT]);
+    stats_add(pass->stats, "photons.stored_caustic", (double)trace->stored[PHOTON_CAUSTIC]);
+    stats_add(pass->stats, "photons.stored_indirect", (double)trace->stored[PHOTON_INDIRECT]);
     stats_add(pass->stats, "photons.trace_s", traced - start);
     stats_add(pass->stats, "photons.build_s", stats_wall() - traced);
-    photon_trace_free(&trace);
+    photon_trace_free(trace);
     return status;
 }
 
@@ -59,31 +61,58 @@ static int bounces_left(const satin_options *o, int behind) {
     return o->max_depth > behind + 1 ? o->max_depth - behind - 1 : 0;
 }
 
-static satin_status build_global(const struct pass *pass, struct photon_maps *maps) {
+static satin_status precompute(const struct pass *pass, const struct photon_precompute *what,
+                               struct photon_irradiance *out) {
+    const double start = stats_wall();
+    satin_status status = photon_irradiance_build(what, pass->pool, pass->log, out);
+    stats_add(pass->stats, "photons.precompute_s", stats_wall() - start);
+    return status;
+}
+
+static uint64_t bright_paths(const satin_options *o) {
+    if (!o->gather_guide || o->integrator != SATIN_TWO_PASS) return 0;
+    const uint64_t paths = o->photons > 0 ? (uint64_t)o->photons / BRIGHT_PART : 0;
+    return paths < BRIGHT_LEAST ? BRIGHT_LEAST : paths > BRIGHT_MOST ? BRIGHT_MOST : paths;
+}
+
+// The global map, and the bright places.
+static satin_status trace_global(const struct pass *pass, struct photon_maps *maps) {
     const satin_options *o = pass->options;
-    bool bounced = o->gather_shadow && o->integrator != SATIN_PHOTONS;
-    struct photon_tracing tracing = {
+    const bool seen = o->integrator == SATIN_PHOTONS, bounced = o->gather_shadow && !seen;
+    const struct photon_tracing tracing = {
         .scene = pass->scene,
         .seed = o->seed,
-        .paths = o->photons > 0 ? (uint64_t)o->photons : 0,
-        .keep = bounced ? KEEP_BOUNCED : KEEP_ALL,
+        .keep = {{.paths = o->photons > 0 ? (uint64_t)o->photons : 0,
+                  .classes = bounced ? KEEP_BOUNCED : KEEP_ALL,
+                  .deal = &pass->deal},
+                 {.paths = bright_paths(o), .classes = KEEP_ALL}},
         // Seen by the eye, or by the eye through a gather ray.
-        .bounces = bounces_left(o, o->integrator == SATIN_PHOTONS ? 1 : 2),
-        .deal = &pass->deal};
-    satin_status status = trace_into(pass, &tracing, &maps->global);
+        .bounces = bounces_left(o, seen ? 1 : 2)};
+    struct photon_trace trace[PHOTON_KEEPS] = {0};
+    satin_status status = trace_into(pass, &tracing, &maps->global, trace);
+    const double start = stats_wall();
+    struct photon_trace *bright = &trace[1];
+    if (status == SATIN_OK)
+        status =
+            photon_bright_build(pass->scene, bright->hit, bright->count, pass->log, &maps->bright);
+    photon_trace_free(bright);
+    stats_add(pass->stats, "photons.bright_s", stats_wall() - start);
+    return status;
+}
+
+static satin_status build_global(const struct pass *pass, struct photon_maps *maps) {
+    satin_status status = trace_global(pass, maps);
     if (status != SATIN_OK) return status;
     maps->global.radius_max = INFINITY;
-    double start = stats_wall();
     // Who sees the photons themselves only asks whether an edge is near, which a few photons of
     // each estimate know.
     size_t stride = PHOTON_STRIDE;
-    if (o->integrator == SATIN_PHOTONS && maps->photon_k > 8 * PHOTON_STRIDE)
+    if (pass->options->integrator == SATIN_PHOTONS && maps->photon_k > 8 * PHOTON_STRIDE)
         stride = (size_t)maps->photon_k / 8;
-    struct photon_precompute what = {&maps->global,  pass->scene, stride,
-                                     maps->photon_k, KERNEL_FLAT, maps->area};
-    status = photon_irradiance_build(&what, pass->pool, pass->log, &maps->irradiance);
-    stats_add(pass->stats, "photons.precompute_s", stats_wall() - start);
-    return status;
+    return precompute(pass,
+                      &(struct photon_precompute){&maps->global, pass->scene, stride,
+                                                  maps->photon_k, KERNEL_FLAT, maps->area},
+                      &maps->irradiance);
 }
 
 static satin_status build_caustic(const struct pass *pass, struct photon_maps *maps) {
@@ -97,43 +126,21 @@ static satin_status build_caustic(const struct pass *pass, struct photon_maps *m
     satin_status status = photon_guide_build(&guiding, pass->pool, pass->log, &guide);
     stats_add(pass->stats, "photons.trace_s", stats_wall() - start);
     if (status != SATIN_OK || !guide) return status;
-    struct photon_tracing tracing = {.scene = pass->scene,
-                                     .seed = o->seed,
-                                     .paths = (uint64_t)o->caustic_photons,
-                                     .keep = 1 << PHOTON_CAUSTIC,
-                                     .bounces = bounces_left(o, 1),
-                                     .guide = guide};
-    status = trace_into(pass, &tracing, &maps->caustic);
+    const struct photon_tracing tracing = {
+        .scene = pass->scene,
+        .seed = o->seed,
+        .keep = {{.paths = (uint64_t)o->caustic_photons, .classes = 1 << PHOTON_CAUSTIC}},
+        .bounces = bounces_left(o, 1),
+        .guide = guide};
+    struct photon_trace trace[PHOTON_KEEPS] = {0};
+    status = trace_into(pass, &tracing, &maps->caustic, trace);
     photon_guide_free(guide);
     if (status != SATIN_OK) return status;
-    start = stats_wall();
-    struct photon_precompute what = {&maps->caustic,  pass->scene,     PHOTON_CAUSTIC_STRIDE,
-                                     maps->caustic_k, KERNEL_PARABOLA, maps->area};
-    status = photon_irradiance_build(&what, pass->pool, pass->log, &maps->caustic_irradiance);
-    stats_add(pass->stats, "photons.precompute_s", stats_wall() - start);
-    return status;
-}
-
-// A coarse pass of its own, as the global map may lack direct light.
-static satin_status build_bright(const struct pass *pass, struct photon_maps *maps) {
-    const satin_options *o = pass->options;
-    if (!o->gather_guide || o->integrator != SATIN_TWO_PASS) return SATIN_OK;
-    double start = stats_wall();
-    const uint64_t paths = o->photons > 0 ? (uint64_t)o->photons / BRIGHT_PART : 0;
-    struct photon_tracing tracing = {.scene = pass->scene,
-                                     .seed = o->seed,
-                                     .paths = paths < BRIGHT_LEAST  ? BRIGHT_LEAST
-                                              : paths > BRIGHT_MOST ? BRIGHT_MOST
-                                                                    : paths,
-                                     .keep = KEEP_ALL,
-                                     .bounces = bounces_left(o, 2)};
-    struct photon_trace trace = {0};
-    satin_status status = photon_trace_run(&tracing, pass->pool, pass->log, &trace);
-    if (status == SATIN_OK)
-        status = photon_bright_build(pass->scene, trace.hit, trace.count, pass->log, &maps->bright);
-    photon_trace_free(&trace);
-    stats_add(pass->stats, "photons.bright_s", stats_wall() - start);
-    return status;
+    return precompute(
+        pass,
+        &(struct photon_precompute){&maps->caustic, pass->scene, PHOTON_CAUSTIC_STRIDE,
+                                    maps->caustic_k, KERNEL_PARABOLA, maps->area},
+        &maps->caustic_irradiance);
 }
 
 static satin_status build_seen(const struct pass *pass, struct photon_maps *maps) {
@@ -159,7 +166,6 @@ satin_status photon_maps_build(const struct satin_scene *scene, const satin_opti
     maps->trust = TRUST * pass.view.reach;
     satin_status status = build_global(&pass, maps);
     if (status == SATIN_OK) status = build_caustic(&pass, maps);
-    if (status == SATIN_OK) status = build_bright(&pass, maps);
     if (status == SATIN_OK) status = build_seen(&pass, maps);
     if (status != SATIN_OK) {
         photon_maps_free(maps);

@@ -2,7 +2,8 @@
 // Pass 1a: photons leave the lights, scatter and are kept where a smooth lobe could reflect them.
 // Paths are dealt to the lights, by power or by what is seen of it (photon_deal.c), in one run of
 // path indices each, so that well-spread numbers make the emission of every light even and no
-// choice of a light adds noise. Scattering ends by Russian roulette at the albedo, which keeps the
+// choice of a light adds noise. Who needs fewer photons keeps those of the first paths of each run,
+// which are well spread too. Scattering ends by Russian roulette at the albedo, which keeps the
 // photons' powers alike [Jensen 2001]; shading normals get the factor of the adjoint BSDF [Veach
 // 1997, 5.3.2].
 #include <limits.h>
@@ -20,17 +21,22 @@ enum {
     BOUNCES_MAX = 1000     // ends paths that a mirror with albedo 1 would keep for ever
 };
 
-// The hits of one chunk of paths.
-struct chunk {
+// What one chunk of paths leaves to one who keeps photons.
+struct kept {
     struct photon_hit *hit;
     size_t count, capacity;
     uint64_t stored[PHOTON_CLASSES];
+};
+
+struct chunk {
+    struct kept kept[PHOTON_KEEPS];
     bool failed;  // no memory
 };
 
 struct run {
     const struct photon_tracing *tracing;
-    uint64_t *first;  // light_count + 1: the first path of each light
+    uint64_t *first;                // light_count + 1: the first path of each light
+    uint64_t *paths[PHOTON_KEEPS];  // by light: its first ones, of which photons are kept
     struct chunk *chunk;
     size_t grain;         // paths of a chunk
     atomic_size_t count;  // photons kept so far
@@ -39,23 +45,38 @@ struct run {
 
 // ---- One path ---------------------------------------------------------------------------------
 
+struct flight {
+    struct ray ray;
+    rgb power;
+    enum photon_class class;
+    unsigned keep[PHOTON_KEEPS];  // classes that are kept of this path,
+    float share[PHOTON_KEEPS];    // and what of all power its power is to who keeps them
+};
+
+static bool append(struct kept *kept, struct photon_hit hit, enum photon_class class) {
+    void *items = kept->hit;
+    if (!array_reserve(&items, &kept->capacity, kept->count + 1, sizeof hit)) return false;
+    kept->hit = items;
+    kept->hit[kept->count++] = hit;
+    kept->stored[class]++;
+    return true;
+}
+
 // Where a mask lets photons pass, those that stop stand for all that would come to whole surface.
 static bool keep_hit(const struct satin_scene *scene, struct chunk *chunk, const struct surfel *s,
-                     vec3 wi, rgb power) {
-    struct texture_place at = surfel_texture_place(scene, s);
-    float opacity = s->light < 0 ? material_opacity(&scene->material[s->material], &at) : 1.0f;
-    if (opacity < 1.0f) power = rgb_scale(power, 1.0f / fmaxf(opacity, 0.05f));
-    size_t n = chunk->count + 1;
-    void *items = chunk->hit;
-    if (!array_reserve(&items, &chunk->capacity, n, sizeof *chunk->hit)) {
-        chunk->failed = true;
-        return false;
+                     const struct flight *f) {
+    const vec3 wi = v3_neg(f->ray.d), n = v3_dot(s->ng, wi) < 0.0f ? v3_neg(s->ng) : s->ng;
+    const struct texture_place at = surfel_texture_place(scene, s);
+    const struct material *material = &scene->material[s->material];
+    const float opacity = s->light < 0 ? material_opacity(material, &at) : 1.0f;
+    struct photon_hit hit = {.p = s->p, .wi = photon_pack(wi), .n = photon_pack(n)};
+    for (int i = 0; i < PHOTON_KEEPS; i++) {
+        if (!(f->keep[i] >> f->class & 1u)) continue;
+        hit.power = rgb_scale(f->power, f->share[i]);
+        if (opacity < 1.0f) hit.power = rgb_scale(hit.power, 1.0f / fmaxf(opacity, 0.05f));
+        if (!append(&chunk->kept[i], hit, f->class)) chunk->failed = true;
     }
-    chunk->hit = items;
-    vec3 n_side = v3_dot(s->ng, wi) < 0.0f ? v3_neg(s->ng) : s->ng;
-    chunk->hit[chunk->count++] =
-        (struct photon_hit){s->p, power, photon_pack(wi), photon_pack(n_side)};
-    return true;
+    return !chunk->failed;
 }
 
 // Whether the surface's side towards wi has a smooth lobe, whatever its colour: a density estimate
@@ -74,12 +95,6 @@ static bool keeps_photons(const struct satin_scene *scene, const struct surfel *
     }
     return false;
 }
-
-struct flight {
-    struct ray ray;
-    rgb power;
-    enum photon_class class;
-};
 
 // Scatters the photon at s; false if it is absorbed.
 static bool scatter(const struct satin_scene *scene, const struct surfel *s, unsigned lobes,
@@ -118,25 +133,43 @@ static void walk(const struct photon_tracing *tracing, struct flight f, struct r
     for (int bounce = 0; bounce <= most; bounce++) {
         struct surfel s;
         if (!scene_intersect(scene, &f.ray, &s)) return;
-        vec3 wi = v3_neg(f.ray.d);
-        if (tracing->keep >> f.class & 1u && keeps_photons(scene, &s, wi)) {
-            if (!keep_hit(scene, chunk, &s, wi, f.power)) return;
-            chunk->stored[f.class]++;
-        }
+        const bool wanted = (f.keep[0] | f.keep[1]) >> f.class & 1u;
+        if (wanted && keeps_photons(scene, &s, v3_neg(f.ray.d)) && !keep_hit(scene, chunk, &s, &f))
+            return;
         if (!scatter(scene, &s, lobes, rng, &f)) return;
     }
 }
 
 // ---- All paths --------------------------------------------------------------------------------
 
-static uint64_t paths_of(const struct photon_tracing *tracing, uint32_t light) {
+static uint64_t paths_of(const struct photon_tracing *tracing, const struct photon_keep *keep,
+                         uint32_t light) {
+    if (keep->paths == 0) return 0;
     if (tracing->guide) return photon_guide_paths(tracing->guide, light);
-    const struct photon_deal *deal = tracing->deal;
     const float *cdf = tracing->scene->light_cdf;
     double share = (double)cdf[light + 1] - (double)cdf[light];
-    if (deal && !deal->by_power) share = (double)deal->share[light];
-    uint64_t n = (uint64_t)llround(share * (double)tracing->paths);
+    if (keep->deal && !keep->deal->by_power) share = (double)keep->deal->share[light];
+    uint64_t n = (uint64_t)llround(share * (double)keep->paths);
     return n > 0 ? n : 1;  // even the faintest light is represented
+}
+
+// Allocates and fills the paths of each light; who keeps most of them decides how many there are.
+static bool deal_paths(struct run *run) {
+    const uint32_t lights = run->tracing->scene->light_count;
+    run->first = array_new(lights + 1, sizeof *run->first);
+    run->paths[0] = array_new(PHOTON_KEEPS * (size_t)lights, sizeof *run->paths[0]);
+    if (!run->first || !run->paths[0]) return false;
+    for (int k = 0; k < PHOTON_KEEPS; k++) run->paths[k] = run->paths[0] + k * (size_t)lights;
+    for (uint32_t i = 0; i < lights; i++) {
+        uint64_t most = 0;
+        for (int k = 0; k < PHOTON_KEEPS; k++) {
+            const uint64_t paths = paths_of(run->tracing, &run->tracing->keep[k], i);
+            run->paths[k][i] = paths;
+            if (paths > most) most = paths;
+        }
+        run->first[i + 1] = run->first[i] + most;
+    }
+    return true;
 }
 
 static uint32_t light_of(const uint64_t *first, uint32_t lights, uint64_t path) {
@@ -152,8 +185,8 @@ static uint32_t light_of(const uint64_t *first, uint32_t lights, uint64_t path) 
 }
 
 // Starts path `index` of a light; false if it carries no power.
-static bool launch(const struct photon_tracing *tracing, uint32_t light, uint64_t index,
-                   uint64_t paths, struct flight *f) {
+static bool launch(const struct run *run, uint32_t light, uint64_t index, struct flight *f) {
+    const struct photon_tracing *tracing = run->tracing;
     // The sequence has 2^32 points; the rest of the index is part of the seed.
     uint64_t key = rng_mix(tracing->seed + 0x9e3779b97f4a7c15ull * (2 * light + 1) +
                            (tracing->guide ? 0x632be59bd9b4e019ull : 0)) +
@@ -167,7 +200,13 @@ static bool launch(const struct photon_tracing *tracing, uint32_t light, uint64_
     }
     struct light_ray start;
     if (!light_emit(tracing->scene, light, aim, u, &start)) return false;
-    *f = (struct flight){start.ray, rgb_scale(start.power, factor / (float)paths), PHOTON_DIRECT};
+    const float paths = (float)(run->first[light + 1] - run->first[light]);
+    *f = (struct flight){.ray = start.ray, .power = rgb_scale(start.power, factor / paths)};
+    for (int k = 0; k < PHOTON_KEEPS; k++) {
+        if (index >= run->paths[k][light]) continue;
+        f->keep[k] = tracing->keep[k].classes;
+        f->share[k] = paths / (float)run->paths[k][light];
+    }
     return rgb_finite(f->power) && rgb_max(f->power) > 0.0f;
 }
 
@@ -175,72 +214,81 @@ static void trace_chunk(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
     struct run *run = ctx;
     const struct photon_tracing *tracing = run->tracing;
-    uint32_t lights = tracing->scene->light_count;
     struct chunk *chunk = &run->chunk[begin / run->grain];
     if (atomic_load(&run->failed)) return;
-    uint32_t light = light_of(run->first, lights, begin);
+    uint32_t light = light_of(run->first, tracing->scene->light_count, begin);
     for (uint64_t path = begin; path < end && !chunk->failed; path++) {
         while (path >= run->first[light + 1]) light++;
         struct rng rng = rng_make(tracing->seed, tracing->guide ? RNG_CAUSTIC : RNG_PHOTON, path);
         struct flight f;
-        uint64_t paths = run->first[light + 1] - run->first[light];
-        if (launch(tracing, light, path - run->first[light], paths, &f))
-            walk(tracing, f, &rng, chunk);
+        if (launch(run, light, path - run->first[light], &f)) walk(tracing, f, &rng, chunk);
     }
     // The kd-tree numbers photons by int.
-    size_t count = atomic_fetch_add(&run->count, chunk->count) + chunk->count;
-    if (chunk->failed || count > INT_MAX) atomic_store(&run->failed, true);
+    size_t own = 0;
+    for (int k = 0; k < PHOTON_KEEPS; k++) own += chunk->kept[k].count;
+    if (chunk->failed || atomic_fetch_add(&run->count, own) + own > INT_MAX)
+        atomic_store(&run->failed, true);
 }
 
 // Joins the chunks in their order and gives their memory back on the way.
-static satin_status join(struct run *run, size_t chunks, struct photon_trace *out) {
+static satin_status join(struct run *run, size_t chunks, int keep, struct photon_trace *out) {
     size_t count = 0;
-    for (size_t i = 0; i < chunks; i++) count += run->chunk[i].count;
-    struct photon_hit *hit = count ? malloc(count * sizeof *hit) : NULL;
-    if (count && !hit) return SATIN_ERROR_MEMORY;
-    struct photon_trace trace = {.hit = hit,
-                                 .emitted = run->first[run->tracing->scene->light_count]};
+    for (size_t i = 0; i < chunks; i++) count += run->chunk[i].kept[keep].count;
+    struct photon_trace trace = {.hit = count ? malloc(count * sizeof *trace.hit) : NULL};
+    if (count && !trace.hit) return SATIN_ERROR_MEMORY;
     for (size_t i = 0; i < chunks; i++) {
-        struct chunk *c = &run->chunk[i];
-        if (c->count) memcpy(hit + trace.count, c->hit, c->count * sizeof *hit);
-        trace.count += c->count;
-        for (int k = 0; k < PHOTON_CLASSES; k++) trace.stored[k] += c->stored[k];
-        free(c->hit);
-        c->hit = NULL;
+        struct kept *kept = &run->chunk[i].kept[keep];
+        if (kept->count)
+            memcpy(trace.hit + trace.count, kept->hit, kept->count * sizeof *kept->hit);
+        trace.count += kept->count;
+        for (int c = 0; c < PHOTON_CLASSES; c++) trace.stored[c] += kept->stored[c];
+        free(kept->hit);
+        kept->hit = NULL;
     }
+    for (uint32_t i = 0; i < run->tracing->scene->light_count; i++)
+        trace.emitted += run->paths[keep][i];
     *out = trace;
     return SATIN_OK;
 }
 
-satin_status photon_trace_run(const struct photon_tracing *tracing, struct parallel *pool,
-                              struct log log, struct photon_trace *out) {
-    uint32_t lights = tracing->scene->light_count;
-    if (lights == 0 || tracing->paths == 0) {
-        *out = (struct photon_trace){0};
-        return SATIN_OK;
+static satin_status trace_all(struct run *run, struct parallel *pool,
+                              struct photon_trace out[PHOTON_KEEPS]) {
+    if (!deal_paths(run)) return SATIN_ERROR_MEMORY;
+    const size_t paths = (size_t)run->first[run->tracing->scene->light_count];
+    run->grain = paths / CHUNKS_MAX > CHUNK_PATHS ? paths / CHUNKS_MAX + 1 : CHUNK_PATHS;
+    const size_t chunks = paths / run->grain + (paths % run->grain != 0);
+    run->chunk = array_new(chunks, sizeof *run->chunk);
+    if (!run->chunk) return SATIN_ERROR_MEMORY;
+    satin_status status = SATIN_OK;
+    if (!parallel_for(pool, paths, run->grain, trace_chunk, run))
+        status = SATIN_CANCELLED;
+    else if (atomic_load(&run->failed))
+        status = SATIN_ERROR_MEMORY;
+    for (int k = 0; k < PHOTON_KEEPS; k++) {
+        if (status == SATIN_OK) status = join(run, chunks, k, &out[k]);
+        for (size_t i = 0; i < chunks; i++) free(run->chunk[i].kept[k].hit);
     }
-    struct run run = {.tracing = tracing, .first = malloc((lights + 1) * sizeof *run.first)};
+    return status;
+}
+
+satin_status photon_trace_run(const struct photon_tracing *tracing, struct parallel *pool,
+                              struct log log, struct photon_trace out[PHOTON_KEEPS]) {
+    struct photon_trace trace[PHOTON_KEEPS] = {0};
+    struct run run = {.tracing = tracing};
     atomic_init(&run.failed, false);
     atomic_init(&run.count, 0);
-    satin_status status = SATIN_ERROR_MEMORY;
-    size_t chunks = 0;
-    if (!run.first) goto done;
-    run.first[0] = 0;
-    for (uint32_t i = 0; i < lights; i++) run.first[i + 1] = run.first[i] + paths_of(tracing, i);
-    size_t paths = (size_t)run.first[lights];
-    run.grain = paths / CHUNKS_MAX > CHUNK_PATHS ? paths / CHUNKS_MAX + 1 : CHUNK_PATHS;
-    chunks = paths / run.grain + (paths % run.grain != 0);
-    run.chunk = calloc(chunks, sizeof *run.chunk);
-    if (!run.chunk) goto done;
-    if (!parallel_for(pool, paths, run.grain, trace_chunk, &run))
-        status = SATIN_CANCELLED;
-    else if (!atomic_load(&run.failed))
-        status = join(&run, chunks, out);
-done:
-    if (run.chunk)
-        for (size_t i = 0; i < chunks; i++) free(run.chunk[i].hit);
+    const bool some = tracing->keep[0].paths > 0 || tracing->keep[1].paths > 0;
+    satin_status status = SATIN_OK;
+    if (tracing->scene->light_count > 0 && some) status = trace_all(&run, pool, trace);
     free(run.chunk);
     free(run.first);
+    free(run.paths[0]);
+    for (int k = 0; k < PHOTON_KEEPS; k++) {
+        if (status == SATIN_OK)
+            out[k] = trace[k];
+        else
+            photon_trace_free(&trace[k]);
+    }
     if (status == SATIN_ERROR_MEMORY)
         log_fail(log, status, "not enough memory for the photons; ask for fewer");
     return status;

@@ -66,19 +66,17 @@ static void power_is_kept(void **state) {
     photon_deal_make(&t.scene, 1, &deal);
     struct parallel *pool = parallel_new(1);
     assert_non_null(pool);
-    double sum[2] = {0.0, 0.0};
-    for (int i = 0; i < 2; i++) {
-        struct photon_tracing tracing = {.scene = &t.scene,
-                                         .seed = 1,
-                                         .paths = 1 << 20,
-                                         .keep = 1 << PHOTON_DIRECT,
-                                         .bounces = 0,
-                                         .deal = i ? &deal : NULL};
-        struct photon_trace trace;
-        struct log quiet = {0};
-        assert_int_equal(photon_trace_run(&tracing, pool, quiet, &trace), SATIN_OK);
-        for (size_t k = 0; k < trace.count; k++) sum[i] += (double)trace.hit[k].power.g;
-        photon_trace_free(&trace);
+    const struct photon_tracing tracing = {
+        .scene = &t.scene,
+        .seed = 1,
+        .keep = {{1 << 20, 1 << PHOTON_DIRECT, NULL}, {1 << 20, 1 << PHOTON_DIRECT, &deal}},
+        .bounces = 0};
+    struct photon_trace trace[PHOTON_KEEPS];
+    assert_int_equal(photon_trace_run(&tracing, pool, (struct log){0}, trace), SATIN_OK);
+    double sum[PHOTON_KEEPS] = {0.0};
+    for (int i = 0; i < PHOTON_KEEPS; i++) {
+        for (size_t k = 0; k < trace[i].count; k++) sum[i] += (double)trace[i].hit[k].power.g;
+        photon_trace_free(&trace[i]);
     }
     parallel_free(pool);
     test_scene_free(&t);

@@ -54,10 +54,12 @@ static void energy_is_kept(void **state) {
         furnace(&t, albedo);
         struct parallel *pool = pool_of(2);
         struct photon_tracing tracing = {
-            .scene = &t.scene, .seed = 1, .paths = N, .keep = 7, .bounces = -1};
-        struct photon_trace trace;
+            .scene = &t.scene, .seed = 1, .keep = {{N, 7, NULL}}, .bounces = -1};
+        struct photon_trace traces[PHOTON_KEEPS], trace;
         struct log quiet = {0};
-        assert_int_equal(photon_trace_run(&tracing, pool, quiet, &trace), SATIN_OK);
+        assert_int_equal(photon_trace_run(&tracing, pool, quiet, traces), SATIN_OK);
+        trace = traces[0];
+        assert_int_equal(traces[1].count, 0);
         assert_int_equal(trace.emitted, N);
         assert_int_equal(trace.stored[PHOTON_DIRECT], N);
         assert_int_equal(trace.stored[PHOTON_CAUSTIC], 0);
@@ -69,6 +71,39 @@ static void energy_is_kept(void **state) {
         parallel_free(pool);
         test_scene_free(&t);
     }
+}
+
+// Who keeps photons of the first paths alone has those that a pass of these paths would bring.
+static void fewer_paths_are_a_pass_of_their_own(void **state) {
+    (void)state;
+    enum { MOST = 10000, FEWER = 3000 };
+    struct test_scene t;
+    furnace(&t, 0.5f);
+    struct parallel *pool = pool_of(2);
+    struct photon_tracing tracing = {.scene = &t.scene,
+                                     .seed = 1,
+                                     .keep = {{MOST, 1 << PHOTON_INDIRECT, NULL}, {FEWER, 7, NULL}},
+                                     .bounces = -1};
+    struct photon_trace both[PHOTON_KEEPS], own[PHOTON_KEEPS];
+    assert_int_equal(photon_trace_run(&tracing, pool, (struct log){0}, both), SATIN_OK);
+    tracing.keep[0] = (struct photon_keep){0};
+    assert_int_equal(photon_trace_run(&tracing, pool, (struct log){0}, own), SATIN_OK);
+    assert_int_equal(both[0].emitted, MOST);
+    assert_int_equal(both[0].stored[PHOTON_DIRECT], 0);
+    assert_int_equal(own[0].emitted, 0);
+    assert_int_equal(both[1].emitted, FEWER);
+    assert_int_equal(both[1].count, own[1].count);
+    for (size_t i = 0; i < own[1].count; i++) {
+        const struct photon_hit *a = &both[1].hit[i], *b = &own[1].hit[i];
+        assert_true(v3_dist2(a->p, b->p) == 0.0f);
+        assert_true(fabsf(a->power.g / b->power.g - 1.0f) < 1e-5f);
+    }
+    for (int k = 0; k < PHOTON_KEEPS; k++) {
+        photon_trace_free(&both[k]);
+        photon_trace_free(&own[k]);
+    }
+    parallel_free(pool);
+    test_scene_free(&t);
 }
 
 // Where on a wall of the box: inside, at one edge, at a corner.
@@ -262,20 +297,19 @@ static struct photon_trace trace_caustics(const struct test_scene *t,
     struct parallel *pool = pool_of(2);
     struct log quiet = {0};
     struct photon_guide *guide = NULL;
-    struct photon_trace trace;
+    struct photon_trace trace[PHOTON_KEEPS];
     struct photon_guiding guiding = {&t->scene, view, 1, paths};
     if (view) assert_int_equal(photon_guide_build(&guiding, pool, quiet, &guide), SATIN_OK);
     assert_true((guide != NULL) == (view != NULL));
     struct photon_tracing tracing = {.scene = &t->scene,
                                      .seed = 1,
-                                     .paths = paths,
-                                     .keep = 1 << PHOTON_CAUSTIC,
+                                     .keep = {{paths, 1 << PHOTON_CAUSTIC, NULL}},
                                      .bounces = -1,
                                      .guide = guide};
-    assert_int_equal(photon_trace_run(&tracing, pool, quiet, &trace), SATIN_OK);
+    assert_int_equal(photon_trace_run(&tracing, pool, quiet, trace), SATIN_OK);
     photon_guide_free(guide);
     parallel_free(pool);
-    return trace;
+    return trace[0];
 }
 
 static double flux(const struct photon_trace *trace, double *error) {
@@ -442,11 +476,17 @@ static void building_can_be_cancelled(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(energy_is_kept),        cmocka_unit_test(furnace_is_even),
-        cmocka_unit_test(sides_are_apart),       cmocka_unit_test(walls_do_not_leak),
-        cmocka_unit_test(guide_is_unbiased),     cmocka_unit_test(large_panes_are_aimed_through),
-        cmocka_unit_test(no_pass_without_glass), cmocka_unit_test(empty_maps_are_black),
-        cmocka_unit_test(threads_do_not_matter), cmocka_unit_test(building_can_be_cancelled),
+        cmocka_unit_test(fewer_paths_are_a_pass_of_their_own),
+        cmocka_unit_test(energy_is_kept),
+        cmocka_unit_test(furnace_is_even),
+        cmocka_unit_test(sides_are_apart),
+        cmocka_unit_test(walls_do_not_leak),
+        cmocka_unit_test(guide_is_unbiased),
+        cmocka_unit_test(large_panes_are_aimed_through),
+        cmocka_unit_test(no_pass_without_glass),
+        cmocka_unit_test(empty_maps_are_black),
+        cmocka_unit_test(threads_do_not_matter),
+        cmocka_unit_test(building_can_be_cancelled),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
