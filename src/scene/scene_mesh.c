@@ -176,6 +176,22 @@ void mesh_attribute_check(const struct scene_source *source, const char *name, f
 
 // ---- Finishing ----------------------------------------------------------------------------------
 
+// Makes points of triangles without area. By its rounding the tracer would find them, and they have
+// no normal; a point is never hit.
+static void collapse_flat(struct mesh_parts *parts) {
+    for (size_t t = 0; t < parts->triangle_count; t++) {
+        uint32_t *index = parts->index + 3 * t;
+        const float *p = parts->position + 3 * (size_t)index[0];
+        double e[2][3];
+        for (int k = 0; k < 2; k++)
+            for (int i = 0; i < 3; i++)
+                e[k][i] = (double)parts->position[3 * (size_t)index[k + 1] + i] - p[i];
+        if (e[0][0] * e[1][1] == e[0][1] * e[1][0] && e[0][1] * e[1][2] == e[0][2] * e[1][1] &&
+            e[0][2] * e[1][0] == e[0][0] * e[1][2])
+            index[1] = index[2] = index[0];
+    }
+}
+
 satin_status mesh_finish(const struct scene_source *source, const struct mesh_request *request,
                          struct mesh_parts *parts, struct mesh *out) {
     for (size_t i = 0; i < (size_t)parts->triangle_count * 3; i++)
@@ -188,6 +204,7 @@ satin_status mesh_finish(const struct scene_source *source, const struct mesh_re
             return mesh_error(source, 0, "vertex %u is not finite or too far away", i);
         set_vertex(parts->position, i, p);
     }
+    collapse_flat(parts);
     if (request->flip_tex_coords && parts->uv)
         for (uint32_t i = 0; i < parts->vertex_count; i++)
             parts->uv[(size_t)i * 2 + 1] = 1.0f - parts->uv[(size_t)i * 2 + 1];

@@ -54,6 +54,18 @@ static void applies_the_request(void **state) {
     mesh_case_free(&c);
 }
 
+// Three points in a line are no triangle that a ray could meet, wherever they lie.
+static void collapses_what_has_no_area(void **state) {
+    (void)state;
+    struct mesh_case c;
+    read_text(&c, mesh_case_plain(),
+              "v .1 .1 .1\nv .3 .3 .3\nv .9 .9 .9\nv 0 1 0\nf 1 2 3\nf 1 3 4\n");
+    const uint32_t *index = c.mesh.index;
+    assert_true(index[0] == index[1] && index[0] == index[2]);
+    assert_true(index[3] != index[4] && index[3] != index[5] && index[4] != index[5]);
+    mesh_case_free(&c);
+}
+
 // The normals of the file decide which side is the front, mirrored or not.
 static void winds_by_the_normals(void **state) {
     (void)state;
@@ -120,6 +132,7 @@ int main(void) {
         cmocka_unit_test(reads_all_corner_forms),
         cmocka_unit_test(applies_the_request),
         cmocka_unit_test(winds_by_the_normals),
+        cmocka_unit_test(collapses_what_has_no_area),
         cmocka_unit_test(names_the_line_of_an_error),
         cmocka_unit_test(names_the_scene_for_a_missing_file),
     };
