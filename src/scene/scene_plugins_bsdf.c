@@ -80,8 +80,13 @@ static const struct param_spec exponent = {
 static const struct param_spec variant = {
     "variant", PARAM_CHOICE, "balanced", 0, 0, variants, "normalisation of the lobe"};
 
-static const struct param_spec weight = {
-    "weight", PARAM_FLOAT, NULL, RANGE_UNIT, PARAM_REQUIRED | PARAM_TEXTURE, NULL, "of the second"};
+static const struct param_spec weight = {"weight",
+                                         PARAM_FLOAT,
+                                         NULL,
+                                         RANGE_ANY,
+                                         PARAM_REQUIRED | PARAM_TEXTURE,
+                                         NULL,
+                                         "of the second; below 0 as 0, over 1 as 1"};
 static const struct param_spec bump_scale = {
     "scale", PARAM_FLOAT, "1", RANGE_ANY, 0, NULL, "factor of the heights"};
 static const struct param_spec normal_map = {
@@ -107,8 +112,13 @@ static const struct param_spec use_shadowing = {"use_shadowing_function",
                                                 NULL,
                                                 "slopes shadow light that comes in flat"};
 
-static const struct param_spec opacity = {
-    "opacity", PARAM_COLOR, ".5", RANGE_UNIT, PARAM_TEXTURE, NULL, "share that is there"};
+static const struct param_spec opacity = {"opacity",
+                                          PARAM_COLOR,
+                                          ".5",
+                                          RANGE_ANY,
+                                          PARAM_TEXTURE,
+                                          NULL,
+                                          "share that is there; below 0 as 0, over 1 as 1"};
 static param_list mask_params = {&opacity, NULL};
 static param_list blend_params = {&weight, NULL};
 static param_list bump_params = {&bump_scale, &flip_invalid, &use_shadowing, NULL};

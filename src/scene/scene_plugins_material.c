@@ -105,7 +105,7 @@ struct weight {
 
 static satin_status find_weight(struct scene_loader *loader, const struct param_value *value,
                                 float constant, struct weight *out) {
-    *out = (struct weight){.value = constant};
+    *out = (struct weight){.value = clampf(constant, 0.0f, 1.0f)};
     return value->texture ? scene_texture_of(loader, value->texture, &out->texture) : SATIN_OK;
 }
 

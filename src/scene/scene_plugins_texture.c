@@ -28,9 +28,9 @@ static const struct param_spec format = {
 static const struct param_spec accel = {
     "accel", PARAM_BOOLEAN, "true", 0, 0, NULL, "hardware in Mitsuba; has no effect"};
 static const struct param_spec color0 = {
-    "color0", PARAM_COLOR, ".4", RANGE_UNIT, PARAM_TEXTURE, NULL, "colour of the first checks"};
+    "color0", PARAM_COLOR, ".4", RANGE_TEXEL, PARAM_TEXTURE, NULL, "colour of the first checks"};
 static const struct param_spec color1 = {
-    "color1", PARAM_COLOR, ".2", RANGE_UNIT, PARAM_TEXTURE, NULL, "colour of the others"};
+    "color1", PARAM_COLOR, ".2", RANGE_TEXEL, PARAM_TEXTURE, NULL, "colour of the others"};
 
 static const struct param_spec attribute = {
     "name", PARAM_STRING, NULL, 0, PARAM_REQUIRED, NULL, "attribute: vertex_... or face_..."};

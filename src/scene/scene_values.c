@@ -86,12 +86,17 @@ static bool in_range(enum param_range range, float x) {
     }
 }
 
+static satin_status check_in(struct log log, const struct param_spec *spec, enum param_range range,
+                             struct log_place place, float x) {
+    static const char *const text[] = {"", "positive", "0 or more", "0 to 1e6", "in [0, 1]"};
+    if (in_range(range, x)) return SATIN_OK;
+    log_error_at(log, place, "%s is %g, but must be %s", spec->name, x, text[range]);
+    return SATIN_ERROR_INPUT;
+}
+
 static satin_status check_range(struct log log, const struct param_spec *spec,
                                 struct log_place place, float x) {
-    static const char *const text[] = {"", "positive", "0 or more", "0 to 1e6", "in [0, 1]"};
-    if (in_range(spec->range, x)) return SATIN_OK;
-    log_error_at(log, place, "%s is %g, but must be %s", spec->name, x, text[spec->range]);
-    return SATIN_ERROR_INPUT;
+    return check_in(log, spec, spec->range, place, x);
 }
 
 static satin_status wrong_value(struct log log, struct log_place place, const char *name,
@@ -171,20 +176,31 @@ static satin_status read_text(struct log log, const struct param_spec *spec, enu
     }
 }
 
+// Samples of a real surface may leave the gamut of sRGB, which is no error.
+static bool is_sampled(const struct xml_node *node) {
+    if (node->tag != XML_SPECTRUM) return false;
+    if (node->type) return strcmp(node->type, "uniform") != 0 && !strstr(node->type, "rgb");
+    const char *value = xml_get(node, "value");
+    return !value || strchr(value, ':');
+}
+
+static bool is_number(const struct xml_node *node) {
+    return node->tag != XML_RGB && !is_sampled(node) && !(node->type && strstr(node->type, "rgb"));
+}
+
 static satin_status read_color(struct param_source source, const struct param_spec *spec,
                                struct xml_node *node, struct param_value *value) {
     struct log log = source.log;
     satin_status status = scene_color_read(source, node, spec->kind == PARAM_LIGHT, &value->color);
     if (status != SATIN_OK) return status;
-    // Samples of a real surface may leave the gamut of sRGB, which is no error.
-    bool constant = node->tag != XML_SPECTRUM ||
-                    (xml_get(node, "value") && !strchr(xml_get(node, "value"), ':'));
-    if (!constant && spec->range == RANGE_UNIT)
+    enum param_range range = spec->range;
+    if (range == RANGE_TEXEL) range = is_number(node) ? RANGE_MODEST : RANGE_UNIT;
+    if (range == RANGE_UNIT && is_sampled(node))
         value->color = rgb_make(fminf(value->color.r, 1.0f), fminf(value->color.g, 1.0f),
                                 fminf(value->color.b, 1.0f));
     const float c[3] = {value->color.r, value->color.g, value->color.b};
     for (int i = 0; i < 3 && status == SATIN_OK; i++)
-        status = check_range(log, spec, node->place, c[i]);
+        status = check_in(log, spec, range, node->place, c[i]);
     return status;
 }
 

@@ -28,28 +28,33 @@ static void twosided_nests(void **state) {
     satin_scene_free(scene);
 }
 
-// Masks and what is nothing, in each other and in blends, on one side and on two.
+// Masks and what is nothing, in each other and in blends, on one side and on two; shares beyond
+// [0, 1] are its ends.
 static void masks_nest(void **state) {
     (void)state;
 #define MASK "<bsdf type='mask'><float name='opacity' value='.6'/>"
 #define BLEND "<bsdf type='blendbsdf'><float name='weight' value='.25'/>"
 #define PLAIN "<bsdf type='diffuse'/>"
     struct satin_scene *scene =
-        load(SCENE_TEXT("<shape type='disk'>" MASK MASK PLAIN "</bsdf></bsdf></shape>"
-                        "<shape type='disk'>" BLEND MASK PLAIN "</bsdf>" PLAIN "</bsdf></shape>"
-                        "<shape type='disk'>" MASK BLEND PLAIN MASK "<bsdf type='twosided'>" PLAIN
-                        "</bsdf></bsdf></bsdf></bsdf></shape>"
-                        "<shape type='disk'>" BLEND PLAIN "<bsdf type='null'/></bsdf></shape>"
-                        "<shape type='disk'>" MASK BLEND
-                        "<bsdf type='null'/><bsdf type='null'/></bsdf></bsdf>"
-                        "</shape>"
-                        "<shape type='disk'>" BLEND PLAIN PLAIN "</bsdf></shape>"));
-    const float opacity[] = {.36f, .7f, .54f, .75f, 0.0f, 1.0f};
+        load(SCENE_TEXT(
+            "<shape type='disk'>" MASK MASK PLAIN "</bsdf></bsdf></shape>"
+            "<shape type='disk'>" BLEND MASK PLAIN "</bsdf>" PLAIN "</bsdf></shape>"
+            "<shape type='disk'>" MASK BLEND PLAIN MASK "<bsdf type='twosided'>" PLAIN
+            "</bsdf></bsdf></bsdf></bsdf></shape>"
+            "<shape type='disk'>" BLEND PLAIN "<bsdf type='null'/></bsdf></shape>"
+            "<shape type='disk'>" MASK BLEND "<bsdf type='null'/><bsdf type='null'/></bsdf></bsdf>"
+            "</shape>"
+            "<shape type='disk'>" BLEND PLAIN PLAIN "</bsdf></shape>"
+            "<shape type='disk'><bsdf type='mask'><float name='opacity' value='1.5'/>" PLAIN
+            "</bsdf></shape>"
+            "<shape type='disk'><bsdf type='blendbsdf'>"
+            "<float name='weight' value='-2'/><bsdf type='null'/>" PLAIN "</bsdf></shape>"));
+    const float opacity[] = {.36f, .7f, .54f, .75f, 0.0f, 1.0f, 1.0f, 0.0f};
     const struct texture_place at = {.width = 0.0f};
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 8; i++) {
         const struct material *m = &scene->material[i];
         assert_true(fabsf(material_opacity(m, &at) - opacity[i]) < 1e-6f);
-        assert_int_equal(m->front.holes, opacity[i] < 1.0f);
+        assert_int_equal(m->front.holes, i != 5);
         assert_int_equal(m->back.holes, m->front.holes);
         assert_int_equal(m->two_sided, i == 2);
     }

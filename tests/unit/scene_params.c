@@ -18,12 +18,15 @@ static const struct param_spec colour = {"colour",      PARAM_COLOR, ".25", RANG
                                          PARAM_TEXTURE, NULL,        ""};
 static const struct param_spec share = {"share",       PARAM_FLOAT, ".5", RANGE_UNIT,
                                         PARAM_TEXTURE, NULL,        ""};
+static const struct param_spec texel = {"texel",       PARAM_COLOR, ".5", RANGE_TEXEL,
+                                        PARAM_TEXTURE, NULL,        ""};
 static const struct param_spec light = {"light", PARAM_LIGHT, NULL, RANGE_NOT_NEGATIVE,
                                         0,       NULL,        ""};
 static const struct param_spec ior = {"ior", PARAM_IOR, "bk7", RANGE_POSITIVE, 0, NULL, ""};
 static const struct param_spec must = {"must", PARAM_FLOAT, NULL, 0, PARAM_REQUIRED, NULL, ""};
-static const struct param_spec *const specs[] = {&flag,   &count, &size,  &text, &choice, &place,
-                                                 &colour, &share, &light, &ior,  &must,   NULL};
+static const struct param_spec *const specs[] = {&flag,  &count,  &size,  &text,  &choice,
+                                                 &place, &colour, &share, &texel, &light,
+                                                 &ior,   &must,   NULL};
 static const struct plugin_spec plugin = {XML_BSDF, "test", "", specs, 1u << XML_BSDF, NULL, false};
 
 static satin_status read_params(struct scene_case *c, const char *body, struct scene_xml *xml,
@@ -144,6 +147,34 @@ static void takes_means_of_colours(void **state) {
         snprintf(body, sizeof body, MUST "%s", cases[i]);
         assert_int_equal(read_params(&c, body, &xml, &p), SATIN_OK);
         assert_true(fabsf(param(&p, "share")->f - .5333333f) < 1e-6f);
+        scene_xml_free(&xml);
+    }
+}
+
+// A colour of a texture is one; a number of it is any.
+static void tells_numbers_from_colours(void **state) {
+    (void)state;
+    static const struct {
+        const char *text;
+        float value;  // 0: refused
+    } cases[] = {
+        {"<float name='texel' value='15'/>", 15.0f},
+        {"<spectrum name='texel' value='15'/>", 15.0f},
+        {"<texture name='texel' type='uniform'><float name='value' value='15'/></texture>", 15.0f},
+        {"<spectrum name='texel' value='400:15, 700:15'/>", 1.0f},
+        {"<rgb name='texel' value='.5'/>", .5f},
+        {"<rgb name='texel' value='15'/>", 0.0f},
+        {"<texture name='texel' type='srgb'><rgb name='color' value='15'/></texture>", 0.0f},
+        {"<float name='texel' value='-1'/>", 0.0f}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct scene_case c;
+        struct scene_xml xml;
+        struct params p;
+        char body[512];
+        snprintf(body, sizeof body, MUST "%s", cases[i].text);
+        satin_status status = read_params(&c, body, &xml, &p);
+        assert_int_equal(status, cases[i].value > 0.0f ? SATIN_OK : SATIN_ERROR_INPUT);
+        if (status == SATIN_OK) assert_true(param(&p, "texel")->color.g == cases[i].value);
         scene_xml_free(&xml);
     }
 }
@@ -277,6 +308,7 @@ int main(void) {
         cmocka_unit_test(reads_values),
         cmocka_unit_test(takes_means_of_colours),
         cmocka_unit_test(reads_colours),
+        cmocka_unit_test(tells_numbers_from_colours),
         cmocka_unit_test(refuses),
         cmocka_unit_test(tables_are_complete),
         cmocka_unit_test(textures_fit_models),
