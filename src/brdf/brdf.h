@@ -68,6 +68,10 @@ struct brdf {
     const struct brdf_glossy *glossy;  // albedos of the glossy lobe, likewise; may be NULL
 };
 
+// Of an index of refraction, interior over exterior: beyond, floats do not serve.
+#define BRDF_IOR_MIN 0.01f
+#define BRDF_IOR_MAX 100.0f
+
 // What may be textured, as bits of the mask that a model takes (the rest must be constant):
 // colours, then numbers.
 enum brdf_slot {
@@ -89,6 +93,7 @@ enum brdf_slot {
     BRDF_SLOT_CLEARCOAT,
     BRDF_SLOT_CLEARCOAT_GLOSS,
     BRDF_SLOT_DIFF_TRANS,
+    BRDF_SLOT_IOR,
     BRDF_SLOT_COUNT,
     BRDF_SLOT_NUMBERS = BRDF_SLOT_ALPHA_U  // the first that is a number
 };
@@ -102,7 +107,7 @@ static inline float *brdf_number(struct brdf *b, enum brdf_slot slot) {
     float *field[] = {&b->alpha_u,     &b->alpha_v,    &b->exponent,  &b->metallic,
                       &b->anisotropic, &b->spec_trans, &b->spec_tint, &b->sheen,
                       &b->sheen_tint,  &b->flatness,   &b->clearcoat, &b->clearcoat_gloss,
-                      &b->diff_trans};
+                      &b->diff_trans,  &b->ior};
     return field[slot - BRDF_SLOT_NUMBERS];
 }
 

@@ -130,7 +130,8 @@ const struct brdf_model brdf_model_principledthin = {
     .lobes = BRDF_SMOOTH,
     .slots = 1u << BRDF_SLOT_DIFFUSE | 1u << BRDF_SLOT_ALPHA_U | 1u << BRDF_SLOT_ANISOTROPIC |
              1u << BRDF_SLOT_SPEC_TRANS | 1u << BRDF_SLOT_SPEC_TINT | 1u << BRDF_SLOT_SHEEN |
-             1u << BRDF_SLOT_SHEEN_TINT | 1u << BRDF_SLOT_FLATNESS | 1u << BRDF_SLOT_DIFF_TRANS,
+             1u << BRDF_SLOT_SHEEN_TINT | 1u << BRDF_SLOT_FLATNESS | 1u << BRDF_SLOT_DIFF_TRANS |
+             1u << BRDF_SLOT_IOR,
     .transmits = true,
     .thin = true,
     .prepare = burley_prepare,

@@ -120,8 +120,12 @@ const struct material_side *scene_part(const struct satin_scene *scene, const st
 
 // ---- The BRDF of a part -------------------------------------------------------------------------
 
-// Replaces the constants of `b` that are textured; colours are averaged over the place. Numbers
-// are kept within what the models can stand.
+// What of a texture's number a model can stand.
+static float keep_number(enum brdf_slot slot, float x) {
+    return slot == BRDF_SLOT_IOR ? clampf(x, BRDF_IOR_MIN, BRDF_IOR_MAX) : clampf(x, 0.0f, 1e6f);
+}
+
+// Replaces the constants of `b` that are textured; colours are averaged over the place.
 static void look_up(const struct material_side *side, const struct texture_place *at,
                     struct brdf *b) {
     const struct texture *const *slot = side->slot;
@@ -132,7 +136,7 @@ static void look_up(const struct material_side *side, const struct texture_place
         if (i < BRDF_SLOT_NUMBERS)
             *brdf_color(b, i) = texture_eval(slot[i], at);
         else
-            *brdf_number(b, i) = clampf(texture_number(slot[i], &point), 0.0f, 1e6f);
+            *brdf_number(b, i) = keep_number(i, texture_number(slot[i], &point));
     }
 }
 

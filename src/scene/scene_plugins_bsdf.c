@@ -231,13 +231,20 @@ static satin_status set_metal(struct scene_loader *loader, const struct params *
     return SATIN_ERROR_INPUT;
 }
 
+bool bsdf_ior_valid(struct scene_loader *loader, struct log_place place, const char *name,
+                    float ior) {
+    if (ior >= BRDF_IOR_MIN && ior <= BRDF_IOR_MAX) return true;
+    log_error_at(loader->log, place, "%s is %g, but must be in [%g, %g]", name, (double)ior,
+                 (double)BRDF_IOR_MIN, (double)BRDF_IOR_MAX);
+    return false;
+}
+
 static satin_status set_ior(struct scene_loader *loader, const struct params *p,
                             struct material_side *side) {
     side->base.ior = param(p, "int_ior")->f / param(p, "ext_ior")->f;
-    if (side->base.ior >= 0.01f && side->base.ior <= 100.0f) return SATIN_OK;
-    log_error_at(loader->log, p->node->place, "int_ior / ext_ior is %g, but must be in [0.01, 100]",
-                 (double)side->base.ior);
-    return SATIN_ERROR_INPUT;
+    return bsdf_ior_valid(loader, p->node->place, "int_ior / ext_ior", side->base.ior)
+               ? SATIN_OK
+               : SATIN_ERROR_INPUT;
 }
 
 // Light must not grow on its way: paths of any length would not end.

@@ -14,6 +14,10 @@ satin_status bsdf_set_color(struct scene_loader *loader, const struct param_valu
 satin_status bsdf_set_number(struct scene_loader *loader, const struct param_value *value,
                              struct material_side *side, enum brdf_slot slot);
 
+// Whether an index of refraction, called `name`, can be used; else logs it.
+bool bsdf_ior_valid(struct scene_loader *loader, struct log_place place, const char *name,
+                    float ior);
+
 // The diffuse and the specular factor that many have: their rows, and setting both.
 extern const struct param_spec bsdf_diffuse_reflectance, bsdf_specular_reflectance;
 satin_status bsdf_set_reflectances(struct scene_loader *loader, const struct params *p,

@@ -18,7 +18,7 @@ static const struct param_spec spec_trans =
 static const struct param_spec eta = {
     "eta", PARAM_FLOAT, NULL, RANGE_POSITIVE, 0, NULL, "relative index of refraction"};
 static const struct param_spec thin_eta = {
-    "eta", PARAM_FLOAT, "1.5", RANGE_POSITIVE, 0, NULL, "relative index of refraction"};
+    "eta", PARAM_FLOAT, "1.5", RANGE_POSITIVE, PARAM_TEXTURE, NULL, "relative index of refraction"};
 static const struct param_spec specular = {
     "specular", PARAM_FLOAT, ".5", RANGE_UNIT, 0, NULL, "reflectance in place of eta"};
 static const struct param_spec spec_tint =
@@ -92,6 +92,8 @@ satin_status bsdf_principled_build(struct scene_loader *loader, const struct par
         log_error_at(loader->log, p->node->place, "the reflectance is either eta or specular");
         return SATIN_ERROR_INPUT;
     }
+    if (index->given && !bsdf_ior_valid(loader, index->place, "eta", index->f))
+        return SATIN_ERROR_INPUT;
     satin_status status = set_common(loader, p, side);
     if (status == SATIN_OK) status = set_numbers(loader, p, side, numbers);
     side->base.opaque = !side->slot[BRDF_SLOT_SPEC_TRANS] && side->base.spec_trans == 0.0f;
@@ -104,12 +106,18 @@ satin_status bsdf_principled_build(struct scene_loader *loader, const struct par
 
 satin_status bsdf_principledthin_build(struct scene_loader *loader, const struct params *p,
                                        void *object) {
-    static const struct slot_name numbers[] = {{"diff_trans", BRDF_SLOT_DIFF_TRANS}, {NULL, 0}};
+    static const struct slot_name numbers[] = {
+        {"diff_trans", BRDF_SLOT_DIFF_TRANS}, {"eta", BRDF_SLOT_IOR}, {NULL, 0}};
     struct material_side *side = object;
-    side->base.ior = param(p, "eta")->f;
+    const struct param_value *index = param(p, "eta"), *passes = param(p, "diff_trans");
     satin_status status = set_common(loader, p, side);
     if (status == SATIN_OK) status = set_numbers(loader, p, side, numbers);
-    if (status != SATIN_OK || side->base.diff_trans <= 2.0f) return status;
-    log_error_at(loader->log, param(p, "diff_trans")->place, "diff_trans is over 2");
+    if (status != SATIN_OK) return status;
+    if (index->texture)
+        side->base.ior = clampf(side->base.ior, BRDF_IOR_MIN, BRDF_IOR_MAX);
+    else if (!bsdf_ior_valid(loader, index->place, "eta", index->f))
+        return SATIN_ERROR_INPUT;
+    if (side->base.diff_trans <= 2.0f) return SATIN_OK;
+    log_error_at(loader->log, passes->place, "diff_trans is over 2");
     return SATIN_ERROR_INPUT;
 }

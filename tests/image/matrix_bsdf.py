@@ -84,6 +84,9 @@ MODELS = {
                               numbers("spec_trans", 0.2, 0.8))),
     "principledthin": (bsdf("principledthin", rgb("base_color", "0.4, 0.7, 0.3"), LEAF),
                        bsdf("principledthin", colours("base_color"), LEAF)),
+    "principledthin_eta": (None, bsdf(
+        "principledthin", rgb("base_color", "0.4, 0.7, 0.3"), real("spec_trans", 0.7),
+        real("diff_trans", 0.6), real("roughness", 0.4), numbers("eta", 1.2, 1.8))),
     "blendbsdf": (twosided(bsdf("blendbsdf", real("weight", 0.4), FIRST, SECOND)),
                   twosided(bsdf("blendbsdf", numbers("weight", 0.2, 0.9), FIRST, SECOND))),
     "mask": (bsdf("mask", real("opacity", 0.6), twosided(FIRST)),

@@ -268,6 +268,10 @@ static const struct refusal refusals[] = {
      "scene.xml:3:1: the reflectance is either eta or specular"},
     {SCENE_TEXT("<bsdf type='principledthin'><float name='diff_trans' value='3'/></bsdf>"),
      "scene.xml:3:29: diff_trans is over 2"},
+    {SCENE_TEXT("<bsdf type='principledthin'><float name='eta' value='1e30'/></bsdf>"),
+     "scene.xml:3:29: eta is 1e+30, but must be in [0.01, 100]"},
+    {SCENE_TEXT("<bsdf type='principled'><float name='eta' value='.001'/></bsdf>"),
+     "scene.xml:3:25: eta is 0.001, but must be in [0.01, 100]"},
     {SHAPE("<bsdf type='bumpmap'><bsdf type='diffuse'/></bsdf>"),
      "scene.xml:3:22: bumpmap needs a <texture>"},
     {SHAPE("<bsdf type='normalmap'><texture name='normalmap' type='checkerboard'/>"

@@ -286,16 +286,19 @@ static void textures_fit_models(void **state) {
         {"flatness", NULL},
         {"clearcoat", NULL},
         {"clearcoat_gloss", NULL},
-        {"diff_trans", NULL}};
+        {"diff_trans", NULL},
+        {"eta", NULL}};
     for (const struct plugin_spec *b = scene_bsdf_plugins; b->name; b++) {
         if (!b->build) continue;
         const struct brdf_model *model = brdf_find(b->name);
         assert_non_null(model);
         for (int i = 0; i < BRDF_SLOT_COUNT; i++) {
             bool textured = false;
+            const enum param_kind kind = i < BRDF_SLOT_NUMBERS ? PARAM_COLOR : PARAM_FLOAT;
             for (int j = 0; b->params && b->params[j]; j++)
                 for (int k = 0; k < 3; k++)
-                    if (slot_params[i][k] && strcmp(b->params[j]->name, slot_params[i][k]) == 0)
+                    if (slot_params[i][k] && b->params[j]->kind == kind &&
+                        strcmp(b->params[j]->name, slot_params[i][k]) == 0)
                         textured |= (b->params[j]->flags & PARAM_TEXTURE) != 0;
             assert_int_equal(textured, model->slots >> i & 1);
         }
