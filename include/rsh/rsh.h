@@ -19,7 +19,8 @@
 //   units    Directions are unit vectors, angles radians. A direction that is not unit, zero or NaN
 //            gives values without meaning and does no other harm.
 //
-// Functions that take an order return false, and write nothing, if it is not 1 .. RSH_MAX_ORDER.
+// Functions that take an order return false, and write nothing, if it is not 1 .. RSH_MAX_ORDER; so
+// do those that take a basis, if it is neither of the two.
 #ifndef RSH_RSH_H
 #define RSH_RSH_H
 

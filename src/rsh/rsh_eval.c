@@ -20,7 +20,7 @@ static void stretch(double w[3]) {
 // In double: near the poles degree l enlarges an error of z by l (l + 1) / 2, also that of a length
 // which is 1 up to the rounding of floats only; one step of Newton's iteration takes that away.
 bool rsh_eval(rsh_basis basis, int order, const float w[3], float *y) {
-    if (!rsh_order_ok(order)) return false;
+    if (!rsh_basis_ok(basis) || !rsh_order_ok(order)) return false;
     double d[3] = {(double)w[0], (double)w[1], (double)w[2]}, c = 1.0, s = 0.0;
     double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
     if (fabs(square - 1.0) < 1e-5)
@@ -50,14 +50,14 @@ bool rsh_eval(rsh_basis basis, int order, const float w[3], float *y) {
 
 bool rsh_eval_many(rsh_basis basis, int order, size_t count, const float *x, const float *y,
                    const float *z, float *out) {
-    if (!rsh_order_ok(order)) return false;
+    if (!rsh_basis_ok(basis) || !rsh_order_ok(order)) return false;
     rsh_kernels_best()->eval_many(basis, order, count, x, y, z, out);
     return true;
 }
 
 bool rsh_project(rsh_basis basis, int order, size_t count, const float *x, const float *y,
                  const float *z, const float *r, const float *g, const float *b, float *out) {
-    if (!rsh_order_ok(order)) return false;
+    if (!rsh_basis_ok(basis) || !rsh_order_ok(order)) return false;
     const float *const value[3] = {r, b ? g : NULL, g ? b : NULL};
     rsh_kernels_best()->project(basis, order, count, x, y, z, value, out);
     return true;

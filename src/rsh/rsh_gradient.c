@@ -30,7 +30,7 @@ static void eval_meridian(int order, double cosine, double sine, double *f) {
 
 bool rsh_eval_derivatives(rsh_basis basis, int order, const float w[3], float *y, float *dtheta,
                           float *dphi) {
-    if (!rsh_order_ok(order)) return false;
+    if (!rsh_basis_ok(basis) || !rsh_order_ok(order)) return false;
     double d[3] = {(double)w[0], (double)w[1], (double)w[2]}, rate = 1.0;
     double cosine = d[2], sine = sqrt(d[0] * d[0] + d[1] * d[1]);
     double c1 = sine > 0.0 ? d[0] / sine : 1.0, s1 = sine > 0.0 ? d[1] / sine : 0.0;

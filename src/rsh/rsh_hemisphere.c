@@ -87,7 +87,8 @@ static void change_of_frame(const float a[9], const float b[9], float r[9]) {
 // Y(beta)^T = Y(-beta), the series included, so its transpose is the same form of the inverse.
 static bool align(bool transposed, rsh_basis basis, int order, int channels, const float from[9],
                   const float to[9], float beta_limit, const float *in, float *out) {
-    if (!rsh_order_ok(order) || !rsh_in_range(from, 9) || !rsh_in_range(to, 9)) return false;
+    if (!rsh_basis_ok(basis) || !rsh_order_ok(order)) return false;
+    if (!rsh_in_range(from, 9) || !rsh_in_range(to, 9)) return false;
     if (memcmp(from, to, 9 * sizeof *from) == 0) {
         rsh_copy(order, channels, in, out);
         return true;

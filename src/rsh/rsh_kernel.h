@@ -83,6 +83,9 @@ const struct rsh_kernels *const *rsh_kernels_usable(void);
 const struct rsh_kernels *rsh_kernels_best(void);
 
 static inline bool rsh_order_ok(int order) { return order >= 1 && order <= RSH_MAX_ORDER; }
+static inline bool rsh_basis_ok(rsh_basis basis) {
+    return basis == RSH_SPHERE || basis == RSH_HEMISPHERE;
+}
 
 // The turns whose product is the rotation r, rows first; RSH_METHOD_Z where that suffices.
 struct rsh_turn rsh_turn_of_matrix(const float r[9]);

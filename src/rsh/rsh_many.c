@@ -144,8 +144,8 @@ static bool all_in_range(const float *const a[9], size_t count) {
 
 static bool run(struct job *j, size_t count, const float *const a[9], const float *const *b,
                 const float *in, float *out) {
-    if (!rsh_order_ok(j->order) || !all_in_range(a, count) || (b && !all_in_range(b, count)))
-        return false;
+    if (!rsh_basis_ok(j->basis) || !rsh_order_ok(j->order)) return false;
+    if (!all_in_range(a, count) || (b && !all_in_range(b, count))) return false;
     j->kernels = rsh_kernels_best();
     size_t width = (size_t)j->kernels->width;
     for (size_t i = 0; i < count; i += width) {

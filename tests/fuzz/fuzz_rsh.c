@@ -85,7 +85,7 @@ static void fuzz_rotation(struct input *in, int order, const float r[9], const f
     static float out[CHANNELS * MOST + 1], v[CHANNELS * MOST], blocks[3 * RSH_MAX_BLOCKS + 1];
     size_t n = order >= 1 && order <= RSH_MAX_ORDER ? (size_t)(CHANNELS * order * order) : 0;
     size_t all = CHANNELS * MOST + 1;
-    rsh_basis basis = (rsh_basis)(take_byte(in) & 1);
+    rsh_basis basis = (rsh_basis)(take_byte(in) % 3);
     rsh_taylor kind = (rsh_taylor)(take_byte(in) % 4);
     float limit = take_float(in, true);
     for (int i = 0; i < CHANNELS * MOST; i++) v[i] = take_float(in, false);
@@ -141,7 +141,7 @@ static void fuzz_many(struct input *in, int order, bool wild) {
     const float *from[9], *to[9];
     size_t count = take_byte(in) % (RECORDS + 1), all = MOST * RECORDS + 1;
     size_t n = order >= 1 && order <= RSH_MAX_ORDER ? (size_t)(order * order) * count : 0;
-    rsh_basis basis = (rsh_basis)(take_byte(in) & 1);
+    rsh_basis basis = (rsh_basis)(take_byte(in) % 3);
     float limit = take_float(in, true);
     for (int e = 0; e < 9; e++) {
         for (int i = 0; i < RECORDS; i++) {

@@ -51,7 +51,7 @@ static void horizon_is_clamped(void **state) {
     assert_memory_equal(at, below, sizeof at);
 }
 
-static void orders_out_of_range_are_refused(void **state) {
+static void bad_orders_and_bases_are_refused(void **state) {
     (void)state;
     const float w[3] = {0, 0, 1}, zero = 0;
     float y[4] = {7, 7, 7, 7};
@@ -62,6 +62,12 @@ static void orders_out_of_range_are_refused(void **state) {
         assert_false(
             rsh_project(RSH_SPHERE, orders[i], 1, &zero, &zero, &zero, &zero, &zero, &zero, y));
         assert_false(rsh_dot3(orders[i], 1, y, y, y));
+    }
+    for (int basis = -1; basis < 3; basis += 3) {
+        const rsh_basis bad = (rsh_basis)basis;
+        assert_false(rsh_eval(bad, 1, w, y));
+        assert_false(rsh_eval_many(bad, 1, 1, &zero, &zero, &zero, y));
+        assert_false(rsh_project(bad, 1, 1, &zero, &zero, &zero, &zero, &zero, &zero, y));
     }
     for (int i = 0; i < 4; i++) assert_true(y[i] == 7.0f);
 }
@@ -139,7 +145,7 @@ int main(void) {
         cmocka_unit_test(basis_is_orthonormal),
         cmocka_unit_test(band_one_is_geometric),
         cmocka_unit_test(horizon_is_clamped),
-        cmocka_unit_test(orders_out_of_range_are_refused),
+        cmocka_unit_test(bad_orders_and_bases_are_refused),
         cmocka_unit_test(kernels_equal_the_plain_twin),
         cmocka_unit_test(products_take_one_or_three_channels),
         cmocka_unit_test(dot_products_equal_the_plain_twin),

@@ -24,6 +24,7 @@ static void values_are_sums(void **state) {
     for (int c = 0; c < 2; c++)
         assert_true(fabs((double)out[c] - value(RSH_SPHERE, ORDER, v + c * N, w)) < 1e-6);
     assert_false(rsh_value(RSH_SPHERE, 0, 1, v, w, out));
+    assert_false(rsh_value((rsh_basis)2, 1, 1, v, w, out));
 }
 
 // (f * k)(w) is the integral of f(u) k(u . w), with k = cos^3 over the sphere of degree 3.

@@ -51,6 +51,7 @@ static void degenerate_directions_do_no_harm(void **state) {
     float y[4];
     assert_false(rsh_eval_derivatives(RSH_SPHERE, 0, w[0], y, y, y));
     assert_false(rsh_eval_derivatives(RSH_SPHERE, RSH_MAX_ORDER + 1, w[0], y, y, y));
+    assert_false(rsh_eval_derivatives((rsh_basis)2, 1, w[0], y, y, y));
 }
 
 int main(void) {

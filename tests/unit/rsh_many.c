@@ -125,6 +125,7 @@ static void bad_input_is_refused(void **state) {
     assert_false(rsh_rotate_many(0, 1, MOST, from_rows, v, w));
     assert_false(rsh_rotate_many(RSH_MAX_ORDER + 1, 1, MOST, from_rows, v, w));
     assert_false(rsh_rotate_taylor_many((rsh_taylor)9, 1, 1, MOST, from_rows, v, w));
+    assert_false(rsh_align_many((rsh_basis)2, 1, 1, MOST, to_rows, from_rows, 0.0f, v, w));
     assert_true(rsh_rotate_many(1, 1, 0, from_rows, v, w));
     from[3][MOST - 1] = NAN;
     assert_false(rsh_rotate_many(1, 1, MOST, from_rows, v, w));

@@ -56,12 +56,13 @@ static void bad_input_is_refused(void **state) {
     float out[3] = {7, 7, 7};
     rsh_reflection good = {
         .order = 1, .from = frame, .to = frame, .value = v, .brdf = v, .brdf_channels = 1};
-    rsh_reflection order = good, channels = good, matrix = good;
+    rsh_reflection order = good, channels = good, matrix = good, basis = good;
     order.order = 0;
     channels.brdf_channels = 2;
     matrix.to = bad;
+    basis.basis = (rsh_basis)2;
     assert_false(rsh_reflect(&order, out) || rsh_reflect(&channels, out));
-    assert_false(rsh_reflect(&matrix, out));
+    assert_false(rsh_reflect(&matrix, out) || rsh_reflect(&basis, out));
     assert_true(out[0] == 7.0f && out[1] == 7.0f && out[2] == 7.0f);
     assert_true(rsh_reflect(&good, out) && out[0] == 1.0f && out[2] == 3.0f);
 }

@@ -231,6 +231,7 @@ static void bad_input_is_refused(void **state) {
     }
     assert_false(rsh_rotate(2, 1, bad, v, out));
     assert_false(rsh_align(RSH_SPHERE, 2, 1, bad, identity, 0.0f, v, out));
+    assert_false(rsh_align((rsh_basis)2, 2, 1, identity, identity, 0.0f, v, out));
     bad[4] = INFINITY;
     assert_false(rsh_align_transposed(RSH_SPHERE, 2, 1, identity, bad, 0.0f, v, out));
     assert_false(rsh_rotate_zyz(2, 1, (rsh_zyz){0, NAN, 0}, v, out));
