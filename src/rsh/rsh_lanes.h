@@ -19,12 +19,6 @@ typedef __m512 lanes;
 
 LANES_INLINE lanes lanes_load(const float *p) { return _mm512_loadu_ps(p); }
 LANES_INLINE lanes lanes_splat(float x) { return _mm512_set1_ps(x); }
-// The compiler is kept from computing with the number before it is splat.
-LANES_INLINE lanes lanes_splat_now(float x) {
-    __m512 v = _mm512_set1_ps(x);
-    __asm__("" : "+v"(v));
-    return v;
-}
 LANES_INLINE lanes lanes_zero(void) { return _mm512_setzero_ps(); }
 LANES_INLINE lanes lanes_add(lanes a, lanes b) { return _mm512_add_ps(a, b); }
 LANES_INLINE lanes lanes_mul(lanes a, lanes b) { return _mm512_mul_ps(a, b); }
@@ -37,6 +31,17 @@ LANES_INLINE lanes lanes_halves(lanes a, lanes b) { return _mm512_mask_mov_ps(a,
 // a in the lanes of the constant mask, b elsewhere.
 #define lanes_choose(mask, a, b) \
     _mm512_mask_mov_ps(_mm512_set1_ps(b), (__mmask16)(mask), _mm512_set1_ps(a))
+
+// The same of vectors.
+#define lanes_choose_of(mask, a, b) _mm512_mask_mov_ps(b, (__mmask16)(mask), a)
+// The compiler is kept from reading memory again.
+LANES_INLINE lanes lanes_held(lanes v) {
+    __asm__("" : "+v"(v));
+    return v;
+}
+// Lanes 2 i and 2 i + 1 exchanged; a b + c in odd lanes, a b - c in even ones.
+LANES_INLINE lanes lanes_swap_pairs(lanes v) { return _mm512_permute_ps(v, 0xb1); }
+LANES_INLINE lanes lanes_mad_sub(lanes a, lanes b, lanes c) { return _mm512_fmaddsub_ps(a, b, c); }
 
 // Halves as registers of eight, and eight numbers in both halves.
 LANES_INLINE lanes lanes_pair(__m256 low, __m256 high) {
@@ -64,9 +69,9 @@ LANES_INLINE void eight_store_last(float *p, int count, __m256 v) {
 
 typedef __m512i places;
 LANES_INLINE places places_load(const int32_t *p) { return _mm512_loadu_si512(p); }
-// a in the lanes whose place is -1, b in those where it is 0.
-LANES_INLINE lanes lanes_where(places p, lanes a, lanes b) {
-    return _mm512_mask_mov_ps(b, _mm512_movepi32_mask(p), a);
+LANES_INLINE places places_held(places p) {
+    __asm__("" : "+v"(p));
+    return p;
 }
 LANES_INLINE places places_next(places p) { return _mm512_add_epi32(p, _mm512_set1_epi32(1)); }
 
@@ -112,11 +117,6 @@ LANES_INLINE lanes lanes_load(const float *p) {
     return (lanes){_mm256_loadu_ps(p), _mm256_loadu_ps(p + 8)};
 }
 LANES_INLINE lanes lanes_splat(float x) { return (lanes){_mm256_set1_ps(x), _mm256_set1_ps(x)}; }
-LANES_INLINE lanes lanes_splat_now(float x) {
-    __m256 v = _mm256_set1_ps(x);
-    __asm__("" : "+v"(v));
-    return (lanes){v, v};
-}
 LANES_INLINE lanes lanes_zero(void) { return (lanes){_mm256_setzero_ps(), _mm256_setzero_ps()}; }
 LANES_INLINE lanes lanes_add(lanes a, lanes b) {
     return (lanes){_mm256_add_ps(a.lo, b.lo), _mm256_add_ps(a.hi, b.hi)};
@@ -135,6 +135,18 @@ LANES_INLINE lanes lanes_halves(lanes a, lanes b) { return (lanes){a.lo, b.hi}; 
 #define lanes_choose(mask, a, b)                                                 \
     ((lanes){_mm256_blend_ps(_mm256_set1_ps(b), _mm256_set1_ps(a), (mask)&0xff), \
              _mm256_blend_ps(_mm256_set1_ps(b), _mm256_set1_ps(a), (mask) >> 8)})
+
+#define lanes_choose_of(mask, a, b)                        \
+    ((lanes){_mm256_blend_ps((b).lo, (a).lo, (mask)&0xff), \
+             _mm256_blend_ps((b).hi, (a).hi, (mask) >> 8)})
+// There are too few registers to hold tables in.
+LANES_INLINE lanes lanes_held(lanes v) { return v; }
+LANES_INLINE lanes lanes_swap_pairs(lanes v) {
+    return (lanes){_mm256_permute_ps(v.lo, 0xb1), _mm256_permute_ps(v.hi, 0xb1)};
+}
+LANES_INLINE lanes lanes_mad_sub(lanes a, lanes b, lanes c) {
+    return (lanes){_mm256_fmaddsub_ps(a.lo, b.lo, c.lo), _mm256_fmaddsub_ps(a.hi, b.hi, c.hi)};
+}
 
 LANES_INLINE __m256i eight_mask(int count, __m256i index) {
     return _mm256_cmpgt_epi32(_mm256_set1_epi32(count), index);
@@ -181,10 +193,7 @@ LANES_INLINE __m256i eight_places(const int32_t *p) {
 LANES_INLINE places places_load(const int32_t *p) {
     return (places){eight_places(p), eight_places(p + 8)};
 }
-LANES_INLINE lanes lanes_where(places p, lanes a, lanes b) {
-    return (lanes){_mm256_blendv_ps(b.lo, a.lo, _mm256_castsi256_ps(p.lo)),
-                   _mm256_blendv_ps(b.hi, a.hi, _mm256_castsi256_ps(p.hi))};
-}
+LANES_INLINE places places_held(places p) { return p; }
 LANES_INLINE places places_next(places p) {
     const __m256i one = _mm256_set1_epi32(1);
     return (places){_mm256_add_epi32(p.lo, one), _mm256_add_epi32(p.hi, one)};

@@ -100,18 +100,37 @@ struct rsh_lane_step {
 };
 extern const struct rsh_lane_step rsh_lane_steps[];
 
-// Multiples of an angle a up to 5, which are all that the first two groups ask for, lane by lane as
-// polynomials of t = cos 2 a: with k = [group][0: outer, 1: inner layout],
+// Orders up to 6 have a layout of their own, in which a vector holds the whole of its bands: order
+// 4 fills one with its 16 coefficients, the bands 2 to 5 of order 6 fill two, {2 5} and {3 4}.
+// Lanes 2 i and 2 i + 1 have the coefficients +m and -m of a band, the last lanes those of m = 0.
+enum { RSH_PAIR_STEPS = 3 };
+struct rsh_pair_lanes {
+    _Alignas(64) int32_t place[RSH_LANES];      // coefficient, less that of the group's first
+    int32_t multiple[3][RSH_LANES];             // place in rsh_pair_multiples: alpha, beta, gamma
+    int32_t source[RSH_PAIR_STEPS][RSH_LANES];  // the exchange of y and z: lanes and factors
+    float factor[RSH_PAIR_STEPS][RSH_LANES];
+    int32_t down[RSH_LANES], up[RSH_LANES];          // lane of m - 1 and m + 1
+    float from_down[RSH_LANES], from_up[RSH_LANES];  // entries of D
+    float curve[RSH_LANES];                          // the diagonal of D^2
+};
+struct rsh_pair_group {
+    struct rsh_pair_lanes lanes[2];
+    int32_t natural[2 * RSH_LANES];  // lane of the group's k-th coefficient, + 16 in vector 1
+};
+// For orders up to 4, vector 0 alone; for 5 and 6, without bands 0 and 1.
+extern const struct rsh_pair_group rsh_pair_groups[2];
+
+// Multiples of three angles alpha, beta, gamma: m = 1 .. 5 of each in turn, then m = 0. With t =
+// cos 2 a,
 //   cos(m a) = (cosine[0] + t (cosine[1] + t cosine[2])) (cos a where m is odd, 1 elsewhere)
-//   (-1)^m sin(m a) = (sine[0] + t (sine[1] + t sine[2])) sin a (1 where m is odd, cos a
-//   elsewhere).
-// Up to 3, as in group 0, the last factors are 0.
-struct rsh_lane_multiples {
+//   sin(m a) = (sine[0] + t (sine[1] + t sine[2])) sin a (1 where m is odd, cos a elsewhere).
+struct rsh_pair_multiples {
     _Alignas(64) float cosine[3][RSH_LANES];
     float sine[3][RSH_LANES];
-    int32_t odd[RSH_LANES];  // -1 where m is odd, 0 elsewhere
 };
-extern const struct rsh_lane_multiples rsh_lane_multiples[2][2];
+extern const struct rsh_pair_multiples rsh_pair_multiples;
+// The lanes, as bits, of the first two angles and of odd m.
+enum { RSH_PAIR_ALPHA = 0x001f, RSH_PAIR_BETA = 0x03e0, RSH_PAIR_ODD = 0x56b5 };
 
 // A linear map that keeps m, from coefficients of order `inputs` to order `outputs`: the factor of
 // (i, +-m) in (o, +-m) is low[(o * inputs + i) * 8 + m] for m < 8 and, for o and i >= 8,

@@ -13,6 +13,7 @@ ORDER = 16
 LANES = 16
 STEEP = 8
 GENTLE, GENTLE_ROOTS = 10, 4
+PAIR_STEPS = 3
 # The m, whole or not, whose Legendre functions are the sets of rsh_mix: Chebyshev's polynomials of
 # the second kind, and Gegenbauer's of 11 / 2.
 MIXED = (fractions.Fraction(1, 2), fractions.Fraction(5))
@@ -344,7 +345,7 @@ def lane_tables(w):
 
 
 def multiple(m, sine):
-    """cos(m a), or (-1)^m sin(m a), without its odd powers of cos a and sin a: the factors of 1, t
+    """cos(m a), or sin(m a), without its odd powers of cos a and sin a: the factors of 1, t
     and t^2, t = cos 2 a; Chebyshev's polynomials of all four kinds."""
     odd = m % 2
     if sine:
@@ -353,22 +354,47 @@ def multiple(m, sine):
         before, now = [1, 0, 0], [-1 if odd else 0, 2 if odd else 1, 0]
     for _ in range(m // 2):
         before, now = now, [2 * a - b for a, b in zip([0] + now, before)]
-    return [-v if sine and odd else v for v in before]
+    return before
 
 
-def multiple_tables(w):
-    """The polynomials of struct rsh_lane_multiples."""
-    groups = []
-    for group in GROUPS[:2]:
-        layouts = []
-        for inner in (False, True):
-            ms = [lm[1] if lm else 0 for lm in layout(group, inner)]
-            texts = [pair([braces("%.1ff", [multiple(m, sine)[power] for m in ms])
-                           for power in range(3)]) for sine in (False, True)]
-            texts.append(braces("%d", [-(m % 2) for m in ms]))
-            layouts.append(braces("%s", texts))
-        groups.append(pair(layouts))
-    w.lines.append("const struct rsh_lane_multiples rsh_lane_multiples[2][2] = %s;" % pair(groups))
+def pair_vector(bands, first):
+    """The rows of struct rsh_pair_lanes and its lanes, (l, m)."""
+    lanes = [(l, s * m) for l in bands for m in range(1, l + 1) for s in (1, -1)]
+    lanes += [(l, 0) for l in bands]
+    where = {lm: i for i, lm in enumerate(lanes)}
+    feeds = [[b for b in range(-l, l + 1) if abs(swap(l, a, b)) > 1e-14] for l, a in lanes]
+    steps_of = [[(lm, f[t] if t < len(f) else None) for lm, f in zip(lanes, feeds)]
+                for t in range(PAIR_STEPS)]
+    texts = [braces("%d", [index(*lm) - first for lm in lanes])]
+    texts.append(pair([braces("%d", [5 * j + abs(m) - 1 if m else 15 for _, m in lanes])
+                       for j in range(3)]))
+    texts.append(pair([braces("%d", [0 if b is None else where[l, b] for (l, _), b in step])
+                       for step in steps_of]))
+    texts.append(pair([braces("%.9ef", [0.0 if b is None else swap(l, m, b) for (l, m), b in step])
+                       for step in steps_of]))
+    texts += [braces("%d", [where.get((l, m + d), 0) for l, m in lanes]) for d in (-1, 1)]
+    texts.append(braces("%.9ef", [slope(l, m) for l, m in lanes]))
+    texts.append(braces("%.9ef", [-slope(l, m + 1) if m < l else 0.0 for l, m in lanes]))
+    texts.append(braces("%.9ef", [curve(l, m) for l, m in lanes]))
+    return braces("%s", texts), lanes
+
+
+def pair_tables(w):
+    """The tables of orders up to 6."""
+    rows = []
+    for vectors, first in (([range(4)], 0), ([(2, 5), (3, 4)], 4)):
+        natural, texts = [0] * (2 * LANES), []
+        for v, bands in enumerate(vectors):
+            text, lanes = pair_vector(bands, first)
+            texts.append(text)
+            for i, lm in enumerate(lanes):
+                natural[index(*lm) - first] = i + LANES * v
+        rows.append(braces("%s", [pair(texts), braces("%d", natural)]))
+    w.lines.append("const struct rsh_pair_group rsh_pair_groups[2] = %s;" % pair(rows))
+    ms = [1, 2, 3, 4, 5] * 3 + [0]
+    texts = [pair([braces("%.1ff", [multiple(m, sine)[power] for m in ms]) for power in range(3)])
+             for sine in (False, True)]
+    w.lines.append("const struct rsh_pair_multiples rsh_pair_multiples = %s;" % pair(texts))
 
 
 def series_factors(outer, part, kind):
@@ -511,7 +537,7 @@ def main():
     w = Writer()
     plain_tables(w)
     lane_tables(w)
-    multiple_tables(w)
+    pair_tables(w)
     hemisphere_tables(w)
     with open(sys.argv[1], "w") as f:
         f.write("\n".join(w.lines) + "\n")

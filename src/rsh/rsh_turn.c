@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rotation on lanes, one source for AVX2 and AVX-512: the build defines RSH_NAME, the suffix.
-// rsh_tables.h describes the layout. A group of bands is loaded, turned about z, y and z, and
-// stored; what depends on the angles only is computed once for all channels.
+// Orders up to 6 are in rsh_turn_pairs.c. rsh_tables.h describes the layout. A group of bands is
+// loaded, turned about z, y and z, and stored; what depends on the angles only is computed once for
+// all channels.
 #include "rsh/rsh_turn.h"
 
 #include "rsh/rsh_lanes.h"
@@ -55,12 +56,10 @@ INLINE void turn_parts(struct angle t, lanes *even, lanes *odd) {
     *odd = lanes_mad(t.sine, a, lanes_mul(t.cosine, b));
 }
 
-// What of a group is known where it is used: its coefficients, the steps of its exchange with the
-// place of the first and the polynomials of small multiples, or NULL, with their degree.
+// What of a group is known where it is used: its coefficients, the steps of its exchange and the
+// place of the first.
 struct span {
     int first, end, steps, offset;
-    const struct rsh_lane_multiples *small;
-    int degree;
 };
 
 // Exchanges y and z of `block` channels; direction 0 leads to the inner layout, 1 back.
@@ -111,57 +110,24 @@ INLINE void turn_series(const struct rsh_lane_group *g, const struct rsh_turn *t
     *odd = lanes_mad(beta, b, *odd);
 }
 
-// An angle: the cosines and sines of all multiples, or, where those up to 5 suffice, its own in
-// every lane, with their product and the cosine of twice the angle.
-struct spin {
-    struct angle angle;
-    lanes product, twice;
-};
-
-struct spins {
-    struct spin alpha, beta, gamma;
-};
-
-INLINE struct spin spin_of(float c, float s, bool small, bool wide) {
-    if (!small) return (struct spin){.angle = multiples(c, s, wide)};
-    struct spin a = {.angle = {lanes_splat_now(c), lanes_splat_now(s)}};
-    a.product = lanes_mul(a.angle.cosine, a.angle.sine);
-    a.twice = lanes_nmad(a.angle.sine, a.angle.sine, lanes_mul(a.angle.cosine, a.angle.cosine));
-    return a;
-}
-
-// The small multiples of an angle, as rsh_tables.h has them.
-INLINE struct angle polynomials(const struct rsh_lane_multiples *m, int degree, int inner,
-                                const struct spin *a) {
-    const places odd = places_load(m->odd);
-    const lanes one = lanes_splat(1.0f), c1 = a->angle.cosine, s1 = a->angle.sine;
-    lanes c = lanes_load(m->cosine[degree]), s = lanes_load(m->sine[degree]);
-    for (int k = degree - 1; k >= 0; k--) {
-        c = lanes_mad(c, a->twice, lanes_load(m->cosine[k]));
-        s = lanes_mad(s, a->twice, lanes_load(m->sine[k]));
-    }
-    // In the outer layout all odd multiples are in the upper half.
-    return (struct angle){
-        lanes_mul(c, inner ? lanes_where(odd, c1, one) : lanes_halves(one, c1)),
-        lanes_mul(s, inner ? lanes_where(odd, s1, a->product) : lanes_halves(a->product, s1))};
-}
-
 // The multiples where the group's lanes want them, in the outer (0) or the inner (1) layout.
-INLINE struct angle place(const struct rsh_lane_group *g, struct span span, int inner,
-                          const struct spin *a) {
-    if (span.small) return polynomials(span.small + inner, span.degree, inner, a);
+INLINE struct angle place(const struct rsh_lane_group *g, int inner, struct angle a) {
     const places p = places_load(g->power[inner]);
-    if (inner) return (struct angle){lanes_any(a->angle.cosine, p), lanes_any(a->angle.sine, p)};
-    return (struct angle){lanes_within(a->angle.cosine, p), lanes_within(a->angle.sine, p)};
+    if (inner) return (struct angle){lanes_any(a.cosine, p), lanes_any(a.sine, p)};
+    return (struct angle){lanes_within(a.cosine, p), lanes_within(a.sine, p)};
 }
+
+struct angles {
+    struct angle alpha, beta, gamma;
+};
 
 // `in` and `out` are the first of `block` channels of n coefficients each.
 INLINE void turn_group(const struct rsh_lane_group *g, struct span span, const struct rsh_turn *t,
-                       const struct spins *spins, int block, int n, const float *in, float *out) {
+                       const struct angles *angles, int block, int n, const float *in, float *out) {
     const int count = (n < span.end ? n : span.end) - span.first;
     in += span.first;
     out += span.first;
-    struct angle gamma = place(g, span, 0, &spins->gamma);
+    struct angle gamma = place(g, 0, angles->gamma);
     lanes even[BLOCK], odd[BLOCK];
     for (int c = 0; c < block; c++) {
         struct lanes_source source = lanes_source(in + c * n, count);
@@ -170,7 +136,7 @@ INLINE void turn_group(const struct rsh_lane_group *g, struct span span, const s
         turn_parts(gamma, &even[c], &odd[c]);
     }
     if (t->method == RSH_METHOD_EXACT) {
-        struct angle beta = place(g, span, 1, &spins->beta);
+        struct angle beta = place(g, 1, angles->beta);
         exchange(g, span, 0, block, even, odd);
         for (int c = 0; c < block; c++) turn_parts(beta, &even[c], &odd[c]);
         exchange(g, span, 1, block, even, odd);
@@ -178,68 +144,40 @@ INLINE void turn_group(const struct rsh_lane_group *g, struct span span, const s
         for (int c = 0; c < block; c++) turn_series(g, t, &even[c], &odd[c]);
     }
     if (t->method != RSH_METHOD_Z) {
-        struct angle alpha = place(g, span, 0, &spins->alpha);
+        struct angle alpha = place(g, 0, angles->alpha);
         for (int c = 0; c < block; c++) turn_parts(alpha, &even[c], &odd[c]);
     }
     for (int c = 0; c < block; c++) lanes_scatter(even[c], odd[c], g->natural, count, out + c * n);
 }
 
-// The first two groups, which are all that small orders have, with what the tables say of them.
-INLINE void turn_channels(const struct rsh_turn *t, const struct spins *spins, bool small,
-                          int order, int block, const float *in, float *out) {
+// The first two groups, which all these orders have, with what the tables say of them.
+INLINE void turn_channels(const struct rsh_turn *t, const struct angles *angles, int order,
+                          int block, const float *in, float *out) {
     const struct rsh_lane_group *g = rsh_lane_groups, *end = g + RSH_LANE_GROUPS;
-    const struct span first = {0, 16, 2, 0, small ? rsh_lane_multiples[0] : NULL, 1};
-    const struct span second = {16, 36, 3, 2, small ? rsh_lane_multiples[1] : NULL, 2};
-    int n = order * order;
-    turn_group(g++, first, t, spins, block, n, in, out);
-    if (n > 16) turn_group(g++, second, t, spins, block, n, in, out);
-    for (; !small && g < end && g->first < n; g++) {
-        int next = g + 1 < end ? g[1].first : RSH_MAX_COEFFICIENTS;
-        const struct span span = {g->first, next, g->steps, g->offset, NULL, 0};
-        turn_group(g, span, t, spins, block, n, in, out);
+    const int n = order * order;
+    turn_group(g++, (struct span){0, 16, 2, 0}, t, angles, block, n, in, out);
+    turn_group(g++, (struct span){16, 36, 3, 2}, t, angles, block, n, in, out);
+    for (; g < end && g->first < n; g++) {
+        const int next = g + 1 < end ? g[1].first : RSH_MAX_COEFFICIENTS;
+        const struct span span = {g->first, next, g->steps, g->offset};
+        turn_group(g, span, t, angles, block, n, in, out);
     }
-}
-
-INLINE void turn(const struct rsh_turn *t, bool small, int order, int channels, const float *in,
-                 float *out) {
-    const bool wide = order > 8;
-    struct spins a;
-    a.alpha = a.beta = a.gamma = spin_of(t->cos_gamma, t->sin_gamma, small, wide);
-    if (t->method != RSH_METHOD_Z) a.alpha = spin_of(t->cos_alpha, t->sin_alpha, small, wide);
-    // The exchange turns the sense round: y by beta is z by -beta between two exchanges.
-    if (t->method == RSH_METHOD_EXACT) a.beta = spin_of(t->cos_beta, -t->sin_beta, small, wide);
-    int n = order * order;
-    for (; channels >= BLOCK; channels -= BLOCK, in += BLOCK * n, out += BLOCK * n)
-        turn_channels(t, &a, small, order, BLOCK, in, out);
-    for (; channels > 0; channels--, in += n, out += n)
-        turn_channels(t, &a, small, order, 1, in, out);
-}
-
-// Three shapes: anything; one channel of an order whose multiples are few; and of order 6 exactly,
-// which has no branch. With three channels the polynomials would leave too few registers.
-static __attribute__((noinline)) void turn_any(const struct rsh_turn *t, int order, int channels,
-                                               const float *in, float *out) {
-    turn(t, false, order, channels, in, out);
-}
-
-static __attribute__((noinline)) void turn_small(const struct rsh_turn *t, int order,
-                                                 const float *in, float *out) {
-    turn(t, true, order, 1, in, out);
-}
-
-static __attribute__((noinline)) void turn_six(const struct rsh_turn *exact, const float *in,
-                                               float *out) {
-    struct rsh_turn t = *exact;
-    t.method = RSH_METHOD_EXACT;
-    turn(&t, true, 6, 1, in, out);
 }
 
 void GLUE(rsh_turn_, RSH_NAME)(const struct rsh_turn *t, int order, int channels, const float *in,
                                float *out) {
-    if (order > 6 || channels != 1)
-        turn_any(t, order, channels, in, out);
-    else if (t->method == RSH_METHOD_EXACT && order == 6)
-        turn_six(t, in, out);
-    else
-        turn_small(t, order, in, out);
+    if (order <= 6) {
+        GLUE(rsh_turn_pairs_, RSH_NAME)(t, order, channels, in, out);
+        return;
+    }
+    const bool wide = order > 8;
+    const int n = order * order;
+    struct angles a;
+    a.alpha = a.beta = a.gamma = multiples(t->cos_gamma, t->sin_gamma, wide);
+    if (t->method != RSH_METHOD_Z) a.alpha = multiples(t->cos_alpha, t->sin_alpha, wide);
+    // The exchange turns the sense round: y by beta is z by -beta between two exchanges.
+    if (t->method == RSH_METHOD_EXACT) a.beta = multiples(t->cos_beta, -t->sin_beta, wide);
+    for (; channels >= BLOCK; channels -= BLOCK, in += BLOCK * n, out += BLOCK * n)
+        turn_channels(t, &a, order, BLOCK, in, out);
+    for (; channels > 0; channels--, in += n, out += n) turn_channels(t, &a, order, 1, in, out);
 }

@@ -9,6 +9,10 @@ void rsh_turn_avx2(const struct rsh_turn *turn, int order, int channels, const f
                    float *out);
 void rsh_turn_avx512(const struct rsh_turn *turn, int order, int channels, const float *in,
                      float *out);
+void rsh_turn_pairs_avx2(const struct rsh_turn *turn, int order, int channels, const float *in,
+                         float *out);
+void rsh_turn_pairs_avx512(const struct rsh_turn *turn, int order, int channels, const float *in,
+                           float *out);
 void rsh_convert_avx2(const struct rsh_rows *rows, bool transposed, const int bands[2],
                       const float *in, float *out);
 void rsh_convert_avx512(const struct rsh_rows *rows, bool transposed, const int bands[2],

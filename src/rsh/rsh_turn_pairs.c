@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rotation of orders up to 6 on lanes, one source for AVX2 and AVX-512: the build defines RSH_NAME,
+// the suffix. rsh_tables.h describes the layout, which leaves no lane empty: orders up to 4 fill
+// one vector, the bands 2 to 5 of order 6 two, while bands 0 and 1 are turned number by number.
+// Lanes stand in pairs +m, -m, so that a turn about z is a product of complex numbers.
+//
+// What the time goes into here is loads, of which the processor does one vector per cycle, and
+// waiting: so tables that are used twice are held in registers, and both vectors go side by side.
+#include "rsh/rsh_lanes.h"
+#include "rsh/rsh_tables.h"
+#include "rsh/rsh_turn.h"
+
+#define GLUE2(a, b) a##b
+#define GLUE(a, b) GLUE2(a, b)
+#define INLINE static inline __attribute__((always_inline))
+
+// Group 0 serves orders up to 4, group 1 orders 5 and 6.
+#define VECTORS(group) (1 + (group))
+#define STEPS(group) (2 + (group))
+#define FIRST(group) (4 * (group))
+enum { MOST_VECTORS = 2, MOST_STEPS = 3 };
+
+enum { ALPHA, BETA, GAMMA, ANGLES };
+
+// A turn about z: cosine and sine of the multiple that each lane wants.
+struct spin {
+    lanes cosine[MOST_VECTORS], sine[MOST_VECTORS];
+};
+
+// The exchange of y and z.
+struct exchange {
+    places source[MOST_VECTORS][MOST_STEPS];
+    lanes factor[MOST_VECTORS][MOST_STEPS];
+};
+
+// A number of each angle in the lanes of rsh_pair_multiples.
+INLINE lanes three(float alpha, float beta, float gamma) {
+    return lanes_choose_of(RSH_PAIR_ALPHA, lanes_splat(alpha),
+                           lanes_choose_of(RSH_PAIR_BETA, lanes_splat(beta), lanes_splat(gamma)));
+}
+
+// The multiples of all angles at once, then where the lanes want them. The exchange turns the sense
+// round: y by beta is z by -beta between two exchanges.
+INLINE void multiply(const struct rsh_turn *t, int group, struct spin *spins) {
+    const struct rsh_pair_multiples *m = &rsh_pair_multiples;
+    const lanes c1 = three(t->cos_alpha, t->cos_beta, t->cos_gamma);
+    const lanes s1 = three(t->sin_alpha, -t->sin_beta, t->sin_gamma);
+    const lanes twice = lanes_nmad(s1, s1, lanes_mul(c1, c1));
+    lanes c = lanes_load(m->cosine[2]), s = lanes_load(m->sine[2]);
+    for (int k = 1; k >= 0; k--) {
+        c = lanes_mad(c, twice, lanes_load(m->cosine[k]));
+        s = lanes_mad(s, twice, lanes_load(m->sine[k]));
+    }
+    c = lanes_mul(c, lanes_choose_of(RSH_PAIR_ODD, c1, lanes_splat(1.0f)));
+    s = lanes_mul(s, lanes_choose_of(RSH_PAIR_ODD, s1, lanes_mul(c1, s1)));
+    for (int a = GAMMA; a >= ALPHA; a--)
+        for (int i = 0; i < VECTORS(group); i++) {
+            const places p = places_load(rsh_pair_groups[group].lanes[i].multiple[a]);
+            spins[a].cosine[i] = lanes_any(c, p);
+            spins[a].sine[i] = lanes_any(s, p);
+        }
+}
+
+INLINE void turn_z(const struct spin *spin, int group, lanes *v) {
+    lanes w[MOST_VECTORS];
+    for (int i = 0; i < VECTORS(group); i++)
+        w[i] = lanes_mul(spin->sine[i], lanes_swap_pairs(v[i]));
+    for (int i = 0; i < VECTORS(group); i++) v[i] = lanes_mad_sub(spin->cosine[i], v[i], w[i]);
+}
+
+INLINE struct exchange load_exchange(int group) {
+    struct exchange e;
+    for (int k = 0; k < STEPS(group); k++)
+        for (int i = 0; i < VECTORS(group); i++) {
+            const struct rsh_pair_lanes *p = &rsh_pair_groups[group].lanes[i];
+            e.source[i][k] = places_held(places_load(p->source[k]));
+            e.factor[i][k] = lanes_held(lanes_load(p->factor[k]));
+        }
+    return e;
+}
+
+INLINE void swap(const struct exchange *e, int group, lanes *v) {
+    lanes sum[MOST_VECTORS];
+    for (int k = 0; k < STEPS(group); k++)
+        for (int i = 0; i < VECTORS(group); i++) {
+            const lanes w = lanes_any(v[i], e->source[i][k]);
+            sum[i] = k ? lanes_mad(w, e->factor[i][k], sum[i]) : lanes_mul(w, e->factor[i][k]);
+        }
+    for (int i = 0; i < VECTORS(group); i++) v[i] = sum[i];
+}
+
+// D, the derivative of the rotation about y.
+INLINE lanes derivative(const struct rsh_pair_lanes *p, lanes v) {
+    const lanes down = lanes_mul(lanes_any(v, places_load(p->down)), lanes_load(p->from_down));
+    return lanes_mad(lanes_any(v, places_load(p->up)), lanes_load(p->from_up), down);
+}
+
+// About y, by the series.
+INLINE lanes turn_series(const struct rsh_pair_lanes *p, const struct rsh_turn *t, lanes v) {
+    const lanes half = lanes_splat(0.5f * t->beta);
+    lanes a = derivative(p, v);
+    if (t->method == RSH_METHOD_TAYLOR_2)
+        a = lanes_mad(half, derivative(p, a), a);
+    else if (t->method == RSH_METHOD_TAYLOR_1_5)
+        a = lanes_mad(half, lanes_mul(v, lanes_load(p->curve)), a);
+    return lanes_mad(lanes_splat(t->beta), a, v);
+}
+
+INLINE void turn_vectors(const struct rsh_turn *t, const struct spin *spins, int group, lanes *v) {
+    turn_z(&spins[GAMMA], group, v);
+    if (t->method == RSH_METHOD_Z) return;
+    if (t->method == RSH_METHOD_EXACT) {
+        const struct exchange e = load_exchange(group);
+        swap(&e, group, v);
+        turn_z(&spins[BETA], group, v);
+        swap(&e, group, v);
+    } else {
+        for (int i = 0; i < VECTORS(group); i++)
+            v[i] = turn_series(&rsh_pair_groups[group].lanes[i], t, v[i]);
+    }
+    turn_z(&spins[ALPHA], group, v);
+}
+
+// Bands 0 and 1, the second of which is y, z, x.
+INLINE void turn_head(const struct rsh_turn *t, const float *in, float *out) {
+    const float y = in[1], z = in[2], x = in[3];
+    float c = t->cos_beta, s = t->sin_beta;
+    if (t->method != RSH_METHOD_EXACT) {
+        c = t->method >= RSH_METHOD_TAYLOR_1_5 ? 1.0f - 0.5f * t->beta * t->beta : 1.0f;
+        s = t->beta;
+    }
+    const float x1 = t->cos_gamma * x - t->sin_gamma * y, y1 = t->sin_gamma * x + t->cos_gamma * y;
+    const float x2 = c * x1 + s * z;
+    const bool z_only = t->method == RSH_METHOD_Z;
+    out[0] = in[0];
+    out[1] = z_only ? y1 : t->sin_alpha * x2 + t->cos_alpha * y1;
+    out[2] = z_only ? z : c * z - s * x1;
+    out[3] = z_only ? x1 : t->cos_alpha * x2 - t->sin_alpha * y1;
+}
+
+INLINE void turn(const struct rsh_turn *t, int group, int order, int channels, const float *in,
+                 float *out) {
+    const int n = order * order, count = n - FIRST(group);
+    const struct rsh_pair_group *g = &rsh_pair_groups[group];
+    struct spin spins[ANGLES];
+    multiply(t, group, spins);
+    for (int c = 0; c < channels; c++, in += n, out += n) {
+        const struct lanes_source source = lanes_source(in + FIRST(group), count);
+        lanes v[MOST_VECTORS];
+        for (int i = 0; i < VECTORS(group); i++)
+            v[i] = lanes_gather(source, places_load(g->lanes[i].place));
+        turn_vectors(t, spins, group, v);
+        if (group > 0) turn_head(t, in, out);
+        lanes_scatter(v[0], v[group], g->natural, count, out + FIRST(group));
+    }
+}
+
+// Of order 6 exactly there is a form without a branch; the others are one function each.
+static __attribute__((noinline)) void turn_four(const struct rsh_turn *t, int order, int channels,
+                                                const float *in, float *out) {
+    turn(t, 0, order, channels, in, out);
+}
+
+static __attribute__((noinline)) void turn_six(const struct rsh_turn *t, int order, int channels,
+                                               const float *in, float *out) {
+    turn(t, 1, order, channels, in, out);
+}
+
+static __attribute__((noinline)) void turn_exact(const struct rsh_turn *t, int channels,
+                                                 const float *in, float *out) {
+    struct rsh_turn exact = *t;
+    exact.method = RSH_METHOD_EXACT;
+    turn(&exact, 1, 6, channels, in, out);
+}
+
+static __attribute__((noinline)) void turn_exact_one(const struct rsh_turn *t, const float *in,
+                                                     float *out) {
+    struct rsh_turn exact = *t;
+    exact.method = RSH_METHOD_EXACT;
+    turn(&exact, 1, 6, 1, in, out);
+}
+
+void GLUE(rsh_turn_pairs_, RSH_NAME)(const struct rsh_turn *t, int order, int channels,
+                                     const float *in, float *out) {
+    if (order <= 4)
+        turn_four(t, order, channels, in, out);
+    else if (order == 5 || t->method != RSH_METHOD_EXACT)
+        turn_six(t, order, channels, in, out);
+    else if (channels != 1)
+        turn_exact(t, channels, in, out);
+    else
+        turn_exact_one(t, in, out);
+}
