@@ -205,3 +205,7 @@ satin_status scene_old_respell(struct log log, struct arena *arena, struct xml_n
     bool value = node->tag >= XML_BOOLEAN && node->tag <= XML_TRANSFORM;
     return parent && value && node->name ? respell_value(log, arena, parent, node, keep) : SATIN_OK;
 }
+
+bool scene_old_dissolves(const struct xml_node *parent, const struct xml_node *node) {
+    return is(parent, XML_BSDF, "bumpmap") && is(node, XML_TEXTURE, "scale");
+}

@@ -18,4 +18,8 @@ bool scene_old_attribute(const char *name);
 satin_status scene_old_respell(struct log log, struct arena *arena, struct xml_node *parent,
                                struct xml_node *node, bool *keep);
 
+// Whether only what the element contains is for `parent`: a factor around the heights of a bumpmap,
+// which has had it as a parameter since.
+bool scene_old_dissolves(const struct xml_node *parent, const struct xml_node *node);
+
 #endif

@@ -214,9 +214,10 @@ static satin_status open_element(struct file *file, const char *name, const char
     if (status != SATIN_OK) return status;
     if (!placed_well(file, node)) return SATIN_ERROR_INPUT;
     if (file->old) status = respell(file, node, &keep);
-    if (root && file->parent && node->tag == XML_SCENE) {
-        // What it contains belongs to the element that includes it.
-        node = reader->open[reader->depth - 1];
+    const bool included = root && file->parent && node->tag == XML_SCENE;
+    struct xml_node *parent = reader->depth ? reader->open[reader->depth - 1] : NULL;
+    if (included || (file->old && scene_old_dissolves(parent, node))) {
+        node = parent;  // to which belongs what it contains
     } else if (status == SATIN_OK && keep) {
         if (root && file->parent) node->name = file->name;
         status = take_element(file, node);

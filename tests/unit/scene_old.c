@@ -34,6 +34,28 @@ static void translates(void **state) {
     satin_scene_free(scene);
 }
 
+// A factor around the heights is the bumpmap's own.
+static void moves_the_scale_of_bumps(void **state) {
+    (void)state;
+    static const char bumps[] =
+        "<scene version='%s'><sensor type='perspective'/><shape type='cube'>"
+        "<bsdf type='bumpmap'><texture type='scale'><texture type='checkerboard'/>%s"
+        "</texture><bsdf type='diffuse'/></bsdf></shape></scene>";
+    struct scene_case c;
+    char text[1024];
+    snprintf(text, sizeof text, bumps, "0.6.0", "<float name='scale' value='7'/>");
+    satin_scene *scene = scene_case_load(&c, text);
+    assert_non_null(scene);
+    const struct material_relief *relief = scene->material[0].front.relief;
+    assert_true(relief->scale == 7.0f && relief->bump->kind == TEXTURE_CHECKERBOARD);
+    satin_scene_free(scene);
+    snprintf(text, sizeof text, bumps, "0.6.0", "<rgb name='scale' value='1 2 3'/>");
+    assert_null(scene_case_load(&c, text));
+    snprintf(text, sizeof text, bumps, "3.0.0", "");
+    assert_null(scene_case_load(&c, text));
+    assert_true(strstr(c.error, "unknown texture 'scale'") != NULL);
+}
+
 // Renamed, scaled and coloured as version 3 does it by other words.
 static void keeps_meaning(void **state) {
     (void)state;
@@ -112,7 +134,8 @@ static void refuses_the_rest(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(translates), cmocka_unit_test(keeps_meaning),
-        cmocka_unit_test(keeps_defaults), cmocka_unit_test(refuses_the_rest)};
+        cmocka_unit_test(translates), cmocka_unit_test(moves_the_scale_of_bumps),
+        cmocka_unit_test(keeps_meaning), cmocka_unit_test(keeps_defaults),
+        cmocka_unit_test(refuses_the_rest)};
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }
