@@ -8,6 +8,7 @@
 #include "scene/scene_loader.h"
 
 enum { NESTING_MAX = 16 };
+#define GROUP_EMPTY UINT32_MAX  // in place of 1 + the index of a group: it has no shapes
 
 static const struct param_spec to_world = {
     "to_world", PARAM_TRANSFORM, "1", 0, 0, NULL, "the group's space to world space"};
@@ -55,7 +56,10 @@ static satin_status add_group(struct scene_loader *loader, const struct params *
     loader->open_group = 0;
     group.count = (uint32_t)loader->shape_count - group.first;
     if (status != SATIN_OK) return status;
-    if (!group.count) return fail(loader, p, "it has no shape");
+    if (!group.count) {
+        p->node->group = GROUP_EMPTY;
+        return SATIN_OK;
+    }
     loader->group[loader->group_count++] = group;
     return SATIN_OK;
 }
@@ -71,6 +75,7 @@ static satin_status add_instance(struct scene_loader *loader, const struct param
     struct shape shape = {.kind = SHAPE_INSTANCE, .instance_of = group->group - 1, .light = -1};
     if (!scene_shape_place(&shape, &param(p, "to_world")->m))
         return fail(loader, p, "to_world is singular");
+    if (group->group == GROUP_EMPTY) return SATIN_OK;
     shape.name = scene_keep_text(loader, p->node->id ? p->node->id : p->plugin->name);
     if (!shape.name) return scene_no_memory(loader);
     shape.material = loader->shape[loader->group[shape.instance_of].first].material;

@@ -106,13 +106,29 @@ static void rays_leave(void **state) {
     satin_scene_free(scene);
 }
 
+// A group without shapes shows nothing wherever it is, and the next one is not mistaken for it.
+static void groups_may_be_empty(void **state) {
+    (void)state;
+    struct scene_case c;
+    satin_scene *scene = scene_case_load(
+        &c, SCENE_TEXT("<shape type='shapegroup' id='e'/><shape type='instance'><ref id='e'/>"
+                       "</shape><shape type='shapegroup' id='g'><shape type='cube'/></shape>"
+                       "<shape type='instance'><ref id='g'/></shape>"
+                       "<shape type='instance'><ref id='e'/></shape>"));
+    assert_non_null(scene);
+    assert_true(scene->group_count == 1 && scene->group[0].count == 1 && scene->shape_count == 2);
+    struct ray ray = {v3(0, 0, 5), 0, v3(0, 0, -1), INFINITY};
+    struct surfel s;
+    assert_true(scene_intersect(scene, &ray, &s) && fabsf(s.t - 4.0f) < 1e-5f);
+    satin_scene_free(scene);
+}
+
 static void refuses(void **state) {
     (void)state;
     static const char *const cases[][2] = {
         {"<shape type='instance'/>", "shape 'instance': it takes one shapegroup"},
         {"<shape type='instance'><shape type='cube'/></shape>",
          "shape 'instance': it takes one shapegroup"},
-        {"<shape type='shapegroup'/>", "shape 'shapegroup': it has no shape"},
         {"<shape type='shapegroup'><shape type='cube'><emitter type='area'/></shape></shape>",
          "shape 'cube': it cannot emit in a shapegroup"},
         {"<shape type='shapegroup' id='g'><shape type='cube'/><shape type='instance'>"
@@ -145,8 +161,8 @@ static void merges(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(shows_the_same),
-                                       cmocka_unit_test(rays_leave), cmocka_unit_test(refuses),
-                                       cmocka_unit_test(merges)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(shows_the_same), cmocka_unit_test(rays_leave),
+        cmocka_unit_test(groups_may_be_empty), cmocka_unit_test(refuses), cmocka_unit_test(merges)};
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }
