@@ -13,6 +13,7 @@
 #include "base/text.h"
 #include "scene/scene_build.h"
 #include "scene/scene_define.h"
+#include "scene/scene_doctype.h"
 #include "scene/scene_old.h"
 #include "scene/scene_params.h"
 
@@ -239,19 +240,34 @@ static void XMLCALL on_end(void *user, const char *name) {
     if (file->reader->status == SATIN_OK) file->reader->depth--;
 }
 
-// Entities can grow without bound and read other files, so there are none; a mere name of the root
-// declares none.
+// What scene_doctype_blank did not find, for which see there.
 static void XMLCALL on_doctype(void *user, const char *name, const char *system_id,
                                const char *public_id, int internal) {
-    (void)name;
-    if (!system_id && !public_id && !internal) return;
+    (void)name, (void)system_id, (void)public_id, (void)internal;
     struct file *file = user;
-    log_error_at(file->reader->log, here(file), "declarations of a document type are not allowed");
+    log_error_at(file->reader->log, here(file),
+                 "cannot pass over this declaration of a document type");
     stop(file, SATIN_ERROR_INPUT);
 }
 
-static satin_status parse(struct file *file, const char *data, size_t size) {
+static void log_syntax(const struct file *file, enum XML_Error error, const char *data,
+                       size_t size) {
+    const struct log log = file->reader->log;
+    const XML_Index at = XML_GetCurrentByteIndex(file->parser);
+    const char *entity = NULL;
+    size_t n = 0;
+    if (error == XML_ERROR_UNDEFINED_ENTITY && at >= 0 && (size_t)at < size)
+        n = scene_entity_find(data + at, size - (size_t)at, &entity);
+    if (n)
+        log_error_at(log, here(file), "entities are not read; write what '%.*s' stands for", (int)n,
+                     entity);
+    else
+        log_error_at(log, here(file), "not XML: %s", XML_ErrorString(error));
+}
+
+static satin_status parse(struct file *file, char *data, size_t size) {
     struct reader *reader = file->reader;
+    scene_doctype_blank(data, size);
     XML_SetUserData(file->parser, file);
     XML_SetElementHandler(file->parser, on_start, on_end);
     XML_SetStartDoctypeDeclHandler(file->parser, on_doctype);
@@ -261,7 +277,7 @@ static satin_status parse(struct file *file, const char *data, size_t size) {
     if (error == XML_ERROR_NO_MEMORY)
         return log_fail(reader->log, SATIN_ERROR_MEMORY, "%s: not enough memory for the scene",
                         file->path);
-    log_error_at(reader->log, here(file), "not XML: %s", XML_ErrorString(error));
+    log_syntax(file, error, data, size);
     return SATIN_ERROR_INPUT;
 }
 

@@ -40,6 +40,29 @@ static void keeps_order_and_places(void **state) {
     scene_xml_free(&xml);
 }
 
+// What is declared of the document's type is passed over, whatever it is, and lines stay where they
+// are.
+static void passes_over_the_type(void **state) {
+    (void)state;
+    static const char *const types[] = {
+        "<!DOCTYPE scene>\n\n\n",
+        "\xef\xbb\xbf<!-- <!DOCTYPE [ --><?pi > ?>\n<!DOCTYPE scene SYSTEM 'a>.dtd'>\n\n",
+        "<!DOCTYPE scene PUBLIC \"-//x\" \"y.dtd\" [\n<!-- ]> ' -->\n<?pi ]> ?>]\n>",
+        "<!DOCTYPE scene [<!ENTITY a ']>'><!ENTITY % b \"<x>\">\n%b;<!ELEMENT scene ANY>\n"
+        "<!ATTLIST scene version CDATA '&a;&a;' type CDATA '9'>]>\n"};
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++) {
+        struct scene_case c;
+        struct scene_xml xml;
+        char text[512];
+        snprintf(text, sizeof text, "%s%s", types[i],
+                 "<scene version='3.0.0'><shape type='sphere' id='&amp;&#65;'/></scene>");
+        assert_int_equal(read_text(&c, text, &xml), SATIN_OK);
+        assert_int_equal(xml.root->place.line, 4);
+        assert_string_equal(xml.root->child->id, "&A");
+        scene_xml_free(&xml);
+    }
+}
+
 static void substitutes_parameters(void **state) {
     (void)state;
     struct scene_case c;
@@ -156,11 +179,12 @@ static const struct refusal refusals[] = {
     {S "<shape type='$what'/></scene>",
      "scene.xml:1:24: undefined parameter '$what' (-D what=VALUE defines it)"},
     {S "<default name='' value='1'/></scene>", "scene.xml:1:24: <default> with an empty name"},
-    {"<!DOCTYPE scene SYSTEM 'a.dtd'>" S "</scene>",
-     "scene.xml:1:31: declarations of a document type are not allowed"},
-    {"<!DOCTYPE scene [<!ENTITY a 'b'>]>" S "</scene>",
-     "scene.xml:1:17: declarations of a document type are not allowed"},
-    {S "<shape type='&a;'/></scene>", "scene.xml:1:24: not XML: undefined entity"},
+    {"<!DOCTYPE scene [<!ENTITY a 'b'>]>\n" S "<shape type='&lt;&a;'/></scene>",
+     "scene.xml:2:24: entities are not read; write what '&a;' stands for"},
+    {S "words and an &entity;</scene>",
+     "scene.xml:1:37: entities are not read; write what '&entity;' stands for"},
+    {"<!DOCTYPE scene [<!ENTITY a 'b'>" S "</scene>",
+     "scene.xml:1:17: cannot pass over this declaration of a document type"},
     {S "<include filename='none.xml'/></scene>",
      "scene.xml:1:24: cannot read 'none.xml': No such file or directory"},
 };
@@ -209,10 +233,10 @@ static void substitution_is_bounded(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(keeps_order_and_places),  cmocka_unit_test(substitutes_parameters),
-        cmocka_unit_test(includes_files),          cmocka_unit_test(includes_are_bounded),
-        cmocka_unit_test(refuses_with_place),      cmocka_unit_test(nesting_is_bounded),
-        cmocka_unit_test(substitution_is_bounded),
+        cmocka_unit_test(keeps_order_and_places), cmocka_unit_test(passes_over_the_type),
+        cmocka_unit_test(substitutes_parameters), cmocka_unit_test(includes_files),
+        cmocka_unit_test(includes_are_bounded),   cmocka_unit_test(refuses_with_place),
+        cmocka_unit_test(nesting_is_bounded),     cmocka_unit_test(substitution_is_bounded),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }
