@@ -20,7 +20,7 @@ static const struct param_spec eta = {
 static const struct param_spec thin_eta = {
     "eta", PARAM_FLOAT, "1.5", RANGE_POSITIVE, PARAM_TEXTURE, NULL, "relative index of refraction"};
 static const struct param_spec specular = {
-    "specular", PARAM_FLOAT, ".5", RANGE_UNIT, 0, NULL, "reflectance in place of eta"};
+    "specular", PARAM_FLOAT, ".5", RANGE_NOT_NEGATIVE, 0, NULL, "reflectance in place of eta"};
 static const struct param_spec spec_tint =
     NUMBER(spec_tint, "0", "tint of the dielectric reflection by the base colour");
 static const struct param_spec sheen = NUMBER(sheen, "0", "grazing reflection, as of cloth");
@@ -53,6 +53,9 @@ param_list bsdf_principled_params = {
 param_list bsdf_principledthin_params = {
     &base_color, &roughness,  &anisotropic, &spec_trans, &thin_eta, &spec_tint, &sheen, &sheen_tint,
     &flatness,   &diff_trans, &rate[2],     &rate[3],    &rate[4],  &rate[5],   NULL};
+
+// Its reflectance head on is .08 of it; from 12.5 on that would be all of the light.
+#define SPECULAR_MAX 12.0f
 
 struct slot_name {
     const char *name;
@@ -90,6 +93,11 @@ satin_status bsdf_principled_build(struct scene_loader *loader, const struct par
     const struct param_value *index = param(p, "eta"), *reflects = param(p, "specular");
     if (index->given && reflects->given) {
         log_error_at(loader->log, p->node->place, "the reflectance is either eta or specular");
+        return SATIN_ERROR_INPUT;
+    }
+    if (reflects->f > SPECULAR_MAX) {
+        log_error_at(loader->log, reflects->place, "specular is %g, but must be in [0, %g]",
+                     (double)reflects->f, (double)SPECULAR_MAX);
         return SATIN_ERROR_INPUT;
     }
     if (index->given && !bsdf_ior_valid(loader, index->place, "eta", index->f))

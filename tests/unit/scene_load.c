@@ -266,6 +266,8 @@ static const struct refusal refusals[] = {
     {SCENE_TEXT("<bsdf type='principled'><float name='eta' value='2'/><float name='specular' "
                 "value='.5'/></bsdf>"),
      "scene.xml:3:1: the reflectance is either eta or specular"},
+    {SCENE_TEXT("<bsdf type='principled'><float name='specular' value='12.5'/></bsdf>"),
+     "scene.xml:3:25: specular is 12.5, but must be in [0, 12]"},
     {SCENE_TEXT("<bsdf type='principledthin'><float name='diff_trans' value='3'/></bsdf>"),
      "scene.xml:3:29: diff_trans is over 2"},
     {SCENE_TEXT("<bsdf type='principledthin'><float name='eta' value='1e30'/></bsdf>"),
