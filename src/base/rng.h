@@ -24,7 +24,8 @@ enum rng_stage {
     RNG_LEVEL,
     RNG_DEAL,
     RNG_CELL,
-    RNG_SEEN
+    RNG_SEEN,
+    RNG_SMOOTH
 };
 
 struct rng {

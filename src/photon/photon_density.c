@@ -105,6 +105,24 @@ rgb photon_disc_irradiance(const struct photon_disc *disc) {
     return E;
 }
 
+float photon_disc_clear(const struct photon_disc *disc) {
+    float inverse = 1.0f;
+    for (int i = 0; disc->corrected && i < AREA_SECTORS; i++)
+        inverse = fmaxf(inverse, disc->area.inverse[i]);
+    return disc->r / inverse;
+}
+
+float photon_disc_variance(const struct photon_disc *disc) {
+    float sum = 0.0f;
+    for (int i = 0; i < disc->count; i++) {
+        const float weight = photon_disc_weight(disc, i);
+        if (!(weight > 0.0f)) continue;
+        const rgb c = disc->map->photon[disc->row[i]].power;
+        sum += weight * weight * (c.r * c.r + c.g * c.g + c.b * c.b);
+    }
+    return sum;
+}
+
 // ---- Reflected radiance -----------------------------------------------------------------------
 
 // A surface point as the estimates of reflected radiance need it.

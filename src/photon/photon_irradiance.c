@@ -70,14 +70,6 @@ static struct clearing find_clearing(const struct photon_precompute *what, size_
     return clearing;
 }
 
-// How far from the entry a wall or an edge is at least, by the sectors of its disc.
-static float clear_radius(const struct photon_disc *disc) {
-    float inverse = 1.0f;
-    for (int i = 0; disc->corrected && i < AREA_SECTORS; i++)
-        inverse = fmaxf(inverse, disc->area.inverse[i]);
-    return disc->r / inverse;
-}
-
 static void precompute_one(struct precompute *job, size_t entry, const struct clearing *clearing,
                            const int *row, const float *distance2) {
     const struct photon_precompute *what = job->what;
@@ -92,7 +84,7 @@ static void precompute_one(struct precompute *job, size_t entry, const struct cl
     what->map->open[entry] = !disc.corrected;
     job->out->E[entry] = photon_disc_irradiance(&disc);
     job->out->radius[entry] = disc.r;
-    job->out->clear[entry] = clear_radius(&disc);
+    job->out->place.clear[entry] = photon_disc_clear(&disc);
 }
 
 static void precompute_chunk(void *ctx, size_t begin, size_t end, int worker) {
@@ -146,12 +138,16 @@ static void set_row(float *row, vec3 p, vec3 n, float scale) {
     row[5] = scale * n.z;
 }
 
+void photon_place_set(struct photon_places *places, size_t i, vec3 p, vec3 n) {
+    set_row(places->row + 6 * i, p, n, places->scale);
+}
+
 // The rows of the index, their scale known by now.
 static void fill_rows(const struct photon_precompute *what, struct photon_irradiance *r) {
-    r->scale = 2.0f * median_radius(r);
+    r->place.scale = 2.0f * median_radius(r);
     for (size_t i = 0; i < r->count; i++) {
         struct photon_query at = query_of(what, i);
-        set_row(r->row + 6 * i, at.p, at.n, r->scale);
+        photon_place_set(&r->place, i, at.p, at.n);
     }
 }
 
@@ -167,11 +163,11 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
     satin_status status = SATIN_ERROR_MEMORY;
     map->stride = what->stride;
     map->open = array_new(r.count, 1);
-    r.row = array_new(6 * r.count, sizeof *r.row);
+    r.place.row = array_new(6 * r.count, sizeof *r.place.row);
     r.E = array_new(r.count, sizeof *r.E);
     r.radius = array_new(r.count, sizeof *r.radius);
-    r.clear = array_new(r.count, sizeof *r.clear);
-    if (map->open && r.row && r.E && r.radius && r.clear) {
+    r.place.clear = array_new(r.count, sizeof *r.place.clear);
+    if (map->open && r.place.row && r.E && r.radius && r.place.clear) {
         struct precompute job = {.what = what, .out = &r};
         atomic_init(&job.failed, false);
         if (!parallel_for(pool, r.count, GRAIN, precompute_chunk, &job))
@@ -181,9 +177,10 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
     }
     if (status == SATIN_OK) {
         fill_rows(what, &r);
-        r.index = photon_index_new(r.row, r.count, 6);
+        r.index = photon_index_new(r.place.row, r.count, 6);
         if (!r.index) status = SATIN_ERROR_MEMORY;
     }
+    if (status == SATIN_OK && what->smooth) status = photon_smooth(what, pool, &r);
     if (status == SATIN_ERROR_MEMORY) log_fail(log, status, "not enough memory for irradiance");
     if (status != SATIN_OK)
         photon_irradiance_free(&r);
@@ -194,10 +191,10 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
 
 void photon_irradiance_free(struct photon_irradiance *irradiance) {
     photon_index_free(irradiance->index);
-    free(irradiance->row);
+    free(irradiance->place.row);
     free(irradiance->E);
     free(irradiance->radius);
-    free(irradiance->clear);
+    free(irradiance->place.clear);
     *irradiance = (struct photon_irradiance){0};
 }
 
@@ -209,18 +206,13 @@ size_t photon_irradiance_bytes(const struct photon_irradiance *irradiance) {
 // ---- Lookups ----------------------------------------------------------------------------------
 
 static bool faces(const struct photon_irradiance *r, int row, vec3 n) {
-    const float *m = r->row + 6 * (size_t)row + 3;
-    return m[0] * n.x + m[1] * n.y + m[2] * n.z >= FACING * r->scale;
+    const float *m = r->place.row + 6 * (size_t)row + 3;
+    return m[0] * n.x + m[1] * n.y + m[2] * n.z >= FACING * r->place.scale;
 }
 
-static vec3 place_of(const struct photon_irradiance *r, int entry) {
-    const float *q = r->row + 6 * (size_t)entry;
-    return v3(q[0], q[1], q[2]);
-}
-
-bool photon_irradiance_sees(const struct photon_irradiance *r, const struct satin_scene *scene,
-                            int entry, vec3 p, vec3 n) {
-    vec3 d = v3_sub(place_of(r, entry), p);
+// Whether nothing stands between p and the place, a little above the surface.
+static bool sees(vec3 place, const struct satin_scene *scene, vec3 p, vec3 n) {
+    vec3 d = v3_sub(place, p);
     float distance = v3_len(d);
     if (!(distance > 0.0f)) return true;
     struct ray ray = scene_spawn(scene, p, n, n);
@@ -230,12 +222,16 @@ bool photon_irradiance_sees(const struct photon_irradiance *r, const struct sati
     return !scene_occluded(scene, &ray);
 }
 
-// Whether p lies behind a wall.
-static bool hidden(const struct photon_irradiance *r, const struct satin_scene *scene, int entry,
-                   vec3 p, vec3 n) {
-    float clear = r->clear[entry];
-    return v3_dist2(place_of(r, entry), p) > clear * clear &&
-           !photon_irradiance_sees(r, scene, entry, p, n);
+bool photon_irradiance_sees(const struct photon_irradiance *r, const struct satin_scene *scene,
+                            int entry, vec3 p, vec3 n) {
+    return sees(photon_place(&r->place, (size_t)entry), scene, p, n);
+}
+
+bool photon_place_hidden(const struct photon_places *places, const struct satin_scene *scene,
+                         size_t i, vec3 p, vec3 n) {
+    const vec3 place = photon_place(places, i);
+    const float clear = places->clear[i];
+    return v3_dist2(place, p) > clear * clear && !sees(place, scene, p, n);
 }
 
 // The nearest entry that faces as n does, among a few, and of which no wall hides p; -1 if there is
@@ -248,7 +244,7 @@ static int search_facing(const struct photon_irradiance *r, const float *query, 
     photon_index_nearest(r->index, query, 1, RETRY_K, row, distance2);
     for (int i = 0; i < RETRY_K; i++) {
         if (row[i] < 0 || distance2[i] >= least || !faces(r, row[i], n)) continue;
-        if (scene && hidden(r, scene, row[i], p, n)) continue;
+        if (scene && photon_place_hidden(&r->place, scene, (size_t)row[i], p, n)) continue;
         best = row[i];
         least = distance2[i];
     }
@@ -259,15 +255,14 @@ int photon_irradiance_entry(const struct photon_irradiance *r, vec3 p, vec3 n) {
     float query[6], distance2;
     int row;
     if (r->count == 0) return -1;
-    set_row(query, p, n, r->scale);
+    set_row(query, p, n, r->place.scale);
     photon_index_nearest(r->index, query, 1, 1, &row, &distance2);
     return row >= 0 && !faces(r, row, n) ? search_facing(r, query, n, NULL) : row;
 }
 
 rgb photon_irradiance_value(const struct photon_irradiance *r, int entry, vec3 p) {
     if (entry < 0) return rgb_grey(0.0f);
-    const float *q = r->row + 6 * (size_t)entry;
-    float d2 = v3_dist2(p, v3(q[0], q[1], q[2])), radius = r->radius[entry];
+    float d2 = v3_dist2(p, photon_place(&r->place, (size_t)entry)), radius = r->radius[entry];
     float reach2 = r->reach2 * radius * radius;
     return d2 > reach2 ? rgb_scale(r->E[entry], reach2 / d2) : r->E[entry];
 }
@@ -281,12 +276,13 @@ void photon_irradiance_many(const struct photon_maps *maps, const struct satin_s
         size_t batch = count - at < BATCH ? count - at : BATCH;
         for (size_t i = 0; i < batch; i++) {
             row[i] = -1;
-            set_row(query + 6 * i, p[at + i], n[at + i], r->scale);
+            set_row(query + 6 * i, p[at + i], n[at + i], r->place.scale);
         }
         if (r->count > 0) photon_index_nearest(r->index, query, batch, 1, row, distance2);
         for (size_t i = 0; i < batch; i++) {
             size_t j = at + i;
-            if (row[i] >= 0 && (!faces(r, row[i], n[j]) || hidden(r, scene, row[i], p[j], n[j])))
+            if (row[i] >= 0 && (!faces(r, row[i], n[j]) ||
+                                photon_place_hidden(&r->place, scene, (size_t)row[i], p[j], n[j])))
                 row[i] = search_facing(r, query + 6 * i, n[j], scene);
             E[j] = photon_irradiance_value(r, row[i], p[j]);
             radius[j] = row[i] >= 0 ? r->radius[row[i]] : INFINITY;

@@ -203,19 +203,36 @@ void photon_disc_make(const struct photon_query *query, const int *row, const fl
                       struct photon_disc *out);
 // The weight of entry i of the disc [m^-2]; 0 for a photon that does not count.
 float photon_disc_weight(const struct photon_disc *disc, int i);
-// Irradiance: the sum of all photons by weight.
+// Irradiance: the sum of all photons by weight; and that of the squares, over all channels, which
+// is the variance of the sum.
 rgb photon_disc_irradiance(const struct photon_disc *disc);
+float photon_disc_variance(const struct photon_disc *disc);
+// How far from its centre a wall or an edge is at least, by the sectors of its disc.
+float photon_disc_clear(const struct photon_disc *disc);
 
 // ---- Irradiance at photons (photon_irradiance.c) ----------------------------------------------
 
+// Where estimates are.
+struct photon_places {
+    float *row;  // 6 each: position, scale * normal
+    float scale;
+    float *clear;  // within this no wall or edge cuts its disc
+};
+static inline vec3 photon_place(const struct photon_places *places, size_t i) {
+    const float *q = places->row + 6 * i;
+    return v3(q[0], q[1], q[2]);
+}
+void photon_place_set(struct photon_places *places, size_t i, vec3 p, vec3 n);
+// Whether p, on a surface with normal n, lies behind a wall from there.
+bool photon_place_hidden(const struct photon_places *places, const struct satin_scene *scene,
+                         size_t i, vec3 p, vec3 n);
+
 struct photon_irradiance {
     size_t count;
-    float *row;  // 6 per entry: position, scale * normal
+    struct photon_places place;
     rgb *E;
     float *radius;  // of its estimate
-    float *clear;   // within this no wall or edge cuts its disc
-    float scale;
-    float reach2;  // of an entry, in units of its squared radius
+    float reach2;   // of an entry, in units of its squared radius
     struct photon_index *index;
 };
 
@@ -226,11 +243,16 @@ struct photon_precompute {
     int k;
     enum photon_kernel kernel;
     bool area;
+    bool smooth;  // by photon_smooth
 };
 
 // Precomputes irradiance at every stride-th photon of the map, and the map's `open` flags.
 satin_status photon_irradiance_build(const struct photon_precompute *what, struct parallel *pool,
                                      struct log log, struct photon_irradiance *out);
+// Replaces the irradiance of all entries by what of it is no noise (photon_smooth.c).
+// SATIN_CANCELLED or SATIN_ERROR_MEMORY, and some may be replaced.
+satin_status photon_smooth(const struct photon_precompute *what, struct parallel *pool,
+                           struct photon_irradiance *irradiance);
 void photon_irradiance_free(struct photon_irradiance *irradiance);
 size_t photon_irradiance_bytes(const struct photon_irradiance *irradiance);
 // The entry that answers for p on the side of n, or -1.

@@ -111,7 +111,7 @@ static satin_status build_global(const struct pass *pass, struct photon_maps *ma
         stride = (size_t)maps->photon_k / 8;
     return precompute(pass,
                       &(struct photon_precompute){&maps->global, pass->scene, stride,
-                                                  maps->photon_k, KERNEL_FLAT, maps->area},
+                                                  maps->photon_k, KERNEL_FLAT, maps->area, false},
                       &maps->irradiance);
 }
 
@@ -136,11 +136,11 @@ static satin_status build_caustic(const struct pass *pass, struct photon_maps *m
     status = trace_into(pass, &tracing, &maps->caustic, trace);
     photon_guide_free(guide);
     if (status != SATIN_OK) return status;
-    return precompute(
-        pass,
-        &(struct photon_precompute){&maps->caustic, pass->scene, PHOTON_CAUSTIC_STRIDE,
-                                    maps->caustic_k, KERNEL_PARABOLA, maps->area},
-        &maps->caustic_irradiance);
+    return precompute(pass,
+                      &(struct photon_precompute){&maps->caustic, pass->scene,
+                                                  PHOTON_CAUSTIC_STRIDE, maps->caustic_k,
+                                                  KERNEL_PARABOLA, maps->area, o->caustic_smooth},
+                      &maps->caustic_irradiance);
 }
 
 static satin_status build_seen(const struct pass *pass, struct photon_maps *maps) {

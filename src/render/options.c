@@ -22,6 +22,7 @@ const satin_options satin_options_default = {
     .caustic_photons = 1500000,
     .photon_k = 50,
     .caustic_k = 60,
+    .caustic_smooth = true,
     .photon_area = true,
     .recursive_levels = 3,
     .texture_filter = true,

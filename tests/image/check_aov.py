@@ -6,7 +6,8 @@ usage: check_aov.py BUILD_DIR      (needs mitsuba and numpy)
 
 Both take their own random samples. Of each channel the median difference of a pixel, and that of
 the means, must stay under 1 % of the channel's root mean square. Rectangles are cut into other
-triangles here, so their prim_index is left out. Prints a line per channel; exit status 1 if one is over.
+triangles here, so their prim_index is left out. Prints a line per channel; exit status 1 if one
+is over.
 """
 import pathlib
 import subprocess

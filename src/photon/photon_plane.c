@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+// Planes through values at sites, by weighted least squares over their neighbours, and what is read
+// from them: the planes where the values differ by no more than noise.
+#include <float.h>
+#include <math.h>
+
+#include "photon/photon_smooth.h"
+
+enum {
+    NEIGHBOURS = 24,  // of a site,
+    FIT_LEAST = 8,    // that are seen from it, for a fit
+    MIXED = 5         // sites that a value is read from; the farthest has no weight
+};
+#define FACING 0.8f      // least cosine between the normals of one surface
+#define DEVIATIONS 3.0f  // beyond which a value is no noise
+
+// Squared difference in units of the squared values that noise is relative to: as many times too
+// high is as much as too low.
+static float difference(rgb a, rgb b) {
+    return rgb_square(rgb_sub(a, b)) / fmaxf(sqrtf(rgb_square(a) * rgb_square(b)), FLT_MIN);
+}
+
+static vec3 normal_at(const struct photon_sites *sites, size_t i) {
+    const float *row = sites->place.row + 6 * i, s = 1.0f / sites->place.scale;
+    return v3(s * row[3], s * row[4], s * row[5]);
+}
+
+// ---- Planes -------------------------------------------------------------------------------------
+
+struct neighbour {
+    float x, y, weight;
+    uint32_t site;
+};
+
+// Those that a site's plane is fitted to: near ones that face as it does and that it sees.
+static int find_neighbours(const struct photon_fitting *job, size_t site, struct neighbour *out) {
+    const struct photon_sites *sites = job->sites;
+    int row[NEIGHBOURS], count = 0;
+    float distance2[NEIGHBOURS], far2 = 0.0f;
+    photon_index_nearest(sites->index, sites->place.row + 6 * site, 1, NEIGHBOURS, row, distance2);
+    for (int i = 0; i < NEIGHBOURS; i++)
+        if (row[i] >= 0) far2 = fmaxf(far2, distance2[i]);
+    const vec3 p = photon_place(&sites->place, site), n = normal_at(sites, site);
+    const struct frame frame = frame_from_normal(n);
+    for (int i = 0; i < NEIGHBOURS; i++) {
+        if (row[i] < 0 || !(distance2[i] < far2)) continue;
+        const size_t at = (size_t)row[i];
+        if (v3_dot(normal_at(sites, at), n) < FACING) continue;
+        if (at != site && photon_place_hidden(&sites->place, job->scene, at, p, n)) continue;
+        const vec3 d = v3_sub(photon_place(&sites->place, at), p);
+        const float weight = 1.0f - distance2[i] / far2;
+        out[count++] =
+            (struct neighbour){v3_dot(d, frame.u), v3_dot(d, frame.v), weight, (uint32_t)at};
+    }
+    return count;
+}
+
+// The plane through values by weighted least squares, of two unknowns less where they are in a row.
+// Returns its value at the site.
+static rgb fit_plane(const struct photon_sites *sites, const struct neighbour *near, int count,
+                     struct slope *out) {
+    double s = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
+    rgb c = rgb_grey(0.0f), cx = c, cy = c;
+    for (int i = 0; i < count; i++) {
+        const double w = near[i].weight, u = near[i].x, v = near[i].y;
+        const rgb value = rgb_scale(sites->value[near[i].site], near[i].weight);
+        s += w, x += w * u, y += w * v;
+        xx += w * u * u, xy += w * u * v, yy += w * v * v;
+        c = rgb_add(c, value);
+        cx = rgb_mad(cx, value, near[i].x);
+        cy = rgb_mad(cy, value, near[i].y);
+    }
+    // The adjugate of the symmetric matrix of the normal equations.
+    const double a = xx * yy - xy * xy, b = xy * y - x * yy, d = x * xy - xx * y;
+    const double e = s * yy - y * y, g = x * y - s * xy, h = s * xx - x * x;
+    const double det = s * a + x * b + y * d;
+    out->u = out->v = rgb_grey(0.0f);
+    if (!(det > 1e-3 * s * xx * yy)) return rgb_scale(c, (float)(1.0 / s));
+    const float k = (float)(1.0 / det);
+    const float m[6] = {(float)a * k, (float)b * k, (float)d * k,
+                        (float)e * k, (float)g * k, (float)h * k};
+    out->u = rgb_mad(rgb_mad(rgb_scale(c, m[1]), cx, m[3]), cy, m[4]);
+    out->v = rgb_mad(rgb_mad(rgb_scale(c, m[2]), cx, m[4]), cy, m[5]);
+    return rgb_mad(rgb_mad(rgb_scale(c, m[0]), cx, m[1]), cy, m[2]);
+}
+
+static rgb plane_at(rgb value, const struct slope *slope, float x, float y) {
+    return rgb_mad(rgb_mad(value, slope->u, x), slope->v, y);
+}
+
+void photon_fit_planes(void *ctx, size_t begin, size_t end, int worker) {
+    (void)worker;
+    const struct photon_fitting *job = ctx;
+    struct photon_sites *sites = job->sites;
+    for (size_t i = begin; i < end; i++) {
+        struct neighbour near[NEIGHBOURS];
+        const int count = find_neighbours(job, i, near);
+        job->plane[i] = sites->value[i];
+        sites->slope[i] = (struct slope){.kept = 1.0f};
+        if (count < FIT_LEAST) continue;
+        job->plane[i] = fit_plane(sites, near, count, &sites->slope[i]);
+        float differs = 0.0f, sum = 0.0f;
+        for (int k = 0; k < count; k++) {
+            const rgb there = plane_at(job->plane[i], &sites->slope[i], near[k].x, near[k].y);
+            const float noise = fmaxf(sites->noise[near[k].site], FLT_MIN);
+            differs += near[k].weight * difference(sites->value[near[k].site], there) / noise;
+            sum += near[k].weight;
+        }
+        if (differs <= sum)
+            sites->slope[i].kept = 0.0f;
+        else if (differs < INFINITY)
+            sites->slope[i].kept = fminf(differs / sum - 1.0f, 1.0f);
+    }
+}
+
+// ---- Reading ------------------------------------------------------------------------------------
+
+// The value at a place, from the planes of the sites around.
+static rgb read_value(const struct photon_reading *job, size_t i) {
+    const struct photon_sites *sites = job->sites;
+    const vec3 p = photon_place(job->place, i);
+    int row[MIXED];
+    float distance2[MIXED], far2 = 0.0f, sum = 0.0f, kept = 0.0f, noise = 0.0f;
+    rgb plane = rgb_grey(0.0f);
+    photon_index_nearest(sites->index, job->place->row + 6 * i, 1, MIXED, row, distance2);
+    for (int k = 0; k < MIXED; k++)
+        if (row[k] >= 0) far2 = fmaxf(far2, distance2[k]);
+    for (int k = 0; k < MIXED; k++) {
+        if (row[k] < 0 || !(distance2[k] < far2)) continue;
+        const size_t at = (size_t)row[k];
+        const vec3 q = photon_place(&sites->place, at), n = normal_at(sites, at), d = v3_sub(p, q);
+        if (photon_place_hidden(job->place, job->scene, i, q, n)) continue;
+        const struct frame frame = frame_from_normal(n);
+        const float near = 1.0f - distance2[k] / far2, weight = near * near;
+        const rgb here =
+            plane_at(sites->value[at], &sites->slope[at], v3_dot(d, frame.u), v3_dot(d, frame.v));
+        sum += weight;
+        kept += weight * sites->slope[at].kept;
+        noise += weight * sites->noise[at];
+        plane = rgb_mad(plane, here, weight);
+    }
+    if (!(sum > 0.0f)) return job->value[i];
+    plane = rgb_scale(plane, 1.0f / sum);
+    const float most = DEVIATIONS * DEVIATIONS * noise / sum;
+    const float differs = fmaxf(difference(job->value[i], plane), FLT_MIN);
+    kept = fmaxf(kept / sum, 1.0f - most / differs);
+    if (!(kept < 1.0f)) return job->value[i];
+    const rgb c = rgb_mad(plane, rgb_sub(job->value[i], plane), kept);
+    return rgb_make(fmaxf(c.r, 0.0f), fmaxf(c.g, 0.0f), fmaxf(c.b, 0.0f));
+}
+
+void photon_read_planes(void *ctx, size_t begin, size_t end, int worker) {
+    (void)worker;
+    const struct photon_reading *job = ctx;
+    for (size_t i = begin; i < end; i++) job->value[i] = read_value(job, i);
+}

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+// Caustics without the grain of their photons. Where the estimates around a place differ from a
+// plane no more than their variance explains, the plane is what is seen; where they differ twice as
+// much, they stay as they are, and in between a part of the difference is kept. Planes are fitted
+// by least squares at sites, and what a site stands for is smoothed in the same way over ever wider
+// surroundings, as long as these are a plane too.
+//
+// A site lies at random beside a photon, so far that its estimate does not hold it: at photons an
+// estimate is too high, and without the photon it would be too low, as photons are spread more
+// evenly than at random.
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "base/rng.h"
+#include "photon/photon_smooth.h"
+
+enum {
+    STRIDE = 16,       // entries per site, and
+    STRIDE_WIDER = 4,  // sites per site of wider surroundings
+    SITES_LEAST = 48,
+    GRAIN = 64
+};
+#define ASIDE 1.2f  // least distance of a site from its photon, in radii of its disc
+#define ASIDE_MOST 1.7f
+#define HEIGHT 0.1f       // above the surface, of that distance, where a site is looked for
+#define NOISE_LEFT 0.16f  // in a plane, of the variance of the values, whose discs overlap
+
+static void sites_free(struct photon_sites *sites) {
+    photon_index_free(sites->index);
+    free(sites->place.row);
+    free(sites->place.clear);
+    free(sites->value);
+    free(sites->noise);
+    free(sites->slope);
+}
+
+static bool sites_make(size_t count, float scale, struct photon_sites *out) {
+    *out = (struct photon_sites){.count = count, .place.scale = scale};
+    out->place.row = array_new(6 * count, sizeof *out->place.row);
+    out->place.clear = array_new(count, sizeof *out->place.clear);
+    out->value = array_new(count, sizeof *out->value);
+    out->noise = array_new(count, sizeof *out->noise);
+    out->slope = array_new(count, sizeof *out->slope);
+    return out->place.row && out->place.clear && out->value && out->noise && out->slope;
+}
+
+// ---- Sites --------------------------------------------------------------------------------------
+
+struct estimating {
+    const struct photon_precompute *what;
+    const struct photon_irradiance *irradiance;
+    struct photon_sites *sites;
+    atomic_bool failed;
+};
+
+// A place on the surface around an entry that sees it; false if there is none.
+static bool find_place(const struct estimating *job, size_t site, vec3 *p, vec3 *n) {
+    const struct photon_irradiance *r = job->irradiance;
+    const struct satin_scene *scene = job->what->scene;
+    const size_t entry = site * STRIDE;
+    *n = photon_unpack(job->what->map->photon[entry * job->what->stride].n);
+    const struct frame frame = frame_from_normal(*n);
+    struct rng rng = rng_make(0, RNG_SMOOTH, site);
+    const float turn = 2.0f * PI_F * rng_float(&rng);
+    const float least2 = ASIDE * ASIDE, most2 = ASIDE_MOST * ASIDE_MOST;
+    const float aside = r->radius[entry] * sqrtf(least2 + (most2 - least2) * rng_float(&rng));
+    vec3 above = v3_mad(photon_place(&r->place, entry), aside * cosf(turn), frame.u);
+    above = v3_mad(v3_mad(above, aside * sinf(turn), frame.v), HEIGHT * aside, *n);
+    const struct ray down = {above, 0.0f, v3_neg(*n), 2.0f * HEIGHT * aside};
+    struct surfel s;
+    if (!scene_intersect_whole(scene, &down, &s)) return false;
+    *p = s.p;
+    *n = v3_dot(s.ng, *n) < 0.0f ? v3_neg(s.ng) : s.ng;
+    return photon_irradiance_sees(r, scene, (int)entry, *p, *n);
+}
+
+// Sets a site; its noise is negative if there is none.
+static void estimate_site(const struct estimating *job, size_t site, int *row, float *distance2) {
+    const struct photon_precompute *what = job->what;
+    struct photon_sites *sites = job->sites;
+    vec3 p, n;
+    sites->noise[site] = -1.0f;
+    if (!find_place(job, site, &p, &n)) return;
+    const struct photon_query query = {what->map,
+                                       what->scene,
+                                       p,
+                                       n,
+                                       what->k,
+                                       what->kernel,
+                                       what->area ? AREA_IF_NEEDED : AREA_WHOLE};
+    const float at[3] = {p.x, p.y, p.z};
+    struct photon_disc disc;
+    photon_index_nearest(what->map->index, at, 1, what->k, row, distance2);
+    photon_disc_make(&query, row, distance2, &disc);
+    const rgb E = photon_disc_irradiance(&disc);
+    if (!(rgb_square(E) > 0.0f)) return;
+    sites->value[site] = E;
+    sites->noise[site] = photon_disc_variance(&disc) / rgb_square(E);
+    sites->place.clear[site] = photon_disc_clear(&disc);
+    photon_place_set(&sites->place, site, p, n);
+}
+
+static void estimate_sites(void *ctx, size_t begin, size_t end, int worker) {
+    (void)worker;
+    struct estimating *job = ctx;
+    const size_t k = (size_t)job->what->k;
+    int *row = malloc(k * sizeof *row);
+    float *distance2 = malloc(k * sizeof *distance2);
+    if (!row || !distance2) atomic_store(&job->failed, true);
+    for (size_t i = begin; i < end && !atomic_load(&job->failed); i++)
+        estimate_site(job, i, row, distance2);
+    free(row);
+    free(distance2);
+}
+
+// Drops the sites that are none.
+static void compact(struct photon_sites *sites) {
+    size_t kept = 0;
+    for (size_t i = 0; i < sites->count; i++) {
+        if (sites->noise[i] < 0.0f) continue;
+        memcpy(sites->place.row + 6 * kept, sites->place.row + 6 * i, 6 * sizeof *sites->place.row);
+        sites->place.clear[kept] = sites->place.clear[i];
+        sites->value[kept] = sites->value[i];
+        sites->noise[kept++] = sites->noise[i];
+    }
+    sites->count = kept;
+}
+
+// Every STRIDE_WIDER-th site of which the planes are known.
+static bool thin(const struct photon_sites *sites, struct photon_sites *out) {
+    if (!sites_make((sites->count + STRIDE_WIDER - 1) / STRIDE_WIDER, sites->place.scale, out))
+        return false;
+    for (size_t i = 0; i < out->count; i++) {
+        const size_t from = i * STRIDE_WIDER;
+        memcpy(out->place.row + 6 * i, sites->place.row + 6 * from, 6 * sizeof *sites->place.row);
+        out->place.clear[i] = sites->place.clear[from];
+        out->value[i] = sites->value[from];
+        out->noise[i] = NOISE_LEFT * sites->noise[from];
+    }
+    return true;
+}
+
+// ---- Levels -------------------------------------------------------------------------------------
+
+// Replaces `count` values by what the sites, every few of their places, tell.
+static satin_status smooth(const struct satin_scene *scene, struct parallel *pool,
+                           struct photon_sites *sites, const struct photon_places *place,
+                           size_t count, rgb *value) {
+    satin_status status = SATIN_ERROR_MEMORY;
+    rgb *plane = array_new(sites->count, sizeof *plane);
+    sites->index = photon_index_new(sites->place.row, sites->count, 6);
+    if (!plane || !sites->index) goto end;
+    struct photon_fitting fitting = {scene, sites, plane};
+    status = SATIN_CANCELLED;
+    if (!parallel_for(pool, sites->count, GRAIN, photon_fit_planes, &fitting)) goto end;
+    memcpy(sites->value, plane, sites->count * sizeof *plane);
+    if (sites->count / STRIDE_WIDER >= SITES_LEAST) {
+        struct photon_sites wider;
+        status = SATIN_ERROR_MEMORY;
+        if (thin(sites, &wider))
+            status = smooth(scene, pool, &wider, &sites->place, sites->count, sites->value);
+        sites_free(&wider);
+        if (status != SATIN_OK) goto end;
+    }
+    struct photon_reading reading = {scene, sites, place, value};
+    status =
+        parallel_for(pool, count, GRAIN, photon_read_planes, &reading) ? SATIN_OK : SATIN_CANCELLED;
+end:
+    free(plane);
+    return status;
+}
+
+satin_status photon_smooth(const struct photon_precompute *what, struct parallel *pool,
+                           struct photon_irradiance *irradiance) {
+    const size_t count = irradiance->count / STRIDE;
+    if (count < SITES_LEAST) return SATIN_OK;
+    struct photon_sites sites;
+    satin_status status = SATIN_ERROR_MEMORY;
+    if (sites_make(count, irradiance->place.scale, &sites)) {
+        struct estimating job = {.what = what, .irradiance = irradiance, .sites = &sites};
+        atomic_init(&job.failed, false);
+        if (!parallel_for(pool, count, GRAIN, estimate_sites, &job))
+            status = SATIN_CANCELLED;
+        else if (!atomic_load(&job.failed))
+            status = SATIN_OK;
+    }
+    if (status == SATIN_OK) {
+        compact(&sites);
+        if (sites.count >= SITES_LEAST)
+            status = smooth(what->scene, pool, &sites, &irradiance->place, irradiance->count,
+                            irradiance->E);
+    }
+    sites_free(&sites);
+    return status;
+}

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to photon/: values at sites on surfaces and the planes through them.
+#ifndef PHOTON_SMOOTH_H
+#define PHOTON_SMOOTH_H
+
+#include "photon/photon_map.h"
+
+// Values over places on surfaces, and the planes through them.
+struct photon_sites {
+    size_t count;
+    struct photon_places place;
+    rgb *value;    // first that of the place, then what its plane has there
+    float *noise;  // variance of a value over its square
+    struct slope {
+        rgb u, v;    // of the plane along the frame of the normal
+        float kept;  // of the difference of values from it
+    } * slope;
+    struct photon_index *index;
+};
+
+static inline float rgb_square(rgb c) { return c.r * c.r + c.g * c.g + c.b * c.b; }
+
+// Fits the planes at the sites, which have an index by now. Chunk functions of parallel_for:
+struct photon_fitting {
+    const struct satin_scene *scene;
+    struct photon_sites *sites;  // of which `slope` is filled
+    rgb *plane;                  // value of each site's plane at the site
+};
+void photon_fit_planes(void *fitting, size_t begin, size_t end, int worker);
+// and replaces values by what the planes around, and the values themselves as far as they are no
+// noise, tell.
+struct photon_reading {
+    const struct satin_scene *scene;
+    const struct photon_sites *sites;   // with their planes' values
+    const struct photon_places *place;  // of the values
+    rgb *value;
+};
+void photon_read_planes(void *reading, size_t begin, size_t end, int worker);
+
+#endif

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// Smoothed estimates: noise goes where light is even or grows evenly; borders of light, and walls
+// between bright and dark, stay.
+#include <math.h>
+#include <stdlib.h>
+
+#include "photon/photon_map.h"
+#include "test_scene.h"
+
+enum { PHOTONS = 60000, K = 60 };
+
+// Irradiance on the floor z = 0 within [-1, 1]^2, of mean 1 at most.
+typedef float (*light_fn)(float x, float y);
+static float even(float x, float y) {
+    (void)x, (void)y;
+    return 0.5f;
+}
+static float slope(float x, float y) {
+    (void)y;
+    return 0.5f + 0.4f * x;
+}
+static float step(float x, float y) {
+    (void)y;
+    return x < 0.0f ? 0.9f : 0.1f;
+}
+
+// Errors relative to the truth over entries of which `at` says so.
+struct errors {
+    double mean, rms;
+    int count;
+};
+typedef bool (*at_fn)(float x, float y);
+static bool inside(float x, float y) { return fabsf(x) < 0.8f && fabsf(y) < 0.8f; }
+static bool off_border(float x, float y) { return inside(x, y) && fabsf(x) > 0.15f; }
+static bool at_border(float x, float y) { return inside(x, y) && fabsf(x) < 0.02f; }
+
+static void scene_of(struct test_scene *t, bool wall) {
+    test_scene_init(t);
+    const uint32_t grey = test_diffuse(t, 0.5f, 0.5f, 0.5f);
+    test_rectangle(t, test_transform(v3(0, 0, 0), v3(1, 1, 1)), grey);
+    if (wall) test_cube(t, test_transform(v3(0, 0, .5f), v3(.002f, 1, .5f)), false, grey);
+    test_scene_finish(t);
+}
+
+static void build(struct test_scene *t, light_fn light, bool smooth, struct photon_map *map,
+                  struct photon_irradiance *out) {
+    struct photon_hit *hit = calloc(PHOTONS, sizeof *hit);
+    struct rng rng = rng_make(1, RNG_TEST, 0);
+    size_t count = 0;
+    for (int i = 0; i < PHOTONS; i++) {
+        const float x = 2.0f * rng_float(&rng) - 1.0f, y = 2.0f * rng_float(&rng) - 1.0f;
+        if (rng_float(&rng) >= light(x, y)) continue;
+        const uint32_t up = photon_pack(v3(0, 0, 1));
+        hit[count++] = (struct photon_hit){v3(x, y, 0), rgb_grey(4.0f / PHOTONS), up, up};
+    }
+    const struct log quiet = {0};
+    struct parallel *pool = parallel_new(2);
+    assert_non_null(pool);
+    assert_int_equal(photon_map_build(&t->scene, hit, count, quiet, map), SATIN_OK);
+    const struct photon_precompute what = {map, &t->scene, 1, K, KERNEL_PARABOLA, true, smooth};
+    assert_int_equal(photon_irradiance_build(&what, pool, quiet, out), SATIN_OK);
+    parallel_free(pool);
+    free(hit);
+}
+
+static struct errors errors_of(const struct photon_irradiance *r, light_fn light, at_fn at) {
+    struct errors e = {0};
+    for (size_t i = 0; i < r->count; i++) {
+        const vec3 p = photon_place(&r->place, i);
+        if (!at(p.x, p.y)) continue;
+        const double d = (double)r->E[i].g / (double)light(p.x, p.y) - 1.0;
+        e.mean += d;
+        e.rms += d * d;
+        e.count++;
+    }
+    assert_true(e.count > 100);
+    e.mean /= e.count;
+    e.rms = sqrt(e.rms / e.count);
+    return e;
+}
+
+static struct errors run(light_fn light, bool wall, bool smooth, at_fn at) {
+    struct test_scene t;
+    struct photon_map map;
+    struct photon_irradiance r;
+    scene_of(&t, wall);
+    build(&t, light, smooth, &map, &r);
+    const struct errors e = errors_of(&r, light, at);
+    photon_irradiance_free(&r);
+    photon_map_free(&map);
+    test_scene_free(&t);
+    return e;
+}
+
+static void noise_goes(void **state) {
+    (void)state;
+    const light_fn light[] = {even, slope};
+    for (int i = 0; i < 2; i++) {
+        const struct errors before = run(light[i], false, false, inside);
+        const struct errors after = run(light[i], false, true, inside);
+        print_message("rms %.4f, %.4f, mean %+.4f\n", before.rms, after.rms, after.mean);
+        assert_true(before.rms > 0.12 && after.rms < 0.4 * before.rms);
+        assert_true(fabs(after.mean) < 0.01);
+    }
+}
+
+static void borders_stay(void **state) {
+    (void)state;
+    for (int wall = 0; wall < 2; wall++) {
+        const struct errors before = run(step, wall, false, at_border);
+        const struct errors after = run(step, wall, true, at_border);
+        const struct errors aside = run(step, wall, true, off_border);
+        print_message("border %.3f, %.3f; aside %.4f, mean %+.4f\n", before.rms, after.rms,
+                      aside.rms, aside.mean);
+        assert_true(after.rms < 1.1 * before.rms);
+        assert_true(aside.rms < 0.08 && fabs(aside.mean) < 0.02);
+    }
+}
+
+// Light beyond what squares hold: values stay finite and as they were.
+static void wild_values_stay(void **state) {
+    (void)state;
+    struct test_scene t;
+    struct photon_map map;
+    struct photon_irradiance r;
+    scene_of(&t, false);
+    build(&t, even, false, &map, &r);
+    for (size_t i = 0; i < map.count; i++) map.photon[i].power = rgb_grey(1e30f);
+    for (size_t i = 0; i < r.count; i++) r.E[i] = rgb_grey(1e34f);
+    struct parallel *pool = parallel_new(1);
+    const struct photon_precompute what = {&map, &t.scene, 1, K, KERNEL_PARABOLA, true, true};
+    assert_int_equal(photon_smooth(&what, pool, &r), SATIN_OK);
+    for (size_t i = 0; i < r.count; i++) assert_true(r.E[i].r == 1e34f);
+    parallel_free(pool);
+    photon_irradiance_free(&r);
+    photon_map_free(&map);
+    test_scene_free(&t);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(noise_goes),
+        cmocka_unit_test(borders_stay),
+        cmocka_unit_test(wild_values_stay),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
