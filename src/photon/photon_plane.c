@@ -11,8 +11,9 @@ enum {
     FIT_LEAST = 8,    // that are seen from it, for a fit
     MIXED = 5         // sites that a value is read from; the farthest has no weight
 };
-#define FACING 0.8f      // least cosine between the normals of one surface
-#define DEVIATIONS 3.0f  // beyond which a value is no noise
+#define FACING 0.8f        // least cosine between the normals of one surface
+#define DIFFERS_MOST 3.0f  // in units of noise: beyond it does not matter how far
+#define DEVIATIONS 4.0f    // beyond which a value is no noise
 
 // Squared difference in units of the squared values that noise is relative to: as many times too
 // high is as much as too low.
@@ -96,7 +97,7 @@ void photon_fit_planes(void *ctx, size_t begin, size_t end, int worker) {
         struct neighbour near[NEIGHBOURS];
         const int count = find_neighbours(job, i, near);
         job->plane[i] = sites->value[i];
-        sites->slope[i] = (struct slope){.kept = 1.0f};
+        sites->slope[i] = (struct slope){.differs = DIFFERS_MOST};
         if (count < FIT_LEAST) continue;
         job->plane[i] = fit_plane(sites, near, count, &sites->slope[i]);
         float differs = 0.0f, sum = 0.0f;
@@ -106,10 +107,25 @@ void photon_fit_planes(void *ctx, size_t begin, size_t end, int worker) {
             differs += near[k].weight * difference(sites->value[near[k].site], there) / noise;
             sum += near[k].weight;
         }
-        if (differs <= sum)
-            sites->slope[i].kept = 0.0f;
-        else if (differs < INFINITY)
-            sites->slope[i].kept = fminf(differs / sum - 1.0f, 1.0f);
+        differs /= sum;
+        sites->slope[i].differs = differs < DIFFERS_MOST ? differs : DIFFERS_MOST;
+    }
+}
+
+// A few neighbours differ by more than noise now and then: the mean over neighbouring planes tells.
+void photon_judge_planes(void *ctx, size_t begin, size_t end, int worker) {
+    (void)worker;
+    const struct photon_fitting *job = ctx;
+    struct photon_sites *sites = job->sites;
+    for (size_t i = begin; i < end; i++) {
+        struct neighbour near[NEIGHBOURS];
+        const int count = find_neighbours(job, i, near);
+        float differs = 0.0f, sum = 0.0f;
+        for (int k = 0; k < count; k++) {
+            differs += near[k].weight * sites->slope[near[k].site].differs;
+            sum += near[k].weight;
+        }
+        sites->slope[i].kept = sum > 0.0f ? clampf(differs / sum - 1.0f, 0.0f, 1.0f) : 1.0f;
     }
 }
 

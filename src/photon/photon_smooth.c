@@ -26,7 +26,7 @@ enum {
 #define ASIDE 1.2f  // least distance of a site from its photon, in radii of its disc
 #define ASIDE_MOST 1.7f
 #define HEIGHT 0.1f       // above the surface, of that distance, where a site is looked for
-#define NOISE_LEFT 0.16f  // in a plane, of the variance of the values, whose discs overlap
+#define NOISE_LEFT 0.25f  // in a plane, of the variance of the values, whose discs overlap
 
 static void sites_free(struct photon_sites *sites) {
     photon_index_free(sites->index);
@@ -156,6 +156,7 @@ static satin_status smooth(const struct satin_scene *scene, struct parallel *poo
     struct photon_fitting fitting = {scene, sites, plane};
     status = SATIN_CANCELLED;
     if (!parallel_for(pool, sites->count, GRAIN, photon_fit_planes, &fitting)) goto end;
+    if (!parallel_for(pool, sites->count, GRAIN, photon_judge_planes, &fitting)) goto end;
     memcpy(sites->value, plane, sites->count * sizeof *plane);
     if (sites->count / STRIDE_WIDER >= SITES_LEAST) {
         struct photon_sites wider;

@@ -12,8 +12,9 @@ struct photon_sites {
     rgb *value;    // first that of the place, then what its plane has there
     float *noise;  // variance of a value over its square
     struct slope {
-        rgb u, v;    // of the plane along the frame of the normal
-        float kept;  // of the difference of values from it
+        rgb u, v;       // of the plane along the frame of the normal
+        float differs;  // mean square of the values' differences from it, in units of noise
+        float kept;     // of such differences
     } * slope;
     struct photon_index *index;
 };
@@ -27,6 +28,8 @@ struct photon_fitting {
     rgb *plane;                  // value of each site's plane at the site
 };
 void photon_fit_planes(void *fitting, size_t begin, size_t end, int worker);
+// says how much of the differences is kept, when all are fitted;
+void photon_judge_planes(void *fitting, size_t begin, size_t end, int worker);
 // and replaces values by what the planes around, and the values themselves as far as they are no
 // noise, tell.
 struct photon_reading {
