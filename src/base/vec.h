@@ -21,6 +21,10 @@ typedef struct rgb {
 
 #define PI_F 3.14159265358979323846f
 
+// One instruction each, where fminf and fmaxf are calls; if one of both is a NaN, b is the result.
+static inline float minf(float a, float b) { return a < b ? a : b; }
+static inline float maxf(float a, float b) { return a > b ? a : b; }
+
 static inline vec3 v3(float x, float y, float z) { return (vec3){x, y, z}; }
 static inline vec3 v3_add(vec3 a, vec3 b) { return v3(a.x + b.x, a.y + b.y, a.z + b.z); }
 static inline vec3 v3_sub(vec3 a, vec3 b) { return v3(a.x - b.x, a.y - b.y, a.z - b.z); }
@@ -57,11 +61,12 @@ static inline vec3 v3_unit_wide(vec3 a) {
 }
 static inline bool v3_finite(vec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
 static inline float v3_max_abs(vec3 a) { return fmaxf(fabsf(a.x), fmaxf(fabsf(a.y), fabsf(a.z))); }
+// By coordinate; where b has a NaN, that of a.
 static inline vec3 v3_min(vec3 a, vec3 b) {
-    return v3(fminf(a.x, b.x), fminf(a.y, b.y), fminf(a.z, b.z));
+    return v3(minf(b.x, a.x), minf(b.y, a.y), minf(b.z, a.z));
 }
 static inline vec3 v3_max(vec3 a, vec3 b) {
-    return v3(fmaxf(a.x, b.x), fmaxf(a.y, b.y), fmaxf(a.z, b.z));
+    return v3(maxf(b.x, a.x), maxf(b.y, a.y), maxf(b.z, a.z));
 }
 
 static inline rgb rgb_make(float r, float g, float b) { return (rgb){r, g, b}; }
@@ -86,9 +91,6 @@ static inline float rgb_luminance(rgb a) {
 static inline bool rgb_black(rgb a) { return a.r == 0.0f && a.g == 0.0f && a.b == 0.0f; }
 static inline bool rgb_finite(rgb a) { return isfinite(a.r) && isfinite(a.g) && isfinite(a.b); }
 
-// One instruction each, where fminf and fmaxf are calls; if one of both is a NaN, b is the result.
-static inline float minf(float a, float b) { return a < b ? a : b; }
-static inline float maxf(float a, float b) { return a > b ? a : b; }
 // A NaN becomes lo.
 static inline float clampf(float x, float lo, float hi) { return minf(maxf(x, lo), hi); }
 static inline float lerpf(float a, float b, float t) { return a + (b - a) * t; }
