@@ -6,119 +6,54 @@
 
 #include "base/array.h"
 #include "photon/photon_bright.h"
+#include "photon/photon_halve.h"
 
 enum {
     LEAF = 32,  // photons of a leaf
     BINS = 16   // places where a node may be split along an axis
 };
 #define CLEARLY 1.001f  // more than rounding
-#define STEPS 1024.0f   // of an order
 
 struct leaf {
-    size_t first, count;  // photons
+    const struct photon_point *point;
+    size_t count;
     vec3 center, normal;  // mean normal times power
     float radius, power, area;
 };
 
 // ---- Leaves -----------------------------------------------------------------------------------
 
-// The axes of a box from the longest to the shortest. Ties are broken by their order, not by the
-// last digit.
-static void sort_axes(vec3 lo, vec3 hi, int axis[3]) {
-    const vec3 d = v3_sub(hi, lo);
-    axis[0] = d.y > CLEARLY * d.x ? 1 : 0;
-    if (d.z > CLEARLY * v3_along(d, axis[0])) axis[0] = 2;
-    axis[1] = axis[0] == 0 ? 1 : 0;
-    axis[2] = 3 - axis[0] - axis[1];
-    if (v3_along(d, axis[2]) > CLEARLY * v3_along(d, axis[1])) {
-        axis[1] = axis[2];
-        axis[2] = 3 - axis[0] - axis[1];
-    }
-}
-
-// Where photons of a box are along its longest axis, and of those alike along the second, so that a
-// wall is cut into pieces too; coarse, so that rounding does not decide.
-struct order {
-    int axis[2];
-    float lo[2], scale[2];
-};
-
-static struct order order_of(vec3 lo, vec3 hi) {
-    int axis[3];
-    sort_axes(lo, hi, axis);
-    struct order o = {.axis = {axis[0], axis[1]}};
-    for (int i = 0; i < 2; i++) {
-        const float length = v3_along(hi, axis[i]) - v3_along(lo, axis[i]);
-        o.lo[i] = v3_along(lo, axis[i]);
-        o.scale[i] = length > 0.0f ? STEPS / length : 0.0f;
-    }
-    return o;
-}
-
-static float rank(const struct order *o, const struct photon_hit *hit) {
-    const float first = roundf((v3_along(hit->p, o->axis[0]) - o->lo[0]) * o->scale[0]);
-    const float second = roundf((v3_along(hit->p, o->axis[1]) - o->lo[1]) * o->scale[1]);
-    return first * (2.0f * STEPS) + second;
-}
-
-// Puts the middle one of hit[0 .. n) in the order to its place, lesser ones before it [Hoare 1961].
-static void halve(struct photon_hit *hit, size_t n, const struct order *order) {
-    const ptrdiff_t middle = (ptrdiff_t)(n / 2);
-    ptrdiff_t lo = 0, hi = (ptrdiff_t)n - 1;
-    while (lo < hi) {
-        const float pivot = rank(order, &hit[lo + (hi - lo) / 2]);
-        ptrdiff_t i = lo, j = hi;
-        while (i <= j) {
-            while (rank(order, &hit[i]) < pivot) i++;
-            while (rank(order, &hit[j]) > pivot) j--;
-            if (i > j) break;
-            struct photon_hit swap = hit[i];
-            hit[i++] = hit[j];
-            hit[j--] = swap;
-        }
-        if (middle <= j)
-            hi = j;
-        else if (middle >= i)
-            lo = i;
-        else
-            break;
-    }
-}
-
-static struct leaf make_leaf(const struct photon_hit *hit, size_t first, size_t count) {
-    struct leaf leaf = {.first = first, .count = count};
-    vec3 lo = hit[first].p, hi = lo;
-    for (size_t i = first; i < first + count; i++) {
-        float power = rgb_luminance(hit[i].power);
+static struct leaf make_leaf(const struct photon_hit *hit, const struct photon_point *point,
+                             size_t count) {
+    struct leaf leaf = {.point = point, .count = count};
+    vec3 lo = point->p, hi = lo;
+    for (size_t i = 0; i < count; i++) {
+        const struct photon_hit *h = &hit[point[i].item];
+        const float power = rgb_luminance(h->power);
         leaf.power += power;
-        leaf.normal = v3_mad(leaf.normal, power, photon_unpack(hit[i].n));
-        lo = v3_min(lo, hit[i].p);
-        hi = v3_max(hi, hit[i].p);
+        leaf.normal = v3_mad(leaf.normal, power, photon_unpack(h->n));
+        lo = v3_min(lo, point[i].p);
+        hi = v3_max(hi, point[i].p);
     }
     const vec3 d = v3_sub(hi, lo);
     leaf.area = fmaxf(d.x * d.y, fmaxf(d.y * d.z, d.z * d.x));
     leaf.center = v3_mul(v3_add(lo, hi), 0.5f);
-    for (size_t i = first; i < first + count; i++)
-        leaf.radius = fmaxf(leaf.radius, v3_dist2(hit[i].p, leaf.center));
+    for (size_t i = 0; i < count; i++)
+        leaf.radius = fmaxf(leaf.radius, v3_dist2(point[i].p, leaf.center));
     leaf.radius = sqrtf(leaf.radius);
     return leaf;
 }
 
-// Cuts the photons in halves of equal numbers until leaves are left; returns how many.
-static size_t cut(struct photon_hit *hit, size_t first, size_t count, struct leaf *out) {
+// Halves the photons until leaves are left; returns how many.
+static size_t cut(const struct photon_hit *hit, struct photon_point *point, size_t count,
+                  struct leaf *out) {
     if (count <= LEAF) {
-        *out = make_leaf(hit, first, count);
+        *out = make_leaf(hit, point, count);
         return 1;
     }
-    vec3 lo = hit[first].p, hi = lo;
-    for (size_t i = first; i < first + count; i++) {
-        lo = v3_min(lo, hit[i].p);
-        hi = v3_max(hi, hit[i].p);
-    }
-    const struct order order = order_of(lo, hi);
-    halve(hit + first, count, &order);
-    size_t leaves = cut(hit, first, count / 2, out);
-    return leaves + cut(hit, first + count / 2, count - count / 2, out + leaves);
+    photon_halve(point, count);
+    const size_t left = count / 2, leaves = cut(hit, point, left, out);
+    return leaves + cut(hit, point + left, count - left, out + leaves);
 }
 
 // ---- The hierarchy ----------------------------------------------------------------------------
@@ -208,43 +143,46 @@ static void bound(const struct leaf *leaf, size_t count, struct photon_place *no
 }
 
 // Appends the nodes of some leaves, whose places go beside them.
-static void add_nodes(struct photon_bright *out, struct leaf *leaf, size_t count, size_t *placed,
-                      const struct photon_hit *hit) {
+static void add_nodes(struct photon_bright *out, struct leaf *leaf, size_t count, size_t *placed) {
     struct photon_place *node = &out->node[out->node_count++];
     *node = (struct photon_place){.first = *placed};
     bound(leaf, count, node);
     if (count == 1) {
-        for (size_t i = 0; i < leaf->count; i++) out->place[(*placed)++] = hit[leaf->first + i].p;
+        for (size_t i = 0; i < leaf->count; i++) out->place[(*placed)++] = leaf->point[i].p;
     } else {
         size_t left = part(leaf, count);
-        add_nodes(out, leaf, left, placed, hit);
+        add_nodes(out, leaf, left, placed);
         node->right = (int32_t)out->node_count;
-        add_nodes(out, leaf + left, count - left, placed, hit);
+        add_nodes(out, leaf + left, count - left, placed);
     }
     node->count = *placed - node->first;
 }
 
-satin_status photon_bright_build(const struct satin_scene *scene, struct photon_hit *hit,
+satin_status photon_bright_build(const struct satin_scene *scene, const struct photon_hit *hit,
                                  size_t count, struct log log, struct photon_bright **out) {
     *out = NULL;
     if (count < 2 * LEAF) return SATIN_OK;
     struct photon_bright *bright = calloc(1, sizeof *bright);
+    struct photon_point *point = array_new(count, sizeof *point);
     struct leaf *leaf = array_new(2 * count / LEAF + 1, sizeof *leaf);
-    size_t leaves = leaf ? cut(hit, 0, count, leaf) : 0, placed = 0;
-    if (bright && leaf) {
+    if (bright && point && leaf) {
+        for (size_t i = 0; i < count; i++)
+            point[i] = (struct photon_point){.p = hit[i].p, .item = (uint32_t)i};
+        const size_t leaves = cut(hit, point, count, leaf);
         bright->node = array_new(2 * leaves, sizeof *bright->node);
         bright->place = array_new(count, sizeof *bright->place);
+        if (bright->node && bright->place) {
+            size_t placed = 0;
+            add_nodes(bright, leaf, leaves, &placed);
+            bright->spread = bright->node->power / (4.0f * PI_F * sqrf(scene->radius));
+            *out = bright;
+        }
     }
-    if (!bright || !leaf || !bright->node || !bright->place) {
-        photon_bright_free(bright);
-        free(leaf);
-        return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for bright places");
-    }
-    add_nodes(bright, leaf, leaves, &placed, hit);
-    bright->spread = bright->node->power / (4.0f * PI_F * sqrf(scene->radius));
     free(leaf);
-    *out = bright;
-    return SATIN_OK;
+    free(point);
+    if (*out) return SATIN_OK;
+    photon_bright_free(bright);
+    return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for bright places");
 }
 
 void photon_bright_free(struct photon_bright *bright) {

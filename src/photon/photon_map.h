@@ -266,8 +266,8 @@ rgb photon_irradiance_value(const struct photon_irradiance *irradiance, int entr
 // ---- Bright places (photon_bright.c) ----------------------------------------------------------
 
 struct photon_bright;
-// Of photons that stand for all light, which are reordered. *out is NULL if they are too few.
-satin_status photon_bright_build(const struct satin_scene *scene, struct photon_hit *hit,
+// Of photons that stand for all light. *out is NULL if they are too few.
+satin_status photon_bright_build(const struct satin_scene *scene, const struct photon_hit *hit,
                                  size_t count, struct log log, struct photon_bright **out);
 void photon_bright_free(struct photon_bright *bright);  // NULL is allowed
 size_t photon_bright_bytes(const struct photon_bright *bright);

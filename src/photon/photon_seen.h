@@ -4,6 +4,7 @@
 #ifndef PHOTON_SEEN_H
 #define PHOTON_SEEN_H
 
+#include "photon/photon_halve.h"
 #include "photon/photon_map.h"
 
 // ---- Cells ------------------------------------------------------------------------------------
@@ -13,8 +14,6 @@ enum { PHOTON_CELLS_DEPTH = 10, PHOTON_CELLS_MAX = 1 << PHOTON_CELLS_DEPTH };
 struct photon_cell_point {
     vec3 p, ng, n;  // geometric and shading normal
     bool both;      // lit from behind as well
-    float key;      // of the order in which they are cut,
-    uint32_t id;    // and if it is the same
 };
 
 struct photon_cell {
@@ -23,11 +22,8 @@ struct photon_cell {
 };
 
 struct photon_cells {
-    int depth;  // of the tree; the cells are its leaves
-    struct {
-        int axis;
-        float at;
-    } split[PHOTON_CELLS_MAX];  // of node i, whose children are 2 i + 1 and 2 i + 2
+    int depth;                                     // of the tree; the cells are its leaves
+    struct photon_border split[PHOTON_CELLS_MAX];  // of node i; 2 i + 1 is below it, 2 i + 2 above
     struct photon_cell cell[PHOTON_CELLS_MAX];
     struct photon_cell_point *point;  // by malloc
 };

@@ -30,8 +30,7 @@ static struct photon_seen *cells_at(float height) {
     assert_non_null(seen);
     seen->choice = true;
     seen->cells.depth = 1;
-    seen->cells.split[0].axis = 2;
-    seen->cells.split[0].at = height;
+    seen->cells.split[0] = (struct photon_border){v3(0, 0, 1), height};
     for (int cell = 0; cell < 2; cell++)
         for (int light = 0; light < 2; light++) seen->share[cell][light] = cell == light ? .02f : 1;
     return seen;

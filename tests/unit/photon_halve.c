@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// Halves of points: equal in number, apart across the longest axis, and the same whatever the last
+// digit of a wall's points says.
+#include "photon/photon_halve.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "base/sampling.h"
+
+enum { MOST = 1001 };
+
+static void put(struct photon_point *point, size_t i, vec3 p) {
+    point[i] = (struct photon_point){.p = p, .item = (uint32_t)i};
+}
+
+// In a box that is longest along y, from 1 to a thousand points.
+static void halves_are_apart(void **state) {
+    (void)state;
+    static struct photon_point point[MOST];
+    for (size_t count = 1; count <= MOST; count += 1 + count / 3) {
+        for (size_t i = 0; i < count; i++) {
+            const vec2 u = sample_sobol2((uint32_t)i, 1), v = sample_sobol2((uint32_t)i, 2);
+            put(point, i, v3(u.x, 3.0f * u.y, 2.0f * v.x));
+        }
+        const struct photon_border border = photon_halve(point, count);
+        assert_true(count < 16 || border.n.y == 1.0f);
+        uint64_t items = 0;
+        for (size_t i = 0; i < count; i++) {
+            const float at = v3_dot(border.n, point[i].p);
+            assert_true(i < count / 2 ? at <= border.at : at >= border.at);
+            assert_true(i != count / 2 || at == border.at);
+            items += point[i].item;
+        }
+        assert_int_equal(items, (uint64_t)count * (count - 1) / 2);
+    }
+}
+
+// Three quarters of the points in a wall across the longest axis, with and without rounding: the
+// same ones are below.
+static void walls_are_cut_into_pieces(void **state) {
+    (void)state;
+    enum { COUNT = 1000 };
+    static struct photon_point point[COUNT];
+    static bool below[2][COUNT];
+    for (int rounded = 0; rounded < 2; rounded++) {
+        for (size_t i = 0; i < COUNT; i++) {
+            const vec2 u = sample_sobol2((uint32_t)i, 1);
+            const float noise = rounded ? 1e-7f * sample_sobol1((uint32_t)i, 2) : 0.0f;
+            const float x = i % 4 == 0 ? 2.0f * (float)i / COUNT : 0.3f + noise;
+            put(point, i, v3(x, u.x, 0.5f * u.y));
+        }
+        photon_halve(point, COUNT);
+        for (size_t i = 0; i < COUNT / 2; i++) below[rounded][point[i].item] = true;
+    }
+    int changed = 0;
+    for (size_t i = 0; i < COUNT; i++) changed += below[0][i] != below[1][i];
+    assert_true(changed <= 2);
+}
+
+static void points_in_one_place_are_harmless(void **state) {
+    (void)state;
+    struct photon_point point[9];
+    for (size_t i = 0; i < 9; i++) put(point, i, v3(1.0f, 2.0f, 3.0f));
+    assert_true(photon_halve(point, 9).at == v3_dot(photon_halve(point, 9).n, point->p));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(halves_are_apart),
+        cmocka_unit_test(walls_are_cut_into_pieces),
+        cmocka_unit_test(points_in_one_place_are_harmless),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
