@@ -205,7 +205,8 @@ enum light_kind {
 // [0, 1].
 struct light_face {
     vec3 corner, edge_u, edge_v;
-    vec3 n;  // the side that emits
+    vec3 x, y;  // unit, along the edges
+    vec3 n;     // the side that emits
     float area, length_u, length_v;
     bool right_angled;
     uint32_t vertex[6];  // of the triangle s + t <= 1: corner, +u, +v; of the other: far, +v, +u

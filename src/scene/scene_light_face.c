@@ -23,10 +23,8 @@ static struct turn turn_back(struct turn a, struct turn b) {
     return (struct turn){a.c * b.c + a.s * b.s, a.s * b.c - a.c * b.s};
 }
 
-// A right-angled face seen from a point: the point's frame has x and y along the edges and z away
-// from the face.
+// A right-angled face seen from a point, whose frame is along the face's x, y and n.
 struct rectangle_view {
-    vec3 x, y, z;
     float x0, x1, y0, y1, z0;  // z0 < 0
     float b0, b1, solid_angle;
     struct turn k;  // the paper's k = 2 pi - g2 - g3
@@ -73,6 +71,8 @@ static bool face_pair(const struct mesh *mesh, uint32_t first, struct light_face
             face->area = v3_len_wide(face->n);
             face->length_u = v3_len(eu);
             face->length_v = v3_len(ev);
+            face->x = v3_mul(eu, 1.0f / face->length_u);
+            face->y = v3_mul(ev, 1.0f / face->length_v);
             float skew = fabsf(v3_dot(eu, ev));
             face->right_angled = skew <= 1e-5f * sqrtf(v3_len2(eu) * v3_len2(ev));
             return face->area > 0.0f;
@@ -112,16 +112,12 @@ static struct turn corner_angle(float x, float y, float z) {
 static bool rectangle_view_make(const struct light_face *face, vec3 p,
                                 struct rectangle_view *view) {
     if (!face->right_angled || light_face_reach(face, p) < 0.5f * SOLID_ANGLE_MIN) return false;
-    float lu = face->length_u, lv = face->length_v;
-    view->x = v3_mul(face->edge_u, 1.0f / lu);
-    view->y = v3_mul(face->edge_v, 1.0f / lv);
-    view->z = face->n;
     vec3 d = v3_sub(face->corner, p);
-    view->x0 = v3_dot(d, view->x);
-    view->y0 = v3_dot(d, view->y);
-    view->z0 = v3_dot(d, view->z);
-    view->x1 = view->x0 + lu;
-    view->y1 = view->y0 + lv;
+    view->x0 = v3_dot(d, face->x);
+    view->y0 = v3_dot(d, face->y);
+    view->z0 = v3_dot(d, face->n);
+    view->x1 = view->x0 + face->length_u;
+    view->y1 = view->y0 + face->length_v;
     float x0 = view->x0, x1 = view->x1, y0 = view->y0, y1 = view->y1, z0 = view->z0;
     struct turn left = turn_back(corner_angle(x0, y1, z0), corner_angle(x0, y0, z0));
     struct turn right = turn_back(corner_angle(x1, y1, z0), corner_angle(x1, y0, z0));
@@ -135,13 +131,20 @@ static bool rectangle_view_make(const struct light_face *face, vec3 p,
     return view->solid_angle > SOLID_ANGLE_MIN;
 }
 
+// The density over solid angle at p of drawing q by area.
+static float area_pdf(const struct light_face *face, vec3 p, vec3 q) {
+    vec3 d = v3_sub(p, q);
+    float d2 = v3_len2(d), cosine = v3_dot(d, face->n) / sqrtf(d2);
+    return cosine > 0.0f ? d2 / (face->area * cosine) : 0.0f;
+}
+
 bool light_face_sample(const struct light_face *face, vec3 p, float u, float v, vec3 *q,
                        float *pdf_w) {
     if (!(v3_dot(v3_sub(p, face->corner), face->n) > 0.0f)) return false;
     struct rectangle_view w;
     if (!rectangle_view_make(face, p, &w)) {
         *q = v3_mad(v3_mad(face->corner, u, face->edge_u), v, face->edge_v);
-        *pdf_w = light_face_pdf(face, p, *q);
+        *pdf_w = area_pdf(face, p, *q);
         return *pdf_w > 0.0f && isfinite(*pdf_w);
     }
     // The plane x = xu through the point's y axis that cuts the share u off the solid angle, ...
@@ -155,7 +158,7 @@ bool light_face_sample(const struct light_face *face, vec3 p, float u, float v, 
     float h0 = w.y0 / sqrtf(d2 + w.y0 * w.y0), h1 = w.y1 / sqrtf(d2 + w.y1 * w.y1);
     float h = h0 + v * (h1 - h0), rest = 1.0f - h * h;
     float yv = rest > 1e-6f ? clampf(h * sqrtf(d2 / rest), w.y0, w.y1) : (h > 0.0f ? w.y1 : w.y0);
-    *q = v3_mad(v3_mad(face->corner, xu - w.x0, w.x), yv - w.y0, w.y);
+    *q = v3_mad(v3_mad(face->corner, xu - w.x0, face->x), yv - w.y0, face->y);
     *pdf_w = 1.0f / w.solid_angle;
     return true;
 }
@@ -163,10 +166,7 @@ bool light_face_sample(const struct light_face *face, vec3 p, float u, float v, 
 float light_face_pdf(const struct light_face *face, vec3 p, vec3 q) {
     if (!(v3_dot(v3_sub(p, face->corner), face->n) > 0.0f)) return 0.0f;
     struct rectangle_view view;
-    if (rectangle_view_make(face, p, &view)) return 1.0f / view.solid_angle;
-    vec3 d = v3_sub(p, q);
-    float d2 = v3_len2(d), cosine = v3_dot(d, face->n) / sqrtf(d2);
-    return cosine > 0.0f ? d2 / (face->area * cosine) : 0.0f;
+    return rectangle_view_make(face, p, &view) ? 1.0f / view.solid_angle : area_pdf(face, p, q);
 }
 
 vec2 light_face_uv(const struct light_face *face, const struct mesh *mesh, float s, float t) {
