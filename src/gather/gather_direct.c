@@ -51,8 +51,10 @@ static rgb all_lights(const struct gather *g, const struct gather_point *p, stru
                       struct light_seen seen, struct sampler sampler) {
     rgb sum = rgb_grey(0.0f);
     const vec2 u = sampler_2d(&sampler);
+    float probability[LIGHT_WEIGHED_MAX];
+    light_choose_weigh(g->scene, p->surfel.p, seen, probability);
     for (uint32_t i = 0; i < g->scene->light_count; i++) {
-        struct choice choice = {seen, i, light_choose_probability(g->scene, p->surfel.p, seen, i)};
+        struct choice choice = {seen, i, probability[i]};
         if (choice.probability > 0.0f) sum = rgb_add(sum, sample_light(g, p, mis, choice, u));
     }
     return sum;

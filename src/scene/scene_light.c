@@ -69,9 +69,9 @@ float light_reach(const struct satin_scene *scene, const struct light *light, ve
     return 0.0f;
 }
 
-// Probabilities of all lights, which are at most LIGHT_WEIGHED_MAX.
-static void weigh(const struct satin_scene *scene, vec3 p, const float *share,
-                  float probability[LIGHT_WEIGHED_MAX]) {
+void light_choose_weigh(const struct satin_scene *scene, vec3 p, struct light_seen seen,
+                        float probability[LIGHT_WEIGHED_MAX]) {
+    const float *share = seen.share;
     uint32_t n = scene->light_count, lit = 0;
     float sum = 0.0f;
     for (uint32_t i = 0; i < n; i++) {
@@ -99,7 +99,7 @@ uint32_t light_choose(const struct satin_scene *scene, vec3 p, struct light_seen
     }
     if (scene->light_tree) return light_tree_choose(scene, p, u, probability);
     float weight[LIGHT_WEIGHED_MAX];
-    weigh(scene, p, seen.share, weight);
+    light_choose_weigh(scene, p, seen, weight);
     uint32_t last = 0;
     for (; i < n; i++) {
         if (!(weight[i] > 0.0f)) continue;
@@ -116,7 +116,7 @@ float light_choose_probability(const struct satin_scene *scene, vec3 p, struct l
     if (scene->light_count == 1) return 1.0f;
     if (scene->light_tree) return light_tree_probability(scene, p, light);
     float weight[LIGHT_WEIGHED_MAX];
-    weigh(scene, p, seen.share, weight);
+    light_choose_weigh(scene, p, seen, weight);
     return weight[light];
 }
 

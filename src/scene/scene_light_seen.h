@@ -37,6 +37,9 @@ uint32_t light_choose(const struct satin_scene *scene, vec3 p, struct light_seen
                       float *probability);
 float light_choose_probability(const struct satin_scene *scene, vec3 p, struct light_seen seen,
                                uint32_t light);
+// The same of all lights, where there are up to LIGHT_WEIGHED_MAX.
+void light_choose_weigh(const struct satin_scene *scene, vec3 p, struct light_seen seen,
+                        float probability[LIGHT_WEIGHED_MAX]);
 // As light_sample, which draws as if all were seen.
 bool light_sample_seen(const struct satin_scene *scene, uint32_t i, struct light_seen seen, vec3 p,
                        float u, float v, struct light_sample *out);
