@@ -31,35 +31,36 @@ static float inverse_length(float x) {
     return x > 0.0f ? 1.0f / sqrtf(x) : 0.0f;
 }
 
-// The turns whose product is r. Alpha follows from the third column. The upper left quarter of r
-// gives gamma + alpha, which does not suffer when beta is nearly 0 and alpha is uncertain, or,
-// where beta is above 90 degrees, gamma - alpha: sums and differences of its entries are 1 +
-// |cos beta| times cosine and sine. Both roots are taken at once.
+// The turns whose product is r. Gamma, with which a rotation begins, follows from the third row.
+// The upper left quarter of r gives alpha + gamma, which does not suffer when beta is nearly 0 and
+// gamma is uncertain, or, where beta is above 90 degrees, gamma - alpha: sums and differences of
+// its entries are 1 + |cos beta| times cosine and sine.
 struct rsh_turn rsh_turn_of_matrix(const float r[9]) {
     struct rsh_turn t = {.method = RSH_METHOD_EXACT, .cos_alpha = 1.0f};
-    const bool below = r[8] < 0.0f;
-    float cosine = below ? r[4] - r[0] : r[4] + r[0], sine = below ? r[3] + r[1] : r[3] - r[1];
-    float length = sqrtf(cosine * cosine + sine * sine);
-    float s2 = r[2] * r[2] + r[5] * r[5], s = sqrtf(s2);
+    const float side = copysignf(1.0f, r[8]);
+    const float s2 = r[6] * r[6] + r[7] * r[7], s = sqrtf(s2);
+    float cosine = r[4] + side * r[0], sine = r[3] - side * r[1];
+    const float length = sqrtf(cosine * cosine + sine * sine);
     if (s > RSH_NO_ANGLE) {
-        float unit = inverse_length(s2 + r[8] * r[8]);
-        t.cos_alpha = r[2] / s;
-        t.sin_alpha = r[5] / s;
+        const float unit = inverse_length(s2 + r[8] * r[8]);
+        t.cos_gamma = -r[6] / s;
+        t.sin_gamma = r[7] / s;
         t.cos_beta = r[8] * unit;
         t.sin_beta = s * unit;
-    } else {
-        t.cos_beta = below ? -1.0f : 1.0f;
-        if (!below) t.method = RSH_METHOD_Z;
     }
     cosine = length > 0.0f ? cosine / length : 1.0f;
     sine = length > 0.0f ? sine / length : 0.0f;
-    const float back = below ? t.sin_alpha : -t.sin_alpha;
-    t.cos_gamma = cosine * t.cos_alpha - sine * back;
-    t.sin_gamma = sine * t.cos_alpha + cosine * back;
-    // Gamma's length has the rounding of alpha's, of which alpha is given the inverse.
-    const float inverse = 2.0f - (t.cos_alpha * t.cos_alpha + t.sin_alpha * t.sin_alpha);
-    t.cos_alpha *= inverse;
-    t.sin_alpha *= inverse;
+    if (s > RSH_NO_ANGLE) {
+        // Alpha's length has the rounding of gamma's, and is to have its inverse.
+        const float inverse = 2.0f - (t.cos_gamma * t.cos_gamma + t.sin_gamma * t.sin_gamma);
+        t.cos_alpha = inverse * (cosine * t.cos_gamma + sine * t.sin_gamma);
+        t.sin_alpha = inverse * side * (sine * t.cos_gamma - cosine * t.sin_gamma);
+    } else {
+        t.cos_beta = side;
+        t.cos_gamma = cosine;
+        t.sin_gamma = sine;
+        if (side > 0.0f) t.method = RSH_METHOD_Z;
+    }
     return t;
 }
 
