@@ -34,11 +34,6 @@ LANES_INLINE lanes lanes_halves(lanes a, lanes b) { return _mm512_mask_mov_ps(a,
 
 // The same of vectors.
 #define lanes_choose_of(mask, a, b) _mm512_mask_mov_ps(b, (__mmask16)(mask), a)
-// The compiler is kept from reading memory again.
-LANES_INLINE lanes lanes_held(lanes v) {
-    __asm__("" : "+v"(v));
-    return v;
-}
 // Lanes 2 i and 2 i + 1 exchanged; a b + c in odd lanes, a b - c in even ones.
 LANES_INLINE lanes lanes_swap_pairs(lanes v) { return _mm512_permute_ps(v, 0xb1); }
 LANES_INLINE lanes lanes_mad_sub(lanes a, lanes b, lanes c) { return _mm512_fmaddsub_ps(a, b, c); }
@@ -69,6 +64,7 @@ LANES_INLINE void eight_store_last(float *p, int count, __m256 v) {
 
 typedef __m512i places;
 LANES_INLINE places places_load(const int32_t *p) { return _mm512_loadu_si512(p); }
+// The compiler is kept from reading memory again.
 LANES_INLINE places places_held(places p) {
     __asm__("" : "+v"(p));
     return p;
@@ -139,8 +135,6 @@ LANES_INLINE lanes lanes_halves(lanes a, lanes b) { return (lanes){a.lo, b.hi}; 
 #define lanes_choose_of(mask, a, b)                        \
     ((lanes){_mm256_blend_ps((b).lo, (a).lo, (mask)&0xff), \
              _mm256_blend_ps((b).hi, (a).hi, (mask) >> 8)})
-// There are too few registers to hold tables in.
-LANES_INLINE lanes lanes_held(lanes v) { return v; }
 LANES_INLINE lanes lanes_swap_pairs(lanes v) {
     return (lanes){_mm256_permute_ps(v.lo, 0xb1), _mm256_permute_ps(v.hi, 0xb1)};
 }
@@ -193,6 +187,7 @@ LANES_INLINE __m256i eight_places(const int32_t *p) {
 LANES_INLINE places places_load(const int32_t *p) {
     return (places){eight_places(p), eight_places(p + 8)};
 }
+// There are too few registers to hold tables in.
 LANES_INLINE places places_held(places p) { return p; }
 LANES_INLINE places places_next(places p) {
     const __m256i one = _mm256_set1_epi32(1);

@@ -5,7 +5,8 @@
 // Lanes stand in pairs +m, -m, so that a turn about z is a product of complex numbers.
 //
 // What the time goes into here is loads, of which the processor does one vector per cycle, and
-// waiting: so tables that are used twice are held in registers, and both vectors go side by side.
+// waiting: so both vectors go side by side, and places that are used twice are held in registers.
+// The factors are not, lest others go to the stack.
 #include "rsh/rsh_lanes.h"
 #include "rsh/rsh_tables.h"
 #include "rsh/rsh_turn.h"
@@ -74,7 +75,7 @@ INLINE struct exchange load_exchange(int group) {
         for (int i = 0; i < VECTORS(group); i++) {
             const struct rsh_pair_lanes *p = &rsh_pair_groups[group].lanes[i];
             e.source[i][k] = places_held(places_load(p->source[k]));
-            e.factor[i][k] = lanes_held(lanes_load(p->factor[k]));
+            e.factor[i][k] = lanes_load(p->factor[k]);
         }
     return e;
 }
