@@ -152,9 +152,11 @@ struct choice {
 static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned lobes,
                   float survive, int level, struct choice *choice);
 
-// Probability that a glossy lobe is followed: faint ones, as of a coat, are followed now and then.
-static float follow(const struct gather_point *y, rgb *albedo) {
+// Probability that a glossy lobe is followed: faint ones, as of a coat, are followed now and then;
+// on long paths all are by what they reflect.
+static float follow(const struct gather_point *y, int level, rgb *albedo) {
     *albedo = brdf_albedo(&y->brdf, y->wo_l, GLOSSY);
+    if (level >= BOUNCE_MAX) return clampf(rgb_max(*albedo), 0.1f, 0.95f);
     return clampf(4.0f * rgb_max(*albedo), 0.1f, 1.0f);
 }
 
@@ -164,6 +166,14 @@ static float go_on(const struct gather_point *y, int level) {
     if (level == 0) return 1.0f;
     if (level >= PATH_MAX) return 0.0f;
     return clampf(rgb_max(brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE)), 0.1f, 0.95f);
+}
+
+// On a path that goes on by either of two lobes it goes on no more often than by the likelier one
+// alone: where each ray leads to more than one, they multiply.
+static void share_path(float *a, float *b) {
+    const float sum = *a + *b, share = fmaxf(*a, *b) / fmaxf(sum, 1e-20f);
+    *a *= share;
+    *b *= share;
 }
 
 // Whether light that reaches a surface of `level` after `more` edges is within the longest path:
@@ -177,7 +187,8 @@ static bool recursive(const struct gather *g) {
 }
 
 // Bounces over which y's glossy lobes are followed: the tail is diffuse where E tells of it.
-static int bounces_most(const struct gather *g, unsigned glossy) {
+static int bounces_most(const struct gather *g, unsigned glossy, bool near) {
+    if (near && !recursive(g)) return PATH_MAX;
     return glossy & BRDF_THROUGH || recursive(g) ? THROUGH_MAX : BOUNCE_MAX;
 }
 
@@ -190,23 +201,25 @@ static rgb reflected(const struct gather *g, const struct gather_point *y, rgb E
     const unsigned known = g->rough.gather ? g->rough.read(g->rough.records, y, &L) : 0;
     const unsigned diffuse = y->lobes & BRDF_DIFFUSE & ~known, glossy = y->lobes & GLOSSY & ~known;
     const bool shadow = near || g->options->gather_shadow;
-    float survive = glossy ? follow(y, &albedo) : 0.0f;
+    float survive = glossy ? follow(y, level, &albedo) : 0.0f;
     float survive_diffuse = diffuse && near ? go_on(y, level) : 0.0f;
+    if (level > 0) share_path(&survive, &survive_diffuse);
     const struct gather_mis mis = {
         {{shadow ? diffuse : 0u, survive_diffuse}, {glossy, survive}, {known, 0.0f}}};
     L = rgb_add(L, gather_direct(g, y, mis, 1, choice->sampler));
     choice->sampler.dimension += 2;
-    const unsigned caustic = known | (near ? diffuse : 0u);
-    if (caustic)
+    if (known)
         L = rgb_add(L, photon_caustic(g->maps, g->scene, y->surfel.p, y->ng, &y->frame, &y->brdf,
-                                      y->wo_l, caustic));
+                                      y->wo_l, known));
     if (diffuse && near) {
+        rgb caustic = photon_caustic_irradiance(g->maps, g->scene, y->surfel.p, y->ng);
+        L = rgb_add(L, diffuse_radiance(y, caustic));
         L = rgb_add(L, bounce(g, y, BRDF_DIFFUSE, survive_diffuse, level + 1, choice));
     } else if (diffuse) {
         L = rgb_add(L, diffuse_radiance(y, E));
     }
     if (!glossy) return L;
-    if (level >= bounces_most(g, glossy))
+    if (level >= bounces_most(g, glossy, near))
         return rgb_add(L, rgb_scale(rgb_mul(albedo, E), 1.0f / PI_F));
     return rgb_add(L, bounce(g, y, glossy, survive, level + 1, choice));
 }

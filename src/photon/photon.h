@@ -32,6 +32,10 @@ rgb photon_irradiance(const struct photon_maps *maps, const struct satin_scene *
 void photon_irradiance_many(const struct photon_maps *maps, const struct satin_scene *scene,
                             size_t count, const vec3 *p, const vec3 *n, rgb *E, float *radius);
 
+// The same from the caustic map.
+rgb photon_caustic_irradiance(const struct photon_maps *maps, const struct satin_scene *scene,
+                              vec3 p, vec3 n);
+
 // An estimate of a larger radius blurs over a good part of what is seen, and should not be
 // believed.
 float photon_trust(const struct photon_maps *maps);

@@ -267,9 +267,8 @@ rgb photon_irradiance_value(const struct photon_irradiance *r, int entry, vec3 p
     return d2 > reach2 ? rgb_scale(r->E[entry], reach2 / d2) : r->E[entry];
 }
 
-void photon_irradiance_many(const struct photon_maps *maps, const struct satin_scene *scene,
-                            size_t count, const vec3 *p, const vec3 *n, rgb *E, float *radius) {
-    const struct photon_irradiance *r = &maps->irradiance;
+static void look_up(const struct photon_irradiance *r, const struct satin_scene *scene,
+                    size_t count, const vec3 *p, const vec3 *n, rgb *E, float *radius) {
     float query[6 * BATCH], distance2[BATCH];
     int row[BATCH];
     for (size_t at = 0; at < count; at += BATCH) {
@@ -290,9 +289,22 @@ void photon_irradiance_many(const struct photon_maps *maps, const struct satin_s
     }
 }
 
+void photon_irradiance_many(const struct photon_maps *maps, const struct satin_scene *scene,
+                            size_t count, const vec3 *p, const vec3 *n, rgb *E, float *radius) {
+    look_up(&maps->irradiance, scene, count, p, n, E, radius);
+}
+
 rgb photon_irradiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
                       vec3 n, float *radius) {
     rgb E;
-    photon_irradiance_many(maps, scene, 1, &p, &n, &E, radius);
+    look_up(&maps->irradiance, scene, 1, &p, &n, &E, radius);
+    return E;
+}
+
+rgb photon_caustic_irradiance(const struct photon_maps *maps, const struct satin_scene *scene,
+                              vec3 p, vec3 n) {
+    rgb E;
+    float radius;
+    look_up(&maps->caustic_irradiance, scene, 1, &p, &n, &E, &radius);
     return E;
 }
