@@ -23,7 +23,8 @@ const struct option options_table[] = {
      "there, path tracing from there, direct light alone, or direct light and records of the next "
      "bounce."},
     {"spp", OPTION_INT, AT(spp), false, "0..1048576",
-     "Samples per pixel; 0: for path those of the scene's sampler, else those of the quality."},
+     "Samples per pixel; 0: as many as a time limit allows; without one the scene's for path, else "
+     "9, 16 or 36 by the quality."},
     {"adaptive", OPTION_BOOL, AT(adaptive), false, "off|on",
      "spp is the mean: three quarters of the samples go where the image is noisy; off, and with "
      "path, or where the film's filter is negative somewhere, always: the same number to every "
