@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Images through the module: values of several formats, linearised or raw, and wrong files.
 #include <png.h>
+#include <zlib.h>
 
 #include "mesh_case.h"
 
@@ -114,11 +115,48 @@ static void refuses_wrong_files(void **state) {
            "scene.xml:3:7: cannot read image 'wrong.png': a part of the PNG is damaged");
 }
 
+// libpng would tell of these on standard error, one line more than ours.
+static void refuses_png_without_an_image(void **state) {
+    (void)state;
+    enum { NAME = 12, CHECKSUM = 29 };  // of the header, which is the first chunk
+    static const struct {
+        int at;
+        char byte;
+        const char *problem;
+    } bad[] = {
+        {12, 'x', "the PNG does not begin with a header"},
+        {16, '\xff', "the PNG's header is wrong"},  // width
+        {23, 0, "the PNG's header is wrong"},       // height
+        {24, 7, "the PNG's header is wrong"},       // bits
+        {25, 5, "the PNG's header is wrong"},       // colours
+        {25, 3, "the PNG has no palette"},
+        {28, 2, "the PNG's header is wrong"},  // interlacing
+    };
+    static const unsigned char grey[6] = {0};
+    char png[256], message[128];
+    write_png("good.png", PNG_FORMAT_GRAY, grey);
+    FILE *file = fopen("good.png", "rb");
+    size_t size = fread(png, 1, sizeof png, file);
+    fclose(file);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        char wrong[sizeof png];
+        memcpy(wrong, png, size);
+        wrong[bad[i].at] = bad[i].byte;
+        const unsigned long sum = crc32(0, (unsigned char *)wrong + NAME, CHECKSUM - NAME);
+        for (int k = 0; k < 4; k++) wrong[CHECKSUM + k] = (char)(sum >> (24 - 8 * k));
+        scene_case_bytes("bad.png", wrong, size);
+        snprintf(message, sizeof message, "scene.xml:3:7: cannot read image 'bad.png': %s",
+                 bad[i].problem);
+        refuse("bad.png", message);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(linearises_bytes),
         cmocka_unit_test(takes_floats_that_light_can_have),
         cmocka_unit_test(refuses_wrong_files),
+        cmocka_unit_test(refuses_png_without_an_image),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }
