@@ -91,18 +91,30 @@ static satin_status read_options(struct scene_loader *loader, const struct xml_n
     return SATIN_OK;
 }
 
-// Reads the bounds; what an integrator inside of this one says (as `aov` has one) holds before it.
+static satin_status read_bounds(struct scene_loader *loader, struct xml_node *node, int depth);
+
+// Reads the integrator inside of another one, as `aov` has one, if it is there.
+static satin_status read_inner(struct scene_loader *loader, struct xml_node *node, int depth) {
+    struct xml_node *at = NULL, *inner = params_child(&loader->xml, node, XML_INTEGRATOR, &at);
+    if (!inner) return SATIN_OK;
+    struct xml_node *another = at;
+    if (depth == NESTING_MAX)
+        log_error_at(loader->log, at->place, "integrators are nested too deep");
+    else if (params_child(&loader->xml, node, XML_INTEGRATOR, &another))
+        log_error_at(loader->log, another->place, "integrator '%s': it takes one integrator",
+                     node->type);
+    else if (strcmp(inner->type, "satin") == 0)
+        return read_options(loader, inner);
+    else
+        return read_bounds(loader, inner, depth + 1);
+    return SATIN_ERROR_INPUT;
+}
+
+// Reads the bounds; what an integrator inside of this one says holds before it.
 static satin_status read_bounds(struct scene_loader *loader, struct xml_node *node, int depth) {
     struct params p;
     satin_status status = scene_params(loader, node, &p);
-    struct xml_node *at = NULL, *inner;
-    while (status == SATIN_OK && (inner = params_child(&loader->xml, node, XML_INTEGRATOR, &at))) {
-        status = SATIN_ERROR_INPUT;
-        if (depth < NESTING_MAX)
-            status = read_bounds(loader, inner, depth + 1);
-        else
-            log_error_at(loader->log, at->place, "integrators are nested too deep");
-    }
+    if (status == SATIN_OK) status = read_inner(loader, node, depth);
     if (status != SATIN_OK) return status;
     struct scene_hints *hints = &loader->scene->hints;
     if (param(&p, "hide_emitters")->given) hints->hide_emitters = param(&p, "hide_emitters")->b;

@@ -40,6 +40,21 @@ static void holds_every_kind(void **state) {
     satin_scene_free(scene);
 }
 
+static void holds_options(void **state) {
+    (void)state;
+    struct scene_case c;
+    satin_scene *scene = scene_case_load(
+        &c, SCENE_TEXT("<integrator type='aov'><string name='aovs' value='a:uv'/><integrator "
+                       "type='satin'><integer name='photons' value='7'/></integrator>"
+                       "</integrator>"));
+    assert_non_null(scene);
+    assert_int_equal(scene->hints.aovs.count, 2);
+    assert_int_equal(scene->hints.option_count, 1);
+    assert_string_equal(scene->hints.option[0].name, "photons");
+    assert_string_equal(scene->hints.option[0].value, "7");
+    satin_scene_free(scene);
+}
+
 static void refuses_by_name(void **state) {
     (void)state;
     static const struct {
@@ -58,6 +73,12 @@ static void refuses_by_name(void **state) {
         {SCENE_TEXT("<integrator type='aov'><string name='aovs' value='a:uv'/><integrator "
                     "type='aov'><string name='aovs' value='b:uv'/></integrator></integrator>"),
          "scene.xml:3:24: the scene has another integrator 'aov'"},
+        {SCENE_TEXT("<integrator type='aov'><string name='aovs' value='a:uv'/>"
+                    "<integrator type='path'/><integrator type='direct'/></integrator>"),
+         "scene.xml:3:83: integrator 'aov': it takes one integrator"},
+        {SCENE_TEXT("<integrator type='aov' id='i'><string name='aovs' value='a:uv'/>"
+                    "<ref id='i'/></integrator>"),
+         "scene.xml:3:65: integrators are nested too deep"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         struct scene_case c;
@@ -70,6 +91,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(names_channels),
         cmocka_unit_test(holds_every_kind),
+        cmocka_unit_test(holds_options),
         cmocka_unit_test(refuses_by_name),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
