@@ -73,7 +73,7 @@ typedef struct satin_options {
     int64_t caustic_photons;  // photon paths emitted for the caustic map
     int photon_k;             // photons in a density estimate of the global map
     int caustic_k;            // photons in a density estimate of the caustic map
-    bool caustic_smooth;      // caustics on diffuse surfaces without the grain of their photons
+    bool caustic_smooth;      // caustics without the grain of their photons
     int recursive_levels;  // bounces behind the image that first pass `recursive` has records for
     bool photon_area;      // divide by the area that is really there
 

@@ -208,12 +208,15 @@ static rgb reflected(const struct gather *g, const struct gather_point *y, rgb E
         {{shadow ? diffuse : 0u, survive_diffuse}, {glossy, survive}, {known, 0.0f}}};
     L = rgb_add(L, gather_direct(g, y, mis, 1, choice->sampler));
     choice->sampler.dimension += 2;
-    if (known)
+    // Photons do not know their edges: two at least are behind a caustic.
+    const bool caustics = within_depth(g, level, 2);
+    if (known && caustics)
         L = rgb_add(L, photon_caustic(g->maps, g->scene, y->surfel.p, y->ng, &y->frame, &y->brdf,
                                       y->wo_l, known));
     if (diffuse && near) {
-        rgb caustic = photon_caustic_irradiance(g->maps, g->scene, y->surfel.p, y->ng);
-        L = rgb_add(L, diffuse_radiance(y, caustic));
+        if (caustics)
+            L = rgb_add(L, diffuse_radiance(y, photon_caustic_irradiance(g->maps, g->scene,
+                                                                         y->surfel.p, y->ng)));
         L = rgb_add(L, bounce(g, y, BRDF_DIFFUSE, survive_diffuse, level + 1, choice));
     } else if (diffuse) {
         L = rgb_add(L, diffuse_radiance(y, E));

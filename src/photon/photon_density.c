@@ -8,6 +8,7 @@
 
 #define FACING 0.5f  // as in photon_area.c
 #define LAYER 0.35f
+#define RATIO_MOST 2.0f  // of what smooth light is to rough
 
 // Whether the photon is one of the disc's surface: its facing and its distance from the plane.
 static bool belongs(const struct photon_disc *disc, int i) {
@@ -151,7 +152,9 @@ static rgb reflect(const struct photon_disc *disc, const struct reflection *at) 
     return L;
 }
 
-static rgb estimate(const struct photon_query *query, const struct reflection *at, float *radius) {
+// What the photons around reflect, and if E is not NULL their irradiance.
+static rgb estimate(const struct photon_query *query, const struct reflection *at, float *radius,
+                    rgb *E) {
     int row[PHOTON_K_MAX];
     float distance2[PHOTON_K_MAX];
     float q[3] = {query->p.x, query->p.y, query->p.z};
@@ -159,6 +162,7 @@ static rgb estimate(const struct photon_query *query, const struct reflection *a
     struct photon_disc disc;
     photon_disc_make(query, row, distance2, &disc);
     *radius = disc.r;
+    if (E) *E = photon_disc_irradiance(&disc);
     return reflect(&disc, at);
 }
 
@@ -175,22 +179,36 @@ rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *sc
                                  KERNEL_FLAT,
                                  maps->area ? AREA_IF_NEEDED : AREA_WHOLE};
     struct reflection at = {frame, brdf, wo, lobes};
-    return estimate(&query, &at, radius);
+    return estimate(&query, &at, radius, NULL);
+}
+
+// Of the caustic map, what was precomputed nearby, but not through a wall; false if there is none.
+static bool precomputed(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
+                        vec3 ng, rgb *E) {
+    const struct photon_irradiance *r = &maps->caustic_irradiance;
+    *E = rgb_grey(0.0f);
+    const int entry = photon_irradiance_entry(r, p, ng);
+    if (entry < 0) return true;
+    if (!maps->caustic.open[entry] && !photon_irradiance_sees(r, scene, entry, p, ng)) return false;
+    *E = photon_irradiance_value(r, entry, p);
+    return true;
+}
+
+// How many times as bright as the estimate is what is no noise of it: a channel without light stays
+// so.
+static float smoothness(float smooth, float rough) {
+    return rough > 0.0f ? clampf(smooth / rough, 1.0f / RATIO_MOST, RATIO_MOST) : 0.0f;
 }
 
 rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p, vec3 ng,
                    const struct frame *frame, const struct brdf *brdf, vec3 wo, unsigned lobes) {
     if (maps->caustic.count == 0) return rgb_grey(0.0f);
-    // A diffuse surface takes what was precomputed nearby, but not through a wall.
-    if (brdf->model->lobes == BRDF_DIFFUSE && maps->area) {
-        int entry = photon_irradiance_entry(&maps->caustic_irradiance, p, ng);
-        if (entry < 0) return rgb_grey(0.0f);
-        if (maps->caustic.open[entry] ||
-            photon_irradiance_sees(&maps->caustic_irradiance, scene, entry, p, ng)) {
-            rgb f = brdf_eval(brdf, wo, v3(0.0f, 0.0f, 1.0f), lobes);
-            return rgb_mul(f, photon_irradiance_value(&maps->caustic_irradiance, entry, p));
-        }
-    }
+    rgb E, rough;
+    float radius;
+    const bool diffuse = brdf->model->lobes == BRDF_DIFFUSE;
+    const bool known =
+        maps->area && (diffuse || maps->smooth) && precomputed(maps, scene, p, ng, &E);
+    if (known && diffuse) return rgb_mul(brdf_eval(brdf, wo, v3(0.0f, 0.0f, 1.0f), lobes), E);
     struct photon_query query = {&maps->caustic,
                                  scene,
                                  p,
@@ -199,6 +217,8 @@ rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *sce
                                  KERNEL_PARABOLA,
                                  maps->area ? AREA_IF_NEEDED : AREA_WHOLE};
     struct reflection at = {frame, brdf, wo, lobes};
-    float radius;
-    return estimate(&query, &at, &radius);
+    const rgb L = estimate(&query, &at, &radius, &rough);
+    if (!known) return L;
+    return rgb_make(L.r * smoothness(E.r, rough.r), L.g * smoothness(E.g, rough.g),
+                    L.b * smoothness(E.b, rough.b));
 }

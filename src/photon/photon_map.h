@@ -288,7 +288,7 @@ struct photon_maps {
     struct photon_bright *bright;  // may be NULL
     struct photon_seen *seen;      // may be NULL
     int photon_k, caustic_k;
-    bool area;
+    bool area, smooth;  // the options photon_area and caustic_smooth
     float trust;
 };
 

@@ -159,6 +159,7 @@ satin_status photon_maps_build(const struct satin_scene *scene, const satin_opti
     maps->photon_k = clamp_k(options->photon_k);
     maps->caustic_k = clamp_k(options->caustic_k);
     maps->area = options->photon_area;
+    maps->smooth = options->caustic_smooth;
     struct pass pass = {
         .scene = scene, .options = options, .pool = pool, .log = log, .stats = stats};
     photon_view_make(scene, options->seed, &pass.view);

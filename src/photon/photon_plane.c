@@ -11,9 +11,13 @@ enum {
     FIT_LEAST = 8,    // that are seen from it, for a fit
     MIXED = 5         // sites that a value is read from; the farthest has no weight
 };
-#define FACING 0.8f        // least cosine between the normals of one surface
-#define DIFFERS_MOST 3.0f  // in units of noise: beyond it does not matter how far
-#define DEVIATIONS 4.0f    // beyond which a value is no noise
+#define FACING 0.8f    // least cosine between the normals of one surface
+#define RESIDUAL 0.6f  // of noise, what is left beside a plane: discs of neighbours overlap
+// Mean squared differences in units of that: from the first on they are kept more and more, beyond
+// the other it does not matter how large they are.
+#define KEPT_FROM 1.5f
+#define DIFFERS_MOST 3.0f
+#define DEVIATIONS 4.0f  // beyond which a value is no noise
 
 // Squared difference in units of the squared values that noise is relative to: as many times too
 // high is as much as too low.
@@ -107,7 +111,7 @@ void photon_fit_planes(void *ctx, size_t begin, size_t end, int worker) {
             differs += near[k].weight * difference(sites->value[near[k].site], there) / noise;
             sum += near[k].weight;
         }
-        differs /= sum;
+        differs /= RESIDUAL * sum;
         sites->slope[i].differs = differs < DIFFERS_MOST ? differs : DIFFERS_MOST;
     }
 }
@@ -125,7 +129,7 @@ void photon_judge_planes(void *ctx, size_t begin, size_t end, int worker) {
             differs += near[k].weight * sites->slope[near[k].site].differs;
             sum += near[k].weight;
         }
-        sites->slope[i].kept = sum > 0.0f ? clampf(differs / sum - 1.0f, 0.0f, 1.0f) : 1.0f;
+        sites->slope[i].kept = sum > 0.0f ? clampf(differs / sum - KEPT_FROM, 0.0f, 1.0f) : 1.0f;
     }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Caustics without the grain of their photons. Where the estimates around a place differ from a
-// plane no more than their variance explains, the plane is what is seen; where they differ twice as
-// much, they stay as they are, and in between a part of the difference is kept. Planes are fitted
+// plane hardly more than their variance explains, the plane is what is seen; where they differ much
+// more, they stay as they are, and in between a part of the difference is kept. Planes are fitted
 // by least squares at sites, and what a site stands for is smoothed in the same way over ever wider
 // surroundings, as long as these are a plane too.
 //
@@ -20,13 +20,13 @@
 enum {
     STRIDE = 16,       // entries per site, and
     STRIDE_WIDER = 4,  // sites per site of wider surroundings
-    SITES_LEAST = 48,
+    SITES_LEAST = 128,
     GRAIN = 64
 };
 #define ASIDE 1.2f  // least distance of a site from its photon, in radii of its disc
 #define ASIDE_MOST 1.7f
 #define HEIGHT 0.1f       // above the surface, of that distance, where a site is looked for
-#define NOISE_LEFT 0.25f  // in a plane, of the variance of the values, whose discs overlap
+#define NOISE_LEFT 0.16f  // in a plane, of the variance of the values, whose discs overlap
 
 static void sites_free(struct photon_sites *sites) {
     photon_index_free(sites->index);

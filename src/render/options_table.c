@@ -60,8 +60,8 @@ const struct option options_table[] = {
     {"caustic-k", OPTION_INT, AT(caustic_k), false, "1..10000",
      "Photons in one density estimate of the caustic map."},
     {"caustic-smooth", OPTION_BOOL, AT(caustic_smooth), false, "off|on",
-     "On diffuse surfaces, estimates of the caustic map that differ no more than by noise are "
-     "averaged over wider surroundings."},
+     "Estimates of the caustic map that differ no more than by noise are averaged over wider "
+     "surroundings."},
     {"recursive-levels", OPTION_INT, AT(recursive_levels), false, "1..8",
      "Bounces behind the image that first pass recursive keeps records for; from the last of them "
      "on it traces paths."},

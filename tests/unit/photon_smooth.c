@@ -117,6 +117,45 @@ static void borders_stay(void **state) {
     }
 }
 
+// Deviation of what a surface that is not only diffuse reflects of even light, over its mean.
+static double glossy_noise(const struct photon_maps *maps, const struct satin_scene *scene,
+                           const struct brdf *brdf, double *mean) {
+    enum { POINTS = 2000 };
+    struct rng rng = rng_make(2, RNG_TEST, 0);
+    const vec3 up = v3(0, 0, 1), wo = v3_unit(v3(.3f, .2f, 1));
+    const struct frame frame = frame_from_normal(up);
+    double sum = 0.0, square = 0.0;
+    for (int i = 0; i < POINTS; i++) {
+        const float x = 1.6f * rng_float(&rng) - .8f, y = 1.6f * rng_float(&rng) - .8f;
+        const rgb L = photon_caustic(maps, scene, v3(x, y, 0), up, &frame, brdf, wo,
+                                     BRDF_DIFFUSE | BRDF_GLOSSY);
+        sum += (double)L.g;
+        square += (double)L.g * (double)L.g;
+    }
+    *mean = sum / POINTS;
+    return sqrt(square / POINTS - *mean * *mean) / *mean;
+}
+
+static void gloss_is_as_smooth(void **state) {
+    (void)state;
+    struct test_scene t;
+    scene_of(&t, false);
+    struct photon_maps maps = {.caustic_k = K, .area = true, .smooth = true};
+    build(&t, even, true, &maps.caustic, &maps.caustic_irradiance);
+    const uint32_t phong = test_material(&t, "phong", rgb_grey(.5f), rgb_grey(.3f));
+    const struct brdf *brdf = &t.material[phong].front.base;
+    double mean[2], noise[2];
+    for (int smooth = 0; smooth < 2; smooth++) {
+        maps.smooth = smooth;
+        noise[smooth] = glossy_noise(&maps, &t.scene, brdf, &mean[smooth]);
+    }
+    print_message("%.4f, %.4f of %.4f, %.4f\n", noise[0], noise[1], mean[0], mean[1]);
+    assert_true(noise[1] < 0.4 * noise[0] && fabs(mean[1] / mean[0] - 1.0) < 0.01);
+    photon_irradiance_free(&maps.caustic_irradiance);
+    photon_map_free(&maps.caustic);
+    test_scene_free(&t);
+}
+
 // Light beyond what squares hold: values stay finite and as they were.
 static void wild_values_stay(void **state) {
     (void)state;
@@ -141,6 +180,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(noise_goes),
         cmocka_unit_test(borders_stay),
+        cmocka_unit_test(gloss_is_as_smooth),
         cmocka_unit_test(wild_values_stay),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
