@@ -19,8 +19,13 @@ static const struct param_spec eta = {
     "eta", PARAM_FLOAT, NULL, RANGE_POSITIVE, 0, NULL, "relative index of refraction"};
 static const struct param_spec thin_eta = {
     "eta", PARAM_FLOAT, "1.5", RANGE_POSITIVE, PARAM_TEXTURE, NULL, "relative index of refraction"};
-static const struct param_spec specular = {
-    "specular", PARAM_FLOAT, ".5", RANGE_NOT_NEGATIVE, 0, NULL, "reflectance in place of eta"};
+static const struct param_spec specular = {"specular",
+                                           PARAM_FLOAT,
+                                           ".5",
+                                           RANGE_NOT_NEGATIVE,
+                                           0,
+                                           NULL,
+                                           "reflectance in place of eta, at most 12"};
 static const struct param_spec spec_tint =
     NUMBER(spec_tint, "0", "tint of the dielectric reflection by the base colour");
 static const struct param_spec sheen = NUMBER(sheen, "0", "grazing reflection, as of cloth");
