@@ -48,8 +48,8 @@ static void passes_over_the_type(void **state) {
         "<!DOCTYPE scene>\n\n\n",
         "\xef\xbb\xbf<!-- <!DOCTYPE [ --><?pi > ?>\n<!DOCTYPE scene SYSTEM 'a>.dtd'>\n\n",
         "<!DOCTYPE scene PUBLIC \"-//x\" \"y.dtd\" [\n<!-- ]> ' -->\n<?pi ]> ?>]\n>",
-        "<!DOCTYPE scene [<!ENTITY a ']>'><!ENTITY % b \"<x>\">\n%b;<!ELEMENT scene ANY>\n"
-        "<!ATTLIST scene version CDATA '&a;&a;' type CDATA '9'>]>\n"};
+        ("<!DOCTYPE scene [<!ENTITY a ']>'><!ENTITY % b \"<x>\">\n%b;<!ELEMENT scene ANY>\n"
+         "<!ATTLIST scene version CDATA '&a;&a;' type CDATA '9'>]>\n")};
     for (size_t i = 0; i < sizeof types / sizeof *types; i++) {
         struct scene_case c;
         struct scene_xml xml;
