@@ -35,6 +35,7 @@ def scene_file(*parts):
 
 def render(options, scene, out, *args, satin=None):
     """Renders to DIR/out.exr: its path, and the statistics as a dictionary."""
+    os.makedirs(options.dir, exist_ok=True)
     image = os.path.join(options.dir, out + ".exr")
     stats = os.path.join(options.dir, out + ".json")
     run([satin or options.satin, "render", scene, "-o", image, "--stats", stats, "--quiet",
