@@ -93,44 +93,45 @@ static rgb plane_at(rgb value, const struct slope *slope, float x, float y) {
     return rgb_mad(rgb_mad(value, slope->u, x), slope->v, y);
 }
 
-void photon_fit_planes(void *ctx, size_t begin, size_t end, int worker) {
-    (void)worker;
-    const struct photon_fitting *job = ctx;
+static void fit_site(const struct photon_fitting *job, size_t i) {
     struct photon_sites *sites = job->sites;
-    for (size_t i = begin; i < end; i++) {
-        struct neighbour near[NEIGHBOURS];
-        const int count = find_neighbours(job, i, near);
-        job->plane[i] = sites->value[i];
-        sites->slope[i] = (struct slope){.differs = DIFFERS_MOST};
-        if (count < FIT_LEAST) continue;
-        job->plane[i] = fit_plane(sites, near, count, &sites->slope[i]);
-        float differs = 0.0f, sum = 0.0f;
-        for (int k = 0; k < count; k++) {
-            const rgb there = plane_at(job->plane[i], &sites->slope[i], near[k].x, near[k].y);
-            const float noise = fmaxf(sites->noise[near[k].site], FLT_MIN);
-            differs += near[k].weight * difference(sites->value[near[k].site], there) / noise;
-            sum += near[k].weight;
-        }
-        differs /= RESIDUAL * sum;
-        sites->slope[i].differs = differs < DIFFERS_MOST ? differs : DIFFERS_MOST;
+    struct neighbour near[NEIGHBOURS];
+    const int count = find_neighbours(job, i, near);
+    job->plane[i] = sites->value[i];
+    sites->slope[i] = (struct slope){.differs = DIFFERS_MOST};
+    if (count < FIT_LEAST) return;
+    job->plane[i] = fit_plane(sites, near, count, &sites->slope[i]);
+    float differs = 0.0f, sum = 0.0f;
+    for (int k = 0; k < count; k++) {
+        const rgb there = plane_at(job->plane[i], &sites->slope[i], near[k].x, near[k].y);
+        const float noise = fmaxf(sites->noise[near[k].site], FLT_MIN);
+        differs += near[k].weight * difference(sites->value[near[k].site], there) / noise;
+        sum += near[k].weight;
     }
+    differs /= RESIDUAL * sum;
+    sites->slope[i].differs = differs < DIFFERS_MOST ? differs : DIFFERS_MOST;
 }
 
 // A few neighbours differ by more than noise now and then: the mean over neighbouring planes tells.
-void photon_judge_planes(void *ctx, size_t begin, size_t end, int worker) {
-    (void)worker;
-    const struct photon_fitting *job = ctx;
-    struct photon_sites *sites = job->sites;
-    for (size_t i = begin; i < end; i++) {
-        struct neighbour near[NEIGHBOURS];
-        const int count = find_neighbours(job, i, near);
-        float differs = 0.0f, sum = 0.0f;
-        for (int k = 0; k < count; k++) {
-            differs += near[k].weight * sites->slope[near[k].site].differs;
-            sum += near[k].weight;
-        }
-        sites->slope[i].kept = sum > 0.0f ? clampf(differs / sum - KEPT_FROM, 0.0f, 1.0f) : 1.0f;
+static void judge_site(const struct photon_fitting *job, size_t i) {
+    struct neighbour near[NEIGHBOURS];
+    const int count = find_neighbours(job, i, near);
+    float differs = 0.0f, sum = 0.0f;
+    for (int k = 0; k < count; k++) {
+        differs += near[k].weight * job->sites->slope[near[k].site].differs;
+        sum += near[k].weight;
     }
+    job->sites->slope[i].kept = sum > 0.0f ? clampf(differs / sum - KEPT_FROM, 0.0f, 1.0f) : 1.0f;
+}
+
+void photon_fit_planes(void *fitting, size_t begin, size_t end, int worker) {
+    (void)worker;
+    for (size_t i = begin; i < end; i++) fit_site(fitting, i);
+}
+
+void photon_judge_planes(void *fitting, size_t begin, size_t end, int worker) {
+    (void)worker;
+    for (size_t i = begin; i < end; i++) judge_site(fitting, i);
 }
 
 // ---- Reading ------------------------------------------------------------------------------------

@@ -47,6 +47,14 @@ static satin_status read_params(struct scene_case *c, const char *body, struct s
 
 #define MUST "<float name='must' value='0'/>"
 
+// Of an element with that and the text.
+static satin_status read_besides(struct scene_case *c, const char *text, struct scene_xml *xml,
+                                 struct params *p) {
+    char body[512];
+    snprintf(body, sizeof body, MUST "%s", text);
+    return read_params(c, body, xml, p);
+}
+
 static void takes_defaults(void **state) {
     (void)state;
     struct scene_case c;
@@ -123,9 +131,7 @@ static void reads_colours(void **state) {
         struct scene_case c;
         struct scene_xml xml;
         struct params p;
-        char body[512];
-        snprintf(body, sizeof body, MUST "%s", cases[i].text);
-        assert_int_equal(read_params(&c, body, &xml, &p), SATIN_OK);
+        assert_int_equal(read_besides(&c, cases[i].text, &xml, &p), SATIN_OK);
         rgb d = rgb_sub(param(&p, "colour")->color, cases[i].color);
         assert_true(fabsf(d.r) < 2e-6f && fabsf(d.g) < 2e-6f && fabsf(d.b) < 2e-6f);
         scene_xml_free(&xml);
@@ -143,9 +149,7 @@ static void takes_means_of_colours(void **state) {
         struct scene_case c;
         struct scene_xml xml;
         struct params p;
-        char body[512];
-        snprintf(body, sizeof body, MUST "%s", cases[i]);
-        assert_int_equal(read_params(&c, body, &xml, &p), SATIN_OK);
+        assert_int_equal(read_besides(&c, cases[i], &xml, &p), SATIN_OK);
         assert_true(fabsf(param(&p, "share")->f - .5333333f) < 1e-6f);
         scene_xml_free(&xml);
     }
@@ -170,9 +174,7 @@ static void tells_numbers_from_colours(void **state) {
         struct scene_case c;
         struct scene_xml xml;
         struct params p;
-        char body[512];
-        snprintf(body, sizeof body, MUST "%s", cases[i].text);
-        satin_status status = read_params(&c, body, &xml, &p);
+        satin_status status = read_besides(&c, cases[i].text, &xml, &p);
         assert_int_equal(status, cases[i].value > 0.0f ? SATIN_OK : SATIN_ERROR_INPUT);
         if (status == SATIN_OK) assert_true(param(&p, "texel")->color.g == cases[i].value);
         scene_xml_free(&xml);
