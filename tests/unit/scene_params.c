@@ -47,11 +47,11 @@ static satin_status read_params(struct scene_case *c, const char *body, struct s
 
 #define MUST "<float name='must' value='0'/>"
 
-// Of an element with that and the text.
-static satin_status read_besides(struct scene_case *c, const char *text, struct scene_xml *xml,
+// Of an element with that and more.
+static satin_status read_besides(struct scene_case *c, const char *more, struct scene_xml *xml,
                                  struct params *p) {
     char body[512];
-    snprintf(body, sizeof body, MUST "%s", text);
+    snprintf(body, sizeof body, MUST "%s", more);
     return read_params(c, body, xml, p);
 }
 
