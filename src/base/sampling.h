@@ -9,6 +9,12 @@
 
 #include "base/vec.h"
 
+// A number of stratum j of n >= 1 in [0, 1): (j + u) / n for u in [0, 1), never 1, to which the
+// last stratum rounds once in some ten thousand samples.
+static inline float sample_stratum(int j, float u, int n) {
+    return minf(((float)j + u) / (float)n, 0x1.fffffep-1f);
+}
+
 // Density cos(theta) / pi.
 static inline vec3 sample_cosine_hemisphere(float u, float v) {
     float r = sqrtf(u), phi = 2.0f * PI_F * v;

@@ -21,7 +21,7 @@ typedef struct rgb {
 
 #define PI_F 3.14159265358979323846f
 
-// One instruction each, where fminf and fmaxf are calls; if one of both is a NaN, b is the result.
+// One instruction each, where fminf and fmaxf are calls; if either is a NaN, b is the result.
 static inline float minf(float a, float b) { return a < b ? a : b; }
 static inline float maxf(float a, float b) { return a > b ? a : b; }
 
@@ -95,7 +95,12 @@ static inline bool rgb_finite(rgb a) { return isfinite(a.r) && isfinite(a.g) && 
 static inline float clampf(float x, float lo, float hi) { return minf(maxf(x, lo), hi); }
 static inline float lerpf(float a, float b, float t) { return a + (b - a) * t; }
 static inline float sqrf(float x) { return x * x; }
-// Square root that takes a rounding error below zero, and a NaN, as zero.
-static inline float safe_sqrtf(float x) { return sqrtf(maxf(x, 0.0f)); }
+// x, but no less than lo; a NaN remains one, so that whoever checks the result can find it.
+static inline float at_least(float x, float lo) { return maxf(lo, x); }
+static inline rgb rgb_at_least(rgb a, float lo) {
+    return rgb_make(at_least(a.r, lo), at_least(a.g, lo), at_least(a.b, lo));
+}
+// Square root that takes a rounding error below zero as zero; a NaN remains one.
+static inline float safe_sqrtf(float x) { return sqrtf(at_least(x, 0.0f)); }
 
 #endif

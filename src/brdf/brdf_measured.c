@@ -237,7 +237,7 @@ static bool sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *
     size_t cell = sample_cdf(m->cdf, THETA * PHI, u.y, &rest);
     int i = (int)(cell / PHI), j = (int)(cell % PHI);
     float z = lerpf(cosf(theta_edge(i)), cosf(theta_edge(i + 1)), rest), s = safe_sqrtf(1 - z * z);
-    float phi = 2.0f * PI_F * ((float)j + u.z) / PHI;
+    float phi = 2.0f * PI_F * sample_stratum(j, u.z, PHI);
     vec3 h = v3(s * cosf(phi), s * sinf(phi), z);
     float c = v3_dot(wo, h);
     *wi = v3_mad(v3_neg(wo), 2.0f * c, h);

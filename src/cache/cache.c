@@ -108,6 +108,7 @@ void cache_statistics(const struct cache *cache, struct stats *stats) {
     stats_set(stats, "records.irradiance", (double)cache_count(cache, CACHE_IRRADIANCE));
     stats_set(stats, "records.radiance", (double)cache_count(cache, CACHE_RADIANCE));
     stats_set(stats, "records.rays", (double)cache->rays);
+    stats_set(stats, "records.refused", (double)cache->refused);
     stats_set(stats, "records.bytes",
               tree_bytes(&cache->irradiance_tree) + tree_bytes(&cache->radiance_tree) +
                   (double)(cache->irradiance_capacity * sizeof *cache->irradiance) +

@@ -59,22 +59,44 @@ static struct cache_head head_at(const struct cache_file *f, enum cache_section 
     return head;
 }
 
-static bool unit(vec3 v) { return fabsf(v3_len2(v) - 1.0f) < 1e-3f; }
-
-// What the tree and the lookups rely on. Values may be anything: samples that are not finite are
-// dropped.
-static bool sound(const struct cache_head *h) {
-    return v3_finite(h->p) && unit(h->n) && unit(h->u) && h->R >= 0.0f && isfinite(h->R) &&
-           h->reach >= 0.0f && isfinite(h->reach) && h->scale >= 0.0f && h->scale <= 1.0f;
-}
-
 static satin_status check_heads(const struct cache_file *f, const char *name, struct log log) {
     for (int s = SECTION_IRRADIANCE_HEADS; s <= SECTION_RADIANCE_HEADS; s += 2)
         for (size_t i = 0; i < f->rows[s]; i++) {
             const struct cache_head head = head_at(f, (enum cache_section)s, i);
-            if (!sound(&head)) return refuse(log, name, "a cache record has an impossible place");
+            if (!cache_valid_head(&head))
+                return refuse(log, name, "a cache record has an impossible place");
         }
     return SATIN_OK;
+}
+
+static bool is_irradiance(const float row[IRRADIANCE_WORDS]) {
+    const float deviation = row[21], room = row[22];
+    return cache_valid_numbers(row, IRRADIANCE_WORDS - 1) &&
+           fminf(row[0], fminf(row[1], row[2])) >= 0.0f && deviation >= 0.0f && room >= 0.0f &&
+           room <= 1.0f;
+}
+
+static bool is_radiance(const float *row, uint32_t order) {
+    const float room = row[9];
+    return cache_valid_numbers(row, RADIANCE_WORDS - 1) && room >= 0.0f && room <= 1.0f &&
+           cache_valid_numbers(row + RADIANCE_WORDS, (size_t)COEFFICIENT_WORDS * order * order);
+}
+
+static satin_status check_values(const struct cache_file *f, const char *name, struct log log) {
+    float row[RADIANCE_WORDS + COEFFICIENT_WORDS * RSH_MAX_COEFFICIENTS];
+    const uint32_t order = f->header.order;
+    bool valid = true;
+    size_t size = cache_file_row(SECTION_IRRADIANCE, order);
+    for (size_t i = 0; i < f->rows[SECTION_IRRADIANCE] && valid; i++) {
+        memcpy(row, f->section[SECTION_IRRADIANCE] + i * size, size);
+        valid = is_irradiance(row);
+    }
+    size = cache_file_row(SECTION_RADIANCE, order);
+    for (size_t i = 0; i < f->rows[SECTION_RADIANCE] && valid; i++) {
+        memcpy(row, f->section[SECTION_RADIANCE] + i * size, size);
+        valid = is_radiance(row, order);
+    }
+    return valid ? SATIN_OK : refuse(log, name, "a cache record has an impossible value");
 }
 
 static satin_status keep_options(const char *name, struct log log, struct cache_file *f) {
@@ -95,6 +117,7 @@ satin_status cache_file_parse(const void *data, size_t size, const char *name, s
     satin_status status = read_header(data, size, name, log, &f->header);
     if (status == SATIN_OK) status = find_sections(data, size, name, log, f);
     if (status == SATIN_OK) status = check_heads(f, name, log);
+    if (status == SATIN_OK) status = check_values(f, name, log);
     if (status == SATIN_OK) status = keep_options(name, log, f);
     if (status == SATIN_OK)
         *file = f;

@@ -2,6 +2,7 @@
 // Filling the caches. Sites are taken in their order; a batch holds sites that no record covers and
 // that lie apart; it is gathered on all threads against the frozen cache and inserted in order. So
 // the records depend on the sites alone, not on the threads.
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,6 +10,7 @@
 #include "cache/cache_records.h"
 
 enum {
+    ATTEMPTS = 3,  // at a record that is not finite; then its site has none
     BATCH = 128,   // fixed: the records depend on it; large enough to keep 32 threads busy
     WINDOW = 1024  // sites that are judged together before some of them are chosen
 };
@@ -19,6 +21,8 @@ struct job {
     struct gather_irradiance irradiance;
     struct gather_radiance radiance;
     struct gather_around around;
+    int refused;  // attempts that were
+    bool valid;   // the last one
 };
 
 struct batch {
@@ -32,22 +36,37 @@ struct batch {
     bool covered[WINDOW];  // of the sites from `window` on
 };
 
+// One attempt at a record; false if it is not finite or out of range.
+static bool gather_record(const struct batch *b, struct job *job, uint64_t stream,
+                          struct gather_scratch *scratch) {
+    const struct cache *c = b->cache;
+    const struct cache_site *s = job->site;
+    const struct gather_site site = {s->p, s->ng, s->frame, stream};
+    const bool irradiance = b->kind == CACHE_IRRADIANCE;
+    const bool bends = c->g->options->irradiance_radius == SATIN_RADIUS_HESSIAN;
+    const float a = irradiance ? b->fill->a_irradiance : b->fill->a_radiance;
+    const struct gather_layout *layout = cache_rays_layout(c, b->kind, s, a * b->fill->widest);
+    if (irradiance) {
+        gather_hemisphere_irradiance(c->g, layout, scratch, &site, &job->irradiance);
+        gather_around_make(layout, scratch, bends, &job->around);
+        return cache_valid_irradiance(&job->irradiance, &job->around);
+    }
+    gather_hemisphere_radiance(c->g, layout, scratch, &site, &job->radiance);
+    gather_around_make(layout, scratch, bends, &job->around);
+    return cache_valid_radiance(&job->radiance, c->order, &job->around);
+}
+
+// Other random numbers for each further attempt.
 static void gather_jobs(void *ctx, size_t begin, size_t end, int worker) {
     struct batch *b = ctx;
-    const struct cache *c = b->cache;
     for (size_t i = begin; i < end; i++) {
         struct job *job = &b->job[i];
-        const struct cache_site *s = job->site;
-        struct gather_site site = {s->p, s->ng, s->frame, s->stream};
-        const bool irradiance = b->kind == CACHE_IRRADIANCE;
-        const float a = irradiance ? b->fill->a_irradiance : b->fill->a_radiance;
-        const struct gather_layout *layout = cache_rays_layout(c, b->kind, s, a * b->fill->widest);
-        if (irradiance)
-            gather_hemisphere_irradiance(c->g, layout, c->scratch[worker], &site, &job->irradiance);
-        else
-            gather_hemisphere_radiance(c->g, layout, c->scratch[worker], &site, &job->radiance);
-        gather_around_make(layout, c->scratch[worker],
-                           c->g->options->irradiance_radius == SATIN_RADIUS_HESSIAN, &job->around);
+        uint64_t stream = job->site->stream;
+        for (int attempt = 0; attempt < ATTEMPTS && !job->valid; attempt++) {
+            job->valid = gather_record(b, job, stream, b->cache->scratch[worker]);
+            if (!job->valid) job->refused++;
+            stream = rng_mix(stream + 0x9e3779b97f4a7c15ull);
+        }
     }
 }
 
@@ -132,11 +151,19 @@ static bool insert_radiance(struct batch *b, struct job *job) {
     return insert_head(tree, job, x, o->radiance_a, b->fill);
 }
 
+// False without memory. A record that stayed invalid is left out: its site is sampled instead.
+static bool insert_job(struct batch *b, struct job *job) {
+    b->cache->refused += (uint64_t)job->refused;
+    assert(job->refused == 0);
+    if (!job->valid) return true;
+    return b->kind == CACHE_IRRADIANCE ? insert_irradiance(b, job) : insert_radiance(b, job);
+}
+
 static void start_job(struct batch *b, const struct cache_site *site) {
     const size_t n2 = (size_t)(b->cache->order * b->cache->order), n = 3 * n2;
     float *block = b->coefficients + 10 * n2 * (size_t)b->count;
     struct job *job = &b->job[b->count++];
-    job->site = site;
+    *job = (struct job){.site = site};
     job->radiance = (struct gather_radiance){
         .lambda = block, .dx = block + n, .dy = block + 2 * n, .noise = block + 3 * n};
 }
@@ -198,11 +225,8 @@ static satin_status fill_kind(struct batch *b, const struct cache_site **waiting
         if (!choose(b, waiting, &head, count) ||
             !parallel_for(b->cache->pool, (size_t)b->count, 1, gather_jobs, b))
             return SATIN_CANCELLED;
-        for (int i = 0; i < b->count; i++) {
-            bool ok = b->kind == CACHE_IRRADIANCE ? insert_irradiance(b, &b->job[i])
-                                                  : insert_radiance(b, &b->job[i]);
-            if (!ok) return SATIN_ERROR_MEMORY;
-        }
+        for (int i = 0; i < b->count; i++)
+            if (!insert_job(b, &b->job[i])) return SATIN_ERROR_MEMORY;
     }
     return SATIN_OK;
 }

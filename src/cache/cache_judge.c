@@ -42,8 +42,9 @@ static void look(const struct cache_convergence *c, const struct cache_site *s,
     for (int i = 0; i < p->count; i++) {
         struct cache_contribution *x = &p->with[i];
         if (x->Y < 0.0f)
-            x->Y = fmaxf(0.0f, cache_reflected(c->cache, c->kind, x->record, &at, c->read_a,
-                                               &surface, &x->noise));
+            x->Y = at_least(
+                cache_reflected(c->cache, c->kind, x->record, &at, c->read_a, &surface, &x->noise),
+                0.0f);
     }
 }
 

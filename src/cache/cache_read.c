@@ -60,7 +60,7 @@ static rgb mean_of(const struct taylor *sum, float weight) {
     const float share = 1.0f / weight, half = 0.5f * share * share;
     float mean[3];
     for (int c = 0; c < 3; c++)
-        mean[c] = fmaxf(share * sum->value[c] + half * linear(sum, c), 0.0f);
+        mean[c] = at_least(share * sum->value[c] + half * linear(sum, c), 0.0f);
     return rgb_make(mean[0], mean[1], mean[2]);
 }
 

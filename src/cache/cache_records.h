@@ -46,6 +46,7 @@ struct cache {
     struct gather_scratch **scratch;  // one per worker
     int scratch_count;
     uint64_t rays;
+    uint64_t refused;  // records that were not finite or out of range
     struct {
         int passes;               // of the cache that took more
         uint64_t points, shrunk;  // points judged, records whose scale was lowered
@@ -79,6 +80,14 @@ float cache_least_radius(const struct cache *cache, enum cache_kind kind, float 
 // Neighbour clamping [K05 6.5.2]: R of the new record, after limiting it by its neighbours and them
 // by it.
 float cache_clamp_neighbours(struct cache_tree *tree, vec3 p, vec3 n, float R);
+
+// ---- Validity (cache_valid.c): finite, and E, distances, radii and scales in their ranges
+bool cache_valid_numbers(const float *value, size_t count);
+bool cache_valid_irradiance(const struct gather_irradiance *value,
+                            const struct gather_around *around);
+bool cache_valid_radiance(const struct gather_radiance *value, int order,
+                          const struct gather_around *around);
+bool cache_valid_head(const struct cache_head *head);
 
 // Sectors in which something stands nearer than `reach`; *clear gets the least distance of all.
 uint32_t cache_leak_walls(const struct gather_around *around, float reach, float *clear);

@@ -67,7 +67,7 @@ static float deviation(const struct gather_layout *l, const struct gather_scratc
         all += sum[i];
         total += weight[i];
     }
-    if (!(all > 0.0)) return 0.0f;
+    if (all == 0.0) return 0.0f;
     int parts = 0;
     for (int i = 0; i < PARTS; i++) {
         if (!(weight[i] > 0.0)) continue;

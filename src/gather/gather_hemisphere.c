@@ -17,10 +17,10 @@ static void make_rays(const struct gather *g, const struct gather_layout *l,
         g->options->texture_filter ? sqrtf(2.0f * PI_F / (float)gather_layout_rays(l)) : 0.0f;
     for (int j = 0; j < l->M; j++)
         for (int k = 0; k < l->N; k++, out++) {
-            float u = ((float)j + rng_float(&rng)) / (float)l->M;
-            float v = ((float)k + rng_float(&rng)) / (float)l->N;
-            vec3 w = l->order ? sample_uniform_hemisphere(fmaxf(1.0f - u, 0.0f), v)
-                              : sample_cosine_hemisphere(u, v);
+            float u = sample_stratum(j, rng_float(&rng), l->M);
+            float v = sample_stratum(k, rng_float(&rng), l->N);
+            vec3 w =
+                l->order ? sample_uniform_hemisphere(1.0f - u, v) : sample_cosine_hemisphere(u, v);
             size_t i = (size_t)(out - scratch->rays);
             scratch->x[i] = w.x;
             scratch->y[i] = w.y;

@@ -8,6 +8,7 @@
 // over all that is seen, light is aimed at what is seen (photon_view.c).
 #include <stdlib.h>
 
+#include "base/sampling.h"
 #include "photon/photon_map.h"
 
 enum {
@@ -119,8 +120,7 @@ static void cell_origin(const struct light_cells *cells, uint32_t cell, uint32_t
 static void cell_point(const struct light_cells *cells, uint32_t cell, float u[4]) {
     uint32_t at[4];
     cell_origin(cells, cell, at);
-    for (int k = 0; k < 4; k++)
-        u[k] = fminf(((float)at[k] + u[k]) / (float)cells->split[k], 0x1.fffffep-1f);
+    for (int k = 0; k < 4; k++) u[k] = sample_stratum((int)at[k], u[k], (int)cells->split[k]);
 }
 
 struct pilot {
@@ -147,8 +147,8 @@ static void probe_cells(void *ctx, size_t begin, size_t end, int worker) {
         struct rng rng = rng_make(pilot->seed, RNG_GUIDE, (uint64_t)pilot->light << 32 | c);
         for (int i = 0; i < PILOT_RAYS && !pilot->met[c]; i++) {
             // Latin strata along the first number of each pair.
-            float u[4] = {((float)i + rng_float(&rng)) / PILOT_RAYS, rng_float(&rng),
-                          ((float)(i * 7 % PILOT_RAYS) + rng_float(&rng)) / PILOT_RAYS,
+            float u[4] = {sample_stratum(i, rng_float(&rng), PILOT_RAYS), rng_float(&rng),
+                          sample_stratum(i * 7 % PILOT_RAYS, rng_float(&rng), PILOT_RAYS),
                           rng_float(&rng)};
             cell_point(cells, (uint32_t)c, u);
             pilot->met[c] = meets_delta(pilot, u);

@@ -37,6 +37,7 @@ struct precompute {
     const struct photon_precompute *what;
     struct photon_irradiance *out;
     atomic_bool failed;
+    atomic_size_t refused;  // estimates that are not finite
 };
 
 static struct photon_query query_of(const struct photon_precompute *what, size_t entry) {
@@ -82,8 +83,12 @@ static void precompute_one(struct precompute *job, size_t entry, const struct cl
         photon_disc_make(&query, row, distance2, &disc);
     }
     what->map->open[entry] = !disc.corrected;
-    job->out->E[entry] = photon_disc_irradiance(&disc);
-    job->out->radius[entry] = disc.r;
+    const rgb E = photon_disc_irradiance(&disc);
+    // A map of fewer than k photons gives an infinite radius, which no gather ray trusts.
+    const bool valid = rgb_finite(E) && disc.r >= 0.0f;
+    if (!valid) atomic_fetch_add(&job->refused, 1);
+    job->out->E[entry] = valid ? E : rgb_grey(0.0f);
+    job->out->radius[entry] = valid ? disc.r : INFINITY;
     job->out->place.clear[entry] = photon_disc_clear(&disc);
 }
 
@@ -170,10 +175,12 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
     if (map->open && r.place.row && r.E && r.radius && r.place.clear) {
         struct precompute job = {.what = what, .out = &r};
         atomic_init(&job.failed, false);
+        atomic_init(&job.refused, 0);
         if (!parallel_for(pool, r.count, GRAIN, precompute_chunk, &job))
             status = SATIN_CANCELLED;
         else if (!atomic_load(&job.failed))
             status = SATIN_OK;
+        r.refused = atomic_load(&job.refused);
     }
     if (status == SATIN_OK) {
         fill_rows(what, &r);

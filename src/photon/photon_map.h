@@ -44,6 +44,7 @@ struct photon_trace {
     struct photon_hit *hit;
     size_t count;
     uint64_t emitted;
+    uint64_t refused;  // photons of the pass that were not finite, whoever would have kept them
     uint64_t stored[PHOTON_CLASSES];
 };
 
@@ -229,6 +230,7 @@ bool photon_place_hidden(const struct photon_places *places, const struct satin_
 
 struct photon_irradiance {
     size_t count;
+    size_t refused;  // estimates that were not finite
     struct photon_places place;
     rgb *E;
     float *radius;  // of its estimate

@@ -45,6 +45,7 @@ static satin_status trace_into(const struct pass *pass, const struct photon_trac
     double traced = stats_wall();
     status = photon_map_build(pass->scene, trace->hit, trace->count, pass->log, map);
     stats_add(pass->stats, "photons.emitted", (double)trace->emitted);
+    stats_add(pass->stats, "photons.refused", (double)trace->refused);
     stats_add(pass->stats, "photons.stored_direct", (double)trace->stored[PHOTON_DIRECT]);
     stats_add(pass->stats, "photons.stored_caustic", (double)trace->stored[PHOTON_CAUSTIC]);
     stats_add(pass->stats, "photons.stored_indirect", (double)trace->stored[PHOTON_INDIRECT]);
@@ -66,6 +67,7 @@ static satin_status precompute(const struct pass *pass, const struct photon_prec
     const double start = stats_wall();
     satin_status status = photon_irradiance_build(what, pass->pool, pass->log, out);
     stats_add(pass->stats, "photons.precompute_s", stats_wall() - start);
+    if (status == SATIN_OK) stats_add(pass->stats, "estimates.refused", (double)out->refused);
     return status;
 }
 

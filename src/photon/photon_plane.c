@@ -167,7 +167,7 @@ static rgb read_value(const struct photon_reading *job, size_t i) {
     kept = fmaxf(kept / sum, 1.0f - most / differs);
     if (!(kept < 1.0f)) return job->value[i];
     const rgb c = rgb_mad(plane, rgb_sub(job->value[i], plane), kept);
-    return rgb_make(fmaxf(c.r, 0.0f), fmaxf(c.g, 0.0f), fmaxf(c.b, 0.0f));
+    return rgb_at_least(c, 0.0f);
 }
 
 void photon_read_planes(void *ctx, size_t begin, size_t end, int worker) {

@@ -30,7 +30,8 @@ struct kept {
 
 struct chunk {
     struct kept kept[PHOTON_KEEPS];
-    bool failed;  // no memory
+    uint64_t refused;  // photons that are not finite
+    bool failed;       // no memory
 };
 
 struct run {
@@ -62,6 +63,11 @@ static bool append(struct kept *kept, struct photon_hit hit, enum photon_class c
     return true;
 }
 
+static bool valid(const struct photon_hit *hit) {
+    return v3_finite(hit->p) && rgb_finite(hit->power) &&
+           fminf(hit->power.r, fminf(hit->power.g, hit->power.b)) >= 0.0f;
+}
+
 // Where a mask lets photons pass, those that stop stand for all that would come to whole surface.
 static bool keep_hit(const struct satin_scene *scene, struct chunk *chunk, const struct surfel *s,
                      const struct flight *f) {
@@ -74,7 +80,10 @@ static bool keep_hit(const struct satin_scene *scene, struct chunk *chunk, const
         if (!(f->keep[i] >> f->class & 1u)) continue;
         hit.power = rgb_scale(f->power, f->share[i]);
         if (opacity < 1.0f) hit.power = rgb_scale(hit.power, 1.0f / fmaxf(opacity, 0.05f));
-        if (!append(&chunk->kept[i], hit, f->class)) chunk->failed = true;
+        if (!valid(&hit))
+            chunk->refused++;
+        else if (!append(&chunk->kept[i], hit, f->class))
+            chunk->failed = true;
     }
     return !chunk->failed;
 }
@@ -96,9 +105,9 @@ static bool keeps_photons(const struct satin_scene *scene, const struct surfel *
     return false;
 }
 
-// Scatters the photon at s; false if it is absorbed.
+// Scatters the photon at s; false if it is absorbed, or refused for a power that is not finite.
 static bool scatter(const struct satin_scene *scene, const struct surfel *s, unsigned lobes,
-                    struct rng *rng, struct flight *f) {
+                    struct rng *rng, struct flight *f, uint64_t *refused) {
     vec3 wi = v3_neg(f->ray.d);
     struct brdf b;
     struct frame frame;
@@ -113,7 +122,11 @@ static bool scatter(const struct satin_scene *scene, const struct surfel *s, uns
     float adjoint = in_s * out_g / (in_g * out_s);
     rgb power = rgb_scale(rgb_mul(f->power, sample.weight), adjoint);
     float before = rgb_max(f->power), after = rgb_max(power);
-    if (!(after > 0.0f) || !rgb_finite(power)) return false;
+    if (!rgb_finite(power)) {
+        ++*refused;
+        return false;
+    }
+    if (!(after > 0.0f)) return false;
     float survival = fminf(after / before, 1.0f);
     if (rng_float(rng) >= survival) return false;
     if (!(sample.lobe & BRDF_DELTA))
@@ -136,7 +149,7 @@ static void walk(const struct photon_tracing *tracing, struct flight f, struct r
         const bool wanted = (f.keep[0] | f.keep[1]) >> f.class & 1u;
         if (wanted && keeps_photons(scene, &s, v3_neg(f.ray.d)) && !keep_hit(scene, chunk, &s, &f))
             return;
-        if (!scatter(scene, &s, lobes, rng, &f)) return;
+        if (!scatter(scene, &s, lobes, rng, &f, &chunk->refused)) return;
     }
 }
 
@@ -184,8 +197,9 @@ static uint32_t light_of(const uint64_t *first, uint32_t lights, uint64_t path) 
     return lo;
 }
 
-// Starts path `index` of a light; false if it carries no power.
-static bool launch(const struct run *run, uint32_t light, uint64_t index, struct flight *f) {
+// Starts path `index` of a light; false if it carries no power, or one that is not finite.
+static bool launch(const struct run *run, uint32_t light, uint64_t index, struct flight *f,
+                   uint64_t *refused) {
     const struct photon_tracing *tracing = run->tracing;
     // The sequence has 2^32 points; the rest of the index is part of the seed.
     uint64_t key = rng_mix(tracing->seed + 0x9e3779b97f4a7c15ull * (2 * light + 1) +
@@ -207,6 +221,7 @@ static bool launch(const struct run *run, uint32_t light, uint64_t index, struct
         f->keep[k] = tracing->keep[k].classes;
         f->share[k] = paths / (float)run->paths[k][light];
     }
+    if (!rgb_finite(f->power)) ++*refused;
     return rgb_finite(f->power) && rgb_max(f->power) > 0.0f;
 }
 
@@ -221,7 +236,8 @@ static void trace_chunk(void *ctx, size_t begin, size_t end, int worker) {
         while (path >= run->first[light + 1]) light++;
         struct rng rng = rng_make(tracing->seed, tracing->guide ? RNG_CAUSTIC : RNG_PHOTON, path);
         struct flight f;
-        if (launch(run, light, path - run->first[light], &f)) walk(tracing, f, &rng, chunk);
+        if (launch(run, light, path - run->first[light], &f, &chunk->refused))
+            walk(tracing, f, &rng, chunk);
     }
     // The kd-tree numbers photons by int.
     size_t own = 0;
@@ -247,6 +263,7 @@ static satin_status join(struct run *run, size_t chunks, int keep, struct photon
     }
     for (uint32_t i = 0; i < run->tracing->scene->light_count; i++)
         trace.emitted += run->paths[keep][i];
+    for (size_t i = 0; i < chunks; i++) trace.refused += run->chunk[i].refused;
     *out = trace;
     return SATIN_OK;
 }

@@ -4,8 +4,8 @@
 #include "scene/scene_light.h"
 
 vec3 light_window_direction(int bin, float u, float v) {
-    return sample_uniform_sphere(((float)(bin / LIGHT_WINDOW_SIDE) + u) / LIGHT_WINDOW_SIDE,
-                                 ((float)(bin % LIGHT_WINDOW_SIDE) + v) / LIGHT_WINDOW_SIDE);
+    return sample_uniform_sphere(sample_stratum(bin / LIGHT_WINDOW_SIDE, u, LIGHT_WINDOW_SIDE),
+                                 sample_stratum(bin % LIGHT_WINDOW_SIDE, v, LIGHT_WINDOW_SIDE));
 }
 
 vec3 light_window_sample(const struct light_window *window, float u, float v) {

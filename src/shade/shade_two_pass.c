@@ -22,9 +22,10 @@ static struct gather_site site_of(const struct shade_job *job) {
 static rgb turn_irradiance(const struct gather_irradiance *value, vec3 n, vec3 facing) {
     vec3 turn = v3_cross(n, facing);
     float share = minf(v3_dot(n, facing), 1.0f);
-    return rgb_make(fmaxf(share * value->E.r + v3_dot(turn, value->grad_r[0]), 0.0f),
-                    fmaxf(share * value->E.g + v3_dot(turn, value->grad_r[1]), 0.0f),
-                    fmaxf(share * value->E.b + v3_dot(turn, value->grad_r[2]), 0.0f));
+    const rgb E = rgb_make(share * value->E.r + v3_dot(turn, value->grad_r[0]),
+                           share * value->E.g + v3_dot(turn, value->grad_r[1]),
+                           share * value->E.b + v3_dot(turn, value->grad_r[2]));
+    return rgb_at_least(E, 0.0f);
 }
 
 static void note_records(struct shade_job *job, struct cache_used used) {

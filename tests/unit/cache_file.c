@@ -218,6 +218,37 @@ static void lies_are_refused(void **state) {
     stop(&f);
 }
 
+// Checks that a file with `wrong` in place of *word is refused for its values.
+static void refuse_value(struct fixture *f, float *word, float wrong) {
+    size_t size;
+    const float kept = *word;
+    *word = wrong;
+    unsigned char *data = save(f, &size);
+    assert_non_null(strstr(refusal(data, size), "impossible value"));
+    *word = kept;
+    free(data);
+}
+
+static void values_without_a_number_are_refused(void **state) {
+    (void)state;
+    struct fixture f;
+    make(&f);
+    struct cache_irradiance_record *E = &f.cache.irradiance[4];
+    refuse_value(&f, &E->value.E.g, NAN);
+    refuse_value(&f, &E->value.E.b, -0.5f);
+    refuse_value(&f, &E->value.grad_t[2].y, INFINITY);
+    refuse_value(&f, &E->value.grad_r[1].x, NAN);
+    refuse_value(&f, &E->deviation, -1.0f);
+    refuse_value(&f, &E->room, 1.5f);
+    struct cache_radiance_record *Lambda = &f.cache.radiance[7];
+    refuse_value(&f, &Lambda->room, NAN);
+    refuse_value(&f, &Lambda->frame.u.x, NAN);
+    for (int i = 0; i < ORDER * ORDER * CACHE_LANES; i++)
+        if (i % CACHE_LANES % 4 != 3 || i % CACHE_LANES == 3)
+            refuse_value(&f, &Lambda->value[i], i % 2 ? NAN : INFINITY);
+    stop(&f);
+}
+
 static void other_origins_are_refused(void **state) {
     (void)state;
     struct fixture f, g;
@@ -256,6 +287,7 @@ int main(void) {
         cmocka_unit_test(loads_what_was_saved),
         cmocka_unit_test(damaged_files_are_refused),
         cmocka_unit_test(lies_are_refused),
+        cmocka_unit_test(values_without_a_number_are_refused),
         cmocka_unit_test(other_origins_are_refused),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);

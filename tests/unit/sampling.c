@@ -21,6 +21,22 @@ static void disk_round_trip(void **state) {
     }
 }
 
+// The largest number of the last stratum is below 1, where a plain quotient rounds to it.
+static void strata_end_below_one(void **state) {
+    (void)state;
+    const float last = 0x1.fffffep-1f;
+    int rounded = 0;
+    for (int n = 1; n <= 5000; n++) {
+        const float u = sample_stratum(n - 1, last, n);
+        assert_true(u >= (float)(n - 1) / (float)n && u < 1.0f);
+        rounded += ((float)(n - 1) + last) / (float)n >= 1.0f;
+        const vec3 w = sample_uniform_hemisphere(1.0f - u, 0.5f);
+        assert_true(w.z > 0.0f && sample_cosine_hemisphere(u, 0.5f).z > 0.0f);
+    }
+    assert_true(rounded > 100);
+    assert_true(sample_stratum(0, 0.0f, 7) == 0.0f && sample_stratum(3, 0.25f, 4) == 0.8125f);
+}
+
 // Every elementary interval of area 2^-8 holds exactly one of any aligned run of 256 points.
 static void sobol_is_a_net(void **state) {
     (void)state;
@@ -79,9 +95,8 @@ static void cdf_never_draws_zero(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(disk_round_trip),
-        cmocka_unit_test(sobol_is_a_net),
-        cmocka_unit_test(sobol4_is_a_net),
+        cmocka_unit_test(disk_round_trip),      cmocka_unit_test(strata_end_below_one),
+        cmocka_unit_test(sobol_is_a_net),       cmocka_unit_test(sobol4_is_a_net),
         cmocka_unit_test(cdf_never_draws_zero),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
