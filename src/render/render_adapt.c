@@ -10,6 +10,8 @@
 // n_i where n_i is in proportion to v_i^(1 / (1 + GAIN)).
 #include "render/render_adapt.h"
 
+#include <float.h>
+#include <math.h>
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -18,8 +20,7 @@
 // Of the image's mean luminance: pixels darker than this are judged by their absolute error.
 #define DARK 0.2f
 enum {
-    GROWTH = 4,   // at most so many times its samples does a pixel get in one pass
-    ROUNDS = 24,  // of the search for the factor: 2^-24 of its range
+    GROWTH = 4,   // at most so many times its samples does a pixel get in one pass by its noise
     MULTIPLE = 2  // samples are added in pairs, which are stratified among themselves
 };
 
@@ -123,29 +124,40 @@ static double more(const struct adapt *adapt, const float *want, float factor) {
     return sum;
 }
 
-uint64_t adapt_spread(struct adapt *adapt, uint64_t samples) {
-    const float *want = wanted(adapt);
-    float most = 0.0f;
-    for (size_t i = 0; i < pixels(adapt); i++) {
-        float count = (float)adapt->pixel[i].count;
-        if (want[i] > 0.0f) most = fmaxf(most, GROWTH * count / want[i]);
-    }
-    float lo = 0.0f, hi = most;
-    for (int i = 0; i < ROUNDS; i++) {
-        float middle = 0.5f * (lo + hi);
-        if (more(adapt, want, middle) < (double)samples)
+// The factor that gives so many samples, or the largest number where no factor does. It is found
+// among the bits of positive floats, which ascend as their values do: to the last digit, however
+// far apart the wanted counts lie.
+static float find_factor(const struct adapt *adapt, const float *want, double samples) {
+    union {
+        uint32_t bits;
+        float value;
+    } lo = {.value = 0.0f}, hi = {.value = FLT_MAX}, middle;
+    while (hi.bits - lo.bits > 1) {
+        middle.bits = lo.bits + (hi.bits - lo.bits) / 2;
+        if (more(adapt, want, middle.value) < samples)
             lo = middle;
         else
             hi = middle;
     }
+    return hi.value;
+}
+
+uint64_t adapt_spread(struct adapt *adapt, uint64_t samples) {
+    const float *want = wanted(adapt);
+    const float factor = find_factor(adapt, want, (double)samples);
+    // Where the noise is confined to a few pixels the rest of the samples is spread evenly.
+    const double rest = fmax((double)samples - more(adapt, want, factor), 0.0);
+    const double even = rest / (double)pixels(adapt);
+    double owed = 0.0;  // what rounding to whole groups has kept back so far
     uint64_t given = 0;
     for (size_t i = 0; i < pixels(adapt); i++) {
         struct adapt_pixel *p = &adapt->pixel[i];
-        float count = (float)p->count;
-        float extra = clampf(hi * want[i], count, GROWTH * count) - count;
-        uint32_t groups = (uint32_t)(extra / MULTIPLE + 0.5f);
-        p->target = p->count + MULTIPLE * groups;
-        given += MULTIPLE * groups;
+        const float count = (float)p->count;
+        owed += (double)(clampf(factor * want[i], count, GROWTH * count) - count) + even;
+        const double groups = fmax(floor(owed / MULTIPLE + 0.5), 0.0);
+        p->target = p->count + MULTIPLE * (uint32_t)groups;
+        owed -= MULTIPLE * groups;
+        given += MULTIPLE * (uint64_t)groups;
     }
     return given;
 }

@@ -128,7 +128,7 @@ static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
     const uint64_t done = image->taken, limit = (uint64_t)r->options.spp * pixels;
     const uint64_t all = limit > done ? limit : done;
     const uint64_t even = even_samples(r) * pixels;
-    if ((double)(all - done) < PASS_LEAST * (double)pixels) return false;
+    if (all == done) return false;
     uint64_t want = done ? done : pixels;
     if (want > all - done) want = all - done;
     if (done < even && want > even - done) want = even - done;
