@@ -195,7 +195,9 @@ RSH_API bool rsh_align(rsh_basis basis, int order, int channels, const float fro
 
 // The transpose of rsh_align(basis, order, ., from, to, beta_limit, ...), applied to the vector of
 // the other side: dot(c, align(lambda)) = dot(align_transposed(c), lambda). Rotates one BRDF into
-// the frame of each record instead of each record with its derivatives and colours.
+// the frame of each record instead of each record with its derivatives and colours. With a limit of
+// pi or more this fails as normals come to be opposed: the axis of the series is then a matter of
+// rounding.
 RSH_API bool rsh_align_transposed(rsh_basis basis, int order, int channels, const float from[9],
                                   const float to[9], float beta_limit, const float *in, float *out);
 

@@ -7,19 +7,17 @@
 #include "rsh/rsh_batch.h"
 #include "rsh/rsh_vector.h"
 
+#define PI 3.14159265f
+
 // Choices below are between values, never branches, so that the loops over lanes become vectors.
 INLINE float choose(bool yes, float a, float b) { return yes ? a : b; }
 
-// atan2(s, c) for s >= 0, s^2 + c^2 = 1: the series of 8 atan(tan(angle / 8)), whose argument is at
-// most .42; the first term left out is below the rounding of floats.
+// atan2(s, c) for s, c >= 0, s^2 + c^2 = 1: the series of 8 atan(tan(angle / 8)), whose argument is
+// at most .2; the first term left out is below the rounding of floats.
 INLINE float angle_of(float s, float c) {
-    float lift = 1.0f + c, half = s / choose(lift > 1e-12f, lift, 1e-12f);
-    float quarter = half / (1.0f + sqrtf(1.0f + half * half));
+    float half = s / (1.0f + c), quarter = half / (1.0f + sqrtf(1.0f + half * half));
     float t = quarter / (1.0f + sqrtf(1.0f + quarter * quarter)), u = t * t;
-    float sum = 1.0f / 13.0f - u * (1.0f / 15.0f);
-    sum = 1.0f / 11.0f - u * sum;
-    sum = 1.0f / 9.0f - u * sum;
-    sum = 1.0f / 7.0f - u * sum;
+    float sum = 1.0f / 7.0f - u * (1.0f / 9.0f);
     sum = 1.0f / 5.0f - u * sum;
     sum = 1.0f / 3.0f - u * sum;
     return 8.0f * t * (1.0f - u * sum);
@@ -28,16 +26,18 @@ INLINE float angle_of(float s, float c) {
 // Roots and quotients take longer than all the rest, so what small angles and true rotations do not
 // need is left out where all lanes are such. Each lane's result is the same either way.
 
-// As rsh_turn_angle.
+// As rsh_turn_angle. Above 90 degrees it is the supplement that is found, which loses nothing where
+// the cosine is -1 to rounding or exactly.
 INLINE void angles_of(const float s[W], const float c[W], float angle[W]) {
     int large = 0;
     for (int i = 0; i < W; i++) {
         float u = s[i] * s[i], sum = 15.0f / 336.0f + u * (105.0f / 3456.0f);
         angle[i] = s[i] + s[i] * u * (1.0f / 6.0f + u * (3.0f / 40.0f + u * sum));
-        large |= u >= 0.09f || c[i] < 0.0f;
+        large |= u >= 0.09f;
     }
     for (int i = 0; i < W && large; i++)
-        angle[i] = choose(s[i] * s[i] >= 0.09f || c[i] < 0.0f, angle_of(s[i], c[i]), angle[i]);
+        angle[i] = choose(s[i] * s[i] >= 0.09f, angle_of(s[i], fabsf(c[i])), angle[i]);
+    for (int i = 0; i < W; i++) angle[i] = choose(c[i] < 0.0f, PI - angle[i], angle[i]);
 }
 
 // 1 / sqrt(x), 0 for 0; near 1 by a step of Newton's iteration as in rsh_turn_of_matrix.
@@ -53,43 +53,49 @@ INLINE void inverse_lengths(const float x[W], float inverse[W]) {
     }
 }
 
-// cos beta' = 2 cos beta - 1.
+// As rsh_turn_stretch.
 INLINE void stretch_angles(float cosine[W], float sine[W]) {
     for (int i = 0; i < W; i++) {
         float above = choose(cosine[i] > 0.0f, cosine[i], 0.0f),
               lift = 2.0f * sine[i] * sine[i] / (1.0f + above);
         lift = choose(cosine[i] > 0.0f && lift < 2.0f, lift, 2.0f);
         cosine[i] = 1.0f - lift;
-        sine[i] = sqrtf(lift * (2.0f - lift));
+        sine[i] = sqrtf(2.0f * above * lift);
     }
 }
 
-// What rsh_turn_of_matrix does, but gamma from row y of R_z(-alpha) r, for which true rotations
-// need no second root; where there is no turn about y, beta is 0.
+// What rsh_turn_of_matrix does, from the same entries, but alpha from column y of r R_z(-gamma).
+// Where there is no rotation about y, or one by 180 degrees, alpha is 0 and gamma takes its angle.
+// The series depends on which of the two has it.
 void GLUE(rsh_angles_, RSH_NAME)(const float r[9][RSH_MAX_WIDTH], bool stretch,
                                  struct rsh_turns *t) {
     float ca[W], sa[W], cb[W], sb[W], cg[W], sg[W], beta[W], square[W], unit[W], length[W];
     for (int i = 0; i < W; i++) {
-        float s2 = r[2][i] * r[2][i] + r[5][i] * r[5][i], s = sqrtf(s2);
+        float s2 = r[6][i] * r[6][i] + r[7][i] * r[7][i], s = sqrtf(s2);
         square[i] = s2 + r[8][i] * r[8][i];
         s = choose(s > RSH_NO_ANGLE, s, 0.0f);
         float inverse = 1.0f / choose(s > 0.0f, s, 1.0f);
-        ca[i] = choose(s > 0.0f, r[2][i] * inverse, 1.0f);
-        sa[i] = choose(s > 0.0f, r[5][i] * inverse, 0.0f);
+        cg[i] = choose(s > 0.0f, -r[6][i] * inverse, 1.0f);
+        sg[i] = choose(s > 0.0f, r[7][i] * inverse, 0.0f);
         sb[i] = s;
-        sg[i] = ca[i] * r[3][i] - sa[i] * r[0][i];
-        cg[i] = ca[i] * r[4][i] - sa[i] * r[1][i];
-        length[i] = sg[i] * sg[i] + cg[i] * cg[i];
+        sa[i] = -(sg[i] * r[0][i] + cg[i] * r[1][i]);
+        ca[i] = sg[i] * r[3][i] + cg[i] * r[4][i];
+        length[i] = sa[i] * sa[i] + ca[i] * ca[i];
     }
     inverse_lengths(square, unit);
     for (int i = 0; i < W; i++) {
-        cb[i] = choose(sb[i] > 0.0f, r[8][i] * unit[i], choose(r[8][i] < 0.0f, -1.0f, 1.0f));
+        cb[i] = choose(sb[i] > 0.0f, r[8][i] * unit[i], copysignf(1.0f, r[8][i]));
         sb[i] *= unit[i];
     }
     inverse_lengths(length, unit);
     for (int i = 0; i < W; i++) {
-        sg[i] *= unit[i];
-        cg[i] = choose(length[i] > 0.0f, cg[i] * unit[i], 1.0f);
+        sa[i] *= unit[i];
+        ca[i] = choose(length[i] > 0.0f, ca[i] * unit[i], 1.0f);
+        // R_z(alpha) R_y(180 degrees) = R_y(180 degrees) R_z(-alpha).
+        cg[i] = choose(sb[i] > 0.0f, cg[i], ca[i]);
+        sg[i] = choose(sb[i] > 0.0f, sg[i], cb[i] * sa[i]);
+        ca[i] = choose(sb[i] > 0.0f, ca[i], 1.0f);
+        sa[i] = choose(sb[i] > 0.0f, sa[i], 0.0f);
     }
     if (stretch) stretch_angles(cb, sb);
     angles_of(sb, cb, beta);

@@ -26,8 +26,13 @@ const struct rsh_kernels *const *rsh_kernels_usable(void) {
 
 #endif
 
+static _Atomic(const struct rsh_kernels *) best;
+
+void rsh_kernels_choose(const struct rsh_kernels *kernels) {
+    atomic_store_explicit(&best, kernels, memory_order_relaxed);
+}
+
 const struct rsh_kernels *rsh_kernels_best(void) {
-    static _Atomic(const struct rsh_kernels *) best;
     const struct rsh_kernels *k = atomic_load_explicit(&best, memory_order_relaxed);
     if (!k) {
         k = rsh_kernels_usable()[0];

@@ -81,6 +81,8 @@ extern const struct rsh_kernels rsh_kernels_native;
 const struct rsh_kernels *const *rsh_kernels_usable(void);
 // The best of them, found at the first call.
 const struct rsh_kernels *rsh_kernels_best(void);
+// For tests: makes another usable table the best from now on.
+void rsh_kernels_choose(const struct rsh_kernels *kernels);
 
 static inline bool rsh_order_ok(int order) { return order >= 1 && order <= RSH_MAX_ORDER; }
 static inline bool rsh_basis_ok(rsh_basis basis) {

@@ -8,6 +8,8 @@
 
 #include "rsh/rsh_kernel.h"
 
+#define INLINE static inline __attribute__((always_inline))
+
 // Channels turned at once, as many as the kernels share work between.
 enum { BLOCK = 3, SCRATCH = BLOCK * RSH_MAX_COEFFICIENTS * RSH_MAX_WIDTH };
 
@@ -115,24 +117,69 @@ static void turn_tail(const struct job *j, const float r[9][RSH_MAX_WIDTH], size
     }
 }
 
-// The rotations of coordinates from frames a to frames b, or r = a itself where b is NULL, for the
-// records from `first` on, the first of them again in the lanes beyond `count`.
-static void load_rotations(const float *const a[9], const float *const *b, size_t first,
-                           size_t count, float r[9][RSH_MAX_WIDTH]) {
-    float f[18][RSH_MAX_WIDTH];
-    for (int e = 0; e < (b ? 18 : 9); e++) {
-        const float *from = (e < 9 ? a[e] : b[e - 9]) + first;
-        float *to = b ? f[e] : r[e];
-        if (count == RSH_MAX_WIDTH)
-            memcpy(to, from, RSH_MAX_WIDTH * sizeof *to);
+// Entries of `count` records from `first` on, the first of them again in the lanes beyond.
+INLINE void load_entries(int lanes, const float *const a[9], size_t first, size_t count,
+                         float f[9][RSH_MAX_WIDTH]) {
+    for (int e = 0; e < 9; e++) {
+        const float *from = a[e] + first;
+        if (count == (size_t)lanes)
+            memcpy(f[e], from, (size_t)lanes * sizeof **f);
         else
-            for (size_t i = 0; i < RSH_MAX_WIDTH; i++) to[i] = from[i < count ? i : 0];
+            for (int i = 0; i < lanes; i++) f[e][i] = from[(size_t)i < count ? i : 0];
     }
-    for (int e = 0; b && e < 9; e++) {
-        const float(*x)[RSH_MAX_WIDTH] = &f[9 + e / 3 * 3], (*y)[RSH_MAX_WIDTH] = &f[e % 3 * 3];
-        for (int i = 0; i < RSH_MAX_WIDTH; i++)
+}
+
+// Frames that are the same number for number have no rotation between them, however orthonormal, as
+// in rsh_align.
+INLINE void leave_out_equal(int lanes, const float f[9][RSH_MAX_WIDTH],
+                            const float g[9][RSH_MAX_WIDTH], float r[9][RSH_MAX_WIDTH]) {
+    int32_t differ[RSH_MAX_WIDTH] = {0}, equal = 0;
+    for (int e = 0; e < 9; e++)
+        for (int i = 0; i < lanes; i++) differ[i] |= f[e][i] != g[e][i] ? -1 : 0;
+    for (int i = 0; i < lanes; i++) equal |= ~differ[i];
+    for (int i = 0; i < lanes && equal; i++)
+        for (int e = 0; e < 9 && !differ[i]; e++) r[e][i] = e % 4 == 0 ? 1.0f : 0.0f;
+}
+
+// The rotations of coordinates from frames a to frames b, or r = a itself where b is NULL, in the
+// lanes of a vector. Sums are rounded as in rsh_align: where an angle is uncertain, it is the same.
+INLINE void load_lanes(int lanes, const float *const a[9], const float *const *b, size_t first,
+                       size_t count, float r[9][RSH_MAX_WIDTH]) {
+    float f[9][RSH_MAX_WIDTH], g[9][RSH_MAX_WIDTH];
+    if (!b) {
+        load_entries(lanes, a, first, count, r);
+        return;
+    }
+    load_entries(lanes, a, first, count, f);
+    load_entries(lanes, b, first, count, g);
+    for (int e = 0; e < 9; e++) {
+        const float(*x)[RSH_MAX_WIDTH] = &g[e / 3 * 3], (*y)[RSH_MAX_WIDTH] = &f[e % 3 * 3];
+        for (int i = 0; i < lanes; i++)
             r[e][i] = x[0][i] * y[0][i] + x[1][i] * y[1][i] + x[2][i] * y[2][i];
     }
+    leave_out_equal(lanes, f, g, r);
+}
+
+// A function per width, so that loops over lanes become vectors.
+#define LOAD(lanes)                                                                             \
+    static void load_rotations_##lanes(const float *const a[9], const float *const *b,          \
+                                       size_t first, size_t count, float r[9][RSH_MAX_WIDTH]) { \
+        load_lanes(lanes, a, b, first, count, r);                                               \
+    }
+LOAD(1)
+LOAD(4)
+LOAD(8)
+LOAD(16)
+#undef LOAD
+
+typedef void load_rotations(const float *const a[9], const float *const *b, size_t first,
+                            size_t count, float r[9][RSH_MAX_WIDTH]);
+
+static load_rotations *loader_of(int width) {
+    return width == 16  ? load_rotations_16
+           : width == 8 ? load_rotations_8
+           : width == 4 ? load_rotations_4
+                        : load_rotations_1;
 }
 
 static bool all_in_range(const float *const a[9], size_t count) {
@@ -148,10 +195,11 @@ static bool run(struct job *j, size_t count, const float *const a[9], const floa
     if (!all_in_range(a, count) || (b && !all_in_range(b, count))) return false;
     j->kernels = rsh_kernels_best();
     size_t width = (size_t)j->kernels->width;
+    load_rotations *const load = loader_of(j->kernels->width);
     for (size_t i = 0; i < count; i += width) {
         float r[9][RSH_MAX_WIDTH];
         size_t left = count - i < width ? count - i : width;
-        load_rotations(a, b, i, left, r);
+        load(a, b, i, left, r);
         if (left == width)
             turn_vector(j, r, count, in + i, out + i);
         else

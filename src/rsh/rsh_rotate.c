@@ -64,14 +64,15 @@ struct rsh_turn rsh_turn_of_matrix(const float r[9]) {
     return t;
 }
 
-// cos beta' = 2 cos beta - 1, with 1 - cos beta computed without cancellation; from 90 degrees on
-// beta' stays at its end, pi.
+// cos beta' = 2 cos beta - 1. Both 1 - cos beta' = 2 (1 - cos beta) and 1 + cos beta' = 2 cos beta
+// are found without cancellation, so that beta' is right near 0 and near pi, where it stays from 90
+// degrees on.
 void rsh_turn_stretch(struct rsh_turn *t) {
-    float lift =
-        t->cos_beta > 0.0f ? 2.0f * t->sin_beta * t->sin_beta / (1.0f + t->cos_beta) : 2.0f;
+    const float above = fmaxf(t->cos_beta, 0.0f);
+    float lift = above > 0.0f ? 2.0f * t->sin_beta * t->sin_beta / (1.0f + above) : 2.0f;
     lift = fminf(lift, 2.0f);
     t->cos_beta = 1.0f - lift;
-    t->sin_beta = sqrtf(lift * (2.0f - lift));
+    t->sin_beta = sqrtf(2.0f * above * lift);
 }
 
 // Small angles by the series of the arcsine, whose next term is below the rounding of floats.

@@ -92,9 +92,9 @@ static void angles_equal_the_plain_twin(void **state) {
                 assert_true(fabsf(t.cos_gamma[i] - one.cos_gamma) < 1e-6f);
                 assert_true(fabsf(t.sin_gamma[i] - one.sin_gamma) < 1e-6f);
                 assert_true(fabsf(t.cos_beta[i] - one.cos_beta) < 1e-6f);
-                assert_true(fabsf(t.sin_beta[i] - one.sin_beta) < 1e-5f);
+                assert_true(fabsf(t.sin_beta[i] - one.sin_beta) < 1e-6f);
                 float beta = atan2f(one.sin_beta, one.cos_beta);
-                assert_true(fabsf(t.beta[i] - beta) < 1e-5f || one.cos_beta < -0.99f);
+                assert_true(fabsf(t.beta[i] - beta) < 2e-6f);
             }
         }
 }
