@@ -3,7 +3,8 @@
 // rotation of the radiance records, and their difference in colours. Both bases; the fast rotation
 // up to the default angle, up to the thesis' 1.25 a, and always.
 //
-// usage: fig_5_6 SCENE.xml FOLDER [WIDTH [ORDER]]        (default 256, 10); writes FOLDER/*.png
+// usage: fig_5_6 SCENE.xml FOLDER [WIDTH [ORDER]]        (default 256, 10); writes FOLDER/*.png and
+// prints a table in Markdown
 //
 // Differences are those of RGB clamped to [0, 1] in linear radiance, as the thesis has them, and
 // relative to the exact image's luminance, over pixels whose luminance is above 1 % of the mean.
@@ -37,7 +38,6 @@ static satin_film *render(const satin_scene *scene, satin_basis basis, float tur
 
 struct measured {
     double largest, mean;                    // on [0, 1]
-    double above;                            // share of pixels above 1 %
     double largest_relative, mean_relative;  // of luminance
 };
 
@@ -69,7 +69,6 @@ static struct measured measure(const satin_film *exact, const satin_film *fast, 
         }
         m.largest = fmax(m.largest, difference);
         m.mean += difference / (double)count;
-        m.above += (difference > 0.01) / (double)count;
         paint(picture, i, difference);
         double l = luminance(exact, i);
         if (l < 0.01 * mean) continue;
@@ -94,14 +93,17 @@ int main(int argc, char **argv) {
         return 2;
     }
     int width = argc > 3 ? atoi(argv[3]) : 256, order = argc > 4 ? atoi(argv[4]) : 10;
+    const float thesis = 1.25f * satin_options_default.radiance_a;
+    char angle[32];
+    snprintf(angle, sizeof angle, "1.25 a = %.3f rad", (double)thesis);
     const struct {
-        const char *name;
+        const char *name, *what;
         float turn;
-    } cases[] = {
-        {"small", 0.05f}, {"1.25a", 1.25f * satin_options_default.radiance_a}, {"always", 4.0f}};
+    } cases[] = {{"small", ".05 rad", 0.05f}, {"1.25a", angle, thesis}, {"always", "always", 4.0f}};
     satin_scene *scene = NULL;
     if (satin_scene_load(argv[1], NULL, 0, print_message, NULL, &scene) != SATIN_OK) return 1;
-    printf("basis\tfast_up_to\trad\tlargest\tmean\tabove_1%%\tlargest_rel\tmean_rel\n");
+    puts("| basis | fast up to | largest | mean | largest, relative | mean, relative |");
+    puts("|---|---|---|---|---|---|");
     for (int b = 0; b < 2; b++) {
         const char *basis = b ? "sh" : "hsh";
         satin_film *exact = render(scene, b ? SATIN_SH : SATIN_HSH, 0.0f, width, order);
@@ -112,9 +114,9 @@ int main(int argc, char **argv) {
             satin_film *fast = render(scene, b ? SATIN_SH : SATIN_HSH, cases[k].turn, width, order);
             if (!fast) return 1;
             struct measured m = measure(exact, fast, (size_t)width * (size_t)width, picture);
-            printf("%s\t%s\t%.3f\t%.4f\t%.5f\t%.4f\t%.4f\t%.5f\n", basis, cases[k].name,
-                   (double)cases[k].turn, m.largest, m.mean, m.above, m.largest_relative,
-                   m.mean_relative);
+            printf("| %s | %s | %.2f %% | %.3f %% | %.1f %% | %.3f %% |\n", b ? "SH" : "HSH",
+                   cases[k].what, 100.0 * m.largest, 100.0 * m.mean, 100.0 * m.largest_relative,
+                   100.0 * m.mean_relative);
             save(picture, argv[2], basis, cases[k].name);
             satin_film_free(fast);
         }

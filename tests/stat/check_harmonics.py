@@ -2,10 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Compares the harmonics of librsh with scipy, pyshtools and spherical, all in double precision.
 
-usage: check_harmonics.py LIBRSH.so        (status 77, skipped, where a package is missing)
+usage: check_harmonics.py LIBRSH.so [ROTATIONS]
+       (status 77, skipped, where a package is missing)
 
 Basis values: 10^5 directions, orders to 16; errors count relative to each function's largest value.
-Rotations: random ones at orders 10 and 16; errors count relative to the vector's length.
+Rotations: random ones at orders 10 and 16, 50 unless said; errors count relative to the vector's
+length. Ends with the largest errors as a table in Markdown.
 """
 import ctypes
 import sys
@@ -20,8 +22,9 @@ except ImportError as missing:
     print(missing)
     sys.exit(77)
 
-ORDER, DIRECTIONS, ROTATIONS = 16, 100000, 50
+ORDER, DIRECTIONS = 16, 100000
 FLOATS = ctypes.POINTER(ctypes.c_float)
+BASES = "sphere", "hemisphere"
 
 
 def pointer(array):
@@ -71,7 +74,7 @@ def angles(w, hemisphere):
     return theta, np.arctan2(w[1], w[0])
 
 
-def check_basis(lib, rng):
+def check_basis(lib, rng, table):
     good = True
     for hemisphere in (0, 1):
         w = rng.normal(size=(3, DIRECTIONS))
@@ -90,12 +93,15 @@ def check_basis(lib, rng):
         few = np.zeros((100, DIRECTIONS), np.float32)
         lib.rsh_eval_many(hemisphere, 10, ctypes.c_size_t(DIRECTIONS), pointer(w[0]), pointer(w[1]),
                           pointer(w[2]), pointer(few))
-        for name, got in (("rsh_eval", one.T), ("rsh_eval_many", many), ("... of order 10", few)):
+        for name, got, order in (("rsh_eval", one.T, 16), ("rsh_eval", one.T[:100], 10),
+                                 ("rsh_eval_many", many, 16), ("rsh_eval_many", few, 10)):
             error = np.abs(got - want[:len(got)]) / largest[:len(got)]
-            print("%-15s %s  largest error %.1e (order 10: %.1e), rms %.1e, limit 1e-06" % (
-                name, ("sphere    ", "hemisphere")[hemisphere], error.max(), error[:100].max(),
-                np.sqrt((error**2).mean())))
+            rms = np.sqrt((error**2).mean())
+            print("%-15s %-10s  order %2d  largest error %.1e, rms %.1e, limit 1e-06" % (
+                name, BASES[hemisphere], order, error.max(), rms))
             good &= bool(error.max() < 1e-6)
+            cell = f"{error.max():.1e} ({rms:.0e})"
+            table.setdefault((f"`{name}`, {BASES[hemisphere]} (rms)", "scipy"), {})[order] = cell
     return good
 
 
@@ -116,13 +122,15 @@ def check_pyshtools(lib, rng):
     return worst < 1e-6
 
 
-def check_rotation(lib, rng):
+def check_rotation(lib, rng, rotations, table):
     good = True
     forms = ["rsh_rotate", "rsh_rotate_zxzxz", "rsh_rotate_ivanic"]
     for n in (10, 16):
         wigner, worst = spherical.Wigner(n - 1), dict.fromkeys(forms + ["rsh_rotate_many"], 0.0)
         matrices, ins, wants = [], [], []
-        for _ in range(ROTATIONS):
+        places = [[[wigner.Dindex(l, a, b) for b in range(-l, l + 1)] for a in range(-l, l + 1)]
+                  for l in range(n)]
+        for _ in range(rotations):
             q = rng.normal(size=4)
             rotor = quaternionic.array(q / np.linalg.norm(q))
             r = np.ascontiguousarray(rotor.to_rotation_matrix, dtype=np.float32)
@@ -132,9 +140,7 @@ def check_rotation(lib, rng):
             d = np.conj(wigner.D(quaternionic.array.from_rotation_matrix(r.astype(float))))
             c, turned = complex_of(v, n), np.zeros(n * n, complex)
             for l in range(n):
-                block = [[d[wigner.Dindex(l, a, b)] for b in range(-l, l + 1)]
-                         for a in range(-l, l + 1)]
-                turned[l * l:(l + 1) ** 2] = np.array(block) @ c[l * l:(l + 1) ** 2]
+                turned[l * l:(l + 1) ** 2] = d[places[l]] @ c[l * l:(l + 1) ** 2]
             want = real_of(turned, n)
             for form in forms:
                 got = np.zeros(n * n, np.float32)
@@ -142,23 +148,27 @@ def check_rotation(lib, rng):
                 worst[form] = max(worst[form], np.linalg.norm(got - want))
             matrices.append(r.ravel()), ins.append(v), wants.append(want)
         rows = [np.ascontiguousarray(column) for column in np.array(matrices).T]
-        table = (FLOATS * 9)(*[pointer(row) for row in rows])
+        columns = (FLOATS * 9)(*[pointer(row) for row in rows])
         many_in, many_out = np.ascontiguousarray(np.array(ins).T), np.zeros_like(np.array(ins).T)
         many_out = np.ascontiguousarray(many_out)
-        lib.rsh_rotate_many(n, 1, ctypes.c_size_t(ROTATIONS), table, pointer(many_in),
+        lib.rsh_rotate_many(n, 1, ctypes.c_size_t(rotations), columns, pointer(many_in),
                             pointer(many_out))
         worst["rsh_rotate_many"] = np.linalg.norm(many_out.T - np.array(wants), axis=1).max()
         for form, error in worst.items():
             print("%-18s order %2d  largest error %.1e, limit 3e-06" % (form, n, error))
             good &= bool(error < 3e-6)
+            table.setdefault((f"`{form}`", "spherical"), {})[n] = f"{error:.2e}"
     return good
 
 
 def main():
-    lib, rng = ctypes.CDLL(sys.argv[1]), np.random.default_rng(5)
-    good = check_basis(lib, rng)
+    lib, rng, table = ctypes.CDLL(sys.argv[1]), np.random.default_rng(5), {}
+    good = check_basis(lib, rng, table)
     good &= check_pyshtools(lib, rng)
-    good &= check_rotation(lib, rng)
+    good &= check_rotation(lib, rng, int(sys.argv[2]) if len(sys.argv) > 2 else 50, table)
+    print("\n| what | oracle | order 10 | order 16 |\n|---|---|---|---|")
+    for (what, oracle), cells in table.items():
+        print(f"| {what} | {oracle} | {cells[10]} | {cells[16]} |")
     return 0 if good else 1
 
 
