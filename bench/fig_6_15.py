@@ -13,7 +13,7 @@ import runs
 
 ALPHAS = ["0.60", "0.30", "0.15"]
 SCENE = runs.scene_file("figures", "ward-floor")
-PARTS = 8
+PARTS = 4
 
 
 def reference(options, alpha):
