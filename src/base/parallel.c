@@ -42,17 +42,20 @@ static void flush_denormals(void) {
 #endif
 }
 
-static void run_chunks(struct parallel *pool, int worker, bool caller) {
-    for (;;) {
-        if (atomic_load(&pool->cancelled)) return;
-        if (caller && pool->progress) {
-            double share =
-                pool->chunks ? (double)atomic_load(&pool->finished) / (double)pool->chunks : 1.0;
-            if (pool->progress(pool->progress_user, share)) {
-                atomic_store(&pool->cancelled, true);
-                return;
-            }
-        }
+bool parallel_cancelled(struct parallel *pool, int worker) {
+    if (atomic_load(&pool->cancelled)) return true;
+    if (worker != 0 || !pool->progress) return false;
+    const double share =
+        pool->chunks ? (double)atomic_load(&pool->finished) / (double)pool->chunks : 1.0;
+    if (!pool->progress(pool->progress_user, share)) return false;
+    atomic_store(&pool->cancelled, true);
+    return true;
+}
+
+bool parallel_stopped(const struct parallel *pool) { return atomic_load(&pool->cancelled); }
+
+static void run_chunks(struct parallel *pool, int worker) {
+    while (!parallel_cancelled(pool, worker)) {
         size_t chunk = atomic_fetch_add(&pool->next_chunk, 1);
         if (chunk >= pool->chunks) return;
         size_t begin = chunk * pool->grain;
@@ -74,7 +77,7 @@ static void *helper_main(void *arg) {
         if (pool->quit) break;
         seen = pool->generation;
         pthread_mutex_unlock(&pool->mutex);
-        run_chunks(pool, worker, false);
+        run_chunks(pool, worker);
         pthread_mutex_lock(&pool->mutex);
         if (--pool->busy == 0) pthread_cond_signal(&pool->done);
     }
@@ -152,12 +155,12 @@ bool parallel_for(struct parallel *pool, size_t n, size_t grain, parallel_fn fn,
         pool->generation++;
         pthread_cond_broadcast(&pool->wake);
         pthread_mutex_unlock(&pool->mutex);
-        run_chunks(pool, 0, true);
+        run_chunks(pool, 0);
         pthread_mutex_lock(&pool->mutex);
         while (pool->busy > 0) pthread_cond_wait(&pool->done, &pool->mutex);
         pthread_mutex_unlock(&pool->mutex);
     } else {
-        run_chunks(pool, 0, true);
+        run_chunks(pool, 0);
     }
     return !atomic_load(&pool->cancelled);
 }

@@ -27,7 +27,14 @@ int parallel_threads(const struct parallel *pool);
 void parallel_set_progress(struct parallel *pool, parallel_progress_fn fn, void *user);
 
 // Runs fn over [0, n) in chunks of `grain` (>= 1) items. True if all chunks ran, false if
-// cancelled: then chunks that started have finished and the others have not begun. Not reentrant.
+// cancelled: then chunks that started have returned and the others have not begun. Not reentrant.
 bool parallel_for(struct parallel *pool, size_t n, size_t grain, parallel_fn fn, void *ctx);
+
+// For a chunk that may take longer than a tenth of a second: whether the loop under way is
+// cancelled, when the chunk should return, whatever is missing of it. To be asked now and then by
+// the worker that runs the chunk; on the calling thread it calls the progress function.
+bool parallel_cancelled(struct parallel *pool, int worker);
+// Whether that was found, without calling anything.
+bool parallel_stopped(const struct parallel *pool);
 
 #endif

@@ -57,8 +57,10 @@ struct cache *cache_new(const struct gather *g, int order, struct parallel *pool
     c->scratch_count = parallel_threads(pool);
     c->scratch = calloc((size_t)c->scratch_count, sizeof *c->scratch);
     if (!c->scratch) goto fail;
-    for (int i = 0; i < c->scratch_count; i++)
+    for (int i = 0; i < c->scratch_count; i++) {
         if (!(c->scratch[i] = gather_scratch_new(most_rays(c)))) goto fail;
+        gather_scratch_watch(c->scratch[i], pool, i);
+    }
     return c;
 fail:
     cache_free(c);

@@ -120,6 +120,9 @@ struct gather_scratch;
 struct gather_scratch *gather_scratch_new(size_t capacity);  // NULL without memory
 void gather_scratch_free(struct gather_scratch *scratch);
 struct gather_ray *gather_scratch_rays(struct gather_scratch *scratch);  // room for `capacity`
+// Many rays are left off where the loop that this worker is in is cancelled: what parallel_stopped
+// tells, and what has come of them is to be dropped.
+void gather_scratch_watch(struct gather_scratch *scratch, struct parallel *pool, int worker);
 
 // Follows `ray` through ideal specular surfaces to a point with a smooth lobe. False if it meets
 // none. *first gets the surface that it meets first.

@@ -49,6 +49,11 @@ struct gather_ray *gather_scratch_rays(struct gather_scratch *scratch) {
     return scratch->rays;
 }
 
+void gather_scratch_watch(struct gather_scratch *scratch, struct parallel *pool, int worker) {
+    scratch->pool = pool;
+    scratch->worker = worker;
+}
+
 // Chance of going on at each further ideal specular surface: light that is guided along a pane of
 // glass meets some hundred.
 static const float DELTA_SURVIVE = 0.98f;
@@ -346,6 +351,15 @@ static void trace_chunk(const struct gather *g, struct gather_scratch *scratch,
     shade_from_photons(g, scratch, hits, rays, bundle->guide);
 }
 
+// Rays that are left off have found nothing.
+static void forget(struct gather_ray *rays, size_t begin, size_t end) {
+    for (size_t i = begin; i < end; i++) {
+        rays[i].L = rays[i].Le = rays[i].Le_specular = rgb_grey(0.0f);
+        rays[i].light_pdf = 0.0f;
+        rays[i].first = GATHER_NOTHING;
+    }
+}
+
 void gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
                         struct gather_ray *rays, size_t count, uint64_t stream,
                         const struct gather_guide *guide) {
@@ -353,7 +367,11 @@ void gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
     const struct bundle bundle = {rays, guide, seed};
     for (size_t begin = 0; begin < count; begin += GATHER_CHUNK) {
         size_t end = count - begin > GATHER_CHUNK ? begin + GATHER_CHUNK : count;
-        trace_chunk(g, scratch, &bundle, begin, end);
+        // Of a million rays the rest would take seconds.
+        if (begin > 0 && scratch->pool && parallel_cancelled(scratch->pool, scratch->worker))
+            forget(rays, begin, end);
+        else
+            trace_chunk(g, scratch, &bundle, begin, end);
     }
 }
 

@@ -32,6 +32,8 @@ struct gather_scratch {
     float *x, *y, *z;         // capacity: local directions
     float *r, *g, *b;         // capacity: weighted radiance
     float *wall;              // 6 * capacity: of gradients
+    struct parallel *pool;    // asked between chunks whether to go on; NULL: it is not
+    int worker;
     struct gather_guide guide;
     struct gather_hit hit[GATHER_CHUNK];
     vec3 p[GATHER_CHUNK], n[GATHER_CHUNK];

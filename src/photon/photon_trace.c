@@ -17,7 +17,8 @@
 
 enum {
     CHUNK_PATHS = 2048,    // at least; large passes have
-    CHUNKS_MAX = 1 << 16,  // no more chunks than this
+    CHUNKS_MAX = 1 << 16,  // no more chunks than this; then a chunk can take minutes,
+    ASK_PATHS = 256,       // and after so many paths asks whether it should go on
     BOUNCES_MAX = 1000     // ends paths that a mirror with albedo 1 would keep for ever
 };
 
@@ -38,6 +39,7 @@ struct run {
     const struct photon_tracing *tracing;
     uint64_t *first;                // light_count + 1: the first path of each light
     uint64_t *paths[PHOTON_KEEPS];  // by light: its first ones, of which photons are kept
+    struct parallel *pool;
     struct chunk *chunk;
     size_t grain;         // paths of a chunk
     atomic_size_t count;  // photons kept so far
@@ -226,13 +228,14 @@ static bool launch(const struct run *run, uint32_t light, uint64_t index, struct
 }
 
 static void trace_chunk(void *ctx, size_t begin, size_t end, int worker) {
-    (void)worker;
     struct run *run = ctx;
     const struct photon_tracing *tracing = run->tracing;
     struct chunk *chunk = &run->chunk[begin / run->grain];
     if (atomic_load(&run->failed)) return;
     uint32_t light = light_of(run->first, tracing->scene->light_count, begin);
     for (uint64_t path = begin; path < end && !chunk->failed; path++) {
+        if ((path - begin) % ASK_PATHS == ASK_PATHS - 1 && parallel_cancelled(run->pool, worker))
+            break;
         while (path >= run->first[light + 1]) light++;
         struct rng rng = rng_make(tracing->seed, tracing->guide ? RNG_CAUSTIC : RNG_PHOTON, path);
         struct flight f;
@@ -268,8 +271,7 @@ static satin_status join(struct run *run, size_t chunks, int keep, struct photon
     return SATIN_OK;
 }
 
-static satin_status trace_all(struct run *run, struct parallel *pool,
-                              struct photon_trace out[PHOTON_KEEPS]) {
+static satin_status trace_all(struct run *run, struct photon_trace out[PHOTON_KEEPS]) {
     if (!deal_paths(run)) return SATIN_ERROR_MEMORY;
     const size_t paths = (size_t)run->first[run->tracing->scene->light_count];
     run->grain = paths / CHUNKS_MAX > CHUNK_PATHS ? paths / CHUNKS_MAX + 1 : CHUNK_PATHS;
@@ -277,7 +279,7 @@ static satin_status trace_all(struct run *run, struct parallel *pool,
     run->chunk = array_new(chunks, sizeof *run->chunk);
     if (!run->chunk) return SATIN_ERROR_MEMORY;
     satin_status status = SATIN_OK;
-    if (!parallel_for(pool, paths, run->grain, trace_chunk, run))
+    if (!parallel_for(run->pool, paths, run->grain, trace_chunk, run))
         status = SATIN_CANCELLED;
     else if (atomic_load(&run->failed))
         status = SATIN_ERROR_MEMORY;
@@ -291,12 +293,12 @@ static satin_status trace_all(struct run *run, struct parallel *pool,
 satin_status photon_trace_run(const struct photon_tracing *tracing, struct parallel *pool,
                               struct log log, struct photon_trace out[PHOTON_KEEPS]) {
     struct photon_trace trace[PHOTON_KEEPS] = {0};
-    struct run run = {.tracing = tracing};
+    struct run run = {.tracing = tracing, .pool = pool};
     atomic_init(&run.failed, false);
     atomic_init(&run.count, 0);
     const bool some = tracing->keep[0].paths > 0 || tracing->keep[1].paths > 0;
     satin_status status = SATIN_OK;
-    if (tracing->scene->light_count > 0 && some) status = trace_all(&run, pool, trace);
+    if (tracing->scene->light_count > 0 && some) status = trace_all(&run, trace);
     free(run.chunk);
     free(run.first);
     free(run.paths[0]);

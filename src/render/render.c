@@ -63,11 +63,13 @@ static satin_status image(struct render *r) {
     return render_image_fill(r);
 }
 
-// Cancelled before the image: one look within a moment, with the records that there are, or with
-// direct light alone.
-static satin_status sketch(struct render *r) {
-    r->sketch = r->stage;
-    if (!r->shade.g) {
+// Cancelled before the image's first samples are there: one look within a moment, with the records
+// that there are, or with direct light alone.
+static satin_status sketch(struct render *r, bool direct) {
+    if (!r->sketch) r->sketch = r->stage;
+    r->sketch_direct = direct;
+    if (direct) {
+        shade_destroy(&r->shade);
         r->sketch_options = r->options;
         r->sketch_options.integrator = SATIN_DIRECT;
         r->gather = gather_make(&r->scene, &r->sketch_options, NULL);
@@ -86,7 +88,7 @@ static satin_status film(struct render *r, satin_status status, satin_film **out
     if (!r->image_begun) return status;
     if (r->sketch)
         log_message(r->log, SATIN_LOG_WARNING, "cancelled during %s: the image is a first look%s",
-                    r->sketch, r->cache ? "" : " at direct light alone");
+                    r->sketch, !r->sketch_direct ? "" : " at direct light alone");
     bool any;
     render_image_film(r, &any);
     if (status == SATIN_CANCELLED && !any) return status;
@@ -141,7 +143,10 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
     if (status == SATIN_OK && two_pass(r)) status = render_levels(r);
     if (status == SATIN_OK) status = records(r);
     if (status == SATIN_OK) status = image(r);
-    if (status == SATIN_CANCELLED && !r->image_begun) status = sketch(r);
+    // Where a sample takes long the first look does not come to its end; direct light does.
+    if (status == SATIN_CANCELLED && !r->image->looked)
+        status = sketch(r, !r->shade.g || r->image_begun);
+    if (status == SATIN_CANCELLED && !r->image->looked) status = sketch(r, true);
     if (r->pool) status = film(r, status, &made);
     if (status == SATIN_ERROR_MEMORY && !r->error_told)
         log_message(r->log, SATIN_LOG_ERROR, "not enough memory");

@@ -11,10 +11,11 @@
 
 enum {
     TILE = 16,
-    EVEN_LEAST = 2,  // samples per pixel that are spread evenly at least, and
-    EVEN_SHARE = 4,  // the share of all that is
-    COARSEST = 16,   // pixels between the very first samples, or more, for
-    LOOK = 256       // no more samples than these
+    EVEN_LEAST = 2,   // samples per pixel that are spread evenly at least, and
+    EVEN_SHARE = 4,   // the share of all that is
+    COARSEST = 16,    // pixels between the very first samples, or more, for
+    LOOK = 256,       // no more samples than these
+    ASK_SAMPLES = 32  // after so many a worker asks whether it should go on
 };
 
 // Of a render with a time limit: the part of a sample per pixel that is not worth another pass.
@@ -90,6 +91,7 @@ static void add_aovs(const struct render_image *image, size_t at, const struct s
 static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
     struct pass *pass = ctx;
     struct render_image *image = pass->r->image;
+    unsigned samples = 0;
     for (size_t tile = begin; tile < end; tile++) {
         int x0 = (int)(tile % (size_t)pass->columns) * TILE;
         int y0 = (int)(tile / (size_t)pass->columns) * TILE;
@@ -102,9 +104,13 @@ static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
                     struct shade_sample sample;
                     shade_pixel(&pass->r->shade, &pass->worker[worker], x, y, adapt->count,
                                 &sample);
+                    if (parallel_stopped(pass->r->pool)) return;  // it may be cut short
                     bool finite = add_sample(&image->pixel[at], &sample);
                     if (finite && image->aov) add_aovs(image, at, &sample);
                     adapt_add(adapt, finite ? judged(&sample) : rgb_grey(0.0f));
+                    // A late pass takes thousands of samples of every pixel.
+                    if (++samples % ASK_SAMPLES == 0 && parallel_cancelled(pass->r->pool, worker))
+                        return;
                 }
             }
     }
@@ -182,17 +188,18 @@ static void want_one(struct render_image *image, int stride) {
         }
 }
 
-// The first sample of a few pixels, whatever the time is; and if it is short, of all, coarse to
-// fine. False if that was cut short.
+// The first sample of a few pixels, whatever the time is, unless a look at direct light can follow;
+// and if it is short, of all, coarse to fine. False if that was cut short.
 static bool first_look(struct pass *pass) {
     struct render *r = pass->r;
     const bool hurry = r->options.time > 0.0 || r->sketch;
     const double stop_at = r->stop_at;
     bool whole = true;
-    r->stop_at = INFINITY;
+    if (!r->sketch || r->sketch_direct) r->stop_at = INFINITY;
     for (int stride = r->image->coarsest; stride > 0 && whole; stride /= 2) {
         want_one(r->image, stride);
         whole = run_pass(pass);
+        r->image->looked |= whole;
         r->stop_at = stop_at;
         if (!hurry) break;
     }

@@ -23,6 +23,7 @@ struct render_image {
     struct adapt adapt;
     uint64_t taken;           // samples
     int coarsest;             // pixels between the first samples, a power of two
+    bool looked;              // each of these pixels has one
     struct satin_film *film;  // what it becomes
 };
 

@@ -27,6 +27,7 @@ struct render {
     bool cancelled;
     // Cancelled before the image, in the stage of that name: a first look is taken all the same.
     const char *sketch;
+    bool sketch_direct;  // at direct light alone
     satin_options sketch_options;
     bool error_told;
 

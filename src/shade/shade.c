@@ -35,6 +35,7 @@ satin_status shade_init(struct shade *shade, const struct gather *g,
         size_t capacity = gather_layout_rays(s.gather);
         s.scratch[i] = gather_scratch_new(capacity > SCRATCH_LEAST ? capacity : SCRATCH_LEAST);
         ok = s.scratch[i] != NULL;
+        if (ok) gather_scratch_watch(s.scratch[i], pool, i);
     }
     if (!ok) {
         shade_destroy(&s);
