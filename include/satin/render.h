@@ -29,16 +29,18 @@ typedef struct satin_callbacks {
     void *progress_user;
     // Files of cache records: read before records are made, and written after. NULL: none. The file
     // must have been made for the same scene, whatever its sensor, and by the same options, but for
-    // those that do not decide records; else SATIN_ERROR_INPUT, with one logged line.
+    // those that do not decide records; else SATIN_ERROR_INPUT, with one logged line. So it is if
+    // save_cache is a file that the scene was read from. It may be load_cache, which is replaced
+    // when all records are there.
     const char *load_cache, *save_cache;
 } satin_callbacks;
 
 // Renders. SATIN_CANCELLED if the progress function asked for it; *film is then the image so far,
 // like that of a render with less samples, its last pixels filled from their neighbours. Cancelled
 // before the image was begun, a coarse one is made within half a second or so, of direct light
-// alone if the photons were not done yet. The caller frees *film. Thread-safe on a shared scene.
-// The film's pixels depend on scene and options only, not on threads, unless options->time cuts
-// them short.
+// alone if the photons were not done yet or a sample takes that long. The caller frees *film.
+// Thread-safe on a shared scene. The film's pixels depend on scene and options only, not on
+// threads, unless options->time cuts them short.
 SATIN_API satin_status satin_render(const satin_scene *scene, const satin_options *options,
                                     const satin_callbacks *callbacks, satin_film **film);
 

@@ -6,6 +6,8 @@
 #include <stdbool.h>
 #include <stdio.h>
 
+#include "base/fileio_files.h"
+#include "base/fileio_output.h"
 #include "satin/render.h"
 
 enum app_exit { APP_DONE = 0, APP_FAILED = 1, APP_WRONG = 2, APP_CANCELLED = 3 };
@@ -85,6 +87,29 @@ bool app_args_split(char *pair, const char **name, const char **value);
 // Reports `satin: error: ...` and returns APP_WRONG.
 int app_wrong(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
+// ---- Outputs (app_outputs.c) --------------------------------------------------------------------
+
+struct app_output {
+    const char *path;  // NULL: it is not asked for
+    enum fileio_need need;
+    const char *updates;  // the path of the input that it may replace, or NULL
+};
+
+struct app_input {
+    const char *path;  // NULL: it is not asked for
+    const char *what;  // as messages call it
+};
+
+// Standard output as the path of an output.
+#define APP_STDOUT "/dev/fd/1"
+
+// Reports the first output that is one of the inputs (ended by `what` NULL), an output before it,
+// or impossible to write, and returns APP_WRONG.
+int app_outputs_check(const struct app_output *output, int count, const struct app_input *input);
+// The same for the files that a scene was read from.
+int app_outputs_check_read(const struct app_output *output, int count,
+                           const struct fileio_files *read);
+
 // ---- Messages and progress (app_progress.c) -----------------------------------------------------
 
 // Prints messages and progress on stderr. A terminal gets a bar, anything else a line per finished
@@ -101,7 +126,7 @@ struct app_progress {
 };
 
 void app_progress_start(struct app_progress *progress, bool quiet);
-// A satin_progress_fn; `user` is a struct app_progress. True after SIGINT or SIGTERM.
+// A satin_progress_fn; `user` is a struct app_progress. True after a signal asked for a stop.
 bool app_progress_update(void *user, const satin_progress *now);
 // Ends the last stage's line or erases the bar.
 void app_progress_end(struct app_progress *progress);
@@ -111,7 +136,9 @@ void app_progress_end(struct app_progress *progress);
 void app_log_file(void *user, satin_log_level level, const char *message);
 void app_log(void *user, satin_log_level level, const char *message);
 
-// From here on SIGINT and SIGTERM ask for a stop; the second one ends the process at once.
+// From here on SIGINT, SIGTERM and SIGHUP ask for a stop; one that comes more than a second after
+// the first ends the process at once. SIGHUP stays ignored if it was, as under nohup. A reader of
+// messages that goes away is not missed.
 void app_catch_signals(void);
 bool app_interrupted(void);
 

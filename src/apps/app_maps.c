@@ -46,25 +46,48 @@ static satin_status write_map(const satin_film *film, const struct map *map, con
     return SATIN_OK;
 }
 
-static satin_status write_maps(const satin_film *film, const char *image, const char *folder) {
-    struct log log = {app_log_file, NULL};
-    if (!satin_film_channel(film, position))
-        return log_fail(log, SATIN_ERROR_INPUT,
-                        "%s: it has no channels of records; render it with --set record-maps=on",
-                        image);
-    if (mkdir(folder, 0777) != 0 && errno != EEXIST)
-        return log_fail(log, SATIN_ERROR_INPUT, "%s: cannot make the folder: %s", folder,
-                        strerror(errno));
-    satin_status status = SATIN_OK;
-    for (int i = 0; i < MAPS && status == SATIN_OK; i++) {
-        size_t n = strlen(folder) + strlen(maps[i].file) + 2;
-        char *path = malloc(n);
-        if (!path) return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory");
-        snprintf(path, n, "%s/%s", folder, maps[i].file);
-        status = write_map(film, &maps[i], path, log);
-        free(path);
+// DIR/FILE; malloc.
+static char *map_path(const char *folder, const struct map *map) {
+    const size_t n = strlen(folder) + strlen(map->file) + 2;
+    char *path = malloc(n);
+    if (path) snprintf(path, n, "%s/%s", folder, map->file);
+    return path;
+}
+
+// Writes the pictures if none of them is the image itself and all can be written.
+static int write_paths(const satin_film *film, const char *image, char *const path[MAPS]) {
+    const struct app_input input[] = {{image, "the image"}, {NULL, NULL}};
+    struct app_output output[MAPS];
+    for (int i = 0; i < MAPS; i++) {
+        const bool there = satin_film_channel(film, maps[i].channel);
+        output[i] = (struct app_output){there ? path[i] : NULL, FILEIO_APPEND, NULL};
     }
-    return status;
+    const int result = app_outputs_check(output, MAPS, input);
+    if (result != APP_DONE) return result;
+    satin_status status = SATIN_OK;
+    for (int i = 0; i < MAPS && status == SATIN_OK; i++)
+        status = write_map(film, &maps[i], path[i], (struct log){app_log_file, NULL});
+    return app_exit_of(status);
+}
+
+static int write_maps(const satin_film *film, const char *image, const char *folder) {
+    const struct log log = {app_log_file, NULL};
+    if (!satin_film_channel(film, position))
+        return app_exit_of(log_fail(
+            log, SATIN_ERROR_INPUT,
+            "%s: it has no channels of records; render it with --set record-maps=on", image));
+    if (mkdir(folder, 0777) != 0 && errno != EEXIST)
+        return app_exit_of(log_fail(log, SATIN_ERROR_INPUT, "%s: cannot make the folder: %s",
+                                    folder, strerror(errno)));
+    char *path[MAPS];
+    bool memory = true;
+    for (int i = 0; i < MAPS; i++) {
+        path[i] = map_path(folder, &maps[i]);
+        memory = memory && path[i];
+    }
+    const int result = memory ? write_paths(film, image, path) : APP_FAILED;
+    for (int i = 0; i < MAPS; i++) free(path[i]);
+    return result;
 }
 
 int app_maps(int argc, char **argv) {
@@ -83,7 +106,8 @@ int app_maps(int argc, char **argv) {
         return app_wrong("maps takes an image and a folder: satin maps IMAGE.exr -o DIR");
     satin_film *film = NULL;
     satin_status status = satin_film_read(image, app_log_file, NULL, &film);
-    if (status == SATIN_OK) status = write_maps(film, image, folder);
+    if (status != SATIN_OK) return app_exit_of(status);
+    const int result = write_maps(film, image, folder);
     satin_film_free(film);
-    return app_exit_of(status);
+    return result;
 }

@@ -1,19 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // satin render: arguments -> scene and options -> film -> files. All that can be wrong with the
 // arguments is found before the scene is read, and all output names before anything is rendered.
-#include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "apps/app.h"
 #include "base/fileio.h"
 #include "base/stats.h"
 #include "film/film.h"
+#include "scene/scene.h"
 
 // Of a time limit, what a scene that takes long to read leaves for the render.
 static const double LOAD_LEAVES = 0.2;
@@ -38,7 +35,7 @@ const struct app_flag app_render_flags[] = {
     {"--stats", NULL, "FILE.json", "Statistics as JSON; - for standard output."},
     {"--load-cache", NULL, "FILE",
      "Begins with the cache records of a render of the same scene, with any sensor."},
-    {"--save-cache", NULL, "FILE", "Keeps the cache records."},
+    {"--save-cache", NULL, "FILE", "Keeps the cache records; may be the file that is loaded."},
     {"--define", "-D", "NAME=VALUE", "Replaces a default of the scene file; may be repeated."},
     {"--set", NULL, "OPTION=VALUE", "Sets any option of `satin help options`; may be repeated."},
     {"--quiet", "-q", NULL, "Prints errors only."},
@@ -155,31 +152,6 @@ static int check_format(const struct request *r) {
     return APP_DONE;
 }
 
-static bool same_file(const char *a, const char *b) {
-    struct stat sa, sb;
-    if (strcmp(a, b) == 0) return true;
-    return stat(a, &sa) == 0 && stat(b, &sb) == 0 && sa.st_dev == sb.st_dev &&
-           sa.st_ino == sb.st_ino;
-}
-
-// Finds out whether a file of this name can appear, by making its temporary file and removing it.
-static int check_output(const char *path, const char *scene) {
-    struct stat st;
-    if (same_file(path, scene)) return app_wrong("%s: the output would replace the scene", path);
-    if (stat(path, &st) == 0 && !S_ISREG(st.st_mode))
-        return app_wrong("%s: cannot write: it is %s", path,
-                         S_ISDIR(st.st_mode) ? "a directory" : "not a regular file");
-    char *temporary = fileio_temporary(path);
-    if (!temporary) return APP_FAILED;
-    int fd = open(temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666), error = errno;
-    if (fd >= 0) {
-        close(fd);
-        unlink(temporary);
-    }
-    free(temporary);
-    return fd >= 0 ? APP_DONE : app_wrong("%s: cannot write: %s", path, strerror(error));
-}
-
 // OUT.exr -> OUT.png; malloc.
 static char *png_name(const char *output) {
     size_t n = strlen(output);
@@ -189,23 +161,29 @@ static char *png_name(const char *output) {
     return name;
 }
 
+// All outputs; those that were not asked for have no path.
 enum { OUTPUTS = 4 };
+static void list_outputs(const struct request *r, struct app_output output[OUTPUTS]) {
+    const bool png = ends_in(r->output, ".png");
+    output[0] = (struct app_output){r->output, png ? FILEIO_APPEND : FILEIO_SEEK, NULL};
+    output[1] = (struct app_output){r->png, FILEIO_APPEND, NULL};
+    output[2] = (struct app_output){r->stats, FILEIO_APPEND, NULL};
+    // A cache is read whole before anything is made, so it may be saved to where it came from.
+    output[3] = (struct app_output){r->save, FILEIO_APPEND, r->load};
+}
 
 static int check_outputs(struct request *r) {
     if (r->want_png && !r->png && !ends_in(r->output, ".png")) {
         r->png = r->png_beside = png_name(r->output);
         if (!r->png) return APP_FAILED;
     }
-    const char *stats = r->stats && strcmp(r->stats, "-") != 0 ? r->stats : NULL;
-    const char *path[OUTPUTS] = {r->output, r->png, stats, r->save};
-    for (int i = 0; i < OUTPUTS; i++) {
-        for (int j = 0; path[i] && j < i; j++)
-            if (path[j] && same_file(path[i], path[j]))
-                return app_wrong("two outputs have the same name: %s", path[i]);
-        int status = path[i] ? check_output(path[i], r->scene) : APP_DONE;
-        if (status != APP_DONE) return status;
-    }
-    return check_format(r);
+    if (r->stats && strcmp(r->stats, "-") == 0) r->stats = APP_STDOUT;
+    const struct app_input input[] = {
+        {r->scene, "the scene"}, {r->load, "the cache that is loaded"}, {NULL, NULL}};
+    struct app_output output[OUTPUTS];
+    list_outputs(r, output);
+    const int status = app_outputs_check(output, OUTPUTS, input);
+    return status == APP_DONE ? check_format(r) : status;
 }
 
 static satin_status write_outputs(const struct request *r, const satin_film *film, int threads,
@@ -221,10 +199,7 @@ static satin_status write_outputs(const struct request *r, const satin_film *fil
     }
     if (status == SATIN_OK && r->png) status = satin_film_write_png(film, r->png, log.fn, log.user);
     if (status != SATIN_OK || !r->stats || !stats) return status;
-    if (strcmp(r->stats, "-") != 0) return fileio_write(log, r->stats, stats, strlen(stats));
-    if (fputs(stats, stdout) == EOF || fflush(stdout) != 0)
-        return log_fail(log, SATIN_ERROR_IO, "cannot write statistics: %s", strerror(errno));
-    return SATIN_OK;
+    return fileio_write(log, r->stats, stats, strlen(stats));
 }
 
 static void print_summary(const struct request *r, const satin_film *film, satin_status rendered,
@@ -272,9 +247,13 @@ static int load_and_render(struct request *r) {
     app_catch_signals();
     satin_status status =
         satin_scene_load(r->scene, r->define, r->define_count, app_log_file, &progress, &scene);
-    if (status == SATIN_OK) status = render(r, scene, &progress, start);
+    if (status != SATIN_OK) return app_exit_of(status);
+    struct app_output output[OUTPUTS];
+    list_outputs(r, output);
+    result = app_outputs_check_read(output, OUTPUTS, &scene->read);
+    if (result == APP_DONE) result = app_exit_of(render(r, scene, &progress, start));
     satin_scene_free(scene);
-    return app_exit_of(status);
+    return result;
 }
 
 int app_render(int argc, char **argv) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole files in, atomic files out.
+// Whole files in and out, names of files beside others, hashes.
 #include "base/fileio.h"
 
 #include <errno.h>
@@ -10,6 +10,8 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "base/fileio_output.h"
 
 static satin_status read_failed(struct log log, struct log_place place, const char *path,
                                 const char *why) {
@@ -61,39 +63,12 @@ satin_status fileio_read(struct log log, struct log_place place, const char *pat
     return SATIN_OK;
 }
 
-char *fileio_temporary(const char *path) {
-    size_t n = strlen(path) + 32;
-    char *name = malloc(n);
-    if (name) snprintf(name, n, "%s.tmp%ld", path, (long)getpid());
-    return name;
-}
-
-satin_status fileio_commit(struct log log, const char *temporary, const char *path) {
-    int fd = open(temporary, O_RDONLY | O_CLOEXEC);
-    bool ok = fd >= 0 && fsync(fd) == 0;
-    int error = errno;
-    if (fd >= 0) close(fd);
-    if (ok && rename(temporary, path) == 0) return SATIN_OK;
-    if (ok) error = errno;
-    unlink(temporary);
-    return log_fail(log, SATIN_ERROR_IO, "%s: cannot write: %s", path, strerror(error));
-}
-
 satin_status fileio_write(struct log log, const char *path, const void *data, size_t size) {
-    char *temporary = fileio_temporary(path);
-    if (!temporary) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
-    satin_status status = SATIN_OK;
-    FILE *file = fopen(temporary, "wb");
-    bool ok = file && fwrite(data, 1, size, file) == size;
-    if (file && fclose(file) != 0) ok = false;
-    if (ok) {
-        status = fileio_commit(log, temporary, path);
-    } else {
-        status = log_fail(log, SATIN_ERROR_IO, "%s: cannot write: %s", path, strerror(errno));
-        unlink(temporary);
-    }
-    free(temporary);
-    return status;
+    struct fileio_output out;
+    satin_status status = fileio_output_open(log, path, FILEIO_APPEND, &out);
+    if (status != SATIN_OK) return status;
+    fileio_output_append(&out, data, size);
+    return fileio_output_commit(log, &out);
 }
 
 char *fileio_beside(const char *base, const char *name) {

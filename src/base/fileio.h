@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole files in, atomic files out.
+// Whole files in and out, names of files beside others, hashes.
 #ifndef BASE_FILEIO_H
 #define BASE_FILEIO_H
 
@@ -13,14 +13,7 @@
 satin_status fileio_read(struct log log, struct log_place place, const char *path, size_t max_bytes,
                          char **data, size_t *size);
 
-// The name of the temporary file beside `path` that fileio_commit renames; malloc, the caller
-// frees; NULL without memory.
-char *fileio_temporary(const char *path);
-// Flushes `temporary` to disk and renames it to `path`. On failure logs, removes `temporary`,
-// returns SATIN_ERROR_IO.
-satin_status fileio_commit(struct log log, const char *temporary, const char *path);
-
-// Writes `size` bytes to `path` by way of a temporary file.
+// Writes `size` bytes to `path`, as fileio_output.h tells. SATIN_ERROR_IO, logged, on failure.
 satin_status fileio_write(struct log log, const char *path, const void *data, size_t size);
 
 // `name` relative to the folder of the file `base`, unless name is absolute; malloc, the caller

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Films to OpenEXR: one part, scanlines, float, ZIP; attributes as strings. Chunks of 16 lines are
 // compressed in parallel, in batches, and written in order, so the bytes do not depend on threads.
-// The file is made under a temporary name, flushed and renamed. OpenEXR reports a file whose chunks
-// are missing as finished, so success is counted here.
+// The bytes go through base/fileio_output.h. OpenEXR reports a file whose chunks are missing as
+// finished, so success is counted here.
 #include <math.h>
 #include <openexr.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-#include "base/fileio.h"
+#include "base/fileio_output.h"
 #include "film/film.h"
 
 enum {
@@ -27,6 +26,7 @@ struct chunk {
 
 struct writer {
     const struct satin_film *film;
+    struct fileio_output file;
     exr_context_t exr;
     int lines, first;  // lines per chunk; number of the batch's first chunk
     struct chunk chunk[BATCH];
@@ -36,6 +36,14 @@ static void be_silent(exr_const_context_t exr, exr_result_t code, const char *me
     (void)exr;
     (void)code;
     (void)message;
+}
+
+// Takes the place of OpenEXR's own file.
+static int64_t write_bytes(exr_const_context_t exr, void *user, const void *data, uint64_t size,
+                           uint64_t offset, exr_stream_error_func_ptr_t error) {
+    (void)exr;
+    (void)error;
+    return fileio_output_write_at(user, data, size, offset) ? (int64_t)size : -1;
 }
 
 // Takes the place of the pipeline's last step, writing: chunks finish in any order here.
@@ -149,13 +157,14 @@ static exr_result_t write_header(struct writer *w) {
     return r == EXR_ERR_SUCCESS ? exr_write_header(w->exr) : r;
 }
 
-// Writes the whole file under the name `temporary`.
-static exr_result_t write_file(struct writer *w, const char *temporary, struct parallel *pool,
-                               size_t *dropped) {
+// Writes all bytes of the open file.
+static exr_result_t write_file(struct writer *w, struct parallel *pool, size_t *dropped) {
     exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
     init.error_handler_fn = be_silent;
     init.zip_level = ZIP_LEVEL;
-    exr_result_t r = exr_start_write(&w->exr, temporary, EXR_WRITE_FILE_DIRECTLY, &init);
+    init.write_fn = write_bytes;
+    init.user_data = &w->file;
+    exr_result_t r = exr_start_write(&w->exr, w->file.temporary, EXR_WRITE_FILE_DIRECTLY, &init);
     if (r != EXR_ERR_SUCCESS) return r;
     int32_t chunks = 0, lines = 0;
     r = write_header(w);
@@ -174,27 +183,25 @@ satin_status film_write_exr(const struct satin_film *film, const char *path, str
                             struct log log) {
     if (film->channel_count == 0)
         return log_fail(log, SATIN_ERROR_ARGUMENT, "%s: the film has no channels", path);
-    char *temporary = fileio_temporary(path);
     struct writer *w = calloc(1, sizeof *w);
-    satin_status status = SATIN_ERROR_MEMORY;
+    if (!w) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
+    w->film = film;
     size_t dropped = 0;
-    exr_result_t r = EXR_ERR_OUT_OF_MEMORY;
-    if (temporary && w) {
-        w->film = film;
-        r = write_file(w, temporary, pool, &dropped);
-    }
-    if (r == EXR_ERR_SUCCESS) {
-        status = fileio_commit(log, temporary, path);
-    } else {
-        if (r != EXR_ERR_OUT_OF_MEMORY) status = SATIN_ERROR_IO;
-        log_fail(log, status, "%s: cannot write: %s", path, exr_get_default_error_message(r));
-        if (temporary) unlink(temporary);
+    satin_status status = fileio_output_open(log, path, FILEIO_SEEK, &w->file);
+    if (status == SATIN_OK) {
+        const exr_result_t r = write_file(w, pool, &dropped);
+        if (r == EXR_ERR_SUCCESS || w->file.error) {
+            status = fileio_output_commit(log, &w->file);
+        } else {
+            status = r == EXR_ERR_OUT_OF_MEMORY ? SATIN_ERROR_MEMORY : SATIN_ERROR_IO;
+            log_fail(log, status, "%s: cannot write: %s", path, exr_get_default_error_message(r));
+            fileio_output_discard(&w->file);
+        }
     }
     if (status == SATIN_OK && dropped)
         log_message(log, SATIN_LOG_WARNING, "%s: %zu values that are not finite were written as 0",
                     path, dropped);
     free(w);
-    free(temporary);
     return status;
 }
 

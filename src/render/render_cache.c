@@ -61,6 +61,9 @@ satin_status render_cache_open(struct render *r) {
     if ((path || r->callbacks.save_cache) && r->options.integrator != SATIN_TWO_PASS)
         return log_fail(r->log, SATIN_ERROR_INPUT,
                         "only the integrator two-pass has cache records");
+    if (r->callbacks.save_cache && fileio_files_have(&r->scene.read, r->callbacks.save_cache))
+        return log_fail(r->log, SATIN_ERROR_INPUT, "%s: the scene was read from this file",
+                        r->callbacks.save_cache);
     if (!path) return SATIN_OK;
     char *options;
     const struct cache_origin origin = origin_of(r, &options);

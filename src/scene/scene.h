@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include "base/arena.h"
+#include "base/fileio_files.h"
 #include "base/frame.h"
 #include "base/log.h"
 #include "base/mat4.h"
@@ -284,8 +285,9 @@ struct satin_scene {
     float radius;               // of the sphere around the bounds, > 0
     float grain;                // a length: coordinates are good to some ulp of it at least
     uint64_t triangle_count;
-    uint64_t hash;   // of everything that was read
-    uint64_t world;  // the same without how it is looked at: sensor and integrator
+    uint64_t hash;             // of everything that was read
+    uint64_t world;            // the same without how it is looked at: sensor and integrator
+    struct fileio_files read;  // every file of which something was read
 };
 
 // ---- Rays (scene_trace.c) ---------------------------------------------------------------------

@@ -54,6 +54,10 @@ static satin_status read_file(struct param_source source, const struct xml_node 
         return log_fail(source.log, SATIN_ERROR_MEMORY, "%s: not enough memory for the scene",
                         node->place.file);
     satin_status status = spectrum_read(source.log, node->place, path, source.hash, out);
+    if (status == SATIN_OK && !fileio_files_add(source.xml->read, path)) {
+        spectrum_free(out);
+        status = log_fail(source.log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
+    }
     free(path);
     return status;
 }

@@ -27,6 +27,10 @@ satin_status scene_file_source(struct scene_loader *loader, const struct param_v
                                struct scene_source *out) {
     char *path = scene_xml_resolve(&loader->xml, name->place, name->s);
     if (!path) return scene_no_memory(loader);
+    if (!fileio_files_add(loader->xml.read, path)) {
+        free(path);
+        return scene_no_memory(loader);
+    }
     *out = (struct scene_source){loader->log, name->place, &loader->scene->arena, path,
                                  &loader->scene->world};
     return SATIN_OK;
@@ -163,6 +167,8 @@ satin_status satin_scene_load(const char *path, const satin_define *defines, siz
         status = load(&loader);
         const uint64_t world = loader.scene->world;
         loader.scene->hash = fileio_hash(loader.scene->hash, &world, sizeof world);
+        loader.scene->read = *loader.xml.read;
+        *loader.xml.read = (struct fileio_files){0};
     }
     scene_xml_free(&loader.xml);
     free(loader.shape);
@@ -182,6 +188,7 @@ void satin_scene_free(satin_scene *scene) {
     if (!scene) return;
     scene_trace_free(scene->trace);
     arena_free(&scene->arena);
+    fileio_files_free(&scene->read);
     free(scene);
 }
 

@@ -304,6 +304,11 @@ static satin_status read_file(struct reader *reader, const struct file *parent,
     size_t size = 0;
     satin_status status = fileio_read(reader->log, place, path, SCENE_XML_MAX, &data, &size);
     if (status != SATIN_OK) return reader->status = status;
+    if (!fileio_files_add(reader->xml->read, path)) {
+        free(data);
+        return reader->status =
+                   log_fail(reader->log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
+    }
     *reader->hash = fileio_hash(*reader->hash, data, size);
     struct file file = {reader, XML_ParserCreate(NULL), path, realpath(path, NULL), parent,
                         name,   reader->depth,          false};
@@ -351,7 +356,8 @@ satin_status scene_xml_read(struct log log, const char *path, const satin_define
     const char *copy = arena_text(&xml.arena, path, strlen(path));
     satin_status status = SATIN_ERROR_MEMORY;
     xml.path = copy;
-    if (copy)
+    xml.read = arena_alloc(&xml.arena, sizeof *xml.read);
+    if (copy && xml.read)
         status = read_file(&reader, NULL, (struct log_place){0}, copy, NULL);
     else
         log_fail(log, status, "%s: not enough memory for the scene", path);
@@ -365,6 +371,7 @@ satin_status scene_xml_read(struct log log, const char *path, const satin_define
 }
 
 void scene_xml_free(struct scene_xml *xml) {
+    if (xml->read) fileio_files_free(xml->read);
     arena_free(&xml->arena);
     free(xml->id);
     *xml = (struct scene_xml){0};

@@ -9,6 +9,7 @@
 #include <stddef.h>
 
 #include "base/arena.h"
+#include "base/fileio_files.h"
 #include "base/log.h"
 #include "satin/scene.h"
 
@@ -84,6 +85,7 @@ struct scene_xml {
     struct xml_node *root;  // the <scene>
     struct xml_id *id;      // sorted
     size_t id_count, id_capacity;
+    struct fileio_files *read;           // the files that were read so far, owned
     const char *path;                    // of the main file
     const char *search[XML_SEARCH_MAX];  // folders of <path>, in order
     int search_count;

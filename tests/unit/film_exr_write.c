@@ -119,9 +119,7 @@ static void failure_leaves_nothing(void **state) {
     struct satin_film *back = NULL;
     assert_int_equal(satin_film_read("kept.exr", NULL, NULL, &back), SATIN_OK);
     assert_int_equal(back->width, 8);
-    char *temporary = fileio_temporary("kept.exr");
-    assert_int_not_equal(access(temporary, F_OK), 0);
-    free(temporary);
+    assert_int_not_equal(system("ls -a . | grep -q '[.]tmp'"), 0);
     satin_film_free(back);
     satin_film_free(twice);
     satin_film_free(film);

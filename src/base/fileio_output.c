@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files written: symbolic links followed, a new name opened with O_EXCL, a rename at the end.
+#include "base/fileio_output.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/fileio.h"
+
+enum {
+    LINKS_MAX = 40,  // as the kernel follows
+    TRIES = 16,      // of names, each a random number of 64 bits
+    SUFFIX_MAX = 24  // bytes of `.tmp` and a number
+};
+
+static const char not_regular[] = "it is not a regular file";
+
+// ---- The target ---------------------------------------------------------------------------------
+
+// The number of the open file that a name stands for, or -1.
+static int open_file_number(const char *name) {
+    int number;
+    char rest;
+    if (sscanf(name, "/dev/fd/%9d%c", &number, &rest) == 1) return number;
+    if (sscanf(name, "/proc/self/fd/%9d%c", &number, &rest) == 1) return number;
+    return -1;
+}
+
+char *fileio_follow(const char *path) {
+    char to[PATH_MAX];
+    char *name = strdup(path);
+    for (int links = 0; name && open_file_number(name) < 0; links++) {
+        const ssize_t n = readlink(name, to, sizeof to - 1);
+        if (n < 0 && (errno == EINVAL || errno == ENOENT)) break;  // not a link, or not there
+        if (n >= 0 && links == LINKS_MAX) errno = ELOOP;
+        if (n < 0 || links == LINKS_MAX) {
+            free(name);
+            return NULL;
+        }
+        to[n] = 0;
+        char *next = fileio_beside(name, to);
+        free(name);
+        name = next;
+    }
+    return name;
+}
+
+// ---- The new file -------------------------------------------------------------------------------
+
+// `.tmp` and a random number behind the target's name, which is cut where it would become too long.
+static char *temporary_name(const char *target) {
+    uint64_t number;
+    if (getrandom(&number, sizeof number, 0) != (ssize_t)sizeof number) return NULL;
+    const char *slash = strrchr(target, '/');
+    const size_t folder = slash ? (size_t)(slash - target) + 1 : 0;
+    const size_t most = NAME_MAX - SUFFIX_MAX, base = strlen(target + folder);
+    const size_t n = folder + (base < most ? base : most);
+    char *name = malloc(n + SUFFIX_MAX);
+    if (name) snprintf(name, n + SUFFIX_MAX, "%.*s.tmp%016jx", (int)n, target, (uintmax_t)number);
+    return name;
+}
+
+// Opens a file that was not there before; NULL or what went wrong.
+static const char *create(struct fileio_output *out) {
+    errno = EEXIST;
+    for (int i = 0; i < TRIES && out->fd < 0 && errno == EEXIST; i++) {
+        free(out->temporary);
+        out->temporary = temporary_name(out->target);
+        if (!out->temporary) return strerror(errno);
+        out->fd = open(out->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    }
+    if (out->fd >= 0) return NULL;
+    const char *problem = strerror(errno);
+    free(out->temporary);
+    out->temporary = NULL;
+    return problem;
+}
+
+// An open file is written to where it stands, which also serves what cannot be opened by name, such
+// as a socket that is standard output.
+static const char *duplicate(int number, struct fileio_output *out) {
+    const int flags = fcntl(number, F_GETFL);
+    if (flags < 0) return strerror(errno);
+    if ((flags & O_ACCMODE) == O_RDONLY) return "it is not open for writing";
+    out->fd = fcntl(number, F_DUPFD_CLOEXEC, 0);
+    return out->fd < 0 ? strerror(errno) : NULL;
+}
+
+// What is there keeps its permissions; one that may not be written to is not replaced.
+static const char *create_over(const struct stat *st, struct fileio_output *out) {
+    if (access(out->target, W_OK) != 0) return strerror(errno);
+    const char *problem = create(out);
+    // A file system without permissions refuses them, and needs none.
+    if (!problem && fchmod(out->fd, st->st_mode & 0777) != 0) errno = 0;
+    return problem;
+}
+
+// Opens *out, whose path is set; NULL or what went wrong. With `probe` devices and pipes are not
+// opened.
+static const char *open_output(struct fileio_output *out, enum fileio_need need, bool probe) {
+    struct stat st;
+    out->target = fileio_follow(out->path);
+    if (!out->target) return strerror(errno);
+    const int number = open_file_number(out->target);
+    if (number >= 0) return need == FILEIO_SEEK ? not_regular : duplicate(number, out);
+    // The name of a file: not empty.
+    if (!*out->target) return strerror(ENOENT);
+    if (lstat(out->target, &st) != 0) return errno == ENOENT ? create(out) : strerror(errno);
+    if (S_ISREG(st.st_mode)) return create_over(&st, out);
+    if (S_ISDIR(st.st_mode)) return "it is a directory";
+    if (need == FILEIO_SEEK || !(S_ISCHR(st.st_mode) || S_ISFIFO(st.st_mode))) return not_regular;
+    if (probe) return access(out->target, W_OK) != 0 ? strerror(errno) : NULL;
+    out->fd = open(out->target, O_WRONLY | O_CLOEXEC | O_NOCTTY);
+    return out->fd < 0 ? strerror(errno) : NULL;
+}
+
+satin_status fileio_output_open(struct log log, const char *path, enum fileio_need need,
+                                struct fileio_output *out) {
+    *out = (struct fileio_output){.path = path, .fd = -1};
+    const char *problem = open_output(out, need, false);
+    if (!problem) return SATIN_OK;
+    log_message(log, SATIN_LOG_ERROR, "%s: cannot write: %s", path, problem);
+    fileio_output_discard(out);
+    return SATIN_ERROR_IO;
+}
+
+satin_status fileio_output_check(struct log log, const char *path, enum fileio_need need) {
+    struct fileio_output out = {.path = path, .fd = -1};
+    const char *problem = open_output(&out, need, true);
+    if (problem) log_message(log, SATIN_LOG_ERROR, "%s: cannot write: %s", path, problem);
+    fileio_output_discard(&out);
+    return problem ? SATIN_ERROR_INPUT : SATIN_OK;
+}
+
+// ---- Writing ------------------------------------------------------------------------------------
+
+static bool write_all(struct fileio_output *out, const char *data, size_t size, bool at,
+                      uint64_t offset) {
+    while (size > 0 && !out->error) {
+        const ssize_t n =
+            at ? pwrite(out->fd, data, size, (off_t)offset) : write(out->fd, data, size);
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) {
+            out->error = n < 0 ? errno : EIO;
+            break;
+        }
+        data += n;
+        size -= (size_t)n;
+        offset += (uint64_t)n;
+    }
+    return !out->error;
+}
+
+bool fileio_output_append(struct fileio_output *out, const void *data, size_t size) {
+    return write_all(out, data, size, false, 0);
+}
+
+bool fileio_output_write_at(struct fileio_output *out, const void *data, size_t size,
+                            uint64_t offset) {
+    return write_all(out, data, size, true, offset);
+}
+
+// ---- The end ------------------------------------------------------------------------------------
+
+// Whether the target is what a rename may replace; what stands there may have changed.
+static const char *replaceable(const char *target) {
+    struct stat st;
+    if (lstat(target, &st) != 0) return errno == ENOENT ? NULL : strerror(errno);
+    return S_ISREG(st.st_mode) ? NULL : not_regular;
+}
+
+static const char *commit(struct fileio_output *out) {
+    if (out->error) return strerror(out->error);
+    if (out->temporary && fsync(out->fd) != 0) return strerror(errno);
+    const int fd = out->fd;
+    out->fd = -1;
+    // Some file systems report only here that a write has failed.
+    if (close(fd) != 0) return strerror(errno);
+    if (!out->temporary) return NULL;
+    const char *problem = replaceable(out->target);
+    if (problem) return problem;
+    if (rename(out->temporary, out->target) != 0) return strerror(errno);
+    free(out->temporary);
+    out->temporary = NULL;
+    return NULL;
+}
+
+satin_status fileio_output_commit(struct log log, struct fileio_output *out) {
+    const char *problem = commit(out);
+    if (problem) log_message(log, SATIN_LOG_ERROR, "%s: cannot write: %s", out->path, problem);
+    fileio_output_discard(out);
+    return problem ? SATIN_ERROR_IO : SATIN_OK;
+}
+
+void fileio_output_discard(struct fileio_output *out) {
+    if (out->temporary) unlink(out->temporary);
+    if (out->fd >= 0) close(out->fd);
+    free(out->temporary);
+    free(out->target);
+    *out = (struct fileio_output){.fd = -1};
+}
