@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Messages and progress on stderr: on a terminal a bar that is redrawn in place, elsewhere a line
 // per finished stage. Signals end a render through the same function that shows its progress.
+#include <errno.h>
 #include <math.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "apps/app.h"
@@ -14,26 +17,42 @@
 static const double REDRAW_SECONDS = 0.1;
 enum { LINE_MAX_BYTES = 512, BAR_MAX = 40 };
 
-// The one variable that a signal handler can reach.
-static volatile sig_atomic_t interrupted;
+// `timeout` signals a process and then its group, a terminal that is closed the group and then its
+// foreground: what comes so soon after the first signal is the same wish.
+static const long long SAME_WISH_NS = 1000000000;
+
+// When the first signal came, on the monotonic clock; 0: none did. All that a handler can reach.
+static atomic_llong first_signal;
 
 static void on_signal(int number) {
-    (void)number;
-    interrupted = 1;
-    signal(SIGINT, SIG_DFL);
-    signal(SIGTERM, SIG_DFL);
+    struct timespec time;
+    const int error = errno;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    const long long now = 1000000000ll * time.tv_sec + time.tv_nsec;
+    long long first = 0;
+    if (!atomic_compare_exchange_strong(&first_signal, &first, now > 0 ? now : 1) &&
+        now - first > SAME_WISH_NS) {
+        signal(number, SIG_DFL);
+        raise(number);
+    }
+    errno = error;
 }
 
 void app_catch_signals(void) {
-    struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
+    static const int stop[] = {SIGINT, SIGTERM, SIGHUP};
+    struct sigaction before, action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
     sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-    // A file over a size limit is an error of the write, not a signal.
+    for (size_t i = 0; i < sizeof stop / sizeof *stop; i++) {
+        // Under nohup a terminal that is closed does not matter.
+        const bool ignored = sigaction(stop[i], NULL, &before) == 0 && before.sa_handler == SIG_IGN;
+        if (stop[i] != SIGHUP || !ignored) sigaction(stop[i], &action, NULL);
+    }
+    // A reader of messages that has gone, and a file over a size limit, are errors of the write.
+    signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
 }
 
-bool app_interrupted(void) { return interrupted != 0; }
+bool app_interrupted(void) { return atomic_load(&first_signal) != 0; }
 
 static void erase_bar(struct app_progress *progress) {
     if (!progress || !progress->bar) return;
