@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+// The statistic of blocks.h.
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "blocks.h"
+
+static int compare(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+// Sorts `value`. The mean of the middle two of an even number.
+static double median(double *value, int count) {
+    qsort(value, (size_t)count, sizeof *value, compare);
+    return 0.5 * (value[(count - 1) / 2] + value[count / 2]);
+}
+
+// Sorts `value`.
+static double quantile(double *value, int count, double q) {
+    qsort(value, (size_t)count, sizeof *value, compare);
+    return count ? value[(int)ceil(q * count) - 1] : 0.0;
+}
+
+// Sorts `value`.
+static double trimmed_mean(double *value, int count) {
+    double sum = 0.0;
+    qsort(value, (size_t)count, sizeof *value, compare);
+    for (int i = BLOCK_TRIM; i < count - BLOCK_TRIM; i++) sum += value[i];
+    return sum / (count - 2 * BLOCK_TRIM);
+}
+
+// What the steps below share: `residual` is r; `row` and `all` have room for the numbers
+// that a quantile is of, over the seeds and over all blocks.
+struct work {
+    const struct block_stack *stack;
+    struct block_scores *out;
+    double *centre, *residual, *all, *row;
+    int columns;
+};
+
+static size_t block_corner(const struct work *w, int block) {
+    return (size_t)(block / w->columns * w->stack->width + block % w->columns) * BLOCK_SIZE;
+}
+
+static void find_centres(const struct work *w) {
+    const struct block_stack *in = w->stack;
+    for (size_t p = 0; p < (size_t)in->width * (size_t)in->height; p++) {
+        for (int s = 0; s < in->seeds; s++) w->row[s] = (double)in->pixel[s][p];
+        w->centre[p] = median(w->row, in->seeds);
+    }
+}
+
+static void measure_block(const struct work *w, int seed, int block) {
+    const float *pixel = w->stack->pixel[seed];
+    double d[BLOCK_PIXELS], sum = 0.0;
+    for (int i = 0; i < BLOCK_PIXELS; i++) {
+        size_t p =
+            block_corner(w, block) + (size_t)(i / BLOCK_SIZE * w->stack->width + i % BLOCK_SIZE);
+        d[i] = (double)pixel[p] - w->centre[p];
+        sum += (double)pixel[p];
+    }
+    int at = seed * w->out->count + block;
+    w->out->mean[at] = sum / BLOCK_PIXELS;
+    w->residual[at] = trimmed_mean(d, BLOCK_PIXELS);
+}
+
+// Takes the median over the seeds away from a block's residuals.
+static void centre_block(const struct work *w, int block) {
+    const int seeds = w->stack->seeds, count = w->out->count;
+    for (int s = 0; s < seeds; s++) w->row[s] = w->residual[s * count + block];
+    double usual = median(w->row, seeds);
+    for (int s = 0; s < seeds; s++) w->residual[s * count + block] -= usual;
+    for (int s = 0; s < seeds; s++) w->row[s] = w->out->mean[s * count + block];
+    w->out->usual[block] = median(w->row, seeds);
+}
+
+static void find_levels(const struct work *w) {
+    double sum = 0.0;
+    for (int b = 0; b < w->out->count; b++) sum += fabs(w->out->usual[b]);
+    for (int b = 0; b < w->out->count; b++)
+        w->out->level[b] = fmax(fabs(w->out->usual[b]), 0.1 * sum / w->out->count);
+}
+
+// The scale of the residuals of the other seeds at the block.
+static double scale_here(const struct work *w, int seed, int block) {
+    int n = 0;
+    for (int s = 0; s < w->stack->seeds; s++)
+        if (s != seed) w->row[n++] = fabs(w->residual[s * w->out->count + block]);
+    return 1.4826 * median(w->row, n);
+}
+
+// The same of the block and those around it, over their brightness.
+static double scale_around(const struct work *w, int seed, int block) {
+    const int columns = w->columns, rows = w->out->count / columns;
+    int n = 0;
+    for (int i = 0; i < 9; i++) {
+        int x = block % columns + i % 3 - 1, y = block / columns + i / 3 - 1, b = y * columns + x;
+        if (x < 0 || x >= columns || y < 0 || y >= rows || !(w->out->level[b] > 0.0)) continue;
+        for (int s = 0; s < w->stack->seeds; s++)
+            if (s != seed)
+                w->row[n++] = fabs(w->residual[s * w->out->count + b]) / w->out->level[b];
+    }
+    return quantile(w->row, n, 0.9) / 1.645;
+}
+
+// Fills `out->score` with the scales around and returns their quantile over the picture.
+static double scale_of_picture(const struct work *w) {
+    const int count = w->out->count, all = count * w->stack->seeds;
+    for (int i = 0; i < all; i++) w->out->score[i] = scale_around(w, i / count, i % count);
+    memcpy(w->all, w->out->score, (size_t)all * sizeof *w->all);
+    return quantile(w->all, all, 0.75);
+}
+
+// Replaces the scales in `out->score`.
+static void find_scores(const struct work *w) {
+    const double picture = scale_of_picture(w);
+    for (int i = 0; i < w->out->count * w->stack->seeds; i++) {
+        const int block = i % w->out->count;
+        const double level = w->out->level[block], r = w->residual[i];
+        const double around = hypot(w->out->score[i], picture) * level;
+        const double floor = w->stack->floor ? w->stack->floor[block] : 0.0;
+        const double sigma = hypot(hypot(scale_here(w, i / w->out->count, block), around), floor);
+        w->out->score[i] = r == 0.0 ? 0.0 : r / sigma;
+    }
+}
+
+void block_scores_free(struct block_scores *scores) {
+    free(scores->level);
+    free(scores->mean);
+    free(scores->usual);
+    free(scores->score);
+    *scores = (struct block_scores){0};
+}
+
+static double *numbers(size_t count) { return calloc(count, sizeof(double)); }
+
+static void score_all(const struct work *w) {
+    for (int s = 0; s < w->stack->seeds; s++)
+        for (int b = 0; b < w->out->count; b++) measure_block(w, s, b);
+    for (int b = 0; b < w->out->count; b++) centre_block(w, b);
+    find_levels(w);
+    find_scores(w);
+}
+
+bool block_scores_make(const struct block_stack *stack, struct block_scores *out) {
+    const int columns = stack->width / BLOCK_SIZE, count = columns * (stack->height / BLOCK_SIZE);
+    const size_t blocks = (size_t)count, all = blocks * (size_t)stack->seeds;
+    *out =
+        (struct block_scores){count, numbers(blocks), numbers(all), numbers(blocks), numbers(all)};
+    struct work w = {.stack = stack,
+                     .out = out,
+                     .centre = numbers(blocks * BLOCK_PIXELS),
+                     .residual = numbers(all),
+                     .all = numbers(all),
+                     .row = numbers((size_t)stack->seeds * 9),
+                     .columns = columns};
+    const bool good = out->level && out->mean && out->usual && out->score && w.centre &&
+                      w.residual && w.all && w.row;
+    if (good) {
+        find_centres(&w);
+        score_all(&w);
+    } else {
+        block_scores_free(out);
+    }
+    free(w.centre);
+    free(w.residual);
+    free(w.all);
+    free(w.row);
+    return good;
+}

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// The statistic of blocks.h on made pictures: noise of several kinds is not flagged, a dark disc in
+// one of ten pictures is, wherever it lies, and that picture alone.
+#include "blocks.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "base/rng.h"
+
+enum { SIZE = 64, SEEDS = 10, BLOCKS = (SIZE / BLOCK_SIZE) * (SIZE / BLOCK_SIZE), TRIALS = 200 };
+static const double threshold = 6.0;
+
+static float picture[SEEDS][SIZE * SIZE];
+
+// Brightness falls by ten across the picture; noise is of pixels, with a tail (the square of an
+// exponential), and of discs as records make them, 5 % strong.
+static void make_noise(uint64_t trial) {
+    for (int s = 0; s < SEEDS; s++) {
+        struct rng rng = rng_make(trial, RNG_TEST, (uint64_t)s);
+        float patch[SIZE * SIZE] = {0};
+        for (int k = 0; k < 20; k++) {
+            const float x = SIZE * rng_float(&rng), y = SIZE * rng_float(&rng);
+            const float strength = 0.1f * (rng_float(&rng) - 0.5f);
+            for (int p = 0; p < SIZE * SIZE; p++)
+                if (hypotf((float)(p % SIZE) - x, (float)(p / SIZE) - y) < 8.0f)
+                    patch[p] += strength;
+        }
+        for (int p = 0; p < SIZE * SIZE; p++) {
+            const float level = powf(10.0f, -(float)(p % SIZE) / SIZE);
+            const float e = logf(fmaxf(1.0f - rng_float(&rng), 1e-7f));
+            picture[s][p] = level * (1.0f + patch[p] + 0.1f * e * e);
+        }
+    }
+}
+
+static void score(struct block_scores *out) {
+    const float *pixel[SEEDS];
+    for (int s = 0; s < SEEDS; s++) pixel[s] = picture[s];
+    const struct block_stack stack = {SIZE, SIZE, SEEDS, pixel, NULL};
+    assert_true(block_scores_make(&stack, out));
+    assert_int_equal(out->count, BLOCKS);
+}
+
+// How many blocks of a picture are flagged.
+static int flagged(const struct block_scores *scores, int seed) {
+    int count = 0;
+    for (int b = 0; b < BLOCKS; b++) count += fabs(scores->score[seed * BLOCKS + b]) > threshold;
+    return count;
+}
+
+// 128,000 blocks.
+static void noise_is_not_flagged(void **state) {
+    (void)state;
+    for (int trial = 0; trial < TRIALS; trial++) {
+        struct block_scores scores;
+        make_noise((uint64_t)trial);
+        score(&scores);
+        for (int s = 0; s < SEEDS; s++) assert_int_equal(flagged(&scores, s), 0);
+        block_scores_free(&scores);
+    }
+}
+
+// Of seven pixels radius, anywhere: no 8x8 block need lie inside.
+static void dark_discs_are_found(void **state) {
+    (void)state;
+    for (int trial = 0; trial < TRIALS; trial++) {
+        struct block_scores scores;
+        struct rng rng = rng_make((uint64_t)trial, RNG_TEST, SEEDS);
+        const float x = 8.0f + 48.0f * rng_float(&rng), y = 8.0f + 48.0f * rng_float(&rng);
+        const int bad = trial % SEEDS;
+        make_noise((uint64_t)trial);
+        for (int p = 0; p < SIZE * SIZE; p++)
+            if (hypotf((float)(p % SIZE) - x, (float)(p / SIZE) - y) < 7.0f) picture[bad][p] = 0.0f;
+        score(&scores);
+        for (int s = 0; s < SEEDS; s++)
+            assert_true(s == bad ? flagged(&scores, s) > 0 : flagged(&scores, s) == 0);
+        block_scores_free(&scores);
+    }
+}
+
+// As many as are left out of a block's mean.
+static void bright_pixels_are_noise(void **state) {
+    (void)state;
+    struct block_scores scores;
+    make_noise(0);
+    for (int i = 0; i < BLOCK_TRIM; i++) picture[3][20 * SIZE + 20 + i] = 1e6f;
+    score(&scores);
+    assert_int_equal(flagged(&scores, 3), 0);
+    block_scores_free(&scores);
+}
+
+// Pictures that are all alike, black ones too, have no noise and no flag.
+static void same_pictures_have_no_flag(void **state) {
+    (void)state;
+    for (int value = 0; value < 2; value++) {
+        struct block_scores scores;
+        for (int s = 0; s < SEEDS; s++)
+            for (int p = 0; p < SIZE * SIZE; p++) picture[s][p] = (float)value;
+        score(&scores);
+        for (int s = 0; s < SEEDS; s++) assert_int_equal(flagged(&scores, s), 0);
+        block_scores_free(&scores);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(noise_is_not_flagged),
+        cmocka_unit_test(dark_discs_are_found),
+        cmocka_unit_test(bright_pixels_are_noise),
+        cmocka_unit_test(same_pictures_have_no_flag),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// A cell of the sweep: one scene at one preset with one first pass, rendered with every seed, and
+// what is wrong with these pictures.
+#ifndef SWEEP_CELL_H
+#define SWEEP_CELL_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "satin/render.h"
+
+enum { CELL_SETTINGS = 64, CELL_HISTOGRAM = 32 };
+
+// What holds for all cells.
+struct plan {
+    int seed_first, seed_count;
+    int size;            // pixels, width and height
+    int limit;           // seconds that one render may take; 0: any
+    double threshold;    // sigmas beyond which a block is flagged
+    bool worst;          // prints the worst score of every cell too
+    const char *folder;  // flagged pictures go there; NULL: nowhere
+    const satin_define *define;
+    size_t define_count;
+    satin_setting setting[CELL_SETTINGS];  // beyond those of the cell
+    size_t setting_count;
+};
+
+struct cell {
+    const char *scene, *preset, *first_pass;
+};
+
+// What a cell found; the parent process reads it where a render has ended the child.
+struct tally {
+    int renders;     // finished
+    int seed;        // the one at work
+    int flags;       // lines printed as `flag`
+    int blocks;      // flagged blocks, of all layers
+    double records;  // sum of all statistics that count refused and non-finite values
+    double worst;    // largest score
+    long histogram[CELL_HISTOGRAM];  // blocks by score, rounded down; the last holds all above
+    double seconds;                  // of wall time, of all renders
+};
+
+// Renders and judges; prints a line per flag to `out`. Renders on one thread.
+void cell_run(const struct plan *plan, const struct cell *cell, struct tally *tally, FILE *out);
+
+// Begins a line of the form `flag KIND SCENE PRESET FIRST-PASS seed S`, without its end.
+void cell_flag(const struct cell *cell, const char *kind, int seed, FILE *out);
+
+// Prints the command that makes one picture again.
+void cell_command(const struct plan *plan, const struct cell *cell, int seed, FILE *out);
+
+#endif

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+// Renders scenes x seeds x presets x first passes, small, and flags what is off: see cell.h, and
+// docs/experiments.md for how to read what it prints.
+//
+//     sweep [--seeds A:B] [--presets NAME,...] [--first NAME,...] [--size N] [--jobs N] [--limit S]
+//           [--threshold T] [--worst] [--out DIR] [-D NAME=VALUE] [--set NAME=VALUE] SCENE.xml ...
+//
+// A process of its own renders a cell, that is one scene with one preset and one first pass, so
+// that one which crashes or hangs ends alone. Exit status: 0 no flag, 1 flags, 2 wrong arguments.
+#include <errno.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "blocks.h"
+#include "cell.h"
+
+enum { NAMES = 8, JOBS = 64, DEFINES = 16 };
+
+struct sweep {
+    struct plan plan;
+    satin_define define[DEFINES];
+    const char *preset[NAMES], *first[NAMES];
+    int presets, firsts, jobs;
+    char **scene;
+    int scenes;
+};
+
+struct job {
+    pid_t process;  // 0: none
+    int cell;
+    FILE *out;
+};
+
+static void fail(const char *what, const char *value) {
+    fprintf(stderr, "sweep: %s '%s'\n", what, value);
+    exit(2);
+}
+
+// ---- Arguments
+// -----------------------------------------------------------------------------------
+
+// Splits a list at its commas, in place.
+static int split(char *list, const char **name) {
+    int count = 0;
+    for (char *at = strtok(list, ","); at; at = strtok(NULL, ",")) {
+        if (count == NAMES) fail("too many names at", at);
+        name[count++] = at;
+    }
+    return count;
+}
+
+static int number(const char *name, const char *text, int least, int most) {
+    char *end;
+    long value = strtol(text, &end, 10);
+    if (*end || end == text || value < least || value > most) fail(name, text);
+    return (int)value;
+}
+
+static void read_seeds(struct plan *plan, const char *text) {
+    int end, read = 0;
+    if (sscanf(text, "%d:%d%n", &plan->seed_first, &end, &read) != 2 || text[read] ||
+        plan->seed_first < 0 || end - plan->seed_first < BLOCK_SEEDS_LEAST ||
+        end - plan->seed_first > 64)
+        fail("--seeds wants FIRST:END, 5 to 64 of them, not", text);
+    plan->seed_count = end - plan->seed_first;
+}
+
+// Cuts NAME=VALUE in two, in place.
+static char *cut(char *text) {
+    char *at = strchr(text, '=');
+    if (!at) fail("NAME=VALUE is wanted, not", text);
+    *at = '\0';
+    return at + 1;
+}
+
+static void read_pair(struct sweep *sweep, char name, char *text) {
+    struct plan *plan = &sweep->plan;
+    const char *value = cut(text);
+    if (name == 'D') {
+        if (plan->define_count == DEFINES) fail("too many -D at", text);
+        sweep->define[plan->define_count++] = (satin_define){text, value};
+    } else {
+        if (plan->setting_count == CELL_SETTINGS) fail("too many --set at", text);
+        plan->setting[plan->setting_count++] = (satin_setting){text, value};
+    }
+}
+
+static void read_argument(struct sweep *sweep, const char *name, char *value) {
+    struct plan *plan = &sweep->plan;
+    if (strcmp(name, "--seeds") == 0) {
+        read_seeds(plan, value);
+    } else if (strcmp(name, "--presets") == 0) {
+        sweep->presets = split(value, sweep->preset);
+    } else if (strcmp(name, "--first") == 0) {
+        sweep->firsts = split(value, sweep->first);
+    } else if (strcmp(name, "--size") == 0) {
+        plan->size = number("--size wants a multiple of 8, not", value, 8, 1024);
+        if (plan->size % BLOCK_SIZE) fail("--size wants a multiple of 8, not", value);
+    } else if (strcmp(name, "--jobs") == 0) {
+        sweep->jobs = number("--jobs wants 1 to 64, not", value, 1, JOBS);
+    } else if (strcmp(name, "--limit") == 0) {
+        plan->limit = number("--limit wants seconds, not", value, 0, 1000000);
+    } else if (strcmp(name, "--threshold") == 0) {
+        plan->threshold = number("--threshold wants whole sigmas, not", value, 1, 1000);
+    } else if (strcmp(name, "--out") == 0) {
+        plan->folder = value;
+    } else if (strcmp(name, "-D") == 0) {
+        read_pair(sweep, 'D', value);
+    } else if (strcmp(name, "--set") == 0) {
+        read_pair(sweep, 's', value);
+    } else {
+        fail("unknown argument", name);
+    }
+}
+
+static void read_arguments(struct sweep *sweep, int argc, char **argv) {
+    int at = 1;
+    for (; at < argc && argv[at][0] == '-'; at++) {
+        if (strcmp(argv[at], "--worst") == 0) {
+            sweep->plan.worst = true;
+        } else {
+            if (at + 1 == argc) fail("a value is missing after", argv[at]);
+            read_argument(sweep, argv[at], argv[at + 1]);
+            at++;
+        }
+    }
+    sweep->scene = argv + at;
+    sweep->scenes = argc - at;
+    sweep->plan.define = sweep->define;
+    if (!sweep->scenes) fail("no scene after", argv[argc - 1]);
+}
+
+// ---- Processes
+// -----------------------------------------------------------------------------------
+
+// Cells are counted with the first pass fastest, then the preset, then the scene.
+static struct cell cell_at(const struct sweep *sweep, int i) {
+    return (struct cell){sweep->scene[i / (sweep->presets * sweep->firsts)],
+                         sweep->preset[i / sweep->firsts % sweep->presets],
+                         sweep->first[i % sweep->firsts]};
+}
+
+static void start(const struct sweep *sweep, struct job *job, int i, struct tally *tally) {
+    const struct cell cell = cell_at(sweep, i);
+    job->out = tmpfile();
+    if (!job->out) fail("no temporary file:", strerror(errno));
+    fflush(stdout);
+    job->cell = i;
+    job->process = fork();
+    if (job->process < 0) fail("no process:", strerror(errno));
+    if (job->process) return;
+    struct timespec begin, end;
+    clock_gettime(CLOCK_MONOTONIC, &begin);
+    cell_run(&sweep->plan, &cell, tally, job->out);
+    clock_gettime(CLOCK_MONOTONIC, &end);
+    tally->seconds =
+        (double)(end.tv_sec - begin.tv_sec) + 1e-9 * (double)(end.tv_nsec - begin.tv_nsec);
+    fflush(job->out);
+    _exit(0);
+}
+
+static void print_file(FILE *file) {
+    char buffer[4096];
+    rewind(file);
+    for (size_t n; (n = fread(buffer, 1, sizeof buffer, file)) > 0;)
+        (void)fwrite(buffer, 1, n, stdout);
+    fclose(file);
+}
+
+// Prints what the child has found, and how it ended if not well.
+static void finish(const struct sweep *sweep, struct job *job, int status, struct tally *tally) {
+    const struct cell cell = cell_at(sweep, job->cell);
+    print_file(job->out);
+    job->process = 0;
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+        const bool late = WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM;
+        cell_flag(&cell, late ? "late" : "crash", tally->seed, stdout);
+        if (late)
+            printf(" not done in %d s\n", sweep->plan.limit);
+        else if (WIFSIGNALED(status))
+            printf(" %s\n", strsignal(WTERMSIG(status)));
+        else
+            printf(" exit status %d\n", WEXITSTATUS(status));
+        cell_command(&sweep->plan, &cell, tally->seed, stdout);
+        tally->flags++;
+    }
+    fflush(stdout);
+}
+
+// Waits for one child.
+static void wait_one(const struct sweep *sweep, struct job *job, struct tally *tallies) {
+    int status;
+    pid_t process = wait(&status);
+    for (int j = 0; j < sweep->jobs; j++)
+        if (job[j].process && job[j].process == process)
+            finish(sweep, &job[j], status, &tallies[job[j].cell]);
+}
+
+static void run(const struct sweep *sweep, int cells, struct tally *tallies) {
+    struct job job[JOBS] = {0};
+    int running = 0;
+    for (int next = 0; next < cells || running; running--) {
+        for (int j = 0; j < sweep->jobs && next < cells; j++) {
+            if (job[j].process) continue;
+            start(sweep, &job[j], next, &tallies[next]);
+            next++;
+            running++;
+        }
+        wait_one(sweep, job, tallies);
+    }
+}
+
+// ---- Totals
+// --------------------------------------------------------------------------------------
+
+static int print_totals(const struct tally *tallies, int cells) {
+    struct tally all = {0};
+    for (int i = 0; i < cells; i++) {
+        const struct tally *t = &tallies[i];
+        all.renders += t->renders;
+        all.flags += t->flags;
+        all.blocks += t->blocks;
+        all.records += t->records;
+        all.seconds += t->seconds;
+        all.worst = t->worst > all.worst ? t->worst : all.worst;
+        for (int k = 0; k < CELL_HISTOGRAM; k++) all.histogram[k] += t->histogram[k];
+    }
+    long judged = 0;
+    for (int k = 0; k < CELL_HISTOGRAM; k++) judged += all.histogram[k];
+    printf("renders %d  cells %d  seconds %.0f  blocks judged %ld\n", all.renders, cells,
+           all.seconds, judged);
+    printf("flags %d  blocks %d  refused or not finite %.0f  worst score %.1f\n", all.flags,
+           all.blocks, all.records, all.worst);
+    printf("blocks by score:");
+    for (int k = 0; k < CELL_HISTOGRAM; k++)
+        if (all.histogram[k]) printf(" %d:%ld", k, all.histogram[k]);
+    printf("\n");
+    return all.flags;
+}
+
+int main(int argc, char **argv) {
+    struct sweep sweep = {.plan = {.seed_count = 10, .size = 64, .limit = 300, .threshold = 6},
+                          .preset = {"draft"},
+                          .first = {"precomputed"},
+                          .presets = 1,
+                          .firsts = 1,
+                          .jobs = 1};
+    read_arguments(&sweep, argc, argv);
+    const int cells = sweep.scenes * sweep.presets * sweep.firsts;
+    const size_t bytes = (size_t)cells * sizeof(struct tally);
+    struct tally *tallies =
+        mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (tallies == MAP_FAILED) fail("no memory:", strerror(errno));
+    run(&sweep, cells, tallies);
+    int flags = print_totals(tallies, cells);
+    munmap(tallies, bytes);
+    return flags > 0;
+}
