@@ -27,9 +27,10 @@ static void make_noise(uint64_t trial) {
         for (int k = 0; k < 20; k++) {
             const float x = SIZE * rng_float(&rng), y = SIZE * rng_float(&rng);
             const float strength = 0.1f * (rng_float(&rng) - 0.5f);
-            for (int p = 0; p < SIZE * SIZE; p++)
-                if (hypotf((float)(p % SIZE) - x, (float)(p / SIZE) - y) < 8.0f)
-                    patch[p] += strength;
+            for (int p = 0; p < SIZE * SIZE; p++) {
+                const float dx = (float)(p % SIZE) - x, dy = (float)(p / SIZE) - y;
+                if (dx * dx + dy * dy < 64.0f) patch[p] += strength;
+            }
         }
         for (int p = 0; p < SIZE * SIZE; p++) {
             const float level = powf(10.0f, -(float)(p % SIZE) / SIZE);

@@ -174,7 +174,7 @@ class Materials:
     # What rooms.py asks for.
 
     def wall(self):
-        if self.dice.chance(0.6):
+        if self.dice.chance(0.75):
             return self.diffuse()
         return self.dice.pick((self.phong, self.ward, self.roughplastic, self.plastic, self.bump,
                                self.normals, self.lafortune, self.roughconductor, self.tabulated,

@@ -41,8 +41,7 @@ static void fail(const char *what, const char *value) {
     exit(2);
 }
 
-// ---- Arguments
-// -----------------------------------------------------------------------------------
+// ---- Arguments ----------------------------------------------------------------------------------
 
 // Splits a list at its commas, in place.
 static int split(char *list, const char **name) {
@@ -135,8 +134,7 @@ static void read_arguments(struct sweep *sweep, int argc, char **argv) {
     if (!sweep->scenes) fail("no scene after", argv[argc - 1]);
 }
 
-// ---- Processes
-// -----------------------------------------------------------------------------------
+// ---- Processes ----------------------------------------------------------------------------------
 
 // Cells are counted with the first pass fastest, then the preset, then the scene.
 static struct cell cell_at(const struct sweep *sweep, int i) {
@@ -215,8 +213,7 @@ static void run(const struct sweep *sweep, int cells, struct tally *tallies) {
     }
 }
 
-// ---- Totals
-// --------------------------------------------------------------------------------------
+// ---- Totals -------------------------------------------------------------------------------------
 
 static int print_totals(const struct tally *tallies, int cells) {
     struct tally all = {0};

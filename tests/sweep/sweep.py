@@ -5,7 +5,7 @@
     tests/sweep/sweep.py [--scenes] [--rooms FIRST:END] [--build DIR] [ARGUMENT ...] [SCENE.xml ...]
 
 --scenes takes all scenes of data/scenes, --rooms random rooms, which are written to DIR/rooms (DIR
-is `build` if not given). All other arguments go to DIR/tests/sweep/sweep:
+is `build` if not given); it may be repeated. All other arguments go to DIR/tests/sweep/sweep:
 
     --seeds FIRST:END          5 to 64 seeds (0:10)
     --presets NAME,...         draft, preview, production (draft)
@@ -35,7 +35,7 @@ def arguments():
     parser = argparse.ArgumentParser(description=__doc__, add_help=False, allow_abbrev=False,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scenes", action="store_true")
-    parser.add_argument("--rooms")
+    parser.add_argument("--rooms", action="append", default=[])
     parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path("build"))
     parser.add_argument("-h", "--help", action="store_true")
     known, rest = parser.parse_known_args()
@@ -61,8 +61,8 @@ def rooms(text, folder):
 def main():
     known, rest = arguments()
     scenes = data_scenes() if known.scenes else []
-    if known.rooms:
-        scenes += rooms(known.rooms, known.build / "rooms")
+    for text in known.rooms:
+        scenes += rooms(text, known.build / "rooms")
     program = known.build / "tests/sweep/sweep"
     return subprocess.run([program, "-D", "filter=box", *rest, *scenes], check=False).returncode
 

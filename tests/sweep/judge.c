@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// Compares the pictures of a cell by the statistic of blocks.h, channel by channel.
+#include "judge.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "blocks.h"
+
+// Least sigma of a block, as a fraction of its own brightness in the layer and in the beauty: what
+// is off by less than six times that, 3 %, is not seen.
+static const double own_floor = 0.005, beauty_floor = 0.0025;
+
+const struct layer judge_layer[LAYERS] = {
+    {"beauty", {"R", "G", "B"}, false},
+    {"direct", {"direct.R", "direct.G", "direct.B"}, true},
+    {"caustic", {"caustic.R", "caustic.G", "caustic.B"}, true},
+    {"indirect_diffuse", {"indirect_diffuse.R", "indirect_diffuse.G", "indirect_diffuse.B"}, true},
+    {"indirect_glossy", {"indirect_glossy.R", "indirect_glossy.G", "indirect_glossy.B"}, true},
+    {"emission", {"emission.R", "emission.G", "emission.B"}, true},
+    {"albedo", {"albedo.R", "albedo.G", "albedo.B"}, false},
+    {"normal", {"normal.X", "normal.Y", "normal.Z"}, false},
+    {"depth", {"depth.Z", NULL, NULL}, false},
+};
+
+// Scores of one channel; false if a picture lacks it or has values that are not finite, or if there
+// are too few pictures.
+static bool score_channel(const struct work *w, const char *name, const double *floor,
+                          struct block_scores *out) {
+    const float *pixel[SEEDS_MOST];
+    if (!name || w->count < BLOCK_SEEDS_LEAST) return false;
+    for (int s = 0; s < w->count; s++) {
+        pixel[s] = satin_film_channel(w->film[s], name);
+        if (!pixel[s]) return false;
+        for (int p = 0; p < w->plan->size * w->plan->size; p++)
+            if (!isfinite(pixel[s][p])) return false;
+    }
+    const struct block_stack stack = {w->plan->size, w->plan->size, w->count, pixel, floor};
+    return block_scores_make(&stack, out);
+}
+
+// Where a score is beyond all others of its picture and layer.
+struct peak {
+    int channel, block, blocks;
+    double score, ratio;
+};
+
+static void count_score(struct tally *tally, double score) {
+    int at = score < CELL_HISTOGRAM - 1 ? (int)score : CELL_HISTOGRAM - 1;
+    tally->histogram[at]++;
+    tally->worst = fmax(tally->worst, score);
+}
+
+static void judge_channel(struct work *w, const struct block_scores *scores, int channel,
+                          struct peak *peak) {
+    for (int s = 0; s < w->count; s++)
+        for (int b = 0; b < scores->count; b++) {
+            const int at = s * scores->count + b;
+            double size = fabs(scores->score[at]);
+            count_score(w->tally, size);
+            peak[s].blocks += size > w->plan->threshold;
+            if (size <= fabs(peak[s].score)) continue;
+            peak[s].channel = channel;
+            peak[s].block = b;
+            peak[s].score = scores->score[at];
+            peak[s].ratio = scores->mean[at] / scores->usual[b];
+        }
+}
+
+static void report_peak(struct work *w, const struct layer *layer, int i, const struct peak *peak) {
+    const int columns = w->plan->size / BLOCK_SIZE;
+    judge_flag(w, "block", i);
+    w->tally->blocks += peak->blocks;
+    fprintf(w->out, " %s %s pixel %d,%d ratio %.3f sigmas %.1f blocks %d\n", layer->name,
+            layer->channel[peak->channel], peak->block % columns * BLOCK_SIZE,
+            peak->block / columns * BLOCK_SIZE, peak->ratio, peak->score, peak->blocks);
+}
+
+// The floor of each block of a layer's channel, from the brightness there; normals have length 1.
+static void fill_floor(const struct layer *layer, const struct block_scores *plain,
+                       const struct block_scores *beauty, double *floor) {
+    for (int b = 0; b < plain->count; b++) {
+        floor[b] = own_floor * (strcmp(layer->name, "normal") == 0 ? 1.0 : plain->level[b]);
+        if (layer->light) floor[b] = fmax(floor[b], beauty_floor * beauty->level[b]);
+    }
+}
+
+static void judge_one(struct work *w, const struct layer *layer, double *floor) {
+    struct peak peak[SEEDS_MOST] = {0};
+    for (int c = 0; c < 3; c++) {
+        struct block_scores plain, beauty, scores;
+        if (!score_channel(w, layer->channel[c], NULL, &plain)) continue;
+        if (score_channel(w, judge_layer[0].channel[c], NULL, &beauty)) {
+            fill_floor(layer, &plain, &beauty, floor);
+            block_scores_free(&beauty);
+            if (score_channel(w, layer->channel[c], floor, &scores)) {
+                judge_channel(w, &scores, c, peak);
+                block_scores_free(&scores);
+            }
+        }
+        block_scores_free(&plain);
+    }
+    for (int i = 0; i < w->count; i++)
+        if (peak[i].blocks) report_peak(w, layer, i, &peak[i]);
+}
+
+void judge_layers(struct work *w) {
+    const int columns = w->plan->size / BLOCK_SIZE;
+    double *floor = calloc((size_t)(columns * columns), sizeof *floor);
+    if (!floor) return;
+    for (int k = 0; k < LAYERS; k++) judge_one(w, &judge_layer[k], floor);
+    free(floor);
+}
