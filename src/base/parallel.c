@@ -92,9 +92,13 @@ static int cores_available(void) {
     return n > 0 ? (int)n : 1;
 }
 
-struct parallel *parallel_new(int threads) {
+int parallel_cores(int threads) {
     if (threads <= 0) threads = cores_available();
-    if (threads > THREADS_MAX) threads = THREADS_MAX;
+    return threads < THREADS_MAX ? threads : THREADS_MAX;
+}
+
+struct parallel *parallel_new(int threads) {
+    threads = parallel_cores(threads);
     struct parallel *pool = calloc(1, sizeof *pool);
     if (!pool) return NULL;
     pool->threads = threads;

@@ -17,6 +17,8 @@ typedef void (*parallel_fn)(void *ctx, size_t begin, size_t end, int worker);
 // returning true cancels the loop.
 typedef bool (*parallel_progress_fn)(void *user, double done);
 
+// The threads of a pool of `threads`: at most 1024; 0 means one per core that the process may use.
+int parallel_cores(int threads);
 // A pool of `threads` workers, the calling thread among them; 0 means one per core that the process
 // may use. NULL if threads could not be started. Free with parallel_free.
 struct parallel *parallel_new(int threads);

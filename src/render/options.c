@@ -8,9 +8,11 @@
 
 #include "base/log.h"
 #include "base/text.h"
+#include "render/options_budget.h"
 #include "render/options_table.h"
 #include "scene/scene.h"
 
+// What quality decides is as options_budget.c has it for `preview`.
 const satin_options satin_options_default = {
     .quality = SATIN_PREVIEW,
     .adaptive = true,
@@ -57,72 +59,8 @@ const satin_options satin_options_default = {
     .leak_test = true,
 };
 
-// The fields that a quality decides; options_table says which they are. The preset `preview` is the
-// default.
-static const satin_options draft = {
-    .light_samples = 2,
-    .glossy_samples = 2,
-    .photons = 100000,
-    .caustic_photons = 200000,
-    .irradiance_rays = 400,
-    .irradiance_a = 0.3f,
-    .irradiance_widen = 2.0f,
-    .irradiance_min_pixels = 4.0f,
-    .radiance_order = 12,
-    .radiance_rays = 2000,
-    .radiance_a = 0.4f,
-    .radiance_widen = 2.0f,
-    .radiance_min_pixels = 4.0f,
-    .radiance_max_pixels = 30.0f,
-};
-static const satin_options production = {
-    .light_samples = 4,
-    .glossy_samples = 4,
-    .photons = 1000000,
-    .caustic_photons = 4000000,
-    .irradiance_rays = 2000,
-    .irradiance_a = 0.15f,
-    .irradiance_widen = 2.0f,
-    .irradiance_min_pixels = 3.0f,
-    .radiance_order = 14,
-    .radiance_rays = 10000,
-    .radiance_a = 0.2f,
-    .radiance_widen = 1.6f,
-    .radiance_min_pixels = 2.0f,
-    .radiance_max_pixels = 20.0f,
-    .adaptive_cache = true,
-};
-
-static size_t kind_size(enum option_kind kind) {
-    switch (kind) {
-        case OPTION_CHOICE:
-        case OPTION_INT:
-            return sizeof(int);
-        case OPTION_BOOL:
-            return sizeof(bool);
-        case OPTION_COUNT:
-        case OPTION_SEED:
-            return sizeof(int64_t);
-        case OPTION_FLOAT:
-            return sizeof(float);
-        case OPTION_DOUBLE:
-            return sizeof(double);
-        case OPTION_TEXT:
-            return OPTION_TEXT_SIZE;
-    }
-    return 0;
-}
-
 void satin_options_preset(satin_options *options, satin_quality quality) {
-    const satin_options *preset = quality == SATIN_DRAFT        ? &draft
-                                  : quality == SATIN_PRODUCTION ? &production
-                                                                : &satin_options_default;
-    for (int i = 0; i < options_table_count; i++) {
-        const struct option *o = &options_table[i];
-        if (o->by_quality)
-            memcpy((char *)options + o->offset, (const char *)preset + o->offset,
-                   kind_size(o->kind));
-    }
+    options_budget_preset(options, quality);
     options->quality = quality;
 }
 

@@ -14,7 +14,8 @@
 
 const struct option options_table[] = {
     {"quality", OPTION_CHOICE, AT(quality), false, "draft|preview|production",
-     "Preset of samples, photons and accuracies; every single option overrides it."},
+     "Preset of samples, photons and accuracies; every single option overrides it. A time limit "
+     "chooses them itself, along the curve of which the presets are points."},
     {"integrator", OPTION_CHOICE, AT(integrator), false, "two-pass|path|direct|photons",
      "Photon map and cached final gathering; path tracing, the reference; emitted and direct light "
      "alone; the photon map seen directly."},
@@ -90,7 +91,7 @@ const struct option options_table[] = {
      "walls of strata, by how what was hit turns and comes nearer, the latter by finite "
      "differences, or by strata as Ward and Heckbert weigh them."},
     {"irradiance-rays", OPTION_INT, AT(irradiance_rays), true, "4..1048576",
-     "Gather rays per irradiance record; a time limit of more than .025 ms per pixel raises them."},
+     "Gather rays per irradiance record."},
     {"irradiance-noise", OPTION_FLOAT, AT(irradiance_noise), false, "0..1",
      "Standard deviation over E by which a record gets rays, from a quarter of irradiance-rays to "
      "four times as many, as the records around it measured the variance; 0: all get the same."},
@@ -129,7 +130,7 @@ const struct option options_table[] = {
     {"radiance-turn", OPTION_FLOAT, AT(radiance_turn), false, "0..4",
      "Angle of normals [rad] up to which records are aligned by the fast rotation; 0: none."},
     {"radiance-rays", OPTION_INT, AT(radiance_rays), true, "4..1048576",
-     "Gather rays per radiance record; a time limit of more than .025 ms per pixel raises them."},
+     "Gather rays per radiance record."},
     {"radiance-noise", OPTION_FLOAT, AT(radiance_noise), false, "0..1",
      "The same for radiance records, of the vector of their coefficients."},
     {"radiance-a", OPTION_FLOAT, AT(radiance_a), true, "0.01..2",
@@ -319,9 +320,4 @@ void option_print(const struct option *option, const satin_options *options, cha
             break;
         }
     }
-}
-
-int options_quality_spp(satin_quality quality) {
-    static const int spp[] = {[SATIN_DRAFT] = 9, [SATIN_PREVIEW] = 16, [SATIN_PRODUCTION] = 36};
-    return spp[quality];
 }

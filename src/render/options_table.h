@@ -43,7 +43,4 @@ bool option_parse(const struct option *option, const char *value, satin_options 
 void option_print(const struct option *option, const satin_options *options, char *out,
                   size_t bytes);
 
-// Samples per pixel that a quality asks for where satin_options.spp is 0: a square number.
-int options_quality_spp(satin_quality quality);
-
 #endif

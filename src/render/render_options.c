@@ -4,30 +4,10 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "render/options_table.h"
+#include "render/options_budget.h"
 #include "render/render_state.h"
 
 enum { TIMED_SPP = 1 << 20 };
-
-// Photons per second of a time limit: a tenth of it, or two tenths with caustics, on two cores.
-static const double TIMED_PHOTONS = 60000.0, TIMED_CAUSTIC_PHOTONS = 200000.0;
-
-// Rays of a record with a time limit: those of the preset at this many seconds per pixel or less;
-// with more time, more records alone would not do (measured on cornell-metal at 4 and 11 s).
-static const double TIMED_PIXEL_SECONDS = 2.5e-5, TIMED_RAYS_MOST = 4.0;
-static const double RAYS_MOST = 1048576.0;  // the range of the options
-
-static void scale_rays(satin_options *o) {
-    double pixels = (double)o->width * (double)o->height;
-    double factor = pow(o->time / (TIMED_PIXEL_SECONDS * pixels), 0.7);
-    factor = fmin(fmax(factor, 1.0), TIMED_RAYS_MOST);
-    o->irradiance_rays = (int)fmin(o->irradiance_rays * factor, RAYS_MOST);
-    o->radiance_rays = (int)fmin(o->radiance_rays * factor, RAYS_MOST);
-}
-
-static int64_t at_most(int64_t count, double most) {
-    return (double)count > most ? (int64_t)most : count;
-}
 
 static int or_else(int value, int open, int scene, int scene_open, int fallback) {
     if (value != open) return value;
@@ -101,11 +81,9 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
     if (film_filter_has_lobes(&scene->film)) o->adaptive = false;
     if (o->spp == 0 && o->time > 0.0) o->spp = TIMED_SPP;
     r->photons_wanted = o->photons;
-    if (o->time > 0.0) {
-        o->photons = at_most(o->photons, TIMED_PHOTONS * o->time);
-        o->caustic_photons = at_most(o->caustic_photons, TIMED_CAUSTIC_PHOTONS * o->time);
-        scale_rays(o);
-    }
+    if (o->time > 0.0)
+        options_budget_seconds(o, o->time * parallel_cores(o->threads),
+                               (double)o->width * (double)o->height);
     o->spp = or_else(o->spp, 0, scene_spp, 0, options_quality_spp(o->quality));
     return SATIN_OK;
 }

@@ -45,6 +45,6 @@ satin_status render_photons(struct render *r) {
 struct gather render_gather(const struct render *r) {
     struct gather g = gather_make(&r->scene, &r->options, r->maps);
     // The radius of a lookup falls as the root of the number of photons.
-    if (r->photons_share > 0.0) g.trust /= (float)sqrt(r->photons_share);
+    if (r->photons_share > 0.0 && r->photons_share < 1.0) g.trust /= (float)sqrt(r->photons_share);
     return g;
 }

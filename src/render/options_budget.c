@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+// The curve from effort to options: a table of three presets, each at the effort that it takes on
+// the data scenes, and between them power laws, straight lines over the logarithm of effort. Below
+// the first and beyond the last preset the options are theirs: with less time the records are
+// coarser, with more they are finer and the image takes more samples (render_records.c). What the
+// presets take and reach, and the curve, is in docs/experiments.md.
+#include "render/options_budget.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "render/options_table.h"
+
+// Only the fields that a quality decides are read.
+static const struct preset {
+    double effort;  // core seconds per pixel
+    int spp;
+    satin_options options;
+} preset[] = {
+    [SATIN_DRAFT] = {3e-5,
+                     9,
+                     {.light_samples = 2,
+                      .glossy_samples = 2,
+                      .photons = 100000,
+                      .caustic_photons = 200000,
+                      .irradiance_rays = 400,
+                      .irradiance_a = 0.3f,
+                      .irradiance_widen = 2.0f,
+                      .irradiance_min_pixels = 4.0f,
+                      .radiance_order = 12,
+                      .radiance_rays = 2000,
+                      .radiance_a = 0.4f,
+                      .radiance_widen = 2.0f,
+                      .radiance_min_pixels = 4.0f,
+                      .radiance_max_pixels = 30.0f}},
+    [SATIN_PREVIEW] = {7e-5,
+                       16,
+                       {.light_samples = 4,
+                        .glossy_samples = 4,
+                        .photons = 300000,
+                        .caustic_photons = 1500000,
+                        .irradiance_rays = 600,
+                        .irradiance_a = 0.2f,
+                        .irradiance_widen = 2.0f,
+                        .irradiance_min_pixels = 3.0f,
+                        .radiance_order = 14,
+                        .radiance_rays = 4000,
+                        .radiance_a = 0.3f,
+                        .radiance_widen = 2.0f,
+                        .radiance_min_pixels = 3.0f,
+                        .radiance_max_pixels = 20.0f,
+                        .adaptive_cache = true}},
+    [SATIN_PRODUCTION] = {2.5e-4,
+                          36,
+                          {.light_samples = 4,
+                           .glossy_samples = 4,
+                           .photons = 1000000,
+                           .caustic_photons = 4000000,
+                           .irradiance_rays = 2000,
+                           .irradiance_a = 0.15f,
+                           .irradiance_widen = 2.0f,
+                           .irradiance_min_pixels = 3.0f,
+                           .radiance_order = 14,
+                           .radiance_rays = 10000,
+                           .radiance_a = 0.2f,
+                           .radiance_widen = 1.6f,
+                           .radiance_min_pixels = 2.0f,
+                           .radiance_max_pixels = 20.0f,
+                           .adaptive_cache = true}},
+};
+enum { PRESETS = sizeof preset / sizeof *preset };
+
+// Photons serve the whole image: they are bought by all of its seconds, those of the presets by the
+// seconds of an image of so many pixels.
+static const double PRESET_PIXELS = 160000.0;
+
+int options_quality_spp(satin_quality quality) { return preset[quality].spp; }
+
+// ---- A field of an option -----------------------------------------------------------------------
+
+static void *field(satin_options *options, const struct option *o) {
+    return (char *)options + o->offset;
+}
+static const void *field_of(const satin_options *options, const struct option *o) {
+    return (const char *)options + o->offset;
+}
+
+static size_t field_size(const struct option *o) {
+    switch (o->kind) {
+        case OPTION_BOOL:
+            return sizeof(bool);
+        case OPTION_COUNT:
+            return sizeof(int64_t);
+        case OPTION_FLOAT:
+            return sizeof(float);
+        default:
+            return sizeof(int);  // no quality decides a seed, a text or a double
+    }
+}
+
+static bool same(const satin_options *a, const satin_options *b, const struct option *o) {
+    return memcmp(field_of(a, o), field_of(b, o), field_size(o)) == 0;
+}
+
+static void copy(satin_options *to, const satin_options *from, const struct option *o) {
+    memcpy(field(to, o), field_of(from, o), field_size(o));
+}
+
+static double number(const satin_options *options, const struct option *o) {
+    const void *in = field_of(options, o);
+    if (o->kind == OPTION_COUNT) return (double)*(const int64_t *)in;
+    return o->kind == OPTION_FLOAT ? (double)*(const float *)in : (double)*(const int *)in;
+}
+
+static void set_number(satin_options *options, const struct option *o, double value) {
+    void *out = field(options, o);
+    if (o->kind == OPTION_FLOAT)
+        *(float *)out = (float)value;
+    else if (o->kind == OPTION_COUNT)
+        *(int64_t *)out = llround(value);
+    else
+        *(int *)out = (int)lround(value);
+}
+
+// ---- The curve ----------------------------------------------------------------------------------
+
+// The preset at or below the effort, and how far it is from there to the next one, in [0, 1).
+static int find_preset(double effort, double *way) {
+    int i = 0;
+    *way = 0.0;
+    while (i + 1 < PRESETS && effort >= preset[i + 1].effort) i++;
+    if (i + 1 < PRESETS && effort > preset[i].effort)
+        *way = log(effort / preset[i].effort) / log(preset[i + 1].effort / preset[i].effort);
+    return i;
+}
+
+static void set_by_effort(satin_options *options, const struct option *o, double effort) {
+    double way;
+    const int i = find_preset(effort, &way);
+    copy(options, &preset[i].options, o);
+    if (way == 0.0 || o->kind == OPTION_BOOL) return;
+    const double from = log(number(&preset[i].options, o));
+    const double to = log(number(&preset[i + 1].options, o));
+    set_number(options, o, exp(from + way * (to - from)));
+}
+
+void options_budget_preset(satin_options *options, satin_quality quality) {
+    for (int i = 0; i < options_table_count; i++)
+        if (options_table[i].by_quality) copy(options, &preset[quality].options, &options_table[i]);
+}
+
+void options_budget_seconds(satin_options *options, double seconds, double pixels) {
+    const satin_options *chosen = &preset[options->quality].options;
+    for (int i = 0; i < options_table_count; i++) {
+        const struct option *o = &options_table[i];
+        if (!o->by_quality || !same(options, chosen, o)) continue;
+        set_by_effort(options, o, seconds / (o->kind == OPTION_COUNT ? PRESET_PIXELS : pixels));
+    }
+}
