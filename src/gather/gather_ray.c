@@ -278,33 +278,43 @@ static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned
     return rgb_fma(L, T, reflected(g, &z, E, near, level, choice));
 }
 
-// First passes `photons` and `photons-precomputed`: all hits of a chunk look the map up together.
-static void shade_from_photons(const struct gather *g, struct gather_scratch *scratch, size_t count,
-                               struct gather_ray *rays, const struct gather_guide *guide) {
+// Irradiance at y by the density estimate there: from what the diffuse lobe reflects. Without one,
+// E is 0 and *radius is INFINITY.
+static rgb estimate(const struct gather *g, const struct gather_point *y, float *radius) {
+    *radius = INFINITY;
+    if (!(y->lobes & BRDF_DIFFUSE)) return rgb_grey(0.0f);
+    rgb L = photon_radiance(g->maps, g->scene, y->surfel.p, y->ng, &y->frame, &y->brdf, y->wo_l,
+                            BRDF_DIFFUSE, radius);
+    rgb a = brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE);
+    return rgb_make(a.r > 0.0f ? PI_F * L.r / a.r : 0.0f, a.g > 0.0f ? PI_F * L.g / a.g : 0.0f,
+                    a.b > 0.0f ? PI_F * L.b / a.b : 0.0f);
+}
+
+// E and radius of the scratch's hits: all of a chunk look the map up together, or each has its own
+// estimate.
+static void look_up(const struct gather *g, struct gather_scratch *scratch, size_t count) {
     const bool precomputed = g->options->first_pass == SATIN_FIRST_PRECOMPUTED;
     for (size_t i = 0; i < count; i++) {
         scratch->p[i] = scratch->hit[i].point.surfel.p;
         scratch->n[i] = scratch->hit[i].point.ng;
+        if (!precomputed) scratch->E[i] = estimate(g, &scratch->hit[i].point, &scratch->radius[i]);
     }
     if (precomputed)
         photon_irradiance_many(g->maps, g->scene, count, scratch->p, scratch->n, scratch->E,
                                scratch->radius);
+}
+
+// First passes `photons` and `photons-precomputed`.
+static void shade_from_photons(const struct gather *g, struct gather_scratch *scratch, size_t count,
+                               struct gather_ray *rays, const struct gather_guide *guide) {
+    look_up(g, scratch, count);
     for (size_t i = 0; i < count; i++) {
         struct gather_hit *hit = &scratch->hit[i];
         struct gather_point *y = &hit->point;
-        rgb E = scratch->E[i];
-        if (!precomputed && (y->lobes & BRDF_DIFFUSE)) {
-            // The same estimate at the hit itself: E from what the diffuse lobe reflects.
-            rgb L = photon_radiance(g->maps, g->scene, y->surfel.p, y->ng, &y->frame, &y->brdf,
-                                    y->wo_l, BRDF_DIFFUSE, &scratch->radius[i]);
-            rgb a = brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE);
-            E = rgb_make(a.r > 0.0f ? PI_F * L.r / a.r : 0.0f, a.g > 0.0f ? PI_F * L.g / a.g : 0.0f,
-                         a.b > 0.0f ? PI_F * L.b / a.b : 0.0f);
-        }
-        float radius = scratch->radius[i];
+        const float radius = scratch->radius[i];
         bool near = g->options->gather_bounce && (y->surfel.t < radius || radius > g->trust);
         struct choice choice = {hit->sampler, y->surfel.t < radius ? guide : NULL};
-        rgb L = reflected(g, y, E, near, 0, &choice);
+        rgb L = reflected(g, y, scratch->E[i], near, 0, &choice);
         rays[hit->ray].L = rgb_mul(hit->T, L);
     }
 }

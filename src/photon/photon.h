@@ -42,7 +42,8 @@ float photon_trust(const struct photon_maps *maps);
 
 // Reflected radiance towards wo (local) by a k-nearest density estimate with the BRDF's smooth
 // `lobes`, from the global map (all classes it holds) or the caustic map. frame is the BRDF's; ng
-// the geometric normal on wo's side.
+// the geometric normal on wo's side. *radius gets the radius of the estimate: INFINITY, and the
+// radiance is black, where the map has fewer photons than an estimate takes.
 rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
                     vec3 ng, const struct frame *frame, const struct brdf *brdf, vec3 wo,
                     unsigned lobes, float *radius);

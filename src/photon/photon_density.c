@@ -169,7 +169,7 @@ static rgb estimate(const struct photon_query *query, const struct reflection *a
 rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
                     vec3 ng, const struct frame *frame, const struct brdf *brdf, vec3 wo,
                     unsigned lobes, float *radius) {
-    *radius = 0.0f;
+    *radius = INFINITY;
     if (maps->global.count == 0) return rgb_grey(0.0f);
     struct photon_query query = {&maps->global,
                                  scene,

@@ -147,9 +147,16 @@ void photon_place_set(struct photon_places *places, size_t i, vec3 p, vec3 n) {
     set_row(places->row + 6 * i, p, n, places->scale);
 }
 
+// Positive and finite, so that normals can be read from the rows. The median radius may be 0, where
+// most photons lie in a few points, or INFINITY, where they are fewer than an estimate takes.
+static float normal_scale(const struct photon_irradiance *r, const struct satin_scene *scene) {
+    const float scale = 2.0f * median_radius(r);
+    return scale > 0.0f && isfinite(scale) ? scale : scene->radius;
+}
+
 // The rows of the index, their scale known by now.
 static void fill_rows(const struct photon_precompute *what, struct photon_irradiance *r) {
-    r->place.scale = 2.0f * median_radius(r);
+    r->place.scale = normal_scale(r, what->scene);
     for (size_t i = 0; i < r->count; i++) {
         struct photon_query at = query_of(what, i);
         photon_place_set(&r->place, i, at.p, at.n);

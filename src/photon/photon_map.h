@@ -215,8 +215,8 @@ float photon_disc_clear(const struct photon_disc *disc);
 
 // Where estimates are.
 struct photon_places {
-    float *row;  // 6 each: position, scale * normal
-    float scale;
+    float *row;    // 6 each: position, scale * normal
+    float scale;   // positive
     float *clear;  // within this no wall or edge cuts its disc
 };
 static inline vec3 photon_place(const struct photon_places *places, size_t i) {

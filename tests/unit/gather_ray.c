@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "gather/gather_scratch.h"
 #include "photon/photon_map.h"
 #include "photon/photon_seen.h"
 #include "test_scene.h"
@@ -65,7 +66,7 @@ static void light_is_weighed_at_the_point_that_rays_leave(void **state) {
 }
 
 // Where no photon tells of the light, rays go on as paths over diffuse and glossy lobes: on average
-// they bring what path tracing brings.
+// they bring what path tracing brings, whatever the first pass would have made of photons.
 static void paths_over_two_lobes_are_unbiased(void **state) {
     (void)state;
     enum { RAYS = 150000 };
@@ -84,7 +85,7 @@ static void paths_over_two_lobes_are_unbiased(void **state) {
     struct gather_scratch *scratch = gather_scratch_new(RAYS);
     assert_non_null(scratch);
     struct gather_ray *rays = gather_scratch_rays(scratch);
-    rgb path = rgb_grey(0.0f), sum = path;
+    rgb path = rgb_grey(0.0f);
     for (uint32_t i = 0; i < RAYS; i++) {
         const vec2 u = sample_sobol2(i, 5);
         const struct ray ray = {v3(0, 0, 0), 0.0f, sample_uniform_sphere(u.x, u.y), INFINITY};
@@ -93,10 +94,42 @@ static void paths_over_two_lobes_are_unbiased(void **state) {
         rays[i] = (struct gather_ray){.ray = ray, .item = i};
         path = rgb_add(path, gather_path(&g, ray, &sampler, &first));
     }
-    gather_rays(&g, scratch, rays, RAYS, 3);
-    for (uint32_t i = 0; i < RAYS; i++) sum = rgb_add(sum, rays[i].L);
-    print_message("%.4f of %.4f\n", (double)sum.g / RAYS, (double)path.g / RAYS);
-    assert_true(fabsf(sum.r / path.r - 1.0f) < 0.01f && fabsf(sum.g / path.g - 1.0f) < 0.01f);
+    const satin_first_pass pass[] = {SATIN_FIRST_PRECOMPUTED, SATIN_FIRST_PHOTONS};
+    for (int k = 0; k < 2; k++) {
+        options.first_pass = pass[k];
+        rgb sum = rgb_grey(0.0f);
+        gather_rays(&g, scratch, rays, RAYS, 3);
+        for (uint32_t i = 0; i < RAYS; i++) sum = rgb_add(sum, rays[i].L);
+        print_message("%.4f of %.4f\n", (double)sum.g / RAYS, (double)path.g / RAYS);
+        assert_true(fabsf(sum.r / path.r - 1.0f) < 0.01f && fabsf(sum.g / path.g - 1.0f) < 0.01f);
+    }
+    gather_scratch_free(scratch);
+    test_scene_free(&t);
+}
+
+// A surface without a diffuse lobe has no irradiance estimate: none is left in the scratch from an
+// earlier ray.
+static void no_estimate_is_left_over(void **state) {
+    (void)state;
+    struct test_scene t;
+    test_scene_init(&t);
+    test_rectangle(&t, test_transform(v3(0, 0, 0), v3(9, 9, 1)),
+                   test_material(&t, "phong", rgb_grey(0.0f), rgb_grey(0.5f)));
+    test_scene_finish(&t);
+    satin_options options = satin_options_default;
+    options.first_pass = SATIN_FIRST_PHOTONS;
+    const struct photon_maps maps = {.area = true};
+    const struct gather g = gather_make(&t.scene, &options, &maps);
+    struct gather_scratch *scratch = gather_scratch_new(1);
+    assert_non_null(scratch);
+    scratch->E[0] = rgb_grey(NAN);
+    scratch->radius[0] = NAN;
+    const struct ray down = {v3(0, 0, 1), 0.0f, v3(0, 0, -1), INFINITY};
+    struct gather_ray *ray = gather_scratch_rays(scratch);
+    *ray = (struct gather_ray){.ray = down};
+    gather_rays(&g, scratch, ray, 1, 0);
+    assert_int_equal(scratch->hit[0].point.lobes & BRDF_SMOOTH, BRDF_GLOSSY);
+    assert_true(rgb_black(scratch->E[0]) && isinf(scratch->radius[0]));
     gather_scratch_free(scratch);
     test_scene_free(&t);
 }
@@ -105,6 +138,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(light_is_weighed_at_the_point_that_rays_leave),
         cmocka_unit_test(paths_over_two_lobes_are_unbiased),
+        cmocka_unit_test(no_estimate_is_left_over),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -418,8 +418,10 @@ static void empty_maps_are_black(void **state) {
     vec3 p = v3(0, 0, 0), n = v3(0, 0, 1);
     float radius = 1.0f;
     assert_true(rgb_black(photon_irradiance(maps, &t.scene, p, n, &radius)) && isinf(radius));
+    radius = 1.0f;
     assert_true(
         rgb_black(photon_radiance(maps, &t.scene, p, n, &frame, &b, n, BRDF_SMOOTH, &radius)));
+    assert_true(isinf(radius));
     assert_true(rgb_black(photon_caustic(maps, &t.scene, p, n, &frame, &b, n, BRDF_SMOOTH)));
     photon_maps_free(maps);
     test_scene_free(&t);

@@ -42,6 +42,17 @@ static void scene_of(struct test_scene *t, bool wall) {
     test_scene_finish(t);
 }
 
+static void precompute(struct test_scene *t, const struct photon_hit *hit, size_t count,
+                       bool smooth, struct photon_map *map, struct photon_irradiance *out) {
+    const struct log quiet = {0};
+    struct parallel *pool = parallel_new(2);
+    assert_non_null(pool);
+    assert_int_equal(photon_map_build(&t->scene, hit, count, quiet, map), SATIN_OK);
+    const struct photon_precompute what = {map, &t->scene, 1, K, KERNEL_PARABOLA, true, smooth};
+    assert_int_equal(photon_irradiance_build(&what, pool, quiet, out), SATIN_OK);
+    parallel_free(pool);
+}
+
 static void build(struct test_scene *t, light_fn light, bool smooth, struct photon_map *map,
                   struct photon_irradiance *out) {
     struct photon_hit *hit = calloc(PHOTONS, sizeof *hit);
@@ -53,13 +64,7 @@ static void build(struct test_scene *t, light_fn light, bool smooth, struct phot
         const uint32_t up = photon_pack(v3(0, 0, 1));
         hit[count++] = (struct photon_hit){v3(x, y, 0), rgb_grey(4.0f / PHOTONS), up, up};
     }
-    const struct log quiet = {0};
-    struct parallel *pool = parallel_new(2);
-    assert_non_null(pool);
-    assert_int_equal(photon_map_build(&t->scene, hit, count, quiet, map), SATIN_OK);
-    const struct photon_precompute what = {map, &t->scene, 1, K, KERNEL_PARABOLA, true, smooth};
-    assert_int_equal(photon_irradiance_build(&what, pool, quiet, out), SATIN_OK);
-    parallel_free(pool);
+    precompute(t, hit, count, smooth, map, out);
     free(hit);
 }
 
@@ -114,6 +119,39 @@ static void borders_stay(void **state) {
                       aside.rms, aside.mean);
         assert_true(after.rms < 1.1 * before.rms);
         assert_true(aside.rms < 0.08 && fabs(aside.mean) < 0.02);
+    }
+}
+
+// Estimates at photons that mostly lie in a few points have no radius; those of fewer photons than
+// an estimate takes have no finite one. Lookups distinguish the sides of the surface all the same.
+static void normals_count_without_a_radius(void **state) {
+    (void)state;
+    enum { POINTS = 20, SPREAD = PHOTONS / 4 };
+    const uint32_t up = photon_pack(v3(0, 0, 1));
+    for (int few = 0; few < 2; few++) {
+        struct test_scene t;
+        struct photon_map map;
+        struct photon_irradiance r;
+        struct photon_hit *hit = calloc(PHOTONS, sizeof *hit);
+        struct rng rng = rng_make(3, RNG_TEST, 0);
+        for (int i = 0; i < PHOTONS; i++) {
+            const float x = 2.0f * rng_float(&rng) - 1.0f, y = 2.0f * rng_float(&rng) - 1.0f;
+            const vec3 p = i < SPREAD ? v3(x, y, 0) : v3(0.04f * (float)(i % POINTS), 0.9f, 0);
+            hit[i] = (struct photon_hit){p, rgb_grey(4.0f / SPREAD), up, up};
+        }
+        scene_of(&t, false);
+        precompute(&t, hit, few ? K / 2 : PHOTONS, !few, &map, &r);
+        assert_true(r.place.scale > 0.0f && isfinite(r.place.scale));
+        for (size_t i = 0; i < r.count; i++) assert_true(rgb_finite(r.E[i]));
+        const vec3 p = v3(-0.5f, -0.5f, 0);
+        const int entry = photon_irradiance_entry(&r, p, v3(0, 0, 1));
+        assert_true(entry >= 0);
+        assert_int_equal(photon_irradiance_entry(&r, p, v3(0, 0, -1)), -1);
+        if (!few) assert_true(fabsf(photon_irradiance_value(&r, entry, p).g - 1.0f) < 0.5f);
+        photon_irradiance_free(&r);
+        photon_map_free(&map);
+        free(hit);
+        test_scene_free(&t);
     }
 }
 
@@ -180,6 +218,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(noise_goes),
         cmocka_unit_test(borders_stay),
+        cmocka_unit_test(normals_count_without_a_radius),
         cmocka_unit_test(gloss_is_as_smooth),
         cmocka_unit_test(wild_values_stay),
     };
