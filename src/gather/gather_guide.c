@@ -13,9 +13,6 @@ static const float LUCK = 0.01f;
 // mean.
 static const float AIM = 0.01f, SPREAD = 0.5f;
 
-// Of the bounces near a site, the part that goes where the site's own rays went.
-static const float GUIDED = 0.5f;
-
 enum { LEAST = 8, MOST = 256 };  // rays of one cone, powers of 2: whole nets
 
 // How many rays a place is worth that sends a `share` of the light.
@@ -54,7 +51,7 @@ static void deal(struct gather_guide *guide, float expected, size_t even) {
     guide->count = kept;
 }
 
-static vec3 in_cone(const struct photon_cone *cone, vec2 u) {
+vec3 gather_guide_in_cone(const struct photon_cone *cone, vec2 u) {
     // As sample_uniform_cone, which has no digits left for the narrowest.
     const struct frame frame = frame_from_normal(cone->axis);
     const float away = u.x * cone->versine, sine = safe_sqrtf(away * (2.0f - away));
@@ -63,7 +60,7 @@ static vec3 in_cone(const struct photon_cone *cone, vec2 u) {
 }
 
 // Whether a direction is in the cone: |w - axis|^2 = 2 (1 - cosine) keeps the digits.
-static bool holds(const struct photon_cone *cone, vec3 w) {
+bool gather_guide_holds(const struct photon_cone *cone, vec3 w) {
     return v3_dist2(w, cone->axis) <= 2.0f * cone->versine;
 }
 
@@ -73,9 +70,11 @@ size_t gather_guide_rays(const struct gather *g, const struct gather_layout *lay
     const struct photon_eye eye = {site->p, site->frame.n, site->ng};
     struct gather_guide *guide = &scratch->guide;
     float expected = 0.0f;
-    *guide = (struct gather_guide){.frame = site->frame};
+    *guide = (struct gather_guide){.frame = site->frame, .p = site->p};
     if (!g->options->gather_guide) return 0;
     guide->count = photon_bright_cones(g->maps, g->scene, &eye, guide->cone, &expected);
+    guide->expected = expected;
+    guide->near.found = -1;
     if (guide->count == 0) return 0;
     deal(guide, expected, even);
     size_t i = even;
@@ -83,7 +82,7 @@ size_t gather_guide_rays(const struct gather *g, const struct gather_layout *lay
         guide->first[c] = i;
         const uint32_t seed = (uint32_t)rng_mix(site->stream + 0x9e3779b97f4a7c15ull * (size_t)c);
         for (int k = 0; k < guide->rays[c]; k++) {
-            const vec3 w = in_cone(&guide->cone[c], sample_sobol2((uint32_t)k, seed));
+            const vec3 w = gather_guide_in_cone(&guide->cone[c], sample_sobol2((uint32_t)k, seed));
             const vec3 local = frame_to_local(&site->frame, w);
             if (!(local.z > 0.0f)) continue;
             scratch->x[i] = local.x;
@@ -111,45 +110,8 @@ void gather_guide_weigh(const struct gather_layout *layout, struct gather_scratc
         float density = (float)even * (layout->order ? 0.5f / PI_F : scratch->z[i] / PI_F);
         float all = density;
         for (int c = 0; c < guide->count; c++)
-            if (c == own || holds(&guide->cone[c], ray->ray.d)) all += guide->density[c];
+            if (c == own || gather_guide_holds(&guide->cone[c], ray->ray.d))
+                all += guide->density[c];
         ray->L = rgb_scale(ray->L, density / all);
     }
-}
-
-bool gather_guide_bounce(const struct gather_guide *guide, const struct gather_point *y,
-                         float u_lobe, vec2 u, struct brdf_sample *out) {
-    struct photon_cone seen[PHOTON_CONES];
-    float share[PHOTON_CONES], all = 0.0f;
-    int count = 0;
-    for (int c = 0; c < guide->count; c++) {
-        struct photon_cone *cone = &seen[count];
-        *cone = guide->cone[c];
-        if (!(v3_dist2(cone->center, y->surfel.p) > 4.0f * sqrf(cone->radius))) continue;
-        photon_cone_aim(cone, y->surfel.p);
-        if (!(v3_dot(cone->axis, y->frame.n) > 0.0f)) continue;
-        all += share[count++] = (float)guide->rays[c];
-    }
-    if (count == 0)
-        return brdf_sample(&y->brdf, y->wo_l, u_lobe, u.x, u.y, BRDF_DIFFUSE, BRDF_RADIANCE, out);
-    int own = -1;
-    if (u_lobe < GUIDED) {
-        int c = 0;
-        for (float at = u_lobe / GUIDED * all; c + 1 < count && at >= share[c]; c++) at -= share[c];
-        out->wi = frame_to_local(&y->frame, in_cone(&seen[c], u));
-        own = c;
-        out->lobe = BRDF_DIFFUSE;
-    } else if (!brdf_sample(&y->brdf, y->wo_l, (u_lobe - GUIDED) / (1.0f - GUIDED), u.x, u.y,
-                            BRDF_DIFFUSE, BRDF_RADIANCE, out)) {
-        return false;
-    }
-    const vec3 w = frame_to_world(&y->frame, out->wi);
-    out->pdf_w = brdf_pdf(&y->brdf, y->wo_l, out->wi, BRDF_DIFFUSE);
-    float density = (1.0f - GUIDED) * out->pdf_w;
-    for (int c = 0; c < count; c++)
-        if (c == own || holds(&seen[c], w))
-            density += GUIDED * share[c] / all / solid_angle(&seen[c]);
-    if (!(density > 0.0f)) return false;
-    const rgb f = brdf_eval(&y->brdf, y->wo_l, out->wi, BRDF_DIFFUSE);
-    out->weight = rgb_scale(f, fabsf(out->wi.z) / density);
-    return !rgb_black(out->weight);
 }

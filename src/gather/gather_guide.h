@@ -12,13 +12,12 @@ size_t gather_guide_rays(const struct gather *g, const struct gather_layout *lay
 // Makes L of every ray what it counts when all count as the layout's do.
 void gather_guide_weigh(const struct gather_layout *layout, struct gather_scratch *scratch);
 
-// As gather_rays; bounces near where the rays begin are guided. NULL: they are not.
+// As gather_rays; bounces near the site of the scratch's guide are guided (gather_near.c).
 void gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
-                        struct gather_ray *rays, size_t count, uint64_t stream,
-                        const struct gather_guide *guide);
-// Draws a direction from which y, near the site, reflects light by its diffuse lobe: by the lobe or
-// to one of the places. Otherwise as brdf_sample; pdf_w is the lobe's alone, for MIS with lights.
-bool gather_guide_bounce(const struct gather_guide *guide, const struct gather_point *y,
-                         float u_lobe, vec2 u, struct brdf_sample *out);
+                        struct gather_ray *rays, size_t count, uint64_t stream);
+
+// A direction of constant density in the cone, and whether a direction is in it.
+vec3 gather_guide_in_cone(const struct photon_cone *cone, vec2 u);
+bool gather_guide_holds(const struct photon_cone *cone, vec3 w);
 
 #endif

@@ -37,7 +37,7 @@ static size_t trace(const struct gather *g, const struct gather_layout *l,
                     struct gather_scratch *scratch, const struct gather_site *site) {
     make_rays(g, l, scratch, site);
     const size_t count = gather_layout_rays(l) + gather_guide_rays(g, l, site, scratch);
-    gather_rays_guided(g, scratch, scratch->rays, count, site->stream, &scratch->guide);
+    gather_rays_guided(g, scratch, scratch->rays, count, site->stream);
     gather_guide_weigh(l, scratch);
     return count;
 }

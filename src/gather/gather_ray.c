@@ -9,7 +9,7 @@
 #include <stdlib.h>
 
 #include "base/array.h"
-#include "gather/gather_guide.h"
+#include "gather/gather_near.h"
 
 enum {
     DELTA_SURE = 32,   // ideal specular surfaces in a row, after which chance may end a gather ray
@@ -151,7 +151,8 @@ static rgb diffuse_radiance(const struct gather_point *y, rgb E) {
 // What decides along a path behind a gather ray.
 struct choice {
     struct sampler sampler;
-    const struct gather_guide *guide;  // of a site near by
+    const struct gather_near *near;  // bright places around, of a site near by
+    float E;                         // luminance of the first-pass irradiance at its first surface
 };
 
 static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned lobes,
@@ -251,12 +252,12 @@ static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned
     rgb L = rgb_grey(0.0f);
     if (u_lobe >= survive) return L;
     u_lobe /= survive;
-    if (lobes == BRDF_DIFFUSE && choice->guide) {
-        if (!gather_guide_bounce(choice->guide, y, u_lobe, u, &next)) return L;
+    if (lobes == BRDF_DIFFUSE && choice->near) {
+        if (!gather_near_bounce(choice->near, y, choice->E, u_lobe, u, &next)) return L;
     } else if (!brdf_sample(&y->brdf, y->wo_l, u_lobe, u.x, u.y, lobes, BRDF_RADIANCE, &next)) {
         return L;
     }
-    choice->guide = NULL;
+    choice->near = NULL;
     struct ray ray =
         scene_spawn(g->scene, y->surfel.p, y->surfel.ng, frame_to_world(&y->frame, next.wi));
     struct gather_point z;
@@ -304,27 +305,30 @@ static void look_up(const struct gather *g, struct gather_scratch *scratch, size
                                scratch->radius);
 }
 
+// Rays that are traced together.
+struct bundle {
+    struct gather_ray *rays;
+    bool guided;  // near their site, by the scratch's guide
+    uint32_t seed;
+};
+
 // First passes `photons` and `photons-precomputed`.
 static void shade_from_photons(const struct gather *g, struct gather_scratch *scratch, size_t count,
-                               struct gather_ray *rays, const struct gather_guide *guide) {
+                               const struct bundle *bundle) {
     look_up(g, scratch, count);
+    if (bundle->guided) gather_near_look(g, scratch, count);
+    const struct gather_near *places = bundle->guided ? &scratch->guide.near : NULL;
     for (size_t i = 0; i < count; i++) {
         struct gather_hit *hit = &scratch->hit[i];
         struct gather_point *y = &hit->point;
         const float radius = scratch->radius[i];
         bool near = g->options->gather_bounce && (y->surfel.t < radius || radius > g->trust);
-        struct choice choice = {hit->sampler, y->surfel.t < radius ? guide : NULL};
+        struct choice choice = {hit->sampler, y->surfel.t < radius ? places : NULL,
+                                rgb_luminance(scratch->E[i])};
         rgb L = reflected(g, y, scratch->E[i], near, 0, &choice);
-        rays[hit->ray].L = rgb_mul(hit->T, L);
+        bundle->rays[hit->ray].L = rgb_mul(hit->T, L);
     }
 }
-
-// Rays that are traced together.
-struct bundle {
-    struct gather_ray *rays;
-    const struct gather_guide *guide;  // may be NULL
-    uint32_t seed;
-};
 
 static void trace_chunk(const struct gather *g, struct gather_scratch *scratch,
                         const struct bundle *bundle, size_t begin, size_t end) {
@@ -353,12 +357,12 @@ static void trace_chunk(const struct gather *g, struct gather_scratch *scratch,
         else if (found && first_pass == SATIN_FIRST_NONE)
             ray->L = rgb_mul(hit->T, gather_direct(g, &hit->point, lights_alone, 1, hit->sampler));
         else if (found && first_pass == SATIN_FIRST_RECURSIVE)
-            ray->L =
-                rgb_mul(hit->T, distant(g, &hit->point, 0, &(struct choice){hit->sampler, NULL}));
+            ray->L = rgb_mul(hit->T,
+                             distant(g, &hit->point, 0, &(struct choice){.sampler = hit->sampler}));
         else if (found)
             hits++;
     }
-    shade_from_photons(g, scratch, hits, rays, bundle->guide);
+    shade_from_photons(g, scratch, hits, bundle);
 }
 
 // Rays that are left off have found nothing.
@@ -370,22 +374,25 @@ static void forget(struct gather_ray *rays, size_t begin, size_t end) {
     }
 }
 
-void gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
-                        struct gather_ray *rays, size_t count, uint64_t stream,
-                        const struct gather_guide *guide) {
-    const uint32_t seed = (uint32_t)rng_mix(stream ^ rng_mix(g->options->seed + RNG_GATHER_HIT));
-    const struct bundle bundle = {rays, guide, seed};
+static void trace_rays(const struct gather *g, struct gather_scratch *scratch, struct bundle bundle,
+                       size_t count, uint64_t stream) {
+    bundle.seed = (uint32_t)rng_mix(stream ^ rng_mix(g->options->seed + RNG_GATHER_HIT));
     for (size_t begin = 0; begin < count; begin += GATHER_CHUNK) {
         size_t end = count - begin > GATHER_CHUNK ? begin + GATHER_CHUNK : count;
         // Of a million rays the rest would take seconds.
         if (begin > 0 && scratch->pool && parallel_cancelled(scratch->pool, scratch->worker))
-            forget(rays, begin, end);
+            forget(bundle.rays, begin, end);
         else
             trace_chunk(g, scratch, &bundle, begin, end);
     }
 }
 
+void gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
+                        struct gather_ray *rays, size_t count, uint64_t stream) {
+    trace_rays(g, scratch, (struct bundle){.rays = rays, .guided = true}, count, stream);
+}
+
 void gather_rays(const struct gather *g, struct gather_scratch *scratch, struct gather_ray *rays,
                  size_t count, uint64_t stream) {
-    gather_rays_guided(g, scratch, rays, count, stream, NULL);
+    trace_rays(g, scratch, (struct bundle){.rays = rays}, count, stream);
 }

@@ -15,6 +15,14 @@ struct gather_hit {
     struct sampler sampler;
 };
 
+// The bright places around a site, for the next bounce of rays that hit near to it (gather_near.c).
+struct gather_near {
+    struct photon_cone cone[PHOTON_CONES];
+    float seen[PHOTON_CONES];  // fraction of the near hits that see it, never 0
+    int found;                 // cones around the site; negative: not yet known
+    int count;                 // of them, first in `cone`, those that matter to the hits
+};
+
 // The bright places that a site sees, and the rays that it sends there (gather_guide.c).
 struct gather_guide {
     struct photon_cone cone[PHOTON_CONES];
@@ -24,6 +32,9 @@ struct gather_guide {
     struct frame frame;           // of the site
     size_t first[PHOTON_CONES];   // ray of a cone
     size_t made;                  // of the rays: none goes below the horizon
+    vec3 p;                       // of the site,
+    float expected;               // and roughly its irradiance
+    struct gather_near near;
 };
 
 struct gather_scratch {

@@ -5,35 +5,41 @@
 // small, and that no wall hides [Jensen 1995 guides by the photons themselves].
 #include "photon/photon_bright.h"
 
-enum { PROBES = 4 };      // rays that tell whether a place is seen
 #define DENSE 16.0f       // irradiance of a dense place over what is expected at the point
 #define FAINT 0.0002f     // of what is expected: what comes from less is left to chance
 #define SINE_LEAST 1e-4f  // of half an angle: directions are floats
 #define NARROW 0.35f      // sine of a cone's largest half angle
+#define SINE_MOVED 0.5f   // the same when it is moved
 #define EVEN 0.4f         // mean irradiance by area over that by power, of a place that is one
 #define FILLED 0.2f       // of a sphere's disc that its leaves should fill
 
-// How much of some of its photons is seen from p.
-static float seen(const struct photon_bright *bright, const struct satin_scene *scene,
-                  const struct photon_place *node, const struct photon_eye *eye) {
-    int clear = 0;
-    for (size_t i = 0; i < PROBES; i++) {
-        vec3 place = bright->place[node->first + (2 * i + 1) * node->count / (2 * PROBES)];
-        vec3 d = v3_sub(place, eye->p);
-        float distance = v3_len(d);
-        if (!(v3_dot(d, eye->n) > 0.0f)) continue;
-        struct ray ray = scene_spawn(scene, eye->p, eye->ng, v3_mul(d, 1.0f / distance));
-        ray.tfar = 0.999f * distance;
-        clear += !scene_occluded(scene, &ray);
-    }
-    return (float)clear / PROBES;
+// Whether p sees photon i of some of the node's photons.
+static bool sees(const struct photon_bright *bright, const struct satin_scene *scene,
+                 const struct photon_place *node, const struct photon_eye *eye, size_t i) {
+    vec3 place = bright->place[node->first + (2 * i + 1) * node->count / (2 * PHOTON_PROBES)];
+    vec3 d = v3_sub(place, eye->p);
+    float distance = v3_len(d);
+    if (!(v3_dot(d, eye->n) > 0.0f)) return false;
+    struct ray ray = scene_spawn(scene, eye->p, eye->ng, v3_mul(d, 1.0f / distance));
+    ray.tfar = 0.999f * distance;
+    return !scene_occluded(scene, &ray);
 }
 
-void photon_cone_aim(struct photon_cone *cone, vec3 p) {
+static void aim(struct photon_cone *cone, vec3 p) {
     const vec3 d = v3_sub(cone->center, p);
     const float distance = v3_len(d), sine = clampf(cone->radius / distance, SINE_LEAST, 1.0f);
     cone->axis = v3_mul(d, 1.0f / distance);
     cone->versine = sqrf(sine) / (1.0f + safe_sqrtf(1.0f - sqrf(sine)));
+}
+
+// E and filled of an aimed cone at `distance` from its centre, which is seen at `cosine` from the
+// normal.
+static void estimate(struct photon_cone *cone, float distance, float cosine) {
+    const struct photon_place *node = cone->place;
+    const float turned = 1.0f - v3_len(node->normal);
+    const float facing = clampf(turned - v3_dot(node->normal, cone->axis), 0.0f, 1.0f);
+    cone->E = node->power * cosine * facing / (PI_F * sqrf(distance));
+    cone->filled = facing * node->area / (2.0f * PI_F * cone->versine * sqrf(distance));
 }
 
 // A node as the point sees it.
@@ -67,16 +73,14 @@ static bool make_cone(const struct photon_bright *bright, const struct satin_sce
                       struct photon_cone *out) {
     const vec3 d = v3_sub(node->center, eye->p);
     const float distance = v3_len(d), sine = node->radius / distance;
-    const float cosine = fmaxf(v3_dot(d, eye->n) / distance, 0.25f * sine);
-    const float turned = 1.0f - v3_len(node->normal);
-    *out = (struct photon_cone){.center = node->center, .radius = node->radius};
-    photon_cone_aim(out, eye->p);
-    const float facing = clampf(turned - v3_dot(node->normal, out->axis), 0.0f, 1.0f);
-    out->E = node->power * cosine * facing / (PI_F * sqrf(distance));
+    *out = (struct photon_cone){.place = node, .center = node->center, .radius = node->radius};
+    aim(out, eye->p);
+    estimate(out, distance, fmaxf(v3_dot(d, eye->n) / distance, 0.25f * sine));
     out->chance = out->E / node->power * node->area;
-    out->filled = facing * node->area / (2.0f * PI_F * out->versine * sqrf(distance));
     if (!(out->E > 0.0f)) return false;
-    out->E *= seen(bright, scene, node, eye);
+    int clear = 0;
+    for (size_t i = 0; i < PHOTON_PROBES; i++) clear += sees(bright, scene, node, eye, i);
+    out->E *= (float)clear / PHOTON_PROBES;
     return out->E > 0.0f;
 }
 
@@ -116,4 +120,35 @@ int photon_bright_cones(const struct photon_maps *maps, const struct satin_scene
         if (view[i].narrow && view[i].most > 0.0f)
             count += make_cone(bright, scene, eye, view[i].node, &out[count]);
     return count;
+}
+
+int photon_bright_around(const struct photon_maps *maps, vec3 p, float expected,
+                         struct photon_cone out[PHOTON_CONES]) {
+    const struct photon_bright *bright = maps ? maps->bright : NULL;
+    if (!bright) return 0;
+    const struct photon_eye eye = {.p = p};  // no normal: nothing is below the horizon
+    struct view view[PHOTON_CONES];
+    const int views = refine(bright, &eye, expected > 0.0f ? expected : bright->spread, view);
+    int count = 0;
+    for (int i = 0; i < views; i++) {
+        const struct photon_place *node = view[i].node;
+        if (view[i].narrow && view[i].most > 0.0f)
+            out[count++] =
+                (struct photon_cone){.place = node, .center = node->center, .radius = node->radius};
+    }
+    return count;
+}
+
+bool photon_cone_move(struct photon_cone *cone, vec3 p, vec3 n) {
+    const vec3 d = v3_sub(cone->center, p);
+    if (!(v3_len2(d) > sqrf(cone->radius / SINE_MOVED))) return false;
+    aim(cone, p);
+    const float distance = v3_len(d), sine = cone->radius / distance, up = v3_dot(cone->axis, n);
+    estimate(cone, distance, up > -sine ? fmaxf(up, 0.25f * sine) : 0.0f);
+    return true;
+}
+
+bool photon_cone_seen(const struct photon_maps *maps, const struct satin_scene *scene,
+                      const struct photon_cone *cone, const struct photon_eye *eye, size_t i) {
+    return sees(maps->bright, scene, cone->place, eye, i);
 }

@@ -168,49 +168,10 @@ static void radiance_is_right(void **state) {
     stop(&f);
 }
 
-// A bounce near the site: the mean of its weight times what is seen is the integral, guided or not.
-static void bounces_are_unbiased(void **state) {
-    (void)state;
-    enum { BOUNCES = 40000 };
-    struct fixture f;
-    start(&f, 0, 0.03f);
-    const struct gather_site site = floor_site(1);
-    struct gather_irradiance value;
-    gather_hemisphere_irradiance(&f.g, f.layout, f.scratch, &site, &value);
-    assert_true(f.scratch->guide.count > 0);
-    struct surfel s;
-    const struct ray ray = {v3_mad(site.p, 0.5f, v3(0, 1, 0)), 0.0f, v3(0, -1, 0), INFINITY};
-    assert_true(scene_intersect(&f.scene.scene, &ray, &s));
-    struct gather_point y;
-    gather_point_make(&f.scene.scene, &s, ray.d, &y);
-    double sum = 0.0, hits = 0.0;
-    for (uint32_t i = 0; i < BOUNCES; i++) {
-        struct brdf_sample next;
-        if (!gather_guide_bounce(&f.scratch->guide, &y, sample_sobol1(i, 3), sample_sobol2(i, 5),
-                                 &next))
-            continue;
-        const vec3 w = frame_to_world(&y.frame, next.wi);
-        // Light of 1 from all sides reflects the albedo, and through the spot its solid angle.
-        sum += (double)next.weight.g / BOUNCES;
-        const float t = (1.0f - y.surfel.p.y) / w.y;
-        const vec3 at = v3_sub(v3_mad(y.surfel.p, t, w), v3(LAMP.x, 1.0f, LAMP.z));
-        if (v3_len(at) < tanf(f.half_angle)) hits += (double)next.weight.g / BOUNCES;
-    }
-    assert_true(fabs(sum / (double)ALBEDO - 1.0) < 0.01);
-    vec3 w;
-    const double r2 = (double)v3_dist2(v3(LAMP.x, 1.0f, LAMP.z), y.surfel.p),
-                 area = 3.14159265358979 * pow(tan((double)f.half_angle), 2.0);
-    (void)arrives(&f, y.surfel.p, &w);
-    const double wanted = (double)ALBEDO / 3.14159265358979 * area * (double)(w.y * w.y) / r2;
-    assert_true(fabs(hits / wanted - 1.0) < 0.02);
-    stop(&f);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(irradiance_is_right),
         cmocka_unit_test(radiance_is_right),
-        cmocka_unit_test(bounces_are_unbiased),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

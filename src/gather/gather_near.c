@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where a gather ray hits nearer than a photon lookup can resolve, its path continues by one more
+// bounce (gather_ray.c). The hit y may see bright places that the site does not: a wall sees what
+// shines on the ceiling where they meet, and the ceiling does not. A bounce by the BRDF alone meets
+// such a place so rarely that the one that does outweighs its whole hemisphere. So a part of the
+// bounces goes to the bright places around the site as y sees them; the balance heuristic [Veach
+// and Guibas 1995] weighs both ways of sampling, so the mean is the same.
+#include "gather/gather_near.h"
+
+// Most of the bounces from y that go to bright places.
+static const float GUIDED = 0.5f;
+
+// Fraction of the light at y, below which a place is left to chance.
+static const float FAINT = 0.002f;
+
+// A place that no probe sees may still be seen from other hits: its least weight over that of one
+// in full view.
+static const float SEEN_LEAST = 0.05f;
+
+// Least part of a cone in which light is expected: where more is missed, it hardly is a cone.
+static const float FILLED_LEAST = 0.01f;
+
+static bool is_near(const struct gather_scratch *scratch, size_t i) {
+    const struct gather_point *y = &scratch->hit[i].point;
+    return y->lobes & BRDF_DIFFUSE && y->surfel.t < scratch->radius[i];
+}
+
+// Hits spread evenly over the near ones; returns how many.
+static int choose_probes(const struct gather_scratch *scratch, size_t hits,
+                         size_t probe[PHOTON_PROBES]) {
+    size_t nears = 0, at = 0;
+    int count = 0;
+    for (size_t i = 0; i < hits; i++) nears += is_near(scratch, i);
+    for (size_t i = 0; i < hits && count < PHOTON_PROBES; i++) {
+        if (!is_near(scratch, i)) continue;
+        if (at++ * PHOTON_PROBES >= (size_t)count * nears) probe[count++] = i;
+    }
+    return count;
+}
+
+// Fraction of the probes that see the cone's place, of those at which it matters; 0 if it matters
+// at none.
+static float probe_cone(const struct gather *g, const struct gather_scratch *scratch,
+                        const size_t *probe, int probes, struct photon_cone cone) {
+    int matters = 0, clear = 0;
+    for (int i = 0; i < probes; i++) {
+        const struct gather_point *y = &scratch->hit[probe[i]].point;
+        const float rest = rgb_luminance(scratch->E[probe[i]]);
+        if (!photon_cone_move(&cone, y->surfel.p, y->frame.n)) continue;
+        if (!(cone.E > FAINT * (cone.E + rest))) continue;
+        const struct photon_eye eye = {y->surfel.p, y->frame.n, y->ng};
+        clear += photon_cone_seen(g->maps, g->scene, &cone, &eye, (size_t)i);
+        matters++;
+    }
+    return matters ? fmaxf((float)clear / (float)matters, SEEN_LEAST) : 0.0f;
+}
+
+void gather_near_look(const struct gather *g, struct gather_scratch *scratch, size_t hits) {
+    const struct gather_guide *guide = &scratch->guide;
+    struct gather_near *near = &scratch->guide.near;
+    size_t probe[PHOTON_PROBES];
+    near->count = 0;
+    if (near->found == 0 || !g->options->gather_bounce) return;
+    const int probes = choose_probes(scratch, hits, probe);
+    if (probes == 0) return;
+    if (near->found < 0)
+        near->found = photon_bright_around(g->maps, guide->p, guide->expected, near->cone);
+    for (int c = 0; c < near->found; c++) {
+        const struct photon_cone cone = near->cone[c];
+        const float seen = probe_cone(g, scratch, probe, probes, cone);
+        if (!(seen > 0.0f)) continue;
+        near->cone[c] = near->cone[near->count];
+        near->cone[near->count] = cone;
+        near->seen[near->count++] = seen;
+    }
+}
+
+// The cones as y sees them.
+struct choices {
+    struct photon_cone cone[PHOTON_CONES];
+    float weight[PHOTON_CONES], all;
+    int count;
+};
+
+static void look_from(const struct gather_near *near, const struct gather_point *y,
+                      struct choices *out) {
+    out->count = 0;
+    out->all = 0.0f;
+    for (int c = 0; c < near->count; c++) {
+        struct photon_cone *cone = &out->cone[out->count];
+        *cone = near->cone[c];
+        if (!photon_cone_move(cone, y->surfel.p, y->frame.n) || !(cone->E > 0.0f)) continue;
+        // Least variance: in proportion to the deviation of one ray into the cone.
+        const float deviation = cone->E / sqrtf(clampf(cone->filled, FILLED_LEAST, 1.0f));
+        out->weight[out->count] = near->seen[c] * deviation;
+        out->all += out->weight[out->count++];
+    }
+}
+
+bool gather_near_bounce(const struct gather_near *near, const struct gather_point *y, float E,
+                        float u_lobe, vec2 u, struct brdf_sample *out) {
+    struct choices at;
+    look_from(near, y, &at);
+    if (at.count == 0)
+        return brdf_sample(&y->brdf, y->wo_l, u_lobe, u.x, u.y, BRDF_DIFFUSE, BRDF_RADIANCE, out);
+    const float guided = fminf(at.all / (at.all + E), GUIDED);
+    int own = -1;  // the cone that the direction is drawn from, whatever the last digit says
+    if (u_lobe < guided) {
+        float left = u_lobe / guided * at.all;
+        for (own = 0; own + 1 < at.count && left >= at.weight[own]; own++) left -= at.weight[own];
+        out->wi = frame_to_local(&y->frame, gather_guide_in_cone(&at.cone[own], u));
+        out->lobe = BRDF_DIFFUSE;
+        if (!(out->wi.z > 0.0f)) return false;
+    } else if (!brdf_sample(&y->brdf, y->wo_l, (u_lobe - guided) / (1.0f - guided), u.x, u.y,
+                            BRDF_DIFFUSE, BRDF_RADIANCE, out)) {
+        return false;
+    }
+    const vec3 w = frame_to_world(&y->frame, out->wi);
+    out->pdf_w = brdf_pdf(&y->brdf, y->wo_l, out->wi, BRDF_DIFFUSE);
+    float density = (1.0f - guided) * out->pdf_w;
+    for (int c = 0; c < at.count; c++)
+        if (c == own || gather_guide_holds(&at.cone[c], w))
+            density += guided * at.weight[c] / at.all / (2.0f * PI_F * at.cone[c].versine);
+    if (!(density > 0.0f)) return false;
+    const rgb f = brdf_eval(&y->brdf, y->wo_l, out->wi, BRDF_DIFFUSE);
+    out->weight = rgb_scale(f, fabsf(out->wi.z) / density);
+    return !rgb_black(out->weight);
+}

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+// The next bounce of gather rays, where all light comes from a small spot of light on a ceiling and
+// the site is on that ceiling, which does not see it: irradiance there is known by integration over
+// the walls and the floor, which do.
+#include "gather/gather_near.h"
+
+#include <math.h>
+
+#include "test_scene.h"
+
+enum { STREAMS = 64, RAYS = 600, POINTS = 1 << 16 };
+
+static const vec3 LAMP = {0.2f, 0.0f, 0.1f};
+static const float ALBEDO = 0.5f, HALF_ANGLE = 0.02f;
+
+struct fixture {
+    struct test_scene scene;
+    satin_options options;
+    struct parallel *pool;
+    struct photon_maps *maps;
+    struct gather g;
+    struct gather_layout *layout;
+    struct gather_scratch *scratch;
+};
+
+static void start(struct fixture *f) {
+    test_scene_init(&f->scene);
+    test_cube(&f->scene, mat4_identity(), true, test_diffuse(&f->scene, ALBEDO, ALBEDO, ALBEDO));
+    struct light spot = {.kind = LIGHT_SPOT,
+                         .position = LAMP,
+                         .direction = v3(0, 1, 0),
+                         .to_world = mat4_translate(LAMP),
+                         .value = rgb_grey(1.0f)};
+    spot.cos_cutoff = cosf(HALF_ANGLE);
+    spot.cos_beam = cosf(0.999f * HALF_ANGLE);
+    test_light(&f->scene, spot);
+    test_scene_finish(&f->scene);
+    f->options = satin_options_default;
+    f->options.photons = f->options.caustic_photons = 0;  // so every hit is near
+    f->options.max_depth = 4;  // the eye, the site, a wall, the spot of light, the lamp
+    f->pool = parallel_new(2);
+    assert_non_null(f->pool);
+    struct stats stats = {0};
+    assert_int_equal(
+        photon_maps_build(&f->scene.scene, &f->options, f->pool, (struct log){0}, &stats, &f->maps),
+        SATIN_OK);
+    f->g = gather_make(&f->scene.scene, &f->options, f->maps);
+    f->layout = gather_layout_new(RAYS, SATIN_HSH, 0);
+    f->scratch = gather_scratch_new(gather_layout_rays(f->layout));
+    assert_true(f->layout && f->scratch);
+}
+
+static void stop(struct fixture *f) {
+    gather_scratch_free(f->scratch);
+    gather_layout_free(f->layout);
+    photon_maps_free(f->maps);
+    parallel_free(f->pool);
+    test_scene_free(&f->scene);
+}
+
+static struct gather_site ceiling_site(uint64_t stream) {
+    const vec3 n = v3(0, -1, 0);
+    return (struct gather_site){v3(0.9f, 1.0f, 0.3f), n, frame_from_normal(n), stream};
+}
+
+// Irradiance at the site: the flux into the spot is reflected to y as from a point, then to the
+// site.
+static double expected(const struct fixture *f) {
+    const struct gather_site site = ceiling_site(0);
+    const double flux = 2.0 * 3.14159265358979 * (1.0 - (double)cosf(HALF_ANGLE));
+    double sum = 0.0;
+    for (uint32_t i = 0; i < POINTS; i++) {
+        const vec2 u = sample_sobol2(i, 7);
+        const vec3 d = frame_to_world(&site.frame, sample_cosine_hemisphere(u.x, u.y));
+        const struct ray ray = scene_spawn(&f->scene.scene, site.p, site.ng, d);
+        struct surfel y;
+        assert_true(scene_intersect(&f->scene.scene, &ray, &y));
+        const vec3 way = v3_sub(v3(LAMP.x, 1.0f, LAMP.z), y.p);
+        const float cosine = fabsf(v3_dot(way, y.ng)), r2 = v3_len2(way);
+        sum += (double)(cosine * way.y / (r2 * r2)) / POINTS;
+    }
+    const double diffuse = (double)ALBEDO / 3.14159265358979;
+    return 3.14159265358979 * diffuse * diffuse * flux * sum;
+}
+
+struct errors {
+    double mean, rms, most;  // relative
+};
+
+static struct errors errors_of(struct fixture *f, bool guided, double E) {
+    struct errors e = {0};
+    f->options.gather_guide = guided;
+    for (uint64_t i = 0; i < STREAMS; i++) {
+        const struct gather_site site = ceiling_site(i);
+        struct gather_irradiance value;
+        gather_hemisphere_irradiance(&f->g, f->layout, f->scratch, &site, &value);
+        const double d = (double)value.E.g / E - 1.0;
+        e.mean += d / STREAMS;
+        e.rms += d * d / STREAMS;
+        e.most = fmax(e.most, d);
+    }
+    e.rms = sqrt(e.rms);
+    print_message("mean %+.4f, rms %.4f, most %+.4f\n", e.mean, e.rms, e.most);
+    return e;
+}
+
+static void places_that_the_site_does_not_see_are_sampled(void **state) {
+    (void)state;
+    struct fixture f;
+    start(&f);
+    const double E = expected(&f);
+    const struct errors with = errors_of(&f, true, E);
+    // Four standard deviations of the mean; a run by the BRDF alone shows what they are up against.
+    assert_true(fabs(with.mean) < 4.0 * with.rms / sqrt(STREAMS));
+    assert_true(with.rms < 0.15);
+    assert_true(errors_of(&f, false, E).rms > 1.0);
+    stop(&f);
+}
+
+// The mean weight is that by the BRDF alone: over all directions the albedo, over those to the spot
+// what they are of it.
+static void weights_are_unbiased(void **state) {
+    (void)state;
+    struct fixture f;
+    start(&f);
+    struct gather_irradiance value;
+    const struct gather_site site = ceiling_site(0);
+    gather_hemisphere_irradiance(&f.g, f.layout, f.scratch, &site, &value);
+    const struct gather_near *near = &f.scratch->guide.near;
+    assert_true(near->count > 0);
+    for (int wall = 0; wall < 2; wall++) {
+        const vec3 d = wall ? v3_unit(v3(1.0f, -2.0f, 0.2f)) : v3(0, -1, 0);
+        const struct ray ray = scene_spawn(&f.scene.scene, site.p, site.ng, d);
+        const vec3 spot = v3(LAMP.x, 1.0f, LAMP.z);
+        const float r = tanf(HALF_ANGLE);
+        struct surfel s;
+        struct gather_point y;
+        assert_true(scene_intersect(&f.scene.scene, &ray, &s));
+        gather_point_make(&f.scene.scene, &s, d, &y);
+        double sum = 0.0, hits = 0.0;
+        for (uint32_t i = 0; i < POINTS; i++) {
+            struct sampler u = {i, 3, 0};
+            struct brdf_sample next;
+            const float u_lobe = sampler_1d(&u);
+            if (!gather_near_bounce(near, &y, 1e-4f, u_lobe, sampler_2d(&u), &next)) continue;
+            const vec3 w = frame_to_world(&y.frame, next.wi);
+            const vec3 at = v3_mad(y.surfel.p, (1.0f - y.surfel.p.y) / w.y, w);
+            sum += (double)next.weight.g / POINTS;
+            if (w.y > 0.0f && v3_dist2(at, spot) < r * r) hits += (double)next.weight.g / POINTS;
+        }
+        const vec3 way = v3_sub(spot, y.surfel.p);
+        const double r2 = (double)v3_len2(way), cosines = (double)(way.y * v3_dot(way, y.frame.n));
+        const double wanted = (double)(ALBEDO * r * r) * cosines / (r2 * r2);
+        print_message("%.4f of %.4f, %.3e of %.3e\n", sum, (double)ALBEDO, hits, wanted);
+        assert_true(fabs(sum / (double)ALBEDO - 1.0) < 0.01);
+        assert_true(fabs(hits / wanted - 1.0) < 0.02);
+    }
+    stop(&f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(places_that_the_site_does_not_see_are_sampled),
+        cmocka_unit_test(weights_are_unbiased),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
