@@ -48,8 +48,7 @@ static const struct preset {
                         .radiance_a = 0.3f,
                         .radiance_widen = 2.0f,
                         .radiance_min_pixels = 3.0f,
-                        .radiance_max_pixels = 20.0f,
-                        .adaptive_cache = true}},
+                        .radiance_max_pixels = 20.0f}},
     [SATIN_PRODUCTION] = {2.5e-4,
                           36,
                           {.light_samples = 4,
@@ -65,8 +64,7 @@ static const struct preset {
                            .radiance_a = 0.2f,
                            .radiance_widen = 1.6f,
                            .radiance_min_pixels = 2.0f,
-                           .radiance_max_pixels = 20.0f,
-                           .adaptive_cache = true}},
+                           .radiance_max_pixels = 20.0f}},
 };
 enum { PRESETS = sizeof preset / sizeof *preset };
 
@@ -87,14 +85,12 @@ static const void *field_of(const satin_options *options, const struct option *o
 
 static size_t field_size(const struct option *o) {
     switch (o->kind) {
-        case OPTION_BOOL:
-            return sizeof(bool);
         case OPTION_COUNT:
             return sizeof(int64_t);
         case OPTION_FLOAT:
             return sizeof(float);
         default:
-            return sizeof(int);  // no quality decides a seed, a text or a double
+            return sizeof(int);  // no quality decides a switch, a seed, a text or a double
     }
 }
 
@@ -138,7 +134,7 @@ static void set_by_effort(satin_options *options, const struct option *o, double
     double way;
     const int i = find_preset(effort, &way);
     copy(options, &preset[i].options, o);
-    if (way == 0.0 || o->kind == OPTION_BOOL) return;
+    if (way == 0.0) return;
     const double from = log(number(&preset[i].options, o));
     const double to = log(number(&preset[i + 1].options, o));
     set_number(options, o, exp(from + way * (to - from)));

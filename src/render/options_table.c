@@ -149,7 +149,7 @@ const struct option options_table[] = {
     {"radiance-max-pixels", OPTION_FLOAT, AT(radiance_max_pixels), true, "1..100000",
      "Largest radius of a radiance record in projected pixels."},
 
-    {"adaptive-cache", OPTION_BOOL, AT(adaptive_cache), true, "off|on",
+    {"adaptive-cache", OPTION_BOOL, AT(adaptive_cache), false, "off|on",
      "Records are shrunk and added until no two visibly disagree at a point that is seen. A render "
      "with a time limit refines them by rounds instead."},
     {"origin-shift", OPTION_BOOL, AT(origin_shift), false, "off|on",
