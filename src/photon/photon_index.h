@@ -5,16 +5,15 @@
 
 #include <stddef.h>
 
-struct photon_index;  // a kd-tree over rows of floats; refers to them
+struct photon_index;  // a kd-tree over a copy of rows of floats
 
-// `rows` rows of `columns` floats (3 or 6), all finite, rows >= 1; they must outlive the index.
-// NULL without memory or if the library fails.
+// `rows` rows of `columns` floats (3 or 6), all finite, rows >= 1. NULL without memory.
 struct photon_index *photon_index_new(const float *data, size_t rows, int columns);
 void photon_index_free(struct photon_index *index);  // NULL is allowed
 size_t photon_index_bytes(const struct photon_index *index);
 // The k nearest rows of `count` queries: k row numbers and squared distances for each, in no order.
 // Beyond the rows there are, rows are -1 and distances INFINITY. A query that is not finite finds
-// nothing. Safe from many threads.
+// nothing. Allocates nothing and cannot fail. Safe from many threads.
 void photon_index_nearest(const struct photon_index *index, const float *query, size_t count, int k,
                           int *row, float *distance2);
 
