@@ -87,6 +87,9 @@ bool app_args_split(char *pair, const char **name, const char **value);
 // Reports `satin: error: ...` and returns APP_WRONG.
 int app_wrong(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
+// Reports lack of memory and returns APP_FAILED.
+int app_no_memory(void);
+
 // ---- Outputs (app_outputs.c) --------------------------------------------------------------------
 
 struct app_output {

@@ -30,6 +30,11 @@ int app_wrong(const char *format, ...) {
     return APP_WRONG;
 }
 
+int app_no_memory(void) {
+    app_log(NULL, SATIN_LOG_ERROR, "not enough memory");
+    return APP_FAILED;
+}
+
 // Whether `argument` gives this flag; *attached gets what is attached to it, or NULL.
 static bool matches(const struct app_flag *flag, char *argument, char **attached) {
     size_t n = strlen(flag->name);

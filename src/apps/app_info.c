@@ -100,7 +100,7 @@ int app_info(int argc, char **argv) {
     satin_define *define = calloc((size_t)argc + 1, sizeof *define);
     size_t defines = 0;
     const char *path = NULL;
-    if (!define) return APP_FAILED;
+    if (!define) return app_no_memory();
     int result = read_arguments(&args, define, &defines, &path);
     if (result == APP_DONE && path) {
         if (starts_as_image(path))

@@ -175,7 +175,7 @@ static void list_outputs(const struct request *r, struct app_output output[OUTPU
 static int check_outputs(struct request *r) {
     if (r->want_png && !r->png && !ends_in(r->output, ".png")) {
         r->png = r->png_beside = png_name(r->output);
-        if (!r->png) return APP_FAILED;
+        if (!r->png) return app_no_memory();
     }
     if (r->stats && strcmp(r->stats, "-") == 0) r->stats = APP_STDOUT;
     const struct app_input input[] = {
@@ -260,8 +260,7 @@ int app_render(int argc, char **argv) {
     struct request r = {0};
     r.define = calloc((size_t)argc + 1, sizeof *r.define);
     r.setting = calloc((size_t)argc + 1, sizeof *r.setting);
-    int result = APP_FAILED;
-    if (r.define && r.setting) result = read_arguments(argc, argv, &r);
+    int result = r.define && r.setting ? read_arguments(argc, argv, &r) : app_no_memory();
     if (result == APP_DONE && r.help)
         result = app_help(1, (char *[]){"render"});
     else if (result == APP_DONE)

@@ -6,7 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BLOCK_BYTES = 1 << 20, ALIGN_LARGE = 64, ALIGN_SMALL = 16 };
+// A test makes blocks as small as can be, so that every piece is an allocation of its own.
+#ifndef ARENA_BLOCK_BYTES
+#define ARENA_BLOCK_BYTES (1 << 20)
+#endif
+
+enum { BLOCK_BYTES = ARENA_BLOCK_BYTES, ALIGN_LARGE = 64, ALIGN_SMALL = 16 };
 
 struct arena_block {
     struct arena_block *next;

@@ -27,16 +27,19 @@ struct reader {
     const unsigned char *data;
     uint64_t size;
     bool in_header;
+    bool no_memory;  // the library said so, before it went on or found another word for it
     exr_context_t exr;
     exr_attr_box2i_t window;
     int width, height;
     struct satin_film *film;
 };
 
-static void be_silent(exr_const_context_t exr, exr_result_t code, const char *message) {
-    (void)exr;
-    (void)code;
+// Instead of standard error.
+static void note_error(exr_const_context_t exr, exr_result_t code, const char *message) {
+    void *user = NULL;
     (void)message;
+    if (code == EXR_ERR_OUT_OF_MEMORY && exr_get_user_data(exr, &user) == EXR_ERR_SUCCESS && user)
+        ((struct reader *)user)->no_memory = true;
 }
 
 static int64_t memory_size(exr_const_context_t exr, void *user) {
@@ -56,7 +59,7 @@ static int64_t memory_read(exr_const_context_t exr, void *user, void *buffer, ui
 }
 
 static satin_status refuse(const struct reader *r, const char *what, exr_result_t code) {
-    if (code == EXR_ERR_OUT_OF_MEMORY)
+    if (code == EXR_ERR_OUT_OF_MEMORY || r->no_memory)
         return log_fail(r->log, SATIN_ERROR_MEMORY, "%s: not enough memory", r->name);
     return log_fail(r->log, SATIN_ERROR_INPUT, "%s: %s: %s", r->name, what,
                     exr_get_default_error_message(code));
@@ -67,7 +70,7 @@ static satin_status open_header(struct reader *r) {
     if (r->size < sizeof magic || memcmp(r->data, magic, sizeof magic) != 0)
         return log_fail(r->log, SATIN_ERROR_INPUT, "%s: it is not an OpenEXR file", r->name);
     exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    init.error_handler_fn = be_silent;
+    init.error_handler_fn = note_error;
     init.user_data = r;
     init.read_fn = memory_read;
     init.size_fn = memory_size;
@@ -214,6 +217,7 @@ satin_status film_parse_exr(const void *data, size_t size, const char *name, str
     if (status == SATIN_OK) status = read_attributes(&r);
     if (status == SATIN_OK)
         status = storage == EXR_STORAGE_TILED ? read_tiles(&r) : read_scanlines(&r);
+    if (status == SATIN_OK && r.no_memory) status = refuse(&r, "", EXR_ERR_OUT_OF_MEMORY);
     if (r.exr) exr_finish(&r.exr);
     if (status == SATIN_OK)
         *film = r.film;

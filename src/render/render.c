@@ -120,7 +120,11 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
                           const satin_callbacks *callbacks, satin_film **out) {
     if (!scene || !options || !out) return SATIN_ERROR_ARGUMENT;
     struct render *r = calloc(1, sizeof *r);
-    if (!r) return SATIN_ERROR_MEMORY;
+    if (!r) {
+        const struct log log = {callbacks ? callbacks->log : NULL,
+                                callbacks ? callbacks->log_user : NULL};
+        return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory");
+    }
     r->start = stats_wall();
     if (callbacks) r->callbacks = *callbacks;
     r->log = (struct log){log_through, r};

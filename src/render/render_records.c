@@ -151,7 +151,9 @@ static satin_status fill_timed(struct level *l) {
         finished = TIMED_WIDEN[i];
         if (i > 0) continue;
         double pace = (double)cache_rays(r->cache) / fmax(stats_wall() - start, 1e-9);
-        give_records(r, render_share(r, pace, RECORD_SHARE));
+        double share = RECORD_SHARE;
+        status = render_share(r, pace, &share);
+        give_records(r, share);
     }
     r->stop_at = INFINITY;
     float fine = fminf(finished, 1.0f);

@@ -79,10 +79,11 @@ static void pilot_destroy(struct pilot *pilot) {
     free(pilot->indirect);
 }
 
-double render_share(struct render *r, double rays_per_second, double otherwise) {
+satin_status render_share(struct render *r, double rays_per_second, double *best) {
     struct pilot pilot;
-    double best = otherwise, least = INFINITY, start = stats_wall();
-    bool ok = pilot_make(&pilot, r);
+    double least = INFINITY, start = stats_wall();
+    const bool made = pilot_make(&pilot, r);
+    bool ok = made;
     for (uint32_t n = SAMPLES / 2; ok && n <= SAMPLES; n += SAMPLES / 2) {
         adapt_even(&pilot.adapt, n);
         ok = parallel_for(r->pool, (size_t)pilot.columns * (size_t)pilot.rows, 16, sample_pixels,
@@ -101,8 +102,8 @@ double render_share(struct render *r, double rays_per_second, double otherwise) 
         double error = V / ADAPTIVE_GAIN / (n * sqrt(n)) + ERROR_RAYS * q / fmax(rays, 1e-9);
         if (!(error < least)) continue;
         least = error;
-        best = 1.0 - share;
+        *best = 1.0 - share;
     }
     pilot_destroy(&pilot);
-    return best;
+    return made ? SATIN_OK : SATIN_ERROR_MEMORY;
 }

@@ -74,9 +74,9 @@ satin_status render_levels(struct render *r);
 void render_levels_free(struct render *r);
 
 // ---- render_share.c
-// The records' share of the time that is left, judged by sampling a few pixels; `otherwise` if that
-// was cut short. `rays_per_second` is the pace at which records were gathered so far.
-double render_share(struct render *r, double rays_per_second, double otherwise);
+// *share: the records' share of the time that is left, judged by sampling a few pixels; it stays as
+// it is if that was cut short. `rays_per_second` is the pace at which records were gathered so far.
+satin_status render_share(struct render *r, double rays_per_second, double *share);
 
 // ---- render_cache.c: files of records
 // Reads the file that the caller named, if any, and refuses one that does not fit.

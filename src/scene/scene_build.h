@@ -80,7 +80,10 @@ bool scene_image_levels(struct arena *arena, const struct image *image, const st
 static inline float srgb_to_linear(float x) {
     return x <= 0.04045f ? x / 12.92f : powf((x + 0.055f) / 1.055f, 2.4f);
 }
+
 // What is wrong with a PNG file that was read whole, in words; NULL: nothing, or it is no PNG.
+// scene_image_no_memory: it is not known.
+extern const char scene_image_no_memory[];
 const char *scene_image_png_problem(const char *data, size_t size);
 
 #endif

@@ -82,6 +82,12 @@ static void finish_texels(const struct scene_source *source, float *texel, size_
                     source->path, bad, (double)TEXEL_LIMIT);
 }
 
+static satin_status image_error(const struct scene_source *source, const char *problem,
+                                bool no_memory) {
+    log_error_at(source->log, source->place, "cannot read image '%s': %s", source->path, problem);
+    return no_memory ? SATIN_ERROR_MEMORY : SATIN_ERROR_INPUT;
+}
+
 // Hashes the file and finds out what is wrong before a library tells of it on standard error.
 static satin_status check_file(const struct scene_source *source, size_t *bytes) {
     char *data;
@@ -92,8 +98,7 @@ static satin_status check_file(const struct scene_source *source, size_t *bytes)
     free(data);
     *bytes = size;
     if (!problem) return SATIN_OK;
-    log_error_at(source->log, source->place, "cannot read image '%s': %s", source->path, problem);
-    return SATIN_ERROR_INPUT;
+    return image_error(source, problem, problem == scene_image_no_memory);
 }
 
 // Images of this many pixels may come out of any file; larger ones need a byte for so many pixels:
@@ -124,10 +129,8 @@ static satin_status read_image(const struct scene_source *source, const struct o
         return log_fail(source->log, SATIN_ERROR_MEMORY, "%s: not enough memory for the image",
                         source->path);
     char error[512] = "";
-    if (module->read(opened, texel, error, sizeof error)) {
-        log_error_at(source->log, source->place, "cannot read image '%s': %s", source->path, error);
-        return SATIN_ERROR_INPUT;
-    }
+    const enum oiio_result result = module->read(opened, texel, error, sizeof error);
+    if (result != OIIO_DONE) return image_error(source, error, result == OIIO_NO_MEMORY);
     finish_texels(source, texel, count, !raw && opened->srgb);
     *image = (struct image){opened->width, opened->height, opened->channels, texel};
     *out = image;
@@ -143,10 +146,8 @@ satin_status scene_image_load(const struct scene_source *source, bool raw,
     if (!module) return SATIN_ERROR_INTERNAL;
     struct oiio_image opened;
     char error[512] = "";
-    if (module->open(source->path, &opened, error, sizeof error)) {
-        log_error_at(source->log, source->place, "cannot read image '%s': %s", source->path, error);
-        return SATIN_ERROR_INPUT;
-    }
+    const enum oiio_result result = module->open(source->path, &opened, error, sizeof error);
+    if (result != OIIO_DONE) return image_error(source, error, result == OIIO_NO_MEMORY);
     status = check_size(source, &opened, bytes);
     if (status == SATIN_OK) status = read_image(source, module, &opened, raw, out);
     module->close(&opened);

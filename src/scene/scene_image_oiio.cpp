@@ -6,22 +6,27 @@
 #include <OpenImageIO/imageio.h>
 
 #include <cstdio>
+#include <cstring>
 #include <exception>
+#include <new>
 #include <string>
 
 namespace {
 
-// The first line of the text.
-int fail(char *error, size_t size, const std::string &text) {
-    std::snprintf(error, size, "%s", text.substr(0, text.find_first_of("\r\n")).c_str());
-    return 1;
+// The first line of the text. Without memory: it is called where that ran out.
+oiio_result fail(char *error, size_t size, const char *text) {
+    std::snprintf(error, size, "%.*s", static_cast<int>(std::strcspn(text, "\r\n")), text);
+    return OIIO_FAILED;
 }
 
 // Calls f and turns whatever it throws into a message.
 template <typename F>
-int guarded(char *error, size_t size, F f) noexcept {
+oiio_result guarded(char *error, size_t size, F f) noexcept {
     try {
         return f();
+    } catch (const std::bad_alloc &) {
+        std::snprintf(error, size, "not enough memory");
+        return OIIO_NO_MEMORY;
     } catch (const std::exception &e) {
         return fail(error, size, e.what());
     } catch (...) {
@@ -38,12 +43,12 @@ bool is_srgb(const OIIO::ImageSpec &spec) {
     return !linear && !spec.format.is_floating_point();
 }
 
-int open(const char *path, struct oiio_image *out, char *error, size_t size) {
+oiio_result open(const char *path, struct oiio_image *out, char *error, size_t size) {
     return guarded(error, size, [&] {
         OIIO::ImageSpec config;
         config["oiio:UnassociatedAlpha"] = 1;
         auto input = OIIO::ImageInput::open(path, &config);
-        if (!input) return fail(error, size, OIIO::geterror());
+        if (!input) return fail(error, size, OIIO::geterror().c_str());
         const OIIO::ImageSpec &spec = input->spec();
         if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1 || spec.deep)
             return fail(error, size, "it is not a flat image");
@@ -52,11 +57,11 @@ int open(const char *path, struct oiio_image *out, char *error, size_t size) {
         out->channels = spec.nchannels < 3 ? 1 : 3;
         out->srgb = is_srgb(spec);
         out->input = input.release();
-        return 0;
+        return OIIO_DONE;
     });
 }
 
-int read(struct oiio_image *image, float *texel, char *error, size_t size) {
+oiio_result read(struct oiio_image *image, float *texel, char *error, size_t size) {
     return guarded(error, size, [&] {
         auto *input = static_cast<OIIO::ImageInput *>(image->input);
         bool done = input->read_image(0, 0, 0, image->channels, OIIO::TypeDesc::FLOAT, texel);
@@ -64,8 +69,8 @@ int read(struct oiio_image *image, float *texel, char *error, size_t size) {
         // of JPEGs with a few bytes too many, which are common and harmless.
         std::string complaint = input->geterror();
         if (done && (complaint.empty() || complaint.find("extraneous") != std::string::npos))
-            return 0;
-        return fail(error, size, complaint);
+            return OIIO_DONE;
+        return fail(error, size, complaint.c_str());
     });
 }
 

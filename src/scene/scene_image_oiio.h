@@ -18,13 +18,16 @@ struct oiio_image {
     int srgb;      // values are encoded by the sRGB curve, or likely so
 };
 
+enum oiio_result { OIIO_DONE, OIIO_FAILED, OIIO_NO_MEMORY };
+
 // Messages go to `error`, one line cut at `error_size`. No function throws.
 struct oiio_module {
-    // Opens an image and reads its header only. 0, or not 0 with a message.
-    int (*open)(const char *path, struct oiio_image *out, char *error, size_t error_size);
-    // Reads width * height * channels floats, integers scaled to [0, 1]. 0, or not 0 with a
-    // message.
-    int (*read)(struct oiio_image *image, float *texel, char *error, size_t error_size);
+    // Opens an image and reads its header only; or fails with a message.
+    enum oiio_result (*open)(const char *path, struct oiio_image *out, char *error,
+                             size_t error_size);
+    // Reads width * height * channels floats, integers scaled to [0, 1]; or fails with a message.
+    enum oiio_result (*read)(struct oiio_image *image, float *texel, char *error,
+                             size_t error_size);
     void (*close)(struct oiio_image *image);
 };
 

@@ -34,7 +34,10 @@ struct seen {
     bool header, indexed, palette, pixels;
     struct rows rows;
     z_stream stream;
+    bool no_memory;  // zlib found none
 };
+
+const char scene_image_no_memory[] = "not enough memory to unpack it";
 
 // ---- Pixels -------------------------------------------------------------------------------------
 
@@ -93,6 +96,7 @@ static bool take_pixels(struct seen *seen, const unsigned char *data, uint32_t l
         z->next_out = out;
         z->avail_out = sizeof out;
         const int status = inflate(z, Z_NO_FLUSH);
+        seen->no_memory = status == Z_MEM_ERROR;
         if (status != Z_OK && status != Z_STREAM_END) return status == Z_BUF_ERROR;
         if (!take_rows(&seen->rows, out, sizeof out - z->avail_out)) return false;
         if (status == Z_STREAM_END || (z->avail_in == 0 && z->avail_out > 0)) break;
@@ -129,7 +133,8 @@ static const char *chunk_problem(const unsigned char *name, uint32_t length, str
     } else if (memcmp(name, "IDAT", 4) == 0) {
         if (seen->indexed && !seen->palette) return "the PNG has no palette";
         seen->pixels = true;
-        if (!take_pixels(seen, data, length)) return "the PNG's pixels are damaged";
+        if (!take_pixels(seen, data, length))
+            return seen->no_memory ? scene_image_no_memory : "the PNG's pixels are damaged";
     } else if (memcmp(name, "IEND", 4) == 0) {
         if (!seen->pixels) return "the PNG has no pixels";
         if (seen->rows.at < PASSES) return "the PNG has too few pixels";
@@ -158,7 +163,7 @@ const char *scene_image_png_problem(const char *data, size_t size) {
     const unsigned char *at = (const unsigned char *)data;
     struct seen seen = {0};
     if (size < SIGNATURE || memcmp(at, "\x89PNG\r\n\x1a\n", SIGNATURE) != 0) return NULL;
-    if (inflateInit(&seen.stream) != Z_OK) return "there is not enough memory to unpack it";
+    if (inflateInit(&seen.stream) != Z_OK) return scene_image_no_memory;
     const char *problem = chunks_problem(at + SIGNATURE, at + size, &seen);
     inflateEnd(&seen.stream);
     return problem;

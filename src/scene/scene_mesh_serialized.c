@@ -34,6 +34,7 @@ struct packed {
     const struct scene_source *source;
     const char *color;  // name of the attribute that colours become; NULL: they are not wanted
     z_stream stream;
+    bool no_memory;  // zlib found none: what it could not unpack is not wrong
     unsigned version;
 };
 
@@ -44,9 +45,15 @@ static bool inflate_bytes(struct packed *packed, void *data, size_t size) {
     while (packed->stream.avail_out > 0) {
         int result = inflate(&packed->stream, Z_NO_FLUSH);
         if (result == Z_STREAM_END) break;
+        packed->no_memory = result == Z_MEM_ERROR;
         if (result != Z_OK) return false;
     }
     return packed->stream.avail_out == 0;
+}
+
+static satin_status inflate_failed(const struct packed *packed) {
+    if (packed->no_memory) return mesh_no_memory(packed->source);
+    return mesh_error(packed->source, 0, "its compressed data is cut short or damaged");
 }
 
 static uint64_t little_endian(const unsigned char *byte, size_t size) {
@@ -84,7 +91,7 @@ static satin_status inflate_words(struct packed *packed, size_t count, size_t si
     while (status == SATIN_OK && done < count) {
         size_t n = count - done < STEP ? count - done : STEP;
         if (!inflate_bytes(packed, chunk, n * size)) {
-            status = mesh_error(packed->source, 0, "its compressed data is cut short or damaged");
+            status = inflate_failed(packed);
         } else if (out && !array_reserve((void **)&word, &capacity, done + n, sizeof *word)) {
             status = mesh_no_memory(packed->source);
         } else {
@@ -127,7 +134,7 @@ static satin_status read_header(struct packed *packed, struct packed_header *out
     for (int i = 0; ok && packed->version == 4 && c; i++)
         ok = i < NAME_MAX_BYTES && inflate_integer(packed, 1, &c);
     ok = ok && inflate_integer(packed, 8, &vertices) && inflate_integer(packed, 8, &triangles);
-    if (!ok) return mesh_error(packed->source, 0, "its compressed data is cut short or damaged");
+    if (!ok) return inflate_failed(packed);
     // Deflate shrinks by 1032 at most, and a vertex takes 12 bytes at least.
     uint64_t most = (uint64_t)SCENE_FILE_MAX * 1032 / 12;
     if (vertices == 0 || triangles == 0 || vertices > UINT32_MAX || triangles > UINT32_MAX ||

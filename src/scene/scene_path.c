@@ -16,7 +16,7 @@ char *scene_xml_resolve(const struct scene_xml *xml, struct log_place place, con
     // The folders from the last one on, then that of the main file.
     for (int i = xml->search_count - 1; i >= -1; i--) {
         char *path = fileio_beside(i < 0 ? xml->path : xml->search[i], name);
-        if (path && access(path, F_OK) == 0) {
+        if (!path || access(path, F_OK) == 0) {
             free(first);
             return path;
         }
