@@ -312,7 +312,8 @@ static satin_status read_file(struct reader *reader, const struct file *parent,
     *reader->hash = fileio_hash(*reader->hash, data, size);
     struct file file = {reader, XML_ParserCreate(NULL), path, realpath(path, NULL), parent,
                         name,   reader->depth,          false};
-    if (!file.parser)
+    // A file that was just read has a real path, unless there is no memory for it.
+    if (!file.parser || !file.real)
         status = log_fail(reader->log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
     else if (!includes_well(&file, place))
         status = SATIN_ERROR_INPUT;

@@ -20,11 +20,11 @@ SCENARIOS = {
     "path": Scenario(["render", "shelf.xml", "-o", "out.exr", "--threads", "1", "-q",
                       "--integrator", "path", "-D", "spp=2"], [], 1),
     "maps": Scenario(["maps", "in.exr", "-o", "."], [[*RENDER, "--set", "record-maps=on"]], 1),
-    "room": Scenario([*RENDER, "--png", "--stats", "out.json", "--save-cache", "out.cache"], [], 3),
+    "room": Scenario([*RENDER, "--png", "--stats", "out.json", "--save-cache", "out.cache"], [], 4),
     "reload": Scenario([*RENDER, "--load-cache", "in.cache", "--save-cache", "out.cache"],
-                       [[*RENDER, "--save-cache", "in.cache"]], 3),
-    "recursive": Scenario([*RENDER, "-D", "pass=recursive", "--set", "recursive-levels=2"], [], 6),
-    "images": Scenario([*RENDER, "-D", "floor=paper.xml", "--set", "light-guide=off"], [], 6),
+                       [[*RENDER, "--save-cache", "in.cache"]], 4),
+    "recursive": Scenario([*RENDER, "-D", "pass=recursive", "--set", "recursive-levels=2"], [], 8),
+    "images": Scenario([*RENDER, "-D", "floor=paper.xml", "--set", "light-guide=off"], [], 8),
 }
 
 FILES = {"small.png": "bitmap", "small.hdr": "bitmap", "text.ply": "ply", "smooth.obj": "obj",
