@@ -4,6 +4,7 @@
 // the end of the file that it stands in. Text between elements has no meaning and is passed over.
 #include "scene/scene_xml.h"
 
+#include <errno.h>
 #include <expat.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -310,10 +311,12 @@ static satin_status read_file(struct reader *reader, const struct file *parent,
                    log_fail(reader->log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
     }
     *reader->hash = fileio_hash(*reader->hash, data, size);
-    struct file file = {reader, XML_ParserCreate(NULL), path, realpath(path, NULL), parent,
+    char *real = realpath(path, NULL);
+    const int real_error = errno;
+    struct file file = {reader, XML_ParserCreate(NULL), path, real, parent,
                         name,   reader->depth,          false};
-    // A file that was just read has a real path, unless there is no memory for it.
-    if (!file.parser || !file.real)
+    // What has no name in the file system, as a pipe, has no real path and includes nothing twice.
+    if (!file.parser || (!file.real && real_error == ENOMEM))
         status = log_fail(reader->log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
     else if (!includes_well(&file, place))
         status = SATIN_ERROR_INPUT;
