@@ -39,7 +39,8 @@ const struct option options_table[] = {
     {"time", OPTION_DOUBLE, AT(time), false, "0..1e9",
      "Wall seconds for the whole render, which then ends with the best image so far, pixels "
      "without a sample filled from their neighbours; 0: no limit. A first look and the writing are "
-     "never left out: they take .2 s, and .5 s more per million pixels."},
+     "never left out: they take .2 s, and .5 s more per million pixels. Where a sixteenth of the "
+     "photons takes more than half of it, the image is path-traced, with a warning."},
     {"max-depth", OPTION_INT, AT(max_depth), false, "-2..1000000",
      "Longest light path in edges, 1: emission alone, 0: black; -1: no limit; -2: the scene's, "
      "else no limit."},

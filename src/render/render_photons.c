@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // The first pass within a time limit. How long a photon takes varies a hundredfold between scenes:
-// a sixteenth of the photons tells, and serves itself if there is no time for many more.
-#include "render/render_state.h"
+// a sixteenth of the photons tells, and serves itself if there is no time for many more. Where not
+// even that fits, as among thousands of surfaces in one place, the image is traced by paths.
+#include "render/render_image.h"
 
 enum {
     PILOT = 16,      // part of the photons that is tried first
     WORTH_MORE = 3,  // times the pilot's photons: fewer are not worth another pass
 };
 
-// Of the time limit; and what of the time that the pilot foretells is used.
-static const double PHOTON_SHARE = 0.3, CAUTION = 0.9;
+// Of the time limit; of it, after how much a pilot is given up; and what of the time that the pilot
+// foretells is used.
+static const double PHOTON_SHARE = 0.3, PILOT_UNTIL = 0.5, CAUTION = 0.9;
 
 // Whether the global map is looked at.
 static bool reads_photons(const satin_options *o) {
@@ -26,11 +28,41 @@ static satin_status build(struct render *r, double share) {
     return photon_maps_build(&r->scene, &o, r->pool, r->log, &r->stats, &r->maps);
 }
 
+// Whether paths can do without what the photons are for.
+static bool paths_will_do(const struct render *r) {
+    const satin_callbacks *c = &r->callbacks;
+    return r->options.integrator == SATIN_TWO_PASS && !c->save_cache && !c->load_cache;
+}
+
+// Builds from a sixteenth of the photons; *given_up: there was no time for it.
+static satin_status pilot(struct render *r, bool *given_up) {
+    if (paths_will_do(r)) r->stop_at = PILOT_UNTIL * r->options.time;
+    satin_status status = build(r, 1.0 / PILOT);
+    r->stop_at = INFINITY;
+    *given_up = status == SATIN_CANCELLED && !r->cancelled;
+    return status;
+}
+
+// The image has the channels of its integrator.
+static satin_status trace_paths(struct render *r) {
+    log_message(r->log, SATIN_LOG_WARNING,
+                "the time is too short for photons here: paths are traced instead");
+    r->options.integrator = SATIN_PATH;
+    render_image_free(r->image);
+    r->image = render_image_new(&r->scene, &r->options);
+    return r->image ? SATIN_OK : SATIN_ERROR_MEMORY;
+}
+
 satin_status render_photons(struct render *r) {
     if (!(r->options.time > 0.0)) return build(r, 1.0);
     const struct stats before = r->stats;
     double start = render_elapsed(r);
-    satin_status status = build(r, 1.0 / PILOT);
+    bool given_up;
+    satin_status status = pilot(r, &given_up);
+    if (given_up) {
+        r->stats = before;
+        return trace_paths(r);
+    }
     if (status != SATIN_OK) return status;
     double seconds = render_elapsed(r) - start;
     double left = PHOTON_SHARE * r->options.time - render_elapsed(r);

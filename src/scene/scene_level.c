@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "base/array.h"
+#include "scene/scene_coincide.h"
 #include "scene/scene_opacity.h"
 
 // ---- Callbacks ----------------------------------------------------------------------------------
@@ -194,18 +195,28 @@ static void attach_instance(RTCDevice device, struct level *level, const struct 
     attach(level, geometry, id);
 }
 
-// Sorts the shapes into geometries: meshes and curves first, then all quadrics, then instances.
-static satin_status collect(const struct satin_scene *scene, uint32_t first, uint32_t count,
-                            uint32_t group, struct log log, struct level *level) {
-    level->geometry_shape = array_new((size_t)count + 1, sizeof *level->geometry_shape);
-    level->guard = array_new((size_t)count + 1, sizeof *level->guard);
-    level->quadric = array_new(count, sizeof *level->quadric);
-    if (!level->geometry_shape || !level->guard || !level->quadric)
-        return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for %u shapes", count);
+// Which shapes are left out because others lie there; the caller frees it, NULL without memory.
+static bool *find_hidden(const struct satin_scene *scene, uint32_t first, uint32_t count,
+                         uint32_t group, struct level *level) {
+    bool *hidden = array_new((size_t)count + 1, sizeof *hidden);
+    if (!hidden || coincide_find(scene, first, count, group, hidden, &level->hidden_count)) {
+        for (uint32_t i = count; hidden && i-- > 0;)
+            if (hidden[i]) level->hidden_first = first + i;
+        return hidden;
+    }
+    free(hidden);
+    return NULL;
+}
+
+// Sorts the shapes that are not hidden into geometries: meshes and curves first, then all quadrics,
+// then instances.
+static satin_status sort_shapes(const struct satin_scene *scene, uint32_t first, uint32_t count,
+                                uint32_t group, const bool *hidden, struct log log,
+                                struct level *level) {
     uint32_t n = 0;
     for (uint32_t i = first; i < first + count; i++) {
         const struct shape *shape = &scene->shape[i];
-        if (shape->group != group || shape->kind == SHAPE_INSTANCE) continue;
+        if (shape->group != group || shape->kind == SHAPE_INSTANCE || hidden[i - first]) continue;
         if (shape->kind == SHAPE_MESH) {
             if (shape->mesh.triangle_count) level->geometry_shape[n++] = i;
         } else if (shape->kind == SHAPE_CURVES) {
@@ -218,11 +229,28 @@ static satin_status collect(const struct satin_scene *scene, uint32_t first, uin
         }
     }
     level->quadric_id = n++;
-    for (uint32_t i = first; i < first + count; i++)
-        if (scene->shape[i].group == group && scene->shape[i].kind == SHAPE_INSTANCE)
+    for (uint32_t i = first; i < first + count; i++) {
+        const struct shape *shape = &scene->shape[i];
+        if (shape->group == group && shape->kind == SHAPE_INSTANCE && !hidden[i - first])
             level->geometry_shape[n++] = i;
+    }
     level->geometry_count = n;
     return SATIN_OK;
+}
+
+static satin_status collect(const struct satin_scene *scene, uint32_t first, uint32_t count,
+                            uint32_t group, struct log log, struct level *level) {
+    level->geometry_shape = array_new((size_t)count + 1, sizeof *level->geometry_shape);
+    level->guard = array_new((size_t)count + 1, sizeof *level->guard);
+    level->quadric = array_new(count, sizeof *level->quadric);
+    bool *hidden = find_hidden(scene, first, count, group, level);
+    if (!level->geometry_shape || !level->guard || !level->quadric || !hidden) {
+        free(hidden);
+        return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for %u shapes", count);
+    }
+    satin_status status = sort_shapes(scene, first, count, group, hidden, log, level);
+    free(hidden);
+    return status;
 }
 
 satin_status level_build(RTCDevice device, const struct satin_scene *scene, uint32_t first,

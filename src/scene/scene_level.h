@@ -22,6 +22,7 @@ struct level {
     struct guard *guard;       // geometry id -> its filter's data
     uint32_t quadric_id, quadric_count;
     struct quadric *quadric;
+    uint32_t hidden_count, hidden_first;  // shapes that lie where others do, and one of them
 };
 
 // Builds over the shapes `first` to `first + count - 1` that belong to `group` (0: to none). The

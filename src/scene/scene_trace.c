@@ -70,6 +70,24 @@ static void set_bounds(struct satin_scene *scene, const struct trace *trace) {
     }
 }
 
+// Who duplicates a shape seldom means to: one sees the first of them, whatever the others are.
+static void warn_of_hidden(const struct satin_scene *scene, const struct trace *trace,
+                           struct log log) {
+    uint32_t hidden = trace->top.hidden_count;
+    uint32_t first = hidden ? trace->top.hidden_first : UINT32_MAX;
+    for (uint32_t g = 0; g < trace->group_count; g++) {
+        const struct level *level = &trace->group[g];
+        hidden += level->hidden_count;
+        if (level->hidden_count && level->hidden_first < first) first = level->hidden_first;
+    }
+    if (!hidden) return;
+    const char *name = scene->shape[first].name;
+    log_message(log, SATIN_LOG_WARNING,
+                "%u of %u shapes lie exactly where earlier ones do, which hide them; the first is "
+                "shape %u, '%s'",
+                hidden, scene->shape_count, first + 1, name ? name : "?");
+}
+
 satin_status scene_trace_build(struct satin_scene *scene, struct log log) {
     struct trace *trace = calloc(1, sizeof *trace);
     if (!trace)
@@ -80,6 +98,7 @@ satin_status scene_trace_build(struct satin_scene *scene, struct log log) {
         return status;
     }
     set_bounds(scene, trace);
+    warn_of_hidden(scene, trace, log);
     scene->trace = trace;
     return SATIN_OK;
 }

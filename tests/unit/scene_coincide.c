@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shapes in one place: all but the first are left out of the ray tracing structure, so that a ray
+// tests one surface, however many there are.
+#include "scene/scene_coincide.h"
+
+#include "scene_case.h"
+#include "test_scene.h"
+
+static struct test_scene t;
+
+static uint32_t find(bool hidden[TEST_SHAPES]) {
+    uint32_t found;
+    assert_true(coincide_find(&t.scene, 0, t.scene.shape_count, 0, hidden, &found));
+    return found;
+}
+
+static void finds_each_kind(void **state) {
+    (void)state;
+    test_scene_init(&t);
+    const uint32_t white = test_diffuse(&t, .5f, .5f, .5f), red = test_diffuse(&t, .5f, 0, 0);
+    const struct mat4 here = test_transform(v3(1, 2, 3), v3(2, 2, 2)),
+                      there = test_transform(v3(1, 2, 4), v3(2, 2, 2));
+    for (int copy = 0; copy < 2; copy++) {
+        const uint32_t material = copy ? red : white;
+        test_rectangle(&t, here, material);
+        test_cube(&t, here, false, material);
+        test_quadric(&t, SHAPE_SPHERE, here, copy, material);
+        test_quadric(&t, SHAPE_DISK, here, copy, material);
+        test_quadric(&t, SHAPE_CYLINDER, here, copy, material);
+    }
+    test_rectangle(&t, there, white);
+    test_cube(&t, there, false, white);
+    test_quadric(&t, SHAPE_SPHERE, there, false, white);
+    test_quadric(&t, SHAPE_DISK, there, false, white);
+    test_quadric(&t, SHAPE_CYLINDER, there, false, white);
+    bool hidden[TEST_SHAPES];
+    assert_int_equal(find(hidden), 5);
+    for (uint32_t i = 0; i < 15; i++) assert_int_equal(hidden[i], i >= 5 && i < 10);
+
+    // The first is seen: the sphere, from outside.
+    test_scene_finish(&t);
+    struct surfel s;
+    const struct ray ray = {v3(9, 2, 1.5f), 0.0f, v3(-1, 0, 0), INFINITY};
+    assert_true(scene_intersect(&t.scene, &ray, &s));
+    assert_int_equal(s.shape, 1);
+    test_scene_free(&t);
+}
+
+static void leaves_holes_alone(void **state) {
+    (void)state;
+    test_scene_init(&t);
+    const struct mat4 here = test_transform(v3(0, 0, 0), v3(1, 1, 1));
+    const uint32_t open = test_material(&t, "null", rgb_grey(0), rgb_grey(0));
+    const uint32_t solid = test_diffuse(&t, .5f, .5f, .5f);
+    const uint32_t order[] = {open, open, solid, open, solid};
+    for (int i = 0; i < 5; i++) test_quadric(&t, SHAPE_SPHERE, here, false, order[i]);
+    bool hidden[TEST_SHAPES];
+    assert_int_equal(find(hidden), 1);
+    assert_true(hidden[4]);
+    test_scene_free(&t);
+}
+
+static void finds_nothing_among_others(void **state) {
+    (void)state;
+    test_scene_init(&t);
+    const uint32_t white = test_diffuse(&t, .5f, .5f, .5f);
+    for (int i = 0; i < TEST_SHAPES; i++) {
+        const float size = 1.0f + 0x1p-22f * (float)i;
+        test_quadric(&t, SHAPE_SPHERE, test_transform(v3(0, 0, 0), v3(size, size, size)), false,
+                     white);
+    }
+    bool hidden[TEST_SHAPES];
+    assert_int_equal(find(hidden), 0);
+    t.scene.shape_count = 1;
+    assert_int_equal(find(hidden), 0);
+    test_scene_free(&t);
+}
+
+// A thousand spheres, and a group of two that stands twice in one place.
+static void warns_once(void **state) {
+    (void)state;
+    enum { SPHERES = 1000 };
+    static char text[SPHERES * 32 + 1024];
+    size_t n = (size_t)snprintf(text, sizeof text, "<scene version=\"3.0.0\">\n%s",
+                                "<sensor type=\"perspective\"/>"
+                                "<shape type=\"shapegroup\" id=\"g\">"
+                                "<shape type=\"disk\"/><shape type=\"disk\" id=\"twin\"/></shape>"
+                                "<shape type=\"instance\"><ref id=\"g\"/></shape>"
+                                "<shape type=\"instance\"><ref id=\"g\"/></shape>");
+    for (int i = 0; i < SPHERES; i++)
+        n += (size_t)snprintf(text + n, sizeof text - n, "<shape type=\"sphere\"/>");
+    snprintf(text + n, sizeof text - n, "</scene>");
+    struct scene_case c;
+    satin_scene *scene = scene_case_load(&c, text);
+    assert_non_null(scene);
+    assert_int_equal(c.warnings, 1);
+    assert_string_equal(c.warning,
+                        "1001 of 1004 shapes lie exactly where earlier ones do, which hide them; "
+                        "the first is shape 2, 'twin'");
+    const struct ray ray = {v3(0, 0, 9), 0.0f, v3(0, 0, -1), INFINITY};
+    struct surfel s;
+    assert_true(scene_intersect(scene, &ray, &s));
+    assert_int_equal(s.shape, 4);
+    satin_scene_free(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(finds_each_kind),
+        cmocka_unit_test(leaves_holes_alone),
+        cmocka_unit_test(finds_nothing_among_others),
+        cmocka_unit_test(warns_once),
+    };
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
+}
