@@ -23,6 +23,16 @@ SATIN_API satin_status satin_scene_load(const char *path, const satin_define *de
                                         size_t define_count, satin_log_fn log, void *log_user,
                                         satin_scene **scene);
 
+// How a scene is read: bits.
+enum satin_scene_flags {
+    SATIN_SCENE_STRICT = 1  // every warning is an error, of which there may then be several
+};
+
+// satin_scene_load with `flags`, bits of satin_scene_flags; 0: none.
+SATIN_API satin_status satin_scene_load_with(const char *path, const satin_define *defines,
+                                             size_t define_count, unsigned flags, satin_log_fn log,
+                                             void *log_user, satin_scene **scene);
+
 SATIN_API void satin_scene_free(satin_scene *scene);  // NULL is allowed
 
 // A hash of everything that was read: the same scene in the same files gives the same value.

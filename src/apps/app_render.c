@@ -23,6 +23,7 @@ enum {
     FLAG_SAVE,
     FLAG_DEFINE,
     FLAG_SET,
+    FLAG_STRICT,
     FLAG_QUIET,
     FLAG_HELP,
     FLAG_FIRST_OPTION  // from here on --name is the option of that name
@@ -38,6 +39,7 @@ const struct app_flag app_render_flags[] = {
     {"--save-cache", NULL, "FILE", "Keeps the cache records; may be the file that is loaded."},
     {"--define", "-D", "NAME=VALUE", "Replaces a default of the scene file; may be repeated."},
     {"--set", NULL, "OPTION=VALUE", "Sets any option of `satin help options`; may be repeated."},
+    {"--strict", NULL, NULL, "Takes warnings about the scene for errors."},
     {"--quiet", "-q", NULL, "Prints errors only."},
     {"--help", "-h", NULL, "Prints this."},
     {"--quality", NULL, "draft|preview|production", "Preset; single options override it."},
@@ -56,6 +58,7 @@ const struct app_flag app_render_flags[] = {
 struct request {
     const char *scene, *output, *png, *stats, *load, *save;
     bool want_png, quiet, help;
+    unsigned scene_flags;
     satin_define *define;
     satin_setting *setting;
     size_t define_count, setting_count;
@@ -77,6 +80,9 @@ static int take_flag(struct request *r, int flag, char *value) {
             return APP_DONE;
         case FLAG_SAVE:
             r->save = value;
+            return APP_DONE;
+        case FLAG_STRICT:
+            r->scene_flags |= SATIN_SCENE_STRICT;
             return APP_DONE;
         case FLAG_QUIET:
             r->quiet = true;
@@ -245,8 +251,8 @@ static int load_and_render(struct request *r) {
     if (result != APP_DONE) return result;
     app_progress_start(&progress, r->quiet);
     app_catch_signals();
-    satin_status status =
-        satin_scene_load(r->scene, r->define, r->define_count, app_log_file, &progress, &scene);
+    satin_status status = satin_scene_load_with(r->scene, r->define, r->define_count,
+                                                r->scene_flags, app_log_file, &progress, &scene);
     if (status != SATIN_OK) return app_exit_of(status);
     struct app_output output[OUTPUTS];
     list_outputs(r, output);

@@ -23,8 +23,8 @@ void log_message(struct log log, satin_log_level level, const char *format, ...)
     deliver(log, level, text);
 }
 
-void log_error_at(struct log log, struct log_place place, const char *format, ...) {
-    if (!log.fn) return;
+static void log_at(struct log log, satin_log_level level, struct log_place place,
+                   const char *format, va_list args) {
     char text[LOG_BYTES];
     int n = 0;
     const char *file = place.file ? place.file : "input";
@@ -36,11 +36,24 @@ void log_error_at(struct log log, struct log_place place, const char *format, ..
         n = snprintf(text, sizeof text, "%s: ", file);
     if (n < 0) n = 0;
     if (n > LOG_BYTES / 2) n = LOG_BYTES / 2;
+    vsnprintf(text + n, sizeof text - (size_t)n, format, args);
+    deliver(log, level, text);
+}
+
+void log_error_at(struct log log, struct log_place place, const char *format, ...) {
+    if (!log.fn) return;
     va_list args;
     va_start(args, format);
-    vsnprintf(text + n, sizeof text - (size_t)n, format, args);
+    log_at(log, SATIN_LOG_ERROR, place, format, args);
     va_end(args);
-    deliver(log, SATIN_LOG_ERROR, text);
+}
+
+void log_warning_at(struct log log, struct log_place place, const char *format, ...) {
+    if (!log.fn) return;
+    va_list args;
+    va_start(args, format);
+    log_at(log, SATIN_LOG_WARNING, place, format, args);
+    va_end(args);
 }
 
 satin_status log_fail(struct log log, satin_status status, const char *format, ...) {

@@ -25,6 +25,10 @@ void log_message(struct log log, satin_log_level level, const char *format, ...)
 void log_error_at(struct log log, struct log_place place, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+// The same at SATIN_LOG_WARNING.
+void log_warning_at(struct log log, struct log_place place, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
 // log_message at SATIN_LOG_ERROR; returns `status`, so that a caller can report and fail in one
 // line.
 satin_status log_fail(struct log log, satin_status status, const char *format, ...)

@@ -139,6 +139,7 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
     }
     if (status == SATIN_OK) {
         render_progress_install(r);
+        camera_check(&r->scene, r->log);
         status = room(r);
         if (status == SATIN_OK && needs_photons(r)) status = photons(r);
         r->gather = render_gather(r);

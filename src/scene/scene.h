@@ -432,6 +432,10 @@ bool light_emit(const struct satin_scene *scene, uint32_t i, const struct light_
 // wide.
 struct ray camera_ray(const struct satin_scene *scene, float x, float y, float u, float v,
                       float *spread);
+// Logs a warning, with its reason, if the camera sees no shape, and no environment or one in whose
+// light the clip planes alone hide all shapes (scene_camera_check.c).
+void camera_check(const struct satin_scene *scene, struct log log);
+
 // ---- Filter (scene_filter.c) -------------------------------------------------------------------
 
 // Offset from a pixel's centre drawn by u from the film's filter, one without negative lobes,

@@ -6,6 +6,7 @@
 
 #include "base/fileio.h"
 #include "scene/scene_loader.h"
+#include "scene/scene_warnings.h"
 
 satin_status scene_no_memory(struct scene_loader *loader) {
     return log_fail(loader->log, SATIN_ERROR_MEMORY, "%s: not enough memory for the scene",
@@ -46,9 +47,7 @@ static const struct plugin_spec scene_plugin = {
 
 static satin_status build_sensor(struct scene_loader *loader, struct xml_node *node, int *count) {
     if ((*count)++ == 0) return scene_sensor_read(loader, node);
-    log_message(loader->log, SATIN_LOG_WARNING,
-                "%s:%d:%d: only the first sensor of a scene is used", node->place.file,
-                node->place.line, node->place.column);
+    log_warning_at(loader->log, node->place, "only the first sensor of a scene is used");
     struct params p;
     return scene_params(loader, node, &p);
 }
@@ -151,7 +150,15 @@ static satin_status load(struct scene_loader *loader) {
 
 satin_status satin_scene_load(const char *path, const satin_define *defines, size_t define_count,
                               satin_log_fn log, void *log_user, satin_scene **scene) {
-    struct scene_loader loader = {.log = {log, log_user}, .path = path};
+    return satin_scene_load_with(path, defines, define_count, 0, log, log_user, scene);
+}
+
+satin_status satin_scene_load_with(const char *path, const satin_define *defines,
+                                   size_t define_count, unsigned flags, satin_log_fn log,
+                                   void *log_user, satin_scene **scene) {
+    struct scene_warnings warnings = {.to = {log, log_user},
+                                      .strict = (flags & SATIN_SCENE_STRICT) != 0};
+    struct scene_loader loader = {.log = scene_warnings_log(&warnings), .path = path};
     if (!path || !scene || (define_count && !defines))
         return log_fail(loader.log, SATIN_ERROR_ARGUMENT, "satin_scene_load: NULL argument");
     loader.scene = calloc(1, sizeof *loader.scene);
@@ -177,6 +184,8 @@ satin_status satin_scene_load(const char *path, const satin_define *defines, siz
     free(loader.image);
     free(loader.group);
     free(loader.attribute);
+    scene_warnings_tell(&warnings);
+    if (status == SATIN_OK && warnings.failed) status = SATIN_ERROR_INPUT;
     if (status == SATIN_OK)
         *scene = loader.scene;
     else

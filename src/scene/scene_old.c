@@ -167,8 +167,7 @@ static bool is_place_in_uv(const char *name) {
 static satin_status respell_value(struct log log, struct arena *arena, struct xml_node *parent,
                                   struct xml_node *node, bool *keep) {
     if (has_no_effect(parent, node->name)) {
-        log_message(log, SATIN_LOG_WARNING, "%s:%d:%d: '%s' has no effect here", node->place.file,
-                    node->place.line, node->place.column, node->name);
+        log_warning_at(log, node->place, "'%s' has no effect here", node->name);
         *keep = false;
         return SATIN_OK;
     }

@@ -111,8 +111,7 @@ static satin_status read_child(struct param_source source, struct params *out,
     }
     int i = find_spec(plugin, child->name);
     if (i < 0 && plugin->lenient) {
-        log_message(log, SATIN_LOG_WARNING, "%s:%d:%d: '%s' has no effect here", child->place.file,
-                    child->place.line, child->place.column, child->name);
+        log_warning_at(log, child->place, "'%s' has no effect here", child->name);
         return SATIN_OK;
     }
     if (i < 0) return unknown_parameter(log, plugin, child);

@@ -22,14 +22,16 @@ enum param_kind {
 };
 
 // RANGE_MODEST is 0 to 10^6: numbers whose squares and products must stay far from overflow.
-// RANGE_TEXEL: a number as RANGE_MODEST, a colour as RANGE_UNIT.
+// RANGE_TEXEL: a number as RANGE_MODEST, a colour as RANGE_UNIT. RANGE_CLAMPED: what is outside of
+// [0, 1] counts as the nearer end, with a warning.
 enum param_range {
     RANGE_ANY = 0,
     RANGE_POSITIVE,
     RANGE_NOT_NEGATIVE,
     RANGE_MODEST,
     RANGE_UNIT,
-    RANGE_TEXEL
+    RANGE_TEXEL,
+    RANGE_CLAMPED
 };
 
 enum param_flag { PARAM_REQUIRED = 1, PARAM_TEXTURE = 2 };  // PARAM_TEXTURE: a <texture> will do

@@ -132,8 +132,8 @@ static void describe_kind(const struct param_spec *spec, char *text, size_t size
 }
 
 bool scene_param_describe(int plugin_index, int index, struct scene_param_info *out) {
-    static const char *const ranges[] = {"",         "> 0",    ">= 0",
-                                         "0 to 1e6", "0 to 1", "numbers 0 to 1e6, colours 0 to 1"};
+    static const char *const ranges[] = {
+        "", "> 0", ">= 0", "0 to 1e6", "0 to 1", "numbers 0 to 1e6, colours 0 to 1", "0 to 1"};
     const struct plugin_spec *plugin = plugin_index >= 0 ? plugin_at(plugin_index) : NULL;
     if (!plugin || !plugin->params || index < 0) return false;
     for (int i = 0; i <= index; i++)

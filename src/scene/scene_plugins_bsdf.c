@@ -83,7 +83,7 @@ static const struct param_spec variant = {
 static const struct param_spec weight = {"weight",
                                          PARAM_FLOAT,
                                          NULL,
-                                         RANGE_ANY,
+                                         RANGE_CLAMPED,
                                          PARAM_REQUIRED | PARAM_TEXTURE,
                                          NULL,
                                          "of the second; below 0 as 0, over 1 as 1"};
@@ -115,7 +115,7 @@ static const struct param_spec use_shadowing = {"use_shadowing_function",
 static const struct param_spec opacity = {"opacity",
                                           PARAM_COLOR,
                                           ".5",
-                                          RANGE_ANY,
+                                          RANGE_CLAMPED,
                                           PARAM_TEXTURE,
                                           NULL,
                                           "share that is there; below 0 as 0, over 1 as 1"};
@@ -174,6 +174,14 @@ satin_status bsdf_set_color(struct scene_loader *loader, const struct param_valu
     return status;
 }
 
+// What a number of the file means.
+static float roughness(struct scene_loader *loader, const struct param_value *value) {
+    if (value->given && value->f < ALPHA_MIN)
+        log_warning_at(loader->log, value->place, "a roughness of %g counts as %g",
+                       (double)value->f, (double)ALPHA_MIN);
+    return fmaxf(value->f, ALPHA_MIN);
+}
+
 satin_status bsdf_set_number(struct scene_loader *loader, const struct param_value *value,
                              struct material_side *side, enum brdf_slot slot) {
     bool rough = slot == BRDF_SLOT_ALPHA_U || slot == BRDF_SLOT_ALPHA_V;
@@ -183,7 +191,8 @@ satin_status bsdf_set_number(struct scene_loader *loader, const struct param_val
         if (status != SATIN_OK) return status;
         number = rgb_luminance(side->slot[slot]->mean);
     }
-    *brdf_number(&side->base, slot) = fmaxf(number, rough ? ALPHA_MIN : 0.0f);
+    if (rough) number = value->texture ? fmaxf(number, ALPHA_MIN) : roughness(loader, value);
+    *brdf_number(&side->base, slot) = fmaxf(number, 0.0f);
     return SATIN_OK;
 }
 
@@ -327,7 +336,7 @@ static satin_status build_roughplastic(struct scene_loader *loader, const struct
                                        void *object) {
     struct material_side *side = object;
     side->base.distribution = (enum brdf_distribution)param(p, "distribution")->i;
-    side->base.alpha_u = side->base.alpha_v = fmaxf(param(p, "alpha")->f, ALPHA_MIN);
+    side->base.alpha_u = side->base.alpha_v = roughness(loader, param(p, "alpha"));
     return build_plastic(loader, p, side);
 }
 

@@ -67,6 +67,9 @@ static satin_status fail(struct scene_loader *loader, const struct params *p, co
     return SATIN_ERROR_INPUT;
 }
 
+// Of a smaller angle, degrees, the rays to both ends are one in single precision.
+#define FOV_MIN 1e-5f
+
 // Half the diagonal of 35 mm film, 36 x 24 mm.
 #define HALF_DIAGONAL_35MM 21.633307652783937
 
@@ -76,9 +79,9 @@ static satin_status field_of_view(struct scene_loader *loader, const struct para
     const struct param_value *angle = param(p, "fov"), *focal = param(p, "focal_length");
     if (angle->given && focal->given) return fail(loader, p, "it has both fov and focal_length");
     if (angle->given) {
-        if (angle->f >= 180.0f) {
-            log_error_at(loader->log, angle->place, "fov is %g, but must be in (0, 180)",
-                         (double)angle->f);
+        if (angle->f >= 180.0f || angle->f < FOV_MIN) {
+            log_error_at(loader->log, angle->place, "fov is %g, but must be in [%g, 180)",
+                         (double)angle->f, (double)FOV_MIN);
             return SATIN_ERROR_INPUT;
         }
         *tangent = tan((double)angle->f * (3.14159265358979323846 / 360.0));

@@ -318,6 +318,9 @@ satin_status scene_shape_add(struct scene_loader *loader, struct xml_node *node)
         return fail(loader, &p, "a directionalarea emitter needs a rectangle or a disk");
     if (shape.light >= 0 && !(shape.area >= EMITTER_AREA_MIN))
         return fail(loader, &p, "it emits but has no area");
+    if (shape.kind != SHAPE_CURVES && !(shape.area > 0.0f))
+        log_warning_at(loader->log, node->place, "shape '%s' has no area and is not seen",
+                       p.plugin->name);
     loader->shape[loader->shape_count++] = shape;
     return SATIN_OK;
 }

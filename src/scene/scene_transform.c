@@ -73,9 +73,14 @@ static satin_status read_lookat(struct log log, const struct xml_node *step, str
     // Without an up vector, or along it, any will do; this is the one that Mitsuba takes without.
     vec3 d = v3_unit(v3_sub(target, origin));
     struct mat4 m;
-    if ((v3_max_abs(up) == 0.0f || !mat4_look_at(origin, target, up, &m)) &&
-        !mat4_look_at(origin, target, frame_from_normal(d).u, &m))
-        return fail(log, step, "origin and target coincide");
+    if (v3_max_abs(up) == 0.0f || !mat4_look_at(origin, target, up, &m)) {
+        if (!mat4_look_at(origin, target, frame_from_normal(d).u, &m))
+            return fail(log, step, "origin and target coincide");
+        if (xml_get(step, "up"))
+            log_warning_at(log, step->place,
+                           "<lookat>: up is %s; one at right angles to the view is taken",
+                           v3_max_abs(up) == 0.0f ? "zero" : "along the view");
+    }
     *out = widen(&m);
     return SATIN_OK;
 }

@@ -80,6 +80,7 @@ static bool in_range(enum param_range range, float x) {
         case RANGE_MODEST:
             return x >= 0.0f && x <= 1e6f;
         case RANGE_UNIT:
+        case RANGE_CLAMPED:
             return x >= 0.0f && x <= 1.0f;
         default:
             return true;
@@ -90,6 +91,10 @@ static satin_status check_in(struct log log, const struct param_spec *spec, enum
                              struct log_place place, float x) {
     static const char *const text[] = {"", "positive", "0 or more", "0 to 1e6", "in [0, 1]"};
     if (in_range(range, x)) return SATIN_OK;
+    if (range == RANGE_CLAMPED) {
+        log_warning_at(log, place, "%s is %g, which counts as %d", spec->name, x, x > 0.5f);
+        return SATIN_OK;
+    }
     log_error_at(log, place, "%s is %g, but must be %s", spec->name, x, text[range]);
     return SATIN_ERROR_INPUT;
 }
@@ -199,8 +204,11 @@ static satin_status read_color(struct param_source source, const struct param_sp
         value->color = rgb_make(fminf(value->color.r, 1.0f), fminf(value->color.g, 1.0f),
                                 fminf(value->color.b, 1.0f));
     const float c[3] = {value->color.r, value->color.g, value->color.b};
-    for (int i = 0; i < 3 && status == SATIN_OK; i++)
+    for (int i = 0; i < 3 && status == SATIN_OK; i++) {
+        if (in_range(range, c[i])) continue;
         status = check_in(log, spec, range, node->place, c[i]);
+        if (range == RANGE_CLAMPED) break;  // one warning
+    }
     return status;
 }
 

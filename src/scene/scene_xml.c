@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scene files through expat to a tree of elements. Parameters, includes and aliases are dealt with
 // in the order of reading, as Mitsuba 3 does: a <default> holds for what follows it, also beyond
-// the end of the file that it stands in. Text between elements has no meaning and is passed over.
+// the end of the file that it stands in. Text between elements has no meaning: a warning.
 #include "scene/scene_xml.h"
 
 #include <errno.h>
@@ -241,6 +241,16 @@ static void XMLCALL on_end(void *user, const char *name) {
     if (file->reader->status == SATIN_OK) file->reader->depth--;
 }
 
+// Expat cuts text at line breaks, and within a line seldom.
+static void XMLCALL on_text(void *user, const char *text, int length) {
+    struct file *file = user;
+    int first = 0;
+    while (first < length && strchr(" \t\r\n", text[first])) first++;
+    if (first == length || file->reader->status != SATIN_OK) return;
+    log_warning_at(file->reader->log, here(file), "the text '%.*s' has no meaning here",
+                   length - first < 40 ? length - first : 40, text + first);
+}
+
 // What scene_doctype_blank did not find, for which see there.
 static void XMLCALL on_doctype(void *user, const char *name, const char *system_id,
                                const char *public_id, int internal) {
@@ -271,6 +281,7 @@ static satin_status parse(struct file *file, char *data, size_t size) {
     scene_doctype_blank(data, size);
     XML_SetUserData(file->parser, file);
     XML_SetElementHandler(file->parser, on_start, on_end);
+    XML_SetCharacterDataHandler(file->parser, on_text);
     XML_SetStartDoctypeDeclHandler(file->parser, on_doctype);
     if (XML_Parse(file->parser, data, (int)size, XML_TRUE) == XML_STATUS_OK) return reader->status;
     if (reader->status != SATIN_OK) return reader->status;

@@ -318,7 +318,7 @@ static const struct refusal refusals[] = {
      "scene.xml:3:26: the scene has another integrator"},
     {"<scene version='3.0.0'><sensor type='perspective'><float name='fov' value='180'/>"
      "</sensor></scene>",
-     "scene.xml:1:51: fov is 180, but must be in (0, 180)"},
+     "scene.xml:1:51: fov is 180, but must be in [1e-05, 180)"},
     {"<scene version='3.0.0'><sensor type='perspective'><string name='focal_length' "
      "value='mm'/></sensor></scene>",
      "scene.xml:1:51: focal_length is 'mm', but must be like 50mm"},

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// A camera that sees nothing makes a black image, which nobody wants: a few rays find that out and
+// why it is, before the render.
+#include "base/sampling.h"
+#include "scene/scene.h"
+
+enum { RAYS = 1024 };
+
+// What the rays meet, with and without the clip planes.
+struct look {
+    int seen, there;
+    float first, last;  // depths of what is there, as the clip planes count it
+};
+
+static struct look look(const struct satin_scene *scene) {
+    const struct camera *camera = &scene->camera;
+    const struct film_spec *film = &scene->film;
+    struct look out = {.first = INFINITY};
+    for (uint32_t i = 0; i < RAYS; i++) {
+        const vec2 at = sample_sobol2(i, 0);
+        struct ray ray =
+            camera_ray(scene, (float)film->crop_x + at.x * (float)film->crop_width,
+                       (float)film->crop_y + at.y * (float)film->crop_height, 0.5f, 0.5f, NULL);
+        if (scene_occluded(scene, &ray)) out.seen++;
+        // Depth per distance along the ray, and that of the ray's origin.
+        float rate = camera->near_clip / ray.tnear, start = 0.0f;
+        if (camera->orthographic) {
+            start = camera->near_clip;
+            rate = (camera->far_clip - camera->near_clip) / ray.tfar;
+        }
+        ray.tnear = 0.0f;
+        ray.tfar = INFINITY;
+        const float depth = start + rate * scene_distance(scene, &ray);
+        if (!isfinite(depth)) continue;
+        out.there++;
+        out.first = fminf(out.first, depth);
+        out.last = fmaxf(out.last, depth);
+    }
+    return out;
+}
+
+// Whether all corners of the scene's bounds lie behind the camera.
+static bool is_behind(const struct satin_scene *scene) {
+    const vec3 eye = mat4_point(&scene->camera.to_world, v3(0, 0, 0)),
+               d = mat4_vector(&scene->camera.to_world, v3(0, 0, 1)), lo = scene->bounds_lo,
+               hi = scene->bounds_hi;
+    for (int i = 0; i < 8; i++) {
+        const vec3 corner = v3(i & 1 ? hi.x : lo.x, i & 2 ? hi.y : lo.y, i & 4 ? hi.z : lo.z);
+        if (v3_dot(v3_sub(corner, eye), d) > 0.0f) return false;
+    }
+    return true;
+}
+
+void camera_check(const struct satin_scene *scene, struct log log) {
+    const struct camera *camera = &scene->camera;
+    if (scene->shape_count == 0) {
+        if (scene->environment < 0)
+            log_message(log, SATIN_LOG_WARNING, "the scene has no shapes: nothing is seen");
+        return;
+    }
+    if (scene->light_count == 0)
+        log_message(log, SATIN_LOG_WARNING, "the scene has no light that shines: all is black");
+    const struct look l = look(scene);
+    if (l.seen > 0) return;
+    if (l.there > 0 && l.first >= camera->far_clip)
+        log_message(log, SATIN_LOG_WARNING,
+                    "far_clip %g lies before the scene, which begins at %g: no shape is seen",
+                    (double)camera->far_clip, (double)l.first);
+    else if (l.there > 0 && l.last <= camera->near_clip)
+        log_message(
+            log, SATIN_LOG_WARNING,
+            "near_clip %g lies behind the scene, the last of which is at %g: no shape is seen",
+            (double)camera->near_clip, (double)l.last);
+    else if (l.there > 0)
+        log_message(log, SATIN_LOG_WARNING,
+                    "no shape is seen between near_clip %g and far_clip %g: the first begins at "
+                    "%g, the last at %g",
+                    (double)camera->near_clip, (double)camera->far_clip, (double)l.first,
+                    (double)l.last);
+    else if (scene->environment < 0)
+        log_message(log, SATIN_LOG_WARNING, "none of %d rays of the camera meets a shape%s", RAYS,
+                    is_behind(scene) ? ": the scene is behind it" : "");
+}
