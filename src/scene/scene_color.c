@@ -71,6 +71,8 @@ static satin_status read_spectrum(struct param_source source, struct xml_node *n
         return SATIN_ERROR_INPUT;
     }
     if (node->type) return scene_spectrum_of(source, node, light, out);
+    if (text && !strchr(text, ':') && param_words(text) == 3)
+        return read_rgb(source.log, node, out);
     if (text && !strchr(text, ':')) {
         double d;
         if (!param_numbers(source.log, node->place, text, 1, &d)) return SATIN_ERROR_INPUT;

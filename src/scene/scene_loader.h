@@ -67,6 +67,15 @@ satin_status scene_group_add(struct scene_loader *loader, const struct params *p
 // number, or -1 if it is black (scene_plugins_light.c).
 satin_status scene_emitter_add(struct scene_loader *loader, struct xml_node *node, int64_t shape,
                                int32_t *index);
+// An environment of daylight; `sun` is in world space, the aperture in degrees
+// (scene_plugins_light.c).
+struct scene_daylight {
+    float turbidity;
+    vec3 sun;
+    float sky_scale, sun_scale, sun_aperture;
+};
+satin_status scene_daylight_build(struct scene_loader *loader, const struct params *p,
+                                  const struct scene_daylight *daylight, struct light *light);
 // Camera, film and samples per pixel of the scene (scene_plugins_sensor.c).
 satin_status scene_sensor_read(struct scene_loader *loader, struct xml_node *node);
 // Half extents at unit distance of what the parameters fov, fov_axis and focal_length ask for, of

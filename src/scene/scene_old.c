@@ -183,6 +183,10 @@ static satin_status respell_value(struct log log, struct arena *arena, struct xm
         node->name = "raw";
         return set_attribute(arena, node, "value", gamma == 1.0 ? "true" : "false");
     }
+    if (is(parent, XML_TEXTURE, "bitmap") && strcmp(node->name, "gamma") == 0) {
+        log_error_at(log, node->place, "gamma is '%s', but must be 1 or -1", text ? text : "");
+        return SATIN_ERROR_INPUT;
+    }
     static const struct pair filters[] = {
         {"trilinear", "bilinear"}, {"ewa", "bilinear"}, {NULL, NULL}};
     if (strcmp(node->name, "filter_type") == 0 && node->tag == XML_STRING)

@@ -42,19 +42,22 @@ static int find_spec(const struct plugin_spec *plugin, const char *name) {
     return -1;
 }
 
+// A slip of a known name is an error; what is far from all of them, or is a parameter of another
+// plugin of its kind, cannot change the image.
 static satin_status unknown_parameter(struct log log, const struct plugin_spec *plugin,
                                       const struct xml_node *child) {
     struct text_nearest nearest = {.word = child->name};
     for (int i = 0; plugin->params && plugin->params[i]; i++)
         text_nearest_try(&nearest, plugin->params[i]->name);
     const char *noun = scene_plugin_noun(plugin->tag);
-    if (nearest.best)
+    if (nearest.best && !scene_param_known(plugin->tag, child->name)) {
         log_error_at(log, child->place, "%s '%s' has no parameter '%s' (did you mean '%s'?)", noun,
                      plugin->name, child->name, nearest.best);
-    else
-        log_error_at(log, child->place, "%s '%s' has no parameter '%s'", noun, plugin->name,
-                     child->name);
-    return SATIN_ERROR_INPUT;
+        return SATIN_ERROR_INPUT;
+    }
+    log_warning_at(log, child->place, "%s '%s' has no parameter '%s', which has no effect", noun,
+                   plugin->name, child->name);
+    return SATIN_OK;
 }
 
 // A child that is an object: a texture for a parameter, or what the plugin takes besides.

@@ -140,6 +140,8 @@ satin_status scene_spectrum_of(struct param_source source, struct xml_node *node
 // All plugins (scene_plugins.c). Finds the one of an element; logs, with the nearest name, and
 // returns NULL if there is none.
 const struct plugin_spec *scene_plugin_find(struct log log, const struct xml_node *node);
+// Whether some plugin of an element has a parameter of that name.
+bool scene_param_known(enum xml_tag tag, const char *name);
 // Integrators that are read as `path` is (scene_plugins_integrator.c), NULL-ended.
 extern const char *const scene_transport[];
 // How messages call an object: BRDF, shape, ...
@@ -147,7 +149,8 @@ const char *scene_plugin_noun(enum xml_tag tag);
 
 extern const struct plugin_spec scene_bsdf_plugins[], scene_texture_plugins[],
     scene_shape_plugins[], scene_group_plugins[], scene_emitter_plugins[], scene_sensor_plugins[],
-    scene_film_plugins[], scene_integrator_plugins[], scene_spectrum_plugins[];
+    scene_film_plugins[], scene_integrator_plugins[], scene_spectrum_plugins[],
+    scene_sun_plugins[];  // the last for files of version 0.6 alone
 
 // Named substances (scene_substance.c). False if the name is unknown; the names are listed by
 // index, NULL beyond the last.

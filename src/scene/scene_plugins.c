@@ -7,11 +7,17 @@
 #include "scene/scene.h"
 #include "scene/scene_params.h"
 
-static const struct plugin_spec *const tables[] = {scene_shape_plugins,    scene_group_plugins,
-                                                   scene_bsdf_plugins,     scene_texture_plugins,
-                                                   scene_emitter_plugins,  scene_sensor_plugins,
-                                                   scene_film_plugins,     scene_integrator_plugins,
-                                                   scene_spectrum_plugins, NULL};
+static const struct plugin_spec *const tables[] = {scene_shape_plugins,
+                                                   scene_group_plugins,
+                                                   scene_bsdf_plugins,
+                                                   scene_texture_plugins,
+                                                   scene_emitter_plugins,
+                                                   scene_sensor_plugins,
+                                                   scene_film_plugins,
+                                                   scene_integrator_plugins,
+                                                   scene_spectrum_plugins,
+                                                   scene_sun_plugins,
+                                                   NULL};
 
 // What Mitsuba 3 knows and satin does not read.
 struct unread {
@@ -30,8 +36,7 @@ static const char *const unread_emitters[] = {"sunsky", "timed_sunsky", "sky",
 static const char *const unread_sensors[] = {"distant",       "radiancemeter",   "batch",
                                              "hemispherical", "irradiancemeter", NULL};
 static const char *const unread_films[] = {"specfilm", NULL};
-static const char *const unread_integrators[] = {
-    "depth", "moment", "stokes", "volprim_rf_basic", "multichannel", "field", NULL};
+static const char *const unread_integrators[] = {"depth", "volprim_rf_basic", "field", NULL};
 
 static const struct unread unread[] = {
     {XML_SHAPE, unread_shapes},          {XML_BSDF, unread_bsdfs},
@@ -79,20 +84,59 @@ static const char *nearest_name(const struct xml_node *node) {
     return nearest.best;
 }
 
-const struct plugin_spec *scene_plugin_find(struct log log, const struct xml_node *node) {
+// How an image is computed and stored decides little of what it shows: what is unknown there is
+// read as the plainest of its kind.
+static const char *stand_in(enum xml_tag tag) {
+    switch (tag) {
+        case XML_INTEGRATOR:
+            return "path";
+        case XML_SAMPLER:
+            return "independent";
+        case XML_FILM:
+            return "hdrfilm";
+        case XML_RFILTER:
+            return "gaussian";
+        default:
+            return NULL;
+    }
+}
+
+static const struct plugin_spec *named(const struct xml_node *node, const char *name) {
     for (int t = 0; tables[t]; t++)
         for (const struct plugin_spec *plugin = tables[t]; plugin->name; plugin++)
-            if (plugin->tag == node->tag && is_named(plugin, node->type)) return plugin;
+            if (plugin->tag == node->tag && is_named(plugin, name) &&
+                (node->old || tables[t] != scene_sun_plugins))
+                return plugin;
+    return NULL;
+}
+
+const struct plugin_spec *scene_plugin_find(struct log log, const struct xml_node *node) {
+    const struct plugin_spec *plugin = named(node, node->type);
+    if (plugin) return plugin;
     const char *noun = scene_plugin_noun(node->tag), *nearest = nearest_name(node);
-    if (is_unread(node))
+    const char *plain = stand_in(node->tag);
+    if (is_unread(node)) {
         log_error_at(log, node->place, "%s '%s' is not supported%s", noun, node->type,
                      substitute(node));
-    else if (nearest)
+    } else if (nearest) {
         log_error_at(log, node->place, "unknown %s '%s' (did you mean '%s'?)", noun, node->type,
                      nearest);
-    else
+    } else if (plain) {
+        log_warning_at(log, node->place, "unknown %s '%s', which is read as '%s'", noun, node->type,
+                       plain);
+        return named(node, plain);
+    } else {
         log_error_at(log, node->place, "unknown %s '%s'", noun, node->type);
+    }
     return NULL;
+}
+
+bool scene_param_known(enum xml_tag tag, const char *name) {
+    for (int t = 0; tables[t]; t++)
+        for (const struct plugin_spec *plugin = tables[t]; plugin->name; plugin++)
+            for (int i = 0; plugin->tag == tag && plugin->params && plugin->params[i]; i++)
+                if (strcmp(plugin->params[i]->name, name) == 0) return true;
+    return false;
 }
 
 // ---- Documentation ------------------------------------------------------------------------------

@@ -59,6 +59,14 @@ static const struct param_spec metal_eta = {
     "eta", PARAM_COLOR, "0", RANGE_MODEST, PARAM_TEXTURE, NULL, "index of refraction, real part"};
 static const struct param_spec metal_k = {
     "k", PARAM_COLOR, "1", RANGE_MODEST, PARAM_TEXTURE, NULL, "index of refraction, absorption"};
+static const struct param_spec metal_ext_eta = {
+    "ext_eta",
+    PARAM_IOR,
+    "vacuum",
+    RANGE_POSITIVE,
+    0,
+    NULL,
+    "index of refraction outside, or a substance; eta and k are divided by it"};
 static const struct param_spec distribution = {
     "distribution", PARAM_CHOICE, "beckmann", 0, 0, distributions, "of the facets' normals"};
 static const struct param_spec alpha = {"alpha",       PARAM_FLOAT, ".1",       RANGE_MODEST,
@@ -124,12 +132,12 @@ static param_list blend_params = {&weight, NULL};
 static param_list bump_params = {&bump_scale, &flip_invalid, &use_shadowing, NULL};
 static param_list normal_params = {&normal_map, &flip_invalid, &use_shadowing, NULL};
 static param_list diffuse_params = {&reflectance, NULL};
-static param_list conductor_params = {&metal, &metal_eta, &metal_k, &bsdf_specular_reflectance,
-                                      NULL};
+static param_list conductor_params = {
+    &metal, &metal_eta, &metal_k, &bsdf_specular_reflectance, &metal_ext_eta, NULL};
 static param_list roughconductor_params = {
-    &metal,          &metal_eta, &metal_k, &bsdf_specular_reflectance,
-    &distribution,   &alpha,     &alpha_u, &alpha_v,
-    &sample_visible, NULL};
+    &metal,          &metal_eta,     &metal_k, &bsdf_specular_reflectance,
+    &distribution,   &alpha,         &alpha_u, &alpha_v,
+    &sample_visible, &metal_ext_eta, NULL};
 static param_list dielectric_params = {&glass_ior, &ext_ior, &bsdf_specular_reflectance,
                                        &specular_transmittance, NULL};
 static param_list roughdielectric_params = {&glass_ior,
@@ -163,6 +171,8 @@ static param_list ward_params = {
 
 // Below this the distributions degenerate in single precision; Mitsuba's bound too.
 #define ALPHA_MIN 1e-4f
+// What a sum of reflectances over 1 becomes, as in Mitsuba 0.6.
+#define ALBEDO_MOST 0.99f
 
 satin_status bsdf_set_color(struct scene_loader *loader, const struct param_value *value,
                             struct material_side *side, enum brdf_slot slot) {
@@ -256,11 +266,37 @@ static satin_status set_ior(struct scene_loader *loader, const struct params *p,
                : SATIN_ERROR_INPUT;
 }
 
-// Light must not grow on its way: paths of any length would not end.
+// What surrounds a metal.
+static satin_status set_outside(struct scene_loader *loader, const struct params *p,
+                                struct material_side *side) {
+    const struct param_value *outside = param(p, "ext_eta");
+    if (outside->f == 1.0f) return SATIN_OK;
+    if (!bsdf_ior_valid(loader, outside->place, "ext_eta", outside->f)) return SATIN_ERROR_INPUT;
+    if (side->slot[BRDF_SLOT_ETA] || side->slot[BRDF_SLOT_K]) {
+        log_error_at(loader->log, outside->place, "ext_eta needs eta and k without textures");
+        return SATIN_ERROR_INPUT;
+    }
+    side->base.eta = rgb_scale(side->base.eta, 1.0f / outside->f);
+    side->base.k = rgb_scale(side->base.k, 1.0f / outside->f);
+    return SATIN_OK;
+}
+
+// Light must not grow on its way: paths of any length would not end. Without textures the sum is
+// brought below 1, with Mitsuba 0.6's margin.
 static satin_status check_albedo(struct scene_loader *loader, const struct params *p,
-                                 const struct material_side *side) {
+                                 struct material_side *side) {
     float most = rgb_max(rgb_add(side->base.diffuse, side->base.specular));
     if (most <= 1.0001f) return SATIN_OK;
+    if (!side->slot[BRDF_SLOT_DIFFUSE] && !side->slot[BRDF_SLOT_SPECULAR]) {
+        const float scale = ALBEDO_MOST / most;
+        side->base.diffuse = rgb_scale(side->base.diffuse, scale);
+        side->base.specular = rgb_scale(side->base.specular, scale);
+        log_warning_at(loader->log, p->node->place,
+                       "diffuse_reflectance and specular_reflectance sum to %g, which is over 1; "
+                       "both are scaled by %.3g",
+                       (double)most, (double)scale);
+        return SATIN_OK;
+    }
     log_error_at(loader->log, p->node->place,
                  "diffuse_reflectance and specular_reflectance sum to %g, which is over 1", most);
     return SATIN_ERROR_INPUT;
@@ -274,6 +310,7 @@ static satin_status build_diffuse(struct scene_loader *loader, const struct para
 static satin_status build_conductor(struct scene_loader *loader, const struct params *p,
                                     void *object) {
     satin_status status = set_metal(loader, p, object);
+    if (status == SATIN_OK) status = set_outside(loader, p, object);
     if (status != SATIN_OK) return status;
     return bsdf_set_color(loader, param(p, "specular_reflectance"), object, BRDF_SLOT_SPECULAR);
 }

@@ -240,31 +240,39 @@ static satin_status build_envmap(struct scene_loader *loader, const struct param
     return status;
 }
 
-static satin_status build_sky(struct scene_loader *loader, const struct params *p, void *object) {
-    struct light *light = object;
-    const struct param_value *turbidity = param(p, "turbidity");
-    float aperture = param(p, "sun_aperture")->f * (PI_F / 180.0f);
+satin_status scene_daylight_build(struct scene_loader *loader, const struct params *p,
+                                  const struct scene_daylight *daylight, struct light *light) {
+    float aperture = daylight->sun_aperture * (PI_F / 180.0f);
     light->kind = LIGHT_ENVMAP;
-    light->value = rgb_grey(param(p, "sky_scale")->f);
+    light->value = rgb_grey(daylight->sky_scale);
     satin_status status = set_place(loader, p, light);
     if (status != SATIN_OK) return status;
-    light->sun = v3_unit(param(p, "sun_direction")->v);
-    struct sky sky = {turbidity->f, v3_unit(mat4_vector(&light->to_local, light->sun))};
-    if (!(turbidity->f >= SKY_TURBIDITY_MIN && turbidity->f <= SKY_TURBIDITY_MAX))
+    light->sun = v3_unit(daylight->sun);
+    struct sky sky = {daylight->turbidity, v3_unit(mat4_vector(&light->to_local, light->sun))};
+    if (!(sky.turbidity >= SKY_TURBIDITY_MIN && sky.turbidity <= SKY_TURBIDITY_MAX))
         return fail(loader, p, "its turbidity is not in [2, 10]");
     if (!(v3_len2(sky.sun) > 0.5f) || !(sky.sun.y >= 0.0f))
         return fail(loader, p, "its sun_direction does not point above the horizon");
     if (!(aperture < 0.5f * PI_F))
         return fail(loader, p, "its sun_aperture is not below 90 degrees");
     // A wider sun is dimmer.
-    const float natural = 0.5338f * (PI_F / 180.0f);
+    const float natural = SKY_SUN_APERTURE * (PI_F / 180.0f);
     light->sun_chord = 2.0f * sinf(0.25f * aperture);
     float shrink = sqrf(2.0f * sinf(0.25f * natural) / light->sun_chord);
-    light->sun_value = rgb_scale(sky_sun(&sky), param(p, "sun_scale")->f * shrink);
+    light->sun_value = rgb_scale(sky_sun(&sky), daylight->sun_scale * shrink);
     struct image *image = arena_alloc(&loader->scene->arena, sizeof *image);
     if (!image || !sky_image(&loader->scene->arena, &sky, image)) return scene_no_memory(loader);
     light->image = image;
     return SATIN_OK;
+}
+
+static satin_status build_sky(struct scene_loader *loader, const struct params *p, void *object) {
+    const struct scene_daylight daylight = {.turbidity = param(p, "turbidity")->f,
+                                            .sun = param(p, "sun_direction")->v,
+                                            .sky_scale = param(p, "sky_scale")->f,
+                                            .sun_scale = param(p, "sun_scale")->f,
+                                            .sun_aperture = param(p, "sun_aperture")->f};
+    return scene_daylight_build(loader, p, &daylight, object);
 }
 
 const struct plugin_spec scene_emitter_plugins[] = {

@@ -9,6 +9,8 @@
 #define SKY_TURBIDITY_MIN 2.0f
 #define SKY_TURBIDITY_MAX 10.0f
 
+#define SKY_SUN_APERTURE 0.5338f  // that the sun fills, degrees
+
 struct sky {
     float turbidity;
     vec3 sun;  // direction towards it, unit, y up; not below the horizon

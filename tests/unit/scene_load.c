@@ -230,8 +230,6 @@ static const struct refusal refusals[] = {
      "scene.xml:3:22: roughness is either alpha, or both alpha_u and alpha_v"},
     {SHAPE("<bsdf type='diffuse'><rgb name='reflectance' value='2 1 1'/></bsdf>"),
      "scene.xml:3:43: reflectance is 2, but must be in [0, 1]"},
-    {SHAPE("<bsdf type='phong'><rgb name='diffuse_reflectance' value='.9'/></bsdf>"),
-     "scene.xml:3:22: diffuse_reflectance and specular_reflectance sum to 1.1, which is over 1"},
     {SHAPE("<bsdf type='diffuse'><texture type='mesh_attribute' name='reflectance'>"
            "<string name='name' value='vertex_color'/></texture></bsdf>"),
      "scene.xml:3:1: shape 'sphere' has no attribute 'vertex_color' for its texture"},
@@ -309,8 +307,6 @@ static const struct refusal refusals[] = {
      "scene.xml:3:1: unknown integrator 'pathh' (did you mean 'path'?)"},
     {SCENE_TEXT("<integrator type='volpth'/>"),
      "scene.xml:3:1: unknown integrator 'volpth' (did you mean 'volpath'?)"},
-    {SCENE_TEXT("<integrator type='stokes'><integrator type='path'/></integrator>"),
-     "scene.xml:3:1: integrator 'stokes' is not supported"},
     {SCENE_TEXT("<integrator type='aov'><string name='aovs' value='a:uv'/>"
                 "<integrator type='depth'/></integrator>"),
      "scene.xml:3:58: integrator 'depth' is not supported"},

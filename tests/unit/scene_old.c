@@ -114,13 +114,11 @@ static void keeps_defaults(void **state) {
 static void refuses_the_rest(void **state) {
     (void)state;
     static const char *const cases[][2] = {
-        {"<bsdf type='diffuse'><float name='intIOR' value='1'/></bsdf>",
-         "scene.xml:1:45: BRDF 'diffuse' has no parameter 'int_ior'"},
         {"<bsdf type='roughplastic'><string name='distribution' value='as'/></bsdf>",
          "scene.xml:1:50: distribution: unknown value 'as'"},
         {"<medium type='homogeneous'/>", "scene.xml:1:24: <medium> is not supported"},
         {"<texture type='bitmap'><float name='gamma' value='1.8'/></texture>",
-         "scene.xml:1:47: texture 'bitmap' has no parameter 'gamma'"}};
+         "scene.xml:1:47: gamma is '1.8', but must be 1 or -1"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct scene_case c;
         char text[512];
@@ -132,10 +130,60 @@ static void refuses_the_rest(void **state) {
     }
 }
 
+// What files of that version have beside what they mean, and what satin has in place of it.
+static void reads_what_others_wrote(void **state) {
+    (void)state;
+    struct scene_case c;
+    satin_scene *scene = scene_case_load(
+        &c,
+        "<scene version='0.6.0'><sensor type='perspective'/>"
+        "<bsdf type='diffuse'><float name='intIOR' value='1'/></bsdf>"
+        "<shape type='sphere'><boolean name='faceNormals' value='true'/>"
+        "<bsdf type='conductor' id='a'><float name='extEta' value='2'/><float name='alpha' "
+        "value='.1'/><rgb name='eta' value='2'/><spectrum name='k' value='4, 6, 8'/></bsdf></shape>"
+        "<shape type='sphere'><bsdf type='phong' id='b'>"
+        "<rgb name='diffuseReflectance' value='.5 .4 .2'/>"
+        "<rgb name='specularReflectance' value='1 .6 .2'/></bsdf></shape>"
+        "<emitter type='sunsky'><float name='turbidity' value='4'/><float name='scale' value='3'/>"
+        "<float name='skyScale' value='2'/></emitter></scene>");
+    assert_non_null(scene);
+    const struct brdf *a = &scene->material[0].front.base, *b = &scene->material[1].front.base;
+    assert_true(a->eta.r == 1.0f && a->k.r == 2.0f && a->k.g == 3.0f && a->k.b == 4.0f);
+    // Of a sum of 1.5 at most, .99 is left.
+    assert_float_equal(b->diffuse.r, .33f, 1e-6f);
+    assert_float_equal(b->specular.r, .66f, 1e-6f);
+    assert_float_equal(b->specular.b, .132f, 1e-6f);
+    const struct light *sky = &scene->light[scene->environment];
+    assert_true(sky->value.g == 6.0f && sky->sun.y > 0.5f && sky->sun.x < 0.0f);
+    // Parameters without effect of BRDFs and of shapes, the sum, the sky, and spheres in one place.
+    assert_int_equal(c.warnings, 5);
+    satin_scene_free(scene);
+}
+
+static void reads_unknown_ways_of_rendering(void **state) {
+    (void)state;
+    struct scene_case c;
+    satin_scene *scene = scene_case_load(
+        &c,
+        "<scene version='3.0.0'><integrator type='moment'><integrator type='path'>"
+        "<integer name='max_depth' value='7'/></integrator></integrator>"
+        "<sensor type='perspective'><sampler type='blue_noise'>"
+        "<integer name='sample_count' value='9'/></sampler>"
+        "<film type='zarr'><integer name='width' value='40'/><rfilter type='wendland'/></film>"
+        "</sensor></scene>");
+    assert_non_null(scene);
+    assert_true(scene->hints.max_depth == 7 && scene->hints.spp == 9 && scene->film.width == 40);
+    assert_int_equal(c.warnings, 4);
+    satin_scene_free(scene);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(translates), cmocka_unit_test(moves_the_scale_of_bumps),
-        cmocka_unit_test(keeps_meaning), cmocka_unit_test(keeps_defaults),
-        cmocka_unit_test(refuses_the_rest)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(translates),
+                                       cmocka_unit_test(moves_the_scale_of_bumps),
+                                       cmocka_unit_test(keeps_meaning),
+                                       cmocka_unit_test(keeps_defaults),
+                                       cmocka_unit_test(refuses_the_rest),
+                                       cmocka_unit_test(reads_what_others_wrote),
+                                       cmocka_unit_test(reads_unknown_ways_of_rendering)};
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -184,7 +184,6 @@ static void tells_numbers_from_colours(void **state) {
 static const char *const refusals[][2] = {
     {"<float name='sise' value='1'/>",
      "BRDF 'test' has no parameter 'sise' (did you mean 'size'?)"},
-    {"<float name='zzzzzzzz' value='1'/>", "BRDF 'test' has no parameter 'zzzzzzzz'"},
     {"<float name='size' value='1'/><float name='size' value='1'/>", "'size' is given twice"},
     {"<float name='count' value='1'/>", "'count' must be <integer>, not <float>"},
     {"<boolean name='colour' value='true'/>",
@@ -244,6 +243,23 @@ static void refuses(void **state) {
         assert_int_equal(strncmp(c.error, "scene.xml:", 10), 0);
         assert_string_equal(strstr(c.error, ": ") + 2, refusals[i][1]);
         assert_int_equal(c.errors, 1);
+        scene_xml_free(&xml);
+    }
+}
+
+// What is far from every name is somebody else's parameter.
+static void passes_over_what_is_not_its_own(void **state) {
+    (void)state;
+    static const char *const others[] = {"<float name='zzzzzzzz' value='1'/>",
+                                         "<texture type='bitmap' name='zzzzzzzz'/>"};
+    for (int i = 0; i < 2; i++) {
+        struct scene_case c;
+        struct scene_xml xml;
+        struct params p;
+        assert_int_equal(read_besides(&c, others[i], &xml, &p), SATIN_OK);
+        assert_int_equal(c.warnings, 1);
+        assert_non_null(
+            strstr(c.warning, ": BRDF 'test' has no parameter 'zzzzzzzz', which has no effect"));
         scene_xml_free(&xml);
     }
 }
@@ -315,6 +331,7 @@ int main(void) {
         cmocka_unit_test(reads_colours),
         cmocka_unit_test(tells_numbers_from_colours),
         cmocka_unit_test(refuses),
+        cmocka_unit_test(passes_over_what_is_not_its_own),
         cmocka_unit_test(tables_are_complete),
         cmocka_unit_test(textures_fit_models),
     };

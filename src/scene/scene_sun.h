@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to scene/: where the sun stands at a time and place.
+#ifndef SCENE_SUN_H
+#define SCENE_SUN_H
+
+#include "base/vec.h"
+
+struct sun_time {
+    int year, month, day;
+    float hour, minute, second;           // local time
+    float latitude, longitude, timezone;  // degrees, east positive; hours
+};
+
+// Unit vector towards it as Mitsuba 0.6 has it: y up, z to the south and x to the east.
+vec3 sun_toward(const struct sun_time *time);
+
+#endif

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the sun stands, against what everybody knows of it.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "scene/scene_sun.h"
+
+static vec3 at(float latitude, int month, int day, float hour) {
+    return sun_toward(&(struct sun_time){2010, month, day, hour, 0, 0, latitude, 0, 0});
+}
+
+// At noon it is in the south, at the height of the latitude's complement and the declination.
+static void is_high_at_noon(void **state) {
+    (void)state;
+    static const struct {
+        float latitude;
+        int month, day;
+        float elevation;
+    } known[] = {{50, 3, 20, 40}, {50, 6, 21, 63.44f}, {50, 12, 21, 16.56f}, {10, 12, 21, 56.56f}};
+    for (int i = 0; i < 4; i++) {
+        const vec3 sun = at(known[i].latitude, known[i].month, known[i].day, 12.0f);
+        assert_float_equal(v3_len2(sun), 1.0f, 1e-5f);
+        // The declination of the day, and the sun's being early or late by a few minutes.
+        assert_float_equal(asinf(sun.y) * 180.0f / PI_F, known[i].elevation, 0.2f);
+        assert_true(sun.z > 0.0f && fabsf(sun.x) < 0.05f);
+    }
+}
+
+static void rises_in_the_east(void **state) {
+    (void)state;
+    const vec3 morning = at(50, 3, 20, 7.0f), evening = at(50, 3, 20, 17.0f);
+    assert_true(morning.x > 0.9f && morning.y > 0.05f && evening.x < -0.9f && evening.y > 0.05f);
+    assert_true(at(50, 3, 20, 0.0f).y < -0.5f);
+    // South of the equator it is in the north; an hour east of Greenwich, an hour earlier.
+    assert_true(at(-50, 3, 20, 12.0f).z < -0.5f);
+    struct sun_time east = {2010, 3, 20, 13, 0, 0, 50, 15, 1};
+    const vec3 a = sun_toward(&east), b = at(50, 3, 20, 13.0f);
+    assert_true(v3_dist2(a, b) < 1e-5f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(is_high_at_noon),
+                                       cmocka_unit_test(rises_in_the_east)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
