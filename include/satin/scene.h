@@ -25,7 +25,11 @@ SATIN_API satin_status satin_scene_load(const char *path, const satin_define *de
 
 // How a scene is read: bits.
 enum satin_scene_flags {
-    SATIN_SCENE_STRICT = 1  // every warning is an error, of which there may then be several
+    SATIN_SCENE_STRICT = 1,  // every warning is an error, of which there may then be several
+    // What is missing or unknown gets a warning each: shapes and lights of an unknown type or
+    // without their file are left out, textures and BRDFs are grey, an unknown BRDF around one
+    // other is that.
+    SATIN_SCENE_LENIENT = 2
 };
 
 // satin_scene_load with `flags`, bits of satin_scene_flags; 0: none.

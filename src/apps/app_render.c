@@ -24,6 +24,7 @@ enum {
     FLAG_DEFINE,
     FLAG_SET,
     FLAG_STRICT,
+    FLAG_LENIENT,
     FLAG_QUIET,
     FLAG_HELP,
     FLAG_FIRST_OPTION  // from here on --name is the option of that name
@@ -40,6 +41,8 @@ const struct app_flag app_render_flags[] = {
     {"--define", "-D", "NAME=VALUE", "Replaces a default of the scene file; may be repeated."},
     {"--set", NULL, "OPTION=VALUE", "Sets any option of `satin help options`; may be repeated."},
     {"--strict", NULL, NULL, "Takes warnings about the scene for errors."},
+    {"--lenient", NULL, NULL,
+     "Renders a scene with missing files or unknown plugins: left out, or grey."},
     {"--quiet", "-q", NULL, "Prints errors only."},
     {"--help", "-h", NULL, "Prints this."},
     {"--quality", NULL, "draft|preview|production", "Preset; single options override it."},
@@ -83,6 +86,9 @@ static int take_flag(struct request *r, int flag, char *value) {
             return APP_DONE;
         case FLAG_STRICT:
             r->scene_flags |= SATIN_SCENE_STRICT;
+            return APP_DONE;
+        case FLAG_LENIENT:
+            r->scene_flags |= SATIN_SCENE_LENIENT;
             return APP_DONE;
         case FLAG_QUIET:
             r->quiet = true;

@@ -3,6 +3,7 @@
 // and a camera, and these get their ray tracing structure and sampling tables.
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/fileio.h"
 #include "scene/scene_loader.h"
@@ -28,6 +29,12 @@ satin_status scene_file_source(struct scene_loader *loader, const struct param_v
                                struct scene_source *out) {
     char *path = scene_xml_resolve(&loader->xml, name->place, name->s);
     if (!path) return scene_no_memory(loader);
+    char *other = scene_path_any_case(path);
+    if (other) {
+        log_warning_at(loader->log, name->place, "'%s' is found as '%s'", name->s, other);
+        free(path);
+        path = other;
+    }
     if (!fileio_files_add(loader->xml.read, path)) {
         free(path);
         return scene_no_memory(loader);
@@ -35,6 +42,27 @@ satin_status scene_file_source(struct scene_loader *loader, const struct param_v
     *out = (struct scene_source){loader->log, name->place, &loader->scene->arena, path,
                                  &loader->scene->world};
     return SATIN_OK;
+}
+
+// ---- Lenience -----------------------------------------------------------------------------------
+
+bool scene_left_out(struct scene_loader *loader, const struct xml_node *node, const char *instead) {
+    if (!loader->lenient || scene_plugin_find((struct log){0}, node)) return false;
+    log_warning_at(loader->each, node->place, "unknown %s '%s': %s", scene_plugin_noun(node->tag),
+                   node->type, instead);
+    return true;
+}
+
+bool scene_file_missing(struct scene_loader *loader, const struct params *p, const char *instead) {
+    if (!loader->lenient || !params_has(p, "filename") || !param(p, "filename")->given)
+        return false;
+    const struct param_value *name = param(p, "filename");
+    struct scene_source source = {.path = NULL};
+    if (scene_file_source(loader, name, &source) != SATIN_OK || !source.path) return false;
+    const bool missing = access(source.path, F_OK) != 0;
+    free((char *)source.path);
+    if (missing) log_warning_at(loader->each, name->place, "'%s' is missing: %s", name->s, instead);
+    return missing;
 }
 
 // ---- The elements of <scene> --------------------------------------------------------------------
@@ -158,7 +186,10 @@ satin_status satin_scene_load_with(const char *path, const satin_define *defines
                                    void *log_user, satin_scene **scene) {
     struct scene_warnings warnings = {.to = {log, log_user},
                                       .strict = (flags & SATIN_SCENE_STRICT) != 0};
-    struct scene_loader loader = {.log = scene_warnings_log(&warnings), .path = path};
+    struct scene_loader loader = {.log = scene_warnings_log(&warnings),
+                                  .each = scene_warnings_each(&warnings),
+                                  .path = path,
+                                  .lenient = (flags & SATIN_SCENE_LENIENT) != 0};
     if (!path || !scene || (define_count && !defines))
         return log_fail(loader.log, SATIN_ERROR_ARGUMENT, "satin_scene_load: NULL argument");
     loader.scene = calloc(1, sizeof *loader.scene);

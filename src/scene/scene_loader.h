@@ -11,6 +11,8 @@
 struct scene_loader {
     struct log log;
     const char *path;  // of the main file
+    bool lenient;      // what is missing or unknown is left out, with a warning
+    struct log each;   // for those warnings, which are not counted but told one by one
     struct scene_xml xml;
     struct satin_scene *scene;  // what is built; its arrays are these, until the end
     struct shape *shape;
@@ -41,6 +43,11 @@ satin_status scene_params(struct scene_loader *loader, struct xml_node *node, st
 // the main file. The caller frees source->path.
 satin_status scene_file_source(struct scene_loader *loader, const struct param_value *name,
                                struct scene_source *out);
+
+// Whether the type of an element is unknown, or the file that it names is missing, and the loader
+// is lenient: logs that, and what is done `instead`.
+bool scene_left_out(struct scene_loader *loader, const struct xml_node *node, const char *instead);
+bool scene_file_missing(struct scene_loader *loader, const struct params *p, const char *instead);
 
 // The texture of a textured parameter, built on its first use (scene_plugins_texture.c).
 satin_status scene_texture_of(struct scene_loader *loader, struct xml_node *node,

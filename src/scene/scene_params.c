@@ -166,6 +166,10 @@ satin_status params_read(struct param_source source, const struct plugin_spec *p
     return SATIN_OK;
 }
 
+bool params_has(const struct params *params, const char *name) {
+    return find_spec(params->plugin, name) >= 0;
+}
+
 const struct param_value *param(const struct params *params, const char *name) {
     int i = find_spec(params->plugin, name);
     assert(i >= 0);

@@ -100,6 +100,8 @@ struct param_source {
 satin_status params_read(struct param_source source, const struct plugin_spec *plugin,
                          struct xml_node *node, struct params *out);
 
+// Whether the plugin has a parameter of that name.
+bool params_has(const struct params *params, const char *name);
 // A parameter by its name, which must be in the table.
 const struct param_value *param(const struct params *params, const char *name);
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where the files are that a scene names: folders of <path>, the order of the search,
 // and reading them.
+#include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -23,6 +25,42 @@ char *scene_xml_resolve(const struct scene_xml *xml, struct log_place place, con
         free(path);
     }
     return first;
+}
+
+// Replaces name, the `length` bytes of a folder's path that follow its first `start`, by what is in
+// the folder under it but for the case of letters.
+static bool find_any_case(char *path, size_t start, size_t length) {
+    char *folder = start ? strndup(path, start) : strdup("."),
+         *name = strndup(path + start, length);
+    DIR *dir = folder && name ? opendir(folder) : NULL;
+    bool found = false;
+    for (const struct dirent *entry; dir && (entry = readdir(dir));) {
+        if (strcasecmp(entry->d_name, name) != 0) continue;
+        if (found && memcmp(entry->d_name, path + start, length) >= 0) continue;
+        memcpy(path + start, entry->d_name, length);
+        found = true;
+    }
+    if (dir) closedir(dir);
+    free(folder);
+    free(name);
+    return found;
+}
+
+char *scene_path_any_case(const char *path) {
+    if (access(path, F_OK) == 0) return NULL;
+    char *out = strdup(path);
+    bool found = out != NULL;
+    for (size_t start = 0; found && out[start];) {
+        const size_t length = strcspn(out + start, "/");
+        const char after = out[start + length];
+        out[start + length] = 0;
+        found = !length || access(out, F_OK) == 0 || find_any_case(out, start, length);
+        out[start + length] = after;
+        start += length + (after != 0);
+    }
+    if (found) return out;
+    free(out);
+    return NULL;
 }
 
 satin_status scene_path_add(struct scene_xml *xml, struct log log, const struct xml_node *node) {

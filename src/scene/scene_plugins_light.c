@@ -310,11 +310,14 @@ satin_status scene_emitter_add(struct scene_loader *loader, struct xml_node *nod
                                int32_t *index) {
     struct params p;
     struct light light = {.shape = shape >= 0 ? (uint32_t)shape : 0};
+    *index = -1;
+    if (scene_left_out(loader, node, "the light is left out")) return SATIN_OK;
     satin_status status = scene_params(loader, node, &p);
+    if (status == SATIN_OK && scene_file_missing(loader, &p, "the light is left out"))
+        return SATIN_OK;
     if (status == SATIN_OK) status = p.plugin->build(loader, &p, &light);
     if (status == SATIN_OK) status = check_place(loader, &p, &light, shape >= 0);
     if (status != SATIN_OK) return status;
-    *index = -1;
     // An area light outside of a shape is there to be referred to by its id.
     bool waits = shape < 0 && (light.kind == LIGHT_AREA || light.kind == LIGHT_BEAM);
     if (waits && !xml_get(node, "id")) return fail(loader, &p, "it must be part of a shape");

@@ -248,24 +248,6 @@ static void see_bitmaps(void *ctx, const struct material_side *side) {
         *found = *found || (side->slot[i] && side->slot[i]->filtered);
 }
 
-satin_status scene_material_build(struct scene_loader *loader, struct xml_node *node,
-                                  struct material *out) {
-    *out = (struct material){0};
-    struct params p;
-    satin_status status = scene_params(loader, node, &p);
-    if (status != SATIN_OK) return status;
-    if (loader->bsdf_depth == BSDF_DEPTH_MAX)
-        return refuse(loader, &p, "is nested too deep, or in itself");
-    loader->bsdf_depth++;
-    status = build_any(loader, &p, out);
-    loader->bsdf_depth--;
-    if (status == SATIN_OK) material_visit(out, see_bitmaps, &out->filtered);
-    if (status == SATIN_OK &&
-        !(out->name = scene_keep_text(loader, node->id ? node->id : p.plugin->name)))
-        return scene_no_memory(loader);
-    return status;
-}
-
 // What a shape without a <bsdf> is made of; one that emits is black, as in Mitsuba.
 static satin_status default_material(struct scene_loader *loader, bool emits,
                                      struct material *out) {
@@ -277,6 +259,48 @@ static satin_status default_material(struct scene_loader *loader, bool emits,
         return scene_no_memory(loader);
     out->back = out->front;
     return SATIN_OK;
+}
+
+// In place of an unknown BRDF: the one that it wraps, or grey.
+static satin_status build_stand_in(struct scene_loader *loader, struct xml_node *node,
+                                   struct material *out) {
+    struct xml_node *at = NULL, *inner = params_child(&loader->xml, node, XML_BSDF, &at);
+    if (!inner || params_child(&loader->xml, node, XML_BSDF, &at)) {
+        satin_status status = default_material(loader, false, out);
+        out->two_sided = true;
+        return status;
+    }
+    if (loader->bsdf_depth == BSDF_DEPTH_MAX) {
+        log_error_at(loader->log, node->place, "BRDF '%s' is nested too deep, or in itself",
+                     node->type);
+        return SATIN_ERROR_INPUT;
+    }
+    loader->bsdf_depth++;
+    satin_status status = scene_material_build(loader, inner, out);
+    loader->bsdf_depth--;
+    return status;
+}
+
+satin_status scene_material_build(struct scene_loader *loader, struct xml_node *node,
+                                  struct material *out) {
+    *out = (struct material){0};
+    struct params p;
+    if (scene_left_out(loader, node, "it is grey, or what it wraps"))
+        return build_stand_in(loader, node, out);
+    satin_status status = scene_params(loader, node, &p);
+    if (status != SATIN_OK) return status;
+    if (scene_file_missing(loader, &p, "the BRDF is grey"))
+        return build_stand_in(loader, node, out);
+    if (loader->bsdf_depth == BSDF_DEPTH_MAX)
+        return refuse(loader, &p, "is nested too deep, or in itself");
+    loader->bsdf_depth++;
+    status = build_any(loader, &p, out);
+    loader->bsdf_depth--;
+    if (status == SATIN_OK) material_visit(out, see_bitmaps, &out->filtered);
+    if (status == SATIN_OK &&
+        !(out->name = scene_keep_text(loader, node->id ? node->id : p.plugin->name)))
+        return scene_no_memory(loader);
+    return status;
 }
 
 // Adds it to the scene's; *known gets 1 + its index.

@@ -287,8 +287,10 @@ static satin_status build_surface(struct scene_loader *loader, const struct para
 
 satin_status scene_shape_add(struct scene_loader *loader, struct xml_node *node) {
     struct params p;
+    if (scene_left_out(loader, node, "the shape is left out")) return SATIN_OK;
     satin_status status = scene_params(loader, node, &p);
     if (status != SATIN_OK) return status;
+    if (scene_file_missing(loader, &p, "the shape is left out")) return SATIN_OK;
     // A shape in shapes in shapes could be met without end, and add nothing.
     if (loader->shape_elements++ == SHAPES_MAX)
         return fail(loader, &p, "the scene has too many shapes");

@@ -177,6 +177,20 @@ const struct plugin_spec scene_texture_plugins[] = {
      attribute_params, 0, build_attribute, false},
     {0}};
 
+// Builds what the element describes; in its place a grey one, if the loader is lenient.
+static satin_status build_texture(struct scene_loader *loader, struct xml_node *node,
+                                  struct texture *texture) {
+    static const char grey[] = "the texture is grey";
+    struct params p;
+    bool left_out = scene_left_out(loader, node, grey);
+    satin_status status = left_out ? SATIN_OK : scene_params(loader, node, &p);
+    if (status == SATIN_OK && (left_out || scene_file_missing(loader, &p, grey))) {
+        *texture = (struct texture){.value = rgb_grey(0.5f), .mean = rgb_grey(0.5f)};
+        return SATIN_OK;
+    }
+    return status == SATIN_OK ? p.plugin->build(loader, &p, texture) : status;
+}
+
 satin_status scene_texture_of(struct scene_loader *loader, struct xml_node *node,
                               const struct texture **out) {
     if (loader->texture_depth + (node->texture ? node->texture->nesting : 0) > NESTING_MAX) {
@@ -186,10 +200,8 @@ satin_status scene_texture_of(struct scene_loader *loader, struct xml_node *node
     if (!node->texture) {
         struct texture *texture = arena_alloc(&loader->scene->arena, sizeof *texture);
         if (!texture) return scene_no_memory(loader);
-        struct params p;
-        satin_status status = scene_params(loader, node, &p);
         loader->texture_depth++;
-        if (status == SATIN_OK) status = p.plugin->build(loader, &p, texture);
+        satin_status status = build_texture(loader, node, texture);
         loader->texture_depth--;
         if (status != SATIN_OK) return status;
         node->texture = texture;

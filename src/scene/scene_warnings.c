@@ -88,6 +88,17 @@ static void on_message(void *user, satin_log_level level, const char *message) {
     log_message(warnings->to, level, "%s", message);
 }
 
+static void on_each(void *user, satin_log_level level, const char *message) {
+    struct scene_warnings *warnings = user;
+    warnings->failed = warnings->failed || warnings->strict;
+    (void)level;
+    tell(warnings, message, 1);
+}
+
+struct log scene_warnings_each(struct scene_warnings *warnings) {
+    return (struct log){warnings->to.fn ? on_each : NULL, warnings};
+}
+
 struct log scene_warnings_log(struct scene_warnings *warnings) {
     return (struct log){warnings->to.fn ? on_message : NULL, warnings};
 }

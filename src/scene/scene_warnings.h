@@ -22,6 +22,8 @@ struct scene_warnings {
 // The log for a loader: keeps warnings until scene_warnings_tell or an error, which it passes on
 // after them.
 struct log scene_warnings_log(struct scene_warnings *warnings);
+// The same for warnings that are passed on as they come, none of them counted.
+struct log scene_warnings_each(struct scene_warnings *warnings);
 // Passes on what is kept, and frees it.
 void scene_warnings_tell(struct scene_warnings *warnings);
 

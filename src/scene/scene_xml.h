@@ -102,6 +102,10 @@ void scene_xml_free(struct scene_xml *xml);
 // malloc, the caller frees; NULL without memory.
 char *scene_xml_resolve(const struct scene_xml *xml, struct log_place place, const char *name);
 
+// The file whose name differs from a missing one's in the case of letters alone, the first in the
+// order of bytes; malloc, the caller frees. NULL if `path` exists, or there is none, or no memory.
+char *scene_path_any_case(const char *path);
+
 // Takes a <path>; SATIN_ERROR_MEMORY is not logged.
 satin_status scene_path_add(struct scene_xml *xml, struct log log, const struct xml_node *node);
 
