@@ -169,12 +169,26 @@ static satin_status build_attribute(struct scene_loader *loader, const struct pa
     return texture->attribute ? SATIN_OK : scene_no_memory(loader);
 }
 
+static const struct param_spec raw_value = {
+    "value", PARAM_COLOR, NULL, RANGE_MODEST, PARAM_REQUIRED, NULL, "a number, or three"};
+static const struct param_spec *const constant_params[] = {&raw_value, NULL};
+
+static satin_status build_constant(struct scene_loader *loader, const struct params *p,
+                                   void *object) {
+    (void)loader;
+    const rgb value = param(p, "value")->color;
+    *(struct texture *)object = (struct texture){.value = value, .mean = value};
+    return SATIN_OK;
+}
+
 const struct plugin_spec scene_texture_plugins[] = {
     {XML_TEXTURE, "bitmap", "an image", bitmap_params, 0, build_bitmap, false},
     {XML_TEXTURE, "checkerboard", "two colours, or textures, in checks of half a unit",
      checkerboard_params, 0, build_checkerboard, false},
     {XML_TEXTURE, "mesh_attribute", "numbers or colours of a mesh's vertices or faces",
      attribute_params, 0, build_attribute, false},
+    {XML_TEXTURE, "rawconstant", "the same value everywhere", constant_params, 0, build_constant,
+     false},
     {0}};
 
 // Builds what the element describes; in its place a grey one, if the loader is lenient.

@@ -392,13 +392,35 @@ static void warns_of_what_has_no_effect(void **state) {
                      SATIN_ERROR_ARGUMENT);
 }
 
+static void reads_a_raw_constant(void **state) {
+    (void)state;
+    struct scene_case c;
+    satin_scene *scene = scene_case_load(
+        &c, SCENE_TEXT("<shape type='cube'><bsdf type='diffuse'><texture type='rawconstant' "
+                       "name='reflectance'><rgb name='value' value='.2 .4 .6'/></texture></bsdf>"
+                       "</shape>"));
+    assert_non_null(scene);
+    const struct texture *texture = scene->material[0].front.slot[BRDF_SLOT_DIFFUSE];
+    const struct texture_place at = texture_at((vec2){.3f, .7f});
+    const rgb value = texture_eval(texture, &at);
+    assert_true(value.r == .2f && value.g == .4f && value.b == .6f && c.warnings == 0);
+    satin_scene_free(scene);
+    assert_null(scene_case_load(&c, SCENE_TEXT("<texture type='rawconstant'/>")));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(builds_materials),        cmocka_unit_test(masks_nest),
-        cmocka_unit_test(twosided_nests),          cmocka_unit_test(builds_shapes),
-        cmocka_unit_test(builds_lights),           cmocka_unit_test(keeps_hints),
-        cmocka_unit_test(hashes_all_that_is_read), cmocka_unit_test(refuses_with_place),
-        cmocka_unit_test(refuses_bad_files),       cmocka_unit_test(warns_of_what_has_no_effect),
+        cmocka_unit_test(reads_a_raw_constant),
+        cmocka_unit_test(builds_materials),
+        cmocka_unit_test(masks_nest),
+        cmocka_unit_test(twosided_nests),
+        cmocka_unit_test(builds_shapes),
+        cmocka_unit_test(builds_lights),
+        cmocka_unit_test(keeps_hints),
+        cmocka_unit_test(hashes_all_that_is_read),
+        cmocka_unit_test(refuses_with_place),
+        cmocka_unit_test(refuses_bad_files),
+        cmocka_unit_test(warns_of_what_has_no_effect),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }
