@@ -225,12 +225,38 @@ def scaled_room(unit, what):
                            area_light(12, 11, 10)))
 
 
+def glossy_room(what, *bsdf):
+    """An open box whose back wall reflects a ball of the same material, 4 cm before it."""
+    gloss = plugin("bsdf", *bsdf, id="gloss")
+    back = rectangle("+z", (0, 1, -1), (1, 1), ref("gloss"))
+    walls = [wall for wall in room(1, 2, 1, open_front=True) if 'z="-1"' not in wall]
+    return scene(f"A wall and a ball close to it, both {what}: the ball's reflection changes over "
+                 "a\n     few centimetres, a small part of the distance to all else.",
+                 sensor((0, 1, 4.35), (0, 1, 0), 33), *PAINT, gloss, *walls, back,
+                 sphere((0.3, 0.6, -0.58), 0.38, ref("gloss")),
+                 lamp("-y", (0, 1.99, 0), (0.3, 0.3), 14, 12.5, 10))
+
+
+def phong_room():
+    return glossy_room("Phong of exponent 22", "phong",
+                       rgb("diffuse_reflectance", 0.2, 0.2, 0.22),
+                       rgb("specular_reflectance", 0.5, 0.5, 0.5), real("exponent", 22))
+
+
+def metal_room():
+    return glossy_room("of rough metal (GGX, alpha 0.15)", "roughconductor",
+                       value("string", "distribution", "ggx"), real("alpha", 0.15),
+                       rgb("eta", 1.66, 0.88, 0.52), rgb("k", 9.22, 6.27, 4.84),
+                       rgb("specular_reflectance", 0.8, 0.8, 0.8))
+
+
 def files():
     """Every file of scenes/cases as {path: bytes}."""
     scenes = {"spot": spot_beam(), "spot-lamp": spot_disk(), "corner": corner(),
               "thin-wall": thin_wall(), "backlit": backlit(), "caustic-gloss": caustic_gloss(),
               "mirror": mirror(), "contact": contact(), "bump": bump(), "storeys": storeys(),
               "gap": gap(), "stairs": stairs(), "window": window(),
+              "glossy-room": phong_room(), "metal-room": metal_room(),
               "room-5m": scaled_room(1, "5 m"),
               "room-5mm": scaled_room(0.001, "5 mm"), "room-500km": scaled_room(1e5, "500 km")}
     out = {f"cases/{name}.xml": text.encode() for name, text in scenes.items()}
