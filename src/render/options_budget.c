@@ -31,8 +31,7 @@ static const struct preset {
                       .radiance_rays = 2000,
                       .radiance_a = 0.4f,
                       .radiance_widen = 2.0f,
-                      .radiance_min_pixels = 4.0f,
-                      .radiance_max_pixels = 30.0f}},
+                      .radiance_min_pixels = 4.0f}},
     [SATIN_PREVIEW] = {7e-5,
                        16,
                        {.light_samples = 4,
@@ -47,8 +46,7 @@ static const struct preset {
                         .radiance_rays = 4000,
                         .radiance_a = 0.3f,
                         .radiance_widen = 2.0f,
-                        .radiance_min_pixels = 3.0f,
-                        .radiance_max_pixels = 20.0f}},
+                        .radiance_min_pixels = 3.0f}},
     [SATIN_PRODUCTION] = {2.5e-4,
                           36,
                           {.light_samples = 4,
@@ -63,8 +61,7 @@ static const struct preset {
                            .radiance_rays = 10000,
                            .radiance_a = 0.2f,
                            .radiance_widen = 1.6f,
-                           .radiance_min_pixels = 2.0f,
-                           .radiance_max_pixels = 20.0f}},
+                           .radiance_min_pixels = 2.0f}},
 };
 enum { PRESETS = sizeof preset / sizeof *preset };
 

@@ -147,8 +147,8 @@ const struct option options_table[] = {
     {"radiance-min-pixels", OPTION_FLOAT, AT(radiance_min_pixels), true, "0..1000",
      "Least radius of a radiance record in projected pixels; where it is more than the largest or "
      "than record-max-radius allows, those hold."},
-    {"radiance-max-pixels", OPTION_FLOAT, AT(radiance_max_pixels), true, "1..100000",
-     "Largest radius of a radiance record in projected pixels; 12 at most with a time limit."},
+    {"radiance-max-pixels", OPTION_FLOAT, AT(radiance_max_pixels), false, "1..100000",
+     "Largest radius of a radiance record in projected pixels."},
 
     {"adaptive-cache", OPTION_BOOL, AT(adaptive_cache), false, "off|on",
      "Records are shrunk and added until no two visibly disagree at a point that is seen. A render "

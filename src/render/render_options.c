@@ -9,13 +9,6 @@
 
 enum { TIMED_SPP = 1 << 20 };
 
-// Largest radius of a radiance record with a time limit, in pixels. The first round is read at 2.5
-// times a: with the 20 pixels of the presets records reach over 50, into a room's corner or an
-// object's reflection, where no others are to tell. Measured in a room with a glossy wall and ball
-// at four seconds, two seeds: relMSE .00033 and .00036 with 20, .00024 each with 12; with 8 .00023,
-// but the vase is a fifth worse.
-static const float TIMED_RADIANCE_PIXELS = 12.0f;
-
 static int or_else(int value, int open, int scene, int scene_open, int fallback) {
     if (value != open) return value;
     return scene != scene_open ? scene : fallback;
@@ -88,11 +81,9 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
     if (film_filter_has_lobes(&scene->film)) o->adaptive = false;
     if (o->spp == 0 && o->time > 0.0) o->spp = TIMED_SPP;
     r->photons_wanted = o->photons;
-    if (o->time > 0.0) {
+    if (o->time > 0.0)
         options_budget_seconds(o, o->time * parallel_cores(o->threads),
                                (double)o->width * (double)o->height);
-        o->radiance_max_pixels = fminf(o->radiance_max_pixels, TIMED_RADIANCE_PIXELS);
-    }
     o->spp = or_else(o->spp, 0, scene_spp, 0, options_quality_spp(o->quality));
     return SATIN_OK;
 }
