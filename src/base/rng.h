@@ -25,7 +25,8 @@ enum rng_stage {
     RNG_DEAL,
     RNG_CELL,
     RNG_SEEN,
-    RNG_SMOOTH
+    RNG_SMOOTH,
+    RNG_RIM
 };
 
 struct rng {

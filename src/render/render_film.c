@@ -97,11 +97,23 @@ static float mean_scale(const struct image_pixel *pixel) {
     return pixel->samples ? 1.0f / fmaxf(pixel->weight, least) : 0.0f;
 }
 
+// By the samples, and at rims by the further rays as well.
+static rgb mean_emission(const struct image_pixel *pixel) {
+    const rgb sum = rgb_add(pixel->layer[SHADE_EMISSION], pixel->rim);
+    const float weight = pixel->weight + pixel->rim_weight;
+    if (!(pixel->rim_weight > 0.0f) || !(weight > 0.0f))
+        return rgb_scale(pixel->layer[SHADE_EMISSION], mean_scale(pixel));
+    return rgb_scale(sum, 1.0f / weight);
+}
+
 static void put_pixel(const struct planes *planes, size_t at, const struct image_pixel *pixel) {
     const float scale = mean_scale(pixel);
-    put_rgb(planes, 0, at, pixel->beauty, scale);
+    const rgb *sampled = &pixel->layer[SHADE_EMISSION], emission = mean_emission(pixel);
+    put_rgb(planes, 0, at, rgb_add(rgb_scale(rgb_sub(pixel->beauty, *sampled), scale), emission),
+            1.0f);
     for (int k = 0; k < SHADE_LAYERS; k++)
         put_rgb(planes, CHANNEL_LAYERS + 3 * k, at, pixel->layer[k], scale);
+    put_rgb(planes, CHANNEL_LAYERS + 3 * SHADE_EMISSION, at, emission, 1.0f);
     put(planes, CHANNEL_DEPTH, at, pixel->depth * scale);
     if (pixel->samples)
         put(planes, CHANNEL_DENSITY, at, (float)pixel->used.count / (float)pixel->samples);

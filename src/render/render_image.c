@@ -224,6 +224,8 @@ satin_status render_image_fill(struct render *r) {
         per_sample = (stats_wall() - start) / (double)image->taken;
         adapt_judge(&image->adapt);
     }
+    const uint64_t even =
+        (uint64_t)even_samples(r) * (uint64_t)image->width * (uint64_t)image->height;
     while (whole && !r->sketch && next_pass(r, per_sample, &samples)) {
         start = stats_wall();
         render_stage_part(r, (double)image->taken / all, (double)samples / all);
@@ -232,6 +234,8 @@ satin_status render_image_fill(struct render *r) {
         image->taken += samples;
         per_sample = (stats_wall() - start) / (double)samples;
         adapt_judge(&image->adapt);
+        if (image->taken >= even && !image->rims && r->options.integrator != SATIN_PATH)
+            whole = render_rims(r);
     }
     r->stage_items = (double)image->taken;
     note_counts(r, pass.worker, workers);

@@ -13,6 +13,8 @@ struct image_pixel {
     struct cache_used used;
     float weight;  // that the film's filter gives to them
     uint32_t samples, dropped;
+    rgb rim;  // emission of further eye rays, weighted (render_rims.c)
+    float rim_weight;
 };
 
 struct render_image {
@@ -22,10 +24,15 @@ struct render_image {
     float *aov;  // sums of a pixel's aovs->values, weighted, pixel by pixel; NULL: there are none
     struct adapt adapt;
     uint64_t taken;           // samples
+    bool rims;                // render_rims has been here
     int coarsest;             // pixels between the first samples, a power of two
     bool looked;              // each of these pixels has one
     struct satin_film *film;  // what it becomes
 };
+
+// Takes further eye rays for emitted light alone where it varies from pixel to pixel; once, when
+// the image has its even samples. False if cut short.
+bool render_rims(struct render *r);
 
 // The film, empty, of an image; NULL without memory (render_film.c).
 struct satin_film *render_film_new(int width, int height, const struct scene_aovs *aovs,

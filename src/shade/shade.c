@@ -117,6 +117,14 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
     out->weight = eye.lens.weight;
 }
 
+rgb shade_emission(const struct shade *shade, int x, int y, uint32_t index, float *weight) {
+    struct shade_eye eye;
+    struct sampler sampler = shade_eye_sampler(shade->g, x, y, index, RNG_RIM);
+    shade_eye_trace(shade, x, y, &sampler, &eye);
+    *weight = eye.lens.weight;
+    return eye.emission;
+}
+
 // Records are made so far off edges, where rays would slip through gaps [K05 6.5.3].
 static const float EDGE_PIXELS = 0.5f;
 

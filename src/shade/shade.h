@@ -97,6 +97,10 @@ static inline void shade_pixel_begin(struct shade_worker *worker) {
 void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, int y,
                  uint32_t index, struct shade_sample *out);
 
+// Emitted light alone, seen by eye ray number `index` of pixel (x, y), of a series of its own;
+// *weight as of a sample.
+rgb shade_emission(const struct shade *shade, int x, int y, uint32_t index, float *weight);
+
 // The surface points of an eye ray where records may be needed, for cache_fill. Returns how many,
 // at most `max`.
 int shade_sites(const struct shade *shade, int x, int y, uint32_t index, struct cache_site *out,
