@@ -85,7 +85,7 @@ static int write_maps(const satin_film *film, const char *image, const char *fol
         path[i] = map_path(folder, &maps[i]);
         memory = memory && path[i];
     }
-    const int result = memory ? write_paths(film, image, path) : APP_FAILED;
+    const int result = memory ? write_paths(film, image, path) : app_no_memory();
     for (int i = 0; i < MAPS; i++) free(path[i]);
     return result;
 }

@@ -22,7 +22,8 @@ int app_outputs_check(const struct app_output *output, int count, const struct a
                 return app_wrong("two outputs are the same file: %s and %s", output[j].path,
                                  output[i].path);
         const struct log log = {app_log, NULL};
-        if (fileio_output_check(log, output[i].path, output[i].need) != SATIN_OK) return APP_WRONG;
+        const satin_status possible = fileio_output_check(log, output[i].path, output[i].need);
+        if (possible != SATIN_OK) return app_exit_of(possible);
     }
     return APP_DONE;
 }

@@ -133,9 +133,12 @@ satin_status fileio_output_open(struct log log, const char *path, enum fileio_ne
 
 satin_status fileio_output_check(struct log log, const char *path, enum fileio_need need) {
     struct fileio_output out = {.path = path, .fd = -1};
+    errno = 0;
     const char *problem = open_output(&out, need, true);
+    const bool memory = problem && errno == ENOMEM;
     if (problem) log_message(log, SATIN_LOG_ERROR, "%s: cannot write: %s", path, problem);
     fileio_output_discard(&out);
+    if (memory) return SATIN_ERROR_MEMORY;
     return problem ? SATIN_ERROR_INPUT : SATIN_OK;
 }
 

@@ -36,7 +36,8 @@ enum fileio_need {
 satin_status fileio_output_open(struct log log, const char *path, enum fileio_need need,
                                 struct fileio_output *out);
 // Whether fileio_output_open would succeed, found out by making the new file and removing it;
-// devices and pipes are not opened. SATIN_ERROR_INPUT with one logged line if not.
+// devices and pipes are not opened. SATIN_ERROR_INPUT with one logged line if not, or
+// SATIN_ERROR_MEMORY.
 satin_status fileio_output_check(struct log log, const char *path, enum fileio_need need);
 
 // Writes all `size` bytes, at the end or at an offset. False, with out->error set, if that fails.

@@ -39,7 +39,7 @@ int main(int argc, char **argv) {
     satin_scene *scene = NULL;
     if (argc != 2 || satin_scene_load(argv[1], NULL, 0, stat_say, NULL, &scene) != SATIN_OK)
         return 1;
-    if (!render(scene, "512", "99", reference)) return 1;
+    if (!render(scene, "256", "99", reference)) return 1;
     double square = 0.0, mean = 0.0;
     int count = 0;
     float lamp = 0.0f;
