@@ -17,7 +17,7 @@ static const struct preset {
     int spp;
     satin_options options;
 } preset[] = {
-    [SATIN_DRAFT] = {3e-5,
+    [SATIN_DRAFT] = {6e-5,
                      9,
                      {.light_samples = 2,
                       .glossy_samples = 2,
@@ -32,7 +32,7 @@ static const struct preset {
                       .radiance_a = 0.4f,
                       .radiance_widen = 2.0f,
                       .radiance_min_pixels = 4.0f}},
-    [SATIN_PREVIEW] = {7e-5,
+    [SATIN_PREVIEW] = {1.3e-4,
                        16,
                        {.light_samples = 4,
                         .glossy_samples = 4,
@@ -47,7 +47,7 @@ static const struct preset {
                         .radiance_a = 0.3f,
                         .radiance_widen = 2.0f,
                         .radiance_min_pixels = 3.0f}},
-    [SATIN_PRODUCTION] = {2.5e-4,
+    [SATIN_PRODUCTION] = {4.5e-4,
                           36,
                           {.light_samples = 4,
                            .glossy_samples = 4,
