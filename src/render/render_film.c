@@ -135,8 +135,11 @@ static void put_aovs(const struct render_image *image, float *const *plane, size
                      const struct image_pixel *pixel) {
     const struct scene_aovs *aovs = image->aovs;
     const float scale = mean_scale(pixel);
-    const float *sum = image->aov + (size_t)(pixel - image->pixel) * (size_t)aovs->values;
-    for (int i = 0; i < aovs->count; i++) plane[i][at] = sum[aovs->channel[i].value] * scale;
+    const float *sum = image->aov + (size_t)(pixel - image->pixel) * image->sums;
+    for (int i = 0; i < aovs->count; i++) {
+        const struct scene_aov *channel = &aovs->channel[i];
+        plane[i][at] = sum[channel->value + (channel->squared ? aovs->values : 0)] * scale;
+    }
 }
 
 static bool is_aov(const struct scene_aovs *aovs, const char *name) {

@@ -38,7 +38,8 @@ struct render_image *render_image_new(const struct satin_scene *scene,
         (struct render_image){.width = width, .height = height, .aovs = aovs, .coarsest = COARSEST};
     while ((width / image->coarsest) * (height / image->coarsest) > LOOK) image->coarsest *= 2;
     image->pixel = array_new(pixels, sizeof *image->pixel);
-    image->aov = array_new(pixels, (size_t)aovs->values * sizeof *image->aov);
+    image->sums = (size_t)aovs->values * (aovs->moment ? 2 : 1);
+    image->aov = array_new(pixels, image->sums * sizeof *image->aov);
     image->film = render_film_new(width, height, aovs, options);
     bool ok = image->pixel && image->film && (image->aov || !aovs->values);
     if (ok && adapt_make(&image->adapt, width, height)) return image;
@@ -84,8 +85,10 @@ static bool add_sample(struct image_pixel *pixel, const struct shade_sample *s) 
 
 static void add_aovs(const struct render_image *image, size_t at, const struct shade_sample *s) {
     const int values = image->aovs->values;
-    float *sum = image->aov + at * (size_t)values;
+    float *sum = image->aov + at * image->sums;
     for (int i = 0; i < values; i++) sum[i] += s->weight * s->aov[i];
+    for (int i = 0; image->aovs->moment && i < values; i++)
+        sum[values + i] += s->weight * (s->aov[i] * s->aov[i]);
 }
 
 static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {

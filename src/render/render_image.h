@@ -21,7 +21,10 @@ struct render_image {
     int width, height;
     struct image_pixel *pixel;
     const struct scene_aovs *aovs;
-    float *aov;  // sums of a pixel's aovs->values, weighted, pixel by pixel; NULL: there are none
+    // Weighted sums of a pixel's aovs->values, and of `moment` those of their squares after them,
+    // pixel by pixel; NULL: there are none.
+    float *aov;
+    size_t sums;  // of a pixel
     struct adapt adapt;
     uint64_t taken;           // samples
     bool rims;                // render_rims has been here

@@ -28,16 +28,18 @@ enum aov_kind {
     AOV_DUV_DY,
     AOV_PRIM_INDEX,
     AOV_SHAPE_INDEX,
+    AOV_LIGHT,  // the radiance of the sample in CIE XYZ, whatever it hits; of `moment`
     AOV_KINDS
 };
 enum {
-    AOV_VALUES = 27,        // of one sample at most: 1 to 3 of each kind
+    AOV_VALUES = 30,        // of one sample at most: 1 to 3 of each kind
     AOV_CHANNELS_MAX = 192  // each costs memory per pixel
 };
 
 struct scene_aov {
     const char *name;  // of a channel, each once: "normals.X"
     int value;         // what it shows, of a sample's values
+    bool squared;      // or of their squares
 };
 
 struct scene_aovs {
@@ -46,6 +48,7 @@ struct scene_aovs {
     int values;            // of a sample, those of each kind once
     int first[AOV_KINDS];  // where those of a kind begin; -1: not asked for
     bool partials;         // some are of dp/du and dp/dv
+    bool aov, moment;      // such an integrator was read; moment: squares are summed too
 };
 
 // See satin_options for the meaning.

@@ -93,6 +93,9 @@ extern const char *const scene_fov_axes[];
 // The `name:type` pairs of an `aov` integrator (scene_aov.c).
 satin_status scene_aovs_read(struct scene_loader *loader, const struct param_value *text,
                              struct scene_aovs *out);
+// What `moment` makes of the integrator `inner` in it, whose channels are those from `first` on.
+satin_status scene_aovs_moment(struct scene_loader *loader, const struct xml_node *inner, int first,
+                               struct scene_aovs *out);
 // What the <integrator> asks for (scene_plugins_integrator.c).
 satin_status scene_integrator_read(struct scene_loader *loader, struct xml_node *node);
 

@@ -25,6 +25,7 @@ static const struct param_spec aovs = {"aovs",
 
 static const struct param_spec *const path_params[] = {&max_depth, &rr_depth, &hide_emitters, NULL};
 static const struct param_spec *const aov_params[] = {&aovs, &hide_emitters, NULL};
+static const struct param_spec *const moment_params[] = {&hide_emitters, NULL};
 
 // Light transport by other ways, of Mitsuba 3 and of version 0.6.
 const char *const scene_transport[] = {"direct",
@@ -63,6 +64,12 @@ const struct plugin_spec scene_integrator_plugins[] = {
      "`dp_dv` (`.X .Y .Z`), `duv_dx`, `duv_dy` (`.U .V`: over the width of a sample's share of the "
      "pixel), `prim_index`, `shape_index` (`.I`: shapes count from 1, as they stand in the file)",
      aov_params, 1u << XML_INTEGRATOR, NULL, true},
+    {XML_INTEGRATOR, "moment",
+     "the image of the integrator inside; its light (`NAME.X .Y .Z`: CIE XYZ, NAME being that of "
+     "the "
+     "element inside) and its channels (`NAME.` before theirs), and the second moments of all of "
+     "these, means of their samples' squares, as `m2_NAME.X` and so on",
+     moment_params, 1u << XML_INTEGRATOR, NULL, true},
     {0}};
 
 // The options of `satin`, checked when they are applied.
@@ -93,8 +100,16 @@ static satin_status read_options(struct scene_loader *loader, const struct xml_n
 
 static satin_status read_bounds(struct scene_loader *loader, struct xml_node *node, int depth);
 
+// If node is a `moment`, the channels of what `inner` names in it, which begin at `first`.
+static satin_status read_moment(struct scene_loader *loader, const struct xml_node *node,
+                                const struct xml_node *inner, int first, satin_status status) {
+    if (status != SATIN_OK || strcmp(node->type, "moment") != 0) return status;
+    return scene_aovs_moment(loader, inner, first, &loader->scene->hints.aovs);
+}
+
 // Reads the integrator inside of another one, as `aov` has one, if it is there.
 static satin_status read_inner(struct scene_loader *loader, struct xml_node *node, int depth) {
+    const int first = loader->scene->hints.aovs.count;
     struct xml_node *at = NULL, *inner = params_child(&loader->xml, node, XML_INTEGRATOR, &at);
     if (!inner) return SATIN_OK;
     struct xml_node *another = at;
@@ -104,9 +119,9 @@ static satin_status read_inner(struct scene_loader *loader, struct xml_node *nod
         log_error_at(loader->log, another->place, "integrator '%s': it takes one integrator",
                      node->type);
     else if (strcmp(inner->type, "satin") == 0)
-        return read_options(loader, inner);
+        return read_moment(loader, node, at, first, read_options(loader, inner));
     else
-        return read_bounds(loader, inner, depth + 1);
+        return read_moment(loader, node, at, first, read_bounds(loader, inner, depth + 1));
     return SATIN_ERROR_INPUT;
 }
 
@@ -118,6 +133,7 @@ static satin_status read_bounds(struct scene_loader *loader, struct xml_node *no
     if (status != SATIN_OK) return status;
     struct scene_hints *hints = &loader->scene->hints;
     if (param(&p, "hide_emitters")->given) hints->hide_emitters = param(&p, "hide_emitters")->b;
+    if (strcmp(node->type, "moment") == 0) return SATIN_OK;
     if (strcmp(node->type, "aov") == 0)
         return scene_aovs_read(loader, param(&p, "aovs"), &hints->aovs);
     const struct param_value *longest = param(&p, "max_depth");

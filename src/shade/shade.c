@@ -64,6 +64,12 @@ static void surface_channels(const struct shade *shade, const struct gather_poin
     if (shade->g->scene->hints.aovs.count) shade_aov(shade, p, lens, out->aov);
 }
 
+// What the scene asks for of the sum of the light.
+static void light_channels(const struct shade *shade, struct shade_sample *out) {
+    const struct scene_aovs *aovs = &shade->g->scene->hints.aovs;
+    if (aovs->moment) shade_aov_light(aovs, out->beauty, out->aov);
+}
+
 // The photon map seen directly: all light at the point, emitted and mirrored light apart.
 static void photons_seen(struct shade_job *job) {
     const struct gather *g = job->shade->g;
@@ -84,6 +90,7 @@ static void path_sample(const struct shade *shade, int x, int y, uint32_t index,
     out->beauty = gather_path_eye(shade->g, ray, &sampler, &seen);
     out->layer[SHADE_EMISSION] = seen.emission;
     if (seen.hit) surface_channels(shade, &seen.point, &lens, out);
+    light_channels(shade, out);
     out->weight = lens.weight;
 }
 
@@ -114,6 +121,7 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
     }
     for (int layer = SHADE_DIRECT; layer <= SHADE_EMISSION; layer++)
         out->beauty = rgb_add(out->beauty, out->layer[layer]);
+    light_channels(shade, out);
     out->weight = eye.lens.weight;
 }
 

@@ -48,6 +48,13 @@ static void put_partials(const struct shade *shade, const struct surfel *s,
     put2(dy, uv_towards(scene, s, below, lens->at));
 }
 
+void shade_aov_light(const struct scene_aovs *aovs, rgb L, float *out) {
+    // Linear sRGB to CIE XYZ (IEC 61966-2-1).
+    put3(place(aovs, AOV_LIGHT, out), v3(0.412453f * L.r + 0.357580f * L.g + 0.180423f * L.b,
+                                         0.212671f * L.r + 0.715160f * L.g + 0.072169f * L.b,
+                                         0.019334f * L.r + 0.119193f * L.g + 0.950227f * L.b));
+}
+
 void shade_aov(const struct shade *shade, const struct gather_point *p,
                const struct shade_lens *lens, float *out) {
     const struct scene_aovs *aovs = &shade->g->scene->hints.aovs;

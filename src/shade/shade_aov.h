@@ -9,5 +9,7 @@
 // from its `first` on.
 void shade_aov(const struct shade *shade, const struct gather_point *p,
                const struct shade_lens *lens, float *out);
+// The kind AOV_LIGHT of out: L, which is linear sRGB [W m^-2 sr^-1].
+void shade_aov_light(const struct scene_aovs *aovs, rgb L, float *out);
 
 #endif

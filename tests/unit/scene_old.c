@@ -165,7 +165,7 @@ static void reads_unknown_ways_of_rendering(void **state) {
     struct scene_case c;
     satin_scene *scene = scene_case_load(
         &c,
-        "<scene version='3.0.0'><integrator type='moment'><integrator type='path'>"
+        "<scene version='3.0.0'><integrator type='stokes'><integrator type='path'>"
         "<integer name='max_depth' value='7'/></integrator></integrator>"
         "<sensor type='perspective'><sampler type='blue_noise'>"
         "<integer name='sample_count' value='9'/></sampler>"
