@@ -22,7 +22,14 @@
 // ---- Textures ---------------------------------------------------------------------------------
 
 enum texture_wrap { TEXTURE_REPEAT = 0, TEXTURE_MIRROR, TEXTURE_CLAMP };
-enum texture_kind { TEXTURE_CONSTANT = 0, TEXTURE_BITMAP, TEXTURE_CHECKERBOARD, TEXTURE_ATTRIBUTE };
+enum texture_kind {
+    TEXTURE_CONSTANT = 0,
+    TEXTURE_BITMAP,
+    TEXTURE_CHECKERBOARD,
+    TEXTURE_ATTRIBUTE,
+    TEXTURE_GRID,   // lines around the integers of u and v
+    TEXTURE_SCALED  // check[0] times `value`
+};
 
 // Linear texels; `channels` 1 or 3. Owned by the scene's arena.
 struct image {
@@ -40,19 +47,19 @@ struct image_file {
 
 struct texture {
     enum texture_kind kind;
-    rgb value;                          // constant
-    const struct texture *check[2];     // checkerboard: what it changes between
-    int nesting;                        // of checkerboards in it
+    rgb value;                          // constant; scaled: the factor
+    const struct texture *check[2];     // checkerboard: what it changes between; grid: lines second
+    int nesting;                        // of checkerboards and the like in it
     float to_uv[6];                     // uv' = (a b c; d e f) (u v 1)
     const struct image *image, *level;  // level: half its size, a quarter, ...; or NULL
     int levels;
-    bool filtered;  // it, or what is nested in it, can be averaged over a width
-    float texels;   // of the image along a unit of uv, the mean of both ways
-    enum texture_wrap wrap;
-    bool nearest;           // filter_type nearest; else bilinear
-    const char *attribute;  // name of a mesh attribute, the same pointer for the same name
-    float scale;            // of the attribute
-    rgb mean;               // average colour, for photon roulette and the like
+    bool filtered;                   // it, or what is nested in it, can be averaged over a width
+    float texels;                    // of the image along a unit of uv, the mean of both ways
+    enum texture_wrap wrap, wrap_v;  // along u and v
+    bool nearest;                    // filter_type nearest; else bilinear
+    const char *attribute;           // name of a mesh attribute, the same pointer for the same name
+    float scale;                     // of the attribute; grid: half a line's width
+    rgb mean;                        // average colour, for photon roulette and the like
 };
 
 // Where a texture is looked up: a place on a surface.
@@ -72,6 +79,8 @@ rgb texture_eval(const struct texture *texture, const struct texture_place *at);
 float texture_number(const struct texture *texture, const struct texture_place *at);
 // The least and the largest number that it gives; false if that is not known.
 bool texture_range(const struct texture *texture, float *lo, float *hi);
+// The largest value of each channel; of a mesh's attribute, which is not known here, black.
+rgb texture_largest(const struct texture *texture);
 // The gradient of its number by u and v; of a bitmap with bilinear filter, else 0.
 vec2 texture_gradient(const struct texture *texture, vec2 uv);
 

@@ -45,6 +45,14 @@ static rgb mean_of(const struct mesh *mesh, const char *name) {
 }
 
 rgb attribute_mean(const struct mesh *mesh, const struct texture *texture) {
+    if (texture->kind == TEXTURE_SCALED)
+        return rgb_mul(attribute_mean(mesh, texture->check[0]), texture->value);
+    if (texture->kind == TEXTURE_GRID) {
+        const rgb between = attribute_mean(mesh, texture->check[0]);
+        const rgb line = attribute_mean(mesh, texture->check[1]);
+        return rgb_mad(rgb_scale(between, 1.0f - texture_lines(texture)), line,
+                       texture_lines(texture));
+    }
     if (texture->kind == TEXTURE_CHECKERBOARD)
         return rgb_scale(rgb_add(attribute_mean(mesh, texture->check[0]),
                                  attribute_mean(mesh, texture->check[1])),
@@ -57,7 +65,7 @@ rgb attribute_mean(const struct mesh *mesh, const struct texture *texture) {
 
 bool attribute_want(struct attribute_names *names, const struct texture *texture) {
     if (!texture) return true;
-    if (texture->kind == TEXTURE_CHECKERBOARD)
+    if (texture->check[0])
         return attribute_want(names, texture->check[0]) && attribute_want(names, texture->check[1]);
     if (texture->kind != TEXTURE_ATTRIBUTE) return true;
     for (int i = 0; i < names->count; i++)

@@ -86,4 +86,15 @@ static inline float srgb_to_linear(float x) {
 extern const char scene_image_no_memory[];
 const char *scene_image_png_problem(const char *data, size_t size);
 
+// What is in it once its factors are taken off; NULL of NULL.
+static inline const struct texture *texture_unscaled(const struct texture *texture) {
+    while (texture && texture->kind == TEXTURE_SCALED) texture = texture->check[0];
+    return texture;
+}
+// The part of the plane that the lines of a grid cover.
+static inline float texture_lines(const struct texture *grid) {
+    const float between = fmaxf(1.0f - 2.0f * grid->scale, 0.0f);
+    return 1.0f - between * between;
+}
+
 #endif

@@ -52,6 +52,8 @@ bool scene_file_missing(struct scene_loader *loader, const struct params *p, con
 // The texture of a textured parameter, built on its first use (scene_plugins_texture.c).
 satin_status scene_texture_of(struct scene_loader *loader, struct xml_node *node,
                               const struct texture **out);
+// A texture that is `inner` times a factor (scene_plugins_texture.c).
+void scene_texture_scale(const struct texture *inner, rgb by, struct texture *out);
 // Builds one side of a surface from the parameters of a <bsdf> that wraps no other
 // (scene_plugins_bsdf.c).
 satin_status scene_side_build(struct scene_loader *loader, const struct params *p,

@@ -129,9 +129,13 @@ static satin_status move_to_uv(struct arena *arena, struct xml_node *parent,
         steps->name = "to_uv";
         append(parent, steps);
     }
-    bool scale = strcmp(node->name + 1, "scale") == 0;
+    const bool both = strcmp(node->name, "uvscale") == 0;
+    bool scale = both || strcmp(node->name + 1, "scale") == 0;
     struct xml_node *step = new_node(arena, node, scale ? XML_SCALE : XML_TRANSLATE,
-                                     node->name[0] == 'u' ? "x" : "y", xml_get(node, "value"));
+                                     both                   ? "value"
+                                     : node->name[0] == 'u' ? "x"
+                                                            : "y",
+                                     xml_get(node, "value"));
     if (!step) return SATIN_ERROR_MEMORY;
     if (!scale || !steps->child) {
         append(steps, step);
@@ -161,7 +165,8 @@ static satin_status respell_blackbody(struct arena *arena, struct xml_node *node
 
 static bool is_place_in_uv(const char *name) {
     return strcmp(name, "uscale") == 0 || strcmp(name, "vscale") == 0 ||
-           strcmp(name, "uoffset") == 0 || strcmp(name, "voffset") == 0;
+           strcmp(name, "uoffset") == 0 || strcmp(name, "voffset") == 0 ||
+           strcmp(name, "uvscale") == 0;
 }
 
 static satin_status respell_value(struct log log, struct arena *arena, struct xml_node *parent,
@@ -178,13 +183,14 @@ static satin_status respell_value(struct log log, struct arena *arena, struct xm
     const char *text = xml_get(node, "value");
     double gamma;
     if (is(parent, XML_TEXTURE, "bitmap") && strcmp(node->name, "gamma") == 0 &&
-        text_double(text, &gamma) && (gamma == 1.0 || gamma == -1.0)) {
-        node->tag = XML_BOOLEAN;  // 1: numbers, -1: as the file says
+        text_double(text, &gamma) && (gamma == 1.0 || gamma == -1.0 || gamma == 2.2)) {
+        if (gamma == 2.2) log_warning_at(log, node->place, "a gamma of 2.2 is read as sRGB's");
+        node->tag = XML_BOOLEAN;  // 1: numbers, else as the file says
         node->name = "raw";
         return set_attribute(arena, node, "value", gamma == 1.0 ? "true" : "false");
     }
     if (is(parent, XML_TEXTURE, "bitmap") && strcmp(node->name, "gamma") == 0) {
-        log_error_at(log, node->place, "gamma is '%s', but must be 1 or -1", text ? text : "");
+        log_error_at(log, node->place, "gamma is '%s', but must be 1, 2.2 or -1", text ? text : "");
         return SATIN_ERROR_INPUT;
     }
     static const struct pair filters[] = {

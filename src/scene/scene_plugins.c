@@ -30,7 +30,8 @@ static const char *const unread_shapes[] = {
 static const char *const unread_bsdfs[] = {"measured",           "hair",     "pplastic",
                                            "polarizer",          "retarder", "circular",
                                            "measured_polarized", NULL};
-static const char *const unread_textures[] = {"volume", "volumeadapter", NULL};
+static const char *const unread_textures[] = {"volume",    "volumeadapter", "vertexcolors",
+                                              "wireframe", "curvature",     NULL};
 static const char *const unread_emitters[] = {"sunsky", "timed_sunsky", "sky",
                                               "sun",    "volumelight",  NULL};
 static const char *const unread_sensors[] = {"distant",       "radiancemeter",   "batch",

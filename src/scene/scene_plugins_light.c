@@ -173,7 +173,8 @@ static satin_status build_projector(struct scene_loader *loader, const struct pa
     if (status == SATIN_OK) status = set_place(loader, p, light);
     if (status != SATIN_OK) return status;
     // The slide has the shape of its image.
-    const struct image *image = light->texture ? light->texture->image : NULL;
+    const struct texture *shown = texture_unscaled(light->texture);
+    const struct image *image = shown ? shown->image : NULL;
     double aspect = image ? (double)image->width / image->height : 1.0;
     float tan[2];
     status = scene_view_read(loader, p, aspect, tan);

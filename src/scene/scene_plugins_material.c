@@ -202,7 +202,7 @@ static satin_status build_relief(struct scene_loader *loader, const struct param
         return refuse(loader, p, "takes one <texture>");
     if (bump) relief.scale = param(p, "scale")->f;
     satin_status status = scene_texture_of(loader, map, bump ? &relief.bump : &relief.normal);
-    if (status == SATIN_OK && bump && relief.bump->kind == TEXTURE_ATTRIBUTE)
+    if (status == SATIN_OK && bump && texture_unscaled(relief.bump)->kind == TEXTURE_ATTRIBUTE)
         return refuse(loader, p, "cannot take heights from a mesh attribute");
     int count;
     if (status == SATIN_OK) status = build_nested(loader, p, 1, 1, out, &count);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// <texture>: bitmap, checkerboard, attributes of meshes. A texture is built once, an image is read
-// once, however often they are used; textures within textures count as often as they are met.
+// <texture>: bitmap, checkerboard, attributes of meshes, and of version 0.6 scale and grid. A
+// texture is built once, an image is read once, however often they are used; textures within
+// textures count as often as they are met.
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,6 +20,10 @@ static const struct param_spec filter_type = {
     "filter_type", PARAM_CHOICE, "bilinear", 0, 0, filters, "interpolation of texels"};
 static const struct param_spec wrap_mode = {
     "wrap_mode", PARAM_CHOICE, "repeat", 0, 0, wraps, "what is outside of [0, 1]"};
+static const struct param_spec wrap_mode_u = {
+    "wrap_mode_u", PARAM_CHOICE, NULL, 0, 0, wraps, "along u alone, in place of wrap_mode"};
+static const struct param_spec wrap_mode_v = {
+    "wrap_mode_v", PARAM_CHOICE, NULL, 0, 0, wraps, "along v alone, in place of wrap_mode"};
 static const struct param_spec raw = {
     "raw", PARAM_BOOLEAN, "false", 0, 0, NULL, "numbers, not colours: no sRGB decoding"};
 static const struct param_spec to_uv = {
@@ -32,14 +37,27 @@ static const struct param_spec color0 = {
 static const struct param_spec color1 = {
     "color1", PARAM_COLOR, ".2", RANGE_TEXEL, PARAM_TEXTURE, NULL, "colour of the others"};
 
+static const struct param_spec grid_color0 = {
+    "color0", PARAM_COLOR, ".2", RANGE_TEXEL, PARAM_TEXTURE, NULL, "colour between the lines"};
+static const struct param_spec grid_color1 = {
+    "color1", PARAM_COLOR, ".4", RANGE_TEXEL, PARAM_TEXTURE, NULL, "colour of the lines"};
+static const struct param_spec line_width = {
+    "line_width", PARAM_FLOAT, ".01", RANGE_NOT_NEGATIVE, 0, NULL, "half a line's width, in uv"};
+static const struct param_spec scaling = {
+    "scale", PARAM_COLOR, "1", RANGE_MODEST, 0, NULL, "factor, a number or a colour"};
+
 static const struct param_spec attribute = {
     "name", PARAM_STRING, NULL, 0, PARAM_REQUIRED, NULL, "attribute: vertex_... or face_..."};
 static const struct param_spec factor = {"scale", PARAM_FLOAT,           "1", RANGE_NOT_NEGATIVE, 0,
                                          NULL,    "factor of its values"};
 
-static const struct param_spec *const bitmap_params[] = {&filename, &filter_type, &wrap_mode, &raw,
-                                                         &to_uv,    &format,      &accel,     NULL};
+static const struct param_spec *const bitmap_params[] = {
+    &filename, &filter_type, &wrap_mode, &wrap_mode_u, &wrap_mode_v,
+    &raw,      &to_uv,       &format,    &accel,       NULL};
 static const struct param_spec *const checkerboard_params[] = {&color0, &color1, &to_uv, NULL};
+static const struct param_spec *const grid_params[] = {&grid_color0, &grid_color1, &line_width,
+                                                       &to_uv, NULL};
+static const struct param_spec *const scale_params[] = {&scaling, NULL};
 static const struct param_spec *const attribute_params[] = {&attribute, &factor, NULL};
 
 static void set_to_uv(struct texture *texture, const struct mat4 *m) {
@@ -96,7 +114,9 @@ static satin_status build_bitmap(struct scene_loader *loader, const struct param
     struct texture *texture = object;
     texture->kind = TEXTURE_BITMAP;
     texture->nearest = param(p, "filter_type")->i == 1;
-    texture->wrap = (enum texture_wrap)param(p, "wrap_mode")->i;
+    const struct param_value *u = param(p, "wrap_mode_u"), *v = param(p, "wrap_mode_v");
+    texture->wrap = (enum texture_wrap)(u->given ? u : param(p, "wrap_mode"))->i;
+    texture->wrap_v = (enum texture_wrap)(v->given ? v : param(p, "wrap_mode"))->i;
     set_to_uv(texture, &param(p, "to_uv")->m);
     const struct image_file *loaded;
     satin_status status = image_of(loader, param(p, "filename"), param(p, "raw")->b, &loaded);
@@ -122,21 +142,54 @@ static satin_status make_check(struct scene_loader *loader, const struct param_v
     return SATIN_OK;
 }
 
-static satin_status build_checkerboard(struct scene_loader *loader, const struct params *p,
-                                       void *object) {
-    struct texture *texture = object;
-    texture->kind = TEXTURE_CHECKERBOARD;
+// Those of color0 and color1, of which `second` is the part that the other has.
+static satin_status make_checks(struct scene_loader *loader, const struct params *p, float second,
+                                struct texture *texture) {
     for (int i = 0; i < 2; i++) {
         satin_status status =
             make_check(loader, param(p, i ? "color1" : "color0"), &texture->check[i]);
         if (status != SATIN_OK) return status;
         const struct texture *check = texture->check[i];
-        texture->mean = rgb_mad(texture->mean, check->mean, 0.5f);
+        texture->mean = rgb_mad(texture->mean, check->mean, i ? second : 1.0f - second);
         texture->filtered = texture->filtered || check->filtered;
         if (check->nesting >= texture->nesting) texture->nesting = check->nesting + 1;
     }
     set_to_uv(texture, &param(p, "to_uv")->m);
     return SATIN_OK;
+}
+
+static satin_status build_checkerboard(struct scene_loader *loader, const struct params *p,
+                                       void *object) {
+    ((struct texture *)object)->kind = TEXTURE_CHECKERBOARD;
+    return make_checks(loader, p, 0.5f, object);
+}
+
+static satin_status build_grid(struct scene_loader *loader, const struct params *p, void *object) {
+    struct texture *texture = object;
+    texture->kind = TEXTURE_GRID;
+    texture->scale = param(p, "line_width")->f;
+    return make_checks(loader, p, texture_lines(texture), texture);
+}
+
+void scene_texture_scale(const struct texture *inner, rgb by, struct texture *out) {
+    *out = (struct texture){.kind = TEXTURE_SCALED,
+                            .value = by,
+                            .check = {inner, NULL},
+                            .nesting = inner->nesting + 1,
+                            .filtered = inner->filtered,
+                            .mean = rgb_mul(inner->mean, by)};
+}
+
+static satin_status build_scale(struct scene_loader *loader, const struct params *p, void *object) {
+    struct xml_node *at = NULL, *node = params_child(&loader->xml, p->node, XML_TEXTURE, &at);
+    if (!node || params_child(&loader->xml, p->node, XML_TEXTURE, &at)) {
+        log_error_at(loader->log, p->node->place, "texture 'scale' takes one <texture>");
+        return SATIN_ERROR_INPUT;
+    }
+    const struct texture *inner;
+    satin_status status = scene_texture_of(loader, node, &inner);
+    if (status == SATIN_OK) scene_texture_scale(inner, param(p, "scale")->color, object);
+    return status;
 }
 
 // The one copy of a name, so that equal names are equal pointers; NULL without memory.
@@ -182,6 +235,10 @@ static satin_status build_constant(struct scene_loader *loader, const struct par
 }
 
 const struct plugin_spec scene_texture_plugins[] = {
+    {XML_TEXTURE, "scale", "the one texture inside times a factor, as in Mitsuba 0.6", scale_params,
+     1u << XML_TEXTURE, build_scale, false},
+    {XML_TEXTURE, "gridtexture", "lines between squares of one unit, as in Mitsuba 0.6",
+     grid_params, 0, build_grid, false},
     {XML_TEXTURE, "bitmap", "an image", bitmap_params, 0, build_bitmap, false},
     {XML_TEXTURE, "checkerboard", "two colours, or textures, in checks of half a unit",
      checkerboard_params, 0, build_checkerboard, false},

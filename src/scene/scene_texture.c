@@ -31,8 +31,8 @@ static struct cell cell_at(const struct texture *texture, const struct image *im
     float x0 = floorf(x), y0 = floorf(y);
     int left = wrap(x0, image->width, texture->wrap),
         right = wrap(x0 + 1.0f, image->width, texture->wrap);
-    int top = wrap(y0, image->height, texture->wrap),
-        bottom = wrap(y0 + 1.0f, image->height, texture->wrap);
+    int top = wrap(y0, image->height, texture->wrap_v),
+        bottom = wrap(y0 + 1.0f, image->height, texture->wrap_v);
     return (struct cell){texel(image, left, top),
                          texel(image, right, top),
                          texel(image, left, bottom),
@@ -53,7 +53,7 @@ static rgb nearest(const struct texture *texture, float u, float v) {
     const struct image *image = texture->image;
     int w = image->width, h = image->height;
     float x = floorf(u * (float)w), y = floorf(v * (float)h);
-    return texel(image, wrap(x, w, texture->wrap), wrap(y, h, texture->wrap));
+    return texel(image, wrap(x, w, texture->wrap), wrap(y, h, texture->wrap_v));
 }
 
 static const struct image *level_of(const struct texture *texture, int i) {
@@ -83,13 +83,24 @@ static bool to_texture(const struct texture *texture, vec2 uv, float *u, float *
 
 // What checkerboards show at uv, which nested textures take as it is; `exchanged`: they begin with
 // the second.
-static const struct texture *find_check(const struct texture *texture, vec2 uv, bool exchanged) {
-    while (texture->kind == TEXTURE_CHECKERBOARD) {
-        float u, v;
-        bool second = false;
-        if (to_texture(texture, uv, &u, &v))
-            second = (u - floorf(u) > 0.5f) != (v - floorf(v) > 0.5f);
-        texture = texture->check[second != exchanged];
+static int which(const struct texture *texture, vec2 uv, bool exchanged) {
+    float u, v;
+    if (texture->kind == TEXTURE_SCALED) return 0;
+    const bool inside = to_texture(texture, uv, &u, &v);
+    if (texture->kind == TEXTURE_GRID)
+        return inside && (fabsf(u - floorf(u + 0.5f)) < texture->scale ||
+                          fabsf(v - floorf(v + 0.5f)) < texture->scale);
+    const bool second = inside && (u - floorf(u) > 0.5f) != (v - floorf(v) > 0.5f);
+    return second != exchanged;
+}
+
+// What is there in the end, a texture that chooses between no others, and *factor of it.
+static const struct texture *find_check(const struct texture *texture, vec2 uv, bool exchanged,
+                                        rgb *factor) {
+    *factor = rgb_grey(1.0f);
+    while (texture->check[0]) {
+        if (texture->kind == TEXTURE_SCALED) *factor = rgb_mul(*factor, texture->value);
+        texture = texture->check[which(texture, uv, exchanged)];
     }
     return texture;
 }
@@ -104,24 +115,28 @@ static rgb eval(const struct texture *texture, const struct texture_place *at) {
 }
 
 rgb texture_eval(const struct texture *texture, const struct texture_place *at) {
-    return eval(find_check(texture, at->uv, false), at);
+    rgb factor;
+    texture = find_check(texture, at->uv, false, &factor);
+    return rgb_mul(eval(texture, at), factor);
 }
 
 float texture_number(const struct texture *texture, const struct texture_place *at) {
-    texture = find_check(texture, at->uv, true);
-    if (texture->kind == TEXTURE_CONSTANT) return rgb_mean(texture->value);
-    return rgb_luminance(eval(texture, at));
+    rgb factor;
+    texture = find_check(texture, at->uv, true, &factor);
+    if (texture->kind == TEXTURE_CONSTANT) return rgb_mean(rgb_mul(texture->value, factor));
+    return rgb_luminance(rgb_mul(eval(texture, at), factor));
 }
 
 vec2 texture_gradient(const struct texture *texture, vec2 uv) {
     float u, v;
-    texture = find_check(texture, uv, true);
+    rgb k;
+    texture = find_check(texture, uv, true, &k);
     if (texture->kind != TEXTURE_BITMAP || texture->nearest || !to_texture(texture, uv, &u, &v))
         return (vec2){0.0f, 0.0f};
     float w = (float)texture->image->width, h = (float)texture->image->height;
     struct cell c = cell_at(texture, texture->image, u * w - 0.5f, v * h - 0.5f);
-    float a = rgb_luminance(c.upper_left), b = rgb_luminance(c.upper_right);
-    float d = rgb_luminance(c.lower_left), e = rgb_luminance(c.lower_right);
+    float a = rgb_luminance(rgb_mul(c.upper_left, k)), b = rgb_luminance(rgb_mul(c.upper_right, k));
+    float d = rgb_luminance(rgb_mul(c.lower_left, k)), e = rgb_luminance(rgb_mul(c.lower_right, k));
     float x = w * lerpf(b - a, e - d, c.fy), y = h * lerpf(d - a, e - b, c.fx);
     const float *m = texture->to_uv;
     return (vec2){m[0] * x + m[3] * y, m[1] * x + m[4] * y};
@@ -146,13 +161,46 @@ bool texture_range(const struct texture *texture, float *lo, float *hi) {
             image_range(texture->image, lo, hi);
             return *lo <= *hi;
         case TEXTURE_CHECKERBOARD:
+        case TEXTURE_GRID:
             if (!texture_range(texture->check[0], lo, hi) ||
                 !texture_range(texture->check[1], &lo_1, &hi_1))
                 return false;
             *lo = minf(*lo, lo_1), *hi = maxf(*hi, hi_1);
             return true;
+        case TEXTURE_SCALED:
+            // Of a coloured factor the range is that of another weighted sum.
+            if (texture->value.r != texture->value.g || texture->value.r != texture->value.b)
+                return false;
+            if (!texture_range(texture->check[0], lo, hi)) return false;
+            *lo *= texture->value.r, *hi *= texture->value.r;
+            return true;
         case TEXTURE_ATTRIBUTE:
             break;
     }
     return false;
+}
+
+static rgb larger(rgb a, rgb b) {
+    return rgb_make(fmaxf(a.r, b.r), fmaxf(a.g, b.g), fmaxf(a.b, b.b));
+}
+
+rgb texture_largest(const struct texture *texture) {
+    rgb most = rgb_grey(0.0f);
+    switch (texture->kind) {
+        case TEXTURE_CONSTANT:
+            return texture->value;
+        case TEXTURE_BITMAP:
+            for (int y = 0; y < texture->image->height; y++)
+                for (int x = 0; x < texture->image->width; x++)
+                    most = larger(most, texel(texture->image, x, y));
+            break;
+        case TEXTURE_CHECKERBOARD:
+        case TEXTURE_GRID:
+            return larger(texture_largest(texture->check[0]), texture_largest(texture->check[1]));
+        case TEXTURE_SCALED:
+            return rgb_mul(texture_largest(texture->check[0]), texture->value);
+        case TEXTURE_ATTRIBUTE:
+            break;
+    }
+    return most;
 }

@@ -2,7 +2,7 @@
 // Files of version 0.6 load as the same scene in version 3's words does.
 #include "scene/scene_old.h"
 
-#include "scene/scene.h"
+#include "scene/scene_build.h"
 #include "scene/scene_params.h"
 #include "scene_case.h"
 
@@ -52,8 +52,11 @@ static void moves_the_scale_of_bumps(void **state) {
     snprintf(text, sizeof text, bumps, "0.6.0", "<rgb name='scale' value='1 2 3'/>");
     assert_null(scene_case_load(&c, text));
     snprintf(text, sizeof text, bumps, "3.0.0", "");
-    assert_null(scene_case_load(&c, text));
-    assert_true(strstr(c.error, "unknown texture 'scale'") != NULL);
+    scene = scene_case_load(&c, text);
+    assert_non_null(scene);
+    relief = scene->material[0].front.relief;
+    assert_true(relief->scale == 1.0f && relief->bump->kind == TEXTURE_SCALED);
+    satin_scene_free(scene);
 }
 
 // Renamed, scaled and coloured as version 3 does it by other words.
@@ -111,6 +114,40 @@ static void keeps_defaults(void **state) {
     assert_non_null(strstr(c.error, "none.png"));
 }
 
+// Textures as that version has them.
+static void reads_its_textures(void **state) {
+    (void)state;
+    struct scene_case c;
+    satin_scene *scene = scene_case_load(
+        &c,
+        "<scene version='0.6.0'><sensor type='perspective'/>"
+        "<shape type='sphere'><bsdf type='diffuse'><texture type='scale' name='reflectance'>"
+        "<rgb name='scale' value='.5 .25 1'/><texture type='scale'><float name='scale' value='.5'/>"
+        "<texture type='gridtexture'><rgb name='color0' value='1'/><rgb name='color1' value='0'/>"
+        "<float name='lineWidth' value='.25'/><float name='uvscale' value='4'/></texture></texture>"
+        "</texture></bsdf></shape></scene>");
+    assert_non_null(scene);
+    const struct material_side *side = &scene->material[0].front;
+    const struct texture *outer = side->slot[BRDF_SLOT_DIFFUSE], *inner = texture_unscaled(outer);
+    assert_true(c.warnings == 0 && outer->kind == TEXTURE_SCALED && inner->kind == TEXTURE_GRID);
+    assert_true(inner->to_uv[0] == 4 && inner->to_uv[4] == 4 && inner->scale == .25f);
+    assert_true(side->base.diffuse.r == .0625f && side->base.diffuse.g == .03125f);
+    struct texture_place at = texture_at((vec2){.125f, .125f});
+    assert_true(texture_eval(outer, &at).g == .125f);
+    satin_scene_free(scene);
+    static const char *const bad[][2] = {
+        {"<texture type='scale'/>", "texture 'scale' takes one <texture>"},
+        {"<texture type='vertexcolors'/>", "texture 'vertexcolors' is not supported"},
+        {"<texture type='wireframe'/>", "texture 'wireframe' is not supported"}};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        char text[256];
+        snprintf(text, sizeof text, "<scene version='0.6.0'>%s<sensor type='perspective'/></scene>",
+                 bad[i][0]);
+        assert_null(scene_case_load(&c, text));
+        assert_non_null(strstr(c.error, bad[i][1]));
+    }
+}
+
 static void refuses_the_rest(void **state) {
     (void)state;
     static const char *const cases[][2] = {
@@ -118,7 +155,7 @@ static void refuses_the_rest(void **state) {
          "scene.xml:1:50: distribution: unknown value 'as'"},
         {"<medium type='homogeneous'/>", "scene.xml:1:24: <medium> is not supported"},
         {"<texture type='bitmap'><float name='gamma' value='1.8'/></texture>",
-         "scene.xml:1:47: gamma is '1.8', but must be 1 or -1"}};
+         "scene.xml:1:47: gamma is '1.8', but must be 1, 2.2 or -1"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct scene_case c;
         char text[512];
@@ -183,6 +220,7 @@ int main(void) {
                                        cmocka_unit_test(keeps_meaning),
                                        cmocka_unit_test(keeps_defaults),
                                        cmocka_unit_test(refuses_the_rest),
+                                       cmocka_unit_test(reads_its_textures),
                                        cmocka_unit_test(reads_what_others_wrote),
                                        cmocka_unit_test(reads_unknown_ways_of_rendering)};
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);

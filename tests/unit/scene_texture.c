@@ -2,6 +2,7 @@
 // Texture look-ups: values measured with Mitsuba 3.9 on an image of 4 x 3 texels valued 0 to 11,
 // row by row, and laws that hold for every wrap mode.
 #include "mesh_case.h"
+#include "scene/scene_build.h"
 
 static const float texel[12] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
 static const struct image image = {4, 3, 1, texel};
@@ -11,6 +12,7 @@ static struct texture bitmap(enum texture_wrap wrap, bool nearest) {
                             .to_uv = {1, 0, 0, 0, 1, 0},
                             .image = &image,
                             .wrap = wrap,
+                            .wrap_v = wrap,
                             .nearest = nearest,
                             .mean = {5.5f, 5.5f, 5.5f}};
 }
@@ -227,8 +229,66 @@ static void averages_over_wide_places(void **state) {
     arena_free(&arena);
 }
 
+// A factor counts wherever it stands; a coloured one before the number is formed.
+static void scales(void **state) {
+    (void)state;
+    const struct texture t = bitmap(TEXTURE_REPEAT, false);
+    const struct texture white = {.value = {1, 1, 1}};
+    const struct texture a = {
+        .kind = TEXTURE_SCALED, .value = {2, 3, 4}, .check = {&t, NULL}, .mean = {1, 1, 1}};
+    const struct texture b = {
+        .kind = TEXTURE_SCALED, .value = {.5f, .5f, .5f}, .check = {&a, NULL}};
+    const struct texture checks = {
+        .kind = TEXTURE_CHECKERBOARD, .to_uv = {1, 0, 0, 0, 1, 0}, .check = {&b, &white}};
+    const vec2 uv = {.3f, .4f};
+    const rgb c = eval(&checks, uv);
+    const float e = eval(&t, uv).r;
+    assert_true(c.r == e && c.g == 1.5f * e && c.b == 2.0f * e);
+    assert_float_equal(number(&b, uv), rgb_luminance(c), 1e-6f);
+    assert_true(eval(&checks, (vec2){.7f, .4f}).g == 1.0f);
+    const vec2 g = texture_gradient(&t, uv), h = texture_gradient(&b, uv);
+    const float k = rgb_luminance(rgb_make(1, 1.5f, 2));
+    assert_float_equal(h.x, k * g.x, 1e-5f);
+    assert_float_equal(h.y, k * g.y, 1e-5f);
+    float lo, hi;
+    assert_false(texture_range(&b, &lo, &hi));
+    const struct texture grey = {.kind = TEXTURE_SCALED, .value = {3, 3, 3}, .check = {&t, NULL}};
+    assert_true(texture_range(&grey, &lo, &hi) && lo == 0.0f && hi == 33.0f);
+    const rgb most = texture_largest(&checks);
+    assert_true(most.r == 11.0f && most.g == 16.5f && most.b == 22.0f);
+}
+
+static void draws_lines(void **state) {
+    (void)state;
+    const struct texture black = {.value = {0, 0, 0}}, white = {.value = {1, 1, 1}};
+    const struct texture grid = {
+        .kind = TEXTURE_GRID, .to_uv = {1, 0, 0, 0, 1, 0}, .check = {&black, &white}, .scale = .1f};
+    enum { SIDE = 400 };
+    int lines = 0;
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        const vec2 uv = {((float)(i % SIDE) + .5f) / SIDE * 2 - 1,
+                         ((float)(i / SIDE) + .5f) / SIDE * 2 - 1};
+        const bool line = eval(&grid, uv).r == 1.0f;
+        const float x = fabsf(uv.x), y = fabsf(uv.y);
+        assert_true(line == (x < .1f || x > .9f || y < .1f || y > .9f));
+        assert_true(number(&grid, uv) == (float)line);
+        lines += line;
+    }
+    assert_float_equal((float)lines / (SIDE * SIDE), texture_lines(&grid), 1e-6f);
+}
+
+static void wraps_each_axis(void **state) {
+    (void)state;
+    struct texture t = bitmap(TEXTURE_REPEAT, true);
+    t.wrap_v = TEXTURE_CLAMP;
+    assert_true(eval(&t, (vec2){1.3f, 1.3f}).r == 9.0f && eval(&t, (vec2){-.1f, -.3f}).r == 3.0f);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(scales),
+        cmocka_unit_test(draws_lines),
+        cmocka_unit_test(wraps_each_axis),
         cmocka_unit_test(agrees_with_mitsuba),
         cmocka_unit_test(transforms_coordinates),
         cmocka_unit_test(checks_alternate),
