@@ -79,8 +79,6 @@ rgb texture_eval(const struct texture *texture, const struct texture_place *at);
 float texture_number(const struct texture *texture, const struct texture_place *at);
 // The least and the largest number that it gives; false if that is not known.
 bool texture_range(const struct texture *texture, float *lo, float *hi);
-// The largest value of each channel; of a mesh's attribute, which is not known here, black.
-rgb texture_largest(const struct texture *texture);
 // The gradient of its number by u and v; of a bitmap with bilinear filter, else 0.
 vec2 texture_gradient(const struct texture *texture, vec2 uv);
 

@@ -179,28 +179,3 @@ bool texture_range(const struct texture *texture, float *lo, float *hi) {
     }
     return false;
 }
-
-static rgb larger(rgb a, rgb b) {
-    return rgb_make(fmaxf(a.r, b.r), fmaxf(a.g, b.g), fmaxf(a.b, b.b));
-}
-
-rgb texture_largest(const struct texture *texture) {
-    rgb most = rgb_grey(0.0f);
-    switch (texture->kind) {
-        case TEXTURE_CONSTANT:
-            return texture->value;
-        case TEXTURE_BITMAP:
-            for (int y = 0; y < texture->image->height; y++)
-                for (int x = 0; x < texture->image->width; x++)
-                    most = larger(most, texel(texture->image, x, y));
-            break;
-        case TEXTURE_CHECKERBOARD:
-        case TEXTURE_GRID:
-            return larger(texture_largest(texture->check[0]), texture_largest(texture->check[1]));
-        case TEXTURE_SCALED:
-            return rgb_mul(texture_largest(texture->check[0]), texture->value);
-        case TEXTURE_ATTRIBUTE:
-            break;
-    }
-    return most;
-}
