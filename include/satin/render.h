@@ -38,7 +38,9 @@ typedef struct satin_callbacks {
 // Renders. SATIN_CANCELLED if the progress function asked for it; *film is then the image so far,
 // like that of a render with less samples, its last pixels filled from their neighbours. Cancelled
 // before the image was begun, a coarse one is made within half a second or so, of direct light
-// alone if the photons were not done yet or a sample takes that long. The caller frees *film.
+// alone if the photons were not done yet or a sample takes that long. If only the records could not
+// be written to save_cache, *film is the whole image and the status says why. The caller frees
+// *film, and sets it to NULL before.
 // Thread-safe on a shared scene. The film's pixels depend on scene and options only, not on
 // threads, unless options->time cuts them short.
 SATIN_API satin_status satin_render(const satin_scene *scene, const satin_options *options,

@@ -209,9 +209,12 @@ static satin_status write_outputs(const struct request *r, const satin_film *fil
         status = film_write_exr(film, r->output, pool, log);
         parallel_free(pool);
     }
-    if (status == SATIN_OK && r->png) status = satin_film_write_png(film, r->png, log.fn, log.user);
-    if (status != SATIN_OK || !r->stats || !stats) return status;
-    return fileio_write(log, r->stats, stats, strlen(stats));
+    // What can be written is, whatever became of the others.
+    satin_status png = SATIN_OK, json = SATIN_OK;
+    if (r->png) png = satin_film_write_png(film, r->png, log.fn, log.user);
+    if (r->stats && stats) json = fileio_write(log, r->stats, stats, strlen(stats));
+    if (status != SATIN_OK) return status;
+    return png != SATIN_OK ? png : json;
 }
 
 static void print_summary(const struct request *r, const satin_film *film, satin_status rendered,

@@ -156,8 +156,9 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
     if (status == SATIN_ERROR_MEMORY && !r->error_told)
         log_message(r->log, SATIN_LOG_ERROR, "not enough memory");
 
+    const satin_status saved = r->saved;
     destroy(r);
     free(r);
     if (status == SATIN_OK || status == SATIN_CANCELLED) *out = made;
-    return status;
+    return status == SATIN_OK ? saved : status;
 }

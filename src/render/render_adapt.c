@@ -48,22 +48,24 @@ static size_t pixels(const struct adapt *adapt) {
 }
 
 // The square of what is dark in this image.
-static float floor2(const struct adapt *adapt) {
+static double floor2(const struct adapt *adapt) {
     double sum = 0.0;
     for (size_t i = 0; i < pixels(adapt); i++) {
         const struct adapt_pixel *p = &adapt->pixel[i];
         if (p->count) sum += (double)rgb_luminance(p->sum) / p->count;
     }
-    float dark = DARK * (float)(sum / (double)pixels(adapt));
-    return fmaxf(dark * dark, 1e-30f);
+    const double dark = (double)DARK * sum / (double)pixels(adapt);
+    return fmax(dark * dark, 1e-30);
 }
 
-static float relative2(float difference, float mean, float floor2) {
-    return difference * difference / (mean * mean + floor2);
+// In doubles: squares of the brightest lights leave the range of float.
+static double relative2(float difference, float mean, double floor2) {
+    const double d = (double)difference, m = (double)mean;
+    return d * d / (m * m + floor2);
 }
 
 void adapt_judge(struct adapt *adapt) {
-    float least2 = floor2(adapt);
+    const double least2 = floor2(adapt);
     for (size_t i = 0; i < pixels(adapt); i++) {
         struct adapt_pixel *p = &adapt->pixel[i];
         uint32_t fresh = p->count - p->before;
@@ -73,9 +75,10 @@ void adapt_judge(struct adapt *adapt) {
             rgb mean = rgb_scale(p->sum, 1.0f / n);
             rgb d = rgb_sub(rgb_scale(p->sum_before, 1.0f / a),
                             rgb_scale(rgb_sub(p->sum, p->sum_before), 1.0f / b));
-            float error2 = relative2(d.r, mean.r, least2) + relative2(d.g, mean.g, least2) +
-                           relative2(d.b, mean.b, least2);
-            p->spread = error2 * a * b / (n * n) * powf(n, GAIN);
+            const double error2 = relative2(d.r, mean.r, least2) + relative2(d.g, mean.g, least2) +
+                                  relative2(d.b, mean.b, least2);
+            // Sums that are not finite tell nothing.
+            p->spread = isfinite(error2) ? (float)error2 * a * b / (n * n) * powf(n, GAIN) : 0.0f;
         }
         p->sum_before = p->sum;
         p->before = p->count;
@@ -142,7 +145,7 @@ static float find_factor(const struct adapt *adapt, const float *want, double sa
     return hi.value;
 }
 
-uint64_t adapt_spread(struct adapt *adapt, uint64_t samples) {
+void adapt_spread(struct adapt *adapt, uint64_t samples) {
     const float *want = wanted(adapt);
     const float factor = find_factor(adapt, want, (double)samples);
     // Where the noise is confined to a few pixels the rest of the samples is spread evenly.
@@ -150,6 +153,7 @@ uint64_t adapt_spread(struct adapt *adapt, uint64_t samples) {
     const double even = rest / (double)pixels(adapt);
     double owed = 0.0;  // what rounding to whole groups has kept back so far
     uint64_t given = 0;
+    struct adapt_pixel *last = adapt->pixel;
     for (size_t i = 0; i < pixels(adapt); i++) {
         struct adapt_pixel *p = &adapt->pixel[i];
         const float count = (float)p->count;
@@ -158,6 +162,8 @@ uint64_t adapt_spread(struct adapt *adapt, uint64_t samples) {
         p->target = p->count + MULTIPLE * (uint32_t)groups;
         owed -= MULTIPLE * groups;
         given += MULTIPLE * (uint64_t)groups;
+        if (groups > 0.0) last = p;
     }
-    return given;
+    // Half a group that is left over or too much.
+    last->target += (uint32_t)(samples - given);
 }

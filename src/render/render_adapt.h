@@ -34,9 +34,8 @@ static inline void adapt_add(struct adapt_pixel *pixel, rgb value) {
 void adapt_judge(struct adapt *adapt);
 // Targets of the next pass: `count` samples in every pixel.
 void adapt_even(struct adapt *adapt, uint32_t count);
-// Targets of the next pass: `samples` more, to the nearest pair, where they lower the relative
-// squared error of the image most; what noisy pixels cannot take in one pass is spread evenly.
-// Returns how many it will take.
-uint64_t adapt_spread(struct adapt *adapt, uint64_t samples);
+// Targets of the next pass: `samples` more where they lower the relative squared error of the image
+// most; what noisy pixels cannot take in one pass is spread evenly.
+void adapt_spread(struct adapt *adapt, uint64_t samples);
 
 #endif

@@ -152,7 +152,7 @@ static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
         if (want == 0) return false;
         adapt_even(&image->adapt, (uint32_t)((done + want) / pixels));
     } else {
-        want = adapt_spread(&image->adapt, want);
+        adapt_spread(&image->adapt, want);
     }
     *samples = want;
     return want > 0;

@@ -178,5 +178,6 @@ satin_status render_records(struct render *r) {
     render_stage(r, "records", "", 0.0);
     satin_status status = render_cache_load(r, &whole);
     if (status == SATIN_OK && !whole) status = make_records(r);
-    return status == SATIN_OK ? render_cache_save(r) : status;
+    if (status == SATIN_OK) r->saved = render_cache_save(r);
+    return status;
 }

@@ -41,6 +41,7 @@ struct render {
     struct cache *cache;
     char *cache_bytes;              // of the file that was read, or NULL
     struct cache_file *cache_file;  // the same
+    satin_status saved;             // whether the records could be written to a file
     struct shade shade;
     struct render_image *image;
     bool image_begun;

@@ -77,12 +77,14 @@ static bool equal(const struct geometry *a, const struct geometry *b) {
 
 struct keyed {
     uint64_t hash;
+    bool dark;  // emits no light
     uint32_t shape;
 };
 
 static int by_hash(const void *a, const void *b) {
     const struct keyed *x = a, *y = b;
     if (x->hash != y->hash) return x->hash < y->hash ? -1 : 1;
+    if (x->dark != y->dark) return x->dark ? 1 : -1;  // what shines is seen
     return x->shape < y->shape ? -1 : x->shape > y->shape;
 }
 
@@ -99,7 +101,7 @@ bool coincide_find(const struct satin_scene *scene, uint32_t first, uint32_t cou
         if (shape->group != group) continue;
         if (shape->kind != SHAPE_INSTANCE && opacity_of(scene, shape)) continue;
         const struct geometry g = geometry_of(shape);
-        key[n++] = (struct keyed){hash_of(&g), i};
+        key[n++] = (struct keyed){hash_of(&g), shape->light < 0, i};
     }
     qsort(key, n, sizeof *key, by_hash);
     // Each is compared with the first of its hash alone: of two geometries with one hash, which

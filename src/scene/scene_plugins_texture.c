@@ -235,11 +235,11 @@ static satin_status build_constant(struct scene_loader *loader, const struct par
 }
 
 const struct plugin_spec scene_texture_plugins[] = {
+    {XML_TEXTURE, "bitmap", "an image", bitmap_params, 0, build_bitmap, false},
     {XML_TEXTURE, "scale", "the one texture inside times a factor, as in Mitsuba 0.6", scale_params,
      1u << XML_TEXTURE, build_scale, false},
     {XML_TEXTURE, "gridtexture", "lines between squares of one unit, as in Mitsuba 0.6",
      grid_params, 0, build_grid, false},
-    {XML_TEXTURE, "bitmap", "an image", bitmap_params, 0, build_bitmap, false},
     {XML_TEXTURE, "checkerboard", "two colours, or textures, in checks of half a unit",
      checkerboard_params, 0, build_checkerboard, false},
     {XML_TEXTURE, "mesh_attribute", "numbers or colours of a mesh's vertices or faces",

@@ -60,6 +60,20 @@ static void leaves_holes_alone(void **state) {
     test_scene_free(&t);
 }
 
+static void keeps_what_shines(void **state) {
+    (void)state;
+    test_scene_init(&t);
+    const uint32_t white = test_diffuse(&t, .5f, .5f, .5f);
+    uint32_t sphere[3];
+    for (int i = 0; i < 3; i++)
+        sphere[i] = test_quadric(&t, SHAPE_SPHERE, mat4_identity(), false, white);
+    test_area_light(&t, sphere[1], rgb_grey(1.0f));
+    bool hidden[TEST_SHAPES];
+    assert_int_equal(find(hidden), 2);
+    assert_true(hidden[sphere[0]] && !hidden[sphere[1]] && hidden[sphere[2]]);
+    test_scene_free(&t);
+}
+
 static void finds_nothing_among_others(void **state) {
     (void)state;
     test_scene_init(&t);
@@ -106,9 +120,8 @@ static void warns_once(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(finds_each_kind),
-        cmocka_unit_test(leaves_holes_alone),
-        cmocka_unit_test(finds_nothing_among_others),
+        cmocka_unit_test(finds_each_kind),   cmocka_unit_test(leaves_holes_alone),
+        cmocka_unit_test(keeps_what_shines), cmocka_unit_test(finds_nothing_among_others),
         cmocka_unit_test(warns_once),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
