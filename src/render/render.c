@@ -153,12 +153,12 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
         status = sketch(r, !r->shade.g || r->image_begun);
     if (status == SATIN_CANCELLED && !r->image->looked) status = sketch(r, true);
     if (r->pool) status = film(r, status, &made);
+    if (status == SATIN_OK) status = r->saved;
     if (status == SATIN_ERROR_MEMORY && !r->error_told)
         log_message(r->log, SATIN_LOG_ERROR, "not enough memory");
 
-    const satin_status saved = r->saved;
     destroy(r);
     free(r);
-    if (status == SATIN_OK || status == SATIN_CANCELLED) *out = made;
-    return status == SATIN_OK ? saved : status;
+    if (made) *out = made;
+    return status;
 }

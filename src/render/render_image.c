@@ -229,7 +229,8 @@ satin_status render_image_fill(struct render *r) {
     }
     const uint64_t even =
         (uint64_t)even_samples(r) * (uint64_t)image->width * (uint64_t)image->height;
-    while (whole && !r->sketch && next_pass(r, per_sample, &samples)) {
+    satin_status status = SATIN_OK;
+    while (status == SATIN_OK && whole && !r->sketch && next_pass(r, per_sample, &samples)) {
         start = stats_wall();
         render_stage_part(r, (double)image->taken / all, (double)samples / all);
         whole = run_pass(&pass);
@@ -238,10 +239,11 @@ satin_status render_image_fill(struct render *r) {
         per_sample = (stats_wall() - start) / (double)samples;
         adapt_judge(&image->adapt);
         if (image->taken >= even && !image->rims && r->options.integrator != SATIN_PATH)
-            whole = render_rims(r);
+            status = render_rims(r, &whole);
     }
     r->stage_items = (double)image->taken;
     note_counts(r, pass.worker, workers);
     free(pass.worker);
+    if (status != SATIN_OK) return status;
     return !whole && r->cancelled ? SATIN_CANCELLED : SATIN_OK;
 }

@@ -34,8 +34,8 @@ struct render_image {
 };
 
 // Takes further eye rays for emitted light alone where it varies from pixel to pixel; once, when
-// the image has its even samples. False if cut short.
-bool render_rims(struct render *r);
+// the image has its even samples. *whole: it was not cut short.
+satin_status render_rims(struct render *r, bool *whole);
 
 // The film, empty, of an image; NULL without memory (render_film.c).
 struct satin_film *render_film_new(int width, int height, const struct scene_aovs *aovs,

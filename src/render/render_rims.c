@@ -70,18 +70,18 @@ static void trace_rims(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-bool render_rims(struct render *r) {
+satin_status render_rims(struct render *r, bool *whole) {
     struct rims rims = {.r = r};
     const struct render_image *image = r->image;
     const size_t pixels = (size_t)image->width * (size_t)image->height;
     r->image->rims = true;
     rims.pixel = array_new(pixels, sizeof *rims.pixel);
-    if (!rims.pixel) return true;  // the image does without
+    if (!rims.pixel) return SATIN_ERROR_MEMORY;
     find_rims(&rims);
     const double most = RAYS_MEAN * (double)pixels / (double)(rims.count ? rims.count : 1);
     for (rims.rays = RAYS_MOST; rims.rays > most; rims.rays /= 2) continue;
-    const bool whole = parallel_for(r->pool, rims.rays ? rims.count : 0, GRAIN, trace_rims, &rims);
+    *whole = parallel_for(r->pool, rims.rays ? rims.count : 0, GRAIN, trace_rims, &rims);
     stats_set(&r->stats, "image.rim_pixels", (double)rims.count);
     free(rims.pixel);
-    return whole;
+    return SATIN_OK;
 }
