@@ -13,7 +13,8 @@ enum {
     GRAIN = 64        // pixels
 };
 
-// Rays per pixel of the whole image.
+// Rays per pixel of the whole image. Measured with 2: at 128x128 the rms error of rims falls from
+// .0119 to .0049 of the lamp; the time of a draft at 400x400 changes by less than its runs differ.
 static const double RAYS_MEAN = 2.0;
 
 // Emission that varies by less than this part is smooth, as a sky's.
