@@ -1,0 +1,70 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Hashes of the pixels of all data scenes and cases, small and quick. A change of the code that
+must not change images is shown by equal hashes of the programs before and after it.
+
+Usage: hashes.py SATIN [OTHER]
+With one program, prints a line `hash scene integrator` for each image. With two, prints those that
+differ and exits 1 if there are any.
+"""
+import argparse
+import concurrent.futures
+import hashlib
+import pathlib
+import struct
+import subprocess
+import sys
+import tempfile
+
+SCENES = pathlib.Path(__file__).resolve().parents[2] / "data/scenes"
+SIZE = ["--width", "48", "--height", "48", "--spp", "4", "--threads", "1", "--quiet"]
+INTEGRATORS = {"two-pass": ["--quality", "draft"], "path": [], "photons": ["--quality", "draft"]}
+
+
+def pixels(data):
+    """What an EXR file by satin holds, but for its metadata: channels, their order, and chunks."""
+    at, attributes = 8, {}
+    while data[at]:
+        name, kind, rest = data[at:at + 600].split(b"\0", 2)
+        at += len(name) + len(kind) + 2
+        size, = struct.unpack_from("<i", data, at)
+        attributes[name] = data[at + 4:at + 4 + size]
+        at += 4 + size
+    first, = struct.unpack_from("<Q", data, at + 1)
+    return attributes[b"channels"] + attributes[b"dataWindow"] + data[first:]
+
+
+def hash_of(satin, scene, integrator):
+    with tempfile.TemporaryDirectory() as folder:
+        out = pathlib.Path(folder) / "out.exr"
+        done = subprocess.run(
+            [satin, "render", scene, "-o", out, "--integrator", integrator,
+             *INTEGRATORS[integrator], *SIZE], capture_output=True, text=True)
+        if done.returncode:
+            return f"exit {done.returncode}: {done.stderr.strip()}"
+        return hashlib.sha256(pixels(out.read_bytes())).hexdigest()[:16]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("satin", nargs="+", help="one program or two")
+    programs = [pathlib.Path(p).resolve() for p in parser.parse_args().satin]
+    cases = [(scene, integrator) for scene in sorted(SCENES.glob("**/*.xml"))
+             for integrator in INTEGRATORS]
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        hashes = [list(pool.map(lambda case: hash_of(program, *case), cases))
+                  for program in programs]
+    names = [f"{scene.relative_to(SCENES)} {integrator}" for scene, integrator in cases]
+    if len(programs) == 1:
+        for value, name in zip(hashes[0], names):
+            print(value, name)
+        return 0
+    different = [row for row in zip(*hashes, names) if row[0] != row[1]]
+    for row in different:
+        print(*row)
+    print(f"{len(different)} of {len(cases)} images differ")
+    return 1 if different else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
