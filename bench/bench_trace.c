@@ -10,7 +10,7 @@
 #include "base/sampling.h"
 #include "bench_embree.h"
 #include "bench_timing.h"
-#include "scene/scene_build.h"
+#include "load/load_build.h"
 
 enum { ROWS = 157, COLUMNS = 314, RAYS = 200000, ROUNDS = 15 };
 

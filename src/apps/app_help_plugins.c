@@ -5,14 +5,14 @@
 
 #include "apps/app.h"
 #include "base/text.h"
-#include "scene/scene.h"
+#include "load/load.h"
 
 enum { INDENT = 26 };
 
 void app_help_plugins(void) {
-    struct scene_plugin_info plugin;
+    struct load_plugin_info plugin;
     const char *element = "";
-    for (int i = 0; scene_plugin_describe(i, &plugin); i++) {
+    for (int i = 0; load_plugin_describe(i, &plugin); i++) {
         if (strcmp(element, plugin.element) != 0)
             printf("%s<%s type=\"...\">\n", i ? "\n" : "", plugin.element);
         element = plugin.element;
@@ -27,9 +27,9 @@ static bool names_element(const char *topic, const char *element) {
 }
 
 bool app_help_element(const char *topic) {
-    struct scene_plugin_info plugin;
+    struct load_plugin_info plugin;
     bool found = false;
-    for (int i = 0; scene_plugin_describe(i, &plugin); i++) {
+    for (int i = 0; load_plugin_describe(i, &plugin); i++) {
         if (!names_element(topic, plugin.element)) continue;
         if (!found) printf("<%s type=\"...\">\n", plugin.element);
         app_print_wrapped(printf("  %s", plugin.name), INDENT, plugin.doc);
@@ -38,7 +38,7 @@ bool app_help_element(const char *topic) {
     return found;
 }
 
-static void print_param(const struct scene_param_info *param) {
+static void print_param(const struct load_param_info *param) {
     app_print_wrapped(printf("  %s", param->name), INDENT, param->doc);
     printf("%*s%s", INDENT, "", param->kind);
     if (param->range[0]) printf(", %s", param->range);
@@ -50,16 +50,16 @@ static void print_param(const struct scene_param_info *param) {
 }
 
 bool app_help_plugin(const char *element, const char *name, struct text_nearest *search) {
-    struct scene_plugin_info plugin;
-    struct scene_param_info param;
+    struct load_plugin_info plugin;
+    struct load_param_info param;
     bool found = false;
-    for (int i = 0; scene_plugin_describe(i, &plugin); i++) {
+    for (int i = 0; load_plugin_describe(i, &plugin); i++) {
         text_nearest_try(search, plugin.name);
         if (!text_same_name(plugin.name, name)) continue;
         if (element && strcmp(plugin.element, element) != 0) continue;
         int at = printf("<%s type=\"%s\">", plugin.element, plugin.name);
         app_print_wrapped(at, INDENT, plugin.doc);
-        for (int p = 0; scene_param_describe(i, p, &param); p++) print_param(&param);
+        for (int p = 0; load_param_describe(i, p, &param); p++) print_param(&param);
         found = true;
     }
     return found;
@@ -67,11 +67,11 @@ bool app_help_plugin(const char *element, const char *name, struct text_nearest 
 
 // ---- Markdown -----------------------------------------------------------------------------------
 
-static void print_plugin_markdown(int index, const struct scene_plugin_info *plugin) {
-    struct scene_param_info param;
+static void print_plugin_markdown(int index, const struct load_plugin_info *plugin) {
+    struct load_param_info param;
     printf("\n### %s\n\n`<%s type=\"%s\">`: %s.\n", plugin->name, plugin->element, plugin->name,
            plugin->doc);
-    for (int p = 0; scene_param_describe(index, p, &param); p++) {
+    for (int p = 0; load_param_describe(index, p, &param); p++) {
         if (p == 0)
             printf(
                 "\n| parameter | element | range | default | meaning |\n|---|---|---|---|---|\n");
@@ -84,7 +84,7 @@ static void print_plugin_markdown(int index, const struct scene_plugin_info *plu
 }
 
 void app_help_plugins_markdown(void) {
-    struct scene_plugin_info plugin;
+    struct load_plugin_info plugin;
     const char *element = "";
     printf(
         "# Plugins of scene files\n\n"
@@ -93,7 +93,7 @@ void app_help_plugins_markdown(void) {
         "meanings are Mitsuba 3's where it has the plugin. Anything else is an error at its line.\n"
         "\nThis page is printed by `satin help plugins --markdown`; `satin help NAME` prints "
         "one.\n");
-    for (int i = 0; scene_plugin_describe(i, &plugin); i++) {
+    for (int i = 0; load_plugin_describe(i, &plugin); i++) {
         if (strcmp(element, plugin.element) != 0) printf("\n## %s\n", plugin.element);
         element = plugin.element;
         print_plugin_markdown(i, &plugin);
@@ -103,7 +103,7 @@ void app_help_plugins_markdown(void) {
         "Mitsuba has these; here they are errors that say so. So are media, volumes and phase\n"
         "functions, and all that needs wavelengths or polarisation.\n\n");
     element = "";
-    for (int i = 0; scene_unread_describe(i, &plugin); i++) {
+    for (int i = 0; load_unread_describe(i, &plugin); i++) {
         if (strcmp(element, plugin.element) != 0) printf("%s- %s:", i ? "\n" : "", plugin.element);
         printf(" %s", plugin.name);
         element = plugin.element;

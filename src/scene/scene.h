@@ -18,6 +18,9 @@
 #include "satin/scene.h"
 #include "scene/scene_hints.h"
 #include "scene/scene_light_seen.h"
+#include "scene/scene_sky.h"
+#include "scene/scene_spectrum.h"
+#include "scene/scene_sun.h"
 
 // ---- Textures ---------------------------------------------------------------------------------
 
@@ -81,6 +84,17 @@ float texture_number(const struct texture *texture, const struct texture_place *
 bool texture_range(const struct texture *texture, float *lo, float *hi);
 // The gradient of its number by u and v; of a bitmap with bilinear filter, else 0.
 vec2 texture_gradient(const struct texture *texture, vec2 uv);
+
+// What is in it once its factors are taken off; NULL of NULL.
+static inline const struct texture *texture_unscaled(const struct texture *texture) {
+    while (texture && texture->kind == TEXTURE_SCALED) texture = texture->check[0];
+    return texture;
+}
+// The part of the plane that the lines of a grid cover.
+static inline float texture_lines(const struct texture *grid) {
+    const float between = fmaxf(1.0f - 2.0f * grid->scale, 0.0f);
+    return 1.0f - between * between;
+}
 
 // ---- Materials --------------------------------------------------------------------------------
 
@@ -195,6 +209,21 @@ struct shape {
 struct shape_group {
     uint32_t first, count;
 };
+
+// Places a sphere, disk or cylinder by the transform of its object space (a sphere's or cylinder's
+// centre, radius and ends included): sets to_world, to_object, center and radius. A mirrored sphere
+// turns its front side, as in Mitsuba: flip_normals, set before, is toggled. False if the transform
+// has no inverse.
+bool scene_shape_place(struct shape *shape, const struct mat4 *to_world);
+// World-space area of a shape.
+float scene_shape_area(const struct shape *shape);
+// A box around tubes.
+void scene_curves_bound(const struct curves *curves, vec3 *lo, vec3 *hi);
+
+// The mean of a texture, where it is an attribute over the surface of the mesh.
+rgb attribute_mean(const struct mesh *mesh, const struct texture *texture);
+// Whether the texture, or one nested in it, is an attribute of a mesh; NULL: no texture.
+bool attribute_used(const struct texture *texture);
 
 // ---- Lights -----------------------------------------------------------------------------------
 
@@ -467,27 +496,5 @@ bool film_filter_has_lobes(const struct film_spec *film);
 void film_filter_make(const struct film_spec *film, struct film_filter *out);
 struct film_offset film_filter_offset(const struct film_filter *filter, float centre, float lo,
                                       float hi, float u);
-
-// ---- Plugins of scene files (scene_plugins.c) -------------------------------------------------
-
-struct scene_plugin_info {
-    const char *element, *name, *doc;  // of the element's `type`
-};
-
-struct scene_param_info {
-    const char *name;
-    char kind[64];      // the element that gives it, or the values to choose from
-    const char *value;  // the default, or NULL
-    const char *range;  // of numbers and colours, or ""
-    bool required;
-    const char *doc;
-};
-
-// Describe plugin `index`, and its parameter `index`, counting from 0; false beyond the last.
-bool scene_plugin_describe(int index, struct scene_plugin_info *out);
-bool scene_param_describe(int plugin, int index, struct scene_param_info *out);
-// Name `index`, counting from 0, of what Mitsuba knows and satin refuses, without a doc; false
-// beyond the last.
-bool scene_unread_describe(int index, struct scene_plugin_info *out);
 
 #endif

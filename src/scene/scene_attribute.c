@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Attributes of meshes: which of them the textures of a shape ask for, and their values at a place.
+// Attributes of meshes: their values at a place, and their means.
 #include "scene/scene_attribute.h"
 
 #include "base/vec.h"
-
-// ---- Values -------------------------------------------------------------------------------------
 
 static rgb value_at(const struct mesh_attribute *a, uint32_t item) {
     const float *v = a->value + (size_t)item * (size_t)a->channels;
@@ -61,40 +59,8 @@ rgb attribute_mean(const struct mesh *mesh, const struct texture *texture) {
     return rgb_scale(mean_of(mesh, texture->attribute), texture->scale);
 }
 
-// ---- What textures ask for ----------------------------------------------------------------------
-
-bool attribute_want(struct attribute_names *names, const struct texture *texture) {
-    if (!texture) return true;
-    if (texture->check[0])
-        return attribute_want(names, texture->check[0]) && attribute_want(names, texture->check[1]);
-    if (texture->kind != TEXTURE_ATTRIBUTE) return true;
-    for (int i = 0; i < names->count; i++)
-        if (names->name[i] == texture->attribute) return true;
-    if (names->count == ATTRIBUTES_MAX) return false;
-    names->name[names->count++] = texture->attribute;
-    return true;
-}
-
-static bool want_side(struct attribute_names *names, const struct material_side *side) {
-    if (side->part[0])
-        return attribute_want(names, side->blend) && want_side(names, side->part[0]) &&
-               want_side(names, side->part[1]);
-    for (int i = 0; i < BRDF_SLOT_COUNT; i++)
-        if (!attribute_want(names, side->slot[i])) return false;
-    for (int i = 0; i < BRDF_RELIEFS; i++)
-        if (!attribute_want(names, side->relief[i].normal)) return false;
-    return true;
-}
-
-bool attribute_want_all(struct attribute_names *names, const struct material *m) {
-    return want_side(names, &m->front) && want_side(names, &m->back);
-}
-
-const char *attribute_missing(const struct attribute_names *names, const struct mesh *mesh) {
-    for (int i = 0, k; i < names->count; i++) {
-        for (k = 0; k < mesh->attribute_count; k++)
-            if (mesh->attribute[k].name == names->name[i]) break;
-        if (k == mesh->attribute_count) return names->name[i];
-    }
-    return NULL;
+bool attribute_used(const struct texture *texture) {
+    if (!texture) return false;
+    return texture->kind == TEXTURE_ATTRIBUTE || attribute_used(texture->check[0]) ||
+           attribute_used(texture->check[1]);
 }

@@ -1,18 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to scene/: curves as round tubes, read from Mitsuba's text files.
+// Private to scene/: curves as round tubes.
 #ifndef SCENE_CURVE_H
 #define SCENE_CURVE_H
 
-#include "scene/scene_build.h"
-
-// Reads lines `x y z radius`, one control point each; blank lines part curves. Points go to world
-// space, radii stay as they are, as in Mitsuba. `linear`: segments between neighbours, two points
-// or more to a curve; else cubic B-splines, four points or more.
-satin_status scene_curves_read(const struct scene_source *source, const struct mat4 *to_world,
-                               bool linear, struct curves *out);
-
-// A box around tubes.
-void scene_curves_bound(const struct curves *curves, vec3 *lo, vec3 *hi);
+#include "scene/scene.h"
 
 // Where a curve was hit.
 struct curve_hit {

@@ -14,7 +14,7 @@ struct scene_option {
     struct log_place place;
 };
 
-// Values of the first surface that an `aov` integrator asks for beside the image (scene_aov.c).
+// Values of the first surface that an `aov` integrator asks for beside the image (load_aov.c).
 enum aov_kind {
     AOV_ALBEDO,
     AOV_DEPTH,

@@ -4,7 +4,6 @@
 // triangles, spheres by the cone they fill, disks and cylinders by area. Conventions are Mitsuba
 // 3's but for one: the front is told by the geometric normal, so that what is emitted is pi L A.
 #include "base/sampling.h"
-#include "scene/scene_attribute.h"
 #include "scene/scene_light.h"
 
 enum { FACES_MAX = 16 };  // a choice among faces costs about 5 ns for each
@@ -128,9 +127,7 @@ static satin_status prepare_mesh(struct satin_scene *scene, struct light *light)
     struct shape *shape = &scene->shape[light->shape];
     uint32_t n = shape->mesh.triangle_count, pairs = n / 2;
     // Without coordinates a texture goes by each triangle, as one of attributes does.
-    struct attribute_names names = {0};
-    bool plain = attribute_want(&names, light->texture) && names.count == 0 &&
-                 (!light->texture || shape->mesh.uv);
+    bool plain = !attribute_used(light->texture) && (!light->texture || shape->mesh.uv);
     if (n == 2 * pairs && pairs > 0 && pairs <= FACES_MAX && plain) {
         struct light_face *face = arena_array(&scene->arena, pairs, sizeof *face);
         if (!face) return SATIN_ERROR_MEMORY;

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to scene/: a clear sky with its sun.
+// Part of scene.h: a clear sky with its sun.
 #ifndef SCENE_SKY_H
 #define SCENE_SKY_H
 
-#include "scene/scene_build.h"
+#include "base/arena.h"
+#include "base/vec.h"
+
+struct image;
 
 // Where the models were fitted.
 #define SKY_TURBIDITY_MIN 2.0f

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to scene/: spectra over wavelength, and the linear sRGB that Mitsuba 3's RGB mode makes
+// Part of scene.h: spectra over wavelength, and the linear sRGB that Mitsuba 3's RGB mode makes
 // of them.
 #ifndef SCENE_SPECTRUM_H
 #define SCENE_SPECTRUM_H
 
-#include "base/log.h"
+#include <stdbool.h>
+#include <stddef.h>
+
 #include "base/vec.h"
 
 enum { SPECTRUM_CIE_FIRST = 360, SPECTRUM_CIE_STEP = 5, SPECTRUM_CIE_ROWS = 95 };
@@ -29,17 +31,5 @@ rgb spectrum_filtered(double kelvin, double (*share)(const void *ctx, double nan
                       const void *ctx);
 // Linear sRGB of the CIE's chromaticity x, y and a luminance; cut at 0.
 rgb spectrum_chromaticity(double x, double y, double luminance);
-
-// Appends a sample. SATIN_ERROR_INPUT, logged, if wavelengths do not ascend or are too many;
-// SATIN_ERROR_MEMORY, logged.
-satin_status spectrum_add(struct log log, struct log_place place, struct spectrum *spectrum,
-                          double wavelength, double value);
-// Reads `wavelength:value, ...`, all samples of it.
-satin_status spectrum_parse(struct log log, struct log_place place, const char *text,
-                            struct spectrum *out);
-// Reads a file of lines `wavelength value`, `#` starting comments; continues *hash (or NULL) over
-// its bytes.
-satin_status spectrum_read(struct log log, struct log_place place, const char *path, uint64_t *hash,
-                           struct spectrum *out);
 
 #endif

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to scene/: where the sun stands at a time and place.
+// Part of scene.h: where the sun stands at a time and place.
 #ifndef SCENE_SUN_H
 #define SCENE_SUN_H
 

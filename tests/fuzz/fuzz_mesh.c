@@ -4,7 +4,7 @@
 // and 5 splines and linear curves; and normals made anew of an OBJ, 6. A sound mesh or one logged
 // line, no crash, memory in proportion to the input.
 #include "fuzz_case.h"
-#include "scene/scene_curve.h"
+#include "load/load_build.h"
 
 static void check_mesh(const struct mesh *mesh) {
     for (size_t i = 0; i < (size_t)mesh->triangle_count * 3; i++)
@@ -30,7 +30,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     char path[FUZZ_PATH];
     int fd = kind == 3 ? fuzz_file_packed(data, size, path) : fuzz_file(data, size, path);
     struct arena arena = {0};
-    struct scene_source source = {{fuzz_count, &lines}, {"fuzz.xml", 1, 1}, &arena, path, NULL};
+    struct load_source source = {{fuzz_count, &lines}, {"fuzz.xml", 1, 1}, &arena, path, NULL};
     struct mesh_request request = {.to_world = mat4_identity(), .face_normals = size & 1};
     request.shape_index = kind == 2 && size % 3 == 0;
     if (kind == 6) request.smooth_angle = 40.0f;
@@ -38,10 +38,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     struct mesh mesh;
     struct curves curves;
     satin_status status = kind == 4 || kind == 5
-                              ? scene_curves_read(&source, &request.to_world, kind == 5, &curves)
-                          : kind == 0 || kind == 6 ? scene_mesh_obj(&source, &request, &mesh)
-                          : kind == 1              ? scene_mesh_ply(&source, &request, &mesh)
-                                      : scene_mesh_serialized(&source, &request, &mesh);
+                              ? load_curves(&source, &request.to_world, kind == 5, &curves)
+                          : kind == 0 || kind == 6 ? load_mesh_obj(&source, &request, &mesh)
+                          : kind == 1              ? load_mesh_ply(&source, &request, &mesh)
+                                                   : load_mesh_serialized(&source, &request, &mesh);
     if (lines != (status != SATIN_OK) || (status && status != SATIN_ERROR_INPUT)) abort();
     if (arena.bytes > (kind == 2 ? 50000 : 100) * size + 1000) abort();
     if (status == SATIN_OK && (kind == 4 || kind == 5)) check_curves(&curves);

@@ -2,7 +2,7 @@
 // Any bytes given as a spectrum. The first one selects: 0 the text of an attribute, 1 an .spd file.
 // A colour that is finite, or one logged line; no crash, memory in proportion to the input.
 #include "fuzz_case.h"
-#include "scene/scene_spectrum.h"
+#include "load/load_spectrum.h"
 
 static satin_status read_text(struct log log, const uint8_t *data, size_t size,
                               struct spectrum *out) {

@@ -42,7 +42,7 @@ def build(source, folder):
                         "-Dc_args=" + FLAGS, "-Dc_link_args=" + FLAGS, "-Dcpp_link_args=" + FLAGS],
                        check=True, stdout=subprocess.DEVNULL)
     subprocess.run(["ninja", "-C", folder, "--quiet", "src/apps/satin",
-                    "src/scene/satin_oiio.so"], check=True)
+                    "src/load/satin_oiio.so"], check=True)
     return folder / "src/apps/satin"
 
 

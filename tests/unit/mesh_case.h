@@ -3,10 +3,10 @@
 #ifndef MESH_CASE_H
 #define MESH_CASE_H
 
-#include "scene/scene_build.h"
+#include "load/load_build.h"
 #include "scene_case.h"
 
-typedef satin_status (*mesh_reader)(const struct scene_source *, const struct mesh_request *,
+typedef satin_status (*mesh_reader)(const struct load_source *, const struct mesh_request *,
                                     struct mesh *);
 
 struct mesh_case {
@@ -26,7 +26,7 @@ static inline satin_status mesh_case_read(struct mesh_case *c, mesh_reader read,
     *c = (struct mesh_case){.hash = 1};
     struct log log = scene_case_begin(&c->log);
     scene_case_bytes("mesh", data, size);
-    struct scene_source source = {log, {"scene.xml", 3, 7}, &c->arena, "mesh", &c->hash};
+    struct load_source source = {log, {"scene.xml", 3, 7}, &c->arena, "mesh", &c->hash};
     satin_status status = read(&source, &request, &c->mesh);
     assert_int_equal(c->log.errors, status == SATIN_OK ? 0 : 1);
     return status;

@@ -13,8 +13,8 @@
 #include <cmocka.h>
 
 #include "folder_case.h"
+#include "load/load_params.h"
 #include "satin/scene.h"
-#include "scene/scene_params.h"
 
 // The messages of one run.
 struct scene_case {

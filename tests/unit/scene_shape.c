@@ -30,8 +30,8 @@ static void faces_as_mitsuba(void **state) {
     for (int i = 0; i < 4; i++)
         for (int flip = 0; flip < 2; flip++) {
             struct mat4 m = test_transform(v3(5, 6, 7), size[i]);
-            check_facing(scene_mesh_cube, m, flip, v3(5, 6, 7));
-            check_facing(scene_mesh_rectangle, m, flip, v3(5, 6, 0));
+            check_facing(load_mesh_cube, m, flip, v3(5, 6, 7));
+            check_facing(load_mesh_rectangle, m, flip, v3(5, 6, 0));
         }
 }
 
@@ -40,12 +40,12 @@ static void maps_texture_coordinates(void **state) {
     struct arena arena = {0};
     struct mesh_request request = mesh_case_plain();
     struct mesh mesh;
-    assert_int_equal(scene_mesh_rectangle(&arena, &request, &mesh), SATIN_OK);
+    assert_int_equal(load_mesh_rectangle(&arena, &request, &mesh), SATIN_OK);
     for (uint32_t i = 0; i < 4; i++) {
         assert_float_equal(mesh.uv[i * 2], 0.5f * mesh.position[i * 3] + 0.5f, 0.0f);
         assert_float_equal(mesh.uv[i * 2 + 1], 0.5f * mesh.position[i * 3 + 1] + 0.5f, 0.0f);
     }
-    assert_int_equal(scene_mesh_cube(&arena, &request, &mesh), SATIN_OK);
+    assert_int_equal(load_mesh_cube(&arena, &request, &mesh), SATIN_OK);
     // On the cube's top, measured with Mitsuba: u = (y + 1) / 2, v = (x + 1) / 2.
     for (uint32_t i = 12; i < 16; i++) {
         assert_float_equal(mesh.position[i * 3 + 2], 1.0f, 0.0f);

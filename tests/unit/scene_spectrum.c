@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Spectra become the linear sRGB that Mitsuba 3.9 makes of them, by numbers read from it.
-#include "scene/scene_spectrum.h"
-
-#include "base/fileio.h"
+#include "load/load_spectrum.h"
 #include "scene_case.h"
 
 static void expect(rgb c, float r, float g, float b) {
@@ -40,43 +38,7 @@ static void glows(void **state) {
     assert_true(rgb_black(spectrum_blackbody(1, 360, 830)));
 }
 
-static void reads_files(void **state) {
-    (void)state;
-    struct scene_case c;
-    struct spectrum spectrum;
-    uint64_t hash = FILEIO_HASH;
-    scene_case_file("a.spd", "# measured\n400 0.2\r\n500\t0.5 # here\n\n550 .7\n700 0.9");
-    struct log log = scene_case_begin(&c);
-    assert_int_equal(spectrum_read(log, (struct log_place){0}, "a.spd", &hash, &spectrum),
-                     SATIN_OK);
-    assert_int_equal(spectrum.count, 4);
-    assert_true(spectrum.wavelength[2] == 550 && spectrum.value[3] == 0.9 && hash != FILEIO_HASH);
-    spectrum_free(&spectrum);
-}
-
-static void refuses_files(void **state) {
-    (void)state;
-    static const char *const cases[][2] = {
-        {"", "a.spd: there is no sample in it"},
-        {"400 1\n500", "a.spd:2: a spectrum is a list of pairs of wavelength and value, not ''"},
-        {"400 1\n500 x", "a.spd:2: a spectrum is a list of pairs of wavelength and value, not 'x'"},
-        {"400 1\n300 1", "a.spd:2: wavelengths do not ascend at sample 1"},
-        {"400 nan", "a.spd:1: a spectrum is a list of pairs of wavelength and value, not 'nan'"}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        struct scene_case c;
-        struct spectrum spectrum = {0};
-        scene_case_file("a.spd", cases[i][0]);
-        struct log log = scene_case_begin(&c);
-        assert_int_equal(spectrum_read(log, (struct log_place){0}, "a.spd", NULL, &spectrum),
-                         SATIN_ERROR_INPUT);
-        assert_string_equal(c.error, cases[i][1]);
-        assert_true(c.errors == 1 && !spectrum.count);
-    }
-}
-
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(converts), cmocka_unit_test(glows),
-                                       cmocka_unit_test(reads_files),
-                                       cmocka_unit_test(refuses_files)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(converts), cmocka_unit_test(glows)};
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

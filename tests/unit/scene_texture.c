@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Texture look-ups: values measured with Mitsuba 3.9 on an image of 4 x 3 texels valued 0 to 11,
 // row by row, and laws that hold for every wrap mode.
+#include "load/load_build.h"
 #include "mesh_case.h"
-#include "scene/scene_build.h"
 
 static const float texel[12] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
 static const struct image image = {4, 3, 1, texel};
@@ -203,7 +203,7 @@ static void averages_over_wide_places(void **state) {
     struct texture t = bitmap(TEXTURE_REPEAT, false);
     struct arena arena = {0};
     t.image = &odd;
-    assert_true(scene_image_levels(&arena, &odd, &t.level, &t.levels));
+    assert_true(load_image_levels(&arena, &odd, &t.level, &t.levels));
     t.texels = sqrtf(W * H);
     assert_int_equal(t.levels, 3);
     assert_true(t.level[0].width == 6 && t.level[0].height == 3);

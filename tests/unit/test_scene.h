@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "scene/scene_build.h"
+#include "load/load_build.h"
 
 enum { TEST_SHAPES = 32, TEST_MATERIALS = 8, TEST_LIGHTS = 32 };
 
@@ -78,7 +78,7 @@ static inline uint32_t test_add_shape(struct test_scene *t, struct shape shape) 
 static inline uint32_t test_rectangle(struct test_scene *t, struct mat4 m, uint32_t material) {
     struct shape s = {.kind = SHAPE_MESH, .material = material};
     struct mesh_request request = {.to_world = m};
-    assert_int_equal(scene_mesh_rectangle(&t->scene.arena, &request, &s.mesh), SATIN_OK);
+    assert_int_equal(load_mesh_rectangle(&t->scene.arena, &request, &s.mesh), SATIN_OK);
     return test_add_shape(t, s);
 }
 
@@ -87,7 +87,7 @@ static inline uint32_t test_cube(struct test_scene *t, struct mat4 m, bool insid
                                  uint32_t material) {
     struct shape s = {.kind = SHAPE_MESH, .material = material, .flip_normals = inside};
     struct mesh_request request = {.to_world = m, .flip_normals = inside};
-    assert_int_equal(scene_mesh_cube(&t->scene.arena, &request, &s.mesh), SATIN_OK);
+    assert_int_equal(load_mesh_cube(&t->scene.arena, &request, &s.mesh), SATIN_OK);
     return test_add_shape(t, s);
 }
 

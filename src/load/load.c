@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+// Loading a scene: the file becomes a tree, the tree's elements become shapes, materials, lights
+// and a camera, and these get their ray tracing structure and sampling tables.
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/fileio.h"
+#include "load/load_state.h"
+#include "load/load_warnings.h"
+
+satin_status load_no_memory(struct load_state *loader) {
+    return log_fail(loader->log, SATIN_ERROR_MEMORY, "%s: not enough memory for the scene",
+                    loader->path);
+}
+
+const char *load_keep_text(struct load_state *loader, const char *text) {
+    return arena_text(&loader->scene->arena, text, strlen(text));
+}
+
+satin_status load_params(struct load_state *loader, struct xml_node *node, struct params *out) {
+    const struct plugin_spec *plugin = load_plugin_find(loader->log, node);
+    if (!plugin) return SATIN_ERROR_INPUT;
+    struct param_source source = {loader->log, &loader->xml, &loader->scene->world};
+    return params_read(source, plugin, node, out);
+}
+
+satin_status load_file_source(struct load_state *loader, const struct param_value *name,
+                              struct load_source *out) {
+    char *path = load_xml_resolve(&loader->xml, name->place, name->s);
+    if (!path) return load_no_memory(loader);
+    char *other = load_path_any_case(path);
+    if (other) {
+        log_warning_at(loader->log, name->place, "'%s' is found as '%s'", name->s, other);
+        free(path);
+        path = other;
+    }
+    if (!fileio_files_add(loader->xml.read, path)) {
+        free(path);
+        return load_no_memory(loader);
+    }
+    *out = (struct load_source){loader->log, name->place, &loader->scene->arena, path,
+                                &loader->scene->world};
+    return SATIN_OK;
+}
+
+// ---- Lenience -----------------------------------------------------------------------------------
+
+bool load_left_out(struct load_state *loader, const struct xml_node *node, const char *instead) {
+    if (!loader->lenient || load_plugin_find((struct log){0}, node)) return false;
+    log_warning_at(loader->each, node->place, "unknown %s '%s': %s", load_plugin_noun(node->tag),
+                   node->type, instead);
+    return true;
+}
+
+bool load_file_missing(struct load_state *loader, const struct params *p, const char *instead) {
+    if (!loader->lenient || !params_has(p, "filename") || !param(p, "filename")->given)
+        return false;
+    const struct param_value *name = param(p, "filename");
+    struct load_source source = {.path = NULL};
+    if (load_file_source(loader, name, &source) != SATIN_OK || !source.path) return false;
+    const bool missing = access(source.path, F_OK) != 0;
+    free((char *)source.path);
+    if (missing) log_warning_at(loader->each, name->place, "'%s' is missing: %s", name->s, instead);
+    return missing;
+}
+
+// ---- The elements of <scene> --------------------------------------------------------------------
+
+static const struct plugin_spec scene_spec = {.tag = XML_SCENE,
+                                              .name = "scene",
+                                              .children = 1u << XML_SHAPE | 1u << XML_BSDF |
+                                                          1u << XML_TEXTURE | 1u << XML_EMITTER |
+                                                          1u << XML_SENSOR | 1u << XML_INTEGRATOR};
+
+static satin_status build_sensor(struct load_state *loader, struct xml_node *node, int *count) {
+    if ((*count)++ == 0) return load_sensor(loader, node);
+    log_warning_at(loader->log, node->place, "only the first sensor of a scene is used");
+    struct params p;
+    return load_params(loader, node, &p);
+}
+
+// Shapes, lights, camera and integrator. Materials and textures follow where they are used.
+static satin_status build_objects(struct load_state *loader) {
+    int sensors = 0;
+    int32_t light;
+    satin_status status = SATIN_OK;
+    for (struct xml_node *node = loader->xml.root->child; node && status == SATIN_OK;
+         node = node->next) {
+        if (node->tag == XML_SHAPE) status = load_shape_add(loader, node);
+        if (node->tag == XML_EMITTER) status = load_emitter_add(loader, node, -1, &light);
+        if (node->tag == XML_SENSOR) status = build_sensor(loader, node, &sensors);
+        if (node->tag == XML_INTEGRATOR) status = load_integrator(loader, node);
+    }
+    if (status == SATIN_OK && sensors == 0) {
+        log_error_at(loader->log, loader->xml.root->place, "the scene has no <sensor>");
+        return SATIN_ERROR_INPUT;
+    }
+    return status;
+}
+
+// Materials and textures that nothing refers to are built and dropped, so that errors in them are
+// seen.
+static satin_status check_unused(struct load_state *loader) {
+    satin_status status = SATIN_OK;
+    for (struct xml_node *node = loader->xml.root->child; node && status == SATIN_OK;
+         node = node->next) {
+        struct material material;
+        const struct texture *texture;
+        if (node->tag == XML_BSDF && !node->material)
+            status = load_material_build(loader, node, &material);
+        if (node->tag == XML_TEXTURE) status = load_texture_of(loader, node, &texture);
+    }
+    return status;
+}
+
+// ---- The scene ----------------------------------------------------------------------------------
+
+static void *keep_array(struct load_state *loader, const void *items, size_t count, size_t size) {
+    void *copy = arena_array(&loader->scene->arena, count, size);
+    if (copy && count) memcpy(copy, items, count * size);
+    return copy;
+}
+
+// Moves the loader's arrays into the scene.
+static satin_status keep_objects(struct load_state *loader) {
+    struct satin_scene *scene = loader->scene;
+    if (loader->light_count > INT32_MAX)
+        return log_fail(loader->log, SATIN_ERROR_INPUT, "%s: too many lights", loader->path);
+    scene->shape = keep_array(loader, loader->shape, loader->shape_count, sizeof *scene->shape);
+    scene->material =
+        keep_array(loader, loader->material, loader->material_count, sizeof *scene->material);
+    scene->light = keep_array(loader, loader->light, loader->light_count, sizeof *scene->light);
+    scene->image = keep_array(loader, loader->image, loader->image_count, sizeof *scene->image);
+    scene->group = keep_array(loader, loader->group, loader->group_count, sizeof *scene->group);
+    if (!scene->shape || !scene->material || !scene->light || !scene->image || !scene->group)
+        return load_no_memory(loader);
+    scene->image_count = (uint32_t)loader->image_count;
+    scene->group_count = (uint32_t)loader->group_count;
+    scene->shape_count = (uint32_t)loader->shape_count;
+    scene->material_count = (uint32_t)loader->material_count;
+    scene->light_count = (uint32_t)loader->light_count;
+    return SATIN_OK;
+}
+
+// Sums over lights must stay finite, else nothing can be chosen by power.
+static satin_status check_power(const struct load_state *loader) {
+    float sum = 0.0f;
+    for (uint32_t i = 0; i < loader->scene->light_count; i++) sum += loader->scene->light[i].power;
+    if (isfinite(sum)) return SATIN_OK;
+    return log_fail(loader->log, SATIN_ERROR_INPUT, "%s: the lights' power is too large to count",
+                    loader->path);
+}
+
+// Continues the hash over an element and what it holds, but for sensors and integrators.
+static uint64_t hash_world(uint64_t hash, const struct xml_node *node) {
+    if (node->tag == XML_SENSOR || node->tag == XML_INTEGRATOR) return hash;
+    const unsigned char head[3] = {(unsigned char)node->tag, node->old, node->encoded};
+    hash = fileio_hash(hash, head, sizeof head);
+    for (const char *const *text = node->attribute; *text; text++)
+        hash = fileio_hash(hash, *text, strlen(*text) + 1);
+    for (const struct xml_node *child = node->child; child; child = child->next)
+        hash = hash_world(hash, child);
+    return fileio_hash(hash, ")", 1);
+}
+
+static satin_status load(struct load_state *loader) {
+    struct params p;
+    struct param_source source = {loader->log, &loader->xml, &loader->scene->world};
+    satin_status status = params_read(source, &scene_spec, loader->xml.root, &p);
+    if (status == SATIN_OK) status = build_objects(loader);
+    if (status == SATIN_OK) status = check_unused(loader);
+    if (status == SATIN_OK) status = keep_objects(loader);
+    if (status == SATIN_OK) status = scene_trace_build(loader->scene, loader->log);
+    if (status == SATIN_OK) status = scene_lights_prepare(loader->scene, loader->log);
+    return status == SATIN_OK ? check_power(loader) : status;
+}
+
+satin_status satin_scene_load(const char *path, const satin_define *defines, size_t define_count,
+                              satin_log_fn log, void *log_user, satin_scene **scene) {
+    return satin_scene_load_with(path, defines, define_count, 0, log, log_user, scene);
+}
+
+satin_status satin_scene_load_with(const char *path, const satin_define *defines,
+                                   size_t define_count, unsigned flags, satin_log_fn log,
+                                   void *log_user, satin_scene **scene) {
+    struct load_warnings warnings = {.to = {log, log_user},
+                                     .strict = (flags & SATIN_SCENE_STRICT) != 0};
+    struct load_state loader = {.log = load_warnings_log(&warnings),
+                                .each = load_warnings_each(&warnings),
+                                .path = path,
+                                .lenient = (flags & SATIN_SCENE_LENIENT) != 0};
+    if (!path || !scene || (define_count && !defines))
+        return log_fail(loader.log, SATIN_ERROR_ARGUMENT, "satin_scene_load: NULL argument");
+    loader.scene = calloc(1, sizeof *loader.scene);
+    if (!loader.scene) return load_no_memory(&loader);
+    loader.scene->hash = FILEIO_HASH;
+    loader.scene->environment = -1;
+    loader.scene->hints = (struct scene_hints){.max_depth = -2, .hide_emitters = -1};
+    satin_status status =
+        load_xml_read(loader.log, path, defines, define_count, &loader.scene->hash, &loader.xml);
+    // What the files hold goes into the world's hash as they are read.
+    if (status == SATIN_OK) {
+        loader.scene->world = hash_world(FILEIO_HASH, loader.xml.root);
+        status = load(&loader);
+        const uint64_t world = loader.scene->world;
+        loader.scene->hash = fileio_hash(loader.scene->hash, &world, sizeof world);
+        loader.scene->read = *loader.xml.read;
+        *loader.xml.read = (struct fileio_files){0};
+    }
+    load_xml_free(&loader.xml);
+    free(loader.shape);
+    free(loader.material);
+    free(loader.light);
+    free(loader.image);
+    free(loader.group);
+    free(loader.attribute);
+    load_warnings_tell(&warnings);
+    if (status == SATIN_OK && warnings.failed) status = SATIN_ERROR_INPUT;
+    if (status == SATIN_OK)
+        *scene = loader.scene;
+    else
+        satin_scene_free(loader.scene);
+    return status;
+}

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// The ids of a scene file: collected while it is read, then sorted, checked and looked up.
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "base/text.h"
+#include "load/load_xml.h"
+
+satin_status load_ids_add(struct load_xml *xml, struct xml_id id) {
+    void *items = xml->id;
+    if (!array_reserve(&items, &xml->id_capacity, xml->id_count + 1, sizeof id))
+        return SATIN_ERROR_MEMORY;
+    xml->id = items;
+    xml->id[xml->id_count++] = id;
+    return SATIN_OK;
+}
+
+static int by_id_then_order(const void *a, const void *b) {
+    const struct xml_id *x = a, *y = b;
+    int order = strcmp(x->id, y->id);
+    if (order) return order;
+    return (x->number > y->number) - (x->number < y->number);
+}
+
+static struct xml_id *find(const struct load_xml *xml, const char *id) {
+    size_t lo = 0, hi = xml->id_count;
+    while (lo < hi) {
+        size_t mid = lo + (hi - lo) / 2;
+        if (strcmp(xml->id[mid].id, id) < 0)
+            lo = mid + 1;
+        else
+            hi = mid;
+    }
+    return lo < xml->id_count && strcmp(xml->id[lo].id, id) == 0 ? &xml->id[lo] : NULL;
+}
+
+enum { ALIAS_STEPS_MAX = 16 };
+
+// Follows an alias to its object. Every step goes back in the file, so there are no cycles.
+static struct xml_node *resolve_alias(const struct load_xml *xml, struct log log,
+                                      struct xml_id *alias) {
+    struct xml_id *step = alias;
+    for (int steps = 0; !step->node; steps++) {
+        struct xml_id *source = find(xml, step->source);
+        if (!source || source->number >= step->number || steps == ALIAS_STEPS_MAX) {
+            log_error_at(log, step->place, "alias of '%s', which is not defined before it",
+                         step->source);
+            return NULL;
+        }
+        step = source;
+    }
+    return alias->node = step->node;
+}
+
+satin_status load_ids_resolve(struct load_xml *xml, struct log log) {
+    if (xml->id_count > 1) qsort(xml->id, xml->id_count, sizeof *xml->id, by_id_then_order);
+    for (size_t i = 1; i < xml->id_count; i++) {
+        const struct xml_id *a = &xml->id[i - 1], *b = &xml->id[i];
+        if (strcmp(a->id, b->id) != 0) continue;
+        log_error_at(log, b->place, "duplicate id '%s' (first at %s:%d:%d)", b->id, a->place.file,
+                     a->place.line, a->place.column);
+        return SATIN_ERROR_INPUT;
+    }
+    for (size_t i = 0; i < xml->id_count; i++)
+        if (!resolve_alias(xml, log, &xml->id[i])) return SATIN_ERROR_INPUT;
+    return SATIN_OK;
+}
+
+struct xml_node *load_xml_find(const struct load_xml *xml, const char *id) {
+    const struct xml_id *entry = find(xml, id);
+    return entry ? entry->node : NULL;
+}
+
+struct xml_node *load_xml_target(const struct load_xml *xml, struct log log,
+                                 struct xml_node *node) {
+    if (node->tag != XML_REF) return node;
+    struct xml_node *target = load_xml_find(xml, node->id);
+    if (target) return target;
+    struct text_nearest nearest = {.word = node->id};
+    for (size_t i = 0; i < xml->id_count; i++) text_nearest_try(&nearest, xml->id[i].id);
+    if (nearest.best)
+        log_error_at(log, node->place, "reference to unknown id '%s' (did you mean '%s'?)",
+                     node->id, nearest.best);
+    else
+        log_error_at(log, node->place, "reference to unknown id '%s'", node->id);
+    return NULL;
+}

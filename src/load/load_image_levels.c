@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Smaller copies of an image, each half the size of the one before, for lookups that stand for an
+// area. A texel of a copy is the mean of what it covers, also where a side is odd.
+#include "load/load_build.h"
+
+static int half(int n) { return n > 1 ? n / 2 : 1; }
+
+// The texels from * n / m to (from + 1) * n / m of a line of n, by their share; returns their sum.
+struct span {
+    int first, count;
+    float share[3];
+};
+
+static struct span span_of(int from, int n, int m) {
+    double left = (double)from * n / m, right = (double)(from + 1) * n / m;
+    struct span s = {.first = (int)left};
+    for (int i = s.first; i < n && i < right && s.count < 3; i++)
+        s.share[s.count++] =
+            (float)((fmin(right, i + 1.0) - fmax(left, (double)i)) / (right - left));
+    return s;
+}
+
+static void shrink(const struct image *from, const struct image *to, float *texel) {
+    const int channels = from->channels;
+    for (int y = 0; y < to->height; y++) {
+        struct span rows = span_of(y, from->height, to->height);
+        for (int x = 0; x < to->width; x++, texel += channels) {
+            struct span columns = span_of(x, from->width, to->width);
+            for (int c = 0; c < channels; c++) texel[c] = 0.0f;
+            for (int j = 0; j < rows.count; j++)
+                for (int i = 0; i < columns.count; i++) {
+                    size_t at = (size_t)(rows.first + j) * (size_t)from->width +
+                                (size_t)(columns.first + i);
+                    for (int c = 0; c < channels; c++)
+                        texel[c] += rows.share[j] * columns.share[i] *
+                                    from->texel[at * (size_t)channels + (size_t)c];
+                }
+        }
+    }
+}
+
+bool load_image_levels(struct arena *arena, const struct image *image, const struct image **level,
+                       int *levels) {
+    int count = 0;
+    for (int w = image->width, h = image->height; w > 1 || h > 1; w = half(w), h = half(h)) count++;
+    struct image *made = arena_array(arena, (size_t)count, sizeof *made);
+    if (!made) return false;
+    for (int i = 0; i < count; i++) {
+        const struct image *from = i ? &made[i - 1] : image;
+        struct image to = {half(from->width), half(from->height), from->channels, NULL};
+        size_t texels = (size_t)to.width * (size_t)to.height;
+        float *texel = arena_array(arena, texels * (size_t)to.channels, sizeof *texel);
+        if (!texel) return false;
+        shrink(from, &to, texel);
+        to.texel = texel;
+        made[i] = to;
+    }
+    *level = made;
+    *levels = count;
+    return true;
+}

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// The module around OpenImageIO: C functions over its C++ classes. Built as a shared module of its
+// own, so that the libraries behind OpenImageIO load only when a scene has an image.
+#include "load/load_image_oiio.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <new>
+#include <string>
+
+namespace {
+
+// The first line of the text. Without memory: it is called where that ran out.
+oiio_result fail(char *error, size_t size, const char *text) {
+    std::snprintf(error, size, "%.*s", static_cast<int>(std::strcspn(text, "\r\n")), text);
+    return OIIO_FAILED;
+}
+
+// Calls f and turns whatever it throws into a message.
+template <typename F>
+oiio_result guarded(char *error, size_t size, F f) noexcept {
+    try {
+        return f();
+    } catch (const std::bad_alloc &) {
+        std::snprintf(error, size, "not enough memory");
+        return OIIO_NO_MEMORY;
+    } catch (const std::exception &e) {
+        return fail(error, size, e.what());
+    } catch (...) {
+        return fail(error, size, "unknown failure");
+    }
+}
+
+// Integers are taken as encoded unless the file says that they are linear, floats as linear unless
+// it says that they are not. The names of colour spaces changed from OpenImageIO 2 to 3.
+bool is_srgb(const OIIO::ImageSpec &spec) {
+    std::string space = OIIO::Strutil::lower(spec.get_string_attribute("oiio:ColorSpace"));
+    if (space.find("srgb") == 0) return true;
+    bool linear = space.find("lin") == 0 || space == "raw" || space == "data";
+    return !linear && !spec.format.is_floating_point();
+}
+
+oiio_result open(const char *path, struct oiio_image *out, char *error, size_t size) {
+    return guarded(error, size, [&] {
+        OIIO::ImageSpec config;
+        config["oiio:UnassociatedAlpha"] = 1;
+        auto input = OIIO::ImageInput::open(path, &config);
+        if (!input) return fail(error, size, OIIO::geterror().c_str());
+        const OIIO::ImageSpec &spec = input->spec();
+        if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1 || spec.deep)
+            return fail(error, size, "it is not a flat image");
+        out->width = spec.width;
+        out->height = spec.height;
+        out->channels = spec.nchannels < 3 ? 1 : 3;
+        out->srgb = is_srgb(spec);
+        out->input = input.release();
+        return OIIO_DONE;
+    });
+}
+
+oiio_result read(struct oiio_image *image, float *texel, char *error, size_t size) {
+    return guarded(error, size, [&] {
+        auto *input = static_cast<OIIO::ImageInput *>(image->input);
+        bool done = input->read_image(0, 0, 0, image->channels, OIIO::TypeDesc::FLOAT, texel);
+        // Readers complain of files that are cut short and still say that they read them; but also
+        // of JPEGs with a few bytes too many, which are common and harmless.
+        std::string complaint = input->geterror();
+        if (done && (complaint.empty() || complaint.find("extraneous") != std::string::npos))
+            return OIIO_DONE;
+        return fail(error, size, complaint.c_str());
+    });
+}
+
+void close(struct oiio_image *image) {
+    try {
+        OIIO::ImageInput::unique_ptr input(static_cast<OIIO::ImageInput *>(image->input));
+    } catch (...) {
+    }
+    image->input = nullptr;
+}
+
+}  // namespace
+
+extern "C" __attribute__((visibility("default")))
+const struct oiio_module satin_oiio_module = {open, read, close};

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every mesh goes through after its file was parsed: checks, the transform into world space,
+// vertex normals and the winding of triangles. Conventions as in Mitsuba 3.
+#include "load/load_mesh.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+// Embree drops triangles beyond 1.8e18 and aborts on rays from there.
+static const float COORDINATE_MAX = 1e18f;
+
+satin_status mesh_error(const struct load_source *source, int line, const char *format, ...) {
+    char text[512];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    log_error_at(source->log, (struct log_place){source->path, line, 0}, "%s", text);
+    return SATIN_ERROR_INPUT;
+}
+
+satin_status mesh_no_memory(const struct load_source *source) {
+    return log_fail(source->log, SATIN_ERROR_MEMORY, "%s: not enough memory for its mesh",
+                    source->path);
+}
+
+satin_status mesh_allocate(const struct load_source *source, uint32_t vertices, bool normals,
+                           bool uvs, struct mesh_parts *out) {
+    struct arena *arena = source->arena;
+    struct mesh_parts parts = {.vertex_count = vertices};
+    parts.position = arena_array(arena, (size_t)vertices * 3 + 1, sizeof(float));
+    if (normals) parts.normal = arena_array(arena, (size_t)vertices * 3, sizeof(float));
+    if (uvs) parts.uv = arena_array(arena, (size_t)vertices * 2, sizeof(float));
+    if (!parts.position || (normals && !parts.normal) || (uvs && !parts.uv))
+        return mesh_no_memory(source);
+    *out = parts;
+    return SATIN_OK;
+}
+
+// ---- Normals ------------------------------------------------------------------------------------
+
+static vec3 vertex(const float *values, uint32_t i) {
+    const float *v = values + (size_t)i * 3;
+    return v3(v[0], v[1], v[2]);
+}
+
+static void set_vertex(float *values, uint32_t i, vec3 v) {
+    values[(size_t)i * 3] = v.x;
+    values[(size_t)i * 3 + 1] = v.y;
+    values[(size_t)i * 3 + 2] = v.z;
+}
+
+// The angle between unit vectors, accurate for small and flat angles.
+static float angle_between(vec3 a, vec3 b) {
+    return 2.0f * atan2f(v3_len(v3_sub(a, b)), v3_len(v3_add(a, b)));
+}
+
+// Sums into `normal` the face normals around each vertex for which `wanted` is set (NULL: all),
+// weighted by the angle of the face there [Thuermer and Wuethrich 1998], and normalises.
+static void smooth_normals(const struct mesh_parts *parts, const bool *wanted, float *normal) {
+    for (uint32_t t = 0; t < parts->triangle_count; t++) {
+        const uint32_t *index = parts->index + (size_t)t * 3;
+        vec3 p[3];
+        for (int k = 0; k < 3; k++) p[k] = vertex(parts->position, index[k]);
+        vec3 n = v3_unit_wide(v3_cross(v3_sub(p[1], p[0]), v3_sub(p[2], p[0])));
+        if (v3_len2(n) == 0.0f) continue;
+        for (int k = 0; k < 3; k++) {
+            if (wanted && !wanted[index[k]]) continue;
+            vec3 a = v3_unit(v3_sub(p[(k + 1) % 3], p[k]));
+            vec3 b = v3_unit(v3_sub(p[(k + 2) % 3], p[k]));
+            vec3 sum = vertex(normal, index[k]);
+            set_vertex(normal, index[k], v3_mad(sum, angle_between(a, b), n));
+        }
+    }
+    for (uint32_t i = 0; i < parts->vertex_count; i++) {
+        if (wanted && !wanted[i]) continue;
+        vec3 n = v3_unit(vertex(normal, i));
+        // A vertex that only degenerate faces use is never seen.
+        set_vertex(normal, i, v3_len2(n) > 0.5f ? n : v3(1, 0, 0));
+    }
+}
+
+// Transforms the file's normals by the transposed inverse, written as the matrix of cofactors so
+// that it serves for flattening transforms too.
+static void transform_normals(const struct mat4 *m, struct mesh_parts *parts) {
+    double c[3][3];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+            c[i][j] = (double)m->m[i1][j1] * m->m[i2][j2] - (double)m->m[i1][j2] * m->m[i2][j1];
+        }
+    double sign = mat4_det3(m) < 0.0 ? -1.0 : 1.0;
+    for (uint32_t i = 0; i < parts->vertex_count; i++) {
+        const float *n = parts->normal + (size_t)i * 3;
+        double w[3], l2 = 0.0;
+        for (int r = 0; r < 3; r++) {
+            w[r] = sign * (c[r][0] * n[0] + c[r][1] * n[1] + c[r][2] * n[2]);
+            l2 += w[r] * w[r];
+        }
+        double s = l2 > 0.0 ? 1.0 / sqrt(l2) : 0.0;
+        set_vertex(parts->normal, i, v3((float)(s * w[0]), (float)(s * w[1]), (float)(s * w[2])));
+    }
+}
+
+// Makes normals where the file has none: zero ones.
+static satin_status complete_normals(const struct load_source *source, struct mesh_parts *parts) {
+    bool *wanted = NULL;
+    for (uint32_t i = 0; i < parts->vertex_count; i++) {
+        if (v3_len2(vertex(parts->normal, i)) > 0.0f) continue;
+        if (!wanted) wanted = calloc(parts->vertex_count, sizeof *wanted);
+        if (!wanted) return mesh_no_memory(source);
+        wanted[i] = true;
+    }
+    if (wanted) smooth_normals(parts, wanted, parts->normal);
+    free(wanted);
+    return SATIN_OK;
+}
+
+// Winds every triangle so that its front side is that of its vertex normals: Mitsuba shades by
+// those alone. It matters for mirroring transforms and for files that disagree with themselves.
+static void wind_by_normals(struct mesh_parts *parts) {
+    for (uint32_t t = 0; t < parts->triangle_count; t++) {
+        uint32_t *index = parts->index + (size_t)t * 3;
+        vec3 a = vertex(parts->position, index[0]), b = vertex(parts->position, index[1]),
+             c = vertex(parts->position, index[2]);
+        vec3 n = v3_add(vertex(parts->normal, index[0]),
+                        v3_add(vertex(parts->normal, index[1]), vertex(parts->normal, index[2])));
+        if (v3_dot(v3_cross(v3_sub(b, a), v3_sub(c, a)), n) >= 0.0f) continue;
+        uint32_t swap = index[1];
+        index[1] = index[2];
+        index[2] = swap;
+    }
+}
+
+static satin_status make_normals(const struct load_source *source,
+                                 const struct mesh_request *request, struct mesh_parts *parts) {
+    if (request->face_normals) {
+        parts->normal = NULL;
+        return SATIN_OK;
+    }
+    if (request->smooth_angle > 0.0f) {
+        satin_status status = mesh_smooth(source, request->smooth_angle, parts);
+        if (status != SATIN_OK) return status;
+    } else if (parts->normal) {
+        transform_normals(&request->to_world, parts);
+        satin_status status = complete_normals(source, parts);
+        if (status != SATIN_OK) return status;
+        wind_by_normals(parts);
+    } else {
+        size_t count = (size_t)parts->vertex_count * 3;
+        parts->normal = arena_array(source->arena, count, sizeof(float));
+        if (!parts->normal) return mesh_no_memory(source);
+        smooth_normals(parts, NULL, parts->normal);
+    }
+    if (request->flip_normals)
+        for (size_t i = 0; i < (size_t)parts->vertex_count * 3; i++)
+            parts->normal[i] = -parts->normal[i];
+    return SATIN_OK;
+}
+
+// ---- Attributes ---------------------------------------------------------------------------------
+
+void mesh_attribute_check(const struct load_source *source, const char *name, float *value,
+                          size_t count) {
+    size_t bad = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (value[i] >= 0.0f) continue;
+        value[i] = 0.0f;
+        bad++;
+    }
+    if (bad)
+        log_message(source->log, SATIN_LOG_WARNING,
+                    "%s: %zu values of %s are negative and count as 0", source->path, bad, name);
+}
+
+// ---- Finishing ----------------------------------------------------------------------------------
+
+// Makes points of triangles without area. By its rounding the tracer would find them, and they have
+// no normal; a point is never hit.
+static void collapse_flat(struct mesh_parts *parts) {
+    for (size_t t = 0; t < parts->triangle_count; t++) {
+        uint32_t *index = parts->index + 3 * t;
+        const float *p = parts->position + 3 * (size_t)index[0];
+        double e[2][3];
+        for (int k = 0; k < 2; k++)
+            for (int i = 0; i < 3; i++)
+                e[k][i] = (double)parts->position[3 * (size_t)index[k + 1] + i] - p[i];
+        if (e[0][0] * e[1][1] == e[0][1] * e[1][0] && e[0][1] * e[1][2] == e[0][2] * e[1][1] &&
+            e[0][2] * e[1][0] == e[0][0] * e[1][2])
+            index[1] = index[2] = index[0];
+    }
+}
+
+satin_status mesh_finish(const struct load_source *source, const struct mesh_request *request,
+                         struct mesh_parts *parts, struct mesh *out) {
+    for (size_t i = 0; i < (size_t)parts->triangle_count * 3; i++)
+        if (parts->index[i] >= parts->vertex_count)
+            return mesh_error(source, 0, "triangle %zu refers to vertex %u, but there are %u",
+                              i / 3, parts->index[i], parts->vertex_count);
+    for (uint32_t i = 0; i < parts->vertex_count; i++) {
+        vec3 p = mat4_point(&request->to_world, vertex(parts->position, i));
+        if (!(v3_finite(p) && v3_max_abs(p) <= COORDINATE_MAX))
+            return mesh_error(source, 0, "vertex %u is not finite or too far away", i);
+        set_vertex(parts->position, i, p);
+    }
+    collapse_flat(parts);
+    if (request->flip_tex_coords && parts->uv)
+        for (uint32_t i = 0; i < parts->vertex_count; i++)
+            parts->uv[(size_t)i * 2 + 1] = 1.0f - parts->uv[(size_t)i * 2 + 1];
+    satin_status status = make_normals(source, request, parts);
+    if (status != SATIN_OK) return status;
+    *out = (struct mesh){.vertex_count = parts->vertex_count,
+                         .triangle_count = parts->triangle_count,
+                         .position = parts->position,
+                         .normal = parts->normal,
+                         .uv = parts->uv,
+                         .index = parts->index,
+                         .attribute = parts->attribute,
+                         .attribute_count = parts->attribute_count};
+    return SATIN_OK;
+}

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+// Wavefront OBJ: v, vt, vn and f; groups, materials and everything else is passed over, so that a
+// file is one mesh. Polygons become fans. A vertex is a distinct triple of position, texture
+// coordinate and normal, as in Mitsuba: smooth normals made by us do not cross seams of texture
+// coordinates.
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "base/rng.h"
+#include "load/load_mesh.h"
+#include "load/load_mesh_text.h"
+
+// Indices of one corner of a face, from 0; -1: absent.
+struct corner {
+    int32_t position, uv, normal;
+};
+
+struct floats {
+    float *value;
+    size_t count, capacity;
+};
+
+struct obj {
+    const struct load_source *source;
+    struct mesh_text text;
+    struct floats position, uv, normal;  // as in the file: 3, 2 and 3 per item
+    struct corner *corner;               // the mesh's vertices, in order of first use
+    size_t corner_count, corner_capacity;
+    uint32_t *index;
+    size_t index_count, index_capacity;
+    uint32_t *slot;  // hash table over corners: vertex + 1, 0 for empty; a power of two long
+    size_t slot_count;
+};
+
+static void obj_free(struct obj *obj) {
+    free(obj->position.value);
+    free(obj->uv.value);
+    free(obj->normal.value);
+    free(obj->corner);
+    free(obj->index);
+    free(obj->slot);
+}
+
+static satin_status fail(const struct obj *obj, const char *what) {
+    return mesh_error(obj->source, obj->text.line, "%s", what);
+}
+
+static bool line_ended(const struct mesh_text *text) {
+    return text->at == text->end || *text->at == '\n' || *text->at == '#';
+}
+
+// ---- Vertices -----------------------------------------------------------------------------------
+
+// Reads `least` to `most` numbers of the line; the ones that are missing are 0.
+static satin_status read_item(struct obj *obj, struct floats *items, int least, int most) {
+    if (!array_reserve((void **)&items->value, &items->capacity, items->count + (size_t)most,
+                       sizeof(float)))
+        return mesh_no_memory(obj->source);
+    for (int i = 0; i < most; i++) {
+        double number = 0.0;
+        mesh_text_skip_blanks(&obj->text);
+        if (line_ended(&obj->text) ? i < least : !mesh_text_number(&obj->text, &number))
+            return fail(obj, "expected a number");
+        if (!isfinite((float)number)) return fail(obj, "a coordinate is not finite");
+        items->value[items->count++] = (float)number;
+    }
+    return SATIN_OK;
+}
+
+// ---- Faces --------------------------------------------------------------------------------------
+
+static size_t corner_hash(struct corner c) {
+    uint64_t key = ((uint64_t)(uint32_t)c.position << 32) | (uint32_t)c.uv;
+    return (size_t)rng_mix(key ^ rng_mix((uint32_t)c.normal));
+}
+
+// The slot that holds the corner, or the empty one where it belongs.
+static size_t find_slot(const struct obj *obj, struct corner c) {
+    size_t i = corner_hash(c) & (obj->slot_count - 1);
+    while (obj->slot[i]) {
+        const struct corner *other = &obj->corner[obj->slot[i] - 1];
+        if (other->position == c.position && other->uv == c.uv && other->normal == c.normal) break;
+        i = (i + 1) & (obj->slot_count - 1);
+    }
+    return i;
+}
+
+static bool grow_slots(struct obj *obj) {
+    size_t count = obj->slot_count ? obj->slot_count * 2 : 1024;
+    uint32_t *slot = calloc(count, sizeof *slot);
+    if (!slot) return false;
+    free(obj->slot);
+    obj->slot = slot;
+    obj->slot_count = count;
+    for (size_t i = 0; i < obj->corner_count; i++)
+        slot[find_slot(obj, obj->corner[i])] = (uint32_t)i + 1;
+    return true;
+}
+
+static satin_status corner_vertex(struct obj *obj, struct corner c, uint32_t *vertex) {
+    if (obj->corner_count * 2 >= obj->slot_count && !grow_slots(obj))
+        return mesh_no_memory(obj->source);
+    size_t i = find_slot(obj, c);
+    if (!obj->slot[i]) {
+        if (!array_reserve((void **)&obj->corner, &obj->corner_capacity, obj->corner_count + 1,
+                           sizeof *obj->corner))
+            return mesh_no_memory(obj->source);
+        obj->corner[obj->corner_count++] = c;
+        obj->slot[i] = (uint32_t)obj->corner_count;
+    }
+    *vertex = obj->slot[i] - 1;
+    return SATIN_OK;
+}
+
+// Reads an index: from 1, or from -1 backwards.
+static satin_status read_index(struct obj *obj, size_t count, const char *what, int32_t *out) {
+    int64_t i;
+    if (!mesh_text_integer(&obj->text, &i)) return fail(obj, "expected the index of a face corner");
+    int64_t from_zero = i < 0 ? (int64_t)count + i : i - 1;
+    if (from_zero < 0 || from_zero >= (int64_t)count)
+        return mesh_error(obj->source, obj->text.line,
+                          "a face refers to %s %lld, but there are %zu so far", what, (long long)i,
+                          count);
+    *out = (int32_t)from_zero;
+    return SATIN_OK;
+}
+
+static bool take_slash(struct mesh_text *text) {
+    if (text->at >= text->end || *text->at != '/') return false;
+    text->at++;
+    return true;
+}
+
+// p, p/t, p//n or p/t/n.
+static satin_status read_corner(struct obj *obj, struct corner *out) {
+    struct corner c = {-1, -1, -1};
+    satin_status status = read_index(obj, obj->position.count / 3, "vertex", &c.position);
+    if (status == SATIN_OK && take_slash(&obj->text)) {
+        if (obj->text.at < obj->text.end && *obj->text.at != '/')
+            status = read_index(obj, obj->uv.count / 2, "texture coordinate", &c.uv);
+        if (status == SATIN_OK && take_slash(&obj->text))
+            status = read_index(obj, obj->normal.count / 3, "normal", &c.normal);
+    }
+    *out = c;
+    return status;
+}
+
+static satin_status add_triangle(struct obj *obj, uint32_t a, uint32_t b, uint32_t c) {
+    if (!array_reserve((void **)&obj->index, &obj->index_capacity, obj->index_count + 3,
+                       sizeof *obj->index))
+        return mesh_no_memory(obj->source);
+    obj->index[obj->index_count++] = a;
+    obj->index[obj->index_count++] = b;
+    obj->index[obj->index_count++] = c;
+    return SATIN_OK;
+}
+
+static satin_status read_face(struct obj *obj) {
+    uint32_t first = 0, previous = 0, vertex = 0;
+    for (size_t n = 0;; n++) {
+        mesh_text_skip_blanks(&obj->text);
+        if (line_ended(&obj->text))
+            return n >= 3 ? SATIN_OK : fail(obj, "a face needs at least three corners");
+        struct corner corner;
+        satin_status status = read_corner(obj, &corner);
+        if (status == SATIN_OK) status = corner_vertex(obj, corner, &vertex);
+        if (status == SATIN_OK && n >= 2) status = add_triangle(obj, first, previous, vertex);
+        if (status != SATIN_OK) return status;
+        if (n == 0) first = vertex;
+        previous = vertex;
+    }
+}
+
+// ---- The file -----------------------------------------------------------------------------------
+
+static satin_status read_lines(struct obj *obj) {
+    for (; obj->text.at < obj->text.end; mesh_text_next_line(&obj->text)) {
+        const char *word;
+        mesh_text_skip_blanks(&obj->text);
+        size_t length = mesh_text_word(&obj->text, &word);
+        satin_status status = SATIN_OK;
+        if (mesh_text_is(word, length, "v"))
+            status = read_item(obj, &obj->position, 3, 3);
+        else if (mesh_text_is(word, length, "vt"))
+            status = read_item(obj, &obj->uv, 1, 2);
+        else if (mesh_text_is(word, length, "vn"))
+            status = read_item(obj, &obj->normal, 3, 3);
+        else if (mesh_text_is(word, length, "f"))
+            status = read_face(obj);
+        if (status != SATIN_OK) return status;
+    }
+    return SATIN_OK;
+}
+
+static satin_status assemble(const struct obj *obj, struct mesh_parts *out) {
+    bool normals = false, uvs = false;
+    for (size_t i = 0; i < obj->corner_count; i++) {
+        normals = normals || obj->corner[i].normal >= 0;
+        uvs = uvs || obj->corner[i].uv >= 0;
+    }
+    struct mesh_parts parts;
+    satin_status status =
+        mesh_allocate(obj->source, (uint32_t)obj->corner_count, normals, uvs, &parts);
+    if (status != SATIN_OK) return status;
+    for (size_t i = 0; i < obj->corner_count; i++) {
+        struct corner c = obj->corner[i];
+        memcpy(parts.position + i * 3, obj->position.value + (size_t)c.position * 3,
+               3 * sizeof(float));
+        if (c.uv >= 0)
+            memcpy(parts.uv + i * 2, obj->uv.value + (size_t)c.uv * 2, 2 * sizeof(float));
+        if (c.normal >= 0)
+            memcpy(parts.normal + i * 3, obj->normal.value + (size_t)c.normal * 3,
+                   3 * sizeof(float));
+    }
+    parts.triangle_count = (uint32_t)(obj->index_count / 3);
+    parts.index = arena_array(obj->source->arena, obj->index_count, sizeof(uint32_t));
+    if (!parts.index) return mesh_no_memory(obj->source);
+    memcpy(parts.index, obj->index, obj->index_count * sizeof(uint32_t));
+    *out = parts;
+    return SATIN_OK;
+}
+
+satin_status load_mesh_obj(const struct load_source *source, const struct mesh_request *request,
+                           struct mesh *out) {
+    char *data;
+    size_t size;
+    satin_status status = load_source_read(source, LOAD_FILE_MAX, &data, &size);
+    if (status != SATIN_OK) return status;
+    struct obj obj = {.source = source, .text = {data, data + size, 1}};
+    struct mesh_parts parts;
+    status = read_lines(&obj);
+    if (status == SATIN_OK && obj.index_count == 0)
+        status = mesh_error(source, 0, "there is no face in it");
+    if (status == SATIN_OK) status = assemble(&obj, &parts);
+    obj_free(&obj);
+    free(data);
+    return status == SATIN_OK ? mesh_finish(source, request, &parts, out) : status;
+}

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+// The header of a PLY file: lines of `element NAME COUNT` and, below each, `property TYPE NAME` or
+// `property list COUNT_TYPE TYPE NAME`, after `ply` and `format`, ended by `end_header`.
+#include "load/load_mesh_ply_header.h"
+
+#include <string.h>
+
+size_t ply_type_size(enum ply_type type) {
+    static const size_t size[] = {0, 1, 1, 2, 2, 4, 4, 4, 8};
+    return size[type];
+}
+
+// One line of the header as words.
+struct words {
+    const char *word[6];
+    size_t length[6];
+    int count;
+};
+
+static bool is(const struct words *words, int i, const char *name) {
+    return i < words->count && mesh_text_is(words->word[i], words->length[i], name);
+}
+
+// Splits the line at the cursor and goes to the next one.
+static struct words read_line(struct mesh_text *text) {
+    struct words words = {.count = 0};
+    const char *end = memchr(text->at, '\n', (size_t)(text->end - text->at));
+    struct mesh_text line = {text->at, end ? end : text->end, text->line};
+    for (; words.count < 6; words.count++) {
+        mesh_text_skip_blanks(&line);
+        words.length[words.count] = mesh_text_word(&line, &words.word[words.count]);
+        if (!words.length[words.count]) break;
+    }
+    mesh_text_next_line(text);
+    return words;
+}
+
+static enum ply_type read_type(const struct words *words, int i) {
+    static const struct {
+        const char *name;
+        enum ply_type type;
+    } names[] = {
+        {"char", PLY_INT8},      {"int8", PLY_INT8},     {"uchar", PLY_UINT8},
+        {"uint8", PLY_UINT8},    {"short", PLY_INT16},   {"int16", PLY_INT16},
+        {"ushort", PLY_UINT16},  {"uint16", PLY_UINT16}, {"int", PLY_INT32},
+        {"int32", PLY_INT32},    {"uint", PLY_UINT32},   {"uint32", PLY_UINT32},
+        {"float", PLY_FLOAT},    {"float32", PLY_FLOAT}, {"double", PLY_DOUBLE},
+        {"float64", PLY_DOUBLE},
+    };
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++)
+        if (is(words, i, names[k].name)) return names[k].type;
+    return PLY_NONE;
+}
+
+static enum ply_role vertex_role(const struct words *words) {
+    static const struct {
+        const char *name;
+        enum ply_role role;
+    } names[] = {
+        {"x", PLY_X},         {"y", PLY_Y},         {"z", PLY_Z},         {"nx", PLY_NX},
+        {"ny", PLY_NY},       {"nz", PLY_NZ},       {"u", PLY_U},         {"v", PLY_V},
+        {"s", PLY_U},         {"t", PLY_V},         {"texture_u", PLY_U}, {"texture_v", PLY_V},
+        {"texture_s", PLY_U}, {"texture_t", PLY_V},
+    };
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++)
+        if (is(words, words->count - 1, names[k].name)) return names[k].role;
+    return PLY_OTHER;
+}
+
+static satin_status fail(const struct load_source *source, const struct mesh_text *text,
+                         const char *what) {
+    return mesh_error(source, text->line - 1, "%s", what);  // the cursor is past the line
+}
+
+static satin_status read_element(const struct load_source *source, struct mesh_text *text,
+                                 const struct words *words, struct ply_header *header) {
+    if (header->element_count == PLY_ELEMENTS_MAX) return fail(source, text, "too many elements");
+    struct ply_element element = {.kind = PLY_SKIPPED, .first = header->property_count};
+    struct mesh_text number = {words->word[2], text->end, 0};
+    int64_t count = -1;
+    if (words->count != 3 || !mesh_text_integer(&number, &count) || count < 0 ||
+        number.at != words->word[2] + words->length[2])
+        return fail(source, text, "expected: element NAME COUNT");
+    element.count = (uint64_t)count;
+    if (is(words, 1, "vertex")) {
+        element.kind = PLY_VERTICES;
+        header->vertex_count = element.count;
+    } else if (is(words, 1, "face")) {
+        element.kind = PLY_FACES;
+        header->face_count = element.count;
+    }
+    for (int i = 0; i < header->element_count; i++)
+        if (element.kind != PLY_SKIPPED && header->element[i].kind == element.kind)
+            return fail(source, text, "this element was declared before");
+    header->element[header->element_count++] = element;
+    return SATIN_OK;
+}
+
+static satin_status read_property(const struct load_source *source, struct mesh_text *text,
+                                  const struct words *words, struct ply_header *header) {
+    if (!header->element_count) return fail(source, text, "a property before the first element");
+    if (header->property_count == PLY_PROPERTIES_MAX)
+        return fail(source, text, "too many properties");
+    struct ply_element *element = &header->element[header->element_count - 1];
+    bool list = is(words, 1, "list");
+    int last = list ? 4 : 2;
+    struct ply_property property = {
+        .role = PLY_OTHER, .name = words->word[last], .length = words->length[last]};
+    property.count_type = list ? read_type(words, 2) : PLY_NONE;
+    property.type = read_type(words, list ? 3 : 1);
+    if (words->count != last + 1)
+        return fail(source, text, "expected: property [list COUNT_TYPE] TYPE NAME");
+    if (!property.type || (list && (!property.count_type || property.count_type >= PLY_FLOAT)))
+        return fail(source, text, "unknown type of a property");
+    if (element->kind == PLY_VERTICES && !list) property.role = vertex_role(words);
+    if (element->kind == PLY_FACES && list &&
+        (is(words, 4, "vertex_indices") || is(words, 4, "vertex_index")))
+        property.role = PLY_CORNERS;
+    if (property.role < PLY_VERTEX_ROLES) header->has[property.role] = true;
+    header->property[header->property_count++] = property;
+    element->properties++;
+    return SATIN_OK;
+}
+
+// Bytes that one item of the element takes at least: a digit and a blank per number in text.
+static uint64_t least_bytes(const struct ply_header *header, const struct ply_element *element) {
+    uint64_t bytes = 0;
+    for (int i = element->first; i < element->first + element->properties; i++) {
+        const struct ply_property *p = &header->property[i];
+        bytes += header->text ? 2 : ply_type_size(p->count_type ? p->count_type : p->type);
+    }
+    return bytes;
+}
+
+static satin_status check(const struct load_source *source, const struct mesh_text *text,
+                          const struct ply_header *header) {
+    if (!header->vertex_count || !header->has[PLY_X] || !header->has[PLY_Y] || !header->has[PLY_Z])
+        return mesh_error(source, 0, "there is no vertex with x, y and z in it");
+    bool corners = false;
+    for (int i = 0; i < header->property_count; i++)
+        corners = corners || header->property[i].role == PLY_CORNERS;
+    if (!corners || !header->face_count)
+        return mesh_error(source, 0, "there is no face with a list of vertices in it");
+    uint64_t left = (uint64_t)(text->end - text->at) + 1;  // the last number may end the file
+    for (int i = 0; i < header->element_count; i++) {
+        const struct ply_element *element = &header->element[i];
+        uint64_t least = least_bytes(header, element);
+        if (!least) continue;
+        if (element->count > left / least)
+            return mesh_error(source, 0, "%llu items are declared, but the file is too short",
+                              (unsigned long long)element->count);
+        left -= element->count * least;
+    }
+    return SATIN_OK;
+}
+
+satin_status ply_header_read(const struct load_source *source, struct mesh_text *text,
+                             struct ply_header *out) {
+    struct ply_header header = {0};
+    struct words words = read_line(text);
+    if (words.count != 1 || !is(&words, 0, "ply"))
+        return mesh_error(source, 0, "it is not a PLY file");
+    bool format = false;
+    for (;;) {
+        if (text->at == text->end) return mesh_error(source, 0, "its header has no end_header");
+        words = read_line(text);
+        satin_status status = SATIN_OK;
+        if (is(&words, 0, "end_header")) break;
+        if (is(&words, 0, "format")) {
+            header.text = is(&words, 1, "ascii");
+            header.big_endian = is(&words, 1, "binary_big_endian");
+            format = header.text || header.big_endian || is(&words, 1, "binary_little_endian");
+            if (!format || !is(&words, 2, "1.0")) status = fail(source, text, "unknown format");
+        } else if (is(&words, 0, "element")) {
+            status = read_element(source, text, &words, &header);
+        } else if (is(&words, 0, "property")) {
+            status = read_property(source, text, &words, &header);
+        } else if (words.count && !is(&words, 0, "comment") && !is(&words, 0, "obj_info")) {
+            status = fail(source, text, "unknown word in the header");
+        }
+        if (status != SATIN_OK) return status;
+    }
+    if (!format) return mesh_error(source, 0, "its header names no format");
+    satin_status status = check(source, text, &header);
+    if (status == SATIN_OK) *out = header;
+    return status;
+}

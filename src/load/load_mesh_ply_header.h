@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to load_mesh_ply.c: what the header of a PLY file declares, and attributes.
+#ifndef LOAD_MESH_PLY_HEADER_H
+#define LOAD_MESH_PLY_HEADER_H
+
+#include "load/load_mesh.h"
+#include "load/load_mesh_text.h"
+
+enum { PLY_ELEMENTS_MAX = 32, PLY_PROPERTIES_MAX = 512 };
+
+enum ply_type {
+    PLY_NONE = 0,
+    PLY_INT8,
+    PLY_UINT8,
+    PLY_INT16,
+    PLY_UINT16,
+    PLY_INT32,
+    PLY_UINT32,
+    PLY_FLOAT,
+    PLY_DOUBLE
+};
+
+// What a property means to us.
+enum ply_role {
+    PLY_X = 0,
+    PLY_Y,
+    PLY_Z,
+    PLY_NX,
+    PLY_NY,
+    PLY_NZ,
+    PLY_U,
+    PLY_V,
+    PLY_VERTEX_ROLES,
+    PLY_CORNERS,  // the list of a face's vertices
+    PLY_OTHER     // skipped
+};
+
+struct ply_property {
+    enum ply_type type;
+    enum ply_type count_type;  // of a list's length; PLY_NONE: a scalar
+    enum ply_role role;
+    const char *name;  // in the file
+    size_t length;
+    int target;  // 1 + index in ply_attributes.read; 0: none
+};
+
+enum ply_kind { PLY_VERTICES = 0, PLY_FACES, PLY_SKIPPED };
+
+struct ply_element {
+    enum ply_kind kind;
+    uint64_t count;
+    int first, properties;  // range in ply_header.property
+};
+
+struct ply_header {
+    bool text, big_endian;
+    int element_count, property_count;
+    struct ply_element element[PLY_ELEMENTS_MAX];
+    struct ply_property property[PLY_PROPERTIES_MAX];
+    uint64_t vertex_count, face_count;
+    bool has[PLY_VERTEX_ROLES];
+};
+
+size_t ply_type_size(enum ply_type type);
+
+// Reads up to the line after end_header, where `text` is left. Checks that there are vertices with
+// x, y and z and faces with a list of vertices, and that the declared counts fit into what is left
+// of the file.
+satin_status ply_header_read(const struct load_source *source, struct mesh_text *text,
+                             struct ply_header *out);
+
+// Properties that make an attribute of the mesh (load_mesh_ply_attribute.c).
+struct ply_attribute {
+    const char *name;
+    bool per_face;
+    int channels, property[3];
+    float *value;  // of vertices: in the arena; of triangles: from malloc
+    size_t count, capacity;
+};
+
+struct ply_attributes {
+    int count;
+    struct ply_attribute attribute[ATTRIBUTES_MAX];
+    float read[3 * ATTRIBUTES_MAX];  // of the vertex or face that is being read
+};
+
+// Finds those that have a name in `names`, marks their properties and makes room for vertices.
+satin_status ply_attributes_find(const struct load_source *source,
+                                 const struct attribute_names *names, struct ply_header *header,
+                                 struct ply_attributes *out);
+// The value that a number in the file stands for.
+float ply_attribute_decode(enum ply_type type, double number);
+// Stores what was read for a vertex; and for a face, after which there are so many triangles: false
+// without memory.
+void ply_attributes_vertex(struct ply_attributes *attributes, uint64_t vertex);
+bool ply_attributes_face(struct ply_attributes *attributes, size_t triangles);
+// Moves them into the arena.
+satin_status ply_attributes_keep(const struct load_source *source,
+                                 const struct ply_attributes *attributes, struct mesh_parts *parts);
+void ply_attributes_free(struct ply_attributes *attributes);
+
+#endif

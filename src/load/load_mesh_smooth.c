@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// max_smooth_angle: normals are made smooth only over edges that are flatter than an angle,
+// whatever the file says. Triangles get corners of their own; around each place, a corner's normal
+// is the mean of those faces there whose normals are within the angle of its own face's, weighted
+// by their angle at the corner.
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "base/rng.h"
+#include "load/load_mesh.h"
+
+// At most this many faces around one place are looked at for each corner: a hostile file has all
+// corners in one.
+enum { FAN_MAX = 1024 };
+
+// A corner of the mesh, in the order of its place.
+struct corner {
+    uint64_t place;   // of its position's bits
+    uint32_t number;  // 3 * triangle + 0, 1, 2
+};
+
+static vec3 point_of(const struct mesh_parts *parts, uint32_t corner) {
+    const float *p = parts->position + (size_t)parts->index[corner] * 3;
+    return v3(p[0], p[1], p[2]);
+}
+
+static uint64_t place_of(vec3 p) {
+    float c[3] = {p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};  // -0 is 0
+    uint32_t bits[3];
+    memcpy(bits, c, sizeof bits);
+    return rng_mix(rng_mix(bits[0] | (uint64_t)bits[1] << 32) + bits[2]);
+}
+
+static int by_place(const void *a, const void *b) {
+    const struct corner *x = a, *y = b;
+    if (x->place != y->place) return x->place < y->place ? -1 : 1;
+    return (x->number > y->number) - (x->number < y->number);
+}
+
+// The unit normal of a corner's triangle; zero if it has no area.
+static vec3 face_normal(const struct mesh_parts *parts, uint32_t corner) {
+    uint32_t first = corner - corner % 3;
+    vec3 a = point_of(parts, first), b = point_of(parts, first + 1), c = point_of(parts, first + 2);
+    return v3_unit_wide(v3_cross(v3_sub(b, a), v3_sub(c, a)));
+}
+
+static float corner_angle(const struct mesh_parts *parts, uint32_t corner) {
+    uint32_t first = corner - corner % 3, k = corner % 3;
+    vec3 p = point_of(parts, corner);
+    vec3 a = v3_unit(v3_sub(point_of(parts, first + (k + 1) % 3), p));
+    vec3 b = v3_unit(v3_sub(point_of(parts, first + (k + 2) % 3), p));
+    return 2.0f * atan2f(v3_len(v3_sub(a, b)), v3_len(v3_add(a, b)));
+}
+
+// The normals of the corners fan[0 .. count - 1], which are at one place.
+static void smooth_fan(const struct mesh_parts *parts, const struct corner *fan, size_t count,
+                       float cosine, float *normal) {
+    size_t most = count < FAN_MAX ? count : FAN_MAX;
+    for (size_t i = 0; i < count; i++) {
+        vec3 own = face_normal(parts, fan[i].number), sum = v3(0, 0, 0);
+        for (size_t j = 0; j < most; j++) {
+            vec3 other = face_normal(parts, fan[j].number);
+            if (j != i && v3_dot(own, other) < cosine) continue;
+            sum = v3_mad(sum, corner_angle(parts, fan[j].number), other);
+        }
+        vec3 n = v3_unit(sum);
+        if (v3_len2(n) < 0.5f) n = v3_len2(own) > 0.5f ? own : v3(1, 0, 0);
+        memcpy(normal + (size_t)fan[i].number * 3, &n, sizeof n);
+    }
+}
+
+static void smooth_corners(const struct mesh_parts *parts, struct corner *corner, size_t count,
+                           float cosine, float *normal) {
+    for (size_t i = 0; i < count; i++)
+        corner[i] = (struct corner){place_of(point_of(parts, (uint32_t)i)), (uint32_t)i};
+    qsort(corner, count, sizeof *corner, by_place);
+    for (size_t first = 0, end; first < count; first = end) {
+        for (end = first + 1; end < count && corner[end].place == corner[first].place;) end++;
+        smooth_fan(parts, corner + first, end - first, cosine, normal);
+    }
+}
+
+// The attributes of corners, each of which is a vertex now.
+static satin_status spread_attributes(const struct load_source *source,
+                                      const struct mesh_parts *parts, size_t corners,
+                                      struct mesh_parts *out) {
+    out->attribute = parts->attribute;
+    out->attribute_count = parts->attribute_count;
+    for (int i = 0; i < parts->attribute_count; i++) {
+        struct mesh_attribute *a = &parts->attribute[i];
+        size_t n = (size_t)a->channels;
+        if (a->per_triangle) continue;
+        float *value = arena_array(source->arena, corners * n, sizeof *value);
+        if (!value) return mesh_no_memory(source);
+        for (size_t k = 0; k < corners; k++)
+            memcpy(value + k * n, a->value + parts->index[k] * n, n * sizeof *value);
+        a->value = value;
+    }
+    return SATIN_OK;
+}
+
+satin_status mesh_smooth(const struct load_source *source, float degrees,
+                         struct mesh_parts *parts) {
+    size_t count = (size_t)parts->triangle_count * 3;
+    if (count > UINT32_MAX)
+        return mesh_error(source, 0, "it has too many triangles for max_smooth_angle");
+    struct mesh_parts out;
+    satin_status status = mesh_allocate(source, (uint32_t)count, true, parts->uv, &out);
+    if (status != SATIN_OK) return status;
+    struct corner *corner = array_new(count, sizeof *corner);
+    out.index = arena_array(source->arena, count, sizeof *out.index);
+    if (!corner || !out.index) {
+        free(corner);
+        return mesh_no_memory(source);
+    }
+    smooth_corners(parts, corner, count, cosf(degrees * (PI_F / 180.0f)), out.normal);
+    free(corner);
+    for (size_t i = 0; i < count; i++) {
+        size_t from = parts->index[i];
+        memcpy(out.position + i * 3, parts->position + from * 3, 3 * sizeof(float));
+        if (out.uv) memcpy(out.uv + i * 2, parts->uv + from * 2, 2 * sizeof(float));
+        out.index[i] = (uint32_t)i;
+    }
+    out.triangle_count = parts->triangle_count;
+    status = spread_attributes(source, parts, count, &out);
+    if (status == SATIN_OK) *parts = out;
+    return status;
+}

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scene files of versions 0.4 to 0.6: `toWorld` is `to_world`, `intIOR` is `int_ior`, and some
+// names differ by more than their spelling. Only what means the same is translated; the rest meets
+// the tables of version 3 and is refused there by its name.
+#include "load/load_mitsuba06.h"
+
+#include <ctype.h>
+#include <string.h>
+
+#include "base/text.h"
+
+struct pair {
+    const char *from, *to;
+};
+
+static const char *mapped(const struct pair *pairs, const char *name) {
+    for (; pairs->from; pairs++)
+        if (strcmp(pairs->from, name) == 0) return pairs->to;
+    return name;
+}
+
+const char *load_mitsuba06_tag(const char *name) {
+    static const struct pair tags[] = {
+        {"lookAt", "lookat"}, {"srgb", "rgb"}, {"blackbody", "spectrum"}, {NULL, NULL}};
+    return mapped(tags, name);
+}
+
+bool load_mitsuba06_attribute(const char *name) {
+    return strcmp(name, "temperature") == 0 || strcmp(name, "scale") == 0;
+}
+
+// ---- Names --------------------------------------------------------------------------------------
+
+// Capitals become small letters, the first of a run after a small letter with an underscore.
+static const char *snake_case(struct arena *arena, const char *name) {
+    char *out = arena_alloc(arena, 2 * strlen(name) + 1);
+    if (!out) return NULL;
+    size_t n = 0;
+    for (size_t i = 0; name[i]; i++) {
+        bool capital = isupper((unsigned char)name[i]) != 0;
+        if (capital && i && !isupper((unsigned char)name[i - 1]) && name[i - 1] != '_')
+            out[n++] = '_';
+        out[n++] = (char)tolower((unsigned char)name[i]);
+    }
+    out[n] = 0;
+    return out;
+}
+
+// Plugins that are the same thing under another name.
+static const char *plugin_name(const struct xml_node *node) {
+    static const struct pair films[] = {{"ldrfilm", "hdrfilm"}, {NULL, NULL}};
+    static const struct pair samplers[] = {
+        {"halton", "ldsampler"}, {"hammersley", "ldsampler"}, {"sobol", "ldsampler"}, {NULL, NULL}};
+    if (node->tag == XML_FILM) return mapped(films, node->type);
+    return node->tag == XML_SAMPLER ? mapped(samplers, node->type) : node->type;
+}
+
+static bool is(const struct xml_node *node, enum xml_tag tag, const char *type) {
+    return node && node->tag == tag && (!type || strcmp(node->type, type) == 0);
+}
+
+// Parameters that never changed what is seen, or only how it was stored.
+static bool has_no_effect(const struct xml_node *parent, const char *name) {
+    static const char *const film[] = {"banner",         "attach_log", "gamma", "exposure",
+                                       "tonemap_method", "key",        "burn",  NULL};
+    static const char *const texture[] = {"cache", "max_anisotropy", NULL};
+    const char *const *list = parent->tag == XML_FILM      ? film
+                              : parent->tag == XML_TEXTURE ? texture
+                                                           : NULL;
+    for (; list && *list; list++)
+        if (strcmp(*list, name) == 0) return true;
+    return false;
+}
+
+// ---- Values -------------------------------------------------------------------------------------
+
+static satin_status set_attribute(struct arena *arena, struct xml_node *node, const char *name,
+                                  const char *value) {
+    size_t count = 0;
+    while (node->attribute[count]) count++;
+    const char **copy = arena_array(arena, count + 3, sizeof *copy);
+    if (!copy) return SATIN_ERROR_MEMORY;
+    bool found = false;
+    for (size_t i = 0; i < count; i += 2) {
+        bool same = strcmp(node->attribute[i], name) == 0;
+        copy[i] = node->attribute[i];
+        copy[i + 1] = same ? value : node->attribute[i + 1];
+        found = found || same;
+    }
+    if (!found) {
+        copy[count] = name;
+        copy[count + 1] = value;
+    }
+    node->attribute = copy;
+    return SATIN_OK;
+}
+
+static struct xml_node *new_node(struct arena *arena, const struct xml_node *from, enum xml_tag tag,
+                                 const char *name, const char *value) {
+    static const char *const names[] = {"name", "value", "x", "y"};
+    struct xml_node *node = arena_alloc(arena, sizeof *node);
+    const char **attribute = arena_array(arena, 3, sizeof *attribute);
+    if (!node || !attribute) return NULL;
+    for (int i = 0; i < 4; i++)
+        if (strcmp(names[i], name) == 0) attribute[0] = names[i];
+    attribute[1] = value;
+    *node = (struct xml_node){.tag = tag, .place = from->place, .number = from->number};
+    node->attribute = attribute;
+    return node;
+}
+
+static void append(struct xml_node *parent, struct xml_node *child) {
+    if (parent->last)
+        parent->last->next = child;
+    else
+        parent->child = child;
+    parent->last = child;
+}
+
+// uscale, vscale, uoffset and voffset: steps of the texture's to_uv, scales before translations.
+static satin_status move_to_uv(struct arena *arena, struct xml_node *parent,
+                               const struct xml_node *node) {
+    struct xml_node *steps = parent->child;
+    while (steps && !(steps->tag == XML_TRANSFORM && strcmp(steps->name, "to_uv") == 0))
+        steps = steps->next;
+    if (!steps) {
+        steps = new_node(arena, node, XML_TRANSFORM, "name", "to_uv");
+        if (!steps) return SATIN_ERROR_MEMORY;
+        steps->name = "to_uv";
+        append(parent, steps);
+    }
+    const bool both = strcmp(node->name, "uvscale") == 0;
+    bool scale = both || strcmp(node->name + 1, "scale") == 0;
+    struct xml_node *step = new_node(arena, node, scale ? XML_SCALE : XML_TRANSLATE,
+                                     both                   ? "value"
+                                     : node->name[0] == 'u' ? "x"
+                                                            : "y",
+                                     xml_get(node, "value"));
+    if (!step) return SATIN_ERROR_MEMORY;
+    if (!scale || !steps->child) {
+        append(steps, step);
+    } else {
+        step->next = steps->child;
+        steps->child = step;
+    }
+    return SATIN_OK;
+}
+
+// <blackbody name="..." temperature="5000K" scale="..."/>
+static satin_status respell_blackbody(struct arena *arena, struct xml_node *node) {
+    const char *kelvin = xml_get(node, "temperature"), *scale = xml_get(node, "scale");
+    size_t n = strlen(kelvin);
+    if (n && (kelvin[n - 1] == 'K' || kelvin[n - 1] == 'k')) n--;
+    const char *text = arena_text(arena, kelvin, n);
+    struct xml_node *t = text ? new_node(arena, node, XML_FLOAT, "value", text) : NULL;
+    struct xml_node *s = new_node(arena, node, XML_FLOAT, "value", scale ? scale : "1");
+    if (!t || !s) return SATIN_ERROR_MEMORY;
+    t->name = "temperature";
+    s->name = "scale";
+    node->type = "blackbody";
+    append(node, t);
+    append(node, s);
+    return SATIN_OK;
+}
+
+static bool is_place_in_uv(const char *name) {
+    return strcmp(name, "uscale") == 0 || strcmp(name, "vscale") == 0 ||
+           strcmp(name, "uoffset") == 0 || strcmp(name, "voffset") == 0 ||
+           strcmp(name, "uvscale") == 0;
+}
+
+static satin_status respell_value(struct log log, struct arena *arena, struct xml_node *parent,
+                                  struct xml_node *node, bool *keep) {
+    if (has_no_effect(parent, node->name)) {
+        log_warning_at(log, node->place, "'%s' has no effect here", node->name);
+        *keep = false;
+        return SATIN_OK;
+    }
+    if (is(parent, XML_TEXTURE, NULL) && node->tag == XML_FLOAT && is_place_in_uv(node->name)) {
+        *keep = false;
+        return move_to_uv(arena, parent, node);
+    }
+    const char *text = xml_get(node, "value");
+    double gamma;
+    if (is(parent, XML_TEXTURE, "bitmap") && strcmp(node->name, "gamma") == 0 &&
+        text_double(text, &gamma) && (gamma == 1.0 || gamma == -1.0 || gamma == 2.2)) {
+        if (gamma == 2.2) log_warning_at(log, node->place, "a gamma of 2.2 is read as sRGB's");
+        node->tag = XML_BOOLEAN;  // 1: numbers, else as the file says
+        node->name = "raw";
+        return set_attribute(arena, node, "value", gamma == 1.0 ? "true" : "false");
+    }
+    if (is(parent, XML_TEXTURE, "bitmap") && strcmp(node->name, "gamma") == 0) {
+        log_error_at(log, node->place, "gamma is '%s', but must be 1, 2.2 or -1", text ? text : "");
+        return SATIN_ERROR_INPUT;
+    }
+    static const struct pair filters[] = {
+        {"trilinear", "bilinear"}, {"ewa", "bilinear"}, {NULL, NULL}};
+    if (strcmp(node->name, "filter_type") == 0 && node->tag == XML_STRING)
+        return set_attribute(arena, node, "value", mapped(filters, text));
+    return SATIN_OK;
+}
+
+satin_status load_mitsuba06_respell(struct log log, struct arena *arena, struct xml_node *parent,
+                                    struct xml_node *node, bool *keep) {
+    *keep = true;
+    node->old = true;
+    if (xml_is_object(node->tag) && node->type) node->type = plugin_name(node);
+    if (node->name && !(node->name = snake_case(arena, node->name))) return SATIN_ERROR_MEMORY;
+    if (is(parent, XML_BSDF, "diffuse") && node->name &&
+        strcmp(node->name, "diffuse_reflectance") == 0)
+        node->name = "reflectance";
+    if (node->tag == XML_SPECTRUM && xml_get(node, "temperature"))
+        return respell_blackbody(arena, node);
+    bool value = node->tag >= XML_BOOLEAN && node->tag <= XML_TRANSFORM;
+    return parent && value && node->name ? respell_value(log, arena, parent, node, keep) : SATIN_OK;
+}
+
+bool load_mitsuba06_dissolves(const struct xml_node *parent, const struct xml_node *node) {
+    return is(parent, XML_BSDF, "bumpmap") && is(node, XML_TEXTURE, "scale");
+}

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+// All plugins of a scene file: lookup by name, and their description for the documentation.
+#include <stdio.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "load/load.h"
+#include "load/load_params.h"
+
+static const struct plugin_spec *const tables[] = {load_shape_plugins,
+                                                   load_group_plugins,
+                                                   load_bsdf_plugins,
+                                                   load_texture_plugins,
+                                                   load_emitter_plugins,
+                                                   load_sensor_plugins,
+                                                   load_film_plugins,
+                                                   load_integrator_plugins,
+                                                   load_spectrum_plugins,
+                                                   load_sun_plugins,
+                                                   NULL};
+
+// What Mitsuba 3 knows and satin does not read.
+struct unread {
+    enum xml_tag tag;
+    const char *const *name;
+};
+
+static const char *const unread_shapes[] = {
+    "sdfgrid", "ellipsoids", "ellipsoidsmesh", "blender", "heightfield", "hair", "mesh", NULL};
+static const char *const unread_bsdfs[] = {"measured",           "hair",     "pplastic",
+                                           "polarizer",          "retarder", "circular",
+                                           "measured_polarized", NULL};
+static const char *const unread_textures[] = {"volume",    "volumeadapter", "vertexcolors",
+                                              "wireframe", "curvature",     NULL};
+static const char *const unread_emitters[] = {"sunsky", "timed_sunsky", "sky",
+                                              "sun",    "volumelight",  NULL};
+static const char *const unread_sensors[] = {"distant",       "radiancemeter",   "batch",
+                                             "hemispherical", "irradiancemeter", NULL};
+static const char *const unread_films[] = {"specfilm", NULL};
+static const char *const unread_integrators[] = {"depth", "volprim_rf_basic", "field", NULL};
+
+static const struct unread unread[] = {
+    {XML_SHAPE, unread_shapes},          {XML_BSDF, unread_bsdfs},
+    {XML_TEXTURE, unread_textures},      {XML_EMITTER, unread_emitters},
+    {XML_SENSOR, unread_sensors},        {XML_FILM, unread_films},
+    {XML_INTEGRATOR, unread_integrators}};
+
+const char *load_plugin_noun(enum xml_tag tag) {
+    if (tag == XML_BSDF) return "BRDF";
+    return tag == XML_RFILTER ? "filter" : xml_tag_name(tag);
+}
+
+static bool is_unread(const struct xml_node *node) {
+    for (size_t i = 0; i < sizeof unread / sizeof *unread; i++) {
+        if (unread[i].tag != node->tag) continue;
+        for (const char *const *name = unread[i].name; *name; name++)
+            if (strcmp(*name, node->type) == 0) return true;
+    }
+    return false;
+}
+
+// What there is in place of an unread plugin, to end a sentence.
+static const char *substitute(const struct xml_node *node) {
+    bool sky = node->tag == XML_EMITTER && (strstr(node->type, "sky") || strstr(node->type, "sun"));
+    return sky ? "; 'preethamsky' is a sky by formulas, which looks a little different" : "";
+}
+
+static bool is_named(const struct plugin_spec *plugin, const char *type) {
+    if (strcmp(plugin->name, type) == 0) return true;
+    for (const char *const *name = load_transport; plugin->lenient && *name; name++)
+        if (strcmp(*name, type) == 0) return true;
+    return false;
+}
+
+// What a misspelt name may have meant.
+static const char *nearest_name(const struct xml_node *node) {
+    struct text_nearest nearest = {.word = node->type};
+    for (int t = 0; tables[t]; t++)
+        for (const struct plugin_spec *plugin = tables[t]; plugin->name; plugin++) {
+            if (plugin->tag != node->tag) continue;
+            text_nearest_try(&nearest, plugin->name);
+            for (const char *const *name = load_transport; plugin->lenient && *name; name++)
+                text_nearest_try(&nearest, *name);
+        }
+    return nearest.best;
+}
+
+// How an image is computed and stored decides little of what it shows: what is unknown there is
+// read as the plainest of its kind.
+static const char *stand_in(enum xml_tag tag) {
+    switch (tag) {
+        case XML_INTEGRATOR:
+            return "path";
+        case XML_SAMPLER:
+            return "independent";
+        case XML_FILM:
+            return "hdrfilm";
+        case XML_RFILTER:
+            return "gaussian";
+        default:
+            return NULL;
+    }
+}
+
+static const struct plugin_spec *named(const struct xml_node *node, const char *name) {
+    for (int t = 0; tables[t]; t++)
+        for (const struct plugin_spec *plugin = tables[t]; plugin->name; plugin++)
+            if (plugin->tag == node->tag && is_named(plugin, name) &&
+                (node->old || tables[t] != load_sun_plugins))
+                return plugin;
+    return NULL;
+}
+
+const struct plugin_spec *load_plugin_find(struct log log, const struct xml_node *node) {
+    const struct plugin_spec *plugin = named(node, node->type);
+    if (plugin) return plugin;
+    const char *noun = load_plugin_noun(node->tag), *nearest = nearest_name(node);
+    const char *plain = stand_in(node->tag);
+    if (is_unread(node)) {
+        log_error_at(log, node->place, "%s '%s' is not supported%s", noun, node->type,
+                     substitute(node));
+    } else if (nearest) {
+        log_error_at(log, node->place, "unknown %s '%s' (did you mean '%s'?)", noun, node->type,
+                     nearest);
+    } else if (plain) {
+        log_warning_at(log, node->place, "unknown %s '%s', which is read as '%s'", noun, node->type,
+                       plain);
+        return named(node, plain);
+    } else {
+        log_error_at(log, node->place, "unknown %s '%s'", noun, node->type);
+    }
+    return NULL;
+}
+
+bool load_param_known(enum xml_tag tag, const char *name) {
+    for (int t = 0; tables[t]; t++)
+        for (const struct plugin_spec *plugin = tables[t]; plugin->name; plugin++)
+            for (int i = 0; plugin->tag == tag && plugin->params && plugin->params[i]; i++)
+                if (strcmp(plugin->params[i]->name, name) == 0) return true;
+    return false;
+}
+
+// ---- Documentation ------------------------------------------------------------------------------
+
+static const struct plugin_spec *plugin_at(int index) {
+    for (int t = 0; tables[t]; t++)
+        for (const struct plugin_spec *plugin = tables[t]; plugin->name; plugin++)
+            if (index-- == 0) return plugin;
+    return NULL;
+}
+
+bool load_plugin_describe(int index, struct load_plugin_info *out) {
+    const struct plugin_spec *plugin = index >= 0 ? plugin_at(index) : NULL;
+    if (!plugin) return false;
+    *out = (struct load_plugin_info){xml_tag_name(plugin->tag), plugin->name, plugin->doc};
+    return true;
+}
+
+// What one writes for a parameter: an element, or its choices.
+static void describe_kind(const struct param_spec *spec, char *text, size_t size) {
+    static const char *const elements[] = {[PARAM_BOOLEAN] = "boolean",
+                                           [PARAM_INTEGER] = "integer",
+                                           [PARAM_FLOAT] = "float",
+                                           [PARAM_STRING] = "string",
+                                           [PARAM_CHOICE] = "",
+                                           [PARAM_POINT] = "point",
+                                           [PARAM_TRANSFORM] = "transform",
+                                           [PARAM_COLOR] = "rgb or spectrum",
+                                           [PARAM_LIGHT] = "rgb or spectrum",
+                                           [PARAM_IOR] = "float or string"};
+    snprintf(text, size, "%s%s", elements[spec->kind],
+             spec->flags & PARAM_TEXTURE ? " or texture" : "");
+    for (int i = 0; spec->choices && spec->choices[i]; i++) {
+        size_t n = strlen(text);
+        snprintf(text + n, size - n, "%s%s", i ? ", " : "", spec->choices[i]);
+    }
+}
+
+bool load_param_describe(int plugin_index, int index, struct load_param_info *out) {
+    static const char *const ranges[] = {
+        "", "> 0", ">= 0", "0 to 1e6", "0 to 1", "numbers 0 to 1e6, colours 0 to 1", "0 to 1"};
+    const struct plugin_spec *plugin = plugin_index >= 0 ? plugin_at(plugin_index) : NULL;
+    if (!plugin || !plugin->params || index < 0) return false;
+    for (int i = 0; i <= index; i++)
+        if (!plugin->params[i]) return false;
+    const struct param_spec *spec = plugin->params[index];
+    *out = (struct load_param_info){.name = spec->name,
+                                    .value = spec->fallback,
+                                    .range = ranges[spec->range],
+                                    .required = (spec->flags & PARAM_REQUIRED) != 0,
+                                    .doc = spec->doc};
+    if (spec->kind == PARAM_TRANSFORM) out->value = "identity";
+    describe_kind(spec, out->kind, sizeof out->kind);
+    return true;
+}
+
+bool load_unread_describe(int index, struct load_plugin_info *out) {
+    for (size_t i = 0; index >= 0 && i < sizeof unread / sizeof *unread; i++)
+        for (const char *const *name = unread[i].name; *name; name++)
+            if (index-- == 0) {
+                *out = (struct load_plugin_info){xml_tag_name(unread[i].tag), *name, NULL};
+                return true;
+            }
+    return false;
+}

@@ -1,0 +1,444 @@
+// SPDX-License-Identifier: Apache-2.0
+// <bsdf>: materials. Names, parameters and defaults are those of Mitsuba 3; phong and ward are
+// those of Mitsuba 0.6 with its parameters spelt the new way.
+#include "load/load_plugins_bsdf.h"
+#include "base/array.h"
+#include "base/text.h"
+
+static const char *const distributions[] = {"beckmann", "ggx", NULL};  // enum brdf_distribution
+static const char *const variants[] = {"ward", "ward-duer", "balanced", NULL};  // enum brdf_variant
+
+static const struct param_spec reflectance = {"reflectance", PARAM_COLOR, ".5",    RANGE_UNIT,
+                                              PARAM_TEXTURE, NULL,        "albedo"};
+const struct param_spec bsdf_diffuse_reflectance = {"diffuse_reflectance",
+                                                    PARAM_COLOR,
+                                                    ".5",
+                                                    RANGE_UNIT,
+                                                    PARAM_TEXTURE,
+                                                    NULL,
+                                                    "factor of the diffuse reflection"};
+const struct param_spec bsdf_specular_reflectance = {"specular_reflectance",
+                                                     PARAM_COLOR,
+                                                     "1",
+                                                     RANGE_UNIT,
+                                                     PARAM_TEXTURE,
+                                                     NULL,
+                                                     "factor of the specular reflection"};
+static const struct param_spec lobe_reflectance = {
+    "specular_reflectance",     PARAM_COLOR, ".2", RANGE_UNIT, PARAM_TEXTURE, NULL,
+    "factor of the glossy lobe"};
+static const struct param_spec specular_transmittance = {
+    "specular_transmittance",    PARAM_COLOR, "1", RANGE_UNIT, PARAM_TEXTURE, NULL,
+    "factor of the transmission"};
+static const struct param_spec glass_ior = {"int_ior",
+                                            PARAM_IOR,
+                                            "bk7",
+                                            RANGE_POSITIVE,
+                                            0,
+                                            NULL,
+                                            "index of refraction inside, or a substance"};
+static const struct param_spec plastic_ior = {"int_ior",
+                                              PARAM_IOR,
+                                              "polypropylene",
+                                              RANGE_POSITIVE,
+                                              0,
+                                              NULL,
+                                              "index of refraction inside, or a substance"};
+static const struct param_spec ext_ior = {"ext_ior",
+                                          PARAM_IOR,
+                                          "air",
+                                          RANGE_POSITIVE,
+                                          0,
+                                          NULL,
+                                          "index of refraction outside, or a substance"};
+static const struct param_spec nonlinear = {
+    "nonlinear", PARAM_BOOLEAN, "false", 0, 0, NULL, "colour shifts by scattering inside"};
+static const struct param_spec metal = {
+    "material", PARAM_STRING, NULL, 0, 0, NULL, "name of a metal, in place of eta and k"};
+static const struct param_spec metal_eta = {
+    "eta", PARAM_COLOR, "0", RANGE_MODEST, PARAM_TEXTURE, NULL, "index of refraction, real part"};
+static const struct param_spec metal_k = {
+    "k", PARAM_COLOR, "1", RANGE_MODEST, PARAM_TEXTURE, NULL, "index of refraction, absorption"};
+static const struct param_spec metal_ext_eta = {
+    "ext_eta",
+    PARAM_IOR,
+    "vacuum",
+    RANGE_POSITIVE,
+    0,
+    NULL,
+    "index of refraction outside, or a substance; eta and k are divided by it"};
+static const struct param_spec distribution = {
+    "distribution", PARAM_CHOICE, "beckmann", 0, 0, distributions, "of the facets' normals"};
+static const struct param_spec alpha = {"alpha",       PARAM_FLOAT, ".1",       RANGE_MODEST,
+                                        PARAM_TEXTURE, NULL,        "roughness"};
+static const struct param_spec plastic_alpha = {"alpha", PARAM_FLOAT, ".1",       RANGE_MODEST,
+                                                0,       NULL,        "roughness"};
+static const struct param_spec alpha_u = {
+    "alpha_u", PARAM_FLOAT, NULL, RANGE_MODEST, PARAM_TEXTURE, NULL, "roughness along u"};
+static const struct param_spec alpha_v = {
+    "alpha_v", PARAM_FLOAT, NULL, RANGE_MODEST, PARAM_TEXTURE, NULL, "roughness along v"};
+static const struct param_spec ward_alpha_u = {
+    "alpha_u", PARAM_FLOAT, ".1", RANGE_MODEST, PARAM_TEXTURE, NULL, "roughness along u"};
+static const struct param_spec ward_alpha_v = {
+    "alpha_v", PARAM_FLOAT, ".1", RANGE_MODEST, PARAM_TEXTURE, NULL, "roughness along v"};
+static const struct param_spec sample_visible = {
+    "sample_visible", PARAM_BOOLEAN, "true", 0, 0, NULL, "sampling in Mitsuba; has no effect"};
+static const struct param_spec exponent = {
+    "exponent", PARAM_FLOAT, "30", RANGE_MODEST, PARAM_TEXTURE, NULL, "of the lobe's cosine"};
+static const struct param_spec variant = {
+    "variant", PARAM_CHOICE, "balanced", 0, 0, variants, "normalisation of the lobe"};
+
+static const struct param_spec weight = {"weight",
+                                         PARAM_FLOAT,
+                                         NULL,
+                                         RANGE_CLAMPED,
+                                         PARAM_REQUIRED | PARAM_TEXTURE,
+                                         NULL,
+                                         "of the second; below 0 as 0, over 1 as 1"};
+static const struct param_spec bump_scale = {
+    "scale", PARAM_FLOAT, "1", RANGE_ANY, 0, NULL, "factor of the heights"};
+static const struct param_spec normal_map = {
+    "normalmap",
+    PARAM_COLOR,
+    NULL,
+    0,
+    PARAM_REQUIRED | PARAM_TEXTURE,
+    NULL,
+    "x, y, z of the normal in the surface's frame, from -1 to 1 as 0 to 1"};
+static const struct param_spec flip_invalid = {"flip_invalid_normals",
+                                               PARAM_BOOLEAN,
+                                               "true",
+                                               0,
+                                               0,
+                                               NULL,
+                                               "mirror normals that turn away from the viewer"};
+static const struct param_spec use_shadowing = {"use_shadowing_function",
+                                                PARAM_BOOLEAN,
+                                                "true",
+                                                0,
+                                                0,
+                                                NULL,
+                                                "slopes shadow light that comes in flat"};
+
+static const struct param_spec opacity = {"opacity",
+                                          PARAM_COLOR,
+                                          ".5",
+                                          RANGE_CLAMPED,
+                                          PARAM_TEXTURE,
+                                          NULL,
+                                          "share that is there; below 0 as 0, over 1 as 1"};
+static param_list mask_params = {&opacity, NULL};
+static param_list blend_params = {&weight, NULL};
+static param_list bump_params = {&bump_scale, &flip_invalid, &use_shadowing, NULL};
+static param_list normal_params = {&normal_map, &flip_invalid, &use_shadowing, NULL};
+static param_list diffuse_params = {&reflectance, NULL};
+static param_list conductor_params = {
+    &metal, &metal_eta, &metal_k, &bsdf_specular_reflectance, &metal_ext_eta, NULL};
+static param_list roughconductor_params = {
+    &metal,          &metal_eta,     &metal_k, &bsdf_specular_reflectance,
+    &distribution,   &alpha,         &alpha_u, &alpha_v,
+    &sample_visible, &metal_ext_eta, NULL};
+static param_list dielectric_params = {&glass_ior, &ext_ior, &bsdf_specular_reflectance,
+                                       &specular_transmittance, NULL};
+static param_list roughdielectric_params = {&glass_ior,
+                                            &ext_ior,
+                                            &bsdf_specular_reflectance,
+                                            &specular_transmittance,
+                                            &distribution,
+                                            &alpha,
+                                            &alpha_u,
+                                            &alpha_v,
+                                            &sample_visible,
+                                            NULL};
+static param_list plastic_params = {&bsdf_diffuse_reflectance,
+                                    &bsdf_specular_reflectance,
+                                    &plastic_ior,
+                                    &ext_ior,
+                                    &nonlinear,
+                                    NULL};
+static param_list roughplastic_params = {&bsdf_diffuse_reflectance,
+                                         &bsdf_specular_reflectance,
+                                         &plastic_ior,
+                                         &ext_ior,
+                                         &nonlinear,
+                                         &distribution,
+                                         &plastic_alpha,
+                                         &sample_visible,
+                                         NULL};
+static param_list phong_params = {&bsdf_diffuse_reflectance, &lobe_reflectance, &exponent, NULL};
+static param_list ward_params = {
+    &bsdf_diffuse_reflectance, &lobe_reflectance, &variant, &ward_alpha_u, &ward_alpha_v, NULL};
+
+// Below this the distributions degenerate in single precision; Mitsuba's bound too.
+#define ALPHA_MIN 1e-4f
+// What a sum of reflectances over 1 becomes, as in Mitsuba 0.6.
+#define ALBEDO_MOST 0.99f
+
+satin_status bsdf_set_color(struct load_state *loader, const struct param_value *value,
+                            struct material_side *side, enum brdf_slot slot) {
+    rgb *field = brdf_color(&side->base, slot);
+    *field = value->color;
+    if (!value->texture) return SATIN_OK;
+    satin_status status = load_texture_of(loader, value->texture, &side->slot[slot]);
+    if (status == SATIN_OK) *field = side->slot[slot]->mean;
+    return status;
+}
+
+// What a number of the file means.
+static float roughness(struct load_state *loader, const struct param_value *value) {
+    if (value->given && value->f < ALPHA_MIN)
+        log_warning_at(loader->log, value->place, "a roughness of %g counts as %g",
+                       (double)value->f, (double)ALPHA_MIN);
+    return fmaxf(value->f, ALPHA_MIN);
+}
+
+satin_status bsdf_set_number(struct load_state *loader, const struct param_value *value,
+                             struct material_side *side, enum brdf_slot slot) {
+    bool rough = slot == BRDF_SLOT_ALPHA_U || slot == BRDF_SLOT_ALPHA_V;
+    float number = value->f;
+    if (value->texture) {
+        satin_status status = load_texture_of(loader, value->texture, &side->slot[slot]);
+        if (status != SATIN_OK) return status;
+        number = rgb_luminance(side->slot[slot]->mean);
+    }
+    if (rough) number = value->texture ? fmaxf(number, ALPHA_MIN) : roughness(loader, value);
+    *brdf_number(&side->base, slot) = fmaxf(number, 0.0f);
+    return SATIN_OK;
+}
+
+// alpha, or alpha_u and alpha_v.
+static satin_status set_alpha(struct load_state *loader, const struct params *p,
+                              struct material_side *side) {
+    const struct param_value *u = param(p, "alpha_u"), *v = param(p, "alpha_v");
+    if (u->given != v->given || (u->given && param(p, "alpha")->given)) {
+        log_error_at(loader->log, p->node->place,
+                     "roughness is either alpha, or both alpha_u and alpha_v");
+        return SATIN_ERROR_INPUT;
+    }
+    if (!u->given) u = v = param(p, "alpha");
+    satin_status status = bsdf_set_number(loader, u, side, BRDF_SLOT_ALPHA_U);
+    return status == SATIN_OK ? bsdf_set_number(loader, v, side, BRDF_SLOT_ALPHA_V) : status;
+}
+
+static satin_status set_metal(struct load_state *loader, const struct params *p,
+                              struct material_side *side) {
+    const struct param_value *eta = param(p, "eta"), *k = param(p, "k");
+    const struct param_value *material = param(p, "material");
+    if (!material->given) {
+        satin_status status = bsdf_set_color(loader, eta, side, BRDF_SLOT_ETA);
+        if (status == SATIN_OK) status = bsdf_set_color(loader, k, side, BRDF_SLOT_K);
+        // What is not given is a perfect mirror's, in version 0.6 copper's.
+        rgb n, absorption;
+        if (status == SATIN_OK && p->node->old && load_metal_find("Cu", &n, &absorption)) {
+            if (!eta->given) side->base.eta = n;
+            if (!k->given) side->base.k = absorption;
+        }
+        return status;
+    }
+    if (eta->given || k->given) {
+        log_error_at(loader->log, material->place, "a metal is either a material, or eta and k");
+        return SATIN_ERROR_INPUT;
+    }
+    if (load_metal_find(material->s, &side->base.eta, &side->base.k)) return SATIN_OK;
+    struct text_nearest nearest = {.word = material->s};
+    for (int i = 0; load_metal_name(i); i++) text_nearest_try(&nearest, load_metal_name(i));
+    if (nearest.best)
+        log_error_at(loader->log, material->place, "unknown metal '%s' (did you mean '%s'?)",
+                     material->s, nearest.best);
+    else
+        log_error_at(loader->log, material->place, "unknown metal '%s'", material->s);
+    return SATIN_ERROR_INPUT;
+}
+
+bool bsdf_ior_valid(struct load_state *loader, struct log_place place, const char *name,
+                    float ior) {
+    if (ior >= BRDF_IOR_MIN && ior <= BRDF_IOR_MAX) return true;
+    log_error_at(loader->log, place, "%s is %g, but must be in [%g, %g]", name, (double)ior,
+                 (double)BRDF_IOR_MIN, (double)BRDF_IOR_MAX);
+    return false;
+}
+
+static satin_status set_ior(struct load_state *loader, const struct params *p,
+                            struct material_side *side) {
+    side->base.ior = param(p, "int_ior")->f / param(p, "ext_ior")->f;
+    return bsdf_ior_valid(loader, p->node->place, "int_ior / ext_ior", side->base.ior)
+               ? SATIN_OK
+               : SATIN_ERROR_INPUT;
+}
+
+// What surrounds a metal.
+static satin_status set_outside(struct load_state *loader, const struct params *p,
+                                struct material_side *side) {
+    const struct param_value *outside = param(p, "ext_eta");
+    if (outside->f == 1.0f) return SATIN_OK;
+    if (!bsdf_ior_valid(loader, outside->place, "ext_eta", outside->f)) return SATIN_ERROR_INPUT;
+    if (side->slot[BRDF_SLOT_ETA] || side->slot[BRDF_SLOT_K]) {
+        log_error_at(loader->log, outside->place, "ext_eta needs eta and k without textures");
+        return SATIN_ERROR_INPUT;
+    }
+    side->base.eta = rgb_scale(side->base.eta, 1.0f / outside->f);
+    side->base.k = rgb_scale(side->base.k, 1.0f / outside->f);
+    return SATIN_OK;
+}
+
+// Light must not grow on its way: paths of any length would not end. Without textures the sum is
+// brought below 1, with Mitsuba 0.6's margin.
+static satin_status check_albedo(struct load_state *loader, const struct params *p,
+                                 struct material_side *side) {
+    float most = rgb_max(rgb_add(side->base.diffuse, side->base.specular));
+    if (most <= 1.0001f) return SATIN_OK;
+    if (!side->slot[BRDF_SLOT_DIFFUSE] && !side->slot[BRDF_SLOT_SPECULAR]) {
+        const float scale = ALBEDO_MOST / most;
+        side->base.diffuse = rgb_scale(side->base.diffuse, scale);
+        side->base.specular = rgb_scale(side->base.specular, scale);
+        log_warning_at(loader->log, p->node->place,
+                       "diffuse_reflectance and specular_reflectance sum to %g, which is over 1; "
+                       "both are scaled by %.3g",
+                       (double)most, (double)scale);
+        return SATIN_OK;
+    }
+    log_error_at(loader->log, p->node->place,
+                 "diffuse_reflectance and specular_reflectance sum to %g, which is over 1", most);
+    return SATIN_ERROR_INPUT;
+}
+
+static satin_status build_diffuse(struct load_state *loader, const struct params *p, void *object) {
+    return bsdf_set_color(loader, param(p, "reflectance"), object, BRDF_SLOT_DIFFUSE);
+}
+
+static satin_status build_conductor(struct load_state *loader, const struct params *p,
+                                    void *object) {
+    satin_status status = set_metal(loader, p, object);
+    if (status == SATIN_OK) status = set_outside(loader, p, object);
+    if (status != SATIN_OK) return status;
+    return bsdf_set_color(loader, param(p, "specular_reflectance"), object, BRDF_SLOT_SPECULAR);
+}
+
+static satin_status build_roughconductor(struct load_state *loader, const struct params *p,
+                                         void *object) {
+    struct material_side *side = object;
+    side->base.distribution = (enum brdf_distribution)param(p, "distribution")->i;
+    satin_status status = build_conductor(loader, p, side);
+    return status == SATIN_OK ? set_alpha(loader, p, side) : status;
+}
+
+static satin_status build_dielectric(struct load_state *loader, const struct params *p,
+                                     void *object) {
+    struct material_side *side = object;
+    satin_status status = set_ior(loader, p, side);
+    if (status == SATIN_OK)
+        status = bsdf_set_color(loader, param(p, "specular_reflectance"), side, BRDF_SLOT_SPECULAR);
+    if (status != SATIN_OK) return status;
+    return bsdf_set_color(loader, param(p, "specular_transmittance"), side,
+                          BRDF_SLOT_TRANSMITTANCE);
+}
+
+static satin_status build_roughdielectric(struct load_state *loader, const struct params *p,
+                                          void *object) {
+    struct material_side *side = object;
+    side->base.distribution = (enum brdf_distribution)param(p, "distribution")->i;
+    satin_status status = build_dielectric(loader, p, side);
+    if (status == SATIN_OK) status = set_alpha(loader, p, side);
+    if (status != SATIN_OK || side->base.ior != 1.0f) return status;
+    log_error_at(loader->log, p->node->place, "int_ior and ext_ior must differ");
+    return SATIN_ERROR_INPUT;
+}
+
+static satin_status build_null(struct load_state *loader, const struct params *p, void *object) {
+    struct material_side *side = object;
+    (void)loader, (void)p;
+    side->base.transmittance = rgb_grey(1.0f);
+    side->holes = true;
+    return SATIN_OK;
+}
+
+satin_status bsdf_set_reflectances(struct load_state *loader, const struct params *p,
+                                   struct material_side *side) {
+    satin_status status =
+        bsdf_set_color(loader, param(p, "diffuse_reflectance"), side, BRDF_SLOT_DIFFUSE);
+    if (status != SATIN_OK) return status;
+    return bsdf_set_color(loader, param(p, "specular_reflectance"), side, BRDF_SLOT_SPECULAR);
+}
+
+static satin_status build_plastic(struct load_state *loader, const struct params *p, void *object) {
+    struct material_side *side = object;
+    side->base.nonlinear = param(p, "nonlinear")->b;
+    satin_status status = set_ior(loader, p, side);
+    return status == SATIN_OK ? bsdf_set_reflectances(loader, p, side) : status;
+}
+
+static satin_status build_roughplastic(struct load_state *loader, const struct params *p,
+                                       void *object) {
+    struct material_side *side = object;
+    side->base.distribution = (enum brdf_distribution)param(p, "distribution")->i;
+    side->base.alpha_u = side->base.alpha_v = roughness(loader, param(p, "alpha"));
+    return build_plastic(loader, p, side);
+}
+
+static satin_status build_phong(struct load_state *loader, const struct params *p, void *object) {
+    satin_status status = bsdf_set_reflectances(loader, p, object);
+    if (status == SATIN_OK)
+        status = bsdf_set_number(loader, param(p, "exponent"), object, BRDF_SLOT_EXPONENT);
+    return status == SATIN_OK ? check_albedo(loader, p, object) : status;
+}
+
+static satin_status build_ward(struct load_state *loader, const struct params *p, void *object) {
+    struct material_side *side = object;
+    side->base.variant = (enum brdf_variant)param(p, "variant")->i;
+    satin_status status = bsdf_set_reflectances(loader, p, side);
+    if (status == SATIN_OK)
+        status = bsdf_set_number(loader, param(p, "alpha_u"), side, BRDF_SLOT_ALPHA_U);
+    if (status == SATIN_OK)
+        status = bsdf_set_number(loader, param(p, "alpha_v"), side, BRDF_SLOT_ALPHA_V);
+    return status == SATIN_OK ? check_albedo(loader, p, side) : status;
+}
+
+const struct plugin_spec load_bsdf_plugins[] = {
+    {XML_BSDF, "diffuse", "Lambertian reflection", diffuse_params, 0, build_diffuse, false},
+    {XML_BSDF, "conductor", "a polished metal", conductor_params, 0, build_conductor, false},
+    {XML_BSDF, "roughconductor", "a rough metal, microfacets", roughconductor_params, 0,
+     build_roughconductor, false},
+    {XML_BSDF, "dielectric", "a smooth boundary, as of glass or water", dielectric_params, 0,
+     build_dielectric, false},
+    {XML_BSDF, "thindielectric", "a thin pane, without refraction", dielectric_params, 0,
+     build_dielectric, false},
+    {XML_BSDF, "roughdielectric", "a rough boundary, as of ground glass, microfacets",
+     roughdielectric_params, 0, build_roughdielectric, false},
+    {XML_BSDF, "null", "a boundary that is not there", NULL, 0, build_null, false},
+    {XML_BSDF, "plastic", "a diffuse base under a smooth coat", plastic_params, 0, build_plastic,
+     false},
+    {XML_BSDF, "roughplastic", "a diffuse base under a rough coat", roughplastic_params, 0,
+     build_roughplastic, false},
+    {XML_BSDF, "phong", "a diffuse part and a modified Phong lobe", phong_params, 0, build_phong,
+     false},
+    {XML_BSDF, "ward", "a diffuse part and Ward's anisotropic lobe", ward_params, 0, build_ward,
+     false},
+    {XML_BSDF, "lafortune", "a diffuse part and generalised cosine lobes", bsdf_lafortune_params, 0,
+     bsdf_lafortune_build, false},
+    {XML_BSDF, "merl", "a measured BRDF of the MERL database", bsdf_measured_params, 0,
+     bsdf_merl_build, false},
+    {XML_BSDF, "tabulated", "a measured BRDF in satin's text form", bsdf_measured_params, 0,
+     bsdf_tabulated_build, false},
+    {XML_BSDF, "principled", "diffuse, metal, coat, sheen and refraction by a few numbers",
+     bsdf_principled_params, 0, bsdf_principled_build, false},
+    {XML_BSDF, "principledthin", "the same for a thin sheet", bsdf_principledthin_params, 0,
+     bsdf_principledthin_build, false},
+    {XML_BSDF, "twosided", "one BRDF for both sides, or two, front and back", NULL, 1u << XML_BSDF,
+     NULL, false},
+    {XML_BSDF, "blendbsdf", "a mixture of two BRDFs", blend_params, 1u << XML_BSDF, NULL, false},
+    {XML_BSDF, "mask", "a BRDF with holes", mask_params, 1u << XML_BSDF, NULL, false},
+    {XML_BSDF, "bumpmap", "a BRDF whose normal follows a map of heights, its <texture>",
+     bump_params, 1u << XML_BSDF | 1u << XML_TEXTURE, NULL, false},
+    {XML_BSDF, "normalmap", "a BRDF whose normal is read from a map", normal_params, 1u << XML_BSDF,
+     NULL, false},
+    {0}};
+
+satin_status load_side_build(struct load_state *loader, const struct params *p,
+                             struct material_side *side) {
+    *side = (struct material_side){.index = loader->scene->side_count++};
+    side->base.model = brdf_find(p->plugin->name);
+    satin_status status = p->plugin->build(loader, p, side);
+    if (status != SATIN_OK) return status;
+    status = brdf_prepare(&side->base, &loader->scene->arena);
+    return status == SATIN_OK ? status : load_no_memory(loader);
+}

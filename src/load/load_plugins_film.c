@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+// <film>, <rfilter> and <sampler>: the size of the image, its filter, the samples per pixel. Names
+// and defaults are Mitsuba 3's.
+#include "load/load_state.h"
+
+// Bounds of the film: a side, so that products stay far from overflow; and its pixels.
+enum { FILM_SIDE_MAX = 1 << 20, FILM_PIXELS_MAX = 1 << 28 };
+
+static const struct param_spec width = {"width", PARAM_INTEGER, "768",   RANGE_POSITIVE,
+                                        0,       NULL,          "pixels"};
+static const struct param_spec height = {"height", PARAM_INTEGER, "576",   RANGE_POSITIVE,
+                                         0,        NULL,          "pixels"};
+static const struct param_spec crop_offset_x = {
+    "crop_offset_x", PARAM_INTEGER, "0", RANGE_NOT_NEGATIVE, 0, NULL, "left of what is rendered"};
+static const struct param_spec crop_offset_y = {
+    "crop_offset_y", PARAM_INTEGER, "0", RANGE_NOT_NEGATIVE, 0, NULL, "top of what is rendered"};
+static const struct param_spec crop_width = {
+    "crop_width", PARAM_INTEGER, NULL, RANGE_POSITIVE, 0, NULL, "all of the width if not given"};
+static const struct param_spec crop_height = {
+    "crop_height", PARAM_INTEGER, NULL, RANGE_POSITIVE, 0, NULL, "all of the height if not given"};
+static const struct param_spec file_format = {
+    "file_format", PARAM_STRING, "openexr", 0, 0, NULL, "has no effect: the output's name decides"};
+static const struct param_spec pixel_format = {
+    "pixel_format", PARAM_STRING, "rgb", 0, 0, NULL, "has no effect: images are RGB"};
+static const struct param_spec component_format = {
+    "component_format", PARAM_STRING, "float16", 0, 0, NULL, "has no effect: channels are float"};
+static const struct param_spec sample_border = {"sample_border",
+                                                PARAM_BOOLEAN,
+                                                "false",
+                                                0,
+                                                0,
+                                                NULL,
+                                                "has no effect: filters end at the image's border"};
+static const struct param_spec compensate = {
+    "compensate", PARAM_BOOLEAN, "false", 0, 0, NULL, "has no effect: sums are exact enough"};
+
+static const struct param_spec tent_radius = {
+    "radius", PARAM_FLOAT, "1", RANGE_POSITIVE, 0, NULL, "where it reaches zero, pixels"};
+static const struct param_spec stddev = {
+    "stddev", PARAM_FLOAT, ".5", RANGE_POSITIVE, 0, NULL, "standard deviation, pixels"};
+
+static const struct param_spec cubic_b = {"B", PARAM_FLOAT, "0.3333333", RANGE_UNIT,
+                                          0,   NULL,        "blur"};
+static const struct param_spec cubic_c = {"C", PARAM_FLOAT, "0.3333333", RANGE_UNIT,
+                                          0,   NULL,        "ringing"};
+static const struct param_spec lobes = {
+    "lobes", PARAM_FLOAT, "3", RANGE_POSITIVE, 0, NULL, "where it ends, pixels"};
+
+static const struct param_spec sample_count = {
+    "sample_count", PARAM_INTEGER, "4", RANGE_POSITIVE, 0, NULL, "samples per pixel"};
+static const struct param_spec seed = {
+    "seed", PARAM_INTEGER, "0", 0, 0, NULL, "has no effect: see the option seed"};
+static const struct param_spec jitter = {
+    "jitter", PARAM_BOOLEAN, "true", 0, 0, NULL, "sampling in Mitsuba; has no effect"};
+static const struct param_spec strength = {
+    "strength", PARAM_INTEGER, "2", 0, 0, NULL, "sampling in Mitsuba; has no effect"};
+
+typedef const struct param_spec *const param_list[];
+static param_list film_params = {
+    &width,       &height,       &crop_offset_x,    &crop_offset_y, &crop_width, &crop_height,
+    &file_format, &pixel_format, &component_format, &sample_border, &compensate, NULL};
+static param_list tent_params = {&tent_radius, NULL};
+static param_list gaussian_params = {&stddev, NULL};
+static param_list mitchell_params = {&cubic_b, &cubic_c, NULL};
+static param_list lanczos_params = {&lobes, NULL};
+static param_list random_params = {&sample_count, &seed, NULL};
+static param_list jitter_params = {&sample_count, &seed, &jitter, NULL};
+static param_list orthogonal_params = {&sample_count, &seed, &jitter, &strength, NULL};
+
+static satin_status fail(struct load_state *loader, const struct params *p, const char *why) {
+    log_error_at(loader->log, p->node->place, "%s '%s': %s", load_plugin_noun(p->plugin->tag),
+                 p->plugin->name, why);
+    return SATIN_ERROR_INPUT;
+}
+
+// A side of the film or of its crop window.
+static satin_status check_side(struct load_state *loader, const struct params *p,
+                               const char *name) {
+    const struct param_value *value = param(p, name);
+    if (value->i <= FILM_SIDE_MAX) return SATIN_OK;
+    log_error_at(loader->log, value->place, "%s is %d, but at most %d pixels are supported", name,
+                 value->i, FILM_SIDE_MAX);
+    return SATIN_ERROR_INPUT;
+}
+
+static satin_status build_film(struct load_state *loader, const struct params *p, void *object) {
+    struct film_spec *film = object;
+    const char *const sides[] = {"width",         "height",     "crop_offset_x",
+                                 "crop_offset_y", "crop_width", "crop_height"};
+    for (int i = 0; i < 6; i++) {
+        satin_status status = check_side(loader, p, sides[i]);
+        if (status != SATIN_OK) return status;
+    }
+    film->width = param(p, "width")->i;
+    film->height = param(p, "height")->i;
+    film->crop_x = param(p, "crop_offset_x")->i;
+    film->crop_y = param(p, "crop_offset_y")->i;
+    const struct param_value *w = param(p, "crop_width"), *h = param(p, "crop_height");
+    film->crop_width = w->given ? w->i : film->width;
+    film->crop_height = h->given ? h->i : film->height;
+    if (film->crop_x + film->crop_width > film->width ||
+        film->crop_y + film->crop_height > film->height)
+        return fail(loader, p, "its crop window is not inside of it");
+    if ((int64_t)film->crop_width * film->crop_height > FILM_PIXELS_MAX)
+        return fail(loader, p, "it has too many pixels");
+    return SATIN_OK;
+}
+
+static satin_status build_box(struct load_state *loader, const struct params *p, void *object) {
+    (void)loader, (void)p;
+    struct film_spec *film = object;
+    film->filter = FILTER_BOX;
+    film->radius = 0.5f;
+    return SATIN_OK;
+}
+
+// Filters wider than this would reach over the whole image.
+#define FILTER_RADIUS_MAX 100.0f
+
+static satin_status check_radius(struct load_state *loader, const struct params *p,
+                                 const struct film_spec *film) {
+    if (film->radius >= 1e-3f && film->radius <= FILTER_RADIUS_MAX) return SATIN_OK;
+    return fail(loader, p, "it is too narrow or too wide");
+}
+
+static satin_status build_tent(struct load_state *loader, const struct params *p, void *object) {
+    struct film_spec *film = object;
+    film->filter = FILTER_TENT;
+    film->radius = param(p, "radius")->f;
+    return check_radius(loader, p, film);
+}
+
+static satin_status build_gaussian(struct load_state *loader, const struct params *p,
+                                   void *object) {
+    struct film_spec *film = object;
+    film->filter = FILTER_GAUSSIAN;
+    film->stddev = param(p, "stddev")->f;
+    film->radius = 4.0f * film->stddev;
+    return check_radius(loader, p, film);
+}
+
+static satin_status build_cubic(struct film_spec *film, float b, float c) {
+    film->filter = FILTER_CUBIC;
+    film->radius = 2.0f;
+    film->b = b;
+    film->c = c;
+    return SATIN_OK;
+}
+
+static satin_status build_mitchell(struct load_state *loader, const struct params *p,
+                                   void *object) {
+    (void)loader;
+    return build_cubic(object, param(p, "B")->f, param(p, "C")->f);
+}
+
+static satin_status build_catmullrom(struct load_state *loader, const struct params *p,
+                                     void *object) {
+    (void)loader, (void)p;
+    return build_cubic(object, 0.0f, 0.5f);
+}
+
+static satin_status build_lanczos(struct load_state *loader, const struct params *p, void *object) {
+    struct film_spec *film = object;
+    film->filter = FILTER_LANCZOS;
+    film->radius = param(p, "lobes")->f;
+    if (film->radius >= 1.0f && film->radius <= FILTER_RADIUS_MAX) return SATIN_OK;
+    return fail(loader, p, "it has less than one lobe, or over 100");
+}
+
+static satin_status build_sampler(struct load_state *loader, const struct params *p, void *object) {
+    (void)object;
+    if (param(p, "sample_count")->given) loader->scene->hints.spp = param(p, "sample_count")->i;
+    return SATIN_OK;
+}
+
+const struct plugin_spec load_film_plugins[] = {
+    {XML_FILM, "hdrfilm", "the image", film_params, 1u << XML_RFILTER, build_film, false},
+    {XML_RFILTER, "box", "the pixel's square", NULL, 0, build_box, false},
+    {XML_RFILTER, "tent", "a linear slope to all sides", tent_params, 0, build_tent, false},
+    {XML_RFILTER, "gaussian", "cut off at four standard deviations", gaussian_params, 0,
+     build_gaussian, false},
+    {XML_RFILTER, "mitchell", "a cubic with negative lobes: sharper, and noisier", mitchell_params,
+     0, build_mitchell, false},
+    {XML_RFILTER, "catmullrom", "the same, still sharper", NULL, 0, build_catmullrom, false},
+    {XML_RFILTER, "lanczos", "a windowed sinc, which rings", lanczos_params, 0, build_lanczos,
+     false},
+    {XML_SAMPLER, "independent", "samples per pixel", random_params, 0, build_sampler, false},
+    {XML_SAMPLER, "stratified", "samples per pixel", jitter_params, 0, build_sampler, false},
+    {XML_SAMPLER, "multijitter", "samples per pixel", jitter_params, 0, build_sampler, false},
+    {XML_SAMPLER, "orthogonal", "samples per pixel", orthogonal_params, 0, build_sampler, false},
+    {XML_SAMPLER, "ldsampler", "samples per pixel", random_params, 0, build_sampler, false},
+    {0}};

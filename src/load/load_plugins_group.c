@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// <shape>s made of shapes: merge puts its parts into the scene; a shapegroup keeps them back, and
+// each instance shows a group at another place. Names and rules are Mitsuba 3's: groups hold no
+// lights, and no instances.
+#include <string.h>
+
+#include "base/array.h"
+#include "load/load_state.h"
+
+enum { NESTING_MAX = 16 };
+#define GROUP_EMPTY UINT32_MAX  // in place of 1 + the index of a group: it has no shapes
+
+static const struct param_spec to_world = {
+    "to_world", PARAM_TRANSFORM, "1", 0, 0, NULL, "the group's space to world space"};
+
+static const struct param_spec *const instance_params[] = {&to_world, NULL};
+
+const struct plugin_spec load_group_plugins[] = {
+    {XML_SHAPE, "merge", "several shapes as one", NULL, 1u << XML_SHAPE, NULL, false},
+    {XML_SHAPE, "shapegroup", "shapes for instances, unseen by themselves", NULL, 1u << XML_SHAPE,
+     NULL, false},
+    {XML_SHAPE, "instance", "a shapegroup, at a place", instance_params, 1u << XML_SHAPE, NULL,
+     false},
+    {0}};
+
+static satin_status fail(struct load_state *loader, const struct params *p, const char *why) {
+    log_error_at(loader->log, p->node->place, "shape '%s': %s", p->plugin->name, why);
+    return SATIN_ERROR_INPUT;
+}
+
+static satin_status add_parts(struct load_state *loader, const struct params *p) {
+    if (loader->shape_depth == NESTING_MAX)
+        return fail(loader, p, "shapes are nested too deep, or in a circle");
+    loader->shape_depth++;
+    satin_status status = SATIN_OK;
+    struct xml_node *at = NULL, *part;
+    while (status == SATIN_OK && (part = params_child(&loader->xml, p->node, XML_SHAPE, &at)))
+        status = load_shape_add(loader, part);
+    loader->shape_depth--;
+    return status;
+}
+
+// A group is built once, where it is met first.
+static satin_status add_group(struct load_state *loader, const struct params *p) {
+    if (p->node->group) return SATIN_OK;
+    if (loader->open_group) return fail(loader, p, "it cannot be part of another group");
+    void *items = loader->group;
+    if (!array_reserve(&items, &loader->group_capacity, loader->group_count + 1,
+                       sizeof *loader->group))
+        return load_no_memory(loader);
+    loader->group = items;
+    struct shape_group group = {.first = (uint32_t)loader->shape_count};
+    loader->open_group = (uint32_t)loader->group_count + 1;
+    satin_status status = add_parts(loader, p);
+    p->node->group = loader->open_group;
+    loader->open_group = 0;
+    group.count = (uint32_t)loader->shape_count - group.first;
+    if (status != SATIN_OK) return status;
+    if (!group.count) {
+        p->node->group = GROUP_EMPTY;
+        return SATIN_OK;
+    }
+    loader->group[loader->group_count++] = group;
+    return SATIN_OK;
+}
+
+static satin_status add_instance(struct load_state *loader, const struct params *p) {
+    if (loader->open_group) return fail(loader, p, "it cannot be part of a group");
+    struct xml_node *at = NULL, *group = params_child(&loader->xml, p->node, XML_SHAPE, &at);
+    if (!group || params_child(&loader->xml, p->node, XML_SHAPE, &at) ||
+        strcmp(group->type, "shapegroup") != 0)
+        return fail(loader, p, "it takes one shapegroup");
+    satin_status status = group->group ? SATIN_OK : load_shape_add(loader, group);
+    if (status != SATIN_OK) return status;
+    struct shape shape = {.kind = SHAPE_INSTANCE, .instance_of = group->group - 1, .light = -1};
+    if (!scene_shape_place(&shape, &param(p, "to_world")->m))
+        return fail(loader, p, "to_world is singular");
+    if (group->group == GROUP_EMPTY) return SATIN_OK;
+    shape.name = load_keep_text(loader, p->node->id ? p->node->id : p->plugin->name);
+    if (!shape.name) return load_no_memory(loader);
+    shape.material = loader->shape[loader->group[shape.instance_of].first].material;
+    status = load_shape_reserve(loader, p);
+    if (status == SATIN_OK) loader->shape[loader->shape_count++] = shape;
+    return status;
+}
+
+satin_status load_group_add(struct load_state *loader, const struct params *p) {
+    if (p->plugin == &load_group_plugins[0]) return add_parts(loader, p);
+    return p->plugin == &load_group_plugins[1] ? add_group(loader, p) : add_instance(loader, p);
+}

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+// <integrator>: hints for the render. `satin` passes its options on by their names; `aov` asks for
+// channels; of any other one, the depth and the visibility of emitters are kept; `direct` has a
+// depth by its meaning.
+#include <string.h>
+
+#include "load/load_state.h"
+
+enum { NESTING_MAX = 8 };
+
+static const struct param_spec max_depth = {
+    "max_depth", PARAM_INTEGER, "-1", 0, 0, NULL, "longest path, in edges; -1: no bound"};
+static const struct param_spec rr_depth = {
+    "rr_depth", PARAM_INTEGER, "5", RANGE_POSITIVE, 0, NULL, "depth where Russian roulette starts"};
+static const struct param_spec hide_emitters = {
+    "hide_emitters", PARAM_BOOLEAN, "false", 0, 0, NULL, "emitters seen directly are black"};
+
+static const struct param_spec aovs = {"aovs",
+                                       PARAM_STRING,
+                                       NULL,
+                                       0,
+                                       PARAM_REQUIRED,
+                                       NULL,
+                                       "pairs `name:type` parted by commas or blanks"};
+
+static const struct param_spec *const path_params[] = {&max_depth, &rr_depth, &hide_emitters, NULL};
+static const struct param_spec *const aov_params[] = {&aovs, &hide_emitters, NULL};
+static const struct param_spec *const moment_params[] = {&hide_emitters, NULL};
+
+// Light transport by other ways, of Mitsuba 3 and of version 0.6.
+const char *const load_transport[] = {"direct",
+                                      "direct_projective",
+                                      "prb",
+                                      "prb_basic",
+                                      "prbvolpath",
+                                      "prb_projective",
+                                      "ptracer",
+                                      "volpath",
+                                      "volpathmis",
+                                      "bdpt",
+                                      "erpt",
+                                      "mlt",
+                                      "pssmlt",
+                                      "ppm",
+                                      "photonmapper",
+                                      "sppm",
+                                      "volpath_simple",
+                                      "irrcache",
+                                      "adaptive",
+                                      "vpl",
+                                      NULL};
+
+const struct plugin_spec load_integrator_plugins[] = {
+    {XML_INTEGRATOR, "satin", "takes every option of `satin help options` by its name", NULL, 0,
+     NULL, false},
+    {XML_INTEGRATOR, "path",
+     "and `direct`, `volpath`, `ptracer`, `prb` and all others of light transport: satin chooses "
+     "its own way, within these bounds",
+     path_params, 1u << XML_INTEGRATOR, NULL, true},
+    {XML_INTEGRATOR, "aov",
+     "values of the surface that the eye ray meets first, as channels beside the image of the "
+     "integrator inside: `albedo` (`name.R .G .B`: diffuse reflectance), `depth` (`.T`), "
+     "`position` (`.X .Y .Z`), `uv` (`.U .V`), `geo_normal`, `sh_normal` (before bumps), `dp_du`, "
+     "`dp_dv` (`.X .Y .Z`), `duv_dx`, `duv_dy` (`.U .V`: over the width of a sample's share of the "
+     "pixel), `prim_index`, `shape_index` (`.I`: shapes count from 1, as they stand in the file)",
+     aov_params, 1u << XML_INTEGRATOR, NULL, true},
+    {XML_INTEGRATOR, "moment",
+     "the image of the integrator inside; its light (`NAME.X .Y .Z`: CIE XYZ, NAME being that of "
+     "the "
+     "element inside) and its channels (`NAME.` before theirs), and the second moments of all of "
+     "these, means of their samples' squares, as `m2_NAME.X` and so on",
+     moment_params, 1u << XML_INTEGRATOR, NULL, true},
+    {0}};
+
+// The options of `satin`, checked when they are applied.
+static satin_status read_options(struct load_state *loader, const struct xml_node *node) {
+    size_t count = 0;
+    for (const struct xml_node *child = node->child; child; child = child->next) count++;
+    struct scene_hints *hints = &loader->scene->hints;
+    struct scene_option *option = arena_array(&loader->scene->arena, count, sizeof *option);
+    if (!option) return load_no_memory(loader);
+    count = 0;
+    for (const struct xml_node *child = node->child; child; child = child->next, count++) {
+        if (child->tag < XML_BOOLEAN || child->tag > XML_STRING) {
+            log_error_at(loader->log, child->place, "<%s> is no option of satin",
+                         xml_tag_name(child->tag));
+            return SATIN_ERROR_INPUT;
+        }
+        struct scene_option *o = &option[count];
+        o->name = load_keep_text(loader, child->name);
+        o->value = load_keep_text(loader, xml_get(child, "value"));
+        o->place = child->place;
+        o->place.file = load_keep_text(loader, child->place.file);
+        if (!o->name || !o->value || !o->place.file) return load_no_memory(loader);
+    }
+    hints->option = option;
+    hints->option_count = count;
+    return SATIN_OK;
+}
+
+static satin_status read_bounds(struct load_state *loader, struct xml_node *node, int depth);
+
+// If node is a `moment`, the channels of what `inner` names in it, which begin at `first`.
+static satin_status read_moment(struct load_state *loader, const struct xml_node *node,
+                                const struct xml_node *inner, int first, satin_status status) {
+    if (status != SATIN_OK || strcmp(node->type, "moment") != 0) return status;
+    return load_aovs_moment(loader, inner, first, &loader->scene->hints.aovs);
+}
+
+// Reads the integrator inside of another one, as `aov` has one, if it is there.
+static satin_status read_inner(struct load_state *loader, struct xml_node *node, int depth) {
+    const int first = loader->scene->hints.aovs.count;
+    struct xml_node *at = NULL, *inner = params_child(&loader->xml, node, XML_INTEGRATOR, &at);
+    if (!inner) return SATIN_OK;
+    struct xml_node *another = at;
+    if (depth == NESTING_MAX)
+        log_error_at(loader->log, at->place, "integrators are nested too deep");
+    else if (params_child(&loader->xml, node, XML_INTEGRATOR, &another))
+        log_error_at(loader->log, another->place, "integrator '%s': it takes one integrator",
+                     node->type);
+    else if (strcmp(inner->type, "satin") == 0)
+        return read_moment(loader, node, at, first, read_options(loader, inner));
+    else
+        return read_moment(loader, node, at, first, read_bounds(loader, inner, depth + 1));
+    return SATIN_ERROR_INPUT;
+}
+
+// Reads the bounds; what an integrator inside of this one says holds before it.
+static satin_status read_bounds(struct load_state *loader, struct xml_node *node, int depth) {
+    struct params p;
+    satin_status status = load_params(loader, node, &p);
+    if (status == SATIN_OK) status = read_inner(loader, node, depth);
+    if (status != SATIN_OK) return status;
+    struct scene_hints *hints = &loader->scene->hints;
+    if (param(&p, "hide_emitters")->given) hints->hide_emitters = param(&p, "hide_emitters")->b;
+    if (strcmp(node->type, "moment") == 0) return SATIN_OK;
+    if (strcmp(node->type, "aov") == 0) return load_aovs(loader, param(&p, "aovs"), &hints->aovs);
+    const struct param_value *longest = param(&p, "max_depth");
+    if (longest->i < -1) {
+        log_error_at(loader->log, longest->place, "max_depth is %d, but must be -1 or more",
+                     longest->i);
+        return SATIN_ERROR_INPUT;
+    }
+    if (strcmp(node->type, "direct") == 0) hints->max_depth = 2;
+    if (longest->given) hints->max_depth = longest->i;
+    if (param(&p, "rr_depth")->given) hints->rr_depth = param(&p, "rr_depth")->i;
+    return SATIN_OK;
+}
+
+satin_status load_integrator(struct load_state *loader, struct xml_node *node) {
+    struct scene_hints *hints = &loader->scene->hints;
+    if (hints->integrator) {
+        log_error_at(loader->log, node->place, "the scene has another integrator");
+        return SATIN_ERROR_INPUT;
+    }
+    if (!(hints->integrator = load_keep_text(loader, node->type))) return load_no_memory(loader);
+    return strcmp(node->type, "satin") == 0 ? read_options(loader, node)
+                                            : read_bounds(loader, node, 0);
+}

@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: Apache-2.0
+// <emitter>: area lights of shapes, point, spot and directional lights, environments. Units and
+// defaults are Mitsuba 3's. A black light is left out.
+#include <stdlib.h>
+
+#include "base/array.h"
+#include "load/load_state.h"
+
+static const struct param_spec area_radiance = {
+    "radiance", PARAM_LIGHT, "1", RANGE_NOT_NEGATIVE, PARAM_TEXTURE, NULL, "radiance"};
+static const struct param_spec radiance = {"radiance", PARAM_LIGHT, "1",       RANGE_NOT_NEGATIVE,
+                                           0,          NULL,        "radiance"};
+static const struct param_spec intensity = {
+    "intensity", PARAM_LIGHT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "radiant intensity"};
+static const struct param_spec irradiance = {"irradiance",
+                                             PARAM_LIGHT,
+                                             "1",
+                                             RANGE_NOT_NEGATIVE,
+                                             0,
+                                             NULL,
+                                             "irradiance of a surface that faces the light"};
+static const struct param_spec position = {
+    "position", PARAM_POINT, NULL, 0, 0, NULL, "where it is; or use to_world"};
+static const struct param_spec direction = {
+    "direction", PARAM_POINT, NULL, 0, 0, NULL, "where the light goes; or use to_world"};
+static const struct param_spec to_world = {
+    "to_world", PARAM_TRANSFORM, "1", 0, 0, NULL, "light space to world space; light goes along z"};
+static const struct param_spec sky_to_world = {
+    "to_world", PARAM_TRANSFORM, "1", 0, 0, NULL, "its own space to world space; y is up"};
+static const struct param_spec cutoff_angle = {
+    "cutoff_angle", PARAM_FLOAT, "20", RANGE_POSITIVE, 0, NULL, "half angle of the cone, degrees"};
+static const struct param_spec beam_width = {
+    "beam_width",
+    PARAM_FLOAT,
+    NULL,
+    RANGE_NOT_NEGATIVE,
+    0,
+    NULL,
+    "half angle of full intensity, degrees; 3/4 of the cone if not given"};
+static const struct param_spec filename = {
+    "filename", PARAM_STRING, NULL, 0, PARAM_REQUIRED, NULL, "latitude-longitude image"};
+static const struct param_spec scale = {"scale", PARAM_FLOAT,          "1", RANGE_NOT_NEGATIVE, 0,
+                                        NULL,    "factor of the image"};
+static const struct param_spec compensation = {
+    "mis_compensation", PARAM_BOOLEAN, "false", 0, 0, NULL, "sampling in Mitsuba; has no effect"};
+static const struct param_spec sampling_weight = {
+    "sampling_weight",
+    PARAM_FLOAT,
+    "1",
+    RANGE_NOT_NEGATIVE,
+    0,
+    NULL,
+    "sampling in Mitsuba; has no effect: lights are chosen by power"};
+
+static const struct param_spec spot_texture = {
+    "texture",
+    PARAM_LIGHT,
+    "1",
+    RANGE_NOT_NEGATIVE,
+    PARAM_TEXTURE,
+    NULL,
+    "factor of the intensity over the square around the cone"};
+static const struct param_spec slide = {"irradiance",
+                                        PARAM_LIGHT,
+                                        "1",
+                                        RANGE_NOT_NEGATIVE,
+                                        PARAM_TEXTURE,
+                                        NULL,
+                                        "what it throws; over pi, at unit distance"};
+static const struct param_spec slide_scale = {
+    "scale", PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "factor of the irradiance"};
+static const struct param_spec fov = {
+    "fov", PARAM_FLOAT, NULL, RANGE_POSITIVE, 0, NULL, "angle of the slide, degrees"};
+static const struct param_spec fov_axis = {
+    "fov_axis", PARAM_CHOICE, "x", 0, 0, load_fov_axes, "the side that fov refers to"};
+static const struct param_spec focal_length = {
+    "focal_length", PARAM_STRING, "50mm", 0, 0, NULL, "in place of fov, for 35 mm film"};
+
+static const struct param_spec haze = {
+    "turbidity", PARAM_FLOAT, "3", RANGE_POSITIVE, 0, NULL, "haze: 2 very clear, 10 hazy"};
+static const struct param_spec sun_direction = {
+    "sun_direction", PARAM_POINT, "1 1 1", 0, 0, NULL, "where the sun is, in world space"};
+static const struct param_spec sky_scale = {
+    "sky_scale", PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "factor of the sky"};
+static const struct param_spec sun_scale = {
+    "sun_scale", PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "factor of the sun"};
+static const struct param_spec sun_aperture = {
+    "sun_aperture",
+    PARAM_FLOAT,
+    "0.5338",
+    RANGE_POSITIVE,
+    0,
+    NULL,
+    "angle that the sun fills, degrees; a wider one is dimmer"};
+
+typedef const struct param_spec *const param_list[];
+static param_list area_params = {&area_radiance, &sampling_weight, NULL};
+static param_list point_params = {&intensity, &position, &to_world, &sampling_weight, NULL};
+static param_list spot_params = {&intensity, &cutoff_angle,    &beam_width, &spot_texture,
+                                 &to_world,  &sampling_weight, NULL};
+static param_list projector_params = {&slide,    &slide_scale,     &fov, &fov_axis, &focal_length,
+                                      &to_world, &sampling_weight, NULL};
+static param_list directional_params = {&irradiance, &direction, &to_world, &sampling_weight, NULL};
+static param_list constant_params = {&radiance, &sampling_weight, NULL};
+static param_list envmap_params = {&filename,     &scale,           &sky_to_world,
+                                   &compensation, &sampling_weight, NULL};
+
+static param_list sky_params = {&haze,         &sun_direction, &sky_scale,       &sun_scale,
+                                &sun_aperture, &sky_to_world,  &sampling_weight, NULL};
+
+static satin_status fail(struct load_state *loader, const struct params *p, const char *why) {
+    log_error_at(loader->log, p->node->place, "emitter '%s': %s", p->plugin->name, why);
+    return SATIN_ERROR_INPUT;
+}
+
+// Takes to_world and what follows from it: position, direction, inverse.
+static satin_status set_place(struct load_state *loader, const struct params *p,
+                              struct light *light) {
+    light->to_world = param(p, "to_world")->m;
+    if (!mat4_inverse(&light->to_world, &light->to_local))
+        return fail(loader, p, "to_world is singular");
+    light->position = mat4_point(&light->to_world, v3(0, 0, 0));
+    light->direction = v3_unit(mat4_vector(&light->to_world, v3(0, 0, 1)));
+    if (v3_finite(light->position) && fabsf(v3_len2(light->direction) - 1.0f) < 1e-3f)
+        return SATIN_OK;
+    return fail(loader, p, "to_world is too small or too large");
+}
+
+static satin_status build_area(struct load_state *loader, const struct params *p, void *object) {
+    struct light *light = object;
+    const struct param_value *value = param(p, "radiance");
+    light->kind = LIGHT_AREA;
+    light->value = value->color;
+    if (!value->texture) return SATIN_OK;
+    satin_status status = load_texture_of(loader, value->texture, &light->texture);
+    if (status == SATIN_OK) light->value = light->texture->mean;
+    return status;
+}
+
+static satin_status build_beam(struct load_state *loader, const struct params *p, void *object) {
+    satin_status status = build_area(loader, p, object);
+    ((struct light *)object)->kind = LIGHT_BEAM;
+    return status;
+}
+
+static satin_status build_point(struct load_state *loader, const struct params *p, void *object) {
+    struct light *light = object;
+    const struct param_value *at = param(p, "position");
+    light->kind = LIGHT_POINT;
+    light->value = param(p, "intensity")->color;
+    if (at->given && param(p, "to_world")->given)
+        return fail(loader, p, "it has both a position and a to_world");
+    satin_status status = set_place(loader, p, light);
+    if (at->given) light->position = at->v;
+    return status;
+}
+
+// A textured factor of light->value.
+static satin_status set_texture(struct load_state *loader, const struct param_value *value,
+                                struct light *light) {
+    if (value->texture) return load_texture_of(loader, value->texture, &light->texture);
+    if (value->given) light->value = rgb_mul(light->value, value->color);
+    return SATIN_OK;
+}
+
+static satin_status build_projector(struct load_state *loader, const struct params *p,
+                                    void *object) {
+    struct light *light = object;
+    light->kind = LIGHT_PROJECTOR;
+    light->value = rgb_grey(param(p, "scale")->f);
+    satin_status status = set_texture(loader, param(p, "irradiance"), light);
+    if (status == SATIN_OK) status = set_place(loader, p, light);
+    if (status != SATIN_OK) return status;
+    // The slide has the shape of its image.
+    const struct texture *shown = texture_unscaled(light->texture);
+    const struct image *image = shown ? shown->image : NULL;
+    double aspect = image ? (double)image->width / image->height : 1.0;
+    float tan[2];
+    status = load_view(loader, p, aspect, tan);
+    if (status != SATIN_OK) return status;
+    light->tan_x = tan[0];
+    light->tan_y = tan[1];
+    return SATIN_OK;
+}
+
+static satin_status build_spot(struct load_state *loader, const struct params *p, void *object) {
+    struct light *light = object;
+    float cutoff = param(p, "cutoff_angle")->f, beam = 0.75f * cutoff;
+    if (param(p, "beam_width")->given) beam = param(p, "beam_width")->f;
+    if (cutoff > 180.0f) return fail(loader, p, "its cutoff_angle is over 180 degrees");
+    if (beam > cutoff) return fail(loader, p, "its beam_width is larger than its cutoff_angle");
+    light->kind = LIGHT_SPOT;
+    light->value = param(p, "intensity")->color;
+    satin_status status = set_texture(loader, param(p, "texture"), light);
+    if (status != SATIN_OK) return status;
+    if (light->texture && cutoff >= 90.0f)
+        return fail(loader, p, "its texture needs a cutoff_angle below 90 degrees");
+    light->cos_cutoff = cosf(cutoff * (PI_F / 180.0f));
+    light->cos_beam = cosf(beam * (PI_F / 180.0f));
+    return set_place(loader, p, light);
+}
+
+static satin_status build_directional(struct load_state *loader, const struct params *p,
+                                      void *object) {
+    struct light *light = object;
+    const struct param_value *way = param(p, "direction");
+    light->kind = LIGHT_DIRECTIONAL;
+    light->value = param(p, "irradiance")->color;
+    if (way->given && param(p, "to_world")->given)
+        return fail(loader, p, "it has both a direction and a to_world");
+    satin_status status = set_place(loader, p, light);
+    if (status != SATIN_OK || !way->given) return status;
+    light->direction = v3_unit(way->v);
+    if (fabsf(v3_len2(light->direction) - 1.0f) < 1e-3f) return SATIN_OK;
+    return fail(loader, p, "its direction is too small or too large");
+}
+
+static satin_status build_constant(struct load_state *loader, const struct params *p,
+                                   void *object) {
+    (void)loader;
+    struct light *light = object;
+    light->kind = LIGHT_CONSTANT;
+    light->value = param(p, "radiance")->color;
+    light->to_world = light->to_local = mat4_identity();
+    return SATIN_OK;
+}
+
+static satin_status build_envmap(struct load_state *loader, const struct params *p, void *object) {
+    struct light *light = object;
+    light->kind = LIGHT_ENVMAP;
+    light->value = rgb_grey(param(p, "scale")->f);
+    satin_status status = set_place(loader, p, light);
+    if (status != SATIN_OK) return status;
+    struct load_source source;
+    status = load_file_source(loader, param(p, "filename"), &source);
+    if (status != SATIN_OK) return status;
+    status = load_image(&source, false, &light->image);
+    free((char *)source.path);
+    return status;
+}
+
+satin_status load_daylight_build(struct load_state *loader, const struct params *p,
+                                 const struct load_daylight *daylight, struct light *light) {
+    float aperture = daylight->sun_aperture * (PI_F / 180.0f);
+    light->kind = LIGHT_ENVMAP;
+    light->value = rgb_grey(daylight->sky_scale);
+    satin_status status = set_place(loader, p, light);
+    if (status != SATIN_OK) return status;
+    light->sun = v3_unit(daylight->sun);
+    struct sky sky = {daylight->turbidity, v3_unit(mat4_vector(&light->to_local, light->sun))};
+    if (!(sky.turbidity >= SKY_TURBIDITY_MIN && sky.turbidity <= SKY_TURBIDITY_MAX))
+        return fail(loader, p, "its turbidity is not in [2, 10]");
+    if (!(v3_len2(sky.sun) > 0.5f) || !(sky.sun.y >= 0.0f))
+        return fail(loader, p, "its sun_direction does not point above the horizon");
+    if (!(aperture < 0.5f * PI_F))
+        return fail(loader, p, "its sun_aperture is not below 90 degrees");
+    // A wider sun is dimmer.
+    const float natural = SKY_SUN_APERTURE * (PI_F / 180.0f);
+    light->sun_chord = 2.0f * sinf(0.25f * aperture);
+    float shrink = sqrf(2.0f * sinf(0.25f * natural) / light->sun_chord);
+    light->sun_value = rgb_scale(sky_sun(&sky), daylight->sun_scale * shrink);
+    struct image *image = arena_alloc(&loader->scene->arena, sizeof *image);
+    if (!image || !sky_image(&loader->scene->arena, &sky, image)) return load_no_memory(loader);
+    light->image = image;
+    return SATIN_OK;
+}
+
+static satin_status build_sky(struct load_state *loader, const struct params *p, void *object) {
+    const struct load_daylight daylight = {.turbidity = param(p, "turbidity")->f,
+                                           .sun = param(p, "sun_direction")->v,
+                                           .sky_scale = param(p, "sky_scale")->f,
+                                           .sun_scale = param(p, "sun_scale")->f,
+                                           .sun_aperture = param(p, "sun_aperture")->f};
+    return load_daylight_build(loader, p, &daylight, object);
+}
+
+const struct plugin_spec load_emitter_plugins[] = {
+    {XML_EMITTER, "area", "light from the surface of a shape", area_params, 0, build_area, false},
+    {XML_EMITTER, "directionalarea", "parallel light from a rectangle or disk", area_params, 0,
+     build_beam, false},
+    {XML_EMITTER, "point", "light from a point, to all sides", point_params, 0, build_point, false},
+    {XML_EMITTER, "spot", "light from a point into a cone", spot_params, 0, build_spot, false},
+    {XML_EMITTER, "projector", "light from a point through a slide", projector_params, 0,
+     build_projector, false},
+    {XML_EMITTER, "directional", "parallel light", directional_params, 0, build_directional, false},
+    {XML_EMITTER, "constant", "the same light from all sides", constant_params, 0, build_constant,
+     false},
+    {XML_EMITTER, "envmap", "light from an image of the surroundings", envmap_params, 0,
+     build_envmap, false},
+    {XML_EMITTER, "preethamsky", "daylight: a clear sky and its sun", sky_params, 0, build_sky,
+     false},
+    {0}};
+
+static bool is_environment(const struct light *light) {
+    return light->kind == LIGHT_CONSTANT || light->kind == LIGHT_ENVMAP;
+}
+
+// Whether the light fits where it stands.
+static satin_status check_place(struct load_state *loader, const struct params *p,
+                                const struct light *light, bool in_shape) {
+    bool area = light->kind == LIGHT_AREA || light->kind == LIGHT_BEAM;
+    if (in_shape && !area) return fail(loader, p, "it cannot be part of a shape; area lights are");
+    if (is_environment(light) && loader->scene->environment >= 0)
+        return fail(loader, p, "the scene has another environment");
+    return SATIN_OK;
+}
+
+satin_status load_emitter_add(struct load_state *loader, struct xml_node *node, int64_t shape,
+                              int32_t *index) {
+    struct params p;
+    struct light light = {.shape = shape >= 0 ? (uint32_t)shape : 0};
+    *index = -1;
+    if (load_left_out(loader, node, "the light is left out")) return SATIN_OK;
+    satin_status status = load_params(loader, node, &p);
+    if (status == SATIN_OK && load_file_missing(loader, &p, "the light is left out"))
+        return SATIN_OK;
+    if (status == SATIN_OK) status = p.plugin->build(loader, &p, &light);
+    if (status == SATIN_OK) status = check_place(loader, &p, &light, shape >= 0);
+    if (status != SATIN_OK) return status;
+    // An area light outside of a shape is there to be referred to by its id.
+    bool waits = shape < 0 && (light.kind == LIGHT_AREA || light.kind == LIGHT_BEAM);
+    if (waits && !xml_get(node, "id")) return fail(loader, &p, "it must be part of a shape");
+    if (waits || (rgb_black(light.value) && rgb_black(light.sun_value))) return SATIN_OK;
+    void *items = loader->light;
+    if (!array_reserve(&items, &loader->light_capacity, loader->light_count + 1, sizeof light))
+        return load_no_memory(loader);
+    loader->light = items;
+    *index = (int32_t)loader->light_count;
+    if (is_environment(&light)) loader->scene->environment = *index;
+    loader->light[loader->light_count++] = light;
+    return SATIN_OK;
+}

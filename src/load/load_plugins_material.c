@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: Apache-2.0
+// Materials from <bsdf>s: those that wrap others (twosided, blendbsdf, mask, bumpmap, normalmap),
+// which may nest in any order, and the list of the scene's materials. A material is a tree of sides
+// for the front and one for the back, whose leaves are BRDFs.
+#include <string.h>
+
+#include "base/array.h"
+#include "load/load_state.h"
+
+enum { BSDF_DEPTH_MAX = 32 };  // of nested <bsdf>s; deeper ones refer to themselves
+
+static satin_status refuse(struct load_state *loader, const struct params *p, const char *text) {
+    log_error_at(loader->log, p->node->place, "%s %s", p->plugin->name, text);
+    return SATIN_ERROR_INPUT;
+}
+
+// Builds the nested <bsdf>s, of which there must be `least` to `most`; *count is how many.
+static satin_status build_nested(struct load_state *loader, const struct params *p, int least,
+                                 int most, struct material *out, int *count) {
+    struct xml_node *at = NULL, *child;
+    int n = 0;
+    while ((child = params_child(&loader->xml, p->node, XML_BSDF, &at)) && n < most) {
+        satin_status status = load_material_build(loader, child, &out[n]);
+        if (status != SATIN_OK) return status;
+        n++;
+    }
+    *count = n;
+    if (n >= least && !child) return SATIN_OK;
+    return refuse(loader, p,
+                  least < most ? "takes one or two <bsdf>s"
+                  : most == 1  ? "takes one <bsdf>"
+                               : "takes two <bsdf>s");
+}
+
+// ---- Trees of sides -----------------------------------------------------------------------------
+
+static int count_parts(const struct material_side *side) {
+    return side->part[0] ? count_parts(side->part[0]) + count_parts(side->part[1]) : 1;
+}
+
+typedef satin_status (*leaf_fn)(struct load_state *loader, const struct params *p,
+                                struct material_side *leaf, const void *ctx);
+
+// Copies the tree, changed by fn at its leaves.
+static satin_status change_leaves(struct load_state *loader, const struct params *p,
+                                  struct material_side *side, leaf_fn fn, const void *ctx) {
+    if (!side->part[0]) return fn(loader, p, side, ctx);
+    for (int i = 0; i < 2; i++) {
+        struct material_side *copy = arena_alloc(&loader->scene->arena, sizeof *copy);
+        if (!copy) return load_no_memory(loader);
+        *copy = *side->part[i];
+        side->part[i] = copy;
+        satin_status status = change_leaves(loader, p, copy, fn, ctx);
+        if (status != SATIN_OK) return status;
+    }
+    return SATIN_OK;
+}
+
+// ---- twosided -----------------------------------------------------------------------------------
+
+// Whatever transmits is refused; the relief of a back is its own. Of what is two-sided already the
+// front is what either side would see, as in Mitsuba.
+static satin_status make_side(struct load_state *loader, const struct params *p,
+                              struct material_side *leaf, const void *ctx) {
+    (void)ctx;
+    for (int i = 0; i < BRDF_RELIEFS; i++) leaf->relief[i].outside = false;
+    if (!brdf_transmits(&leaf->base)) return SATIN_OK;
+    log_error_at(loader->log, p->node->place, "'%s' transmits, so it cannot be twosided",
+                 leaf->base.model->name);
+    return SATIN_ERROR_INPUT;
+}
+
+static satin_status build_twosided(struct load_state *loader, const struct params *p,
+                                   struct material *out) {
+    struct material side[2];
+    int count;
+    satin_status status = build_nested(loader, p, 1, 2, side, &count);
+    for (int i = 0; i < count && status == SATIN_OK; i++) {
+        if (side[i].front.part[0] && side[i].front.holes)
+            return refuse(loader, p, "cannot wrap a mask; wrap it by one");
+        status = change_leaves(loader, p, &side[i].front, make_side, NULL);
+    }
+    if (status != SATIN_OK) return status;
+    out->front = side[0].front;
+    out->back = side[count - 1].front;
+    out->two_sided = true;
+    out->tangent = side[0].tangent || side[count - 1].tangent;
+    return SATIN_OK;
+}
+
+// ---- blendbsdf ----------------------------------------------------------------------------------
+
+static satin_status make_one_sided(struct load_state *loader, const struct params *p,
+                                   struct material_side *leaf, const void *ctx) {
+    (void)loader, (void)p, (void)ctx;
+    leaf->one_sided = true;
+    return SATIN_OK;
+}
+
+// The weight of a blend's second part, constant or textured.
+struct weight {
+    float value;
+    const struct texture *texture;
+};
+
+static satin_status find_weight(struct load_state *loader, const struct param_value *value,
+                                float constant, struct weight *out) {
+    *out = (struct weight){.value = clampf(constant, 0.0f, 1.0f)};
+    return value->texture ? load_texture_of(loader, value->texture, &out->texture) : SATIN_OK;
+}
+
+static bool is_hole(const struct material_side *side) { return side->holes && !side->part[0]; }
+
+// Joins a and b under one node, which may be one of them.
+static satin_status join(struct load_state *loader, const struct params *p,
+                         const struct material_side *a, const struct material_side *b,
+                         const struct weight *weight, struct material_side *out) {
+    if (is_hole(a) && is_hole(b)) {
+        *out = *a;
+        return SATIN_OK;
+    }
+    struct material_side *part = arena_array(&loader->scene->arena, 2, sizeof *part);
+    if (!part) return load_no_memory(loader);
+    part[0] = *a;
+    part[1] = *b;
+    *out = (struct material_side){.part = {&part[0], &part[1]},
+                                  .blend = weight->texture,
+                                  .weight = weight->value,
+                                  .holes = a->holes || b->holes};
+    if (count_parts(out) <= MATERIAL_PARTS_MAX) return SATIN_OK;
+    return refuse(loader, p, "blends more than 16 BRDFs");
+}
+
+static satin_status build_blend(struct load_state *loader, const struct params *p,
+                                struct material *out) {
+    struct material part[2];
+    struct weight weight;
+    int count;
+    satin_status status = build_nested(loader, p, 2, 2, part, &count);
+    if (status == SATIN_OK)
+        status = find_weight(loader, param(p, "weight"), param(p, "weight")->f, &weight);
+    if (status != SATIN_OK) return status;
+    out->two_sided = part[0].two_sided || part[1].two_sided;
+    out->tangent = part[0].tangent || part[1].tangent;
+    for (int i = 0; i < 2 && out->two_sided && status == SATIN_OK; i++) {
+        if (part[i].two_sided) continue;
+        part[i].back = part[i].front;
+        status = change_leaves(loader, p, &part[i].back, make_one_sided, NULL);
+    }
+    if (status == SATIN_OK)
+        status = join(loader, p, &part[0].front, &part[1].front, &weight, &out->front);
+    if (status != SATIN_OK) return status;
+    out->back = out->front;
+    if (!out->two_sided) return SATIN_OK;
+    return join(loader, p, &part[0].back, &part[1].back, &weight, &out->back);
+}
+
+// ---- mask ---------------------------------------------------------------------------------------
+
+// A blend of nothing with the nested BRDF.
+static satin_status build_mask(struct load_state *loader, const struct params *p,
+                               struct material *out) {
+    const struct param_value *opacity = param(p, "opacity");
+    struct material_side hole = {.index = loader->scene->side_count++, .holes = true};
+    struct weight weight;
+    int count;
+    hole.base.model = brdf_find("null");
+    hole.base.transmittance = rgb_grey(1.0f);
+    if (brdf_prepare(&hole.base, &loader->scene->arena) != SATIN_OK) return load_no_memory(loader);
+    satin_status status = build_nested(loader, p, 1, 1, out, &count);
+    if (status == SATIN_OK)
+        status = find_weight(loader, opacity, rgb_mean(opacity->color), &weight);
+    if (status == SATIN_OK) status = join(loader, p, &hole, &out->front, &weight, &out->front);
+    if (status != SATIN_OK) return status;
+    if (out->two_sided) return join(loader, p, &hole, &out->back, &weight, &out->back);
+    out->back = out->front;
+    return SATIN_OK;
+}
+
+// ---- bumpmap, normalmap -------------------------------------------------------------------------
+
+static satin_status set_relief(struct load_state *loader, const struct params *p,
+                               struct material_side *leaf, const void *ctx) {
+    const struct material_relief *relief = ctx;
+    if (leaf->holes) return SATIN_OK;
+    if (relief_used(&leaf->relief[1]))
+        return refuse(loader, p, "cannot wrap two more bumpmaps or normalmaps");
+    leaf->relief[1] = leaf->relief[0];
+    leaf->relief[0] = *relief;
+    return SATIN_OK;
+}
+
+static satin_status build_relief(struct load_state *loader, const struct params *p, bool bump,
+                                 struct material *out) {
+    struct material_relief relief = {.outside = true,
+                                     .upright = param(p, "flip_invalid_normals")->b,
+                                     .shadows = param(p, "use_shadowing_function")->b};
+    struct xml_node *at = NULL, *map = bump ? params_child(&loader->xml, p->node, XML_TEXTURE, &at)
+                                            : param(p, "normalmap")->texture;
+    if (!map) return refuse(loader, p, "needs a <texture>");
+    if (bump && params_child(&loader->xml, p->node, XML_TEXTURE, &at))
+        return refuse(loader, p, "takes one <texture>");
+    if (bump) relief.scale = param(p, "scale")->f;
+    satin_status status = load_texture_of(loader, map, bump ? &relief.bump : &relief.normal);
+    if (status == SATIN_OK && bump && texture_unscaled(relief.bump)->kind == TEXTURE_ATTRIBUTE)
+        return refuse(loader, p, "cannot take heights from a mesh attribute");
+    int count;
+    if (status == SATIN_OK) status = build_nested(loader, p, 1, 1, out, &count);
+    if (status == SATIN_OK) status = change_leaves(loader, p, &out->front, set_relief, &relief);
+    if (status == SATIN_OK && out->two_sided)
+        status = change_leaves(loader, p, &out->back, set_relief, &relief);
+    if (status == SATIN_OK && !out->two_sided) out->back = out->front;
+    out->tangent = true;
+    return status;
+}
+
+// ---- Any <bsdf> ---------------------------------------------------------------------------------
+
+static bool is_anisotropic(const struct material_side *side) {
+    bool two = side->base.model->slots >> BRDF_SLOT_ALPHA_V & 1;
+    if (side->base.model->data) return !side->base.even_turn;
+    return (two && side->slot[BRDF_SLOT_ALPHA_U] != side->slot[BRDF_SLOT_ALPHA_V]) ||
+           (two && side->base.alpha_u != side->base.alpha_v) || side->slot[BRDF_SLOT_ANISOTROPIC] ||
+           side->base.anisotropic != 0.0f;
+}
+
+static satin_status build_plain(struct load_state *loader, const struct params *p,
+                                struct material *out) {
+    satin_status status = load_side_build(loader, p, &out->front);
+    out->back = out->front;
+    out->tangent = is_anisotropic(&out->front);
+    return status;
+}
+
+static satin_status build_any(struct load_state *loader, const struct params *p,
+                              struct material *out) {
+    const char *name = p->plugin->name;
+    if (p->plugin->build) return build_plain(loader, p, out);
+    if (strcmp(name, "twosided") == 0) return build_twosided(loader, p, out);
+    if (strcmp(name, "blendbsdf") == 0) return build_blend(loader, p, out);
+    if (strcmp(name, "mask") == 0) return build_mask(loader, p, out);
+    return build_relief(loader, p, strcmp(name, "bumpmap") == 0, out);
+}
+
+static void see_bitmaps(void *ctx, const struct material_side *side) {
+    bool *found = ctx;
+    for (int i = 0; i < BRDF_SLOT_NUMBERS; i++)
+        *found = *found || (side->slot[i] && side->slot[i]->filtered);
+}
+
+// What a shape without a <bsdf> is made of; one that emits is black, as in Mitsuba.
+static satin_status default_material(struct load_state *loader, bool emits, struct material *out) {
+    *out = (struct material){.name = emits ? "black" : "default"};
+    out->front.index = loader->scene->side_count++;
+    out->front.base.model = brdf_find("diffuse");
+    out->front.base.diffuse = rgb_grey(emits ? 0.0f : 0.5f);
+    if (brdf_prepare(&out->front.base, &loader->scene->arena) != SATIN_OK)
+        return load_no_memory(loader);
+    out->back = out->front;
+    return SATIN_OK;
+}
+
+// In place of an unknown BRDF: the one that it wraps, or grey.
+static satin_status build_stand_in(struct load_state *loader, struct xml_node *node,
+                                   struct material *out) {
+    struct xml_node *at = NULL, *inner = params_child(&loader->xml, node, XML_BSDF, &at);
+    if (!inner || params_child(&loader->xml, node, XML_BSDF, &at)) {
+        satin_status status = default_material(loader, false, out);
+        out->two_sided = true;
+        return status;
+    }
+    if (loader->bsdf_depth == BSDF_DEPTH_MAX) {
+        log_error_at(loader->log, node->place, "BRDF '%s' is nested too deep, or in itself",
+                     node->type);
+        return SATIN_ERROR_INPUT;
+    }
+    loader->bsdf_depth++;
+    satin_status status = load_material_build(loader, inner, out);
+    loader->bsdf_depth--;
+    return status;
+}
+
+satin_status load_material_build(struct load_state *loader, struct xml_node *node,
+                                 struct material *out) {
+    *out = (struct material){0};
+    struct params p;
+    if (load_left_out(loader, node, "it is grey, or what it wraps"))
+        return build_stand_in(loader, node, out);
+    satin_status status = load_params(loader, node, &p);
+    if (status != SATIN_OK) return status;
+    if (load_file_missing(loader, &p, "the BRDF is grey")) return build_stand_in(loader, node, out);
+    if (loader->bsdf_depth == BSDF_DEPTH_MAX)
+        return refuse(loader, &p, "is nested too deep, or in itself");
+    loader->bsdf_depth++;
+    status = build_any(loader, &p, out);
+    loader->bsdf_depth--;
+    if (status == SATIN_OK) material_visit(out, see_bitmaps, &out->filtered);
+    if (status == SATIN_OK &&
+        !(out->name = load_keep_text(loader, node->id ? node->id : p.plugin->name)))
+        return load_no_memory(loader);
+    return status;
+}
+
+// Adds it to the scene's; *known gets 1 + its index.
+static satin_status add_material(struct load_state *loader, const struct material *material,
+                                 uint32_t *known) {
+    void *items = loader->material;
+    if (!array_reserve(&items, &loader->material_capacity, loader->material_count + 1,
+                       sizeof *material))
+        return load_no_memory(loader);
+    loader->material = items;
+    loader->material[loader->material_count++] = *material;
+    *known = (uint32_t)loader->material_count;
+    return SATIN_OK;
+}
+
+satin_status load_material_of(struct load_state *loader, struct xml_node *node, bool emits,
+                              uint32_t *index) {
+    uint32_t *known = node ? &node->material : &loader->plain[emits];
+    struct material material;
+    satin_status status = SATIN_OK;
+    if (!*known) {
+        status = node ? load_material_build(loader, node, &material)
+                      : default_material(loader, emits, &material);
+        if (status == SATIN_OK) status = add_material(loader, &material, known);
+    }
+    if (status == SATIN_OK) *index = *known - 1;
+    return status;
+}

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+// <bsdf type="principled"> and "principledthin": parameters and defaults of Mitsuba 3.
+#include <string.h>
+
+#include "load/load_plugins_bsdf.h"
+
+#define NUMBER(name, fallback, doc) \
+    { #name, PARAM_FLOAT, fallback, RANGE_UNIT, PARAM_TEXTURE, NULL, doc }
+
+static const struct param_spec base_color = {"base_color",  PARAM_COLOR, ".5",    RANGE_UNIT,
+                                             PARAM_TEXTURE, NULL,        "of all"};
+static const struct param_spec roughness = NUMBER(roughness, ".5", "of the facets, perceived");
+static const struct param_spec anisotropic =
+    NUMBER(anisotropic, "0", "how far highlights are drawn out along u");
+static const struct param_spec metallic = NUMBER(metallic, "0", "share of metal");
+static const struct param_spec spec_trans =
+    NUMBER(spec_trans, "0", "share of light that is refracted, not scattered diffusely");
+static const struct param_spec eta = {
+    "eta", PARAM_FLOAT, NULL, RANGE_POSITIVE, 0, NULL, "relative index of refraction"};
+static const struct param_spec thin_eta = {
+    "eta", PARAM_FLOAT, "1.5", RANGE_POSITIVE, PARAM_TEXTURE, NULL, "relative index of refraction"};
+static const struct param_spec specular = {"specular",
+                                           PARAM_FLOAT,
+                                           ".5",
+                                           RANGE_NOT_NEGATIVE,
+                                           0,
+                                           NULL,
+                                           "reflectance in place of eta, at most 12"};
+static const struct param_spec spec_tint =
+    NUMBER(spec_tint, "0", "tint of the dielectric reflection by the base colour");
+static const struct param_spec sheen = NUMBER(sheen, "0", "grazing reflection, as of cloth");
+static const struct param_spec sheen_tint =
+    NUMBER(sheen_tint, "0", "tint of the sheen by the base colour");
+static const struct param_spec flatness =
+    NUMBER(flatness, "0", "from diffuse reflection to that of skin or wax");
+static const struct param_spec clearcoat = NUMBER(clearcoat, "0", "a second, clear coat");
+static const struct param_spec clearcoat_gloss = NUMBER(clearcoat_gloss, "0", "its gloss");
+static const struct param_spec diff_trans = {"diff_trans",
+                                             PARAM_FLOAT,
+                                             "0",
+                                             RANGE_NOT_NEGATIVE,
+                                             PARAM_TEXTURE,
+                                             NULL,
+                                             "diffuse transmission; 2: no diffuse reflection"};
+
+// How often Mitsuba samples its lobes.
+#define RATE(name) \
+    { #name, PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "sampling in Mitsuba; has no effect" }
+static const struct param_spec rate[] = {
+    RATE(main_specular_sampling_rate),          RATE(clearcoat_sampling_rate),
+    RATE(diffuse_reflectance_sampling_rate),    RATE(specular_reflectance_sampling_rate),
+    RATE(specular_transmittance_sampling_rate), RATE(diffuse_transmittance_sampling_rate)};
+
+param_list bsdf_principled_params = {
+    &base_color,      &roughness, &anisotropic, &metallic,   &spec_trans, &eta,
+    &specular,        &spec_tint, &sheen,       &sheen_tint, &flatness,   &clearcoat,
+    &clearcoat_gloss, &rate[0],   &rate[1],     &rate[2],    NULL};
+param_list bsdf_principledthin_params = {
+    &base_color, &roughness,  &anisotropic, &spec_trans, &thin_eta, &spec_tint, &sheen, &sheen_tint,
+    &flatness,   &diff_trans, &rate[2],     &rate[3],    &rate[4],  &rate[5],   NULL};
+
+// Its reflectance head on is .08 of it; from 12.5 on that would be all of the light.
+#define SPECULAR_MAX 12.0f
+
+struct slot_name {
+    const char *name;
+    enum brdf_slot slot;
+};
+
+// A list that ends with a NULL name.
+static satin_status set_numbers(struct load_state *loader, const struct params *p,
+                                struct material_side *side, const struct slot_name *list) {
+    satin_status status = SATIN_OK;
+    for (; list->name && status == SATIN_OK; list++)
+        status = bsdf_set_number(loader, param(p, list->name), side, list->slot);
+    return status;
+}
+
+static satin_status set_common(struct load_state *loader, const struct params *p,
+                               struct material_side *side) {
+    static const struct slot_name numbers[] = {
+        {"roughness", BRDF_SLOT_ALPHA_U},     {"anisotropic", BRDF_SLOT_ANISOTROPIC},
+        {"spec_trans", BRDF_SLOT_SPEC_TRANS}, {"spec_tint", BRDF_SLOT_SPEC_TINT},
+        {"sheen", BRDF_SLOT_SHEEN},           {"sheen_tint", BRDF_SLOT_SHEEN_TINT},
+        {"flatness", BRDF_SLOT_FLATNESS},     {NULL, 0}};
+    side->base.specular = side->base.transmittance = rgb_grey(1.0f);
+    satin_status status = bsdf_set_color(loader, param(p, "base_color"), side, BRDF_SLOT_DIFFUSE);
+    return status == SATIN_OK ? set_numbers(loader, p, side, numbers) : status;
+}
+
+satin_status bsdf_principled_build(struct load_state *loader, const struct params *p,
+                                   void *object) {
+    static const struct slot_name numbers[] = {{"metallic", BRDF_SLOT_METALLIC},
+                                               {"clearcoat", BRDF_SLOT_CLEARCOAT},
+                                               {"clearcoat_gloss", BRDF_SLOT_CLEARCOAT_GLOSS},
+                                               {NULL, 0}};
+    struct material_side *side = object;
+    const struct param_value *index = param(p, "eta"), *reflects = param(p, "specular");
+    if (index->given && reflects->given) {
+        log_error_at(loader->log, p->node->place, "the reflectance is either eta or specular");
+        return SATIN_ERROR_INPUT;
+    }
+    if (reflects->f > SPECULAR_MAX) {
+        log_error_at(loader->log, reflects->place, "specular is %g, but must be in [0, %g]",
+                     (double)reflects->f, (double)SPECULAR_MAX);
+        return SATIN_ERROR_INPUT;
+    }
+    if (index->given && !bsdf_ior_valid(loader, index->place, "eta", index->f))
+        return SATIN_ERROR_INPUT;
+    satin_status status = set_common(loader, p, side);
+    if (status == SATIN_OK) status = set_numbers(loader, p, side, numbers);
+    side->base.opaque = !side->slot[BRDF_SLOT_SPEC_TRANS] && side->base.spec_trans == 0.0f;
+    // Without a boundary nothing refracts: as Mitsuba does, a little of one is left.
+    float least = side->base.opaque ? 0.0f : 1e-3f;
+    side->base.ior = 2.0f / (1.0f - sqrtf(0.08f * fmaxf(reflects->f, least))) - 1.0f;
+    if (index->given) side->base.ior = index->f == 1.0f && !side->base.opaque ? 1.001f : index->f;
+    return status;
+}
+
+satin_status bsdf_principledthin_build(struct load_state *loader, const struct params *p,
+                                       void *object) {
+    static const struct slot_name numbers[] = {
+        {"diff_trans", BRDF_SLOT_DIFF_TRANS}, {"eta", BRDF_SLOT_IOR}, {NULL, 0}};
+    struct material_side *side = object;
+    const struct param_value *index = param(p, "eta"), *passes = param(p, "diff_trans");
+    satin_status status = set_common(loader, p, side);
+    if (status == SATIN_OK) status = set_numbers(loader, p, side, numbers);
+    if (status != SATIN_OK) return status;
+    if (index->texture)
+        side->base.ior = clampf(side->base.ior, BRDF_IOR_MIN, BRDF_IOR_MAX);
+    else if (!bsdf_ior_valid(loader, index->place, "eta", index->f))
+        return SATIN_ERROR_INPUT;
+    if (side->base.diff_trans <= 2.0f) return SATIN_OK;
+    log_error_at(loader->log, passes->place, "diff_trans is over 2");
+    return SATIN_ERROR_INPUT;
+}

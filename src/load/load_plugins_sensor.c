@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+// <sensor>: the camera. Names, defaults and the meaning of fov are Mitsuba 3's.
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "load/load_state.h"
+
+enum fov_axis { AXIS_X = 0, AXIS_Y, AXIS_DIAGONAL, AXIS_SMALLER, AXIS_LARGER };
+const char *const load_fov_axes[] = {"x", "y", "diagonal", "smaller", "larger", NULL};
+
+static const struct param_spec to_world = {
+    "to_world", PARAM_TRANSFORM, "1", 0, 0, NULL, "camera space to world space; it looks along z"};
+static const struct param_spec fov = {
+    "fov", PARAM_FLOAT, NULL, RANGE_POSITIVE, 0, NULL, "angle of view, degrees"};
+static const struct param_spec fov_axis = {
+    "fov_axis", PARAM_CHOICE, "x", 0, 0, load_fov_axes, "the side of the film that fov refers to"};
+static const struct param_spec focal_length = {
+    "focal_length",
+    PARAM_STRING,
+    "50mm",
+    0,
+    0,
+    NULL,
+    "in place of fov: focal length for 35 mm film, millimetres"};
+static const struct param_spec near_clip = {
+    "near_clip", PARAM_FLOAT, ".01", RANGE_POSITIVE, 0, NULL, "nothing nearer is seen"};
+static const struct param_spec far_clip = {
+    "far_clip", PARAM_FLOAT, "10000", RANGE_POSITIVE, 0, NULL, "nothing farther is seen"};
+static const struct param_spec shift_x = {
+    "principal_point_offset_x", PARAM_FLOAT, "0", 0, 0, NULL, "in film widths"};
+static const struct param_spec shift_y = {"principal_point_offset_y", PARAM_FLOAT, "0", 0, 0, NULL,
+                                          "in film heights"};
+static const struct param_spec aperture_radius = {"aperture_radius",   PARAM_FLOAT,    NULL,
+                                                  RANGE_NOT_NEGATIVE,  PARAM_REQUIRED, NULL,
+                                                  "radius of the lens"};
+static const struct param_spec focus_distance = {
+    "focus_distance",
+    PARAM_FLOAT,
+    NULL,
+    RANGE_POSITIVE,
+    0,
+    NULL,
+    "distance of the plane in focus; far_clip if not given"};
+static const struct param_spec idle_focus_distance = {
+    "focus_distance", PARAM_FLOAT, NULL, RANGE_POSITIVE, 0, NULL, "has no effect: all is in focus"};
+static const struct param_spec shutter_open = {
+    "shutter_open", PARAM_FLOAT, "0", 0, 0, NULL, "has no effect: nothing moves"};
+static const struct param_spec shutter_close = {
+    "shutter_close", PARAM_FLOAT, "0", 0, 0, NULL, "has no effect: nothing moves"};
+
+typedef const struct param_spec *const param_list[];
+static param_list perspective_params = {&to_world,     &fov,           &fov_axis,
+                                        &focal_length, &near_clip,     &far_clip,
+                                        &shift_x,      &shift_y,       &idle_focus_distance,
+                                        &shutter_open, &shutter_close, NULL};
+static param_list thinlens_params = {
+    &to_world,       &fov,          &fov_axis,      &focal_length,    &near_clip, &far_clip,
+    &focus_distance, &shutter_open, &shutter_close, &aperture_radius, NULL};
+
+static param_list orthographic_params = {
+    &to_world, &near_clip, &far_clip, &shutter_open, &shutter_close, &idle_focus_distance, NULL};
+
+static satin_status fail(struct load_state *loader, const struct params *p, const char *why) {
+    log_error_at(loader->log, p->node->place, "%s '%s': %s", load_plugin_noun(p->plugin->tag),
+                 p->plugin->name, why);
+    return SATIN_ERROR_INPUT;
+}
+
+// Of a smaller angle, degrees, the rays to both ends are one in single precision.
+#define FOV_MIN 1e-5f
+
+// Half the diagonal of 35 mm film, 36 x 24 mm.
+#define HALF_DIAGONAL_35MM 21.633307652783937
+
+// The tangent of half the angle that fov or focal_length gives, and the axis it refers to.
+static satin_status field_of_view(struct load_state *loader, const struct params *p,
+                                  double *tangent, enum fov_axis *axis) {
+    const struct param_value *angle = param(p, "fov"), *focal = param(p, "focal_length");
+    if (angle->given && focal->given) return fail(loader, p, "it has both fov and focal_length");
+    if (angle->given) {
+        if (angle->f >= 180.0f || angle->f < FOV_MIN) {
+            log_error_at(loader->log, angle->place, "fov is %g, but must be in [%g, 180)",
+                         (double)angle->f, (double)FOV_MIN);
+            return SATIN_ERROR_INPUT;
+        }
+        *tangent = tan((double)angle->f * (3.14159265358979323846 / 360.0));
+        *axis = (enum fov_axis)param(p, "fov_axis")->i;
+        return SATIN_OK;
+    }
+    char text[32] = "";
+    size_t n = strlen(focal->s);
+    if (n > 2 && strcmp(focal->s + n - 2, "mm") == 0) n -= 2;
+    while (n && focal->s[n - 1] == ' ') n--;
+    if (n < sizeof text) memcpy(text, focal->s, n);
+    double length;
+    if (!text_double(text, &length) || !(length > 1e-3 && length < 1e9)) {
+        log_error_at(loader->log, focal->place, "focal_length is '%.40s', but must be like 50mm",
+                     focal->s);
+        return SATIN_ERROR_INPUT;
+    }
+    *tangent = HALF_DIAGONAL_35MM / length;
+    *axis = AXIS_DIAGONAL;
+    return SATIN_OK;
+}
+
+satin_status load_view(struct load_state *loader, const struct params *p, double aspect,
+                       float tan[2]) {
+    double tangent;
+    enum fov_axis axis;
+    satin_status status = field_of_view(loader, p, &tangent, &axis);
+    if (status != SATIN_OK) return status;
+    if (axis == AXIS_SMALLER) axis = aspect > 1.0 ? AXIS_Y : AXIS_X;
+    if (axis == AXIS_LARGER) axis = aspect > 1.0 ? AXIS_X : AXIS_Y;
+    if (axis == AXIS_Y) tangent *= aspect;
+    if (axis == AXIS_DIAGONAL) tangent /= sqrt(1.0 + 1.0 / (aspect * aspect));
+    tan[0] = (float)tangent;
+    tan[1] = (float)(tangent / aspect);
+    if (tan[0] > 0.0f && tan[0] < 1e6f && tan[1] > 0.0f) return SATIN_OK;
+    return fail(loader, p, "its angle of view must be in (0, 180) degrees");
+}
+
+static satin_status set_view(struct load_state *loader, const struct params *p,
+                             struct camera *camera) {
+    const struct film_spec *film = &loader->scene->film;
+    float tan[2];
+    satin_status status = load_view(loader, p, (double)film->width / (double)film->height, tan);
+    if (status != SATIN_OK) return status;
+    camera->tan_x = tan[0];
+    camera->tan_y = tan[1];
+    return SATIN_OK;
+}
+
+// Rotation and mirroring are allowed, scale is not; the bound is Mitsuba's.
+static satin_status set_place(struct load_state *loader, const struct params *p,
+                              struct camera *camera) {
+    const struct mat4 *m = &param(p, "to_world")->m;
+    struct mat4 inverse;
+    camera->to_world = *m;
+    for (int j = 0; j < 3; j++) {
+        float l2 = v3_len2(v3(m->m[0][j], m->m[1][j], m->m[2][j]));
+        if (!(fabsf(l2 - 1.0f) <= 1e-3f)) return fail(loader, p, "to_world has a scale");
+    }
+    for (int j = 0; j < 4; j++)
+        if (m->m[3][j] != (j == 3 ? 1.0f : 0.0f)) return fail(loader, p, "to_world is not affine");
+    return mat4_inverse(m, &inverse) ? SATIN_OK : fail(loader, p, "to_world is singular");
+}
+
+static satin_status set_clip(struct load_state *loader, const struct params *p,
+                             struct camera *camera) {
+    camera->near_clip = param(p, "near_clip")->f;
+    camera->far_clip = param(p, "far_clip")->f;
+    camera->focus_distance = camera->far_clip;
+    if (camera->near_clip < camera->far_clip) return SATIN_OK;
+    return fail(loader, p, "near_clip must be smaller than far_clip");
+}
+
+static satin_status build_camera(struct load_state *loader, const struct params *p, void *object) {
+    struct camera *camera = object;
+    satin_status status = set_clip(loader, p, camera);
+    if (status == SATIN_OK) status = set_place(loader, p, camera);
+    return status == SATIN_OK ? set_view(loader, p, camera) : status;
+}
+
+// The film spans -1 to 1 across, and as its shape wants it up and down; to_world scales it.
+static satin_status build_orthographic(struct load_state *loader, const struct params *p,
+                                       void *object) {
+    struct camera *camera = object;
+    const struct film_spec *film = &loader->scene->film;
+    struct mat4 inverse;
+    camera->orthographic = true;
+    camera->to_world = param(p, "to_world")->m;
+    camera->tan_x = 1.0f;
+    camera->tan_y = (float)((double)film->height / (double)film->width);
+    if (!mat4_inverse(&camera->to_world, &inverse)) return fail(loader, p, "to_world is singular");
+    float depth = v3_len2(mat4_vector(&camera->to_world, v3(0, 0, 1)));
+    if (!(depth > 1e-30f && depth < 1e30f))
+        return fail(loader, p, "to_world is too small or too large");
+    return set_clip(loader, p, camera);
+}
+
+static satin_status build_perspective(struct load_state *loader, const struct params *p,
+                                      void *object) {
+    struct camera *camera = object;
+    camera->shift.x = param(p, "principal_point_offset_x")->f;
+    camera->shift.y = param(p, "principal_point_offset_y")->f;
+    if (fabsf(camera->shift.x) > 1e4f || fabsf(camera->shift.y) > 1e4f)
+        return fail(loader, p, "its principal point is too far off");
+    return build_camera(loader, p, camera);
+}
+
+static satin_status build_thinlens(struct load_state *loader, const struct params *p,
+                                   void *object) {
+    struct camera *camera = object;
+    satin_status status = build_camera(loader, p, camera);
+    camera->aperture = param(p, "aperture_radius")->f;
+    if (param(p, "focus_distance")->given) camera->focus_distance = param(p, "focus_distance")->f;
+    return status;
+}
+
+#define PARTS (1u << XML_FILM | 1u << XML_SAMPLER)
+
+const struct plugin_spec load_sensor_plugins[] = {
+    {XML_SENSOR, "perspective", "a pinhole camera", perspective_params, PARTS, build_perspective,
+     false},
+    {XML_SENSOR, "thinlens", "a camera with depth of field", thinlens_params, PARTS, build_thinlens,
+     false},
+    {XML_SENSOR, "orthographic", "parallel rays; the film is 2 wide before to_world scales it",
+     orthographic_params, PARTS, build_orthographic, false},
+    {0}};
+
+// Reads the only child of a tag, if there is one, into `object`.
+static satin_status read_part(struct load_state *loader, const struct params *parent,
+                              enum xml_tag tag, void *object, struct params *out) {
+    struct xml_node *at = NULL, *node = params_child(&loader->xml, parent->node, tag, &at);
+    out->node = NULL;
+    if (!node) return SATIN_OK;
+    if (params_child(&loader->xml, parent->node, tag, &at))
+        return fail(loader, parent, "it has two parts of the same kind");
+    satin_status status = load_params(loader, node, out);
+    return status == SATIN_OK ? out->plugin->build(loader, out, object) : status;
+}
+
+satin_status load_sensor(struct load_state *loader, struct xml_node *node) {
+    struct params sensor, part, filter;
+    struct camera camera = {0};
+    struct film_spec film = {.width = 768,
+                             .height = 576,
+                             .crop_width = 768,
+                             .crop_height = 576,
+                             .filter = FILTER_GAUSSIAN,
+                             .radius = 2.0f,
+                             .stddev = 0.5f};
+    satin_status status = load_params(loader, node, &sensor);
+    if (status == SATIN_OK) status = read_part(loader, &sensor, XML_SAMPLER, NULL, &part);
+    if (status == SATIN_OK) status = read_part(loader, &sensor, XML_FILM, &film, &part);
+    if (status == SATIN_OK && part.node)
+        status = read_part(loader, &part, XML_RFILTER, &film, &filter);
+    if (status != SATIN_OK) return status;
+    loader->scene->film = film;
+    status = sensor.plugin->build(loader, &sensor, &camera);
+    if (status == SATIN_OK) loader->scene->camera = camera;
+    return status;
+}

@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: Apache-2.0
+// <shape>: meshes from files, rectangle and cube as meshes, sphere, disk and cylinder as they are.
+// Frames, orientation and texture coordinates are Mitsuba 3's.
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "load/load_attribute.h"
+#include "load/load_state.h"
+
+// The least area of an emitter: cubes of its size stay in the range of float.
+#define EMITTER_AREA_MIN 1e-24f
+
+static const struct param_spec to_world = {
+    "to_world", PARAM_TRANSFORM, "1", 0, 0, NULL, "object space to world space"};
+static const struct param_spec flip_normals = {
+    "flip_normals", PARAM_BOOLEAN, "false", 0, 0, NULL, "turn the front to the other side"};
+static const struct param_spec silhouette = {"silhouette_sampling_weight",
+                                             PARAM_FLOAT,
+                                             "1",
+                                             0,
+                                             0,
+                                             NULL,
+                                             "for derivatives in Mitsuba; has no effect"};
+static const struct param_spec filename = {"filename",     PARAM_STRING, NULL,       0,
+                                           PARAM_REQUIRED, NULL,         "mesh file"};
+static const struct param_spec shape_index = {
+    "shape_index", PARAM_INTEGER, "0", RANGE_NOT_NEGATIVE, 0, NULL, "which mesh of the file"};
+static const struct param_spec face_normals = {
+    "face_normals", PARAM_BOOLEAN, "false", 0, 0, NULL, "facets: no smooth normals"};
+static const struct param_spec smooth_angle = {
+    "max_smooth_angle",
+    PARAM_FLOAT,
+    NULL,
+    RANGE_POSITIVE,
+    0,
+    NULL,
+    "normals made anew, smooth over edges flatter than this, degrees; as in Mitsuba 0.6"};
+static const struct param_spec flip_v = {"flip_tex_coords", PARAM_BOOLEAN, "true", 0, 0, NULL,
+                                         "v becomes 1 - v"};
+static const struct param_spec keep_v = {"flip_tex_coords", PARAM_BOOLEAN, "false", 0, 0, NULL,
+                                         "v becomes 1 - v"};
+static const struct param_spec center = {
+    "center", PARAM_POINT, "0 0 0", 0, 0, NULL, "centre in object space"};
+static const struct param_spec radius = {
+    "radius", PARAM_FLOAT, "1", RANGE_POSITIVE, 0, NULL, "radius in object space"};
+static const struct param_spec axis_start = {"p0", PARAM_POINT,        "0 0 0", 0, 0,
+                                             NULL, "start of the axis"};
+static const struct param_spec axis_end = {"p1", PARAM_POINT, "0 0 1",          0,
+                                           0,    NULL,        "end of the axis"};
+
+enum { SHAPES_MAX = 1 << 20 };  // each costs some kilobytes, whatever it is
+
+typedef const struct param_spec *const param_list[];
+static param_list obj_params = {&filename, &face_normals, &smooth_angle, &flip_v,
+                                &to_world, &flip_normals, &silhouette,   NULL};
+static param_list ply_params = {&filename, &face_normals, &smooth_angle, &keep_v,
+                                &to_world, &flip_normals, &silhouette,   NULL};
+static param_list serialized_params = {&filename,     &shape_index, &face_normals,
+                                       &smooth_angle, &keep_v,      &to_world,
+                                       &flip_normals, &silhouette,  NULL};
+static param_list flat_params = {&face_normals, &to_world, &flip_normals, &silhouette, NULL};
+static param_list sphere_params = {&center, &radius, &to_world, &flip_normals, &silhouette, NULL};
+static param_list disk_params = {&to_world, &flip_normals, &silhouette, NULL};
+static param_list cylinder_params = {&axis_start,   &axis_end,   &radius, &to_world,
+                                     &flip_normals, &silhouette, NULL};
+
+static const struct param_spec curve_file = {"filename",
+                                             PARAM_STRING,
+                                             NULL,
+                                             0,
+                                             PARAM_REQUIRED,
+                                             NULL,
+                                             "lines `x y z radius`; blank ones part curves"};
+static param_list curve_params = {&curve_file, &to_world, &flip_normals, &silhouette, NULL};
+
+static satin_status fail(struct load_state *loader, const struct params *p, const char *why) {
+    log_error_at(loader->log, p->node->place, "shape '%s': %s", p->plugin->name, why);
+    return SATIN_ERROR_INPUT;
+}
+
+typedef satin_status (*mesh_reader)(const struct load_source *, const struct mesh_request *,
+                                    struct mesh *);
+typedef satin_status (*mesh_maker)(struct arena *, const struct mesh_request *, struct mesh *);
+
+static struct mesh_request request_of(const struct params *p) {
+    return (struct mesh_request){.to_world = param(p, "to_world")->m,
+                                 .flip_normals = param(p, "flip_normals")->b,
+                                 .face_normals = param(p, "face_normals")->b};
+}
+
+static satin_status read_mesh(struct load_state *loader, const struct params *p,
+                              struct shape *shape, int index, mesh_reader read) {
+    struct mesh_request request = request_of(p);
+    request.attributes = loader->wanted;
+    request.flip_tex_coords = param(p, "flip_tex_coords")->b;
+    request.shape_index = index;
+    const struct param_value *angle = param(p, "max_smooth_angle");
+    if (angle->given && angle->f <= 180.0f) request.smooth_angle = angle->f;
+    if (angle->given && (angle->f > 180.0f || request.face_normals))
+        return fail(loader, p, "max_smooth_angle is at most 180 degrees, without face_normals");
+    struct load_source source;
+    satin_status status = load_file_source(loader, param(p, "filename"), &source);
+    if (status != SATIN_OK) return status;
+    status = read(&source, &request, &shape->mesh);
+    free((char *)source.path);
+    shape->face_normals = request.face_normals;
+    return status;
+}
+
+static satin_status build_obj(struct load_state *loader, const struct params *p, void *object) {
+    return read_mesh(loader, p, object, 0, load_mesh_obj);
+}
+
+static satin_status build_ply(struct load_state *loader, const struct params *p, void *object) {
+    return read_mesh(loader, p, object, 0, load_mesh_ply);
+}
+
+static satin_status build_serialized(struct load_state *loader, const struct params *p,
+                                     void *object) {
+    return read_mesh(loader, p, object, param(p, "shape_index")->i, load_mesh_serialized);
+}
+
+static satin_status make_mesh(struct load_state *loader, const struct params *p,
+                              struct shape *shape, mesh_maker make) {
+    struct mesh_request request = request_of(p);
+    shape->face_normals = request.face_normals;
+    satin_status status = make(&loader->scene->arena, &request, &shape->mesh);
+    if (status == SATIN_ERROR_INPUT) return fail(loader, p, "to_world makes it too large");
+    return status == SATIN_ERROR_MEMORY ? load_no_memory(loader) : status;
+}
+
+static satin_status build_rectangle(struct load_state *loader, const struct params *p,
+                                    void *object) {
+    return make_mesh(loader, p, object, load_mesh_rectangle);
+}
+
+static satin_status build_cube(struct load_state *loader, const struct params *p, void *object) {
+    return make_mesh(loader, p, object, load_mesh_cube);
+}
+
+static satin_status place(struct load_state *loader, const struct params *p, struct shape *shape,
+                          const struct mat4 *m) {
+    return scene_shape_place(shape, m) ? SATIN_OK : fail(loader, p, "to_world is singular");
+}
+
+static vec3 column(const struct mat4 *m, int j) { return v3(m->m[0][j], m->m[1][j], m->m[2][j]); }
+
+// Whether m maps spheres to spheres, to one part in a thousand.
+static bool is_similarity(const struct mat4 *m) {
+    vec3 a = column(m, 0), b = column(m, 1), c = column(m, 2);
+    float l2 = v3_len2(a), tolerance = 1e-3f * l2;
+    return fabsf(v3_len2(b) - l2) <= tolerance && fabsf(v3_len2(c) - l2) <= tolerance &&
+           fabsf(v3_dot(a, b)) <= tolerance && fabsf(v3_dot(b, c)) <= tolerance &&
+           fabsf(v3_dot(c, a)) <= tolerance;
+}
+
+static satin_status build_sphere(struct load_state *loader, const struct params *p, void *object) {
+    struct shape *shape = object;
+    float r = param(p, "radius")->f;
+    struct mat4 scale = mat4_scale(v3(r, r, r));
+    struct mat4 translate = mat4_translate(param(p, "center")->v);
+    struct mat4 m = mat4_mul(&translate, &scale);
+    m = mat4_mul(&param(p, "to_world")->m, &m);
+    shape->kind = SHAPE_SPHERE;
+    if (!is_similarity(&m))
+        return fail(loader, p, "to_world stretches or shears it, but it must stay round");
+    satin_status status = place(loader, p, shape, &m);
+    if (status != SATIN_OK) return status;
+    if (!(shape->radius > 0.0f) || !isfinite(shape->radius) || !v3_finite(shape->center))
+        return fail(loader, p, "it is too small or too large");
+    return SATIN_OK;
+}
+
+static satin_status build_disk(struct load_state *loader, const struct params *p, void *object) {
+    struct shape *shape = object;
+    shape->kind = SHAPE_DISK;
+    return place(loader, p, shape, &param(p, "to_world")->m);
+}
+
+static satin_status build_cylinder(struct load_state *loader, const struct params *p,
+                                   void *object) {
+    struct shape *shape = object;
+    vec3 p0 = param(p, "p0")->v, axis = v3_sub(param(p, "p1")->v, p0);
+    float r = param(p, "radius")->f, length = v3_len(axis);
+    shape->kind = SHAPE_CYLINDER;
+    if (!(length > 0.0f) || !isfinite(length)) return fail(loader, p, "p0 and p1 coincide");
+    struct frame f = frame_from_normal(v3_mul(axis, 1.0f / length));
+    struct mat4 axes = {{{f.u.x, f.v.x, f.n.x, p0.x},
+                         {f.u.y, f.v.y, f.n.y, p0.y},
+                         {f.u.z, f.v.z, f.n.z, p0.z},
+                         {0, 0, 0, 1}}};
+    struct mat4 scale = mat4_scale(v3(r, r, length));
+    struct mat4 m = mat4_mul(&axes, &scale);
+    m = mat4_mul(&param(p, "to_world")->m, &m);
+    return place(loader, p, shape, &m);
+}
+
+static satin_status build_curves(struct load_state *loader, const struct params *p,
+                                 struct shape *shape, bool linear) {
+    struct load_source source;
+    satin_status status = load_file_source(loader, param(p, "filename"), &source);
+    if (status != SATIN_OK) return status;
+    shape->kind = SHAPE_CURVES;
+    status = load_curves(&source, &param(p, "to_world")->m, linear, &shape->curves);
+    free((char *)source.path);
+    if (status == SATIN_OK) scene_curves_bound(&shape->curves, &shape->lo, &shape->hi);
+    return status;
+}
+
+static satin_status build_spline(struct load_state *loader, const struct params *p, void *object) {
+    return build_curves(loader, p, object, false);
+}
+
+static satin_status build_line(struct load_state *loader, const struct params *p, void *object) {
+    return build_curves(loader, p, object, true);
+}
+
+#define PARTS (1u << XML_BSDF | 1u << XML_EMITTER)
+
+const struct plugin_spec load_shape_plugins[] = {
+    {XML_SHAPE, "obj", "a Wavefront OBJ mesh", obj_params, PARTS, build_obj, false},
+    {XML_SHAPE, "ply", "a PLY mesh, text or binary", ply_params, PARTS, build_ply, false},
+    {XML_SHAPE, "serialized", "a mesh in Mitsuba's own format", serialized_params, PARTS,
+     build_serialized, false},
+    {XML_SHAPE, "rectangle", "[-1, 1]^2 in the xy plane, facing +z", flat_params, PARTS,
+     build_rectangle, false},
+    {XML_SHAPE, "cube", "[-1, 1]^3", flat_params, PARTS, build_cube, false},
+    {XML_SHAPE, "sphere", "a sphere, which to_world may not stretch or shear", sphere_params, PARTS,
+     build_sphere, false},
+    {XML_SHAPE, "disk", "the unit disk in the xy plane, facing +z", disk_params, PARTS, build_disk,
+     false},
+    {XML_SHAPE, "cylinder", "an open cylinder, facing outside", cylinder_params, PARTS,
+     build_cylinder, false},
+    {XML_SHAPE, "bsplinecurve", "round tubes along cubic B-splines", curve_params, PARTS,
+     build_spline, false},
+    {XML_SHAPE, "linearcurve", "round tubes along straight segments", curve_params, PARTS,
+     build_line, false},
+    {0}};
+
+// The only child of a tag, or NULL. A second one is an error.
+static satin_status only_child(struct load_state *loader, const struct params *p, enum xml_tag tag,
+                               struct xml_node **out) {
+    struct xml_node *at = NULL;
+    *out = params_child(&loader->xml, p->node, tag, &at);
+    if (!*out || !params_child(&loader->xml, p->node, tag, &at)) return SATIN_OK;
+    log_error_at(loader->log, at->place, "shape '%s' has two <%s>s", p->plugin->name,
+                 xml_tag_name(tag));
+    return SATIN_ERROR_INPUT;
+}
+
+satin_status load_shape_reserve(struct load_state *loader, const struct params *p) {
+    if (loader->shape_count >= SHAPES_MAX) return fail(loader, p, "the scene has too many shapes");
+    void *items = loader->shape;
+    if (!array_reserve(&items, &loader->shape_capacity, loader->shape_count + 1,
+                       sizeof *loader->shape))
+        return load_no_memory(loader);
+    loader->shape = items;
+    return SATIN_OK;
+}
+
+// Collects the attributes of meshes that the shape's textures look up.
+static satin_status want_attributes(struct load_state *loader, const struct params *p,
+                                    const struct shape *shape) {
+    const struct texture *radiance = shape->light >= 0 ? loader->light[shape->light].texture : NULL;
+    loader->wanted.count = 0;
+    if (attribute_want_all(&loader->wanted, &loader->material[shape->material]) &&
+        attribute_want(&loader->wanted, radiance))
+        return SATIN_OK;
+    return fail(loader, p, "its textures ask for more than 8 mesh attributes");
+}
+
+// Reads or makes the surface, with its attributes.
+static satin_status build_surface(struct load_state *loader, const struct params *p,
+                                  struct shape *shape) {
+    satin_status status = want_attributes(loader, p, shape);
+    if (status == SATIN_OK) status = p->plugin->build(loader, p, shape);
+    const char *missing = attribute_missing(&loader->wanted, &shape->mesh);
+    if (status != SATIN_OK || !missing) return status;
+    log_error_at(loader->log, p->node->place, "shape '%s' has no attribute '%s' for its texture",
+                 p->plugin->name, missing);
+    return SATIN_ERROR_INPUT;
+}
+
+satin_status load_shape_add(struct load_state *loader, struct xml_node *node) {
+    struct params p;
+    if (load_left_out(loader, node, "the shape is left out")) return SATIN_OK;
+    satin_status status = load_params(loader, node, &p);
+    if (status != SATIN_OK) return status;
+    if (load_file_missing(loader, &p, "the shape is left out")) return SATIN_OK;
+    // A shape in shapes in shapes could be met without end, and add nothing.
+    if (loader->shape_elements++ == SHAPES_MAX)
+        return fail(loader, &p, "the scene has too many shapes");
+    if (!p.plugin->build) return load_group_add(loader, &p);
+    struct xml_node *bsdf, *emitter;
+    status = only_child(loader, &p, XML_BSDF, &bsdf);
+    if (status == SATIN_OK) status = only_child(loader, &p, XML_EMITTER, &emitter);
+    if (status != SATIN_OK) return status;
+    struct shape shape = {.name = load_keep_text(loader, node->id ? node->id : p.plugin->name),
+                          .flip_normals = param(&p, "flip_normals")->b,
+                          .group = loader->open_group,
+                          .light = -1};
+    if (!shape.name) return load_no_memory(loader);
+    if (emitter && shape.group) return fail(loader, &p, "it cannot emit in a shapegroup");
+    status = load_shape_reserve(loader, &p);
+    if (status == SATIN_OK) status = load_material_of(loader, bsdf, emitter, &shape.material);
+    if (status == SATIN_OK && emitter)
+        status = load_emitter_add(loader, emitter, (int64_t)loader->shape_count, &shape.light);
+    if (status == SATIN_OK) status = build_surface(loader, &p, &shape);
+    if (status != SATIN_OK) return status;
+    shape.area = scene_shape_area(&shape);
+    if (shape.kind == SHAPE_CURVES && emitter) return fail(loader, &p, "curves cannot emit");
+    if (shape.kind == SHAPE_CURVES && material_transmits(&loader->material[shape.material], true))
+        return fail(loader, &p, "curves cannot transmit light");
+    bool flat = shape.kind == SHAPE_DISK || strcmp(p.plugin->name, "rectangle") == 0;
+    if (shape.light >= 0 && !flat && loader->light[shape.light].kind == LIGHT_BEAM)
+        return fail(loader, &p, "a directionalarea emitter needs a rectangle or a disk");
+    if (shape.light >= 0 && !(shape.area >= EMITTER_AREA_MIN))
+        return fail(loader, &p, "it emits but has no area");
+    if (shape.kind != SHAPE_CURVES && !(shape.area > 0.0f))
+        log_warning_at(loader->log, node->place, "shape '%s' has no area and is not seen",
+                       p.plugin->name);
+    loader->shape[loader->shape_count++] = shape;
+    return SATIN_OK;
+}

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// <spectrum type="...">: spectra by name. Names and parameters are Mitsuba 3's; blackbody, regular
+// and irregular, which its RGB mode does not take, become what the same samples written as a list
+// become, at the scale of its spectral mode.
+#include <string.h>
+
+#include "load/load_params.h"
+#include "load/load_spectrum.h"
+
+static const struct param_spec temperature = {
+    "temperature", PARAM_FLOAT, NULL, RANGE_POSITIVE, PARAM_REQUIRED, NULL, "of the body, kelvin"};
+static const struct param_spec first = {
+    "wavelength_min", PARAM_FLOAT, "360", RANGE_NOT_NEGATIVE, 0, NULL, "none below, nm"};
+static const struct param_spec last = {
+    "wavelength_max", PARAM_FLOAT, "830", RANGE_NOT_NEGATIVE, 0, NULL, "none above, nm"};
+static const struct param_spec from = {"wavelength_min",        PARAM_FLOAT,    NULL,
+                                       RANGE_NOT_NEGATIVE,      PARAM_REQUIRED, NULL,
+                                       "of the first value, nm"};
+static const struct param_spec to = {"wavelength_max",       PARAM_FLOAT,    NULL,
+                                     RANGE_NOT_NEGATIVE,     PARAM_REQUIRED, NULL,
+                                     "of the last value, nm"};
+static const struct param_spec scale = {"scale", PARAM_FLOAT, "1",     RANGE_NOT_NEGATIVE,
+                                        0,       NULL,        "factor"};
+static const struct param_spec color = {"color", PARAM_COLOR,       "1", RANGE_NOT_NEGATIVE, 0,
+                                        NULL,    "colour under D65"};
+static const struct param_spec number = {"value",
+                                         PARAM_FLOAT,
+                                         NULL,
+                                         RANGE_NOT_NEGATIVE,
+                                         PARAM_REQUIRED,
+                                         NULL,
+                                         "the same for red, green and blue"};
+static const struct param_spec linear = {
+    "value", PARAM_COLOR, NULL, RANGE_NOT_NEGATIVE, PARAM_REQUIRED, NULL, "linear sRGB"};
+static const struct param_spec linear_color = {
+    "color", PARAM_COLOR, NULL, RANGE_NOT_NEGATIVE, PARAM_REQUIRED, NULL, "linear sRGB"};
+static const struct param_spec unbounded = {
+    "unbounded", PARAM_BOOLEAN, "false", 0, 0, NULL, "has no effect: the parameter has a range"};
+static const struct param_spec values = {"values", PARAM_STRING,     NULL, 0, PARAM_REQUIRED,
+                                         NULL,     "list of numbers"};
+static const struct param_spec wavelengths = {
+    "wavelengths", PARAM_STRING, NULL, 0, PARAM_REQUIRED, NULL, "list of wavelengths, nm"};
+
+typedef const struct param_spec *const param_list[];
+static param_list blackbody_params = {&temperature, &first, &last, &scale, NULL};
+static param_list d65_params = {&color, &scale, NULL};
+static param_list regular_params = {&values, &from, &to, NULL};
+static param_list irregular_params = {&wavelengths, &values, NULL};
+static param_list uniform_params = {&number, NULL};
+static param_list rgb_params = {&linear, NULL};
+static param_list srgb_params = {&linear_color, &unbounded, NULL};
+
+const struct plugin_spec load_spectrum_plugins[] = {
+    {XML_SPECTRUM, "blackbody", "the glow of a black body, W/(m2 sr nm)", blackbody_params, 0, NULL,
+     false},
+    {XML_SPECTRUM, "d65", "daylight; scaled to white of luminance 1", d65_params, 0, NULL, false},
+    {XML_SPECTRUM, "regular", "samples at equal distances", regular_params, 0, NULL, false},
+    {XML_SPECTRUM, "irregular", "samples at any wavelengths", irregular_params, 0, NULL, false},
+    {XML_SPECTRUM, "uniform", "a grey", uniform_params, 0, NULL, false},
+    {XML_SPECTRUM, "rgb", "a colour", rgb_params, 0, NULL, false},
+    {XML_SPECTRUM, "srgb", "a colour", srgb_params, 0, NULL, false},
+    {0}};
+
+bool load_spectrum_named(const char *type) {
+    for (const struct plugin_spec *plugin = load_spectrum_plugins; plugin->name; plugin++)
+        if (strcmp(plugin->name, type) == 0) return true;
+    return false;
+}
+
+// Makes room in `spectrum` by reading `values`; `at` gives wavelengths, or NULL: evenly spread.
+static satin_status read_samples(struct log log, const struct params *p, const double ends[2],
+                                 struct spectrum *spectrum) {
+    const struct param_value *value = param(p, "values");
+    const char *wavelength = ends ? NULL : param(p, "wavelengths")->s, *text = value->s;
+    int count = param_words(text);
+    if (count < 2 || (wavelength && param_words(wavelength) != count)) {
+        log_error_at(log, value->place, "a spectrum needs two values or more, one per wavelength");
+        return SATIN_ERROR_INPUT;
+    }
+    satin_status status = SATIN_OK;
+    for (int i = 0; i < count && status == SATIN_OK; i++) {
+        double x, y;
+        if (!param_number(log, value->place, &text, &y)) return SATIN_ERROR_INPUT;
+        if (ends)
+            x = ends[0] + (ends[1] - ends[0]) * i / (count - 1);
+        else if (!param_number(log, value->place, &wavelength, &x))
+            return SATIN_ERROR_INPUT;
+        status = spectrum_add(log, value->place, spectrum, x, y);
+    }
+    return status;
+}
+
+static satin_status read_list(struct log log, const struct params *p, bool light, rgb *out) {
+    struct spectrum spectrum = {0};
+    bool regular = strcmp(p->plugin->name, "regular") == 0;
+    double ends[2] = {0.0, 0.0};
+    if (regular) {
+        ends[0] = param(p, "wavelength_min")->f;
+        ends[1] = param(p, "wavelength_max")->f;
+    }
+    satin_status status = read_samples(log, p, regular ? ends : NULL, &spectrum);
+    if (status == SATIN_OK) *out = spectrum_to_rgb(&spectrum, light);
+    spectrum_free(&spectrum);
+    return status;
+}
+
+satin_status load_spectrum_of(struct param_source source, struct xml_node *node, bool light,
+                              rgb *out) {
+    const struct plugin_spec *plugin = load_plugin_find(source.log, node);
+    if (!plugin) return SATIN_ERROR_INPUT;
+    struct params p;
+    satin_status status = params_read(source, plugin, node, &p);
+    if (status != SATIN_OK) return status;
+    if (plugin->params == regular_params || plugin->params == irregular_params)
+        return read_list(source.log, &p, light, out);
+    if (plugin->params == uniform_params) {
+        *out = rgb_grey(param(&p, "value")->f);
+    } else if (plugin->params == d65_params) {
+        *out = rgb_scale(param(&p, "color")->color, param(&p, "scale")->f);
+    } else if (plugin->params == blackbody_params) {
+        if (!light) {
+            log_error_at(source.log, node->place, "a black body is light, not a reflectance");
+            return SATIN_ERROR_INPUT;
+        }
+        *out = rgb_scale(
+            spectrum_blackbody(param(&p, "temperature")->f, param(&p, "wavelength_min")->f,
+                               param(&p, "wavelength_max")->f),
+            param(&p, "scale")->f);
+    } else {
+        *out = param(&p, plugin->params == rgb_params ? "value" : "color")->color;
+    }
+    return SATIN_OK;
+}

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// The elements of a scene file: names, attributes, and what may stand in what. After Mitsuba 3.
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "load/load_mitsuba06.h"
+
+struct tag_info {
+    const char *name;
+    const char *required[3], *optional[5];
+};
+
+static const struct tag_info tags[XML_TAG_COUNT] = {
+    [XML_SCENE] = {"scene", {NULL}, {"id", "name"}},
+    [XML_SHAPE] = {"shape", {"type"}, {"id", "name"}},
+    [XML_BSDF] = {"bsdf", {"type"}, {"id", "name"}},
+    [XML_TEXTURE] = {"texture", {"type"}, {"id", "name"}},
+    [XML_EMITTER] = {"emitter", {"type"}, {"id", "name"}},
+    [XML_SENSOR] = {"sensor", {"type"}, {"id", "name"}},
+    [XML_FILM] = {"film", {"type"}, {"id", "name"}},
+    [XML_RFILTER] = {"rfilter", {"type"}, {"id", "name"}},
+    [XML_SAMPLER] = {"sampler", {"type"}, {"id", "name"}},
+    [XML_INTEGRATOR] = {"integrator", {"type"}, {"id", "name"}},
+    [XML_BOOLEAN] = {"boolean", {"name", "value"}, {NULL}},
+    [XML_INTEGER] = {"integer", {"name", "value"}, {NULL}},
+    [XML_FLOAT] = {"float", {"name", "value"}, {NULL}},
+    [XML_STRING] = {"string", {"name", "value"}, {NULL}},
+    [XML_POINT] = {"point", {"name"}, {"value", "x", "y", "z"}},
+    [XML_VECTOR] = {"vector", {"name"}, {"value", "x", "y", "z"}},
+    [XML_RGB] = {"rgb", {"value"}, {"name", "id"}},
+    [XML_SPECTRUM] = {"spectrum", {NULL}, {"name", "value", "filename", "type", "id"}},
+    [XML_TRANSFORM] = {"transform", {"name"}, {NULL}},
+    [XML_TRANSLATE] = {"translate", {NULL}, {"value", "x", "y", "z"}},
+    [XML_ROTATE] = {"rotate", {"angle"}, {"value", "x", "y", "z"}},
+    [XML_SCALE] = {"scale", {NULL}, {"value", "x", "y", "z"}},
+    [XML_LOOKAT] = {"lookat", {"origin", "target"}, {"up"}},
+    [XML_MATRIX] = {"matrix", {"value"}, {NULL}},
+    [XML_REF] = {"ref", {"id"}, {"name"}},
+    [XML_ALIAS] = {"alias", {"id", "as"}, {NULL}},
+    [XML_DEFAULT] = {"default", {"name", "value"}, {NULL}},
+    [XML_INCLUDE] = {"include", {"filename"}, {"name"}},
+    [XML_PATH] = {"path", {"value"}, {NULL}},
+};
+
+// What Mitsuba knows and satin does not read.
+static const char *const unread[] = {"medium", "phase", "volume", "field", NULL};
+
+const char *xml_tag_name(enum xml_tag tag) { return tags[tag].name; }
+
+enum xml_tag xml_tag_find(struct log log, struct log_place place, const char *name) {
+    for (int i = 0; i < XML_TAG_COUNT; i++)
+        if (strcmp(tags[i].name, name) == 0) return (enum xml_tag)i;
+    for (int i = 0; unread[i]; i++)
+        if (strcmp(unread[i], name) == 0) {
+            log_error_at(log, place, "<%s> is not supported", name);
+            return XML_TAG_COUNT;
+        }
+    struct text_nearest nearest = {.word = name};
+    for (int i = 0; i < XML_TAG_COUNT; i++) text_nearest_try(&nearest, tags[i].name);
+    if (nearest.best)
+        log_error_at(log, place, "unknown element <%s> (did you mean <%s>?)", name, nearest.best);
+    else
+        log_error_at(log, place, "unknown element <%s>", name);
+    return XML_TAG_COUNT;
+}
+
+bool xml_may_contain(enum xml_tag parent, enum xml_tag child) {
+    bool step = child >= XML_TRANSLATE && child <= XML_MATRIX;
+    if (parent == XML_TRANSFORM) return step;
+    if (child == XML_PATH) return parent == XML_SCENE;
+    if (parent == XML_SPECTRUM) return child >= XML_BOOLEAN && child <= XML_SPECTRUM;
+    return xml_is_object(parent) && !step && child != XML_SCENE;
+}
+
+static bool listed(const char *const *list, int count, const char *name) {
+    for (int i = 0; i < count && list[i]; i++)
+        if (strcmp(list[i], name) == 0) return true;
+    return false;
+}
+
+bool xml_attributes_valid(struct log log, const struct xml_node *node, bool root) {
+    const struct tag_info *info = &tags[node->tag];
+    for (const char *const *a = node->attribute; *a; a += 2) {
+        if (listed(info->required, 3, *a) || listed(info->optional, 5, *a)) continue;
+        if (root && strcmp(*a, "version") == 0) continue;
+        if (node->old && node->tag == XML_SPECTRUM && load_mitsuba06_attribute(*a)) continue;
+        log_error_at(log, node->place, "<%s> has no attribute '%s'", info->name, *a);
+        return false;
+    }
+    for (int i = 0; i < 3 && info->required[i]; i++) {
+        if (xml_get(node, info->required[i])) continue;
+        log_error_at(log, node->place, "<%s> needs the attribute '%s'", info->name,
+                     info->required[i]);
+        return false;
+    }
+    if (!root) return true;
+    const char *version = xml_get(node, "version");
+    if (!version) {
+        log_error_at(log, node->place, "<%s> needs the attribute 'version'", info->name);
+        return false;
+    }
+    if (strncmp(version, "3.", 2) == 0 || strncmp(version, "2.", 2) == 0 ||
+        xml_version_old(version))
+        return true;
+    log_error_at(log, node->place, "version '%s' is not supported: 0.x, 2.x and 3.x are", version);
+    return false;
+}
+
+bool xml_version_old(const char *version) { return strncmp(version, "0.", 2) == 0; }
+
+const char *xml_get(const struct xml_node *node, const char *attribute) {
+    for (const char *const *a = node->attribute; *a; a += 2)
+        if (strcmp(a[0], attribute) == 0) return a[1];
+    return NULL;
+}

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+// <transform>: its steps apply to the object in the order in which they are written, so each one
+// multiplies from the left. The product is kept in double precision until the end.
+#include "base/frame.h"
+#include "load/load_params.h"
+
+struct matrix {
+    double m[4][4];
+};
+
+static struct matrix widen(const struct mat4 *a) {
+    struct matrix out;
+    for (int i = 0; i < 16; i++) out.m[i / 4][i % 4] = (double)a->m[i / 4][i % 4];
+    return out;
+}
+
+static struct matrix product(const struct matrix *a, const struct matrix *b) {
+    struct matrix out = {0};
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++)
+            for (int k = 0; k < 4; k++) out.m[i][j] += a->m[i][k] * b->m[k][j];
+    return out;
+}
+
+static satin_status fail(struct log log, const struct xml_node *step, const char *why) {
+    log_error_at(log, step->place, "<%s>: %s", xml_tag_name(step->tag), why);
+    return SATIN_ERROR_INPUT;
+}
+
+static satin_status read_translate(struct log log, const struct xml_node *step,
+                                   struct matrix *out) {
+    vec3 t;
+    if (!param_xyz(log, step, 0.0f, &t)) return SATIN_ERROR_INPUT;
+    struct mat4 m = mat4_translate(t);
+    *out = widen(&m);
+    return SATIN_OK;
+}
+
+static satin_status read_scale(struct log log, const struct xml_node *step, struct matrix *out) {
+    vec3 s;
+    if (!param_xyz(log, step, 1.0f, &s)) return SATIN_ERROR_INPUT;
+    struct mat4 m = mat4_scale(s);
+    *out = widen(&m);
+    return SATIN_OK;
+}
+
+static satin_status read_rotate(struct log log, const struct xml_node *step, struct matrix *out) {
+    vec3 axis;
+    double angle;
+    if (!param_xyz(log, step, 0.0f, &axis)) return SATIN_ERROR_INPUT;
+    if (!param_numbers(log, step->place, xml_get(step, "angle"), 1, &angle))
+        return SATIN_ERROR_INPUT;
+    if (v3_max_abs(axis) == 0.0f) return fail(log, step, "the axis is zero");
+    struct mat4 m = mat4_rotate(axis, (float)angle);
+    *out = widen(&m);
+    return SATIN_OK;
+}
+
+static bool read_triple(struct log log, const struct xml_node *step, const char *attribute,
+                        vec3 *out) {
+    const char *text = xml_get(step, attribute);
+    double d[3] = {0.0, 0.0, 0.0};
+    if (text && !param_numbers(log, step->place, text, 3, d)) return false;
+    *out = v3((float)d[0], (float)d[1], (float)d[2]);
+    return true;
+}
+
+static satin_status read_lookat(struct log log, const struct xml_node *step, struct matrix *out) {
+    vec3 origin, target, up;
+    if (!read_triple(log, step, "origin", &origin) || !read_triple(log, step, "target", &target) ||
+        !read_triple(log, step, "up", &up))
+        return SATIN_ERROR_INPUT;
+    // Without an up vector, or along it, any will do; this is the one that Mitsuba takes without.
+    vec3 d = v3_unit(v3_sub(target, origin));
+    struct mat4 m;
+    if (v3_max_abs(up) == 0.0f || !mat4_look_at(origin, target, up, &m)) {
+        if (!mat4_look_at(origin, target, frame_from_normal(d).u, &m))
+            return fail(log, step, "origin and target coincide");
+        if (xml_get(step, "up"))
+            log_warning_at(log, step->place,
+                           "<lookat>: up is %s; one at right angles to the view is taken",
+                           v3_max_abs(up) == 0.0f ? "zero" : "along the view");
+    }
+    *out = widen(&m);
+    return SATIN_OK;
+}
+
+// 16 numbers by rows, or 9 for the upper 3x3 block.
+static satin_status read_matrix(struct log log, const struct xml_node *step, struct matrix *out) {
+    const char *text = xml_get(step, "value");
+    double d[16];
+    const int words = param_words(text), side = words == 9 ? 3 : 4;
+    if (words != 9 && words != 16) {
+        log_error_at(log, step->place,
+                     "<matrix>: expected 16 numbers by rows, or 9 of the upper 3 x 3, found %d",
+                     words);
+        return SATIN_ERROR_INPUT;
+    }
+    if (!param_numbers(log, step->place, text, side * side, d)) return SATIN_ERROR_INPUT;
+    struct mat4 identity = mat4_identity();
+    *out = widen(&identity);
+    if (side == 4 && (d[12] != 0.0 || d[13] != 0.0 || d[14] != 0.0 || !(d[15] != 0.0)))
+        return fail(log, step, "its last row is not 0 0 0 1");
+    for (int i = 0; i < side * side; i++)
+        out->m[i / side][i % side] = side == 4 ? d[i] / d[15] : d[i];
+    return SATIN_OK;
+}
+
+static satin_status read_step(struct log log, const struct xml_node *step, struct matrix *out) {
+    switch (step->tag) {
+        case XML_TRANSLATE:
+            return read_translate(log, step, out);
+        case XML_SCALE:
+            return read_scale(log, step, out);
+        case XML_ROTATE:
+            return read_rotate(log, step, out);
+        case XML_LOOKAT:
+            return read_lookat(log, step, out);
+        default:
+            return read_matrix(log, step, out);
+    }
+}
+
+satin_status load_transform(struct log log, const struct xml_node *node, struct mat4 *out) {
+    struct mat4 result = mat4_identity();
+    struct matrix total = widen(&result);
+    for (const struct xml_node *step = node->child; step; step = step->next) {
+        struct matrix m;
+        satin_status status = read_step(log, step, &m);
+        if (status != SATIN_OK) return status;
+        total = product(&m, &total);
+    }
+    for (int i = 0; i < 16; i++) {
+        result.m[i / 4][i % 4] = (float)total.m[i / 4][i % 4];
+        if (!isfinite(result.m[i / 4][i % 4])) return fail(log, node, "the product overflows");
+    }
+    *out = result;
+    return SATIN_OK;
+}

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+// Values of parameters from text: numbers, lists, names, colours, with their ranges.
+#include <string.h>
+
+#include "base/text.h"
+#include "load/load_params.h"
+
+static const char blanks[] = " \t\r\n,";
+
+int param_words(const char *text) {
+    int count = 0;
+    for (text += strspn(text, blanks); *text; text += strspn(text, blanks)) {
+        text += strcspn(text, blanks);
+        count++;
+    }
+    return count;
+}
+
+bool param_number(struct log log, struct log_place place, const char **text, double *out) {
+    char word[64];
+    *text += strspn(*text, blanks);
+    size_t n = strcspn(*text, blanks);
+    if (n < sizeof word) {
+        memcpy(word, *text, n);
+        word[n] = 0;
+    }
+    // Larger than any float is as good as infinite.
+    if (n >= sizeof word || !text_double(word, out) || fabs(*out) > 3e38) {
+        log_error_at(log, place, "'%.*s' is not a number", n < 60 ? (int)n : 60, *text);
+        return false;
+    }
+    *text += n;
+    return true;
+}
+
+bool param_numbers(struct log log, struct log_place place, const char *text, int count,
+                   double *out) {
+    int words = param_words(text);
+    if (words != count) {
+        log_error_at(log, place, "expected %d number%s, found '%.60s'", count,
+                     count == 1 ? "" : "s", text);
+        return false;
+    }
+    for (int i = 0; i < count; i++)
+        if (!param_number(log, place, &text, &out[i])) return false;
+    return true;
+}
+
+bool param_xyz(struct log log, const struct xml_node *node, float missing, vec3 *out) {
+    const char *value = xml_get(node, "value");
+    const char *component[3] = {xml_get(node, "x"), xml_get(node, "y"), xml_get(node, "z")};
+    double d[3] = {missing, missing, missing};
+    if (value) {
+        if (component[0] || component[1] || component[2]) {
+            log_error_at(log, node->place, "<%s> has both a value and x, y or z",
+                         xml_tag_name(node->tag));
+            return false;
+        }
+        int count = param_words(value) == 1 ? 1 : 3;
+        if (!param_numbers(log, node->place, value, count, d)) return false;
+        if (count == 1) d[1] = d[2] = d[0];
+    }
+    for (int i = 0; i < 3 && !value; i++) {
+        if (component[i] && !param_numbers(log, node->place, component[i], 1, &d[i])) return false;
+        if (!isnan(d[i])) continue;
+        log_error_at(log, node->place, "<%s> needs the attribute '%c'", xml_tag_name(node->tag),
+                     "xyz"[i]);
+        return false;
+    }
+    *out = v3((float)d[0], (float)d[1], (float)d[2]);
+    return true;
+}
+
+static bool in_range(enum param_range range, float x) {
+    switch (range) {
+        case RANGE_POSITIVE:
+            return x > 0.0f;
+        case RANGE_NOT_NEGATIVE:
+            return x >= 0.0f;
+        case RANGE_MODEST:
+            return x >= 0.0f && x <= 1e6f;
+        case RANGE_UNIT:
+        case RANGE_CLAMPED:
+            return x >= 0.0f && x <= 1.0f;
+        default:
+            return true;
+    }
+}
+
+static satin_status check_in(struct log log, const struct param_spec *spec, enum param_range range,
+                             struct log_place place, float x) {
+    static const char *const text[] = {"", "positive", "0 or more", "0 to 1e6", "in [0, 1]"};
+    if (in_range(range, x)) return SATIN_OK;
+    if (range == RANGE_CLAMPED) {
+        log_warning_at(log, place, "%s is %g, which counts as %d", spec->name, x, x > 0.5f);
+        return SATIN_OK;
+    }
+    log_error_at(log, place, "%s is %g, but must be %s", spec->name, x, text[range]);
+    return SATIN_ERROR_INPUT;
+}
+
+static satin_status check_range(struct log log, const struct param_spec *spec,
+                                struct log_place place, float x) {
+    return check_in(log, spec, spec->range, place, x);
+}
+
+static satin_status wrong_value(struct log log, struct log_place place, const char *name,
+                                const char *text, const char *best) {
+    if (best)
+        log_error_at(log, place, "%s: unknown value '%s' (did you mean '%s'?)", name, text, best);
+    else
+        log_error_at(log, place, "%s: unknown value '%s'", name, text);
+    return SATIN_ERROR_INPUT;
+}
+
+static satin_status read_choice(struct log log, const struct param_spec *spec, const char *text,
+                                struct param_value *value) {
+    for (value->i = 0; spec->choices[value->i]; value->i++)
+        if (text_same_name(spec->choices[value->i], text)) return SATIN_OK;
+    struct text_nearest nearest = {.word = text};
+    for (int i = 0; spec->choices[i]; i++) text_nearest_try(&nearest, spec->choices[i]);
+    return wrong_value(log, value->place, spec->name, text, nearest.best);
+}
+
+static satin_status read_ior(struct log log, const struct param_spec *spec, const char *text,
+                             struct param_value *value) {
+    if (load_ior_find(text, &value->f)) return SATIN_OK;
+    struct text_nearest nearest = {.word = text};
+    for (int i = 0; load_ior_name(i); i++) text_nearest_try(&nearest, load_ior_name(i));
+    return wrong_value(log, value->place, spec->name, text, nearest.best);
+}
+
+static satin_status read_number(struct log log, const struct param_spec *spec, const char *text,
+                                struct param_value *value) {
+    double d;
+    if (!param_numbers(log, value->place, text, 1, &d)) return SATIN_ERROR_INPUT;
+    value->f = (float)d;
+    value->i = fabs(d) <= 2147483647.0 ? (int)d : 0;
+    if (spec->kind != PARAM_INTEGER) return check_range(log, spec, value->place, value->f);
+    if (strpbrk(text, ".eE") || d != (double)value->i) {
+        log_error_at(log, value->place, "%s: '%s' is not an integer, or too large", spec->name,
+                     text);
+        return SATIN_ERROR_INPUT;
+    }
+    return check_range(log, spec, value->place, value->f);
+}
+
+static satin_status read_boolean(struct log log, const struct param_spec *spec, const char *text,
+                                 struct param_value *value) {
+    value->b = text_same_name(text, "true");
+    if (value->b || text_same_name(text, "false")) return SATIN_OK;
+    log_error_at(log, value->place, "%s: '%s' is neither true nor false", spec->name, text);
+    return SATIN_ERROR_INPUT;
+}
+
+// A number that a texture could give, from a colour: the mean.
+static satin_status read_mean(struct param_source source, const struct param_spec *spec,
+                              struct xml_node *node, struct param_value *value) {
+    satin_status status = load_color(source, node, false, &value->color);
+    if (status != SATIN_OK) return status;
+    value->f = rgb_mean(value->color);
+    return check_range(source.log, spec, value->place, value->f);
+}
+
+// Reads a value that is written as one text; `tag` is that of the element it stands in.
+static satin_status read_text(struct log log, const struct param_spec *spec, enum xml_tag tag,
+                              const char *text, struct param_value *value) {
+    switch (spec->kind) {
+        case PARAM_BOOLEAN:
+            return read_boolean(log, spec, text, value);
+        case PARAM_STRING:
+            value->s = text;
+            return SATIN_OK;
+        case PARAM_CHOICE:
+            return read_choice(log, spec, text, value);
+        case PARAM_IOR:
+            if (tag == XML_STRING) return read_ior(log, spec, text, value);
+            return read_number(log, spec, text, value);
+        default:
+            return read_number(log, spec, text, value);
+    }
+}
+
+// Samples of a real surface may leave the gamut of sRGB, which is no error.
+static bool is_sampled(const struct xml_node *node) {
+    if (node->tag != XML_SPECTRUM) return false;
+    if (node->type) return strcmp(node->type, "uniform") != 0 && !strstr(node->type, "rgb");
+    const char *value = xml_get(node, "value");
+    return !value || strchr(value, ':');
+}
+
+static bool is_number(const struct xml_node *node) {
+    return node->tag != XML_RGB && !is_sampled(node) && !(node->type && strstr(node->type, "rgb"));
+}
+
+static satin_status read_color(struct param_source source, const struct param_spec *spec,
+                               struct xml_node *node, struct param_value *value) {
+    struct log log = source.log;
+    satin_status status = load_color(source, node, spec->kind == PARAM_LIGHT, &value->color);
+    if (status != SATIN_OK) return status;
+    enum param_range range = spec->range;
+    if (range == RANGE_TEXEL) range = is_number(node) ? RANGE_MODEST : RANGE_UNIT;
+    if (range == RANGE_UNIT && is_sampled(node))
+        value->color = rgb_make(fminf(value->color.r, 1.0f), fminf(value->color.g, 1.0f),
+                                fminf(value->color.b, 1.0f));
+    const float c[3] = {value->color.r, value->color.g, value->color.b};
+    for (int i = 0; i < 3 && status == SATIN_OK; i++) {
+        if (in_range(range, c[i])) continue;
+        status = check_in(log, spec, range, node->place, c[i]);
+        if (range == RANGE_CLAMPED) break;  // one warning
+    }
+    return status;
+}
+
+satin_status param_read(struct param_source source, const struct param_spec *spec,
+                        struct xml_node *node, struct param_value *value) {
+    struct log log = source.log;
+    switch (spec->kind) {
+        case PARAM_TRANSFORM:
+            return load_transform(log, node, &value->m);
+        case PARAM_POINT:
+            return param_xyz(log, node, NAN, &value->v) ? SATIN_OK : SATIN_ERROR_INPUT;
+        case PARAM_COLOR:
+        case PARAM_LIGHT:
+            return read_color(source, spec, node, value);
+        case PARAM_FLOAT:
+            if (node->tag == XML_RGB || node->tag == XML_SPECTRUM)
+                return read_mean(source, spec, node, value);
+            return read_text(log, spec, node->tag, xml_get(node, "value"), value);
+        default:
+            return read_text(log, spec, node->tag, xml_get(node, "value"), value);
+    }
+}
+
+satin_status param_read_default(struct log log, const struct param_spec *spec,
+                                struct param_value *value) {
+    double d[3];
+    switch (spec->kind) {
+        case PARAM_TRANSFORM:
+            value->m = mat4_identity();
+            return SATIN_OK;
+        case PARAM_POINT:
+            if (!param_numbers(log, value->place, spec->fallback, 3, d))
+                return SATIN_ERROR_INTERNAL;
+            value->v = v3((float)d[0], (float)d[1], (float)d[2]);
+            return SATIN_OK;
+        case PARAM_COLOR:
+        case PARAM_LIGHT:
+            if (!param_numbers(log, value->place, spec->fallback, 1, d))
+                return SATIN_ERROR_INTERNAL;
+            value->color = rgb_grey((float)d[0]);
+            return SATIN_OK;
+        default:
+            return read_text(log, spec, XML_STRING, spec->fallback, value);
+    }
+}

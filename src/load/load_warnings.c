@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// Warnings of one run of the loader, counted by kind.
+#include "load/load_warnings.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/array.h"
+
+enum { KINDS_MAX = 256, TEXT_BYTES = 1024 };  // further kinds are passed on as they come
+
+struct load_warning {
+    int count;
+    char kind[TEXT_BYTES], text[TEXT_BYTES], last[TEXT_BYTES];  // of all, the first, the last
+};
+
+// The message without its place, what is in quotes, and digits.
+static void find_kind(const char *message, char kind[TEXT_BYTES]) {
+    const char *after = strstr(message, ": ");
+    size_t n = 0;
+    bool quoted = false;
+    for (const char *c = after ? after : message; *c && n + 1 < TEXT_BYTES; c++) {
+        if (*c == '\'') quoted = !quoted;
+        if (!quoted && !(*c >= '0' && *c <= '9')) kind[n++] = *c;
+    }
+    kind[n] = 0;
+}
+
+static void tell(struct load_warnings *warnings, const char *text, int count) {
+    const satin_log_level level = warnings->strict ? SATIN_LOG_ERROR : SATIN_LOG_WARNING;
+    if (count > 1)
+        log_message(warnings->to, level, "%s (and %d more like it)", text, count - 1);
+    else
+        log_message(warnings->to, level, "%s", text);
+}
+
+static void copy(char to[TEXT_BYTES], const char *from) {
+    const size_t n = strnlen(from, TEXT_BYTES - 1);
+    memcpy(to, from, n);
+    to[n] = 0;
+}
+
+// What is read twice at one place is one warning.
+static void count_again(struct load_warning *warning, const char *message) {
+    if (strncmp(warning->last, message, TEXT_BYTES - 1) == 0) return;
+    warning->count++;
+    copy(warning->last, message);
+}
+
+static void keep(struct load_warnings *warnings, const char *message) {
+    char kind[TEXT_BYTES];
+    find_kind(message, kind);
+    warnings->failed = warnings->failed || warnings->strict;
+    for (size_t i = 0; i < warnings->count; i++)
+        if (strcmp(warnings->first[i].kind, kind) == 0) {
+            count_again(&warnings->first[i], message);
+            return;
+        }
+    void *items = warnings->first;
+    if (warnings->count == KINDS_MAX ||
+        !array_reserve(&items, &warnings->capacity, warnings->count + 1, sizeof *warnings->first)) {
+        tell(warnings, message, 1);
+        return;
+    }
+    warnings->first = items;
+    struct load_warning *warning = &warnings->first[warnings->count++];
+    warning->count = 1;
+    memcpy(warning->kind, kind, sizeof kind);
+    copy(warning->text, message);
+    copy(warning->last, message);
+}
+
+void load_warnings_tell(struct load_warnings *warnings) {
+    for (size_t i = 0; i < warnings->count; i++)
+        tell(warnings, warnings->first[i].text, warnings->first[i].count);
+    free(warnings->first);
+    warnings->first = NULL;
+    warnings->count = warnings->capacity = 0;
+}
+
+static void on_message(void *user, satin_log_level level, const char *message) {
+    struct load_warnings *warnings = user;
+    if (level == SATIN_LOG_WARNING) {
+        keep(warnings, message);
+        return;
+    }
+    load_warnings_tell(warnings);
+    log_message(warnings->to, level, "%s", message);
+}
+
+static void on_each(void *user, satin_log_level level, const char *message) {
+    struct load_warnings *warnings = user;
+    warnings->failed = warnings->failed || warnings->strict;
+    (void)level;
+    tell(warnings, message, 1);
+}
+
+struct log load_warnings_each(struct load_warnings *warnings) {
+    return (struct log){warnings->to.fn ? on_each : NULL, warnings};
+}
+
+struct log load_warnings_log(struct load_warnings *warnings) {
+    return (struct log){warnings->to.fn ? on_message : NULL, warnings};
+}

@@ -1,0 +1,392 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scene files through expat to a tree of elements. Parameters, includes and aliases are dealt with
+// in the order of reading, as Mitsuba 3 does: a <default> holds for what follows it, also beyond
+// the end of the file that it stands in. Text between elements has no meaning: a warning.
+#include "load/load_xml.h"
+
+#include <errno.h>
+#include <expat.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/fileio.h"
+#include "base/text.h"
+#include "load/load_build.h"
+#include "load/load_define.h"
+#include "load/load_doctype.h"
+#include "load/load_mitsuba06.h"
+#include "load/load_params.h"
+
+// One run over the main file and its includes.
+struct reader {
+    struct log log;
+    struct load_xml *xml;
+    struct load_defines defines;
+    uint64_t *hash;
+    satin_status status;  // the first failure; parsing stops
+    int files;
+    size_t nodes;
+    struct xml_node *open[XML_DEPTH_MAX];  // elements that are not closed yet
+    int depth;
+};
+
+// One file that is being read.
+struct file {
+    struct reader *reader;
+    XML_Parser parser;
+    const char *path;
+    char *real;                 // canonical path, to see cycles; NULL if it cannot be told
+    const struct file *parent;  // that includes it
+    const char *name;           // of the <include>, for its root element; or NULL
+    int base_depth;
+    bool old;  // spelt as version 0.6
+};
+
+static satin_status read_file(struct reader *reader, const struct file *parent,
+                              struct log_place place, const char *path, const char *name);
+
+static struct log_place here(const struct file *file) {
+    return (struct log_place){file->path, (int)XML_GetCurrentLineNumber(file->parser),
+                              (int)XML_GetCurrentColumnNumber(file->parser) + 1};
+}
+
+static void stop(struct file *file, satin_status status) {
+    if (status == SATIN_ERROR_MEMORY && file->reader->status == SATIN_OK)
+        log_fail(file->reader->log, status, "%s: not enough memory for the scene", file->path);
+    file->reader->status = status;
+    XML_StopParser(file->parser, XML_FALSE);
+}
+
+// Copies an attribute's text, parameters substituted. Logs its failures but lack of memory.
+static satin_status copy_text(struct file *file, const char *text, const char **out) {
+    struct reader *reader = file->reader;
+    struct arena *arena = &reader->xml->arena;
+    if (arena->bytes > XML_TREE_BYTES_MAX) {
+        log_error_at(reader->log, here(file), "the scene file is too large");
+        return SATIN_ERROR_INPUT;
+    }
+    if (!strchr(text, '$')) {
+        *out = arena_text(arena, text, strlen(text));
+        return *out ? SATIN_OK : SATIN_ERROR_MEMORY;
+    }
+    const char *problem;
+    satin_status status = load_define_expand(&reader->defines, arena, text, out, &problem);
+    if (status != SATIN_ERROR_INPUT) return status;
+    if (!problem) {
+        log_error_at(reader->log, here(file), "attribute longer than %d bytes", LOAD_ATTRIBUTE_MAX);
+        return status;
+    }
+    int n = 1 + (int)strspn(problem + 1,
+                            "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_");
+    log_error_at(reader->log, here(file), "undefined parameter '%.*s' (-D %.*s=VALUE defines it)",
+                 n, problem, n - 1, problem + 1);
+    return status;
+}
+
+static satin_status copy_attributes(struct file *file, const char **from, struct xml_node *node) {
+    size_t count = 0;
+    while (from[count]) count++;
+    const char **copy = arena_array(&file->reader->xml->arena, count + 1, sizeof *copy);
+    if (!copy) return SATIN_ERROR_MEMORY;
+    node->attribute = copy;
+    for (size_t i = 0; i < count; i++) {
+        satin_status status = copy_text(file, from[i], &copy[i]);
+        if (status != SATIN_OK) return status;
+    }
+    node->type = xml_get(node, "type");
+    node->id = xml_get(node, "id");
+    node->name = xml_get(node, "name");
+    // Mitsuba's own writer has <texture> for both.
+    if (node->tag == XML_TEXTURE && node->type && load_spectrum_named(node->type))
+        node->tag = XML_SPECTRUM;
+    return SATIN_OK;
+}
+
+// Whether the element may stand where it does; else logs why not.
+static bool placed_well(const struct file *file, const struct xml_node *node) {
+    const struct reader *reader = file->reader;
+    bool root = reader->depth == file->base_depth;
+    if (!xml_attributes_valid(reader->log, node, root)) return false;
+    const char *name = xml_tag_name(node->tag);
+    if (reader->depth == 0) {
+        if (node->tag == XML_SCENE) return true;
+        log_error_at(reader->log, node->place, "the root element is <%s>, not <scene>", name);
+        return false;
+    }
+    if (root) {
+        if (xml_is_object(node->tag)) return true;
+        log_error_at(reader->log, node->place, "<%s> cannot be the root element", name);
+        return false;
+    }
+    enum xml_tag parent = reader->open[reader->depth - 1]->tag;
+    if (xml_may_contain(parent, node->tag)) return true;
+    log_error_at(reader->log, node->place, "<%s> cannot stand inside <%s>", name,
+                 xml_tag_name(parent));
+    return false;
+}
+
+static satin_status take_include(struct file *file, const struct xml_node *node) {
+    struct reader *reader = file->reader;
+    char *path = load_xml_resolve(reader->xml, node->place, xml_get(node, "filename"));
+    const char *copy = path ? arena_text(&reader->xml->arena, path, strlen(path)) : NULL;
+    free(path);
+    if (!copy) return SATIN_ERROR_MEMORY;
+    return read_file(reader, file, node->place, copy, node->name);
+}
+
+static satin_status take_default(struct file *file, const struct xml_node *node) {
+    struct reader *reader = file->reader;
+    if (!node->name[0]) {
+        log_error_at(reader->log, node->place, "<default> with an empty name");
+        return SATIN_ERROR_INPUT;
+    }
+    if (load_define_add(&reader->defines, node->name, xml_get(node, "value"), false))
+        return SATIN_OK;
+    log_error_at(reader->log, node->place, "more than %d parameters", LOAD_DEFINE_MAX);
+    return SATIN_ERROR_INPUT;
+}
+
+static void append_child(struct xml_node *parent, struct xml_node *child) {
+    if (parent->last)
+        parent->last->next = child;
+    else
+        parent->child = child;
+    parent->last = child;
+}
+
+// Puts an element where it belongs: into the tree, or into the tables of ids and parameters.
+static satin_status take_element(struct file *file, struct xml_node *node) {
+    struct reader *reader = file->reader;
+    struct xml_id id = {node->id, node, NULL, node->place, node->number};
+    switch (node->tag) {
+        case XML_INCLUDE:
+            return take_include(file, node);
+        case XML_DEFAULT:
+            return take_default(file, node);
+        case XML_PATH:
+            return load_path_add(reader->xml, reader->log, node);
+        case XML_ALIAS:
+            id = (struct xml_id){xml_get(node, "as"), NULL, node->id, node->place, node->number};
+            return load_ids_add(reader->xml, id);
+        default:
+            break;
+    }
+    if (reader->depth == 0)
+        reader->xml->root = node;
+    else
+        append_child(reader->open[reader->depth - 1], node);
+    if (xml_is_shared(node->tag) && node->id && node->id[0]) return load_ids_add(reader->xml, id);
+    return SATIN_OK;
+}
+
+static bool names_are_old(const char **attributes) {
+    for (; *attributes; attributes += 2)
+        if (strcmp(attributes[0], "version") == 0) return xml_version_old(attributes[1]);
+    return false;
+}
+
+// The names of an element of version 0.6 become those of version 3.
+static satin_status respell(struct file *file, struct xml_node *node, bool *keep) {
+    struct reader *reader = file->reader;
+    struct xml_node *parent = reader->depth ? reader->open[reader->depth - 1] : NULL;
+    return load_mitsuba06_respell(reader->log, &reader->xml->arena, parent, node, keep);
+}
+
+static satin_status open_element(struct file *file, const char *name, const char **attributes) {
+    struct reader *reader = file->reader;
+    struct log_place place = here(file);
+    if (reader->depth == XML_DEPTH_MAX) {
+        log_error_at(reader->log, place, "elements are nested deeper than %d levels",
+                     XML_DEPTH_MAX);
+        return SATIN_ERROR_INPUT;
+    }
+    struct xml_node *node = arena_alloc(&reader->xml->arena, sizeof *node);
+    if (!node) return SATIN_ERROR_MEMORY;
+    node->place = place;
+    node->number = reader->nodes++;
+    bool keep = true, root = reader->depth == file->base_depth;
+    if (root) file->old = names_are_old(attributes);
+    node->old = file->old;
+    node->encoded = file->old && strcmp(name, "srgb") == 0;
+    node->tag = xml_tag_find(reader->log, place, file->old ? load_mitsuba06_tag(name) : name);
+    if (node->tag == XML_TAG_COUNT) return SATIN_ERROR_INPUT;
+    satin_status status = copy_attributes(file, attributes, node);
+    if (status != SATIN_OK) return status;
+    if (!placed_well(file, node)) return SATIN_ERROR_INPUT;
+    if (file->old) status = respell(file, node, &keep);
+    const bool included = root && file->parent && node->tag == XML_SCENE;
+    struct xml_node *parent = reader->depth ? reader->open[reader->depth - 1] : NULL;
+    if (included || (file->old && load_mitsuba06_dissolves(parent, node))) {
+        node = parent;  // to which belongs what it contains
+    } else if (status == SATIN_OK && keep) {
+        if (root && file->parent) node->name = file->name;
+        status = take_element(file, node);
+    }
+    if (status == SATIN_OK) reader->open[reader->depth++] = node;
+    return status;
+}
+
+static void XMLCALL on_start(void *user, const char *name, const char **attributes) {
+    struct file *file = user;
+    if (file->reader->status != SATIN_OK) return;
+    satin_status status = open_element(file, name, attributes);
+    if (status != SATIN_OK) stop(file, status);
+}
+
+static void XMLCALL on_end(void *user, const char *name) {
+    (void)name;
+    struct file *file = user;
+    if (file->reader->status == SATIN_OK) file->reader->depth--;
+}
+
+// Expat cuts text at line breaks, and within a line seldom.
+static void XMLCALL on_text(void *user, const char *text, int length) {
+    struct file *file = user;
+    int first = 0;
+    while (first < length && strchr(" \t\r\n", text[first])) first++;
+    if (first == length || file->reader->status != SATIN_OK) return;
+    log_warning_at(file->reader->log, here(file), "the text '%.*s' has no meaning here",
+                   length - first < 40 ? length - first : 40, text + first);
+}
+
+// What load_doctype_blank did not find, for which see there.
+static void XMLCALL on_doctype(void *user, const char *name, const char *system_id,
+                               const char *public_id, int internal) {
+    (void)name, (void)system_id, (void)public_id, (void)internal;
+    struct file *file = user;
+    log_error_at(file->reader->log, here(file),
+                 "cannot pass over this declaration of a document type");
+    stop(file, SATIN_ERROR_INPUT);
+}
+
+static void log_syntax(const struct file *file, enum XML_Error error, const char *data,
+                       size_t size) {
+    const struct log log = file->reader->log;
+    const XML_Index at = XML_GetCurrentByteIndex(file->parser);
+    const char *entity = NULL;
+    size_t n = 0;
+    if (error == XML_ERROR_UNDEFINED_ENTITY && at >= 0 && (size_t)at < size)
+        n = load_entity_find(data + at, size - (size_t)at, &entity);
+    if (n)
+        log_error_at(log, here(file), "entities are not read; write what '%.*s' stands for", (int)n,
+                     entity);
+    else
+        log_error_at(log, here(file), "not XML: %s", XML_ErrorString(error));
+}
+
+static satin_status parse(struct file *file, char *data, size_t size) {
+    struct reader *reader = file->reader;
+    load_doctype_blank(data, size);
+    XML_SetUserData(file->parser, file);
+    XML_SetElementHandler(file->parser, on_start, on_end);
+    XML_SetCharacterDataHandler(file->parser, on_text);
+    XML_SetStartDoctypeDeclHandler(file->parser, on_doctype);
+    if (XML_Parse(file->parser, data, (int)size, XML_TRUE) == XML_STATUS_OK) return reader->status;
+    if (reader->status != SATIN_OK) return reader->status;
+    enum XML_Error error = XML_GetErrorCode(file->parser);
+    if (error == XML_ERROR_NO_MEMORY)
+        return log_fail(reader->log, SATIN_ERROR_MEMORY, "%s: not enough memory for the scene",
+                        file->path);
+    log_syntax(file, error, data, size);
+    return SATIN_ERROR_INPUT;
+}
+
+// Whether the file is not one of those that are being read; else logs it.
+static bool includes_well(const struct file *file, struct log_place place) {
+    struct log log = file->reader->log;
+    int depth = 0;
+    for (const struct file *f = file->parent; f; f = f->parent) {
+        if (f->real && file->real && strcmp(f->real, file->real) == 0) {
+            log_error_at(log, place, "'%s' includes itself", file->path);
+            return false;
+        }
+        depth++;
+    }
+    if (depth <= XML_INCLUDE_DEPTH_MAX && ++file->reader->files <= XML_FILES_MAX) return true;
+    log_error_at(log, place, "too many includes (at most %d, %d deep)", XML_FILES_MAX,
+                 XML_INCLUDE_DEPTH_MAX);
+    return false;
+}
+
+static satin_status read_file(struct reader *reader, const struct file *parent,
+                              struct log_place place, const char *path, const char *name) {
+    char *data = NULL;
+    size_t size = 0;
+    satin_status status = fileio_read(reader->log, place, path, LOAD_XML_MAX, &data, &size);
+    if (status != SATIN_OK) return reader->status = status;
+    if (!fileio_files_add(reader->xml->read, path)) {
+        free(data);
+        return reader->status =
+                   log_fail(reader->log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
+    }
+    *reader->hash = fileio_hash(*reader->hash, data, size);
+    char *real = realpath(path, NULL);
+    const int real_error = errno;
+    struct file file = {reader, XML_ParserCreate(NULL), path, real, parent,
+                        name,   reader->depth,          false};
+    // What has no name in the file system, as a pipe, has no real path and includes nothing twice.
+    if (!file.parser || (!file.real && real_error == ENOMEM))
+        status = log_fail(reader->log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
+    else if (!includes_well(&file, place))
+        status = SATIN_ERROR_INPUT;
+    else
+        status = parse(&file, data, size);
+    if (file.parser) XML_ParserFree(file.parser);
+    free(file.real);
+    free(data);
+    return reader->status = status;
+}
+
+// A define that nothing uses is most likely misspelt.
+static satin_status check_defines(const struct reader *reader, const char *path) {
+    const struct load_defines *defines = &reader->defines;
+    for (int i = 0; i < defines->count; i++) {
+        if (!defines->item[i].given || defines->item[i].used) continue;
+        struct text_nearest nearest = {.word = defines->item[i].name};
+        for (int j = 0; j < defines->count; j++)
+            if (!defines->item[j].given) text_nearest_try(&nearest, defines->item[j].name);
+        if (nearest.best)
+            return log_fail(reader->log, SATIN_ERROR_INPUT,
+                            "%s: parameter '%s' is defined but not used (did you mean '%s'?)", path,
+                            nearest.word, nearest.best);
+        return log_fail(reader->log, SATIN_ERROR_INPUT,
+                        "%s: parameter '%s' is defined but not used", path, nearest.word);
+    }
+    return SATIN_OK;
+}
+
+satin_status load_xml_read(struct log log, const char *path, const satin_define *defines,
+                           size_t define_count, uint64_t *hash, struct load_xml *out) {
+    struct load_xml xml = {0};
+    struct reader reader = {.log = log, .xml = &xml, .hash = hash};
+    for (size_t i = 0; i < define_count; i++) {
+        *hash = fileio_hash(*hash, defines[i].name, strlen(defines[i].name) + 1);
+        *hash = fileio_hash(*hash, defines[i].value, strlen(defines[i].value) + 1);
+        if (!load_define_add(&reader.defines, defines[i].name, defines[i].value, true))
+            return log_fail(log, SATIN_ERROR_INPUT, "%s: more than %d parameters", path,
+                            LOAD_DEFINE_MAX);
+    }
+    const char *copy = arena_text(&xml.arena, path, strlen(path));
+    satin_status status = SATIN_ERROR_MEMORY;
+    xml.path = copy;
+    xml.read = arena_alloc(&xml.arena, sizeof *xml.read);
+    if (copy && xml.read)
+        status = read_file(&reader, NULL, (struct log_place){0}, copy, NULL);
+    else
+        log_fail(log, status, "%s: not enough memory for the scene", path);
+    if (status == SATIN_OK) status = load_ids_resolve(&xml, log);
+    if (status == SATIN_OK) status = check_defines(&reader, path);
+    if (status == SATIN_OK)
+        *out = xml;
+    else
+        load_xml_free(&xml);
+    return status;
+}
+
+void load_xml_free(struct load_xml *xml) {
+    if (xml->read) fileio_files_free(xml->read);
+    arena_free(&xml->arena);
+    free(xml->id);
+    *xml = (struct load_xml){0};
+}

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+// Images through the module: values of several formats, linearised or raw, and wrong files.
+#include <png.h>
+#include <zlib.h>
+
+#include "mesh_case.h"
+
+struct image_case {
+    struct scene_case log;
+    struct arena arena;
+    uint64_t hash;
+};
+
+static satin_status load(struct image_case *c, const char *path, bool raw,
+                         const struct image **image) {
+    *c = (struct image_case){.hash = 1};
+    struct load_source source = {
+        scene_case_begin(&c->log), {"scene.xml", 3, 7}, &c->arena, path, &c->hash};
+    return load_image(&source, raw, image);
+}
+
+static float decoded(double x) {
+    return (float)(x <= 0.04045 ? x / 12.92 : pow((x + 0.055) / 1.055, 2.4));
+}
+
+static void write_png(const char *path, png_uint_32 format, const void *pixel) {
+    png_image png = {.version = PNG_IMAGE_VERSION, .width = 3, .height = 2, .format = format};
+    assert_true(png_image_write_to_file(&png, path, 0, pixel, 0, NULL));
+}
+
+static void linearises_bytes(void **state) {
+    (void)state;
+    // Transparent pixels keep their colour; alpha is dropped.
+    static const unsigned char pixel[24] = {0,   10, 20, 255, 60, 128, 200, 0, 255, 254, 253, 9,
+                                            100, 90, 80, 128, 70, 60,  50,  1, 40,  30,  20,  0};
+    write_png("rgba.png", PNG_FORMAT_RGBA, pixel);
+    for (int raw = 0; raw < 2; raw++) {
+        struct image_case c;
+        const struct image *image;
+        assert_int_equal(load(&c, "rgba.png", raw, &image), SATIN_OK);
+        assert_true(image->width == 3 && image->height == 2 && image->channels == 3);
+        for (int i = 0; i < 18; i++) {
+            double x = pixel[i / 3 * 4 + i % 3] / 255.0;
+            assert_float_equal(image->texel[i], raw ? (float)x : decoded(x), 1e-6f);
+        }
+        assert_true(c.hash != 1);
+        arena_free(&c.arena);
+    }
+    static const unsigned char grey[6] = {0, 50, 100, 150, 200, 255};
+    write_png("grey.png", PNG_FORMAT_GRAY, grey);
+    struct image_case c;
+    const struct image *image;
+    assert_int_equal(load(&c, "grey.png", false, &image), SATIN_OK);
+    assert_int_equal(image->channels, 1);
+    for (int i = 0; i < 6; i++)
+        assert_float_equal(image->texel[i], decoded(grey[i] / 255.0), 1e-6f);
+    arena_free(&c.arena);
+}
+
+static void takes_floats_that_light_can_have(void **state) {
+    (void)state;
+    // PFM: rows from the bottom, little-endian.
+    char file[64];
+    size_t header = (size_t)sprintf(file, "PF\n1 2\n-1\n");
+    const float texel[6] = {0.5f, NAN, 7.0f, -1.0f, INFINITY, 0.25f};
+    memcpy(file + header, texel, sizeof texel);
+    scene_case_bytes("a.pfm", file, header + sizeof texel);
+    struct image_case c;
+    const struct image *image;
+    assert_int_equal(load(&c, "a.pfm", false, &image), SATIN_OK);
+    const float expected[6] = {0.0f, 0.0f, 0.25f, 0.5f, 0.0f, 7.0f};
+    for (int i = 0; i < 6; i++) assert_float_equal(image->texel[i], expected[i], 0.0f);
+    assert_int_equal(c.log.warnings, 1);
+    assert_string_equal(c.log.warning,
+                        "a.pfm: 3 values are negative, not finite or over 1e+25 and count as 0");
+    arena_free(&c.arena);
+}
+
+static void refuse(const char *path, const char *message) {
+    struct image_case c;
+    const struct image *image = NULL;
+    assert_int_equal(load(&c, path, false, &image), SATIN_ERROR_INPUT);
+    assert_null(image);
+    assert_int_equal(c.log.errors, 1);
+    if (strncmp(c.log.error, message, strlen(message)) != 0)
+        assert_string_equal(c.log.error, message);
+    arena_free(&c.arena);
+}
+
+static void refuses_wrong_files(void **state) {
+    (void)state;
+    refuse("missing.png", "scene.xml:3:7: cannot read 'missing.png'");
+    refuse(".", "scene.xml:3:7: cannot read '.'");
+    scene_case_file("empty.png", "");
+    refuse("empty.png", "scene.xml:3:7: cannot read image 'empty.png'");
+    scene_case_file("text.png", "this is no image");
+    refuse("text.png", "scene.xml:3:7: cannot read image 'text.png'");
+    scene_case_file("huge.pfm", "PF\n100000 100000\n-1\n");
+    refuse("huge.pfm", "scene.xml:3:7: image 'huge.pfm' is too large: 100000 x 100000");
+    scene_case_file("long.pfm", "PF\n9000 9000\n-1\n");
+    refuse("long.pfm", "scene.xml:3:7: image 'long.pfm' is cut short: 9000 x 9000 in 16 bytes");
+    scene_case_file("short.pfm", "PF\n100 100\n-1\n");
+    refuse("short.pfm", "scene.xml:3:7: cannot read image 'short.pfm'");
+    static const unsigned char grey[6] = {0};
+    char png[256];
+    write_png("a.png", PNG_FORMAT_GRAY, grey);
+    FILE *file = fopen("a.png", "rb");
+    size_t size = fread(png, 1, sizeof png, file);
+    fclose(file);
+    scene_case_bytes("short.png", png, size / 2);
+    refuse("short.png", "scene.xml:3:7: cannot read image 'short.png': the PNG is cut short");
+    png[size - 20] ^= 1;
+    scene_case_bytes("wrong.png", png, size);
+    refuse("wrong.png",
+           "scene.xml:3:7: cannot read image 'wrong.png': a part of the PNG is damaged");
+}
+
+// libpng would tell of these on standard error, one line more than ours.
+static void refuses_png_without_an_image(void **state) {
+    (void)state;
+    enum { NAME = 12, CHECKSUM = 29 };  // of the header, which is the first chunk
+    static const struct {
+        int at;
+        char byte;
+        const char *problem;
+    } bad[] = {
+        {12, 'x', "the PNG does not begin with a header"},
+        {16, '\xff', "the PNG's header is wrong"},  // width
+        {23, 0, "the PNG's header is wrong"},       // height
+        {24, 7, "the PNG's header is wrong"},       // bits
+        {25, 5, "the PNG's header is wrong"},       // colours
+        {25, 3, "the PNG has no palette"},
+        {28, 2, "the PNG's header is wrong"},  // interlacing
+        {19, 9, "the PNG has too few pixels"},
+        {23, 1, NULL},  // too many
+    };
+    static const unsigned char grey[6] = {0};
+    char png[256], message[128];
+    write_png("good.png", PNG_FORMAT_GRAY, grey);
+    FILE *file = fopen("good.png", "rb");
+    size_t size = fread(png, 1, sizeof png, file);
+    fclose(file);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        char wrong[sizeof png];
+        memcpy(wrong, png, size);
+        wrong[bad[i].at] = bad[i].byte;
+        const unsigned long sum = crc32(0, (unsigned char *)wrong + NAME, CHECKSUM - NAME);
+        for (int k = 0; k < 4; k++) wrong[CHECKSUM + k] = (char)(sum >> (24 - 8 * k));
+        scene_case_bytes("bad.png", wrong, size);
+        if (!bad[i].problem) {
+            assert_null(load_image_png_problem(wrong, size));
+            continue;
+        }
+        snprintf(message, sizeof message, "scene.xml:3:7: cannot read image 'bad.png': %s",
+                 bad[i].problem);
+        refuse("bad.png", message);
+    }
+}
+
+// A PNG of 8-bit grey with these unpacked rows: its size.
+static size_t make_png(int width, int height, int interlaced, const unsigned char *rows,
+                       size_t count, unsigned char *out) {
+    const unsigned char head[13] = {
+        0, 0, 0, (unsigned char)width,     0, 0, 0, (unsigned char)height, 8,
+        0, 0, 0, (unsigned char)interlaced};
+    unsigned char packed[256];
+    uLongf size = sizeof packed;
+    assert_int_equal(compress(packed, &size, rows, count), Z_OK);
+    const struct {
+        const char *name;
+        const unsigned char *data;
+        size_t size;
+    } chunk[3] = {{"IHDR", head, sizeof head}, {"IDAT", packed, size}, {"IEND", packed, 0}};
+    unsigned char *to = out;
+    memcpy(to, "\x89PNG\r\n\x1a\n", 8);
+    to += 8;
+    for (int i = 0; i < 3; i++) {
+        const size_t n = chunk[i].size;
+        memcpy(to, (const unsigned char[4]){0, 0, (unsigned char)(n >> 8), (unsigned char)n}, 4);
+        memcpy(to + 4, chunk[i].name, 4);
+        memcpy(to + 8, chunk[i].data, n);
+        const unsigned long sum = crc32(0, to + 4, (unsigned)n + 4);
+        for (int k = 0; k < 4; k++) to[8 + n + (size_t)k] = (unsigned char)(sum >> (24 - 8 * k));
+        to += 12 + n;
+    }
+    return (size_t)(to - out);
+}
+
+// Rows are counted as the format has them; what is wrong in them libpng would tell of too.
+static void unpacks_png(void **state) {
+    (void)state;
+    unsigned char png[512], rows[64] = {0};
+    // 3 x 2, interlaced: of the passes 1, 4, 6 and 7 have a row each, of 1, 1, 1 and 3 pixels.
+    const struct {
+        int width, height, interlaced;
+        size_t count;
+    } sound[] = {{3, 2, 0, 8}, {3, 2, 1, 10}};
+    for (int i = 0; i < 2; i++) {
+        size_t size = make_png(sound[i].width, sound[i].height, sound[i].interlaced, rows,
+                               sound[i].count, png);
+        assert_null(load_image_png_problem((char *)png, size));
+        size = make_png(sound[i].width, sound[i].height, sound[i].interlaced, rows,
+                        sound[i].count - 1, png);
+        assert_string_equal(load_image_png_problem((char *)png, size),
+                            "the PNG has too few pixels");
+    }
+    rows[4] = 5;  // the second row's filter
+    size_t size = make_png(3, 2, 0, rows, 8, png);
+    assert_string_equal(load_image_png_problem((char *)png, size), "the PNG's pixels are damaged");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(linearises_bytes),    cmocka_unit_test(takes_floats_that_light_can_have),
+        cmocka_unit_test(refuses_wrong_files), cmocka_unit_test(refuses_png_without_an_image),
+        cmocka_unit_test(unpacks_png),
+    };
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
+}

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// max_smooth_angle: a cube keeps its edges below 90 degrees and loses them above.
+#include "load/load_mesh.h"
+
+#include "mesh_case.h"
+#include "scene/scene.h"
+
+static const char cube[] =
+    "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
+    "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+
+static void read_cube(struct mesh_case *c, float angle) {
+    struct mesh_request request = mesh_case_plain();
+    request.smooth_angle = angle;
+    assert_int_equal(mesh_case_read(c, load_mesh_obj, request, cube, strlen(cube)), SATIN_OK);
+    assert_true(c->mesh.triangle_count == 12 && c->mesh.vertex_count == 36);
+}
+
+static void keeps_edges(void **state) {
+    (void)state;
+    struct mesh_case c;
+    read_cube(&c, 80.0f);
+    for (uint32_t i = 0; i < 36; i++) {
+        uint32_t t = i - i % 3;
+        vec3 a = mesh_case_vertex(c.mesh.position, c.mesh.index[t]),
+             b = mesh_case_vertex(c.mesh.position, c.mesh.index[t + 1]),
+             d = mesh_case_vertex(c.mesh.position, c.mesh.index[t + 2]);
+        vec3 face = v3_unit(v3_cross(v3_sub(b, a), v3_sub(d, a)));
+        assert_near3(mesh_case_vertex(c.mesh.normal, c.mesh.index[i]), face, 1e-6f);
+    }
+    mesh_case_free(&c);
+}
+
+static void smooths_flatter_ones(void **state) {
+    (void)state;
+    struct mesh_case c;
+    read_cube(&c, 100.0f);
+    for (uint32_t i = 0; i < 36; i++) {
+        vec3 p = mesh_case_vertex(c.mesh.position, i);
+        assert_near3(mesh_case_vertex(c.mesh.normal, i), v3_unit(p), 1e-6f);
+    }
+    mesh_case_free(&c);
+}
+
+static void refuses(void **state) {
+    (void)state;
+    static const char *const cases[] = {
+        "<float name='max_smooth_angle' value='181'/>",
+        "<float name='max_smooth_angle' value='30'/><boolean name='face_normals' value='true'/>"};
+    scene_case_file("cube.obj", cube);
+    for (int i = 0; i < 2; i++) {
+        char text[512];
+        struct scene_case c;
+        satin_scene *scene = NULL;
+        struct log log = scene_case_begin(&c);
+        snprintf(text, sizeof text,
+                 SCENE_TEXT("<shape type='obj'><string name='filename' value='cube.obj'/>%s"
+                            "</shape>"),
+                 cases[i]);
+        scene_case_file("scene.xml", text);
+        assert_int_equal(satin_scene_load("scene.xml", NULL, 0, log.fn, log.user, &scene),
+                         SATIN_ERROR_INPUT);
+        assert_non_null(strstr(c.error, "max_smooth_angle is at most 180 degrees"));
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(keeps_edges),
+                                       cmocka_unit_test(smooths_flatter_ones),
+                                       cmocka_unit_test(refuses)};
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
+}

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files of version 0.6 load as the same scene in version 3's words does.
+#include "load/load_mitsuba06.h"
+
+#include "load/load_build.h"
+#include "load/load_params.h"
+#include "scene_case.h"
+
+static const char old[] =
+    "<scene version='0.6.0'><integrator type='path'><integer name='maxDepth' value='7'/>"
+    "<boolean name='hideEmitters' value='true'/></integrator>"
+    "<sensor type='thinlens'><float name='fov' value='40'/><string name='fovAxis' value='y'/>"
+    "<float name='nearClip' value='.5'/><float name='apertureRadius' value='.25'/>"
+    "<transform name='toWorld'><lookAt origin='0 0 5' target='0 0 0' up='0 1 0'/></transform>"
+    "<sampler type='sobol'><integer name='sampleCount' value='9'/></sampler>"
+    "<film type='ldrfilm'><boolean name='banner' value='false'/>"
+    "<integer name='width' value='40'/></film></sensor>"
+    "<bsdf type='roughplastic' id='a'><srgb name='diffuseReflectance' value='.5 .5 #'/></bsdf>"
+    "</scene>";
+
+static void translates(void **state) {
+    (void)state;
+    struct scene_case c;
+    assert_null(scene_case_load(&c, old));  // the colour's '#'
+    char text[2048];
+    snprintf(text, sizeof text, "%s", old);
+    memcpy(strchr(text, '#'), "1", 1);
+    satin_scene *scene = scene_case_load(&c, text);
+    assert_non_null(scene);
+    assert_true(scene->hints.max_depth == 7 && scene->hints.hide_emitters == 1);
+    assert_true(scene->hints.spp == 9 && scene->film.width == 40 && scene->film.height == 576);
+    assert_true(scene->camera.near_clip == 0.5f && scene->camera.aperture == 0.25f);
+    assert_true(c.warnings == 1 && strstr(c.warning, "'banner' has no effect here"));
+    satin_scene_free(scene);
+}
+
+// A factor around the heights is the bumpmap's own.
+static void moves_the_scale_of_bumps(void **state) {
+    (void)state;
+    static const char bumps[] =
+        "<scene version='%s'><sensor type='perspective'/><shape type='cube'>"
+        "<bsdf type='bumpmap'><texture type='scale'><texture type='checkerboard'/>%s"
+        "</texture><bsdf type='diffuse'/></bsdf></shape></scene>";
+    struct scene_case c;
+    char text[1024];
+    snprintf(text, sizeof text, bumps, "0.6.0", "<float name='scale' value='7'/>");
+    satin_scene *scene = scene_case_load(&c, text);
+    assert_non_null(scene);
+    const struct material_relief *relief = scene->material[0].front.relief;
+    assert_true(relief->scale == 7.0f && relief->bump->kind == TEXTURE_CHECKERBOARD);
+    satin_scene_free(scene);
+    snprintf(text, sizeof text, bumps, "0.6.0", "<rgb name='scale' value='1 2 3'/>");
+    assert_null(scene_case_load(&c, text));
+    snprintf(text, sizeof text, bumps, "3.0.0", "");
+    scene = scene_case_load(&c, text);
+    assert_non_null(scene);
+    relief = scene->material[0].front.relief;
+    assert_true(relief->scale == 1.0f && relief->bump->kind == TEXTURE_SCALED);
+    satin_scene_free(scene);
+}
+
+// Renamed, scaled and coloured as version 3 does it by other words.
+static void keeps_meaning(void **state) {
+    (void)state;
+    static const char body[] =
+        "<sensor type='perspective'/><shape type='rectangle'><bsdf type='diffuse'>"
+        "<texture type='checkerboard' name='diffuseReflectance'><float name='voffset' value='.5'/>"
+        "<float name='uscale' value='4'/></texture></bsdf>"
+        "<emitter type='area'><spectrum name='radiance' value='2'/></emitter></shape>"
+        "<shape type='rectangle'><bsdf type='diffuse'><srgb name='reflectance' value='.5'/></bsdf>"
+        "<emitter type='area'><blackbody name='radiance' temperature='5000K' scale='.001'/>"
+        "</emitter></shape></scene>";
+    char text[2048];
+    struct scene_case c;
+    snprintf(text, sizeof text, "<scene version='0.5.0'>%s", body);
+    satin_scene *scene = scene_case_load(&c, text);
+    assert_non_null(scene);
+    const struct texture *texture = scene->material[0].front.slot[BRDF_SLOT_DIFFUSE];
+    assert_true(texture->to_uv[0] == 4 && texture->to_uv[4] == 1 && texture->to_uv[5] == 0.5f);
+    assert_true(scene->light[0].value.r == 2 && scene->light[0].value.b == 2);
+    assert_true(fabsf(scene->light[1].value.r - 15.263024f) < 1e-4f);
+    assert_true(fabsf(scene->material[1].front.base.diffuse.g - 0.21404114f) < 1e-6f);
+    satin_scene_free(scene);
+    // The same words in version 3 are wrong.
+    snprintf(text, sizeof text, "<scene version='3.0.0'>%s", body);
+    assert_null(scene_case_load(&c, text));
+    assert_true(c.errors == 1 && strstr(c.error, "unknown element <srgb>"));
+}
+
+// A metal without a name is copper, in version 3 it is a mirror; a gamma of -1 is the file's own.
+static void keeps_defaults(void **state) {
+    (void)state;
+    struct scene_case c;
+    satin_scene *scene = scene_case_load(
+        &c,
+        "<scene version='0.6.0'><sensor type='perspective'/>"
+        "<shape type='sphere'><bsdf type='roughconductor'/></shape>"
+        "<shape type='sphere'><bsdf type='conductor'><rgb name='k' value='2'/></bsdf></shape>"
+        "<shape type='sphere'><bsdf type='conductor'><string name='material' value='none'/>"
+        "</bsdf></shape></scene>");
+    assert_non_null(scene);
+    rgb eta, k;
+    assert_true(load_metal_find("Cu", &eta, &k));
+    const struct material *m = scene->material;
+    assert_true(m[0].front.base.eta.r == eta.r && m[0].front.base.k.g == k.g);
+    assert_true(m[1].front.base.eta.r == eta.r && m[1].front.base.k.g == 2.0f);
+    assert_true(m[2].front.base.eta.r == 0.0f && m[2].front.base.k.g == 1.0f);
+    satin_scene_free(scene);
+    assert_null(
+        scene_case_load(&c,
+                        "<scene version='0.6.0'><sensor type='perspective'/><texture type='bitmap'>"
+                        "<string name='filename' value='none.png'/>"
+                        "<float name='gamma' value='-1'/></texture></scene>"));
+    assert_non_null(strstr(c.error, "none.png"));
+}
+
+// Textures as that version has them.
+static void reads_its_textures(void **state) {
+    (void)state;
+    struct scene_case c;
+    satin_scene *scene = scene_case_load(
+        &c,
+        "<scene version='0.6.0'><sensor type='perspective'/>"
+        "<shape type='sphere'><bsdf type='diffuse'><texture type='scale' name='reflectance'>"
+        "<rgb name='scale' value='.5 .25 1'/><texture type='scale'><float name='scale' value='.5'/>"
+        "<texture type='gridtexture'><rgb name='color0' value='1'/><rgb name='color1' value='0'/>"
+        "<float name='lineWidth' value='.25'/><float name='uvscale' value='4'/></texture></texture>"
+        "</texture></bsdf></shape></scene>");
+    assert_non_null(scene);
+    const struct material_side *side = &scene->material[0].front;
+    const struct texture *outer = side->slot[BRDF_SLOT_DIFFUSE], *inner = texture_unscaled(outer);
+    assert_true(c.warnings == 0 && outer->kind == TEXTURE_SCALED && inner->kind == TEXTURE_GRID);
+    assert_true(inner->to_uv[0] == 4 && inner->to_uv[4] == 4 && inner->scale == .25f);
+    assert_true(side->base.diffuse.r == .0625f && side->base.diffuse.g == .03125f);
+    struct texture_place at = texture_at((vec2){.125f, .125f});
+    assert_true(texture_eval(outer, &at).g == .125f);
+    satin_scene_free(scene);
+    static const char *const bad[][2] = {
+        {"<texture type='scale'/>", "texture 'scale' takes one <texture>"},
+        {"<texture type='vertexcolors'/>", "texture 'vertexcolors' is not supported"},
+        {"<texture type='wireframe'/>", "texture 'wireframe' is not supported"}};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        char text[256];
+        snprintf(text, sizeof text, "<scene version='0.6.0'>%s<sensor type='perspective'/></scene>",
+                 bad[i][0]);
+        assert_null(scene_case_load(&c, text));
+        assert_non_null(strstr(c.error, bad[i][1]));
+    }
+}
+
+static void refuses_the_rest(void **state) {
+    (void)state;
+    static const char *const cases[][2] = {
+        {"<bsdf type='roughplastic'><string name='distribution' value='as'/></bsdf>",
+         "scene.xml:1:50: distribution: unknown value 'as'"},
+        {"<medium type='homogeneous'/>", "scene.xml:1:24: <medium> is not supported"},
+        {"<texture type='bitmap'><float name='gamma' value='1.8'/></texture>",
+         "scene.xml:1:47: gamma is '1.8', but must be 1, 2.2 or -1"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct scene_case c;
+        char text[512];
+        snprintf(text, sizeof text, "<scene version='0.6.0'>%s<sensor type='perspective'/></scene>",
+                 cases[i][0]);
+        assert_null(scene_case_load(&c, text));
+        assert_int_equal(c.errors, 1);
+        assert_int_equal(strncmp(c.error, cases[i][1], strlen(cases[i][1])), 0);
+    }
+}
+
+// What files of that version have beside what they mean, and what satin has in place of it.
+static void reads_what_others_wrote(void **state) {
+    (void)state;
+    struct scene_case c;
+    satin_scene *scene = scene_case_load(
+        &c,
+        "<scene version='0.6.0'><sensor type='perspective'/>"
+        "<bsdf type='diffuse'><float name='intIOR' value='1'/></bsdf>"
+        "<shape type='sphere'><boolean name='faceNormals' value='true'/>"
+        "<bsdf type='conductor' id='a'><float name='extEta' value='2'/><float name='alpha' "
+        "value='.1'/><rgb name='eta' value='2'/><spectrum name='k' value='4, 6, 8'/></bsdf></shape>"
+        "<shape type='sphere'><bsdf type='phong' id='b'>"
+        "<rgb name='diffuseReflectance' value='.5 .4 .2'/>"
+        "<rgb name='specularReflectance' value='1 .6 .2'/></bsdf></shape>"
+        "<emitter type='sunsky'><float name='turbidity' value='4'/><float name='scale' value='3'/>"
+        "<float name='skyScale' value='2'/></emitter></scene>");
+    assert_non_null(scene);
+    const struct brdf *a = &scene->material[0].front.base, *b = &scene->material[1].front.base;
+    assert_true(a->eta.r == 1.0f && a->k.r == 2.0f && a->k.g == 3.0f && a->k.b == 4.0f);
+    // Of a sum of 1.5 at most, .99 is left.
+    assert_float_equal(b->diffuse.r, .33f, 1e-6f);
+    assert_float_equal(b->specular.r, .66f, 1e-6f);
+    assert_float_equal(b->specular.b, .132f, 1e-6f);
+    const struct light *sky = &scene->light[scene->environment];
+    assert_true(sky->value.g == 6.0f && sky->sun.y > 0.5f && sky->sun.x < 0.0f);
+    // Parameters without effect of BRDFs and of shapes, the sum, the sky, and spheres in one place.
+    assert_int_equal(c.warnings, 5);
+    satin_scene_free(scene);
+}
+
+static void reads_unknown_ways_of_rendering(void **state) {
+    (void)state;
+    struct scene_case c;
+    satin_scene *scene = scene_case_load(
+        &c,
+        "<scene version='3.0.0'><integrator type='stokes'><integrator type='path'>"
+        "<integer name='max_depth' value='7'/></integrator></integrator>"
+        "<sensor type='perspective'><sampler type='blue_noise'>"
+        "<integer name='sample_count' value='9'/></sampler>"
+        "<film type='zarr'><integer name='width' value='40'/><rfilter type='wendland'/></film>"
+        "</sensor></scene>");
+    assert_non_null(scene);
+    assert_true(scene->hints.max_depth == 7 && scene->hints.spp == 9 && scene->film.width == 40);
+    assert_int_equal(c.warnings, 4);
+    satin_scene_free(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(translates),
+                                       cmocka_unit_test(moves_the_scale_of_bumps),
+                                       cmocka_unit_test(keeps_meaning),
+                                       cmocka_unit_test(keeps_defaults),
+                                       cmocka_unit_test(refuses_the_rest),
+                                       cmocka_unit_test(reads_its_textures),
+                                       cmocka_unit_test(reads_what_others_wrote),
+                                       cmocka_unit_test(reads_unknown_ways_of_rendering)};
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
+}

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+// Values that make no sense: each is one error, or one warning with its place; and how warnings are
+// counted, or become errors.
+#include "load/load_warnings.h"
+
+#include "scene_case.h"
+
+#define SPHERE(parts) "<shape type='sphere'>" parts "</shape>"
+#define BSDF(type, parts) "<bsdf type='" type "'>" parts "</bsdf>"
+#define FLOAT(name, value) "<float name='" name "' value='" value "'/>"
+#define INTEGER(name, value) "<integer name='" name "' value='" value "'/>"
+#define PLACE(steps) "<transform name='to_world'>" steps "</transform>"
+#define FILM(parts) "<sensor type='perspective'><film type='hdrfilm'>" parts "</film></sensor>"
+
+// What the line of a scene says, and the message without its `scene.xml:3:COLUMN: `.
+struct nonsense {
+    const char *line, *message;
+};
+
+static const struct nonsense warned[] = {
+    {BSDF("blendbsdf", FLOAT("weight", "2") "<bsdf type='diffuse'/><bsdf type='plastic'/>"),
+     "weight is 2, which counts as 1"},
+    {BSDF("mask", FLOAT("opacity", "-1") "<bsdf type='diffuse'/>"),
+     "opacity is -1, which counts as 0"},
+    {BSDF("mask", "<rgb name='opacity' value='0 1.5 2'/><bsdf type='diffuse'/>"),
+     "opacity is 1.5, which counts as 1"},
+    {BSDF("roughconductor", FLOAT("alpha_u", "0") FLOAT("alpha_v", ".1")),
+     "a roughness of 0 counts as 0.0001"},
+    {BSDF("roughplastic", FLOAT("alpha", "0")), "a roughness of 0 counts as 0.0001"},
+    {BSDF("ward", FLOAT("alpha_v", "1e-5")), "a roughness of 1e-05 counts as 0.0001"},
+    {"<shape type='cube'>" PLACE("<lookat origin='0 0 0' target='0 0 1' up='0 0 0'/>") "</shape>",
+     "<lookat>: up is zero; one at right angles to the view is taken"},
+    {"<shape type='cube'>" PLACE("<lookat origin='0 0 0' target='0 0 1' up='0 0 3'/>") "</shape>",
+     "<lookat>: up is along the view; one at right angles to the view is taken"},
+    {" stray <shape type='cube'/>", "the text 'stray ' has no meaning here"},
+    {"<shape type='cube'><![CDATA[ x ]]></shape>", "the text 'x ' has no meaning here"},
+    {"<shape type='cube'>" PLACE("<scale value='0'/>") "</shape>",
+     "shape 'cube' has no area and is not seen"},
+    {"<shape type='rectangle'>" PLACE("<scale x='0'/>") "</shape>",
+     "shape 'rectangle' has no area and is not seen"},
+};
+
+static const struct nonsense refused[] = {
+    {SPHERE(PLACE("<scale value='0'/>")), "shape 'sphere': to_world is singular"},
+    {SPHERE(FLOAT("radius", "-1")), "radius is -1, but must be positive"},
+    {SPHERE(FLOAT("radius", "nan")), "'nan' is not a number"},
+    {SPHERE(FLOAT("radius", "inf")), "'inf' is not a number"},
+    {SPHERE(FLOAT("radius", "1e39")), "'1e39' is not a number"},
+    {SPHERE(FLOAT("radius", "")), "expected 1 number, found ''"},
+    {SPHERE(FLOAT("radius", "1 2")), "expected 1 number, found '1 2'"},
+    {"<shape type='disk'>" PLACE("<scale value='0'/>") "</shape>",
+     "shape 'disk': to_world is singular"},
+    {FILM(INTEGER("width", "0")), "width is 0, but must be positive"},
+    {FILM(INTEGER("width", "99999999999")), "width: '99999999999' is not an integer, or too large"},
+    {FILM(INTEGER("crop_offset_x", "-1")), "crop_offset_x is -1, but must be 0 or more"},
+    {FILM(INTEGER("width", "8") INTEGER("crop_offset_x", "5") INTEGER("crop_width", "6")),
+     "film 'hdrfilm': its crop window is not inside of it"},
+    {"<sensor type='perspective'>" FLOAT("fov", "1e-30") "</sensor>",
+     "fov is 1e-30, but must be in [1e-05, 180)"},
+    {"<sensor type='perspective'>" FLOAT("fov", "180") "</sensor>",
+     "fov is 180, but must be in [1e-05, 180)"},
+    {"<emitter type='point'><rgb name='intensity' value='-1'/></emitter>",
+     "intensity is -1, but must be 0 or more"},
+    {"<integrator type='path'>" INTEGER("max_depth", "-7") "</integrator>",
+     "max_depth is -7, but must be -1 or more"},
+};
+
+// The message behind `scene.xml:3:COLUMN: `, or NULL if it does not begin so.
+static const char *after_place(const char *message) {
+    int column, n = 0;
+    return sscanf(message, "scene.xml:3:%d: %n", &column, &n) == 1 && n ? message + n : NULL;
+}
+
+static void expect(const struct nonsense *nonsense, const char *message) {
+    const char *got = after_place(message);
+    if (!got || strcmp(got, nonsense->message) != 0)
+        fail_msg("%s\n  expected: %s\n  got:      %s", nonsense->line, nonsense->message, message);
+}
+
+static satin_scene *load_line(struct scene_case *c, const char *line) {
+    char text[1024];
+    const char *sensor = strstr(line, "<sensor") ? "" : "<sensor type='perspective'/>";
+    snprintf(text, sizeof text, "<scene version='3.0.0'>\n%s\n%s\n</scene>", sensor, line);
+    return scene_case_load(c, text);
+}
+
+static void warns_of_nonsense(void **state) {
+    (void)state;
+    for (size_t i = 0; i < sizeof warned / sizeof *warned; i++) {
+        struct scene_case c;
+        satin_scene *scene = load_line(&c, warned[i].line);
+        if (!scene || c.warnings != 1)
+            fail_msg("%s: %d warnings, %s", warned[i].line, c.warnings, c.error);
+        expect(&warned[i], c.warning);
+        satin_scene_free(scene);
+    }
+}
+
+static void refuses_nonsense(void **state) {
+    (void)state;
+    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
+        struct scene_case c;
+        assert_null(load_line(&c, refused[i].line));
+        expect(&refused[i], c.error);
+        assert_int_equal(c.warnings, 0);
+    }
+}
+
+static void counts_those_of_a_kind(void **state) {
+    (void)state;
+    struct scene_case c;
+    satin_scene *scene = load_line(&c, "one <shape type='cube'/> two <shape type='disk'/> 3");
+    assert_non_null(scene);
+    assert_int_equal(c.warnings, 1);
+    assert_string_equal(after_place(c.warning),
+                        "the text 'one ' has no meaning here (and 2 more like it)");
+    satin_scene_free(scene);
+}
+
+// Before an error, so that they are seen in the order of their places.
+static void tells_before_an_error(void **state) {
+    (void)state;
+    struct scene_case c;
+    struct load_warnings warnings = {.to = scene_case_begin(&c)};
+    struct log log = load_warnings_log(&warnings);
+    log_message(log, SATIN_LOG_WARNING, "a: 'b' is %d", 1);
+    log_message(log, SATIN_LOG_WARNING, "c: 'd' is %d", 2);
+    log_message(log, SATIN_LOG_WARNING, "e: something else");
+    assert_int_equal(c.warnings, 0);
+    log_message(log, SATIN_LOG_ERROR, "f: wrong");
+    assert_int_equal(c.warnings, 2);
+    assert_string_equal(c.warning, "e: something else");
+    assert_string_equal(c.error, "f: wrong");
+    load_warnings_tell(&warnings);
+    assert_int_equal(c.warnings, 2);
+    assert_false(warnings.failed);
+}
+
+static void is_strict_if_asked(void **state) {
+    (void)state;
+    struct scene_case c;
+    satin_scene *scene = NULL;
+    struct log log = scene_case_begin(&c);
+    scene_case_file("scene.xml", SCENE_TEXT("text<shape type='cube'/>"));
+    assert_int_equal(
+        satin_scene_load_with("scene.xml", NULL, 0, SATIN_SCENE_STRICT, log.fn, log.user, &scene),
+        SATIN_ERROR_INPUT);
+    assert_null(scene);
+    assert_int_equal(c.errors, 1);
+    assert_int_equal(c.warnings, 0);
+    assert_string_equal(after_place(c.error), "the text 'text' has no meaning here");
+    scene_case_file("scene.xml", SCENE_TEXT("<shape type='cube'/>"));
+    assert_int_equal(
+        satin_scene_load_with("scene.xml", NULL, 0, SATIN_SCENE_STRICT, log.fn, log.user, &scene),
+        SATIN_OK);
+    satin_scene_free(scene);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(warns_of_nonsense),      cmocka_unit_test(refuses_nonsense),
+        cmocka_unit_test(counts_those_of_a_kind), cmocka_unit_test(tells_before_an_error),
+        cmocka_unit_test(is_strict_if_asked),
+    };
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
+}

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tree of a scene file: order, parameters, includes, references; and every refusal's line.
+#include "load/load_xml.h"
+
+#include "base/fileio.h"
+#include "scene_case.h"
+
+static satin_status read_text(struct scene_case *c, const char *text, struct load_xml *xml) {
+    uint64_t hash = FILEIO_HASH;
+    scene_case_file("scene.xml", text);
+    return load_xml_read(scene_case_begin(c), "scene.xml", NULL, 0, &hash, xml);
+}
+
+static void keeps_order_and_places(void **state) {
+    (void)state;
+    struct scene_case c;
+    struct load_xml xml;
+    assert_int_equal(read_text(&c,
+                               "<!DOCTYPE scene><scene version='3.0.0'>\n"
+                               "  <shape type='sphere' id='a'><float name='radius' value='2'/>\n"
+                               "    words, which mean nothing -->\n"
+                               "    <ref id='m'/></shape>\n"
+                               "  <bsdf type='diffuse' id='m'/><alias id='m' as='n'/>\n"
+                               "</scene>",
+                               &xml),
+                     SATIN_OK);
+    const struct xml_node *shape = xml.root->child, *bsdf = shape->next;
+    assert_string_equal(shape->type, "sphere");
+    assert_int_equal(shape->place.line, 2);
+    assert_int_equal(shape->place.column, 3);
+    assert_int_equal(shape->child->tag, XML_FLOAT);
+    assert_string_equal(xml_get(shape->child, "value"), "2");
+    assert_int_equal(shape->child->next->tag, XML_REF);
+    assert_int_equal(shape->child->next->place.line, 4);
+    assert_null(shape->child->next->next);
+    assert_null(bsdf->next);
+    assert_ptr_equal(load_xml_find(&xml, "n"), bsdf);
+    assert_ptr_equal(load_xml_find(&xml, "a"), shape);
+    assert_null(load_xml_find(&xml, "b"));
+    load_xml_free(&xml);
+}
+
+// What is declared of the document's type is passed over, whatever it is, and lines stay where they
+// are.
+static void passes_over_the_type(void **state) {
+    (void)state;
+    static const char *const types[] = {
+        "<!DOCTYPE scene>\n\n\n",
+        "\xef\xbb\xbf<!-- <!DOCTYPE [ --><?pi > ?>\n<!DOCTYPE scene SYSTEM 'a>.dtd'>\n\n",
+        "<!DOCTYPE scene PUBLIC \"-//x\" \"y.dtd\" [\n<!-- ]> ' -->\n<?pi ]> ?>]\n>",
+        ("<!DOCTYPE scene [<!ENTITY a ']>'><!ENTITY % b \"<x>\">\n%b;<!ELEMENT scene ANY>\n"
+         "<!ATTLIST scene version CDATA '&a;&a;' type CDATA '9'>]>\n")};
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++) {
+        struct scene_case c;
+        struct load_xml xml;
+        char text[512];
+        snprintf(text, sizeof text, "%s%s", types[i],
+                 "<scene version='3.0.0'><shape type='sphere' id='&amp;&#65;'/></scene>");
+        assert_int_equal(read_text(&c, text, &xml), SATIN_OK);
+        assert_int_equal(xml.root->place.line, 4);
+        assert_string_equal(xml.root->child->id, "&A");
+        load_xml_free(&xml);
+    }
+}
+
+static void substitutes_parameters(void **state) {
+    (void)state;
+    struct scene_case c;
+    struct load_xml xml;
+    uint64_t hash = FILEIO_HASH, other = FILEIO_HASH;
+    scene_case_file("scene.xml",
+                    "<scene version='3.0.0'><default name='n' value='1'/>"
+                    "<default name='name' value='2$n'/><default name='n' value='9'/>"
+                    "<shape type='$kind' id='$name-$n-\\$n'/></scene>");
+    satin_define define = {"kind", "cube"};
+    struct log log = scene_case_begin(&c);
+    assert_int_equal(load_xml_read(log, "scene.xml", &define, 1, &hash, &xml), SATIN_OK);
+    assert_string_equal(xml.root->child->type, "cube");
+    assert_string_equal(xml.root->child->id, "21-1-$n");
+    load_xml_free(&xml);
+    // What is defined outside replaces a default, and counts for the hash.
+    satin_define two[] = {{"kind", "cube"}, {"n", "7"}};
+    assert_int_equal(load_xml_read(log, "scene.xml", two, 2, &other, &xml), SATIN_OK);
+    assert_string_equal(xml.root->child->id, "27-7-$n");
+    assert_true(hash != other);
+    load_xml_free(&xml);
+    satin_define wrong[] = {{"kind", "cube"}, {"nam", "7"}};
+    assert_int_equal(load_xml_read(log, "scene.xml", wrong, 2, &other, &xml), SATIN_ERROR_INPUT);
+    assert_string_equal(
+        c.error, "scene.xml: parameter 'nam' is defined but not used (did you mean 'name'?)");
+}
+
+static void includes_files(void **state) {
+    (void)state;
+    struct scene_case c;
+    struct load_xml xml;
+    scene_case_file("bsdf.xml", "<bsdf version='3.0.0' type='$type' id='b'/>");
+    scene_case_file("part.xml",
+                    "<scene version='3.0.0'><default name='type' value='diffuse'/>"
+                    "<shape type='cube'><include filename='bsdf.xml' name='x'/></shape>"
+                    "<shape type='disk'/></scene>");
+    assert_int_equal(read_text(&c,
+                               "<scene version='3.0.0'><include filename='part.xml'/>"
+                               "<texture type='$type'/></scene>",
+                               &xml),
+                     SATIN_OK);
+    const struct xml_node *cube = xml.root->child;
+    assert_string_equal(cube->type, "cube");
+    assert_string_equal(cube->place.file, "part.xml");
+    assert_string_equal(cube->child->type, "diffuse");
+    assert_string_equal(cube->child->name, "x");
+    assert_string_equal(cube->next->type, "disk");
+    assert_string_equal(cube->next->next->type, "diffuse");
+    assert_ptr_equal(load_xml_find(&xml, "b"), cube->child);
+    load_xml_free(&xml);
+    scene_case_file("part.xml", "<scene version='3.0.0'>\n<include filename='scene.xml'/></scene>");
+    assert_int_equal(
+        read_text(&c, "<scene version='3.0.0'><include filename='part.xml'/></scene>", &xml),
+        SATIN_ERROR_INPUT);
+    assert_string_equal(c.error, "part.xml:2:1: 'scene.xml' includes itself");
+    assert_int_equal(c.errors, 1);
+}
+
+// Includes that branch three ways at every level stop at the bound on files.
+static void includes_are_bounded(void **state) {
+    (void)state;
+    struct scene_case c;
+    struct load_xml xml;
+    for (int i = 0; i < 20; i++) {
+        char name[16], text[256], next[64];
+        snprintf(name, sizeof name, "f%d.xml", i);
+        snprintf(next, sizeof next, "<include filename='f%d.xml'/>", i + 1);
+        snprintf(text, sizeof text, "<scene version='3.0.0'>%s%s%s</scene>", next, next, next);
+        if (i == 12) snprintf(text, sizeof text, "<scene version='3.0.0'/>");
+        scene_case_file(name, text);
+    }
+    assert_int_equal(
+        read_text(&c, "<scene version='3.0.0'><include filename='f0.xml'/></scene>", &xml),
+        SATIN_ERROR_INPUT);
+    assert_non_null(strstr(c.error, "too many includes"));
+    assert_int_equal(c.errors, 1);
+}
+
+struct refusal {
+    const char *text, *error;
+};
+
+#define S "<scene version='3.0.0'>"
+
+static const struct refusal refusals[] = {
+    {"", "scene.xml:1:1: not XML: no element found"},
+    {"just text", "scene.xml:1:1: not XML: syntax error"},
+    {S "\n<shape type='cube'>", "scene.xml:2:20: not XML: no element found"},
+    {S "\n <a>", "scene.xml:2:2: unknown element <a>"},
+    {S "\n <shap type='cube'/></scene>",
+     "scene.xml:2:2: unknown element <shap> (did you mean <shape>?)"},
+    {S "<medium type='homogeneous'/></scene>", "scene.xml:1:24: <medium> is not supported"},
+    {"<scene/>", "scene.xml:1:1: <scene> needs the attribute 'version'"},
+    {"<scene version='1.0.0'/>",
+     "scene.xml:1:1: version '1.0.0' is not supported: 0.x, 2.x and 3.x are"},
+    {S "<path value='none'/></scene>", "scene.xml:1:24: 'none' is not a folder"},
+    {S "<shape type='cube'><path value='.'/></shape></scene>",
+     "scene.xml:1:43: <path> cannot stand inside <shape>"},
+    {S "<include filename='scene.xml'/></scene>", "scene.xml:1:24: 'scene.xml' includes itself"},
+    {"<shape version='3.0.0' type='cube'/>",
+     "scene.xml:1:1: the root element is <shape>, not <scene>"},
+    {S "<scene version='3.0.0'/></scene>", "scene.xml:1:24: <scene> has no attribute 'version'"},
+    {S "<shape/></scene>", "scene.xml:1:24: <shape> needs the attribute 'type'"},
+    {S "<shape type='cube' foo='1'/></scene>", "scene.xml:1:24: <shape> has no attribute 'foo'"},
+    {S "<translate x='1'/></scene>", "scene.xml:1:24: <translate> cannot stand inside <scene>"},
+    {S "<float name='a' value='1'><float name='b' value='1'/></float></scene>",
+     "scene.xml:1:50: <float> cannot stand inside <float>"},
+    {S "<shape type='cube' id='a'/>\n<bsdf type='diffuse' id='a'/></scene>",
+     "scene.xml:2:1: duplicate id 'a' (first at scene.xml:1:24)"},
+    {S "<alias id='a' as='b'/><bsdf type='diffuse' id='a'/></scene>",
+     "scene.xml:1:24: alias of 'a', which is not defined before it"},
+    {S "<alias id='b' as='b'/></scene>",
+     "scene.xml:1:24: alias of 'b', which is not defined before it"},
+    {S "<shape type='$what'/></scene>",
+     "scene.xml:1:24: undefined parameter '$what' (-D what=VALUE defines it)"},
+    {S "<default name='' value='1'/></scene>", "scene.xml:1:24: <default> with an empty name"},
+    {"<!DOCTYPE scene [<!ENTITY a 'b'>]>\n" S "<shape type='&lt;&a;'/></scene>",
+     "scene.xml:2:24: entities are not read; write what '&a;' stands for"},
+    {S "words and an &entity;</scene>",
+     "scene.xml:1:37: entities are not read; write what '&entity;' stands for"},
+    {"<!DOCTYPE scene [<!ENTITY a 'b'>" S "</scene>",
+     "scene.xml:1:17: cannot pass over this declaration of a document type"},
+    {S "<include filename='none.xml'/></scene>",
+     "scene.xml:1:24: cannot read 'none.xml': No such file or directory"},
+};
+
+static void refuses_with_place(void **state) {
+    (void)state;
+    for (size_t i = 0; i < sizeof refusals / sizeof *refusals; i++) {
+        struct scene_case c;
+        struct load_xml xml;
+        assert_int_equal(read_text(&c, refusals[i].text, &xml), SATIN_ERROR_INPUT);
+        assert_string_equal(c.error, refusals[i].error);
+        assert_int_equal(c.errors, 1);
+    }
+}
+
+static void nesting_is_bounded(void **state) {
+    (void)state;
+    enum { DEPTH = 100000 };
+    static const char element[] = "<bsdf type='twosided'>";
+    size_t n = sizeof element - 1;
+    char *text = malloc(sizeof S + n * DEPTH);
+    assert_non_null(text);
+    strcpy(text, S);
+    for (size_t i = 0; i < DEPTH; i++) memcpy(text + sizeof S - 1 + i * n, element, n);
+    text[sizeof S - 1 + n * DEPTH] = 0;
+    struct scene_case c;
+    struct load_xml xml;
+    assert_int_equal(read_text(&c, text, &xml), SATIN_ERROR_INPUT);
+    free(text);
+    assert_string_equal(c.error, "scene.xml:1:1410: elements are nested deeper than 64 levels");
+    assert_int_equal(c.errors, 1);
+}
+
+// Each parameter doubles the one before; the text is refused, not built.
+static void substitution_is_bounded(void **state) {
+    (void)state;
+    char text[8192] = S "<default name='a0' value='xxxxxxxx'/>";
+    for (int i = 1; i < 60; i++)
+        sprintf(text + strlen(text), "<default name='a%d' value='$a%d$a%d'/>", i, i - 1, i - 1);
+    strcat(text, "</scene>");
+    struct scene_case c;
+    struct load_xml xml;
+    assert_int_equal(read_text(&c, text, &xml), SATIN_ERROR_INPUT);
+    assert_non_null(strstr(c.error, "attribute longer than 65536 bytes"));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(keeps_order_and_places), cmocka_unit_test(passes_over_the_type),
+        cmocka_unit_test(substitutes_parameters), cmocka_unit_test(includes_files),
+        cmocka_unit_test(includes_are_bounded),   cmocka_unit_test(refuses_with_place),
+        cmocka_unit_test(nesting_is_bounded),     cmocka_unit_test(substitution_is_bounded),
+    };
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
+}
