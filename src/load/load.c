@@ -172,7 +172,7 @@ static satin_status load(struct load_state *loader) {
     if (status == SATIN_OK) status = check_unused(loader);
     if (status == SATIN_OK) status = keep_objects(loader);
     if (status == SATIN_OK) status = scene_trace_build(loader->scene, loader->log);
-    if (status == SATIN_OK) status = scene_lights_prepare(loader->scene, loader->log);
+    if (status == SATIN_OK) status = light_prepare(loader->scene, loader->log);
     return status == SATIN_OK ? check_power(loader) : status;
 }
 

@@ -4,6 +4,7 @@
 #ifndef LOAD_STATE_H
 #define LOAD_STATE_H
 
+#include "light/light.h"
 #include "load/load_build.h"
 #include "load/load_params.h"
 #include "scene/scene.h"

@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "base/stats.h"
+#include "light/light.h"
 #include "satin/options.h"
 #include "scene/scene.h"
 

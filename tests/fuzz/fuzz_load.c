@@ -5,7 +5,7 @@
 // redundant, an odd first byte asks for the rest of the bytes to be packed into a whole one.
 #include "base/sampling.h"
 #include "fuzz_case.h"
-#include "scene/scene.h"
+#include "light/light.h"
 
 #define NAMED "<string name='filename' value='%s'/>"
 #define GLOWS "<bsdf type='roughconductor'/><emitter type='area'/></shape>"

@@ -11,8 +11,8 @@ import re
 import sys
 
 # The way of the light: a stage includes only stages before it.
-STAGES = ["base", "rsh", "brdf", "scene", "load", "photon", "gather", "cache", "shade", "film",
-          "render", "apps"]
+STAGES = ["base", "rsh", "brdf", "scene", "light", "load", "photon", "gather", "cache", "shade",
+          "film", "render", "apps"]
 # How names of files may begin; base is free, the others have their stage's noun.
 NOUNS = {"render": ("render", "options"), "apps": ("app", "main")}
 MAX_LINES = 500

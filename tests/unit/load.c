@@ -2,7 +2,7 @@
 // Loading whole scenes: what the elements become, and one line for every bad input.
 #include "satin/scene.h"
 
-#include "scene/scene.h"
+#include "light/light.h"
 #include "scene_case.h"
 
 static satin_scene *load(const char *text) {

@@ -2,6 +2,7 @@
 // Files of version 0.6 load as the same scene in version 3's words does.
 #include "load/load_mitsuba06.h"
 
+#include "light/light.h"
 #include "load/load_build.h"
 #include "load/load_params.h"
 #include "scene_case.h"

@@ -12,6 +12,7 @@
 
 #include <cmocka.h>
 
+#include "light/light.h"
 #include "load/load_build.h"
 
 enum { TEST_SHAPES = 32, TEST_MATERIALS = 8, TEST_LIGHTS = 32 };
@@ -115,7 +116,7 @@ static inline uint32_t test_area_light(struct test_scene *t, uint32_t shape, rgb
 static inline void test_scene_finish(struct test_scene *t) {
     struct log quiet = {0};
     assert_int_equal(scene_trace_build(&t->scene, quiet), SATIN_OK);
-    assert_int_equal(scene_lights_prepare(&t->scene, quiet), SATIN_OK);
+    assert_int_equal(light_prepare(&t->scene, quiet), SATIN_OK);
 }
 
 #endif

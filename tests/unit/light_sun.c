@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "scene/scene_sun.h"
+#include "light/light_sun.h"
 
 static vec3 at(float latitude, int month, int day, float hour) {
     return sun_toward(&(struct sun_time){2010, month, day, hour, 0, 0, latitude, 0, 0});

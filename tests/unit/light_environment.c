@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Environments with a sun on top of the image; scene_light.c has the rest.
+// Environments with a sun on top of the image; light.c has the rest.
 #include <math.h>
 
 #include "base/sampling.h"

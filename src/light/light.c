@@ -2,14 +2,14 @@
 // Lights as the integrators see them: choosing one for a point, sampling a direction towards it,
 // and the densities that multiple importance sampling needs. Units and parameters are Mitsuba 3's.
 #include "base/sampling.h"
-#include "scene/scene_light_tree.h"
+#include "light/light_tree.h"
 
 // Share of the choice that does not trust the estimates, which know neither shadows nor facing, or
 // know them from around the point.
 #define CHOICE_EVEN 0.25f
 #define CHOICE_EVEN_SEEN 0.1f
 
-satin_status scene_lights_prepare(struct satin_scene *scene, struct log log) {
+satin_status light_prepare(struct satin_scene *scene, struct log log) {
     scene->light_cdf = NULL;
     if (scene->light_count == 0) return SATIN_OK;
     float *power = arena_array(&scene->arena, scene->light_count, sizeof *power);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Part of scene.h: how lights are drawn around a place that sees but a part of them. Of the samples
+// Part of light.h: how lights are drawn around a place that sees but a part of them. Of the samples
 // of an environment that its sun leaves, a share goes to bins of equal solid angle, the others to
 // where it is bright.
-#ifndef SCENE_LIGHT_SEEN_H
-#define SCENE_LIGHT_SEEN_H
+#ifndef LIGHT_SEEN_H
+#define LIGHT_SEEN_H
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -29,7 +29,7 @@ struct light_seen {
 };
 #define LIGHT_SEEN_ALL ((struct light_seen){NULL, NULL})
 
-// An estimate of the irradiance (luminance) at p; 0 only if the light brings none (scene_light.c).
+// An estimate of the irradiance (luminance) at p; 0 only if the light brings none (light.c).
 float light_reach(const struct satin_scene *scene, const struct light *light, vec3 p);
 // Chooses a light for direct lighting at p; *probability > 0. Needs light_count > 0. Shares are for
 // scenes of up to LIGHT_WEIGHED_MAX lights.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Part of scene.h: where the sun stands at a time and place.
-#ifndef SCENE_SUN_H
-#define SCENE_SUN_H
+// Part of light.h: where the sun stands at a time and place.
+#ifndef LIGHT_SUN_H
+#define LIGHT_SUN_H
 
 #include "base/vec.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Part of scene.h: a clear sky with its sun.
-#ifndef SCENE_SKY_H
-#define SCENE_SKY_H
+// Part of light.h: a clear sky with its sun.
+#ifndef LIGHT_SKY_H
+#define LIGHT_SKY_H
 
 #include "base/arena.h"
 #include "base/vec.h"

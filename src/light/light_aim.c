@@ -4,7 +4,7 @@
 // it, so its power is exact, and at most 1 / LIGHT_UNAIMED times that without aim [the balance
 // heuristic of Veach 1997, 9.2.2].
 #include "base/sampling.h"
-#include "scene/scene_light.h"
+#include "light/light_kinds.h"
 
 // A cone narrower than this about the axis is opened to it: floats resolve no less.
 #define CONE_LEAST 4e-6f

@@ -5,7 +5,7 @@
 // are formulas here: Planck's law for the sun, a Gaussian for the absorption of ozone; what water
 // vapour and mixed gases absorb lies beyond the red and is left out. Units are those of Mitsuba 3's
 // sunsky: luminance is 683 lm/W times the integral of y, 73 kcd/m^2, for 1.
-#include "scene/scene.h"
+#include "light/light.h"
 
 enum { COLUMNS = 512, ROWS = 257 };  // an odd number of rows: one is the horizon
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Area lights: uniform radiance, or a texture over uv, leaving the front side of a shape. Meshes of
-// few flat faces are sampled face by face (scene_light_face.c), other meshes by a distribution over
+// few flat faces are sampled face by face (light_face.c), other meshes by a distribution over
 // triangles, spheres by the cone they fill, disks and cylinders by area. Conventions are Mitsuba
 // 3's but for one: the front is told by the geometric normal, so that what is emitted is pi L A.
 #include "base/sampling.h"
-#include "scene/scene_light.h"
+#include "light/light_kinds.h"
 
 enum { FACES_MAX = 16 };  // a choice among faces costs about 5 ns for each
 

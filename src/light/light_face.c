@@ -6,7 +6,7 @@
 // complex numbers, whose error in float stays near 1e-7 where the paper's arccosines lose half the
 // digits; sums of angles are products, and one arctangent is left.
 #include "base/sampling.h"
-#include "scene/scene_light.h"
+#include "light/light_kinds.h"
 
 // Below this solid angle a face looks flat: area sampling is as good, and cheaper.
 #define SOLID_ANGLE_MIN 0.15f

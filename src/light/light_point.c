@@ -2,7 +2,7 @@
 // Lights at a point: the same to all sides, into a cone (spot), through a slide (projector). Units
 // and texture coordinates were measured on Mitsuba 3.9.
 #include "base/sampling.h"
-#include "scene/scene_light.h"
+#include "light/light_kinds.h"
 
 float light_spot_falloff(const struct light *light, float cos_theta) {
     if (cos_theta >= light->cos_beam) return 1.0f;

@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "scene/scene.h"
+#include "light/light.h"
 
 static struct sky sky_of(float turbidity, float elevation) {
     float e = elevation * (PI_F / 180.0f);

@@ -6,7 +6,7 @@
 // cell between four texels by its mean, then a point of the cell by bilinear interpolation. A sun
 // is a disc of light on top of the image, which gets a share of the samples.
 #include "base/sampling.h"
-#include "scene/scene_light.h"
+#include "light/light_kinds.h"
 
 // A place between four texels: column and row of the first, and the weights of the next ones.
 struct texel_place {

@@ -2,7 +2,7 @@
 // Beams: light that leaves a rectangle or a disk along its normal alone, so that it brings the same
 // irradiance at any distance to what lies before the shape, and nothing to the rest. No ray meets
 // it by chance: a point's foot on the shape is its light sample.
-#include "scene/scene_light.h"
+#include "light/light_kinds.h"
 
 // The place of q in the shape's plane as texture coordinates; false if it is outside of the shape.
 static bool locate(const struct light *light, const struct shape *shape, vec3 q, vec2 *uv) {

@@ -5,7 +5,7 @@
 // choice goes down with the bounds' shares; in a leaf the lights' own estimates decide. Deviations:
 // the receiver's normal is not known here, nodes split at the median, and lights from infinitely
 // far have a tree of their own beside the root's.
-#include "scene/scene_light_tree.h"
+#include "light/light_tree.h"
 
 #include <stdlib.h>
 

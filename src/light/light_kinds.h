@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to scene/: the kinds of lights, as scene_light.c calls them.
-#ifndef SCENE_LIGHT_H
-#define SCENE_LIGHT_H
+// Private to light/: the kinds of lights, as light.c calls them.
+#ifndef LIGHT_KINDS_H
+#define LIGHT_KINDS_H
 
-#include "scene/scene.h"
+#include "light/light.h"
 
-// ---- Area lights (scene_light_area.c) ---------------------------------------------------------
+// ---- Area lights (light_area.c) ---------------------------------------------------------------
 
 // Pairs the triangles of an emitting mesh into faces, or builds its area_cdf; sets area, center,
 // strength and power. SATIN_ERROR_MEMORY.
@@ -26,7 +26,7 @@ struct light_point {
 struct light_point light_area_point(const struct satin_scene *scene, const struct light *light,
                                     float u, float v);
 
-// ---- Faces (scene_light_face.c) ---------------------------------------------------------------
+// ---- Faces (light_face.c) ---------------------------------------------------------------------
 
 // 1 or -1: times n, a triangle's normal by its winding, it gives the front side, as scene_intersect
 // tells it.
@@ -44,18 +44,18 @@ float light_face_reach(const struct light_face *face, vec3 p);
 // Texture coordinates at corner + s * edge_u + t * edge_v.
 vec2 light_face_uv(const struct light_face *face, const struct mesh *mesh, float s, float t);
 
-// ---- Environments (scene_light_environment.c) -------------------------------------------------
+// ---- Environments (light_environment.c) -------------------------------------------------------
 
 // Builds the distribution of an envmap; sets strength and power. SATIN_ERROR_MEMORY.
 satin_status light_environment_prepare(struct satin_scene *scene, struct light *light);
 
-// ---- Windows (scene_light_window.c) -----------------------------------------------------------
+// ---- Windows (light_window.c) -----------------------------------------------------------------
 
 // A direction by the bins, and the density over solid angle of drawing it so.
 vec3 light_window_sample(const struct light_window *window, float u, float v);
 float light_window_pdf(const struct light_window *window, vec3 w);
 
-// ---- Beams (scene_light_beam.c) ---------------------------------------------------------------
+// ---- Beams (light_beam.c) ---------------------------------------------------------------------
 
 // Sets position, direction, strength and power. SATIN_ERROR_MEMORY.
 satin_status light_beam_prepare(struct satin_scene *scene, struct light *light);
@@ -63,7 +63,7 @@ float light_beam_reach(const struct satin_scene *scene, const struct light *ligh
 bool light_beam_sample(const struct satin_scene *scene, const struct light *light, vec3 p,
                        struct light_sample *out);
 
-// ---- Emission (scene_light_emit.c) ------------------------------------------------------------
+// ---- Emission (light_emit.c) ------------------------------------------------------------------
 
 // The area that a box shows in direction d.
 float light_box_shadow(const struct light_target *box, vec3 d);
@@ -71,7 +71,7 @@ float light_box_shadow(const struct light_target *box, vec3 d);
 float light_bounds_shadow(const struct satin_scene *scene, vec3 d);
 float light_bounds_area(const struct satin_scene *scene);
 
-// ---- Lights at a point (scene_light_point.c) --------------------------------------------------
+// ---- Lights at a point (light_point.c) --------------------------------------------------------
 
 // Sets strength and power.
 void light_point_prepare(struct light *light);
@@ -86,7 +86,7 @@ float light_spot_falloff(const struct light *light, float cos_theta);
 // The integrals of the falloff over the full-intensity cone and over its penumbra [sr].
 void light_spot_solid_angles(const struct light *light, float *beam, float *penumbra);
 
-// ---- Aim (scene_light_aim.c) ------------------------------------------------------------------
+// ---- Aim (light_aim.c) ------------------------------------------------------------------------
 
 // Chooses a spot of the aim by *u, which is stretched back to [0, 1); -1: unaimed.
 int light_aim_choose(const struct light_aim *aim, float *u);

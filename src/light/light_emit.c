@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Photons leave the lights: area lights by area and cosine, lights at a point by their
-// intensity (scene_light_point.c), directional lights and environments through the sides of the
+// intensity (light_point.c), directional lights and environments through the sides of the
 // scene's bounding box that face them, which wastes less than a disk around the bounding sphere and
-// is as exact. All of them may be aimed (scene_light_aim.c).
+// is as exact. All of them may be aimed (light_aim.c).
 #include "base/sampling.h"
-#include "scene/scene_light.h"
+#include "light/light_kinds.h"
 
 static struct light_target scene_bounds(const struct satin_scene *scene) {
     return (struct light_target){scene->bounds_lo, scene->bounds_hi};

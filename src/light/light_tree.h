@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to scene/: choosing one of many lights.
-#ifndef SCENE_LIGHT_TREE_H
-#define SCENE_LIGHT_TREE_H
+// Private to light/: choosing one of many lights.
+#ifndef LIGHT_TREE_H
+#define LIGHT_TREE_H
 
-#include "scene/scene_light.h"
+#include "light/light_kinds.h"
 
 // Lights of a leaf, and the most that are chosen without a tree.
 enum { LIGHT_LEAF_MAX = 8 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Area lights of any size: products of lengths neither overflow nor vanish.
-#include "scene/scene_light.h"
+#include "light/light_kinds.h"
 
 #include "test_scene.h"
 

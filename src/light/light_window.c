@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Directions by bins of equal solid angle: where an environment is seen.
 #include "base/sampling.h"
-#include "scene/scene_light.h"
+#include "light/light_kinds.h"
 
 vec3 light_window_direction(int bin, float u, float v) {
     return sample_uniform_sphere(sample_stratum(bin / LIGHT_WINDOW_SIDE, u, LIGHT_WINDOW_SIDE),
