@@ -25,6 +25,8 @@ struct gather {
     const struct satin_scene *scene;
     const satin_options *options;  // max_depth and rr_depth resolved: max_depth < 0 means no limit
     const struct photon_maps *maps;
+    const struct guide_clusters *clusters;      // of the maps; may be NULL
+    const struct guide_visibility *visibility;  // of lights; NULL: all is seen
     bool wide_lights;  // lights so large that light sampling alone is noisy
     float trust;       // photon lookups of a larger radius say nothing about their place
     struct gather_rough rough;

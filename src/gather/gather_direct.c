@@ -67,7 +67,7 @@ rgb gather_direct(const struct gather *g, const struct gather_point *p, struct g
     unsigned lobes = mis.part[0].lobes | mis.part[1].lobes | mis.part[2].lobes;
     lobes &= p->lobes & BRDF_SMOOTH;
     if (!lobes || lights == 0) return sum;
-    const struct light_seen seen = photon_seen_at(g->maps, p->surfel.p);
+    const struct light_seen seen = guide_visibility_at(g->visibility, p->surfel.p);
     if ((uint32_t)samples < lights && lights <= FEW) return all_lights(g, p, mis, seen, sampler);
     uint32_t first = sampler.index * (uint32_t)samples;
     for (int i = 0; i < samples; i++) {
@@ -84,7 +84,7 @@ rgb gather_direct(const struct gather *g, const struct gather_point *p, struct g
 float gather_light_pdf(const struct gather *g, vec3 p, vec3 wi, const struct surfel *hit) {
     const struct satin_scene *scene = g->scene;
     if (!hit && scene->environment < 0) return 0.0f;
-    const struct light_seen seen = photon_seen_at(g->maps, p);
+    const struct light_seen seen = guide_visibility_at(g->visibility, p);
     uint32_t light = (uint32_t)(hit ? hit->light : scene->environment);
     float pdf = hit ? light_pdf(scene, p, wi, hit) : light_environment_pdf(scene, seen.window, wi);
     return pdf * light_choose_probability(scene, p, seen, light);

@@ -16,8 +16,4 @@ void gather_guide_weigh(const struct gather_layout *layout, struct gather_scratc
 void gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
                         struct gather_ray *rays, size_t count, uint64_t stream);
 
-// A direction of constant density in the cone, and whether a direction is in it.
-vec3 gather_guide_in_cone(const struct photon_cone *cone, vec2 u);
-bool gather_guide_holds(const struct photon_cone *cone, vec3 w);
-
 #endif

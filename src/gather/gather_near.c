@@ -27,13 +27,13 @@ static bool is_near(const struct gather_scratch *scratch, size_t i) {
 
 // Hits spread evenly over the near ones; returns how many.
 static int choose_probes(const struct gather_scratch *scratch, size_t hits,
-                         size_t probe[PHOTON_PROBES]) {
+                         size_t probe[GUIDE_PROBES]) {
     size_t nears = 0, at = 0;
     int count = 0;
     for (size_t i = 0; i < hits; i++) nears += is_near(scratch, i);
-    for (size_t i = 0; i < hits && count < PHOTON_PROBES; i++) {
+    for (size_t i = 0; i < hits && count < GUIDE_PROBES; i++) {
         if (!is_near(scratch, i)) continue;
-        if (at++ * PHOTON_PROBES >= (size_t)count * nears) probe[count++] = i;
+        if (at++ * GUIDE_PROBES >= (size_t)count * nears) probe[count++] = i;
     }
     return count;
 }
@@ -41,15 +41,15 @@ static int choose_probes(const struct gather_scratch *scratch, size_t hits,
 // Fraction of the probes that see the cone's place, of those at which it matters; 0 if it matters
 // at none.
 static float probe_cone(const struct gather *g, const struct gather_scratch *scratch,
-                        const size_t *probe, int probes, struct photon_cone cone) {
+                        const size_t *probe, int probes, struct guide_cone cone) {
     int matters = 0, clear = 0;
     for (int i = 0; i < probes; i++) {
         const struct gather_point *y = &scratch->hit[probe[i]].point;
         const float rest = rgb_luminance(scratch->E[probe[i]]);
-        if (!photon_cone_move(&cone, y->surfel.p, y->frame.n)) continue;
+        if (!guide_cone_move(&cone, y->surfel.p, y->frame.n)) continue;
         if (!(cone.E > FAINT * (cone.E + rest))) continue;
-        const struct photon_eye eye = {y->surfel.p, y->frame.n, y->ng};
-        clear += photon_cone_seen(g->maps, g->scene, &cone, &eye, (size_t)i);
+        const struct guide_eye eye = {y->surfel.p, y->frame.n, y->ng};
+        clear += guide_cone_visible(g->clusters, g->scene, &cone, &eye, (size_t)i);
         matters++;
     }
     return matters ? fmaxf((float)clear / (float)matters, SEEN_LEAST) : 0.0f;
@@ -58,15 +58,15 @@ static float probe_cone(const struct gather *g, const struct gather_scratch *scr
 void gather_near_look(const struct gather *g, struct gather_scratch *scratch, size_t hits) {
     const struct gather_guide *guide = &scratch->guide;
     struct gather_near *near = &scratch->guide.near;
-    size_t probe[PHOTON_PROBES];
+    size_t probe[GUIDE_PROBES];
     near->count = 0;
     if (near->found == 0 || !g->options->gather_bounce) return;
     const int probes = choose_probes(scratch, hits, probe);
     if (probes == 0) return;
     if (near->found < 0)
-        near->found = photon_bright_around(g->maps, guide->p, guide->expected, near->cone);
+        near->found = guide_cones_around(g->clusters, guide->p, guide->expected, near->cone);
     for (int c = 0; c < near->found; c++) {
-        const struct photon_cone cone = near->cone[c];
+        const struct guide_cone cone = near->cone[c];
         const float seen = probe_cone(g, scratch, probe, probes, cone);
         if (!(seen > 0.0f)) continue;
         near->cone[c] = near->cone[near->count];
@@ -77,8 +77,8 @@ void gather_near_look(const struct gather *g, struct gather_scratch *scratch, si
 
 // The cones as y sees them.
 struct choices {
-    struct photon_cone cone[PHOTON_CONES];
-    float weight[PHOTON_CONES], all;
+    struct guide_cone cone[GUIDE_CONES];
+    float weight[GUIDE_CONES], all;
     int count;
 };
 
@@ -87,9 +87,9 @@ static void look_from(const struct gather_near *near, const struct gather_point 
     out->count = 0;
     out->all = 0.0f;
     for (int c = 0; c < near->count; c++) {
-        struct photon_cone *cone = &out->cone[out->count];
+        struct guide_cone *cone = &out->cone[out->count];
         *cone = near->cone[c];
-        if (!photon_cone_move(cone, y->surfel.p, y->frame.n) || !(cone->E > 0.0f)) continue;
+        if (!guide_cone_move(cone, y->surfel.p, y->frame.n) || !(cone->E > 0.0f)) continue;
         // Least variance: in proportion to the deviation of one ray into the cone.
         const float deviation = cone->E / sqrtf(clampf(cone->filled, FILLED_LEAST, 1.0f));
         out->weight[out->count] = near->seen[c] * deviation;
@@ -108,7 +108,7 @@ bool gather_near_bounce(const struct gather_near *near, const struct gather_poin
     if (u_lobe < guided) {
         float left = u_lobe / guided * at.all;
         for (own = 0; own + 1 < at.count && left >= at.weight[own]; own++) left -= at.weight[own];
-        out->wi = frame_to_local(&y->frame, gather_guide_in_cone(&at.cone[own], u));
+        out->wi = frame_to_local(&y->frame, guide_cone_sample(&at.cone[own], u));
         out->lobe = BRDF_DIFFUSE;
         if (!(out->wi.z > 0.0f)) return false;
     } else if (!brdf_sample(&y->brdf, y->wo_l, (u_lobe - guided) / (1.0f - guided), u.x, u.y,
@@ -119,7 +119,7 @@ bool gather_near_bounce(const struct gather_near *near, const struct gather_poin
     out->pdf_w = brdf_pdf(&y->brdf, y->wo_l, out->wi, BRDF_DIFFUSE);
     float density = (1.0f - guided) * out->pdf_w;
     for (int c = 0; c < at.count; c++)
-        if (c == own || gather_guide_holds(&at.cone[c], w))
+        if (c == own || guide_cone_holds(&at.cone[c], w))
             density += guided * at.weight[c] / at.all / (2.0f * PI_F * at.cone[c].versine);
     if (!(density > 0.0f)) return false;
     const rgb f = brdf_eval(&y->brdf, y->wo_l, out->wi, BRDF_DIFFUSE);

@@ -9,6 +9,7 @@ static const float WIDE_AREA = 0.02f;
 struct gather gather_make(const struct satin_scene *scene, const satin_options *options,
                           const struct photon_maps *maps) {
     struct gather g = {.scene = scene, .options = options, .maps = maps};
+    g.clusters = photon_clusters(maps);
     g.trust = maps ? photon_trust(maps) : INFINITY;
     float sphere = 4.0f * PI_F * sqrf(scene->radius);
     g.wide_lights = scene->environment >= 0;

@@ -17,23 +17,20 @@ struct gather_hit {
 
 // The bright places around a site, for the next bounce of rays that hit near to it (gather_near.c).
 struct gather_near {
-    struct photon_cone cone[PHOTON_CONES];
-    float seen[PHOTON_CONES];  // fraction of the near hits that see it, never 0
-    int found;                 // cones around the site; negative: not yet known
-    int count;                 // of them, first in `cone`, those that matter to the hits
+    struct guide_cone cone[GUIDE_CONES];
+    float seen[GUIDE_CONES];  // fraction of the near hits that see it, never 0
+    int found;                // cones around the site; negative: not yet known
+    int count;                // of them, first in `cone`, those that matter to the hits
 };
 
 // The bright places that a site sees, and the rays that it sends there (gather_guide.c).
 struct gather_guide {
-    struct photon_cone cone[PHOTON_CONES];
-    int rays[PHOTON_CONES];       // each a power of 2
-    float density[PHOTON_CONES];  // of a cone's rays over solid angle
-    int count, dealt;             // cones; rays of all
-    struct frame frame;           // of the site
-    size_t first[PHOTON_CONES];   // ray of a cone
-    size_t made;                  // of the rays: none goes below the horizon
-    vec3 p;                       // of the site,
-    float expected;               // and roughly its irradiance
+    struct guide_rays to;
+    struct frame frame;         // of the site
+    size_t first[GUIDE_CONES];  // ray of a cone
+    size_t made;                // of the rays: none goes below the horizon
+    vec3 p;                     // of the site,
+    float expected;             // and roughly its irradiance
     struct gather_near near;
 };
 

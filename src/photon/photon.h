@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "base/stats.h"
+#include "guide/guide.h"
 #include "light/light.h"
 #include "satin/options.h"
 #include "scene/scene.h"
@@ -51,44 +52,8 @@ rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *sc
 rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p, vec3 ng,
                    const struct frame *frame, const struct brdf *brdf, vec3 wo, unsigned lobes);
 
-// What is seen of the lights around p, for sampling direct light.
-struct light_seen photon_seen_at(const struct photon_maps *maps, vec3 p);
-
-// ---- Bright places (photon_cones.c) -----------------------------------------------------------
-
-// From where light is gathered.
-struct photon_eye {
-    vec3 p, n, ng;  // hemisphere about n; geometric normal on the same side
-};
-
-// A sphere around a place where light comes down densely, and the directions in which it is seen.
-struct photon_place;
-struct photon_cone {
-    const struct photon_place *place;  // belongs to the maps
-    vec3 center, axis;
-    float radius, versine;  // of the sphere; 1 - cosine of the half angle
-    float E;                // roughly what a white surface there adds to the irradiance [W m^-2]
-    float chance;           // roughly that a cosine-weighted ray meets what is bright,
-    float filled;           // and that one within the cone does; over 1: more than the cone holds
-};
-enum { PHOTON_CONES = 48 };
-
-// Cones of the bright places that the eye sees, returned is how many; if there are any, *expected
-// gets roughly the irradiance at p by indirect light. Which they are does not depend on what gather
-// rays find.
-int photon_bright_cones(const struct photon_maps *maps, const struct satin_scene *scene,
-                        const struct photon_eye *eye, struct photon_cone out[PHOTON_CONES],
-                        float *expected);
-// The same for surfaces near p that face anywhere and may see what p does not: photon_cone_move
-// makes cones of them. `expected` [W m^-2] is the irradiance there.
-int photon_bright_around(const struct photon_maps *maps, vec3 p, float expected,
-                         struct photon_cone out[PHOTON_CONES]);
-// Changes axis, versine, E and filled to those at p with normal n, as if nothing stood between; E
-// is 0 below the horizon. False if p is so near to the sphere that the cone would be wide.
-bool photon_cone_move(struct photon_cone *cone, vec3 p, vec3 n);
-// Whether the eye sees point i of the PHOTON_PROBES by which the cone's place is probed.
-enum { PHOTON_PROBES = 4 };
-bool photon_cone_seen(const struct photon_maps *maps, const struct satin_scene *scene,
-                      const struct photon_cone *cone, const struct photon_eye *eye, size_t i);
+// The clusters of photons where light comes down densely; NULL: none. They belong to the maps;
+// `maps` may be NULL.
+const struct guide_clusters *photon_clusters(const struct photon_maps *maps);
 
 #endif

@@ -31,13 +31,7 @@ struct photon {
 uint32_t photon_pack(vec3 w);
 vec3 photon_unpack(uint32_t packed);
 
-// Whether a shape that is no instance has an ideal specular lobe.
-static inline bool shape_has_delta(const struct satin_scene *scene, uint32_t shape) {
-    const struct shape *s = &scene->shape[shape];
-    return material_lobes(&scene->material[s->material], s->light >= 0) & BRDF_DELTA;
-}
-
-// ---- Tracing (photon_trace.c, photon_view.c, photon_guide.c) ----------------------------------
+// ---- Tracing (photon_trace.c) -----------------------------------------------------------------
 
 // What one tracing pass leaves to one who keeps photons. By malloc; free with photon_trace_free.
 struct photon_trace {
@@ -48,42 +42,11 @@ struct photon_trace {
     uint64_t stored[PHOTON_CLASSES];
 };
 
-// What the eye sees of the scene (photon_view.c). Boxes hold all, nine tenths and half of the
-// points.
-enum { PHOTON_VIEW_BOXES = LIGHT_SPOTS / 2, PHOTON_VIEW_PATHS = 1024 };
-struct photon_view {
-    float reach;                     // median length of gather rays; INFINITY if they meet nothing
-    int seen_count, specular_count;  // points; 0: no boxes
-    struct light_target seen[PHOTON_VIEW_BOXES], specular[PHOTON_VIEW_BOXES];
-};
-void photon_view_make(const struct satin_scene *scene, uint64_t seed, struct photon_view *out);
-// Follows the ray through ideal specular surfaces to one with a smooth lobe, with normal *n; false
-// if there is none. *ray becomes its last edge.
-bool photon_view_follow(const struct satin_scene *scene, struct ray *ray, struct rng *rng,
-                        struct surfel *s, vec3 *n);
-// The same from the eye, for path i of PHOTON_VIEW_PATHS.
-bool photon_view_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng, struct surfel *s,
-                     vec3 *n);
-// Aims at what is small against `all`, the box of everything that matters.
-void photon_view_aim(const struct photon_view *view, struct light_target all,
-                     struct light_aim *out);
-
-// How a pass deals its paths to the lights (photon_deal.c).
-enum { PHOTON_DEAL_LIGHTS = 16 };
-struct photon_deal {
-    bool by_power;                    // `share` is not set
-    float share[PHOTON_DEAL_LIGHTS];  // of all paths, by light
-};
-// By what each light brings to what is seen.
-void photon_deal_make(const struct satin_scene *scene, uint64_t seed, struct photon_deal *out);
-
-struct photon_guide;  // where in the space of emission caustic paths start
-
 // Who keeps photons of a pass, as if its paths were all.
 struct photon_keep {
-    uint64_t paths;                  // 0: none
-    unsigned classes;                // mask of 1 << photon_class
-    const struct photon_deal *deal;  // how paths are dealt to lights; NULL: by power
+    uint64_t paths;                             // 0: none
+    unsigned classes;                           // mask of 1 << photon_class
+    const struct guide_allocation *allocation;  // how paths are allocated to lights; NULL: by power
 };
 enum { PHOTON_KEEPS = 2 };
 
@@ -92,34 +55,15 @@ struct photon_tracing {
     uint64_t seed;
     struct photon_keep keep[PHOTON_KEEPS];
     int bounces;  // photons that bounced more often are not kept; < 0: no limit
-    // Caustic pass: paths end at their first smooth scattering, start by the guide and are as many
-    // as it says. NULL: all.
-    const struct photon_guide *guide;
+    // Caustic pass: paths end at their first smooth scattering; this says where they start and how
+    // many they are. NULL: all.
+    const struct guide_emission *emission;
 };
 
 // SATIN_CANCELLED or SATIN_ERROR_MEMORY on failure; `out` untouched.
 satin_status photon_trace_run(const struct photon_tracing *tracing, struct parallel *pool,
                               struct log log, struct photon_trace out[PHOTON_KEEPS]);
 void photon_trace_free(struct photon_trace *trace);
-
-// Finds by a coarse pass of single rays which parts of each light's emission meet a surface with
-// a delta lobe first. *out is NULL if no material has one.
-struct photon_guiding {
-    const struct satin_scene *scene;
-    const struct photon_view *view;
-    uint64_t seed, paths;
-};
-satin_status photon_guide_build(const struct photon_guiding *guiding, struct parallel *pool,
-                                struct log log, struct photon_guide **out);
-void photon_guide_free(struct photon_guide *guide);  // NULL is allowed
-// How many of the `paths` of the pass leave light i.
-uint64_t photon_guide_paths(const struct photon_guide *guide, uint32_t light);
-// Path `index` of photon_guide_paths(light): replaces its well-spread numbers by ones in the cells
-// that matter and returns the factor of its power.
-float photon_guide_warp(const struct photon_guide *guide, uint32_t light, uint64_t index,
-                        float u[4]);
-// Where its photons are aimed.
-const struct light_aim *photon_guide_aim(const struct photon_guide *guide);
 
 // ---- The map (photon_map.c) -------------------------------------------------------------------
 
@@ -265,30 +209,10 @@ bool photon_irradiance_sees(const struct photon_irradiance *irradiance,
 // Its irradiance at p.
 rgb photon_irradiance_value(const struct photon_irradiance *irradiance, int entry, vec3 p);
 
-// ---- Bright places (photon_bright.c) ----------------------------------------------------------
-
-struct photon_bright;
-// Of photons that stand for all light. *out is NULL if they are too few.
-satin_status photon_bright_build(const struct satin_scene *scene, const struct photon_hit *hit,
-                                 size_t count, struct log log, struct photon_bright **out);
-void photon_bright_free(struct photon_bright *bright);  // NULL is allowed
-size_t photon_bright_bytes(const struct photon_bright *bright);
-
-// ---- What is seen of the lights (photon_seen.c) -----------------------------------------------
-
-struct photon_seen;
-// *out is NULL where nothing is to learn: a single light that is no environment, more lights than
-// are weighed, or nothing that paths from the eye meet. SATIN_CANCELLED or SATIN_ERROR_MEMORY.
-satin_status photon_seen_build(const struct satin_scene *scene, const satin_options *options,
-                               struct parallel *pool, struct photon_seen **out);
-void photon_seen_free(struct photon_seen *seen);  // NULL is allowed
-size_t photon_seen_bytes(const struct photon_seen *seen);
-
 struct photon_maps {
     struct photon_map global, caustic;
     struct photon_irradiance irradiance, caustic_irradiance;
-    struct photon_bright *bright;  // may be NULL
-    struct photon_seen *seen;      // may be NULL
+    struct guide_clusters *clusters;  // may be NULL
     int photon_k, caustic_k;
     bool area, smooth;  // the options photon_area and caustic_smooth
     float trust;

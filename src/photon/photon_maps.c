@@ -5,10 +5,11 @@
 // directly and needs all. A gather ray that finds direct light by a shadow ray needs the caustic
 // and the indirect ones; one that does not needs all. The caustic map is seen directly at the first
 // hit; its photons come from a pass of their own, aimed at what can cause caustics. What looks for
-// bright places needs all, but fewer, dealt by power so that they weigh alike; the pass of the
+// bright places needs all, but fewer, allocated by power so that they weigh alike; the pass of the
 // global map brings them too.
 #include <stdlib.h>
 
+#include "base/array.h"
 #include "photon/photon_map.h"
 
 enum {
@@ -26,8 +27,8 @@ struct pass {
     struct parallel *pool;
     struct log log;
     struct stats *stats;
-    struct photon_view view;
-    struct photon_deal deal;
+    struct guide_view view;
+    struct guide_allocation allocation;
 };
 
 // A lookup wider than this part of what is seen is not trusted.
@@ -77,6 +78,22 @@ static uint64_t bright_paths(const satin_options *o) {
     return paths < BRIGHT_LEAST ? BRIGHT_LEAST : paths > BRIGHT_MOST ? BRIGHT_MOST : paths;
 }
 
+// The clusters of the photons that were traced for them.
+static satin_status build_clusters(const struct pass *pass, const struct photon_trace *trace,
+                                   struct photon_maps *maps) {
+    struct guide_photon *photon = array_new(trace->count, sizeof *photon);
+    if (!photon)
+        return log_fail(pass->log, SATIN_ERROR_MEMORY, "not enough memory for bright places");
+    for (size_t i = 0; i < trace->count; i++) {
+        const struct photon_hit *hit = &trace->hit[i];
+        photon[i] = (struct guide_photon){hit->p, photon_unpack(hit->n), rgb_luminance(hit->power)};
+    }
+    satin_status status =
+        guide_clusters_build(pass->scene, photon, trace->count, pass->log, &maps->clusters);
+    free(photon);
+    return status;
+}
+
 // The global map, and the bright places.
 static satin_status trace_global(const struct pass *pass, struct photon_maps *maps) {
     const satin_options *o = pass->options;
@@ -86,18 +103,15 @@ static satin_status trace_global(const struct pass *pass, struct photon_maps *ma
         .seed = o->seed,
         .keep = {{.paths = o->photons > 0 ? (uint64_t)o->photons : 0,
                   .classes = bounced ? KEEP_BOUNCED : KEEP_ALL,
-                  .deal = &pass->deal},
+                  .allocation = &pass->allocation},
                  {.paths = bright_paths(o), .classes = KEEP_ALL}},
         // Seen by the eye, or by the eye through a gather ray.
         .bounces = bounces_left(o, seen ? 1 : 2)};
     struct photon_trace trace[PHOTON_KEEPS] = {0};
     satin_status status = trace_into(pass, &tracing, &maps->global, trace);
     const double start = stats_wall();
-    struct photon_trace *bright = &trace[1];
-    if (status == SATIN_OK)
-        status =
-            photon_bright_build(pass->scene, bright->hit, bright->count, pass->log, &maps->bright);
-    photon_trace_free(bright);
+    if (status == SATIN_OK) status = build_clusters(pass, &trace[1], maps);
+    photon_trace_free(&trace[1]);
     stats_add(pass->stats, "photons.bright_s", stats_wall() - start);
     return status;
 }
@@ -121,36 +135,28 @@ static satin_status build_caustic(const struct pass *pass, struct photon_maps *m
     const satin_options *o = pass->options;
     // The photons integrator has the caustics in the global map.
     if (o->caustic_photons <= 0 || o->integrator == SATIN_PHOTONS) return SATIN_OK;
-    struct photon_guide *guide = NULL;
+    struct guide_emission *emission = NULL;
     double start = stats_wall();
-    struct photon_guiding guiding = {pass->scene, &pass->view, o->seed,
-                                     (uint64_t)o->caustic_photons};
-    satin_status status = photon_guide_build(&guiding, pass->pool, pass->log, &guide);
+    struct guide_emission_request request = {pass->scene, &pass->view, o->seed,
+                                             (uint64_t)o->caustic_photons};
+    satin_status status = guide_emission_build(&request, pass->pool, pass->log, &emission);
     stats_add(pass->stats, "photons.trace_s", stats_wall() - start);
-    if (status != SATIN_OK || !guide) return status;
+    if (status != SATIN_OK || !emission) return status;
     const struct photon_tracing tracing = {
         .scene = pass->scene,
         .seed = o->seed,
         .keep = {{.paths = (uint64_t)o->caustic_photons, .classes = 1 << PHOTON_CAUSTIC}},
         .bounces = bounces_left(o, 1),
-        .guide = guide};
+        .emission = emission};
     struct photon_trace trace[PHOTON_KEEPS] = {0};
     status = trace_into(pass, &tracing, &maps->caustic, trace);
-    photon_guide_free(guide);
+    guide_emission_free(emission);
     if (status != SATIN_OK) return status;
     return precompute(pass,
                       &(struct photon_precompute){&maps->caustic, pass->scene,
                                                   PHOTON_CAUSTIC_STRIDE, maps->caustic_k,
                                                   KERNEL_PARABOLA, maps->area, o->caustic_smooth},
                       &maps->caustic_irradiance);
-}
-
-static satin_status build_seen(const struct pass *pass, struct photon_maps *maps) {
-    if (!pass->options->light_guide || pass->options->integrator != SATIN_TWO_PASS) return SATIN_OK;
-    double start = stats_wall();
-    satin_status status = photon_seen_build(pass->scene, pass->options, pass->pool, &maps->seen);
-    stats_add(pass->stats, "photons.seen_s", stats_wall() - start);
-    return status;
 }
 
 satin_status photon_maps_build(const struct satin_scene *scene, const satin_options *options,
@@ -164,12 +170,11 @@ satin_status photon_maps_build(const struct satin_scene *scene, const satin_opti
     maps->smooth = options->caustic_smooth;
     struct pass pass = {
         .scene = scene, .options = options, .pool = pool, .log = log, .stats = stats};
-    photon_view_make(scene, options->seed, &pass.view);
-    photon_deal_make(scene, options->seed, &pass.deal);
+    guide_view_make(scene, options->seed, &pass.view);
+    guide_allocation_make(scene, options->seed, &pass.allocation);
     maps->trust = TRUST * pass.view.reach;
     satin_status status = build_global(&pass, maps);
     if (status == SATIN_OK) status = build_caustic(&pass, maps);
-    if (status == SATIN_OK) status = build_seen(&pass, maps);
     if (status != SATIN_OK) {
         photon_maps_free(maps);
         return status;
@@ -181,9 +186,13 @@ satin_status photon_maps_build(const struct satin_scene *scene, const satin_opti
               (double)(photon_map_bytes(&maps->global) + photon_map_bytes(&maps->caustic) +
                        photon_irradiance_bytes(&maps->irradiance) +
                        photon_irradiance_bytes(&maps->caustic_irradiance) +
-                       photon_bright_bytes(maps->bright) + photon_seen_bytes(maps->seen)));
+                       guide_clusters_bytes(maps->clusters)));
     *out = maps;
     return SATIN_OK;
+}
+
+const struct guide_clusters *photon_clusters(const struct photon_maps *maps) {
+    return maps ? maps->clusters : NULL;
 }
 
 float photon_trust(const struct photon_maps *maps) { return maps->trust; }
@@ -194,7 +203,6 @@ void photon_maps_free(struct photon_maps *maps) {
     photon_irradiance_free(&maps->caustic_irradiance);
     photon_map_free(&maps->global);
     photon_map_free(&maps->caustic);
-    photon_bright_free(maps->bright);
-    photon_seen_free(maps->seen);
+    guide_clusters_free(maps->clusters);
     free(maps);
 }

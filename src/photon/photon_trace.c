@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pass 1a: photons leave the lights, scatter and are kept where a smooth lobe could reflect them.
-// Paths are dealt to the lights, by power or by what is seen of it (photon_deal.c), in one run of
-// path indices each, so that well-spread numbers make the emission of every light even and no
-// choice of a light adds noise. Who needs fewer photons keeps those of the first paths of each run,
-// which are well spread too. Scattering ends by Russian roulette at the albedo, which keeps the
-// photons' powers alike [Jensen 2001]; shading normals get the factor of the adjoint BSDF [Veach
-// 1997, 5.3.2].
+// Paths are allocated to the lights, by power or by what is seen of it (guide_allocation.c), in one
+// run of path indices each, so that well-spread numbers make the emission of every light even and
+// no choice of a light adds noise. Who needs fewer photons keeps those of the first paths of each
+// run, which are well spread too. Scattering ends by Russian roulette at the albedo, which keeps
+// the photons' powers alike [Jensen 2001]; shading normals get the factor of the adjoint BSDF
+// [Veach 1997, 5.3.2].
 #include <limits.h>
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -143,7 +143,7 @@ static bool scatter(const struct satin_scene *scene, const struct surfel *s, uns
 static void walk(const struct photon_tracing *tracing, struct flight f, struct rng *rng,
                  struct chunk *chunk) {
     const struct satin_scene *scene = tracing->scene;
-    unsigned lobes = tracing->guide ? BRDF_DELTA : BRDF_ALL;
+    unsigned lobes = tracing->emission ? BRDF_DELTA : BRDF_ALL;
     const int most = tracing->bounces < 0 ? BOUNCES_MAX : tracing->bounces;
     for (int bounce = 0; bounce <= most; bounce++) {
         struct surfel s;
@@ -160,16 +160,17 @@ static void walk(const struct photon_tracing *tracing, struct flight f, struct r
 static uint64_t paths_of(const struct photon_tracing *tracing, const struct photon_keep *keep,
                          uint32_t light) {
     if (keep->paths == 0) return 0;
-    if (tracing->guide) return photon_guide_paths(tracing->guide, light);
+    if (tracing->emission) return guide_emission_paths(tracing->emission, light);
     const float *cdf = tracing->scene->light_cdf;
     double share = (double)cdf[light + 1] - (double)cdf[light];
-    if (keep->deal && !keep->deal->by_power) share = (double)keep->deal->share[light];
+    if (keep->allocation && !keep->allocation->by_power)
+        share = (double)keep->allocation->share[light];
     uint64_t n = (uint64_t)llround(share * (double)keep->paths);
     return n > 0 ? n : 1;  // even the faintest light is represented
 }
 
 // Allocates and fills the paths of each light; who keeps most of them decides how many there are.
-static bool deal_paths(struct run *run) {
+static bool allocate_paths(struct run *run) {
     const uint32_t lights = run->tracing->scene->light_count;
     run->first = array_new(lights + 1, sizeof *run->first);
     run->paths[0] = array_new(PHOTON_KEEPS * (size_t)lights, sizeof *run->paths[0]);
@@ -205,14 +206,14 @@ static bool launch(const struct run *run, uint32_t light, uint64_t index, struct
     const struct photon_tracing *tracing = run->tracing;
     // The sequence has 2^32 points; the rest of the index is part of the seed.
     uint64_t key = rng_mix(tracing->seed + 0x9e3779b97f4a7c15ull * (2 * light + 1) +
-                           (tracing->guide ? 0x632be59bd9b4e019ull : 0)) +
+                           (tracing->emission ? 0x632be59bd9b4e019ull : 0)) +
                    (index >> 32);
     float u[4], factor = 1.0f;
     sample_sobol4((uint32_t)index, (uint32_t)rng_mix(key), u);
     const struct light_aim *aim = NULL;
-    if (tracing->guide) {
-        factor = photon_guide_warp(tracing->guide, light, index, u);
-        aim = photon_guide_aim(tracing->guide);
+    if (tracing->emission) {
+        factor = guide_emission_warp(tracing->emission, light, index, u);
+        aim = guide_emission_aim(tracing->emission);
     }
     struct light_ray start;
     if (!light_emit(tracing->scene, light, aim, u, &start)) return false;
@@ -237,7 +238,8 @@ static void trace_chunk(void *ctx, size_t begin, size_t end, int worker) {
         if ((path - begin) % ASK_PATHS == ASK_PATHS - 1 && parallel_cancelled(run->pool, worker))
             break;
         while (path >= run->first[light + 1]) light++;
-        struct rng rng = rng_make(tracing->seed, tracing->guide ? RNG_CAUSTIC : RNG_PHOTON, path);
+        struct rng rng =
+            rng_make(tracing->seed, tracing->emission ? RNG_CAUSTIC : RNG_PHOTON, path);
         struct flight f;
         if (launch(run, light, path - run->first[light], &f, &chunk->refused))
             walk(tracing, f, &rng, chunk);
@@ -272,7 +274,7 @@ static satin_status join(struct run *run, size_t chunks, int keep, struct photon
 }
 
 static satin_status trace_all(struct run *run, struct photon_trace out[PHOTON_KEEPS]) {
-    if (!deal_paths(run)) return SATIN_ERROR_MEMORY;
+    if (!allocate_paths(run)) return SATIN_ERROR_MEMORY;
     const size_t paths = (size_t)run->first[run->tracing->scene->light_count];
     run->grain = paths / CHUNKS_MAX > CHUNK_PATHS ? paths / CHUNKS_MAX + 1 : CHUNK_PATHS;
     const size_t chunks = paths / run->grain + (paths % run->grain != 0);

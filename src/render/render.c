@@ -113,6 +113,7 @@ static void destroy(struct render *r) {
     render_levels_free(r);
     shade_tables_free(&r->tables);
     photon_maps_free(r->maps);
+    guide_visibility_free(r->visibility);
     parallel_free(r->pool);
 }
 

@@ -19,13 +19,32 @@ static bool reads_photons(const satin_options *o) {
            o->first_pass == SATIN_FIRST_PHOTONS;
 }
 
+static satin_status build_visibility(struct render *r) {
+    if (!r->options.light_guide || r->options.integrator != SATIN_TWO_PASS) return SATIN_OK;
+    const double start = stats_wall();
+    satin_status status = guide_visibility_build(&r->scene, &r->options, r->pool, &r->visibility);
+    stats_add(&r->stats, "photons.seen_s", stats_wall() - start);
+    stats_add(&r->stats, "photons.bytes", (double)guide_visibility_bytes(r->visibility));
+    return status;
+}
+
+static void free_maps(struct render *r) {
+    photon_maps_free(r->maps);
+    guide_visibility_free(r->visibility);
+    r->maps = NULL;
+    r->visibility = NULL;
+}
+
 static satin_status build(struct render *r, double share) {
     satin_options o = r->options;
     o.photons = (int64_t)ceil((double)o.photons * share);
     o.caustic_photons = (int64_t)ceil((double)o.caustic_photons * share);
     if (!reads_photons(&o)) o.photons = 0;
     r->photons_share = r->photons_wanted ? (double)o.photons / (double)r->photons_wanted : 0.0;
-    return photon_maps_build(&r->scene, &o, r->pool, r->log, &r->stats, &r->maps);
+    satin_status status = photon_maps_build(&r->scene, &o, r->pool, r->log, &r->stats, &r->maps);
+    if (status == SATIN_OK) status = build_visibility(r);
+    if (status != SATIN_OK) free_maps(r);
+    return status;
 }
 
 // Whether paths can do without what the photons are for.
@@ -68,14 +87,14 @@ satin_status render_photons(struct render *r) {
     double left = PHOTON_SHARE * r->options.time - render_elapsed(r);
     double share = fmin(CAUTION * left / seconds / PILOT, 1.0);
     if (share * PILOT < WORTH_MORE) return SATIN_OK;
-    photon_maps_free(r->maps);
-    r->maps = NULL;
+    free_maps(r);
     r->stats = before;
     return build(r, share);
 }
 
 struct gather render_gather(const struct render *r) {
     struct gather g = gather_make(&r->scene, &r->options, r->maps);
+    g.visibility = r->visibility;
     // The radius of a lookup falls as the root of the number of photons.
     if (r->photons_share > 0.0 && r->photons_share < 1.0) g.trust /= (float)sqrt(r->photons_share);
     return g;

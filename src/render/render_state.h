@@ -34,6 +34,7 @@ struct render {
     int64_t photons_wanted;  // of the global map, without a time limit
     double photons_share;    // that were made of them; 0: none were wanted
     struct photon_maps *maps;
+    struct guide_visibility *visibility;  // of the lights; NULL: all is seen
     struct gather gather;
     struct shade_tables tables;
     struct render_level *levels;  // records of each bounce behind the image, see render_levels.c

@@ -11,8 +11,10 @@ import re
 import sys
 
 # The way of the light: a stage includes only stages before it.
-STAGES = ["base", "rsh", "brdf", "scene", "light", "load", "photon", "gather", "cache", "shade",
-          "film", "render", "apps"]
+STAGES = ["base", "rsh", "brdf", "scene", "light", "load", "guide", "photon", "gather", "cache",
+          "shade", "film", "render", "apps"]
+# The only stage that may include headers of a library.
+LIBRARIES = {"embree": "scene", "flann": "photon"}
 # How names of files may begin; base is free, the others have their stage's noun.
 NOUNS = {"render": ("render", "options"), "apps": ("app", "main")}
 MAX_LINES = 500
@@ -36,6 +38,9 @@ def check_includes(path, stage, lines):
     """`stage` may include base, the public headers, its own files and the named header of a stage
     before it."""
     for at, line in enumerate(lines, 1):
+        library = re.match(r"\s*#\s*include\s+<([a-z]+)", line)
+        if library and LIBRARIES.get(library.group(1).rstrip("0123456789"), stage) != stage:
+            yield at, f"only {LIBRARIES[library.group(1)]} knows {library.group(1)}"
         found = re.match(r'\s*#\s*include\s+"([^"]+)"', line)
         if not found:
             continue

@@ -12,8 +12,8 @@
 #include <cmocka.h>
 
 #include "gather/gather_scratch.h"
+#include "guide/guide_visibility.h"
 #include "photon/photon_map.h"
-#include "photon/photon_seen.h"
 #include "test_scene.h"
 
 // A floor at z = 0 beneath a sky and a lamp.
@@ -27,12 +27,12 @@ static void scene_of(struct test_scene *t) {
 }
 
 // Two cells that meet at `height`: the lower one hardly sees the sky, the upper one not the lamp.
-static struct photon_seen *cells_at(float height) {
-    struct photon_seen *seen = calloc(1, sizeof *seen);
+static struct guide_visibility *cells_at(float height) {
+    struct guide_visibility *seen = calloc(1, sizeof *seen);
     assert_non_null(seen);
     seen->choice = true;
     seen->cells.depth = 1;
-    seen->cells.split[0] = (struct photon_border){v3(0, 0, 1), height};
+    seen->cells.split[0] = (struct guide_plane){v3(0, 0, 1), height};
     for (int cell = 0; cell < 2; cell++)
         for (int light = 0; light < 2; light++) seen->share[cell][light] = cell == light ? .02f : 1;
     return seen;
@@ -49,8 +49,10 @@ static void light_is_weighed_at_the_point_that_rays_leave(void **state) {
     const vec3 p = v3(0, 0, 0), up = v3(0, 0, 1);
     const float border[2] = {0.0f, 1e-30f};
     for (int i = 0; i < 2; i++) {
-        struct photon_maps maps = {.seen = cells_at(border[i])};
-        const struct gather g = {.scene = &t.scene, .options = &options, .maps = &maps};
+        const struct photon_maps maps = {.area = true};
+        struct guide_visibility *visibility = cells_at(border[i]);
+        const struct gather g = {
+            .scene = &t.scene, .options = &options, .maps = &maps, .visibility = visibility};
         struct gather_ray *ray = gather_scratch_rays(scratch);
         *ray = (struct gather_ray){.ray = scene_spawn(&t.scene, p, up, up), .lit = &p};
         gather_rays(&g, scratch, ray, 1, 0);
@@ -59,7 +61,7 @@ static void light_is_weighed_at_the_point_that_rays_leave(void **state) {
         assert_true(ray->light_pdf == gather_light_pdf(&g, p, up, NULL));
         // A sky and a lamp that reach p alike would get half of the samples each.
         assert_true(i == 0 ? ray->light_pdf > 0.4f / PI_F * 0.5f : ray->light_pdf < 0.05f / PI_F);
-        free(maps.seen);
+        free(visibility);
     }
     gather_scratch_free(scratch);
     test_scene_free(&t);

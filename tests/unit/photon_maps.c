@@ -292,22 +292,22 @@ static void pane_scene(struct test_scene *t, enum light_kind kind, float half) {
 }
 
 // view NULL: unguided.
-static struct photon_trace trace_caustics(const struct test_scene *t,
-                                          const struct photon_view *view, uint64_t paths) {
+static struct photon_trace trace_caustics(const struct test_scene *t, const struct guide_view *view,
+                                          uint64_t paths) {
     struct parallel *pool = pool_of(2);
     struct log quiet = {0};
-    struct photon_guide *guide = NULL;
+    struct guide_emission *guide = NULL;
     struct photon_trace trace[PHOTON_KEEPS];
-    struct photon_guiding guiding = {&t->scene, view, 1, paths};
-    if (view) assert_int_equal(photon_guide_build(&guiding, pool, quiet, &guide), SATIN_OK);
+    struct guide_emission_request guiding = {&t->scene, view, 1, paths};
+    if (view) assert_int_equal(guide_emission_build(&guiding, pool, quiet, &guide), SATIN_OK);
     assert_true((guide != NULL) == (view != NULL));
     struct photon_tracing tracing = {.scene = &t->scene,
                                      .seed = 1,
                                      .keep = {{paths, 1 << PHOTON_CAUSTIC, NULL}},
                                      .bounces = -1,
-                                     .guide = guide};
+                                     .emission = guide};
     assert_int_equal(photon_trace_run(&tracing, pool, quiet, trace), SATIN_OK);
-    photon_guide_free(guide);
+    guide_emission_free(guide);
     parallel_free(pool);
     return trace[0];
 }
@@ -328,7 +328,7 @@ static void guide_is_unbiased(void **state) {
     (void)state;
     static const enum light_kind kinds[] = {LIGHT_AREA, LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL,
                                             LIGHT_CONSTANT};
-    const struct photon_view none = {0};
+    const struct guide_view none = {0};
     for (int i = 0; i < 5; i++) {
         struct test_scene t;
         caustic_scene(&t, kinds[i]);
@@ -365,9 +365,9 @@ static void large_panes_are_aimed_through(void **state) {
     (void)state;
     static const enum light_kind kinds[] = {LIGHT_AREA, LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL,
                                             LIGHT_CONSTANT};
-    const struct photon_view none = {0};
-    struct photon_view view = {.seen_count = 1};
-    for (int k = 0; k < PHOTON_VIEW_BOXES; k++)
+    const struct guide_view none = {0};
+    struct guide_view view = {.seen_count = 1};
+    for (int k = 0; k < GUIDE_VIEW_BOXES; k++)
         view.seen[k] = (struct light_target){v3(-0.5f, -0.5f, -0.1f), v3(0.5f, 0.5f, 0.1f)};
     for (int i = 0; i < 5; i++) {
         struct test_scene t;

@@ -35,41 +35,41 @@ static void room(struct test_scene *t, bool closed) {
 static void lamps_in_closed_rooms_get_half(void **state) {
     (void)state;
     struct test_scene t;
-    struct photon_deal deal;
+    struct guide_allocation allocation;
     room(&t, true);
     const float by_power = t.scene.light_cdf[1];
     assert_true(by_power < 0.01f);
-    photon_deal_make(&t.scene, 1, &deal);
-    assert_false(deal.by_power);
-    assert_true(fabsf(deal.share[0] - 0.5f - 0.5f * by_power) < 1e-6f);
-    assert_true(fabsf(deal.share[0] + deal.share[1] - 1.0f) < 1e-6f);
+    guide_allocation_make(&t.scene, 1, &allocation);
+    assert_false(allocation.by_power);
+    assert_true(fabsf(allocation.share[0] - 0.5f - 0.5f * by_power) < 1e-6f);
+    assert_true(fabsf(allocation.share[0] + allocation.share[1] - 1.0f) < 1e-6f);
     test_scene_free(&t);
 }
 
 static void skies_over_open_floors_get_most(void **state) {
     (void)state;
     struct test_scene t;
-    struct photon_deal deal;
+    struct guide_allocation allocation;
     room(&t, false);
-    photon_deal_make(&t.scene, 1, &deal);
+    guide_allocation_make(&t.scene, 1, &allocation);
     // Walks leave the floor upwards and meet nothing but the back of the lamp, or the sky.
-    assert_true(deal.by_power || deal.share[1] > 0.5f);
+    assert_true(allocation.by_power || allocation.share[1] > 0.5f);
     test_scene_free(&t);
 }
 
-// What is dealt otherwise arrives in the same amount.
+// What is allocated otherwise arrives in the same amount.
 static void power_is_kept(void **state) {
     (void)state;
     struct test_scene t;
     room(&t, true);
-    struct photon_deal deal;
-    photon_deal_make(&t.scene, 1, &deal);
+    struct guide_allocation allocation;
+    guide_allocation_make(&t.scene, 1, &allocation);
     struct parallel *pool = parallel_new(1);
     assert_non_null(pool);
     const struct photon_tracing tracing = {
         .scene = &t.scene,
         .seed = 1,
-        .keep = {{1 << 20, 1 << PHOTON_DIRECT, NULL}, {1 << 20, 1 << PHOTON_DIRECT, &deal}},
+        .keep = {{1 << 20, 1 << PHOTON_DIRECT, NULL}, {1 << 20, 1 << PHOTON_DIRECT, &allocation}},
         .bounces = 0};
     struct photon_trace trace[PHOTON_KEEPS];
     assert_int_equal(photon_trace_run(&tracing, pool, (struct log){0}, trace), SATIN_OK);

@@ -6,7 +6,7 @@
 #include <math.h>
 
 #include "base/sampling.h"
-#include "photon/photon_map.h"
+#include "guide/guide.h"
 
 enum { SPREAD = 12000, DENSE = 8000, PHOTONS = SPREAD + DENSE };
 
@@ -23,7 +23,7 @@ static vec3 on_wall(size_t i, vec2 u, vec3 *n) {
 
 // Photons of power 1 / PHOTONS, spread over the walls of a box, and a part in a spot on its
 // ceiling.
-static void shower(struct photon_hit *hit, size_t spread) {
+static void shower(struct guide_photon *photon, size_t spread) {
     for (size_t i = 0; i < PHOTONS; i++) {
         vec2 u = sample_sobol2((uint32_t)i / 6, 7 + (uint32_t)i % 6);
         vec3 n, p = on_wall(i % 6, u, &n);
@@ -32,8 +32,7 @@ static void shower(struct photon_hit *hit, size_t spread) {
             p = v3_add(SPOT, v3(SPOT_RADIUS * d.x, 0.0f, SPOT_RADIUS * d.y));
             n = v3(0, -1, 0);
         }
-        hit[i] = (struct photon_hit){
-            .p = p, .power = rgb_grey(1.0f / PHOTONS), .wi = photon_pack(n), .n = photon_pack(n)};
+        photon[i] = (struct guide_photon){.p = p, .n = n, .power = 1.0f / PHOTONS};
     }
 }
 
@@ -47,21 +46,20 @@ static void box(struct test_scene *t, bool shaded) {
     test_scene_finish(t);
 }
 
-static struct photon_bright *build(const struct test_scene *t, size_t spread) {
-    static struct photon_hit hit[PHOTONS];
-    shower(hit, spread);
-    struct photon_bright *bright = NULL;
-    assert_int_equal(photon_bright_build(&t->scene, hit, PHOTONS, (struct log){0}, &bright),
+static struct guide_clusters *build(const struct test_scene *t, size_t spread) {
+    static struct guide_photon photon[PHOTONS];
+    shower(photon, spread);
+    struct guide_clusters *clusters = NULL;
+    assert_int_equal(guide_clusters_build(&t->scene, photon, PHOTONS, (struct log){0}, &clusters),
                      SATIN_OK);
-    return bright;
+    return clusters;
 }
 
-static int look(const struct test_scene *t, struct photon_bright *bright, vec3 p, vec3 n,
-                struct photon_cone *cone) {
-    struct photon_maps maps = {.bright = bright};
+static int look(const struct test_scene *t, struct guide_clusters *clusters, vec3 p, vec3 n,
+                struct guide_cone *cone) {
     float expected = 0.0f;
     int count =
-        photon_bright_cones(&maps, &t->scene, &(struct photon_eye){p, n, n}, cone, &expected);
+        guide_cones_from(clusters, &t->scene, &(struct guide_eye){p, n, n}, cone, &expected);
     if (count > 0) assert_true(expected > 0.0f);
     return count;
 }
@@ -71,13 +69,13 @@ static void a_spot_is_seen(void **state) {
     (void)state;
     struct test_scene t;
     box(&t, false);
-    struct photon_bright *bright = build(&t, SPREAD);
-    assert_non_null(bright);
-    assert_true(photon_bright_bytes(bright) > 0);
+    struct guide_clusters *clusters = build(&t, SPREAD);
+    assert_non_null(clusters);
+    assert_true(guide_clusters_bytes(clusters) > 0);
     for (int i = 0; i < 8; i++) {
         const vec3 p = v3(-0.9f + 0.2f * (float)i, -1.0f, 0.1f * (float)i), n = v3(0, 1, 0);
-        struct photon_cone cone[PHOTON_CONES];
-        int count = look(&t, bright, p, n, cone);
+        struct guide_cone cone[GUIDE_CONES];
+        int count = look(&t, clusters, p, n, cone);
         assert_true(count > 0);
         float solid_angle = 0.0f, E = 0.0f;
         for (int c = 0; c < count; c++) {
@@ -101,7 +99,7 @@ static void a_spot_is_seen(void **state) {
             assert_true(held > 0);
         }
     }
-    photon_bright_free(bright);
+    guide_clusters_free(clusters);
     test_scene_free(&t);
 }
 
@@ -109,15 +107,15 @@ static void what_is_hidden_is_not_seen(void **state) {
     (void)state;
     struct test_scene t;
     box(&t, true);
-    struct photon_bright *bright = build(&t, SPREAD);
-    struct photon_cone cone[PHOTON_CONES];
-    int others = look(&t, bright, v3(0.3f, -1.0f, -0.2f), v3(0, 1, 0), cone);
+    struct guide_clusters *clusters = build(&t, SPREAD);
+    struct guide_cone cone[GUIDE_CONES];
+    int others = look(&t, clusters, v3(0.3f, -1.0f, -0.2f), v3(0, 1, 0), cone);
     for (int c = 0; c < others; c++) assert_true(cone[c].E < 1e-3f);
     // From beside the board, and from a wall; not from a surface that faces away.
-    assert_true(look(&t, bright, v3(-0.9f, 0.7f, -0.2f), v3(1, 0, 0), cone) > 0);
-    others = look(&t, bright, v3(-0.9f, 0.7f, -0.2f), v3(0, -1, 0), cone);
+    assert_true(look(&t, clusters, v3(-0.9f, 0.7f, -0.2f), v3(1, 0, 0), cone) > 0);
+    others = look(&t, clusters, v3(-0.9f, 0.7f, -0.2f), v3(0, -1, 0), cone);
     for (int c = 0; c < others; c++) assert_true(cone[c].center.y < 0.9f && cone[c].E < 1e-3f);
-    photon_bright_free(bright);
+    guide_clusters_free(clusters);
     test_scene_free(&t);
 }
 
@@ -125,34 +123,34 @@ static void even_light_has_none(void **state) {
     (void)state;
     struct test_scene t;
     box(&t, false);
-    struct photon_bright *bright = build(&t, PHOTONS), *none = NULL;
-    struct photon_cone cone[PHOTON_CONES];
-    assert_int_equal(look(&t, bright, v3(0.1f, -1, 0.2f), v3(0, 1, 0), cone), 0);
+    struct guide_clusters *clusters = build(&t, PHOTONS), *none = NULL;
+    struct guide_cone cone[GUIDE_CONES];
+    assert_int_equal(look(&t, clusters, v3(0.1f, -1, 0.2f), v3(0, 1, 0), cone), 0);
     assert_int_equal(look(&t, NULL, v3(0.1f, -1, 0.2f), v3(0, 1, 0), cone), 0);
-    assert_int_equal(photon_bright_build(&t.scene, NULL, 0, (struct log){0}, &none), SATIN_OK);
+    assert_int_equal(guide_clusters_build(&t.scene, NULL, 0, (struct log){0}, &none), SATIN_OK);
     assert_null(none);
-    photon_bright_free(bright);
+    guide_clusters_free(clusters);
     test_scene_free(&t);
 }
 
 // Photons in one point, and in a line: no area at all.
 static void photons_without_area_are_harmless(void **state) {
     (void)state;
-    static struct photon_hit hit[PHOTONS];
+    static struct guide_photon photon[PHOTONS];
     for (int line = 0; line < 2; line++) {
-        shower(hit, SPREAD);
+        shower(photon, SPREAD);
         for (size_t i = SPREAD; i < PHOTONS; i++)
-            hit[i].p = v3_add(SPOT, v3(line ? 1e-6f * (float)i : 0.0f, 0.0f, 0.0f));
-        struct photon_bright *bright = NULL;
+            photon[i].p = v3_add(SPOT, v3(line ? 1e-6f * (float)i : 0.0f, 0.0f, 0.0f));
+        struct guide_clusters *clusters = NULL;
         struct test_scene t;
         box(&t, false);
-        assert_int_equal(photon_bright_build(&t.scene, hit, PHOTONS, (struct log){0}, &bright),
-                         SATIN_OK);
-        struct photon_cone cone[PHOTON_CONES];
-        int count = look(&t, bright, v3(0, -1, 0), v3(0, 1, 0), cone);
+        assert_int_equal(
+            guide_clusters_build(&t.scene, photon, PHOTONS, (struct log){0}, &clusters), SATIN_OK);
+        struct guide_cone cone[GUIDE_CONES];
+        int count = look(&t, clusters, v3(0, -1, 0), v3(0, 1, 0), cone);
         for (int c = 0; c < count; c++)
             assert_true(cone[c].versine > 0.0f && isfinite(cone[c].E) && isfinite(cone[c].filled));
-        photon_bright_free(bright);
+        guide_clusters_free(clusters);
         test_scene_free(&t);
     }
 }

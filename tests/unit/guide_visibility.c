@@ -10,7 +10,7 @@
 #include <cmocka.h>
 
 #include "base/sampling.h"
-#include "photon/photon_map.h"
+#include "guide/guide.h"
 #include "test_scene.h"
 
 // A camera looks down at the floor of a cube of half-width 1 whose wall at x = 1 has a slit above
@@ -60,64 +60,60 @@ static struct tally sample(const struct test_scene *t, const struct light_window
     return tally;
 }
 
-// Builds the maps' windows by that many threads.
-static void look(struct test_scene *t, int threads, struct photon_maps *maps) {
+// Learns what is seen by that many threads.
+static struct guide_visibility *look(struct test_scene *t, int threads) {
     satin_options options = satin_options_default;
     struct parallel *pool = parallel_new(threads);
-    *maps = (struct photon_maps){.photon_k = 1};
-    assert_int_equal(photon_seen_build(&t->scene, &options, pool, &maps->seen), SATIN_OK);
+    struct guide_visibility *seen = NULL;
+    assert_int_equal(guide_visibility_build(&t->scene, &options, pool, &seen), SATIN_OK);
     parallel_free(pool);
+    return seen;
 }
 
-static void begin(struct test_scene *t, bool walls, int lamps, int threads,
-                  struct photon_maps *maps) {
+static struct guide_visibility *begin(struct test_scene *t, bool walls, int lamps, int threads) {
     room(t, walls, lamps);
-    look(t, threads, maps);
+    return look(t, threads);
 }
 
-static void end(struct test_scene *t, struct photon_maps *maps) {
-    photon_seen_free(maps->seen);
+static void end(struct test_scene *t, struct guide_visibility *seen) {
+    guide_visibility_free(seen);
     test_scene_free(t);
 }
 
 static void samples_go_through_the_hole(void **state) {
     (void)state;
     struct test_scene t;
-    struct photon_maps maps;
-    begin(&t, true, 0, 2, &maps);
+    struct guide_visibility *all = begin(&t, true, 0, 2);
     for (int i = 0; i < 9; i++) {
         const vec3 p = v3(0.3f * (float)(i % 3 - 1), 0.3f * (float)(i / 3 - 1), -1.0f);
-        const struct light_window *window = photon_seen_at(&maps, p).window;
+        const struct light_window *window = guide_visibility_at(all, p).window;
         assert_non_null(window);
         const struct tally blind = sample(&t, NULL, p), guided = sample(&t, window, p);
         assert_true(guided.visible > 30.0 * blind.visible);
         assert_true(fabs(guided.E - blind.E) < 0.05 * blind.E);
     }
-    end(&t, &maps);
+    end(&t, all);
 }
 
 static void an_open_floor_looks_up(void **state) {
     (void)state;
     struct test_scene t;
-    struct photon_maps maps;
-    begin(&t, false, 0, 1, &maps);
+    struct guide_visibility *all = begin(&t, false, 0, 1);
     const vec3 p = v3(0, 0, -1);
-    const struct light_window *window = photon_seen_at(&maps, p).window;
+    const struct light_window *window = guide_visibility_at(all, p).window;
     assert_non_null(window);
     const struct tally blind = sample(&t, NULL, p), guided = sample(&t, window, p);
     assert_true(fabs(blind.visible - 0.5) < 0.01 && guided.visible > 0.85);
     assert_true(fabs(guided.E - M_PI) < 0.02);
-    end(&t, &maps);
+    end(&t, all);
 }
 
 static void without_sky_there_is_nothing(void **state) {
     (void)state;
     struct test_scene t;
-    struct photon_maps maps;
-    begin(&t, true, 1, 1, &maps);
-    assert_null(maps.seen);
-    assert_null(photon_seen_at(&maps, v3(0, 0, 0)).window);
-    assert_null(photon_seen_at(NULL, v3(0, 0, 0)).window);
+    struct guide_visibility *all = begin(&t, true, 1, 1);
+    assert_null(all);
+    assert_null(guide_visibility_at(all, v3(0, 0, 0)).window);
     test_scene_free(&t);
 }
 
@@ -125,33 +121,30 @@ static void without_sky_there_is_nothing(void **state) {
 static void lamps_behind_walls_are_hardly_chosen(void **state) {
     (void)state;
     struct test_scene t;
-    struct photon_maps maps;
-    begin(&t, true, 2, 2, &maps);
+    struct guide_visibility *all = begin(&t, true, 2, 2);
     const vec3 p = v3(0.1f, 0.2f, -1);
-    const struct light_seen seen = photon_seen_at(&maps, p);
+    const struct light_seen seen = guide_visibility_at(all, p);
     assert_null(seen.window);
     assert_true(light_choose_probability(&t.scene, p, LIGHT_SEEN_ALL, 1) > 0.35f);
     const float behind = light_choose_probability(&t.scene, p, seen, 1);
     assert_true(behind > 0.01f && behind < 0.2f);
     assert_true(fabsf(behind + light_choose_probability(&t.scene, p, seen, 0) - 1.0f) < 1e-5f);
-    end(&t, &maps);
+    end(&t, all);
 }
 
 static void threads_make_no_difference(void **state) {
     (void)state;
     struct test_scene t;
-    struct photon_maps one, three;
     room(&t, true, 0);
-    look(&t, 1, &one);
-    look(&t, 3, &three);
+    struct guide_visibility *one = look(&t, 1), *three = look(&t, 3);
     for (int i = 0; i < 64; i++) {
         const vec3 p = v3(0.06f * (float)(i % 8) - 0.2f, 0.06f * (float)(i / 8) - 0.2f, -1.0f);
-        const struct light_window *a = photon_seen_at(&one, p).window;
-        const struct light_window *b = photon_seen_at(&three, p).window;
+        const struct light_window *a = guide_visibility_at(one, p).window;
+        const struct light_window *b = guide_visibility_at(three, p).window;
         assert_memory_equal(a->cdf, b->cdf, (LIGHT_WINDOW_BINS + 1) * sizeof *a->cdf);
     }
-    photon_seen_free(one.seen);
-    photon_seen_free(three.seen);
+    guide_visibility_free(one);
+    guide_visibility_free(three);
     test_scene_free(&t);
 }
 

@@ -5,11 +5,11 @@
 // starts most of its paths there, evenly, so that its photons have equal power; the other cells get
 // a share too, which keeps the estimate unbiased. Light from infinitely far is aimed at the box of
 // the surfaces with delta lobes, which loses nothing; and where that is large, as a pane of glass
-// over all that is seen, light is aimed at what is seen (photon_view.c).
+// over all that is seen, light is aimed at what is seen (guide_view.c).
 #include <stdlib.h>
 
 #include "base/sampling.h"
-#include "photon/photon_map.h"
+#include "guide/guide.h"
 
 enum {
     PILOT_RAYS = 16,      // per cell
@@ -29,7 +29,7 @@ struct light_cells {
     uint64_t paths;
 };
 
-struct photon_guide {
+struct guide_emission {
     uint32_t light_count;
     struct light_cells *light;
     uint32_t *cells;  // of all lights
@@ -125,7 +125,7 @@ static void cell_point(const struct light_cells *cells, uint32_t cell, float u[4
 
 struct pilot {
     const struct satin_scene *scene;
-    const struct photon_guide *guide;
+    const struct guide_emission *emission;
     uint64_t seed;
     uint32_t light;
     uint8_t *met;
@@ -134,7 +134,7 @@ struct pilot {
 static bool meets_delta(const struct pilot *pilot, const float u[4]) {
     struct light_ray start;
     struct surfel s;
-    if (!light_emit(pilot->scene, pilot->light, &pilot->guide->aim, u, &start)) return false;
+    if (!light_emit(pilot->scene, pilot->light, &pilot->emission->aim, u, &start)) return false;
     if (!scene_intersect(pilot->scene, &start.ray, &s)) return false;
     return shape_has_delta(pilot->scene, s.shape);
 }
@@ -142,7 +142,7 @@ static bool meets_delta(const struct pilot *pilot, const float u[4]) {
 static void probe_cells(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
     const struct pilot *pilot = ctx;
-    const struct light_cells *cells = &pilot->guide->light[pilot->light];
+    const struct light_cells *cells = &pilot->emission->light[pilot->light];
     for (size_t c = begin; c < end; c++) {
         struct rng rng = rng_make(pilot->seed, RNG_GUIDE, (uint64_t)pilot->light << 32 | c);
         for (int i = 0; i < PILOT_RAYS && !pilot->met[c]; i++) {
@@ -184,16 +184,16 @@ static float seen_share(const struct light_cells *cells) {
 }
 
 // Deals the paths to the lights by the power that leaves their seen cells, and a tenth by power.
-static void deal_paths(const struct satin_scene *scene, uint64_t paths,
-                       struct photon_guide *guide) {
+static void allocate_paths(const struct satin_scene *scene, uint64_t paths,
+                           struct guide_emission *emission) {
     double seen = 0.0, all = 0.0;
-    for (uint32_t i = 0; i < guide->light_count; i++) {
-        const struct light_cells *cells = &guide->light[i];
+    for (uint32_t i = 0; i < emission->light_count; i++) {
+        const struct light_cells *cells = &emission->light[i];
         seen += (double)scene->light[i].power * cells->seen / cells->total;
         all += (double)scene->light[i].power;
     }
-    for (uint32_t i = 0; i < guide->light_count; i++) {
-        struct light_cells *cells = &guide->light[i];
+    for (uint32_t i = 0; i < emission->light_count; i++) {
+        struct light_cells *cells = &emission->light[i];
         double power = scene->light[i].power, share = power / all;
         if (seen > 0.0) share = 0.9 * power * cells->seen / cells->total / seen + 0.1 * share;
         uint64_t n = (uint64_t)llround(share * (double)paths);
@@ -201,82 +201,85 @@ static void deal_paths(const struct satin_scene *scene, uint64_t paths,
     }
 }
 
-static struct photon_guide *guide_new(const struct satin_scene *scene) {
-    struct photon_guide *guide = calloc(1, sizeof *guide);
-    if (!guide) return NULL;
+static struct guide_emission *emission_new(const struct satin_scene *scene) {
+    struct guide_emission *emission = calloc(1, sizeof *emission);
+    if (!emission) return NULL;
     uint32_t lights = scene->light_count, budget = CELLS_MAX / lights;
     if (budget > LIGHT_CELLS_MAX) budget = LIGHT_CELLS_MAX;
-    guide->light_count = lights;
-    guide->light = calloc(lights, sizeof *guide->light);
+    emission->light_count = lights;
+    emission->light = calloc(lights, sizeof *emission->light);
     size_t total = 0;
-    for (uint32_t i = 0; guide->light && i < lights; i++) {
-        split_light(&scene->light[i], budget, &guide->light[i]);
-        total += guide->light[i].total;
+    for (uint32_t i = 0; emission->light && i < lights; i++) {
+        split_light(&scene->light[i], budget, &emission->light[i]);
+        total += emission->light[i].total;
     }
-    guide->cells = malloc((total ? total : 1) * sizeof *guide->cells);
-    if (!guide->light || !guide->cells) {
-        photon_guide_free(guide);
+    emission->cells = malloc((total ? total : 1) * sizeof *emission->cells);
+    if (!emission->light || !emission->cells) {
+        guide_emission_free(emission);
         return NULL;
     }
     total = 0;
     for (uint32_t i = 0; i < lights; i++) {
-        guide->light[i].cell = guide->cells + total;
-        total += guide->light[i].total;
+        emission->light[i].cell = emission->cells + total;
+        total += emission->light[i].total;
     }
-    return guide;
+    return emission;
 }
 
-satin_status photon_guide_build(const struct photon_guiding *guiding, struct parallel *pool,
-                                struct log log, struct photon_guide **out) {
-    const struct satin_scene *scene = guiding->scene;
+satin_status guide_emission_build(const struct guide_emission_request *request,
+                                  struct parallel *pool, struct log log,
+                                  struct guide_emission **out) {
+    const struct satin_scene *scene = request->scene;
     struct light_target target;
     if (scene->light_count == 0 || !find_target(scene, &target)) {
         *out = NULL;
         return SATIN_OK;
     }
     satin_status status = SATIN_OK;
-    struct photon_guide *guide = guide_new(scene);
+    struct guide_emission *emission = emission_new(scene);
     uint8_t *met = malloc(LIGHT_CELLS_MAX);
-    if (!guide || !met) status = SATIN_ERROR_MEMORY;
-    if (guide) photon_view_aim(guiding->view, target, &guide->aim);
+    if (!emission || !met) status = SATIN_ERROR_MEMORY;
+    if (emission) guide_view_aim(request->view, target, &emission->aim);
     for (uint32_t i = 0; i < scene->light_count && status == SATIN_OK; i++) {
-        struct pilot pilot = {scene, guide, guiding->seed, i, met};
+        struct pilot pilot = {scene, emission, request->seed, i, met};
         for (int c = 0; c < LIGHT_CELLS_MAX; c++) met[c] = 0;
-        if (!parallel_for(pool, guide->light[i].total, 64, probe_cells, &pilot))
+        if (!parallel_for(pool, emission->light[i].total, 64, probe_cells, &pilot))
             status = SATIN_CANCELLED;
         else
-            sort_cells(&guide->light[i], met);
+            sort_cells(&emission->light[i], met);
     }
     free(met);
     if (status != SATIN_OK) {
-        photon_guide_free(guide);
+        guide_emission_free(emission);
         if (status == SATIN_ERROR_MEMORY) log_fail(log, status, "not enough memory for caustics");
         return status;
     }
-    deal_paths(scene, guiding->paths, guide);
-    *out = guide;
+    allocate_paths(scene, request->paths, emission);
+    *out = emission;
     return SATIN_OK;
 }
 
-void photon_guide_free(struct photon_guide *guide) {
-    if (!guide) return;
-    free(guide->light);
-    free(guide->cells);
-    free(guide);
+void guide_emission_free(struct guide_emission *emission) {
+    if (!emission) return;
+    free(emission->light);
+    free(emission->cells);
+    free(emission);
 }
 
-uint64_t photon_guide_paths(const struct photon_guide *guide, uint32_t light) {
-    return guide->light[light].paths;
+uint64_t guide_emission_paths(const struct guide_emission *emission, uint32_t light) {
+    return emission->light[light].paths;
 }
 
-const struct light_aim *photon_guide_aim(const struct photon_guide *guide) { return &guide->aim; }
+const struct light_aim *guide_emission_aim(const struct guide_emission *emission) {
+    return &emission->aim;
+}
 
 // The first paths go to the seen cells, the others to the rest, in the order of the cells: x runs
 // over them evenly, its whole part names the cell and its fraction is the place along the cell's
 // first number, so that with the other numbers of the sequence every cell is filled by a net.
-float photon_guide_warp(const struct photon_guide *guide, uint32_t light, uint64_t index,
-                        float u[4]) {
-    const struct light_cells *cells = &guide->light[light];
+float guide_emission_warp(const struct guide_emission *emission, uint32_t light, uint64_t index,
+                          float u[4]) {
+    const struct light_cells *cells = &emission->light[light];
     uint64_t to_seen = (uint64_t)llround((double)seen_share(cells) * (double)cells->paths);
     bool seen = index < to_seen;
     uint64_t n = seen ? to_seen : cells->paths - to_seen, j = seen ? index : index - to_seen;

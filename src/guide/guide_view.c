@@ -8,11 +8,11 @@
 #include <stdlib.h>
 
 #include "base/sampling.h"
-#include "photon/photon_map.h"
+#include "guide/guide.h"
 
 enum { SPECULAR_MAX = 16 };
 
-static const double QUANTILE[PHOTON_VIEW_BOXES] = {1.0, 0.9, 0.5};
+static const double QUANTILE[GUIDE_VIEW_BOXES] = {1.0, 0.9, 0.5};
 
 // A spot must be smaller than what is around it by this much to be worth photons of its own.
 #define SMALLER 0.25f
@@ -23,7 +23,7 @@ struct point {
 };
 
 struct cloud {
-    struct point point[PHOTON_VIEW_PATHS];
+    struct point point[GUIDE_VIEW_PATHS];
     int count;
 };
 
@@ -42,7 +42,7 @@ static void add(struct cloud *cloud, vec3 p) { cloud->point[cloud->count++].p = 
 // ---- Boxes ------------------------------------------------------------------------------------
 
 static float median(const struct cloud *cloud, int axis) {
-    float x[PHOTON_VIEW_PATHS];
+    float x[GUIDE_VIEW_PATHS];
     for (int i = 0; i < cloud->count; i++) x[i] = v3_along(cloud->point[i].p, axis);
     qsort(x, (size_t)cloud->count, sizeof *x, compare_floats);
     return x[cloud->count / 2];
@@ -55,7 +55,7 @@ static void make_boxes(struct cloud *cloud, struct light_target *box) {
         cloud->point[i].distance = fmaxf(fabsf(d.x), fmaxf(fabsf(d.y), fabsf(d.z)));
     }
     qsort(cloud->point, (size_t)cloud->count, sizeof *cloud->point, compare_points);
-    for (int k = 0; k < PHOTON_VIEW_BOXES; k++) {
+    for (int k = 0; k < GUIDE_VIEW_BOXES; k++) {
         vec3 lo = middle, hi = middle;
         for (int i = 0; i < (int)(QUANTILE[k] * cloud->count); i++) {
             lo = v3_min(lo, cloud->point[i].p);
@@ -75,7 +75,7 @@ static float surface(const struct light_target *box) {
 // Makes spots of the boxes, which become smaller, that are small against what is around them.
 static void add_spots(const struct light_target *box, struct light_aim *aim) {
     float around = surface(&aim->all);
-    for (int k = 0; k < PHOTON_VIEW_BOXES; k++) {
+    for (int k = 0; k < GUIDE_VIEW_BOXES; k++) {
         float own = surface(&box[k]);
         if (!(own > 0.0f) || own > SMALLER * around) continue;
         aim->spot[aim->count++] = box[k];
@@ -83,8 +83,7 @@ static void add_spots(const struct light_target *box, struct light_aim *aim) {
     }
 }
 
-void photon_view_aim(const struct photon_view *view, struct light_target all,
-                     struct light_aim *out) {
+void guide_view_aim(const struct guide_view *view, struct light_target all, struct light_aim *out) {
     *out = (struct light_aim){.all = all};
     if (view->seen_count > 0) add_spots(view->seen, out);
     if (view->specular_count > 0) add_spots(view->specular, out);
@@ -92,8 +91,8 @@ void photon_view_aim(const struct photon_view *view, struct light_target all,
 
 // ---- Paths ------------------------------------------------------------------------------------
 
-bool photon_view_follow(const struct satin_scene *scene, struct ray *ray, struct rng *rng,
-                        struct surfel *s, vec3 *n) {
+bool guide_view_follow(const struct satin_scene *scene, struct ray *ray, struct rng *rng,
+                       struct surfel *s, vec3 *n) {
     for (int i = 0; i < SPECULAR_MAX; i++) {
         struct brdf b;
         struct frame frame;
@@ -111,27 +110,27 @@ bool photon_view_follow(const struct satin_scene *scene, struct ray *ray, struct
     return false;
 }
 
-bool photon_view_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng, struct surfel *s,
-                     vec3 *n) {
+bool guide_view_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng, struct surfel *s,
+                    vec3 *n) {
     const struct film_spec *film = &scene->film;
     const vec2 pixel = sample_sobol2(i, 0);
     float spread;
     struct ray ray =
         camera_ray(scene, (float)film->crop_x + pixel.x * (float)film->crop_width,
                    (float)film->crop_y + pixel.y * (float)film->crop_height, 0.5f, 0.5f, &spread);
-    return photon_view_follow(scene, &ray, rng, s, n);
+    return guide_view_follow(scene, &ray, rng, s, n);
 }
 
-void photon_view_make(const struct satin_scene *scene, uint64_t seed, struct photon_view *out) {
+void guide_view_make(const struct satin_scene *scene, uint64_t seed, struct guide_view *out) {
     struct cloud seen = {.count = 0}, specular = {.count = 0};
-    float length[PHOTON_VIEW_PATHS];
+    float length[GUIDE_VIEW_PATHS];
     int hits = 0;
-    for (uint32_t i = 0; i < PHOTON_VIEW_PATHS; i++) {
+    for (uint32_t i = 0; i < GUIDE_VIEW_PATHS; i++) {
         struct rng rng = rng_make(seed, RNG_VIEW, i);
         vec2 direction = sample_sobol2(i, 1);
         struct surfel s;
         vec3 n = v3(0, 0, 1);
-        if (!photon_view_eye(scene, i, &rng, &s, &n)) continue;
+        if (!guide_view_eye(scene, i, &rng, &s, &n)) continue;
         add(&seen, s.p);
         struct frame frame = frame_from_normal(n);
         vec3 d = frame_to_world(&frame, sample_cosine_hemisphere(direction.x, direction.y));
@@ -140,7 +139,7 @@ void photon_view_make(const struct satin_scene *scene, uint64_t seed, struct pho
         length[hits++] = s.t;
         if (shape_has_delta(scene, s.shape)) add(&specular, s.p);
     }
-    *out = (struct photon_view){
+    *out = (struct guide_view){
         .reach = INFINITY, .seen_count = seen.count, .specular_count = specular.count};
     qsort(length, (size_t)hits, sizeof *length, compare_floats);
     if (hits > 0) out->reach = length[hits / 2];

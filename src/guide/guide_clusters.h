@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to photon/: the hierarchy of bright places (photon_bright.c) that photon_cones.c looks
+// Private to guide/: the hierarchy of photon clusters (guide_clusters.c) that guide_cones.c looks
 // at.
-#ifndef PHOTON_BRIGHT_H
-#define PHOTON_BRIGHT_H
+#ifndef GUIDE_CLUSTERS_H
+#define GUIDE_CLUSTERS_H
 
-#include "photon/photon_map.h"
+#include "guide/guide.h"
 
 // A sphere around some photons.
-struct photon_place {
+struct guide_cluster {
     vec3 center;
     float radius, power, area;
     float dense;          // largest irradiance of its leaves,
@@ -17,8 +17,8 @@ struct photon_place {
     int32_t right;        // its left child is the next node; 0: a leaf
 };
 
-struct photon_bright {
-    struct photon_place *node;  // depth first
+struct guide_clusters {
+    struct guide_cluster *node;  // depth first
     size_t node_count;
     vec3 *place;   // of photons
     float spread;  // irradiance if all the light came down on a sphere around the scene [W m^-2]

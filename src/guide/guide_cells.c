@@ -5,61 +5,61 @@
 
 #include "base/array.h"
 #include "base/sampling.h"
-#include "photon/photon_seen.h"
+#include "guide/guide_visibility.h"
 
 enum {
-    PATHS = 4 * PHOTON_VIEW_PATHS,
+    PATHS = 4 * GUIDE_VIEW_PATHS,
     BOUNCES = 2,  // of a path: gather rays sample direct light behind the first one
     POINTS = PATHS * (1 + BOUNCES),
     LEAST = 8  // points of a cell, in the mean
 };
 
 static size_t add_path(const struct satin_scene *scene, uint64_t seed, uint32_t i,
-                       struct photon_cell_point *out) {
+                       struct guide_cell_point *out) {
     struct rng rng = rng_make(seed, RNG_CELL, i);
     struct surfel s;
     vec3 n;
     size_t count = 0;
-    bool found = photon_view_eye(scene, i, &rng, &s, &n);
+    bool found = guide_view_eye(scene, i, &rng, &s, &n);
     while (found) {
         bool through = material_transmits(&scene->material[s.material], s.light >= 0);
-        out[count] = (struct photon_cell_point){s.p, s.ng, n, through};
+        out[count] = (struct guide_cell_point){s.p, s.ng, n, through};
         if (count++ == BOUNCES) break;
         const struct frame frame = frame_from_normal(n);
         const float u = rng_float(&rng), v = rng_float(&rng);
         struct ray ray =
             scene_spawn(scene, s.p, s.ng, frame_to_world(&frame, sample_cosine_hemisphere(u, v)));
-        found = photon_view_follow(scene, &ray, &rng, &s, &n);
+        found = guide_view_follow(scene, &ray, &rng, &s, &n);
     }
     return count;
 }
 
 // Points [first, first + count) of a node, which are halved down to its cells.
-static void cut(struct photon_cells *cells, struct photon_point *point, size_t first, size_t count,
+static void cut(struct guide_cells *cells, struct guide_point *point, size_t first, size_t count,
                 size_t node, int level) {
     if (level == cells->depth) {
-        cells->cell[node + 1 - photon_cells_count(cells)] =
-            (struct photon_cell){cells->point + first, count};
+        cells->cell[node + 1 - guide_cells_count(cells)] =
+            (struct guide_cell){cells->point + first, count};
         return;
     }
     const size_t left = count / 2;
-    cells->split[node] = photon_halve(point + first, count);
+    cells->split[node] = guide_split(point + first, count);
     cut(cells, point, first, left, 2 * node + 1, level + 1);
     cut(cells, point, first + left, count - left, 2 * node + 2, level + 1);
 }
 
-bool photon_cells_make(const struct satin_scene *scene, uint64_t seed, struct photon_cells *out) {
-    struct photon_cell_point *found = array_new(POINTS, sizeof *found);
-    struct photon_point *point = array_new(POINTS, sizeof *point);
+bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, struct guide_cells *out) {
+    struct guide_cell_point *found = array_new(POINTS, sizeof *found);
+    struct guide_point *point = array_new(POINTS, sizeof *point);
     out->point = array_new(POINTS, sizeof *out->point);
     const bool made = found && point && out->point;
     if (made) {
         size_t count = 0;
         for (uint32_t i = 0; i < PATHS; i++) count += add_path(scene, seed, i, found + count);
         out->depth = 0;
-        while (out->depth < PHOTON_CELLS_DEPTH && count >> (out->depth + 1) >= LEAST) out->depth++;
+        while (out->depth < GUIDE_CELLS_DEPTH && count >> (out->depth + 1) >= LEAST) out->depth++;
         for (size_t i = 0; i < count; i++)
-            point[i] = (struct photon_point){.p = found[i].p, .item = (uint32_t)i};
+            point[i] = (struct guide_point){.p = found[i].p, .item = (uint32_t)i};
         if (count > 0) cut(out, point, 0, count, 0, 0);
         for (size_t i = 0; i < count; i++) out->point[i] = found[point[i].item];
     } else {
@@ -70,11 +70,11 @@ bool photon_cells_make(const struct satin_scene *scene, uint64_t seed, struct ph
     return made;
 }
 
-size_t photon_cells_find(const struct photon_cells *cells, vec3 p) {
+size_t guide_cells_find(const struct guide_cells *cells, vec3 p) {
     size_t node = 0;
     for (int level = 0; level < cells->depth; level++) {
-        const struct photon_border *border = &cells->split[node];
+        const struct guide_plane *border = &cells->split[node];
         node = 2 * node + (v3_dot(border->n, p) < border->at ? 1 : 2);
     }
-    return node + 1 - photon_cells_count(cells);
+    return node + 1 - guide_cells_count(cells);
 }

@@ -3,7 +3,7 @@
 // rest of a room a small bright source, which the even rays of a hemisphere meet by luck. A point
 // takes the places of the hierarchy that are much brighter than what it expects, that it sees as
 // small, and that no wall hides [Jensen 1995 guides by the photons themselves].
-#include "photon/photon_bright.h"
+#include "guide/guide_clusters.h"
 
 #define DENSE 16.0f       // irradiance of a dense place over what is expected at the point
 #define FAINT 0.0002f     // of what is expected: what comes from less is left to chance
@@ -14,9 +14,9 @@
 #define FILLED 0.2f       // of a sphere's disc that its leaves should fill
 
 // Whether p sees photon i of some of the node's photons.
-static bool sees(const struct photon_bright *bright, const struct satin_scene *scene,
-                 const struct photon_place *node, const struct photon_eye *eye, size_t i) {
-    vec3 place = bright->place[node->first + (2 * i + 1) * node->count / (2 * PHOTON_PROBES)];
+static bool sees(const struct guide_clusters *clusters, const struct satin_scene *scene,
+                 const struct guide_cluster *node, const struct guide_eye *eye, size_t i) {
+    vec3 place = clusters->place[node->first + (2 * i + 1) * node->count / (2 * GUIDE_PROBES)];
     vec3 d = v3_sub(place, eye->p);
     float distance = v3_len(d);
     if (!(v3_dot(d, eye->n) > 0.0f)) return false;
@@ -25,7 +25,7 @@ static bool sees(const struct photon_bright *bright, const struct satin_scene *s
     return !scene_occluded(scene, &ray);
 }
 
-static void aim(struct photon_cone *cone, vec3 p) {
+static void aim(struct guide_cone *cone, vec3 p) {
     const vec3 d = v3_sub(cone->center, p);
     const float distance = v3_len(d), sine = clampf(cone->radius / distance, SINE_LEAST, 1.0f);
     cone->axis = v3_mul(d, 1.0f / distance);
@@ -34,8 +34,8 @@ static void aim(struct photon_cone *cone, vec3 p) {
 
 // E and filled of an aimed cone at `distance` from its centre, which is seen at `cosine` from the
 // normal.
-static void estimate(struct photon_cone *cone, float distance, float cosine) {
-    const struct photon_place *node = cone->place;
+static void estimate(struct guide_cone *cone, float distance, float cosine) {
+    const struct guide_cluster *node = cone->cluster;
     const float turned = 1.0f - v3_len(node->normal);
     const float facing = clampf(turned - v3_dot(node->normal, cone->axis), 0.0f, 1.0f);
     cone->E = node->power * cosine * facing / (PI_F * sqrf(distance));
@@ -44,13 +44,13 @@ static void estimate(struct photon_cone *cone, float distance, float cosine) {
 
 // A node as the point sees it.
 struct view {
-    const struct photon_place *node;
+    const struct guide_cluster *node;
     float most;   // irradiance that may come from it at most; 0: it does not matter
     bool narrow;  // it has a cone
     bool coarse;  // its children would be seen better
 };
 
-static struct view view_of(const struct photon_place *node, const struct photon_eye *eye,
+static struct view view_of(const struct guide_cluster *node, const struct guide_eye *eye,
                            float expected) {
     struct view view = {.node = node};
     const vec3 d = v3_sub(node->center, eye->p);
@@ -68,36 +68,36 @@ static struct view view_of(const struct photon_place *node, const struct photon_
 }
 
 // False if nothing of the node is seen or comes.
-static bool make_cone(const struct photon_bright *bright, const struct satin_scene *scene,
-                      const struct photon_eye *eye, const struct photon_place *node,
-                      struct photon_cone *out) {
+static bool make_cone(const struct guide_clusters *clusters, const struct satin_scene *scene,
+                      const struct guide_eye *eye, const struct guide_cluster *node,
+                      struct guide_cone *out) {
     const vec3 d = v3_sub(node->center, eye->p);
     const float distance = v3_len(d), sine = node->radius / distance;
-    *out = (struct photon_cone){.place = node, .center = node->center, .radius = node->radius};
+    *out = (struct guide_cone){.cluster = node, .center = node->center, .radius = node->radius};
     aim(out, eye->p);
     estimate(out, distance, fmaxf(v3_dot(d, eye->n) / distance, 0.25f * sine));
     out->chance = out->E / node->power * node->area;
     if (!(out->E > 0.0f)) return false;
     int clear = 0;
-    for (size_t i = 0; i < PHOTON_PROBES; i++) clear += sees(bright, scene, node, eye, i);
-    out->E *= (float)clear / PHOTON_PROBES;
+    for (size_t i = 0; i < GUIDE_PROBES; i++) clear += sees(clusters, scene, node, eye, i);
+    out->E *= (float)clear / GUIDE_PROBES;
     return out->E > 0.0f;
 }
 
 // Replaces the view that may send most, of those that are coarse, by views of the node's children,
 // as long as there is room.
-static int refine(const struct photon_bright *bright, const struct photon_eye *eye, float expected,
-                  struct view view[PHOTON_CONES]) {
+static int refine(const struct guide_clusters *clusters, const struct guide_eye *eye,
+                  float expected, struct view view[GUIDE_CONES]) {
     int count = 1;
-    view[0] = view_of(bright->node, eye, expected);
-    while (count < PHOTON_CONES) {
+    view[0] = view_of(clusters->node, eye, expected);
+    while (count < GUIDE_CONES) {
         int best = -1;
         for (int i = 0; i < count; i++)
             if (view[i].coarse && (best < 0 || view[i].most > view[best].most)) best = i;
         if (best < 0) break;
-        const struct photon_place *parent = view[best].node;
+        const struct guide_cluster *parent = view[best].node;
         view[best] = view_of(parent + 1, eye, expected);
-        const struct view right = view_of(bright->node + parent->right, eye, expected);
+        const struct view right = view_of(clusters->node + parent->right, eye, expected);
         if (right.most > 0.0f) view[count++] = right;
         if (!(view[best].most > 0.0f)) view[best] = view[--count];
         if (count == 0) break;
@@ -105,41 +105,37 @@ static int refine(const struct photon_bright *bright, const struct photon_eye *e
     return count;
 }
 
-int photon_bright_cones(const struct photon_maps *maps, const struct satin_scene *scene,
-                        const struct photon_eye *eye, struct photon_cone out[PHOTON_CONES],
-                        float *expected) {
-    const struct photon_bright *bright = maps ? maps->bright : NULL;
-    if (!bright) return 0;
-    float radius;
-    *expected = rgb_luminance(photon_irradiance(maps, scene, eye->p, eye->ng, &radius));
-    if (!(*expected > 0.0f)) *expected = bright->spread;
-    struct view view[PHOTON_CONES];
-    const int views = refine(bright, eye, *expected, view);
+int guide_cones_from(const struct guide_clusters *clusters, const struct satin_scene *scene,
+                     const struct guide_eye *eye, struct guide_cone out[GUIDE_CONES],
+                     float *expected) {
+    if (!clusters) return 0;
+    if (!(*expected > 0.0f)) *expected = clusters->spread;
+    struct view view[GUIDE_CONES];
+    const int views = refine(clusters, eye, *expected, view);
     int count = 0;
     for (int i = 0; i < views; i++)
         if (view[i].narrow && view[i].most > 0.0f)
-            count += make_cone(bright, scene, eye, view[i].node, &out[count]);
+            count += make_cone(clusters, scene, eye, view[i].node, &out[count]);
     return count;
 }
 
-int photon_bright_around(const struct photon_maps *maps, vec3 p, float expected,
-                         struct photon_cone out[PHOTON_CONES]) {
-    const struct photon_bright *bright = maps ? maps->bright : NULL;
-    if (!bright) return 0;
-    const struct photon_eye eye = {.p = p};  // no normal: nothing is below the horizon
-    struct view view[PHOTON_CONES];
-    const int views = refine(bright, &eye, expected > 0.0f ? expected : bright->spread, view);
+int guide_cones_around(const struct guide_clusters *clusters, vec3 p, float expected,
+                       struct guide_cone out[GUIDE_CONES]) {
+    if (!clusters) return 0;
+    const struct guide_eye eye = {.p = p};  // no normal: nothing is below the horizon
+    struct view view[GUIDE_CONES];
+    const int views = refine(clusters, &eye, expected > 0.0f ? expected : clusters->spread, view);
     int count = 0;
     for (int i = 0; i < views; i++) {
-        const struct photon_place *node = view[i].node;
+        const struct guide_cluster *node = view[i].node;
         if (view[i].narrow && view[i].most > 0.0f)
-            out[count++] =
-                (struct photon_cone){.place = node, .center = node->center, .radius = node->radius};
+            out[count++] = (struct guide_cone){
+                .cluster = node, .center = node->center, .radius = node->radius};
     }
     return count;
 }
 
-bool photon_cone_move(struct photon_cone *cone, vec3 p, vec3 n) {
+bool guide_cone_move(struct guide_cone *cone, vec3 p, vec3 n) {
     const vec3 d = v3_sub(cone->center, p);
     if (!(v3_len2(d) > sqrf(cone->radius / SINE_MOVED))) return false;
     aim(cone, p);
@@ -148,7 +144,7 @@ bool photon_cone_move(struct photon_cone *cone, vec3 p, vec3 n) {
     return true;
 }
 
-bool photon_cone_seen(const struct photon_maps *maps, const struct satin_scene *scene,
-                      const struct photon_cone *cone, const struct photon_eye *eye, size_t i) {
-    return sees(maps->bright, scene, cone->place, eye, i);
+bool guide_cone_visible(const struct guide_clusters *clusters, const struct satin_scene *scene,
+                        const struct guide_cone *cone, const struct guide_eye *eye, size_t i) {
+    return sees(clusters, scene, cone->cluster, eye, i);
 }

@@ -3,7 +3,7 @@
 // directions, and a lamp in the next room is none at all; samples that know nothing of walls mostly
 // end at them. Rays from the points of each cell tell in which bins of directions the environment
 // is seen there, and how much of each light arrives; direct light is sampled by both.
-#include "photon/photon_seen.h"
+#include "guide/guide_visibility.h"
 
 #include <stdlib.h>
 
@@ -28,7 +28,7 @@ struct learning {
     const struct satin_scene *scene;
     uint64_t seed;
     int rays;  // per bin
-    struct photon_seen *seen;
+    struct guide_visibility *seen;
 };
 
 // ---- Windows ----------------------------------------------------------------------------------
@@ -40,13 +40,13 @@ struct tally {
     float seen, facing;               // sums: what is seen, and were without walls
 };
 
-static void ask(const struct learning *l, const struct photon_cell *cell, int bin, struct rng *rng,
+static void ask(const struct learning *l, const struct guide_cell *cell, int bin, struct rng *rng,
                 struct tally *tally) {
     const size_t first = rng_u32(rng) % cell->count;
     float sum = 0.0f;
     int asked = 0;
     for (size_t k = 0; k < cell->count && asked < l->rays; k++) {
-        const struct photon_cell_point *p = &cell->point[(first + k) % cell->count];
+        const struct guide_cell_point *p = &cell->point[(first + k) % cell->count];
         const float u = rng_float(rng), v = rng_float(rng);
         const vec3 w = light_window_direction(bin, u, v);
         if (!p->both && !(v3_dot(w, p->n) > 0.0f)) continue;
@@ -94,7 +94,7 @@ static void learn_window(const struct learning *l, size_t i, struct rng *rng) {
 
 // Irradiance of one light at a point by one sample.
 static float arrives(const struct satin_scene *scene, uint32_t light, struct light_seen seen,
-                     const struct photon_cell_point *p, struct rng *rng) {
+                     const struct guide_cell_point *p, struct rng *rng) {
     const float u = rng_float(rng), v = rng_float(rng);
     struct light_sample s;
     if (!light_sample_seen(scene, light, seen, p->p, u, v, &s)) return 0.0f;
@@ -106,13 +106,13 @@ static float arrives(const struct satin_scene *scene, uint32_t light, struct lig
 }
 
 static void learn_choice(const struct learning *l, size_t i, struct rng *rng) {
-    const struct photon_cell *cell = &l->seen->cells.cell[i];
+    const struct guide_cell *cell = &l->seen->cells.cell[i];
     const struct light_window *window = &l->seen->window[i];
     const struct light_seen seen = {window->share > 0.0f ? window : NULL, NULL};
     for (uint32_t light = 0; light < l->scene->light_count; light++) {
         float E = 0.0f, reach = 0.0f;
         for (size_t k = 0; k < LIGHT_RAYS; k++) {
-            const struct photon_cell_point *p = &cell->point[k % cell->count];
+            const struct guide_cell_point *p = &cell->point[k % cell->count];
             reach += light_reach(l->scene, &l->scene->light[light], p->p);
             E += arrives(l->scene, light, seen, p, rng);
         }
@@ -139,21 +139,21 @@ static int rays_per_bin(int64_t photons) {
                                           : (int)(photons / BIN_PER);
 }
 
-satin_status photon_seen_build(const struct satin_scene *scene, const satin_options *options,
-                               struct parallel *pool, struct photon_seen **out) {
+satin_status guide_visibility_build(const struct satin_scene *scene, const satin_options *options,
+                                    struct parallel *pool, struct guide_visibility **out) {
     const bool sky = scene->environment >= 0;
     const bool choice = scene->light_count > 1 && scene->light_count <= LIGHT_WEIGHED_MAX;
     *out = NULL;
     if (!sky && !choice) return SATIN_OK;
-    struct photon_seen *seen = calloc(1, sizeof *seen);
-    if (!seen || !photon_cells_make(scene, options->seed, &seen->cells)) {
+    struct guide_visibility *seen = calloc(1, sizeof *seen);
+    if (!seen || !guide_cells_make(scene, options->seed, &seen->cells)) {
         free(seen);
         return SATIN_ERROR_MEMORY;
     }
     seen->sky = sky;
     seen->choice = choice;
     struct learning learning = {scene, options->seed, rays_per_bin(options->photons), seen};
-    const size_t cells = seen->cells.cell[0].count > 0 ? photon_cells_count(&seen->cells) : 0;
+    const size_t cells = seen->cells.cell[0].count > 0 ? guide_cells_count(&seen->cells) : 0;
     const bool done = parallel_for(pool, cells, 1, learn, &learning);
     free(seen->cells.point);
     seen->cells.point = NULL;
@@ -164,14 +164,15 @@ satin_status photon_seen_build(const struct satin_scene *scene, const satin_opti
     return done ? SATIN_OK : SATIN_CANCELLED;
 }
 
-struct light_seen photon_seen_at(const struct photon_maps *maps, vec3 p) {
-    const struct photon_seen *seen = maps ? maps->seen : NULL;
+struct light_seen guide_visibility_at(const struct guide_visibility *seen, vec3 p) {
     if (!seen) return LIGHT_SEEN_ALL;
-    const size_t i = photon_cells_find(&seen->cells, p);
+    const size_t i = guide_cells_find(&seen->cells, p);
     return (struct light_seen){seen->window[i].share > 0.0f ? &seen->window[i] : NULL,
                                seen->choice ? seen->share[i] : NULL};
 }
 
-size_t photon_seen_bytes(const struct photon_seen *seen) { return seen ? sizeof *seen : 0; }
+size_t guide_visibility_bytes(const struct guide_visibility *seen) {
+    return seen ? sizeof *seen : 0;
+}
 
-void photon_seen_free(struct photon_seen *seen) { free(seen); }
+void guide_visibility_free(struct guide_visibility *seen) { free(seen); }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many of the photons each light gets. Dealt by power all photons weigh alike. But power may go
-// where nothing is seen of it, as that of the sky around a closed room, and what is left for the
-// lamp inside is too few to tell of its light. So one half is dealt by power, the other by what a
-// few paths from the eye find: they go on as light's paths to the gather rays' hits would,
+// How many of the photons each light gets. Allocated by power all photons weigh alike. But power
+// may go where nothing is seen of it, as that of the sky around a closed room, and what is left for
+// the lamp inside is too few to tell of its light. So one half is allocated by power, the other by
+// what a few paths from the eye find: they go on as light's paths to the gather rays' hits would,
 // backwards, and sample the lights where they go. The first half serves light that comes in ways
 // that they have missed.
-#include "photon/photon_map.h"
+#include "guide/guide.h"
 
 #include "base/sampling.h"
 
@@ -14,7 +14,7 @@ enum { BOUNCES = 3 };  // of a path: behind the first one is what gather rays as
 // Irradiance that each light brings to the paths' vertices.
 struct tally {
     const struct satin_scene *scene;
-    double light[PHOTON_DEAL_LIGHTS];
+    double light[GUIDE_ALLOCATION_LIGHTS];
 };
 
 // What comes from one light at s, chosen by chance.
@@ -53,7 +53,7 @@ static void walk(struct tally *tally, struct surfel s, vec3 n, struct rng *rng) 
         const vec3 d = frame_to_world(&frame, sample_cosine_hemisphere(u, v));
         struct ray ray = scene_spawn(scene, s.p, s.ng, d);
         const vec3 start = ray.o;
-        const bool found = photon_view_follow(scene, &ray, rng, &s, &n);
+        const bool found = guide_view_follow(scene, &ray, rng, &s, &n);
         if (v3_dist2(ray.o, start) > 0.0f) add_emitted(tally, &ray, found ? &s : NULL, T);
         if (!found) return;
         add_direct(tally, &s, n, T, rng);
@@ -65,17 +65,18 @@ static void walk(struct tally *tally, struct surfel s, vec3 n, struct rng *rng) 
     }
 }
 
-void photon_deal_make(const struct satin_scene *scene, uint64_t seed, struct photon_deal *out) {
+void guide_allocation_make(const struct satin_scene *scene, uint64_t seed,
+                           struct guide_allocation *out) {
     struct tally tally = {.scene = scene};
     double sum = 0.0;
     out->by_power = true;
-    // Among more lights than this, chance would deal.
-    if (scene->light_count < 2 || scene->light_count > PHOTON_DEAL_LIGHTS) return;
-    for (uint32_t i = 0; i < PHOTON_VIEW_PATHS; i++) {
+    // Among more lights than this, chance would allocate.
+    if (scene->light_count < 2 || scene->light_count > GUIDE_ALLOCATION_LIGHTS) return;
+    for (uint32_t i = 0; i < GUIDE_VIEW_PATHS; i++) {
         struct rng rng = rng_make(seed, RNG_DEAL, i);
         struct surfel s;
         vec3 n;
-        if (photon_view_eye(scene, i, &rng, &s, &n)) walk(&tally, s, n, &rng);
+        if (guide_view_eye(scene, i, &rng, &s, &n)) walk(&tally, s, n, &rng);
     }
     for (uint32_t i = 0; i < scene->light_count; i++) sum += tally.light[i];
     if (!(sum > 0.0)) return;

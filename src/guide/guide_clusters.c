@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Places where light comes down densely: photons of a part of all paths are cut into leaves of
 // equal numbers, and these are gathered into a hierarchy of spheres that keeps what is bright and
-// small together. photon_cones.c looks at it.
+// small together. guide_cones.c looks at it.
 #include <stdlib.h>
 
 #include "base/array.h"
-#include "photon/photon_bright.h"
-#include "photon/photon_halve.h"
+#include "guide/guide_clusters.h"
+#include "guide/guide_split.h"
 
 enum {
     LEAF = 32,  // photons of a leaf
@@ -15,7 +15,7 @@ enum {
 #define CLEARLY 1.001f  // more than rounding
 
 struct leaf {
-    const struct photon_point *point;
+    const struct guide_point *point;
     size_t count;
     vec3 center, normal;  // mean normal times power
     float radius, power, area;
@@ -23,15 +23,14 @@ struct leaf {
 
 // ---- Leaves -----------------------------------------------------------------------------------
 
-static struct leaf make_leaf(const struct photon_hit *hit, const struct photon_point *point,
+static struct leaf make_leaf(const struct guide_photon *photon, const struct guide_point *point,
                              size_t count) {
     struct leaf leaf = {.point = point, .count = count};
     vec3 lo = point->p, hi = lo;
     for (size_t i = 0; i < count; i++) {
-        const struct photon_hit *h = &hit[point[i].item];
-        const float power = rgb_luminance(h->power);
-        leaf.power += power;
-        leaf.normal = v3_mad(leaf.normal, power, photon_unpack(h->n));
+        const struct guide_photon *h = &photon[point[i].item];
+        leaf.power += h->power;
+        leaf.normal = v3_mad(leaf.normal, h->power, h->n);
         lo = v3_min(lo, point[i].p);
         hi = v3_max(hi, point[i].p);
     }
@@ -45,15 +44,15 @@ static struct leaf make_leaf(const struct photon_hit *hit, const struct photon_p
 }
 
 // Halves the photons until leaves are left; returns how many.
-static size_t cut(const struct photon_hit *hit, struct photon_point *point, size_t count,
+static size_t cut(const struct guide_photon *photon, struct guide_point *point, size_t count,
                   struct leaf *out) {
     if (count <= LEAF) {
-        *out = make_leaf(hit, point, count);
+        *out = make_leaf(photon, point, count);
         return 1;
     }
-    photon_halve(point, count);
-    const size_t left = count / 2, leaves = cut(hit, point, left, out);
-    return leaves + cut(hit, point + left, count - left, out + leaves);
+    guide_split(point, count);
+    const size_t left = count / 2, leaves = cut(photon, point, left, out);
+    return leaves + cut(photon, point + left, count - left, out + leaves);
 }
 
 // ---- The hierarchy ----------------------------------------------------------------------------
@@ -123,7 +122,7 @@ static size_t part(struct leaf *leaf, size_t count) {
     return first > 0 && first < count ? first : count / 2;
 }
 
-static void bound(const struct leaf *leaf, size_t count, struct photon_place *node) {
+static void bound(const struct leaf *leaf, size_t count, struct guide_cluster *node) {
     struct span all = NO_SPAN;
     for (size_t i = 0; i < count; i++) {
         span_add(&all, leaf[i].center, leaf[i].center, leaf[i].power);
@@ -143,9 +142,9 @@ static void bound(const struct leaf *leaf, size_t count, struct photon_place *no
 }
 
 // Appends the nodes of some leaves, whose places go beside them.
-static void add_nodes(struct photon_bright *out, struct leaf *leaf, size_t count, size_t *placed) {
-    struct photon_place *node = &out->node[out->node_count++];
-    *node = (struct photon_place){.first = *placed};
+static void add_nodes(struct guide_clusters *out, struct leaf *leaf, size_t count, size_t *placed) {
+    struct guide_cluster *node = &out->node[out->node_count++];
+    *node = (struct guide_cluster){.first = *placed};
     bound(leaf, count, node);
     if (count == 1) {
         for (size_t i = 0; i < leaf->count; i++) out->place[(*placed)++] = leaf->point[i].p;
@@ -158,42 +157,43 @@ static void add_nodes(struct photon_bright *out, struct leaf *leaf, size_t count
     node->count = *placed - node->first;
 }
 
-satin_status photon_bright_build(const struct satin_scene *scene, const struct photon_hit *hit,
-                                 size_t count, struct log log, struct photon_bright **out) {
+satin_status guide_clusters_build(const struct satin_scene *scene,
+                                  const struct guide_photon *photon, size_t count, struct log log,
+                                  struct guide_clusters **out) {
     *out = NULL;
     if (count < 2 * LEAF) return SATIN_OK;
-    struct photon_bright *bright = calloc(1, sizeof *bright);
-    struct photon_point *point = array_new(count, sizeof *point);
+    struct guide_clusters *clusters = calloc(1, sizeof *clusters);
+    struct guide_point *point = array_new(count, sizeof *point);
     struct leaf *leaf = array_new(2 * count / LEAF + 1, sizeof *leaf);
-    if (bright && point && leaf) {
+    if (clusters && point && leaf) {
         for (size_t i = 0; i < count; i++)
-            point[i] = (struct photon_point){.p = hit[i].p, .item = (uint32_t)i};
-        const size_t leaves = cut(hit, point, count, leaf);
-        bright->node = array_new(2 * leaves, sizeof *bright->node);
-        bright->place = array_new(count, sizeof *bright->place);
-        if (bright->node && bright->place) {
+            point[i] = (struct guide_point){.p = photon[i].p, .item = (uint32_t)i};
+        const size_t leaves = cut(photon, point, count, leaf);
+        clusters->node = array_new(2 * leaves, sizeof *clusters->node);
+        clusters->place = array_new(count, sizeof *clusters->place);
+        if (clusters->node && clusters->place) {
             size_t placed = 0;
-            add_nodes(bright, leaf, leaves, &placed);
-            bright->spread = bright->node->power / (4.0f * PI_F * sqrf(scene->radius));
-            *out = bright;
+            add_nodes(clusters, leaf, leaves, &placed);
+            clusters->spread = clusters->node->power / (4.0f * PI_F * sqrf(scene->radius));
+            *out = clusters;
         }
     }
     free(leaf);
     free(point);
     if (*out) return SATIN_OK;
-    photon_bright_free(bright);
+    guide_clusters_free(clusters);
     return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for bright places");
 }
 
-void photon_bright_free(struct photon_bright *bright) {
-    if (!bright) return;
-    free(bright->node);
-    free(bright->place);
-    free(bright);
+void guide_clusters_free(struct guide_clusters *clusters) {
+    if (!clusters) return;
+    free(clusters->node);
+    free(clusters->place);
+    free(clusters);
 }
 
-size_t photon_bright_bytes(const struct photon_bright *bright) {
-    if (!bright) return 0;
-    const struct photon_place *root = bright->node;
-    return bright->node_count * sizeof *root + root->count * sizeof *bright->place;
+size_t guide_clusters_bytes(const struct guide_clusters *clusters) {
+    if (!clusters) return 0;
+    const struct guide_cluster *root = clusters->node;
+    return clusters->node_count * sizeof *root + root->count * sizeof *clusters->place;
 }

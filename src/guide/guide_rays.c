@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// How many rays of a hemisphere go to photon clusters: its stratified rays meet a small bright
+// place by luck; some more rays go to each one that the point sees. Together they are one estimate
+// by the balance heuristic [Veach and Guibas 1995].
+#include "guide/guide.h"
+
+// The deviation of what comes from one place over all, below which luck is good enough.
+static const float LUCK = 0.01f;
+// The same that guided rays should reach, and that of one of them that meets its place, over its
+// mean.
+static const float AIM = 0.01f, SPREAD = 0.5f;
+
+enum { LEAST = 8, MOST = 256 };  // rays of one cone, powers of 2: whole nets
+
+// How many rays go to a place that sends a `share` of the light.
+static int count_rays(const struct guide_cone *cone, float share, size_t stratified) {
+    if (!(share > LUCK * sqrtf((float)stratified * cone->chance))) return 0;
+    const float missed = 1.0f / clampf(cone->filled, 0.01f, 1.0f) - 1.0f;
+    const float wanted = sqrf(share / AIM) * (sqrf(SPREAD) + missed);
+    int rays = LEAST;
+    while (rays < MOST && (float)rays < wanted) rays *= 2;
+    return rays;
+}
+
+static float solid_angle(const struct guide_cone *cone) { return 2.0f * PI_F * cone->versine; }
+
+void guide_rays_allocate(struct guide_rays *rays, float expected, size_t stratified) {
+    float all = expected;
+    for (int i = 0; i < rays->count; i++) all += rays->cone[i].E;
+    int total = 0, kept = 0;
+    for (int i = 0; i < rays->count; i++) {
+        rays->rays[i] = count_rays(&rays->cone[i], rays->cone[i].E / all, stratified);
+        total += rays->rays[i];
+    }
+    // No more than half as many as there are without.
+    int halvings = 0;
+    while (total >> halvings > (int)(stratified / 2)) halvings++;
+    for (int i = 0; i < rays->count; i++) {
+        const int n = rays->rays[i] >> halvings;
+        if (n == 0) continue;
+        rays->cone[kept] = rays->cone[i];
+        rays->rays[kept] = n;
+        rays->density[kept] = (float)n / solid_angle(&rays->cone[i]);
+        kept++;
+    }
+    rays->count = kept;
+}
+
+vec3 guide_cone_sample(const struct guide_cone *cone, vec2 u) {
+    // As sample_uniform_cone, which has no digits left for the narrowest.
+    const struct frame frame = frame_from_normal(cone->axis);
+    const float away = u.x * cone->versine, sine = safe_sqrtf(away * (2.0f - away));
+    const float phi = 2.0f * PI_F * u.y;
+    return frame_to_world(&frame, v3(sine * cosf(phi), sine * sinf(phi), 1.0f - away));
+}
+
+// Whether a direction is in the cone: |w - axis|^2 = 2 (1 - cosine) keeps the digits.
+bool guide_cone_holds(const struct guide_cone *cone, vec3 w) {
+    return v3_dist2(w, cone->axis) <= 2.0f * cone->versine;
+}
+
+float guide_rays_density(const struct guide_rays *rays, int own, vec3 w, float density) {
+    for (int c = 0; c < rays->count; c++)
+        if (c == own || guide_cone_holds(&rays->cone[c], w)) density += rays->density[c];
+    return density;
+}

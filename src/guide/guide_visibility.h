@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to guide/: what is seen of the lights from cells of places (guide_visibility.c), and the
+// cells (guide_cells.c).
+#ifndef GUIDE_VISIBILITY_H
+#define GUIDE_VISIBILITY_H
+
+#include "guide/guide.h"
+#include "guide/guide_split.h"
+
+// ---- Cells ------------------------------------------------------------------------------------
+
+enum { GUIDE_CELLS_DEPTH = 10, GUIDE_CELLS_MAX = 1 << GUIDE_CELLS_DEPTH };
+
+struct guide_cell_point {
+    vec3 p, ng, n;  // geometric and shading normal
+    bool both;      // lit from behind as well
+};
+
+struct guide_cell {
+    const struct guide_cell_point *point;
+    size_t count;
+};
+
+struct guide_cells {
+    int depth;                                  // of the tree; the cells are its leaves
+    struct guide_plane split[GUIDE_CELLS_MAX];  // of node i; 2 i + 1 is below it, 2 i + 2 above
+    struct guide_cell cell[GUIDE_CELLS_MAX];
+    struct guide_cell_point *point;  // by malloc
+};
+
+static inline size_t guide_cells_count(const struct guide_cells *cells) {
+    return (size_t)1 << cells->depth;
+}
+// Cells without points if paths from the eye meet nothing. False without memory. The caller frees
+// `point`.
+bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, struct guide_cells *out);
+// The cell that p falls into.
+size_t guide_cells_find(const struct guide_cells *cells, vec3 p);
+
+// ---- What is seen -----------------------------------------------------------------------------
+
+struct guide_visibility {
+    struct guide_cells cells;
+    bool sky, choice;  // whether windows, or shares of the lights, were learned
+    struct light_window window[GUIDE_CELLS_MAX];
+    float cdf[GUIDE_CELLS_MAX][LIGHT_WINDOW_BINS + 1];
+    float share[GUIDE_CELLS_MAX][LIGHT_WEIGHED_MAX];
+};
+
+#endif

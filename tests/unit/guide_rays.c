@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rays to photon clusters: which cones get some, how many, and with what density.
+#include "guide/guide.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "base/sampling.h"
+
+static const float HALF_ANGLE = 0.05f;
+
+// Cones around different axes, that send `E` each and are full of light.
+static struct guide_rays cones(int count, float E) {
+    struct guide_rays rays = {.count = count};
+    for (int i = 0; i < count; i++)
+        rays.cone[i] = (struct guide_cone){.axis = v3(sinf((float)i), 0, cosf((float)i)),
+                                           .versine = 1.0f - cosf(HALF_ANGLE),
+                                           .E = E,
+                                           .chance = 1e-3f,
+                                           .filled = 1.0f};
+    return rays;
+}
+
+static void faint_cones_get_none(void **state) {
+    (void)state;
+    struct guide_rays rays = cones(3, 1.0f);
+    rays.cone[1].E = 1e-6f;
+    const vec3 last = rays.cone[2].axis;
+    guide_rays_allocate(&rays, 1.0f, 1000);
+    assert_int_equal(rays.count, 2);
+    assert_true(v3_dist2(rays.cone[1].axis, last) == 0.0f);
+    const double solid_angle = 2.0 * M_PI * (double)rays.cone[0].versine;
+    for (int i = 0; i < rays.count; i++) {
+        assert_true(rays.rays[i] > 0 && (rays.rays[i] & (rays.rays[i] - 1)) == 0);
+        assert_true(fabs((double)rays.density[i] * solid_angle / rays.rays[i] - 1.0) < 1e-5);
+    }
+    struct guide_rays none = cones(1, 0.0f);
+    guide_rays_allocate(&none, 1.0f, 1000);
+    assert_int_equal(none.count, 0);
+}
+
+static void rays_are_at_most_half_as_many(void **state) {
+    (void)state;
+    for (size_t stratified = 8; stratified <= 4096; stratified *= 2) {
+        struct guide_rays rays = cones(GUIDE_CONES, 1.0f);
+        guide_rays_allocate(&rays, 0.0f, stratified);
+        size_t all = 0;
+        for (int i = 0; i < rays.count; i++) all += (size_t)rays.rays[i];
+        assert_true(all <= stratified / 2);
+    }
+}
+
+static void directions_are_in_their_cone(void **state) {
+    (void)state;
+    enum { SAMPLES = 1 << 12 };
+    const struct guide_rays rays = cones(1, 1.0f);
+    double above = 0.0;
+    for (uint32_t i = 0; i < SAMPLES; i++) {
+        // A little off the rim, where the last digit decides.
+        vec2 u = sample_sobol2(i, 1);
+        u.x *= 0.999f;
+        const vec3 w = guide_cone_sample(&rays.cone[0], u);
+        assert_true(guide_cone_holds(&rays.cone[0], w));
+        above += (1.0 - (double)v3_dot(w, rays.cone[0].axis)) / SAMPLES;
+    }
+    // The mean of 1 - cosine over a cone is half of its largest; floats near 1 have steps of 6e-8.
+    assert_true(fabs(above / (0.5 * 0.999 * (double)rays.cone[0].versine) - 1.0) < 1e-2);
+    assert_false(guide_cone_holds(&rays.cone[0], v3(1, 0, 0)));
+}
+
+static void densities_of_all_cones_add_up(void **state) {
+    (void)state;
+    struct guide_rays rays = cones(2, 1.0f);
+    rays.density[0] = 2.0f;
+    rays.density[1] = 4.0f;
+    assert_true(guide_rays_density(&rays, -1, rays.cone[0].axis, 1.0f) == 3.0f);
+    assert_true(guide_rays_density(&rays, 1, rays.cone[0].axis, 1.0f) == 7.0f);
+    assert_true(guide_rays_density(&rays, -1, v3(0, 1, 0), 1.0f) == 1.0f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(faint_cones_get_none),
+        cmocka_unit_test(rays_are_at_most_half_as_many),
+        cmocka_unit_test(directions_are_in_their_cone),
+        cmocka_unit_test(densities_of_all_cones_add_up),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
