@@ -59,7 +59,9 @@ void gather_point_of(const struct satin_scene *scene, const struct material_side
 // How BRDF sampling shares direct light with light sampling: for each part of the BRDF, how many
 // BRDF samples there are per light sample, drawn from all lobes of the part: ideal ones among them
 // take their share of the samples. Ratio 0: light sampling alone. The parts' lobes do not overlap.
+// `depth`: edges between the eye and the point; panes that light passes add to them.
 struct gather_mis {
+    int depth;
     struct {
         unsigned lobes;
         float ratio;
@@ -71,9 +73,13 @@ struct gather_mis {
 // weight against BRDF sampling.
 rgb gather_direct(const struct gather *g, const struct gather_point *p, struct gather_mis mis,
                   int samples, struct sampler sampler);
-// Density over solid angle at p with which gather_direct, choosing one light, draws the direction
-// of an emitter: `hit` is the surfel on it, NULL for the environment along wi.
-float gather_light_pdf(const struct gather *g, vec3 p, vec3 wi, const struct surfel *hit);
+// How many surfaces of panes light may pass to a point at a depth.
+int gather_panes(const struct gather *g, int depth);
+// Density over solid angle at p with which gather_direct, choosing one light, draws the first
+// direction of a straight chain from p to an emitter: `hit` is the surfel on it, NULL for the
+// environment.
+float gather_light_pdf(const struct gather *g, vec3 p, const struct light_chain *chain,
+                       const struct surfel *hit);
 
 // The surface that a ray meets first.
 struct gather_first {
@@ -111,9 +117,9 @@ struct gather_ray {
     const vec3 *lit;  // the point whose light it looks for, to which gather_direct brings the rest:
                       // fill Le, light_pdf and Le_specular; NULL: do not
     rgb L;            // radiance that arrives by reflection: no emitted light
-    rgb Le;           // emitted light seen directly
-    float light_pdf;  // gather_light_pdf of Le at *lit
-    rgb Le_specular;  // emitted light seen through ideal specular surfaces
+    rgb Le;           // emitted light seen directly, or through panes
+    float light_pdf;  // density at *lit with which light samples draw it
+    rgb Le_specular;  // emitted light seen by other ideal specular surfaces
     struct gather_first first;
 };
 

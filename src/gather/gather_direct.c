@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Direct light at a point: light sampling, weighted against BRDF sampling by the power heuristic
 // [Veach 1997, 9.2]. One estimator serves the reference path tracer, first hits and gather hits.
+#include <limits.h>
+
 #include "gather/gather.h"
 
 // Up to so many lights are all sampled where fewer samples are asked for: what the choice of one
@@ -41,9 +43,19 @@ static rgb sample_light(const struct gather *g, const struct gather_point *p, st
     vec3 wi = frame_to_local(&p->frame, s.wi);
     rgb f = weighted_brdf(p, mis, wi, s.pdf_w * choice.probability, s.delta);
     if (rgb_black(f)) return none;
-    struct ray shadow = light_shadow_ray(scene, p->surfel.p, p->surfel.ng, &s);
-    if (scene_occluded(scene, &shadow)) return none;
+    const vec3 straight = s.wi;
+    if (!light_arrives(scene, p->surfel.p, p->surfel.ng, gather_panes(g, mis.depth), &s))
+        return none;
+    if (v3_dist2(straight, s.wi) > 0.0f) {  // panes have shifted it
+        wi = frame_to_local(&p->frame, s.wi);
+        f = weighted_brdf(p, mis, wi, s.pdf_w * choice.probability, s.delta);
+    }
     return rgb_scale(rgb_mul(f, s.L), fabsf(wi.z) / s.pdf_w);
+}
+
+int gather_panes(const struct gather *g, int depth) {
+    const int most = g->options->max_depth;
+    return most < 0 ? INT_MAX : most - depth - 1;
 }
 
 // Each light by one sample.
@@ -81,11 +93,15 @@ rgb gather_direct(const struct gather *g, const struct gather_point *p, struct g
     return rgb_scale(sum, 1.0f / (float)samples);
 }
 
-float gather_light_pdf(const struct gather *g, vec3 p, vec3 wi, const struct surfel *hit) {
+float gather_light_pdf(const struct gather *g, vec3 p, const struct light_chain *chain,
+                       const struct surfel *hit) {
     const struct satin_scene *scene = g->scene;
     if (!hit && scene->environment < 0) return 0.0f;
     const struct light_seen seen = guide_visibility_at(g->visibility, p);
-    uint32_t light = (uint32_t)(hit ? hit->light : scene->environment);
-    float pdf = hit ? light_pdf(scene, p, wi, hit) : light_environment_pdf(scene, seen.window, wi);
-    return pdf * light_choose_probability(scene, p, seen, light);
+    const uint32_t light = (uint32_t)(hit ? hit->light : scene->environment);
+    const float choice = light_choose_probability(scene, p, seen, light);
+    if (!hit) return choice * light_environment_pdf(scene, seen.window, chain->d);
+    const vec3 beside = light_chain_beside(chain, p, hit->p);
+    const float density = light_chain_density(chain, sqrtf(v3_dist2(beside, hit->p)));
+    return choice * density * light_pdf(scene, beside, chain->d, hit);
 }

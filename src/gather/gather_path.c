@@ -11,21 +11,37 @@ struct walk {
     struct ray ray;
     rgb T;
     float eta;
-    float pdf_w;    // density of the BRDF sample that made the ray; 0: delta or eye
-    int depth;      // edges before the ray
-    bool emission;  // emitted light that the ray meets counts
-    bool specular;  // all surfaces so far were ideal specular
+    int depth;    // edges before the ray
+    vec3 from;    // the last surface with smooth lobes that the path has left,
+    float pdf_w;  // by a BRDF sample of this density; 0: by a delta lobe, or there is none
+    struct light_chain chain;  // from there on
+    bool emission;             // emitted light that the ray meets counts
+    bool specular;             // all surfaces so far were ideal specular
 };
 
 // Emitted light that the ray meets, at the surface it hit or from the environment, with its share
-// beside light sampling at `from`.
-static rgb emitted(const struct gather *g, const struct walk *walk, const struct surfel *hit,
-                   const struct gather_point *from) {
+// beside light sampling where the chain begins.
+static rgb emitted(const struct gather *g, const struct walk *walk, const struct surfel *hit) {
     if (hit ? hit->light < 0 : g->scene->environment < 0) return rgb_grey(0.0f);
     const vec3 d = walk->ray.d;
     rgb Le = hit ? light_emitted(g->scene, hit, v3_neg(d)) : light_environment(g->scene, d);
     if (!(walk->pdf_w > 0.0f) || rgb_black(Le)) return Le;
-    return rgb_scale(Le, mis_power(walk->pdf_w, gather_light_pdf(g, from->surfel.p, d, hit)));
+    if (!light_chain_straight(&walk->chain, d)) return Le;
+    return rgb_scale(Le,
+                     mis_power(walk->pdf_w, gather_light_pdf(g, walk->from, &walk->chain, hit)));
+}
+
+// The path leaves `from` by a sample, along `d`.
+static void leave(const struct gather *g, const struct gather_point *from,
+                  const struct brdf_sample *next, vec3 d, struct walk *walk) {
+    if (next->pdf_w > 0.0f) {
+        walk->from = from->surfel.p;
+        walk->pdf_w = next->pdf_w;
+        walk->chain = light_chain_begin(d);
+    } else {
+        light_chain_pass(&walk->chain, g->scene, &from->surfel, v3_neg(walk->ray.d), from->wo_l,
+                         next);
+    }
 }
 
 // Goes on from a point by what it reflects and transmits; false: the path ends there.
@@ -38,12 +54,12 @@ static bool bounce(const struct gather *g, const struct gather_point *from, stru
         return false;
     walk->T = rgb_mul(walk->T, next.weight);
     walk->eta *= next.eta;
-    walk->pdf_w = next.pdf_w;
+    const vec3 d = frame_to_world(&from->frame, next.wi);
+    leave(g, from, &next, d, walk);
     walk->emission = walk->emission || next.pdf_w > 0.0f || walk->depth == 0;
     walk->specular = walk->specular && !(next.pdf_w > 0.0f);
     walk->depth++;
-    walk->ray = scene_spawn(g->scene, from->surfel.p, from->surfel.ng,
-                            frame_to_world(&from->frame, next.wi));
+    walk->ray = scene_spawn(g->scene, from->surfel.p, from->surfel.ng, d);
     if (walk->depth >= g->options->rr_depth) {
         float survive = fminf(rgb_max(walk->T) * walk->eta * walk->eta, ROULETTE_MAX);
         if (!(sampler_1d(sampler) < survive)) return false;
@@ -56,16 +72,16 @@ static bool bounce(const struct gather *g, const struct gather_point *from, stru
 // the eye.
 static rgb follow(const struct gather *g, struct walk walk, struct sampler *sampler,
                   struct gather_first *first, struct gather_seen *seen) {
-    const struct gather_mis both = {{{BRDF_ALL, 1.0f}}};
     const int max_depth = g->options->max_depth;
     rgb L = rgb_grey(0.0f);
     struct gather_point from = {0};
     do {
         struct surfel s;
         bool hit = scene_intersect(g->scene, &walk.ray, &s);
+        if (hit) light_chain_advance(&walk.chain, s.t);
         if (first) *first = hit ? (struct gather_first){s.t, s.ng} : GATHER_NOTHING;
         if (walk.emission) {
-            rgb Le = emitted(g, &walk, hit ? &s : NULL, &from);
+            rgb Le = emitted(g, &walk, hit ? &s : NULL);
             L = rgb_fma(L, walk.T, Le);
             if (seen && walk.specular) seen->emission = rgb_fma(seen->emission, walk.T, Le);
         }
@@ -80,6 +96,7 @@ static rgb follow(const struct gather *g, struct walk walk, struct sampler *samp
             seen->point = from;
         }
         if (last || !from.lobes) break;
+        const struct gather_mis both = {walk.depth + 1, {{BRDF_ALL, 1.0f}}};
         L = rgb_fma(L, walk.T, gather_direct(g, &from, both, 1, *sampler));
         sampler->dimension += 2;
     } while (bounce(g, &from, sampler, &walk));

@@ -63,23 +63,24 @@ static const unsigned GLOSSY = BRDF_GLOSSY | BRDF_THROUGH;
 
 // Emitted light that a ray meets on its way to a smooth surface.
 struct emitters {
-    vec3 from;  // the surface point that the ray leaves
-    rgb Le;     // before any ideal specular surface
-    float light_pdf;
-    rgb Le_specular;  // behind one
+    vec3 from;        // the surface point that the ray leaves,
+    int depth;        // and the edges between it and the eye
+    rgb Le;           // direct light: before any ideal specular surface, or through panes
+    float light_pdf;  // density with which light samples at `from` draw it
+    rgb Le_specular;  // all other
 };
 
 static void meet(const struct gather *g, const struct ray *ray, const struct surfel *hit, rgb T,
-                 bool first, struct emitters *e) {
+                 const struct light_chain *chain, struct emitters *e) {
     if (hit ? hit->light < 0 : g->scene->environment < 0) return;
     rgb Le =
         hit ? light_emitted(g->scene, hit, v3_neg(ray->d)) : light_environment(g->scene, ray->d);
     if (rgb_black(Le)) return;
-    if (first) {
-        e->Le = Le;
-        e->light_pdf = gather_light_pdf(g, e->from, ray->d, hit);
-    } else {
+    if (!light_chain_straight(chain, ray->d)) {
         e->Le_specular = rgb_fma(e->Le_specular, T, Le);
+    } else if (chain->crossed <= gather_panes(g, e->depth)) {
+        e->Le = rgb_mul(T, Le);
+        e->light_pdf = gather_light_pdf(g, e->from, chain, hit);
     }
 }
 
@@ -100,12 +101,14 @@ struct cone {
 };
 
 // Follows a ray through ideal specular surfaces to one with a smooth lobe. False if it meets none.
-// T is multiplied; emitters may be NULL.
+// *T gets what they leave of the light; emitters may be NULL.
 static bool trace_to_smooth(const struct gather *g, struct cone cone, struct sampler *sampler,
                             rgb *T, struct gather_first *first, struct emitters *emitters,
                             struct gather_point *out) {
     struct ray ray = cone.ray;
+    struct light_chain chain = light_chain_begin(ray.d);
     float distance = 0.0f;
+    *T = rgb_grey(1.0f);
     *first = GATHER_NOTHING;
     for (int i = 0;; i++) {
         if (i >= DELTA_SURE) {
@@ -114,7 +117,8 @@ static bool trace_to_smooth(const struct gather *g, struct cone cone, struct sam
         }
         struct surfel s;
         bool hit = scene_intersect(g->scene, &ray, &s);
-        if (emitters) meet(g, &ray, hit ? &s : NULL, *T, i == 0, emitters);
+        if (hit) light_chain_advance(&chain, s.t);
+        if (emitters) meet(g, &ray, hit ? &s : NULL, *T, &chain, emitters);
         if (!hit) return false;
         if (i == 0) *first = (struct gather_first){s.t, s.ng};
         distance += s.t;
@@ -132,13 +136,14 @@ static bool trace_to_smooth(const struct gather *g, struct cone cone, struct sam
             !brdf_sample(&out->brdf, out->wo_l, rest, 0.5f, 0.5f, BRDF_DELTA, BRDF_RADIANCE, &next))
             return false;
         *T = rgb_mul(*T, rgb_scale(next.weight, 1.0f / (1.0f - stop)));
+        light_chain_pass(&chain, g->scene, &s, v3_neg(ray.d), out->wo_l, &next);
         ray = scene_spawn(g->scene, s.p, s.ng, frame_to_world(&out->frame, next.wi));
     }
 }
 
 bool gather_follow(const struct gather *g, struct ray ray, struct sampler *sampler,
                    struct gather_first *first, struct gather_point *out) {
-    rgb T = rgb_grey(1.0f);
+    rgb T;
     return trace_to_smooth(g, (struct cone){ray, 0.0f}, sampler, &T, first, NULL, out);
 }
 
@@ -211,7 +216,7 @@ static rgb reflected(const struct gather *g, const struct gather_point *y, rgb E
     float survive_diffuse = diffuse && near ? go_on(y, level) : 0.0f;
     if (level > 0) share_path(&survive, &survive_diffuse);
     const struct gather_mis mis = {
-        {{shadow ? diffuse : 0u, survive_diffuse}, {glossy, survive}, {known, 0.0f}}};
+        2 + level, {{shadow ? diffuse : 0u, survive_diffuse}, {glossy, survive}, {known, 0.0f}}};
     L = rgb_add(L, gather_direct(g, y, mis, 1, choice->sampler));
     choice->sampler.dimension += 2;
     // Photons do not know their edges: two at least are behind a caustic.
@@ -261,13 +266,16 @@ static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned
     struct ray ray =
         scene_spawn(g->scene, y->surfel.p, y->surfel.ng, frame_to_world(&y->frame, next.wi));
     struct gather_point z;
-    struct emitters e = {.from = y->surfel.p};
-    rgb T = rgb_scale(next.weight, 1.0f / survive), start = T;
+    // `level` is the number of z: y has 1 + level edges to the eye.
+    struct emitters e = {.from = y->surfel.p, .depth = 1 + level};
+    const rgb start = rgb_scale(next.weight, 1.0f / survive);
+    rgb T;
     struct gather_first first;
     bool found = trace_to_smooth(g, (struct cone){ray, 0.0f}, sampler, &T, &first, &e, &z);
+    T = rgb_mul(start, T);
     if (e.light_pdf > 0.0f)
         L = rgb_scale(rgb_mul(start, e.Le), mis_power(survive * next.pdf_w, e.light_pdf));
-    if (lobes != BRDF_DIFFUSE) L = rgb_add(L, e.Le_specular);
+    if (lobes != BRDF_DIFFUSE) L = rgb_fma(L, start, e.Le_specular);
     if (!found || !within_depth(g, level, 1)) return L;
     // Where there are records, z is to the next level's gather what y is to g.
     if (g->rough.gather) return rgb_fma(L, T, distant(g->rough.gather, &z, level - 1, choice));
@@ -334,14 +342,14 @@ static void trace_chunk(const struct gather *g, struct gather_scratch *scratch,
                         const struct bundle *bundle, size_t begin, size_t end) {
     struct gather_ray *rays = bundle->rays;
     const satin_first_pass first_pass = g->options->first_pass;
-    const struct gather_mis lights_alone = {{{BRDF_SMOOTH, 0.0f}}};
+    const struct gather_mis lights_alone = {2, {{BRDF_SMOOTH, 0.0f}}};
     size_t hits = 0;
     for (size_t i = begin; i < end; i++) {
         struct gather_ray *ray = &rays[i];
         struct gather_hit *hit = &scratch->hit[hits];
         hit->sampler = (struct sampler){ray->item, bundle->seed, 0};
         struct sampler start = hit->sampler;
-        struct emitters e = {.from = ray->lit ? *ray->lit : ray->ray.o};
+        struct emitters e = {.from = ray->lit ? *ray->lit : ray->ray.o, .depth = 1};
         bool found = false;
         hit->T = rgb_grey(1.0f);
         hit->ray = (uint32_t)i;

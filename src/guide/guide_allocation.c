@@ -7,6 +7,8 @@
 // that they have missed.
 #include "guide/guide.h"
 
+#include <limits.h>
+
 #include "base/sampling.h"
 
 enum { BOUNCES = 3 };  // of a path: behind the first one is what gather rays ask photons for
@@ -28,9 +30,9 @@ static void add_direct(struct tally *tally, const struct surfel *s, vec3 n, floa
     if (!light_sample(scene, light, s->p, u, v, &sample)) return;
     const float cosine = v3_dot(sample.wi, n);
     if (!(cosine > 0.0f)) return;
-    struct ray shadow = light_shadow_ray(scene, s->p, s->ng, &sample);
+    if (!light_arrives(scene, s->p, s->ng, INT_MAX, &sample)) return;
     const float E = T * cosine * rgb_luminance(sample.L) / (sample.pdf_w * choice);
-    if (isfinite(E) && !scene_occluded(scene, &shadow)) tally->light[light] += (double)E;
+    if (isfinite(E)) tally->light[light] += (double)E;
 }
 
 // A light that the last ray has met behind ideal specular surfaces, where no sample finds it.

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass 1b: where caustic paths start. A caustic path meets a surface with a delta lobe first, so a
-// pilot divides each light's unit hypercube of emission into cells, sends a few single rays from
-// each and keeps the cells where one met such a surface, and their neighbours. The caustic pass
-// starts most of its paths there, evenly, so that its photons have equal power; the other cells get
-// a share too, which keeps the estimate unbiased. Light from infinitely far is aimed at the box of
-// the surfaces with delta lobes, which loses nothing; and where that is large, as a pane of glass
-// over all that is seen, light is aimed at what is seen (guide_view.c).
+// Pass 1b: where caustic paths start. A caustic path meets a surface with a delta lobe first, and
+// not panes alone, so a pilot divides each light's unit hypercube of emission into cells, sends a
+// few single rays from each and keeps the cells where one met such a surface, and their neighbours.
+// The caustic pass starts most of its paths there, evenly, so that its photons have equal power;
+// the other cells get a share too, which keeps the estimate unbiased. Light from infinitely far is
+// aimed at the box of the surfaces with delta lobes, which loses nothing; and where that is large,
+// as a pane of glass over all that is seen, light is aimed at what is seen (guide_view.c).
 #include <stdlib.h>
 
 #include "base/sampling.h"
@@ -133,10 +133,8 @@ struct pilot {
 
 static bool meets_delta(const struct pilot *pilot, const float u[4]) {
     struct light_ray start;
-    struct surfel s;
     if (!light_emit(pilot->scene, pilot->light, &pilot->emission->aim, u, &start)) return false;
-    if (!scene_intersect(pilot->scene, &start.ray, &s)) return false;
-    return shape_has_delta(pilot->scene, s.shape);
+    return light_bends(pilot->scene, start.ray);
 }
 
 static void probe_cells(void *ctx, size_t begin, size_t end, int worker) {

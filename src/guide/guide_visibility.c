@@ -5,6 +5,7 @@
 // is seen there, and how much of each light arrives; direct light is sampled by both.
 #include "guide/guide_visibility.h"
 
+#include <limits.h>
 #include <stdlib.h>
 
 #include "base/sampling.h"
@@ -54,8 +55,8 @@ static void ask(const struct learning *l, const struct guide_cell *cell, int bin
         const float L = sqrtf(rgb_luminance(light_environment(l->scene, w)));
         if (!(L > 0.0f)) continue;
         tally->facing += L;
-        struct ray ray = scene_spawn(l->scene, p->p, p->ng, w);
-        if (!scene_occluded(l->scene, &ray)) sum += L;
+        struct light_sample sample = {.wi = w, .dist = INFINITY, .L = rgb_grey(1.0f)};
+        if (light_arrives(l->scene, p->p, p->ng, INT_MAX, &sample)) sum += L;
     }
     tally->seen += sum;
     tally->weight[bin] = asked ? sum / (float)asked : 0.0f;
@@ -101,8 +102,8 @@ static float arrives(const struct satin_scene *scene, uint32_t light, struct lig
     float cosine = v3_dot(s.wi, p->n);
     if (p->both) cosine = fabsf(cosine);
     if (!(cosine > 0.0f)) return 0.0f;
-    struct ray ray = light_shadow_ray(scene, p->p, p->ng, &s);
-    return scene_occluded(scene, &ray) ? 0.0f : cosine * rgb_luminance(s.L) / s.pdf_w;
+    const bool arrives = light_arrives(scene, p->p, p->ng, INT_MAX, &s);
+    return arrives ? cosine * rgb_luminance(s.L) / s.pdf_w : 0.0f;
 }
 
 static void learn_choice(const struct learning *l, size_t i, struct rng *rng) {

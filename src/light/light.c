@@ -11,6 +11,7 @@
 
 satin_status light_prepare(struct satin_scene *scene, struct log log) {
     scene->light_cdf = NULL;
+    scene->panes = light_has_panes(scene);
     if (scene->light_count == 0) return SATIN_OK;
     float *power = arena_array(&scene->arena, scene->light_count, sizeof *power);
     float *cdf = arena_array(&scene->arena, (size_t)scene->light_count + 1, sizeof *cdf);
@@ -127,8 +128,8 @@ bool light_sample(const struct satin_scene *scene, uint32_t i, vec3 p, float u, 
     return light_sample_seen(scene, i, LIGHT_SEEN_ALL, p, u, v, out);
 }
 
-bool light_sample_seen(const struct satin_scene *scene, uint32_t i, struct light_seen seen, vec3 p,
-                       float u, float v, struct light_sample *out) {
+static bool sample(const struct satin_scene *scene, uint32_t i, struct light_seen seen, vec3 p,
+                   float u, float v, struct light_sample *out) {
     const struct light *light = &scene->light[i];
     switch (light->kind) {
         case LIGHT_AREA:
@@ -151,6 +152,15 @@ bool light_sample_seen(const struct satin_scene *scene, uint32_t i, struct light
             return light_environment_sample(scene, seen.window, u, v, out);
     }
     return false;
+}
+
+bool light_sample_seen(const struct satin_scene *scene, uint32_t i, struct light_seen seen, vec3 p,
+                       float u, float v, struct light_sample *out) {
+    if (!sample(scene, i, seen, p, u, v, out)) return false;
+    out->light = i;
+    out->u = u;
+    out->v = v;
+    return true;
 }
 
 float light_pdf(const struct satin_scene *scene, vec3 p, vec3 wi, const struct surfel *s) {

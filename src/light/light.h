@@ -5,6 +5,7 @@
 #ifndef LIGHT_LIGHT_H
 #define LIGHT_LIGHT_H
 
+#include "light/light_pane.h"
 #include "light/light_seen.h"
 #include "light/light_sky.h"
 #include "light/light_sun.h"
@@ -68,6 +69,8 @@ struct light_sample {
     rgb L;        // radiance, or for delta lights intensity / dist^2 or irradiance
     float pdf_w;  // solid angle; 1 for delta lights. Without the probability of choosing the light
     bool delta;
+    uint32_t light;  // which light, drawn by which numbers
+    float u, v;
 };
 
 // Fills light_cdf, powers, image distributions and the shapes' area_cdf. After scene_trace_build.

@@ -212,7 +212,8 @@ static bool finish(const struct light_point *at, vec3 p, float pdf_w, struct lig
     if (!(cosine > 0.0f)) return false;
     if (pdf_w == 0.0f) pdf_w = at->pdf_a * d2 / cosine;
     if (!(pdf_w > 0.0f) || !isfinite(pdf_w)) return false;
-    *out = (struct light_sample){wi, at->p, at->n, dist, at->L, pdf_w, false};
+    *out = (struct light_sample){
+        .wi = wi, .p = at->p, .n = at->n, .dist = dist, .L = at->L, .pdf_w = pdf_w};
     return true;
 }
 

@@ -86,8 +86,12 @@ bool light_point_sample(const struct light *light, vec3 p, struct light_sample *
         color = slide(light, uv);
     }
     if (!(scale > 0.0f) || !isfinite(scale) || rgb_black(color) || !rgb_finite(color)) return false;
-    *out = (struct light_sample){
-        wi, light->position, v3(0, 0, 0), dist, rgb_scale(color, scale), 1.0f, true};
+    *out = (struct light_sample){.wi = wi,
+                                 .p = light->position,
+                                 .dist = dist,
+                                 .L = rgb_scale(color, scale),
+                                 .pdf_w = 1.0f,
+                                 .delta = true};
     return true;
 }
 

@@ -51,7 +51,8 @@ struct run {
 struct flight {
     struct ray ray;
     rgb power;
-    enum photon_class class;
+    enum photon_class class;      // but for what panes are told to be by the chain
+    struct light_chain chain;     // of a direct photon
     unsigned keep[PHOTON_KEEPS];  // classes that are kept of this path,
     float share[PHOTON_KEEPS];    // and what of all power its power is to who keeps them
 };
@@ -70,6 +71,12 @@ static bool valid(const struct photon_hit *hit) {
            fminf(hit->power.r, fminf(hit->power.g, hit->power.b)) >= 0.0f;
 }
 
+// A direct photon whose direction glass has changed for good is a caustic one.
+static enum photon_class class_of(const struct flight *f) {
+    const bool bent = f->class == PHOTON_DIRECT && !light_chain_straight(&f->chain, f->ray.d);
+    return bent ? PHOTON_CAUSTIC : f->class;
+}
+
 // Where a mask lets photons pass, those that stop stand for all that would come to whole surface.
 static bool keep_hit(const struct satin_scene *scene, struct chunk *chunk, const struct surfel *s,
                      const struct flight *f) {
@@ -77,14 +84,15 @@ static bool keep_hit(const struct satin_scene *scene, struct chunk *chunk, const
     const struct texture_place at = surfel_texture_place(scene, s);
     const struct material *material = &scene->material[s->material];
     const float opacity = s->light < 0 ? material_opacity(material, &at) : 1.0f;
+    const enum photon_class class = class_of(f);
     struct photon_hit hit = {.p = s->p, .wi = photon_pack(wi), .n = photon_pack(n)};
     for (int i = 0; i < PHOTON_KEEPS; i++) {
-        if (!(f->keep[i] >> f->class & 1u)) continue;
+        if (!(f->keep[i] >> class & 1u)) continue;
         hit.power = rgb_scale(f->power, f->share[i]);
         if (opacity < 1.0f) hit.power = rgb_scale(hit.power, 1.0f / fmaxf(opacity, 0.05f));
         if (!valid(&hit))
             chunk->refused++;
-        else if (!append(&chunk->kept[i], hit, f->class))
+        else if (!append(&chunk->kept[i], hit, class))
             chunk->failed = true;
     }
     return !chunk->failed;
@@ -134,7 +142,7 @@ static bool scatter(const struct satin_scene *scene, const struct surfel *s, uns
     if (!(sample.lobe & BRDF_DELTA))
         f->class = PHOTON_INDIRECT;
     else if (f->class == PHOTON_DIRECT)
-        f->class = PHOTON_CAUSTIC;
+        light_chain_pass(&f->chain, scene, s, wi, frame_to_local(&frame, wi), &sample);
     f->power = rgb_scale(power, 1.0f / survival);
     f->ray = scene_spawn(scene, s->p, s->ng, wo);
     return true;
@@ -148,7 +156,7 @@ static void walk(const struct photon_tracing *tracing, struct flight f, struct r
     for (int bounce = 0; bounce <= most; bounce++) {
         struct surfel s;
         if (!scene_intersect(scene, &f.ray, &s)) return;
-        const bool wanted = (f.keep[0] | f.keep[1]) >> f.class & 1u;
+        const bool wanted = (f.keep[0] | f.keep[1]) >> class_of(&f) & 1u;
         if (wanted && keeps_photons(scene, &s, v3_neg(f.ray.d)) && !keep_hit(scene, chunk, &s, &f))
             return;
         if (!scatter(scene, &s, lobes, rng, &f, &chunk->refused)) return;
@@ -218,7 +226,9 @@ static bool launch(const struct run *run, uint32_t light, uint64_t index, struct
     struct light_ray start;
     if (!light_emit(tracing->scene, light, aim, u, &start)) return false;
     const float paths = (float)(run->first[light + 1] - run->first[light]);
-    *f = (struct flight){.ray = start.ray, .power = rgb_scale(start.power, factor / paths)};
+    *f = (struct flight){.ray = start.ray,
+                         .power = rgb_scale(start.power, factor / paths),
+                         .chain = light_chain_begin(start.ray.d)};
     for (int k = 0; k < PHOTON_KEEPS; k++) {
         if (index >= run->paths[k][light]) continue;
         f->keep[k] = tracing->keep[k].classes;

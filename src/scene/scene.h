@@ -263,6 +263,7 @@ struct satin_scene {
     const float *light_cdf;         // light_count + 1, by power; NULL without lights
     struct light_tree *light_tree;  // of many lights (light_tree.c), else NULL
     int32_t environment;            // index of the constant or envmap light, or -1
+    bool panes;                     // some surface may be a pane's (light_pane.c)
     struct camera camera;
     struct film_spec film;
     struct scene_hints hints;

@@ -33,7 +33,7 @@ void shade_surface(const struct shade *shade, const struct cache_site *site, str
 }
 
 float shade_surface_direct(const struct shade *shade, const struct cache_site *site) {
-    static const struct gather_mis lights_alone = {{{BRDF_SMOOTH, 0.0f}}};
+    static const struct gather_mis lights_alone = {1, {{BRDF_SMOOTH, 0.0f}}};
     struct sampler sampler;
     const struct gather_point p = find(shade, site, &sampler);
     return rgb_luminance(gather_direct(shade->g, &p, lights_alone, LIGHT_SAMPLES, sampler));

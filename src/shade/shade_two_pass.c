@@ -146,13 +146,14 @@ static void look_for_lights(struct shade_job *job, unsigned lobes, float ratio) 
     if (!brdf_sample(&p->brdf, p->wo_l, sampler_1d(&u), uv.x, uv.y, lobes, BRDF_RADIANCE, &b))
         return;
     vec3 d = frame_to_world(&p->frame, b.wi);
-    struct ray ray = scene_spawn(g->scene, p->surfel.p, p->surfel.ng, d);
-    struct surfel s;
-    bool hit = scene_intersect(g->scene, &ray, &s);
-    if (hit ? s.light < 0 : g->scene->environment < 0) return;
-    rgb Le = hit ? light_emitted(g->scene, &s, v3_neg(d)) : light_environment(g->scene, d);
-    float light_pdf = gather_light_pdf(g, p->surfel.p, d, hit ? &s : NULL);
-    add(job, SHADE_DIRECT, rgb_scale(rgb_mul(b.weight, Le), mis_power(ratio * b.pdf_w, light_pdf)));
+    struct surfel hit;
+    bool sky;
+    struct light_found found;
+    if (!light_find(g->scene, p->surfel.p, p->surfel.ng, d, gather_panes(g, 1), &hit, &sky, &found))
+        return;
+    float light_pdf = gather_light_pdf(g, p->surfel.p, &found.chain, sky ? NULL : &hit);
+    add(job, SHADE_DIRECT,
+        rgb_scale(rgb_mul(b.weight, found.L), mis_power(ratio * b.pdf_w, light_pdf)));
 }
 
 void shade_vertex_two_pass(struct shade_job *job) {
@@ -171,7 +172,7 @@ void shade_vertex_two_pass(struct shade_job *job) {
     const unsigned extra = g->wide_lights ? rest : rest & ~(unsigned)BRDF_DIFFUSE;
     const float lights = (float)o->light_samples, ratio = (float)o->glossy_samples / lights;
     const struct gather_mis mis = {
-        {{rest & ~extra, 0.0f}, {extra, 1.0f / lights}, {sampled, ratio}}};
+        1, {{rest & ~extra, 0.0f}, {extra, 1.0f / lights}, {sampled, ratio}}};
     add(job, SHADE_DIRECT, gather_direct(g, p, mis, o->light_samples, job->sampler));
     job->sampler.dimension += 2;
     if (extra) look_for_lights(job, extra, 1.0f / lights);

@@ -37,7 +37,7 @@ static struct gather_point below(const struct test_scene *t) {
 static double mean_of(const struct test_scene *t, int samples, int runs, double *deviation) {
     const satin_options options = satin_options_default;
     const struct gather g = {.scene = &t->scene, .options = &options};
-    const struct gather_mis alone = {{{BRDF_SMOOTH, 0.0f}}};
+    const struct gather_mis alone = {1, {{BRDF_SMOOTH, 0.0f}}};
     const struct gather_point p = below(t);
     double sum = 0.0, squares = 0.0;
     for (int i = 0; i < runs; i++) {

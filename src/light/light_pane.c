@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+// Light through panes: which specular chains leave the direction of light as it was, and shadow
+// rays that follow such chains. A shadow ray towards a direction, as of the sky, bends at each
+// surface and goes on as it should; one towards a point is aimed again, until it meets the point.
+#include "light/light.h"
+
+enum {
+    PANES_MAX = 32,  // surfaces that a shadow ray passes
+    AIMS = 3         // each divides the miss by the distance over a pane's shift, some hundred
+};
+
+// Directions that differ by less are parallel [rad]. Panes of real scenes are parallel to 1e-5 by
+// the six digits of their corners, and a lens or a waved pane bends most light by more than 1e-2.
+static const float PARALLEL = 1e-3f;
+
+static bool is_parallel(vec3 a, vec3 b) { return v3_dist2(a, b) < PARALLEL * PARALLEL; }
+
+// Whether the surface may be a pane's: flat, or a thin sheet of any form; not blended with others,
+// which rays pass by chance.
+static bool may_be_pane(const struct satin_scene *scene, const struct surfel *s, vec3 wo) {
+    if (s->light >= 0) return false;
+    struct scene_part part[MATERIAL_PARTS_MAX];
+    if (scene_parts(scene, s, wo, part) != 1) return false;
+    return scene->shape[s->shape].kind == SHAPE_MESH || scene->shape[s->shape].kind == SHAPE_DISK ||
+           part[0].side->base.model->thin;
+}
+
+bool light_has_panes(const struct satin_scene *scene) {
+    for (uint32_t i = 0; i < scene->shape_count; i++) {
+        const struct shape *shape = &scene->shape[i];
+        if (shape->kind == SHAPE_INSTANCE) continue;
+        const struct material_side *side = &scene->material[shape->material].front;
+        if (!side->part[0] && (side->base.model->lobes & BRDF_DELTA) && brdf_transmits(&side->base))
+            return true;
+    }
+    return false;
+}
+
+// ---- Chains -------------------------------------------------------------------------------------
+
+struct light_chain light_chain_begin(vec3 d) {
+    return (struct light_chain){
+        .d = d, .transmits = true, .sagittal_rate = 1.0f, .tangential_rate = 1.0f};
+}
+
+void light_chain_advance(struct light_chain *chain, float length) {
+    chain->sagittal += chain->sagittal_rate * length;
+    chain->tangential += chain->tangential_rate * length;
+}
+
+// By Snell's law sin(theta) / eta is carried on; its derivative gives the tangential rate.
+static void pass(struct light_chain *chain, vec3 wo_l, const struct brdf_sample *next) {
+    chain->crossed++;
+    chain->sagittal_rate /= next->eta;
+    chain->tangential_rate *= sqrf(wo_l.z) / (next->eta * fmaxf(sqrf(next->wi.z), 1e-12f));
+}
+
+void light_chain_pass(struct light_chain *chain, const struct satin_scene *scene,
+                      const struct surfel *s, vec3 wo, vec3 wo_l, const struct brdf_sample *next) {
+    if (!chain->transmits) return;
+    const bool through = (next->lobe & BRDF_DELTA) && wo_l.z * next->wi.z < 0.0f;
+    chain->transmits = through && may_be_pane(scene, s, wo);
+    if (chain->transmits) pass(chain, wo_l, next);
+}
+
+bool light_chain_straight(const struct light_chain *chain, vec3 d) {
+    return chain->transmits && is_parallel(chain->d, d);
+}
+
+vec3 light_chain_beside(const struct light_chain *chain, vec3 p, vec3 q) {
+    if (!chain->crossed) return p;
+    return v3_mad(q, -v3_dot(v3_sub(q, p), chain->d), chain->d);
+}
+
+float light_chain_density(const struct light_chain *chain, float dist) {
+    return chain->crossed ? chain->sagittal * chain->tangential / (dist * dist) : 1.0f;
+}
+
+// ---- Shadow rays --------------------------------------------------------------------------------
+
+// A ray on its way through panes.
+struct march {
+    const struct satin_scene *scene;
+    int panes;  // surfaces that it may pass
+    struct light_chain chain;
+    rgb T;
+    vec3 p, ng;  // the last surface
+};
+
+// Passes the surface s that a ray along d has hit; *d gets the direction beyond. False: it stops.
+static bool go_through(struct march *m, const struct surfel *s, vec3 *d) {
+    const vec3 wo = v3_neg(*d);
+    struct brdf b;
+    struct frame frame;
+    struct brdf_sample way[2];
+    if (m->chain.crossed >= m->panes || m->chain.crossed >= PANES_MAX) return false;
+    if (!may_be_pane(m->scene, s, wo) || !scene_brdf(m->scene, s, wo, &b, &frame)) return false;
+    if (!(brdf_lobes(&b) & BRDF_DELTA)) return false;
+    const vec3 wo_l = frame_to_local(&frame, wo);
+    const int ways = brdf_delta(&b, wo_l, BRDF_RADIANCE, way);
+    for (int i = 0; i < ways; i++) {
+        if (!(way[i].wi.z * wo_l.z < 0.0f)) continue;
+        light_chain_advance(&m->chain, s->t);
+        pass(&m->chain, wo_l, &way[i]);
+        m->T = rgb_mul(m->T, way[i].weight);
+        m->p = s->p;
+        m->ng = s->ng;
+        *d = frame_to_world(&frame, way[i].wi);
+        return !rgb_black(m->T);
+    }
+    return false;
+}
+
+static struct march march_begin(const struct satin_scene *scene, int panes, vec3 d) {
+    return (struct march){
+        .scene = scene, .panes = panes, .chain = light_chain_begin(d), .T = rgb_grey(1.0f)};
+}
+
+// Goes on from the hit s of a ray along d to the first surface that is no pane's, in *s, or to
+// where there is none: *hit. False: it stops on the way.
+static bool march_on(struct march *m, struct surfel *s, vec3 *d, bool *hit) {
+    for (*hit = true; *hit;) {
+        if (s->light >= 0) break;
+        if (!go_through(m, s, d)) return false;
+        struct ray ray = scene_spawn(m->scene, m->p, m->ng, *d);
+        *hit = scene_intersect(m->scene, &ray, s);
+    }
+    return is_parallel(m->chain.d, *d);
+}
+
+// Towards a sample's point, behind the pane that s is of. *miss gets how far the end of the way
+// lies beside it; the way may end on another point of the same light. False: it stops before.
+static bool march_to(struct march *m, struct surfel s, vec3 d, const struct light_sample *to,
+                     vec3 *miss) {
+    while (go_through(m, &s, &d)) {
+        const vec3 left = v3_sub(to->p, m->p);
+        const float along = v3_dot(left, d);
+        const bool outside = is_parallel(m->chain.d, d);
+        struct ray ray = scene_spawn(m->scene, m->p, m->ng, d);
+        if (outside) {
+            if (!(along > 0.0f)) return false;
+            *miss = v3_sub(v3_mul(d, along), left);
+            ray = scene_spawn_to(m->scene, m->p, m->ng, v3_add(to->p, *miss), to->n);
+        }
+        if (scene_intersect(m->scene, &ray, &s) && !(outside && s.light == (int32_t)to->light))
+            continue;
+        light_chain_advance(&m->chain, along);
+        return outside;
+    }
+    return false;
+}
+
+// A sample at a point. Behind panes the light is seen as if from beside p, by as much as they shift
+// the ray: the sample is drawn again from there.
+static bool arrives_from_point(const struct satin_scene *scene, vec3 p, vec3 ng, int panes,
+                               struct surfel first, struct light_sample *s) {
+    struct ray ray = light_shadow_ray(scene, p, ng, s);
+    vec3 beside = v3(0, 0, 0);
+    struct march m;
+    for (int i = 0;; i++) {
+        vec3 miss = v3(0, 0, 0);
+        m = march_begin(scene, panes, ray.d);
+        if (!march_to(&m, first, ray.d, s, &miss)) return false;
+        if (i + 1 == AIMS) break;
+        beside = v3_add(beside, miss);
+        if (!light_sample(scene, s->light, v3_add(p, beside), s->u, s->v, s)) return false;
+        ray = scene_spawn(scene, p, ng, s->wi);
+        if (!scene_intersect(scene, &ray, &first)) return false;
+    }
+    s->L = rgb_mul(s->L, m.T);
+    s->pdf_w *= light_chain_density(&m.chain, s->dist);
+    return true;
+}
+
+bool light_arrives(const struct satin_scene *scene, vec3 p, vec3 ng, int panes,
+                   struct light_sample *s) {
+    struct ray ray = light_shadow_ray(scene, p, ng, s);
+    if (!scene->panes || panes <= 0) return !scene_occluded(scene, &ray);
+    struct surfel first;
+    if (!scene_intersect(scene, &ray, &first)) return true;
+    if (isfinite(s->dist)) return arrives_from_point(scene, p, ng, panes, first, s);
+    struct march m = march_begin(scene, panes, s->wi);
+    vec3 d = s->wi;
+    bool hit;
+    if (!march_on(&m, &first, &d, &hit) || hit) return false;
+    s->L = rgb_mul(s->L, m.T);
+    return true;
+}
+
+bool light_find(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d, int panes,
+                struct surfel *hit, bool *environment, struct light_found *out) {
+    struct ray ray = scene_spawn(scene, p, ng, d);
+    struct march m = march_begin(scene, panes, d);
+    bool met = scene_intersect(scene, &ray, hit);
+    if (met && !march_on(&m, hit, &d, &met)) return false;
+    if (met) light_chain_advance(&m.chain, hit->t);
+    *environment = !met;
+    if (!met && scene->environment < 0) return false;
+    const rgb L = met ? light_emitted(scene, hit, v3_neg(d)) : light_environment(scene, d);
+    *out = (struct light_found){m.chain, rgb_mul(m.T, L)};
+    return true;
+}
+
+bool light_bends(const struct satin_scene *scene, struct ray ray) {
+    struct march m = march_begin(scene, PANES_MAX, ray.d);
+    struct surfel s;
+    vec3 d = ray.d;
+    while (scene_intersect(scene, &ray, &s)) {
+        const struct material *material = &scene->material[s.material];
+        if (!(material_lobes(material, s.light >= 0) & BRDF_DELTA)) break;
+        if (!go_through(&m, &s, &d)) return true;
+        ray = scene_spawn(scene, m.p, m.ng, d);
+    }
+    return m.chain.crossed > 0 && !is_parallel(m.chain.d, d);
+}
