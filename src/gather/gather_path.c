@@ -24,7 +24,7 @@ struct walk {
 static rgb emitted(const struct gather *g, const struct walk *walk, const struct surfel *hit) {
     if (hit ? hit->light < 0 : g->scene->environment < 0) return rgb_grey(0.0f);
     const vec3 d = walk->ray.d;
-    rgb Le = hit ? light_emitted(g->scene, hit, v3_neg(d)) : light_environment(g->scene, d);
+    rgb Le = light_chain_emitted(&walk->chain, g->scene, hit, d);
     if (!(walk->pdf_w > 0.0f) || rgb_black(Le)) return Le;
     if (!light_chain_straight(&walk->chain, d)) return Le;
     return rgb_scale(Le,

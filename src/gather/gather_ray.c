@@ -73,8 +73,7 @@ struct emitters {
 static void meet(const struct gather *g, const struct ray *ray, const struct surfel *hit, rgb T,
                  const struct light_chain *chain, struct emitters *e) {
     if (hit ? hit->light < 0 : g->scene->environment < 0) return;
-    rgb Le =
-        hit ? light_emitted(g->scene, hit, v3_neg(ray->d)) : light_environment(g->scene, ray->d);
+    rgb Le = light_chain_emitted(chain, g->scene, hit, ray->d);
     if (rgb_black(Le)) return;
     if (!light_chain_straight(chain, ray->d)) {
         e->Le_specular = rgb_fma(e->Le_specular, T, Le);

@@ -22,9 +22,9 @@ struct guide_view {
 };
 void guide_view_make(const struct satin_scene *scene, uint64_t seed, struct guide_view *out);
 // Follows the ray through ideal specular surfaces to one with a smooth lobe, with normal *n; false
-// if there is none. *ray becomes its last edge.
+// if there is none. *ray becomes its last edge; *chain gets the surfaces, not the lengths.
 bool guide_view_follow(const struct satin_scene *scene, struct ray *ray, struct rng *rng,
-                       struct surfel *s, vec3 *n);
+                       struct surfel *s, vec3 *n, struct light_chain *chain);
 // The same from the eye, for path i of GUIDE_VIEW_PATHS.
 bool guide_view_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng, struct surfel *s,
                     vec3 *n);

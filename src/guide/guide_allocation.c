@@ -35,7 +35,8 @@ static void add_direct(struct tally *tally, const struct surfel *s, vec3 n, floa
     if (isfinite(E)) tally->light[light] += (double)E;
 }
 
-// A light that the last ray has met behind ideal specular surfaces, where no sample finds it.
+// A light that the last ray has met behind ideal specular surfaces that are no panes, where no
+// sample finds it.
 static void add_emitted(struct tally *tally, const struct ray *ray, const struct surfel *hit,
                         float T) {
     const struct satin_scene *scene = tally->scene;
@@ -54,9 +55,9 @@ static void walk(struct tally *tally, struct surfel s, vec3 n, struct rng *rng) 
         const float u = rng_float(rng), v = rng_float(rng);
         const vec3 d = frame_to_world(&frame, sample_cosine_hemisphere(u, v));
         struct ray ray = scene_spawn(scene, s.p, s.ng, d);
-        const vec3 start = ray.o;
-        const bool found = guide_view_follow(scene, &ray, rng, &s, &n);
-        if (v3_dist2(ray.o, start) > 0.0f) add_emitted(tally, &ray, found ? &s : NULL, T);
+        struct light_chain chain;
+        const bool found = guide_view_follow(scene, &ray, rng, &s, &n, &chain);
+        if (!light_chain_straight(&chain, ray.d)) add_emitted(tally, &ray, found ? &s : NULL, T);
         if (!found) return;
         add_direct(tally, &s, n, T, rng);
         struct brdf b;

@@ -29,7 +29,8 @@ static size_t add_path(const struct satin_scene *scene, uint64_t seed, uint32_t 
         const float u = rng_float(&rng), v = rng_float(&rng);
         struct ray ray =
             scene_spawn(scene, s.p, s.ng, frame_to_world(&frame, sample_cosine_hemisphere(u, v)));
-        found = guide_view_follow(scene, &ray, &rng, &s, &n);
+        struct light_chain chain;
+        found = guide_view_follow(scene, &ray, &rng, &s, &n, &chain);
     }
     return count;
 }

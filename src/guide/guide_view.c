@@ -92,7 +92,8 @@ void guide_view_aim(const struct guide_view *view, struct light_target all, stru
 // ---- Paths ------------------------------------------------------------------------------------
 
 bool guide_view_follow(const struct satin_scene *scene, struct ray *ray, struct rng *rng,
-                       struct surfel *s, vec3 *n) {
+                       struct surfel *s, vec3 *n, struct light_chain *chain) {
+    *chain = light_chain_begin(ray->d);
     for (int i = 0; i < SPECULAR_MAX; i++) {
         struct brdf b;
         struct frame frame;
@@ -102,9 +103,9 @@ bool guide_view_follow(const struct satin_scene *scene, struct ray *ray, struct 
         *n = frame.n;
         if (brdf_lobes(&b) & BRDF_SMOOTH) return true;
         float u = rng_float(rng);
-        if (!brdf_sample(&b, frame_to_local(&frame, wo), u, 0.5f, 0.5f, BRDF_DELTA, BRDF_RADIANCE,
-                         &next))
-            return false;
+        const vec3 wo_l = frame_to_local(&frame, wo);
+        if (!brdf_sample(&b, wo_l, u, 0.5f, 0.5f, BRDF_DELTA, BRDF_RADIANCE, &next)) return false;
+        light_chain_pass(chain, scene, s, wo, wo_l, &next);
         *ray = scene_spawn(scene, s->p, s->ng, frame_to_world(&frame, next.wi));
     }
     return false;
@@ -118,7 +119,8 @@ bool guide_view_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng
     struct ray ray =
         camera_ray(scene, (float)film->crop_x + pixel.x * (float)film->crop_width,
                    (float)film->crop_y + pixel.y * (float)film->crop_height, 0.5f, 0.5f, &spread);
-    return guide_view_follow(scene, &ray, rng, s, n);
+    struct light_chain chain;
+    return guide_view_follow(scene, &ray, rng, s, n, &chain);
 }
 
 void guide_view_make(const struct satin_scene *scene, uint64_t seed, struct guide_view *out) {

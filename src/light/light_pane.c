@@ -8,6 +8,9 @@ enum {
     PANES_MAX = 32,  // surfaces that a shadow ray passes
     AIMS = 3         // each divides the miss by the distance over a pane's shift, some hundred
 };
+// A shadow ray that misses by less than this much of its length is good: that is a tenth of what
+// counts as parallel.
+static const float AIMED = 1e-4f;
 
 // Directions that differ by less are parallel [rad]. Panes of real scenes are parallel to 1e-5 by
 // the six digits of their corners, and a lens or a waved pane bends most light by more than 1e-2.
@@ -21,8 +24,25 @@ static bool may_be_pane(const struct satin_scene *scene, const struct surfel *s,
     if (s->light >= 0) return false;
     struct scene_part part[MATERIAL_PARTS_MAX];
     if (scene_parts(scene, s, wo, part) != 1) return false;
-    return scene->shape[s->shape].kind == SHAPE_MESH || scene->shape[s->shape].kind == SHAPE_DISK ||
-           part[0].side->base.model->thin;
+    if (part[0].side->base.model->thin) return true;
+    const enum shape_kind kind = scene->shape[s->shape].kind;
+    return kind == SHAPE_DISK || (kind == SHAPE_MESH && is_parallel(s->frame.n, s->ng));
+}
+
+// Whether some triangle of the mesh is flat: its shading normals do not vary. Those of glasses and
+// lenses do, so that shadow rays need not ask what they hit there.
+static bool has_flat(const struct mesh *mesh) {
+    if (!mesh->normal) return mesh->triangle_count > 0;
+    for (uint32_t i = 0; i < mesh->triangle_count; i++) {
+        const uint32_t *index = mesh->index + 3 * (size_t)i;
+        vec3 n[3];
+        for (int k = 0; k < 3; k++) {
+            const float *normal = mesh->normal + 3 * (size_t)index[k];
+            n[k] = v3(normal[0], normal[1], normal[2]);
+        }
+        if (is_parallel(n[0], n[1]) && is_parallel(n[0], n[2])) return true;
+    }
+    return false;
 }
 
 bool light_has_panes(const struct satin_scene *scene) {
@@ -30,8 +50,11 @@ bool light_has_panes(const struct satin_scene *scene) {
         const struct shape *shape = &scene->shape[i];
         if (shape->kind == SHAPE_INSTANCE) continue;
         const struct material_side *side = &scene->material[shape->material].front;
-        if (!side->part[0] && (side->base.model->lobes & BRDF_DELTA) && brdf_transmits(&side->base))
-            return true;
+        const struct brdf *b = &side->base;
+        if (side->part[0] || !(b->model->lobes & BRDF_DELTA) || !brdf_transmits(b)) continue;
+        const bool flat =
+            shape->kind == SHAPE_DISK || (shape->kind == SHAPE_MESH && has_flat(&shape->mesh));
+        if (flat || b->model->thin) return true;
     }
     return false;
 }
@@ -59,12 +82,18 @@ void light_chain_pass(struct light_chain *chain, const struct satin_scene *scene
                       const struct surfel *s, vec3 wo, vec3 wo_l, const struct brdf_sample *next) {
     if (!chain->transmits) return;
     const bool through = (next->lobe & BRDF_DELTA) && wo_l.z * next->wi.z < 0.0f;
-    chain->transmits = through && may_be_pane(scene, s, wo);
+    chain->transmits = through && chain->crossed < PANES_MAX && may_be_pane(scene, s, wo);
     if (chain->transmits) pass(chain, wo_l, next);
 }
 
 bool light_chain_straight(const struct light_chain *chain, vec3 d) {
     return chain->transmits && is_parallel(chain->d, d);
+}
+
+rgb light_chain_emitted(const struct light_chain *chain, const struct satin_scene *scene,
+                        const struct surfel *hit, vec3 d) {
+    if (hit) return light_emitted(scene, hit, v3_neg(d));
+    return light_environment(scene, light_chain_straight(chain, d) ? chain->d : d);
 }
 
 vec3 light_chain_beside(const struct light_chain *chain, vec3 p, vec3 q) {
@@ -161,7 +190,7 @@ static bool arrives_from_point(const struct satin_scene *scene, vec3 p, vec3 ng,
         vec3 miss = v3(0, 0, 0);
         m = march_begin(scene, panes, ray.d);
         if (!march_to(&m, first, ray.d, s, &miss)) return false;
-        if (i + 1 == AIMS) break;
+        if (i + 1 == AIMS || v3_dot(miss, miss) <= sqrf(AIMED * s->dist)) break;
         beside = v3_add(beside, miss);
         if (!light_sample(scene, s->light, v3_add(p, beside), s->u, s->v, s)) return false;
         ray = scene_spawn(scene, p, ng, s->wi);
@@ -196,7 +225,7 @@ bool light_find(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d, int pa
     if (met) light_chain_advance(&m.chain, hit->t);
     *environment = !met;
     if (!met && scene->environment < 0) return false;
-    const rgb L = met ? light_emitted(scene, hit, v3_neg(d)) : light_environment(scene, d);
+    const rgb L = light_chain_emitted(&m.chain, scene, met ? hit : NULL, d);
     *out = (struct light_found){m.chain, rgb_mul(m.T, L)};
     return true;
 }

@@ -35,6 +35,11 @@ void light_chain_pass(struct light_chain *chain, const struct satin_scene *scene
                       const struct surfel *s, vec3 wo, vec3 wo_l, const struct brdf_sample *next);
 // Whether light along the chain that goes on along d is direct light.
 bool light_chain_straight(const struct light_chain *chain, vec3 d);
+// Radiance of the emitter that the chain meets, going on along d: `hit` is the surfel on it, NULL
+// for the environment, which is seen along the first direction of a straight chain, as light
+// samples see it.
+rgb light_chain_emitted(const struct light_chain *chain, const struct satin_scene *scene,
+                        const struct surfel *hit, vec3 d);
 // From where the point q at the chain's end would be seen along chain->d without panes, beside the
 // point p where it began.
 vec3 light_chain_beside(const struct light_chain *chain, vec3 p, vec3 q);
