@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: Apache-2.0
+// Light through panes: what is transmitted is Fresnel's, what spreads it is the geometry of a slab,
+// light samples bring the irradiance that directions find, and what is no pane stops them.
+#include "test_scene.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static const double IOR = 1.5;
+
+static uint32_t glass(struct test_scene *t) {
+    return test_material(t, "dielectric", rgb_grey(0.0f), rgb_grey(1.0f));
+}
+
+static float degrees(float angle) { return angle * 180.0f / PI_F; }
+
+// A plate of half-width 4 whose middle is at height z, tilted about the x axis by an angle [rad].
+static uint32_t plate(struct test_scene *t, float z, float thickness, float angle, uint32_t what) {
+    const struct mat4 tilt = mat4_rotate(v3(1, 0, 0), degrees(angle)),
+                      to = test_transform(v3(0, 0, z), v3(1, 1, 1)),
+                      size = mat4_scale(v3(4, 4, 0.5f * thickness)),
+                      turned = mat4_mul(&tilt, &size);
+    return test_cube(t, mat4_mul(&to, &turned), false, what);
+}
+
+// A lamp at height 1 that shines down, of half-widths w and h, moved by x.
+static void lamp(struct test_scene *t, float x, float w, float h) {
+    const uint32_t grey = test_diffuse(t, 0.5f, 0.5f, 0.5f);
+    const struct mat4 down = test_transform(v3(x, 0, 1), v3(w, -h, -1));
+    test_area_light(t, test_rectangle(t, down, grey), rgb_grey(1.0f));
+}
+
+// What the two faces of a plate transmit of unpolarised light at an angle of incidence [rad],
+// without internal reflections.
+static double transmitted(double angle) {
+    const double c = cos(angle), inner = sqrt(1.0 - pow(sin(angle) / IOR, 2.0));
+    const double s = (c - IOR * inner) / (c + IOR * inner);
+    const double p = (IOR * c - inner) / (IOR * c + inner);
+    return pow(1.0 - 0.5 * (s * s + p * p), 2.0);
+}
+
+static vec3 inclined(double angle) { return v3((float)sin(angle), 0.0f, (float)cos(angle)); }
+
+// Of light from infinitely far along w, at the origin; negative: it does not arrive.
+static double arriving(const struct satin_scene *scene, vec3 w, int panes) {
+    struct light_sample s = {.wi = w, .dist = INFINITY, .L = rgb_grey(1.0f), .pdf_w = 1.0f};
+    if (!light_arrives(scene, v3(0, 0, 0), v3(0, 0, 1), panes, &s)) return -1.0;
+    assert_true(v3_dist2(s.wi, w) == 0.0f && s.pdf_w == 1.0f);
+    return (double)s.L.g;
+}
+
+static void panes_transmit_by_fresnel(void **state) {
+    (void)state;
+    for (int count = 1; count <= 2; count++)
+        for (int tilted = 0; tilted <= 1; tilted++) {
+            struct test_scene t;
+            test_scene_init(&t);
+            const uint32_t what = glass(&t);
+            const float tilt = tilted ? 0.3f : 0.0f;
+            for (int i = 0; i < count; i++) plate(&t, 0.5f + 0.1f * (float)i, 0.01f, tilt, what);
+            test_scene_finish(&t);
+            assert_true(t.scene.panes);
+            for (int i = 0; i <= 8; i++) {
+                const double angle = i * M_PI / 18.0;
+                const double incidence = tilted ? acos(cos(angle) * cos(0.3)) : angle;
+                const double expected = pow(transmitted(incidence), count);
+                // Single precision: 1 - F loses two digits at the steepest.
+                assert_true(fabs(arriving(&t.scene, inclined(angle), 8) - expected) < 1e-5);
+            }
+            test_scene_free(&t);
+        }
+}
+
+static void thin_sheets_transmit_straight(void **state) {
+    (void)state;
+    struct test_scene t;
+    test_scene_init(&t);
+    const uint32_t thin = test_material(&t, "thindielectric", rgb_grey(0.0f), rgb_grey(1.0f));
+    // Of any form: rays pass both sides of a ball, at angles of incidence of 0.
+    test_quadric(&t, SHAPE_SPHERE, test_transform(v3(0, 0, 0), v3(0.5f, 0.5f, 0.5f)), false, thin);
+    test_scene_finish(&t);
+    // Two interfaces with all internal reflections: 1 - R with R = 2 F / (1 + F).
+    const double F = 0.04, expected = (1.0 - F) / (1.0 + F);
+    assert_true(fabs(arriving(&t.scene, inclined(0.7), 8) - expected) < 1e-5);
+    test_scene_free(&t);
+}
+
+// A pane of two rectangles, the upper one turned about x by an angle [rad].
+static double through_wedge(float angle) {
+    struct test_scene t;
+    test_scene_init(&t);
+    const uint32_t what = glass(&t);
+    const struct mat4 tilt = mat4_rotate(v3(1, 0, 0), degrees(angle)),
+                      to = test_transform(v3(0, 0, 0.6f), v3(4, 4, 1));
+    test_rectangle(&t, mat4_mul(&to, &tilt), what);
+    test_rectangle(&t, test_transform(v3(0, 0, 0.4f), v3(4, -4, -1)), what);
+    test_scene_finish(&t);
+    const double found = arriving(&t.scene, inclined(0.4), 8);
+    test_scene_free(&t);
+    return found;
+}
+
+static void faces_must_be_parallel(void **state) {
+    (void)state;
+    assert_true(fabs(through_wedge(0.0f) - transmitted(0.4)) < 1e-5);
+    assert_true(through_wedge(1e-4f) > 0.0);
+    assert_true(through_wedge(1e-2f) < 0.0);
+}
+
+static void what_is_no_pane_stops(void **state) {
+    (void)state;
+    static const char *const kind[] = {"frosted", "ball", "blocked", "plain"};
+    for (int i = 0; i < 4; i++) {
+        struct test_scene t;
+        test_scene_init(&t);
+        const uint32_t clear = glass(&t), grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
+        const uint32_t rough = test_material(&t, "roughdielectric", rgb_grey(0.0f), rgb_grey(1.0f));
+        plate(&t, 0.5f, 0.01f, 0.0f, i == 0 ? rough : clear);
+        const struct mat4 place = test_transform(v3(0, 0, 2), v3(0.5f, 0.5f, 0.5f));
+        if (i == 1) test_quadric(&t, SHAPE_SPHERE, place, false, clear);
+        if (i == 2) test_rectangle(&t, place, grey);
+        test_scene_finish(&t);
+        assert_true(t.scene.panes == (i != 0));
+        if ((arriving(&t.scene, v3(0, 0, 1), 8) > 0.0) != (i == 3)) fail_msg("%s", kind[i]);
+        const struct ray up = {v3(0, 0, 0), 0.0f, v3(0, 0, 1), INFINITY};
+        const struct ray tilted = {v3(-0.7f, 0, 0), 0.0f, inclined(0.4), INFINITY};
+        // Along its axis a ball shifts nothing, but it is no pane.
+        assert_true(light_bends(&t.scene, up) == (i == 1));
+        assert_true(light_bends(&t.scene, tilted) == (i == 1));
+        test_scene_free(&t);
+    }
+}
+
+static void panes_are_counted(void **state) {
+    (void)state;
+    for (int plates = 15; plates <= 17; plates++) {
+        struct test_scene t;
+        test_scene_init(&t);
+        const uint32_t what = glass(&t);
+        for (int i = 0; i < plates; i++) plate(&t, 0.5f + 0.02f * (float)i, 0.01f, 0.0f, what);
+        test_scene_finish(&t);
+        const vec3 up = v3(0, 0, 1);
+        assert_true(arriving(&t.scene, up, 2 * plates - 1) < 0.0);
+        // More than 32 surfaces are a caustic to all who ask.
+        assert_true((arriving(&t.scene, up, 64) > 0.0) == (plates <= 16));
+        struct surfel hit;
+        struct light_found found;
+        bool sky;
+        assert_false(light_find(&t.scene, v3(0, 0, 0), up, up, 64, &hit, &sky, &found));
+        assert_true(light_bends(&t.scene, (struct ray){v3(0, 0, 0), 0.0f, up, INFINITY}) ==
+                    (plates > 16));
+        test_scene_free(&t);
+    }
+}
+
+// ---- Lamps at finite distance -------------------------------------------------------------------
+
+// How far a ray that leaves a point at an angle [rad] is beside it at height 1, behind a plate.
+static double beside(double angle, double thickness) {
+    return (1.0 - thickness) * tan(angle) + thickness * tan(asin(sin(angle) / IOR));
+}
+
+static void distances_are_those_of_a_slab(void **state) {
+    (void)state;
+    struct test_scene t;
+    test_scene_init(&t);
+    plate(&t, 0.5f, 0.3f, 0.0f, glass(&t));
+    lamp(&t, 0.0f, 20.0f, 20.0f);
+    test_scene_finish(&t);
+    for (int i = 0; i <= 7; i++) {
+        const double a = (i + 0.5) * M_PI / 18.0, step = 1e-4;
+        struct surfel hit;
+        struct light_found found;
+        bool sky;
+        assert_true(
+            light_find(&t.scene, v3(0, 0, 0), v3(0, 0, 1), inclined(a), 2, &hit, &sky, &found));
+        assert_true(!sky && hit.light == 0 && found.chain.crossed == 2);
+        // A bundle of rays that turns by dphi about the axis is x dphi wide, one by da is cos a dx.
+        const double x = beside(a, 0.3),
+                     dx = (beside(a + step, 0.3) - beside(a - step, 0.3)) / (2.0 * step);
+        assert_true(fabs((double)hit.p.x - x) < 1e-4);
+        assert_true(fabs((double)found.chain.sagittal * sin(a) / x - 1.0) < 1e-4);
+        assert_true(fabs((double)found.chain.tangential / (cos(a) * dx) - 1.0) < 1e-4);
+        // The density beside is that of a point from which the lamp's point is seen along the ray.
+        const vec3 from = light_chain_beside(&found.chain, v3(0, 0, 0), hit.p);
+        const vec3 d = v3_unit(v3_sub(hit.p, from));
+        assert_true(v3_dist2(d, inclined(a)) < 1e-10f);
+    }
+    test_scene_free(&t);
+}
+
+// A small lamp has the irradiance that Fermat's path to it says.
+static void points_of_light_are_found(void **state) {
+    (void)state;
+    const double thickness = 0.08, x = 0.7;
+    struct test_scene t;
+    test_scene_init(&t);
+    plate(&t, 0.5f, (float)thickness, 0.0f, glass(&t));
+    const uint32_t i = test_light(
+        &t, (struct light){
+                .kind = LIGHT_POINT, .value = rgb_grey(1.0f), .position = v3((float)x, 0, 1)});
+    test_scene_finish(&t);
+    double lo = 0.0, hi = 1.5;
+    for (int k = 0; k < 60; k++) {
+        const double middle = 0.5 * (lo + hi);
+        *(beside(middle, thickness) < x ? &lo : &hi) = middle;
+    }
+    const double step = 1e-4, sagittal = x / sin(lo);
+    const double dx = beside(lo + step, thickness) - beside(lo - step, thickness);
+    const double expected = transmitted(lo) / (sagittal * dx / (2.0 * step));  // E = I T cos / ...
+    struct light_sample s;
+    assert_true(light_sample(&t.scene, i, v3(0, 0, 0), 0.5f, 0.5f, &s));
+    assert_true(light_arrives(&t.scene, v3(0, 0, 0), v3(0, 0, 1), 2, &s));
+    assert_true(v3_dist2(s.wi, inclined(lo)) < 1e-8f);
+    assert_true(fabs((double)(s.L.g * s.wi.z / s.pdf_w) / expected - 1.0) < 1e-3);
+    assert_false(light_arrives(&t.scene, v3(0, 0, 0), v3(0, 0, 1), 1, &s));
+    test_scene_free(&t);
+}
+
+enum { LIGHT_SIDE = 64, FIND_SIDE = 500 };
+
+// Irradiance at the origin by light samples. Adds how often the density that they are told is
+// another than that which rays are told that find the same light.
+static double by_samples(const struct satin_scene *scene, int *wrong) {
+    const vec3 p = v3(0, 0, 0), up = v3(0, 0, 1);
+    double sum = 0.0;
+    for (int i = 0; i < LIGHT_SIDE * LIGHT_SIDE; i++) {
+        const float u = ((float)(i % LIGHT_SIDE) + 0.5f) / LIGHT_SIDE;
+        const float v = ((float)(i / LIGHT_SIDE) + 0.5f) / LIGHT_SIDE;
+        struct light_sample s;
+        if (!light_sample(scene, 0, p, u, v, &s) || !light_arrives(scene, p, up, 8, &s)) continue;
+        sum += (double)(s.L.g * s.wi.z / s.pdf_w);
+        struct surfel hit;
+        struct light_found found;
+        bool sky;
+        if (!light_find(scene, p, up, s.wi, 8, &hit, &sky, &found) || sky) {
+            ++*wrong;
+            continue;
+        }
+        const vec3 from = light_chain_beside(&found.chain, p, hit.p);
+        const float told = light_chain_density(&found.chain, sqrtf(v3_dist2(from, hit.p))) *
+                           light_pdf(scene, from, s.wi, &hit);
+        *wrong += !(fabsf(told - s.pdf_w) < 1e-2f * s.pdf_w);
+    }
+    return sum / (LIGHT_SIDE * LIGHT_SIDE);
+}
+
+// By directions through a square of half-width 0.8 at height 1 that the lamp is in.
+static double by_directions(const struct satin_scene *scene) {
+    struct rng rng = rng_make(3, RNG_TEST, 0);
+    const float width = 1.6f / FIND_SIDE;
+    double sum = 0.0;
+    for (int i = 0; i < FIND_SIDE * FIND_SIDE; i++) {
+        const float x = width * ((float)(i % FIND_SIDE) + rng_float(&rng)) - 0.8f;
+        const float y = width * ((float)(i / FIND_SIDE) + rng_float(&rng)) - 0.8f;
+        const vec3 d = v3_unit(v3(x, y, 1));
+        struct surfel hit;
+        struct light_found found;
+        bool sky;
+        if (!light_find(scene, v3(0, 0, 0), v3(0, 0, 1), d, 8, &hit, &sky, &found) || sky) continue;
+        sum += (double)(found.L.g * powf(d.z, 4.0f) * width * width);
+    }
+    return sum;
+}
+
+static void lamps_bring_what_directions_find(void **state) {
+    (void)state;
+    // A lamp .5 from a pane of 5 mm, from one of 1 cm, a block, tilted, two panes; narrow lamps.
+    static const struct {
+        float thickness, tilt, w, h;
+        int plates;
+    } c[] = {{0.005f, 0.0f, 0.3f, 0.3f, 1}, {0.01f, 0.0f, 0.05f, 0.3f, 1},
+             {0.08f, 0.0f, 0.3f, 0.3f, 1},  {0.01f, 0.5f, 0.3f, 0.3f, 1},
+             {0.01f, 0.0f, 0.3f, 0.1f, 2},  {0.08f, 0.5f, 0.1f, 0.1f, 2}};
+    for (size_t i = 0; i < sizeof c / sizeof *c; i++) {
+        struct test_scene t;
+        test_scene_init(&t);
+        const uint32_t what = glass(&t);
+        for (int k = 0; k < c[i].plates; k++)
+            plate(&t, 0.5f - 0.2f * (float)k, c[i].thickness, c[i].tilt, what);
+        lamp(&t, 0.35f, c[i].w, c[i].h);
+        test_scene_finish(&t);
+        int wrong = 0;
+        const double sampled = by_samples(&t.scene, &wrong), found = by_directions(&t.scene);
+        const double error = sampled / found - 1.0;
+        print_message("case %zu: %.5f by samples, %+.2f %%, %d densities differ\n", i, sampled,
+                      100.0 * error, wrong);
+        assert_true(fabs(error) < 0.005);
+        assert_true(wrong <= LIGHT_SIDE * LIGHT_SIDE / 100);
+        test_scene_free(&t);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(panes_transmit_by_fresnel),
+        cmocka_unit_test(thin_sheets_transmit_straight),
+        cmocka_unit_test(faces_must_be_parallel),
+        cmocka_unit_test(what_is_no_pane_stops),
+        cmocka_unit_test(panes_are_counted),
+        cmocka_unit_test(distances_are_those_of_a_slab),
+        cmocka_unit_test(points_of_light_are_found),
+        cmocka_unit_test(lamps_bring_what_directions_find),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
