@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Renders small reference images with Mitsuba 3's path tracer: mean and variance per pixel.
 
-    tests/image/make_references.py [--size PX] [--spp N] [--parts P] [--out DIR] [SCENE.xml ...]
+    tests/image/make_references.py [--size PX] [--spp N] [--parts P] [--out DIR] [--scalar]
+        [SCENE.xml ...]
 
-Without scenes: all of data/scenes. Needs `pip install mitsuba numpy` and LLVM 19 or later; tests
-only read what it wrote. Each image is rendered in P independent parts of N / P samples per pixel.
+Without scenes: all of data/scenes. Needs `pip install mitsuba numpy` and LLVM 19 or later, or is
+slow with --scalar; tests only read what it wrote. Each image is rendered in P independent parts of N / P samples per pixel.
 The file NAME.exr has the channels R, G, B (mean of all samples), and variance.R, variance.G,
 variance.B (variance of that mean, estimated from the parts), and a hash of the scene's file. The
 film gets a box filter, so that the pixels are independent of each other.
@@ -13,11 +14,12 @@ film gets a box filter, so that the pixels are independent of each other.
 import argparse
 import pathlib
 import re
+import sys
 
 import mitsuba as mi
 import numpy as np
 
-mi.set_variant("llvm_ad_rgb")
+mi.set_variant("scalar_rgb" if "--scalar" in sys.argv else "llvm_ad_rgb")
 import mitsuba_plugins  # noqa: E402  (needs the variant)
 
 TREE = pathlib.Path(__file__).resolve().parents[2]
@@ -73,6 +75,7 @@ def main():
     parser.add_argument("--spp", type=int, default=16384)
     parser.add_argument("--parts", type=int, default=64)
     parser.add_argument("--out", type=pathlib.Path, default=TREE / "tests/image/references")
+    parser.add_argument("--scalar", action="store_true", help="without LLVM")
     options = parser.parse_args()
 
     mitsuba_plugins.register()
