@@ -209,6 +209,7 @@ rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *sce
     const bool known =
         maps->area && (diffuse || maps->smooth) && precomputed(maps, scene, p, ng, &E);
     if (known && diffuse) return rgb_mul(brdf_eval(brdf, wo, v3(0.0f, 0.0f, 1.0f), lobes), E);
+    if (known && rgb_black(E)) return E;
     struct photon_query query = {&maps->caustic,
                                  scene,
                                  p,

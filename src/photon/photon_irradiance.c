@@ -26,6 +26,8 @@ enum {
     RETRY_K = 16  // neighbours searched if the nearest one faces elsewhere
 };
 #define FACING 0.5f
+// Nothing is left of it beyond this times the squared distance where it begins to fade.
+#define FAR 9.0f
 // The nearest of evenly spread entries is further than the root of REACH / (pi density) once in
 // e^REACH places. Where it is, no light came down in between, and its irradiance fades.
 #define REACH 6.0f
@@ -248,6 +250,13 @@ bool photon_place_hidden(const struct photon_places *places, const struct satin_
     return v3_dist2(place, p) > clear * clear && !sees(place, scene, p, n);
 }
 
+// Whether nothing of the irradiance of a row comes to p.
+static bool is_far(const struct photon_irradiance *r, int row, vec3 p) {
+    const float d2 = v3_dist2(p, photon_place(&r->place, (size_t)row));
+    const float reach2 = r->reach2 * sqrf(r->radius[row]);
+    return reach2 > 0.0f && d2 > FAR * reach2;
+}
+
 // The nearest entry that faces as n does, among a few, and of which no wall hides p; -1 if there is
 // none. `scene` NULL: walls do not matter.
 static int search_facing(const struct photon_irradiance *r, const float *query, vec3 n,
@@ -271,6 +280,7 @@ int photon_irradiance_entry(const struct photon_irradiance *r, vec3 p, vec3 n) {
     if (r->count == 0) return -1;
     set_row(query, p, n, r->place.scale);
     photon_index_nearest(r->index, query, 1, 1, &row, &distance2);
+    if (row >= 0 && is_far(r, row, p)) return -1;
     return row >= 0 && !faces(r, row, n) ? search_facing(r, query, n, NULL) : row;
 }
 
@@ -278,7 +288,9 @@ rgb photon_irradiance_value(const struct photon_irradiance *r, int entry, vec3 p
     if (entry < 0) return rgb_grey(0.0f);
     float d2 = v3_dist2(p, photon_place(&r->place, (size_t)entry)), radius = r->radius[entry];
     float reach2 = r->reach2 * radius * radius;
-    return d2 > reach2 ? rgb_scale(r->E[entry], reach2 / d2) : r->E[entry];
+    if (d2 <= reach2) return r->E[entry];
+    const float far = d2 / reach2;
+    return rgb_scale(r->E[entry], fmaxf(FAR - far, 0.0f) / ((FAR - 1.0f) * far));
 }
 
 static void look_up(const struct photon_irradiance *r, const struct satin_scene *scene,
@@ -294,8 +306,10 @@ static void look_up(const struct photon_irradiance *r, const struct satin_scene 
         if (r->count > 0) photon_index_nearest(r->index, query, batch, 1, row, distance2);
         for (size_t i = 0; i < batch; i++) {
             size_t j = at + i;
-            if (row[i] >= 0 && (!faces(r, row[i], n[j]) ||
-                                photon_place_hidden(&r->place, scene, (size_t)row[i], p[j], n[j])))
+            // Far from all light its own radius still tells how dense photons are.
+            if (row[i] >= 0 && !is_far(r, row[i], p[j]) &&
+                (!faces(r, row[i], n[j]) ||
+                 photon_place_hidden(&r->place, scene, (size_t)row[i], p[j], n[j])))
                 row[i] = search_facing(r, query + 6 * i, n[j], scene);
             E[j] = photon_irradiance_value(r, row[i], p[j]);
             radius[j] = row[i] >= 0 ? r->radius[row[i]] : INFINITY;
