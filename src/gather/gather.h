@@ -68,11 +68,17 @@ struct gather_mis {
     } part[3];
 };
 
-// Light reflected at p towards wo by the smooth lobes that `mis` names, by sampling the lights
-// `samples` times, or few lights each once if they are more than that, with the power heuristic's
-// weight against BRDF sampling.
+// Light samples: how many, and the number of the first among those of its pixel.
+struct gather_lights {
+    int samples;
+    uint32_t first;
+};
+// Light reflected at p towards wo by the smooth lobes that `mis` names, by sampling the lights, or
+// few lights each once if they are more than the samples, with the power heuristic's weight against
+// BRDF sampling. *variance, if not NULL, gets the variance of the luminance by one sample; 0 where
+// there is but one.
 rgb gather_direct(const struct gather *g, const struct gather_point *p, struct gather_mis mis,
-                  int samples, struct sampler sampler);
+                  struct gather_lights lights, struct sampler sampler, float *variance);
 // How many surfaces of panes light may pass to a point at a depth.
 int gather_panes(const struct gather *g, int depth);
 // Density over solid angle at p with which gather_direct, choosing one light, draws the first

@@ -73,24 +73,32 @@ static rgb all_lights(const struct gather *g, const struct gather_point *p, stru
 }
 
 rgb gather_direct(const struct gather *g, const struct gather_point *p, struct gather_mis mis,
-                  int samples, struct sampler sampler) {
+                  struct gather_lights lights, struct sampler sampler, float *variance) {
     rgb sum = rgb_grey(0.0f);
-    const uint32_t lights = g->scene->light_count;
+    const uint32_t light_count = g->scene->light_count, samples = (uint32_t)lights.samples;
+    if (variance) *variance = 0.0f;
     unsigned lobes = mis.part[0].lobes | mis.part[1].lobes | mis.part[2].lobes;
     lobes &= p->lobes & BRDF_SMOOTH;
-    if (!lobes || lights == 0) return sum;
+    if (!lobes || light_count == 0) return sum;
     const struct light_seen seen = guide_visibility_at(g->visibility, p->surfel.p);
-    if ((uint32_t)samples < lights && lights <= FEW) return all_lights(g, p, mis, seen, sampler);
-    uint32_t first = sampler.index * (uint32_t)samples;
-    for (int i = 0; i < samples; i++) {
-        struct sampler s = {first + (uint32_t)i, sampler.seed, sampler.dimension};
+    sampler.index = lights.first;
+    if (samples < light_count && light_count <= FEW) return all_lights(g, p, mis, seen, sampler);
+    float squares = 0.0f;
+    for (uint32_t i = 0; i < samples; i++) {
+        struct sampler s = {lights.first + i, sampler.seed, sampler.dimension};
         struct choice choice = {.seen = seen};
         vec2 u = sampler_2d(&s);
-        float u_choose = lights > 1 ? sampler_1d(&s) : 0.0f;
+        float u_choose = light_count > 1 ? sampler_1d(&s) : 0.0f;
         choice.light = light_choose(g->scene, p->surfel.p, seen, u_choose, &choice.probability);
-        sum = rgb_mad(sum, sample_light(g, p, mis, choice, u), 1.0f / choice.probability);
+        const rgb L = rgb_scale(sample_light(g, p, mis, choice, u), 1.0f / choice.probability);
+        sum = rgb_add(sum, L);
+        squares += sqrf(rgb_luminance(L));
     }
-    return rgb_scale(sum, 1.0f / (float)samples);
+    const float n = (float)samples;
+    sum = rgb_scale(sum, 1.0f / n);
+    if (variance && samples > 1)
+        *variance = fmaxf(squares - n * sqrf(rgb_luminance(sum)), 0.0f) / (n - 1.0f);
+    return sum;
 }
 
 float gather_light_pdf(const struct gather *g, vec3 p, const struct light_chain *chain,

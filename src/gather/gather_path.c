@@ -97,7 +97,9 @@ static rgb follow(const struct gather *g, struct walk walk, struct sampler *samp
         }
         if (last || !from.lobes) break;
         const struct gather_mis both = {walk.depth + 1, {{BRDF_ALL, 1.0f}}};
-        L = rgb_fma(L, walk.T, gather_direct(g, &from, both, 1, *sampler));
+        L = rgb_fma(L, walk.T,
+                    gather_direct(g, &from, both, (struct gather_lights){1, sampler->index},
+                                  *sampler, NULL));
         sampler->dimension += 2;
     } while (bounce(g, &from, sampler, &walk));
     return L;

@@ -216,7 +216,8 @@ static rgb reflected(const struct gather *g, const struct gather_point *y, rgb E
     if (level > 0) share_path(&survive, &survive_diffuse);
     const struct gather_mis mis = {
         2 + level, {{shadow ? diffuse : 0u, survive_diffuse}, {glossy, survive}, {known, 0.0f}}};
-    L = rgb_add(L, gather_direct(g, y, mis, 1, choice->sampler));
+    L = rgb_add(L, gather_direct(g, y, mis, (struct gather_lights){1, choice->sampler.index},
+                                 choice->sampler, NULL));
     choice->sampler.dimension += 2;
     // Photons do not know their edges: two at least are behind a caustic.
     const bool caustics = within_depth(g, level, 2);
@@ -362,7 +363,9 @@ static void trace_chunk(const struct gather *g, struct gather_scratch *scratch,
         if (first_pass == SATIN_FIRST_PATH)
             ray->L = gather_path(g, ray->ray, &start, &ray->first);
         else if (found && first_pass == SATIN_FIRST_NONE)
-            ray->L = rgb_mul(hit->T, gather_direct(g, &hit->point, lights_alone, 1, hit->sampler));
+            ray->L = rgb_mul(hit->T, gather_direct(g, &hit->point, lights_alone,
+                                                   (struct gather_lights){1, hit->sampler.index},
+                                                   hit->sampler, NULL));
         else if (found && first_pass == SATIN_FIRST_RECURSIVE)
             ray->L = rgb_mul(hit->T,
                              distant(g, &hit->point, 0, &(struct choice){.sampler = hit->sampler}));

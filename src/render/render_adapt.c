@@ -19,18 +19,21 @@
 #define GAIN 1.5f
 // Of the image's mean luminance: pixels darker than this are judged by their absolute error.
 #define DARK 0.2f
+// Light samples of a sample at most: beyond, they are a sample's cost, and well spread.
+#define LIGHTS_MOST 16.0f
 enum {
     GROWTH = 4,   // at most so many times its samples does a pixel get in one pass by its noise
     MULTIPLE = 2  // samples are added in pairs, which are stratified among themselves
 };
 
-bool adapt_make(struct adapt *adapt, int width, int height) {
+bool adapt_make(struct adapt *adapt, int width, int height, int lights) {
     size_t n = (size_t)width * (size_t)height;
     *adapt = (struct adapt){.width = width, .height = height};
     adapt->pixel = array_new(n, sizeof *adapt->pixel);
-    adapt->scratch = array_new(2 * n, sizeof *adapt->scratch);
+    adapt->scratch = array_new(4 * n, sizeof *adapt->scratch);
     if (adapt->pixel && adapt->scratch) {
-        for (size_t i = 0; i < n; i++) adapt->pixel[i].spread = -1.0f;
+        for (size_t i = 0; i < n; i++)
+            adapt->pixel[i] = (struct adapt_pixel){.spread = -1.0f, .lights = (uint32_t)lights};
         return true;
     }
     adapt_destroy(adapt);
@@ -106,14 +109,19 @@ static void blur(const float *from, float *to, int count, size_t step) {
     }
 }
 
-// Into scratch: what each pixel's number of samples is to be in proportion to.
-static const float *wanted(struct adapt *adapt) {
-    size_t n = pixels(adapt), width = (size_t)adapt->width;
-    float *a = adapt->scratch, *b = a + n;
-    for (size_t i = 0; i < n; i++) a[i] = adapt->pixel[i].spread;
+static void blur_image(const struct adapt *adapt, float *a, float *b) {
+    const size_t width = (size_t)adapt->width;
     for (int y = 0; y < adapt->height; y++)
         blur(a + (size_t)y * width, b + (size_t)y * width, adapt->width, 1);
     for (int x = 0; x < adapt->width; x++) blur(b + x, a + x, adapt->height, width);
+}
+
+// Into scratch: what each pixel's number of samples is to be in proportion to.
+static const float *wanted(struct adapt *adapt) {
+    size_t n = pixels(adapt);
+    float *a = adapt->scratch;
+    for (size_t i = 0; i < n; i++) a[i] = adapt->pixel[i].spread;
+    blur_image(adapt, a, a + n);
     for (size_t i = 0; i < n; i++) a[i] = powf(fmaxf(a[i], 0.0f), 1.0f / (1.0f + GAIN));
     return a;
 }
@@ -145,6 +153,13 @@ static float find_factor(const struct adapt *adapt, const float *want, double sa
     return hi.value;
 }
 
+double adapt_variance(struct adapt *adapt) {
+    const float *want = wanted(adapt);
+    double sum = 0.0;
+    for (size_t i = 0; i < pixels(adapt); i++) sum += (double)want[i];
+    return pow(sum / (double)pixels(adapt), 1.0 + (double)GAIN);
+}
+
 void adapt_spread(struct adapt *adapt, uint64_t samples) {
     const float *want = wanted(adapt);
     const float factor = find_factor(adapt, want, (double)samples);
@@ -166,4 +181,40 @@ void adapt_spread(struct adapt *adapt, uint64_t samples) {
     }
     // Half a group that is left over or too much.
     last->target += (uint32_t)(samples - given);
+}
+
+// With m light samples of variance v each, and w the variance of a sample for all other reasons, n
+// samples leave w n^-GAIN + v (n m)^-GAIN and cost n (cost + m): least for
+// m = (v cost / w)^(1 / (1 + GAIN)).
+void adapt_lights(struct adapt *adapt, float cost) {
+    const size_t n = pixels(adapt);
+    float *light = adapt->scratch, *rest = light + n, *other = rest + n;
+    for (size_t i = 0; i < n; i++) {
+        const struct adapt_pixel *p = &adapt->pixel[i];
+        const float count = (float)p->count, m = (float)p->lights_taken / fmaxf(count, 1.0f);
+        const float mean = rgb_luminance(p->sum) / fmaxf(count, 1.0f);
+        const float all = (p->squares - count * sqrf(mean)) / fmaxf(count - 1.0f, 1.0f);
+        light[i] = p->light_variance / fmaxf(count, 1.0f);
+        rest[i] = all - light[i] / fmaxf(m, 1.0f);
+        if (p->count < 2 || !isfinite(light[i]) || !isfinite(rest[i])) light[i] = rest[i] = -1.0f;
+        rest[i] = fmaxf(rest[i], p->count < 2 ? -1.0f : 0.0f);
+    }
+    blur_image(adapt, light, other);
+    blur_image(adapt, rest, other);
+    for (size_t i = 0; i < n; i++) {
+        struct adapt_pixel *p = &adapt->pixel[i];
+        if (!(light[i] > 0.0f)) continue;  // nothing is known, or there is no noise of lights
+        const float m = powf(light[i] * cost / fmaxf(rest[i], 1e-30f), 1.0f / (1.0f + GAIN));
+        p->lights = (uint32_t)clampf(m, 1.0f, LIGHTS_MOST);
+        if (p->lights < 2) p->lights = 2;  // or the next judgement knows nothing
+    }
+}
+
+double adapt_light_samples(const struct adapt *adapt) {
+    double lights = 0.0, samples = 0.0;
+    for (size_t i = 0; i < pixels(adapt); i++) {
+        lights += adapt->pixel[i].lights_taken;
+        samples += adapt->pixel[i].count;
+    }
+    return samples > 0.0 ? lights / samples : 0.0;
 }

@@ -42,7 +42,7 @@ struct render_image *render_image_new(const struct satin_scene *scene,
     image->aov = array_new(pixels, image->sums * sizeof *image->aov);
     image->film = render_film_new(width, height, aovs, options);
     bool ok = image->pixel && image->film && (image->aov || !aovs->values);
-    if (ok && adapt_make(&image->adapt, width, height)) return image;
+    if (ok && adapt_make(&image->adapt, width, height, options->light_samples)) return image;
     render_image_free(image);
     return NULL;
 }
@@ -105,12 +105,14 @@ static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
                 shade_pixel_begin(&pass->worker[worker]);
                 while (adapt->count < adapt->target) {
                     struct shade_sample sample;
-                    shade_pixel(&pass->r->shade, &pass->worker[worker], x, y, adapt->count,
+                    const struct gather_lights lights = {(int)adapt->lights, adapt->lights_taken};
+                    shade_pixel(&pass->r->shade, &pass->worker[worker], x, y, adapt->count, lights,
                                 &sample);
                     if (parallel_stopped(pass->r->pool)) return;  // it may be cut short
                     bool finite = add_sample(&image->pixel[at], &sample);
                     if (finite && image->aov) add_aovs(image, at, &sample);
-                    adapt_add(adapt, finite ? judged(&sample) : rgb_grey(0.0f));
+                    adapt_add(adapt, finite ? judged(&sample) : rgb_grey(0.0f),
+                              finite ? sample.light_variance : 0.0f);
                     // A late pass takes thousands of samples of every pixel.
                     if (++samples % ASK_SAMPLES == 0 && parallel_cancelled(pass->r->pool, worker))
                         return;
@@ -158,7 +160,15 @@ static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
     return want > 0;
 }
 
-static void note_counts(struct render *r, const struct shade_worker *worker, int workers) {
+// What a sample costs without its light samples, over one of these: about four for the eye ray and
+// its surface, two for interpolated light, six for a gather ray with what it looks up.
+static float sample_cost(const struct shade_counts *c) {
+    const double work =
+        4.0 * (double)c->points + 2.0 * (double)c->interpolated + 6.0 * (double)c->rays;
+    return c->samples ? (float)(work / (double)c->samples) : 1.0f;
+}
+
+static struct shade_counts sum_counts(const struct shade_worker *worker, int workers) {
     struct shade_counts sum = {0};
     for (int i = 0; i < workers; i++) {
         sum.samples += worker[i].counts.samples;
@@ -166,15 +176,32 @@ static void note_counts(struct render *r, const struct shade_worker *worker, int
         sum.interpolated += worker[i].counts.interpolated;
         sum.records_used += worker[i].counts.records_used;
         sum.gathered += worker[i].counts.gathered;
+        sum.rays += worker[i].counts.rays;
     }
+    return sum;
+}
+
+static void note_counts(struct render *r, const struct shade_worker *worker, int workers) {
+    const struct shade_counts sum = sum_counts(worker, workers);
     stats_set(&r->stats, "image.samples", (double)sum.samples);
     stats_set(&r->stats, "image.points", (double)sum.points);
     stats_set(&r->stats, "image.interpolated", (double)sum.interpolated);
     stats_set(&r->stats, "image.gathered", (double)sum.gathered);
+    stats_set(&r->stats, "image.rays", (double)sum.rays);
+    stats_set(&r->stats, "image.light_samples", adapt_light_samples(&r->image->adapt));
     stats_set(&r->stats, "image.records_per_interpolation",
               sum.interpolated ? (double)sum.records_used / (double)sum.interpolated : 0.0);
     stats_set(&r->stats, "image.spp",
               (double)sum.samples / ((double)r->image->width * (double)r->image->height));
+}
+
+// After a pass: where more samples are wanted, and how many light samples each takes.
+static void judge(struct pass *pass, int workers) {
+    struct render *r = pass->r;
+    adapt_judge(&r->image->adapt);
+    if (r->options.integrator != SATIN_TWO_PASS || !r->options.adaptive) return;
+    const struct shade_counts counts = sum_counts(pass->worker, workers);
+    adapt_lights(&r->image->adapt, sample_cost(&counts));
 }
 
 static bool run_pass(struct pass *pass) {
@@ -225,7 +252,7 @@ satin_status render_image_fill(struct render *r) {
     uint64_t samples;
     if (whole && image->taken) {
         per_sample = (stats_wall() - start) / (double)image->taken;
-        adapt_judge(&image->adapt);
+        judge(&pass, workers);
     }
     const uint64_t even =
         (uint64_t)even_samples(r) * (uint64_t)image->width * (uint64_t)image->height;
@@ -237,7 +264,7 @@ satin_status render_image_fill(struct render *r) {
         if (!whole) break;
         image->taken += samples;
         per_sample = (stats_wall() - start) / (double)samples;
-        adapt_judge(&image->adapt);
+        judge(&pass, workers);
         if (image->taken >= even && !image->rims && r->options.integrator != SATIN_PATH)
             status = render_rims(r, &whole);
     }

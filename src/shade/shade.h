@@ -38,6 +38,7 @@ struct shade_sample {
     float depth;              // distance to the first surface; 0 if there is none
     struct cache_used used;   // records interpolated at the point
     float record;             // 1: one stands there, within a pixel; only with record_maps
+    float light_variance;     // of the luminance of direct light by one light sample
     float weight;             // that the film's filter gives to the sample
     float aov[AOV_VALUES];    // as the scene asks for them, 0 if there is no surface
 };
@@ -63,7 +64,7 @@ void shade_destroy(struct shade *shade);  // a zeroed one is allowed
 
 // Counts of one chunk of samples, joined by the caller.
 struct shade_counts {
-    uint64_t samples, points, interpolated, records_used, gathered;
+    uint64_t samples, points, interpolated, records_used, gathered, rays;
 };
 
 // Values that the samples of a pixel share (shade_memo.h).
@@ -93,9 +94,10 @@ struct shade_worker {
 static inline void shade_pixel_begin(struct shade_worker *worker) {
     worker->memo.count = worker->memo.next = 0;
 }
-// Sample number `index` of pixel (x, y) of the crop window.
+// Sample number `index` of pixel (x, y) of the crop window. `lights` at each of its points; `path`
+// takes one each.
 void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, int y,
-                 uint32_t index, struct shade_sample *out);
+                 uint32_t index, struct gather_lights lights, struct shade_sample *out);
 
 // Emitted light alone, seen by eye ray number `index` of pixel (x, y), of a series of its own;
 // *weight as of a sample.

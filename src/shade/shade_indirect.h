@@ -10,6 +10,7 @@ struct shade_job {
     const struct shade_vertex *vertex;
     struct shade_worker *worker;
     struct sampler sampler;
+    struct gather_lights lights;
     uint64_t stream;           // random numbers of this vertex of this sample
     uint64_t pixel_stream;     // the same for all samples of the pixel
     struct shade_sample *out;  // layers are added to, times the vertex's throughput

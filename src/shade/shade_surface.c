@@ -36,5 +36,7 @@ float shade_surface_direct(const struct shade *shade, const struct cache_site *s
     static const struct gather_mis lights_alone = {1, {{BRDF_SMOOTH, 0.0f}}};
     struct sampler sampler;
     const struct gather_point p = find(shade, site, &sampler);
-    return rgb_luminance(gather_direct(shade->g, &p, lights_alone, LIGHT_SAMPLES, sampler));
+    return rgb_luminance(gather_direct(
+        shade->g, &p, lights_alone,
+        (struct gather_lights){LIGHT_SAMPLES, LIGHT_SAMPLES * sampler.index}, sampler, NULL));
 }

@@ -54,6 +54,7 @@ static void indirect_diffuse(struct shade_job *job, struct shade_memo_entry *mem
         bool off = !s->g->options->irradiance_cache;
         gather_hemisphere_irradiance(s->g, off ? s->gather : s->fallback, job->worker->scratch,
                                      &site, &value);
+        job->worker->counts.rays += value.rays;
         E = turn_irradiance(&value, p->base.n, p->frame.n);
         job->worker->counts.gathered++;
     }
@@ -118,6 +119,7 @@ static void sample_lobes(struct shade_job *job, unsigned lobes, float ratio) {
     float pdf[GLOSSY_MAX];
     int rays = draw_rays(job, lobes, count, weight, pdf);
     const struct gather_ray *ray = gather_scratch_rays(job->worker->scratch);
+    job->worker->counts.rays += (uint64_t)rays;
     gather_rays(g, job->worker->scratch, gather_scratch_rays(job->worker->scratch), (size_t)rays,
                 job->pixel_stream);
     rgb direct = rgb_grey(0.0f), caustic = direct, indirect = direct;
@@ -170,10 +172,12 @@ void shade_vertex_two_pass(struct shade_job *job) {
     // it.
     const unsigned sampled = indirect ? plan.sampled : 0, rest = p->lobes & BRDF_SMOOTH & ~sampled;
     const unsigned extra = g->wide_lights ? rest : rest & ~(unsigned)BRDF_DIFFUSE;
-    const float lights = (float)o->light_samples, ratio = (float)o->glossy_samples / lights;
+    const float lights = (float)job->lights.samples, ratio = (float)o->glossy_samples / lights;
     const struct gather_mis mis = {
         1, {{rest & ~extra, 0.0f}, {extra, 1.0f / lights}, {sampled, ratio}}};
-    add(job, SHADE_DIRECT, gather_direct(g, p, mis, o->light_samples, job->sampler));
+    float variance;
+    add(job, SHADE_DIRECT, gather_direct(g, p, mis, job->lights, job->sampler, &variance));
+    job->out->light_variance += sqrf(rgb_luminance(job->vertex->T)) * variance;
     job->sampler.dimension += 2;
     if (extra) look_for_lights(job, extra, 1.0f / lights);
     job->sampler.dimension += 2;

@@ -42,7 +42,10 @@ static double mean_of(const struct test_scene *t, int samples, int runs, double 
     double sum = 0.0, squares = 0.0;
     for (int i = 0; i < runs; i++) {
         struct sampler sampler = {(uint32_t)i, 7, 0};
-        double L = (double)gather_direct(&g, &p, alone, samples, sampler).g;
+        const struct gather_lights lights = {samples, (uint32_t)(i * samples)};
+        float variance;
+        double L = (double)gather_direct(&g, &p, alone, lights, sampler, &variance).g;
+        assert_true(variance >= 0.0f && (samples > 1 || variance == 0.0f));
         sum += L;
         squares += L * L;
     }

@@ -3,6 +3,7 @@
 // error falls.
 #include "render/render_adapt.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -23,7 +24,7 @@ static void take(struct adapt *adapt, uint64_t seed) {
         while (p->count < p->target) {
             struct rng rng = rng_make(seed, RNG_TEST, (uint64_t)i << 32 | p->count);
             float e = noise_of(i % SIZE) * (rng_float(&rng) - 0.5f);
-            adapt_add(p, rgb_grey(1.0f + e));
+            adapt_add(p, rgb_grey(1.0f + e), 0.0f);
         }
     }
     adapt_judge(adapt);
@@ -31,7 +32,7 @@ static void take(struct adapt *adapt, uint64_t seed) {
 
 // Renders with ALL samples per pixel on average; returns how many were taken.
 static uint64_t render(struct adapt *adapt, uint64_t seed) {
-    assert_true(adapt_make(adapt, SIZE, SIZE));
+    assert_true(adapt_make(adapt, SIZE, SIZE, 4));
     for (uint32_t n = 1; n <= EVEN; n *= 2) {
         adapt_even(adapt, n);
         take(adapt, seed);
@@ -101,10 +102,10 @@ static void the_mean_is_kept(void **state) {
 
 // An image whose halves agree everywhere but for one pixel by `difference`.
 static void make_quiet(struct adapt *adapt, float difference) {
-    assert_true(adapt_make(adapt, SIZE, SIZE));
+    assert_true(adapt_make(adapt, SIZE, SIZE, 4));
     for (uint32_t n = 1; n <= 2; n++) {
         adapt_even(adapt, n);
-        for (int i = 0; i < SIZE * SIZE; i++) adapt_add(&adapt->pixel[i], rgb_grey(2.0f));
+        for (int i = 0; i < SIZE * SIZE; i++) adapt_add(&adapt->pixel[i], rgb_grey(2.0f), 0.0f);
         if (n == 2) adapt->pixel[SIZE * SIZE / 2].sum.r += difference;
         adapt_judge(adapt);
     }
@@ -148,10 +149,43 @@ static void faint_noise_does_not_hide_the_loud(void **state) {
     adapt_destroy(&adapt);
 }
 
+// Light samples where direct light is noisy, in the number that costs least: on the left the noise
+// is of lights alone, on the right of the rest as well, and none of lights in the last quarter.
+static void light_samples_go_where_lights_are_noisy(void **state) {
+    (void)state;
+    enum { LIGHTS = 4, SAMPLES = 256 };
+    struct adapt adapt;
+    assert_true(adapt_make(&adapt, SIZE, SIZE, LIGHTS));
+    for (int i = 0; i < SIZE * SIZE; i++) {
+        struct rng rng = rng_make(3, RNG_TEST, (uint64_t)i);
+        const int quarter = i % SIZE / (SIZE / 4);
+        const float light = quarter == 3 ? 0.0f : 0.5f, rest = quarter == 0 ? 0.0f : 0.1f;
+        for (int k = 0; k < SAMPLES; k++) {
+            // Uniform over a width of a has the variance a^2 / 12.
+            const float e =
+                light / sqrtf(LIGHTS) * (rng_float(&rng) - 0.5f) + rest * (rng_float(&rng) - 0.5f);
+            adapt_add(&adapt.pixel[i], rgb_grey(1.0f + e), light * light / 12.0f);
+        }
+    }
+    assert_true(adapt_light_samples(&adapt) == LIGHTS);
+    const float cost = 8.0f;
+    adapt_lights(&adapt, cost);
+    // m^2.5 = 8 * (.5 / .1)^2: 8.3, rounded down. The blur mixes quarters at their borders.
+    for (int y = 0; y < SIZE; y++) {
+        const struct adapt_pixel *row = adapt.pixel + y * SIZE;
+        for (int x = 2; x < SIZE / 4 - 2; x++) assert_true(row[x].lights >= 10);
+        for (int x = SIZE / 4 + 2; x < 3 * SIZE / 4 - 2; x++)
+            assert_true(row[x].lights >= 6 && row[x].lights <= 11);
+        for (int x = 3 * SIZE / 4 + 2; x < SIZE; x++) assert_true(row[x].lights == LIGHTS);
+    }
+    adapt_destroy(&adapt);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(samples_go_to_the_noise),
                                        cmocka_unit_test(the_mean_is_kept),
                                        cmocka_unit_test(the_number_of_samples_is_kept),
-                                       cmocka_unit_test(faint_noise_does_not_hide_the_loud)};
+                                       cmocka_unit_test(faint_noise_does_not_hide_the_loud),
+                                       cmocka_unit_test(light_samples_go_where_lights_are_noisy)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
