@@ -46,12 +46,14 @@ struct cache *cache_new(const struct gather *g, int order, struct parallel *pool
     c->order = order;
     cache_tree_init(&c->irradiance_tree, g->scene->bounds_lo, g->scene->bounds_hi);
     cache_tree_init(&c->radiance_tree, g->scene->bounds_lo, g->scene->bounds_hi);
-    if (cache_rays_prepare(c, CACHE_IRRADIANCE, c->irradiance_layout) != SATIN_OK) goto fail;
+    c->irradiance_whole = gather_layout_new(o->irradiance_rays, o->radiance_basis, 0);
+    if (!c->irradiance_whole) goto fail;
+    if (cache_rays_prepare(c, CACHE_IRRADIANCE, 1.0f, c->irradiance_layout) != SATIN_OK) goto fail;
     if (order) {
         c->cosine_order = o->radiance_basis == SATIN_HSH && order > 2 ? 2 : order;
         c->cosine = array_new((size_t)(c->cosine_order * c->cosine_order), sizeof *c->cosine);
         if (!c->cosine) goto fail;
-        if (cache_rays_prepare(c, CACHE_RADIANCE, c->radiance_layout) != SATIN_OK) goto fail;
+        if (cache_rays_prepare(c, CACHE_RADIANCE, 1.0f, c->radiance_layout) != SATIN_OK) goto fail;
         project_cosine(c->cosine, o->radiance_basis, c->cosine_order);
     }
     c->scratch_count = parallel_threads(pool);
@@ -75,6 +77,7 @@ void cache_free(struct cache *cache) {
     free(cache->radiance);
     arena_free(&cache->radiance_arena);
     free(cache->cosine);
+    gather_layout_free(cache->irradiance_whole);
     for (int i = 0; i < CACHE_LAYOUTS; i++) {
         gather_layout_free(cache->irradiance_layout[i]);
         gather_layout_free(cache->radiance_layout[i]);

@@ -50,6 +50,10 @@ struct cache_fill {
 };
 satin_status cache_fill(struct cache *cache, const struct cache_fill *fill);
 
+// New records get this part, in (0, 1], of the gather rays that the options say.
+// SATIN_ERROR_MEMORY.
+satin_status cache_limit_rays(struct cache *cache, float part);
+
 // Where interpolated light is wanted.
 struct cache_place {
     vec3 p, n;           // the surface's point and normal,

@@ -36,6 +36,29 @@ struct batch {
     bool covered[WINDOW];  // of the sites from `window` on
 };
 
+// A record that hangs on a few of its rays, as where one of them has met something small and
+// bright, is gathered again by all the rays that the options say; what both have found counts by
+// their rays. Of calm records the deviation is below .1 to .2 at 50 rays.
+static const float UNSURE = 0.4f;
+
+static rgb mix(rgb a, rgb b, float t) { return rgb_add(rgb_scale(a, 1.0f - t), rgb_scale(b, t)); }
+
+static void gather_more(const struct batch *b, struct job *job, struct gather_site site,
+                        struct gather_scratch *scratch, bool bends) {
+    const struct cache *c = b->cache;
+    struct gather_irradiance more, *first = &job->irradiance;
+    site.stream = rng_mix(site.stream ^ 0x9e3779b97f4a7c15ull);
+    gather_hemisphere_irradiance(c->g, c->irradiance_whole, scratch, &site, &more);
+    gather_around_make(c->irradiance_whole, scratch, bends, &job->around);
+    const float t = (float)more.rays / (float)(more.rays + first->rays);
+    first->E = mix(first->E, more.E, t);
+    for (int k = 0; k < 3; k++) {
+        first->grad_t[k] = v3_mad(v3_mul(first->grad_t[k], 1.0f - t), t, more.grad_t[k]);
+        first->grad_r[k] = v3_mad(v3_mul(first->grad_r[k], 1.0f - t), t, more.grad_r[k]);
+    }
+    first->rays += more.rays;
+}
+
 // One attempt at a record; false if it is not finite or out of range.
 static bool gather_record(const struct batch *b, struct job *job, uint64_t stream,
                           struct gather_scratch *scratch) {
@@ -49,6 +72,7 @@ static bool gather_record(const struct batch *b, struct job *job, uint64_t strea
     if (irradiance) {
         gather_hemisphere_irradiance(c->g, layout, scratch, &site, &job->irradiance);
         gather_around_make(layout, scratch, bends, &job->around);
+        if (job->around.deviation > UNSURE) gather_more(b, job, site, scratch, bends);
         return cache_valid_irradiance(&job->irradiance, &job->around);
     }
     gather_hemisphere_radiance(c->g, layout, scratch, &site, &job->radiance);

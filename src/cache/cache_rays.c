@@ -7,11 +7,11 @@
 // The plain number of rays, and up to four times more or less.
 enum { PLAIN = CACHE_LAYOUTS / 2 };
 
-satin_status cache_rays_prepare(const struct cache *cache, enum cache_kind kind,
+satin_status cache_rays_prepare(const struct cache *cache, enum cache_kind kind, float part,
                                 struct gather_layout *layout[CACHE_LAYOUTS]) {
     const satin_options *o = cache->g->options;
     const bool irradiance = kind == CACHE_IRRADIANCE;
-    const int rays = irradiance ? o->irradiance_rays : o->radiance_rays;
+    const double rays = (double)part * (irradiance ? o->irradiance_rays : o->radiance_rays);
     const float noise = irradiance ? o->irradiance_noise : o->radiance_noise;
     for (int i = 0; i < CACHE_LAYOUTS; i++) {
         if (!(noise > 0.0f) && i != PLAIN) continue;
@@ -19,6 +19,22 @@ satin_status cache_rays_prepare(const struct cache *cache, enum cache_kind kind,
         layout[i] =
             gather_layout_new((int)wanted, o->radiance_basis, irradiance ? 0 : cache->order);
         if (!layout[i]) return SATIN_ERROR_MEMORY;
+    }
+    return SATIN_OK;
+}
+
+satin_status cache_limit_rays(struct cache *cache, float part) {
+    for (int k = CACHE_IRRADIANCE; k <= CACHE_RADIANCE; k++) {
+        const bool irradiance = k == CACHE_IRRADIANCE;
+        struct gather_layout **to = irradiance ? cache->irradiance_layout : cache->radiance_layout;
+        struct gather_layout *layout[CACHE_LAYOUTS] = {NULL};
+        if (!irradiance && !cache->order) continue;
+        satin_status status = cache_rays_prepare(cache, (enum cache_kind)k, part, layout);
+        for (int i = 0; i < CACHE_LAYOUTS; i++) {
+            gather_layout_free(status == SATIN_OK ? to[i] : layout[i]);
+            if (status == SATIN_OK) to[i] = layout[i];
+        }
+        if (status != SATIN_OK) return status;
     }
     return SATIN_OK;
 }

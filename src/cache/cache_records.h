@@ -43,7 +43,8 @@ struct cache {
     int cosine_order;             // HSH hold the cosine in two bands
 
     struct gather_layout *irradiance_layout[CACHE_LAYOUTS], *radiance_layout[CACHE_LAYOUTS];
-    struct gather_scratch **scratch;  // one per worker
+    struct gather_layout *irradiance_whole;  // all the rays that the options say
+    struct gather_scratch **scratch;         // one per worker
     int scratch_count;
     uint64_t rays;
     uint64_t refused;  // records that were not finite or out of range
@@ -69,8 +70,9 @@ struct cache_extent cache_extent_irradiance(const struct cache *cache,
 struct cache_extent cache_extent_radiance(const struct cache *cache, const struct cache_site *site,
                                           const struct gather_around *around,
                                           struct gather_radiance *value);
-// Makes the layouts that the options ask for. SATIN_ERROR_MEMORY; those made are the caller's.
-satin_status cache_rays_prepare(const struct cache *cache, enum cache_kind kind,
+// Makes the layouts that the options ask for, of a part of their rays. SATIN_ERROR_MEMORY; those
+// made are the caller's.
+satin_status cache_rays_prepare(const struct cache *cache, enum cache_kind kind, float part,
                                 struct gather_layout *layout[CACHE_LAYOUTS]);
 // The layout of a new record, by the records that reach its site at accuracy a.
 const struct gather_layout *cache_rays_layout(const struct cache *cache, enum cache_kind kind,
