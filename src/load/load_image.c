@@ -2,12 +2,9 @@
 // Images for textures and environments: finds the module around OpenImageIO, opens it, and turns
 // what it reads into linear floats.
 #include <dlfcn.h>
-#include <limits.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
 
+#include "base/library.h"
 #include "load/load_build.h"
 #include "load/load_image_oiio.h"
 
@@ -22,44 +19,18 @@ static const char *const module_places[] = {
     "../../src/load/satin_oiio.so",
 };
 
-// Cuts a path after its last slash; false if it has none.
-static bool cut_to_folder(char *path) {
-    char *slash = strrchr(path, '/');
-    if (slash) slash[1] = 0;
-    return slash;
-}
-
-// The folder of the library or program that holds this code, ended by a slash.
-static bool own_folder(bool program, char folder[PATH_MAX]) {
-    if (program) {
-        ssize_t n = readlink("/proc/self/exe", folder, PATH_MAX - 1);
-        if (n <= 0) return false;
-        folder[n] = 0;
-    } else {
-        Dl_info info;
-        if (!dladdr(module_places, &info) || !info.dli_fname || !realpath(info.dli_fname, folder))
-            return false;
-    }
-    return cut_to_folder(folder);
-}
-
 // Opens the module, or finds it open. It stays open for the life of the process: OpenImageIO keeps
 // threads that unloading would pull the code from under.
 static const struct oiio_module *open_module(struct log log, struct log_place place) {
-    char folder[PATH_MAX], path[PATH_MAX + 64];
-    for (int program = 0; program < 2; program++) {
-        if (!own_folder(program, folder)) continue;
-        for (size_t i = 0; i < sizeof module_places / sizeof *module_places; i++) {
-            snprintf(path, sizeof path, "%s%s", folder, module_places[i]);
-            if (access(path, R_OK) != 0) continue;
-            void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-            const struct oiio_module *module = library ? dlsym(library, OIIO_MODULE_SYMBOL) : NULL;
-            if (!module) log_error_at(log, place, "cannot open the image module: %s", dlerror());
-            return module;
-        }
+    char path[PATH_MAX];
+    if (!library_find(module_places, sizeof module_places / sizeof *module_places, path)) {
+        log_error_at(log, place, "the image module satin_oiio.so is not installed");
+        return NULL;
     }
-    log_error_at(log, place, "the image module satin_oiio.so is not installed");
-    return NULL;
+    void *library = library_open(path);
+    const struct oiio_module *module = library ? dlsym(library, OIIO_MODULE_SYMBOL) : NULL;
+    if (!module) log_error_at(log, place, "cannot open the image module: %s", dlerror());
+    return module;
 }
 
 // ---- Texels -------------------------------------------------------------------------------------
