@@ -5,6 +5,7 @@
 
 #include "base/log.h"
 #include "base/parallel.h"
+#include "base/vec.h"
 #include "satin/film.h"
 
 // An attribute of the file's header: text, under a name that OpenEXR does not use itself.
@@ -44,7 +45,7 @@ satin_status film_parse_exr(const void *data, size_t size, const char *name, str
 // The sRGB transfer function in 8 bits; NaN and negative values are black.
 unsigned char film_encode_srgb(float linear);
 // Writes a PNG of 8-bit sRGB pixels; `path` appears whole or not at all.
-satin_status film_write_pixels(const char *path, int width, int height, const unsigned char *rgb,
+satin_status film_write_pixels(const char *path, int width, int height, const unsigned char *pixel,
                                struct log log);
 // A picture of one number per pixel (film_map.c): black where it is 0 or not finite, then from dark
 // blue to light yellow, evenly in lightness, up to *top: almost the largest value, so that a few
@@ -54,6 +55,35 @@ satin_status film_write_map(const struct satin_film *film, const float *value, c
 // The beauty in grey, and over it the share `dot` of each pixel in one colour.
 satin_status film_write_dots(const struct satin_film *film, const float *dot, const char *path,
                              struct log log);
+
+// ---- Denoising by Open Image Denoise (film_denoise.c) -------------------------------------------
+
+struct film_denoiser;
+
+// Opens the library and tries it on a small image. SATIN_ERROR_INPUT with one logged line if it is
+// not there or does not work here. To be used by one thread at a time.
+satin_status film_denoiser_open(int threads, struct log log, struct film_denoiser **out);
+void film_denoiser_free(struct film_denoiser *denoiser);  // NULL is allowed
+// Its name and version, as long as the denoiser.
+const char *film_denoiser_name(const struct film_denoiser *denoiser);
+// What it took on the small image, once the library was read [s/pixel].
+double film_denoiser_pace(const struct film_denoiser *denoiser);
+
+// Images of width * height, row by row from the top, all finite.
+struct film_noisy {
+    int width, height;
+    const rgb *light;  // noisy, [W m^-2 sr^-1]
+    rgb *albedo;       // of the surface that is seen, in [0, 1]; not kept
+    rgb *normal;       // there, x y z in [-1, 1], of any length; not kept
+    rgb *denoised;     // the result
+    bool clean;        // albedo and normal have next to no noise
+};
+
+// Denoises light. What of a value is negative, or is so bright that the filter cannot hold it,
+// stays as it is. `goes_on` (may be NULL) is called on this thread with the part that is done, in
+// [0, 1]; false ends it with SATIN_CANCELLED. If it fails, one line is logged.
+satin_status film_denoise(struct film_denoiser *denoiser, const struct film_noisy *image,
+                          bool (*goes_on)(void *user, double done), void *user, struct log log);
 
 // How far an image is from a reference; film_compare.c defines each figure.
 struct film_difference {

@@ -16,7 +16,7 @@ unsigned char film_encode_srgb(float linear) {
     return (unsigned char)(255.0f * v + 0.5f);
 }
 
-satin_status film_write_pixels(const char *path, int width, int height, const unsigned char *rgb,
+satin_status film_write_pixels(const char *path, int width, int height, const unsigned char *pixel,
                                struct log log) {
     png_image image = {.version = PNG_IMAGE_VERSION,
                        .width = (png_uint_32)width,
@@ -27,7 +27,7 @@ satin_status film_write_pixels(const char *path, int width, int height, const un
     void *file = malloc(bytes);
     if (!file) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
     satin_status status;
-    if (png_image_write_to_memory(&image, file, &bytes, 0, rgb, 0, NULL))
+    if (png_image_write_to_memory(&image, file, &bytes, 0, pixel, 0, NULL))
         status = fileio_write(log, path, file, bytes);
     else
         status = log_fail(log, SATIN_ERROR_INTERNAL, "%s: PNG: %s", path, image.message);
@@ -43,11 +43,11 @@ satin_status satin_film_write_png(const satin_film *film, const char *path, sati
     if (!beauty[0] || !beauty[1] || !beauty[2])
         return log_fail(log, SATIN_ERROR_ARGUMENT, "%s: the film has no channels R, G and B", path);
     size_t pixels = (size_t)film->width * (size_t)film->height;
-    unsigned char *rgb = malloc(3 * pixels);
-    if (!rgb) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
+    unsigned char *pixel = malloc(3 * pixels);
+    if (!pixel) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
     for (size_t i = 0; i < pixels; i++)
-        for (int c = 0; c < 3; c++) rgb[3 * i + (size_t)c] = film_encode_srgb(beauty[c][i]);
-    satin_status status = film_write_pixels(path, film->width, film->height, rgb, log);
-    free(rgb);
+        for (int c = 0; c < 3; c++) pixel[3 * i + (size_t)c] = film_encode_srgb(beauty[c][i]);
+    satin_status status = film_write_pixels(path, film->width, film->height, pixel, log);
+    free(pixel);
     return status;
 }
