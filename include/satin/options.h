@@ -58,6 +58,7 @@ typedef struct satin_options {
     satin_first_pass first_pass;
     int spp;            // samples per pixel; 0: the scene's for path, the preset's for the others
     bool adaptive;      // spp is a mean: pixels that need it get more; path always spreads evenly
+    bool denoise;       // the light that no record carries; needs Open Image Denoise
     int width, height;  // film size in pixels; 0: the scene's
     uint64_t seed;
     int threads;        // 0: one per core

@@ -39,8 +39,10 @@ typedef struct satin_callbacks {
 // like that of a render with less samples, its last pixels filled from their neighbours. Cancelled
 // before the image was begun, a coarse one is made within half a second or so, of direct light
 // alone if the photons were not done yet or a sample takes that long. If only the records could not
-// be written to save_cache, *film is the whole image and the status says why. The caller frees
-// *film, and sets it to NULL before.
+// be written to save_cache, or the image not be denoised, *film is the whole image, noisy then, and
+// the status says why; SATIN_ERROR_INPUT, before anything is rendered, if options->denoise asks for
+// a denoiser that is not installed. A cancelled image is denoised if that takes no longer than a
+// moment. The caller frees *film, and sets it to NULL before.
 // Thread-safe on a shared scene. The film's pixels depend on scene and options only, not on
 // threads, unless options->time cuts them short.
 SATIN_API satin_status satin_render(const satin_scene *scene, const satin_options *options,

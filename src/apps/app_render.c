@@ -27,7 +27,7 @@ enum {
     FLAG_LENIENT,
     FLAG_QUIET,
     FLAG_HELP,
-    FLAG_FIRST_OPTION  // from here on --name is the option of that name
+    FLAG_FIRST_OPTION  // from here on --name is the option of that name; on if it has no value
 };
 
 const struct app_flag app_render_flags[] = {
@@ -55,6 +55,8 @@ const struct app_flag app_render_flags[] = {
     {"--seed", NULL, "S", "Seed of all random numbers."},
     {"--threads", NULL, "T", "Threads; 0: one per core."},
     {"--time", NULL, "SECONDS", "Stops with the best image so far when the time is up."},
+    {"--denoise", NULL, NULL,
+     "Denoises the light that no record carries; needs Open Image Denoise."},
     {NULL, NULL, NULL, NULL},
 };
 
@@ -111,7 +113,7 @@ static int take_flag(struct request *r, int flag, char *value) {
             r->setting_count++;
             return APP_DONE;
         default:
-            *setting = (satin_setting){app_render_flags[flag].name + 2, value};
+            *setting = (satin_setting){app_render_flags[flag].name + 2, value ? value : "on"};
             r->setting_count++;
             return APP_DONE;
     }

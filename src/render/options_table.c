@@ -30,6 +30,12 @@ const struct option options_table[] = {
      "spp is the mean: three quarters of the samples go where the image is noisy; off, and with "
      "path, or where the film's filter is negative somewhere, always: the same number to every "
      "pixel."},
+    {"denoise", OPTION_BOOL, AT(denoise), false, "off|on",
+     "Denoises the light that no record carries, guided by albedo and normal: direct light, "
+     "caustics, gloss that is not cached, gathering without records; with path all that is "
+     "reflected. Interpolated light and emitters that are seen stay as they are; the noisy image "
+     "stays as channels. It needs Open Image Denoise 2: `./bootstrap denoiser` gets it, or the "
+     "environment variable SATIN_OIDN names the file. Of a time limit it gets half at most."},
     {"width", OPTION_INT, AT(width), false, "0..65536", "Film width in pixels; 0: the scene's."},
     {"height", OPTION_INT, AT(height), false, "0..65536", "Film height in pixels; 0: the scene's."},
     {"seed", OPTION_SEED, AT(seed), false, "0..18446744073709551615",

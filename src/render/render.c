@@ -81,11 +81,13 @@ static satin_status sketch(struct render *r, bool direct) {
     return status == SATIN_OK ? SATIN_CANCELLED : status;
 }
 
-// 6. The film; a cancelled render has one if some pixel was sampled.
+// 6. The film, denoised if that was asked for; a cancelled render has one if some pixel was
+// sampled.
 static satin_status film(struct render *r, satin_status status, satin_film **out) {
+    const bool begun = r->image_begun && (status == SATIN_OK || status == SATIN_CANCELLED);
+    if (begun && r->denoiser) render_denoise(r);
     render_stage(r, "film", "", 0.0);
-    if (status != SATIN_OK && status != SATIN_CANCELLED) return status;
-    if (!r->image_begun) return status;
+    if (!begun) return status;
     if (r->sketch)
         log_message(r->log, SATIN_LOG_WARNING, "cancelled during %s: the image is a first look%s",
                     r->sketch, !r->sketch_direct ? "" : " at direct light alone");
@@ -114,6 +116,7 @@ static void destroy(struct render *r) {
     shade_tables_free(&r->tables);
     photon_maps_free(r->maps);
     guide_visibility_free(r->visibility);
+    film_denoiser_free(r->denoiser);
     parallel_free(r->pool);
 }
 
@@ -138,6 +141,7 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
         r->pool = parallel_new(r->options.threads);
         if (!r->pool) status = log_fail(r->log, SATIN_ERROR_MEMORY, "threads could not be started");
     }
+    if (status == SATIN_OK) status = render_denoiser(r);
     if (status == SATIN_OK) {
         render_progress_install(r);
         camera_check(&r->scene, r->log);
@@ -154,6 +158,7 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
         status = sketch(r, !r->shade.g || r->image_begun);
     if (status == SATIN_CANCELLED && !r->image->looked) status = sketch(r, true);
     if (r->pool) status = film(r, status, &made);
+    if (status == SATIN_OK) status = r->denoised;
     if (status == SATIN_OK) status = r->saved;
     if (status == SATIN_ERROR_MEMORY && !r->error_told)
         log_message(r->log, SATIN_LOG_ERROR, "not enough memory");

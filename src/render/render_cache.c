@@ -17,7 +17,7 @@ static const char *const free_options[] = {
     "quality",   "integrator",      "spp",           "adaptive",
     "width",     "height",          "seed",          "threads",
     "time",      "hide-emitters",   "light-samples", "glossy-samples",
-    "caustic-k", "caustic-photons", "record-maps",
+    "caustic-k", "caustic-photons", "record-maps",   "denoise",
 };
 
 static bool decides(const char *option) {

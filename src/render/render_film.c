@@ -23,8 +23,10 @@ enum {
     CHANNEL_DEPTH = CHANNEL_LAYERS + 3 * SHADE_LAYERS,
     CHANNEL_DENSITY,
     CHANNEL_SAMPLES,
-    CHANNEL_MAPS,  // four, of records, if they are asked for
-    CHANNELS = CHANNEL_MAPS + 4
+    CHANNEL_MAPS,                      // four, of records, if they are asked for
+    CHANNEL_NOISY = CHANNEL_MAPS + 4,  // if the image is to be denoised
+    CHANNEL_UNCACHED = CHANNEL_NOISY + 3,
+    CHANNELS = CHANNEL_UNCACHED + 3
 };
 
 static const struct {
@@ -62,6 +64,12 @@ static const struct {
     {"records.a", BY_TWO_PASS},
     {"records.weight", BY_TWO_PASS},
     {"records.rays", BY_TWO_PASS},
+    {"noisy.R", ANY},
+    {"noisy.G", ANY},
+    {"noisy.B", ANY},
+    {"uncached.R", ANY},
+    {"uncached.G", ANY},
+    {"uncached.B", ANY},
 };
 
 // The values of the channels; NULL: the film has no such channel.
@@ -79,9 +87,7 @@ static void put_rgb(const struct planes *planes, int channel, size_t at, rgb val
     put(planes, channel + 2, at, value.b * scale);
 }
 
-// The sampled pixel that stands for (x, y): itself, or the nearest of the grids of first_look; NULL
-// if there is none.
-static const struct image_pixel *source_of(const struct render_image *image, int x, int y) {
+const struct image_pixel *render_image_source(const struct render_image *image, int x, int y) {
     for (int stride = 1; stride <= image->coarsest; stride *= 2) {
         size_t row = (size_t)(y - y % stride), column = (size_t)(x - x % stride);
         const struct image_pixel *pixel = &image->pixel[row * (size_t)image->width + column];
@@ -90,8 +96,7 @@ static const struct image_pixel *source_of(const struct render_image *image, int
     return NULL;
 }
 
-// What makes means of a pixel's weighted sums.
-static float mean_scale(const struct image_pixel *pixel) {
+float render_image_scale(const struct image_pixel *pixel) {
     // A few samples of a filter with negative lobes may weigh next to nothing together.
     float least = WEIGHT_LEAST * (float)pixel->samples;
     return pixel->samples ? 1.0f / fmaxf(pixel->weight, least) : 0.0f;
@@ -102,15 +107,21 @@ static rgb mean_emission(const struct image_pixel *pixel) {
     const rgb sum = rgb_add(pixel->layer[SHADE_EMISSION], pixel->rim);
     const float weight = pixel->weight + pixel->rim_weight;
     if (!(pixel->rim_weight > 0.0f) || !(weight > 0.0f))
-        return rgb_scale(pixel->layer[SHADE_EMISSION], mean_scale(pixel));
+        return rgb_scale(pixel->layer[SHADE_EMISSION], render_image_scale(pixel));
     return rgb_scale(sum, 1.0f / weight);
 }
 
-static void put_pixel(const struct planes *planes, size_t at, const struct image_pixel *pixel) {
-    const float scale = mean_scale(pixel);
-    const rgb *sampled = &pixel->layer[SHADE_EMISSION], emission = mean_emission(pixel);
-    put_rgb(planes, 0, at, rgb_add(rgb_scale(rgb_sub(pixel->beauty, *sampled), scale), emission),
-            1.0f);
+static void put_pixel(const struct planes *planes, size_t at, const struct image_pixel *pixel,
+                      const struct render_image *image) {
+    const float scale = render_image_scale(pixel);
+    const rgb *seen = &pixel->layer[SHADE_EMISSION], emission = mean_emission(pixel);
+    const rgb beauty = rgb_add(rgb_scale(rgb_sub(pixel->beauty, *seen), scale), emission);
+    rgb shown = beauty;
+    if (image->denoised)
+        shown = rgb_add(beauty, rgb_sub(image->noisy.denoised[at], image->noisy.light[at]));
+    put_rgb(planes, 0, at, shown, 1.0f);
+    put_rgb(planes, CHANNEL_NOISY, at, beauty, 1.0f);
+    if (image->noisy.light) put_rgb(planes, CHANNEL_UNCACHED, at, image->noisy.light[at], 1.0f);
     for (int k = 0; k < SHADE_LAYERS; k++)
         put_rgb(planes, CHANNEL_LAYERS + 3 * k, at, pixel->layer[k], scale);
     put_rgb(planes, CHANNEL_LAYERS + 3 * SHADE_EMISSION, at, emission, 1.0f);
@@ -134,7 +145,7 @@ static void put_maps(const struct planes *planes, size_t at, const struct image_
 static void put_aovs(const struct render_image *image, float *const *plane, size_t at,
                      const struct image_pixel *pixel) {
     const struct scene_aovs *aovs = image->aovs;
-    const float scale = mean_scale(pixel);
+    const float scale = render_image_scale(pixel);
     const float *sum = image->aov + (size_t)(pixel - image->pixel) * image->sums;
     for (int i = 0; i < aovs->count; i++) {
         const struct scene_aov *channel = &aovs->channel[i];
@@ -152,9 +163,12 @@ struct satin_film *render_film_new(int width, int height, const struct scene_aov
                                    const satin_options *options) {
     const char *name[CHANNELS + AOV_CHANNELS_MAX];
     int count = 0;
-    for (int i = 0; i < (options->record_maps ? CHANNELS : CHANNEL_MAPS); i++)
+    for (int i = 0; i < CHANNELS; i++) {
+        if (i >= CHANNEL_MAPS && i < CHANNEL_NOISY && !options->record_maps) continue;
+        if (i >= CHANNEL_NOISY && !options->denoise) continue;
         if (channels[i].by & 1u << options->integrator && !is_aov(aovs, channels[i].name))
             name[count++] = channels[i].name;
+    }
     for (int i = 0; i < aovs->count; i++) name[count++] = aovs->channel[i].name;
     return film_new(width, height, name, count);
 }
@@ -170,13 +184,14 @@ void render_image_film(struct render *r, bool *any) {
     for (int y = 0; y < image->height; y++)
         for (int x = 0; x < image->width; x++) {
             size_t at = (size_t)y * (size_t)image->width + (size_t)x;
-            const struct image_pixel *pixel = &image->pixel[at], *source = source_of(image, x, y);
+            const struct image_pixel *pixel = &image->pixel[at],
+                                     *source = render_image_source(image, x, y);
             samples += pixel->samples;
             dropped += pixel->dropped;
             filled += source != pixel;
             put(&planes, CHANNEL_SAMPLES, at, (float)pixel->samples);
             if (!source) continue;
-            put_pixel(&planes, at, source);
+            put_pixel(&planes, at, source, image);
             put_maps(&planes, at, source);
             if (image->aov) put_aovs(image, aov, at, source);
         }

@@ -42,6 +42,7 @@ struct render_image *render_image_new(const struct satin_scene *scene,
     image->aov = array_new(pixels, image->sums * sizeof *image->aov);
     image->film = render_film_new(width, height, aovs, options);
     bool ok = image->pixel && image->film && (image->aov || !aovs->values);
+    if (ok && options->denoise) ok = render_denoise_room(image);
     if (ok && adapt_make(&image->adapt, width, height, options->light_samples)) return image;
     render_image_free(image);
     return NULL;
@@ -51,6 +52,8 @@ void render_image_free(struct render_image *image) {
     if (!image) return;
     adapt_destroy(&image->adapt);
     satin_film_free(image->film);
+    free(image->planes);
+    free(image->uncached);
     free(image->aov);
     free(image->pixel);
     free(image);
@@ -66,7 +69,7 @@ static rgb judged(const struct shade_sample *s) {
 
 // False if the sample was not finite and was dropped.
 static bool add_sample(struct image_pixel *pixel, const struct shade_sample *s) {
-    bool finite = rgb_finite(s->beauty);
+    bool finite = rgb_finite(s->beauty) && rgb_finite(s->uncached);
     for (int i = 0; i < SHADE_LAYERS; i++) finite = finite && rgb_finite(s->layer[i]);
     if (!finite) {
         pixel->dropped++;
@@ -111,6 +114,9 @@ static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
                     if (parallel_stopped(pass->r->pool)) return;  // it may be cut short
                     bool finite = add_sample(&image->pixel[at], &sample);
                     if (finite && image->aov) add_aovs(image, at, &sample);
+                    if (finite && image->uncached)
+                        image->uncached[at] =
+                            rgb_mad(image->uncached[at], sample.uncached, sample.weight);
                     adapt_add(adapt, finite ? judged(&sample) : rgb_grey(0.0f),
                               finite ? sample.light_variance : 0.0f);
                     // A late pass takes thousands of samples of every pixel.

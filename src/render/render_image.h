@@ -31,7 +31,21 @@ struct render_image {
     int coarsest;             // pixels between the first samples, a power of two
     bool looked;              // each of these pixels has one
     struct satin_film *film;  // what it becomes
+    // Of a render that denoises; else NULL.
+    rgb *uncached;            // weighted sums of what shade_sample.uncached is, pixel by pixel
+    rgb *planes;              // four images: means of `uncached`, albedo, normal, the result
+    struct film_noisy noisy;  // these
+    bool denoised;            // the result is there
 };
+
+// The sampled pixel that stands for (x, y): itself, or the nearest of the grids of the first look;
+// NULL if there is none (render_film.c).
+const struct image_pixel *render_image_source(const struct render_image *image, int x, int y);
+// What makes means of a pixel's weighted sums.
+float render_image_scale(const struct image_pixel *pixel);
+
+// Room for denoising, freed with the image; false without memory (render_denoise.c).
+bool render_denoise_room(struct render_image *image);
 
 // Takes further eye rays for emitted light alone where it varies from pixel to pixel; once, when
 // the image has its even samples. *whole: it was not cut short.

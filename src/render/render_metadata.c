@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/render_state.h"
+#include "render/render_image.h"
 
 // All options as `name=value` words, as --set takes them; malloc.
 static char *options_text(const satin_options *options) {
@@ -33,8 +33,12 @@ bool render_metadata(struct render *r, struct satin_film *film) {
     bool ok = options && film->stats && film_attribute_set(film, "satin:version", SATIN_VERSION) &&
               film_attribute_set(film, "satin:scene_hash", hash) &&
               film_attribute_set(film, "satin:options", options);
-    if (ok && r->cancelled)
-        ok = film_attribute_set(film, "satin:cancelled", r->sketch ? r->sketch : "image");
+    if (ok && r->image->denoised)
+        ok = film_attribute_set(film, "satin:denoiser", film_denoiser_name(r->denoiser));
+    if (ok && r->cancelled) {
+        const char *image = r->denoised == SATIN_CANCELLED ? "denoising" : "image";
+        ok = film_attribute_set(film, "satin:cancelled", r->sketch ? r->sketch : image);
+    }
     free(options);
     return ok;
 }

@@ -15,7 +15,7 @@ static const char *seconds_name(const char *stage) {
     static const char *const name[][2] = {
         {"photons", "time.photons_s"},       {"BRDF tables", "time.tables_s"},
         {"deeper records", "time.levels_s"}, {"records", "time.records_s"},
-        {"image", "time.image_s"},
+        {"image", "time.image_s"},           {"denoising", "time.denoise_s"},
     };
     for (size_t i = 0; i < sizeof name / sizeof *name; i++)
         if (strcmp(name[i][0], stage) == 0) return name[i][1];
@@ -30,7 +30,8 @@ double render_time_left(const struct render *r) {
 
 double render_write_seconds(const struct render *r) {
     double pixels = (double)r->options.width * (double)r->options.height;
-    return WRITE_SECONDS + WRITE_PIXEL_SECONDS * pixels / parallel_threads(r->pool);
+    return WRITE_SECONDS + WRITE_PIXEL_SECONDS * pixels / parallel_threads(r->pool) +
+           render_denoise_seconds(r);
 }
 
 static void tell(struct render *r, double done) {
@@ -53,6 +54,12 @@ static bool on_progress(void *user, double done) {
     if (!r->cancelled && stats_wall() - r->told >= TELL_EVERY)
         tell(r, r->share_done + done * r->share_span);
     return (r->cancelled && !r->sketch) || render_elapsed(r) > r->stop_at;
+}
+
+bool render_progress_tell(struct render *r, double done) {
+    if (r->cancelled) return true;
+    if (stats_wall() - r->told >= TELL_EVERY) tell(r, done);
+    return !r->cancelled;
 }
 
 void render_progress_install(struct render *r) { parallel_set_progress(r->pool, on_progress, r); }

@@ -46,6 +46,8 @@ struct render {
     struct shade shade;
     struct render_image *image;
     bool image_begun;
+    struct film_denoiser *denoiser;  // NULL: the image stays as it is
+    satin_status denoised;           // what became of it
 };
 
 // ---- render_options.c: options and scene hints -> what is rendered
@@ -58,10 +60,12 @@ void render_stage(struct render *r, const char *stage, const char *unit, double 
 // The next loops are the part [done, done + span] of the stage.
 void render_stage_part(struct render *r, double done, double span);
 void render_progress_install(struct render *r);  // makes the pool tell the caller
+// Tells the caller, if it is time to; false if that cancelled the render.
+bool render_progress_tell(struct render *r, double done);
 double render_elapsed(const struct render *r);
 // Seconds that are left of options.time; INFINITY without a limit.
 double render_time_left(const struct render *r);
-// What making and writing the film is going to take.
+// What denoising, making and writing the film is going to take.
 double render_write_seconds(const struct render *r);
 
 // ---- render_photons.c
@@ -109,6 +113,15 @@ struct render_image *render_image_new(const struct satin_scene *scene,
 void render_image_free(struct render_image *image);
 // Adds samples until every pixel has options.spp, or the loop was stopped.
 satin_status render_image_fill(struct render *r);
+
+// ---- render_denoise.c
+// Opens the denoiser, if the options want one.
+satin_status render_denoiser(struct render *r);
+// What denoising is going to take [s], or half of a time limit if it is going to take more.
+double render_denoise_seconds(const struct render *r);
+// Denoises the image, if more of it is there than a first look; r->denoised says what became of it.
+// SATIN_CANCELLED: the caller did not want to wait.
+void render_denoise(struct render *r);
 
 // ---- render_film.c
 // Fills the image's film with what is there. *any: some pixel has a sample.

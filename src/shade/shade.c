@@ -89,6 +89,7 @@ static void path_sample(const struct shade *shade, int x, int y, uint32_t index,
     struct ray ray = shade_eye_ray(shade, x, y, &sampler, &lens);
     out->beauty = gather_path_eye(shade->g, ray, &sampler, &seen);
     out->layer[SHADE_EMISSION] = seen.emission;
+    out->uncached = rgb_sub(out->beauty, seen.emission);
     if (seen.hit) surface_channels(shade, &seen.point, &lens, out);
     light_channels(shade, out);
     out->weight = lens.weight;

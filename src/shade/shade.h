@@ -34,6 +34,7 @@ enum shade_layer {
 
 struct shade_sample {
     rgb beauty;               // the sum of the light layers; of `path`, more than its one layer
+    rgb uncached;             // what of it is reflected, but by no record: the noisy light
     rgb layer[SHADE_LAYERS];  // of the first surface that is not ideal specular; normal as x y z
     float depth;              // distance to the first surface; 0 if there is none
     struct cache_used used;   // records interpolated at the point

@@ -9,8 +9,15 @@
 // serves.
 #define REACH 8.0f
 
-static void add(struct shade_job *job, enum shade_layer layer, rgb L) {
+// Light that a record carries.
+static void add_cached(struct shade_job *job, enum shade_layer layer, rgb L) {
     job->out->layer[layer] = rgb_fma(job->out->layer[layer], job->vertex->T, L);
+}
+
+// Light that none does.
+static void add(struct shade_job *job, enum shade_layer layer, rgb L) {
+    add_cached(job, layer, L);
+    job->out->uncached = rgb_fma(job->out->uncached, job->vertex->T, L);
 }
 
 static struct gather_site site_of(const struct shade_job *job) {
@@ -48,6 +55,7 @@ static void indirect_diffuse(struct shade_job *job, struct shade_memo_entry *mem
         memo->knows |= MEMO_IRRADIANCE;
         memo->E = E;
         note_records(job, memo->used);
+        add_cached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(shade_diffuse_albedo(p), E));
     } else {
         struct gather_irradiance value;
         struct gather_site site = site_of(job);
@@ -57,8 +65,8 @@ static void indirect_diffuse(struct shade_job *job, struct shade_memo_entry *mem
         job->worker->counts.rays += value.rays;
         E = turn_irradiance(&value, p->base.n, p->frame.n);
         job->worker->counts.gathered++;
+        add(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(shade_diffuse_albedo(p), E));
     }
-    add(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(shade_diffuse_albedo(p), E));
 }
 
 // By radiance records; false if none is near.
@@ -75,8 +83,8 @@ static bool indirect_cached(struct shade_job *job, const struct shade_plan *plan
     }
     note_records(job, memo->used);
     rgb factor = rgb_scale(p->brdf.specular, plan->relief);
-    if (shiny) add(job, SHADE_INDIRECT_GLOSSY, rgb_mul(factor, memo->glossy));
-    if (diffuse) add(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(shade_diffuse_albedo(p), memo->E));
+    if (shiny) add_cached(job, SHADE_INDIRECT_GLOSSY, rgb_mul(factor, memo->glossy));
+    if (diffuse) add_cached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(shade_diffuse_albedo(p), memo->E));
     return true;
 }
 

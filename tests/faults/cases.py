@@ -19,6 +19,8 @@ RENDER = ["render", "room.xml", "-o", "out.exr", "--threads", "1", "-q"]
 SCENARIOS = {
     "path": Scenario(["render", "shelf.xml", "-o", "out.exr", "--threads", "1", "-q",
                       "--integrator", "path", "-D", "spp=2"], [], 1),
+    "denoise": Scenario(["render", "shelf.xml", "-o", "out.exr", "--threads", "1", "-q",
+                         "--integrator", "path", "-D", "spp=2", "--denoise"], [], 1),
     "maps": Scenario(["maps", "in.exr", "-o", "."], [[*RENDER, "--set", "record-maps=on"]], 1),
     "room": Scenario([*RENDER, "--png", "--stats", "out.json", "--save-cache", "out.cache"], [], 4),
     "reload": Scenario([*RENDER, "--load-cache", "in.cache", "--save-cache", "out.cache"],

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The law: the image is bit-identical for any number of threads.
-// usage: threads SCENE.xml ...; prints the hash of all channels of each render.
+// usage: threads SCENE.xml ...; prints the hash of all channels of each render. The denoiser is
+// that of SATIN_OIDN, or the one that is installed.
 #include <stdio.h>
 #include <string.h>
 
@@ -14,6 +15,7 @@ static const char *const setting[][2] = {
     {"photons", "30000"},       {"caustic_photons", "30000"},
     {"irradiance_rays", "200"}, {"radiance_rays", "600"},
     {"adaptive_cache", "on"},   {"irradiance_radius", "hessian"},
+    {"denoise", "on"},
 };
 
 struct mode {
