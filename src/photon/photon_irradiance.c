@@ -26,7 +26,7 @@ enum {
     RETRY_K = 16  // neighbours searched if the nearest one faces elsewhere
 };
 #define FACING 0.5f
-// Nothing is left of it beyond this times the squared distance where it begins to fade.
+// Nothing is left of light that ends beyond this times the squared distance where it begins to fade.
 #define FAR 9.0f
 // The nearest of evenly spread entries is further than the root of REACH / (pi density) once in
 // e^REACH places. Where it is, no light came down in between, and its irradiance fades.
@@ -170,6 +170,7 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
     struct photon_map *map = what->map;
     struct photon_irradiance r = {.count = (map->count + what->stride - 1) / what->stride};
     r.reach2 = REACH * (float)what->stride / (float)what->k;
+    r.ends = what->ends;
     if (map->count == 0) {
         *out = r;
         return SATIN_OK;
@@ -254,7 +255,7 @@ bool photon_place_hidden(const struct photon_places *places, const struct satin_
 static bool is_far(const struct photon_irradiance *r, int row, vec3 p) {
     const float d2 = v3_dist2(p, photon_place(&r->place, (size_t)row));
     const float reach2 = r->reach2 * sqrf(r->radius[row]);
-    return reach2 > 0.0f && d2 > FAR * reach2;
+    return r->ends && reach2 > 0.0f && d2 > FAR * reach2;
 }
 
 // The nearest entry that faces as n does, among a few, and of which no wall hides p; -1 if there is
@@ -289,8 +290,8 @@ rgb photon_irradiance_value(const struct photon_irradiance *r, int entry, vec3 p
     float d2 = v3_dist2(p, photon_place(&r->place, (size_t)entry)), radius = r->radius[entry];
     float reach2 = r->reach2 * radius * radius;
     if (d2 <= reach2) return r->E[entry];
-    const float far = d2 / reach2;
-    return rgb_scale(r->E[entry], fmaxf(FAR - far, 0.0f) / ((FAR - 1.0f) * far));
+    const float far = d2 / reach2, left = r->ends ? fmaxf(FAR - far, 0.0f) / (FAR - 1.0f) : 1.0f;
+    return rgb_scale(r->E[entry], left / far);
 }
 
 static void look_up(const struct photon_irradiance *r, const struct satin_scene *scene,
@@ -306,7 +307,6 @@ static void look_up(const struct photon_irradiance *r, const struct satin_scene 
         if (r->count > 0) photon_index_nearest(r->index, query, batch, 1, row, distance2);
         for (size_t i = 0; i < batch; i++) {
             size_t j = at + i;
-            // Far from all light its own radius still tells how dense photons are.
             if (row[i] >= 0 && !is_far(r, row[i], p[j]) &&
                 (!faces(r, row[i], n[j]) ||
                  photon_place_hidden(&r->place, scene, (size_t)row[i], p[j], n[j])))

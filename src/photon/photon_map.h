@@ -179,6 +179,7 @@ struct photon_irradiance {
     rgb *E;
     float *radius;  // of its estimate
     float reach2;   // of an entry, in units of its squared radius
+    bool ends;      // nothing is left of it at three times its reach
     struct photon_index *index;
 };
 
@@ -190,6 +191,7 @@ struct photon_precompute {
     enum photon_kernel kernel;
     bool area;
     bool smooth;  // by photon_smooth
+    bool ends;    // light has borders, as caustics have: where no photons are near, there is none
 };
 
 // Precomputes irradiance at every stride-th photon of the map, and the map's `open` flags.

@@ -127,7 +127,7 @@ static satin_status build_global(const struct pass *pass, struct photon_maps *ma
         stride = (size_t)maps->photon_k / 8;
     return precompute(pass,
                       &(struct photon_precompute){&maps->global, pass->scene, stride,
-                                                  maps->photon_k, KERNEL_FLAT, maps->area, false},
+                                                  maps->photon_k, KERNEL_FLAT, maps->area, false, false},
                       &maps->irradiance);
 }
 
@@ -155,7 +155,7 @@ static satin_status build_caustic(const struct pass *pass, struct photon_maps *m
     return precompute(pass,
                       &(struct photon_precompute){&maps->caustic, pass->scene,
                                                   PHOTON_CAUSTIC_STRIDE, maps->caustic_k,
-                                                  KERNEL_PARABOLA, maps->area, o->caustic_smooth},
+                                                  KERNEL_PARABOLA, maps->area, o->caustic_smooth, true},
                       &maps->caustic_irradiance);
 }
 

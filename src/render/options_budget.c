@@ -142,6 +142,10 @@ void options_budget_preset(satin_options *options, satin_quality quality) {
         if (options_table[i].by_quality) copy(options, &preset[quality].options, &options_table[i]);
 }
 
+bool options_budget_chooses_photons(const satin_options *options) {
+    return options->photons == preset[options->quality].options.photons;
+}
+
 void options_budget_seconds(satin_options *options, double seconds, double pixels) {
     const satin_options *chosen = &preset[options->quality].options;
     for (int i = 0; i < options_table_count; i++) {

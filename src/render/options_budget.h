@@ -14,6 +14,9 @@ void options_budget_preset(satin_options *options, satin_quality quality);
 // one core buy for an image of `pixels`; those that the user chose stay.
 void options_budget_seconds(satin_options *options, double seconds, double pixels);
 
+// Whether the number of photons is the preset's: not one that the user chose.
+bool options_budget_chooses_photons(const satin_options *options);
+
 // Samples per pixel that a quality asks for where satin_options.spp is 0: a square number.
 int options_quality_spp(satin_quality quality);
 

@@ -32,6 +32,7 @@ struct render {
     bool error_told;
 
     int64_t photons_wanted;  // of the global map, without a time limit
+    bool photons_chosen;     // by the user: no more than these
     double photons_share;    // that were made of them; 0: none were wanted
     struct photon_maps *maps;
     struct guide_visibility *visibility;  // of the lights; NULL: all is seen
