@@ -223,7 +223,7 @@ static rgb reflected(const struct gather *g, const struct gather_point *y, rgb E
     const bool caustics = within_depth(g, level, 2);
     if (known && caustics)
         L = rgb_add(L, photon_caustic(g->maps, g->scene, y->surfel.p, y->ng, &y->frame, &y->brdf,
-                                      y->wo_l, known));
+                                      y->wo_l, known, PHOTON_ALONE));
     if (diffuse && near) {
         if (caustics)
             L = rgb_add(L, diffuse_radiance(y, photon_caustic_irradiance(g->maps, g->scene,

@@ -49,8 +49,15 @@ float photon_trust(const struct photon_maps *maps);
 rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
                     vec3 ng, const struct frame *frame, const struct brdf *brdf, vec3 wo,
                     unsigned lobes, float *radius);
+// Light beside a caustic: luminance that the point reflects of it, and a random number in [0, 1). A
+// caustic that is faint beside it is looked at by chance; L 0: always.
+struct photon_beside {
+    float L, u;
+};
+#define PHOTON_ALONE ((struct photon_beside){0.0f, 0.0f})
 rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p, vec3 ng,
-                   const struct frame *frame, const struct brdf *brdf, vec3 wo, unsigned lobes);
+                   const struct frame *frame, const struct brdf *brdf, vec3 wo, unsigned lobes,
+                   struct photon_beside beside);
 
 // The clusters of photons where light comes down densely; NULL: none. They belong to the maps;
 // `maps` may be NULL.

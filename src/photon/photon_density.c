@@ -200,8 +200,13 @@ static float smoothness(float smooth, float rough) {
     return rough > 0.0f ? clampf(smooth / rough, 1.0f / RATIO_MOST, RATIO_MOST) : 0.0f;
 }
 
+// How likely a caustic is looked at that is this part of the light beside it, by its irradiance: a
+// low-frequency lobe reflects some ten times as much at most.
+static float chance_of(float part) { return clampf(50.0f * part, 0.1f, 1.0f); }
+
 rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p, vec3 ng,
-                   const struct frame *frame, const struct brdf *brdf, vec3 wo, unsigned lobes) {
+                   const struct frame *frame, const struct brdf *brdf, vec3 wo, unsigned lobes,
+                   struct photon_beside beside) {
     if (maps->caustic.count == 0) return rgb_grey(0.0f);
     rgb E, rough;
     float radius;
@@ -210,6 +215,9 @@ rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *sce
         maps->area && (diffuse || maps->smooth) && precomputed(maps, scene, p, ng, &E);
     if (known && diffuse) return rgb_mul(brdf_eval(brdf, wo, v3(0.0f, 0.0f, 1.0f), lobes), E);
     if (known && rgb_black(E)) return E;
+    float chance = 1.0f;
+    if (known && beside.L > 0.0f) chance = chance_of(rgb_luminance(E) / (PI_F * beside.L));
+    if (!(beside.u < chance)) return rgb_grey(0.0f);
     struct photon_query query = {&maps->caustic,
                                  scene,
                                  p,
@@ -220,6 +228,7 @@ rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *sce
     struct reflection at = {frame, brdf, wo, lobes};
     const rgb L = estimate(&query, &at, &radius, &rough);
     if (!known) return L;
-    return rgb_make(L.r * smoothness(E.r, rough.r), L.g * smoothness(E.g, rough.g),
-                    L.b * smoothness(E.b, rough.b));
+    return rgb_scale(rgb_make(L.r * smoothness(E.r, rough.r), L.g * smoothness(E.g, rough.g),
+                              L.b * smoothness(E.b, rough.b)),
+                     1.0f / chance);
 }

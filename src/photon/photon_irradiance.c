@@ -20,13 +20,15 @@
 #include "base/array.h"
 
 enum {
-    GRAIN = 256,  // entries of a chunk
-    GROUP = 8,    // of them are searched and judged together
-    BATCH = 512,  // lookups of one call
-    RETRY_K = 16  // neighbours searched if the nearest one faces elsewhere
+    GRAIN = 256,    // entries of a chunk
+    GROUP = 8,      // of them are searched and judged together
+    BATCH = 512,    // lookups of one call
+    RETRY_K = 16,   // neighbours searched if the nearest one faces elsewhere,
+    RETRY_ENDS = 4  // and of caustics, which mostly are elsewhere then
 };
 #define FACING 0.5f
-// Nothing is left of light that ends beyond this times the squared distance where it begins to fade.
+// Nothing is left of light that ends beyond this times the squared distance where it begins to
+// fade.
 #define FAR 9.0f
 // The nearest of evenly spread entries is further than the root of REACH / (pi density) once in
 // e^REACH places. Where it is, no light came down in between, and its irradiance fades.
@@ -251,11 +253,11 @@ bool photon_place_hidden(const struct photon_places *places, const struct satin_
     return v3_dist2(place, p) > clear * clear && !sees(place, scene, p, n);
 }
 
-// Whether nothing of the irradiance of a row comes to p.
+// Whether p is far from the row for the density of photons there.
 static bool is_far(const struct photon_irradiance *r, int row, vec3 p) {
     const float d2 = v3_dist2(p, photon_place(&r->place, (size_t)row));
     const float reach2 = r->reach2 * sqrf(r->radius[row]);
-    return r->ends && reach2 > 0.0f && d2 > FAR * reach2;
+    return reach2 > 0.0f && d2 > FAR * reach2;
 }
 
 // The nearest entry that faces as n does, among a few, and of which no wall hides p; -1 if there is
@@ -265,8 +267,9 @@ static int search_facing(const struct photon_irradiance *r, const float *query, 
     const vec3 p = v3(query[0], query[1], query[2]);
     int row[RETRY_K], best = -1;
     float distance2[RETRY_K], least = INFINITY;
-    photon_index_nearest(r->index, query, 1, RETRY_K, row, distance2);
-    for (int i = 0; i < RETRY_K; i++) {
+    const int k = r->ends ? RETRY_ENDS : RETRY_K;
+    photon_index_nearest(r->index, query, 1, k, row, distance2);
+    for (int i = 0; i < k; i++) {
         if (row[i] < 0 || distance2[i] >= least || !faces(r, row[i], n)) continue;
         if (scene && photon_place_hidden(&r->place, scene, (size_t)row[i], p, n)) continue;
         best = row[i];
@@ -281,7 +284,7 @@ int photon_irradiance_entry(const struct photon_irradiance *r, vec3 p, vec3 n) {
     if (r->count == 0) return -1;
     set_row(query, p, n, r->place.scale);
     photon_index_nearest(r->index, query, 1, 1, &row, &distance2);
-    if (row >= 0 && is_far(r, row, p)) return -1;
+    if (row >= 0 && r->ends && is_far(r, row, p)) return -1;
     return row >= 0 && !faces(r, row, n) ? search_facing(r, query, n, NULL) : row;
 }
 
@@ -307,10 +310,11 @@ static void look_up(const struct photon_irradiance *r, const struct satin_scene 
         if (r->count > 0) photon_index_nearest(r->index, query, batch, 1, row, distance2);
         for (size_t i = 0; i < batch; i++) {
             size_t j = at + i;
-            if (row[i] >= 0 && !is_far(r, row[i], p[j]) &&
-                (!faces(r, row[i], n[j]) ||
-                 photon_place_hidden(&r->place, scene, (size_t)row[i], p[j], n[j])))
-                row[i] = search_facing(r, query + 6 * i, n[j], scene);
+            if (row[i] >= 0 && (!faces(r, row[i], n[j]) ||
+                                photon_place_hidden(&r->place, scene, (size_t)row[i], p[j], n[j])))
+                // Where even that is far, paths go on sooner than a search ends.
+                row[i] =
+                    is_far(r, row[i], p[j]) ? -1 : search_facing(r, query + 6 * i, n[j], scene);
             E[j] = photon_irradiance_value(r, row[i], p[j]);
             radius[j] = row[i] >= 0 ? r->radius[row[i]] : INFINITY;
         }

@@ -125,10 +125,11 @@ static satin_status build_global(const struct pass *pass, struct photon_maps *ma
     size_t stride = PHOTON_STRIDE;
     if (pass->options->integrator == SATIN_PHOTONS && maps->photon_k > 8 * PHOTON_STRIDE)
         stride = (size_t)maps->photon_k / 8;
-    return precompute(pass,
-                      &(struct photon_precompute){&maps->global, pass->scene, stride,
-                                                  maps->photon_k, KERNEL_FLAT, maps->area, false, false},
-                      &maps->irradiance);
+    return precompute(
+        pass,
+        &(struct photon_precompute){&maps->global, pass->scene, stride, maps->photon_k, KERNEL_FLAT,
+                                    maps->area, false, false},
+        &maps->irradiance);
 }
 
 static satin_status build_caustic(const struct pass *pass, struct photon_maps *maps) {
@@ -153,9 +154,9 @@ static satin_status build_caustic(const struct pass *pass, struct photon_maps *m
     guide_emission_free(emission);
     if (status != SATIN_OK) return status;
     return precompute(pass,
-                      &(struct photon_precompute){&maps->caustic, pass->scene,
-                                                  PHOTON_CAUSTIC_STRIDE, maps->caustic_k,
-                                                  KERNEL_PARABOLA, maps->area, o->caustic_smooth, true},
+                      &(struct photon_precompute){
+                          &maps->caustic, pass->scene, PHOTON_CAUSTIC_STRIDE, maps->caustic_k,
+                          KERNEL_PARABOLA, maps->area, o->caustic_smooth, true},
                       &maps->caustic_irradiance);
 }
 

@@ -7,7 +7,6 @@
 enum {
     PILOT = 16,      // part of the photons that is tried first
     WORTH_MORE = 3,  // times the pilot's photons: fewer are not worth another pass
-    LOOK_MORE = 8,   // BIN_RAYS of guide_visibility.c
     MORE_MOST = 8    // times the photons where few of them are kept
 };
 
@@ -31,7 +30,6 @@ static satin_status build_visibility(struct render *r) {
     const double start = stats_wall();
     satin_status status = guide_visibility_build(&r->scene, &r->options, r->pool, &r->visibility);
     stats_add(&r->stats, "photons.seen_s", stats_wall() - start);
-    stats_add(&r->stats, "photons.bytes", (double)guide_visibility_bytes(r->visibility));
     return status;
 }
 
@@ -50,8 +48,11 @@ static satin_status build(struct render *r, double share, double more) {
     if (!reads_photons(&o)) o.photons = 0;
     r->photons_share = r->photons_wanted ? (double)o.photons / (double)r->photons_wanted : 0.0;
     satin_status status = photon_maps_build(&r->scene, &o, r->pool, r->log, &r->stats, &r->maps);
-    if (status == SATIN_OK) status = build_visibility(r);
-    if (status != SATIN_OK) free_maps(r);
+    if (status == SATIN_OK && !r->visibility) status = build_visibility(r);
+    if (status != SATIN_OK)
+        free_maps(r);
+    else
+        stats_add(&r->stats, "photons.bytes", (double)guide_visibility_bytes(r->visibility));
     return status;
 }
 
@@ -61,6 +62,22 @@ static double starved(const struct render *r, double share) {
     if (r->photons_chosen || !reads_photons(o) || o->integrator != SATIN_TWO_PASS) return 1.0;
     const double kept = fmax(stats_get(&r->stats, "photons.stored_indirect"), 1.0);
     return fmin(fmax(KEPT_LEAST * share * (double)o->photons / kept, 1.0), MORE_MOST);
+}
+
+// In place of the maps that are there; what was learned of the lights serves on.
+static satin_status build_again(struct render *r, struct stats before, double share, double more) {
+    const double look = stats_get(&r->stats, "photons.seen_s");
+    photon_maps_free(r->maps);
+    r->maps = NULL;
+    r->stats = before;
+    stats_set(&r->stats, "photons.seen_s", look);
+    return build(r, share, more);
+}
+
+// What grows with the photons.
+static double photon_seconds(const struct stats *stats) {
+    return stats_get(stats, "photons.trace_s") + stats_get(stats, "photons.build_s") +
+           stats_get(stats, "photons.bright_s") + stats_get(stats, "photons.precompute_s");
 }
 
 // Whether paths can do without what the photons are for.
@@ -93,12 +110,8 @@ satin_status render_photons(struct render *r) {
     if (!(r->options.time > 0.0)) {
         satin_status status = build(r, 1.0, 1.0);
         const double more = status == SATIN_OK ? starved(r, 1.0) : 1.0;
-        if (more < WORTH_STARVED) return status;
-        free_maps(r);
-        r->stats = before;
-        return build(r, 1.0, more);
+        return more < WORTH_STARVED ? status : build_again(r, before, 1.0, more);
     }
-    double start = render_elapsed(r);
     bool given_up;
     satin_status status = pilot(r, &given_up);
     if (given_up) {
@@ -106,17 +119,12 @@ satin_status render_photons(struct render *r) {
         return trace_paths(r);
     }
     if (status != SATIN_OK) return status;
-    // What is seen of the lights is asked by up to LOOK_MORE times the pilot's rays, however many
-    // photons there are.
-    const double look = stats_get(&r->stats, "photons.seen_s");
-    double seconds = fmax(render_elapsed(r) - start - look, 1e-3);
-    double left = PHOTON_SHARE * r->options.time - render_elapsed(r) - LOOK_MORE * look;
+    double left = PHOTON_SHARE * r->options.time - render_elapsed(r);
+    const double seconds = photon_seconds(&r->stats);
     const double fit = CAUTION * left / seconds / PILOT;
     if (fit * PILOT < WORTH_MORE) return SATIN_OK;
     const double more = fmin(starved(r, 1.0 / PILOT), fmax(fit, 1.0));
-    free_maps(r);
-    r->stats = before;
-    return build(r, fmin(fit, 1.0), more);
+    return build_again(r, before, fmin(fit, 1.0), more);
 }
 
 struct gather render_gather(const struct render *r) {

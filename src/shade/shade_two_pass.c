@@ -166,6 +166,13 @@ static void look_for_lights(struct shade_job *job, unsigned lobes, float ratio) 
         rgb_scale(rgb_mul(b.weight, found.L), mis_power(ratio * b.pdf_w, light_pdf)));
 }
 
+// Luminance of direct and indirect light so far.
+static float shown(const struct shade_job *job) {
+    const rgb *layer = job->out->layer;
+    return rgb_luminance(rgb_add(
+        layer[SHADE_DIRECT], rgb_add(layer[SHADE_INDIRECT_DIFFUSE], layer[SHADE_INDIRECT_GLOSSY])));
+}
+
 void shade_vertex_two_pass(struct shade_job *job) {
     const struct gather *g = job->shade->g;
     const struct gather_point *p = &job->vertex->point;
@@ -184,6 +191,7 @@ void shade_vertex_two_pass(struct shade_job *job) {
     const struct gather_mis mis = {
         1, {{rest & ~extra, 0.0f}, {extra, 1.0f / lights}, {sampled, ratio}}};
     float variance;
+    const float before = shown(job);
     add(job, SHADE_DIRECT, gather_direct(g, p, mis, job->lights, job->sampler, &variance));
     job->out->light_variance += sqrf(rgb_luminance(job->vertex->T)) * variance;
     job->sampler.dimension += 2;
@@ -194,10 +202,8 @@ void shade_vertex_two_pass(struct shade_job *job) {
         cache_stands(job->shade->cache, p->surfel.p, p->base.n, job->vertex->pixel))
         job->out->record = 1.0f;
 
-    if (plan.cached | plan.diffuse)
-        add(job, SHADE_CAUSTIC,
-            photon_caustic(g->maps, g->scene, p->surfel.p, p->ng, &p->frame, &p->brdf, p->wo_l,
-                           plan.cached | plan.diffuse));
+    const unsigned caustic = plan.cached | plan.diffuse;
+    const float u_caustic = sampler_1d(&job->sampler);
     if (plan.cached && !indirect_cached(job, &plan, memo)) {
         // No record is near: gather for the diffuse lobe, sample the glossy one.
         plan.diffuse = plan.cached & BRDF_DIFFUSE;
@@ -206,4 +212,9 @@ void shade_vertex_two_pass(struct shade_job *job) {
     }
     if (plan.diffuse) indirect_diffuse(job, memo);
     if (plan.sampled) sample_lobes(job, plan.sampled, ratio);
+    const struct photon_beside beside = {shown(job) - before, u_caustic};
+    if (caustic)
+        add(job, SHADE_CAUSTIC,
+            photon_caustic(g->maps, g->scene, p->surfel.p, p->ng, &p->frame, &p->brdf, p->wo_l,
+                           caustic, beside));
 }

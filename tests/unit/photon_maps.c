@@ -422,7 +422,8 @@ static void empty_maps_are_black(void **state) {
     assert_true(
         rgb_black(photon_radiance(maps, &t.scene, p, n, &frame, &b, n, BRDF_SMOOTH, &radius)));
     assert_true(isinf(radius));
-    assert_true(rgb_black(photon_caustic(maps, &t.scene, p, n, &frame, &b, n, BRDF_SMOOTH)));
+    assert_true(
+        rgb_black(photon_caustic(maps, &t.scene, p, n, &frame, &b, n, BRDF_SMOOTH, PHOTON_ALONE)));
     photon_maps_free(maps);
     test_scene_free(&t);
 }
@@ -446,7 +447,8 @@ static void threads_do_not_matter(void **state) {
         float r;
         known[run][0] = photon_irradiance(maps, &t.scene, p, n, &r);
         known[run][1] = photon_radiance(maps, &t.scene, p, n, &frame, &b, n, BRDF_SMOOTH, &r);
-        known[run][2] = photon_caustic(maps, &t.scene, p, n, &frame, &b, n, BRDF_SMOOTH);
+        known[run][2] =
+            photon_caustic(maps, &t.scene, p, n, &frame, &b, n, BRDF_SMOOTH, PHOTON_ALONE);
         photon_maps_free(maps);
         parallel_free(pool);
     }

@@ -168,7 +168,7 @@ static double glossy_noise(const struct photon_maps *maps, const struct satin_sc
     for (int i = 0; i < POINTS; i++) {
         const float x = 1.6f * rng_float(&rng) - .8f, y = 1.6f * rng_float(&rng) - .8f;
         const rgb L = photon_caustic(maps, scene, v3(x, y, 0), up, &frame, brdf, wo,
-                                     BRDF_DIFFUSE | BRDF_GLOSSY);
+                                     BRDF_DIFFUSE | BRDF_GLOSSY, PHOTON_ALONE);
         sum += (double)L.g;
         square += (double)L.g * (double)L.g;
     }
