@@ -183,23 +183,50 @@ def stairs():
                  *steps, lamp("+y", (0.4, 2.1, 0.7), (0.4, 0.4), 14, 13, 11))
 
 
-def window():
-    outer = [box((0, -0.1, 0), (2.6, 0.1, 2.6), 0, ref("floor")),
-             box((0, 2.9, 0), (2.6, 0.1, 2.6), 0, ref("white")),
-             box((0, 1.4, -2.6), (2.6, 1.4, 0.1), 0, ref("white")),
-             box((0, 1.4, 2.6), (2.6, 1.4, 0.1), 0, ref("white")),
-             box((2.6, 1.4, 0), (0.1, 1.4, 2.6), 0, ref("cool"))]
+def daylight_room():
+    """Floor, ceiling and walls with a hole for a window, and the sun and sky outside."""
+    closed = [box((0, -0.1, 0), (2.6, 0.1, 2.6), 0, ref("floor")),
+              box((0, 2.9, 0), (2.6, 0.1, 2.6), 0, ref("white")),
+              box((0, 1.4, -2.6), (2.6, 1.4, 0.1), 0, ref("white")),
+              box((0, 1.4, 2.6), (2.6, 1.4, 0.1), 0, ref("white")),
+              box((2.6, 1.4, 0), (0.1, 1.4, 2.6), 0, ref("cool"))]
     # The wall with the hole: below, above and beside it.
     holed = [box((-2.6, y, z), (0.1, half_y, half_z), 0, ref("warm"))
              for y, z, half_y, half_z in [(0.45, 0, 0.45, 2.6), (2.5, 0, 0.3, 2.6),
                                           (1.55, -1.75, 0.65, 0.85), (1.55, 1.75, 0.65, 0.85)]]
+    light = [plugin("emitter", "directional",
+                    element("vector", {"name": "direction", "x": "0.8", "y": "-0.6", "z": "0.2"}),
+                    rgb("irradiance", 11, 10, 8)),
+             plugin("emitter", "constant", rgb("radiance", 0.6, 0.8, 1.2))]
+    return closed + holed, light
+
+
+def window():
+    walls, light = daylight_room()
     return scene("A room that sun and sky shine into through an open window.",
-                 sensor((1.9, 1.5, 2.2), (-0.7, 0.9, -1.4), 68), *PAINT, *outer, *holed,
-                 box((-0.6, 0.4, -1.3), (0.4, 0.4, 0.4), 20, ref("white")),
-                 plugin("emitter", "directional",
-                        element("vector", {"name": "direction", "x": "0.8", "y": "-0.6",
-                                           "z": "0.2"}), rgb("irradiance", 11, 10, 8)),
-                 plugin("emitter", "constant", rgb("radiance", 0.6, 0.8, 1.2)))
+                 sensor((1.9, 1.5, 2.2), (-0.7, 0.9, -1.4), 68), *PAINT, *walls,
+                 box((-0.6, 0.4, -1.3), (0.4, 0.4, 0.4), 20, ref("white")), *light)
+
+
+def panes():
+    walls, light = daylight_room()
+    paint = plugin("bsdf", "roughplastic", rgb("diffuse_reflectance", 0.7, 0.68, 0.6),
+                   real("alpha", 0.2), id="paint")
+    glazing = [box((x, 1.55, 0), (0.003, 0.65, 0.9), 0, ref("glass")) for x in (-2.6, -2.578)]
+    frame = [box((-2.55, y, 0), (0.03, 0.03, 0.9), 0, ref("paint")) for y in (0.93, 2.17)]
+    frame += [box((-2.53, 1.55, z), (0.03, 0.65, 0.03), 0, ref("paint")) for z in (-0.87, 0, 0.87)]
+    table = [box((-0.5, 0.75, -0.6), (0.7, 0.03, 0.45), 0, ref("wood"))]
+    table += [box((x, 0.36, z), (0.03, 0.36, 0.03), 0, ref("wood"))
+              for x in (-1.1, 0.1) for z in (-0.95, -0.25)]
+    others = [box((-0.7, 0.9, -0.6), (0.15, 0.12, 0.1), 20, ref("paint")),
+              box((0.2, 0.2, -2.1), (0.6, 0.2, 0.25), 0, ref("cloth")),
+              box((0.2, 0.6, -2.4), (0.6, 0.25, 0.06), 0, ref("cloth")),
+              box((2.15, 0.7, -1.5), (0.3, 0.7, 0.5), 0, ref("paint"))]
+    return scene("A furnished room that sun and sky shine into through two panes in a frame.",
+                 sensor((1.9, 1.5, 2.2), (-0.7, 0.9, -1.4), 68), *PAINT,
+                 plugin("bsdf", "dielectric", id="glass"), paint, diffuse("wood", 0.45, 0.28, 0.15),
+                 diffuse("cloth", 0.2, 0.35, 0.25), *walls, *glazing, *frame, *table, *others,
+                 *light)
 
 
 def scaled_room(unit, what):
@@ -255,7 +282,7 @@ def files():
     scenes = {"spot": spot_beam(), "spot-lamp": spot_disk(), "corner": corner(),
               "thin-wall": thin_wall(), "backlit": backlit(), "caustic-gloss": caustic_gloss(),
               "mirror": mirror(), "contact": contact(), "bump": bump(), "storeys": storeys(),
-              "gap": gap(), "stairs": stairs(), "window": window(),
+              "gap": gap(), "stairs": stairs(), "window": window(), "panes": panes(),
               "glossy-room": phong_room(), "metal-room": metal_room(),
               "room-5m": scaled_room(1, "5 m"),
               "room-5mm": scaled_room(0.001, "5 mm"), "room-500km": scaled_room(1e5, "500 km")}

@@ -55,6 +55,7 @@ static const struct row rows[] = {
     {"glossy-room", "glossy-room", {"wall and ball", 12, 12, 52, 52}, {0.01, 0.03, 0.13}},
     {"metal-room", "metal-room", {"wall and ball", 12, 12, 52, 52}, {0.01, 0.05, 0.25}},
     {"mirror", "mirror", {"floor in the mirror", 8, 32, 56, 48}, {0.015, 0.04, 0.15}},
+    {"panes", "panes", {"room", 0, 0, 64, 64}, {0.02, 0.06, 0.25}},
     {"room-5m", "room-5m", {"below the lamp", 0, 28, 64, 64}, {0.015, 0.04, 0.2}},
     {"spot", "spot-lamp", {"room", 0, 8, 64, 64}, {0.03, 0.1, 0.2}},
     {"stairs", "stairs", {"steps", 4, 14, 64, 46}, {0.01, 0.03, 0.12}},

@@ -6,10 +6,10 @@
         [SCENE.xml ...]
 
 Without scenes: all of data/scenes. Needs `pip install mitsuba numpy` and LLVM 19 or later, or is
-slow with --scalar; tests only read what it wrote. Each image is rendered in P independent parts of N / P samples per pixel.
-The file NAME.exr has the channels R, G, B (mean of all samples), and variance.R, variance.G,
-variance.B (variance of that mean, estimated from the parts), and a hash of the scene's file. The
-film gets a box filter, so that the pixels are independent of each other.
+slow with --scalar; tests only read what it wrote. Each image is rendered in P independent parts of
+N / P samples per pixel. The file NAME.exr has the channels R, G, B (mean of all samples), and
+variance.R, variance.G, variance.B (variance of that mean, estimated from the parts), and a hash of
+the scene's file. The film gets a box filter, so that the pixels are independent of each other.
 """
 import argparse
 import pathlib

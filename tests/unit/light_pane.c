@@ -217,12 +217,12 @@ static void points_of_light_are_found(void **state) {
     test_scene_free(&t);
 }
 
-enum { LIGHT_SIDE = 64, FIND_SIDE = 500 };
+enum { LIGHT_SIDE = 64 };
 
-// Irradiance at the origin by light samples. Adds how often the density that they are told is
+// Irradiance at p, upwards, by light samples. Adds how often the density that they are told is
 // another than that which rays are told that find the same light.
-static double by_samples(const struct satin_scene *scene, int *wrong) {
-    const vec3 p = v3(0, 0, 0), up = v3(0, 0, 1);
+static double by_samples(const struct satin_scene *scene, vec3 p, int *wrong) {
+    const vec3 up = v3(0, 0, 1);
     double sum = 0.0;
     for (int i = 0; i < LIGHT_SIDE * LIGHT_SIDE; i++) {
         const float u = ((float)(i % LIGHT_SIDE) + 0.5f) / LIGHT_SIDE;
@@ -245,19 +245,19 @@ static double by_samples(const struct satin_scene *scene, int *wrong) {
     return sum / (LIGHT_SIDE * LIGHT_SIDE);
 }
 
-// By directions through a square of half-width 0.8 at height 1 that the lamp is in.
-static double by_directions(const struct satin_scene *scene) {
+// By side^2 directions towards a square of half-width 0.8 at height 1 that the lamp is in.
+static double by_directions(const struct satin_scene *scene, vec3 p, int side) {
     struct rng rng = rng_make(3, RNG_TEST, 0);
-    const float width = 1.6f / FIND_SIDE;
+    const float width = 1.6f / (float)side;
     double sum = 0.0;
-    for (int i = 0; i < FIND_SIDE * FIND_SIDE; i++) {
-        const float x = width * ((float)(i % FIND_SIDE) + rng_float(&rng)) - 0.8f;
-        const float y = width * ((float)(i / FIND_SIDE) + rng_float(&rng)) - 0.8f;
+    for (int i = 0; i < side * side; i++) {
+        const float x = width * ((float)(i % side) + rng_float(&rng)) - 0.8f - p.x;
+        const float y = width * ((float)(i / side) + rng_float(&rng)) - 0.8f - p.y;
         const vec3 d = v3_unit(v3(x, y, 1));
         struct surfel hit;
         struct light_found found;
         bool sky;
-        if (!light_find(scene, v3(0, 0, 0), v3(0, 0, 1), d, 8, &hit, &sky, &found) || sky) continue;
+        if (!light_find(scene, p, v3(0, 0, 1), d, 8, &hit, &sky, &found) || sky) continue;
         sum += (double)(found.L.g * powf(d.z, 4.0f) * width * width);
     }
     return sum;
@@ -281,7 +281,8 @@ static void lamps_bring_what_directions_find(void **state) {
         lamp(&t, 0.35f, c[i].w, c[i].h);
         test_scene_finish(&t);
         int wrong = 0;
-        const double sampled = by_samples(&t.scene, &wrong), found = by_directions(&t.scene);
+        const double sampled = by_samples(&t.scene, v3(0, 0, 0), &wrong);
+        const double found = by_directions(&t.scene, v3(0, 0, 0), 500);
         const double error = sampled / found - 1.0;
         print_message("case %zu: %.5f by samples, %+.2f %%, %d densities differ\n", i, sampled,
                       100.0 * error, wrong);
@@ -289,6 +290,33 @@ static void lamps_bring_what_directions_find(void **state) {
         assert_true(wrong <= LIGHT_SIDE * LIGHT_SIDE / 100);
         test_scene_free(&t);
     }
+}
+
+// A pane of 6 mm in the middle of a wall 10 cm thick: what the wall hides of straight rays alone is
+// lost. The floor is lit through an opening of .8 x .8, from straight below to grazing the wall.
+static void frames_hide_little(void **state) {
+    (void)state;
+    struct test_scene t;
+    test_scene_init(&t);
+    const uint32_t what = glass(&t), grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
+    test_cube(&t, test_transform(v3(0, 0, 0.5f), v3(0.4f, 0.4f, 0.003f)), false, what);
+    for (int side = -1; side <= 1; side += 2) {
+        const float at = (float)side;
+        test_cube(&t, test_transform(v3(2.4f * at, 0, 0.5f), v3(2, 4, 0.05f)), false, grey);
+        test_cube(&t, test_transform(v3(0, 2.4f * at, 0.5f), v3(0.4f, 2, 0.05f)), false, grey);
+    }
+    lamp(&t, 0.35f, 0.3f, 0.3f);
+    test_scene_finish(&t);
+    double sampled = 0.0, found = 0.0;
+    int wrong = 0;
+    for (int i = 0; i < 64; i++) {
+        const vec3 p = v3(0.25f * (float)(i % 8) - 0.875f, 0.25f * (float)(i / 8) - 0.875f, 0);
+        sampled += by_samples(&t.scene, p, &wrong);
+        found += by_directions(&t.scene, p, 100);
+    }
+    print_message("framed: %.5f by samples, %+.2f %%\n", sampled, 100.0 * (sampled / found - 1.0));
+    assert_true(fabs(sampled / found - 1.0) < 0.005);
+    test_scene_free(&t);
 }
 
 int main(void) {
@@ -301,6 +329,7 @@ int main(void) {
         cmocka_unit_test(distances_are_those_of_a_slab),
         cmocka_unit_test(points_of_light_are_found),
         cmocka_unit_test(lamps_bring_what_directions_find),
+        cmocka_unit_test(frames_hide_little),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
