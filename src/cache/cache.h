@@ -34,6 +34,15 @@ struct cache_site {
 struct cache *cache_new(const struct gather *g, int order, struct parallel *pool);
 void cache_free(struct cache *cache);  // NULL is allowed
 
+// A glossy BRDF as the eye sees it at a site.
+struct cache_view {
+    struct brdf brdf;                // with a factor `specular` of 1
+    const struct brdf_range *table;  // of its harmonics
+    int channels;                    // of the table
+    uint32_t name;                   // see cache_lobe; not 0
+    vec3 wo;                         // towards the eye, in the site's frame
+};
+
 // Makes records until every site is covered with accuracies a_irradiance and a_radiance: takes
 // uncovered sites in the order given, in batches whose members lie apart, gathers each batch on all
 // threads against the frozen cache, inserts in order. Returns SATIN_CANCELLED at a batch boundary
@@ -46,6 +55,8 @@ struct cache_fill {
     float spacing;  // of sites, in pixels: members of a batch are farther apart than this
     bool adapted;   // new records take their scale from the nearest one [K05 6.3.2]
     bool (*go_on)(void *user);  // asked between batches; false ends the fill early. NULL: never
+    // The glossy BRDF at a site of radiance records; false if it has none. NULL: no site is seen.
+    bool (*view)(void *user, const struct cache_site *site, struct cache_view *out);
     void *user;
 };
 satin_status cache_fill(struct cache *cache, const struct cache_fill *fill);
@@ -82,6 +93,9 @@ struct cache_lobe {
     const float *C;  // BRDF coefficients in `frame`: channels * order^2
     int order;       // at most the cache's
     int channels;    // 1 or 3
+    // By these a record recognizes what it knows the residual of (cache_residual.c).
+    uint32_t name;  // equal for equal BRDFs, but for their factor; 0: none
+    vec3 mirror;    // the direction that an ideal mirror would show, in world space
 };
 // lobe may be NULL: then *glossy is untouched. E, the irradiance from the same records, may be
 // NULL.

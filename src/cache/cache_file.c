@@ -46,7 +46,11 @@ static struct cache_irradiance_record get_irradiance(const float *in) {
 static void put_radiance(const struct cache_radiance_record *record, int n2, float *out) {
     out = put_vec3(put_vec3(put_vec3(out, record->frame.u), record->frame.v), record->frame.n);
     *out++ = record->room;
+    const struct cache_residual *residual = &record->residual;
+    out = put_vec3(out, residual->mirror);
+    out = put3(out, residual->L.r, residual->L.g, residual->L.b);
     memcpy(out++, &record->rays, sizeof record->rays);
+    memcpy(out++, &residual->name, sizeof residual->name);
     const float *value = record->value;
     for (int k = 0; k < n2; k++, value += CACHE_LANES, out += COEFFICIENT_WORDS) {
         memcpy(out, value, 4 * sizeof *out);
@@ -59,7 +63,10 @@ static struct cache_radiance_record get_radiance(const float *in, int n2, float 
     struct cache_radiance_record r = {.value = value, .room = in[9]};
     r.frame =
         (struct frame){v3(in[0], in[1], in[2]), v3(in[3], in[4], in[5]), v3(in[6], in[7], in[8])};
-    memcpy(&r.rays, &in[10], sizeof r.rays);
+    r.residual.mirror = v3(in[10], in[11], in[12]);
+    r.residual.L = rgb_make(in[13], in[14], in[15]);
+    memcpy(&r.rays, &in[16], sizeof r.rays);
+    memcpy(&r.residual.name, &in[17], sizeof r.residual.name);
     in += RADIANCE_WORDS;
     for (int k = 0; k < n2; k++, value += CACHE_LANES, in += COEFFICIENT_WORDS) {
         memcpy(value, in, 4 * sizeof *in);

@@ -8,7 +8,7 @@
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "files are written as memory lies");
 
-enum { CACHE_FILE_VERSION = 1 };
+enum { CACHE_FILE_VERSION = 2 };
 
 enum cache_section {
     SECTION_OPTIONS = 0,
@@ -37,7 +37,7 @@ struct cache_file_header {
 enum {
     HEAD_WORDS = 17,        // p R, n reach, squeeze scale, u; walls; clear
     IRRADIANCE_WORDS = 24,  // E, dE/dp r g b, rotation r g b, deviation, room; rays
-    RADIANCE_WORDS = 11,    // frame u v n, room; rays; then
+    RADIANCE_WORDS = 18,    // frame u v n, room, residual mirror L; rays, residual name; then
     COEFFICIENT_WORDS = 10  // for each coefficient: Lambda r g b noise, d/dx r g b, d/dy r g b
 };
 _Static_assert(sizeof(struct cache_head) == 4 * HEAD_WORDS, "a head is a row");

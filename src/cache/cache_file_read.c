@@ -78,7 +78,7 @@ static bool is_irradiance(const float row[IRRADIANCE_WORDS]) {
 
 static bool is_radiance(const float *row, uint32_t order) {
     const float room = row[9];
-    return cache_valid_numbers(row, RADIANCE_WORDS - 1) && room >= 0.0f && room <= 1.0f &&
+    return cache_valid_numbers(row, RADIANCE_WORDS - 2) && room >= 0.0f && room <= 1.0f &&
            cache_valid_numbers(row + RADIANCE_WORDS, (size_t)COEFFICIENT_WORDS * order * order);
 }
 

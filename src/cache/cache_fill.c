@@ -20,6 +20,7 @@ struct job {
     const struct cache_site *site;
     struct gather_irradiance irradiance;
     struct gather_radiance radiance;
+    struct cache_residual residual;
     struct gather_around around;
     int refused;  // attempts that were
     bool valid;   // the last one
@@ -59,6 +60,19 @@ static void gather_more(const struct batch *b, struct job *job, struct gather_si
     first->rays += more.rays;
 }
 
+// What the harmonics leave out of what the eye sees at the site.
+static struct cache_residual residual_of(const struct batch *b, const struct job *job,
+                                         const struct gather_layout *layout,
+                                         const struct gather_scratch *scratch) {
+    const struct cache_site *s = job->site;
+    struct cache_view view;
+    if (!b->fill->view || !b->fill->view(b->fill->user, s, &view))
+        return (struct cache_residual){.name = 0};
+    const rgb whole =
+        gather_hemisphere_reflected(layout, scratch, &view.brdf, view.wo, BRDF_GLOSSY);
+    return cache_residual_make(&job->radiance, b->cache->order, &s->frame, &view, whole);
+}
+
 // One attempt at a record; false if it is not finite or out of range.
 static bool gather_record(const struct batch *b, struct job *job, uint64_t stream,
                           struct gather_scratch *scratch) {
@@ -77,7 +91,9 @@ static bool gather_record(const struct batch *b, struct job *job, uint64_t strea
     }
     gather_hemisphere_radiance(c->g, layout, scratch, &site, &job->radiance);
     gather_around_make(layout, scratch, bends, &job->around);
-    return cache_valid_radiance(&job->radiance, c->order, &job->around);
+    job->residual = residual_of(b, job, layout, scratch);
+    return cache_valid_radiance(&job->radiance, c->order, &job->around) &&
+           rgb_finite(job->residual.L);
 }
 
 // Other random numbers for each further attempt.
@@ -170,7 +186,7 @@ static bool insert_radiance(struct batch *b, struct job *job) {
     }
     interleave(&job->radiance, n2, value);
     c->radiance[tree->head_count] =
-        (struct cache_radiance_record){s->frame, value, x.room, job->radiance.rays};
+        (struct cache_radiance_record){s->frame, value, x.room, job->radiance.rays, job->residual};
     c->rays += job->radiance.rays;
     return insert_head(tree, job, x, o->radiance_a, b->fill);
 }

@@ -159,7 +159,8 @@ static struct taylor radiance_of(const struct cache *cache, uint32_t index,
     if (!same_frame(&at->frame, frame)) cache_turn(cache, &at->frame, frame, &lobe, turned);
     product(record, &lobe, sum);
     if (noise) *noise = fabsf(sum[3]);
-    struct taylor t = {{sum[0], sum[1], sum[2]},
+    const rgb rest = cache_residual_read(&record->residual, &lobe);
+    struct taylor t = {{sum[0] + rest.r, sum[1] + rest.g, sum[2] + rest.b},
                        .way = way_from(&cache->radiance_tree.head[index], at->p, a)};
     if (cache->g->options->radiance_gradients == SATIN_GRADIENTS_NONE) return t;
     for (int c = 0; c < 3; c++)
@@ -175,7 +176,8 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_p
     struct cache_used used = {0};
     const int count = find(cache, tree, at, a, near);
     if (count == 0 || crowded(cache, CACHE_RADIANCE, near, count)) return used;
-    const struct cache_lobe cosine = {cache->cosine, cache->cosine_order, 1};
+    const struct cache_lobe cosine = {
+        .C = cache->cosine, .order = cache->cosine_order, .channels = 1};
     struct taylor shine = {0}, diffuse = {0};
     for (int i = 0; i < count; i++) {
         const uint32_t record = near[i].record;
@@ -212,7 +214,8 @@ float cache_reflected(const struct cache *cache, enum cache_kind kind, uint32_t 
         *noise = cache->irradiance[record].deviation * Y;
         return Y;
     }
-    const struct cache_lobe cosine = {cache->cosine, cache->cosine_order, 1};
+    const struct cache_lobe cosine = {
+        .C = cache->cosine, .order = cache->cosine_order, .channels = 1};
     rgb L = rgb_grey(0.0f);
     float part = 0.0f;
     if (surface->lobe.order) {

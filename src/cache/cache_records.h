@@ -13,17 +13,26 @@ enum { CACHE_LANES = 12 };
 // Numbers of rays that records of a cache may have (cache_rays.c), and the most of them.
 enum { CACHE_LAYOUTS = 5, CACHE_RAYS_MAX = 1 << 20 };
 
+// Radiance that the BRDF of a record's site reflects of the record's rays, less that of their
+// harmonics.
+struct cache_residual {
+    uint32_t name;  // of the BRDF; 0: nothing is known
+    vec3 mirror;    // see cache_lobe
+    rgb L;          // without the BRDF's factor `specular`
+};
+
 struct cache_radiance_record {
     struct frame frame;
     float *value;  // order^2 * CACHE_LANES
-    float room;    // as above
+    float room;    // R that was wanted over R, below 1 where the least radius holds it up
     uint32_t rays;
+    struct cache_residual residual;
 };
 
 struct cache_irradiance_record {
     struct gather_irradiance value;
     float deviation;  // standard deviation of E over E
-    float room;       // R that was wanted over R, below 1 where the least radius holds it up
+    float room;       // as above
 };
 
 struct cache {
@@ -103,6 +112,13 @@ float cache_reflected(const struct cache *cache, enum cache_kind kind, uint32_t 
                       float *noise);
 // Whether a wall stands between the record and the point.
 bool cache_leaks(const struct cache *cache, const struct cache_head *head, vec3 p);
+
+// The residual of a record of frame `frame`; `whole` is what the BRDF reflects of its rays.
+struct cache_residual cache_residual_make(const struct gather_radiance *radiance, int order,
+                                          const struct frame *frame, const struct cache_view *view,
+                                          rgb whole);
+// What it adds to what a lobe reflects of the record's harmonics.
+rgb cache_residual_read(const struct cache_residual *residual, const struct cache_lobe *lobe);
 
 // Re-expresses a BRDF given in frame `from` for products with a record in frame `to`; *lobe then
 // points into `turned` (3 * order^2).

@@ -201,6 +201,12 @@ void gather_hemisphere_radiance(const struct gather *g, const struct gather_layo
                                 struct gather_scratch *scratch, const struct gather_site *site,
                                 struct gather_radiance *out);
 
+// Radiance that `lobes` of a BRDF in the site's frame reflect towards wo: the sum over the rays of
+// the hemisphere that `scratch` holds, gathered last by `layout`, a uniform one.
+rgb gather_hemisphere_reflected(const struct gather_layout *layout,
+                                const struct gather_scratch *scratch, const struct brdf *brdf,
+                                vec3 wo, unsigned lobes);
+
 // Of the hemisphere that `scratch` holds, gathered last by `layout`. `bends` asks for the Hessian.
 void gather_around_make(const struct gather_layout *layout, const struct gather_scratch *scratch,
                         bool bends, struct gather_around *out);

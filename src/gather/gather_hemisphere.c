@@ -149,3 +149,16 @@ void gather_hemisphere_radiance(const struct gather *g, const struct gather_layo
     if (out->dx) radiance_gradients(&cells, g->options->radiance_gradients, out->dx, out->dy);
     if (out->noise) project_noise(layout, scratch, weight, out->noise);  // overwrites radiance
 }
+
+rgb gather_hemisphere_reflected(const struct gather_layout *layout,
+                                const struct gather_scratch *scratch, const struct brdf *brdf,
+                                vec3 wo, unsigned lobes) {
+    const size_t even = gather_layout_rays(layout), count = even + scratch->guide.made;
+    rgb sum = rgb_grey(0.0f);
+    for (size_t i = 0; i < count; i++) {
+        const vec3 wi = v3(scratch->x[i], scratch->y[i], scratch->z[i]);
+        const rgb f = brdf_eval(brdf, wo, wi, lobes);
+        sum = rgb_fma(sum, rgb_scale(f, wi.z), scratch->rays[i].L);
+    }
+    return rgb_scale(sum, 2.0f * PI_F / (float)even);
+}

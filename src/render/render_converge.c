@@ -54,6 +54,7 @@ static satin_status converge(struct points *p, size_t pixels, float widen, const
                  .widest = render_widest(r),
                  .spacing = 1.5f,
                  .go_on = r->options.time > 0.0 ? render_time_remains : NULL,
+                 .view = render_view,
                  .user = r},
         .widen = {read[0] / widen, read[1] / widen},
         .surface = surface,

@@ -78,6 +78,11 @@ bool render_time_remains(void *user) {
     return render_elapsed(r) < r->stop_at;
 }
 
+bool render_view(void *user, const struct cache_site *site, struct cache_view *out) {
+    const struct render *r = user;
+    return shade_view(&r->shade, site, out);
+}
+
 float render_widest(const struct render *r) {
     float w = fmaxf(r->options.irradiance_widen, r->options.radiance_widen);
     return r->options.time > 0.0 ? fmaxf(w, TIMED_WIDEN[0]) : w;
@@ -98,6 +103,7 @@ static satin_status fill_block(struct level *l, size_t count, float widen) {
         .widest = render_widest(r),
         .spacing = 1.5f * (float)l->stride,
         .go_on = r->options.time > 0.0 ? render_time_remains : NULL,
+        .view = render_view,
         .user = r,
     };
     return cache_fill(r->cache, &fill);

@@ -100,6 +100,8 @@ satin_status render_records(struct render *r);
 // `finer`, scrambled by Fisher and Yates; malloc, NULL without memory.
 uint32_t *render_grid(const struct render *r, int stride, bool finer, size_t *count);
 bool render_time_remains(void *render);  // until stop_at
+// For cache_fill: what the eye sees at a site.
+bool render_view(void *render, const struct cache_site *site, struct cache_view *out);
 // The factor of a over which no record is read: what the image pass may use.
 float render_widest(const struct render *r);
 

@@ -19,6 +19,8 @@ struct shade_tables {
 satin_status shade_tables_build(const struct satin_scene *scene, const satin_options *options,
                                 struct parallel *pool, struct log log, struct shade_tables *out);
 void shade_tables_free(struct shade_tables *tables);
+// Whether textures change more of a side's glossy part than its factor.
+bool shade_shape_textured(const struct material_side *side);
 
 // The parts of the image, each carried once (the path table in docs/tour.md).
 enum shade_layer {
@@ -119,5 +121,7 @@ unsigned shade_known(const void *records, const struct gather_point *y, rgb *L);
 void shade_surface(const struct shade *shade, const struct cache_site *site, struct cache_place *at,
                    struct cache_surface *out);
 float shade_surface_direct(const struct shade *shade, const struct cache_site *site);
+// Its glossy BRDF, without bumps; false if that has no harmonics.
+bool shade_view(const struct shade *shade, const struct cache_site *site, struct cache_view *out);
 
 #endif

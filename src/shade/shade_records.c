@@ -38,6 +38,7 @@ struct cache_used shade_radiance(const struct shade *shade, const struct shade_p
                                  rgb *glossy, rgb *E) {
     float C[3 * RSH_MAX_COEFFICIENTS];
     struct cache_lobe lobe = {.C = C, .channels = plan->channels};
+    shade_lobe_name(p, &lobe);
     const bool shiny = plan->cached & BRDF_GLOSSY;
     if (shiny) lobe.order = brdf_range_lookup(plan->table, &p->brdf, p->wo_l, C);
     return cache_radiance(shade->cache, at, shade->a_radiance, shiny ? &lobe : NULL, glossy,

@@ -29,6 +29,11 @@ static inline struct cache_place shade_place(const struct gather_point *p, float
 struct cache_used shade_radiance(const struct shade *shade, const struct shade_plan *plan,
                                  const struct gather_point *p, const struct cache_place *at,
                                  rgb *glossy, rgb *E);
+// Fills the name and the mirror direction of a point's glossy lobe.
+static inline void shade_lobe_name(const struct gather_point *p, struct cache_lobe *lobe) {
+    lobe->name = shade_shape_textured(p->side) ? 0 : (uint32_t)p->side->index + 1;
+    lobe->mirror = frame_to_world(&p->frame, v3(-p->wo_l.x, -p->wo_l.y, p->wo_l.z));
+}
 // Share of the irradiance that the diffuse lobe reflects, per solid angle.
 rgb shade_diffuse_albedo(const struct gather_point *p);
 

@@ -2,6 +2,7 @@
 // The eye's points as adaptive caching asks for them: how a record's light would be reflected, and
 // the direct light beside it [K05 6.2, 6.4].
 #include "shade/shade_eye.h"
+#include "shade/shade_records.h"
 
 enum { LIGHT_SAMPLES = 4 };
 
@@ -26,6 +27,7 @@ void shade_surface(const struct shade *shade, const struct cache_site *site, str
     *at = (struct cache_place){p.surfel.p, p.base.n, p.base, 0.0f};
     out->diffuse = rgb_scale(brdf_albedo(&p.brdf, p.wo_l, BRDF_DIFFUSE), 1.0f / PI_F);
     out->lobe = (struct cache_lobe){.C = out->coefficients};
+    shade_lobe_name(&p, &out->lobe);
     out->specular = p.brdf.specular;
     const struct brdf_range *table =
         p.lobes & BRDF_GLOSSY ? shade_table(shade, &p, &out->lobe.channels) : NULL;
@@ -39,4 +41,18 @@ float shade_surface_direct(const struct shade *shade, const struct cache_site *s
     return rgb_luminance(gather_direct(
         shade->g, &p, lights_alone,
         (struct gather_lights){LIGHT_SAMPLES, LIGHT_SAMPLES * sampler.index}, sampler, NULL));
+}
+
+bool shade_view(const struct shade *shade, const struct cache_site *site, struct cache_view *out) {
+    struct sampler sampler;
+    struct cache_lobe lobe;
+    const struct gather_point p = find(shade, site, &sampler);
+    if (!(p.lobes & BRDF_GLOSSY)) return false;
+    shade_lobe_name(&p, &lobe);
+    out->table = shade_table(shade, &p, &out->channels);
+    out->brdf = p.brdf;
+    out->brdf.specular = rgb_grey(1.0f);
+    out->name = lobe.name;
+    out->wo = p.wo_l;
+    return out->table && out->name;
 }

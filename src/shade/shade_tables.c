@@ -5,8 +5,7 @@
 
 #include "shade/shade.h"
 
-// Whether textures change more of the glossy part than its factor.
-static bool shape_textured(const struct material_side *side) {
+bool shade_shape_textured(const struct material_side *side) {
     for (int i = BRDF_SLOT_ETA; i < BRDF_SLOT_COUNT; i++)
         if (side->slot[i]) return true;
     return side->slot[BRDF_SLOT_DIFFUSE] && brdf_tinted(&side->base);
@@ -48,7 +47,7 @@ static satin_status build_side(const struct material_side *side, const satin_opt
     if (choice == SAMPLED) return SATIN_OK;
     if (!side->base.model || !(brdf_lobes(&side->base) & BRDF_GLOSSY) || side->base.uneven)
         return SATIN_OK;
-    const bool textured = shape_textured(side);
+    const bool textured = shade_shape_textured(side);
     if (textured && !only_rough_textured(side, &over)) return SATIN_OK;
     satin_status status = brdf_range_build(&side->base, textured ? &over : NULL, &fit, pool, out);
     if (status == SATIN_OK && brdf_range_info(*out).order == 0) {
@@ -73,10 +72,10 @@ struct builder {
 
 // Takes the table of an equal side; false if there is none.
 static bool share_table(struct builder *b, const struct material_side *side) {
-    if (shape_textured(side)) return false;
+    if (shade_shape_textured(side)) return false;
     for (size_t j = 0; j < b->tables.count; j++) {
         const struct material_side *other = b->first[j];
-        if (!other || !b->tables.owned[j] || shape_textured(other)) continue;
+        if (!other || !b->tables.owned[j] || shade_shape_textured(other)) continue;
         if (b->choices[j] != b->choice) continue;
         if (!brdf_same_shape(&side->base, &other->base)) continue;
         b->tables.table[side->index] = b->tables.table[j];

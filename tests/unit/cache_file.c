@@ -83,8 +83,12 @@ static void make(struct fixture *f) {
         float *value = arena_array(&c->radiance_arena, CACHE_LANES * ORDER * ORDER, sizeof *value);
         for (int k = 0; k < CACHE_LANES * ORDER * ORDER; k++)
             if (k % 4 != 3 || k % CACHE_LANES == 3) value[k] = rng_float(&rng);
-        c->radiance[i] = (struct cache_radiance_record){frame_from_normal(v3(0, 0, 1)), value,
-                                                        rng_float(&rng), 1000 + i};
+        c->radiance[i] = (struct cache_radiance_record){
+            .frame = frame_from_normal(v3(0, 0, 1)),
+            .value = value,
+            .room = rng_float(&rng),
+            .rays = 1000 + i,
+            .residual = {i, draw(&rng), rgb_make(rng_float(&rng), -rng_float(&rng), 0.0f)}};
         h = head(&rng);
         assert_true(cache_tree_insert(&c->radiance_tree, &h));
     }

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a record's harmonics leave out of what is reflected. A series that ends at order n rings
+// beside what is bright and near, in every record alike, by 5 to 10 % around a ball that almost
+// touches a wall of rough metal. The rays that a record is projected from know what its own BRDF
+// reflects of them towards the eye. The difference, which has no noise of its own but that of the
+// rays, is kept and interpolated with the record.
+#include "cache/cache_records.h"
+
+// Another lobe of the same BRDF is corrected the less the farther it points elsewhere, and not at
+// all from this distance of unit vectors on, .28 of a wave of the first band beyond order 14. With
+// .06, .12 and .25 the error of cornell-metal at preview is 1.20, 1.18 and 1.19, and 1.27 without
+// residuals (relMSE x 10^4, 200x200).
+static const float WIDTH = 0.12f;
+
+struct cache_residual cache_residual_make(const struct gather_radiance *radiance, int order,
+                                          const struct frame *frame, const struct cache_view *view,
+                                          rgb whole) {
+    float C[3 * RSH_MAX_COEFFICIENTS], sum[3] = {0};
+    struct cache_residual residual = {.name = 0};
+    const int n = brdf_range_lookup(view->table, &view->brdf, view->wo, C);
+    if (n == 0) return residual;
+    for (int c = 0; c < 3; c++) {
+        const float *lobe = C + (view->channels == 1 ? 0 : c * n * n);
+        const float *lambda = radiance->lambda + c * order * order;
+        for (int k = 0; k < n * n; k++) sum[c] += lobe[k] * lambda[k];
+    }
+    residual.name = view->name;
+    residual.mirror = frame_to_world(frame, v3(-view->wo.x, -view->wo.y, view->wo.z));
+    residual.L = rgb_sub(whole, rgb_make(sum[0], sum[1], sum[2]));
+    return residual;
+}
+
+rgb cache_residual_read(const struct cache_residual *residual, const struct cache_lobe *lobe) {
+    if (!residual->name || residual->name != lobe->name) return rgb_grey(0.0f);
+    const float away = sqrtf(v3_dist2(residual->mirror, lobe->mirror)) / WIDTH;
+    return rgb_scale(residual->L, at_least(1.0f - away, 0.0f));
+}

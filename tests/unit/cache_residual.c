@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+// Residuals: with its own a record says of its own lobe what its rays say, however few harmonics it
+// has; other lobes get less of it, other BRDFs nothing.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "cache_case.h"
+
+enum { ORDER = 4, RAYS = 900, NAME = 7 };
+
+static const vec3 WO = {0.6f, 0.0f, 0.8f};
+
+static struct brdf shiny(void) {
+    return (struct brdf){
+        .model = brdf_find("phong"), .specular = rgb_grey(1.0f), .exponent = 22.0f};
+}
+
+struct fixture {
+    struct cache_case c;
+    struct brdf_range *range;
+    bool viewed;
+};
+
+static bool view(void *user, const struct cache_site *site, struct cache_view *out) {
+    const struct fixture *f = user;
+    (void)site;
+    *out = (struct cache_view){shiny(), f->range, 1, NAME, WO};
+    return f->viewed;
+}
+
+// One record on the floor of a box that a point light in it lights from aside, of an order much too
+// low for the lobe.
+static void start(struct fixture *f, bool viewed) {
+    const struct brdf brdf = shiny();
+    const struct brdf_fit fit = {SATIN_HSH, ORDER, -0.01f};
+    struct cache_case *c = &f->c;
+    f->viewed = viewed;
+    cache_case_begin(c);
+    test_cube(&c->scene, mat4_identity(), true, test_diffuse(&c->scene, 0.5f, 0.4f, 0.3f));
+    test_light(&c->scene,
+               (struct light){
+                   .kind = LIGHT_POINT, .position = v3(0.7f, 0.5f, 0.6f), .value = rgb_grey(1.0f)});
+    c->options.radiance_rays = RAYS;
+    cache_case_finish(c, ORDER, 1, v3(0, -1, 0), v3(0, 0, 0.9f), v3(0.9f, 0, 0),
+                      (struct cache_site){.pixel = 0.01f, .wants = CACHE_RADIANCE});
+    assert_int_equal(brdf_range_build(&brdf, NULL, &fit, c->pool, &f->range), SATIN_OK);
+    struct cache_fill fill = {.site = c->site,
+                              .count = 1,
+                              .a_radiance = 0.5f,
+                              .widest = 1.0f,
+                              .spacing = 1.0f,
+                              .view = view,
+                              .user = f};
+    assert_int_equal(cache_fill(c->cache, &fill), SATIN_OK);
+    assert_int_equal(cache_count(c->cache, CACHE_RADIANCE), 1);
+}
+
+static void stop(struct fixture *f) {
+    brdf_range_free(f->range);
+    cache_case_free(&f->c);
+}
+
+// What the record says of the lobe towards WO.
+static rgb reflected(const struct fixture *f) {
+    const struct cache_site *s = &f->c.site[0];
+    const struct brdf brdf = shiny();
+    float C[3 * RSH_MAX_COEFFICIENTS];
+    struct cache_lobe lobe = {.C = C, .channels = 1, .name = NAME};
+    lobe.order = brdf_range_lookup(f->range, &brdf, WO, C);
+    lobe.mirror = frame_to_world(&s->frame, v3(-WO.x, -WO.y, WO.z));
+    const struct cache_place at = {s->p, s->frame.n, s->frame, 0.0f};
+    rgb L = rgb_grey(-1.0f);
+    assert_int_equal(cache_radiance(f->c.cache, &at, 0.5f, &lobe, &L, NULL).count, 1);
+    return L;
+}
+
+// What the rays of the same record say of it.
+static rgb by_rays(const struct fixture *f) {
+    const struct cache_site *s = &f->c.site[0];
+    const struct gather_site site = {s->p, s->ng, s->frame, s->stream};
+    const struct brdf brdf = shiny();
+    float lambda[3 * ORDER * ORDER];
+    struct gather_radiance radiance = {.lambda = lambda};
+    struct gather_layout *layout = gather_layout_new(RAYS, SATIN_HSH, ORDER);
+    struct gather_scratch *scratch = gather_scratch_new(2 * RAYS);
+    gather_hemisphere_radiance(&f->c.g, layout, scratch, &site, &radiance);
+    const rgb L = gather_hemisphere_reflected(layout, scratch, &brdf, WO, BRDF_GLOSSY);
+    gather_scratch_free(scratch);
+    gather_layout_free(layout);
+    return L;
+}
+
+static void a_record_says_what_its_rays_say(void **state) {
+    (void)state;
+    struct fixture with, without;
+    start(&with, true);
+    start(&without, false);
+    const rgb wanted = by_rays(&with), found = reflected(&with), cut = reflected(&without);
+    // Sums of some hundred floats.
+    assert_true(fabsf(found.r - wanted.r) < 1e-4f * wanted.r);
+    assert_true(fabsf(found.g - wanted.g) < 1e-4f * wanted.g);
+    assert_true(fabsf(found.b - wanted.b) < 1e-4f * wanted.b);
+    // Order 4 alone is far off.
+    assert_true(fabsf(cut.g - wanted.g) > 0.02f * wanted.g);
+    stop(&with);
+    stop(&without);
+}
+
+static void other_lobes_get_less(void **state) {
+    (void)state;
+    const struct cache_residual residual = {NAME, {0, 0, 1}, {1.0f, -2.0f, 3.0f}};
+    struct cache_lobe lobe = {.name = NAME, .mirror = {0, 0, 1}};
+    float before = 2.0f;
+    for (int i = 0; i < 10; i++) {
+        const float angle = 0.02f * (float)i;
+        lobe.mirror = v3(sinf(angle), 0.0f, cosf(angle));
+        const rgb L = cache_residual_read(&residual, &lobe);
+        assert_true(L.r < before || (L.r == 0.0f && angle > 0.1f));
+        assert_true(L.g == -2.0f * L.r && fabsf(L.b - 3.0f * L.r) < 1e-6f);
+        if (i == 0) assert_true(L.r == 1.0f);
+        before = L.r;
+    }
+    assert_true(before == 0.0f);
+    lobe.mirror = v3(0, 0, 1);
+    lobe.name = NAME + 1;
+    assert_true(rgb_black(cache_residual_read(&residual, &lobe)));
+    assert_true(rgb_black(
+        cache_residual_read(&(struct cache_residual){.name = 0}, &(struct cache_lobe){.name = 0})));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_record_says_what_its_rays_say),
+        cmocka_unit_test(other_lobes_get_less),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
