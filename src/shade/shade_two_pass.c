@@ -203,7 +203,9 @@ void shade_vertex_two_pass(struct shade_job *job) {
         job->out->record = 1.0f;
 
     const unsigned caustic = plan.cached | plan.diffuse;
-    const float u_caustic = sampler_1d(&job->sampler);
+    struct sampler apart = job->sampler;
+    apart.dimension += 32;  // beyond those that the lobes below use
+    const float u_caustic = sampler_1d(&apart);
     if (plan.cached && !indirect_cached(job, &plan, memo)) {
         // No record is near: gather for the diffuse lobe, sample the glossy one.
         plan.diffuse = plan.cached & BRDF_DIFFUSE;
