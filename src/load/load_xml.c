@@ -14,7 +14,6 @@
 #include "base/text.h"
 #include "load/load_build.h"
 #include "load/load_define.h"
-#include "load/load_doctype.h"
 #include "load/load_mitsuba06.h"
 #include "load/load_params.h"
 
@@ -84,9 +83,9 @@ static satin_status copy_text(struct file *file, const char *text, const char **
     return status;
 }
 
+// Those that the element has: values that an ATTLIST declares for others come after them.
 static satin_status copy_attributes(struct file *file, const char **from, struct xml_node *node) {
-    size_t count = 0;
-    while (from[count]) count++;
+    const size_t count = (size_t)XML_GetSpecifiedAttributeCount(file->parser);
     const char **copy = arena_array(&file->reader->xml->arena, count + 1, sizeof *copy);
     if (!copy) return SATIN_ERROR_MEMORY;
     node->attribute = copy;
@@ -250,45 +249,41 @@ static void XMLCALL on_text(void *user, const char *text, int length) {
                    length - first < 40 ? length - first : 40, text + first);
 }
 
-// What load_doctype_blank did not find, for which see there.
-static void XMLCALL on_doctype(void *user, const char *name, const char *system_id,
-                               const char *public_id, int internal) {
-    (void)name, (void)system_id, (void)public_id, (void)internal;
-    struct file *file = user;
+// What is declared in other files, of the document's type or of parameter entities, is not read.
+static int XMLCALL on_outer_declarations(void *user) {
+    const struct file *file = user;
+    log_warning_at(
+        file->reader->log, here(file),
+        "declarations in other files are not read; entities that they declare are empty");
+    return XML_STATUS_OK;
+}
+
+static int XMLCALL on_external_entity(XML_Parser parser, const char *context, const char *base,
+                                      const char *system_id, const char *public_id) {
+    (void)context, (void)base, (void)public_id;
+    struct file *file = XML_GetUserData(parser);
     log_error_at(file->reader->log, here(file),
-                 "cannot pass over this declaration of a document type");
+                 "an entity that is the file '%s' is not read; <include> reads files", system_id);
     stop(file, SATIN_ERROR_INPUT);
+    return XML_STATUS_ERROR;
 }
 
-static void log_syntax(const struct file *file, enum XML_Error error, const char *data,
-                       size_t size) {
-    const struct log log = file->reader->log;
-    const XML_Index at = XML_GetCurrentByteIndex(file->parser);
-    const char *entity = NULL;
-    size_t n = 0;
-    if (error == XML_ERROR_UNDEFINED_ENTITY && at >= 0 && (size_t)at < size)
-        n = load_entity_find(data + at, size - (size_t)at, &entity);
-    if (n)
-        log_error_at(log, here(file), "entities are not read; write what '%.*s' stands for", (int)n,
-                     entity);
-    else
-        log_error_at(log, here(file), "not XML: %s", XML_ErrorString(error));
-}
-
-static satin_status parse(struct file *file, char *data, size_t size) {
+// Expat replaces the entities that the file declares, and bounds their growth by itself: to 8 MiB,
+// or to 100 times the file.
+static satin_status parse(struct file *file, const char *data, size_t size) {
     struct reader *reader = file->reader;
-    load_doctype_blank(data, size);
     XML_SetUserData(file->parser, file);
     XML_SetElementHandler(file->parser, on_start, on_end);
     XML_SetCharacterDataHandler(file->parser, on_text);
-    XML_SetStartDoctypeDeclHandler(file->parser, on_doctype);
+    XML_SetNotStandaloneHandler(file->parser, on_outer_declarations);
+    XML_SetExternalEntityRefHandler(file->parser, on_external_entity);
     if (XML_Parse(file->parser, data, (int)size, XML_TRUE) == XML_STATUS_OK) return reader->status;
     if (reader->status != SATIN_OK) return reader->status;
     enum XML_Error error = XML_GetErrorCode(file->parser);
     if (error == XML_ERROR_NO_MEMORY)
         return log_fail(reader->log, SATIN_ERROR_MEMORY, "%s: not enough memory for the scene",
                         file->path);
-    log_syntax(file, error, data, size);
+    log_error_at(reader->log, here(file), "not XML: %s", XML_ErrorString(error));
     return SATIN_ERROR_INPUT;
 }
 
