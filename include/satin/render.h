@@ -11,7 +11,7 @@
 extern "C" {
 #endif
 
-// Where a render stands. `stage` is static text (photons, rough solution, records, image, ...),
+// Where a render stands. `stage` is static text (photons, BRDF tables, records, image, film, ...),
 // `done` in [0, 1] within the stage, `rate` items per second of the stage with their name in
 // `unit`.
 typedef struct satin_progress {

@@ -6,7 +6,7 @@
 
 #include <stdint.h>
 
-// One per consumer, so that no two stages share numbers.
+// One per consumer, so that no two stages have the same numbers.
 enum rng_stage {
     RNG_PHOTON = 1,
     RNG_GATHER,

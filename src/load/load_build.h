@@ -61,14 +61,15 @@ satin_status load_mesh_rectangle(struct arena *arena, const struct mesh_request 
 satin_status load_mesh_cube(struct arena *arena, const struct mesh_request *request,
                             struct mesh *out);
 
-// Reads lines `x y z radius`, one control point each; blank lines part curves. Points go to world
-// space, radii stay as they are, as in Mitsuba. `linear`: segments between neighbours, two points
-// or more to a curve; else cubic B-splines, four points or more.
+// Reads lines `x y z radius`, one control point each; blank lines separate curves. Points go to
+// world space, radii stay as they are, as in Mitsuba. `linear`: segments between neighbours, two
+// points or more to a curve; else cubic B-splines, four points or more.
 satin_status load_curves(const struct load_source *source, const struct mat4 *to_world, bool linear,
                          struct curves *out);
 
-// Reads an image through libpng or OpenImageIO, to linear floats with 1 or 3 channels (alpha is dropped).
-// `raw`: values are taken as they are; else sRGB or untagged 8- and 16-bit data are linearised.
+// Reads an image through libpng or OpenImageIO, to linear floats with 1 or 3 channels (alpha is
+// dropped). `raw`: values are taken as they are; else sRGB or untagged 8- and 16-bit data are
+// linearised.
 satin_status load_image(const struct load_source *source, bool raw, const struct image **out);
 // Makes all smaller copies of an image, down to one texel; false without memory.
 bool load_image_levels(struct arena *arena, const struct image *image, const struct image **level,

@@ -19,7 +19,7 @@ reader_result fail(char *error, size_t size, const char *text) {
     return READER_FAILED;
 }
 
-// Calls f and turns whatever it throws into a message.
+// Calls f and makes a message of whatever it throws.
 template <typename F>
 reader_result guarded(char *error, size_t size, F f) noexcept {
     try {

@@ -80,7 +80,7 @@ static bool is_encoded(const struct png_input *input) {
 }
 
 // Reads the header; false if libpng reports an error.
-static bool read_header(struct png_input *input) {
+static bool read_png_header(struct png_input *input) {
     if (setjmp(input->failed)) return false;
     png_structp png = input->png;
     png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
@@ -115,7 +115,7 @@ static enum reader_result open_png(const struct image_data *file, struct opened_
     }
     input->at = (const unsigned char *)file->data;
     input->end = input->at + file->size;
-    if (!read_header(input)) {
+    if (!read_png_header(input)) {
         const enum reader_result result = report(input, error, size);
         free_input(input);
         return result;

@@ -9,7 +9,8 @@
 
 enum { BSDF_DEPTH_MAX = 32 };  // of nested <bsdf>s; deeper ones refer to themselves
 
-static satin_status refuse(struct load_state *loader, const struct params *p, const char *text) {
+static satin_status material_error(struct load_state *loader, const struct params *p,
+                                   const char *text) {
     log_error_at(loader->log, p->node->place, "%s %s", p->plugin->name, text);
     return SATIN_ERROR_INPUT;
 }
@@ -26,10 +27,10 @@ static satin_status build_nested(struct load_state *loader, const struct params 
     }
     *count = n;
     if (n >= least && !child) return SATIN_OK;
-    return refuse(loader, p,
-                  least < most ? "takes one or two <bsdf>s"
-                  : most == 1  ? "takes one <bsdf>"
-                               : "takes two <bsdf>s");
+    return material_error(loader, p,
+                          least < most ? "takes one or two <bsdf>s"
+                          : most == 1  ? "takes one <bsdf>"
+                                       : "takes two <bsdf>s");
 }
 
 // ---- Trees of sides -----------------------------------------------------------------------------
@@ -58,8 +59,8 @@ static satin_status change_leaves(struct load_state *loader, const struct params
 
 // ---- twosided -----------------------------------------------------------------------------------
 
-// Whatever transmits is refused; the relief of a back is its own. Of what is two-sided already the
-// front is what either side would see, as in Mitsuba.
+// Whatever transmits is refused; the bump or normal map of a back is its own. Of a material that is
+// two-sided already, the front is what either side would see, as in Mitsuba.
 static satin_status make_side(struct load_state *loader, const struct params *p,
                               struct material_side *leaf, const void *ctx) {
     (void)ctx;
@@ -77,7 +78,7 @@ static satin_status build_twosided(struct load_state *loader, const struct param
     satin_status status = build_nested(loader, p, 1, 2, side, &count);
     for (int i = 0; i < count && status == SATIN_OK; i++) {
         if (side[i].front.part[0] && side[i].front.holes)
-            return refuse(loader, p, "cannot wrap a mask; wrap it by one");
+            return material_error(loader, p, "cannot wrap a mask; wrap it by one");
         status = change_leaves(loader, p, &side[i].front, make_side, NULL);
     }
     if (status != SATIN_OK) return status;
@@ -97,24 +98,24 @@ static satin_status make_one_sided(struct load_state *loader, const struct param
     return SATIN_OK;
 }
 
-// The weight of a blend's second part, constant or textured.
-struct weight {
+// The weight of a blend's second component, constant or textured.
+struct blend_weight_value {
     float value;
     const struct texture *texture;
 };
 
 static satin_status find_weight(struct load_state *loader, const struct param_value *value,
-                                float constant, struct weight *out) {
-    *out = (struct weight){.value = clampf(constant, 0.0f, 1.0f)};
+                                float constant, struct blend_weight_value *out) {
+    *out = (struct blend_weight_value){.value = clampf(constant, 0.0f, 1.0f)};
     return value->texture ? load_texture_of(loader, value->texture, &out->texture) : SATIN_OK;
 }
 
 static bool is_hole(const struct material_side *side) { return side->holes && !side->part[0]; }
 
 // Joins a and b under one node, which may be one of them.
-static satin_status join(struct load_state *loader, const struct params *p,
-                         const struct material_side *a, const struct material_side *b,
-                         const struct weight *weight, struct material_side *out) {
+static satin_status join_sides(struct load_state *loader, const struct params *p,
+                               const struct material_side *a, const struct material_side *b,
+                               const struct blend_weight_value *weight, struct material_side *out) {
     if (is_hole(a) && is_hole(b)) {
         *out = *a;
         return SATIN_OK;
@@ -128,13 +129,13 @@ static satin_status join(struct load_state *loader, const struct params *p,
                                   .weight = weight->value,
                                   .holes = a->holes || b->holes};
     if (count_parts(out) <= MATERIAL_PARTS_MAX) return SATIN_OK;
-    return refuse(loader, p, "blends more than 16 BRDFs");
+    return material_error(loader, p, "blends more than 16 BRDFs");
 }
 
 static satin_status build_blend(struct load_state *loader, const struct params *p,
                                 struct material *out) {
     struct material part[2];
-    struct weight weight;
+    struct blend_weight_value weight;
     int count;
     satin_status status = build_nested(loader, p, 2, 2, part, &count);
     if (status == SATIN_OK)
@@ -148,11 +149,11 @@ static satin_status build_blend(struct load_state *loader, const struct params *
         status = change_leaves(loader, p, &part[i].back, make_one_sided, NULL);
     }
     if (status == SATIN_OK)
-        status = join(loader, p, &part[0].front, &part[1].front, &weight, &out->front);
+        status = join_sides(loader, p, &part[0].front, &part[1].front, &weight, &out->front);
     if (status != SATIN_OK) return status;
     out->back = out->front;
     if (!out->two_sided) return SATIN_OK;
-    return join(loader, p, &part[0].back, &part[1].back, &weight, &out->back);
+    return join_sides(loader, p, &part[0].back, &part[1].back, &weight, &out->back);
 }
 
 // ---- mask ---------------------------------------------------------------------------------------
@@ -162,7 +163,7 @@ static satin_status build_mask(struct load_state *loader, const struct params *p
                                struct material *out) {
     const struct param_value *opacity = param(p, "opacity");
     struct material_side hole = {.index = loader->scene->side_count++, .holes = true};
-    struct weight weight;
+    struct blend_weight_value weight;
     int count;
     hole.base.model = brdf_find("null");
     hole.base.transmittance = rgb_grey(1.0f);
@@ -170,9 +171,10 @@ static satin_status build_mask(struct load_state *loader, const struct params *p
     satin_status status = build_nested(loader, p, 1, 1, out, &count);
     if (status == SATIN_OK)
         status = find_weight(loader, opacity, rgb_mean(opacity->color), &weight);
-    if (status == SATIN_OK) status = join(loader, p, &hole, &out->front, &weight, &out->front);
+    if (status == SATIN_OK)
+        status = join_sides(loader, p, &hole, &out->front, &weight, &out->front);
     if (status != SATIN_OK) return status;
-    if (out->two_sided) return join(loader, p, &hole, &out->back, &weight, &out->back);
+    if (out->two_sided) return join_sides(loader, p, &hole, &out->back, &weight, &out->back);
     out->back = out->front;
     return SATIN_OK;
 }
@@ -184,26 +186,27 @@ static satin_status set_relief(struct load_state *loader, const struct params *p
     const struct material_relief *relief = ctx;
     if (leaf->holes) return SATIN_OK;
     if (relief_used(&leaf->relief[1]))
-        return refuse(loader, p, "cannot wrap two more bumpmaps or normalmaps");
+        return material_error(loader, p, "cannot wrap two more bumpmaps or normalmaps");
     leaf->relief[1] = leaf->relief[0];
     leaf->relief[0] = *relief;
     return SATIN_OK;
 }
 
-static satin_status build_relief(struct load_state *loader, const struct params *p, bool bump,
+static satin_status build_relief(struct load_state *loader, const struct params *p, bool heights,
                                  struct material *out) {
     struct material_relief relief = {.outside = true,
                                      .upright = param(p, "flip_invalid_normals")->b,
                                      .shadows = param(p, "use_shadowing_function")->b};
-    struct xml_node *at = NULL, *map = bump ? params_child(&loader->xml, p->node, XML_TEXTURE, &at)
-                                            : param(p, "normalmap")->texture;
-    if (!map) return refuse(loader, p, "needs a <texture>");
-    if (bump && params_child(&loader->xml, p->node, XML_TEXTURE, &at))
-        return refuse(loader, p, "takes one <texture>");
-    if (bump) relief.scale = param(p, "scale")->f;
-    satin_status status = load_texture_of(loader, map, bump ? &relief.bump : &relief.normal);
-    if (status == SATIN_OK && bump && texture_unscaled(relief.bump)->kind == TEXTURE_ATTRIBUTE)
-        return refuse(loader, p, "cannot take heights from a mesh attribute");
+    struct xml_node *at = NULL, *map = heights
+                                           ? params_child(&loader->xml, p->node, XML_TEXTURE, &at)
+                                           : param(p, "normalmap")->texture;
+    if (!map) return material_error(loader, p, "needs a <texture>");
+    if (heights && params_child(&loader->xml, p->node, XML_TEXTURE, &at))
+        return material_error(loader, p, "takes one <texture>");
+    if (heights) relief.scale = param(p, "scale")->f;
+    satin_status status = load_texture_of(loader, map, heights ? &relief.bump : &relief.normal);
+    if (status == SATIN_OK && heights && texture_unscaled(relief.bump)->kind == TEXTURE_ATTRIBUTE)
+        return material_error(loader, p, "cannot take heights from a mesh attribute");
     int count;
     if (status == SATIN_OK) status = build_nested(loader, p, 1, 1, out, &count);
     if (status == SATIN_OK) status = change_leaves(loader, p, &out->front, set_relief, &relief);
@@ -218,7 +221,7 @@ static satin_status build_relief(struct load_state *loader, const struct params 
 
 static bool is_anisotropic(const struct material_side *side) {
     bool two = side->base.model->slots >> BRDF_SLOT_ALPHA_V & 1;
-    if (side->base.model->data) return !side->base.even_turn;
+    if (side->base.model->data) return !side->base.isotropic;
     return (two && side->slot[BRDF_SLOT_ALPHA_U] != side->slot[BRDF_SLOT_ALPHA_V]) ||
            (two && side->base.alpha_u != side->base.alpha_v) || side->slot[BRDF_SLOT_ANISOTROPIC] ||
            side->base.anisotropic != 0.0f;
@@ -290,7 +293,7 @@ satin_status load_material_build(struct load_state *loader, struct xml_node *nod
     if (status != SATIN_OK) return status;
     if (load_file_missing(loader, &p, "the BRDF is grey")) return build_stand_in(loader, node, out);
     if (loader->bsdf_depth == BSDF_DEPTH_MAX)
-        return refuse(loader, &p, "is nested too deep, or in itself");
+        return material_error(loader, &p, "is nested too deep, or in itself");
     loader->bsdf_depth++;
     status = build_any(loader, &p, out);
     loader->bsdf_depth--;

@@ -13,7 +13,7 @@ struct load_state {
     struct log log;
     const char *path;  // of the main file
     bool lenient;      // what is missing or unknown is left out, with a warning
-    struct log each;   // for those warnings, which are not counted but told one by one
+    struct log each;   // for those warnings, which are not counted but reported one by one
     struct load_xml xml;
     struct satin_scene *scene;  // what is built; its arrays are these, until the end
     struct shape *shape;
@@ -69,7 +69,7 @@ satin_status load_material_of(struct load_state *loader, struct xml_node *node, 
 // Adds a shape, with its material and light, or the shapes that it is made of
 // (load_plugins_shape.c).
 satin_status load_shape_add(struct load_state *loader, struct xml_node *node);
-// Room for one more shape. Logs its failures.
+// Allocates one more shape. Logs its failures.
 satin_status load_shape_reserve(struct load_state *loader, const struct params *p);
 // Adds a shape made of others: merge, shapegroup, instance (load_plugins_group.c).
 satin_status load_group_add(struct load_state *loader, const struct params *p);

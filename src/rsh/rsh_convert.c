@@ -5,7 +5,7 @@
 #include <stddef.h>
 
 #include "rsh/rsh_lanes.h"
-#include "rsh/rsh_turn.h"
+#include "rsh/rsh_rotate_lanes.h"
 
 #define GLUE2(a, b) a##b
 #define GLUE(a, b) GLUE2(a, b)

@@ -93,9 +93,9 @@ def y_quarter(l, a, b):
                         + (1 if a > 0 else -1) * wigner_quarter(l, p, -q))
 
 
-def z_quarter(m, turns):
-    """Rows (m, -m) of the rotation about z by turns * pi / 2: {column: value}."""
-    c, s = [(1, 0), (0, 1), (-1, 0), (0, -1)][(abs(m) * turns) % 4]
+def z_quarter(m, quarters):
+    """Rows (m, -m) of the rotation about z by quarters * pi / 2: {column: value}."""
+    c, s = [(1, 0), (0, 1), (-1, 0), (0, -1)][(abs(m) * quarters) % 4]
     return {m: c} if m == 0 else {m: c, -m: -s if m > 0 else s}
 
 
@@ -265,8 +265,8 @@ def mix_row(f, s, polynomial, scale):
 
 
 def quarter_tables(w, flat):
-    """The quarter turn about x, (x, y, z) -> (x, -z, y), by rows without its zeros: the exchange of
-    y and z after which y is turned round; and its transpose."""
+    """The rotation about x by 90 degrees, (x, y, z) -> (x, -z, y), by rows without its zeros: the exchange of
+    y and z after which y is negated; and its transpose."""
     ends, columns, values, back = [], [], [], []
     for l, a in flat:
         for b in range(-l, l + 1):

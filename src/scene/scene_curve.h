@@ -9,7 +9,7 @@
 struct curve_hit {
     uint32_t segment;
     float u;  // along the segment, 0 to 1
-    vec3 p;   // as the ray tells
+    vec3 p;   // as the ray finds it
     vec3 n;   // normal, any length
     bool flip;
 };

@@ -22,8 +22,8 @@ void instance_bound(struct shape *shape, vec3 lo, vec3 hi) {
     }
     // A ray is rounded in the group's space, relative to what is added up there.
     vec3 back = v3(shape->to_object.m[0][3], shape->to_object.m[1][3], shape->to_object.m[2][3]);
-    float reach = fmaxf(v3_max_abs(lo), v3_max_abs(hi)) + v3_max_abs(back);
-    shape->radius = longest_column(&shape->to_world) * reach;
+    float extent = fmaxf(v3_max_abs(lo), v3_max_abs(hi)) + v3_max_abs(back);
+    shape->radius = longest_column(&shape->to_world) * extent;
 }
 
 struct ray instance_ray(const struct shape *shape, const struct ray *ray) {

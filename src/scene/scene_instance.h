@@ -5,7 +5,7 @@
 
 #include "scene/scene.h"
 
-// Sets an instance's bounds and its part of the scene's grain from the bounds of its group.
+// Sets an instance's bounds and what it adds to the scene's epsilon from the bounds of its group.
 void instance_bound(struct shape *shape, vec3 lo, vec3 hi);
 
 // A world ray in the group's space, with the same distances: its direction is not unit.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shapes into Embree: triangle meshes share their arrays with it; spheres, disks and cylinders are
+// Shapes into Embree: triangle meshes lend it their arrays; spheres, disks and cylinders are
 // one user geometry over scene_quadric.c; instances are Embree's own. ROBUST traversal, so that no
 // ray passes between two triangles of a shared edge.
 #include "scene/scene_level.h"
@@ -25,7 +25,7 @@ static bool guard_accepts(const struct guard *guard, const struct RTCRay *ray,
                           ray->tnear, end);
 }
 
-static vec3 origin_of(const struct RTCRay *ray) { return v3(ray->org_x, ray->org_y, ray->org_z); }
+static vec3 ray_origin(const struct RTCRay *ray) { return v3(ray->org_x, ray->org_y, ray->org_z); }
 static vec3 direction_of(const struct RTCRay *ray) {
     return v3(ray->dir_x, ray->dir_y, ray->dir_z);
 }
@@ -41,7 +41,7 @@ static bool mask_stops(const struct guard *guard, const struct RTCRay *ray,
         at.uv.x = first * a[0] + hit->u * b[0] + hit->v * c[0];
         at.uv.y = first * a[1] + hit->u * b[1] + hit->v * c[1];
     }
-    struct ray same = {.o = origin_of(ray), .d = direction_of(ray)};
+    struct ray same = {.o = ray_origin(ray), .d = direction_of(ray)};
     return opacity_stops(guard->mask, &at, &same, hit->primID, ray->id != 0);
 }
 
@@ -85,7 +85,7 @@ static void quadric_box(const struct RTCBoundsFunctionArguments *args) {
 }
 
 static bool quadric_hit(const struct quadric *q, const struct RTCRay *ray, float *t) {
-    const vec3 o = origin_of(ray), d = direction_of(ray);
+    const vec3 o = ray_origin(ray), d = direction_of(ray);
     float near = ray->tnear;
     for (int crossing = 0; crossing < 2; crossing++) {
         if (!quadric_intersect(q, o, d, near, ray->tfar, t)) return false;

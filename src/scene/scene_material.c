@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a surface point to the BRDF there: which side is seen, which part of a blend, textures
-// looked up, the frame set. Sides are told by the shading normal, as the BRDF's own cosines are.
+// From a surface point to the BRDF there: which side is seen, which component of a blend, textures
+// looked up, the frame set. The side is that of the shading normal, as the BRDF's own cosines are.
 //
-// A blend is never evaluated as a sum: one part is drawn for each point and direction, or where the
-// image would show the noise all parts are taken in turn. So every part keeps its own way of being
-// cached or sampled.
+// A blend is never evaluated as a sum: one component is drawn for each point and direction, or
+// where the image would show the noise all components are taken in turn. So every component has its
+// own way of being cached or sampled.
 #include <string.h>
 
 #include "base/rng.h"
@@ -54,22 +54,25 @@ unsigned material_lobes(const struct material *m, bool holes) {
 
 // ---- Parts of a blend ---------------------------------------------------------------------------
 
-static bool is_behind(const struct surfel *s, vec3 wo) { return v3_dot(wo, s->frame.n) < 0.0f; }
+static bool is_seen_from_back(const struct surfel *s, vec3 wo) {
+    return v3_dot(wo, s->frame.n) < 0.0f;
+}
 
 static const struct material_side *side_seen(const struct satin_scene *scene,
                                              const struct surfel *s, vec3 wo) {
     const struct material *m = &scene->material[s->material];
-    return m->two_sided && is_behind(s, wo) ? &m->back : &m->front;
+    return m->two_sided && is_seen_from_back(s, wo) ? &m->back : &m->front;
 }
 
-static bool is_hole(const struct material_side *side) { return side->holes && !side->part[0]; }
+static bool side_is_hole(const struct material_side *side) { return side->holes && !side->part[0]; }
 
-// The weight of part[1]; among the parts that are there, where rays pass the holes.
+// The weight of component[1]; among the components that are there, where rays pass the holes.
 static float blend_weight(const struct satin_scene *scene, const struct material_side *side,
                           const struct surfel *s) {
     const struct material_side *first = side->part[0], *second = side->part[1];
     const bool passed = side->holes && s->light < 0;
-    if (passed && (is_hole(first) || is_hole(second))) return is_hole(first) ? 1.0f : 0.0f;
+    if (passed && (side_is_hole(first) || side_is_hole(second)))
+        return side_is_hole(first) ? 1.0f : 0.0f;
     struct texture_place at = surfel_texture_place(scene, s);
     float weight = side_weight(side, &at);
     if (!passed) return weight;
@@ -118,7 +121,7 @@ const struct material_side *scene_part(const struct satin_scene *scene, const st
     return side;
 }
 
-// ---- The BRDF of a part -------------------------------------------------------------------------
+// ---- The BRDF of a component --------------------------------------------------------------------
 
 // What of a texture's number a model can stand.
 static float keep_number(enum brdf_slot slot, float x) {
@@ -126,8 +129,8 @@ static float keep_number(enum brdf_slot slot, float x) {
 }
 
 // Replaces the constants of `b` that are textured; colours are averaged over the place.
-static void look_up(const struct material_side *side, const struct texture_place *at,
-                    struct brdf *b) {
+static void set_brdf_values(const struct material_side *side, const struct texture_place *at,
+                            struct brdf *b) {
     const struct texture *const *slot = side->slot;
     struct texture_place point = *at;
     point.width = 0.0f;
@@ -143,7 +146,7 @@ static void look_up(const struct material_side *side, const struct texture_place
 // Seen from behind as if that were the front: two-sided, or a thin sheet, which is alike from both.
 static bool is_flipped(const struct satin_scene *scene, const struct material_side *side,
                        const struct surfel *s, vec3 wo) {
-    if (!is_behind(s, wo)) return false;
+    if (!is_seen_from_back(s, wo)) return false;
     return side->base.model->thin || (scene->material[s->material].two_sided && !side->one_sided);
 }
 
@@ -152,7 +155,7 @@ struct frame scene_part_frame(const struct satin_scene *scene, const struct mate
     return is_flipped(scene, side, s, wo) ? frame_flip(s->frame) : s->frame;
 }
 
-// The normal of the relief in the frame that it turns, any length.
+// The normal of the bump or normal map in the frame that it rotates, any length.
 static vec3 relief_normal(const struct satin_scene *scene, const struct material_relief *relief,
                           const struct surfel *s, const struct frame *frame) {
     if (relief->normal) {
@@ -169,12 +172,12 @@ static vec3 relief_normal(const struct satin_scene *scene, const struct material
     return frame_to_local(frame, v3_dot(n, s->ng) < 0.0f ? v3_neg(n) : n);
 }
 
-// Turns `frame` by a relief whose normal is n for a view from wo; false if it stays. *shadows gets
-// the alpha^2 of its slopes.
-static bool turn_frame(const struct material_relief *relief, vec3 n, vec3 wo, bool flipped,
-                       struct frame *frame, float *shadows) {
+// Rotates `frame` by a bump or normal map whose normal is n for a view from wo; false if it stays.
+// *shadows gets the alpha^2 of its slopes.
+static bool rotate_frame(const struct material_relief *relief, vec3 n, vec3 wo, bool flipped,
+                         struct frame *frame, float *shadows) {
     vec3 w = frame_to_local(frame, wo);
-    // frame_flip keeps u and turns v.
+    // frame_flip keeps u and negates v.
     if (flipped) n = relief->outside ? v3(-n.x, n.y, n.z) : v3(n.x, -n.y, n.z);
     if (relief->upright && w.z * v3_dot(w, n) <= 0.0f) n = v3(-n.x, -n.y, n.z);
     float length = v3_len(n);
@@ -187,28 +190,29 @@ static bool turn_frame(const struct material_relief *relief, vec3 n, vec3 wo, bo
     return true;
 }
 
-// Turns `frame` by the reliefs of a side, from the outermost on, and tells the BRDF.
+// Rotates `frame` by the bump and normal maps of a side, the outermost first, and records in the
+// BRDF what its shadowing needs.
 static void apply_reliefs(const struct satin_scene *scene, const struct material_side *side,
                           const struct surfel *s, vec3 wo, struct frame *frame, struct brdf *b) {
     const bool flipped = is_flipped(scene, side, s, wo);
     vec3 up[BRDF_RELIEFS];
-    int turned = 0;
+    int rotated = 0;
     for (int i = 0; i < BRDF_RELIEFS && relief_used(&side->relief[i]); i++) {
         const struct frame front = flipped ? frame_flip(*frame) : *frame;
         vec3 n = relief_normal(scene, &side->relief[i], s, &front);
-        up[turned] = frame->n;
-        turned += turn_frame(&side->relief[i], n, wo, flipped, frame, &b->relief[turned]);
+        up[rotated] = frame->n;
+        rotated += rotate_frame(&side->relief[i], n, wo, flipped, frame, &b->relief[rotated]);
     }
-    for (int i = 0; i < turned; i++) b->base[i] = frame_to_local(frame, up[i]);
+    for (int i = 0; i < rotated; i++) b->base[i] = frame_to_local(frame, up[i]);
 }
 
 bool scene_part_brdf(const struct satin_scene *scene, const struct material_side *side,
                      const struct surfel *s, vec3 wo, struct brdf *brdf, struct frame *frame) {
     const bool flipped = is_flipped(scene, side, s, wo);
-    if (is_behind(s, wo) && !flipped && !brdf_transmits(&side->base)) return false;
+    if (is_seen_from_back(s, wo) && !flipped && !brdf_transmits(&side->base)) return false;
     *brdf = side->base;
     struct texture_place at = surfel_texture_place(scene, s);
-    look_up(side, &at, brdf);
+    set_brdf_values(side, &at, brdf);
     *frame = flipped ? frame_flip(s->frame) : s->frame;
     if (relief_used(&side->relief[0])) apply_reliefs(scene, side, s, wo, frame, brdf);
     return brdf_lobes(brdf) != 0;

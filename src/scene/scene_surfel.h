@@ -7,11 +7,11 @@
 
 // How far off the surface a ray starts that leaves p: a bound of what separates a float position
 // from the surface it lies on. It is relative to p, so that it serves in scenes of any size; the
-// scene's grain covers double rounding where p is next to the origin, and what rays lose on their
-// way into an instance's space.
+// scene's epsilon covers double rounding where p is next to the origin, and what rays lose when
+// they enter an instance's space.
 static inline float surfel_offset(const struct satin_scene *scene, vec3 p) {
     const float ulps = 8.0f * 0x1p-24f;
-    return ulps * (v3_max_abs(p) + scene->grain);
+    return ulps * (v3_max_abs(p) + scene->epsilon);
 }
 
 // Where a triangle was hit: barycentric coordinates (1 - u - v, u, v).

@@ -29,7 +29,7 @@ static bool bounds_of(const struct level *level, vec3 *lo, vec3 *hi) {
     return lo->x <= hi->x && lo->y <= hi->y && lo->z <= hi->z;
 }
 
-static satin_status build(struct trace *trace, struct satin_scene *scene, struct log log) {
+static satin_status build_trace(struct trace *trace, struct satin_scene *scene, struct log log) {
     trace->group = array_new(scene->group_count, sizeof *trace->group);
     if (!trace->group)
         return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for the ray tracing structure");
@@ -61,12 +61,12 @@ static void set_bounds(struct satin_scene *scene, const struct trace *trace) {
     scene->bounds_hi = empty ? v3(0, 0, 0) : hi;
     float radius = 0.5f * v3_len(v3_sub(scene->bounds_hi, scene->bounds_lo));
     scene->radius = radius > 0.0f ? radius : 1.0f;
-    scene->grain = 0x1p-20f * scene->radius;
+    scene->epsilon = 0x1p-20f * scene->radius;
     scene->triangle_count = 0;
     for (uint32_t i = 0; i < scene->shape_count; i++) {
         const struct shape *shape = &scene->shape[i];
         if (shape->kind == SHAPE_MESH) scene->triangle_count += shape->mesh.triangle_count;
-        if (shape->kind == SHAPE_INSTANCE) scene->grain = fmaxf(scene->grain, shape->radius);
+        if (shape->kind == SHAPE_INSTANCE) scene->epsilon = fmaxf(scene->epsilon, shape->radius);
     }
 }
 
@@ -92,7 +92,7 @@ satin_status scene_trace_build(struct satin_scene *scene, struct log log) {
     struct trace *trace = calloc(1, sizeof *trace);
     if (!trace)
         return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for the ray tracing structure");
-    satin_status status = build(trace, scene, log);
+    satin_status status = build_trace(trace, scene, log);
     if (status != SATIN_OK) {
         scene_trace_free(trace);
         return status;
