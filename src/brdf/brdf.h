@@ -152,7 +152,7 @@ struct brdf_model {
     // Fills the delta lobes for wo: at most 2; returns how many. weight is the fraction of the
     // light that goes there, probability that of samples (summing to 1). NULL without a delta lobe.
     int (*delta)(const struct brdf *b, vec3 wo, enum brdf_mode mode, struct brdf_sample out[2]);
-    // Shares by which sampling chooses among diffuse, sample_glossy and delta (any scale, all >=
+    // Probabilities by which sampling chooses among diffuse, sample_glossy and delta (any scale, all >=
     // 0). NULL for a model of one kind.
     void (*probabilities)(const struct brdf *b, vec3 wo, float *diffuse, float *glossy,
                           float *delta);

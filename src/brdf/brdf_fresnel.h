@@ -5,7 +5,7 @@
 
 #include "base/vec.h"
 
-// Share that a boundary between dielectrics reflects, [Born and Wolf, 1.5.2]. `cos_i` is the signed
+// Fraction that a boundary between dielectrics reflects, [Born and Wolf, 1.5.2]. `cos_i` is the signed
 // cosine to the normal, negative inside; `ior` interior over exterior index. *cos_t (may be NULL)
 // gets the cosine of the refracted direction to the normal, its sign opposite to cos_i; 0 under
 // total reflection.

@@ -40,7 +40,7 @@ static void lafortune_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse,
     *glossy = rgb_mul(*glossy, b->specular);
 }
 
-// Shares by the lobes' integrals over the sphere; false if none reflects.
+// Probabilities by the lobes' integrals over the sphere; false if none reflects.
 static bool lobe_probabilities(const struct lobes *l, vec3 wo,
                                float probability[BRDF_COSINE_LOBES_MAX]) {
     float sum = 0.0f;

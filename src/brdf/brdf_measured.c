@@ -13,7 +13,7 @@
 
 enum { THETA = 64, PHI = 16, ALBEDO = 33, PAIRS = 5 };
 
-#define COSINE_SHARE 0.2f  // of the samples
+#define COSINE_FRACTION 0.2f  // of the samples
 
 struct measured {
     struct brdf_grid grid;
@@ -222,14 +222,14 @@ static void measured_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes,
     (void)lobes;
     vec3 h = v3_unit(v3_add(wo, wi));
     *diffuse = wi.z * (1.0f / PI_F);
-    *glossy = COSINE_SHARE * *diffuse +
-              (1.0f - COSINE_SHARE) * half_density(b->tables, h) / (4.0f * v3_dot(wo, h));
+    *glossy = COSINE_FRACTION * *diffuse +
+              (1.0f - COSINE_FRACTION) * half_density(b->tables, h) / (4.0f * v3_dot(wo, h));
 }
 
 static bool measured_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
     (void)lobes;
     const struct measured *m = b->tables;
-    if (u.x < COSINE_SHARE) {
+    if (u.x < COSINE_FRACTION) {
         *wi = sample_cosine_hemisphere(u.y, u.z);
         return true;
     }

@@ -8,7 +8,7 @@
 #include "brdf/brdf_models.h"
 #include "brdf/brdf_refraction.h"
 
-// Shares of the base: what is diffuse and what refracts.
+// Fractions of the base: what is diffuse and what refracts.
 static float diffuse_fraction(const struct brdf *b) {
     return (1.0f - b->metallic) * (1.0f - b->spec_trans);
 }

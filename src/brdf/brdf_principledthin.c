@@ -8,7 +8,7 @@
 #include "brdf/brdf_fresnel.h"
 #include "brdf/brdf_models.h"
 
-static void turn_up(vec3 *wo, vec3 *wi) {
+static void mirror_up(vec3 *wo, vec3 *wi) {
     if (wo->z > 0.0f) return;
     wo->z = -wo->z;
     wi->z = -wi->z;
@@ -31,7 +31,7 @@ static float diffuse_reflection(const struct brdf *b) {
 static float facet_cosine(vec3 wo, vec3 wi) { return minf(0.5f * v3_len(v3_add(wo, wi)), 1.0f); }
 
 static void thin_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
-    turn_up(&wo, &wi);
+    mirror_up(&wo, &wi);
     *diffuse = burley_diffuse(b, wo, wi, diffuse_reflection(b), diffuse_reflection(b));
     *glossy = rgb_grey(0.0f);
     if (b->spec_trans == 0.0f) return;
@@ -53,7 +53,7 @@ static bool lit_from_behind(vec3 wo, vec3 wi) {
 
 static rgb thin_transmission(const struct brdf *b, vec3 wo, vec3 wi, enum brdf_mode mode) {
     vec3 eye = mode == BRDF_RADIANCE ? wo : wi, light = mode == BRDF_RADIANCE ? wi : wo;
-    turn_up(&eye, &light);
+    mirror_up(&eye, &light);
     float f = diffuse_transmission(b) * (1.0f / PI_F);
     if (b->spec_trans > 0.0f && lit_from_behind(eye, light)) {
         vec3 w = mirrored(light);
@@ -76,7 +76,7 @@ static void thin_choose(const struct brdf *b, unsigned lobes, float *reflect, fl
 static void thin_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
                      float *glossy) {
     float reflect, pass;
-    turn_up(&wo, &wi);
+    mirror_up(&wo, &wi);
     thin_choose(b, lobes, &reflect, &pass);
     *diffuse = maxf(wi.z, 0.0f) * (1.0f / PI_F);
     if (wi.z > 0.0f) {
@@ -92,7 +92,7 @@ static bool thin_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, v
     const bool below = wo.z < 0.0f;
     float reflect, pass;
     *wi = v3(0, 0, 0);
-    turn_up(&wo, wi);
+    mirror_up(&wo, wi);
     thin_choose(b, lobes, &reflect, &pass);
     if (u.x < reflect) {
         if (!microfacet_reflect(thin_facets(b), wo, u.y, u.z, wi)) return false;

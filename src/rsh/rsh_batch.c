@@ -2,7 +2,7 @@
 // Rotation of RSH_WIDTH records at once, a record per lane, one source for every instruction set;
 // of width 1 it is the rotation of a single record where lanes cannot be permuted.
 //
-// Nothing is permuted here: bands are taken one by one, three channels share the angles and the
+// Nothing is permuted here: bands are taken one by one, three channels use the same angles and the
 // constants. A rotation about z costs four operations per pair (m, -m), the exchange of y and z one
 // fused multiply-add per entry that parity leaves. The series: rsh_batch_series.h, and of a single
 // record rsh_batch_one.h.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the forms of rotation of many records share: bands of records, multiples of angles.
+// What is common to the forms of rotation of many records: bands of records, multiples of angles.
 #ifndef RSH_BATCH_BAND_H
 #define RSH_BATCH_BAND_H
 

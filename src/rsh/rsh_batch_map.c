@@ -118,7 +118,7 @@ struct map {
     ptrdiff_t in_stride, out_stride;
 };
 
-// Outputs o .. o + block - 1, which share the loads of the inputs.
+// Outputs o .. o + block - 1, which use the same loads of the inputs.
 INLINE void convert_map_rows(int block, const struct map *a, int o) {
     vf plus[4], minus[4];
     for (int k = 0; k < block; k++) plus[k] = minus[k] = (vf){0};

@@ -85,7 +85,7 @@ INLINE void store_slanted(struct band b, int channels, vf tangent, int m, const 
 }
 
 // What row m has of its own coefficient and of the neighbours. D is antisymmetric and D(-m, -m - 1)
-// = -D(m + 1, m), so the row of -m has the factors of that of m; where it would reach m = 0, its
+// = -D(m + 1, m), so the row of -m has the factors of that of m; where it would include m = 0, its
 // window has 0.
 struct factors {
     vf own, down, up, down2, up2;

@@ -11,7 +11,7 @@
 #define GLUE(a, b) GLUE2(a, b)
 #define INLINE static inline __attribute__((always_inline))
 
-// Outputs computed at once; they share the loads of the inputs.
+// Outputs computed at once; they use the same loads of the inputs.
 enum { BLOCK = 4 };
 
 // The row of m = base .. base + 7 of the band whose middle is `middle`; 0 beyond l.

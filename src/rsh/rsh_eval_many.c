@@ -68,7 +68,7 @@ INLINE struct eval_point eval_point_of(rsh_basis basis, struct directions v) {
     return p;
 }
 
-// Vectors evaluated side by side, which share the constants, where there are registers for two.
+// Vectors evaluated side by side, which use the same constants, where there are registers for two.
 enum { PAIR = RSH_WIDTH == 16 ? 2 : 1 };
 
 // (x + i y)^m of `vectors` vectors.

@@ -10,7 +10,7 @@
 
 #include "rsh/rsh_kernel.h"
 
-// Channels converted at once, as many as the rotation kernels share work between.
+// Channels converted at once, as many as the rotation kernels take together.
 enum { BLOCK = 3 };
 
 int rsh_sphere_order(int order) { return order + 2 < RSH_MAX_ORDER ? order + 2 : RSH_MAX_ORDER; }

@@ -10,7 +10,7 @@
 
 #define INLINE static inline __attribute__((always_inline))
 
-// Channels rotated at once, as many as the kernels share work between.
+// Channels rotated at once, as many as the kernels take together.
 enum { BLOCK = 3, SCRATCH = BLOCK * RSH_MAX_COEFFICIENTS * RSH_MAX_WIDTH };
 
 // What one call does to every record.

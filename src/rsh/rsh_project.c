@@ -12,7 +12,7 @@
 #include "rsh/rsh_kernel.h"
 #include "rsh/rsh_tables.h"
 
-// Vectors of samples that share a pass over the sums; cosine and sine; channels.
+// Vectors of samples in one pass over the sums; cosine and sine; channels.
 enum { RUN = 4, PARTS = 2, MOST = 3 };
 // Orders up to here take one set for all m; the others have the second from m = SECOND on.
 enum { ONE_SET = 10, SECOND = 3 };

@@ -12,7 +12,7 @@
 #define GLUE(a, b) GLUE2(a, b)
 #define INLINE static inline __attribute__((always_inline))
 
-// Channels rotated at once: what the registers hold. They share the loads of the tables.
+// Channels rotated at once: what the registers hold. They use the same loads of the tables.
 #if defined(__AVX512F__)
 enum { BLOCK = 3 };
 #else

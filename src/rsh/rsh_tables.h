@@ -16,11 +16,11 @@ extern const double rsh_recurrence_d[RSH_MAX_ORDER * RSH_MAX_ORDER];  // the sam
 
 // These functions for m < RSH_STEEP by differences, which near the poles, where these functions are
 // steep, lose nothing to cancellation [after Reinsch]: with u = 1 - |z| and q_m = 1, d_m = 0, d_l =
-// d_(l-1) - bend_lm u q_(l-1), q_l = q_(l-1) + keep_lm d_l, Y_l^m = pole_lm q_l sign(z)^(l-m) Re (x
+// d_(l-1) - curvature_lm u q_(l-1), q_l = q_(l-1) + keep_lm d_l, Y_l^m = pole_lm q_l sign(z)^(l-m) Re (x
 // + i y)^m.
 enum { RSH_STEEP = 8 };
 extern const float rsh_pole[RSH_STEEP * RSH_MAX_ORDER];
-extern const float rsh_bend[RSH_STEEP * RSH_MAX_ORDER];
+extern const float rsh_curvature[RSH_STEEP * RSH_MAX_ORDER];
 extern const float rsh_keep[RSH_STEEP * RSH_MAX_ORDER];
 
 // These functions for l < RSH_GENTLE by the roots in z^2: Y_l^m = norm_lm times z^2 - root for each
@@ -63,7 +63,7 @@ extern const float rsh_ivanic_column[RSH_MAX_COEFFICIENTS];
 
 // Rotation works on 16 lanes at a time: lane |m| of a band, with the two coefficients +m and -m in
 // two vectors. The part that is even in x holds +m for even m and -m for odd m; the part that is
-// odd in x holds the others. Small bands share a vector, so order n takes the groups {0 1 2 3}
+// odd in x holds the others. Small bands are in one vector, so order n takes the groups {0 1 2 3}
 // {4 5} {6 7} {8} {9} ... {15}. Even m sit in the lower eight lanes and odd m in the upper eight.
 //
 // About z by a: with s = (-1)^m sin(m a) and c = cos(m a), even' = c even - s odd and

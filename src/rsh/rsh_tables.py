@@ -18,7 +18,7 @@ PAIR_STEPS = 3
 # the second kind, and Gegenbauer's of 11 / 2.
 MIXED = (fractions.Fraction(1, 2), fractions.Fraction(5))
 BELOW = 0.1  # weight of the mirror image below the horizon, see rsh_tables.h
-# Bands that share a vector of lanes, see rsh_tables.h.
+# Bands that are in one vector of lanes, see rsh_tables.h.
 GROUPS = [[0, 1, 2, 3], [4, 5], [6, 7]] + [[l] for l in range(8, ORDER)]
 
 
@@ -168,7 +168,7 @@ def plain_tables(w):
     steep = [(l, m) for l, m in grid if m < STEEP]
     w.array("float", "rsh_pole[RSH_STEEP * RSH_MAX_ORDER]",
             [norm(l, m) * pole(l, m) for l, m in steep])
-    w.array("float", "rsh_bend[RSH_STEEP * RSH_MAX_ORDER]",
+    w.array("float", "rsh_curvature[RSH_STEEP * RSH_MAX_ORDER]",
             [pole(l - 1, m) / (pole(l, m) * keep(l, m)) if l > m else 0.0 for l, m in steep])
     w.array("float", "rsh_keep[RSH_STEEP * RSH_MAX_ORDER]",
             [keep(l, m) if l > m else 0.0 for l, m in steep])

@@ -8,7 +8,7 @@
 #include "rsh/rsh_multiples.h"
 
 // By the rotation about x by 90 degrees, or back by its transpose.
-static void quarter_turn(int order, const float *value, const float *in, float *out) {
+static void rotate_about_x(int order, const float *value, const float *in, float *out) {
     for (int l = 0, k = 0; l < order; l++)
         for (int row = l * l; row < (l + 1) * (l + 1); row++) {
             float sum = 0.0f;
@@ -33,9 +33,9 @@ bool rsh_rotate_zxzxz(int order, int channels, const float r[9], const float *in
         float v[RSH_MAX_COEFFICIENTS], u[RSH_MAX_COEFFICIENTS];
         memcpy(v, in, (size_t)n * sizeof *v);
         rsh_rotate_multiples(order, &gamma, v);
-        quarter_turn(order, rsh_quarter, v, u);
+        rotate_about_x(order, rsh_quarter, v, u);
         rsh_rotate_multiples(order, &beta, u);
-        quarter_turn(order, rsh_quarter_back, u, v);
+        rotate_about_x(order, rsh_quarter_back, u, v);
         rsh_rotate_multiples(order, &alpha, v);
         memcpy(out, v, (size_t)n * sizeof *v);
     }

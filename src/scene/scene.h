@@ -95,7 +95,7 @@ static inline float texture_lines(const struct texture *grid) {
 
 // ---- Materials --------------------------------------------------------------------------------
 
-// Turns the frame of a BRDF by a height map or by a map of normals in the surface's frame; one of
+// Rotates the frame of a BRDF by a height map or by a map of normals in the surface's frame; one of
 // both is NULL, or both.
 struct material_relief {
     const struct texture *bump, *normal;

@@ -63,7 +63,7 @@ static double step_wavelength(int i) {
 }
 
 // A step of the integral over that of y.
-static double step_share(void) {
+static double step_fraction(void) {
     const double range = SPECTRUM_CIE_STEP * (SPECTRUM_CIE_ROWS - 1);
     return range / STEPS / y_integral;
 }
@@ -77,7 +77,7 @@ rgb spectrum_to_rgb(const struct spectrum *spectrum, bool light) {
         if (!light) y *= row[3] / d65_scale;
         for (int k = 0; k < 3; k++) xyz[k] += row[k] * y;
     }
-    return xyz_to_rgb(xyz, step_share());
+    return xyz_to_rgb(xyz, step_fraction());
 }
 
 rgb spectrum_filtered(double kelvin, double (*transmitted)(const void *ctx, double nanometres),
@@ -88,7 +88,7 @@ rgb spectrum_filtered(double kelvin, double (*transmitted)(const void *ctx, doub
         observer_at(wavelength, row);
         for (int k = 0; k < 3; k++) xyz[k] += row[k] * planck(wavelength, kelvin) * passed;
     }
-    return xyz_to_rgb(xyz, step_share());
+    return xyz_to_rgb(xyz, step_fraction());
 }
 
 // Nothing outside of two wavelengths.
