@@ -105,30 +105,30 @@ static bool is_rotated(const struct brdf *b, int i) {
 // frame. Both are local.
 static float bump_shadowing(const struct brdf *b, vec3 w, vec3 light) {
     float left = 1.0f;
-    for (int i = 0; i < BRDF_RELIEFS && is_rotated(b, i); i++) {
+    for (int i = 0; i < BRDF_BUMPS_MAX && is_rotated(b, i); i++) {
         if (!(v3_dot(b->base[i], w) * w.z > 0.0f)) return 0.0f;
         float c = v3_dot(b->base[i], light), c2 = c * c;
-        if (b->relief[i] == 0.0f || !(c2 > 0.0f)) continue;
-        left *= 2.0f / (1.0f + sqrtf(1.0f + b->relief[i] * maxf(1.0f - c2, 0.0f) / c2));
+        if (b->bump[i] == 0.0f || !(c2 > 0.0f)) continue;
+        left *= 2.0f / (1.0f + sqrtf(1.0f + b->bump[i] * maxf(1.0f - c2, 0.0f) / c2));
     }
     return left;
 }
 
-static bool has_relief(const struct brdf *b) { return is_rotated(b, 0); }
+static bool has_bump(const struct brdf *b) { return is_rotated(b, 0); }
 
 // A fit to the cosine-weighted mean, good to 0.2 %; of two maps the product of theirs.
-float brdf_relief_diffuse(const struct brdf *b) {
+float brdf_bump_diffuse(const struct brdf *b) {
     float mean = 1.0f;
-    for (int i = 0; i < BRDF_RELIEFS; i++) {
-        float a = sqrtf(b->relief[i]);
-        mean *= 1.0f - b->relief[i] * (0.5006f / sqrtf(maxf(a, 1e-6f)) - 0.2735f);
+    for (int i = 0; i < BRDF_BUMPS_MAX; i++) {
+        float a = sqrtf(b->bump[i]);
+        mean *= 1.0f - b->bump[i] * (0.5006f / sqrtf(maxf(a, 1e-6f)) - 0.2735f);
     }
     return mean;
 }
 
-float brdf_relief_glossy(const struct brdf *b, vec3 wo) {
+float brdf_bump_glossy(const struct brdf *b, vec3 wo) {
     vec3 mirror = v3(-wo.x, -wo.y, wo.z);
-    return has_relief(b) ? bump_shadowing(b, mirror, mirror) : 1.0f;
+    return has_bump(b) ? bump_shadowing(b, mirror, mirror) : 1.0f;
 }
 
 // `lobes` from smooth_lobes, not 0.
@@ -153,13 +153,13 @@ rgb brdf_eval(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes) {
     lobes = smooth_lobes(b, wo, wi, lobes);
     if (!lobes) return rgb_grey(0.0f);
     rgb f = eval_smooth(b, wo, wi, lobes, BRDF_RADIANCE);
-    return has_relief(b) ? rgb_scale(f, bump_shadowing(b, wi, wi)) : f;
+    return has_bump(b) ? rgb_scale(f, bump_shadowing(b, wi, wi)) : f;
 }
 
 float brdf_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes) {
     struct lobe_probability s;
     if (!smooth_lobes(b, wo, wi, lobes) || !find_probabilities(b, wo, lobes, &s)) return 0.0f;
-    if (has_relief(b) && bump_shadowing(b, wi, wi) == 0.0f) return 0.0f;
+    if (has_bump(b) && bump_shadowing(b, wi, wi) == 0.0f) return 0.0f;
     return pdf_smooth(b, wo, wi, lobes, s);
 }
 
@@ -200,7 +200,7 @@ bool brdf_sample(const struct brdf *b, vec3 wo, float u_lobe, float u, float v, 
     float pdf = side ? pdf_smooth(b, wo, wi, lobes, s) : 0.0f;
     if (!(pdf > 0.0f)) return false;
     rgb f = eval_smooth(b, wo, wi, side, mode);
-    if (has_relief(b)) {
+    if (has_bump(b)) {
         float left = bump_shadowing(b, wi, mode == BRDF_RADIANCE ? wi : wo);
         if (left == 0.0f) return false;
         f = rgb_scale(f, left);
@@ -219,7 +219,7 @@ bool brdf_sample(const struct brdf *b, vec3 wo, float u_lobe, float u, float v, 
 
 int brdf_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode, struct brdf_sample out[2]) {
     int n = b->model->delta ? b->model->delta(b, wo, mode, out) : 0;
-    for (int i = 0; i < n && has_relief(b); i++) {
+    for (int i = 0; i < n && has_bump(b); i++) {
         float left = bump_shadowing(b, out[i].wi, mode == BRDF_RADIANCE ? out[i].wi : wo);
         out[i].weight = rgb_scale(out[i].weight, left);
     }

@@ -38,7 +38,7 @@ enum brdf_mode { BRDF_RADIANCE = 0, BRDF_POWER };
 struct brdf_model;
 struct brdf_glossy;
 
-enum { BRDF_RELIEFS = 2 };  // bump and normal maps around one BRDF
+enum { BRDF_BUMPS_MAX = 2 };  // bump and normal maps around one BRDF
 
 // One BRDF at one point. Fields that a model does not use are ignored.
 struct brdf {
@@ -62,8 +62,8 @@ struct brdf {
     bool opaque;     // the model transmits, but not with these numbers
     // For each bump or normal map that rotated the frame, the outermost first: the normal before,
     // which is 0 after the last one, and alpha^2 of the shadowing by its slopes, 0: none.
-    vec3 base[BRDF_RELIEFS];
-    float relief[BRDF_RELIEFS];
+    vec3 base[BRDF_BUMPS_MAX];
+    float bump[BRDF_BUMPS_MAX];
     const void *tables;                // what the model's prepare made; owned by its arena
     const struct brdf_glossy *glossy;  // albedos of the glossy lobe, likewise; may be NULL
 };
@@ -152,8 +152,8 @@ struct brdf_model {
     // Fills the delta lobes for wo: at most 2; returns how many. weight is the fraction of the
     // light that goes there, probability that of samples (summing to 1). NULL without a delta lobe.
     int (*delta)(const struct brdf *b, vec3 wo, enum brdf_mode mode, struct brdf_sample out[2]);
-    // Probabilities by which sampling chooses among diffuse, sample_glossy and delta (any scale, all >=
-    // 0). NULL for a model of one kind.
+    // Probabilities by which sampling chooses among diffuse, sample_glossy and delta (any scale,
+    // all >= 0). NULL for a model of one kind.
     void (*probabilities)(const struct brdf *b, vec3 wo, float *diffuse, float *glossy,
                           float *delta);
 };
@@ -229,8 +229,8 @@ rgb brdf_albedo(const struct brdf *b, vec3 wo, unsigned lobes);
 // What a bump or normal map leaves of the light where it is not evaluated by direction: the mean
 // over uniform light for the diffuse lobe, and the fraction at the mirror direction of wo for the
 // glossy one. 1 without a map.
-float brdf_relief_diffuse(const struct brdf *b);
-float brdf_relief_glossy(const struct brdf *b, vec3 wo);
+float brdf_bump_diffuse(const struct brdf *b);
+float brdf_bump_glossy(const struct brdf *b, vec3 wo);
 
 // Harmonics of the glossy lobe [K05 2.5, 3.4]: per outgoing direction on a parabolic map the
 // coefficients of f_r cos(theta_i), with the least order whose error of reflected radiance meets

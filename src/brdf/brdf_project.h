@@ -32,8 +32,8 @@ struct project_points {
 // Adds to c[channels * order^2] the integrals of f_r cos(theta_i) H over the hemisphere, for b's
 // glossy lobe with `specular` as it stands, and returns the integral of (f_r cos(theta_i))^2,
 // summed over channels. wo.z > 0. With `half`, the lobe is taken to be even in y (wo.y = 0, an
-// isotropic model or one with its axes along x and y), which takes half the work and leaves c of m < 0
-// without meaning.
+// isotropic model or one with its axes along x and y), which takes half the work and leaves c of m
+// < 0 without meaning.
 double project_glossy(const struct brdf *b, vec3 wo, bool half, rsh_basis basis, int order,
                       int channels, const struct project_rule *rule, struct project_points *points,
                       float *c);

@@ -35,8 +35,10 @@ static satin_status build_nested(struct load_state *loader, const struct params 
 
 // ---- Trees of sides -----------------------------------------------------------------------------
 
-static int count_parts(const struct material_side *side) {
-    return side->part[0] ? count_parts(side->part[0]) + count_parts(side->part[1]) : 1;
+static int count_components(const struct material_side *side) {
+    return side->component[0]
+               ? count_components(side->component[0]) + count_components(side->component[1])
+               : 1;
 }
 
 typedef satin_status (*leaf_fn)(struct load_state *loader, const struct params *p,
@@ -45,12 +47,12 @@ typedef satin_status (*leaf_fn)(struct load_state *loader, const struct params *
 // Copies the tree, changed by fn at its leaves.
 static satin_status change_leaves(struct load_state *loader, const struct params *p,
                                   struct material_side *side, leaf_fn fn, const void *ctx) {
-    if (!side->part[0]) return fn(loader, p, side, ctx);
+    if (!side->component[0]) return fn(loader, p, side, ctx);
     for (int i = 0; i < 2; i++) {
         struct material_side *copy = arena_alloc(&loader->scene->arena, sizeof *copy);
         if (!copy) return load_no_memory(loader);
-        *copy = *side->part[i];
-        side->part[i] = copy;
+        *copy = *side->component[i];
+        side->component[i] = copy;
         satin_status status = change_leaves(loader, p, copy, fn, ctx);
         if (status != SATIN_OK) return status;
     }
@@ -64,7 +66,7 @@ static satin_status change_leaves(struct load_state *loader, const struct params
 static satin_status make_side(struct load_state *loader, const struct params *p,
                               struct material_side *leaf, const void *ctx) {
     (void)ctx;
-    for (int i = 0; i < BRDF_RELIEFS; i++) leaf->relief[i].outside = false;
+    for (int i = 0; i < BRDF_BUMPS_MAX; i++) leaf->bump[i].outside = false;
     if (!brdf_transmits(&leaf->base)) return SATIN_OK;
     log_error_at(loader->log, p->node->place, "'%s' transmits, so it cannot be twosided",
                  leaf->base.model->name);
@@ -77,7 +79,7 @@ static satin_status build_twosided(struct load_state *loader, const struct param
     int count;
     satin_status status = build_nested(loader, p, 1, 2, side, &count);
     for (int i = 0; i < count && status == SATIN_OK; i++) {
-        if (side[i].front.part[0] && side[i].front.holes)
+        if (side[i].front.component[0] && side[i].front.holes)
             return material_error(loader, p, "cannot wrap a mask; wrap it by one");
         status = change_leaves(loader, p, &side[i].front, make_side, NULL);
     }
@@ -110,7 +112,7 @@ static satin_status find_weight(struct load_state *loader, const struct param_va
     return value->texture ? load_texture_of(loader, value->texture, &out->texture) : SATIN_OK;
 }
 
-static bool is_hole(const struct material_side *side) { return side->holes && !side->part[0]; }
+static bool is_hole(const struct material_side *side) { return side->holes && !side->component[0]; }
 
 // Joins a and b under one node, which may be one of them.
 static satin_status join_sides(struct load_state *loader, const struct params *p,
@@ -124,11 +126,11 @@ static satin_status join_sides(struct load_state *loader, const struct params *p
     if (!part) return load_no_memory(loader);
     part[0] = *a;
     part[1] = *b;
-    *out = (struct material_side){.part = {&part[0], &part[1]},
+    *out = (struct material_side){.component = {&part[0], &part[1]},
                                   .blend = weight->texture,
                                   .weight = weight->value,
                                   .holes = a->holes || b->holes};
-    if (count_parts(out) <= MATERIAL_PARTS_MAX) return SATIN_OK;
+    if (count_components(out) <= MATERIAL_COMPONENTS_MAX) return SATIN_OK;
     return material_error(loader, p, "blends more than 16 BRDFs");
 }
 
@@ -181,37 +183,37 @@ static satin_status build_mask(struct load_state *loader, const struct params *p
 
 // ---- bumpmap, normalmap -------------------------------------------------------------------------
 
-static satin_status set_relief(struct load_state *loader, const struct params *p,
-                               struct material_side *leaf, const void *ctx) {
-    const struct material_relief *relief = ctx;
+static satin_status set_bump(struct load_state *loader, const struct params *p,
+                             struct material_side *leaf, const void *ctx) {
+    const struct material_bump *bump = ctx;
     if (leaf->holes) return SATIN_OK;
-    if (relief_used(&leaf->relief[1]))
+    if (bump_used(&leaf->bump[1]))
         return material_error(loader, p, "cannot wrap two more bumpmaps or normalmaps");
-    leaf->relief[1] = leaf->relief[0];
-    leaf->relief[0] = *relief;
+    leaf->bump[1] = leaf->bump[0];
+    leaf->bump[0] = *bump;
     return SATIN_OK;
 }
 
-static satin_status build_relief(struct load_state *loader, const struct params *p, bool heights,
-                                 struct material *out) {
-    struct material_relief relief = {.outside = true,
-                                     .upright = param(p, "flip_invalid_normals")->b,
-                                     .shadows = param(p, "use_shadowing_function")->b};
+static satin_status build_bump_or_normal(struct load_state *loader, const struct params *p,
+                                         bool heights, struct material *out) {
+    struct material_bump bump = {.outside = true,
+                                 .upright = param(p, "flip_invalid_normals")->b,
+                                 .shadows = param(p, "use_shadowing_function")->b};
     struct xml_node *at = NULL, *map = heights
                                            ? params_child(&loader->xml, p->node, XML_TEXTURE, &at)
                                            : param(p, "normalmap")->texture;
     if (!map) return material_error(loader, p, "needs a <texture>");
     if (heights && params_child(&loader->xml, p->node, XML_TEXTURE, &at))
         return material_error(loader, p, "takes one <texture>");
-    if (heights) relief.scale = param(p, "scale")->f;
-    satin_status status = load_texture_of(loader, map, heights ? &relief.bump : &relief.normal);
-    if (status == SATIN_OK && heights && texture_unscaled(relief.bump)->kind == TEXTURE_ATTRIBUTE)
+    if (heights) bump.scale = param(p, "scale")->f;
+    satin_status status = load_texture_of(loader, map, heights ? &bump.height : &bump.normal);
+    if (status == SATIN_OK && heights && texture_unscaled(bump.height)->kind == TEXTURE_ATTRIBUTE)
         return material_error(loader, p, "cannot take heights from a mesh attribute");
     int count;
     if (status == SATIN_OK) status = build_nested(loader, p, 1, 1, out, &count);
-    if (status == SATIN_OK) status = change_leaves(loader, p, &out->front, set_relief, &relief);
+    if (status == SATIN_OK) status = change_leaves(loader, p, &out->front, set_bump, &bump);
     if (status == SATIN_OK && out->two_sided)
-        status = change_leaves(loader, p, &out->back, set_relief, &relief);
+        status = change_leaves(loader, p, &out->back, set_bump, &bump);
     if (status == SATIN_OK && !out->two_sided) out->back = out->front;
     out->tangent = true;
     return status;
@@ -242,7 +244,7 @@ static satin_status build_any(struct load_state *loader, const struct params *p,
     if (strcmp(name, "twosided") == 0) return build_twosided(loader, p, out);
     if (strcmp(name, "blendbsdf") == 0) return build_blend(loader, p, out);
     if (strcmp(name, "mask") == 0) return build_mask(loader, p, out);
-    return build_relief(loader, p, strcmp(name, "bumpmap") == 0, out);
+    return build_bump_or_normal(loader, p, strcmp(name, "bumpmap") == 0, out);
 }
 
 static void see_bitmaps(void *ctx, const struct material_side *side) {

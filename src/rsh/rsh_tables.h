@@ -16,7 +16,8 @@ extern const double rsh_recurrence_d[RSH_MAX_ORDER * RSH_MAX_ORDER];  // the sam
 
 // These functions for m < RSH_STEEP by differences, which near the poles, where these functions are
 // steep, lose nothing to cancellation [after Reinsch]: with u = 1 - |z| and q_m = 1, d_m = 0, d_l =
-// d_(l-1) - curvature_lm u q_(l-1), q_l = q_(l-1) + keep_lm d_l, Y_l^m = pole_lm q_l sign(z)^(l-m) Re (x
+// d_(l-1) - curvature_lm u q_(l-1), q_l = q_(l-1) + keep_lm d_l, Y_l^m = pole_lm q_l sign(z)^(l-m)
+// Re (x
 // + i y)^m.
 enum { RSH_STEEP = 8 };
 extern const float rsh_pole[RSH_STEEP * RSH_MAX_ORDER];

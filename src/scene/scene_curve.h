@@ -15,7 +15,7 @@ struct curve_hit {
 };
 // Fills p, ng, frame, uv and dp_du, dp_dv. The point is put a little off the tube, to the outside:
 // the tracer finds tubes with errors that grow with their radius.
-void curve_surfel(const struct curves *curves, const struct curve_hit *hit, bool tangent,
-                  struct surfel *out);
+void curve_interaction(const struct curves *curves, const struct curve_hit *hit, bool tangent,
+                       struct interaction *out);
 
 #endif

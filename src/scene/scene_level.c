@@ -21,8 +21,8 @@ static bool guard_accepts(const struct guard *guard, const struct RTCRay *ray,
     if (distance > guard->error.most) return true;
     double n2 = v3_len2(n), by_area = guard->error.by_area;
     if (distance * distance > by_area * by_area * n2 * sqrt(n2)) return true;
-    return surfel_crosses(guard->mesh, hit->primID, v3(ray->org_x, ray->org_y, ray->org_z), d,
-                          ray->tnear, end);
+    return interaction_crosses(guard->mesh, hit->primID, v3(ray->org_x, ray->org_y, ray->org_z), d,
+                               ray->tnear, end);
 }
 
 static vec3 ray_origin(const struct RTCRay *ray) { return v3(ray->org_x, ray->org_y, ray->org_z); }
@@ -58,7 +58,8 @@ static void mesh_any(const struct RTCFilterFunctionNArguments *args) {
 }
 
 static void mesh_nearest(const struct RTCFilterFunctionNArguments *args) {
-    // The surfel will want the corners: their indices come while the traversal goes on.
+    // The surface interaction will want the corners: their indices come while the traversal goes
+    // on.
     const struct guard *guard = args->geometryUserPtr;
     __builtin_prefetch(guard->mesh->index + (size_t)((const struct RTCHit *)args->hit)->primID * 3);
     mesh_hit(args, INFINITY);
@@ -90,9 +91,9 @@ static bool quadric_hit(const struct quadric *q, const struct RTCRay *ray, float
     for (int crossing = 0; crossing < 2; crossing++) {
         if (!quadric_intersect(q, o, d, near, ray->tfar, t)) return false;
         if (!q->mask) return true;
-        struct surfel s;
+        struct interaction s;
         struct ray same = {.o = o, .d = d};
-        quadric_surfel(q, &same, *t, false, &s);
+        quadric_interaction(q, &same, *t, false, &s);
         struct texture_place at = texture_at(s.uv);
         if (opacity_stops(q->mask, &at, &same, q->shape + (uint32_t)crossing, ray->id != 0))
             return true;
@@ -149,7 +150,7 @@ static void attach_mesh(RTCDevice device, struct level *level, const struct mesh
                                mesh->position, 0, 3 * sizeof(float), mesh->vertex_count);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->index, 0,
                                3 * sizeof(uint32_t), mesh->triangle_count);
-    level->guard[id] = (struct guard){mesh, mask, surfel_error(mesh)};
+    level->guard[id] = (struct guard){mesh, mask, interaction_error(mesh)};
     rtcSetGeometryUserData(geometry, &level->guard[id]);
     rtcSetGeometryIntersectFilterFunction(geometry, mesh_nearest);
     rtcSetGeometryOccludedFilterFunction(geometry, mesh_any);

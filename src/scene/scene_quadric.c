@@ -203,8 +203,8 @@ static struct spot cylinder_spot(const struct quadric *q, struct quadric_point p
     return s;
 }
 
-void quadric_surfel(const struct quadric *q, const struct ray *ray, float t, bool tangent,
-                    struct surfel *out) {
+void quadric_interaction(const struct quadric *q, const struct ray *ray, float t, bool tangent,
+                         struct interaction *out) {
     struct quadric_point p = along(wide(ray->o), t, wide(ray->d));
     struct spot s = q->kind == SHAPE_SPHERE ? sphere_spot(q, p)
                     : q->kind == SHAPE_DISK ? disk_spot(q, p)

@@ -4,12 +4,13 @@
 // Self-intersection is kept out by three measures that need no tolerance in world units:
 // - a hit point is combined in double and rounded once, so it lies within half an ulp of the plane;
 // - scene_spawn moves the origin off by a few ulp of the position, which exceeds that half ulp;
-// - the filter of scene_level.c asks surfel_crosses, in double, before it believes a hit that is
+// - the filter of scene_level.c asks interaction_crosses, in double, before it believes a hit that
+// is
 //   nearer than what the float intersector can resolve on a large or thin triangle; so too where a
 //   ray ends on the surface that it leads to.
 // Leaks at edges are kept out by pulling hits a few ulp into their triangle: next to an edge a
 // rounded position can lie beyond the neighbouring face.
-#include "scene/scene_surfel.h"
+#include "scene/scene_interaction.h"
 
 struct surface_triangle {
     double p[3][3];
@@ -36,8 +37,8 @@ static double dot3(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-bool surfel_crosses(const struct mesh *mesh, uint32_t prim, vec3 o, vec3 d, float tnear,
-                    float tfar) {
+bool interaction_crosses(const struct mesh *mesh, uint32_t prim, vec3 o, vec3 d, float tnear,
+                         float tfar) {
     struct surface_triangle t;
     surface_triangle_get(mesh, prim, &t);
     const double to[3] = {t.p[0][0] - o.x, t.p[0][1] - o.y, t.p[0][2] - o.z};
@@ -46,7 +47,7 @@ bool surfel_crosses(const struct mesh *mesh, uint32_t prim, vec3 o, vec3 d, floa
     return at > tnear && at < tfar;
 }
 
-struct surfel_error surfel_error(const struct mesh *mesh) {
+struct interaction_error interaction_error(const struct mesh *mesh) {
     const double ulps = 64.0 * 0x1p-24;
     double edge2 = 0.0, aspect = 0.0;  // the longest edge; the largest edge^2 / |n|
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
@@ -58,7 +59,7 @@ struct surfel_error surfel_error(const struct mesh *mesh) {
         edge2 = fmax(edge2, longest2);
         if (n2 > 0.0) aspect = fmax(aspect, longest2 / sqrt(n2));
     }
-    return (struct surfel_error){ulps * edge2 * sqrt(edge2), ulps * aspect * sqrt(aspect)};
+    return (struct interaction_error){ulps * edge2 * sqrt(edge2), ulps * aspect * sqrt(aspect)};
 }
 
 // Keeps the barycentric coordinates b off the edges by `margin` in world units, or at the centre of
@@ -121,15 +122,15 @@ static vec3 blend_normals(const float *normal, const uint32_t *index, const doub
               b0 * p[2] + b1 * q[2] + b2 * r[2]);
 }
 
-void surfel_triangle(const struct satin_scene *scene, const struct shape *shape,
-                     const struct surfel_hit *hit, struct surfel *out) {
+void interaction_triangle(const struct satin_scene *scene, const struct shape *shape,
+                          const struct interaction_hit *hit, struct interaction *out) {
     const struct mesh *mesh = &shape->mesh;
     const uint32_t *index = mesh->index + (size_t)hit->prim * 3;
     struct surface_triangle t;
     surface_triangle_get(mesh, hit->prim, &t);
     double b[3] = {1.0 - (double)hit->u - (double)hit->v, hit->u, hit->v};
     out->p = blend_corners(&t, b);
-    double margin = hit->margin > 0.0f ? hit->margin : 4.0 * surfel_offset(scene, out->p);
+    double margin = hit->margin > 0.0f ? hit->margin : 4.0 * interaction_offset(scene, out->p);
     if (pull_inside(&t, margin, b)) out->p = blend_corners(&t, b);
 
     double s = (shape->flip_normals ? -1.0 : 1.0) / sqrt(dot3(t.n, t.n));
@@ -157,7 +158,7 @@ void surfel_triangle(const struct satin_scene *scene, const struct shape *shape,
     out->frame = hit->tangent ? frame_from_tangent(n, out->dp_du) : frame_from_normal(n);
 }
 
-vec3 scene_off_edges(const struct satin_scene *scene, const struct surfel *s, float margin) {
+vec3 scene_off_edges(const struct satin_scene *scene, const struct interaction *s, float margin) {
     const struct shape *shape = &scene->shape[s->shape];
     if (shape->kind != SHAPE_MESH || !(margin > 0.0f)) return s->p;
     struct surface_triangle t;
@@ -175,14 +176,14 @@ static vec3 leave(vec3 p, vec3 ng, vec3 d, float offset) {
 }
 
 struct ray scene_spawn(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d) {
-    return (struct ray){leave(p, ng, d, surfel_offset(scene, p)), 0.0f, d, INFINITY};
+    return (struct ray){leave(p, ng, d, interaction_offset(scene, p)), 0.0f, d, INFINITY};
 }
 
 struct ray scene_spawn_to(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 q, vec3 nq) {
     vec3 d = v3_sub(q, p);
     // At the far end the direction's own rounding counts too, in proportion to the distance.
-    float end_offset = fmaxf(surfel_offset(scene, q), 8.0f * 0x1p-24f * v3_max_abs(d));
-    vec3 o = leave(p, ng, d, surfel_offset(scene, p));
+    float end_offset = fmaxf(interaction_offset(scene, q), 8.0f * 0x1p-24f * v3_max_abs(d));
+    vec3 o = leave(p, ng, d, interaction_offset(scene, p));
     vec3 end = leave(q, nq, v3_neg(d), end_offset);
     d = v3_sub(end, o);
     float distance = v3_len(d);
