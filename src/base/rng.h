@@ -22,7 +22,7 @@ enum rng_stage {
     RNG_GUIDE,
     RNG_VIEW,
     RNG_LEVEL,
-    RNG_DEAL,
+    RNG_ALLOCATION,
     RNG_CELL,
     RNG_SEEN,
     RNG_SMOOTH,

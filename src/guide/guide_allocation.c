@@ -76,7 +76,7 @@ void guide_allocation_make(const struct satin_scene *scene, uint64_t seed,
     // Among more lights than this, chance would allocate.
     if (scene->light_count < 2 || scene->light_count > GUIDE_ALLOCATION_LIGHTS) return;
     for (uint32_t i = 0; i < GUIDE_VIEW_PATHS; i++) {
-        struct rng rng = rng_make(seed, RNG_DEAL, i);
+        struct rng rng = rng_make(seed, RNG_ALLOCATION, i);
         struct interaction s;
         vec3 n;
         if (guide_view_eye(scene, i, &rng, &s, &n)) walk(&tally, s, n, &rng);

@@ -14,6 +14,12 @@ satin_status load_no_memory(struct load_state *loader) {
                     loader->path);
 }
 
+satin_status load_refuse(struct load_state *loader, const struct params *p, const char *why) {
+    log_error_at(loader->log, p->node->place, "%s '%s': %s", load_plugin_noun(p->plugin->tag),
+                 p->plugin->name, why);
+    return SATIN_ERROR_INPUT;
+}
+
 const char *load_keep_text(struct load_state *loader, const char *text) {
     return arena_text(&loader->scene->arena, text, strlen(text));
 }

@@ -67,12 +67,6 @@ static param_list random_params = {&sample_count, &seed, NULL};
 static param_list jitter_params = {&sample_count, &seed, &jitter, NULL};
 static param_list orthogonal_params = {&sample_count, &seed, &jitter, &strength, NULL};
 
-static satin_status film_error(struct load_state *loader, const struct params *p, const char *why) {
-    log_error_at(loader->log, p->node->place, "%s '%s': %s", load_plugin_noun(p->plugin->tag),
-                 p->plugin->name, why);
-    return SATIN_ERROR_INPUT;
-}
-
 // A side of the film or of its crop window.
 static satin_status check_side(struct load_state *loader, const struct params *p,
                                const char *name) {
@@ -100,9 +94,9 @@ static satin_status build_film(struct load_state *loader, const struct params *p
     film->crop_height = h->given ? h->i : film->height;
     if (film->crop_x + film->crop_width > film->width ||
         film->crop_y + film->crop_height > film->height)
-        return film_error(loader, p, "its crop window is not inside of it");
+        return load_refuse(loader, p, "its crop window is not inside of it");
     if ((int64_t)film->crop_width * film->crop_height > FILM_PIXELS_MAX)
-        return film_error(loader, p, "it has too many pixels");
+        return load_refuse(loader, p, "it has too many pixels");
     return SATIN_OK;
 }
 
@@ -120,7 +114,7 @@ static satin_status build_box(struct load_state *loader, const struct params *p,
 static satin_status check_radius(struct load_state *loader, const struct params *p,
                                  const struct film_spec *film) {
     if (film->radius >= 1e-3f && film->radius <= FILTER_RADIUS_MAX) return SATIN_OK;
-    return film_error(loader, p, "it is too narrow or too wide");
+    return load_refuse(loader, p, "it is too narrow or too wide");
 }
 
 static satin_status build_tent(struct load_state *loader, const struct params *p, void *object) {
@@ -164,7 +158,7 @@ static satin_status build_lanczos(struct load_state *loader, const struct params
     film->filter = FILTER_LANCZOS;
     film->radius = param(p, "lobes")->f;
     if (film->radius >= 1.0f && film->radius <= FILTER_RADIUS_MAX) return SATIN_OK;
-    return film_error(loader, p, "it has less than one lobe, or over 100");
+    return load_refuse(loader, p, "it has less than one lobe, or over 100");
 }
 
 static satin_status build_sampler(struct load_state *loader, const struct params *p, void *object) {

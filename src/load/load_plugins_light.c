@@ -108,23 +108,17 @@ static param_list envmap_params = {&filename,     &scale,           &sky_to_worl
 static param_list sky_params = {&haze,         &sun_direction, &sky_scale,       &sun_scale,
                                 &sun_aperture, &sky_to_world,  &sampling_weight, NULL};
 
-static satin_status light_error(struct load_state *loader, const struct params *p,
-                                const char *why) {
-    log_error_at(loader->log, p->node->place, "emitter '%s': %s", p->plugin->name, why);
-    return SATIN_ERROR_INPUT;
-}
-
 // Takes to_world and what follows from it: position, direction, inverse.
 static satin_status set_light_position(struct load_state *loader, const struct params *p,
                                        struct light *light) {
     light->to_world = param(p, "to_world")->m;
     if (!mat4_inverse(&light->to_world, &light->to_local))
-        return light_error(loader, p, "to_world is singular");
+        return load_refuse(loader, p, "to_world is singular");
     light->position = mat4_point(&light->to_world, v3(0, 0, 0));
     light->direction = v3_unit(mat4_vector(&light->to_world, v3(0, 0, 1)));
     if (v3_finite(light->position) && fabsf(v3_len2(light->direction) - 1.0f) < 1e-3f)
         return SATIN_OK;
-    return light_error(loader, p, "to_world is too small or too large");
+    return load_refuse(loader, p, "to_world is too small or too large");
 }
 
 static satin_status build_area(struct load_state *loader, const struct params *p, void *object) {
@@ -150,7 +144,7 @@ static satin_status build_point(struct load_state *loader, const struct params *
     light->kind = LIGHT_POINT;
     light->value = param(p, "intensity")->color;
     if (at->given && param(p, "to_world")->given)
-        return light_error(loader, p, "it has both a position and a to_world");
+        return load_refuse(loader, p, "it has both a position and a to_world");
     satin_status status = set_light_position(loader, p, light);
     if (at->given) light->position = at->v;
     return status;
@@ -188,15 +182,15 @@ static satin_status build_spot(struct load_state *loader, const struct params *p
     struct light *light = object;
     float cutoff = param(p, "cutoff_angle")->f, beam = 0.75f * cutoff;
     if (param(p, "beam_width")->given) beam = param(p, "beam_width")->f;
-    if (cutoff > 180.0f) return light_error(loader, p, "its cutoff_angle is over 180 degrees");
+    if (cutoff > 180.0f) return load_refuse(loader, p, "its cutoff_angle is over 180 degrees");
     if (beam > cutoff)
-        return light_error(loader, p, "its beam_width is larger than its cutoff_angle");
+        return load_refuse(loader, p, "its beam_width is larger than its cutoff_angle");
     light->kind = LIGHT_SPOT;
     light->value = param(p, "intensity")->color;
     satin_status status = set_texture(loader, param(p, "texture"), light);
     if (status != SATIN_OK) return status;
     if (light->texture && cutoff >= 90.0f)
-        return light_error(loader, p, "its texture needs a cutoff_angle below 90 degrees");
+        return load_refuse(loader, p, "its texture needs a cutoff_angle below 90 degrees");
     light->cos_cutoff = cosf(cutoff * (PI_F / 180.0f));
     light->cos_beam = cosf(beam * (PI_F / 180.0f));
     return set_light_position(loader, p, light);
@@ -209,12 +203,12 @@ static satin_status build_directional(struct load_state *loader, const struct pa
     light->kind = LIGHT_DIRECTIONAL;
     light->value = param(p, "irradiance")->color;
     if (direction->given && param(p, "to_world")->given)
-        return light_error(loader, p, "it has both a direction and a to_world");
+        return load_refuse(loader, p, "it has both a direction and a to_world");
     satin_status status = set_light_position(loader, p, light);
     if (status != SATIN_OK || !direction->given) return status;
     light->direction = v3_unit(direction->v);
     if (fabsf(v3_len2(light->direction) - 1.0f) < 1e-3f) return SATIN_OK;
-    return light_error(loader, p, "its direction is too small or too large");
+    return load_refuse(loader, p, "its direction is too small or too large");
 }
 
 static satin_status build_constant_light(struct load_state *loader, const struct params *p,
@@ -251,11 +245,11 @@ satin_status load_daylight_build(struct load_state *loader, const struct params 
     light->sun = v3_unit(daylight->sun);
     struct sky sky = {daylight->turbidity, v3_unit(mat4_vector(&light->to_local, light->sun))};
     if (!(sky.turbidity >= SKY_TURBIDITY_MIN && sky.turbidity <= SKY_TURBIDITY_MAX))
-        return light_error(loader, p, "its turbidity is not in [2, 10]");
+        return load_refuse(loader, p, "its turbidity is not in [2, 10]");
     if (!(v3_len2(sky.sun) > 0.5f) || !(sky.sun.y >= 0.0f))
-        return light_error(loader, p, "its sun_direction does not point above the horizon");
+        return load_refuse(loader, p, "its sun_direction does not point above the horizon");
     if (!(aperture < 0.5f * PI_F))
-        return light_error(loader, p, "its sun_aperture is not below 90 degrees");
+        return load_refuse(loader, p, "its sun_aperture is not below 90 degrees");
     // A wider sun is dimmer.
     const float natural = SKY_SUN_APERTURE * (PI_F / 180.0f);
     light->sun_chord = 2.0f * sinf(0.25f * aperture);
@@ -303,9 +297,9 @@ static satin_status check_place(struct load_state *loader, const struct params *
                                 const struct light *light, bool in_shape) {
     bool area = light->kind == LIGHT_AREA || light->kind == LIGHT_BEAM;
     if (in_shape && !area)
-        return light_error(loader, p, "it cannot be part of a shape; area lights are");
+        return load_refuse(loader, p, "it cannot be part of a shape; area lights are");
     if (is_environment(light) && loader->scene->environment >= 0)
-        return light_error(loader, p, "the scene has another environment");
+        return load_refuse(loader, p, "the scene has another environment");
     return SATIN_OK;
 }
 
@@ -323,7 +317,7 @@ satin_status load_emitter_add(struct load_state *loader, struct xml_node *node, 
     if (status != SATIN_OK) return status;
     // An area light outside of a shape is there to be referred to by its id.
     bool waits = shape < 0 && (light.kind == LIGHT_AREA || light.kind == LIGHT_BEAM);
-    if (waits && !xml_get(node, "id")) return light_error(loader, &p, "it must be part of a shape");
+    if (waits && !xml_get(node, "id")) return load_refuse(loader, &p, "it must be part of a shape");
     if (waits || (rgb_black(light.value) && rgb_black(light.sun_value))) return SATIN_OK;
     void *items = loader->light;
     if (!array_reserve(&items, &loader->light_capacity, loader->light_count + 1, sizeof light))

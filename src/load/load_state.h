@@ -36,6 +36,8 @@ struct load_state {
 
 // Logs lack of memory and returns its status.
 satin_status load_no_memory(struct load_state *loader);
+// Logs why a plugin cannot be taken, at the place of its element.
+satin_status load_refuse(struct load_state *loader, const struct params *p, const char *why);
 // Copies text into the scene's arena; NULL without memory.
 const char *load_keep_text(struct load_state *loader, const char *text);
 // params_read for the plugin that the element names.

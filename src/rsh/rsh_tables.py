@@ -265,8 +265,8 @@ def mix_row(f, s, polynomial, scale):
 
 
 def quarter_tables(w, flat):
-    """The rotation about x by 90 degrees, (x, y, z) -> (x, -z, y), by rows without its zeros: the exchange of
-    y and z after which y is negated; and its transpose."""
+    """The rotation about x by 90 degrees, (x, y, z) -> (x, -z, y), by rows without its zeros: the
+    exchange of y and z after which y is negated; and its transpose."""
     ends, columns, values, back = [], [], [], []
     for l, a in flat:
         for b in range(-l, l + 1):

@@ -48,7 +48,7 @@ TO_DO = {
     "// The same": "src/light src/guide src/photon src/gather src/film",
     "behind the image": "docs src/shade src/render",
     "bend": "docs src/light src/guide src/photon src/gather src/cache",
-    "deal": "docs src/base src/guide",
+    "deal": "docs src/guide",
     "grain": "docs src/photon src/cache src/render",
     "judge": "docs src/photon src/cache src/render",
     "keeper": "src/photon",
