@@ -16,7 +16,7 @@ extern "C" {
 // `unit`.
 typedef struct satin_progress {
     const char *stage, *unit;
-    double done, rate, elapsed;
+    double done, rate, elapsed;  // elapsed: seconds since the render began
 } satin_progress;
 
 // Called on the thread that called satin_render, about ten times a second. Returning true cancels.
