@@ -62,7 +62,7 @@ static bool gather_light(const struct gather *g, float u, float v, struct incide
     float spread;
     struct ray ray =
         camera_ray(g->scene, u * (float)film->width, v * (float)film->height, 0.5f, 0.5f, &spread);
-    struct surfel s;
+    struct interaction s;
     if (!scene_intersect(g->scene, &ray, &s) || s.light >= 0) return false;
     const vec3 n = v3_dot(s.ng, ray.d) < 0.0f ? s.ng : v3_neg(s.ng);
     struct gather_layout *layout = gather_layout_new(RAYS, SATIN_HSH, ORDER);

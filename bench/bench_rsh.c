@@ -56,15 +56,15 @@ static void run_accumulate(const struct timed *c) {
 }
 
 static void run_turn(const struct timed *c) {
-    struct rsh_turn t = {
+    struct rsh_rotation t = {
         (enum rsh_method)c->method, 0.2f, 0.8f, 0.6f, 0.9800666f, 0.1986693f, 0.28f, -0.96f};
     for (int i = 0; i < CALLS; i++)
-        c->kernels->turn(&t, c->order, c->channels, coefficients, result);
+        c->kernels->rotate(&t, c->order, c->channels, coefficients, result);
 }
 
 // Records in structures of arrays, the same vector of them again and again.
 static void run_batch(const struct timed *c) {
-    struct rsh_turns t = {.method = (enum rsh_method)c->method};
+    struct rsh_rotations t = {.method = (enum rsh_method)c->method};
     size_t width = (size_t)c->kernels->width;
     for (size_t i = 0; i < width; i++) {
         t.beta[i] = 0.2f;
@@ -73,7 +73,7 @@ static void run_batch(const struct timed *c) {
         t.cos_gamma[i] = 0.28f, t.sin_gamma[i] = -0.96f;
     }
     for (size_t i = 0; i < RECORDS; i += width)
-        c->kernels->turn_many(&t, c->order, c->channels, width, records[0], records[1]);
+        c->kernels->rotate_many(&t, c->order, c->channels, width, records[0], records[1]);
 }
 
 static void run_rotate_many(const struct timed *c) {
@@ -105,7 +105,7 @@ static void run_align(const struct timed *c) {
 static void run_tabulated(const struct timed *c) {
     enum { ANGLES = 32, EVEN = 55, ODD = 45, SIZE = EVEN * EVEN + ODD * ODD };
     static float table[(ANGLES + 1) * SIZE];
-    const struct rsh_turn z = {.method = RSH_METHOD_Z, .cos_gamma = 0.6f, .sin_gamma = 0.8f};
+    const struct rsh_rotation z = {.method = RSH_METHOD_Z, .cos_gamma = 0.6f, .sin_gamma = 0.8f};
     const float *v = coefficients;
     uint32_t state = 1;
     for (int i = 0; i < CALLS; i++) {
@@ -113,12 +113,12 @@ static void run_tabulated(const struct timed *c) {
         const float *const even[3] = {v, c->channels > 1 ? v + 100 : NULL, v + 200};
         const float *const odd[3] = {v + EVEN, c->channels > 1 ? v + 100 + EVEN : NULL, v + 255};
         const float *at = table + (state >> 16) % ANGLES * SIZE;
-        c->kernels->turn(&z, c->order, c->channels, v, result);
+        c->kernels->rotate(&z, c->order, c->channels, v, result);
         for (int k = 0; k < c->method; k++, at += SIZE) {
             c->kernels->accumulate(EVEN, EVEN, at, even, result);
             c->kernels->accumulate(ODD, ODD, at + EVEN * EVEN, odd, result + 3 * EVEN);
         }
-        c->kernels->turn(&z, c->order, c->channels, result, result);
+        c->kernels->rotate(&z, c->order, c->channels, result, result);
     }
 }
 

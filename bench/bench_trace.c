@@ -47,7 +47,7 @@ static struct ray *make_rays(const struct satin_scene *scene) {
     for (int i = 0; i < RAYS;) {
         struct ray eye = {v3(0, 0, 0), 0.0f,
                           sample_uniform_sphere(rng_float(&rng), rng_float(&rng)), INFINITY};
-        struct surfel s;
+        struct interaction s;
         if (!scene_intersect(scene, &eye, &s)) continue;
         struct frame frame = frame_from_normal(v3_neg(s.ng));
         for (int k = 0; k < 100; k++, i++) {
@@ -77,7 +77,7 @@ static double run(enum side side, RTCScene bare, const struct satin_scene *scene
                   const struct ray *ray, float *sum) {
     double start = now_ns();
     for (int i = 0; i < RAYS; i++) {
-        struct surfel s;
+        struct interaction s;
         if (side == BARE_INTERSECT) {
             struct RTCRayHit hit = bare_ray(&ray[i]);
             embree_intersect(bare, &hit);

@@ -20,8 +20,8 @@
 #include "rsh/rsh.h"
 #include "rsh/rsh_kernel.h"
 #include "rsh/rsh_multiples.h"
+#include "rsh/rsh_rotate_lanes.h"
 #include "rsh/rsh_tables.h"
-#include "rsh/rsh_turn.h"
 
 enum { FIRST = 4, LAST = 12, RECORDS = 64, VECTOR = 16, MAX_ROUNDS = 101 };
 enum { N_MAX = RSH_MAX_COEFFICIENTS, CHANNELS = 3 };
@@ -59,10 +59,10 @@ static bool can_run(void) { return true; }
 #endif
 
 static void turn_scalar(enum rsh_method method, int order, int channels, const float *r) {
-    struct rsh_turn t = rsh_turn_of_matrix(r);
+    struct rsh_rotation t = rsh_rotation_of_matrix(r);
     t.method = method;
-    t.beta = rsh_turn_angle(&t);
-    rsh_turn_scalar(&t, order, channels, in, out);
+    t.beta = rsh_rotation_angle(&t);
+    rsh_rotate_lanes_scalar(&t, order, channels, in, out);
 }
 
 // The quarter turn about x and its transpose, band after band, zeros and all.
@@ -102,7 +102,7 @@ static void quarter_turn(int order, const float *m, const float *v, float *to) {
 }
 
 static void zxzxz_whole(int order, int channels, const float *r) {
-    const struct rsh_turn t = rsh_turn_of_matrix(r);
+    const struct rsh_rotation t = rsh_rotation_of_matrix(r);
     const struct rsh_multiples alpha = rsh_multiples_of(t.cos_alpha, t.sin_alpha, order),
                                beta = rsh_multiples_of(t.cos_beta, t.sin_beta, order),
                                gamma = rsh_multiples_of(t.cos_gamma, t.sin_gamma, order);
@@ -110,11 +110,11 @@ static void zxzxz_whole(int order, int channels, const float *r) {
     for (int c = 0; c < channels; c++) {
         float v[N_MAX], u[N_MAX];
         memcpy(v, in + c * n, (size_t)n * sizeof *v);
-        rsh_turn_multiples(order, &gamma, v);
+        rsh_rotate_multiples(order, &gamma, v);
         quarter_turn(order, quarter[0], v, u);
-        rsh_turn_multiples(order, &beta, u);
+        rsh_rotate_multiples(order, &beta, u);
         quarter_turn(order, quarter[1], u, v);
-        rsh_turn_multiples(order, &alpha, v);
+        rsh_rotate_multiples(order, &alpha, v);
         memcpy(out + c * n, v, (size_t)n * sizeof *v);
     }
 }

@@ -46,7 +46,7 @@ typedef enum rsh_basis { RSH_SPHERE = 0, RSH_HEMISPHERE } rsh_basis;
 // (1e-7 measured) where |w| is 1 but for the rounding of floats.
 RSH_API bool rsh_eval(rsh_basis basis, int order, const float w[3], float *y);
 
-// The same with the derivatives by theta and phi; all three are arrays of n * n. At the pole phi
+// rsh_eval with the derivatives by theta and phi; all three are arrays of n * n. At the pole phi
 // counts as 0. The hemisphere's d/dtheta grows as 1 / sqrt(cos theta) towards the horizon and is
 // held below cos theta = 1e-6.
 RSH_API bool rsh_eval_derivatives(rsh_basis basis, int order, const float w[3], float *y,
@@ -63,7 +63,7 @@ RSH_API bool rsh_project(rsh_basis basis, int order, size_t count, const float *
                          const float *z, const float *r, const float *g, const float *b,
                          float *out);
 
-// The same for a basis that is given as a constant matrix: out[c * coefficients + k] +=
+// rsh_project for a basis that is given as a constant matrix: out[c * coefficients + k] +=
 // sum_i matrix[i * coefficients + k] * value_c[i], c = r, g, b. With g and b NULL: one channel.
 // Any number of coefficients.
 RSH_API void rsh_accumulate(size_t count, size_t coefficients, const float *matrix, const float *r,
@@ -134,7 +134,7 @@ RSH_API bool rsh_rotate_y_taylor(rsh_taylor kind, int order, int channels, float
 // By any rotation, exact to rounding, in the fastest form: rsh_rotate_pinchon_hoggan.
 RSH_API bool rsh_rotate(int order, int channels, const float r[9], const float *in, float *out);
 
-// A rotation as turns about z by gamma, then y by beta, then z by alpha [rad].
+// A rotation as rotations about z by gamma, then y by beta, then z by alpha [rad].
 typedef struct rsh_zyz {
     float alpha, beta, gamma;
 } rsh_zyz;
@@ -146,11 +146,11 @@ RSH_API bool rsh_rotate_zyz(int order, int channels, rsh_zyz angles, const float
 // z, y, z with the series about y [K05 5.3]: for small beta only; 9 n^2 products.
 RSH_API bool rsh_rotate_taylor(rsh_taylor kind, int order, int channels, const float r[9],
                                const float *in, float *out);
-// z, y, z with the turn about y as one about z between two exchanges of y and z, constant symmetric
-// blocks [Pinchon and Hoggan 2007]: 2 n^3 / 3 + 6 n^2 products.
+// z, y, z with the rotation about y as one about z between two exchanges of y and z, constant
+// symmetric blocks [Pinchon and Hoggan 2007]: 2 n^3 / 3 + 6 n^2 products.
 RSH_API bool rsh_rotate_pinchon_hoggan(int order, int channels, const float r[9], const float *in,
                                        float *out);
-// The same between two quarter turns about x [Kautz et al. 2002], in plain C.
+// As above, between two rotations about x by 90 degrees [Kautz et al. 2002], in plain C.
 RSH_API bool rsh_rotate_zxzxz(int order, int channels, const float r[9], const float *in,
                               float *out);
 // Matrices band by band from r itself [Ivanic and Ruedenberg 1996, corrected 1998], in plain C:
@@ -172,8 +172,8 @@ RSH_API bool rsh_apply_blocks(int order, int channels, const float *blocks, cons
 
 // Hemispherical harmonics by r with beta' = arccos(2 cos beta - 1) in place of the angle beta of
 // the zyz decomposition, otherwise exact [K05 5.4; Gautron et al. 2004]: right at the pole only,
-// see rsh_align. The horizon stays where it is, so what is 60 degrees from the pole turns by 7.8
-// when the pole turns by 10, and what is 80 degrees by 4.8; near the horizon it can be worse than
+// see rsh_align. The horizon stays where it is, so what is 60 degrees from the pole rotates by 7.8
+// when the pole rotates by 10, and what is 80 degrees by 4.8; near the horizon it can be worse than
 // no rotation. Angles from 90 degrees on count as 90.
 RSH_API bool rsh_rotate_stretched(int order, int channels, const float r[9], const float *in,
                                   float *out);
@@ -202,7 +202,7 @@ RSH_API bool rsh_align_transposed(rsh_basis basis, int order, int channels, cons
                                   const float to[9], float beta_limit, const float *in, float *out);
 
 // What a BRDF in frame `to` reflects of a record in frame `from`: out[c] = dot(BRDF, align(value +
-// x d_dx + y d_dy)), c = r, g, b. The BRDF is turned, not the record: one channel, or three, in
+// x d_dx + y d_dy)), c = r, g, b. The BRDF is rotated, not the record: one channel, or three, in
 // place of the record's nine. False also for a number of channels that is neither 1 nor 3.
 typedef struct rsh_reflection {
     rsh_basis basis;

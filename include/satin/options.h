@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a render may be told. A plain struct: copy satin_options_default (or let
+// How an image is rendered. A plain struct: copy satin_options_default (or let
 // satin_options_preset fill one) and set what differs. One table (src/render/options_table.c)
 // parses, prints and documents every field.
 #ifndef SATIN_OPTIONS_H
@@ -22,7 +22,7 @@ typedef enum satin_integrator {
 
 typedef enum satin_quality { SATIN_DRAFT = 0, SATIN_PREVIEW, SATIN_PRODUCTION } satin_quality;
 
-// The rough solution that a gather ray reads where it hits.
+// The first-pass radiance estimate that a gather ray reads where it hits.
 typedef enum satin_first_pass {
     SATIN_FIRST_PRECOMPUTED = 0,  // irradiance precomputed at photons, one nearest-neighbour query
     SATIN_FIRST_PHOTONS,          // density estimate at every hit
@@ -37,14 +37,14 @@ typedef enum satin_basis { SATIN_HSH = 0, SATIN_SH } satin_basis;
 // whose place it takes stratified ones.
 typedef enum satin_gradients {
     SATIN_GRADIENTS_NONE = 0,     // interpolate without
-    SATIN_GRADIENTS_STRATIFIED,   // by what crosses the walls between strata [K05 4.3]
-    SATIN_GRADIENTS_SOLID_ANGLE,  // by how what each ray hit turns and comes nearer [K05 4.2]
+    SATIN_GRADIENTS_STRATIFIED,   // by what crosses the boundaries of strata [K05 4.3]
+    SATIN_GRADIENTS_SOLID_ANGLE,  // by how the solid angle of what each ray hit changes [K05 4.2]
     SATIN_GRADIENTS_DIFFERENCES,  // the same by finite differences
     SATIN_GRADIENTS_WARD_HECKBERT
 } satin_gradients;
 
-// How far a record reaches: by the distances that its rays found, or by the second derivatives of
-// its irradiance.
+// The influence radius of a record: by the distances that its rays found, or by the second
+// derivatives of its irradiance.
 typedef enum satin_radius {
     SATIN_RADIUS_HARMONIC = 0,  // harmonic mean distance [Ward 1988]
     SATIN_RADIUS_LEAST,         // least distance
@@ -74,9 +74,9 @@ typedef struct satin_options {
     int64_t caustic_photons;  // photon paths emitted for the caustic map
     int photon_k;             // photons in a density estimate of the global map
     int caustic_k;            // photons in a density estimate of the caustic map
-    bool caustic_smooth;      // caustics without the grain of their photons
-    int recursive_levels;  // bounces behind the image that first pass `recursive` has records for
-    bool photon_area;      // divide by the area that is really there
+    bool caustic_smooth;      // caustics without the noise of their photons
+    int recursive_levels;     // indirect bounces that first pass `recursive` has records for
+    bool photon_area;         // divide by the area that is really there
 
     // Gathering.
     bool gather_bounce;   // hits nearer than the lookup radius go on one more bounce

@@ -11,12 +11,12 @@
 extern "C" {
 #endif
 
-// Where a render stands. `stage` is static text (photons, rough solution, records, image, ...),
+// Where a render stands. `stage` is static text (photons, BRDF tables, records, image, film, ...),
 // `done` in [0, 1] within the stage, `rate` items per second of the stage with their name in
 // `unit`.
 typedef struct satin_progress {
     const char *stage, *unit;
-    double done, rate, elapsed;
+    double done, rate, elapsed;  // elapsed: seconds since the render began
 } satin_progress;
 
 // Called on the thread that called satin_render, about ten times a second. Returning true cancels.

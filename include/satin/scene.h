@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loading a scene.
+// Loading a scene. A scene does not change once it is loaded: all functions but satin_scene_free
+// may be called for one scene from several threads, and several scenes may be loaded at once.
 #ifndef SATIN_SCENE_H
 #define SATIN_SCENE_H
 
@@ -16,9 +17,8 @@ typedef struct satin_define {
 
 // Loads a Mitsuba 3 XML scene with all its meshes and textures and builds its ray tracing
 // structure. `defines` (count `define_count`, may be NULL) override the file's defaults; a define
-// that no
-// `$name` of the file uses is an error. Every error is logged once as `file:line:column: ...` and
-// gives SATIN_ERROR_INPUT. The caller frees *scene with satin_scene_free.
+// that no `$name` of the file uses is an error. Every error is logged once as `file:line:column:
+// ...` and gives SATIN_ERROR_INPUT. The caller frees *scene with satin_scene_free.
 SATIN_API satin_status satin_scene_load(const char *path, const satin_define *defines,
                                         size_t define_count, satin_log_fn log, void *log_user,
                                         satin_scene **scene);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Types that every part of satin's public interface shares: status codes, messages, opaque handles.
+// Types that every header of satin's public interface uses: status codes, messages, opaque handles.
 #ifndef SATIN_TYPES_H
 #define SATIN_TYPES_H
 
@@ -26,7 +26,7 @@ typedef enum satin_status {
     SATIN_ERROR_INPUT,     // a scene, mesh, image or option is wrong; the log names the place
     SATIN_ERROR_IO,        // a file could not be read or written
     SATIN_ERROR_MEMORY,    // not enough memory
-    SATIN_ERROR_INTERNAL,  // a library failed in a way that is neither of the above
+    SATIN_ERROR_INTERNAL,  // a library failed in a way other than these
     SATIN_CANCELLED,       // the progress function asked to stop; partial results are valid
     SATIN_STATUS_COUNT
 } satin_status;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the subcommands of `satin` share: exit status, arguments, messages, progress.
+// What is common to the subcommands of `satin`: exit status, arguments, messages, progress.
 #ifndef APP_H
 #define APP_H
 
@@ -109,7 +109,7 @@ struct app_input {
 // Reports the first output that is one of the inputs (ended by `what` NULL), an output before it,
 // or impossible to write, and returns APP_WRONG.
 int app_outputs_check(const struct app_output *output, int count, const struct app_input *input);
-// The same for the files that a scene was read from.
+// app_refuse for the files that a scene was read from.
 int app_outputs_check_read(const struct app_output *output, int count,
                            const struct fileio_files *read);
 
@@ -123,7 +123,8 @@ struct app_progress {
     bool bar;  // a bar is on the screen
     const char *stage;
     char unit[32];
-    double stage_start, last;  // elapsed seconds: of the stage's beginning, when it last told
+    double stage_start,
+        last;  // elapsed seconds: of the stage's beginning, when it was last reported
     double last_draw;
     double rate;
 };

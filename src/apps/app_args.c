@@ -48,7 +48,7 @@ static bool matches(const struct app_flag *flag, char *argument, char **attached
     return flag->value || !argument[2];
 }
 
-static int unknown(const struct app_flag *flags, const char *argument) {
+static int unknown_flag(const struct app_flag *flags, const char *argument) {
     char name[64];
     snprintf(name, sizeof name, "%.*s", (int)strcspn(argument, "="), argument);
     struct text_nearest search = {.word = name};
@@ -93,7 +93,7 @@ int app_args_next(struct app_args *args, const struct app_flag *flags,
         *value = attached;
         return i;
     }
-    return unknown(flags, argument);
+    return unknown_flag(flags, argument);
 }
 
 bool app_args_split(char *pair, const char **name, const char **value) {

@@ -144,7 +144,7 @@ static int help_name(const char *element, const char *topic) {
         print_command(c);
         return APP_DONE;
     }
-    // An option, a plugin and an element may share a name.
+    // An option, a plugin and an element may have one name.
     bool option = !element && help_option(topic, &search);
     bool plugin = app_help_plugin(element, topic, &search);
     bool list = !element && app_help_element(topic);

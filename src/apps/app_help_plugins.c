@@ -88,7 +88,7 @@ void app_help_plugins_markdown(void) {
     const char *element = "";
     printf(
         "# Plugins of scene files\n\n"
-        "What may stand in a scene, by element; [language.md](language.md) tells the rest. Names "
+        "What may stand in a scene, by element; [language.md](language.md) has the rest. Names "
         "and\n"
         "meanings are Mitsuba 3's where it has the plugin. Anything else is an error at its line.\n"
         "\nThis page is printed by `satin help plugins --markdown`; `satin help NAME` prints "

@@ -74,8 +74,8 @@ static bool starts_as_image(const char *path) {
 
 // ---- The command --------------------------------------------------------------------------------
 
-static int read_arguments(struct app_args *args, satin_define *define, size_t *defines,
-                          const char **path) {
+static int read_info_arguments(struct app_args *args, satin_define *define, size_t *defines,
+                               const char **path) {
     char *value;
     for (;;) {
         int flag = app_args_next(args, app_info_flags, NULL, &value);
@@ -101,7 +101,7 @@ int app_info(int argc, char **argv) {
     size_t defines = 0;
     const char *path = NULL;
     if (!define) return app_no_memory();
-    int result = read_arguments(&args, define, &defines, &path);
+    int result = read_info_arguments(&args, define, &defines, &path);
     if (result == APP_DONE && path) {
         if (starts_as_image(path))
             result = app_exit_of(describe_image(path));

@@ -89,7 +89,7 @@ static void print_textures(const struct satin_scene *scene) {
 
 // ---- Materials ----------------------------------------------------------------------------------
 
-// What printing a material needs, and what is noticed on the way.
+// What printing a material needs, and what it notes.
 struct materials {
     const struct satin_scene *scene;
     const satin_options *options;
@@ -107,7 +107,7 @@ static void print_glossy(const struct materials *m, const struct material_side *
     }
     struct brdf_table_info info = brdf_range_info(table);
     printf(", gloss by radiance records (order %d, error below %g, %.3g %% of directions)",
-           info.order, (double)m->options->radiance_error, 100.0 * (double)info.share);
+           info.order, (double)m->options->radiance_error, 100.0 * (double)info.fraction);
 }
 
 static void print_side(void *ctx, const struct material_side *side) {
@@ -210,7 +210,7 @@ static void print_lights(const struct satin_scene *scene) {
     if (scene->light_count > SHOWN) printf("  and %" PRIu32 " more\n", scene->light_count - SHOWN);
 }
 
-// The tables that a render would build tell what is cached.
+// The tables that a render would build show what is cached.
 static satin_status describe_materials(const struct satin_scene *scene) {
     satin_options options;
     struct log log = {app_log_file, NULL};

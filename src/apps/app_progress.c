@@ -21,7 +21,7 @@ enum { LINE_MAX_BYTES = 512, BAR_MAX = 40 };
 // foreground: what comes so soon after the first signal is the same wish.
 static const long long SAME_WISH_NS = 1000000000;
 
-// When the first signal came, on the monotonic clock; 0: none did. All that a handler can reach.
+// When the first signal came, on the monotonic clock; 0: none did. All that a handler can access.
 static atomic_llong first_signal;
 
 static void on_signal(int number) {
@@ -163,7 +163,7 @@ void app_progress_start(struct app_progress *progress, bool quiet) {
 bool app_progress_update(void *user, const satin_progress *now) {
     struct app_progress *p = user;
     double time = stats_wall();
-    // A stage ends with the last that it tells; the next one may be silent for a while.
+    // A stage ends with its last report; the next one may be silent for a while.
     if (!p->stage || strcmp(p->stage, now->stage) != 0) {
         finish_stage(p);
         p->stage = now->stage;

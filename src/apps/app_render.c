@@ -133,7 +133,7 @@ static bool is_image(const char *name) {
     return false;
 }
 
-static int read_arguments(int argc, char **argv, struct request *r) {
+static int read_render_arguments(int argc, char **argv, struct request *r) {
     struct app_args args = {.argc = argc, .argv = argv};
     char *value;
     for (;;) {
@@ -229,8 +229,8 @@ static void print_summary(const struct request *r, const satin_film *film, satin
     if (r->png) fprintf(stderr, "%s\n", r->png);
 }
 
-static satin_status render(const struct request *r, const satin_scene *scene,
-                           struct app_progress *progress, double start) {
+static satin_status render_scene(const struct request *r, const satin_scene *scene,
+                                 struct app_progress *progress, double start) {
     struct log file_log = {app_log_file, progress};
     satin_options options;
     // What the user set has been checked; only the scene's options can be wrong here.
@@ -268,7 +268,7 @@ static int load_and_render(struct request *r) {
     struct app_output output[OUTPUTS];
     list_outputs(r, output);
     result = app_outputs_check_read(output, OUTPUTS, &scene->read);
-    if (result == APP_DONE) result = app_exit_of(render(r, scene, &progress, start));
+    if (result == APP_DONE) result = app_exit_of(render_scene(r, scene, &progress, start));
     satin_scene_free(scene);
     return result;
 }
@@ -277,7 +277,7 @@ int app_render(int argc, char **argv) {
     struct request r = {0};
     r.define = calloc((size_t)argc + 1, sizeof *r.define);
     r.setting = calloc((size_t)argc + 1, sizeof *r.setting);
-    int result = r.define && r.setting ? read_arguments(argc, argv, &r) : app_no_memory();
+    int result = r.define && r.setting ? read_render_arguments(argc, argv, &r) : app_no_memory();
     if (result == APP_DONE && r.help)
         result = app_help(1, (char *[]){"render"});
     else if (result == APP_DONE)

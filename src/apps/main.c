@@ -18,7 +18,7 @@ const struct app_command app_commands[] = {
     {NULL, NULL, NULL, NULL, NULL},
 };
 
-static int unknown(const char *name) {
+static int unknown_command(const char *name) {
     struct text_nearest search = {.word = name};
     for (const struct app_command *c = app_commands; c->name; c++)
         text_nearest_try(&search, c->name);
@@ -28,7 +28,7 @@ static int unknown(const char *name) {
 }
 
 // What was printed may still fail to arrive, on a full disk for example.
-static int finish(int result) {
+static int finish_output(int result) {
     if (fflush(stdout) == 0 && !ferror(stdout)) return result;
     app_log(NULL, SATIN_LOG_ERROR, "cannot write to standard output");
     return result == APP_DONE ? APP_FAILED : result;
@@ -38,11 +38,11 @@ int main(int argc, char **argv) {
     if (argc < 2) return app_wrong("no command; `satin help` lists them");
     if (strcmp(argv[1], "--version") == 0) {
         printf("satin %s\n", SATIN_VERSION);
-        return finish(APP_DONE);
+        return finish_output(APP_DONE);
     }
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0)
-        return finish(app_help(0, NULL));
+        return finish_output(app_help(0, NULL));
     for (const struct app_command *c = app_commands; c->name; c++)
-        if (strcmp(argv[1], c->name) == 0) return finish(c->run(argc - 2, argv + 2));
-    return unknown(argv[1]);
+        if (strcmp(argv[1], c->name) == 0) return finish_output(c->run(argc - 2, argv + 2));
+    return unknown_command(argv[1]);
 }

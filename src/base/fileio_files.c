@@ -37,7 +37,7 @@ static bool same_inode(const struct stat *a, const struct stat *b) {
 }
 
 // Cuts a path in two, in place: returns the last name, *folder is where it would be.
-static const char *cut(char *path, const char **folder) {
+static const char *cut_folder(char *path, const char **folder) {
     char *slash = strrchr(path, '/');
     *folder = !slash ? "." : slash == path ? "/" : path;
     if (slash) *slash = 0;
@@ -50,7 +50,7 @@ static bool same_place(const char *a, const char *b) {
     bool same = false;
     if (path[0] && path[1]) {
         const char *folder[2];
-        const char *name[2] = {cut(path[0], &folder[0]), cut(path[1], &folder[1])};
+        const char *name[2] = {cut_folder(path[0], &folder[0]), cut_folder(path[1], &folder[1])};
         struct stat st[2];
         same = strcmp(name[0], name[1]) == 0 && stat(folder[0], &st[0]) == 0 &&
                stat(folder[1], &st[1]) == 0 && same_inode(&st[0], &st[1]);

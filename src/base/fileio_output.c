@@ -54,7 +54,7 @@ char *fileio_follow(const char *path) {
 
 // ---- The new file -------------------------------------------------------------------------------
 
-// `.tmp` and a random number behind the target's name, which is cut where it would become too long.
+// `.tmp` and a random number after the target's name, which is cut where it would become too long.
 static char *temporary_name(const char *target) {
     uint64_t number;
     if (getrandom(&number, sizeof number, 0) != (ssize_t)sizeof number) return NULL;

@@ -39,7 +39,7 @@ static inline vec3 frame_to_world(const struct frame *f, vec3 l) {
               l.x * f->u.z + l.y * f->v.z + l.z * f->n.z);
 }
 
-// The same frame seen from the other side: half a turn about u.
+// The frame of the other side: rotated about u by 180 degrees.
 static inline struct frame frame_flip(struct frame f) {
     return (struct frame){f.u, v3_neg(f.v), v3_neg(f.n)};
 }

@@ -25,7 +25,7 @@ void log_message(struct log log, satin_log_level level, const char *format, ...)
 void log_error_at(struct log log, struct log_place place, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-// The same at SATIN_LOG_WARNING.
+// log_error_at, at SATIN_LOG_WARNING.
 void log_warning_at(struct log log, struct log_place place, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 

@@ -27,7 +27,7 @@ struct parallel {
 
     parallel_fn fn;
     void *ctx;
-    size_t n, grain, chunks;
+    size_t n, chunk_size, chunks;
     atomic_size_t next_chunk, finished;
     atomic_bool cancelled;
     parallel_progress_fn progress;
@@ -45,9 +45,9 @@ static void flush_denormals(void) {
 bool parallel_cancelled(struct parallel *pool, int worker) {
     if (atomic_load(&pool->cancelled)) return true;
     if (worker != 0 || !pool->progress) return false;
-    const double share =
+    const double fraction =
         pool->chunks ? (double)atomic_load(&pool->finished) / (double)pool->chunks : 1.0;
-    if (!pool->progress(pool->progress_user, share)) return false;
+    if (!pool->progress(pool->progress_user, fraction)) return false;
     atomic_store(&pool->cancelled, true);
     return true;
 }
@@ -58,8 +58,8 @@ static void run_chunks(struct parallel *pool, int worker) {
     while (!parallel_cancelled(pool, worker)) {
         size_t chunk = atomic_fetch_add(&pool->next_chunk, 1);
         if (chunk >= pool->chunks) return;
-        size_t begin = chunk * pool->grain;
-        size_t end = pool->n - begin > pool->grain ? begin + pool->grain : pool->n;
+        size_t begin = chunk * pool->chunk_size;
+        size_t end = pool->n - begin > pool->chunk_size ? begin + pool->chunk_size : pool->n;
         pool->fn(pool->ctx, begin, end, worker);
         atomic_fetch_add(&pool->finished, 1);
     }
@@ -143,13 +143,13 @@ void parallel_set_progress(struct parallel *pool, parallel_progress_fn fn, void 
     pool->progress_user = user;
 }
 
-bool parallel_for(struct parallel *pool, size_t n, size_t grain, parallel_fn fn, void *ctx) {
+bool parallel_for(struct parallel *pool, size_t n, size_t chunk_size, parallel_fn fn, void *ctx) {
     if (n == 0) return true;
     pool->fn = fn;
     pool->ctx = ctx;
     pool->n = n;
-    pool->grain = grain ? grain : 1;
-    pool->chunks = n / pool->grain + (n % pool->grain != 0);
+    pool->chunk_size = chunk_size ? chunk_size : 1;
+    pool->chunks = n / pool->chunk_size + (n % pool->chunk_size != 0);
     atomic_store(&pool->next_chunk, 0);
     atomic_store(&pool->finished, 0);
     atomic_store(&pool->cancelled, false);

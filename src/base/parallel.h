@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// parallel_for over an index range: the one place where threads start, progress is told and a
-// cancellation is seen. Chunks depend on n and grain, never on the number of threads; which worker
-// runs a chunk must not matter to the result.
+// parallel_for over an index range: the one place where threads start, progress is reported and a
+// cancellation is noticed. Chunks depend on n and chunk_size, never on the number of threads; which
+// worker runs a chunk must not matter to the result.
 #ifndef BASE_PARALLEL_H
 #define BASE_PARALLEL_H
 
@@ -13,8 +13,8 @@ struct parallel;
 // Does items [begin, end) of one chunk; `worker` in [0, parallel_threads()) names its scratch.
 typedef void (*parallel_fn)(void *ctx, size_t begin, size_t end, int worker);
 
-// Called on the calling thread between chunks with the share of the loop that is done, in [0, 1];
-// returning true cancels the loop.
+// Called on the calling thread between chunks with the fraction of the loop that is done, in [0,
+// 1]; returning true cancels the loop.
 typedef bool (*parallel_progress_fn)(void *user, double done);
 
 // The threads of a pool of `threads`: at most 1024; 0 means one per core that the process may use.
@@ -28,9 +28,9 @@ int parallel_threads(const struct parallel *pool);
 // Sets the function that is asked between chunks; NULL for none.
 void parallel_set_progress(struct parallel *pool, parallel_progress_fn fn, void *user);
 
-// Runs fn over [0, n) in chunks of `grain` (>= 1) items. True if all chunks ran, false if
+// Runs fn over [0, n) in chunks of `chunk_size` (>= 1) items. True if all chunks ran, false if
 // cancelled: then chunks that started have returned and the others have not begun. Not reentrant.
-bool parallel_for(struct parallel *pool, size_t n, size_t grain, parallel_fn fn, void *ctx);
+bool parallel_for(struct parallel *pool, size_t n, size_t chunk_size, parallel_fn fn, void *ctx);
 
 // For a chunk that may take longer than a tenth of a second: whether the loop under way is
 // cancelled, when the chunk should return, whatever is missing of it. To be asked now and then by

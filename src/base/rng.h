@@ -6,7 +6,7 @@
 
 #include <stdint.h>
 
-// One per consumer, so that no two stages share numbers.
+// One per consumer, so that no two stages have the same numbers.
 enum rng_stage {
     RNG_PHOTON = 1,
     RNG_GATHER,
@@ -22,7 +22,7 @@ enum rng_stage {
     RNG_GUIDE,
     RNG_VIEW,
     RNG_LEVEL,
-    RNG_DEAL,
+    RNG_ALLOCATION,
     RNG_CELL,
     RNG_SEEN,
     RNG_SMOOTH,

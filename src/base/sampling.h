@@ -67,10 +67,10 @@ static inline float mis_power(float a, float b) {
 // Burley's 2020 constants), its order shuffled, all by `seed`. Any aligned run of 2^k points is a
 // (0, k, 2)-net; different seeds give independent sequences. Both coordinates are in [0, 1).
 vec2 sample_sobol2(uint32_t index, uint32_t seed);
-// The same in dimensions 0 to 3, for paths; a little slower. Aligned runs are nets of quality t
+// Such a point in dimensions 0 to 3, for paths; a little slower. Aligned runs are nets of quality t
 // = 3.
 void sample_sobol4(uint32_t index, uint32_t seed, float u[4]);
-// The same in one dimension.
+// Such a number in one dimension.
 float sample_sobol1(uint32_t index, uint32_t seed);
 
 // A stream of such points for one sample of one pixel (or record): each call is a new pair of

@@ -9,7 +9,7 @@
 #include <sys/resource.h>
 #include <time.h>
 
-static struct stats_entry *find(struct stats *stats, const char *name) {
+static struct stats_entry *find_entry(struct stats *stats, const char *name) {
     for (int i = 0; i < stats->count; i++)
         if (strcmp(stats->entry[i].name, name) == 0) return &stats->entry[i];
     if (stats->count == STATS_ENTRIES) return NULL;
@@ -19,12 +19,12 @@ static struct stats_entry *find(struct stats *stats, const char *name) {
 }
 
 void stats_set(struct stats *stats, const char *name, double value) {
-    struct stats_entry *entry = find(stats, name);
+    struct stats_entry *entry = find_entry(stats, name);
     if (entry) entry->value = value;
 }
 
 void stats_add(struct stats *stats, const char *name, double value) {
-    struct stats_entry *entry = find(stats, name);
+    struct stats_entry *entry = find_entry(stats, name);
     if (entry) entry->value += value;
 }
 

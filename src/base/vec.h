@@ -53,7 +53,7 @@ static inline vec3 v3_unit(vec3 a) {
     float l = v3_len(a);
     return l > 0.0f ? v3_mul(a, 1.0f / l) : a;
 }
-// The same where the square of a leaves the range of float: the cross product of long or short
+// v3_unit for an `a` whose square leaves the range of float: the cross product of long or short
 // edges.
 static inline vec3 v3_unit_wide(vec3 a) {
     float l = v3_len_wide(a);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What all models share: the table of models, and evaluation and sampling of a choice of lobes.
-// Sampling picks a lobe by the model's shares, restricted to the lobes asked for; the density of a
-// direction is that of the mixture of the smooth lobes among them.
+// What is common to all models: the table of models, and evaluation and sampling of a choice of
+// lobes. Sampling picks a lobe by the model's probabilities, restricted to the lobes asked for; the
+// density of a direction is that of the mixture of the smooth lobes among them.
 //
-// Where a bump or normal map has turned the frame, directions must be on one side of both the
-// turned and the true surface, and light that comes in flat on the true one is shadowed by the
+// Where a bump or normal map has rotated the frame, directions must be on one side of both the
+// rotated and the true surface, and light that comes in flat on the true one is shadowed by the
 // slopes [Estevez et al. 2019].
 #include "brdf/brdf.h"
 
@@ -67,22 +67,23 @@ unsigned brdf_lobes(const struct brdf *b) {
 }
 
 // Probabilities of choosing a lobe; `glossy` is what sample_glossy draws.
-struct shares {
+struct lobe_probability {
     float diffuse, glossy, delta;
 };
 
 // False if none of the lobes asked for scatters light of wo.
-static bool lobe_shares(const struct brdf *b, vec3 wo, unsigned lobes, struct shares *out) {
+static bool find_probabilities(const struct brdf *b, vec3 wo, unsigned lobes,
+                               struct lobe_probability *out) {
     lobes &= brdf_lobes(b);
     if (!(wo.z > 0.0f) && (!brdf_transmits(b) || wo.z == 0.0f)) return false;
-    struct shares s = {1.0f, 1.0f, 1.0f};
-    if (b->model->shares) b->model->shares(b, wo, &s.diffuse, &s.glossy, &s.delta);
+    struct lobe_probability s = {1.0f, 1.0f, 1.0f};
+    if (b->model->probabilities) b->model->probabilities(b, wo, &s.diffuse, &s.glossy, &s.delta);
     if (!(lobes & BRDF_DIFFUSE)) s.diffuse = 0.0f;
     if (!(lobes & (BRDF_GLOSSY | BRDF_THROUGH))) s.glossy = 0.0f;
     if (!(lobes & BRDF_DELTA)) s.delta = 0.0f;
     float sum = s.diffuse + s.glossy + s.delta;
     if (!(sum > 0.0f)) return false;
-    *out = (struct shares){s.diffuse / sum, s.glossy / sum, s.delta / sum};
+    *out = (struct lobe_probability){s.diffuse / sum, s.glossy / sum, s.delta / sum};
     return true;
 }
 
@@ -95,39 +96,39 @@ static unsigned smooth_lobes(const struct brdf *b, vec3 wo, vec3 wi, unsigned lo
     return sides < 0.0f && !b->opaque ? lobes & BRDF_THROUGH : 0;
 }
 
-// Whether map i turned the frame.
-static bool is_turned(const struct brdf *b, int i) {
+// Whether map i rotated the frame.
+static bool is_rotated(const struct brdf *b, int i) {
     return b->base[i].x != 0.0f || b->base[i].y != 0.0f || b->base[i].z != 0.0f;
 }
 
-// What is left of light from `light` when w is the other direction, or light itself, at a turned
+// What is left of light from `light` when w is the other direction, or light itself, at a rotated
 // frame. Both are local.
-static float relief_share(const struct brdf *b, vec3 w, vec3 light) {
-    float share = 1.0f;
-    for (int i = 0; i < BRDF_RELIEFS && is_turned(b, i); i++) {
+static float bump_shadowing(const struct brdf *b, vec3 w, vec3 light) {
+    float left = 1.0f;
+    for (int i = 0; i < BRDF_BUMPS_MAX && is_rotated(b, i); i++) {
         if (!(v3_dot(b->base[i], w) * w.z > 0.0f)) return 0.0f;
         float c = v3_dot(b->base[i], light), c2 = c * c;
-        if (b->relief[i] == 0.0f || !(c2 > 0.0f)) continue;
-        share *= 2.0f / (1.0f + sqrtf(1.0f + b->relief[i] * maxf(1.0f - c2, 0.0f) / c2));
+        if (b->bump[i] == 0.0f || !(c2 > 0.0f)) continue;
+        left *= 2.0f / (1.0f + sqrtf(1.0f + b->bump[i] * maxf(1.0f - c2, 0.0f) / c2));
     }
-    return share;
+    return left;
 }
 
-static bool has_relief(const struct brdf *b) { return is_turned(b, 0); }
+static bool has_bump(const struct brdf *b) { return is_rotated(b, 0); }
 
 // A fit to the cosine-weighted mean, good to 0.2 %; of two maps the product of theirs.
-float brdf_relief_diffuse(const struct brdf *b) {
+float brdf_bump_diffuse(const struct brdf *b) {
     float mean = 1.0f;
-    for (int i = 0; i < BRDF_RELIEFS; i++) {
-        float a = sqrtf(b->relief[i]);
-        mean *= 1.0f - b->relief[i] * (0.5006f / sqrtf(maxf(a, 1e-6f)) - 0.2735f);
+    for (int i = 0; i < BRDF_BUMPS_MAX; i++) {
+        float a = sqrtf(b->bump[i]);
+        mean *= 1.0f - b->bump[i] * (0.5006f / sqrtf(maxf(a, 1e-6f)) - 0.2735f);
     }
     return mean;
 }
 
-float brdf_relief_glossy(const struct brdf *b, vec3 wo) {
+float brdf_bump_glossy(const struct brdf *b, vec3 wo) {
     vec3 mirror = v3(-wo.x, -wo.y, wo.z);
-    return has_relief(b) ? relief_share(b, mirror, mirror) : 1.0f;
+    return has_bump(b) ? bump_shadowing(b, mirror, mirror) : 1.0f;
 }
 
 // `lobes` from smooth_lobes, not 0.
@@ -140,7 +141,8 @@ static rgb eval_smooth(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes,
     return lobes & BRDF_GLOSSY ? rgb_add(diffuse, glossy) : diffuse;
 }
 
-static float pdf_smooth(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, struct shares s) {
+static float pdf_smooth(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes,
+                        struct lobe_probability s) {
     float diffuse, glossy;
     lobes &= brdf_lobes(b);
     b->model->pdf(b, wo, wi, lobes, &diffuse, &glossy);
@@ -151,24 +153,24 @@ rgb brdf_eval(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes) {
     lobes = smooth_lobes(b, wo, wi, lobes);
     if (!lobes) return rgb_grey(0.0f);
     rgb f = eval_smooth(b, wo, wi, lobes, BRDF_RADIANCE);
-    return has_relief(b) ? rgb_scale(f, relief_share(b, wi, wi)) : f;
+    return has_bump(b) ? rgb_scale(f, bump_shadowing(b, wi, wi)) : f;
 }
 
 float brdf_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes) {
-    struct shares s;
-    if (!smooth_lobes(b, wo, wi, lobes) || !lobe_shares(b, wo, lobes, &s)) return 0.0f;
-    if (has_relief(b) && relief_share(b, wi, wi) == 0.0f) return 0.0f;
+    struct lobe_probability s;
+    if (!smooth_lobes(b, wo, wi, lobes) || !find_probabilities(b, wo, lobes, &s)) return 0.0f;
+    if (has_bump(b) && bump_shadowing(b, wi, wi) == 0.0f) return 0.0f;
     return pdf_smooth(b, wo, wi, lobes, s);
 }
 
-// One delta lobe, chosen by u in [0, 1); `share` is the probability of having come here.
-static bool sample_delta(const struct brdf *b, vec3 wo, float u, float share, enum brdf_mode mode,
+// One delta lobe, chosen by u in [0, 1); `chosen` is the probability that it was chosen.
+static bool sample_delta(const struct brdf *b, vec3 wo, float u, float chosen, enum brdf_mode mode,
                          struct brdf_sample *out) {
     struct brdf_sample lobe[2];
     int n = brdf_delta(b, wo, mode, lobe);
     if (n == 0) return false;
     *out = lobe[n == 2 && u >= lobe[0].probability];
-    out->probability *= share;
+    out->probability *= chosen;
     out->weight = rgb_scale(out->weight, 1.0f / out->probability);
     return true;
 }
@@ -181,8 +183,8 @@ static float index_through(const struct brdf *b, vec3 wo) {
 
 bool brdf_sample(const struct brdf *b, vec3 wo, float u_lobe, float u, float v, unsigned lobes,
                  enum brdf_mode mode, struct brdf_sample *out) {
-    struct shares s;
-    if (!lobe_shares(b, wo, lobes, &s)) return false;
+    struct lobe_probability s;
+    if (!find_probabilities(b, wo, lobes, &s)) return false;
     if (u_lobe < s.delta) return sample_delta(b, wo, u_lobe / s.delta, s.delta, mode, out);
     bool glossy = u_lobe < s.delta + s.glossy || s.diffuse == 0.0f;
     vec3 wi;
@@ -198,10 +200,10 @@ bool brdf_sample(const struct brdf *b, vec3 wo, float u_lobe, float u, float v, 
     float pdf = side ? pdf_smooth(b, wo, wi, lobes, s) : 0.0f;
     if (!(pdf > 0.0f)) return false;
     rgb f = eval_smooth(b, wo, wi, side, mode);
-    if (has_relief(b)) {
-        float share = relief_share(b, wi, mode == BRDF_RADIANCE ? wi : wo);
-        if (share == 0.0f) return false;
-        f = rgb_scale(f, share);
+    if (has_bump(b)) {
+        float left = bump_shadowing(b, wi, mode == BRDF_RADIANCE ? wi : wo);
+        if (left == 0.0f) return false;
+        f = rgb_scale(f, left);
     }
     bool through = side & BRDF_THROUGH;
     *out = (struct brdf_sample){.wi = wi,
@@ -217,9 +219,9 @@ bool brdf_sample(const struct brdf *b, vec3 wo, float u_lobe, float u, float v, 
 
 int brdf_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode, struct brdf_sample out[2]) {
     int n = b->model->delta ? b->model->delta(b, wo, mode, out) : 0;
-    for (int i = 0; i < n && has_relief(b); i++) {
-        float share = relief_share(b, out[i].wi, mode == BRDF_RADIANCE ? out[i].wi : wo);
-        out[i].weight = rgb_scale(out[i].weight, share);
+    for (int i = 0; i < n && has_bump(b); i++) {
+        float left = bump_shadowing(b, out[i].wi, mode == BRDF_RADIANCE ? out[i].wi : wo);
+        out[i].weight = rgb_scale(out[i].weight, left);
     }
     return n;
 }

@@ -15,7 +15,7 @@
 #include "base/vec.h"
 #include "satin/options.h"
 
-// Parts of a BRDF; a mask. Delta parts scatter into single directions and have no value or density.
+// Lobes of a BRDF; a mask. Delta lobes scatter into single directions and have no value or density.
 enum brdf_lobe {
     BRDF_DIFFUSE = 1,  // Lambertian but for smooth factors (plastic's Fresnel transmission)
     BRDF_GLOSSY = 2,
@@ -38,7 +38,7 @@ enum brdf_mode { BRDF_RADIANCE = 0, BRDF_POWER };
 struct brdf_model;
 struct brdf_glossy;
 
-enum { BRDF_RELIEFS = 2 };  // bump and normal maps around one BRDF
+enum { BRDF_BUMPS_MAX = 2 };  // bump and normal maps around one BRDF
 
 // One BRDF at one point. Fields that a model does not use are ignored.
 struct brdf {
@@ -56,14 +56,14 @@ struct brdf {
     enum brdf_distribution distribution;
     enum brdf_variant variant;
     bool nonlinear;  // plastic, roughplastic: colour shifts by internal scattering
-    bool
-        even_turn;  // measured, lafortune: turning both directions about the normal changes nothing
-    bool uneven;    // measured: not even mirroring them at the x or y axis is without effect
-    bool opaque;    // the model transmits, but not with these numbers
-    // For each bump or normal map that turned the frame, the outermost first: the normal before,
-    // which is 0 behind the last one, and alpha^2 of the shadowing by its slopes, 0: none.
-    vec3 base[BRDF_RELIEFS];
-    float relief[BRDF_RELIEFS];
+    bool isotropic;  // measured, lafortune: rotating both directions about the normal changes
+                     // nothing
+    bool uneven;     // measured: not even mirroring them at the x or y axis is without effect
+    bool opaque;     // the model transmits, but not with these numbers
+    // For each bump or normal map that rotated the frame, the outermost first: the normal before,
+    // which is 0 after the last one, and alpha^2 of the shadowing by its slopes, 0: none.
+    vec3 base[BRDF_BUMPS_MAX];
+    float bump[BRDF_BUMPS_MAX];
     const void *tables;                // what the model's prepare made; owned by its arena
     const struct brdf_glossy *glossy;  // albedos of the glossy lobe, likewise; may be NULL
 };
@@ -113,7 +113,7 @@ static inline float *brdf_number(struct brdf *b, enum brdf_slot slot) {
 
 struct brdf_sample {
     vec3 wi;
-    rgb weight;   // f_r cos(theta_i) / pdf of all lobes asked for; for a delta lobe its share /
+    rgb weight;   // f_r cos(theta_i) / pdf of all lobes asked for; for a delta lobe its albedo /
                   // probability
     float pdf_w;  // density of wi over solid angle among the lobes asked for; 0 for a delta lobe
     float probability;  // of a delta lobe; else 1
@@ -132,29 +132,30 @@ struct brdf_model {
     bool thin;       // and the same medium on both
     // Derived constants into b (tables); NULL if there are none.
     satin_status (*prepare)(struct brdf *b, struct arena *arena);
-    // f_r of the diffuse part and of the glossy part, each [sr^-1]; both directions are above (z >
+    // f_r of the diffuse lobe and of the glossy lobe, each [sr^-1]; both directions are above (z >
     // 0), or both below if the model transmits. NULL, as pdf, without smooth lobes.
     void (*eval)(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy);
     // f_t [sr^-1] of the directions on two sides. NULL without BRDF_THROUGH.
     rgb (*through)(const struct brdf *b, vec3 wo, vec3 wi, enum brdf_mode mode);
-    // Densities over solid angle of sampling the diffuse part, by the cosine on wo's side, and of
+    // Densities over solid angle of sampling the diffuse lobe, by the cosine on wo's side, and of
     // sample_glossy, each alone.
     void (*pdf)(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
                 float *glossy);
-    // Directional albedo of the diffuse part; NULL if that is Lambertian: `diffuse` itself.
+    // Directional albedo of the diffuse lobe; NULL if that is Lambertian: `diffuse` itself.
     rgb (*diffuse_albedo)(const struct brdf *b, vec3 wo);
     // A rough albedo of BRDF_GLOSSY or BRDF_THROUGH, where no table holds; NULL: by samples.
     rgb (*glossy_estimate)(const struct brdf *b, vec3 wo, unsigned lobe);
-    // Draws wi from those of the parts BRDF_GLOSSY and BRDF_THROUGH that are in `lobes`, by numbers
+    // Draws wi from those of the lobes BRDF_GLOSSY and BRDF_THROUGH that are in `lobes`, by numbers
     // in [0, 1) of which x chooses; false if the sample fails (then it counts as zero). NULL
     // without such lobes.
     bool (*sample_glossy)(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi);
-    // Fills the delta lobes for wo: at most 2; returns how many. weight is the share of the light
-    // that goes there, probability the share of samples (summing to 1). NULL without a delta lobe.
+    // Fills the delta lobes for wo: at most 2; returns how many. weight is the fraction of the
+    // light that goes there, probability that of samples (summing to 1). NULL without a delta lobe.
     int (*delta)(const struct brdf *b, vec3 wo, enum brdf_mode mode, struct brdf_sample out[2]);
-    // Shares by which sampling chooses among diffuse, sample_glossy and delta (any scale, all >=
-    // 0). NULL for a model of one kind.
-    void (*shares)(const struct brdf *b, vec3 wo, float *diffuse, float *glossy, float *delta);
+    // Probabilities by which sampling chooses among diffuse, sample_glossy and delta (any scale,
+    // all >= 0). NULL for a model of one kind.
+    void (*probabilities)(const struct brdf *b, vec3 wo, float *diffuse, float *glossy,
+                          float *delta);
 };
 
 // All models, ended by a NULL name.
@@ -178,7 +179,7 @@ enum brdf_grid_kind {
 struct brdf_grid {
     enum brdf_grid_kind kind;
     int channels, size[4];
-    const float *at[4];  // ascending; one node of phi_o: isotropic, and phi over half a turn
+    const float *at[4];  // ascending; one node of phi_o: isotropic, and phi over 180 degrees
     const float *value;
 };
 
@@ -192,14 +193,14 @@ satin_status brdf_measured_set(struct brdf *b, struct arena *arena, const struct
 // of memory.
 satin_status brdf_prepare(struct brdf *b, struct arena *arena);
 
-// Whether two BRDFs have the same glossy part but for the factors `specular` and `transmittance`.
+// Whether two BRDFs have the same glossy lobe but for the factors `specular` and `transmittance`.
 bool brdf_same_shape(const struct brdf *a, const struct brdf *b);
-// Whether the glossy part depends on `diffuse`: the metallic or tinted principled models.
+// Whether the glossy lobe depends on `diffuse`: the metallic or tinted principled models.
 static inline bool brdf_tinted(const struct brdf *b) {
     return b->metallic > 0.0f || b->spec_tint > 0.0f;
 }
 
-// The lobes that b really has (a black diffuse part does not count).
+// The lobes that b really has (a black diffuse lobe does not count).
 unsigned brdf_lobes(const struct brdf *b);
 
 // Whether light passes through: there are lobes on the other side.
@@ -216,7 +217,7 @@ float brdf_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes);
 // Draws one direction from the lobes asked for. False if nothing is reflected or the sample failed.
 bool brdf_sample(const struct brdf *b, vec3 wo, float u_lobe, float u, float v, unsigned lobes,
                  enum brdf_mode mode, struct brdf_sample *out);
-// All delta lobes for wo (0 to 2), with weight the share itself (of radiance, compressed by
+// All delta lobes for wo (0 to 2), with weight the fraction itself (of radiance, compressed by
 // refraction, or of power), for deterministic splitting; their probabilities sum to 1.
 int brdf_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode, struct brdf_sample out[2]);
 
@@ -226,20 +227,20 @@ int brdf_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode, struct brdf_s
 rgb brdf_albedo(const struct brdf *b, vec3 wo, unsigned lobes);
 
 // What a bump or normal map leaves of the light where it is not evaluated by direction: the mean
-// over even light for the diffuse lobe, and the share at the mirror direction of wo for the glossy
-// one. 1 without a map.
-float brdf_relief_diffuse(const struct brdf *b);
-float brdf_relief_glossy(const struct brdf *b, vec3 wo);
+// over uniform light for the diffuse lobe, and the fraction at the mirror direction of wo for the
+// glossy one. 1 without a map.
+float brdf_bump_diffuse(const struct brdf *b);
+float brdf_bump_glossy(const struct brdf *b, vec3 wo);
 
-// Harmonics of the glossy part [K05 2.5, 3.4]: per outgoing direction on a parabolic map the
+// Harmonics of the glossy lobe [K05 2.5, 3.4]: per outgoing direction on a parabolic map the
 // coefficients of f_r cos(theta_i), with the least order whose error of reflected radiance meets
-// the bound. Isotropic BRDFs keep one radius of the map and turn it about z.
+// the bound. Isotropic BRDFs keep one radius of the map and rotate it about z.
 struct brdf_table;
 
 struct brdf_table_info {
-    int order;     // no look-up returns more; 0: high-frequency at every direction
-    int channels;  // 1 (grey) or 3
-    float share;   // of the hemisphere of outgoing directions that is represented
+    int order;       // no look-up returns more; 0: high-frequency at every direction
+    int channels;    // 1 (grey) or 3
+    float fraction;  // of the hemisphere of outgoing directions that is represented
     size_t bytes;
 };
 
@@ -276,10 +277,10 @@ satin_status brdf_range_build(const struct brdf *b, const struct brdf_roughness 
                               const struct brdf_fit *fit, struct parallel *pool,
                               struct brdf_range **out);
 void brdf_range_free(struct brdf_range *range);  // NULL is allowed
-// Order, share and size over all roughnesses.
+// Order, fraction and size over all roughnesses.
 struct brdf_table_info brdf_range_info(const struct brdf_range *range);
 // As brdf_table_order and brdf_table_lookup, for the roughness that b has; as many channels as
-// brdf_range_info tells.
+// brdf_range_info returns.
 int brdf_range_order(const struct brdf_range *range, const struct brdf *b, vec3 wo);
 int brdf_range_lookup(const struct brdf_range *range, const struct brdf *b, vec3 wo, float *c);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The diffuse lobe of the principled models; see the header. With F = (1 - cos)^5 at both
-// directions, c = cos^2 of the angle between them halved, r the roughness, R = 2 r c:
+// directions, c = cos^2 of half the angle between them, r the roughness, R = 2 r c:
 //   diffuse (1 - Fo/2) (1 - Fi/2), retroreflection R (Fo + Fi + Fo Fi (R - 1)),
 //   flattened 1.25 (S (1 / (cos_o + cos_i) - 1/2) + 1/2), S = (1 + (r c - 1) Fo) (1 + (r c - 1)
 //   Fi).

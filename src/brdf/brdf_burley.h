@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the two principled models share [Burley 2012, 2015], as Mitsuba 3 has it: the diffuse lobe
-// with its retroreflection, flattening and sheen, Schlick's Fresnel factors with their tints, and
-// roughness along two axes. Private to brdf/.
+// What is common to the two principled models [Burley 2012, 2015], as Mitsuba 3 has it: the diffuse
+// lobe with its retroreflection, flattening and sheen, Schlick's Fresnel factors with their tints,
+// and roughness along two axes. Private to brdf/.
 #ifndef BRDF_BURLEY_H
 #define BRDF_BURLEY_H
 
@@ -41,8 +41,8 @@ static inline struct microfacet burley_facets(const struct brdf *b, float roughn
 // Integrals over the hemisphere for the albedo of the diffuse lobe.
 satin_status burley_prepare(struct brdf *b, struct arena *arena);
 
-// The diffuse lobe's f_r, both directions above, and its albedo: base colour's part times `base`,
-// sheen times `sheen`.
+// The diffuse lobe's f_r, both directions above, and its albedo: base colour's fraction times
+// `base`, sheen times `sheen`.
 rgb burley_diffuse(const struct brdf *b, vec3 wo, vec3 wi, float base, float sheen);
 rgb burley_diffuse_albedo(const struct brdf *b, float cosine, float base, float sheen);
 

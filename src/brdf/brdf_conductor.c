@@ -5,35 +5,35 @@
 #include "brdf/brdf_microfacet.h"
 #include "brdf/brdf_models.h"
 
-static int smooth_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode,
-                        struct brdf_sample out[2]) {
+static int conductor_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode,
+                           struct brdf_sample out[2]) {
     (void)mode;
     if (!(wo.z > 0.0f)) return 0;
     out[0] = brdf_mirror(wo, rgb_mul(b->specular, fresnel_conductor(wo.z, b->eta, b->k)));
     return 1;
 }
 
-static struct microfacet facets(const struct brdf *b) {
+static struct microfacet conductor_facets(const struct brdf *b) {
     return microfacet_make(b->distribution, b->alpha_u, b->alpha_v);
 }
 
-static void rough_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
+static void conductor_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
     float cos_d = minf(0.5f * v3_len(v3_add(wo, wi)), 1.0f);  // to the facet's normal
     rgb f = rgb_mul(b->specular, fresnel_conductor(cos_d, b->eta, b->k));
     *diffuse = rgb_grey(0.0f);
-    *glossy = rgb_scale(f, microfacet_reflection(facets(b), wo, wi));
+    *glossy = rgb_scale(f, microfacet_reflection(conductor_facets(b), wo, wi));
 }
 
-static void rough_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
-                      float *glossy) {
+static void conductor_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
+                          float *glossy) {
     (void)lobes;
     *diffuse = 0.0f;
-    *glossy = microfacet_reflection_pdf(facets(b), wo, wi);
+    *glossy = microfacet_reflection_pdf(conductor_facets(b), wo, wi);
 }
 
-static bool rough_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
+static bool conductor_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
     (void)lobes;
-    return microfacet_reflect(facets(b), wo, u.y, u.z, wi);
+    return microfacet_reflect(conductor_facets(b), wo, u.y, u.z, wi);
 }
 
 const struct brdf_model brdf_model_conductor = {
@@ -41,7 +41,7 @@ const struct brdf_model brdf_model_conductor = {
     .doc = "smooth metal: an ideal mirror with the metal's Fresnel reflectance",
     .lobes = BRDF_DELTA,
     .slots = 1u << BRDF_SLOT_SPECULAR | 1u << BRDF_SLOT_ETA | 1u << BRDF_SLOT_K,
-    .delta = smooth_delta,
+    .delta = conductor_delta,
 };
 
 const struct brdf_model brdf_model_roughconductor = {
@@ -50,7 +50,7 @@ const struct brdf_model brdf_model_roughconductor = {
     .lobes = BRDF_GLOSSY,
     .slots = 1u << BRDF_SLOT_SPECULAR | 1u << BRDF_SLOT_ETA | 1u << BRDF_SLOT_K |
              1u << BRDF_SLOT_ALPHA_U | 1u << BRDF_SLOT_ALPHA_V,
-    .eval = rough_eval,
-    .pdf = rough_pdf,
-    .sample_glossy = rough_sample,
+    .eval = conductor_eval,
+    .pdf = conductor_pdf,
+    .sample_glossy = conductor_sample,
 };

@@ -5,9 +5,9 @@
 #include "brdf/brdf_models.h"
 
 // Fills reflection and transmission with their samples in proportion to `f` and 1 - f (physical
-// shares, so that colours do not move them); a share of 0 is left out.
-static int split(float f, struct brdf_sample reflected, struct brdf_sample transmitted,
-                 struct brdf_sample out[2]) {
+// fractions, so that colours do not move them); a probability of 0 is left out.
+static int split_delta(float f, struct brdf_sample reflected, struct brdf_sample transmitted,
+                       struct brdf_sample out[2]) {
     int n = 0;
     reflected.probability = f;
     transmitted.probability = 1.0f - f;
@@ -27,7 +27,7 @@ static int glass_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode,
                                       .weight = rgb_scale(b->transmittance, t),
                                       .eta = eta,
                                       .lobe = BRDF_DELTA};
-    return split(f, brdf_mirror(wo, rgb_scale(b->specular, f)), transmitted, out);
+    return split_delta(f, brdf_mirror(wo, rgb_scale(b->specular, f)), transmitted, out);
 }
 
 // Light bounces between the two boundaries: the series R + T R T + T R^3 T + ... = 2 R / (1 + R).
@@ -41,7 +41,7 @@ static int pane_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode,
                                       .weight = rgb_scale(b->transmittance, 1.0f - f),
                                       .eta = 1.0f,
                                       .lobe = BRDF_DELTA};
-    return split(f, brdf_mirror(wo, rgb_scale(b->specular, f)), transmitted, out);
+    return split_delta(f, brdf_mirror(wo, rgb_scale(b->specular, f)), transmitted, out);
 }
 
 const struct brdf_model brdf_model_dielectric = {

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lambertian reflection, diffuse / pi, and what every model with such a part shares.
+// Lambertian reflection, diffuse / pi, and what is common to every model with such a lobe.
 #include "brdf/brdf_models.h"
 
-static void eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
+static void diffuse_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
     (void)wo, (void)wi;
     *diffuse = rgb_scale(b->diffuse, 1.0f / PI_F);
     *glossy = rgb_grey(0.0f);
 }
 
-static void pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
-                float *glossy) {
+static void diffuse_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
+                        float *glossy) {
     (void)b, (void)wo, (void)lobes;
     *diffuse = wi.z * (1.0f / PI_F);
     *glossy = 0.0f;
@@ -20,6 +20,6 @@ const struct brdf_model brdf_model_diffuse = {
     .doc = "Lambertian: scatters light evenly into all directions",
     .lobes = BRDF_DIFFUSE,
     .slots = 1u << BRDF_SLOT_DIFFUSE,
-    .eval = eval,
-    .pdf = pdf,
+    .eval = diffuse_eval,
+    .pdf = diffuse_pdf,
 };

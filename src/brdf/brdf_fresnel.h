@@ -5,10 +5,10 @@
 
 #include "base/vec.h"
 
-// Share that a boundary between dielectrics reflects, [Born and Wolf, 1.5.2]. `cos_i` is the signed
-// cosine to the normal, negative inside; `ior` interior over exterior index. *cos_t (may be NULL)
-// gets the cosine of the refracted direction to the normal, its sign opposite to cos_i; 0 under
-// total reflection.
+// Fraction that a boundary between dielectrics reflects, [Born and Wolf, 1.5.2]. `cos_i` is the
+// signed cosine to the normal, negative inside; `ior` interior over exterior index. *cos_t (may be
+// NULL) gets the cosine of the refracted direction to the normal, its sign opposite to cos_i; 0
+// under total reflection.
 static inline float fresnel_dielectric(float cos_i, float ior, float *cos_t) {
     float eta = cos_i >= 0.0f ? ior : 1.0f / ior;
     float ci = fabsf(cos_i), eta2 = eta * eta;

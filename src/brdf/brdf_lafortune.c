@@ -15,10 +15,10 @@ satin_status brdf_lafortune_set(struct brdf *b, struct arena *arena,
     struct lobes *l = arena_alloc(arena, sizeof *l);
     if (!l) return SATIN_ERROR_MEMORY;
     l->count = count;
-    b->even_turn = true;
+    b->isotropic = true;
     for (int i = 0; i < count; i++) {
         l->lobe[i] = lobe[i];
-        if (lobe[i].c.x != lobe[i].c.y) b->even_turn = false;
+        if (lobe[i].c.x != lobe[i].c.y) b->isotropic = false;
     }
     b->tables = l;
     return SATIN_OK;
@@ -29,7 +29,7 @@ static vec3 axis_of(const struct brdf_cosine_lobe *l, vec3 wo) {
     return v3(l->c.x * wo.x, l->c.y * wo.y, l->c.z * wo.z);
 }
 
-static void eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
+static void lafortune_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
     const struct lobes *l = b->tables;
     *diffuse = rgb_scale(b->diffuse, 1.0f / PI_F);
     *glossy = rgb_grey(0.0f);
@@ -40,41 +40,43 @@ static void eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glos
     *glossy = rgb_mul(*glossy, b->specular);
 }
 
-// Shares by the lobes' integrals over the sphere; false if none reflects.
-static bool choose(const struct lobes *l, vec3 wo, float share[BRDF_COSINE_LOBES_MAX]) {
+// Probabilities by the lobes' integrals over the sphere; false if none reflects.
+static bool lobe_probabilities(const struct lobes *l, vec3 wo,
+                               float probability[BRDF_COSINE_LOBES_MAX]) {
     float sum = 0.0f;
     for (int i = 0; i < l->count; i++) {
         float n = l->lobe[i].exponent, length = v3_len(axis_of(&l->lobe[i], wo));
-        share[i] = rgb_mean(l->lobe[i].color) * powf(length, n) / (n + 1.0f);
-        sum += share[i];
+        probability[i] = rgb_mean(l->lobe[i].color) * powf(length, n) / (n + 1.0f);
+        sum += probability[i];
     }
-    for (int i = 0; i < l->count; i++) share[i] /= sum;
+    for (int i = 0; i < l->count; i++) probability[i] /= sum;
     return sum > 0.0f && isfinite(sum);
 }
 
-static void pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
-                float *glossy) {
+static void lafortune_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
+                          float *glossy) {
     (void)lobes;
     const struct lobes *l = b->tables;
-    float share[BRDF_COSINE_LOBES_MAX];
+    float probability[BRDF_COSINE_LOBES_MAX];
     *diffuse = wi.z * (1.0f / PI_F);
     *glossy = 0.0f;
-    if (!choose(l, wo, share)) return;
+    if (!lobe_probabilities(l, wo, probability)) return;
     for (int i = 0; i < l->count; i++) {
         vec3 axis = axis_of(&l->lobe[i], wo);
         float n = l->lobe[i].exponent, c = v3_dot(axis, wi);
-        if (!(c > 0.0f) || share[i] == 0.0f) continue;
-        *glossy += share[i] * (n + 1.0f) * (0.5f / PI_F) * powf(minf(c / v3_len(axis), 1.0f), n);
+        if (!(c > 0.0f) || probability[i] == 0.0f) continue;
+        *glossy +=
+            probability[i] * (n + 1.0f) * (0.5f / PI_F) * powf(minf(c / v3_len(axis), 1.0f), n);
     }
 }
 
-static bool sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
+static bool lafortune_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
     (void)lobes;
     const struct lobes *l = b->tables;
-    float share[BRDF_COSINE_LOBES_MAX], x = u.x;
-    if (!choose(l, wo, share)) return false;
+    float probability[BRDF_COSINE_LOBES_MAX], x = u.x;
+    if (!lobe_probabilities(l, wo, probability)) return false;
     int i = 0;
-    for (; i < l->count - 1 && x >= share[i]; i++) x -= share[i];
+    for (; i < l->count - 1 && x >= probability[i]; i++) x -= probability[i];
     vec3 axis = axis_of(&l->lobe[i], wo);
     if (!(v3_len2(axis) > 0.0f)) return false;
     float t = logf(maxf(1.0f - u.y, 0x1p-25f)) / (l->lobe[i].exponent + 1.0f);
@@ -84,7 +86,8 @@ static bool sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *
     return wi->z > 0.0f;
 }
 
-static void shares(const struct brdf *b, vec3 wo, float *diffuse, float *glossy, float *delta) {
+static void lafortune_probabilities(const struct brdf *b, vec3 wo, float *diffuse, float *glossy,
+                                    float *delta) {
     (void)wo;
     *delta = 0.0f;
     *diffuse = rgb_mean(b->diffuse);
@@ -97,8 +100,8 @@ const struct brdf_model brdf_model_lafortune = {
     .lobes = BRDF_REFLECT,
     .slots = 1u << BRDF_SLOT_DIFFUSE | 1u << BRDF_SLOT_SPECULAR,
     .data = true,
-    .eval = eval,
-    .pdf = pdf,
-    .sample_glossy = sample,
-    .shares = shares,
+    .eval = lafortune_eval,
+    .pdf = lafortune_pdf,
+    .sample_glossy = lafortune_sample,
+    .probabilities = lafortune_probabilities,
 };

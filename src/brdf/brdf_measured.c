@@ -4,7 +4,7 @@
 //
 // A grid has no lobes of its own. What it reflects in all directions alike, up to the least value
 // away from grazing ones, is called diffuse, the rest glossy. The rest is sampled by half vectors,
-// whose distribution is tabulated from mirror-like pairs, with a share of cosine-distributed
+// whose distribution is tabulated from mirror-like pairs, with a fraction of cosine-distributed
 // directions for what that misses.
 #include <string.h>
 
@@ -13,41 +13,41 @@
 
 enum { THETA = 64, PHI = 16, ALBEDO = 33, PAIRS = 5 };
 
-#define COSINE_SHARE 0.2f  // of the samples
+#define COSINE_FRACTION 0.2f  // of the samples
 
 struct measured {
     struct brdf_grid grid;
     rgb least;           // of f [sr^-1]
-    rgb albedo[ALBEDO];  // of the diffuse part, by the cosine
+    rgb albedo[ALBEDO];  // of the diffuse lobe, by the cosine
     float cdf[THETA * PHI + 1];
 };
 
 // ---- Values -------------------------------------------------------------------------------------
 
-// Position x among n ascending nodes, evenly spaced from `first` by `step`; turns if `period` nodes
-// make a turn. Outside it is clamped.
-struct place {
+// Position x among n ascending nodes, evenly spaced from `first` by `step`; periodic if `period`
+// nodes make a full circle. Outside it is clamped.
+struct grid_position {
     int i[2];
     float f;
 };
 
-static struct place place_even(float x, int n, bool wraps) {
+static struct grid_position place_even(float x, int n, bool wraps) {
     float i = floorf(x), f = x - i;
     int lo = (int)i;
-    if (wraps) return (struct place){{((lo % n) + n) % n, (((lo + 1) % n) + n) % n}, f};
-    if (lo < 0) return (struct place){{0, 0}, 0.0f};
-    if (lo >= n - 1) return (struct place){{n - 1, n - 1}, 0.0f};
-    return (struct place){{lo, lo + 1}, f};
+    if (wraps) return (struct grid_position){{((lo % n) + n) % n, (((lo + 1) % n) + n) % n}, f};
+    if (lo < 0) return (struct grid_position){{0, 0}, 0.0f};
+    if (lo >= n - 1) return (struct grid_position){{n - 1, n - 1}, 0.0f};
+    return (struct grid_position){{lo, lo + 1}, f};
 }
 
-// The same among nodes at[0 .. n - 1]; `turn` is the period, or 0.
-static struct place place_among(float x, const float *at, int n, float turn) {
-    if (n == 1) return (struct place){{0, 0}, 0.0f};
-    if (turn > 0.0f) x = at[0] + (x - at[0]) - turn * floorf((x - at[0]) / turn);
+// The position of x among nodes at[0 .. n - 1]; `period` may be 0.
+static struct grid_position place_among(float x, const float *at, int n, float period) {
+    if (n == 1) return (struct grid_position){{0, 0}, 0.0f};
+    if (period > 0.0f) x = at[0] + (x - at[0]) - period * floorf((x - at[0]) / period);
     if (x >= at[n - 1]) {
-        if (!(turn > 0.0f)) return (struct place){{n - 1, n - 1}, 0.0f};
-        float gap = at[0] + turn - at[n - 1];
-        return (struct place){{n - 1, 0}, gap > 0.0f ? (x - at[n - 1]) / gap : 0.0f};
+        if (!(period > 0.0f)) return (struct grid_position){{n - 1, n - 1}, 0.0f};
+        float gap = at[0] + period - at[n - 1];
+        return (struct grid_position){{n - 1, 0}, gap > 0.0f ? (x - at[n - 1]) / gap : 0.0f};
     }
     int lo = 0, hi = n - 1;
     while (hi - lo > 1) {
@@ -57,16 +57,16 @@ static struct place place_among(float x, const float *at, int n, float turn) {
         else
             hi = mid;
     }
-    return (struct place){{lo, hi}, clampf((x - at[lo]) / (at[hi] - at[lo]), 0.0f, 1.0f)};
+    return (struct grid_position){{lo, hi}, clampf((x - at[lo]) / (at[hi] - at[lo]), 0.0f, 1.0f)};
 }
 
-static rgb texel(const struct brdf_grid *g, size_t i) {
+static rgb grid_value(const struct brdf_grid *g, size_t i) {
     const float *v = g->value + i * (size_t)g->channels;
     return g->channels == 1 ? rgb_grey(v[0]) : rgb_make(v[0], v[1], v[2]);
 }
 
 // Over all corners of the cell in `dimensions` places, of which the last varies fastest.
-static rgb blend(const struct brdf_grid *g, const struct place *at, int dimensions) {
+static rgb blend(const struct brdf_grid *g, const struct grid_position *at, int dimensions) {
     rgb sum = rgb_grey(0.0f);
     for (int corner = 0; corner < 1 << dimensions; corner++) {
         float weight = 1.0f;
@@ -76,7 +76,7 @@ static rgb blend(const struct brdf_grid *g, const struct place *at, int dimensio
             weight *= end ? at[d].f : 1.0f - at[d].f;
             i = i * (size_t)g->size[d] + (size_t)at[d].i[end];
         }
-        if (weight > 0.0f) sum = rgb_mad(sum, texel(g, i), weight);
+        if (weight > 0.0f) sum = rgb_mad(sum, grid_value(g, i), weight);
     }
     return sum;
 }
@@ -93,7 +93,7 @@ static rgb value_half(const struct brdf_grid *g, vec3 wo, vec3 wi) {
         if (phi < 0.0f) phi += PI_F;
     }
     const float quarter = 0.5f * PI_F;
-    const struct place at[3] = {
+    const struct grid_position at[3] = {
         place_even(sqrtf(theta_h / quarter) * (float)g->size[0] - 0.5f, g->size[0], false),
         place_even(theta_d / quarter * (float)g->size[1] - 0.5f, g->size[1], false),
         place_even(phi / PI_F * (float)g->size[2] - 0.5f, g->size[2], true)};
@@ -105,7 +105,7 @@ static rgb value_one_way(const struct brdf_grid *g, vec3 wo, vec3 wi) {
     float phi_o = atan2f(wo.y, wo.x), phi = atan2f(wi.y, wi.x) - phi_o;
     const bool isotropic = g->size[1] == 1;
     if (isotropic) phi = fabsf(remainderf(phi, 2.0f * PI_F));
-    const struct place at[4] = {
+    const struct grid_position at[4] = {
         place_among(theta_o, g->at[0], g->size[0], 0.0f),
         place_among(phi_o, g->at[1], g->size[1], 2.0f * PI_F),
         place_among(theta_i, g->at[2], g->size[2], 0.0f),
@@ -126,7 +126,7 @@ static rgb diffuse_part(const struct measured *m, rgb f) {
 
 // ---- What is derived ----------------------------------------------------------------------------
 
-static vec3 direction(float theta, float phi) {
+static vec3 direction_of_angles(float theta, float phi) {
     return v3(sinf(theta) * cosf(phi), sinf(theta) * sinf(phi), cosf(theta));
 }
 
@@ -145,11 +145,11 @@ static rgb find_least(const struct measured *m) {
 
 static float theta_edge(int i) { return 0.5f * PI_F * sqrf((float)i / THETA); }
 
-// Brightness of facets in a cell of half vectors: pairs that they mirror, without the diffuse part.
+// Brightness of facets in a cell of half vectors: pairs that they mirror, without the diffuse lobe.
 static float cell_weight(const struct measured *m, int i, int j) {
     float theta = 0.5f * (theta_edge(i) + theta_edge(i + 1));
     float phi = 2.0f * PI_F * ((float)j + 0.5f) / PHI, sum = 0.0f;
-    vec3 h = direction(theta, phi);
+    vec3 h = direction_of_angles(theta, phi);
     for (int k = 0; k < PAIRS; k++) {
         // At 0 to 64 degrees from h, about it.
         float tilt = 0.28f * (float)k, about = 2.4f * (float)k + phi;
@@ -193,14 +193,14 @@ satin_status brdf_measured_set(struct brdf *b, struct arena *arena, const struct
     b->tables = m;
     b->diffuse = rgb_scale(m->least, PI_F);
     b->specular = rgb_grey(1.0f);
-    b->even_turn = grid->kind == BRDF_GRID_HALF || grid->size[1] == 1;
-    b->uneven = !b->even_turn;
+    b->isotropic = grid->kind == BRDF_GRID_HALF || grid->size[1] == 1;
+    b->uneven = !b->isotropic;
     return SATIN_OK;
 }
 
 // ---- The model ----------------------------------------------------------------------------------
 
-static void eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
+static void measured_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
     const struct measured *m = b->tables;
     rgb f = value(m, wo, wi);
     *diffuse = diffuse_part(m, f);
@@ -217,19 +217,19 @@ static float half_density(const struct measured *m, vec3 h) {
     return p * PHI / (2.0f * PI_F * (cosf(theta_edge(i)) - cosf(theta_edge(i + 1))));
 }
 
-static void pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
-                float *glossy) {
+static void measured_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
+                         float *glossy) {
     (void)lobes;
     vec3 h = v3_unit(v3_add(wo, wi));
     *diffuse = wi.z * (1.0f / PI_F);
-    *glossy = COSINE_SHARE * *diffuse +
-              (1.0f - COSINE_SHARE) * half_density(b->tables, h) / (4.0f * v3_dot(wo, h));
+    *glossy = COSINE_FRACTION * *diffuse +
+              (1.0f - COSINE_FRACTION) * half_density(b->tables, h) / (4.0f * v3_dot(wo, h));
 }
 
-static bool sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
+static bool measured_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
     (void)lobes;
     const struct measured *m = b->tables;
-    if (u.x < COSINE_SHARE) {
+    if (u.x < COSINE_FRACTION) {
         *wi = sample_cosine_hemisphere(u.y, u.z);
         return true;
     }
@@ -244,7 +244,7 @@ static bool sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *
     return c > 0.0f && wi->z > 0.0f;
 }
 
-static rgb diffuse_albedo(const struct brdf *b, vec3 wo) {
+static rgb measured_diffuse_albedo(const struct brdf *b, vec3 wo) {
     const struct measured *m = b->tables;
     float x = wo.z * (ALBEDO - 1);
     int i = x < ALBEDO - 2 ? (int)x : ALBEDO - 2;
@@ -252,17 +252,19 @@ static rgb diffuse_albedo(const struct brdf *b, vec3 wo) {
     return rgb_mad(rgb_scale(m->albedo[i], 1.0f - x), m->albedo[i + 1], x);
 }
 
-static void shares(const struct brdf *b, vec3 wo, float *diffuse, float *glossy, float *delta) {
+static void measured_probabilities(const struct brdf *b, vec3 wo, float *diffuse, float *glossy,
+                                   float *delta) {
     (void)wo;
     *delta = 0.0f;
     *diffuse = rgb_mean(b->diffuse);
     *glossy = maxf(1.0f - *diffuse, 0.2f) * 0.5f;
 }
 
-#define MEASURED(plugin, text)                                                                  \
-    {                                                                                           \
-        .name = plugin, .doc = text, .lobes = BRDF_REFLECT, .data = true, .eval = eval,         \
-        .pdf = pdf, .diffuse_albedo = diffuse_albedo, .sample_glossy = sample, .shares = shares \
+#define MEASURED(plugin, text)                                                                   \
+    {                                                                                            \
+        .name = plugin, .doc = text, .lobes = BRDF_REFLECT, .data = true, .eval = measured_eval, \
+        .pdf = measured_pdf, .diffuse_albedo = measured_diffuse_albedo,                          \
+        .sample_glossy = measured_sample, .probabilities = measured_probabilities                \
     }
 
 const struct brdf_model brdf_model_merl =

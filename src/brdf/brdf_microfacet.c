@@ -64,25 +64,25 @@ static vec2 ggx_slope(float c, float s, float u, float v) {
 }
 
 // What the view gives once stretched: cosine and sine to the normal, and its azimuth.
-struct view {
+struct stretched_view {
     float c, s, cos_phi, sin_phi;
 };
 
-static struct view stretch_view(struct microfacet m, vec3 w) {
+static struct stretched_view stretch_view(struct microfacet m, vec3 w) {
     vec3 t = v3_unit(v3(m.au * w.x, m.av * w.y, w.z));
     float s = sqrtf(t.x * t.x + t.y * t.y);
-    if (!(s > 0.0f)) return (struct view){1.0f, 0.0f, 1.0f, 0.0f};
-    return (struct view){t.z, s, t.x / s, t.y / s};
+    if (!(s > 0.0f)) return (struct stretched_view){1.0f, 0.0f, 1.0f, 0.0f};
+    return (struct stretched_view){t.z, s, t.x / s, t.y / s};
 }
 
-static vec3 shrink_slope(struct microfacet m, struct view w, vec2 slope) {
+static vec3 shrink_slope(struct microfacet m, struct stretched_view w, vec2 slope) {
     float x = w.cos_phi * slope.x - w.sin_phi * slope.y;
     float y = w.sin_phi * slope.x + w.cos_phi * slope.y;
     return v3_unit(v3(-m.au * x, -m.av * y, 1.0f));
 }
 
 vec3 microfacet_sample(struct microfacet m, vec3 w, float u, float v) {
-    struct view view = stretch_view(m, w);
+    struct stretched_view view = stretch_view(m, w);
     vec2 slope = m.kind == BRDF_GGX ? ggx_slope(view.c, view.s, u, v)
                                     : (vec2){(float)beckmann_slope(view.c, view.s, v),
                                              (float)inverse_erf(2.0 * u - 1.0)};
@@ -93,7 +93,8 @@ vec3 microfacet_sample(struct microfacet m, vec3 w, float u, float v) {
 // are separable, which leaves one root to find per node instead of one per pair.
 double microfacet_visible_mean(struct microfacet m, float cosine, const struct quadrature *rule,
                                float (*fn)(const void *ctx, vec3 n), const void *ctx) {
-    struct view view = stretch_view(m, v3(safe_sqrtf(1.0f - cosine * cosine), 0.0f, cosine));
+    struct stretched_view view =
+        stretch_view(m, v3(safe_sqrtf(1.0f - cosine * cosine), 0.0f, cosine));
     vec2 slope[QUADRATURE_MAX];
     for (int i = 0; i < rule->count && m.kind == BRDF_BECKMANN; i++)
         slope[i] = (vec2){(float)beckmann_slope(view.c, view.s, rule->x[i]),

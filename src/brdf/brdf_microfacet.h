@@ -34,7 +34,7 @@ static inline float microfacet_d(struct microfacet m, vec3 h) {
     return scale * expf(-e / z2) / (z2 * z2);
 }
 
-// Masking of direction v (v.z > 0): the share of facets facing v that v sees; the rational fit.
+// Masking of direction v (v.z > 0): the fraction of facets facing v that v sees; the rational fit.
 static inline float microfacet_g1(struct microfacet m, vec3 v) {
     float t2 = microfacet_stretch2(m, v);
     if (m.kind == BRDF_GGX) return 2.0f * v.z / (v.z + sqrtf(v.z * v.z + t2));

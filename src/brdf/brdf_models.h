@@ -19,10 +19,10 @@ extern const struct brdf_model brdf_model_lafortune, brdf_model_merl, brdf_model
 // Tabulates the glossy albedo of b, if it has a glossy lobe (brdf_albedo.c).
 satin_status brdf_albedo_prepare(struct brdf *b, struct arena *arena);
 
-// Whether turning both directions about the normal changes nothing. All models but uneven ones are
+// Whether rotating both directions about the normal changes nothing. All models but uneven ones are
 // symmetric about the x and the y axis.
 static inline bool brdf_isotropic(const struct brdf *b) {
-    if (b->model->data) return b->even_turn;
+    if (b->model->data) return b->isotropic;
     if (b->model->slots & 1u << BRDF_SLOT_ANISOTROPIC) return b->anisotropic == 0.0f;
     return !(b->model->slots & 1u << BRDF_SLOT_ALPHA_V) || b->alpha_u == b->alpha_v;
 }

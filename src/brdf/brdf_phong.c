@@ -21,21 +21,21 @@ static float lobe(const struct brdf *b, vec3 wo, vec3 wi) {
     return c > 0.0f ? power(minf(c, 1.0f), b->exponent) : 0.0f;
 }
 
-static void eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
+static void phong_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
     float f = (b->exponent + 2.0f) * (0.5f / PI_F) * lobe(b, wo, wi);
     *diffuse = rgb_scale(b->diffuse, 1.0f / PI_F);
     *glossy = rgb_scale(b->specular, f);
 }
 
-static void pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
-                float *glossy) {
+static void phong_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
+                      float *glossy) {
     (void)lobes;
     *diffuse = wi.z * (1.0f / PI_F);
     *glossy = (b->exponent + 1.0f) * (0.5f / PI_F) * lobe(b, wo, wi);
 }
 
 // cos^n about the mirror direction; what falls below the surface is lost.
-static bool sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
+static bool phong_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
     (void)lobes;
     float l = logf(maxf(1.0f - u.y, 0x1p-25f)) / (b->exponent + 1.0f);
     float c = expf(l), s = safe_sqrtf(-expm1f(2.0f * l)), phi = 2.0f * PI_F * u.z;
@@ -44,7 +44,8 @@ static bool sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *
     return wi->z > 0.0f;
 }
 
-static void shares(const struct brdf *b, vec3 wo, float *diffuse, float *glossy, float *delta) {
+static void phong_probabilities(const struct brdf *b, vec3 wo, float *diffuse, float *glossy,
+                                float *delta) {
     (void)wo;
     *diffuse = rgb_mean(b->diffuse);
     *glossy = rgb_mean(b->specular);
@@ -56,8 +57,8 @@ const struct brdf_model brdf_model_phong = {
     .doc = "diffuse base and a cosine-power lobe about the mirror direction",
     .lobes = BRDF_REFLECT,
     .slots = 1u << BRDF_SLOT_DIFFUSE | 1u << BRDF_SLOT_SPECULAR | 1u << BRDF_SLOT_EXPONENT,
-    .eval = eval,
-    .pdf = pdf,
-    .sample_glossy = sample,
-    .shares = shares,
+    .eval = phong_eval,
+    .pdf = phong_pdf,
+    .sample_glossy = phong_sample,
+    .probabilities = phong_probabilities,
 };

@@ -18,14 +18,14 @@ enum {
     INSIDE_NODES = 128        // where total reflection cuts in
 };
 
-struct coat {
+struct plastic_coat {
     float inv_ior2;
     float inside;                             // mean reflectance from inside
     float enters;                             // mean transmittance from outside
     float transmittance[TRANSMITTANCE_SIZE];  // of the rough coat
 };
 
-static rgb base_albedo(const struct brdf *b, const struct coat *c) {
+static rgb base_albedo(const struct brdf *b, const struct plastic_coat *c) {
     rgb d = b->diffuse;
     float r = c->inside;
     if (!b->nonlinear) return rgb_scale(d, c->inv_ior2 / (1.0f - r));
@@ -37,7 +37,7 @@ static rgb base_albedo(const struct brdf *b, const struct coat *c) {
 // ---- Smooth coat -------------------------------------------------------------------------------
 
 static satin_status smooth_prepare(struct brdf *b, struct arena *arena) {
-    struct coat *c = arena_alloc(arena, sizeof *c);
+    struct plastic_coat *c = arena_alloc(arena, sizeof *c);
     if (!c) return SATIN_ERROR_MEMORY;
     c->inv_ior2 = 1.0f / (b->ior * b->ior);
     c->inside = fresnel_diffuse_mean(1.0f / b->ior);
@@ -60,8 +60,8 @@ static void smooth_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, f
     *glossy = 0.0f;
 }
 
-static int smooth_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode,
-                        struct brdf_sample out[2]) {
+static int plastic_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode,
+                         struct brdf_sample out[2]) {
     (void)mode;
     if (!(wo.z > 0.0f)) return 0;
     out[0] = brdf_mirror(wo, rgb_scale(b->specular, fresnel_dielectric(wo.z, b->ior, NULL)));
@@ -69,13 +69,13 @@ static int smooth_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode,
 }
 
 static rgb smooth_diffuse_albedo(const struct brdf *b, vec3 wo) {
-    const struct coat *c = b->tables;
+    const struct plastic_coat *c = b->tables;
     float t = 1.0f - fresnel_dielectric(wo.z, b->ior, NULL);
     return rgb_scale(base_albedo(b, c), t * c->enters);
 }
 
-static void smooth_shares(const struct brdf *b, vec3 wo, float *diffuse, float *glossy,
-                          float *delta) {
+static void smooth_plastic_probabilities(const struct brdf *b, vec3 wo, float *diffuse,
+                                         float *glossy, float *delta) {
     *diffuse = rgb_mean(smooth_diffuse_albedo(b, wo));
     *glossy = 0.0f;
     *delta = fresnel_dielectric(wo.z, b->ior, NULL) * rgb_mean(b->specular);
@@ -83,11 +83,11 @@ static void smooth_shares(const struct brdf *b, vec3 wo, float *diffuse, float *
 
 // ---- Rough coat --------------------------------------------------------------------------------
 
-static struct microfacet facets(const struct brdf *b) {
+static struct microfacet plastic_facets(const struct brdf *b) {
     return microfacet_make(b->distribution, b->alpha_u, b->alpha_u);
 }
 
-static float transmittance(const struct coat *c, float cosine) {
+static float transmittance(const struct plastic_coat *c, float cosine) {
     float x = cosine * (float)(TRANSMITTANCE_SIZE - 1);
     int i = x < (float)(TRANSMITTANCE_SIZE - 2) ? (int)x : TRANSMITTANCE_SIZE - 2;
     return lerpf(c->transmittance[i], c->transmittance[i + 1], x - (float)i);
@@ -118,12 +118,12 @@ static float facet_transmits(const void *ctx, vec3 n) {
     return (1.0f - f) * microfacet_g1(b->facets, inward);
 }
 
-static struct boundary boundary_at(struct microfacet m, float cosine, float eta) {
+static struct boundary coat_boundary(struct microfacet m, float cosine, float eta) {
     return (struct boundary){m, v3(safe_sqrtf(1.0f - cosine * cosine), 0.0f, cosine), eta};
 }
 
 static satin_status rough_prepare(struct brdf *b, struct arena *arena) {
-    struct coat *c = arena_alloc(arena, sizeof *c);
+    struct plastic_coat *c = arena_alloc(arena, sizeof *c);
     struct quadrature rule_out, rule_in;
     if (!c) return SATIN_ERROR_MEMORY;
     quadrature_gauss(&rule_out, OUTSIDE_NODES);
@@ -131,8 +131,8 @@ static satin_status rough_prepare(struct brdf *b, struct arena *arena) {
     double inside = 0.0, enters = 0.0;
     for (int i = 0; i < TRANSMITTANCE_SIZE; i++) {
         float mu = maxf((float)i / (float)(TRANSMITTANCE_SIZE - 1), 1e-6f);
-        struct boundary out = boundary_at(facets(b), mu, b->ior);
-        struct boundary in = boundary_at(facets(b), mu, 1.0f / b->ior);
+        struct boundary out = coat_boundary(plastic_facets(b), mu, b->ior);
+        struct boundary in = coat_boundary(plastic_facets(b), mu, 1.0f / b->ior);
         c->transmittance[i] =
             (float)microfacet_visible_mean(out.facets, mu, &rule_out, facet_transmits, &out);
         inside +=
@@ -147,34 +147,35 @@ static satin_status rough_prepare(struct brdf *b, struct arena *arena) {
     return SATIN_OK;
 }
 
-static void rough_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
-    const struct coat *c = b->tables;
+static void plastic_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
+    const struct plastic_coat *c = b->tables;
     float cos_d = minf(0.5f * v3_len(v3_add(wo, wi)), 1.0f);
-    float f = fresnel_dielectric(cos_d, b->ior, NULL) * microfacet_reflection(facets(b), wo, wi);
+    float f =
+        fresnel_dielectric(cos_d, b->ior, NULL) * microfacet_reflection(plastic_facets(b), wo, wi);
     float t = transmittance(c, wo.z) * transmittance(c, wi.z);
     *diffuse = rgb_scale(base_albedo(b, c), t * (1.0f / PI_F));
     *glossy = rgb_scale(b->specular, f);
 }
 
-static void rough_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
-                      float *glossy) {
+static void plastic_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
+                        float *glossy) {
     (void)lobes;
     *diffuse = wi.z * (1.0f / PI_F);
-    *glossy = microfacet_reflection_pdf(facets(b), wo, wi);
+    *glossy = microfacet_reflection_pdf(plastic_facets(b), wo, wi);
 }
 
-static bool rough_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
+static bool plastic_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
     (void)lobes;
-    return microfacet_reflect(facets(b), wo, u.y, u.z, wi);
+    return microfacet_reflect(plastic_facets(b), wo, u.y, u.z, wi);
 }
 
 static rgb rough_diffuse_albedo(const struct brdf *b, vec3 wo) {
-    const struct coat *c = b->tables;
+    const struct plastic_coat *c = b->tables;
     return rgb_scale(base_albedo(b, c), transmittance(c, wo.z) * c->enters);
 }
 
-static void rough_shares(const struct brdf *b, vec3 wo, float *diffuse, float *glossy,
-                         float *delta) {
+static void rough_plastic_probabilities(const struct brdf *b, vec3 wo, float *diffuse,
+                                        float *glossy, float *delta) {
     *diffuse = rgb_mean(rough_diffuse_albedo(b, wo));
     *glossy = (1.0f - transmittance(b->tables, wo.z)) * rgb_mean(b->specular);
     *delta = 0.0f;
@@ -189,8 +190,8 @@ const struct brdf_model brdf_model_plastic = {
     .eval = smooth_eval,
     .pdf = smooth_pdf,
     .diffuse_albedo = smooth_diffuse_albedo,
-    .delta = smooth_delta,
-    .shares = smooth_shares,
+    .delta = plastic_delta,
+    .probabilities = smooth_plastic_probabilities,
 };
 
 const struct brdf_model brdf_model_roughplastic = {
@@ -199,9 +200,9 @@ const struct brdf_model brdf_model_roughplastic = {
     .lobes = BRDF_REFLECT,
     .slots = 1u << BRDF_SLOT_DIFFUSE | 1u << BRDF_SLOT_SPECULAR,
     .prepare = rough_prepare,
-    .eval = rough_eval,
-    .pdf = rough_pdf,
+    .eval = plastic_eval,
+    .pdf = plastic_pdf,
     .diffuse_albedo = rough_diffuse_albedo,
-    .sample_glossy = rough_sample,
-    .shares = rough_shares,
+    .sample_glossy = plastic_sample,
+    .probabilities = rough_plastic_probabilities,
 };

@@ -8,11 +8,13 @@
 #include "brdf/brdf_models.h"
 #include "brdf/brdf_refraction.h"
 
-// Shares of the base: what is diffuse and what refracts.
-static float diffuse_share(const struct brdf *b) {
+// Fractions of the base: what is diffuse and what refracts.
+static float diffuse_fraction(const struct brdf *b) {
     return (1.0f - b->metallic) * (1.0f - b->spec_trans);
 }
-static float refracting_share(const struct brdf *b) { return (1.0f - b->metallic) * b->spec_trans; }
+static float refracting_fraction(const struct brdf *b) {
+    return (1.0f - b->metallic) * b->spec_trans;
+}
 
 // The facets' reflectance outside, at the cosine c to them.
 static rgb reflectance(const struct brdf *b, float c) {
@@ -38,7 +40,7 @@ static float coat_d(float alpha2, float z) {
 
 static float coat_g1(float z) { return 2.0f * z / (z + sqrtf(z * z + 0.0625f * (1.0f - z * z))); }
 
-static float coat(const struct brdf *b, vec3 wo, vec3 wi) {
+static float clear_coat(const struct brdf *b, vec3 wo, vec3 wi) {
     vec3 h = v3_unit(v3_add(wo, wi));
     float w = burley_schlick_weight(v3_dot(wo, h), b->ior);
     float f = lerpf(0.04f, 1.0f, w) * coat_d(coat_alpha2(b), h.z) * coat_g1(wo.z) * coat_g1(wi.z);
@@ -60,7 +62,7 @@ static bool coat_sample(const struct brdf *b, vec3 wo, vec3 u, vec3 *wi) {
 }
 
 // How likely sample_glossy takes the coat.
-static float coat_share(const struct brdf *b, bool inside, unsigned lobes) {
+static float coat_probability(const struct brdf *b, bool inside, unsigned lobes) {
     if (inside || !(lobes & BRDF_GLOSSY)) return 0.0f;
     return 0.25f * b->clearcoat / (1.0f + 0.25f * b->clearcoat);
 }
@@ -71,25 +73,25 @@ static struct refraction facets_at(const struct brdf *b, vec3 *wo, vec3 *wi) {
     return refraction_at(burley_facets(b, b->alpha_u), b->ior, wo, wi);
 }
 
-static void eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
+static void principled_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
     const bool inside = wo.z < 0.0f;
     struct refraction at = facets_at(b, &wo, &wi);
     float c = minf(0.5f * v3_len(v3_add(wo, wi)), 1.0f);
     float d = microfacet_reflection(at.facets, wo, wi);
     *diffuse = rgb_grey(0.0f);
     if (inside) {
-        *glossy = rgb_grey(refracting_share(b) * fresnel_dielectric(c, at.eta, NULL) * d);
+        *glossy = rgb_grey(refracting_fraction(b) * fresnel_dielectric(c, at.eta, NULL) * d);
         return;
     }
-    *diffuse = burley_diffuse(b, wo, wi, diffuse_share(b), 1.0f - b->metallic);
+    *diffuse = burley_diffuse(b, wo, wi, diffuse_fraction(b), 1.0f - b->metallic);
     *glossy = rgb_scale(reflectance(b, c), d);
-    if (b->clearcoat > 0.0f) *glossy = rgb_add(*glossy, rgb_grey(coat(b, wo, wi)));
+    if (b->clearcoat > 0.0f) *glossy = rgb_add(*glossy, rgb_grey(clear_coat(b, wo, wi)));
     *glossy = rgb_mul(*glossy, b->specular);
 }
 
-static rgb through(const struct brdf *b, vec3 wo, vec3 wi, enum brdf_mode mode) {
+static rgb principled_transmission(const struct brdf *b, vec3 wo, vec3 wi, enum brdf_mode mode) {
     struct refraction at = facets_at(b, &wo, &wi);
-    float f = refracting_share(b) * refraction_value(&at, wo, wi, mode);
+    float f = refracting_fraction(b) * refraction_value(&at, wo, wi, mode);
     rgb root = rgb_make(sqrtf(b->diffuse.r), sqrtf(b->diffuse.g), sqrtf(b->diffuse.b));
     return rgb_mul(rgb_scale(root, f), b->transmittance);
 }
@@ -98,33 +100,33 @@ static rgb through(const struct brdf *b, vec3 wo, vec3 wi, enum brdf_mode mode) 
 static float refracts(const struct brdf *b, bool inside, unsigned lobes, float f) {
     if (!(lobes & BRDF_THROUGH)) return 0.0f;
     if (!(lobes & BRDF_GLOSSY)) return 1.0f;
-    return (inside ? 1.0f : refracting_share(b)) * (1.0f - f);
+    return (inside ? 1.0f : refracting_fraction(b)) * (1.0f - f);
 }
 
-static void pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
-                float *glossy) {
+static void principled_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
+                           float *glossy) {
     const bool inside = wo.z < 0.0f;
-    const float share = coat_share(b, inside, lobes);
+    const float coated = coat_probability(b, inside, lobes);
     struct refraction at = facets_at(b, &wo, &wi);
     *diffuse = wi.z > 0.0f && !inside ? wi.z * (1.0f / PI_F) : 0.0f;
     *glossy = 0.0f;
     if (wi.z > 0.0f && lobes & BRDF_GLOSSY) {
         float c = minf(0.5f * v3_len(v3_add(wo, wi)), 1.0f);
         float f = fresnel_dielectric(c, at.eta, NULL);
-        *glossy = (1.0f - share) * (1.0f - refracts(b, inside, lobes, f)) *
+        *glossy = (1.0f - coated) * (1.0f - refracts(b, inside, lobes, f)) *
                   microfacet_reflection_pdf(at.facets, wo, wi);
-        if (share > 0.0f) *glossy += share * coat_pdf(b, wo, wi);
+        if (coated > 0.0f) *glossy += coated * coat_pdf(b, wo, wi);
     } else if (wi.z < 0.0f) {
         float f, visible = refraction_pdf(&at, wo, wi, &f);
-        *glossy = (1.0f - share) * refracts(b, inside, lobes, f) * visible;
+        *glossy = (1.0f - coated) * refracts(b, inside, lobes, f) * visible;
     }
 }
 
-static bool sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
+static bool principled_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
     const bool inside = wo.z < 0.0f;
-    const float share = coat_share(b, inside, lobes);
-    if (u.x < share) return coat_sample(b, wo, u, wi);
-    float rest = (u.x - share) / (1.0f - share);
+    const float coated = coat_probability(b, inside, lobes);
+    if (u.x < coated) return coat_sample(b, wo, u, wi);
+    float rest = (u.x - coated) / (1.0f - coated);
     *wi = v3(0, 0, 0);
     struct refraction at = facets_at(b, &wo, wi);
     vec3 n = microfacet_sample(at.facets, wo, u.y, u.z);
@@ -134,30 +136,32 @@ static bool sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *
     return true;
 }
 
-static rgb diffuse_albedo(const struct brdf *b, vec3 wo) {
+static rgb principled_diffuse_albedo(const struct brdf *b, vec3 wo) {
     if (!(wo.z > 0.0f)) return rgb_grey(0.0f);
-    return burley_diffuse_albedo(b, wo.z, diffuse_share(b), 1.0f - b->metallic);
+    return burley_diffuse_albedo(b, wo.z, diffuse_fraction(b), 1.0f - b->metallic);
 }
 
 // By the reflectance of facets that lie flat.
-static rgb glossy_estimate(const struct brdf *b, vec3 wo, unsigned lobe) {
+static rgb principled_glossy_estimate(const struct brdf *b, vec3 wo, unsigned lobe) {
     float c = maxf(fabsf(wo.z), 0.05f), f = fresnel_dielectric(copysignf(c, wo.z), b->ior, NULL);
     if (lobe == BRDF_THROUGH) {
         rgb root = rgb_make(sqrtf(b->diffuse.r), sqrtf(b->diffuse.g), sqrtf(b->diffuse.b));
-        return rgb_scale(root, refracting_share(b) * (1.0f - f));
+        return rgb_scale(root, refracting_fraction(b) * (1.0f - f));
     }
-    if (wo.z < 0.0f) return rgb_grey(refracting_share(b) * f);
+    if (wo.z < 0.0f) return rgb_grey(refracting_fraction(b) * f);
     float w = burley_schlick_weight(c, b->ior);
     return rgb_add(reflectance(b, c), rgb_grey(0.25f * b->clearcoat * lerpf(0.04f, 1.0f, w)));
 }
 
-static void shares(const struct brdf *b, vec3 wo, float *diffuse, float *glossy, float *delta) {
+static void principled_probabilities(const struct brdf *b, vec3 wo, float *diffuse, float *glossy,
+                                     float *delta) {
     *delta = 0.0f;
     *diffuse = 0.0f;
     *glossy = 1.0f;
     if (!(wo.z > 0.0f)) return;
-    rgb g = rgb_add(glossy_estimate(b, wo, BRDF_GLOSSY), glossy_estimate(b, wo, BRDF_THROUGH));
-    *diffuse = diffuse_share(b) * rgb_mean(b->diffuse) + 0.2f * (1.0f - b->metallic) * b->sheen;
+    rgb g = rgb_add(principled_glossy_estimate(b, wo, BRDF_GLOSSY),
+                    principled_glossy_estimate(b, wo, BRDF_THROUGH));
+    *diffuse = diffuse_fraction(b) * rgb_mean(b->diffuse) + 0.2f * (1.0f - b->metallic) * b->sheen;
     *glossy = clampf(rgb_mean(g), 0.1f, 1.0f);
 }
 
@@ -171,11 +175,11 @@ const struct brdf_model brdf_model_principled = {
              1u << BRDF_SLOT_CLEARCOAT | 1u << BRDF_SLOT_CLEARCOAT_GLOSS,
     .transmits = true,
     .prepare = burley_prepare,
-    .eval = eval,
-    .through = through,
-    .pdf = pdf,
-    .diffuse_albedo = diffuse_albedo,
-    .glossy_estimate = glossy_estimate,
-    .sample_glossy = sample,
-    .shares = shares,
+    .eval = principled_eval,
+    .through = principled_transmission,
+    .pdf = principled_pdf,
+    .diffuse_albedo = principled_diffuse_albedo,
+    .glossy_estimate = principled_glossy_estimate,
+    .sample_glossy = principled_sample,
+    .probabilities = principled_probabilities,
 };

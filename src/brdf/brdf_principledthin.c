@@ -8,13 +8,13 @@
 #include "brdf/brdf_fresnel.h"
 #include "brdf/brdf_models.h"
 
-static void turn_up(vec3 *wo, vec3 *wi) {
+static void mirror_up(vec3 *wo, vec3 *wi) {
     if (wo->z > 0.0f) return;
     wo->z = -wo->z;
     wi->z = -wi->z;
 }
 
-static struct microfacet facets(const struct brdf *b) { return burley_facets(b, b->alpha_u); }
+static struct microfacet thin_facets(const struct brdf *b) { return burley_facets(b, b->alpha_u); }
 
 static struct microfacet narrowed(const struct brdf *b) {
     return burley_facets(b, (0.65f * b->ior - 0.35f) * b->alpha_u);
@@ -30,8 +30,8 @@ static float diffuse_reflection(const struct brdf *b) {
 // The cosine to the facet that reflects wo into wi.
 static float facet_cosine(vec3 wo, vec3 wi) { return minf(0.5f * v3_len(v3_add(wo, wi)), 1.0f); }
 
-static void eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
-    turn_up(&wo, &wi);
+static void thin_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
+    mirror_up(&wo, &wi);
     *diffuse = burley_diffuse(b, wo, wi, diffuse_reflection(b), diffuse_reflection(b));
     *glossy = rgb_grey(0.0f);
     if (b->spec_trans == 0.0f) return;
@@ -39,21 +39,21 @@ static void eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glos
     rgb F = rgb_grey((1.0f - b->spec_tint) * f);
     if (b->spec_tint > 0.0f)
         F = rgb_mad(F, burley_tinted(b, burley_schlick_weight(c, b->ior)), b->spec_tint);
-    *glossy = rgb_scale(F, b->spec_trans * microfacet_reflection(facets(b), wo, wi));
+    *glossy = rgb_scale(F, b->spec_trans * microfacet_reflection(thin_facets(b), wo, wi));
     *glossy = rgb_mul(*glossy, b->specular);
 }
 
 static vec3 mirrored(vec3 w) { return v3(w.x, w.y, -w.z); }
 
 // Whether the facet that mirrors wo into the mirrored wi has light come from behind. Mitsuba does
-// not ask the same of the eye, so this, unlike all else, tells one way of the light from the other.
+// not ask the same of the eye, so this, unlike all else, is not reciprocal.
 static bool lit_from_behind(vec3 wo, vec3 wi) {
     return v3_dot(wi, v3_add(wo, mirrored(wi))) < 0.0f;
 }
 
-static rgb through(const struct brdf *b, vec3 wo, vec3 wi, enum brdf_mode mode) {
+static rgb thin_transmission(const struct brdf *b, vec3 wo, vec3 wi, enum brdf_mode mode) {
     vec3 eye = mode == BRDF_RADIANCE ? wo : wi, light = mode == BRDF_RADIANCE ? wi : wo;
-    turn_up(&eye, &light);
+    mirror_up(&eye, &light);
     float f = diffuse_transmission(b) * (1.0f / PI_F);
     if (b->spec_trans > 0.0f && lit_from_behind(eye, light)) {
         vec3 w = mirrored(light);
@@ -64,7 +64,7 @@ static rgb through(const struct brdf *b, vec3 wo, vec3 wi, enum brdf_mode mode) 
 }
 
 // How likely sample_glossy reflects and passes at facets; else it passes diffusely.
-static void choose(const struct brdf *b, unsigned lobes, float *reflect, float *pass) {
+static void thin_choose(const struct brdf *b, unsigned lobes, float *reflect, float *pass) {
     *reflect = lobes & BRDF_GLOSSY ? 0.5f * b->spec_trans : 0.0f;
     *pass = lobes & BRDF_THROUGH ? 0.5f * b->spec_trans : 0.0f;
     float sum = *reflect + *pass + (lobes & BRDF_THROUGH ? diffuse_transmission(b) : 0.0f);
@@ -73,28 +73,29 @@ static void choose(const struct brdf *b, unsigned lobes, float *reflect, float *
     *pass *= scale;
 }
 
-static void pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
-                float *glossy) {
+static void thin_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
+                     float *glossy) {
     float reflect, pass;
-    turn_up(&wo, &wi);
-    choose(b, lobes, &reflect, &pass);
+    mirror_up(&wo, &wi);
+    thin_choose(b, lobes, &reflect, &pass);
     *diffuse = maxf(wi.z, 0.0f) * (1.0f / PI_F);
     if (wi.z > 0.0f) {
-        *glossy = reflect > 0.0f ? reflect * microfacet_reflection_pdf(facets(b), wo, wi) : 0.0f;
+        *glossy =
+            reflect > 0.0f ? reflect * microfacet_reflection_pdf(thin_facets(b), wo, wi) : 0.0f;
         return;
     }
     *glossy = (1.0f - reflect - pass) * -wi.z * (1.0f / PI_F);
     if (pass > 0.0f) *glossy += pass * microfacet_reflection_pdf(narrowed(b), wo, mirrored(wi));
 }
 
-static bool sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
+static bool thin_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
     const bool below = wo.z < 0.0f;
     float reflect, pass;
     *wi = v3(0, 0, 0);
-    turn_up(&wo, wi);
-    choose(b, lobes, &reflect, &pass);
+    mirror_up(&wo, wi);
+    thin_choose(b, lobes, &reflect, &pass);
     if (u.x < reflect) {
-        if (!microfacet_reflect(facets(b), wo, u.y, u.z, wi)) return false;
+        if (!microfacet_reflect(thin_facets(b), wo, u.y, u.z, wi)) return false;
     } else {
         if (u.x >= reflect + pass)
             *wi = sample_cosine_hemisphere(u.y, u.z);
@@ -106,17 +107,18 @@ static bool sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *
     return true;
 }
 
-static rgb diffuse_albedo(const struct brdf *b, vec3 wo) {
+static rgb thin_diffuse_albedo(const struct brdf *b, vec3 wo) {
     return burley_diffuse_albedo(b, fabsf(wo.z), diffuse_reflection(b), diffuse_reflection(b));
 }
 
-static rgb glossy_estimate(const struct brdf *b, vec3 wo, unsigned lobe) {
+static rgb thin_glossy_estimate(const struct brdf *b, vec3 wo, unsigned lobe) {
     float f = fresnel_dielectric(maxf(fabsf(wo.z), 0.05f), b->ior, NULL);
     if (lobe == BRDF_GLOSSY) return rgb_grey(b->spec_trans * f);
     return rgb_scale(b->diffuse, b->spec_trans * (1.0f - f) + diffuse_transmission(b));
 }
 
-static void shares(const struct brdf *b, vec3 wo, float *diffuse, float *glossy, float *delta) {
+static void thin_probabilities(const struct brdf *b, vec3 wo, float *diffuse, float *glossy,
+                               float *delta) {
     (void)wo;
     float colour = rgb_mean(b->diffuse);
     *delta = 0.0f;
@@ -135,11 +137,11 @@ const struct brdf_model brdf_model_principledthin = {
     .transmits = true,
     .thin = true,
     .prepare = burley_prepare,
-    .eval = eval,
-    .through = through,
-    .pdf = pdf,
-    .diffuse_albedo = diffuse_albedo,
-    .glossy_estimate = glossy_estimate,
-    .sample_glossy = sample,
-    .shares = shares,
+    .eval = thin_eval,
+    .through = thin_transmission,
+    .pdf = thin_pdf,
+    .diffuse_albedo = thin_diffuse_albedo,
+    .glossy_estimate = thin_glossy_estimate,
+    .sample_glossy = thin_sample,
+    .probabilities = thin_probabilities,
 };

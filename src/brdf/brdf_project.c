@@ -19,21 +19,21 @@ void project_rule_make(struct project_rule *rule) {
 }
 
 // The mirror direction r and its tangents; up leads to the normal, side is horizontal.
-struct mirror {
+struct mirror_symmetry {
     vec3 r, up, side;
 };
 
-static struct mirror mirror_of(vec3 wo) {
+static struct mirror_symmetry mirror_of(vec3 wo) {
     float s = sqrtf(wo.x * wo.x + wo.y * wo.y);
     float cos_phi = s > 0.0f ? wo.x / s : 1.0f, sin_phi = s > 0.0f ? wo.y / s : 0.0f;
-    return (struct mirror){v3(-wo.x, -wo.y, wo.z), v3(cos_phi * wo.z, sin_phi * wo.z, s),
-                           v3(-sin_phi, cos_phi, 0.0f)};
+    return (struct mirror_symmetry){v3(-wo.x, -wo.y, wo.z), v3(cos_phi * wo.z, sin_phi * wo.z, s),
+                                    v3(-sin_phi, cos_phi, 0.0f)};
 }
 
-// Adds one azimuth's points; returns their part of the squared norm.
-static double add_azimuth(const struct brdf *b, vec3 wo, const struct mirror *m, float azimuth,
-                          float weight, int channels, const struct project_rule *rule,
-                          struct project_points *points) {
+// Adds one azimuth's points; returns what they add to the squared norm.
+static double add_azimuth(const struct brdf *b, vec3 wo, const struct mirror_symmetry *m,
+                          float azimuth, float weight, int channels,
+                          const struct project_rule *rule, struct project_points *points) {
     float ca = cosf(azimuth), sa = sinf(azimuth);
     // Along the azimuth, z = r.z cos(psi) + up.z cos(azimuth) sin(psi), which ends at zero.
     float horizon = atan2f(m->r.z, -m->up.z * ca);
@@ -58,7 +58,7 @@ static double add_azimuth(const struct brdf *b, vec3 wo, const struct mirror *m,
 double project_glossy(const struct brdf *b, vec3 wo, bool half, rsh_basis basis, int order,
                       int channels, const struct project_rule *rule, struct project_points *points,
                       float *c) {
-    struct mirror m = mirror_of(wo);
+    struct mirror_symmetry m = mirror_of(wo);
     int azimuths = half ? PROJECT_AZIMUTHS + 1 : 2 * PROJECT_AZIMUTHS;
     double norm = 0.0;
     points->count = 0;

@@ -122,7 +122,7 @@ struct brdf_table_info brdf_range_info(const struct brdf_range *r) {
     for (int i = 0; i < r->count; i++) {
         struct brdf_table_info info = brdf_table_info(r->rung[i]);
         if (info.order > sum.order) sum.order = info.order;
-        sum.share += info.share / (float)r->count;
+        sum.fraction += info.fraction / (float)r->count;
         sum.bytes += info.bytes;
     }
     return sum;

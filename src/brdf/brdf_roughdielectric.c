@@ -4,27 +4,28 @@
 #include "brdf/brdf_models.h"
 #include "brdf/brdf_refraction.h"
 
-static struct refraction boundary_at(const struct brdf *b, vec3 *wo, vec3 *wi) {
+static struct refraction rough_boundary(const struct brdf *b, vec3 *wo, vec3 *wi) {
     return refraction_at(microfacet_make(b->distribution, b->alpha_u, b->alpha_v), b->ior, wo, wi);
 }
 
-static void eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
-    struct refraction at = boundary_at(b, &wo, &wi);
+static void roughdielectric_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse,
+                                 rgb *glossy) {
+    struct refraction at = rough_boundary(b, &wo, &wi);
     float cos_d = minf(0.5f * v3_len(v3_add(wo, wi)), 1.0f);
     float f = fresnel_dielectric(cos_d, at.eta, NULL) * microfacet_reflection(at.facets, wo, wi);
     *diffuse = rgb_grey(0.0f);
     *glossy = rgb_scale(b->specular, f);
 }
 
-static rgb through(const struct brdf *b, vec3 wo, vec3 wi, enum brdf_mode mode) {
-    struct refraction at = boundary_at(b, &wo, &wi);
+static rgb rough_transmission(const struct brdf *b, vec3 wo, vec3 wi, enum brdf_mode mode) {
+    struct refraction at = rough_boundary(b, &wo, &wi);
     return rgb_scale(b->transmittance, refraction_value(&at, wo, wi, mode));
 }
 
-static void pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
-                float *glossy) {
+static void roughdielectric_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes,
+                                float *diffuse, float *glossy) {
     const bool both = (lobes & BRDF_GLOSSY) && (lobes & BRDF_THROUGH);
-    struct refraction at = boundary_at(b, &wo, &wi);
+    struct refraction at = rough_boundary(b, &wo, &wi);
     *diffuse = 0.0f;
     if (wi.z > 0.0f) {
         float cos_d = minf(0.5f * v3_len(v3_add(wo, wi)), 1.0f);
@@ -38,10 +39,11 @@ static void pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *d
 }
 
 // A visible facet, then reflection or refraction there in proportion to its Fresnel reflectance.
-static bool sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
+static bool roughdielectric_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u,
+                                   vec3 *wi) {
     const bool below = wo.z < 0.0f;
     *wi = v3(0, 0, 0);
-    struct refraction at = boundary_at(b, &wo, wi);
+    struct refraction at = rough_boundary(b, &wo, wi);
     vec3 n = microfacet_sample(at.facets, wo, u.y, u.z);
     bool reflect = lobes & BRDF_GLOSSY;
     if (reflect && lobes & BRDF_THROUGH)
@@ -58,8 +60,8 @@ const struct brdf_model brdf_model_roughdielectric = {
     .slots = 1u << BRDF_SLOT_SPECULAR | 1u << BRDF_SLOT_TRANSMITTANCE | 1u << BRDF_SLOT_ALPHA_U |
              1u << BRDF_SLOT_ALPHA_V,
     .transmits = true,
-    .eval = eval,
-    .through = through,
-    .pdf = pdf,
-    .sample_glossy = sample,
+    .eval = roughdielectric_eval,
+    .through = rough_transmission,
+    .pdf = roughdielectric_pdf,
+    .sample_glossy = roughdielectric_sample,
 };

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Harmonics of a BRDF's glossy part over all outgoing directions [K05 2.5, 3.4]: coefficients of
+// Harmonics of a BRDF's glossy lobe over all outgoing directions [K05 2.5, 3.4]: coefficients of
 // f_r cos(theta_i) at the nodes of a parabolic map, each with the least order that meets the error
 // bound, interpolated linearly.
 //
 // The map takes wo to (x, y) / (1 + z), the unit disk. Symmetry shrinks it:
 // - isotropic: one radius (phi = 0) serves all; the lobe there is even in y, so only m >= 0 is
-//   kept, and the lobe of another phi is that one turned about z;
+//   kept, and the lobe of another phi is that one rotated about z;
 // - anisotropic: one quadrant serves all, as our models are symmetric about the x and the y axis;
 //   mirroring a lobe changes signs of coefficients. Nodes beyond the disk repeat its rim.
 //
@@ -13,7 +13,7 @@
 // BRDF. The power of light in a coefficient of band l falls as (l + 1)^-3 in both bases, as that of
 // any function with edges (measured: to a factor of about two). So the expected squared error
 // is the power of the bands left out over (l + 1)^3, relative to the same sum over all bands. It
-// tells the error to a factor of 1.5; a bound on the BRDF's own error turns down lobes that end at
+// gives the error to a factor of 1.5; a bound on the BRDF's own error refuses lobes that end at
 // the horizon and would be served as well (docs/experiments.md).
 #include <stdlib.h>
 
@@ -89,7 +89,7 @@ static int least_order(int max_order, int channels, const float *c, double norm,
     return max_error < 0.0 ? max_order : 0;
 }
 
-struct build {
+struct table_build {
     const struct brdf *brdf;
     struct brdf_table *table;
     double max_error;
@@ -98,7 +98,7 @@ struct build {
 };
 
 static void build_nodes(void *ctx, size_t begin, size_t end, int worker) {
-    const struct build *b = ctx;
+    const struct table_build *b = ctx;
     struct brdf_table *t = b->table;
     int count = t->max_order * t->max_order;
     for (size_t node = begin; node < end; node++) {
@@ -121,7 +121,7 @@ static void build_nodes(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-// Whether the glossy part is the same in all channels once `specular` is 1.
+// Whether the glossy lobe is the same in all channels once `specular` is 1.
 static bool is_grey(const struct brdf *b) {
     for (int i = 0; i < 3; i++) {
         vec3 w = v3(sqrtf(1.0f - sqrf(1.0f - 0.4f * (float)i)), 0.0f, 1.0f - 0.4f * (float)i);
@@ -157,7 +157,7 @@ satin_status brdf_table_build(const struct brdf *b, satin_basis basis, int max_o
     white.specular = rgb_grey(1.0f);
     struct brdf_table *t =
         table_new(&white, basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, max_order);
-    struct build build = {.brdf = &white, .table = t, .max_error = (double)max_error};
+    struct table_build build = {.brdf = &white, .table = t, .max_error = (double)max_error};
     project_rule_make(&build.rule);
     build.points = array_new((size_t)parallel_threads(pool), sizeof *build.points);
     satin_status status = t && build.points ? SATIN_OK : SATIN_ERROR_MEMORY;
@@ -187,7 +187,7 @@ struct corners {
 };
 
 // Cell and position in it along one axis.
-static int cell(const struct brdf_table *t, float position, float *fraction) {
+static int table_cell(const struct brdf_table *t, float position, float *fraction) {
     float x = position / node_step(t), last = (float)(t->side - 1);
     x = x > 0.0f ? minf(x, last) : 0.0f;
     int i = x < last ? (int)x : t->side - 2;
@@ -198,11 +198,11 @@ static int cell(const struct brdf_table *t, float position, float *fraction) {
 static struct corners find_corners(const struct brdf_table *t, vec3 wo) {
     float scale = 1.0f / (1.0f + maxf(wo.z, 0.0f)), p, q;
     if (t->isotropic) {
-        size_t i = (size_t)cell(t, scale * sqrtf(wo.x * wo.x + wo.y * wo.y), &p);
+        size_t i = (size_t)table_cell(t, scale * sqrtf(wo.x * wo.x + wo.y * wo.y), &p);
         return (struct corners){2, {i, i + 1}, {1.0f - p, p}};
     }
-    size_t i = (size_t)cell(t, scale * fabsf(wo.x), &p), row = (size_t)t->side;
-    i += row * (size_t)cell(t, scale * fabsf(wo.y), &q);
+    size_t i = (size_t)table_cell(t, scale * fabsf(wo.x), &p), row = (size_t)t->side;
+    i += row * (size_t)table_cell(t, scale * fabsf(wo.y), &q);
     return (struct corners){4,
                             {i, i + 1, i + row, i + row + 1},
                             {(1.0f - p) * (1.0f - q), p * (1.0f - q), (1.0f - p) * q, p * q}};
@@ -223,9 +223,9 @@ int brdf_table_order(const struct brdf_table *table, vec3 wo) {
     return wo.z > 0.0f ? corners_order(table, &at) : 0;
 }
 
-// The lobe of phi = 0, turned: cos(m phi_i) becomes cos(m (phi_i - phi)).
-static void turn(const struct brdf_table *t, const struct corners *at, vec3 wo, int order,
-                 float *out) {
+// The lobe of phi = 0, rotated: cos(m phi_i) becomes cos(m (phi_i - phi)).
+static void rotate_lobe(const struct brdf_table *t, const struct corners *at, vec3 wo, int order,
+                        float *out) {
     float r = sqrtf(wo.x * wo.x + wo.y * wo.y), cos_m[ORDER_MAX] = {1.0f}, sin_m[ORDER_MAX] = {0};
     float c = r > 0.0f ? wo.x / r : 1.0f, s = r > 0.0f ? wo.y / r : 0.0f;
     for (int m = 1; m < order; m++) {
@@ -248,10 +248,10 @@ static void turn(const struct brdf_table *t, const struct corners *at, vec3 wo, 
     }
 }
 
-// The lobe of the first quadrant, mirrored into that of wo: y -> -y turns the sign of sin(m phi),
+// The lobe of the first quadrant, mirrored into that of wo: y -> -y changes the sign of sin(m phi),
 // x -> -x that of cos(m phi) for odd m and of sin(m phi) for even m.
-static void mirror(const struct brdf_table *t, const struct corners *at, vec3 wo, int order,
-                   float *out) {
+static void mirror_lobe(const struct brdf_table *t, const struct corners *at, vec3 wo, int order,
+                        float *out) {
     float sign[2 * ORDER_MAX - 1], *middle = sign + ORDER_MAX - 1;
     for (int m = 0; m < order; m++) {
         float odd = wo.x < 0.0f && m % 2 ? -1.0f : 1.0f;
@@ -275,9 +275,9 @@ int brdf_table_lookup(const struct brdf_table *table, vec3 wo, float *c) {
     int order = wo.z > 0.0f ? corners_order(table, &at) : 0;
     if (!order) return 0;
     if (table->isotropic)
-        turn(table, &at, wo, order, c);
+        rotate_lobe(table, &at, wo, order, c);
     else
-        mirror(table, &at, wo, order, c);
+        mirror_lobe(table, &at, wo, order, c);
     return order;
 }
 
@@ -303,6 +303,6 @@ struct brdf_table_info brdf_table_info(const struct brdf_table *t) {
             all += solid_angle;
             if (brdf_table_order(t, wo)) represented += solid_angle;
         }
-    info.share = (float)(represented / all);
+    info.fraction = (float)(represented / all);
     return info;
 }

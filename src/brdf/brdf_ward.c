@@ -16,7 +16,7 @@ static float gaussian(const struct brdf *b, vec3 h) {
     return expf(-e) / (4.0f * PI_F * au * av);
 }
 
-static void eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
+static void ward_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
     vec3 h = v3_add(wo, wi);
     float f = gaussian(b, h);
     switch (b->variant) {
@@ -36,15 +36,15 @@ static void eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glos
 }
 
 // Half vectors are drawn with density exp(...) / (pi au av cos^3 theta_h).
-static void pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
-                float *glossy) {
+static void ward_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
+                     float *glossy) {
     (void)lobes;
     vec3 h = v3_add(wo, wi);
     *diffuse = wi.z * (1.0f / PI_F);
     *glossy = gaussian(b, h) * 2.0f * v3_len2(h) / (h.z * h.z * h.z);
 }
 
-static bool sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
+static bool ward_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
     (void)lobes;
     float r = sqrtf(-logf(maxf(1.0f - u.y, 0x1p-25f))), phi = 2.0f * PI_F * u.z;
     vec3 h =
@@ -54,7 +54,8 @@ static bool sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *
     return c > 0.0f && wi->z > 0.0f;
 }
 
-static void shares(const struct brdf *b, vec3 wo, float *diffuse, float *glossy, float *delta) {
+static void ward_probabilities(const struct brdf *b, vec3 wo, float *diffuse, float *glossy,
+                               float *delta) {
     (void)wo;
     *diffuse = rgb_mean(b->diffuse);
     *glossy = rgb_mean(b->specular);
@@ -67,8 +68,8 @@ const struct brdf_model brdf_model_ward = {
     .lobes = BRDF_REFLECT,
     .slots = 1u << BRDF_SLOT_DIFFUSE | 1u << BRDF_SLOT_SPECULAR | 1u << BRDF_SLOT_ALPHA_U |
              1u << BRDF_SLOT_ALPHA_V,
-    .eval = eval,
-    .pdf = pdf,
-    .sample_glossy = sample,
-    .shares = shares,
+    .eval = ward_eval,
+    .pdf = ward_pdf,
+    .sample_glossy = ward_sample,
+    .probabilities = ward_probabilities,
 };

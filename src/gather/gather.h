@@ -37,7 +37,7 @@ struct gather gather_make(const struct satin_scene *scene, const satin_options *
 
 // A surface point prepared for shading in direction wo.
 struct gather_point {
-    struct surfel surfel;
+    struct interaction interaction;
     struct brdf brdf;
     const struct material_side *side;  // the part of a blend that it is
     struct frame frame;                // of the BRDF; n on the side that reflects
@@ -48,11 +48,11 @@ struct gather_point {
 };
 
 // `d` is the direction of the ray that hit s. Of a blend, one part is drawn.
-void gather_point_make(const struct satin_scene *scene, const struct surfel *s, vec3 d,
+void gather_point_make(const struct satin_scene *scene, const struct interaction *s, vec3 d,
                        struct gather_point *out);
 // The same for a given part.
 void gather_point_of(const struct satin_scene *scene, const struct material_side *side,
-                     const struct surfel *s, vec3 d, struct gather_point *out);
+                     const struct interaction *s, vec3 d, struct gather_point *out);
 
 // ---- Direct light (gather_direct.c) ------------------------------------------------------------
 
@@ -82,10 +82,10 @@ rgb gather_direct(const struct gather *g, const struct gather_point *p, struct g
 // How many surfaces of panes light may pass to a point at a depth.
 int gather_panes(const struct gather *g, int depth);
 // Density over solid angle at p with which gather_direct, choosing one light, draws the first
-// direction of a straight chain from p to an emitter: `hit` is the surfel on it, NULL for the
-// environment.
+// direction of a straight chain from p to an emitter: `hit` is the surface interaction on it, NULL
+// for the environment.
 float gather_light_pdf(const struct gather *g, vec3 p, const struct light_chain *chain,
-                       const struct surfel *hit);
+                       const struct interaction *hit);
 
 // The surface that a ray meets first.
 struct gather_first {

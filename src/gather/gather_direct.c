@@ -38,13 +38,13 @@ static rgb sample_light(const struct gather *g, const struct gather_point *p, st
     const struct satin_scene *scene = g->scene;
     rgb none = rgb_grey(0.0f);
     struct light_sample s;
-    if (!light_sample_seen(scene, choice.light, choice.seen, p->surfel.p, u.x, u.y, &s))
+    if (!light_sample_seen(scene, choice.light, choice.seen, p->interaction.p, u.x, u.y, &s))
         return none;
     vec3 wi = frame_to_local(&p->frame, s.wi);
     rgb f = weighted_brdf(p, mis, wi, s.pdf_w * choice.probability, s.delta);
     if (rgb_black(f)) return none;
     const vec3 straight = s.wi;
-    if (!light_arrives(scene, p->surfel.p, p->surfel.ng, gather_panes(g, mis.depth), &s))
+    if (!light_arrives(scene, p->interaction.p, p->interaction.ng, gather_panes(g, mis.depth), &s))
         return none;
     if (v3_dist2(straight, s.wi) > 0.0f) {  // panes have shifted it
         wi = frame_to_local(&p->frame, s.wi);
@@ -64,7 +64,7 @@ static rgb all_lights(const struct gather *g, const struct gather_point *p, stru
     rgb sum = rgb_grey(0.0f);
     const vec2 u = sampler_2d(&sampler);
     float probability[LIGHT_WEIGHED_MAX];
-    light_choose_weigh(g->scene, p->surfel.p, seen, probability);
+    light_choose_weigh(g->scene, p->interaction.p, seen, probability);
     for (uint32_t i = 0; i < g->scene->light_count; i++) {
         struct choice choice = {seen, i, probability[i]};
         if (choice.probability > 0.0f) sum = rgb_add(sum, sample_light(g, p, mis, choice, u));
@@ -80,7 +80,7 @@ rgb gather_direct(const struct gather *g, const struct gather_point *p, struct g
     unsigned lobes = mis.part[0].lobes | mis.part[1].lobes | mis.part[2].lobes;
     lobes &= p->lobes & BRDF_SMOOTH;
     if (!lobes || light_count == 0) return sum;
-    const struct light_seen seen = guide_visibility_at(g->visibility, p->surfel.p);
+    const struct light_seen seen = guide_visibility_at(g->visibility, p->interaction.p);
     sampler.index = lights.first;
     if (samples < light_count && light_count <= FEW) return all_lights(g, p, mis, seen, sampler);
     float squares = 0.0f;
@@ -89,7 +89,8 @@ rgb gather_direct(const struct gather *g, const struct gather_point *p, struct g
         struct choice choice = {.seen = seen};
         vec2 u = sampler_2d(&s);
         float u_choose = light_count > 1 ? sampler_1d(&s) : 0.0f;
-        choice.light = light_choose(g->scene, p->surfel.p, seen, u_choose, &choice.probability);
+        choice.light =
+            light_choose(g->scene, p->interaction.p, seen, u_choose, &choice.probability);
         const rgb L = rgb_scale(sample_light(g, p, mis, choice, u), 1.0f / choice.probability);
         sum = rgb_add(sum, L);
         squares += sqrf(rgb_luminance(L));
@@ -102,7 +103,7 @@ rgb gather_direct(const struct gather *g, const struct gather_point *p, struct g
 }
 
 float gather_light_pdf(const struct gather *g, vec3 p, const struct light_chain *chain,
-                       const struct surfel *hit) {
+                       const struct interaction *hit) {
     const struct satin_scene *scene = g->scene;
     if (!hit && scene->environment < 0) return 0.0f;
     const struct light_seen seen = guide_visibility_at(g->visibility, p);

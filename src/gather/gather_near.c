@@ -22,7 +22,7 @@ static const float FILLED_LEAST = 0.01f;
 
 static bool is_near(const struct gather_scratch *scratch, size_t i) {
     const struct gather_point *y = &scratch->hit[i].point;
-    return y->lobes & BRDF_DIFFUSE && y->surfel.t < scratch->radius[i];
+    return y->lobes & BRDF_DIFFUSE && y->interaction.t < scratch->radius[i];
 }
 
 // Hits spread evenly over the near ones; returns how many.
@@ -46,9 +46,9 @@ static float probe_cone(const struct gather *g, const struct gather_scratch *scr
     for (int i = 0; i < probes; i++) {
         const struct gather_point *y = &scratch->hit[probe[i]].point;
         const float rest = rgb_luminance(scratch->E[probe[i]]);
-        if (!guide_cone_move(&cone, y->surfel.p, y->frame.n)) continue;
+        if (!guide_cone_move(&cone, y->interaction.p, y->frame.n)) continue;
         if (!(cone.E > FAINT * (cone.E + rest))) continue;
-        const struct guide_eye eye = {y->surfel.p, y->frame.n, y->ng};
+        const struct guide_eye eye = {y->interaction.p, y->frame.n, y->ng};
         clear += guide_cone_visible(g->clusters, g->scene, &cone, &eye, (size_t)i);
         matters++;
     }
@@ -89,7 +89,7 @@ static void look_from(const struct gather_near *near, const struct gather_point 
     for (int c = 0; c < near->count; c++) {
         struct guide_cone *cone = &out->cone[out->count];
         *cone = near->cone[c];
-        if (!guide_cone_move(cone, y->surfel.p, y->frame.n) || !(cone->E > 0.0f)) continue;
+        if (!guide_cone_move(cone, y->interaction.p, y->frame.n) || !(cone->E > 0.0f)) continue;
         // Least variance: in proportion to the deviation of one ray into the cone.
         const float deviation = cone->E / sqrtf(clampf(cone->filled, FILLED_LEAST, 1.0f));
         out->weight[out->count] = near->seen[c] * deviation;

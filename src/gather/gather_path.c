@@ -21,7 +21,7 @@ struct walk {
 
 // Emitted light that the ray meets, at the surface it hit or from the environment, with its share
 // beside light sampling where the chain begins.
-static rgb emitted(const struct gather *g, const struct walk *walk, const struct surfel *hit) {
+static rgb emitted(const struct gather *g, const struct walk *walk, const struct interaction *hit) {
     if (hit ? hit->light < 0 : g->scene->environment < 0) return rgb_grey(0.0f);
     const vec3 d = walk->ray.d;
     rgb Le = light_chain_emitted(&walk->chain, g->scene, hit, d);
@@ -35,12 +35,12 @@ static rgb emitted(const struct gather *g, const struct walk *walk, const struct
 static void leave(const struct gather *g, const struct gather_point *from,
                   const struct brdf_sample *next, vec3 d, struct walk *walk) {
     if (next->pdf_w > 0.0f) {
-        walk->from = from->surfel.p;
+        walk->from = from->interaction.p;
         walk->pdf_w = next->pdf_w;
         walk->chain = light_chain_begin(d);
     } else {
-        light_chain_pass(&walk->chain, g->scene, &from->surfel, v3_neg(walk->ray.d), from->wo_l,
-                         next);
+        light_chain_pass(&walk->chain, g->scene, &from->interaction, v3_neg(walk->ray.d),
+                         from->wo_l, next);
     }
 }
 
@@ -59,7 +59,7 @@ static bool bounce(const struct gather *g, const struct gather_point *from, stru
     walk->emission = walk->emission || next.pdf_w > 0.0f || walk->depth == 0;
     walk->specular = walk->specular && !(next.pdf_w > 0.0f);
     walk->depth++;
-    walk->ray = scene_spawn(g->scene, from->surfel.p, from->surfel.ng, d);
+    walk->ray = scene_spawn(g->scene, from->interaction.p, from->interaction.ng, d);
     if (walk->depth >= g->options->rr_depth) {
         float survive = fminf(rgb_max(walk->T) * walk->eta * walk->eta, ROULETTE_MAX);
         if (!(sampler_1d(sampler) < survive)) return false;
@@ -76,7 +76,7 @@ static rgb follow(const struct gather *g, struct walk walk, struct sampler *samp
     rgb L = rgb_grey(0.0f);
     struct gather_point from = {0};
     do {
-        struct surfel s;
+        struct interaction s;
         bool hit = scene_intersect(g->scene, &walk.ray, &s);
         if (hit) light_chain_advance(&walk.chain, s.t);
         if (first) *first = hit ? (struct gather_first){s.t, s.ng} : GATHER_NOTHING;

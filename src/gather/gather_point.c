@@ -22,13 +22,13 @@ struct gather gather_make(const struct satin_scene *scene, const satin_options *
 }
 
 void gather_point_of(const struct satin_scene *scene, const struct material_side *side,
-                     const struct surfel *s, vec3 d, struct gather_point *out) {
+                     const struct interaction *s, vec3 d, struct gather_point *out) {
     vec3 wo = v3_neg(d);
-    out->surfel = *s;
+    out->interaction = *s;
     out->ng = v3_dot(s->ng, wo) < 0.0f ? v3_neg(s->ng) : s->ng;
     out->side = side;
     out->base = scene_part_frame(scene, side, s, wo);
-    if (scene_part_brdf(scene, side, s, wo, &out->brdf, &out->frame)) {
+    if (scene_component_brdf(scene, side, s, wo, &out->brdf, &out->frame)) {
         out->lobes = brdf_lobes(&out->brdf);
     } else {
         out->lobes = 0;
@@ -37,7 +37,7 @@ void gather_point_of(const struct satin_scene *scene, const struct material_side
     out->wo_l = frame_to_local(&out->frame, wo);
 }
 
-void gather_point_make(const struct satin_scene *scene, const struct surfel *s, vec3 d,
+void gather_point_make(const struct satin_scene *scene, const struct interaction *s, vec3 d,
                        struct gather_point *out) {
-    gather_point_of(scene, scene_part(scene, s, v3_neg(d)), s, d, out);
+    gather_point_of(scene, scene_component(scene, s, v3_neg(d)), s, d, out);
 }

@@ -70,8 +70,8 @@ struct emitters {
     rgb Le_specular;  // all other
 };
 
-static void meet(const struct gather *g, const struct ray *ray, const struct surfel *hit, rgb T,
-                 const struct light_chain *chain, struct emitters *e) {
+static void meet(const struct gather *g, const struct ray *ray, const struct interaction *hit,
+                 rgb T, const struct light_chain *chain, struct emitters *e) {
     if (hit ? hit->light < 0 : g->scene->environment < 0) return;
     rgb Le = light_chain_emitted(chain, g->scene, hit, ray->d);
     if (rgb_black(Le)) return;
@@ -114,7 +114,7 @@ static bool trace_to_smooth(const struct gather *g, struct cone cone, struct sam
             if (!(sampler_1d(sampler) < DELTA_SURVIVE)) return false;
             *T = rgb_scale(*T, 1.0f / DELTA_SURVIVE);
         }
-        struct surfel s;
+        struct interaction s;
         bool hit = scene_intersect(g->scene, &ray, &s);
         if (hit) light_chain_advance(&chain, s.t);
         if (emitters) meet(g, &ray, hit ? &s : NULL, *T, &chain, emitters);
@@ -222,12 +222,12 @@ static rgb reflected(const struct gather *g, const struct gather_point *y, rgb E
     // Photons do not know their edges: two at least are behind a caustic.
     const bool caustics = within_depth(g, level, 2);
     if (known && caustics)
-        L = rgb_add(L, photon_caustic(g->maps, g->scene, y->surfel.p, y->ng, &y->frame, &y->brdf,
-                                      y->wo_l, known, PHOTON_ALONE));
+        L = rgb_add(L, photon_caustic(g->maps, g->scene, y->interaction.p, y->ng, &y->frame,
+                                      &y->brdf, y->wo_l, known, PHOTON_ALONE));
     if (diffuse && near) {
         if (caustics)
             L = rgb_add(L, diffuse_radiance(y, photon_caustic_irradiance(g->maps, g->scene,
-                                                                         y->surfel.p, y->ng)));
+                                                                         y->interaction.p, y->ng)));
         L = rgb_add(L, bounce(g, y, BRDF_DIFFUSE, survive_diffuse, level + 1, choice));
     } else if (diffuse) {
         L = rgb_add(L, diffuse_radiance(y, E));
@@ -263,11 +263,11 @@ static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned
         return L;
     }
     choice->near = NULL;
-    struct ray ray =
-        scene_spawn(g->scene, y->surfel.p, y->surfel.ng, frame_to_world(&y->frame, next.wi));
+    struct ray ray = scene_spawn(g->scene, y->interaction.p, y->interaction.ng,
+                                 frame_to_world(&y->frame, next.wi));
     struct gather_point z;
     // `level` is the number of z: y has 1 + level edges to the eye.
-    struct emitters e = {.from = y->surfel.p, .depth = 1 + level};
+    struct emitters e = {.from = y->interaction.p, .depth = 1 + level};
     const rgb start = rgb_scale(next.weight, 1.0f / survive);
     rgb T;
     struct gather_first first;
@@ -281,7 +281,7 @@ static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned
     if (g->rough.gather) return rgb_fma(L, T, distant(g->rough.gather, &z, level - 1, choice));
     if (recursive(g)) return rgb_fma(L, T, distant(g, &z, level, choice));
     float radius;
-    rgb E = photon_irradiance(g->maps, g->scene, z.surfel.p, z.ng, &radius);
+    rgb E = photon_irradiance(g->maps, g->scene, z.interaction.p, z.ng, &radius);
     bool near = g->options->gather_bounce && radius > g->trust;
     if (!within_depth(g, level, 2)) E = rgb_grey(0.0f);
     return rgb_fma(L, T, reflected(g, &z, E, near, level, choice));
@@ -292,8 +292,8 @@ static rgb bounce(const struct gather *g, const struct gather_point *y, unsigned
 static rgb estimate(const struct gather *g, const struct gather_point *y, float *radius) {
     *radius = INFINITY;
     if (!(y->lobes & BRDF_DIFFUSE)) return rgb_grey(0.0f);
-    rgb L = photon_radiance(g->maps, g->scene, y->surfel.p, y->ng, &y->frame, &y->brdf, y->wo_l,
-                            BRDF_DIFFUSE, radius);
+    rgb L = photon_radiance(g->maps, g->scene, y->interaction.p, y->ng, &y->frame, &y->brdf,
+                            y->wo_l, BRDF_DIFFUSE, radius);
     rgb a = brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE);
     return rgb_make(a.r > 0.0f ? PI_F * L.r / a.r : 0.0f, a.g > 0.0f ? PI_F * L.g / a.g : 0.0f,
                     a.b > 0.0f ? PI_F * L.b / a.b : 0.0f);
@@ -304,7 +304,7 @@ static rgb estimate(const struct gather *g, const struct gather_point *y, float 
 static void look_up(const struct gather *g, struct gather_scratch *scratch, size_t count) {
     const bool precomputed = g->options->first_pass == SATIN_FIRST_PRECOMPUTED;
     for (size_t i = 0; i < count; i++) {
-        scratch->p[i] = scratch->hit[i].point.surfel.p;
+        scratch->p[i] = scratch->hit[i].point.interaction.p;
         scratch->n[i] = scratch->hit[i].point.ng;
         if (!precomputed) scratch->E[i] = estimate(g, &scratch->hit[i].point, &scratch->radius[i]);
     }
@@ -330,8 +330,8 @@ static void shade_from_photons(const struct gather *g, struct gather_scratch *sc
         struct gather_hit *hit = &scratch->hit[i];
         struct gather_point *y = &hit->point;
         const float radius = scratch->radius[i];
-        bool near = g->options->gather_bounce && (y->surfel.t < radius || radius > g->trust);
-        struct choice choice = {hit->sampler, y->surfel.t < radius ? places : NULL,
+        bool near = g->options->gather_bounce && (y->interaction.t < radius || radius > g->trust);
+        struct choice choice = {hit->sampler, y->interaction.t < radius ? places : NULL,
                                 rgb_luminance(scratch->E[i])};
         rgb L = reflected(g, y, scratch->E[i], near, 0, &choice);
         bundle->rays[hit->ray].L = rgb_mul(hit->T, L);

@@ -24,10 +24,10 @@ void guide_view_make(const struct satin_scene *scene, uint64_t seed, struct guid
 // Follows the ray through ideal specular surfaces to one with a smooth lobe, with normal *n; false
 // if there is none. *ray becomes its last edge; *chain gets the surfaces, not the lengths.
 bool guide_view_follow(const struct satin_scene *scene, struct ray *ray, struct rng *rng,
-                       struct surfel *s, vec3 *n, struct light_chain *chain);
+                       struct interaction *s, vec3 *n, struct light_chain *chain);
 // The same from the eye, for path i of GUIDE_VIEW_PATHS.
-bool guide_view_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng, struct surfel *s,
-                    vec3 *n);
+bool guide_view_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng,
+                    struct interaction *s, vec3 *n);
 // Aims at what is small against `all`, the box of everything that matters.
 void guide_view_aim(const struct guide_view *view, struct light_target all, struct light_aim *out);
 

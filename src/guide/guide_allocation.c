@@ -20,7 +20,7 @@ struct tally {
 };
 
 // What comes from one light at s, chosen by chance.
-static void add_direct(struct tally *tally, const struct surfel *s, vec3 n, float T,
+static void add_direct(struct tally *tally, const struct interaction *s, vec3 n, float T,
                        struct rng *rng) {
     const struct satin_scene *scene = tally->scene;
     const float u_choose = rng_float(rng), u = rng_float(rng), v = rng_float(rng);
@@ -37,7 +37,7 @@ static void add_direct(struct tally *tally, const struct surfel *s, vec3 n, floa
 
 // A light that the last ray has met behind ideal specular surfaces that are no panes, where no
 // sample finds it.
-static void add_emitted(struct tally *tally, const struct ray *ray, const struct surfel *hit,
+static void add_emitted(struct tally *tally, const struct ray *ray, const struct interaction *hit,
                         float T) {
     const struct satin_scene *scene = tally->scene;
     const int light = hit ? hit->light : scene->environment;
@@ -47,7 +47,7 @@ static void add_emitted(struct tally *tally, const struct ray *ray, const struct
     if (isfinite(E)) tally->light[light] += (double)E;
 }
 
-static void walk(struct tally *tally, struct surfel s, vec3 n, struct rng *rng) {
+static void walk(struct tally *tally, struct interaction s, vec3 n, struct rng *rng) {
     const struct satin_scene *scene = tally->scene;
     float T = 1.0f;
     for (int i = 0; i < BOUNCES; i++) {
@@ -76,8 +76,8 @@ void guide_allocation_make(const struct satin_scene *scene, uint64_t seed,
     // Among more lights than this, chance would allocate.
     if (scene->light_count < 2 || scene->light_count > GUIDE_ALLOCATION_LIGHTS) return;
     for (uint32_t i = 0; i < GUIDE_VIEW_PATHS; i++) {
-        struct rng rng = rng_make(seed, RNG_DEAL, i);
-        struct surfel s;
+        struct rng rng = rng_make(seed, RNG_ALLOCATION, i);
+        struct interaction s;
         vec3 n;
         if (guide_view_eye(scene, i, &rng, &s, &n)) walk(&tally, s, n, &rng);
     }

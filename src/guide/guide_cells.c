@@ -17,7 +17,7 @@ enum {
 static size_t add_path(const struct satin_scene *scene, uint64_t seed, uint32_t i,
                        struct guide_cell_point *out) {
     struct rng rng = rng_make(seed, RNG_CELL, i);
-    struct surfel s;
+    struct interaction s;
     vec3 n;
     size_t count = 0;
     bool found = guide_view_eye(scene, i, &rng, &s, &n);

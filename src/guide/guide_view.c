@@ -92,7 +92,7 @@ void guide_view_aim(const struct guide_view *view, struct light_target all, stru
 // ---- Paths ------------------------------------------------------------------------------------
 
 bool guide_view_follow(const struct satin_scene *scene, struct ray *ray, struct rng *rng,
-                       struct surfel *s, vec3 *n, struct light_chain *chain) {
+                       struct interaction *s, vec3 *n, struct light_chain *chain) {
     *chain = light_chain_begin(ray->d);
     for (int i = 0; i < SPECULAR_MAX; i++) {
         struct brdf b;
@@ -111,8 +111,8 @@ bool guide_view_follow(const struct satin_scene *scene, struct ray *ray, struct 
     return false;
 }
 
-bool guide_view_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng, struct surfel *s,
-                    vec3 *n) {
+bool guide_view_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng,
+                    struct interaction *s, vec3 *n) {
     const struct film_spec *film = &scene->film;
     const vec2 pixel = sample_sobol2(i, 0);
     float spread;
@@ -130,7 +130,7 @@ void guide_view_make(const struct satin_scene *scene, uint64_t seed, struct guid
     for (uint32_t i = 0; i < GUIDE_VIEW_PATHS; i++) {
         struct rng rng = rng_make(seed, RNG_VIEW, i);
         vec2 direction = sample_sobol2(i, 1);
-        struct surfel s;
+        struct interaction s;
         vec3 n = v3(0, 0, 1);
         if (!guide_view_eye(scene, i, &rng, &s, &n)) continue;
         add(&seen, s.p);

@@ -163,16 +163,16 @@ bool light_sample_seen(const struct satin_scene *scene, uint32_t i, struct light
     return true;
 }
 
-float light_pdf(const struct satin_scene *scene, vec3 p, vec3 wi, const struct surfel *s) {
+float light_pdf(const struct satin_scene *scene, vec3 p, vec3 wi, const struct interaction *s) {
     if (s->light < 0 || scene->light[s->light].kind != LIGHT_AREA) return 0.0f;
     return light_area_pdf(scene, &scene->light[s->light], p, wi, s);
 }
 
-rgb light_emitted(const struct satin_scene *scene, const struct surfel *s, vec3 w) {
+rgb light_emitted(const struct satin_scene *scene, const struct interaction *s, vec3 w) {
     if (s->light < 0 || !(v3_dot(s->ng, w) > 0.0f)) return rgb_grey(0.0f);
     const struct light *light = &scene->light[s->light];
     if (light->kind != LIGHT_AREA) return rgb_grey(0.0f);
-    struct texture_place at = surfel_texture_place(scene, s);
+    struct texture_place at = interaction_texture_place(scene, s);
     return light->texture ? texture_eval(light->texture, &at) : light->value;
 }
 

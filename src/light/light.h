@@ -80,9 +80,9 @@ satin_status light_prepare(struct satin_scene *scene, struct log log);
 bool light_sample(const struct satin_scene *scene, uint32_t i, vec3 p, float u, float v,
                   struct light_sample *out);
 // Density over solid angle at p with which light_sample of s's light draws s.
-float light_pdf(const struct satin_scene *scene, vec3 p, vec3 wi, const struct surfel *s);
+float light_pdf(const struct satin_scene *scene, vec3 p, vec3 wi, const struct interaction *s);
 // Radiance that s emits towards w (world, away from the surface); black if s is no light.
-rgb light_emitted(const struct satin_scene *scene, const struct surfel *s, vec3 w);
+rgb light_emitted(const struct satin_scene *scene, const struct interaction *s, vec3 w);
 // Radiance of the environment along w (world, away from the eye); black without one.
 rgb light_environment(const struct satin_scene *scene, vec3 w);
 // Shadow ray of a light sample from a surface point.

@@ -267,7 +267,7 @@ bool light_area_sample(const struct satin_scene *scene, const struct light *ligh
 }
 
 float light_area_pdf(const struct satin_scene *scene, const struct light *light, vec3 p, vec3 wi,
-                     const struct surfel *s) {
+                     const struct interaction *s) {
     const struct shape *shape = &scene->shape[light->shape];
     float cosine = -v3_dot(wi, s->ng);
     if (!(cosine > 0.0f)) return 0.0f;

@@ -16,7 +16,7 @@ float light_area_reach(const struct satin_scene *scene, const struct light *ligh
 bool light_area_sample(const struct satin_scene *scene, const struct light *light, vec3 p, float u,
                        float v, struct light_sample *out);
 float light_area_pdf(const struct satin_scene *scene, const struct light *light, vec3 p, vec3 wi,
-                     const struct surfel *s);
+                     const struct interaction *s);
 // A point uniform by area, its emitting side's normal and its radiance.
 struct light_point {
     vec3 p, n;

@@ -20,10 +20,10 @@ static bool is_parallel(vec3 a, vec3 b) { return v3_dist2(a, b) < PARALLEL * PAR
 
 // Whether the surface may be a pane's: flat, or a thin sheet of any form; not blended with others,
 // which rays pass by chance.
-static bool may_be_pane(const struct satin_scene *scene, const struct surfel *s, vec3 wo) {
+static bool may_be_pane(const struct satin_scene *scene, const struct interaction *s, vec3 wo) {
     if (s->light >= 0) return false;
-    struct scene_part part[MATERIAL_PARTS_MAX];
-    if (scene_parts(scene, s, wo, part) != 1) return false;
+    struct scene_component part[MATERIAL_COMPONENTS_MAX];
+    if (scene_components(scene, s, wo, part) != 1) return false;
     if (part[0].side->base.model->thin) return true;
     const enum shape_kind kind = scene->shape[s->shape].kind;
     return kind == SHAPE_DISK || (kind == SHAPE_MESH && is_parallel(s->frame.n, s->ng));
@@ -51,7 +51,7 @@ bool light_has_panes(const struct satin_scene *scene) {
         if (shape->kind == SHAPE_INSTANCE) continue;
         const struct material_side *side = &scene->material[shape->material].front;
         const struct brdf *b = &side->base;
-        if (side->part[0] || !(b->model->lobes & BRDF_DELTA) || !brdf_transmits(b)) continue;
+        if (side->component[0] || !(b->model->lobes & BRDF_DELTA) || !brdf_transmits(b)) continue;
         const bool flat =
             shape->kind == SHAPE_DISK || (shape->kind == SHAPE_MESH && has_flat(&shape->mesh));
         if (flat || b->model->thin) return true;
@@ -79,7 +79,8 @@ static void pass(struct light_chain *chain, vec3 wo_l, const struct brdf_sample 
 }
 
 void light_chain_pass(struct light_chain *chain, const struct satin_scene *scene,
-                      const struct surfel *s, vec3 wo, vec3 wo_l, const struct brdf_sample *next) {
+                      const struct interaction *s, vec3 wo, vec3 wo_l,
+                      const struct brdf_sample *next) {
     if (!chain->transmits) return;
     const bool through = (next->lobe & BRDF_DELTA) && wo_l.z * next->wi.z < 0.0f;
     chain->transmits = through && chain->crossed < PANES_MAX && may_be_pane(scene, s, wo);
@@ -91,7 +92,7 @@ bool light_chain_straight(const struct light_chain *chain, vec3 d) {
 }
 
 rgb light_chain_emitted(const struct light_chain *chain, const struct satin_scene *scene,
-                        const struct surfel *hit, vec3 d) {
+                        const struct interaction *hit, vec3 d) {
     if (hit) return light_emitted(scene, hit, v3_neg(d));
     return light_environment(scene, light_chain_straight(chain, d) ? chain->d : d);
 }
@@ -117,7 +118,7 @@ struct march {
 };
 
 // Passes the surface s that a ray along d has hit; *d gets the direction beyond. False: it stops.
-static bool go_through(struct march *m, const struct surfel *s, vec3 *d) {
+static bool go_through(struct march *m, const struct interaction *s, vec3 *d) {
     const vec3 wo = v3_neg(*d);
     struct brdf b;
     struct frame frame;
@@ -147,7 +148,7 @@ static struct march march_begin(const struct satin_scene *scene, int panes, vec3
 
 // Goes on from the hit s of a ray along d to the first surface that is no pane's, in *s, or to
 // where there is none: *hit. False: it stops on the way.
-static bool march_on(struct march *m, struct surfel *s, vec3 *d, bool *hit) {
+static bool march_on(struct march *m, struct interaction *s, vec3 *d, bool *hit) {
     for (*hit = true; *hit;) {
         if (s->light >= 0) break;
         if (!go_through(m, s, d)) return false;
@@ -159,7 +160,7 @@ static bool march_on(struct march *m, struct surfel *s, vec3 *d, bool *hit) {
 
 // Towards a sample's point, behind the pane that s is of. *miss gets how far the end of the way
 // lies beside it; the way may end on another point of the same light. False: it stops before.
-static bool march_to(struct march *m, struct surfel s, vec3 d, const struct light_sample *to,
+static bool march_to(struct march *m, struct interaction s, vec3 d, const struct light_sample *to,
                      vec3 *miss) {
     while (go_through(m, &s, &d)) {
         const vec3 left = v3_sub(to->p, m->p);
@@ -182,7 +183,7 @@ static bool march_to(struct march *m, struct surfel s, vec3 d, const struct ligh
 // A sample at a point. Behind panes the light is seen as if from beside p, by as much as they shift
 // the ray: the sample is drawn again from there.
 static bool arrives_from_point(const struct satin_scene *scene, vec3 p, vec3 ng, int panes,
-                               struct surfel first, struct light_sample *s) {
+                               struct interaction first, struct light_sample *s) {
     struct ray ray = light_shadow_ray(scene, p, ng, s);
     vec3 beside = v3(0, 0, 0);
     struct march m;
@@ -205,7 +206,7 @@ bool light_arrives(const struct satin_scene *scene, vec3 p, vec3 ng, int panes,
                    struct light_sample *s) {
     struct ray ray = light_shadow_ray(scene, p, ng, s);
     if (!scene->panes || panes <= 0) return !scene_occluded(scene, &ray);
-    struct surfel first;
+    struct interaction first;
     if (!scene_intersect(scene, &ray, &first)) return true;
     if (isfinite(s->dist)) return arrives_from_point(scene, p, ng, panes, first, s);
     struct march m = march_begin(scene, panes, s->wi);
@@ -217,7 +218,7 @@ bool light_arrives(const struct satin_scene *scene, vec3 p, vec3 ng, int panes,
 }
 
 bool light_find(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d, int panes,
-                struct surfel *hit, bool *environment, struct light_found *out) {
+                struct interaction *hit, bool *environment, struct light_found *out) {
     struct ray ray = scene_spawn(scene, p, ng, d);
     struct march m = march_begin(scene, panes, d);
     bool met = scene_intersect(scene, &ray, hit);
@@ -232,7 +233,7 @@ bool light_find(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d, int pa
 
 bool light_bends(const struct satin_scene *scene, struct ray ray) {
     struct march m = march_begin(scene, PANES_MAX, ray.d);
-    struct surfel s;
+    struct interaction s;
     vec3 d = ray.d;
     while (scene_intersect(scene, &ray, &s)) {
         const struct material *material = &scene->material[s.material];

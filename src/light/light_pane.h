@@ -15,7 +15,7 @@ struct brdf_sample;
 struct light_sample;
 struct ray;
 struct satin_scene;
-struct surfel;
+struct interaction;
 
 // A chain of specular surfaces so far, from where it began. The distance whose square divides light
 // is changed by glass [Born and Wolf 1999, 4.6]: a bundle of rays spreads in the plane of incidence
@@ -32,14 +32,15 @@ struct light_chain light_chain_begin(vec3 d);
 // wo_l.
 void light_chain_advance(struct light_chain *chain, float length);
 void light_chain_pass(struct light_chain *chain, const struct satin_scene *scene,
-                      const struct surfel *s, vec3 wo, vec3 wo_l, const struct brdf_sample *next);
+                      const struct interaction *s, vec3 wo, vec3 wo_l,
+                      const struct brdf_sample *next);
 // Whether light along the chain that goes on along d is direct light.
 bool light_chain_straight(const struct light_chain *chain, vec3 d);
-// Radiance of the emitter that the chain meets, going on along d: `hit` is the surfel on it, NULL
-// for the environment, which is seen along the first direction of a straight chain, as light
-// samples see it.
+// Radiance of the emitter that the chain meets, going on along d: `hit` is the surface interaction
+// on it, NULL for the environment, which is seen along the first direction of a straight chain, as
+// light samples see it.
 rgb light_chain_emitted(const struct light_chain *chain, const struct satin_scene *scene,
-                        const struct surfel *hit, vec3 d);
+                        const struct interaction *hit, vec3 d);
 // From where the point q at the chain's end would be seen along chain->d without panes, beside the
 // point p where it began.
 vec3 light_chain_beside(const struct light_chain *chain, vec3 p, vec3 q);
@@ -60,7 +61,7 @@ struct light_found {
 };
 // *hit is filled if true is returned and *environment is false.
 bool light_find(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d, int panes,
-                struct surfel *hit, bool *environment, struct light_found *out);
+                struct interaction *hit, bool *environment, struct light_found *out);
 
 // Whether a ray of light meets a specular surface that makes a caustic of it: another than panes.
 bool light_bends(const struct satin_scene *scene, struct ray ray);

@@ -14,6 +14,12 @@ satin_status load_no_memory(struct load_state *loader) {
                     loader->path);
 }
 
+satin_status load_refuse(struct load_state *loader, const struct params *p, const char *why) {
+    log_error_at(loader->log, p->node->place, "%s '%s': %s", load_plugin_noun(p->plugin->tag),
+                 p->plugin->name, why);
+    return SATIN_ERROR_INPUT;
+}
+
 const char *load_keep_text(struct load_state *loader, const char *text) {
     return arena_text(&loader->scene->arena, text, strlen(text));
 }
@@ -155,7 +161,7 @@ static satin_status check_power(const struct load_state *loader) {
 // Continues the hash over an element and what it holds, but for sensors and integrators.
 static uint64_t hash_world(uint64_t hash, const struct xml_node *node) {
     if (node->tag == XML_SENSOR || node->tag == XML_INTEGRATOR) return hash;
-    const unsigned char head[3] = {(unsigned char)node->tag, node->old, node->encoded};
+    const unsigned char head[3] = {(unsigned char)node->tag, node->mitsuba06, node->encoded};
     hash = fileio_hash(hash, head, sizeof head);
     for (const char *const *text = node->attribute; *text; text++)
         hash = fileio_hash(hash, *text, strlen(*text) + 1);
@@ -164,7 +170,7 @@ static uint64_t hash_world(uint64_t hash, const struct xml_node *node) {
     return fileio_hash(hash, ")", 1);
 }
 
-static satin_status load(struct load_state *loader) {
+static satin_status load_all(struct load_state *loader) {
     struct params p;
     struct param_source source = {loader->log, &loader->xml, &loader->scene->world};
     satin_status status = params_read(source, &scene_spec, loader->xml.root, &p);
@@ -202,7 +208,7 @@ satin_status satin_scene_load_with(const char *path, const satin_define *defines
     // What the files hold goes into the world's hash as they are read.
     if (status == SATIN_OK) {
         loader.scene->world = hash_world(FILEIO_HASH, loader.xml.root);
-        status = load(&loader);
+        status = load_all(&loader);
         const uint64_t world = loader.scene->world;
         loader.scene->hash = fileio_hash(loader.scene->hash, &world, sizeof world);
         loader.scene->read = *loader.xml.read;
@@ -215,7 +221,7 @@ satin_status satin_scene_load_with(const char *path, const satin_define *defines
     free(loader.image);
     free(loader.group);
     free(loader.attribute);
-    load_warnings_tell(&warnings);
+    load_warnings_report(&warnings);
     if (status == SATIN_OK && warnings.failed) status = SATIN_ERROR_INPUT;
     if (status == SATIN_OK)
         *scene = loader.scene;

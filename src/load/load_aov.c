@@ -29,8 +29,8 @@ static const struct {
 };
 
 // Logs what an item is not, and which kinds there are.
-static bool find_kind(struct log log, struct log_place place, const char *type,
-                      enum aov_kind *kind) {
+static bool find_aov_kind(struct log log, struct log_place place, const char *type,
+                          enum aov_kind *kind) {
     struct text_nearest nearest = {.word = type};
     for (*kind = 0; *kind < AOV_LIGHT; (*kind)++) {
         if (strcmp(kinds[*kind].type, type) == 0) return true;
@@ -44,7 +44,7 @@ static bool find_kind(struct log log, struct log_place place, const char *type,
     return false;
 }
 
-// Makes room in an empty one; false without memory.
+// Allocates an empty one; false without memory.
 static bool begin(struct load_state *loader, struct scene_aovs *aovs) {
     if (aovs->channel) return true;
     aovs->channel = arena_array(&loader->scene->arena, AOV_CHANNELS_MAX, sizeof *aovs->channel);
@@ -53,8 +53,8 @@ static bool begin(struct load_state *loader, struct scene_aovs *aovs) {
 }
 
 // Adds `channel`, whose name is copied. Logs its failures.
-static satin_status add_channel(struct load_state *loader, struct log_place place,
-                                struct scene_aov channel, struct scene_aovs *aovs) {
+static satin_status add_aov_channel(struct load_state *loader, struct log_place place,
+                                    struct scene_aov channel, struct scene_aovs *aovs) {
     if (strlen(channel.name) > NAME_MAX + 2 || aovs->count == AOV_CHANNELS_MAX) {
         log_error_at(loader->log, place,
                      "aovs: names have at most %d letters, and there are %d channels", NAME_MAX,
@@ -85,14 +85,14 @@ static satin_status add_kind(struct load_state *loader, struct log_place place, 
     for (int i = 0; i < letters && status == SATIN_OK; i++) {
         snprintf(text, sizeof text, "%.*s.%c", NAME_MAX + 1, name, letter[i]);
         struct scene_aov channel = {.name = text, .value = aovs->first[kind] + i};
-        status = add_channel(loader, place, channel, aovs);
+        status = add_aov_channel(loader, place, channel, aovs);
     }
     return status;
 }
 
 // Adds the channels of a pair, which it cuts in two. Logs its failures.
-static satin_status add_pair(struct load_state *loader, struct log_place place, char *pair,
-                             struct scene_aovs *aovs) {
+static satin_status add_aov(struct load_state *loader, struct log_place place, char *pair,
+                            struct scene_aovs *aovs) {
     const struct log log = loader->log;
     enum aov_kind kind;
     char *colon = strchr(pair, ':');
@@ -101,7 +101,7 @@ static satin_status add_pair(struct load_state *loader, struct log_place place, 
         return SATIN_ERROR_INPUT;
     }
     *colon = '\0';
-    if (!find_kind(log, place, colon + 1, &kind)) return SATIN_ERROR_INPUT;
+    if (!find_aov_kind(log, place, colon + 1, &kind)) return SATIN_ERROR_INPUT;
     return add_kind(loader, place, pair, kind, aovs);
 }
 
@@ -118,7 +118,7 @@ satin_status load_aovs(struct load_state *loader, const struct param_value *text
     aovs.aov = true;
     satin_status status = SATIN_OK;
     for (char *pair; status == SATIN_OK && (pair = strtok_r(rest, ", \t\r\n", &rest));)
-        status = add_pair(loader, text->place, pair, &aovs);
+        status = add_aov(loader, text->place, pair, &aovs);
     if (status != SATIN_OK) return status;
     for (int kind = AOV_DP_DU; kind <= AOV_DUV_DY; kind++)
         aovs.partials = aovs.partials || aovs.first[kind] >= 0;
@@ -145,7 +145,7 @@ satin_status load_aovs_moment(struct load_state *loader, const struct xml_node *
         struct scene_aov channel = aovs.channel[i];
         snprintf(name, sizeof name, "%.*s.%s", NAME_MAX, prefix, channel.name);
         channel.name = name;
-        status = add_channel(loader, inner->place, channel, &aovs);
+        status = add_aov_channel(loader, inner->place, channel, &aovs);
     }
     if (status == SATIN_OK) status = add_kind(loader, inner->place, prefix, AOV_LIGHT, &aovs);
     for (int i = first, n = aovs.count; i < n && status == SATIN_OK; i++) {
@@ -153,7 +153,7 @@ satin_status load_aovs_moment(struct load_state *loader, const struct xml_node *
         snprintf(name, sizeof name, "m2_%.*s", NAME_MAX + 3, channel.name);
         channel.name = name;
         channel.squared = true;
-        status = add_channel(loader, inner->place, channel, &aovs);
+        status = add_aov_channel(loader, inner->place, channel, &aovs);
     }
     if (status == SATIN_OK) *out = aovs;
     return status;

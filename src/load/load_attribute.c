@@ -15,13 +15,13 @@ bool attribute_want(struct attribute_names *names, const struct texture *texture
 }
 
 static bool want_side(struct attribute_names *names, const struct material_side *side) {
-    if (side->part[0])
-        return attribute_want(names, side->blend) && want_side(names, side->part[0]) &&
-               want_side(names, side->part[1]);
+    if (side->component[0])
+        return attribute_want(names, side->blend) && want_side(names, side->component[0]) &&
+               want_side(names, side->component[1]);
     for (int i = 0; i < BRDF_SLOT_COUNT; i++)
         if (!attribute_want(names, side->slot[i])) return false;
-    for (int i = 0; i < BRDF_RELIEFS; i++)
-        if (!attribute_want(names, side->relief[i].normal)) return false;
+    for (int i = 0; i < BRDF_BUMPS_MAX; i++)
+        if (!attribute_want(names, side->bump[i].normal)) return false;
     return true;
 }
 

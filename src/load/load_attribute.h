@@ -9,7 +9,7 @@
 // Adds the names that the texture, or one nested in it, asks for; NULL: no texture. False if there
 // are more than ATTRIBUTES_MAX.
 bool attribute_want(struct attribute_names *names, const struct texture *texture);
-// The same for all textures of a material.
+// Names of attributes that all textures of a material want.
 bool attribute_want_all(struct attribute_names *names, const struct material *m);
 // The first of the names that the mesh has not; NULL: it has all.
 const char *attribute_missing(const struct attribute_names *names, const struct mesh *mesh);

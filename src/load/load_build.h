@@ -61,14 +61,15 @@ satin_status load_mesh_rectangle(struct arena *arena, const struct mesh_request 
 satin_status load_mesh_cube(struct arena *arena, const struct mesh_request *request,
                             struct mesh *out);
 
-// Reads lines `x y z radius`, one control point each; blank lines part curves. Points go to world
-// space, radii stay as they are, as in Mitsuba. `linear`: segments between neighbours, two points
-// or more to a curve; else cubic B-splines, four points or more.
+// Reads lines `x y z radius`, one control point each; blank lines separate curves. Points go to
+// world space, radii stay as they are, as in Mitsuba. `linear`: segments between neighbours, two
+// points or more to a curve; else cubic B-splines, four points or more.
 satin_status load_curves(const struct load_source *source, const struct mat4 *to_world, bool linear,
                          struct curves *out);
 
-// Reads an image through OpenImageIO, to linear floats with 1 or 3 channels (alpha is dropped).
-// `raw`: values are taken as they are; else sRGB or untagged 8- and 16-bit data are linearised.
+// Reads an image through libpng or OpenImageIO, to linear floats with 1 or 3 channels (alpha is
+// dropped). `raw`: values are taken as they are; else sRGB or untagged 8- and 16-bit data are
+// linearised.
 satin_status load_image(const struct load_source *source, bool raw, const struct image **out);
 // Makes all smaller copies of an image, down to one texel; false without memory.
 bool load_image_levels(struct arena *arena, const struct image *image, const struct image **level,
@@ -77,10 +78,5 @@ bool load_image_levels(struct arena *arena, const struct image *image, const str
 static inline float srgb_to_linear(float x) {
     return x <= 0.04045f ? x / 12.92f : powf((x + 0.055f) / 1.055f, 2.4f);
 }
-
-// What is wrong with a PNG file that was read whole, in words; NULL: nothing, or it is no PNG.
-// load_image_no_memory: it is not known.
-extern const char load_image_no_memory[];
-const char *load_image_png_problem(const char *data, size_t size);
 
 #endif

@@ -47,8 +47,8 @@ static satin_status read_rgb(struct log log, const struct xml_node *node, rgb *o
     return SATIN_OK;
 }
 
-static satin_status read_file(struct param_source source, const struct xml_node *node,
-                              struct spectrum *out) {
+static satin_status read_spectrum_file(struct param_source source, const struct xml_node *node,
+                                       struct spectrum *out) {
     char *path = load_xml_resolve(source.xml, node->place, xml_get(node, "filename"));
     if (!path)
         return log_fail(source.log, SATIN_ERROR_MEMORY, "%s: not enough memory for the scene",
@@ -76,11 +76,11 @@ static satin_status read_spectrum(struct param_source source, struct xml_node *n
     if (text && !strchr(text, ':')) {
         double d;
         if (!param_numbers(source.log, node->place, text, 1, &d)) return SATIN_ERROR_INPUT;
-        *out = rgb_scale(light && !node->old ? equal_energy : rgb_grey(1.0f), (float)d);
+        *out = rgb_scale(light && !node->mitsuba06 ? equal_energy : rgb_grey(1.0f), (float)d);
         return SATIN_OK;
     }
     struct spectrum spectrum;
-    satin_status status = file ? read_file(source, node, &spectrum)
+    satin_status status = file ? read_spectrum_file(source, node, &spectrum)
                                : spectrum_parse(source.log, node->place, text, &spectrum);
     if (status != SATIN_OK) return status;
     *out = spectrum_to_rgb(&spectrum, light);

@@ -7,7 +7,7 @@
 #include "load/load_mesh.h"
 #include "load/load_mesh_text.h"
 
-struct reader {
+struct curve_reader {
     const struct load_source *source;
     struct mesh_text text;
     const struct mat4 *to_world;
@@ -18,7 +18,7 @@ struct reader {
     size_t needed;  // points of a segment
 };
 
-static satin_status read_point(struct reader *r) {
+static satin_status read_point(struct curve_reader *r) {
     double value[4];
     for (int i = 0; i < 4; i++) {
         mesh_text_skip_blanks(&r->text);
@@ -36,7 +36,7 @@ static satin_status read_point(struct reader *r) {
 }
 
 // Ends a curve: its segments start at every point that has enough after it.
-static satin_status end_curve(struct reader *r) {
+static satin_status end_curve(struct curve_reader *r) {
     size_t count = r->points - r->start;
     if (!count) return SATIN_OK;
     if (count < r->needed)
@@ -51,7 +51,7 @@ static satin_status end_curve(struct reader *r) {
     return SATIN_OK;
 }
 
-static satin_status read_lines(struct reader *r) {
+static satin_status read_curve_lines(struct curve_reader *r) {
     satin_status status = SATIN_OK;
     for (; r->text.at < r->text.end && status == SATIN_OK; mesh_text_next_line(&r->text)) {
         mesh_text_skip_blanks(&r->text);
@@ -68,7 +68,7 @@ static satin_status read_lines(struct reader *r) {
 }
 
 // One bit per neighbour that a segment has in its curve, as Embree wants them.
-static uint8_t *neighbour_flags(struct arena *arena, const struct reader *r) {
+static uint8_t *neighbour_flags(struct arena *arena, const struct curve_reader *r) {
     uint8_t *flags = arena_array(arena, r->segments, 1);
     for (size_t i = 0; flags && i < r->segments; i++) {
         bool left = i > 0 && r->first[i - 1] + 1 == r->first[i];
@@ -78,7 +78,7 @@ static uint8_t *neighbour_flags(struct arena *arena, const struct reader *r) {
     return flags;
 }
 
-static satin_status keep(const struct reader *r, bool linear, struct curves *out) {
+static satin_status store_curves(const struct curve_reader *r, bool linear, struct curves *out) {
     struct arena *arena = r->source->arena;
     struct curves c = {.segments = (uint32_t)r->segments, .linear = linear};
     float *point = arena_array(arena, r->points * 4, sizeof *point);
@@ -100,12 +100,12 @@ satin_status load_curves(const struct load_source *source, const struct mat4 *to
     size_t size;
     satin_status status = load_source_read(source, LOAD_FILE_MAX, &data, &size);
     if (status != SATIN_OK) return status;
-    struct reader r = {.source = source,
-                       .text = {data, data + size, 1},
-                       .to_world = to_world,
-                       .needed = linear ? 2 : 4};
-    status = read_lines(&r);
-    if (status == SATIN_OK) status = keep(&r, linear, out);
+    struct curve_reader r = {.source = source,
+                             .text = {data, data + size, 1},
+                             .to_world = to_world,
+                             .needed = linear ? 2 : 4};
+    status = read_curve_lines(&r);
+    if (status == SATIN_OK) status = store_curves(&r, linear, out);
     free(r.point);
     free(r.first);
     free(data);

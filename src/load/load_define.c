@@ -28,7 +28,7 @@ static struct load_define *longest_match(struct load_defines *defines, const cha
 }
 
 // Appends to `buffer` unless it would overflow; *used only grows then.
-static bool append(char *buffer, size_t *used, const char *text, size_t length) {
+static bool append_text(char *buffer, size_t *used, const char *text, size_t length) {
     if (length > LOAD_ATTRIBUTE_MAX - *used) return false;
     memcpy(buffer + *used, text, length);
     *used += length;
@@ -47,7 +47,7 @@ satin_status load_define_expand(struct load_defines *defines, struct arena *aren
             plain = 1;
         }
         if (plain > 0) {
-            if (!append(buffer, &used, text, plain)) return SATIN_ERROR_INPUT;
+            if (!append_text(buffer, &used, text, plain)) return SATIN_ERROR_INPUT;
             text += plain;
             continue;
         }
@@ -58,7 +58,8 @@ satin_status load_define_expand(struct load_defines *defines, struct arena *aren
             return SATIN_ERROR_INPUT;
         }
         define->used = true;
-        if (!append(buffer, &used, define->value, strlen(define->value))) return SATIN_ERROR_INPUT;
+        if (!append_text(buffer, &used, define->value, strlen(define->value)))
+            return SATIN_ERROR_INPUT;
         text += 1 + length;
     }
     char *copy = arena_text(arena, buffer, used);

@@ -23,7 +23,7 @@ static int by_id_then_order(const void *a, const void *b) {
     return (x->number > y->number) - (x->number < y->number);
 }
 
-static struct xml_id *find(const struct load_xml *xml, const char *id) {
+static struct xml_id *find_id(const struct load_xml *xml, const char *id) {
     size_t lo = 0, hi = xml->id_count;
     while (lo < hi) {
         size_t mid = lo + (hi - lo) / 2;
@@ -42,7 +42,7 @@ static struct xml_node *resolve_alias(const struct load_xml *xml, struct log log
                                       struct xml_id *alias) {
     struct xml_id *step = alias;
     for (int steps = 0; !step->node; steps++) {
-        struct xml_id *source = find(xml, step->source);
+        struct xml_id *source = find_id(xml, step->source);
         if (!source || source->number >= step->number || steps == ALIAS_STEPS_MAX) {
             log_error_at(log, step->place, "alias of '%s', which is not defined before it",
                          step->source);
@@ -68,7 +68,7 @@ satin_status load_ids_resolve(struct load_xml *xml, struct log log) {
 }
 
 struct xml_node *load_xml_find(const struct load_xml *xml, const char *id) {
-    const struct xml_id *entry = find(xml, id);
+    const struct xml_id *entry = find_id(xml, id);
     return entry ? entry->node : NULL;
 }
 

@@ -5,34 +5,35 @@
 
 static int half(int n) { return n > 1 ? n / 2 : 1; }
 
-// The texels from * n / m to (from + 1) * n / m of a line of n, by their share; returns their sum.
-struct span {
+// The texels from * n / m to (from + 1) * n / m of a line of n, by the fraction of each; returns
+// their sum.
+struct texel_span {
     int first, count;
-    float share[3];
+    float fraction[3];
 };
 
-static struct span span_of(int from, int n, int m) {
+static struct texel_span span_of(int from, int n, int m) {
     double left = (double)from * n / m, right = (double)(from + 1) * n / m;
-    struct span s = {.first = (int)left};
+    struct texel_span s = {.first = (int)left};
     for (int i = s.first; i < n && i < right && s.count < 3; i++)
-        s.share[s.count++] =
+        s.fraction[s.count++] =
             (float)((fmin(right, i + 1.0) - fmax(left, (double)i)) / (right - left));
     return s;
 }
 
-static void shrink(const struct image *from, const struct image *to, float *texel) {
+static void shrink_image(const struct image *from, const struct image *to, float *texel) {
     const int channels = from->channels;
     for (int y = 0; y < to->height; y++) {
-        struct span rows = span_of(y, from->height, to->height);
+        struct texel_span rows = span_of(y, from->height, to->height);
         for (int x = 0; x < to->width; x++, texel += channels) {
-            struct span columns = span_of(x, from->width, to->width);
+            struct texel_span columns = span_of(x, from->width, to->width);
             for (int c = 0; c < channels; c++) texel[c] = 0.0f;
             for (int j = 0; j < rows.count; j++)
                 for (int i = 0; i < columns.count; i++) {
                     size_t at = (size_t)(rows.first + j) * (size_t)from->width +
                                 (size_t)(columns.first + i);
                     for (int c = 0; c < channels; c++)
-                        texel[c] += rows.share[j] * columns.share[i] *
+                        texel[c] += rows.fraction[j] * columns.fraction[i] *
                                     from->texel[at * (size_t)channels + (size_t)c];
                 }
         }
@@ -51,7 +52,7 @@ bool load_image_levels(struct arena *arena, const struct image *image, const str
         size_t texels = (size_t)to.width * (size_t)to.height;
         float *texel = arena_array(arena, texels * (size_t)to.channels, sizeof *texel);
         if (!texel) return false;
-        shrink(from, &to, texel);
+        shrink_image(from, &to, texel);
         to.texel = texel;
         made[i] = to;
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The module around OpenImageIO: C functions over its C++ classes. Built as a shared module of its
 // own, so that the libraries behind OpenImageIO load only when a scene has an image.
-#include "load/load_image_oiio.h"
+#include "load/load_image_reader.h"
 
 #include <OpenImageIO/imageio.h>
 
@@ -14,19 +14,19 @@
 namespace {
 
 // The first line of the text. Without memory: it is called where that ran out.
-oiio_result fail(char *error, size_t size, const char *text) {
+reader_result fail(char *error, size_t size, const char *text) {
     std::snprintf(error, size, "%.*s", static_cast<int>(std::strcspn(text, "\r\n")), text);
-    return OIIO_FAILED;
+    return READER_FAILED;
 }
 
-// Calls f and turns whatever it throws into a message.
+// Calls f and makes a message of whatever it throws.
 template <typename F>
-oiio_result guarded(char *error, size_t size, F f) noexcept {
+reader_result guarded(char *error, size_t size, F f) noexcept {
     try {
         return f();
     } catch (const std::bad_alloc &) {
         std::snprintf(error, size, "not enough memory");
-        return OIIO_NO_MEMORY;
+        return READER_NO_MEMORY;
     } catch (const std::exception &e) {
         return fail(error, size, e.what());
     } catch (...) {
@@ -43,11 +43,12 @@ bool is_srgb(const OIIO::ImageSpec &spec) {
     return !linear && !spec.format.is_floating_point();
 }
 
-oiio_result open(const char *path, struct oiio_image *out, char *error, size_t size) {
+reader_result open(const struct image_data *file, struct opened_image *out, char *error,
+                   size_t size) {
     return guarded(error, size, [&] {
         OIIO::ImageSpec config;
         config["oiio:UnassociatedAlpha"] = 1;
-        auto input = OIIO::ImageInput::open(path, &config);
+        auto input = OIIO::ImageInput::open(file->path, &config);
         if (!input) return fail(error, size, OIIO::geterror().c_str());
         const OIIO::ImageSpec &spec = input->spec();
         if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1 || spec.deep)
@@ -57,11 +58,11 @@ oiio_result open(const char *path, struct oiio_image *out, char *error, size_t s
         out->channels = spec.nchannels < 3 ? 1 : 3;
         out->srgb = is_srgb(spec);
         out->input = input.release();
-        return OIIO_DONE;
+        return READER_DONE;
     });
 }
 
-oiio_result read(struct oiio_image *image, float *texel, char *error, size_t size) {
+reader_result read(struct opened_image *image, float *texel, char *error, size_t size) {
     return guarded(error, size, [&] {
         auto *input = static_cast<OIIO::ImageInput *>(image->input);
         bool done = input->read_image(0, 0, 0, image->channels, OIIO::TypeDesc::FLOAT, texel);
@@ -69,12 +70,12 @@ oiio_result read(struct oiio_image *image, float *texel, char *error, size_t siz
         // of JPEGs with a few bytes too many, which are common and harmless.
         std::string complaint = input->geterror();
         if (done && (complaint.empty() || complaint.find("extraneous") != std::string::npos))
-            return OIIO_DONE;
+            return READER_DONE;
         return fail(error, size, complaint.c_str());
     });
 }
 
-void close(struct oiio_image *image) {
+void close(struct opened_image *image) {
     try {
         OIIO::ImageInput::unique_ptr input(static_cast<OIIO::ImageInput *>(image->input));
     } catch (...) {
@@ -85,4 +86,4 @@ void close(struct oiio_image *image) {
 }  // namespace
 
 extern "C" __attribute__((visibility("default")))
-const struct oiio_module satin_oiio_module = {open, read, close};
+const struct image_reader satin_oiio_module = {open, read, close};

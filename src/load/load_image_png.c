@@ -1,170 +1,169 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether a PNG is whole, by the lengths and checksums of its chunks, and has what an image needs:
-// libpng would tell of a damaged one on standard error. So pixels are unpacked here too, and thrown
-// away.
+// PNG files through libpng, which reports what is wrong in one message of ours instead of lines on
+// standard error. Files are data of others: every checksum counts, chunks that no texel depends on
+// are skipped unread, so that none can unpack to more than the image, and libpng's own bounds hold
+// (a million pixels a side).
+#include <limits.h>
+#include <png.h>
+#include <setjmp.h>
 #include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
-#include <zlib.h>
 
-#include "load/load_build.h"
+#include "load/load_image_reader.h"
 
-enum { SIGNATURE = 8, CHUNK = 12 };  // bytes; a chunk's are its length, name and checksum
-enum { HEADER = 13, PALETTE_MOST = 3 * 256 };
-enum { INDEXED = 3, TYPES = 7, SIDE_MOST = 1000000 };  // the longest that libpng takes
-
-static uint32_t big_endian(const unsigned char *p) {
-    return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
-}
-
-// The rows of an image, or of the passes of an interlaced one, as the compressed data hold them:
-// a byte for the filter, then the pixels.
-enum { PASSES = 7, FILTER_MOST = 4 };
-struct rows {
-    struct {
-        uint32_t rows;
-        size_t bytes;  // of a row
-    } pass[PASSES];
-    int at;         // the pass under way; PASSES: all are there
-    uint32_t row;   // of it,
-    size_t within;  // and the place in that
+struct png_input {
+    png_structp png;
+    png_infop info;
+    const unsigned char *at, *end;  // bytes of the file that libpng has not asked for yet
+    size_t width, height, channels;
+    int bits;  // of a value, 8 or 16
+    bool no_memory;
+    char problem[128];
+    jmp_buf failed;
 };
 
-// What was found of the critical chunks.
-struct seen {
-    bool header, indexed, palette, pixels;
-    struct rows rows;
-    z_stream stream;
-    bool no_memory;  // zlib found none
-};
+// ---- What libpng calls --------------------------------------------------------------------------
 
-const char load_image_no_memory[] = "not enough memory to unpack it";
-
-// ---- Pixels -------------------------------------------------------------------------------------
-
-static void skip_empty(struct rows *r) {
-    while (r->at < PASSES && r->row == r->pass[r->at].rows) {
-        r->at++;
-        r->row = 0;
-    }
+_Noreturn static void on_error(png_structp png, png_const_charp message) {
+    struct png_input *input = png_get_error_ptr(png);
+    snprintf(input->problem, sizeof input->problem, "%s", message);
+    longjmp(input->failed, 1);
 }
 
-// `header` is one that is_header() takes.
-static void begin_rows(const unsigned char *header, struct rows *r) {
-    static const struct {
-        unsigned x, y, dx, dy;  // of the pixels of a pass: the first, and the steps between them
-    } adam7[PASSES] = {{0, 0, 8, 8}, {4, 0, 8, 8}, {0, 4, 4, 8}, {2, 0, 4, 4},
-                       {0, 2, 2, 4}, {1, 0, 2, 2}, {0, 1, 1, 2}};
-    static const unsigned channels[TYPES] = {1, 0, 3, 1, 2, 0, 4};
-    const uint32_t width = big_endian(header), height = big_endian(header + 4);
-    const size_t bits = (size_t)header[8] * channels[header[9]];
-    *r = (struct rows){0};
-    for (int i = 0; i < (header[12] ? PASSES : 1); i++) {
-        const unsigned x = header[12] ? adam7[i].x : 0, dx = header[12] ? adam7[i].dx : 1;
-        const unsigned y = header[12] ? adam7[i].y : 0, dy = header[12] ? adam7[i].dy : 1;
-        const size_t columns = width > x ? (width - x + dx - 1) / dx : 0;
-        if (columns == 0) continue;
-        r->pass[i].rows = height > y ? (height - y + dy - 1) / dy : 0;
-        r->pass[i].bytes = 1 + (columns * bits + 7) / 8;
-    }
-    skip_empty(r);
+// What libpng can read past changes no texel.
+static void on_warning(png_structp png, png_const_charp message) { (void)png, (void)message; }
+
+static png_voidp on_allocate(png_structp png, png_alloc_size_t size) {
+    struct png_input *input = png_get_mem_ptr(png);
+    void *memory = malloc(size);
+    input->no_memory = input->no_memory || !memory;
+    return memory;
 }
 
-// Goes over unpacked bytes; false if a filter is none. What is too much does not matter.
-static bool take_rows(struct rows *r, const unsigned char *data, size_t size) {
-    while (size > 0 && r->at < PASSES) {
-        const size_t bytes = r->pass[r->at].bytes, left = bytes - r->within;
-        const size_t take = left < size ? left : size;
-        if (r->within == 0 && data[0] > FILTER_MOST) return false;
-        r->within += take;
-        data += take;
-        size -= take;
-        if (r->within < bytes) break;
-        r->within = 0;
-        r->row++;
-        skip_empty(r);
-    }
+static void on_free(png_structp png, png_voidp memory) {
+    (void)png;
+    free(memory);
+}
+
+static void on_read(png_structp png, png_bytep out, size_t size) {
+    struct png_input *input = png_get_io_ptr(png);
+    if (size > (size_t)(input->end - input->at)) png_error(png, "the file is cut short");
+    memcpy(out, input->at, size);
+    input->at += size;
+}
+
+// ---- The reader ---------------------------------------------------------------------------------
+
+static enum reader_result report(const struct png_input *input, char *error, size_t size) {
+    if (input->no_memory)
+        snprintf(error, size, "not enough memory to unpack it");
+    else
+        snprintf(error, size, "the PNG is damaged: %s", input->problem);
+    return input->no_memory ? READER_NO_MEMORY : READER_FAILED;
+}
+
+static void free_input(struct png_input *input) {
+    png_destroy_read_struct(&input->png, &input->info, NULL);
+    free(input);
+}
+
+// Values that are linear say so by an exponent of 1, to the hundredth; all others are taken as
+// encoded by the sRGB curve, as OpenImageIO has them.
+static bool is_encoded(const struct png_input *input) {
+    int intent;
+    double exponent;
+    if (png_get_sRGB(input->png, input->info, &intent)) return true;
+    return !png_get_gAMA(input->png, input->info, &exponent) ||
+           !(exponent > 1.0 / 1.005 && exponent < 1.0 / 0.995);
+}
+
+// Reads the header; false if libpng reports an error.
+static bool read_png_header(struct png_input *input) {
+    if (setjmp(input->failed)) return false;
+    png_structp png = input->png;
+    png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
+    // A negative count is all chunks but those of the pixels, palette and transparency.
+    png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, NULL, -1);
+    png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_AS_DEFAULT, (png_const_bytep) "gAMA\0sRGB",
+                                2);
+    png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, (png_const_bytep) "tRNS", 1);
+    png_set_read_fn(png, input, on_read);
+    png_read_info(png, input->info);
+    const unsigned color = png_get_color_type(png, input->info);
+    input->width = png_get_image_width(png, input->info);
+    input->height = png_get_image_height(png, input->info);
+    input->channels = color & PNG_COLOR_MASK_COLOR ? 3 : 1;
+    input->bits = png_get_bit_depth(png, input->info) == 16 ? 16 : 8;
+    png_set_expand(png);  // palettes to colours, fewer bits than 8 to 8
+    png_set_strip_alpha(png);
     return true;
 }
 
-// Unpacks the data of one chunk; false if they are wrong.
-static bool take_pixels(struct seen *seen, const unsigned char *data, uint32_t length) {
-    unsigned char out[1 << 14];
-    z_stream *z = &seen->stream;
-    z->next_in = (z_const Bytef *)data;
-    z->avail_in = length;
-    while (seen->rows.at < PASSES) {
-        z->next_out = out;
-        z->avail_out = sizeof out;
-        const int status = inflate(z, Z_NO_FLUSH);
-        seen->no_memory = status == Z_MEM_ERROR;
-        if (status != Z_OK && status != Z_STREAM_END) return status == Z_BUF_ERROR;
-        if (!take_rows(&seen->rows, out, sizeof out - z->avail_out)) return false;
-        if (status == Z_STREAM_END || (z->avail_in == 0 && z->avail_out > 0)) break;
+static enum reader_result open_png(const struct image_data *file, struct opened_image *out,
+                                   char *error, size_t size) {
+    struct png_input *input = calloc(1, sizeof *input);
+    if (input)
+        input->png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, input, on_error, on_warning,
+                                              input, on_allocate, on_free);
+    if (input && input->png) input->info = png_create_info_struct(input->png);
+    if (!input || !input->info) {
+        if (input) free_input(input);
+        snprintf(error, size, "not enough memory to unpack it");
+        return READER_NO_MEMORY;
     }
+    input->at = (const unsigned char *)file->data;
+    input->end = input->at + file->size;
+    if (!read_png_header(input)) {
+        const enum reader_result result = report(input, error, size);
+        free_input(input);
+        return result;
+    }
+    *out = (struct opened_image){input, (int)input->width, (int)input->height, (int)input->channels,
+                                 is_encoded(input)};
+    return READER_DONE;
+}
+
+// Reads all rows as the file has them, one after another from `rows` on; false if libpng reports an
+// error. What follows the pixels is read too, so that a file that is cut short there is refused.
+static bool read_rows(struct png_input *input, unsigned char *rows, size_t row_bytes) {
+    if (setjmp(input->failed)) return false;
+    const int passes = png_set_interlace_handling(input->png);
+    png_read_update_info(input->png, input->info);
+    if (png_get_rowbytes(input->png, input->info) != row_bytes)
+        png_error(input->png, "rows of an unexpected length");
+    for (int pass = 0; pass < passes; pass++)
+        for (size_t y = 0; y < input->height; y++)
+            png_read_row(input->png, rows + y * row_bytes, NULL);
+    png_read_end(input->png, NULL);
     return true;
 }
 
-// ---- Chunks -------------------------------------------------------------------------------------
-
-// Width, height, bits, type of colour, compression, filter, interlacing.
-static bool is_header(const unsigned char *data, uint32_t length) {
-    // Sums of the numbers of bits, powers of two, that a type may have.
-    static const unsigned bits[TYPES] = {31, 0, 24, 15, 24, 0, 24};
-    if (length != HEADER) return false;
-    const uint32_t width = big_endian(data), height = big_endian(data + 4);
-    const unsigned depth = data[8], type = data[9];
-    return width - 1 < SIDE_MOST && height - 1 < SIDE_MOST && depth && !(depth & (depth - 1)) &&
-           type < TYPES && bits[type] & depth && !data[10] && !data[11] && data[12] < 2;
+static enum reader_result read_png(struct opened_image *image, float *texel, char *error,
+                                   size_t size) {
+    struct png_input *input = image->input;
+    const size_t row = input->width * input->channels, count = row * input->height;
+    const size_t bytes = (size_t)input->bits / 8;
+    // The values as they are packed stand at the end of the texels, which take their place from the
+    // front: a texel overwrites only values before the one that it is made of, and that one.
+    const unsigned char *from = (unsigned char *)texel + count * (sizeof *texel - bytes);
+    if (!read_rows(input, (unsigned char *)from, row * bytes)) return report(input, error, size);
+    for (size_t i = 0; i < count; i++, from += bytes)
+        texel[i] = bytes == 1 ? (float)from[0] * (1.0f / UCHAR_MAX)
+                              : (float)(from[0] << 8 | from[1]) * (1.0f / USHRT_MAX);
+    return READER_DONE;
 }
 
-static const char *chunk_problem(const unsigned char *name, uint32_t length, struct seen *seen) {
-    const unsigned char *data = name + 4;
-    if (memcmp(name, "IHDR", 4) == 0) {
-        if (seen->header || !is_header(data, length)) return "the PNG's header is wrong";
-        seen->header = true;
-        seen->indexed = data[9] == INDEXED;
-        begin_rows(data, &seen->rows);
-    } else if (!seen->header) {
-        return "the PNG does not begin with a header";
-    } else if (memcmp(name, "PLTE", 4) == 0) {
-        if (seen->palette || length == 0 || length > PALETTE_MOST || length % 3)
-            return "the PNG's palette is wrong";
-        seen->palette = true;
-    } else if (memcmp(name, "IDAT", 4) == 0) {
-        if (seen->indexed && !seen->palette) return "the PNG has no palette";
-        seen->pixels = true;
-        if (!take_pixels(seen, data, length))
-            return seen->no_memory ? load_image_no_memory : "the PNG's pixels are damaged";
-    } else if (memcmp(name, "IEND", 4) == 0) {
-        if (!seen->pixels) return "the PNG has no pixels";
-        if (seen->rows.at < PASSES) return "the PNG has too few pixels";
-    } else if (!(name[0] & 0x20)) {  // small letters begin what may be left out
-        return "a part of the PNG is of an unknown kind";
-    }
-    return NULL;
+static void close_png(struct opened_image *image) {
+    free_input(image->input);
+    image->input = NULL;
 }
 
-static const char *chunks_problem(const unsigned char *at, const unsigned char *end,
-                                  struct seen *seen) {
-    while (end - at >= CHUNK) {
-        uint32_t length = big_endian(at);
-        if (length > (size_t)(end - at) - CHUNK) break;
-        // The checksum is of the name and the data.
-        uint32_t sum = (uint32_t)crc32_z(0, at + 4, (size_t)length + 4);
-        if (sum != big_endian(at + 8 + length)) return "a part of the PNG is damaged";
-        const char *problem = chunk_problem(at + 4, length, seen);
-        if (problem || memcmp(at + 4, "IEND", 4) == 0) return problem;
-        at += CHUNK + (size_t)length;
-    }
-    return "the PNG is cut short";
-}
+const struct image_reader load_image_png = {open_png, read_png, close_png};
 
-const char *load_image_png_problem(const char *data, size_t size) {
-    const unsigned char *at = (const unsigned char *)data;
-    struct seen seen = {0};
-    if (size < SIGNATURE || memcmp(at, "\x89PNG\r\n\x1a\n", SIGNATURE) != 0) return NULL;
-    if (inflateInit(&seen.stream) != Z_OK) return load_image_no_memory;
-    const char *problem = chunks_problem(at + SIGNATURE, at + size, &seen);
-    inflateEnd(&seen.stream);
-    return problem;
+int load_image_is_png(const struct image_data *file) {
+    static const char signature[] = "\x89PNG\r\n\x1a\n";
+    return file->size >= sizeof signature - 1 &&
+           memcmp(file->data, signature, sizeof signature - 1) == 0;
 }

@@ -40,7 +40,7 @@ satin_status mesh_allocate(const struct load_source *source, uint32_t vertices, 
 
 // ---- Normals ------------------------------------------------------------------------------------
 
-static vec3 vertex(const float *values, uint32_t i) {
+static vec3 vertex_at(const float *values, uint32_t i) {
     const float *v = values + (size_t)i * 3;
     return v3(v[0], v[1], v[2]);
 }
@@ -52,7 +52,7 @@ static void set_vertex(float *values, uint32_t i, vec3 v) {
 }
 
 // The angle between unit vectors, accurate for small and flat angles.
-static float angle_between(vec3 a, vec3 b) {
+static float angle_of_edges(vec3 a, vec3 b) {
     return 2.0f * atan2f(v3_len(v3_sub(a, b)), v3_len(v3_add(a, b)));
 }
 
@@ -62,20 +62,20 @@ static void smooth_normals(const struct mesh_parts *parts, const bool *wanted, f
     for (uint32_t t = 0; t < parts->triangle_count; t++) {
         const uint32_t *index = parts->index + (size_t)t * 3;
         vec3 p[3];
-        for (int k = 0; k < 3; k++) p[k] = vertex(parts->position, index[k]);
+        for (int k = 0; k < 3; k++) p[k] = vertex_at(parts->position, index[k]);
         vec3 n = v3_unit_wide(v3_cross(v3_sub(p[1], p[0]), v3_sub(p[2], p[0])));
         if (v3_len2(n) == 0.0f) continue;
         for (int k = 0; k < 3; k++) {
             if (wanted && !wanted[index[k]]) continue;
             vec3 a = v3_unit(v3_sub(p[(k + 1) % 3], p[k]));
             vec3 b = v3_unit(v3_sub(p[(k + 2) % 3], p[k]));
-            vec3 sum = vertex(normal, index[k]);
-            set_vertex(normal, index[k], v3_mad(sum, angle_between(a, b), n));
+            vec3 sum = vertex_at(normal, index[k]);
+            set_vertex(normal, index[k], v3_mad(sum, angle_of_edges(a, b), n));
         }
     }
     for (uint32_t i = 0; i < parts->vertex_count; i++) {
         if (wanted && !wanted[i]) continue;
-        vec3 n = v3_unit(vertex(normal, i));
+        vec3 n = v3_unit(vertex_at(normal, i));
         // A vertex that only degenerate faces use is never seen.
         set_vertex(normal, i, v3_len2(n) > 0.5f ? n : v3(1, 0, 0));
     }
@@ -107,7 +107,7 @@ static void transform_normals(const struct mat4 *m, struct mesh_parts *parts) {
 static satin_status complete_normals(const struct load_source *source, struct mesh_parts *parts) {
     bool *wanted = NULL;
     for (uint32_t i = 0; i < parts->vertex_count; i++) {
-        if (v3_len2(vertex(parts->normal, i)) > 0.0f) continue;
+        if (v3_len2(vertex_at(parts->normal, i)) > 0.0f) continue;
         if (!wanted) wanted = calloc(parts->vertex_count, sizeof *wanted);
         if (!wanted) return mesh_no_memory(source);
         wanted[i] = true;
@@ -122,10 +122,11 @@ static satin_status complete_normals(const struct load_source *source, struct me
 static void wind_by_normals(struct mesh_parts *parts) {
     for (uint32_t t = 0; t < parts->triangle_count; t++) {
         uint32_t *index = parts->index + (size_t)t * 3;
-        vec3 a = vertex(parts->position, index[0]), b = vertex(parts->position, index[1]),
-             c = vertex(parts->position, index[2]);
-        vec3 n = v3_add(vertex(parts->normal, index[0]),
-                        v3_add(vertex(parts->normal, index[1]), vertex(parts->normal, index[2])));
+        vec3 a = vertex_at(parts->position, index[0]), b = vertex_at(parts->position, index[1]),
+             c = vertex_at(parts->position, index[2]);
+        vec3 n =
+            v3_add(vertex_at(parts->normal, index[0]),
+                   v3_add(vertex_at(parts->normal, index[1]), vertex_at(parts->normal, index[2])));
         if (v3_dot(v3_cross(v3_sub(b, a), v3_sub(c, a)), n) >= 0.0f) continue;
         uint32_t swap = index[1];
         index[1] = index[2];
@@ -199,7 +200,7 @@ satin_status mesh_finish(const struct load_source *source, const struct mesh_req
             return mesh_error(source, 0, "triangle %zu refers to vertex %u, but there are %u",
                               i / 3, parts->index[i], parts->vertex_count);
     for (uint32_t i = 0; i < parts->vertex_count; i++) {
-        vec3 p = mat4_point(&request->to_world, vertex(parts->position, i));
+        vec3 p = mat4_point(&request->to_world, vertex_at(parts->position, i));
         if (!(v3_finite(p) && v3_max_abs(p) <= COORDINATE_MAX))
             return mesh_error(source, 0, "vertex %u is not finite or too far away", i);
         set_vertex(parts->position, i, p);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to load/: what the mesh readers share.
+// Private to load/: what is common to the mesh readers.
 #ifndef LOAD_MESH_H
 #define LOAD_MESH_H
 

@@ -12,7 +12,7 @@
 #include "load/load_mesh_text.h"
 
 // Indices of one corner of a face, from 0; -1: absent.
-struct corner {
+struct obj_corner {
     int32_t position, uv, normal;
 };
 
@@ -25,7 +25,7 @@ struct obj {
     const struct load_source *source;
     struct mesh_text text;
     struct floats position, uv, normal;  // as in the file: 3, 2 and 3 per item
-    struct corner *corner;               // the mesh's vertices, in order of first use
+    struct obj_corner *corner;           // the mesh's vertices, in order of first use
     size_t corner_count, corner_capacity;
     uint32_t *index;
     size_t index_count, index_capacity;
@@ -42,7 +42,7 @@ static void obj_free(struct obj *obj) {
     free(obj->slot);
 }
 
-static satin_status fail(const struct obj *obj, const char *what) {
+static satin_status obj_error(const struct obj *obj, const char *what) {
     return mesh_error(obj->source, obj->text.line, "%s", what);
 }
 
@@ -53,7 +53,7 @@ static bool line_ended(const struct mesh_text *text) {
 // ---- Vertices -----------------------------------------------------------------------------------
 
 // Reads `least` to `most` numbers of the line; the ones that are missing are 0.
-static satin_status read_item(struct obj *obj, struct floats *items, int least, int most) {
+static satin_status read_obj_item(struct obj *obj, struct floats *items, int least, int most) {
     if (!array_reserve((void **)&items->value, &items->capacity, items->count + (size_t)most,
                        sizeof(float)))
         return mesh_no_memory(obj->source);
@@ -61,8 +61,8 @@ static satin_status read_item(struct obj *obj, struct floats *items, int least, 
         double number = 0.0;
         mesh_text_skip_blanks(&obj->text);
         if (line_ended(&obj->text) ? i < least : !mesh_text_number(&obj->text, &number))
-            return fail(obj, "expected a number");
-        if (!isfinite((float)number)) return fail(obj, "a coordinate is not finite");
+            return obj_error(obj, "expected a number");
+        if (!isfinite((float)number)) return obj_error(obj, "a coordinate is not finite");
         items->value[items->count++] = (float)number;
     }
     return SATIN_OK;
@@ -70,16 +70,16 @@ static satin_status read_item(struct obj *obj, struct floats *items, int least, 
 
 // ---- Faces --------------------------------------------------------------------------------------
 
-static size_t corner_hash(struct corner c) {
+static size_t corner_hash(struct obj_corner c) {
     uint64_t key = ((uint64_t)(uint32_t)c.position << 32) | (uint32_t)c.uv;
     return (size_t)rng_mix(key ^ rng_mix((uint32_t)c.normal));
 }
 
 // The slot that holds the corner, or the empty one where it belongs.
-static size_t find_slot(const struct obj *obj, struct corner c) {
+static size_t find_slot(const struct obj *obj, struct obj_corner c) {
     size_t i = corner_hash(c) & (obj->slot_count - 1);
     while (obj->slot[i]) {
-        const struct corner *other = &obj->corner[obj->slot[i] - 1];
+        const struct obj_corner *other = &obj->corner[obj->slot[i] - 1];
         if (other->position == c.position && other->uv == c.uv && other->normal == c.normal) break;
         i = (i + 1) & (obj->slot_count - 1);
     }
@@ -98,7 +98,7 @@ static bool grow_slots(struct obj *obj) {
     return true;
 }
 
-static satin_status corner_vertex(struct obj *obj, struct corner c, uint32_t *vertex) {
+static satin_status corner_vertex(struct obj *obj, struct obj_corner c, uint32_t *vertex) {
     if (obj->corner_count * 2 >= obj->slot_count && !grow_slots(obj))
         return mesh_no_memory(obj->source);
     size_t i = find_slot(obj, c);
@@ -116,7 +116,8 @@ static satin_status corner_vertex(struct obj *obj, struct corner c, uint32_t *ve
 // Reads an index: from 1, or from -1 backwards.
 static satin_status read_index(struct obj *obj, size_t count, const char *what, int32_t *out) {
     int64_t i;
-    if (!mesh_text_integer(&obj->text, &i)) return fail(obj, "expected the index of a face corner");
+    if (!mesh_text_integer(&obj->text, &i))
+        return obj_error(obj, "expected the index of a face corner");
     int64_t from_zero = i < 0 ? (int64_t)count + i : i - 1;
     if (from_zero < 0 || from_zero >= (int64_t)count)
         return mesh_error(obj->source, obj->text.line,
@@ -133,8 +134,8 @@ static bool take_slash(struct mesh_text *text) {
 }
 
 // p, p/t, p//n or p/t/n.
-static satin_status read_corner(struct obj *obj, struct corner *out) {
-    struct corner c = {-1, -1, -1};
+static satin_status read_corner(struct obj *obj, struct obj_corner *out) {
+    struct obj_corner c = {-1, -1, -1};
     satin_status status = read_index(obj, obj->position.count / 3, "vertex", &c.position);
     if (status == SATIN_OK && take_slash(&obj->text)) {
         if (obj->text.at < obj->text.end && *obj->text.at != '/')
@@ -146,7 +147,7 @@ static satin_status read_corner(struct obj *obj, struct corner *out) {
     return status;
 }
 
-static satin_status add_triangle(struct obj *obj, uint32_t a, uint32_t b, uint32_t c) {
+static satin_status add_obj_triangle(struct obj *obj, uint32_t a, uint32_t b, uint32_t c) {
     if (!array_reserve((void **)&obj->index, &obj->index_capacity, obj->index_count + 3,
                        sizeof *obj->index))
         return mesh_no_memory(obj->source);
@@ -161,11 +162,11 @@ static satin_status read_face(struct obj *obj) {
     for (size_t n = 0;; n++) {
         mesh_text_skip_blanks(&obj->text);
         if (line_ended(&obj->text))
-            return n >= 3 ? SATIN_OK : fail(obj, "a face needs at least three corners");
-        struct corner corner;
+            return n >= 3 ? SATIN_OK : obj_error(obj, "a face needs at least three corners");
+        struct obj_corner corner;
         satin_status status = read_corner(obj, &corner);
         if (status == SATIN_OK) status = corner_vertex(obj, corner, &vertex);
-        if (status == SATIN_OK && n >= 2) status = add_triangle(obj, first, previous, vertex);
+        if (status == SATIN_OK && n >= 2) status = add_obj_triangle(obj, first, previous, vertex);
         if (status != SATIN_OK) return status;
         if (n == 0) first = vertex;
         previous = vertex;
@@ -174,18 +175,18 @@ static satin_status read_face(struct obj *obj) {
 
 // ---- The file -----------------------------------------------------------------------------------
 
-static satin_status read_lines(struct obj *obj) {
+static satin_status read_obj_lines(struct obj *obj) {
     for (; obj->text.at < obj->text.end; mesh_text_next_line(&obj->text)) {
         const char *word;
         mesh_text_skip_blanks(&obj->text);
         size_t length = mesh_text_word(&obj->text, &word);
         satin_status status = SATIN_OK;
         if (mesh_text_is(word, length, "v"))
-            status = read_item(obj, &obj->position, 3, 3);
+            status = read_obj_item(obj, &obj->position, 3, 3);
         else if (mesh_text_is(word, length, "vt"))
-            status = read_item(obj, &obj->uv, 1, 2);
+            status = read_obj_item(obj, &obj->uv, 1, 2);
         else if (mesh_text_is(word, length, "vn"))
-            status = read_item(obj, &obj->normal, 3, 3);
+            status = read_obj_item(obj, &obj->normal, 3, 3);
         else if (mesh_text_is(word, length, "f"))
             status = read_face(obj);
         if (status != SATIN_OK) return status;
@@ -193,7 +194,7 @@ static satin_status read_lines(struct obj *obj) {
     return SATIN_OK;
 }
 
-static satin_status assemble(const struct obj *obj, struct mesh_parts *out) {
+static satin_status assemble_obj(const struct obj *obj, struct mesh_parts *out) {
     bool normals = false, uvs = false;
     for (size_t i = 0; i < obj->corner_count; i++) {
         normals = normals || obj->corner[i].normal >= 0;
@@ -204,7 +205,7 @@ static satin_status assemble(const struct obj *obj, struct mesh_parts *out) {
         mesh_allocate(obj->source, (uint32_t)obj->corner_count, normals, uvs, &parts);
     if (status != SATIN_OK) return status;
     for (size_t i = 0; i < obj->corner_count; i++) {
-        struct corner c = obj->corner[i];
+        struct obj_corner c = obj->corner[i];
         memcpy(parts.position + i * 3, obj->position.value + (size_t)c.position * 3,
                3 * sizeof(float));
         if (c.uv >= 0)
@@ -229,10 +230,10 @@ satin_status load_mesh_obj(const struct load_source *source, const struct mesh_r
     if (status != SATIN_OK) return status;
     struct obj obj = {.source = source, .text = {data, data + size, 1}};
     struct mesh_parts parts;
-    status = read_lines(&obj);
+    status = read_obj_lines(&obj);
     if (status == SATIN_OK && obj.index_count == 0)
         status = mesh_error(source, 0, "there is no face in it");
-    if (status == SATIN_OK) status = assemble(&obj, &parts);
+    if (status == SATIN_OK) status = assemble_obj(&obj, &parts);
     obj_free(&obj);
     free(data);
     return status == SATIN_OK ? mesh_finish(source, request, &parts, out) : status;

@@ -54,7 +54,7 @@ static double decode(enum ply_type type, uint64_t bits) {
 }
 
 // Reads one number; false if the file ends or, in text, if there is none.
-static bool read_number(struct ply *ply, enum ply_type type, double *out) {
+static bool read_ply_number(struct ply *ply, enum ply_type type, double *out) {
     if (ply->header.text) {
         mesh_text_skip_space(&ply->text);
         return mesh_text_number(&ply->text, out);
@@ -73,7 +73,7 @@ static bool read_number(struct ply *ply, enum ply_type type, double *out) {
 // Reads the length of a list that fits into what is left of the file.
 static bool read_length(struct ply *ply, const struct ply_property *property, uint64_t *out) {
     double length;
-    if (!read_number(ply, property->count_type, &length)) return false;
+    if (!read_ply_number(ply, property->count_type, &length)) return false;
     uint64_t left = (uint64_t)(ply->text.end - ply->text.at);
     uint64_t most = ply->header.text ? left : left / ply_type_size(property->type);
     if (!(length >= 0.0 && length <= (double)most)) return false;
@@ -86,11 +86,11 @@ static bool read_other(struct ply *ply, const struct ply_property *property) {
     double number;
     if (property->target) {
         float *value = &ply->attributes.read[property->target - 1];
-        if (!read_number(ply, property->type, &number)) return false;
+        if (!read_ply_number(ply, property->type, &number)) return false;
         *value = ply_attribute_decode(property->type, number);
         return isfinite(*value);
     }
-    if (!property->count_type) return read_number(ply, property->type, &number);
+    if (!property->count_type) return read_ply_number(ply, property->type, &number);
     uint64_t length;
     if (!read_length(ply, property, &length)) return false;
     if (!ply->header.text) {
@@ -98,7 +98,7 @@ static bool read_other(struct ply *ply, const struct ply_property *property) {
         return true;
     }
     for (uint64_t i = 0; i < length; i++)
-        if (!read_number(ply, property->type, &number)) return false;
+        if (!read_ply_number(ply, property->type, &number)) return false;
     return true;
 }
 
@@ -115,7 +115,8 @@ static satin_status read_vertex(struct ply *ply, const struct ply_element *eleme
             if (!read_other(ply, property)) return fail_at(ply, element, i, cut_short);
             continue;
         }
-        if (!read_number(ply, property->type, &number)) return fail_at(ply, element, i, cut_short);
+        if (!read_ply_number(ply, property->type, &number))
+            return fail_at(ply, element, i, cut_short);
         value[property->role] = (float)number;
         if (!isfinite(value[property->role]))
             return fail_at(ply, element, i, "a coordinate is not finite");
@@ -139,7 +140,7 @@ static bool grow_index(struct ply *ply) {
     return true;
 }
 
-static bool add_triangle(struct ply *ply, uint32_t a, uint32_t b, uint32_t c) {
+static bool add_ply_triangle(struct ply *ply, uint32_t a, uint32_t b, uint32_t c) {
     if (ply->index_count + 3 > ply->index_capacity && !grow_index(ply)) return false;
     ply->index[ply->index_count++] = a;
     ply->index[ply->index_count++] = b;
@@ -155,13 +156,14 @@ static satin_status read_corners(struct ply *ply, const struct ply_element *elem
     uint32_t first = 0, previous = 0;
     for (uint64_t k = 0; k < length; k++) {
         double number;
-        if (!read_number(ply, property->type, &number)) return fail_at(ply, element, i, cut_short);
+        if (!read_ply_number(ply, property->type, &number))
+            return fail_at(ply, element, i, cut_short);
         if (!(number >= 0.0 && number < (double)ply->header.vertex_count))
             return mesh_error(
                 ply->source, line_of(ply), "face %llu refers to vertex %.0f, but there are %llu",
                 (unsigned long long)i, number, (unsigned long long)ply->header.vertex_count);
         uint32_t vertex = (uint32_t)number;
-        if (k >= 2 && !add_triangle(ply, first, previous, vertex))
+        if (k >= 2 && !add_ply_triangle(ply, first, previous, vertex))
             return mesh_no_memory(ply->source);
         if (k == 0) first = vertex;
         previous = vertex;
@@ -169,7 +171,7 @@ static satin_status read_corners(struct ply *ply, const struct ply_element *elem
     return SATIN_OK;
 }
 
-static satin_status read_item(struct ply *ply, const struct ply_element *element, uint64_t i) {
+static satin_status read_ply_item(struct ply *ply, const struct ply_element *element, uint64_t i) {
     if (element->kind == PLY_VERTICES) return read_vertex(ply, element, i);
     for (int k = element->first; k < element->first + element->properties; k++) {
         const struct ply_property *property = &ply->header.property[k];
@@ -201,7 +203,7 @@ static satin_status read_body(struct ply *ply) {
         // An item without properties takes no bytes, so that its count is not bounded.
         if (!element->properties) continue;
         for (uint64_t i = 0; i < element->count && status == SATIN_OK; i++)
-            status = read_item(ply, element, i);
+            status = read_ply_item(ply, element, i);
     }
     if (status != SATIN_OK) return status;
     if (!ply->index_count) return mesh_error(ply->source, 0, "no face has three corners");

@@ -2,7 +2,7 @@
 // Attributes in PLY files, named as Mitsuba 3.9 names them (measured): `color` is r, g, b (or red,
 // green, blue); any other one is a run of 1 or 3 properties PREFIX_x, _y, _z, or _0, _1, _2, or _1,
 // _2, _3, and is called PREFIX, or PREFIX_r, _g, _b, called PREFIX_color. vertex_ or face_ goes
-// before. Bytes count as they are; other integers as shares of their largest value in sRGB.
+// before. Bytes count as they are; other integers as fractions of their largest value in sRGB.
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,14 +11,14 @@
 
 // ---- Names --------------------------------------------------------------------------------------
 
-static bool is(const struct ply_property *property, const char *name) {
+static bool is_ply_property(const struct ply_property *property, const char *name) {
     return !property->count_type && mesh_text_is(property->name, property->length, name);
 }
 
-static int find(const struct ply_header *header, const struct ply_element *element,
-                const char *name) {
+static int find_ply_property(const struct ply_header *header, const struct ply_element *element,
+                             const char *name) {
     for (int k = element->first; k < element->first + element->properties; k++)
-        if (is(&header->property[k], name)) return k;
+        if (is_ply_property(&header->property[k], name)) return k;
     return -1;
 }
 
@@ -28,7 +28,7 @@ static int find_color(const struct ply_header *header, const struct ply_element 
     for (int form = 0; form < 2; form++) {
         int found = 0;
         for (int c = 0; c < 3; c++) {
-            property[c] = find(header, element, name[form][c]);
+            property[c] = find_ply_property(header, element, name[form][c]);
             found += property[c] >= 0;
         }
         if (found == 3) return 3;
@@ -66,7 +66,7 @@ static int find_run(const struct ply_header *header, const struct ply_element *e
     return 0;
 }
 
-static bool find_attribute(const struct ply_header *header, struct ply_attribute *out) {
+static bool find_ply_attribute(const struct ply_header *header, struct ply_attribute *out) {
     const char *rest = strchr(out->name, '_') + 1;
     out->per_face = out->name[0] == 'f';
     for (int e = 0; e < header->element_count; e++) {
@@ -84,7 +84,7 @@ satin_status ply_attributes_find(const struct load_source *source,
     for (int i = 0; i < names->count; i++) {
         struct ply_attribute *a = &out->attribute[out->count];
         *a = (struct ply_attribute){.name = names->name[i]};
-        if (!find_attribute(header, a)) continue;
+        if (!find_ply_attribute(header, a)) continue;
         for (int c = 0; c < a->channels; c++)
             header->property[a->property[c]].target = 1 + 3 * out->count + c;
         out->count++;

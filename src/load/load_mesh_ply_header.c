@@ -17,7 +17,7 @@ struct words {
     int count;
 };
 
-static bool is(const struct words *words, int i, const char *name) {
+static bool word_is(const struct words *words, int i, const char *name) {
     return i < words->count && mesh_text_is(words->word[i], words->length[i], name);
 }
 
@@ -48,7 +48,7 @@ static enum ply_type read_type(const struct words *words, int i) {
         {"float64", PLY_DOUBLE},
     };
     for (size_t k = 0; k < sizeof names / sizeof *names; k++)
-        if (is(words, i, names[k].name)) return names[k].type;
+        if (word_is(words, i, names[k].name)) return names[k].type;
     return PLY_NONE;
 }
 
@@ -63,58 +63,60 @@ static enum ply_role vertex_role(const struct words *words) {
         {"texture_s", PLY_U}, {"texture_t", PLY_V},
     };
     for (size_t k = 0; k < sizeof names / sizeof *names; k++)
-        if (is(words, words->count - 1, names[k].name)) return names[k].role;
+        if (word_is(words, words->count - 1, names[k].name)) return names[k].role;
     return PLY_OTHER;
 }
 
-static satin_status fail(const struct load_source *source, const struct mesh_text *text,
-                         const char *what) {
+static satin_status ply_header_error(const struct load_source *source, const struct mesh_text *text,
+                                     const char *what) {
     return mesh_error(source, text->line - 1, "%s", what);  // the cursor is past the line
 }
 
 static satin_status read_element(const struct load_source *source, struct mesh_text *text,
                                  const struct words *words, struct ply_header *header) {
-    if (header->element_count == PLY_ELEMENTS_MAX) return fail(source, text, "too many elements");
+    if (header->element_count == PLY_ELEMENTS_MAX)
+        return ply_header_error(source, text, "too many elements");
     struct ply_element element = {.kind = PLY_SKIPPED, .first = header->property_count};
     struct mesh_text number = {words->word[2], text->end, 0};
     int64_t count = -1;
     if (words->count != 3 || !mesh_text_integer(&number, &count) || count < 0 ||
         number.at != words->word[2] + words->length[2])
-        return fail(source, text, "expected: element NAME COUNT");
+        return ply_header_error(source, text, "expected: element NAME COUNT");
     element.count = (uint64_t)count;
-    if (is(words, 1, "vertex")) {
+    if (word_is(words, 1, "vertex")) {
         element.kind = PLY_VERTICES;
         header->vertex_count = element.count;
-    } else if (is(words, 1, "face")) {
+    } else if (word_is(words, 1, "face")) {
         element.kind = PLY_FACES;
         header->face_count = element.count;
     }
     for (int i = 0; i < header->element_count; i++)
         if (element.kind != PLY_SKIPPED && header->element[i].kind == element.kind)
-            return fail(source, text, "this element was declared before");
+            return ply_header_error(source, text, "this element was declared before");
     header->element[header->element_count++] = element;
     return SATIN_OK;
 }
 
 static satin_status read_property(const struct load_source *source, struct mesh_text *text,
                                   const struct words *words, struct ply_header *header) {
-    if (!header->element_count) return fail(source, text, "a property before the first element");
+    if (!header->element_count)
+        return ply_header_error(source, text, "a property before the first element");
     if (header->property_count == PLY_PROPERTIES_MAX)
-        return fail(source, text, "too many properties");
+        return ply_header_error(source, text, "too many properties");
     struct ply_element *element = &header->element[header->element_count - 1];
-    bool list = is(words, 1, "list");
+    bool list = word_is(words, 1, "list");
     int last = list ? 4 : 2;
     struct ply_property property = {
         .role = PLY_OTHER, .name = words->word[last], .length = words->length[last]};
     property.count_type = list ? read_type(words, 2) : PLY_NONE;
     property.type = read_type(words, list ? 3 : 1);
     if (words->count != last + 1)
-        return fail(source, text, "expected: property [list COUNT_TYPE] TYPE NAME");
+        return ply_header_error(source, text, "expected: property [list COUNT_TYPE] TYPE NAME");
     if (!property.type || (list && (!property.count_type || property.count_type >= PLY_FLOAT)))
-        return fail(source, text, "unknown type of a property");
+        return ply_header_error(source, text, "unknown type of a property");
     if (element->kind == PLY_VERTICES && !list) property.role = vertex_role(words);
     if (element->kind == PLY_FACES && list &&
-        (is(words, 4, "vertex_indices") || is(words, 4, "vertex_index")))
+        (word_is(words, 4, "vertex_indices") || word_is(words, 4, "vertex_index")))
         property.role = PLY_CORNERS;
     if (property.role < PLY_VERTEX_ROLES) header->has[property.role] = true;
     header->property[header->property_count++] = property;
@@ -158,25 +160,27 @@ satin_status ply_header_read(const struct load_source *source, struct mesh_text 
                              struct ply_header *out) {
     struct ply_header header = {0};
     struct words words = read_line(text);
-    if (words.count != 1 || !is(&words, 0, "ply"))
+    if (words.count != 1 || !word_is(&words, 0, "ply"))
         return mesh_error(source, 0, "it is not a PLY file");
     bool format = false;
     for (;;) {
         if (text->at == text->end) return mesh_error(source, 0, "its header has no end_header");
         words = read_line(text);
         satin_status status = SATIN_OK;
-        if (is(&words, 0, "end_header")) break;
-        if (is(&words, 0, "format")) {
-            header.text = is(&words, 1, "ascii");
-            header.big_endian = is(&words, 1, "binary_big_endian");
-            format = header.text || header.big_endian || is(&words, 1, "binary_little_endian");
-            if (!format || !is(&words, 2, "1.0")) status = fail(source, text, "unknown format");
-        } else if (is(&words, 0, "element")) {
+        if (word_is(&words, 0, "end_header")) break;
+        if (word_is(&words, 0, "format")) {
+            header.text = word_is(&words, 1, "ascii");
+            header.big_endian = word_is(&words, 1, "binary_big_endian");
+            format = header.text || header.big_endian || word_is(&words, 1, "binary_little_endian");
+            if (!format || !word_is(&words, 2, "1.0"))
+                status = ply_header_error(source, text, "unknown format");
+        } else if (word_is(&words, 0, "element")) {
             status = read_element(source, text, &words, &header);
-        } else if (is(&words, 0, "property")) {
+        } else if (word_is(&words, 0, "property")) {
             status = read_property(source, text, &words, &header);
-        } else if (words.count && !is(&words, 0, "comment") && !is(&words, 0, "obj_info")) {
-            status = fail(source, text, "unknown word in the header");
+        } else if (words.count && !word_is(&words, 0, "comment") &&
+                   !word_is(&words, 0, "obj_info")) {
+            status = ply_header_error(source, text, "unknown word in the header");
         }
         if (status != SATIN_OK) return status;
     }

@@ -84,7 +84,7 @@ struct ply_attributes {
     float read[3 * ATTRIBUTES_MAX];  // of the vertex or face that is being read
 };
 
-// Finds those that have a name in `names`, marks their properties and makes room for vertices.
+// Finds those that have a name in `names`, marks their properties and allocates their values.
 satin_status ply_attributes_find(const struct load_source *source,
                                  const struct attribute_names *names, struct ply_header *header,
                                  struct ply_attributes *out);

@@ -128,7 +128,7 @@ struct packed_header {
     uint64_t flags, vertices, triangles;
 };
 
-static satin_status read_header(struct packed *packed, struct packed_header *out) {
+static satin_status read_packed_header(struct packed *packed, struct packed_header *out) {
     uint64_t flags, vertices, triangles, c = 1;
     bool ok = inflate_integer(packed, 4, &flags);
     for (int i = 0; ok && packed->version == 4 && c; i++)
@@ -182,8 +182,9 @@ static satin_status keep_color(const struct packed *packed, const float *color,
     return SATIN_OK;
 }
 
-static satin_status assemble(const struct packed *packed, const struct packed_header *header,
-                             const struct arrays *arrays, struct mesh_parts *out) {
+static satin_status assemble_serialized(const struct packed *packed,
+                                        const struct packed_header *header,
+                                        const struct arrays *arrays, struct mesh_parts *out) {
     struct mesh_parts parts;
     size_t n = (size_t)header->vertices;
     satin_status status =
@@ -201,13 +202,13 @@ static satin_status assemble(const struct packed *packed, const struct packed_he
     return arrays->color ? keep_color(packed, arrays->color, out) : SATIN_OK;
 }
 
-static satin_status read_mesh(struct packed *packed, struct mesh_parts *out) {
+static satin_status read_packed_mesh(struct packed *packed, struct mesh_parts *out) {
     struct packed_header header = {0};
-    satin_status status = read_header(packed, &header);
+    satin_status status = read_packed_header(packed, &header);
     if (status != SATIN_OK) return status;
     struct arrays arrays = {0};
     status = read_arrays(packed, &header, &arrays);
-    if (status == SATIN_OK) status = assemble(packed, &header, &arrays, out);
+    if (status == SATIN_OK) status = assemble_serialized(packed, &header, &arrays, out);
     free(arrays.position);
     free(arrays.normal);
     free(arrays.uv);
@@ -242,8 +243,9 @@ static unsigned version_at(const unsigned char *data, size_t size, size_t at) {
     return version == 3 || version == 4 ? version : 0;
 }
 
-static satin_status read_file(const struct load_source *source, const struct mesh_request *request,
-                              unsigned char *data, size_t size, struct mesh_parts *out) {
+static satin_status read_serialized_file(const struct load_source *source,
+                                         const struct mesh_request *request, unsigned char *data,
+                                         size_t size, struct mesh_parts *out) {
     struct packed packed = {.source = source, .version = version_at(data, size, 0)};
     for (int i = 0; i < request->attributes.count; i++)
         if (strcmp(request->attributes.name[i], "vertex_color") == 0)
@@ -259,7 +261,7 @@ static satin_status read_file(const struct load_source *source, const struct mes
     if (inflateInit(&packed.stream) != Z_OK) return mesh_no_memory(source);
     packed.stream.next_in = data + start + 4;
     packed.stream.avail_in = (uInt)(size - start - 4);
-    status = read_mesh(&packed, out);
+    status = read_packed_mesh(&packed, out);
     inflateEnd(&packed.stream);
     return status;
 }
@@ -271,7 +273,7 @@ satin_status load_mesh_serialized(const struct load_source *source,
     satin_status status = load_source_read(source, LOAD_FILE_MAX, &data, &size);
     if (status != SATIN_OK) return status;
     struct mesh_parts parts;
-    status = read_file(source, request, (unsigned char *)data, size, &parts);
+    status = read_serialized_file(source, request, (unsigned char *)data, size, &parts);
     free(data);
     return status == SATIN_OK ? mesh_finish(source, request, &parts, out) : status;
 }

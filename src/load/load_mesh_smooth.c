@@ -15,17 +15,17 @@
 enum { FAN_MAX = 1024 };
 
 // A corner of the mesh, in the order of its place.
-struct corner {
+struct smooth_corner {
     uint64_t place;   // of its position's bits
     uint32_t number;  // 3 * triangle + 0, 1, 2
 };
 
-static vec3 point_of(const struct mesh_parts *parts, uint32_t corner) {
+static vec3 corner_position(const struct mesh_parts *parts, uint32_t corner) {
     const float *p = parts->position + (size_t)parts->index[corner] * 3;
     return v3(p[0], p[1], p[2]);
 }
 
-static uint64_t place_of(vec3 p) {
+static uint64_t position_key(vec3 p) {
     float c[3] = {p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};  // -0 is 0
     uint32_t bits[3];
     memcpy(bits, c, sizeof bits);
@@ -33,7 +33,7 @@ static uint64_t place_of(vec3 p) {
 }
 
 static int by_place(const void *a, const void *b) {
-    const struct corner *x = a, *y = b;
+    const struct smooth_corner *x = a, *y = b;
     if (x->place != y->place) return x->place < y->place ? -1 : 1;
     return (x->number > y->number) - (x->number < y->number);
 }
@@ -41,28 +41,29 @@ static int by_place(const void *a, const void *b) {
 // The unit normal of a corner's triangle; zero if it has no area.
 static vec3 face_normal(const struct mesh_parts *parts, uint32_t corner) {
     uint32_t first = corner - corner % 3;
-    vec3 a = point_of(parts, first), b = point_of(parts, first + 1), c = point_of(parts, first + 2);
+    vec3 a = corner_position(parts, first), b = corner_position(parts, first + 1),
+         c = corner_position(parts, first + 2);
     return v3_unit_wide(v3_cross(v3_sub(b, a), v3_sub(c, a)));
 }
 
-static float corner_angle(const struct mesh_parts *parts, uint32_t corner) {
+static float smooth_corner_angle(const struct mesh_parts *parts, uint32_t corner) {
     uint32_t first = corner - corner % 3, k = corner % 3;
-    vec3 p = point_of(parts, corner);
-    vec3 a = v3_unit(v3_sub(point_of(parts, first + (k + 1) % 3), p));
-    vec3 b = v3_unit(v3_sub(point_of(parts, first + (k + 2) % 3), p));
+    vec3 p = corner_position(parts, corner);
+    vec3 a = v3_unit(v3_sub(corner_position(parts, first + (k + 1) % 3), p));
+    vec3 b = v3_unit(v3_sub(corner_position(parts, first + (k + 2) % 3), p));
     return 2.0f * atan2f(v3_len(v3_sub(a, b)), v3_len(v3_add(a, b)));
 }
 
 // The normals of the corners fan[0 .. count - 1], which are at one place.
-static void smooth_fan(const struct mesh_parts *parts, const struct corner *fan, size_t count,
-                       float cosine, float *normal) {
+static void smooth_fan(const struct mesh_parts *parts, const struct smooth_corner *fan,
+                       size_t count, float cosine, float *normal) {
     size_t most = count < FAN_MAX ? count : FAN_MAX;
     for (size_t i = 0; i < count; i++) {
         vec3 own = face_normal(parts, fan[i].number), sum = v3(0, 0, 0);
         for (size_t j = 0; j < most; j++) {
             vec3 other = face_normal(parts, fan[j].number);
             if (j != i && v3_dot(own, other) < cosine) continue;
-            sum = v3_mad(sum, corner_angle(parts, fan[j].number), other);
+            sum = v3_mad(sum, smooth_corner_angle(parts, fan[j].number), other);
         }
         vec3 n = v3_unit(sum);
         if (v3_len2(n) < 0.5f) n = v3_len2(own) > 0.5f ? own : v3(1, 0, 0);
@@ -70,10 +71,11 @@ static void smooth_fan(const struct mesh_parts *parts, const struct corner *fan,
     }
 }
 
-static void smooth_corners(const struct mesh_parts *parts, struct corner *corner, size_t count,
-                           float cosine, float *normal) {
+static void smooth_corners(const struct mesh_parts *parts, struct smooth_corner *corner,
+                           size_t count, float cosine, float *normal) {
     for (size_t i = 0; i < count; i++)
-        corner[i] = (struct corner){place_of(point_of(parts, (uint32_t)i)), (uint32_t)i};
+        corner[i] =
+            (struct smooth_corner){position_key(corner_position(parts, (uint32_t)i)), (uint32_t)i};
     qsort(corner, count, sizeof *corner, by_place);
     for (size_t first = 0, end; first < count; first = end) {
         for (end = first + 1; end < count && corner[end].place == corner[first].place;) end++;
@@ -108,7 +110,7 @@ satin_status mesh_smooth(const struct load_source *source, float degrees,
     struct mesh_parts out;
     satin_status status = mesh_allocate(source, (uint32_t)count, true, parts->uv, &out);
     if (status != SATIN_OK) return status;
-    struct corner *corner = array_new(count, sizeof *corner);
+    struct smooth_corner *corner = array_new(count, sizeof *corner);
     out.index = arena_array(source->arena, count, sizeof *out.index);
     if (!corner || !out.index) {
         free(corner);

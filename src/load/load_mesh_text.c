@@ -52,7 +52,7 @@ bool mesh_text_is(const char *word, size_t length, const char *name) {
 }
 
 // 10^exponent * mantissa.
-static double scale(uint64_t mantissa, int exponent) {
+static double scale_decimal(uint64_t mantissa, int exponent) {
     static const double power[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                    1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
                                    1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
@@ -100,7 +100,7 @@ bool mesh_text_number(struct mesh_text *text, double *out) {
     if (!digits) return false;
     p = read_exponent(p, end, &exponent);
     if (p < end && !is_blank(*p) && *p != '\n' && *p != '#') return false;
-    double value = scale(mantissa, exponent);
+    double value = scale_decimal(mantissa, exponent);
     *out = negative ? -value : value;
     text->at = p;
     return true;

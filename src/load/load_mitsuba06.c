@@ -55,7 +55,7 @@ static const char *plugin_name(const struct xml_node *node) {
     return node->tag == XML_SAMPLER ? mapped(samplers, node->type) : node->type;
 }
 
-static bool is(const struct xml_node *node, enum xml_tag tag, const char *type) {
+static bool is_element(const struct xml_node *node, enum xml_tag tag, const char *type) {
     return node && node->tag == tag && (!type || strcmp(node->type, type) == 0);
 }
 
@@ -109,7 +109,7 @@ static struct xml_node *new_node(struct arena *arena, const struct xml_node *fro
     return node;
 }
 
-static void append(struct xml_node *parent, struct xml_node *child) {
+static void append_node(struct xml_node *parent, struct xml_node *child) {
     if (parent->last)
         parent->last->next = child;
     else
@@ -127,7 +127,7 @@ static satin_status move_to_uv(struct arena *arena, struct xml_node *parent,
         steps = new_node(arena, node, XML_TRANSFORM, "name", "to_uv");
         if (!steps) return SATIN_ERROR_MEMORY;
         steps->name = "to_uv";
-        append(parent, steps);
+        append_node(parent, steps);
     }
     const bool both = strcmp(node->name, "uvscale") == 0;
     bool scale = both || strcmp(node->name + 1, "scale") == 0;
@@ -138,7 +138,7 @@ static satin_status move_to_uv(struct arena *arena, struct xml_node *parent,
                                      xml_get(node, "value"));
     if (!step) return SATIN_ERROR_MEMORY;
     if (!scale || !steps->child) {
-        append(steps, step);
+        append_node(steps, step);
     } else {
         step->next = steps->child;
         steps->child = step;
@@ -158,8 +158,8 @@ static satin_status respell_blackbody(struct arena *arena, struct xml_node *node
     t->name = "temperature";
     s->name = "scale";
     node->type = "blackbody";
-    append(node, t);
-    append(node, s);
+    append_node(node, t);
+    append_node(node, s);
     return SATIN_OK;
 }
 
@@ -176,20 +176,21 @@ static satin_status respell_value(struct log log, struct arena *arena, struct xm
         *keep = false;
         return SATIN_OK;
     }
-    if (is(parent, XML_TEXTURE, NULL) && node->tag == XML_FLOAT && is_place_in_uv(node->name)) {
+    if (is_element(parent, XML_TEXTURE, NULL) && node->tag == XML_FLOAT &&
+        is_place_in_uv(node->name)) {
         *keep = false;
         return move_to_uv(arena, parent, node);
     }
     const char *text = xml_get(node, "value");
     double gamma;
-    if (is(parent, XML_TEXTURE, "bitmap") && strcmp(node->name, "gamma") == 0 &&
+    if (is_element(parent, XML_TEXTURE, "bitmap") && strcmp(node->name, "gamma") == 0 &&
         text_double(text, &gamma) && (gamma == 1.0 || gamma == -1.0 || gamma == 2.2)) {
         if (gamma == 2.2) log_warning_at(log, node->place, "a gamma of 2.2 is read as sRGB's");
         node->tag = XML_BOOLEAN;  // 1: numbers, else as the file says
         node->name = "raw";
         return set_attribute(arena, node, "value", gamma == 1.0 ? "true" : "false");
     }
-    if (is(parent, XML_TEXTURE, "bitmap") && strcmp(node->name, "gamma") == 0) {
+    if (is_element(parent, XML_TEXTURE, "bitmap") && strcmp(node->name, "gamma") == 0) {
         log_error_at(log, node->place, "gamma is '%s', but must be 1, 2.2 or -1", text ? text : "");
         return SATIN_ERROR_INPUT;
     }
@@ -203,10 +204,10 @@ static satin_status respell_value(struct log log, struct arena *arena, struct xm
 satin_status load_mitsuba06_respell(struct log log, struct arena *arena, struct xml_node *parent,
                                     struct xml_node *node, bool *keep) {
     *keep = true;
-    node->old = true;
+    node->mitsuba06 = true;
     if (xml_is_object(node->tag) && node->type) node->type = plugin_name(node);
     if (node->name && !(node->name = snake_case(arena, node->name))) return SATIN_ERROR_MEMORY;
-    if (is(parent, XML_BSDF, "diffuse") && node->name &&
+    if (is_element(parent, XML_BSDF, "diffuse") && node->name &&
         strcmp(node->name, "diffuse_reflectance") == 0)
         node->name = "reflectance";
     if (node->tag == XML_SPECTRUM && xml_get(node, "temperature"))
@@ -216,5 +217,5 @@ satin_status load_mitsuba06_respell(struct log log, struct arena *arena, struct 
 }
 
 bool load_mitsuba06_dissolves(const struct xml_node *parent, const struct xml_node *node) {
-    return is(parent, XML_BSDF, "bumpmap") && is(node, XML_TEXTURE, "scale");
+    return is_element(parent, XML_BSDF, "bumpmap") && is_element(node, XML_TEXTURE, "scale");
 }

@@ -18,7 +18,7 @@ enum param_kind {
     PARAM_TRANSFORM,
     PARAM_COLOR,  // <rgb>, <spectrum> or <float>; in a spectrum also <vector>
     PARAM_LIGHT,  // the same for light: a constant <spectrum> is equal energy, not white
-    PARAM_IOR     // <float> or the name of a substance
+    PARAM_IOR     // <float> or the name of a preset
 };
 
 // RANGE_MODEST is 0 to 10^6: numbers whose squares and products must stay far from overflow.
@@ -110,7 +110,7 @@ const struct param_value *param(const struct params *params, const char *name);
 struct xml_node *params_child(const struct load_xml *xml, const struct xml_node *node,
                               enum xml_tag tag, struct xml_node **after);
 
-// Values from text; each logs what is wrong at `place`. Numbers are finite; lists are parted by
+// Values from text; each logs what is wrong at `place`. Numbers are finite; lists are separated by
 // blanks or commas.
 bool param_numbers(struct log log, struct log_place place, const char *text, int count,
                    double *out);
@@ -153,7 +153,7 @@ extern const struct plugin_spec load_bsdf_plugins[], load_texture_plugins[], loa
     load_integrator_plugins[], load_spectrum_plugins[],
     load_sun_plugins[];  // the last for files of version 0.6 alone
 
-// Named substances (load_presets.c). False if the name is unknown; the names are listed by
+// IOR presets (load_presets.c). False if the name is unknown; the names are listed by
 // index, NULL beyond the last.
 bool load_ior_find(const char *name, float *ior);
 const char *load_ior_name(int index);

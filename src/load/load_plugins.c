@@ -106,7 +106,7 @@ static const struct plugin_spec *named(const struct xml_node *node, const char *
     for (int t = 0; tables[t]; t++)
         for (const struct plugin_spec *plugin = tables[t]; plugin->name; plugin++)
             if (plugin->tag == node->tag && is_named(plugin, name) &&
-                (node->old || tables[t] != load_sun_plugins))
+                (node->mitsuba06 || tables[t] != load_sun_plugins))
                 return plugin;
     return NULL;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // <bsdf>: materials. Names, parameters and defaults are those of Mitsuba 3; phong and ward are
-// those of Mitsuba 0.6 with its parameters spelt the new way.
+// those of Mitsuba 0.6 with its parameters spelt as in version 3.
 #include "load/load_plugins_bsdf.h"
 #include "base/array.h"
 #include "base/text.h"
@@ -36,21 +36,22 @@ static const struct param_spec glass_ior = {"int_ior",
                                             RANGE_POSITIVE,
                                             0,
                                             NULL,
-                                            "index of refraction inside, or a substance"};
-static const struct param_spec plastic_ior = {"int_ior",
-                                              PARAM_IOR,
-                                              "polypropylene",
-                                              RANGE_POSITIVE,
-                                              0,
-                                              NULL,
-                                              "index of refraction inside, or a substance"};
+                                            "index of refraction inside, or the name of a preset"};
+static const struct param_spec plastic_ior = {
+    "int_ior",
+    PARAM_IOR,
+    "polypropylene",
+    RANGE_POSITIVE,
+    0,
+    NULL,
+    "index of refraction inside, or the name of a preset"};
 static const struct param_spec ext_ior = {"ext_ior",
                                           PARAM_IOR,
                                           "air",
                                           RANGE_POSITIVE,
                                           0,
                                           NULL,
-                                          "index of refraction outside, or a substance"};
+                                          "index of refraction outside, or the name of a preset"};
 static const struct param_spec nonlinear = {
     "nonlinear", PARAM_BOOLEAN, "false", 0, 0, NULL, "colour shifts by scattering inside"};
 static const struct param_spec metal = {
@@ -66,7 +67,7 @@ static const struct param_spec metal_ext_eta = {
     RANGE_POSITIVE,
     0,
     NULL,
-    "index of refraction outside, or a substance; eta and k are divided by it"};
+    "index of refraction outside, or the name of a preset; eta and k are divided by it"};
 static const struct param_spec distribution = {
     "distribution", PARAM_CHOICE, "beckmann", 0, 0, distributions, "of the facets' normals"};
 static const struct param_spec alpha = {"alpha",       PARAM_FLOAT, ".1",       RANGE_MODEST,
@@ -111,7 +112,7 @@ static const struct param_spec flip_invalid = {"flip_invalid_normals",
                                                0,
                                                0,
                                                NULL,
-                                               "mirror normals that turn away from the viewer"};
+                                               "mirror normals that point away from the viewer"};
 static const struct param_spec use_shadowing = {"use_shadowing_function",
                                                 PARAM_BOOLEAN,
                                                 "true",
@@ -126,7 +127,7 @@ static const struct param_spec opacity = {"opacity",
                                           RANGE_CLAMPED,
                                           PARAM_TEXTURE,
                                           NULL,
-                                          "share that is there; below 0 as 0, over 1 as 1"};
+                                          "fraction that is there; below 0 as 0, over 1 as 1"};
 static param_list mask_params = {&opacity, NULL};
 static param_list blend_params = {&weight, NULL};
 static param_list bump_params = {&bump_scale, &flip_invalid, &use_shadowing, NULL};
@@ -229,7 +230,7 @@ static satin_status set_metal(struct load_state *loader, const struct params *p,
         if (status == SATIN_OK) status = bsdf_set_color(loader, k, side, BRDF_SLOT_K);
         // What is not given is a perfect mirror's, in version 0.6 copper's.
         rgb n, absorption;
-        if (status == SATIN_OK && p->node->old && load_metal_find("Cu", &n, &absorption)) {
+        if (status == SATIN_OK && p->node->mitsuba06 && load_metal_find("Cu", &n, &absorption)) {
             if (!eta->given) side->base.eta = n;
             if (!k->given) side->base.k = absorption;
         }
@@ -281,10 +282,10 @@ static satin_status set_outside(struct load_state *loader, const struct params *
     return SATIN_OK;
 }
 
-// Light must not grow on its way: paths of any length would not end. Without textures the sum is
+// No path may gain light: paths of any length would not end. Without textures the sum is
 // brought below 1, with Mitsuba 0.6's margin.
-static satin_status check_albedo(struct load_state *loader, const struct params *p,
-                                 struct material_side *side) {
+static satin_status check_glossy_albedo(struct load_state *loader, const struct params *p,
+                                        struct material_side *side) {
     float most = rgb_max(rgb_add(side->base.diffuse, side->base.specular));
     if (most <= 1.0001f) return SATIN_OK;
     if (!side->slot[BRDF_SLOT_DIFFUSE] && !side->slot[BRDF_SLOT_SPECULAR]) {
@@ -379,7 +380,7 @@ static satin_status build_phong(struct load_state *loader, const struct params *
     satin_status status = bsdf_set_reflectances(loader, p, object);
     if (status == SATIN_OK)
         status = bsdf_set_number(loader, param(p, "exponent"), object, BRDF_SLOT_EXPONENT);
-    return status == SATIN_OK ? check_albedo(loader, p, object) : status;
+    return status == SATIN_OK ? check_glossy_albedo(loader, p, object) : status;
 }
 
 static satin_status build_ward(struct load_state *loader, const struct params *p, void *object) {
@@ -390,7 +391,7 @@ static satin_status build_ward(struct load_state *loader, const struct params *p
         status = bsdf_set_number(loader, param(p, "alpha_u"), side, BRDF_SLOT_ALPHA_U);
     if (status == SATIN_OK)
         status = bsdf_set_number(loader, param(p, "alpha_v"), side, BRDF_SLOT_ALPHA_V);
-    return status == SATIN_OK ? check_albedo(loader, p, side) : status;
+    return status == SATIN_OK ? check_glossy_albedo(loader, p, side) : status;
 }
 
 const struct plugin_spec load_bsdf_plugins[] = {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to load/: what the files that build BRDFs share.
+// Private to load/: what is common to the files that build BRDFs.
 #ifndef LOAD_PLUGINS_BSDF_H
 #define LOAD_PLUGINS_BSDF_H
 

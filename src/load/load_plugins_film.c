@@ -35,7 +35,7 @@ static const struct param_spec compensate = {
     "compensate", PARAM_BOOLEAN, "false", 0, 0, NULL, "has no effect: sums are exact enough"};
 
 static const struct param_spec tent_radius = {
-    "radius", PARAM_FLOAT, "1", RANGE_POSITIVE, 0, NULL, "where it reaches zero, pixels"};
+    "radius", PARAM_FLOAT, "1", RANGE_POSITIVE, 0, NULL, "where it becomes zero, pixels"};
 static const struct param_spec stddev = {
     "stddev", PARAM_FLOAT, ".5", RANGE_POSITIVE, 0, NULL, "standard deviation, pixels"};
 
@@ -67,12 +67,6 @@ static param_list random_params = {&sample_count, &seed, NULL};
 static param_list jitter_params = {&sample_count, &seed, &jitter, NULL};
 static param_list orthogonal_params = {&sample_count, &seed, &jitter, &strength, NULL};
 
-static satin_status fail(struct load_state *loader, const struct params *p, const char *why) {
-    log_error_at(loader->log, p->node->place, "%s '%s': %s", load_plugin_noun(p->plugin->tag),
-                 p->plugin->name, why);
-    return SATIN_ERROR_INPUT;
-}
-
 // A side of the film or of its crop window.
 static satin_status check_side(struct load_state *loader, const struct params *p,
                                const char *name) {
@@ -100,9 +94,9 @@ static satin_status build_film(struct load_state *loader, const struct params *p
     film->crop_height = h->given ? h->i : film->height;
     if (film->crop_x + film->crop_width > film->width ||
         film->crop_y + film->crop_height > film->height)
-        return fail(loader, p, "its crop window is not inside of it");
+        return load_refuse(loader, p, "its crop window is not inside of it");
     if ((int64_t)film->crop_width * film->crop_height > FILM_PIXELS_MAX)
-        return fail(loader, p, "it has too many pixels");
+        return load_refuse(loader, p, "it has too many pixels");
     return SATIN_OK;
 }
 
@@ -114,13 +108,13 @@ static satin_status build_box(struct load_state *loader, const struct params *p,
     return SATIN_OK;
 }
 
-// Filters wider than this would reach over the whole image.
+// Filters wider than this would cover the whole image.
 #define FILTER_RADIUS_MAX 100.0f
 
 static satin_status check_radius(struct load_state *loader, const struct params *p,
                                  const struct film_spec *film) {
     if (film->radius >= 1e-3f && film->radius <= FILTER_RADIUS_MAX) return SATIN_OK;
-    return fail(loader, p, "it is too narrow or too wide");
+    return load_refuse(loader, p, "it is too narrow or too wide");
 }
 
 static satin_status build_tent(struct load_state *loader, const struct params *p, void *object) {
@@ -164,7 +158,7 @@ static satin_status build_lanczos(struct load_state *loader, const struct params
     film->filter = FILTER_LANCZOS;
     film->radius = param(p, "lobes")->f;
     if (film->radius >= 1.0f && film->radius <= FILTER_RADIUS_MAX) return SATIN_OK;
-    return fail(loader, p, "it has less than one lobe, or over 100");
+    return load_refuse(loader, p, "it has less than one lobe, or over 100");
 }
 
 static satin_status build_sampler(struct load_state *loader, const struct params *p, void *object) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// <shape>s made of shapes: merge puts its parts into the scene; a shapegroup keeps them back, and
+// <shape>s made of shapes: merge puts them into the scene; a shapegroup keeps them back, and
 // each instance shows a group at another place. Names and rules are Mitsuba 3's: groups hold no
 // lights, and no instances.
 #include <string.h>
@@ -23,14 +23,9 @@ const struct plugin_spec load_group_plugins[] = {
      false},
     {0}};
 
-static satin_status fail(struct load_state *loader, const struct params *p, const char *why) {
-    log_error_at(loader->log, p->node->place, "shape '%s': %s", p->plugin->name, why);
-    return SATIN_ERROR_INPUT;
-}
-
 static satin_status add_parts(struct load_state *loader, const struct params *p) {
     if (loader->shape_depth == NESTING_MAX)
-        return fail(loader, p, "shapes are nested too deep, or in a circle");
+        return load_refuse(loader, p, "shapes are nested too deep, or in a circle");
     loader->shape_depth++;
     satin_status status = SATIN_OK;
     struct xml_node *at = NULL, *part;
@@ -43,7 +38,7 @@ static satin_status add_parts(struct load_state *loader, const struct params *p)
 // A group is built once, where it is met first.
 static satin_status add_group(struct load_state *loader, const struct params *p) {
     if (p->node->group) return SATIN_OK;
-    if (loader->open_group) return fail(loader, p, "it cannot be part of another group");
+    if (loader->open_group) return load_refuse(loader, p, "it cannot be part of another group");
     void *items = loader->group;
     if (!array_reserve(&items, &loader->group_capacity, loader->group_count + 1,
                        sizeof *loader->group))
@@ -65,16 +60,16 @@ static satin_status add_group(struct load_state *loader, const struct params *p)
 }
 
 static satin_status add_instance(struct load_state *loader, const struct params *p) {
-    if (loader->open_group) return fail(loader, p, "it cannot be part of a group");
+    if (loader->open_group) return load_refuse(loader, p, "it cannot be part of a group");
     struct xml_node *at = NULL, *group = params_child(&loader->xml, p->node, XML_SHAPE, &at);
     if (!group || params_child(&loader->xml, p->node, XML_SHAPE, &at) ||
         strcmp(group->type, "shapegroup") != 0)
-        return fail(loader, p, "it takes one shapegroup");
+        return load_refuse(loader, p, "it takes one shapegroup");
     satin_status status = group->group ? SATIN_OK : load_shape_add(loader, group);
     if (status != SATIN_OK) return status;
     struct shape shape = {.kind = SHAPE_INSTANCE, .instance_of = group->group - 1, .light = -1};
     if (!scene_shape_place(&shape, &param(p, "to_world")->m))
-        return fail(loader, p, "to_world is singular");
+        return load_refuse(loader, p, "to_world is singular");
     if (group->group == GROUP_EMPTY) return SATIN_OK;
     shape.name = load_keep_text(loader, p->node->id ? p->node->id : p->plugin->name);
     if (!shape.name) return load_no_memory(loader);

@@ -21,13 +21,13 @@ static const struct param_spec aovs = {"aovs",
                                        0,
                                        PARAM_REQUIRED,
                                        NULL,
-                                       "pairs `name:type` parted by commas or blanks"};
+                                       "pairs `name:type` separated by commas or blanks"};
 
 static const struct param_spec *const path_params[] = {&max_depth, &rr_depth, &hide_emitters, NULL};
 static const struct param_spec *const aov_params[] = {&aovs, &hide_emitters, NULL};
 static const struct param_spec *const moment_params[] = {&hide_emitters, NULL};
 
-// Light transport by other ways, of Mitsuba 3 and of version 0.6.
+// Light transport by other methods, of Mitsuba 3 and of version 0.6.
 const char *const load_transport[] = {"direct",
                                       "direct_projective",
                                       "prb",
@@ -55,13 +55,13 @@ const struct plugin_spec load_integrator_plugins[] = {
      NULL, false},
     {XML_INTEGRATOR, "path",
      "and `direct`, `volpath`, `ptracer`, `prb` and all others of light transport: satin chooses "
-     "its own way, within these bounds",
+     "its own method, within these bounds",
      path_params, 1u << XML_INTEGRATOR, NULL, true},
     {XML_INTEGRATOR, "aov",
      "values of the surface that the eye ray meets first, as channels beside the image of the "
      "integrator inside: `albedo` (`name.R .G .B`: diffuse reflectance), `depth` (`.T`), "
      "`position` (`.X .Y .Z`), `uv` (`.U .V`), `geo_normal`, `sh_normal` (before bumps), `dp_du`, "
-     "`dp_dv` (`.X .Y .Z`), `duv_dx`, `duv_dy` (`.U .V`: over the width of a sample's share of the "
+     "`dp_dv` (`.X .Y .Z`), `duv_dx`, `duv_dy` (`.U .V`: over the width of a sample's part of the "
      "pixel), `prim_index`, `shape_index` (`.I`: shapes count from 1, as they stand in the file)",
      aov_params, 1u << XML_INTEGRATOR, NULL, true},
     {XML_INTEGRATOR, "moment",

@@ -108,22 +108,17 @@ static param_list envmap_params = {&filename,     &scale,           &sky_to_worl
 static param_list sky_params = {&haze,         &sun_direction, &sky_scale,       &sun_scale,
                                 &sun_aperture, &sky_to_world,  &sampling_weight, NULL};
 
-static satin_status fail(struct load_state *loader, const struct params *p, const char *why) {
-    log_error_at(loader->log, p->node->place, "emitter '%s': %s", p->plugin->name, why);
-    return SATIN_ERROR_INPUT;
-}
-
 // Takes to_world and what follows from it: position, direction, inverse.
-static satin_status set_place(struct load_state *loader, const struct params *p,
-                              struct light *light) {
+static satin_status set_light_position(struct load_state *loader, const struct params *p,
+                                       struct light *light) {
     light->to_world = param(p, "to_world")->m;
     if (!mat4_inverse(&light->to_world, &light->to_local))
-        return fail(loader, p, "to_world is singular");
+        return load_refuse(loader, p, "to_world is singular");
     light->position = mat4_point(&light->to_world, v3(0, 0, 0));
     light->direction = v3_unit(mat4_vector(&light->to_world, v3(0, 0, 1)));
     if (v3_finite(light->position) && fabsf(v3_len2(light->direction) - 1.0f) < 1e-3f)
         return SATIN_OK;
-    return fail(loader, p, "to_world is too small or too large");
+    return load_refuse(loader, p, "to_world is too small or too large");
 }
 
 static satin_status build_area(struct load_state *loader, const struct params *p, void *object) {
@@ -149,8 +144,8 @@ static satin_status build_point(struct load_state *loader, const struct params *
     light->kind = LIGHT_POINT;
     light->value = param(p, "intensity")->color;
     if (at->given && param(p, "to_world")->given)
-        return fail(loader, p, "it has both a position and a to_world");
-    satin_status status = set_place(loader, p, light);
+        return load_refuse(loader, p, "it has both a position and a to_world");
+    satin_status status = set_light_position(loader, p, light);
     if (at->given) light->position = at->v;
     return status;
 }
@@ -169,7 +164,7 @@ static satin_status build_projector(struct load_state *loader, const struct para
     light->kind = LIGHT_PROJECTOR;
     light->value = rgb_grey(param(p, "scale")->f);
     satin_status status = set_texture(loader, param(p, "irradiance"), light);
-    if (status == SATIN_OK) status = set_place(loader, p, light);
+    if (status == SATIN_OK) status = set_light_position(loader, p, light);
     if (status != SATIN_OK) return status;
     // The slide has the shape of its image.
     const struct texture *shown = texture_unscaled(light->texture);
@@ -187,36 +182,37 @@ static satin_status build_spot(struct load_state *loader, const struct params *p
     struct light *light = object;
     float cutoff = param(p, "cutoff_angle")->f, beam = 0.75f * cutoff;
     if (param(p, "beam_width")->given) beam = param(p, "beam_width")->f;
-    if (cutoff > 180.0f) return fail(loader, p, "its cutoff_angle is over 180 degrees");
-    if (beam > cutoff) return fail(loader, p, "its beam_width is larger than its cutoff_angle");
+    if (cutoff > 180.0f) return load_refuse(loader, p, "its cutoff_angle is over 180 degrees");
+    if (beam > cutoff)
+        return load_refuse(loader, p, "its beam_width is larger than its cutoff_angle");
     light->kind = LIGHT_SPOT;
     light->value = param(p, "intensity")->color;
     satin_status status = set_texture(loader, param(p, "texture"), light);
     if (status != SATIN_OK) return status;
     if (light->texture && cutoff >= 90.0f)
-        return fail(loader, p, "its texture needs a cutoff_angle below 90 degrees");
+        return load_refuse(loader, p, "its texture needs a cutoff_angle below 90 degrees");
     light->cos_cutoff = cosf(cutoff * (PI_F / 180.0f));
     light->cos_beam = cosf(beam * (PI_F / 180.0f));
-    return set_place(loader, p, light);
+    return set_light_position(loader, p, light);
 }
 
 static satin_status build_directional(struct load_state *loader, const struct params *p,
                                       void *object) {
     struct light *light = object;
-    const struct param_value *way = param(p, "direction");
+    const struct param_value *towards = param(p, "direction");
     light->kind = LIGHT_DIRECTIONAL;
     light->value = param(p, "irradiance")->color;
-    if (way->given && param(p, "to_world")->given)
-        return fail(loader, p, "it has both a direction and a to_world");
-    satin_status status = set_place(loader, p, light);
-    if (status != SATIN_OK || !way->given) return status;
-    light->direction = v3_unit(way->v);
+    if (towards->given && param(p, "to_world")->given)
+        return load_refuse(loader, p, "it has both a direction and a to_world");
+    satin_status status = set_light_position(loader, p, light);
+    if (status != SATIN_OK || !towards->given) return status;
+    light->direction = v3_unit(towards->v);
     if (fabsf(v3_len2(light->direction) - 1.0f) < 1e-3f) return SATIN_OK;
-    return fail(loader, p, "its direction is too small or too large");
+    return load_refuse(loader, p, "its direction is too small or too large");
 }
 
-static satin_status build_constant(struct load_state *loader, const struct params *p,
-                                   void *object) {
+static satin_status build_constant_light(struct load_state *loader, const struct params *p,
+                                         void *object) {
     (void)loader;
     struct light *light = object;
     light->kind = LIGHT_CONSTANT;
@@ -229,7 +225,7 @@ static satin_status build_envmap(struct load_state *loader, const struct params 
     struct light *light = object;
     light->kind = LIGHT_ENVMAP;
     light->value = rgb_grey(param(p, "scale")->f);
-    satin_status status = set_place(loader, p, light);
+    satin_status status = set_light_position(loader, p, light);
     if (status != SATIN_OK) return status;
     struct load_source source;
     status = load_file_source(loader, param(p, "filename"), &source);
@@ -244,16 +240,16 @@ satin_status load_daylight_build(struct load_state *loader, const struct params 
     float aperture = daylight->sun_aperture * (PI_F / 180.0f);
     light->kind = LIGHT_ENVMAP;
     light->value = rgb_grey(daylight->sky_scale);
-    satin_status status = set_place(loader, p, light);
+    satin_status status = set_light_position(loader, p, light);
     if (status != SATIN_OK) return status;
     light->sun = v3_unit(daylight->sun);
     struct sky sky = {daylight->turbidity, v3_unit(mat4_vector(&light->to_local, light->sun))};
     if (!(sky.turbidity >= SKY_TURBIDITY_MIN && sky.turbidity <= SKY_TURBIDITY_MAX))
-        return fail(loader, p, "its turbidity is not in [2, 10]");
+        return load_refuse(loader, p, "its turbidity is not in [2, 10]");
     if (!(v3_len2(sky.sun) > 0.5f) || !(sky.sun.y >= 0.0f))
-        return fail(loader, p, "its sun_direction does not point above the horizon");
+        return load_refuse(loader, p, "its sun_direction does not point above the horizon");
     if (!(aperture < 0.5f * PI_F))
-        return fail(loader, p, "its sun_aperture is not below 90 degrees");
+        return load_refuse(loader, p, "its sun_aperture is not below 90 degrees");
     // A wider sun is dimmer.
     const float natural = SKY_SUN_APERTURE * (PI_F / 180.0f);
     light->sun_chord = 2.0f * sinf(0.25f * aperture);
@@ -265,7 +261,8 @@ satin_status load_daylight_build(struct load_state *loader, const struct params 
     return SATIN_OK;
 }
 
-static satin_status build_sky(struct load_state *loader, const struct params *p, void *object) {
+static satin_status build_sky_light(struct load_state *loader, const struct params *p,
+                                    void *object) {
     const struct load_daylight daylight = {.turbidity = param(p, "turbidity")->f,
                                            .sun = param(p, "sun_direction")->v,
                                            .sky_scale = param(p, "sky_scale")->f,
@@ -283,12 +280,12 @@ const struct plugin_spec load_emitter_plugins[] = {
     {XML_EMITTER, "projector", "light from a point through a slide", projector_params, 0,
      build_projector, false},
     {XML_EMITTER, "directional", "parallel light", directional_params, 0, build_directional, false},
-    {XML_EMITTER, "constant", "the same light from all sides", constant_params, 0, build_constant,
-     false},
+    {XML_EMITTER, "constant", "the same light from all sides", constant_params, 0,
+     build_constant_light, false},
     {XML_EMITTER, "envmap", "light from an image of the surroundings", envmap_params, 0,
      build_envmap, false},
-    {XML_EMITTER, "preethamsky", "daylight: a clear sky and its sun", sky_params, 0, build_sky,
-     false},
+    {XML_EMITTER, "preethamsky", "daylight: a clear sky and its sun", sky_params, 0,
+     build_sky_light, false},
     {0}};
 
 static bool is_environment(const struct light *light) {
@@ -299,9 +296,10 @@ static bool is_environment(const struct light *light) {
 static satin_status check_place(struct load_state *loader, const struct params *p,
                                 const struct light *light, bool in_shape) {
     bool area = light->kind == LIGHT_AREA || light->kind == LIGHT_BEAM;
-    if (in_shape && !area) return fail(loader, p, "it cannot be part of a shape; area lights are");
+    if (in_shape && !area)
+        return load_refuse(loader, p, "it cannot be part of a shape; area lights are");
     if (is_environment(light) && loader->scene->environment >= 0)
-        return fail(loader, p, "the scene has another environment");
+        return load_refuse(loader, p, "the scene has another environment");
     return SATIN_OK;
 }
 
@@ -319,7 +317,7 @@ satin_status load_emitter_add(struct load_state *loader, struct xml_node *node, 
     if (status != SATIN_OK) return status;
     // An area light outside of a shape is there to be referred to by its id.
     bool waits = shape < 0 && (light.kind == LIGHT_AREA || light.kind == LIGHT_BEAM);
-    if (waits && !xml_get(node, "id")) return fail(loader, &p, "it must be part of a shape");
+    if (waits && !xml_get(node, "id")) return load_refuse(loader, &p, "it must be part of a shape");
     if (waits || (rgb_black(light.value) && rgb_black(light.sun_value))) return SATIN_OK;
     void *items = loader->light;
     if (!array_reserve(&items, &loader->light_capacity, loader->light_count + 1, sizeof light))

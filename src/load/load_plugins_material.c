@@ -9,7 +9,8 @@
 
 enum { BSDF_DEPTH_MAX = 32 };  // of nested <bsdf>s; deeper ones refer to themselves
 
-static satin_status refuse(struct load_state *loader, const struct params *p, const char *text) {
+static satin_status material_error(struct load_state *loader, const struct params *p,
+                                   const char *text) {
     log_error_at(loader->log, p->node->place, "%s %s", p->plugin->name, text);
     return SATIN_ERROR_INPUT;
 }
@@ -26,16 +27,18 @@ static satin_status build_nested(struct load_state *loader, const struct params 
     }
     *count = n;
     if (n >= least && !child) return SATIN_OK;
-    return refuse(loader, p,
-                  least < most ? "takes one or two <bsdf>s"
-                  : most == 1  ? "takes one <bsdf>"
-                               : "takes two <bsdf>s");
+    return material_error(loader, p,
+                          least < most ? "takes one or two <bsdf>s"
+                          : most == 1  ? "takes one <bsdf>"
+                                       : "takes two <bsdf>s");
 }
 
 // ---- Trees of sides -----------------------------------------------------------------------------
 
-static int count_parts(const struct material_side *side) {
-    return side->part[0] ? count_parts(side->part[0]) + count_parts(side->part[1]) : 1;
+static int count_components(const struct material_side *side) {
+    return side->component[0]
+               ? count_components(side->component[0]) + count_components(side->component[1])
+               : 1;
 }
 
 typedef satin_status (*leaf_fn)(struct load_state *loader, const struct params *p,
@@ -44,12 +47,12 @@ typedef satin_status (*leaf_fn)(struct load_state *loader, const struct params *
 // Copies the tree, changed by fn at its leaves.
 static satin_status change_leaves(struct load_state *loader, const struct params *p,
                                   struct material_side *side, leaf_fn fn, const void *ctx) {
-    if (!side->part[0]) return fn(loader, p, side, ctx);
+    if (!side->component[0]) return fn(loader, p, side, ctx);
     for (int i = 0; i < 2; i++) {
         struct material_side *copy = arena_alloc(&loader->scene->arena, sizeof *copy);
         if (!copy) return load_no_memory(loader);
-        *copy = *side->part[i];
-        side->part[i] = copy;
+        *copy = *side->component[i];
+        side->component[i] = copy;
         satin_status status = change_leaves(loader, p, copy, fn, ctx);
         if (status != SATIN_OK) return status;
     }
@@ -58,12 +61,12 @@ static satin_status change_leaves(struct load_state *loader, const struct params
 
 // ---- twosided -----------------------------------------------------------------------------------
 
-// Whatever transmits is refused; the relief of a back is its own. Of what is two-sided already the
-// front is what either side would see, as in Mitsuba.
+// Whatever transmits is refused; the bump or normal map of a back is its own. Of a material that is
+// two-sided already, the front is what either side would see, as in Mitsuba.
 static satin_status make_side(struct load_state *loader, const struct params *p,
                               struct material_side *leaf, const void *ctx) {
     (void)ctx;
-    for (int i = 0; i < BRDF_RELIEFS; i++) leaf->relief[i].outside = false;
+    for (int i = 0; i < BRDF_BUMPS_MAX; i++) leaf->bump[i].outside = false;
     if (!brdf_transmits(&leaf->base)) return SATIN_OK;
     log_error_at(loader->log, p->node->place, "'%s' transmits, so it cannot be twosided",
                  leaf->base.model->name);
@@ -76,8 +79,8 @@ static satin_status build_twosided(struct load_state *loader, const struct param
     int count;
     satin_status status = build_nested(loader, p, 1, 2, side, &count);
     for (int i = 0; i < count && status == SATIN_OK; i++) {
-        if (side[i].front.part[0] && side[i].front.holes)
-            return refuse(loader, p, "cannot wrap a mask; wrap it by one");
+        if (side[i].front.component[0] && side[i].front.holes)
+            return material_error(loader, p, "cannot wrap a mask; wrap it by one");
         status = change_leaves(loader, p, &side[i].front, make_side, NULL);
     }
     if (status != SATIN_OK) return status;
@@ -97,24 +100,24 @@ static satin_status make_one_sided(struct load_state *loader, const struct param
     return SATIN_OK;
 }
 
-// The weight of a blend's second part, constant or textured.
-struct weight {
+// The weight of a blend's second component, constant or textured.
+struct blend_weight_value {
     float value;
     const struct texture *texture;
 };
 
 static satin_status find_weight(struct load_state *loader, const struct param_value *value,
-                                float constant, struct weight *out) {
-    *out = (struct weight){.value = clampf(constant, 0.0f, 1.0f)};
+                                float constant, struct blend_weight_value *out) {
+    *out = (struct blend_weight_value){.value = clampf(constant, 0.0f, 1.0f)};
     return value->texture ? load_texture_of(loader, value->texture, &out->texture) : SATIN_OK;
 }
 
-static bool is_hole(const struct material_side *side) { return side->holes && !side->part[0]; }
+static bool is_hole(const struct material_side *side) { return side->holes && !side->component[0]; }
 
 // Joins a and b under one node, which may be one of them.
-static satin_status join(struct load_state *loader, const struct params *p,
-                         const struct material_side *a, const struct material_side *b,
-                         const struct weight *weight, struct material_side *out) {
+static satin_status join_sides(struct load_state *loader, const struct params *p,
+                               const struct material_side *a, const struct material_side *b,
+                               const struct blend_weight_value *weight, struct material_side *out) {
     if (is_hole(a) && is_hole(b)) {
         *out = *a;
         return SATIN_OK;
@@ -123,18 +126,18 @@ static satin_status join(struct load_state *loader, const struct params *p,
     if (!part) return load_no_memory(loader);
     part[0] = *a;
     part[1] = *b;
-    *out = (struct material_side){.part = {&part[0], &part[1]},
+    *out = (struct material_side){.component = {&part[0], &part[1]},
                                   .blend = weight->texture,
                                   .weight = weight->value,
                                   .holes = a->holes || b->holes};
-    if (count_parts(out) <= MATERIAL_PARTS_MAX) return SATIN_OK;
-    return refuse(loader, p, "blends more than 16 BRDFs");
+    if (count_components(out) <= MATERIAL_COMPONENTS_MAX) return SATIN_OK;
+    return material_error(loader, p, "blends more than 16 BRDFs");
 }
 
 static satin_status build_blend(struct load_state *loader, const struct params *p,
                                 struct material *out) {
     struct material part[2];
-    struct weight weight;
+    struct blend_weight_value weight;
     int count;
     satin_status status = build_nested(loader, p, 2, 2, part, &count);
     if (status == SATIN_OK)
@@ -148,11 +151,11 @@ static satin_status build_blend(struct load_state *loader, const struct params *
         status = change_leaves(loader, p, &part[i].back, make_one_sided, NULL);
     }
     if (status == SATIN_OK)
-        status = join(loader, p, &part[0].front, &part[1].front, &weight, &out->front);
+        status = join_sides(loader, p, &part[0].front, &part[1].front, &weight, &out->front);
     if (status != SATIN_OK) return status;
     out->back = out->front;
     if (!out->two_sided) return SATIN_OK;
-    return join(loader, p, &part[0].back, &part[1].back, &weight, &out->back);
+    return join_sides(loader, p, &part[0].back, &part[1].back, &weight, &out->back);
 }
 
 // ---- mask ---------------------------------------------------------------------------------------
@@ -162,7 +165,7 @@ static satin_status build_mask(struct load_state *loader, const struct params *p
                                struct material *out) {
     const struct param_value *opacity = param(p, "opacity");
     struct material_side hole = {.index = loader->scene->side_count++, .holes = true};
-    struct weight weight;
+    struct blend_weight_value weight;
     int count;
     hole.base.model = brdf_find("null");
     hole.base.transmittance = rgb_grey(1.0f);
@@ -170,45 +173,47 @@ static satin_status build_mask(struct load_state *loader, const struct params *p
     satin_status status = build_nested(loader, p, 1, 1, out, &count);
     if (status == SATIN_OK)
         status = find_weight(loader, opacity, rgb_mean(opacity->color), &weight);
-    if (status == SATIN_OK) status = join(loader, p, &hole, &out->front, &weight, &out->front);
+    if (status == SATIN_OK)
+        status = join_sides(loader, p, &hole, &out->front, &weight, &out->front);
     if (status != SATIN_OK) return status;
-    if (out->two_sided) return join(loader, p, &hole, &out->back, &weight, &out->back);
+    if (out->two_sided) return join_sides(loader, p, &hole, &out->back, &weight, &out->back);
     out->back = out->front;
     return SATIN_OK;
 }
 
 // ---- bumpmap, normalmap -------------------------------------------------------------------------
 
-static satin_status set_relief(struct load_state *loader, const struct params *p,
-                               struct material_side *leaf, const void *ctx) {
-    const struct material_relief *relief = ctx;
+static satin_status set_bump(struct load_state *loader, const struct params *p,
+                             struct material_side *leaf, const void *ctx) {
+    const struct material_bump *bump = ctx;
     if (leaf->holes) return SATIN_OK;
-    if (relief_used(&leaf->relief[1]))
-        return refuse(loader, p, "cannot wrap two more bumpmaps or normalmaps");
-    leaf->relief[1] = leaf->relief[0];
-    leaf->relief[0] = *relief;
+    if (bump_used(&leaf->bump[1]))
+        return material_error(loader, p, "cannot wrap two more bumpmaps or normalmaps");
+    leaf->bump[1] = leaf->bump[0];
+    leaf->bump[0] = *bump;
     return SATIN_OK;
 }
 
-static satin_status build_relief(struct load_state *loader, const struct params *p, bool bump,
-                                 struct material *out) {
-    struct material_relief relief = {.outside = true,
-                                     .upright = param(p, "flip_invalid_normals")->b,
-                                     .shadows = param(p, "use_shadowing_function")->b};
-    struct xml_node *at = NULL, *map = bump ? params_child(&loader->xml, p->node, XML_TEXTURE, &at)
-                                            : param(p, "normalmap")->texture;
-    if (!map) return refuse(loader, p, "needs a <texture>");
-    if (bump && params_child(&loader->xml, p->node, XML_TEXTURE, &at))
-        return refuse(loader, p, "takes one <texture>");
-    if (bump) relief.scale = param(p, "scale")->f;
-    satin_status status = load_texture_of(loader, map, bump ? &relief.bump : &relief.normal);
-    if (status == SATIN_OK && bump && texture_unscaled(relief.bump)->kind == TEXTURE_ATTRIBUTE)
-        return refuse(loader, p, "cannot take heights from a mesh attribute");
+static satin_status build_bump_or_normal(struct load_state *loader, const struct params *p,
+                                         bool heights, struct material *out) {
+    struct material_bump bump = {.outside = true,
+                                 .upright = param(p, "flip_invalid_normals")->b,
+                                 .shadows = param(p, "use_shadowing_function")->b};
+    struct xml_node *at = NULL, *map = heights
+                                           ? params_child(&loader->xml, p->node, XML_TEXTURE, &at)
+                                           : param(p, "normalmap")->texture;
+    if (!map) return material_error(loader, p, "needs a <texture>");
+    if (heights && params_child(&loader->xml, p->node, XML_TEXTURE, &at))
+        return material_error(loader, p, "takes one <texture>");
+    if (heights) bump.scale = param(p, "scale")->f;
+    satin_status status = load_texture_of(loader, map, heights ? &bump.height : &bump.normal);
+    if (status == SATIN_OK && heights && texture_unscaled(bump.height)->kind == TEXTURE_ATTRIBUTE)
+        return material_error(loader, p, "cannot take heights from a mesh attribute");
     int count;
     if (status == SATIN_OK) status = build_nested(loader, p, 1, 1, out, &count);
-    if (status == SATIN_OK) status = change_leaves(loader, p, &out->front, set_relief, &relief);
+    if (status == SATIN_OK) status = change_leaves(loader, p, &out->front, set_bump, &bump);
     if (status == SATIN_OK && out->two_sided)
-        status = change_leaves(loader, p, &out->back, set_relief, &relief);
+        status = change_leaves(loader, p, &out->back, set_bump, &bump);
     if (status == SATIN_OK && !out->two_sided) out->back = out->front;
     out->tangent = true;
     return status;
@@ -218,7 +223,7 @@ static satin_status build_relief(struct load_state *loader, const struct params 
 
 static bool is_anisotropic(const struct material_side *side) {
     bool two = side->base.model->slots >> BRDF_SLOT_ALPHA_V & 1;
-    if (side->base.model->data) return !side->base.even_turn;
+    if (side->base.model->data) return !side->base.isotropic;
     return (two && side->slot[BRDF_SLOT_ALPHA_U] != side->slot[BRDF_SLOT_ALPHA_V]) ||
            (two && side->base.alpha_u != side->base.alpha_v) || side->slot[BRDF_SLOT_ANISOTROPIC] ||
            side->base.anisotropic != 0.0f;
@@ -239,7 +244,7 @@ static satin_status build_any(struct load_state *loader, const struct params *p,
     if (strcmp(name, "twosided") == 0) return build_twosided(loader, p, out);
     if (strcmp(name, "blendbsdf") == 0) return build_blend(loader, p, out);
     if (strcmp(name, "mask") == 0) return build_mask(loader, p, out);
-    return build_relief(loader, p, strcmp(name, "bumpmap") == 0, out);
+    return build_bump_or_normal(loader, p, strcmp(name, "bumpmap") == 0, out);
 }
 
 static void see_bitmaps(void *ctx, const struct material_side *side) {
@@ -290,7 +295,7 @@ satin_status load_material_build(struct load_state *loader, struct xml_node *nod
     if (status != SATIN_OK) return status;
     if (load_file_missing(loader, &p, "the BRDF is grey")) return build_stand_in(loader, node, out);
     if (loader->bsdf_depth == BSDF_DEPTH_MAX)
-        return refuse(loader, &p, "is nested too deep, or in itself");
+        return material_error(loader, &p, "is nested too deep, or in itself");
     loader->bsdf_depth++;
     status = build_any(loader, &p, out);
     loader->bsdf_depth--;

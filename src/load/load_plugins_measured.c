@@ -20,9 +20,9 @@ param_list bsdf_lafortune_params = {&bsdf_diffuse_reflectance, &bsdf_specular_re
                                     NULL};
 param_list bsdf_measured_params = {&filename, NULL};
 
-// Light must not grow on its way; looked at from a few sides.
-static satin_status check_albedo(struct load_state *loader, const struct params *p,
-                                 const struct brdf *b) {
+// No path may gain light; checked for a few directions.
+static satin_status check_measured_albedo(struct load_state *loader, const struct params *p,
+                                          const struct brdf *b) {
     for (int i = 0; i < 24; i++) {
         float theta = 0.2f * (float)(i % 8), phi = 0.6f * (float)(i / 8);
         vec3 wo = v3(sinf(theta) * cosf(phi), sinf(theta) * sinf(phi), cosf(theta));
@@ -64,7 +64,7 @@ satin_status bsdf_lafortune_build(struct load_state *loader, const struct params
     if (status != SATIN_OK) return status;
     if (brdf_lafortune_set(&side->base, &loader->scene->arena, lobe, count / 7) != SATIN_OK)
         return load_no_memory(loader);
-    return check_albedo(loader, p, &side->base);
+    return check_measured_albedo(loader, p, &side->base);
 }
 
 static satin_status build_measured(struct load_state *loader, const struct params *p,

@@ -12,9 +12,9 @@ static const struct param_spec base_color = {"base_color",  PARAM_COLOR, ".5",  
 static const struct param_spec roughness = NUMBER(roughness, ".5", "of the facets, perceived");
 static const struct param_spec anisotropic =
     NUMBER(anisotropic, "0", "how far highlights are drawn out along u");
-static const struct param_spec metallic = NUMBER(metallic, "0", "share of metal");
+static const struct param_spec metallic = NUMBER(metallic, "0", "fraction of metal");
 static const struct param_spec spec_trans =
-    NUMBER(spec_trans, "0", "share of light that is refracted, not scattered diffusely");
+    NUMBER(spec_trans, "0", "fraction of light that is refracted, not scattered diffusely");
 static const struct param_spec eta = {
     "eta", PARAM_FLOAT, NULL, RANGE_POSITIVE, 0, NULL, "relative index of refraction"};
 static const struct param_spec thin_eta = {

@@ -61,12 +61,6 @@ static param_list thinlens_params = {
 static param_list orthographic_params = {
     &to_world, &near_clip, &far_clip, &shutter_open, &shutter_close, &idle_focus_distance, NULL};
 
-static satin_status fail(struct load_state *loader, const struct params *p, const char *why) {
-    log_error_at(loader->log, p->node->place, "%s '%s': %s", load_plugin_noun(p->plugin->tag),
-                 p->plugin->name, why);
-    return SATIN_ERROR_INPUT;
-}
-
 // Of a smaller angle, degrees, the rays to both ends are one in single precision.
 #define FOV_MIN 1e-5f
 
@@ -77,7 +71,8 @@ static satin_status fail(struct load_state *loader, const struct params *p, cons
 static satin_status field_of_view(struct load_state *loader, const struct params *p,
                                   double *tangent, enum fov_axis *axis) {
     const struct param_value *angle = param(p, "fov"), *focal = param(p, "focal_length");
-    if (angle->given && focal->given) return fail(loader, p, "it has both fov and focal_length");
+    if (angle->given && focal->given)
+        return load_refuse(loader, p, "it has both fov and focal_length");
     if (angle->given) {
         if (angle->f >= 180.0f || angle->f < FOV_MIN) {
             log_error_at(loader->log, angle->place, "fov is %g, but must be in [%g, 180)",
@@ -106,8 +101,8 @@ static satin_status field_of_view(struct load_state *loader, const struct params
 
 satin_status load_view(struct load_state *loader, const struct params *p, double aspect,
                        float tan[2]) {
-    double tangent;
-    enum fov_axis axis;
+    double tangent = 0.0;
+    enum fov_axis axis = AXIS_X;
     satin_status status = field_of_view(loader, p, &tangent, &axis);
     if (status != SATIN_OK) return status;
     if (axis == AXIS_SMALLER) axis = aspect > 1.0 ? AXIS_Y : AXIS_X;
@@ -117,7 +112,7 @@ satin_status load_view(struct load_state *loader, const struct params *p, double
     tan[0] = (float)tangent;
     tan[1] = (float)(tangent / aspect);
     if (tan[0] > 0.0f && tan[0] < 1e6f && tan[1] > 0.0f) return SATIN_OK;
-    return fail(loader, p, "its angle of view must be in (0, 180) degrees");
+    return load_refuse(loader, p, "its angle of view must be in (0, 180) degrees");
 }
 
 static satin_status set_view(struct load_state *loader, const struct params *p,
@@ -132,18 +127,19 @@ static satin_status set_view(struct load_state *loader, const struct params *p,
 }
 
 // Rotation and mirroring are allowed, scale is not; the bound is Mitsuba's.
-static satin_status set_place(struct load_state *loader, const struct params *p,
-                              struct camera *camera) {
+static satin_status set_sensor_transform(struct load_state *loader, const struct params *p,
+                                         struct camera *camera) {
     const struct mat4 *m = &param(p, "to_world")->m;
     struct mat4 inverse;
     camera->to_world = *m;
     for (int j = 0; j < 3; j++) {
         float l2 = v3_len2(v3(m->m[0][j], m->m[1][j], m->m[2][j]));
-        if (!(fabsf(l2 - 1.0f) <= 1e-3f)) return fail(loader, p, "to_world has a scale");
+        if (!(fabsf(l2 - 1.0f) <= 1e-3f)) return load_refuse(loader, p, "to_world has a scale");
     }
     for (int j = 0; j < 4; j++)
-        if (m->m[3][j] != (j == 3 ? 1.0f : 0.0f)) return fail(loader, p, "to_world is not affine");
-    return mat4_inverse(m, &inverse) ? SATIN_OK : fail(loader, p, "to_world is singular");
+        if (m->m[3][j] != (j == 3 ? 1.0f : 0.0f))
+            return load_refuse(loader, p, "to_world is not affine");
+    return mat4_inverse(m, &inverse) ? SATIN_OK : load_refuse(loader, p, "to_world is singular");
 }
 
 static satin_status set_clip(struct load_state *loader, const struct params *p,
@@ -152,13 +148,13 @@ static satin_status set_clip(struct load_state *loader, const struct params *p,
     camera->far_clip = param(p, "far_clip")->f;
     camera->focus_distance = camera->far_clip;
     if (camera->near_clip < camera->far_clip) return SATIN_OK;
-    return fail(loader, p, "near_clip must be smaller than far_clip");
+    return load_refuse(loader, p, "near_clip must be smaller than far_clip");
 }
 
 static satin_status build_camera(struct load_state *loader, const struct params *p, void *object) {
     struct camera *camera = object;
     satin_status status = set_clip(loader, p, camera);
-    if (status == SATIN_OK) status = set_place(loader, p, camera);
+    if (status == SATIN_OK) status = set_sensor_transform(loader, p, camera);
     return status == SATIN_OK ? set_view(loader, p, camera) : status;
 }
 
@@ -172,10 +168,11 @@ static satin_status build_orthographic(struct load_state *loader, const struct p
     camera->to_world = param(p, "to_world")->m;
     camera->tan_x = 1.0f;
     camera->tan_y = (float)((double)film->height / (double)film->width);
-    if (!mat4_inverse(&camera->to_world, &inverse)) return fail(loader, p, "to_world is singular");
+    if (!mat4_inverse(&camera->to_world, &inverse))
+        return load_refuse(loader, p, "to_world is singular");
     float depth = v3_len2(mat4_vector(&camera->to_world, v3(0, 0, 1)));
     if (!(depth > 1e-30f && depth < 1e30f))
-        return fail(loader, p, "to_world is too small or too large");
+        return load_refuse(loader, p, "to_world is too small or too large");
     return set_clip(loader, p, camera);
 }
 
@@ -185,7 +182,7 @@ static satin_status build_perspective(struct load_state *loader, const struct pa
     camera->shift.x = param(p, "principal_point_offset_x")->f;
     camera->shift.y = param(p, "principal_point_offset_y")->f;
     if (fabsf(camera->shift.x) > 1e4f || fabsf(camera->shift.y) > 1e4f)
-        return fail(loader, p, "its principal point is too far off");
+        return load_refuse(loader, p, "its principal point is too far off");
     return build_camera(loader, p, camera);
 }
 
@@ -216,7 +213,7 @@ static satin_status read_part(struct load_state *loader, const struct params *pa
     out->node = NULL;
     if (!node) return SATIN_OK;
     if (params_child(&loader->xml, parent->node, tag, &at))
-        return fail(loader, parent, "it has two parts of the same kind");
+        return load_refuse(loader, parent, "it has two parts of the same kind");
     satin_status status = load_params(loader, node, out);
     return status == SATIN_OK ? out->plugin->build(loader, out, object) : status;
 }

@@ -14,7 +14,7 @@
 static const struct param_spec to_world = {
     "to_world", PARAM_TRANSFORM, "1", 0, 0, NULL, "object space to world space"};
 static const struct param_spec flip_normals = {
-    "flip_normals", PARAM_BOOLEAN, "false", 0, 0, NULL, "turn the front to the other side"};
+    "flip_normals", PARAM_BOOLEAN, "false", 0, 0, NULL, "make the other side the front"};
 static const struct param_spec silhouette = {"silhouette_sampling_weight",
                                              PARAM_FLOAT,
                                              "1",
@@ -71,13 +71,8 @@ static const struct param_spec curve_file = {"filename",
                                              0,
                                              PARAM_REQUIRED,
                                              NULL,
-                                             "lines `x y z radius`; blank ones part curves"};
+                                             "lines `x y z radius`; blank ones separate curves"};
 static param_list curve_params = {&curve_file, &to_world, &flip_normals, &silhouette, NULL};
-
-static satin_status fail(struct load_state *loader, const struct params *p, const char *why) {
-    log_error_at(loader->log, p->node->place, "shape '%s': %s", p->plugin->name, why);
-    return SATIN_ERROR_INPUT;
-}
 
 typedef satin_status (*mesh_reader)(const struct load_source *, const struct mesh_request *,
                                     struct mesh *);
@@ -89,8 +84,8 @@ static struct mesh_request request_of(const struct params *p) {
                                  .face_normals = param(p, "face_normals")->b};
 }
 
-static satin_status read_mesh(struct load_state *loader, const struct params *p,
-                              struct shape *shape, int index, mesh_reader read) {
+static satin_status read_shape_mesh(struct load_state *loader, const struct params *p,
+                                    struct shape *shape, int index, mesh_reader read) {
     struct mesh_request request = request_of(p);
     request.attributes = loader->wanted;
     request.flip_tex_coords = param(p, "flip_tex_coords")->b;
@@ -98,7 +93,8 @@ static satin_status read_mesh(struct load_state *loader, const struct params *p,
     const struct param_value *angle = param(p, "max_smooth_angle");
     if (angle->given && angle->f <= 180.0f) request.smooth_angle = angle->f;
     if (angle->given && (angle->f > 180.0f || request.face_normals))
-        return fail(loader, p, "max_smooth_angle is at most 180 degrees, without face_normals");
+        return load_refuse(loader, p,
+                           "max_smooth_angle is at most 180 degrees, without face_normals");
     struct load_source source;
     satin_status status = load_file_source(loader, param(p, "filename"), &source);
     if (status != SATIN_OK) return status;
@@ -109,16 +105,16 @@ static satin_status read_mesh(struct load_state *loader, const struct params *p,
 }
 
 static satin_status build_obj(struct load_state *loader, const struct params *p, void *object) {
-    return read_mesh(loader, p, object, 0, load_mesh_obj);
+    return read_shape_mesh(loader, p, object, 0, load_mesh_obj);
 }
 
 static satin_status build_ply(struct load_state *loader, const struct params *p, void *object) {
-    return read_mesh(loader, p, object, 0, load_mesh_ply);
+    return read_shape_mesh(loader, p, object, 0, load_mesh_ply);
 }
 
 static satin_status build_serialized(struct load_state *loader, const struct params *p,
                                      void *object) {
-    return read_mesh(loader, p, object, param(p, "shape_index")->i, load_mesh_serialized);
+    return read_shape_mesh(loader, p, object, param(p, "shape_index")->i, load_mesh_serialized);
 }
 
 static satin_status make_mesh(struct load_state *loader, const struct params *p,
@@ -126,7 +122,7 @@ static satin_status make_mesh(struct load_state *loader, const struct params *p,
     struct mesh_request request = request_of(p);
     shape->face_normals = request.face_normals;
     satin_status status = make(&loader->scene->arena, &request, &shape->mesh);
-    if (status == SATIN_ERROR_INPUT) return fail(loader, p, "to_world makes it too large");
+    if (status == SATIN_ERROR_INPUT) return load_refuse(loader, p, "to_world makes it too large");
     return status == SATIN_ERROR_MEMORY ? load_no_memory(loader) : status;
 }
 
@@ -139,9 +135,9 @@ static satin_status build_cube(struct load_state *loader, const struct params *p
     return make_mesh(loader, p, object, load_mesh_cube);
 }
 
-static satin_status place(struct load_state *loader, const struct params *p, struct shape *shape,
-                          const struct mat4 *m) {
-    return scene_shape_place(shape, m) ? SATIN_OK : fail(loader, p, "to_world is singular");
+static satin_status place_shape(struct load_state *loader, const struct params *p,
+                                struct shape *shape, const struct mat4 *m) {
+    return scene_shape_place(shape, m) ? SATIN_OK : load_refuse(loader, p, "to_world is singular");
 }
 
 static vec3 column(const struct mat4 *m, int j) { return v3(m->m[0][j], m->m[1][j], m->m[2][j]); }
@@ -164,18 +160,18 @@ static satin_status build_sphere(struct load_state *loader, const struct params 
     m = mat4_mul(&param(p, "to_world")->m, &m);
     shape->kind = SHAPE_SPHERE;
     if (!is_similarity(&m))
-        return fail(loader, p, "to_world stretches or shears it, but it must stay round");
-    satin_status status = place(loader, p, shape, &m);
+        return load_refuse(loader, p, "to_world stretches or shears it, but it must stay round");
+    satin_status status = place_shape(loader, p, shape, &m);
     if (status != SATIN_OK) return status;
     if (!(shape->radius > 0.0f) || !isfinite(shape->radius) || !v3_finite(shape->center))
-        return fail(loader, p, "it is too small or too large");
+        return load_refuse(loader, p, "it is too small or too large");
     return SATIN_OK;
 }
 
 static satin_status build_disk(struct load_state *loader, const struct params *p, void *object) {
     struct shape *shape = object;
     shape->kind = SHAPE_DISK;
-    return place(loader, p, shape, &param(p, "to_world")->m);
+    return place_shape(loader, p, shape, &param(p, "to_world")->m);
 }
 
 static satin_status build_cylinder(struct load_state *loader, const struct params *p,
@@ -184,7 +180,7 @@ static satin_status build_cylinder(struct load_state *loader, const struct param
     vec3 p0 = param(p, "p0")->v, axis = v3_sub(param(p, "p1")->v, p0);
     float r = param(p, "radius")->f, length = v3_len(axis);
     shape->kind = SHAPE_CYLINDER;
-    if (!(length > 0.0f) || !isfinite(length)) return fail(loader, p, "p0 and p1 coincide");
+    if (!(length > 0.0f) || !isfinite(length)) return load_refuse(loader, p, "p0 and p1 coincide");
     struct frame f = frame_from_normal(v3_mul(axis, 1.0f / length));
     struct mat4 axes = {{{f.u.x, f.v.x, f.n.x, p0.x},
                          {f.u.y, f.v.y, f.n.y, p0.y},
@@ -193,7 +189,7 @@ static satin_status build_cylinder(struct load_state *loader, const struct param
     struct mat4 scale = mat4_scale(v3(r, r, length));
     struct mat4 m = mat4_mul(&axes, &scale);
     m = mat4_mul(&param(p, "to_world")->m, &m);
-    return place(loader, p, shape, &m);
+    return place_shape(loader, p, shape, &m);
 }
 
 static satin_status build_curves(struct load_state *loader, const struct params *p,
@@ -250,7 +246,8 @@ static satin_status only_child(struct load_state *loader, const struct params *p
 }
 
 satin_status load_shape_reserve(struct load_state *loader, const struct params *p) {
-    if (loader->shape_count >= SHAPES_MAX) return fail(loader, p, "the scene has too many shapes");
+    if (loader->shape_count >= SHAPES_MAX)
+        return load_refuse(loader, p, "the scene has too many shapes");
     void *items = loader->shape;
     if (!array_reserve(&items, &loader->shape_capacity, loader->shape_count + 1,
                        sizeof *loader->shape))
@@ -267,7 +264,7 @@ static satin_status want_attributes(struct load_state *loader, const struct para
     if (attribute_want_all(&loader->wanted, &loader->material[shape->material]) &&
         attribute_want(&loader->wanted, radiance))
         return SATIN_OK;
-    return fail(loader, p, "its textures ask for more than 8 mesh attributes");
+    return load_refuse(loader, p, "its textures ask for more than 8 mesh attributes");
 }
 
 // Reads or makes the surface, with its attributes.
@@ -290,7 +287,7 @@ satin_status load_shape_add(struct load_state *loader, struct xml_node *node) {
     if (load_file_missing(loader, &p, "the shape is left out")) return SATIN_OK;
     // A shape in shapes in shapes could be met without end, and add nothing.
     if (loader->shape_elements++ == SHAPES_MAX)
-        return fail(loader, &p, "the scene has too many shapes");
+        return load_refuse(loader, &p, "the scene has too many shapes");
     if (!p.plugin->build) return load_group_add(loader, &p);
     struct xml_node *bsdf, *emitter;
     status = only_child(loader, &p, XML_BSDF, &bsdf);
@@ -301,7 +298,7 @@ satin_status load_shape_add(struct load_state *loader, struct xml_node *node) {
                           .group = loader->open_group,
                           .light = -1};
     if (!shape.name) return load_no_memory(loader);
-    if (emitter && shape.group) return fail(loader, &p, "it cannot emit in a shapegroup");
+    if (emitter && shape.group) return load_refuse(loader, &p, "it cannot emit in a shapegroup");
     status = load_shape_reserve(loader, &p);
     if (status == SATIN_OK) status = load_material_of(loader, bsdf, emitter, &shape.material);
     if (status == SATIN_OK && emitter)
@@ -309,14 +306,14 @@ satin_status load_shape_add(struct load_state *loader, struct xml_node *node) {
     if (status == SATIN_OK) status = build_surface(loader, &p, &shape);
     if (status != SATIN_OK) return status;
     shape.area = scene_shape_area(&shape);
-    if (shape.kind == SHAPE_CURVES && emitter) return fail(loader, &p, "curves cannot emit");
+    if (shape.kind == SHAPE_CURVES && emitter) return load_refuse(loader, &p, "curves cannot emit");
     if (shape.kind == SHAPE_CURVES && material_transmits(&loader->material[shape.material], true))
-        return fail(loader, &p, "curves cannot transmit light");
+        return load_refuse(loader, &p, "curves cannot transmit light");
     bool flat = shape.kind == SHAPE_DISK || strcmp(p.plugin->name, "rectangle") == 0;
     if (shape.light >= 0 && !flat && loader->light[shape.light].kind == LIGHT_BEAM)
-        return fail(loader, &p, "a directionalarea emitter needs a rectangle or a disk");
+        return load_refuse(loader, &p, "a directionalarea emitter needs a rectangle or a disk");
     if (shape.light >= 0 && !(shape.area >= EMITTER_AREA_MIN))
-        return fail(loader, &p, "it emits but has no area");
+        return load_refuse(loader, &p, "it emits but has no area");
     if (shape.kind != SHAPE_CURVES && !(shape.area > 0.0f))
         log_warning_at(loader->log, node->place, "shape '%s' has no area and is not seen",
                        p.plugin->name);

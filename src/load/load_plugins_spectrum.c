@@ -67,7 +67,7 @@ bool load_spectrum_named(const char *type) {
     return false;
 }
 
-// Makes room in `spectrum` by reading `values`; `at` gives wavelengths, or NULL: evenly spread.
+// Allocates `spectrum` by reading `values`; `at` gives wavelengths, or NULL: evenly spread.
 static satin_status read_samples(struct log log, const struct params *p, const double ends[2],
                                  struct spectrum *spectrum) {
     const struct param_value *value = param(p, "values");

@@ -45,8 +45,8 @@ static vec3 toward(const struct params *p) {
     return mat4_vector(&param(p, "to_world")->m, sun_toward(&time));
 }
 
-static satin_status build(struct load_state *loader, const struct params *p, struct light *light,
-                          float sky, float sun) {
+static satin_status build_daylight(struct load_state *loader, const struct params *p,
+                                   struct light *light, float sky, float sun) {
     const float all = param(p, "scale")->f;
     const struct param_value *given = param(p, "sun_direction");
     const struct load_daylight request = {
@@ -62,22 +62,23 @@ static satin_status build(struct load_state *loader, const struct params *p, str
 }
 
 static satin_status build_sunsky(struct load_state *loader, const struct params *p, void *object) {
-    return build(loader, p, object, 1.0f, 1.0f);
+    return build_daylight(loader, p, object, 1.0f, 1.0f);
 }
 
-static satin_status build_sky(struct load_state *loader, const struct params *p, void *object) {
-    return build(loader, p, object, 1.0f, 0.0f);
+static satin_status build_sky_alone(struct load_state *loader, const struct params *p,
+                                    void *object) {
+    return build_daylight(loader, p, object, 1.0f, 0.0f);
 }
 
 static satin_status build_sun(struct load_state *loader, const struct params *p, void *object) {
-    return build(loader, p, object, 0.0f, 1.0f);
+    return build_daylight(loader, p, object, 0.0f, 1.0f);
 }
 
 const struct plugin_spec load_sun_plugins[] = {
     {XML_EMITTER, "sunsky", "in files of version 0.6: daylight at a date and place", daylight, 0,
      build_sunsky, false},
     {XML_EMITTER, "sky", "in files of version 0.6: the same without the sun", daylight, 0,
-     build_sky, false},
+     build_sky_alone, false},
     {XML_EMITTER, "sun", "in files of version 0.6: the same without the sky", daylight, 0,
      build_sun, false},
     {0}};

@@ -225,8 +225,8 @@ static const struct param_spec raw_value = {
     "value", PARAM_COLOR, NULL, RANGE_MODEST, PARAM_REQUIRED, NULL, "a number, or three"};
 static const struct param_spec *const constant_params[] = {&raw_value, NULL};
 
-static satin_status build_constant(struct load_state *loader, const struct params *p,
-                                   void *object) {
+static satin_status build_constant_texture(struct load_state *loader, const struct params *p,
+                                           void *object) {
     (void)loader;
     const rgb value = param(p, "value")->color;
     *(struct texture *)object = (struct texture){.value = value, .mean = value};
@@ -243,8 +243,8 @@ const struct plugin_spec load_texture_plugins[] = {
      checkerboard_params, 0, build_checkerboard, false},
     {XML_TEXTURE, "mesh_attribute", "numbers or colours of a mesh's vertices or faces",
      attribute_params, 0, build_attribute, false},
-    {XML_TEXTURE, "rawconstant", "the same value everywhere", constant_params, 0, build_constant,
-     false},
+    {XML_TEXTURE, "rawconstant", "the same value everywhere", constant_params, 0,
+     build_constant_texture, false},
     {0}};
 
 // Builds what the element describes; in its place a grey one, if the loader is lenient.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Named substances: indices of refraction of dielectrics, and of metals as linear sRGB. The numbers
-// are what Mitsuba 3.9 uses under these names in its RGB mode, read from its parameters.
+// IOR presets: named indices of refraction of dielectrics, and of metals as linear sRGB. The
+// numbers are what Mitsuba 3.9 uses under these names in its RGB mode, read from its parameters.
 #include <string.h>
 
 #include "base/text.h"

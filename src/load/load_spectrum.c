@@ -22,12 +22,12 @@ satin_status spectrum_add(struct log log, struct log_place place, struct spectru
                      n);
         return SATIN_ERROR_INPUT;
     }
-    // Room for a power of two samples: the arrays grow when their count is one.
+    // Capacity for a power of two samples: the arrays grow when their count is one.
     bool full = (n & (n - 1)) == 0;
-    size_t room = n ? 2 * n : 1;
+    size_t enough = n ? 2 * n : 1;
     if (full &&
-        (!array_reserve((void **)&spectrum->wavelength, &capacity[0], room, sizeof(double)) ||
-         !array_reserve((void **)&spectrum->value, &capacity[1], room, sizeof(double))))
+        (!array_reserve((void **)&spectrum->wavelength, &capacity[0], enough, sizeof(double)) ||
+         !array_reserve((void **)&spectrum->value, &capacity[1], enough, sizeof(double))))
         return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory for a spectrum",
                         place.file);
     spectrum->wavelength[n] = wavelength;
@@ -48,8 +48,8 @@ static bool next_number(const char **text, const char *ends, double *out) {
     return true;
 }
 
-static satin_status add_pair(struct log log, struct log_place place, const char **text,
-                             const char *between, struct spectrum *out) {
+static satin_status add_spectrum_pair(struct log log, struct log_place place, const char **text,
+                                      const char *between, struct spectrum *out) {
     static const char ends[] = " \t\r\n,:#";
     double wavelength, value;
     bool good = next_number(text, ends, &wavelength);
@@ -69,7 +69,7 @@ satin_status spectrum_parse(struct log log, struct log_place place, const char *
     struct spectrum spectrum = {0};
     satin_status status = SATIN_OK;
     for (text += strspn(text, blanks); *text && status == SATIN_OK; text += strspn(text, blanks))
-        status = add_pair(log, place, &text, ": ", &spectrum);
+        status = add_spectrum_pair(log, place, &text, ": ", &spectrum);
     if (status == SATIN_OK)
         *out = spectrum;
     else
@@ -93,7 +93,7 @@ satin_status spectrum_read(struct log log, struct log_place place, const char *p
             line.line++;
             text++;
         } else if (*text) {
-            status = add_pair(log, line, &text, " \t,:", &spectrum);
+            status = add_spectrum_pair(log, line, &text, " \t,:", &spectrum);
         }
     }
     free(data);

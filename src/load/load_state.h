@@ -13,7 +13,7 @@ struct load_state {
     struct log log;
     const char *path;  // of the main file
     bool lenient;      // what is missing or unknown is left out, with a warning
-    struct log each;   // for those warnings, which are not counted but told one by one
+    struct log each;   // for those warnings, which are not counted but reported one by one
     struct load_xml xml;
     struct satin_scene *scene;  // what is built; its arrays are these, until the end
     struct shape *shape;
@@ -36,6 +36,8 @@ struct load_state {
 
 // Logs lack of memory and returns its status.
 satin_status load_no_memory(struct load_state *loader);
+// Logs why a plugin cannot be taken, at the place of its element.
+satin_status load_refuse(struct load_state *loader, const struct params *p, const char *why);
 // Copies text into the scene's arena; NULL without memory.
 const char *load_keep_text(struct load_state *loader, const char *text);
 // params_read for the plugin that the element names.
@@ -69,7 +71,7 @@ satin_status load_material_of(struct load_state *loader, struct xml_node *node, 
 // Adds a shape, with its material and light, or the shapes that it is made of
 // (load_plugins_shape.c).
 satin_status load_shape_add(struct load_state *loader, struct xml_node *node);
-// Room for one more shape. Logs its failures.
+// Allocates one more shape. Logs its failures.
 satin_status load_shape_reserve(struct load_state *loader, const struct params *p);
 // Adds a shape made of others: merge, shapegroup, instance (load_plugins_group.c).
 satin_status load_group_add(struct load_state *loader, const struct params *p);

@@ -84,7 +84,7 @@ bool xml_attributes_valid(struct log log, const struct xml_node *node, bool root
     for (const char *const *a = node->attribute; *a; a += 2) {
         if (listed(info->required, 3, *a) || listed(info->optional, 5, *a)) continue;
         if (root && strcmp(*a, "version") == 0) continue;
-        if (node->old && node->tag == XML_SPECTRUM && load_mitsuba06_attribute(*a)) continue;
+        if (node->mitsuba06 && node->tag == XML_SPECTRUM && load_mitsuba06_attribute(*a)) continue;
         log_error_at(log, node->place, "<%s> has no attribute '%s'", info->name, *a);
         return false;
     }
@@ -101,13 +101,13 @@ bool xml_attributes_valid(struct log log, const struct xml_node *node, bool root
         return false;
     }
     if (strncmp(version, "3.", 2) == 0 || strncmp(version, "2.", 2) == 0 ||
-        xml_version_old(version))
+        xml_version_mitsuba06(version))
         return true;
     log_error_at(log, node->place, "version '%s' is not supported: 0.x, 2.x and 3.x are", version);
     return false;
 }
 
-bool xml_version_old(const char *version) { return strncmp(version, "0.", 2) == 0; }
+bool xml_version_mitsuba06(const char *version) { return strncmp(version, "0.", 2) == 0; }
 
 const char *xml_get(const struct xml_node *node, const char *attribute) {
     for (const char *const *a = node->attribute; *a; a += 2)

@@ -14,7 +14,7 @@ static struct matrix widen(const struct mat4 *a) {
     return out;
 }
 
-static struct matrix product(const struct matrix *a, const struct matrix *b) {
+static struct matrix matrix_product(const struct matrix *a, const struct matrix *b) {
     struct matrix out = {0};
     for (int i = 0; i < 4; i++)
         for (int j = 0; j < 4; j++)
@@ -22,7 +22,7 @@ static struct matrix product(const struct matrix *a, const struct matrix *b) {
     return out;
 }
 
-static satin_status fail(struct log log, const struct xml_node *step, const char *why) {
+static satin_status transform_error(struct log log, const struct xml_node *step, const char *why) {
     log_error_at(log, step->place, "<%s>: %s", xml_tag_name(step->tag), why);
     return SATIN_ERROR_INPUT;
 }
@@ -50,7 +50,7 @@ static satin_status read_rotate(struct log log, const struct xml_node *step, str
     if (!param_xyz(log, step, 0.0f, &axis)) return SATIN_ERROR_INPUT;
     if (!param_numbers(log, step->place, xml_get(step, "angle"), 1, &angle))
         return SATIN_ERROR_INPUT;
-    if (v3_max_abs(axis) == 0.0f) return fail(log, step, "the axis is zero");
+    if (v3_max_abs(axis) == 0.0f) return transform_error(log, step, "the axis is zero");
     struct mat4 m = mat4_rotate(axis, (float)angle);
     *out = widen(&m);
     return SATIN_OK;
@@ -75,7 +75,7 @@ static satin_status read_lookat(struct log log, const struct xml_node *step, str
     struct mat4 m;
     if (v3_max_abs(up) == 0.0f || !mat4_look_at(origin, target, up, &m)) {
         if (!mat4_look_at(origin, target, frame_from_normal(d).u, &m))
-            return fail(log, step, "origin and target coincide");
+            return transform_error(log, step, "origin and target coincide");
         if (xml_get(step, "up"))
             log_warning_at(log, step->place,
                            "<lookat>: up is %s; one at right angles to the view is taken",
@@ -100,7 +100,7 @@ static satin_status read_matrix(struct log log, const struct xml_node *step, str
     struct mat4 identity = mat4_identity();
     *out = widen(&identity);
     if (side == 4 && (d[12] != 0.0 || d[13] != 0.0 || d[14] != 0.0 || !(d[15] != 0.0)))
-        return fail(log, step, "its last row is not 0 0 0 1");
+        return transform_error(log, step, "its last row is not 0 0 0 1");
     for (int i = 0; i < side * side; i++)
         out->m[i / side][i % side] = side == 4 ? d[i] / d[15] : d[i];
     return SATIN_OK;
@@ -128,11 +128,12 @@ satin_status load_transform(struct log log, const struct xml_node *node, struct 
         struct matrix m;
         satin_status status = read_step(log, step, &m);
         if (status != SATIN_OK) return status;
-        total = product(&m, &total);
+        total = matrix_product(&m, &total);
     }
     for (int i = 0; i < 16; i++) {
         result.m[i / 4][i % 4] = (float)total.m[i / 4][i % 4];
-        if (!isfinite(result.m[i / 4][i % 4])) return fail(log, node, "the product overflows");
+        if (!isfinite(result.m[i / 4][i % 4]))
+            return transform_error(log, node, "the product overflows");
     }
     *out = result;
     return SATIN_OK;

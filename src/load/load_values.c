@@ -71,7 +71,7 @@ bool param_xyz(struct log log, const struct xml_node *node, float missing, vec3 
     return true;
 }
 
-static bool in_range(enum param_range range, float x) {
+static bool value_in_range(enum param_range range, float x) {
     switch (range) {
         case RANGE_POSITIVE:
             return x > 0.0f;
@@ -90,7 +90,7 @@ static bool in_range(enum param_range range, float x) {
 static satin_status check_in(struct log log, const struct param_spec *spec, enum param_range range,
                              struct log_place place, float x) {
     static const char *const text[] = {"", "positive", "0 or more", "0 to 1e6", "in [0, 1]"};
-    if (in_range(range, x)) return SATIN_OK;
+    if (value_in_range(range, x)) return SATIN_OK;
     if (range == RANGE_CLAMPED) {
         log_warning_at(log, place, "%s is %g, which counts as %d", spec->name, x, x > 0.5f);
         return SATIN_OK;
@@ -130,8 +130,8 @@ static satin_status read_ior(struct log log, const struct param_spec *spec, cons
     return wrong_value(log, value->place, spec->name, text, nearest.best);
 }
 
-static satin_status read_number(struct log log, const struct param_spec *spec, const char *text,
-                                struct param_value *value) {
+static satin_status read_param_number(struct log log, const struct param_spec *spec,
+                                      const char *text, struct param_value *value) {
     double d;
     if (!param_numbers(log, value->place, text, 1, &d)) return SATIN_ERROR_INPUT;
     value->f = (float)d;
@@ -175,9 +175,9 @@ static satin_status read_text(struct log log, const struct param_spec *spec, enu
             return read_choice(log, spec, text, value);
         case PARAM_IOR:
             if (tag == XML_STRING) return read_ior(log, spec, text, value);
-            return read_number(log, spec, text, value);
+            return read_param_number(log, spec, text, value);
         default:
-            return read_number(log, spec, text, value);
+            return read_param_number(log, spec, text, value);
     }
 }
 
@@ -205,7 +205,7 @@ static satin_status read_color(struct param_source source, const struct param_sp
                                 fminf(value->color.b, 1.0f));
     const float c[3] = {value->color.r, value->color.g, value->color.b};
     for (int i = 0; i < 3 && status == SATIN_OK; i++) {
-        if (in_range(range, c[i])) continue;
+        if (value_in_range(range, c[i])) continue;
         status = check_in(log, spec, range, node->place, c[i]);
         if (range == RANGE_CLAMPED) break;  // one warning
     }

@@ -15,7 +15,7 @@ struct load_warning {
 };
 
 // The message without its place, what is in quotes, and digits.
-static void find_kind(const char *message, char kind[TEXT_BYTES]) {
+static void find_warning_kind(const char *message, char kind[TEXT_BYTES]) {
     const char *after = strstr(message, ": ");
     size_t n = 0;
     bool quoted = false;
@@ -26,7 +26,7 @@ static void find_kind(const char *message, char kind[TEXT_BYTES]) {
     kind[n] = 0;
 }
 
-static void tell(struct load_warnings *warnings, const char *text, int count) {
+static void log_counted(struct load_warnings *warnings, const char *text, int count) {
     const satin_log_level level = warnings->strict ? SATIN_LOG_ERROR : SATIN_LOG_WARNING;
     if (count > 1)
         log_message(warnings->to, level, "%s (and %d more like it)", text, count - 1);
@@ -34,7 +34,7 @@ static void tell(struct load_warnings *warnings, const char *text, int count) {
         log_message(warnings->to, level, "%s", text);
 }
 
-static void copy(char to[TEXT_BYTES], const char *from) {
+static void copy_message(char to[TEXT_BYTES], const char *from) {
     const size_t n = strnlen(from, TEXT_BYTES - 1);
     memcpy(to, from, n);
     to[n] = 0;
@@ -44,12 +44,12 @@ static void copy(char to[TEXT_BYTES], const char *from) {
 static void count_again(struct load_warning *warning, const char *message) {
     if (strncmp(warning->last, message, TEXT_BYTES - 1) == 0) return;
     warning->count++;
-    copy(warning->last, message);
+    copy_message(warning->last, message);
 }
 
-static void keep(struct load_warnings *warnings, const char *message) {
+static void store_warning(struct load_warnings *warnings, const char *message) {
     char kind[TEXT_BYTES];
-    find_kind(message, kind);
+    find_warning_kind(message, kind);
     warnings->failed = warnings->failed || warnings->strict;
     for (size_t i = 0; i < warnings->count; i++)
         if (strcmp(warnings->first[i].kind, kind) == 0) {
@@ -59,20 +59,20 @@ static void keep(struct load_warnings *warnings, const char *message) {
     void *items = warnings->first;
     if (warnings->count == KINDS_MAX ||
         !array_reserve(&items, &warnings->capacity, warnings->count + 1, sizeof *warnings->first)) {
-        tell(warnings, message, 1);
+        log_counted(warnings, message, 1);
         return;
     }
     warnings->first = items;
     struct load_warning *warning = &warnings->first[warnings->count++];
     warning->count = 1;
     memcpy(warning->kind, kind, sizeof kind);
-    copy(warning->text, message);
-    copy(warning->last, message);
+    copy_message(warning->text, message);
+    copy_message(warning->last, message);
 }
 
-void load_warnings_tell(struct load_warnings *warnings) {
+void load_warnings_report(struct load_warnings *warnings) {
     for (size_t i = 0; i < warnings->count; i++)
-        tell(warnings, warnings->first[i].text, warnings->first[i].count);
+        log_counted(warnings, warnings->first[i].text, warnings->first[i].count);
     free(warnings->first);
     warnings->first = NULL;
     warnings->count = warnings->capacity = 0;
@@ -81,10 +81,10 @@ void load_warnings_tell(struct load_warnings *warnings) {
 static void on_message(void *user, satin_log_level level, const char *message) {
     struct load_warnings *warnings = user;
     if (level == SATIN_LOG_WARNING) {
-        keep(warnings, message);
+        store_warning(warnings, message);
         return;
     }
-    load_warnings_tell(warnings);
+    load_warnings_report(warnings);
     log_message(warnings->to, level, "%s", message);
 }
 
@@ -92,7 +92,7 @@ static void on_each(void *user, satin_log_level level, const char *message) {
     struct load_warnings *warnings = user;
     warnings->failed = warnings->failed || warnings->strict;
     (void)level;
-    tell(warnings, message, 1);
+    log_counted(warnings, message, 1);
 }
 
 struct log load_warnings_each(struct load_warnings *warnings) {

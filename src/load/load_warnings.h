@@ -19,12 +19,12 @@ struct load_warnings {
     size_t count, capacity;
 };
 
-// The log for a loader: keeps warnings until load_warnings_tell or an error, which it passes on
+// The log for a loader: keeps warnings until load_warnings_report or an error, which it passes on
 // after them.
 struct log load_warnings_log(struct load_warnings *warnings);
-// The same for warnings that are passed on as they come, none of them counted.
+// A log for warnings that are passed on as they come, none of them counted.
 struct log load_warnings_each(struct load_warnings *warnings);
 // Passes on what is kept, and frees it.
-void load_warnings_tell(struct load_warnings *warnings);
+void load_warnings_report(struct load_warnings *warnings);
 
 #endif

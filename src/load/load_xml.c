@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scene files through expat to a tree of elements. Parameters, includes and aliases are dealt with
+// Scene files through expat to a tree of elements. Parameters, includes and aliases take effect
 // in the order of reading, as Mitsuba 3 does: a <default> holds for what follows it, also beyond
 // the end of the file that it stands in. Text between elements has no meaning: a warning.
 #include "load/load_xml.h"
@@ -14,12 +14,11 @@
 #include "base/text.h"
 #include "load/load_build.h"
 #include "load/load_define.h"
-#include "load/load_doctype.h"
 #include "load/load_mitsuba06.h"
 #include "load/load_params.h"
 
 // One run over the main file and its includes.
-struct reader {
+struct xml_reader {
     struct log log;
     struct load_xml *xml;
     struct load_defines defines;
@@ -33,18 +32,18 @@ struct reader {
 
 // One file that is being read.
 struct file {
-    struct reader *reader;
+    struct xml_reader *reader;
     XML_Parser parser;
     const char *path;
-    char *real;                 // canonical path, to see cycles; NULL if it cannot be told
+    char *real;                 // canonical path, to see cycles; NULL if it is unknown
     const struct file *parent;  // that includes it
     const char *name;           // of the <include>, for its root element; or NULL
     int base_depth;
-    bool old;  // spelt as version 0.6
+    bool mitsuba06;  // spelt as version 0.6
 };
 
-static satin_status read_file(struct reader *reader, const struct file *parent,
-                              struct log_place place, const char *path, const char *name);
+static satin_status read_xml_file(struct xml_reader *reader, const struct file *parent,
+                                  struct log_place place, const char *path, const char *name);
 
 static struct log_place here(const struct file *file) {
     return (struct log_place){file->path, (int)XML_GetCurrentLineNumber(file->parser),
@@ -60,7 +59,7 @@ static void stop(struct file *file, satin_status status) {
 
 // Copies an attribute's text, parameters substituted. Logs its failures but lack of memory.
 static satin_status copy_text(struct file *file, const char *text, const char **out) {
-    struct reader *reader = file->reader;
+    struct xml_reader *reader = file->reader;
     struct arena *arena = &reader->xml->arena;
     if (arena->bytes > XML_TREE_BYTES_MAX) {
         log_error_at(reader->log, here(file), "the scene file is too large");
@@ -84,9 +83,9 @@ static satin_status copy_text(struct file *file, const char *text, const char **
     return status;
 }
 
+// Those that the element has: values that an ATTLIST declares for others come after them.
 static satin_status copy_attributes(struct file *file, const char **from, struct xml_node *node) {
-    size_t count = 0;
-    while (from[count]) count++;
+    const size_t count = (size_t)XML_GetSpecifiedAttributeCount(file->parser);
     const char **copy = arena_array(&file->reader->xml->arena, count + 1, sizeof *copy);
     if (!copy) return SATIN_ERROR_MEMORY;
     node->attribute = copy;
@@ -105,7 +104,7 @@ static satin_status copy_attributes(struct file *file, const char **from, struct
 
 // Whether the element may stand where it does; else logs why not.
 static bool placed_well(const struct file *file, const struct xml_node *node) {
-    const struct reader *reader = file->reader;
+    const struct xml_reader *reader = file->reader;
     bool root = reader->depth == file->base_depth;
     if (!xml_attributes_valid(reader->log, node, root)) return false;
     const char *name = xml_tag_name(node->tag);
@@ -127,16 +126,16 @@ static bool placed_well(const struct file *file, const struct xml_node *node) {
 }
 
 static satin_status take_include(struct file *file, const struct xml_node *node) {
-    struct reader *reader = file->reader;
+    struct xml_reader *reader = file->reader;
     char *path = load_xml_resolve(reader->xml, node->place, xml_get(node, "filename"));
     const char *copy = path ? arena_text(&reader->xml->arena, path, strlen(path)) : NULL;
     free(path);
     if (!copy) return SATIN_ERROR_MEMORY;
-    return read_file(reader, file, node->place, copy, node->name);
+    return read_xml_file(reader, file, node->place, copy, node->name);
 }
 
 static satin_status take_default(struct file *file, const struct xml_node *node) {
-    struct reader *reader = file->reader;
+    struct xml_reader *reader = file->reader;
     if (!node->name[0]) {
         log_error_at(reader->log, node->place, "<default> with an empty name");
         return SATIN_ERROR_INPUT;
@@ -157,7 +156,7 @@ static void append_child(struct xml_node *parent, struct xml_node *child) {
 
 // Puts an element where it belongs: into the tree, or into the tables of ids and parameters.
 static satin_status take_element(struct file *file, struct xml_node *node) {
-    struct reader *reader = file->reader;
+    struct xml_reader *reader = file->reader;
     struct xml_id id = {node->id, node, NULL, node->place, node->number};
     switch (node->tag) {
         case XML_INCLUDE:
@@ -180,21 +179,21 @@ static satin_status take_element(struct file *file, struct xml_node *node) {
     return SATIN_OK;
 }
 
-static bool names_are_old(const char **attributes) {
+static bool is_mitsuba06(const char **attributes) {
     for (; *attributes; attributes += 2)
-        if (strcmp(attributes[0], "version") == 0) return xml_version_old(attributes[1]);
+        if (strcmp(attributes[0], "version") == 0) return xml_version_mitsuba06(attributes[1]);
     return false;
 }
 
 // The names of an element of version 0.6 become those of version 3.
 static satin_status respell(struct file *file, struct xml_node *node, bool *keep) {
-    struct reader *reader = file->reader;
+    struct xml_reader *reader = file->reader;
     struct xml_node *parent = reader->depth ? reader->open[reader->depth - 1] : NULL;
     return load_mitsuba06_respell(reader->log, &reader->xml->arena, parent, node, keep);
 }
 
 static satin_status open_element(struct file *file, const char *name, const char **attributes) {
-    struct reader *reader = file->reader;
+    struct xml_reader *reader = file->reader;
     struct log_place place = here(file);
     if (reader->depth == XML_DEPTH_MAX) {
         log_error_at(reader->log, place, "elements are nested deeper than %d levels",
@@ -206,18 +205,18 @@ static satin_status open_element(struct file *file, const char *name, const char
     node->place = place;
     node->number = reader->nodes++;
     bool keep = true, root = reader->depth == file->base_depth;
-    if (root) file->old = names_are_old(attributes);
-    node->old = file->old;
-    node->encoded = file->old && strcmp(name, "srgb") == 0;
-    node->tag = xml_tag_find(reader->log, place, file->old ? load_mitsuba06_tag(name) : name);
+    if (root) file->mitsuba06 = is_mitsuba06(attributes);
+    node->mitsuba06 = file->mitsuba06;
+    node->encoded = file->mitsuba06 && strcmp(name, "srgb") == 0;
+    node->tag = xml_tag_find(reader->log, place, file->mitsuba06 ? load_mitsuba06_tag(name) : name);
     if (node->tag == XML_TAG_COUNT) return SATIN_ERROR_INPUT;
     satin_status status = copy_attributes(file, attributes, node);
     if (status != SATIN_OK) return status;
     if (!placed_well(file, node)) return SATIN_ERROR_INPUT;
-    if (file->old) status = respell(file, node, &keep);
+    if (file->mitsuba06) status = respell(file, node, &keep);
     const bool included = root && file->parent && node->tag == XML_SCENE;
     struct xml_node *parent = reader->depth ? reader->open[reader->depth - 1] : NULL;
-    if (included || (file->old && load_mitsuba06_dissolves(parent, node))) {
+    if (included || (file->mitsuba06 && load_mitsuba06_dissolves(parent, node))) {
         node = parent;  // to which belongs what it contains
     } else if (status == SATIN_OK && keep) {
         if (root && file->parent) node->name = file->name;
@@ -250,45 +249,41 @@ static void XMLCALL on_text(void *user, const char *text, int length) {
                    length - first < 40 ? length - first : 40, text + first);
 }
 
-// What load_doctype_blank did not find, for which see there.
-static void XMLCALL on_doctype(void *user, const char *name, const char *system_id,
-                               const char *public_id, int internal) {
-    (void)name, (void)system_id, (void)public_id, (void)internal;
-    struct file *file = user;
+// What is declared in other files, of the document's type or of parameter entities, is not read.
+static int XMLCALL on_outer_declarations(void *user) {
+    const struct file *file = user;
+    log_warning_at(
+        file->reader->log, here(file),
+        "declarations in other files are not read; entities that they declare are empty");
+    return XML_STATUS_OK;
+}
+
+static int XMLCALL on_external_entity(XML_Parser parser, const char *context, const char *base,
+                                      const char *system_id, const char *public_id) {
+    (void)context, (void)base, (void)public_id;
+    struct file *file = XML_GetUserData(parser);
     log_error_at(file->reader->log, here(file),
-                 "cannot pass over this declaration of a document type");
+                 "an entity that is the file '%s' is not read; <include> reads files", system_id);
     stop(file, SATIN_ERROR_INPUT);
+    return XML_STATUS_ERROR;
 }
 
-static void log_syntax(const struct file *file, enum XML_Error error, const char *data,
-                       size_t size) {
-    const struct log log = file->reader->log;
-    const XML_Index at = XML_GetCurrentByteIndex(file->parser);
-    const char *entity = NULL;
-    size_t n = 0;
-    if (error == XML_ERROR_UNDEFINED_ENTITY && at >= 0 && (size_t)at < size)
-        n = load_entity_find(data + at, size - (size_t)at, &entity);
-    if (n)
-        log_error_at(log, here(file), "entities are not read; write what '%.*s' stands for", (int)n,
-                     entity);
-    else
-        log_error_at(log, here(file), "not XML: %s", XML_ErrorString(error));
-}
-
-static satin_status parse(struct file *file, char *data, size_t size) {
-    struct reader *reader = file->reader;
-    load_doctype_blank(data, size);
+// Expat replaces the entities that the file declares, and bounds their growth by itself: to 8 MiB,
+// or to 100 times the file.
+static satin_status parse(struct file *file, const char *data, size_t size) {
+    struct xml_reader *reader = file->reader;
     XML_SetUserData(file->parser, file);
     XML_SetElementHandler(file->parser, on_start, on_end);
     XML_SetCharacterDataHandler(file->parser, on_text);
-    XML_SetStartDoctypeDeclHandler(file->parser, on_doctype);
+    XML_SetNotStandaloneHandler(file->parser, on_outer_declarations);
+    XML_SetExternalEntityRefHandler(file->parser, on_external_entity);
     if (XML_Parse(file->parser, data, (int)size, XML_TRUE) == XML_STATUS_OK) return reader->status;
     if (reader->status != SATIN_OK) return reader->status;
     enum XML_Error error = XML_GetErrorCode(file->parser);
     if (error == XML_ERROR_NO_MEMORY)
         return log_fail(reader->log, SATIN_ERROR_MEMORY, "%s: not enough memory for the scene",
                         file->path);
-    log_syntax(file, error, data, size);
+    log_error_at(reader->log, here(file), "not XML: %s", XML_ErrorString(error));
     return SATIN_ERROR_INPUT;
 }
 
@@ -309,8 +304,8 @@ static bool includes_well(const struct file *file, struct log_place place) {
     return false;
 }
 
-static satin_status read_file(struct reader *reader, const struct file *parent,
-                              struct log_place place, const char *path, const char *name) {
+static satin_status read_xml_file(struct xml_reader *reader, const struct file *parent,
+                                  struct log_place place, const char *path, const char *name) {
     char *data = NULL;
     size_t size = 0;
     satin_status status = fileio_read(reader->log, place, path, LOAD_XML_MAX, &data, &size);
@@ -339,7 +334,7 @@ static satin_status read_file(struct reader *reader, const struct file *parent,
 }
 
 // A define that nothing uses is most likely misspelt.
-static satin_status check_defines(const struct reader *reader, const char *path) {
+static satin_status check_defines(const struct xml_reader *reader, const char *path) {
     const struct load_defines *defines = &reader->defines;
     for (int i = 0; i < defines->count; i++) {
         if (!defines->item[i].given || defines->item[i].used) continue;
@@ -359,7 +354,7 @@ static satin_status check_defines(const struct reader *reader, const char *path)
 satin_status load_xml_read(struct log log, const char *path, const satin_define *defines,
                            size_t define_count, uint64_t *hash, struct load_xml *out) {
     struct load_xml xml = {0};
-    struct reader reader = {.log = log, .xml = &xml, .hash = hash};
+    struct xml_reader reader = {.log = log, .xml = &xml, .hash = hash};
     for (size_t i = 0; i < define_count; i++) {
         *hash = fileio_hash(*hash, defines[i].name, strlen(defines[i].name) + 1);
         *hash = fileio_hash(*hash, defines[i].value, strlen(defines[i].value) + 1);
@@ -372,7 +367,7 @@ satin_status load_xml_read(struct log log, const char *path, const satin_define 
     xml.path = copy;
     xml.read = arena_alloc(&xml.arena, sizeof *xml.read);
     if (copy && xml.read)
-        status = read_file(&reader, NULL, (struct log_place){0}, copy, NULL);
+        status = read_xml_file(&reader, NULL, (struct log_place){0}, copy, NULL);
     else
         log_fail(log, status, "%s: not enough memory for the scene", path);
     if (status == SATIN_OK) status = load_ids_resolve(&xml, log);

@@ -65,7 +65,7 @@ struct xml_node {
     const char *const *attribute;          // all of them: name, value, ..., NULL
     struct xml_node *child, *last, *next;  // first and last child, next sibling
     size_t number;                         // counts elements in order of reading
-    bool old;                              // spelt as in version 0.6
+    bool mitsuba06;                        // spelt as in version 0.6
     bool encoded;                          // <srgb> of those: its numbers are not linear
     const struct texture *texture;         // what the builders made of it, for further
     uint32_t material;                     // references: NULL if nothing; 1 + index
@@ -131,7 +131,7 @@ enum xml_tag xml_tag_find(struct log log, struct log_place place, const char *na
 // Checks the attributes of an element; the root of a file needs a version. Logs what is wrong.
 bool xml_attributes_valid(struct log log, const struct xml_node *node, bool root);
 // Whether the version of a file (its root element's attribute) has the names of 0.6.
-bool xml_version_old(const char *version);
+bool xml_version_mitsuba06(const char *version);
 
 // Fills the table of ids; SATIN_ERROR_MEMORY is not logged.
 satin_status load_ids_add(struct load_xml *xml, struct xml_id id);

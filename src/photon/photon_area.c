@@ -32,7 +32,7 @@ static float clear_distance(const struct satin_scene *scene, vec3 o, vec3 d, flo
 static bool surface_below(const struct probe *probe, vec3 w, float t) {
     struct ray ray = {v3_mad(probe->origin, t, w), 0.0f, v3_neg(probe->n),
                       probe->height + DEPTH * probe->r};
-    struct surfel s;
+    struct interaction s;
     if (!scene_intersect_whole(probe->scene, &ray, &s)) return false;
     return fabsf(v3_dot(s.ng, probe->n)) > FACING;
 }

@@ -70,7 +70,7 @@ static bool find_place(const struct estimating *job, size_t site, vec3 *p, vec3 
     vec3 above = v3_mad(photon_place(&r->place, entry), aside * cosf(turn), frame.u);
     above = v3_mad(v3_mad(above, aside * sinf(turn), frame.v), HEIGHT * aside, *n);
     const struct ray down = {above, 0.0f, v3_neg(*n), 2.0f * HEIGHT * aside};
-    struct surfel s;
+    struct interaction s;
     if (!scene_intersect_whole(scene, &down, &s)) return false;
     *p = s.p;
     *n = v3_dot(s.ng, *n) < 0.0f ? v3_neg(s.ng) : s.ng;

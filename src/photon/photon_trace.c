@@ -78,10 +78,10 @@ static enum photon_class class_of(const struct flight *f) {
 }
 
 // Where a mask lets photons pass, those that stop stand for all that would come to whole surface.
-static bool keep_hit(const struct satin_scene *scene, struct chunk *chunk, const struct surfel *s,
-                     const struct flight *f) {
+static bool keep_hit(const struct satin_scene *scene, struct chunk *chunk,
+                     const struct interaction *s, const struct flight *f) {
     const vec3 wi = v3_neg(f->ray.d), n = v3_dot(s->ng, wi) < 0.0f ? v3_neg(s->ng) : s->ng;
-    const struct texture_place at = surfel_texture_place(scene, s);
+    const struct texture_place at = interaction_texture_place(scene, s);
     const struct material *material = &scene->material[s->material];
     const float opacity = s->light < 0 ? material_opacity(material, &at) : 1.0f;
     const enum photon_class class = class_of(f);
@@ -100,11 +100,11 @@ static bool keep_hit(const struct satin_scene *scene, struct chunk *chunk, const
 
 // Whether the surface's side towards wi has a smooth lobe, whatever its colour: a density estimate
 // beside a black texel needs the photons on it.
-static bool keeps_photons(const struct satin_scene *scene, const struct surfel *s, vec3 wi) {
+static bool keeps_photons(const struct satin_scene *scene, const struct interaction *s, vec3 wi) {
     const struct material *m = &scene->material[s->material];
     bool behind = v3_dot(wi, s->frame.n) < 0.0f;
-    struct scene_part part[MATERIAL_PARTS_MAX];
-    int parts = scene_parts(scene, s, wi, part);
+    struct scene_component part[MATERIAL_COMPONENTS_MAX];
+    int parts = scene_components(scene, s, wi, part);
     for (int i = 0; i < parts; i++) {
         const struct material_side *side = part[i].side;
         unsigned lobes = side->base.model->lobes;
@@ -116,7 +116,7 @@ static bool keeps_photons(const struct satin_scene *scene, const struct surfel *
 }
 
 // Scatters the photon at s; false if it is absorbed, or refused for a power that is not finite.
-static bool scatter(const struct satin_scene *scene, const struct surfel *s, unsigned lobes,
+static bool scatter(const struct satin_scene *scene, const struct interaction *s, unsigned lobes,
                     struct rng *rng, struct flight *f, uint64_t *refused) {
     vec3 wi = v3_neg(f->ray.d);
     struct brdf b;
@@ -154,7 +154,7 @@ static void walk(const struct photon_tracing *tracing, struct flight f, struct r
     unsigned lobes = tracing->emission ? BRDF_DELTA : BRDF_ALL;
     const int most = tracing->bounces < 0 ? BOUNCES_MAX : tracing->bounces;
     for (int bounce = 0; bounce <= most; bounce++) {
-        struct surfel s;
+        struct interaction s;
         if (!scene_intersect(scene, &f.ray, &s)) return;
         const bool wanted = (f.keep[0] | f.keep[1]) >> class_of(&f) & 1u;
         if (wanted && keeps_photons(scene, &s, v3_neg(f.ray.d)) && !keep_hit(scene, chunk, &s, &f))

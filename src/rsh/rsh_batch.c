@@ -2,7 +2,7 @@
 // Rotation of RSH_WIDTH records at once, a record per lane, one source for every instruction set;
 // of width 1 it is the rotation of a single record where lanes cannot be permuted.
 //
-// Nothing is permuted here: bands are taken one by one, three channels share the angles and the
+// Nothing is permuted here: bands are taken one by one, three channels use the same angles and the
 // constants. A rotation about z costs four operations per pair (m, -m), the exchange of y and z one
 // fused multiply-add per entry that parity leaves. The series: rsh_batch_series.h, and of a single
 // record rsh_batch_one.h.
@@ -15,18 +15,18 @@
 #if RSH_WIDTH == 1
 #include "rsh/rsh_batch_one.h"
 #endif
-#include "rsh/rsh_turn.h"
+#include "rsh/rsh_rotate_lanes.h"
 
 // Pairs of rows summed at once for three channels and for one; their sums stay in registers.
 enum { SIZE = 2 * RSH_MAX_ORDER - 1 };
 enum { PAIRS_OF_THREE = RSH_WIDTH == 16 ? 3 : 2, PAIRS_OF_ONE = 4 };
 
-struct turns {
-    struct powers alpha, beta, gamma;
+struct lane_rotations {
+    struct band_powers alpha, beta, gamma;
 };
 
-// The pair (m, -m) of all channels, turned about z.
-INLINE void load_pair(struct band b, int channels, const struct powers *p, int m, vf *plus,
+// The pair (m, -m) of all channels, rotated about z.
+INLINE void load_pair(struct band b, int channels, const struct band_powers *p, int m, vf *plus,
                       vf *minus) {
     vf cosine = p->cosine[m], sine = p->sine[m];
     for (int c = 0; c < channels; c++) {
@@ -37,8 +37,8 @@ INLINE void load_pair(struct band b, int channels, const struct powers *p, int m
     }
 }
 
-INLINE void store_pair(struct band b, int channels, const struct powers *p, int m, const vf *plus,
-                       const vf *minus) {
+INLINE void store_pair(struct band b, int channels, const struct band_powers *p, int m,
+                       const vf *plus, const vf *minus) {
     vf cosine = p->cosine[m], sine = p->sine[m];
     for (int c = 0; c < channels; c++) {
         float *out = b.p + c * b.channel;
@@ -55,11 +55,11 @@ struct side {
     int columns;
 };
 
-// All rows m of one parity, and the turn about z that follows.
-struct exchange {
+// All rows m of one parity, and the rotation about z that follows.
+struct batch_exchange {
     int l;
     struct side plus, minus;
-    const struct powers *p;
+    const struct band_powers *p;
     struct band out;
 };
 
@@ -95,8 +95,8 @@ INLINE void exchange_rows(int rows, int channels, int l, const struct side *side
     } while (--left > 0);
 }
 
-// Rows m, m + 2 ... of `pairs` pairs, turned about z.
-INLINE void exchange_pairs(int pairs, int channels, const struct exchange *e, int m) {
+// Rows m, m + 2 ... of `pairs` pairs, rotated about z.
+INLINE void exchange_pairs(int pairs, int channels, const struct batch_exchange *e, int m) {
     vf plus[PAIRS_OF_ONE][CHANNELS], minus[PAIRS_OF_ONE][CHANNELS];
     exchange_rows(pairs, channels, e->l, &e->plus, m, 2, plus);
     exchange_rows(pairs, channels, e->l, &e->minus, -m, -2, minus);
@@ -105,9 +105,9 @@ INLINE void exchange_pairs(int pairs, int channels, const struct exchange *e, in
 }
 
 // A function of its own per shape: inlined together they leave too few registers.
-#define SHAPE(name, pairs, channels)                                                         \
-    static __attribute__((noinline)) void exchange_##name(const struct exchange *e, int m) { \
-        exchange_pairs(pairs, channels, e, m);                                               \
+#define SHAPE(name, pairs, channels)                                                               \
+    static __attribute__((noinline)) void exchange_##name(const struct batch_exchange *e, int m) { \
+        exchange_pairs(pairs, channels, e, m);                                                     \
     }
 SHAPE(one_1, 1, 1)
 SHAPE(one_2, 2, 1)
@@ -118,7 +118,7 @@ SHAPE(three_2, 2, 3)
 SHAPE(three_most, PAIRS_OF_THREE, 3)
 #undef SHAPE
 
-INLINE void exchange_some(int pairs, int channels, const struct exchange *e, int m) {
+INLINE void exchange_some(int pairs, int channels, const struct batch_exchange *e, int m) {
     if (pairs == 1)
         channels == 1 ? exchange_one_1(e, m) : exchange_three_1(e, m);
     else if (pairs == 2)
@@ -129,12 +129,13 @@ INLINE void exchange_some(int pairs, int channels, const struct exchange *e, int
         pairs == 3 ? exchange_one_3(e, m) : exchange_one_4(e, m);
 }
 
-// Exchanges y and z, then turns about z.
-INLINE void exchange(int l, int channels, const struct powers *p, const vf *in, struct band out) {
+// Exchanges y and z, then rotates about z.
+INLINE void exchange(int l, int channels, const struct band_powers *p, const vf *in,
+                     struct band out) {
     const int most = channels == 1 ? PAIRS_OF_ONE : PAIRS_OF_THREE;
     for (int first = 1; first >= 0; first--) {
-        struct exchange e = {l, side_of(l, channels, first, in), side_of(l, channels, -first, in),
-                             p, out};
+        struct batch_exchange e = {l, side_of(l, channels, first, in),
+                                   side_of(l, channels, -first, in), p, out};
         int m = first;
         if (m == 0) {
             vf row[1][CHANNELS];
@@ -153,7 +154,7 @@ INLINE void exchange(int l, int channels, const struct powers *p, const vf *in, 
     }
 }
 
-INLINE void exact_band(int l, int channels, const struct turns *t, struct band in,
+INLINE void exact_band(int l, int channels, const struct lane_rotations *t, struct band in,
                        struct band out) {
     vf v[SIZE * CHANNELS], u[SIZE * CHANNELS];
     for (int c = 0; c < channels; c++) v[l * channels + c] = load(in.p + c * in.channel);
@@ -164,68 +165,69 @@ INLINE void exact_band(int l, int channels, const struct turns *t, struct band i
     exchange(l, channels, &t->alpha, u, out);
 }
 
-// `reach` as in series_band, or 0 for the exact form.
-INLINE void turn_bands(int reach, const struct turns *t, const struct slants *s, int order,
-                       int channels, size_t stride, const float *in, float *out) {
+// `offsets` as in series_band, or 0 for the exact form.
+INLINE void rotate_bands(int offsets, const struct lane_rotations *t, const struct slants *s,
+                         int order, int channels, size_t stride, const float *in, float *out) {
     ptrdiff_t step = (ptrdiff_t)stride, channel = order * order * step;
     for (int c = 0; c < channels; c++) store(out + c * channel, load(in + c * channel));
     for (int l = 1; l < order; l++) {
         // `in` is only read.
         const struct band from = {(float *)(uintptr_t)in + l * (l + 1) * step, step, channel};
         const struct band to = {out + l * (l + 1) * step, step, channel};
-        if (reach == 0)
+        if (offsets == 0)
             exact_band(l, channels, t, from, to);
         else
-            series_band(reach, l, channels, s, from, to);
+            series_band(offsets, l, channels, s, from, to);
     }
 }
 
-INLINE void turn_channels(int reach, const struct turns *t, const struct slants *s, int order,
-                          int channels, size_t stride, const float *in, float *out) {
+INLINE void rotate_batch_channels(int offsets, const struct lane_rotations *t,
+                                  const struct slants *s, int order, int channels, size_t stride,
+                                  const float *in, float *out) {
     const size_t n = (size_t)(order * order) * stride;
     for (; channels >= CHANNELS; channels -= CHANNELS, in += CHANNELS * n, out += CHANNELS * n)
-        turn_bands(reach, t, s, order, CHANNELS, stride, in, out);
+        rotate_bands(offsets, t, s, order, CHANNELS, stride, in, out);
     for (; channels > 0; channels--, in += n, out += n)
-        turn_bands(reach, t, s, order, 1, stride, in, out);
+        rotate_bands(offsets, t, s, order, 1, stride, in, out);
 }
 
-void GLUE(rsh_turn_many_, RSH_NAME)(const struct rsh_turns *angles, int order, int channels,
-                                    size_t stride, const float *in, float *out) {
+void GLUE(rsh_rotate_many_, RSH_NAME)(const struct rsh_rotations *angles, int order, int channels,
+                                      size_t stride, const float *in, float *out) {
     if (angles->method != RSH_METHOD_EXACT) {
         struct slants s;
         if (angles->method == RSH_METHOD_TAYLOR_2) {
             slants_of(2, angles, order, &s);
-            turn_channels(2, NULL, &s, order, channels, stride, in, out);
+            rotate_batch_channels(2, NULL, &s, order, channels, stride, in, out);
         } else {
             slants_of(1, angles, order, &s);
-            turn_channels(1, NULL, &s, order, channels, stride, in, out);
+            rotate_batch_channels(1, NULL, &s, order, channels, stride, in, out);
         }
         return;
     }
-    struct turns t;
+    struct lane_rotations t;
     powers_of(angles->cos_gamma, angles->sin_gamma, order, &t.gamma);
     powers_of(angles->cos_alpha, angles->sin_alpha, order, &t.alpha);
-    // The exchange turns the sense round: y by beta is z by -beta between two exchanges.
+    // The exchange reverses the sense: y by beta is z by -beta between two exchanges.
     powers_of(angles->cos_beta, angles->sin_beta, order, &t.beta);
     for (int m = 0; m < order; m++) t.beta.sine[m] = -t.beta.sine[m];
-    turn_channels(0, &t, NULL, order, channels, stride, in, out);
+    rotate_batch_channels(0, &t, NULL, order, channels, stride, in, out);
 }
 
 #if RSH_WIDTH == 1
-void rsh_turn_scalar(const struct rsh_turn *t, int order, int channels, const float *in,
-                     float *out) {
+void rsh_rotate_lanes_scalar(const struct rsh_rotation *t, int order, int channels, const float *in,
+                             float *out) {
     if (t->method == RSH_METHOD_Z) {
-        rsh_plain_turn(t, order, channels, in, out);
+        rsh_plain_rotate(t, order, channels, in, out);
         return;
     }
-    const struct rsh_turns one = {t->method,     {t->beta},     {t->cos_alpha}, {t->sin_alpha},
-                                  {t->cos_beta}, {t->sin_beta}, {t->cos_gamma}, {t->sin_gamma}};
+    const struct rsh_rotations one = {t->method,     {t->beta},     {t->cos_alpha}, {t->sin_alpha},
+                                      {t->cos_beta}, {t->sin_beta}, {t->cos_gamma}, {t->sin_gamma}};
     if (t->method == RSH_METHOD_TAYLOR_1 || t->method == RSH_METHOD_TAYLOR_1_5) {
         struct slants s;
         slants_of(1, &one, order, &s);
-        turn_one(order, channels, &s, in, out);
+        rotate_one(order, channels, &s, in, out);
         return;
     }
-    rsh_turn_many_scalar(&one, order, channels, 1, in, out);
+    rsh_rotate_many_scalar(&one, order, channels, 1, in, out);
 }
 #endif

@@ -12,9 +12,10 @@
     void rsh_project_##name(rsh_basis basis, int order, size_t count, const float *x,              \
                             const float *y, const float *z, const float *const value[3],           \
                             float *out);                                                           \
-    void rsh_angles_##name(const float r[9][RSH_MAX_WIDTH], bool stretch, struct rsh_turns *t);    \
-    void rsh_turn_many_##name(const struct rsh_turns *t, int order, int channels, size_t stride,   \
-                              const float *in, float *out);                                        \
+    void rsh_angles_##name(const float r[9][RSH_MAX_WIDTH], bool stretch,                          \
+                           struct rsh_rotations *t);                                               \
+    void rsh_rotate_many_##name(const struct rsh_rotations *t, int order, int channels,            \
+                                size_t stride, const float *in, float *out);                       \
     void rsh_convert_many_##name(const struct rsh_rows *rows, bool transposed, const int bands[2], \
                                  const size_t strides[2], const float *in, float *out);
 RSH_BATCH(scalar)

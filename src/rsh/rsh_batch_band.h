@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the forms of rotation of many records share: bands of records, multiples of angles.
+// What is common to the forms of rotation of many records: bands of records, multiples of angles.
 #ifndef RSH_BATCH_BAND_H
 #define RSH_BATCH_BAND_H
 
@@ -9,15 +9,15 @@
 #include "rsh/rsh.h"
 #include "rsh/rsh_vector.h"
 
-// Channels turned at once, sharing what depends on the angles only.
+// Channels rotated at once, sharing what depends on the angles only.
 enum { CHANNELS = 3 };
 
 // cos(m a) and sin(m a), a record per lane.
-struct powers {
+struct band_powers {
     vf cosine[RSH_MAX_ORDER], sine[RSH_MAX_ORDER];
 };
 
-INLINE void powers_of(const float *cosine, const float *sine, int order, struct powers *p) {
+INLINE void powers_of(const float *cosine, const float *sine, int order, struct band_powers *p) {
     vf c1 = load(cosine), s1 = load(sine), c = splat(1.0f), s = {0};
     for (int m = 0; m < order; m++) {
         p->cosine[m] = c;

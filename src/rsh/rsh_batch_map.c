@@ -10,7 +10,7 @@
 #define PI 3.14159265f
 
 // Choices below are between values, never branches, so that the loops over lanes become vectors.
-INLINE float choose(bool yes, float a, float b) { return yes ? a : b; }
+INLINE float select_if(bool yes, float a, float b) { return yes ? a : b; }
 
 // atan2(s, c) for s, c >= 0, s^2 + c^2 = 1: the series of 8 atan(tan(angle / 8)), whose argument is
 // at most .2; the first term left out is below the rounding of floats.
@@ -26,8 +26,8 @@ INLINE float angle_of(float s, float c) {
 // Roots and quotients take longer than all the rest, so what small angles and true rotations do not
 // need is left out where all lanes are such. Each lane's result is the same either way.
 
-// As rsh_turn_angle. Above 90 degrees it is the supplement that is found, which loses nothing where
-// the cosine is -1 to rounding or exactly.
+// As rsh_rotation_angle. Above 90 degrees it is the supplement that is found, which loses nothing
+// where the cosine is -1 to rounding or exactly.
 INLINE void angles_of(const float s[W], const float c[W], float angle[W]) {
     int large = 0;
     for (int i = 0; i < W; i++) {
@@ -36,11 +36,11 @@ INLINE void angles_of(const float s[W], const float c[W], float angle[W]) {
         large |= u >= 0.09f;
     }
     for (int i = 0; i < W && large; i++)
-        angle[i] = choose(s[i] * s[i] >= 0.09f, angle_of(s[i], fabsf(c[i])), angle[i]);
-    for (int i = 0; i < W; i++) angle[i] = choose(c[i] < 0.0f, PI - angle[i], angle[i]);
+        angle[i] = select_if(s[i] * s[i] >= 0.09f, angle_of(s[i], fabsf(c[i])), angle[i]);
+    for (int i = 0; i < W; i++) angle[i] = select_if(c[i] < 0.0f, PI - angle[i], angle[i]);
 }
 
-// 1 / sqrt(x), 0 for 0; near 1 by a step of Newton's iteration as in rsh_turn_of_matrix.
+// 1 / sqrt(x), 0 for 0; near 1 by a step of Newton's iteration as in rsh_rotation_of_matrix.
 INLINE void inverse_lengths(const float x[W], float inverse[W]) {
     int far = 0;
     for (int i = 0; i < W; i++) {
@@ -48,35 +48,35 @@ INLINE void inverse_lengths(const float x[W], float inverse[W]) {
         far |= !(fabsf(x[i] - 1.0f) < 1e-3f);
     }
     for (int i = 0; i < W && far; i++) {
-        float root = choose(x[i] > 0.0f, 1.0f / sqrtf(choose(x[i] > 0.0f, x[i], 1.0f)), 0.0f);
-        inverse[i] = choose(fabsf(x[i] - 1.0f) < 1e-3f, inverse[i], root);
+        float root = select_if(x[i] > 0.0f, 1.0f / sqrtf(select_if(x[i] > 0.0f, x[i], 1.0f)), 0.0f);
+        inverse[i] = select_if(fabsf(x[i] - 1.0f) < 1e-3f, inverse[i], root);
     }
 }
 
-// As rsh_turn_stretch.
+// As rsh_rotation_stretch.
 INLINE void stretch_angles(float cosine[W], float sine[W]) {
     for (int i = 0; i < W; i++) {
-        float above = choose(cosine[i] > 0.0f, cosine[i], 0.0f),
+        float above = select_if(cosine[i] > 0.0f, cosine[i], 0.0f),
               lift = 2.0f * sine[i] * sine[i] / (1.0f + above);
-        lift = choose(cosine[i] > 0.0f && lift < 2.0f, lift, 2.0f);
+        lift = select_if(cosine[i] > 0.0f && lift < 2.0f, lift, 2.0f);
         cosine[i] = 1.0f - lift;
         sine[i] = sqrtf(2.0f * above * lift);
     }
 }
 
-// What rsh_turn_of_matrix does, from the same entries, but alpha from column y of r R_z(-gamma).
-// Where there is no rotation about y, or one by 180 degrees, alpha is 0 and gamma takes its angle.
-// The series depends on which of the two has it.
+// What rsh_rotation_of_matrix does, from the same entries, but alpha from column y of r
+// R_z(-gamma). Where there is no rotation about y, or one by 180 degrees, alpha is 0 and gamma
+// takes its angle. The series depends on which of the two has it.
 void GLUE(rsh_angles_, RSH_NAME)(const float r[9][RSH_MAX_WIDTH], bool stretch,
-                                 struct rsh_turns *t) {
+                                 struct rsh_rotations *t) {
     float ca[W], sa[W], cb[W], sb[W], cg[W], sg[W], beta[W], square[W], unit[W], length[W];
     for (int i = 0; i < W; i++) {
         float s2 = r[6][i] * r[6][i] + r[7][i] * r[7][i], s = sqrtf(s2);
         square[i] = s2 + r[8][i] * r[8][i];
-        s = choose(s > RSH_NO_ANGLE, s, 0.0f);
-        float inverse = 1.0f / choose(s > 0.0f, s, 1.0f);
-        cg[i] = choose(s > 0.0f, -r[6][i] * inverse, 1.0f);
-        sg[i] = choose(s > 0.0f, r[7][i] * inverse, 0.0f);
+        s = select_if(s > RSH_NO_ANGLE, s, 0.0f);
+        float inverse = 1.0f / select_if(s > 0.0f, s, 1.0f);
+        cg[i] = select_if(s > 0.0f, -r[6][i] * inverse, 1.0f);
+        sg[i] = select_if(s > 0.0f, r[7][i] * inverse, 0.0f);
         sb[i] = s;
         sa[i] = -(sg[i] * r[0][i] + cg[i] * r[1][i]);
         ca[i] = sg[i] * r[3][i] + cg[i] * r[4][i];
@@ -84,18 +84,18 @@ void GLUE(rsh_angles_, RSH_NAME)(const float r[9][RSH_MAX_WIDTH], bool stretch,
     }
     inverse_lengths(square, unit);
     for (int i = 0; i < W; i++) {
-        cb[i] = choose(sb[i] > 0.0f, r[8][i] * unit[i], copysignf(1.0f, r[8][i]));
+        cb[i] = select_if(sb[i] > 0.0f, r[8][i] * unit[i], copysignf(1.0f, r[8][i]));
         sb[i] *= unit[i];
     }
     inverse_lengths(length, unit);
     for (int i = 0; i < W; i++) {
         sa[i] *= unit[i];
-        ca[i] = choose(length[i] > 0.0f, ca[i] * unit[i], 1.0f);
+        ca[i] = select_if(length[i] > 0.0f, ca[i] * unit[i], 1.0f);
         // R_z(alpha) R_y(180 degrees) = R_y(180 degrees) R_z(-alpha).
-        cg[i] = choose(sb[i] > 0.0f, cg[i], ca[i]);
-        sg[i] = choose(sb[i] > 0.0f, sg[i], cb[i] * sa[i]);
-        ca[i] = choose(sb[i] > 0.0f, ca[i], 1.0f);
-        sa[i] = choose(sb[i] > 0.0f, sa[i], 0.0f);
+        cg[i] = select_if(sb[i] > 0.0f, cg[i], ca[i]);
+        sg[i] = select_if(sb[i] > 0.0f, sg[i], cb[i] * sa[i]);
+        ca[i] = select_if(sb[i] > 0.0f, ca[i], 1.0f);
+        sa[i] = select_if(sb[i] > 0.0f, sa[i], 0.0f);
     }
     if (stretch) stretch_angles(cb, sb);
     angles_of(sb, cb, beta);
@@ -118,8 +118,8 @@ struct map {
     ptrdiff_t in_stride, out_stride;
 };
 
-// Outputs o .. o + block - 1, which share the loads of the inputs.
-INLINE void convert_rows(int block, const struct map *a, int o) {
+// Outputs o .. o + block - 1, which use the same loads of the inputs.
+INLINE void convert_map_rows(int block, const struct map *a, int o) {
     vf plus[4], minus[4];
     for (int k = 0; k < block; k++) plus[k] = minus[k] = (vf){0};
     const float *f = a->factor + (o - a->m) * a->output;
@@ -167,9 +167,9 @@ void GLUE(rsh_convert_many_, RSH_NAME)(const struct rsh_rows *rows, bool transpo
         a.output = transposed ? 8 : row;
         a.input = transposed ? row : 8;
         int o = a.m;
-        for (; o + 4 <= bands[0]; o += 4) convert_rows(4, &a, o);
-        if (o + 3 == bands[0]) convert_rows(3, &a, o);
-        if (o + 2 == bands[0]) convert_rows(2, &a, o);
-        if (o + 1 == bands[0]) convert_rows(1, &a, o);
+        for (; o + 4 <= bands[0]; o += 4) convert_map_rows(4, &a, o);
+        if (o + 3 == bands[0]) convert_map_rows(3, &a, o);
+        if (o + 2 == bands[0]) convert_map_rows(2, &a, o);
+        if (o + 1 == bands[0]) convert_map_rows(1, &a, o);
     }
 }

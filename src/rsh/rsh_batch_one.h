@@ -15,7 +15,7 @@ INLINE void load_one(const float *in, const vf *tangent, int m, vf *plus, vf *mi
     *minus = v + tangent[m] * u;
 }
 
-// As series_row with reach 1: at[1] is the coefficient, and what is 0 beside it is left out.
+// As series_row with offsets 1: at[1] is the coefficient, and what is 0 beside it is left out.
 INLINE vf one_row(bool down, bool up, const struct factors *f, vf own, const vf at[3]) {
     vf sum = own * at[1];
     if (down) sum += f->down * at[0];
@@ -23,7 +23,7 @@ INLINE vf one_row(bool down, bool up, const struct factors *f, vf own, const vf 
     return sum;
 }
 
-// As series_band with reach 1; `in` and `out` are coefficient (l, 0) of the first of `channels`,
+// As series_band with offsets 1; `in` and `out` are coefficient (l, 0) of the first of `channels`,
 // and `n` coefficients on is that of the next.
 INLINE void one_band(int l, int channels, int n, const struct slants *s, const float *in,
                      float *out) {
@@ -73,7 +73,8 @@ ONE_BAND(15)
 #undef ONE_BAND
 
 // All channels of a record.
-INLINE void turn_one(int order, int channels, const struct slants *s, const float *in, float *out) {
+INLINE void rotate_one(int order, int channels, const struct slants *s, const float *in,
+                       float *out) {
     static void (*const bands[RSH_MAX_ORDER])(int channels, int n, const struct slants *s,
                                               const float *in, float *out) = {
         NULL,        one_band_1,  one_band_2,  one_band_3, one_band_4,  one_band_5,

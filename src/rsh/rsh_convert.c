@@ -5,13 +5,13 @@
 #include <stddef.h>
 
 #include "rsh/rsh_lanes.h"
-#include "rsh/rsh_turn.h"
+#include "rsh/rsh_rotate_lanes.h"
 
 #define GLUE2(a, b) a##b
 #define GLUE(a, b) GLUE2(a, b)
 #define INLINE static inline __attribute__((always_inline))
 
-// Outputs computed at once; they share the loads of the inputs.
+// Outputs computed at once; they use the same loads of the inputs.
 enum { BLOCK = 4 };
 
 // The row of m = base .. base + 7 of the band whose middle is `middle`; 0 beyond l.

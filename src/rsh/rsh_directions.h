@@ -31,9 +31,9 @@ INLINE vf load_values(const float *value, size_t first, size_t keep) {
     return load(tail);
 }
 
-// 0 .. 1, and 2 sqrt(z / (1 + z)), which turns the hemisphere's x and y into the sphere's as in
+// 0 .. 1, and 2 sqrt(z / (1 + z)), which scales the hemisphere's x and y to the sphere's as in
 // rsh_eval.
-INLINE vf stretch(vf *height) {
+INLINE vf stretch_height(vf *height) {
     float z[W], s[W];
     store(z, *height);
     for (int i = 0; i < W; i++) {

@@ -10,7 +10,7 @@
 // The direction at which spherical harmonics take a hemispherical harmonic's value, but for the
 // factor sqrt 2: cos theta' = 2 cos theta - 1 at the same phi. As sin theta' / sin theta =
 // 2 sqrt(cos theta / (1 + cos theta)), nothing is singular at the pole.
-static void stretch(double w[3]) {
+static void stretch_direction(double w[3]) {
     double z = w[2] > 0.0 ? fmin(w[2], 1.0) : 0.0, s = 2.0 * sqrt(z / (1.0 + z));
     w[0] *= s;
     w[1] *= s;
@@ -26,7 +26,7 @@ bool rsh_eval(rsh_basis basis, int order, const float w[3], float *y) {
     if (fabs(square - 1.0) < 1e-5)
         for (int i = 0; i < 3; i++) d[i] *= 1.5 - 0.5 * square;
     if (basis == RSH_HEMISPHERE) {
-        stretch(d);
+        stretch_direction(d);
         c = sqrt(2.0);
     }
     for (int m = 0; m < order; m++) {

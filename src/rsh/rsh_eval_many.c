@@ -14,17 +14,17 @@
 
 // x, y and z of the sphere, of unit length; t = z^2 and u = z^2 - 1, either right to rounding where
 // it is small.
-struct point {
+struct eval_point {
     vf x, y, z, t, u;
 };
 
 // 2 sqrt(z / (1 + z)) as by `stretch`, and what its rounded value lacks in relation to itself, z
 // being short by `off` of itself.
-struct scale {
+struct eval_scale {
     vf size, lack;
 };
 
-INLINE struct scale scale_of(vf *height, vf off) {
+INLINE struct eval_scale scale_of(vf *height, vf off) {
     float z[W], inverse[W];
     store(z, *height);
     for (int i = 0; i < W; i++) {
@@ -39,19 +39,19 @@ INLINE struct scale scale_of(vf *height, vf off) {
     const vf rest =
         (((4.0f * h - square) - square * h) - (lost + lost * h)) + more * (4.0f - square);
     *height = h;
-    return (struct scale){s, rest * (0.125f + 0.125f * h) * (y * y)};
+    return (struct eval_scale){s, rest * (0.125f + 0.125f * h) * (y * y)};
 }
 
 // `off` is what the length lacks of 1, `rest` what z lacks: m times the one and l (l + 1) / 2 times
 // the other show in the functions.
-INLINE struct point point_of(rsh_basis basis, struct directions v) {
+INLINE struct eval_point eval_point_of(rsh_basis basis, struct directions v) {
     vf off = (1.0f - v.z) * (1.0f + v.z);
     off = 0.5f * ((off - v.x * v.x) - v.y * v.y);
-    struct point p = {v.x, v.y, v.z, {0}, {0}};
+    struct eval_point p = {v.x, v.y, v.z, {0}, {0}};
     vf rest = off * v.z;
     vf size = splat(1.0f);
     if (basis == RSH_HEMISPHERE) {
-        const struct scale scale = scale_of(&p.z, off);
+        const struct eval_scale scale = scale_of(&p.z, off);
         size = scale.size;
         const vf twice = p.z + p.z;
         rest = off * p.z;
@@ -68,25 +68,27 @@ INLINE struct point point_of(rsh_basis basis, struct directions v) {
     return p;
 }
 
-// Vectors evaluated side by side, which share the constants, where there are registers for two.
+// Vectors evaluated side by side, which use the same constants, where there are registers for two.
 enum { PAIR = RSH_WIDTH == 16 ? 2 : 1 };
 
 // (x + i y)^m of `vectors` vectors.
-struct powers {
+struct eval_powers {
     struct azimuth of[PAIR];
 };
 
-INLINE struct powers power_sum(int vectors, const struct powers *a, const struct powers *b) {
-    struct powers sum;
+INLINE struct eval_powers power_sum(int vectors, const struct eval_powers *a,
+                                    const struct eval_powers *b) {
+    struct eval_powers sum;
     for (int i = 0; i < vectors; i++)
         sum.of[i] = a == b ? azimuth_double(a->of[i]) : azimuth_add(a->of[i], b->of[i]);
     return sum;
 }
 
 // Functions l = m .. order - 1 of one m, whose azimuth is given.
-INLINE void eval_column(const float *norm, int order, int m, int vectors, const struct point *v,
-                        const struct powers *even, size_t count, float *out) {
-    struct powers odd;
+INLINE void eval_column(const float *norm, int order, int m, int vectors,
+                        const struct eval_point *v, const struct eval_powers *even, size_t count,
+                        float *out) {
+    struct eval_powers odd;
     for (int i = 0; i < vectors; i++)
         odd.of[i] = azimuth_of(even->of[i].c * v[i].z, even->of[i].s * v[i].z);
     const size_t shift = (size_t)m * count;
@@ -118,17 +120,17 @@ INLINE void eval_gentle(rsh_basis basis, int order, int vectors, const float *co
                         size_t count, float *out) {
     const bool hemisphere = basis == RSH_HEMISPHERE;
     const float *norm = rsh_gentle_norm + (hemisphere ? RSH_GENTLE * RSH_GENTLE : 0);
-    struct point p[PAIR];
-    struct powers w0, w1;
+    struct eval_point p[PAIR];
+    struct eval_powers w0, w1;
     for (int i = 0; i < vectors; i++) {
         const struct directions v = load_directions(d, (size_t)(i * W), W);
-        p[i] = hemisphere ? point_of(RSH_HEMISPHERE, v) : point_of(RSH_SPHERE, v);
+        p[i] = hemisphere ? eval_point_of(RSH_HEMISPHERE, v) : eval_point_of(RSH_SPHERE, v);
         w0.of[i] = azimuth_of(splat(1.0f), splat(0.0f));
         w1.of[i] = azimuth_of(p[i].x, p[i].y);
     }
 #define COLUMN(m) eval_column(norm, order, m, vectors, p, &w##m, count, out)
-#define NEXT(m, i, j)                                            \
-    const struct powers w##m = power_sum(vectors, &w##i, &w##j); \
+#define NEXT(m, i, j)                                                 \
+    const struct eval_powers w##m = power_sum(vectors, &w##i, &w##j); \
     COLUMN(m)
     COLUMN(0);
     COLUMN(1);

@@ -92,7 +92,7 @@ INLINE void steep_small(int order, vf u, const struct sides *a, size_t count, fl
         for (int m = 0; m < RSH_STEEP && m <= l; m++) {
             const int at = m * RSH_MAX_ORDER + l;
             if (l > m) {
-                d[m] -= (rsh_bend[at] * u) * q[m];
+                d[m] -= (rsh_curvature[at] * u) * q[m];
                 q[m] += rsh_keep[at] * d[m];
             }
             put_pair(out + (size_t)(l * (l + 1)) * count, (size_t)m * count, q[m] * rsh_pole[at],

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Alignment of frames for both bases, and the way from the hemisphere to the sphere and back.
+// Alignment of frames for both bases, and the conversion from the hemisphere to the sphere and
+// back.
 //
 // Rotating hemispherical harmonics through the sphere replaces matrices of reprojection tabulated
 // over the angle: with the mirror image as the continuation below the horizon it has their error,
@@ -9,7 +10,7 @@
 
 #include "rsh/rsh_kernel.h"
 
-// Channels converted at once, as many as the rotation kernels share work between.
+// Channels converted at once, as many as the rotation kernels take together.
 enum { BLOCK = 3 };
 
 int rsh_sphere_order(int order) { return order + 2 < RSH_MAX_ORDER ? order + 2 : RSH_MAX_ORDER; }
@@ -48,10 +49,10 @@ bool rsh_hemi_restrict_transposed(int order, int channels, const float *in, floa
     return convert(&rsh_restriction, true, bands, channels, in, out);
 }
 
-static void turn_through_sphere(const struct rsh_turn *t, bool transposed, int order, int channels,
-                                const float *in, float *out) {
-    // Turned in place, a band's loads would wait for the masked stores of the band before.
-    float sphere[BLOCK * RSH_MAX_COEFFICIENTS], turned[BLOCK * RSH_MAX_COEFFICIENTS];
+static void align_through_sphere(const struct rsh_rotation *t, bool transposed, int order,
+                                 int channels, const float *in, float *out) {
+    // Rotated in place, a band's loads would wait for the masked stores of the band before.
+    float sphere[BLOCK * RSH_MAX_COEFFICIENTS], rotated[BLOCK * RSH_MAX_COEFFICIENTS];
     int n = order * order, larger = rsh_sphere_order(order);
     for (int c = 0; c < channels; c += BLOCK) {
         int block = channels - c < BLOCK ? channels - c : BLOCK;
@@ -59,19 +60,19 @@ static void turn_through_sphere(const struct rsh_turn *t, bool transposed, int o
             rsh_hemi_restrict_transposed(order, block, in + c * n, sphere);
         else
             rsh_hemi_extend(order, block, in + c * n, sphere);
-        rsh_kernels_best()->turn(t, larger, block, sphere, turned);
+        rsh_kernels_best()->rotate(t, larger, block, sphere, rotated);
         if (transposed)
-            rsh_hemi_extend_transposed(order, block, turned, out + c * n);
+            rsh_hemi_extend_transposed(order, block, rotated, out + c * n);
         else
-            rsh_hemi_restrict(order, block, turned, out + c * n);
+            rsh_hemi_restrict(order, block, rotated, out + c * n);
     }
 }
 
 bool rsh_rotate_stretched(int order, int channels, const float r[9], const float *in, float *out) {
     if (!rsh_order_ok(order) || !rsh_in_range(r, 9)) return false;
-    struct rsh_turn t = rsh_turn_of_matrix(r);
-    if (t.method == RSH_METHOD_EXACT) rsh_turn_stretch(&t);
-    rsh_kernels_best()->turn(&t, order, channels, in, out);
+    struct rsh_rotation t = rsh_rotation_of_matrix(r);
+    if (t.method == RSH_METHOD_EXACT) rsh_rotation_stretch(&t);
+    rsh_kernels_best()->rotate(&t, order, channels, in, out);
     return true;
 }
 
@@ -98,24 +99,24 @@ static bool align(bool transposed, rsh_basis basis, int order, int channels, con
         change_of_frame(to, from, r);
     else
         change_of_frame(from, to, r);
-    struct rsh_turn t = rsh_turn_of_matrix(r);
-    if (rsh_turn_is_nothing(&t)) {
+    struct rsh_rotation t = rsh_rotation_of_matrix(r);
+    if (rsh_rotation_is_identity(&t)) {
         rsh_copy(order, channels, in, out);
         return true;
     }
     if (t.method == RSH_METHOD_EXACT) {
-        bool fast = beta_limit > 0.0f && rsh_turn_angle(&t) <= beta_limit;
+        bool fast = beta_limit > 0.0f && rsh_rotation_angle(&t) <= beta_limit;
         if (basis == RSH_HEMISPHERE && !fast) {
-            turn_through_sphere(&t, transposed, order, channels, in, out);
+            align_through_sphere(&t, transposed, order, channels, in, out);
             return true;
         }
-        if (basis == RSH_HEMISPHERE) rsh_turn_stretch(&t);
+        if (basis == RSH_HEMISPHERE) rsh_rotation_stretch(&t);
         if (fast) {
             t.method = RSH_METHOD_TAYLOR_2;
-            t.beta = rsh_turn_angle(&t);
+            t.beta = rsh_rotation_angle(&t);
         }
     }
-    rsh_kernels_best()->turn(&t, order, channels, in, out);
+    rsh_kernels_best()->rotate(&t, order, channels, in, out);
     return true;
 }
 

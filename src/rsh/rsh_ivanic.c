@@ -52,7 +52,7 @@ static void add_term(int l, float factor, const float *first, const float *last,
 
 // Fills bands 2 .. order - 1 of derivatives 0 .. highest; bands 0 and 1 stand. The k-th derivative
 // of a product is the sum over p of k! / p! (k - p)! times the p-th and the (k - p)-th [K05 C, dT].
-static void build(int order, int highest, float *blocks) {
+static void build_blocks(int order, int highest, float *blocks) {
     const ptrdiff_t step = block(order);
     for (int l = 2; l < order; l++) {
         const float *first = blocks + block(1) + 4, *scale = rsh_ivanic_column + l * (l + 1);
@@ -84,21 +84,21 @@ bool rsh_rotation_blocks(int order, const float r[9], float *blocks) {
     static const int axis[3] = {1, 2, 0};
     for (int i = 0; i < 9 && order > 1; i++)
         blocks[1 + i] = fminf(fmaxf(r[3 * axis[i / 3] + axis[i % 3]], -1.0f), 1.0f);
-    build(order, 0, blocks);
+    build_blocks(order, 0, blocks);
     return true;
 }
 
 bool rsh_rotation_y_derivatives(int order, float beta, int highest, float *blocks) {
     if (!rsh_order_ok(order) || !rsh_in_range(&beta, 1) || highest < 0) return false;
-    const float c = cosf(beta), s = sinf(beta), turn[4] = {c, -s, -c, s};
+    const float c = cosf(beta), s = sinf(beta), quadrant[4] = {c, -s, -c, s};
     for (int k = 0; k <= highest; k++) {
         // R_y: y stays, z' = z cos - x sin, x' = z sin + x cos.
-        float cosine = turn[k % 4], minus_sine = turn[(k + 1) % 4], still = k == 0;
+        float cosine = quadrant[k % 4], minus_sine = quadrant[(k + 1) % 4], still = k == 0;
         const float first[10] = {still, still, 0, 0, 0, cosine, minus_sine, 0, -minus_sine, cosine};
         int size = block(order);
         memcpy(blocks + k * size, first, (size_t)(size < 10 ? size : 10) * sizeof *first);
     }
-    build(order, highest, blocks);
+    build_blocks(order, highest, blocks);
     return true;
 }
 

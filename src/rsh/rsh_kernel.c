@@ -4,8 +4,8 @@
 #include "rsh/rsh_kernel.h"
 
 #include "rsh/rsh_batch.h"
+#include "rsh/rsh_rotate_lanes.h"
 #include "rsh/rsh_tables.h"
-#include "rsh/rsh_turn.h"
 #include "rsh/rsh_vector.h"
 
 // One pass over all rows for `vectors` vectors of coefficients, begun at `matrix`; the last vector
@@ -112,10 +112,10 @@ const struct rsh_kernels GLUE(rsh_kernels_, RSH_NAME) = {
     .project = GLUE(rsh_project_, RSH_NAME),
     .accumulate = kernel_accumulate,
     .dot3 = kernel_dot3,
-    .turn = GLUE(rsh_turn_, RSH_NAME),
+    .rotate = GLUE(rsh_rotate_lanes_, RSH_NAME),
     .convert = GLUE(rsh_convert_, RSH_NAME),
     .width = W,
     .angles = GLUE(rsh_angles_, RSH_NAME),
-    .turn_many = GLUE(rsh_turn_many_, RSH_NAME),
+    .rotate_many = GLUE(rsh_rotate_many_, RSH_NAME),
     .convert_many = GLUE(rsh_convert_many_, RSH_NAME),
 };

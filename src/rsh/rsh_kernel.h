@@ -17,7 +17,7 @@ enum rsh_method {
 };
 
 // A rotation: about z by gamma, then about y by beta, then about z by alpha.
-struct rsh_turn {
+struct rsh_rotation {
     enum rsh_method method;
     float beta;  // for the series
     float cos_alpha, sin_alpha, cos_beta, sin_beta, cos_gamma, sin_gamma;
@@ -31,7 +31,7 @@ enum { RSH_MAX_WIDTH = 16 };
 #define RSH_NO_ANGLE 3e-7f
 
 // A rotation per record; the method is that of all and not RSH_METHOD_Z.
-struct rsh_turns {
+struct rsh_rotations {
     enum rsh_method method;
     float beta[RSH_MAX_WIDTH];
     float cos_alpha[RSH_MAX_WIDTH], sin_alpha[RSH_MAX_WIDTH];
@@ -39,7 +39,7 @@ struct rsh_turns {
     float cos_gamma[RSH_MAX_WIDTH], sin_gamma[RSH_MAX_WIDTH];
 };
 
-// What rsh.h says of rsh_eval_many, rsh_project and rsh_accumulate; `turn` applies a rotation to
+// What rsh.h says of rsh_eval_many, rsh_project and rsh_accumulate; `rotate` applies a rotation to
 // each channel, out == in allowed.
 struct rsh_kernels {
     const char *name;
@@ -51,7 +51,8 @@ struct rsh_kernels {
                        const float *const value[3], float *out);
     // rsh_dot3 with the step between the channels of a, 0 or n, for vectors of n numbers.
     void (*dot3)(int n, int step, const float *a, const float *b, float out[3]);
-    void (*turn)(const struct rsh_turn *turn, int order, int channels, const float *in, float *out);
+    void (*rotate)(const struct rsh_rotation *rotation, int order, int channels, const float *in,
+                   float *out);
     // One channel from order bands[1] to order bands[0], or the transposed map, whose outputs are
     // the rows' inputs; neither order is above what the rows have. out != in.
     void (*convert)(const struct rsh_rows *rows, bool transposed, const int bands[2],
@@ -60,11 +61,11 @@ struct rsh_kernels {
     // Records as structures of arrays, `width` at once: coefficient k of a channel of record i is
     // [k * stride + i], and channels follow each other.
     int width;
-    // The turns of the matrices r[entry][record]; with `stretch`, beta' in place of beta. The
+    // The rotations of the matrices r[entry][record]; with `stretch`, beta' in place of beta. The
     // method is left to the caller.
-    void (*angles)(const float r[9][RSH_MAX_WIDTH], bool stretch, struct rsh_turns *t);
-    void (*turn_many)(const struct rsh_turns *t, int order, int channels, size_t stride,
-                      const float *in, float *out);
+    void (*angles)(const float r[9][RSH_MAX_WIDTH], bool stretch, struct rsh_rotations *t);
+    void (*rotate_many)(const struct rsh_rotations *t, int order, int channels, size_t stride,
+                        const float *in, float *out);
     // `convert` for one channel with the strides of out and in.
     void (*convert_many)(const struct rsh_rows *rows, bool transposed, const int bands[2],
                          const size_t strides[2], const float *in, float *out);
@@ -89,14 +90,14 @@ static inline bool rsh_basis_ok(rsh_basis basis) {
     return basis == RSH_SPHERE || basis == RSH_HEMISPHERE;
 }
 
-// The turns whose product is the rotation r, rows first; RSH_METHOD_Z where that suffices.
-struct rsh_turn rsh_turn_of_matrix(const float r[9]);
+// The rotations whose product is the rotation r, rows first; RSH_METHOD_Z where that suffices.
+struct rsh_rotation rsh_rotation_of_matrix(const float r[9]);
 // Its angle about y, 0 .. pi.
-float rsh_turn_angle(const struct rsh_turn *turn);
-// Whether it turns by nothing that floats can tell.
-bool rsh_turn_is_nothing(const struct rsh_turn *turn);
+float rsh_rotation_angle(const struct rsh_rotation *rotation);
+// Whether floats cannot distinguish it from the identity.
+bool rsh_rotation_is_identity(const struct rsh_rotation *rotation);
 // Replaces beta by beta' = arccos(2 cos beta - 1), but for the field `beta`.
-void rsh_turn_stretch(struct rsh_turn *turn);
+void rsh_rotation_stretch(struct rsh_rotation *rotation);
 // False for a kind that there is not.
 bool rsh_method_of_taylor(rsh_taylor kind, enum rsh_method *method);
 // Whether all are numbers of at most RSH_MAX_ENTRY in magnitude, so that no square overflows.
@@ -105,8 +106,8 @@ bool rsh_in_range(const float *v, int count);
 void rsh_copy(int order, int channels, const float *in, float *out);
 
 // The plain forms, for instruction sets that cannot permute lanes.
-void rsh_plain_turn(const struct rsh_turn *turn, int order, int channels, const float *in,
-                    float *out);
+void rsh_plain_rotate(const struct rsh_rotation *rotation, int order, int channels, const float *in,
+                      float *out);
 void rsh_plain_convert(const struct rsh_rows *rows, bool transposed, const int bands[2],
                        const float *in, float *out);
 

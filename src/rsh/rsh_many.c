@@ -10,11 +10,11 @@
 
 #define INLINE static inline __attribute__((always_inline))
 
-// Channels turned at once, as many as the kernels share work between.
+// Channels rotated at once, as many as the kernels take together.
 enum { BLOCK = 3, SCRATCH = BLOCK * RSH_MAX_COEFFICIENTS * RSH_MAX_WIDTH };
 
 // What one call does to every record.
-struct job {
+struct many_job {
     const struct rsh_kernels *kernels;
     rsh_basis basis;
     int order, channels;
@@ -24,15 +24,15 @@ struct job {
 };
 
 // A vector of records: `channels` up to BLOCK, records `stride` apart.
-struct part {
+struct channel_part {
     int channels;
     size_t stride;
     const float *in;
     float *out;
 };
 
-static void turn_through_sphere(const struct job *j, const struct rsh_turns *t,
-                                const struct part *p) {
+static void rotate_many_through_sphere(const struct many_job *j, const struct rsh_rotations *t,
+                                       const struct channel_part *p) {
     float sphere[SCRATCH];
     const struct rsh_kernels *k = j->kernels;
     int larger = rsh_sphere_order(j->order);
@@ -44,66 +44,68 @@ static void turn_through_sphere(const struct job *j, const struct rsh_turns *t,
     for (int c = 0; c < p->channels; c++)
         k->convert_many(j->transposed ? &rsh_restriction : extension, j->transposed, up, to_sphere,
                         p->in + (size_t)c * small, sphere + (size_t)c * large);
-    k->turn_many(t, larger, p->channels, width, sphere, sphere);
+    k->rotate_many(t, larger, p->channels, width, sphere, sphere);
     for (int c = 0; c < p->channels; c++)
         k->convert_many(j->transposed ? extension : &rsh_restriction, j->transposed, down, back,
                         sphere + (size_t)c * large, p->out + (size_t)c * small);
 }
 
-static void turn_true(const struct job *j, const struct rsh_turns *t, const struct part *p) {
+static void rotate_exactly(const struct many_job *j, const struct rsh_rotations *t,
+                           const struct channel_part *p) {
     if (j->basis == RSH_HEMISPHERE)
-        turn_through_sphere(j, t, p);
+        rotate_many_through_sphere(j, t, p);
     else
-        j->kernels->turn_many(t, j->order, p->channels, p->stride, p->in, p->out);
+        j->kernels->rotate_many(t, j->order, p->channels, p->stride, p->in, p->out);
 }
 
 // Both forms, and of each record the one that its angle asks for.
-static void turn_mixed(const struct job *j, const struct rsh_turns turns[2], const bool *fast,
-                       const struct part *p) {
+static void rotate_mixed(const struct many_job *j, const struct rsh_rotations rotations[2],
+                         const bool *fast, const struct channel_part *p) {
     float exact[SCRATCH];
     size_t width = (size_t)j->kernels->width, n = (size_t)(j->order * j->order * p->channels);
     float padded[SCRATCH];
     for (size_t k = 0; k < n; k++)
         memcpy(padded + k * width, p->in + k * p->stride, width * sizeof *padded);
-    turn_true(j, &turns[0], &(struct part){p->channels, width, padded, exact});
-    j->kernels->turn_many(&turns[1], j->order, p->channels, width, padded, padded);
+    rotate_exactly(j, &rotations[0], &(struct channel_part){p->channels, width, padded, exact});
+    j->kernels->rotate_many(&rotations[1], j->order, p->channels, width, padded, padded);
     for (size_t k = 0; k < n; k++)
         for (size_t i = 0; i < width; i++)
             p->out[k * p->stride + i] = fast[i] ? padded[k * width + i] : exact[k * width + i];
 }
 
 // One vector of records of all channels, with their matrices.
-static void turn_vector(const struct job *j, const float r[9][RSH_MAX_WIDTH], size_t stride,
-                        const float *in, float *out) {
-    struct rsh_turns turns[2];  // of the true and of the fast form
+static void rotate_vector(const struct many_job *j, const float r[9][RSH_MAX_WIDTH], size_t stride,
+                          const float *in, float *out) {
+    struct rsh_rotations rotations[2];  // of the true and of the fast form
     bool fast[RSH_MAX_WIDTH];
     int width = j->kernels->width, count = 0;
-    j->kernels->angles(r, false, &turns[0]);
-    turns[0].method = j->method;
-    for (int i = 0; i < width; i++) count += fast[i] = turns[0].beta[i] <= j->beta_limit;
+    j->kernels->angles(r, false, &rotations[0]);
+    rotations[0].method = j->method;
+    for (int i = 0; i < width; i++) count += fast[i] = rotations[0].beta[i] <= j->beta_limit;
     if (count) {
-        turns[1] = turns[0];
-        if (j->basis == RSH_HEMISPHERE) j->kernels->angles(r, true, &turns[1]);
-        turns[1].method = RSH_METHOD_TAYLOR_2;
+        rotations[1] = rotations[0];
+        if (j->basis == RSH_HEMISPHERE) j->kernels->angles(r, true, &rotations[1]);
+        rotations[1].method = RSH_METHOD_TAYLOR_2;
     }
     size_t n = (size_t)(j->order * j->order) * stride;
     for (int c = 0; c < j->channels; c += BLOCK, in += BLOCK * n, out += BLOCK * n) {
-        const struct part p = {j->channels - c < BLOCK ? j->channels - c : BLOCK, stride, in, out};
+        const struct channel_part p = {j->channels - c < BLOCK ? j->channels - c : BLOCK, stride,
+                                       in, out};
         if (count == 0)
-            turn_true(j, &turns[0], &p);
+            rotate_exactly(j, &rotations[0], &p);
         else if (count == width)
-            j->kernels->turn_many(&turns[1], j->order, p.channels, stride, in, out);
+            j->kernels->rotate_many(&rotations[1], j->order, p.channels, stride, in, out);
         else
-            turn_mixed(j, turns, fast, &p);
+            rotate_mixed(j, rotations, fast, &p);
     }
 }
 
 // The last records, fewer than a vector: `tail` of `count`, padded with what the first of them has.
-static void turn_tail(const struct job *j, const float r[9][RSH_MAX_WIDTH], size_t tail,
-                      size_t count, const float *in, float *out) {
+static void rotate_tail(const struct many_job *j, const float r[9][RSH_MAX_WIDTH], size_t tail,
+                        size_t count, const float *in, float *out) {
     float padded[SCRATCH];
     size_t width = (size_t)j->kernels->width, n = (size_t)(j->order * j->order);
-    struct job one = *j;
+    struct many_job one = *j;
     for (int c = 0; c < j->channels;
          c += BLOCK, in += BLOCK * n * count, out += BLOCK * n * count) {
         one.channels = j->channels - c < BLOCK ? j->channels - c : BLOCK;
@@ -111,7 +113,7 @@ static void turn_tail(const struct job *j, const float r[9][RSH_MAX_WIDTH], size
         for (size_t k = 0; k < rows; k++)
             for (size_t i = 0; i < width; i++)
                 padded[k * width + i] = in[k * count + (i < tail ? i : 0)];
-        turn_vector(&one, r, width, padded, padded);
+        rotate_vector(&one, r, width, padded, padded);
         for (size_t k = 0; k < rows; k++)
             memcpy(out + k * count, padded + k * width, tail * sizeof *out);
     }
@@ -143,8 +145,8 @@ INLINE void leave_out_equal(int lanes, const float f[9][RSH_MAX_WIDTH],
 
 // The rotations of coordinates from frames a to frames b, or r = a itself where b is NULL, in the
 // lanes of a vector. Sums are rounded as in rsh_align: where an angle is uncertain, it is the same.
-INLINE void load_lanes(int lanes, const float *const a[9], const float *const *b, size_t first,
-                       size_t count, float r[9][RSH_MAX_WIDTH]) {
+INLINE void load_matrices(int lanes, const float *const a[9], const float *const *b, size_t first,
+                          size_t count, float r[9][RSH_MAX_WIDTH]) {
     float f[9][RSH_MAX_WIDTH], g[9][RSH_MAX_WIDTH];
     if (!b) {
         load_entries(lanes, a, first, count, r);
@@ -164,7 +166,7 @@ INLINE void load_lanes(int lanes, const float *const a[9], const float *const *b
 #define LOAD(lanes)                                                                             \
     static void load_rotations_##lanes(const float *const a[9], const float *const *b,          \
                                        size_t first, size_t count, float r[9][RSH_MAX_WIDTH]) { \
-        load_lanes(lanes, a, b, first, count, r);                                               \
+        load_matrices(lanes, a, b, first, count, r);                                            \
     }
 LOAD(1)
 LOAD(4)
@@ -189,8 +191,8 @@ static bool all_in_range(const float *const a[9], size_t count) {
     return !bad;
 }
 
-static bool run(struct job *j, size_t count, const float *const a[9], const float *const *b,
-                const float *in, float *out) {
+static bool run_many(struct many_job *j, size_t count, const float *const a[9],
+                     const float *const *b, const float *in, float *out) {
     if (!rsh_basis_ok(j->basis) || !rsh_order_ok(j->order)) return false;
     if (!all_in_range(a, count) || (b && !all_in_range(b, count))) return false;
     j->kernels = rsh_kernels_best();
@@ -201,30 +203,30 @@ static bool run(struct job *j, size_t count, const float *const a[9], const floa
         size_t left = count - i < width ? count - i : width;
         load(a, b, i, left, r);
         if (left == width)
-            turn_vector(j, r, count, in + i, out + i);
+            rotate_vector(j, r, count, in + i, out + i);
         else
-            turn_tail(j, r, left, count, in + i, out + i);
+            rotate_tail(j, r, left, count, in + i, out + i);
     }
     return true;
 }
 
 bool rsh_rotate_many(int order, int channels, size_t count, const float *const r[9],
                      const float *in, float *out) {
-    struct job j = {.order = order, .channels = channels, .method = RSH_METHOD_EXACT};
+    struct many_job j = {.order = order, .channels = channels, .method = RSH_METHOD_EXACT};
     j.beta_limit = -1.0f;
-    return run(&j, count, r, NULL, in, out);
+    return run_many(&j, count, r, NULL, in, out);
 }
 
 bool rsh_rotate_taylor_many(rsh_taylor kind, int order, int channels, size_t count,
                             const float *const r[9], const float *in, float *out) {
-    struct job j = {.order = order, .channels = channels, .beta_limit = -1.0f};
-    return rsh_method_of_taylor(kind, &j.method) && run(&j, count, r, NULL, in, out);
+    struct many_job j = {.order = order, .channels = channels, .beta_limit = -1.0f};
+    return rsh_method_of_taylor(kind, &j.method) && run_many(&j, count, r, NULL, in, out);
 }
 
 // Without a limit only hemispherical records that agree in their normals take the fast form: they
-// are spared the way through the sphere.
-static struct job align_job(rsh_basis basis, int order, int channels, float beta_limit) {
-    struct job j = {.basis = basis, .order = order, .channels = channels};
+// are spared the conversion through the sphere.
+static struct many_job align_job(rsh_basis basis, int order, int channels, float beta_limit) {
+    struct many_job j = {.basis = basis, .order = order, .channels = channels};
     j.method = RSH_METHOD_EXACT;
     j.beta_limit = beta_limit > 0.0f ? beta_limit : basis == RSH_HEMISPHERE ? 0.0f : -1.0f;
     return j;
@@ -233,14 +235,14 @@ static struct job align_job(rsh_basis basis, int order, int channels, float beta
 bool rsh_align_many(rsh_basis basis, int order, int channels, size_t count,
                     const float *const from[9], const float *const to[9], float beta_limit,
                     const float *in, float *out) {
-    struct job j = align_job(basis, order, channels, beta_limit);
-    return run(&j, count, from, to, in, out);
+    struct many_job j = align_job(basis, order, channels, beta_limit);
+    return run_many(&j, count, from, to, in, out);
 }
 
 bool rsh_align_transposed_many(rsh_basis basis, int order, int channels, size_t count,
                                const float *const from[9], const float *const to[9],
                                float beta_limit, const float *in, float *out) {
-    struct job j = align_job(basis, order, channels, beta_limit);
+    struct many_job j = align_job(basis, order, channels, beta_limit);
     j.transposed = true;
-    return run(&j, count, to, from, in, out);
+    return run_many(&j, count, to, from, in, out);
 }

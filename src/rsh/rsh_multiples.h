@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to rsh/ and its benchmarks: turns about z in plain C, for the forms that are kept for
+// Private to rsh/ and its benchmarks: rotations about z in plain C, for the forms that are kept for
 // comparison.
 #ifndef RSH_MULTIPLES_H
 #define RSH_MULTIPLES_H
@@ -23,7 +23,7 @@ static inline struct rsh_multiples rsh_multiples_of(float cosine, float sine, in
 }
 
 // [K05 D], with the sense of rsh.h.
-static inline void rsh_turn_multiples(int order, const struct rsh_multiples *a, float *v) {
+static inline void rsh_rotate_multiples(int order, const struct rsh_multiples *a, float *v) {
     for (int l = 1; l < order; l++) {
         float *middle = v + l * (l + 1);
         for (int m = 1; m <= l; m++) {

@@ -42,8 +42,8 @@ static void plain_dot3(int n, int step, const float *a, const float *b, float ou
     }
 }
 
-// About z: the pair (m, -m) turns by m times the angle.
-static void turn_z(int order, float cosine, float sine, float *v) {
+// About z: the pair (m, -m) rotates by m times the angle.
+static void plain_rotate_z(int order, float cosine, float sine, float *v) {
     float c = 1.0f, s = 0.0f;
     for (int m = 1; m < order; m++) {
         float t = c * cosine - s * sine;
@@ -59,7 +59,7 @@ static void turn_z(int order, float cosine, float sine, float *v) {
 
 // Exchanges y and z: v is left with the parity in x, and the parities in y (m < 0) and z (l + m)
 // change places. So row a has entries in columns b of one sign and every second b only.
-static void exchange(int order, float *v) {
+static void plain_exchange(int order, float *v) {
     const float *matrix = rsh_swap;
     for (int l = 0; l < order; l++) {
         float in[2 * RSH_MAX_ORDER - 1];
@@ -76,7 +76,7 @@ static void exchange(int order, float *v) {
 }
 
 // About y by the series I + beta D + beta^2 / 2 (nothing, the diagonal of D^2, or D^2).
-static void turn_taylor(enum rsh_method method, float beta, int n, float *v) {
+static void rotate_taylor(enum rsh_method method, float beta, int n, float *v) {
     float d1[RSH_MAX_COEFFICIENTS], d2[RSH_MAX_COEFFICIENTS] = {0};
     const float *s = rsh_slope;
     for (int i = 0; i < n; i++)
@@ -87,22 +87,22 @@ static void turn_taylor(enum rsh_method method, float beta, int n, float *v) {
     for (int i = 0; i < n; i++) v[i] += beta * d1[i] + 0.5f * beta * beta * d2[i];
 }
 
-void rsh_plain_turn(const struct rsh_turn *t, int order, int channels, const float *in,
-                    float *out) {
+void rsh_plain_rotate(const struct rsh_rotation *t, int order, int channels, const float *in,
+                      float *out) {
     int n = order * order;
     for (int channel = 0; channel < channels; channel++, in += n, out += n) {
         float v[RSH_MAX_COEFFICIENTS];
         memcpy(v, in, (size_t)n * sizeof *v);
-        turn_z(order, t->cos_gamma, t->sin_gamma, v);
+        plain_rotate_z(order, t->cos_gamma, t->sin_gamma, v);
         if (t->method == RSH_METHOD_EXACT) {
-            // The exchange turns the sense round: y by beta is z by -beta between two exchanges.
-            exchange(order, v);
-            turn_z(order, t->cos_beta, -t->sin_beta, v);
-            exchange(order, v);
+            // The exchange reverses the sense: y by beta is z by -beta between two exchanges.
+            plain_exchange(order, v);
+            plain_rotate_z(order, t->cos_beta, -t->sin_beta, v);
+            plain_exchange(order, v);
         } else if (t->method != RSH_METHOD_Z) {
-            turn_taylor(t->method, t->beta, n, v);
+            rotate_taylor(t->method, t->beta, n, v);
         }
-        if (t->method != RSH_METHOD_Z) turn_z(order, t->cos_alpha, t->sin_alpha, v);
+        if (t->method != RSH_METHOD_Z) plain_rotate_z(order, t->cos_alpha, t->sin_alpha, v);
         memcpy(out, v, (size_t)n * sizeof *v);
     }
 }
@@ -124,26 +124,27 @@ void rsh_plain_convert(const struct rsh_rows *rows, bool transposed, const int b
         }
 }
 
-static void plain_angles(const float r[9][RSH_MAX_WIDTH], bool stretch, struct rsh_turns *t) {
+static void plain_angles(const float r[9][RSH_MAX_WIDTH], bool stretch, struct rsh_rotations *t) {
     float one[9];
     for (int e = 0; e < 9; e++) one[e] = r[e][0];
-    struct rsh_turn turn = rsh_turn_of_matrix(one);
-    if (stretch) rsh_turn_stretch(&turn);
-    t->beta[0] = atan2f(turn.sin_beta, turn.cos_beta);
-    t->cos_alpha[0] = turn.cos_alpha, t->sin_alpha[0] = turn.sin_alpha;
-    t->cos_beta[0] = turn.cos_beta, t->sin_beta[0] = turn.sin_beta;
-    t->cos_gamma[0] = turn.cos_gamma, t->sin_gamma[0] = turn.sin_gamma;
+    struct rsh_rotation rotation = rsh_rotation_of_matrix(one);
+    if (stretch) rsh_rotation_stretch(&rotation);
+    t->beta[0] = atan2f(rotation.sin_beta, rotation.cos_beta);
+    t->cos_alpha[0] = rotation.cos_alpha, t->sin_alpha[0] = rotation.sin_alpha;
+    t->cos_beta[0] = rotation.cos_beta, t->sin_beta[0] = rotation.sin_beta;
+    t->cos_gamma[0] = rotation.cos_gamma, t->sin_gamma[0] = rotation.sin_gamma;
 }
 
-static void plain_turn_many(const struct rsh_turns *t, int order, int channels, size_t stride,
-                            const float *in, float *out) {
-    const struct rsh_turn turn = {t->method,      t->beta[0],     t->cos_alpha[0], t->sin_alpha[0],
-                                  t->cos_beta[0], t->sin_beta[0], t->cos_gamma[0], t->sin_gamma[0]};
+static void plain_rotate_many(const struct rsh_rotations *t, int order, int channels, size_t stride,
+                              const float *in, float *out) {
+    const struct rsh_rotation rotation = {t->method,       t->beta[0],     t->cos_alpha[0],
+                                          t->sin_alpha[0], t->cos_beta[0], t->sin_beta[0],
+                                          t->cos_gamma[0], t->sin_gamma[0]};
     size_t n = (size_t)(order * order);
     for (int c = 0; c < channels; c++, in += n * stride, out += n * stride) {
         float v[RSH_MAX_COEFFICIENTS];
         for (size_t k = 0; k < n; k++) v[k] = in[k * stride];
-        rsh_plain_turn(&turn, order, 1, v, v);
+        rsh_plain_rotate(&rotation, order, 1, v, v);
         for (size_t k = 0; k < n; k++) out[k * stride] = v[k];
     }
 }
@@ -162,10 +163,10 @@ const struct rsh_kernels rsh_kernels_plain = {
     .project = plain_project,
     .accumulate = plain_accumulate,
     .dot3 = plain_dot3,
-    .turn = rsh_plain_turn,
+    .rotate = rsh_plain_rotate,
     .convert = rsh_plain_convert,
     .width = 1,
     .angles = plain_angles,
-    .turn_many = plain_turn_many,
+    .rotate_many = plain_rotate_many,
     .convert_many = plain_convert_many,
 };

@@ -3,7 +3,7 @@
 //
 // The sums are not those of the harmonics but of f_k(z) Re, Im (x + i y)^m with one set of f_k for
 // all m, so that f_k times the values is found once per k and every sum costs one multiply-add, for
-// m = 0 one addition. A triangular matrix per m turns the sums into those of Y_(m+k)^m at the end
+// m = 0 one addition. A triangular matrix per m makes the sums those of Y_(m+k)^m at the end
 // (rsh_mix). The f_k are Gegenbauer's polynomials, scaled so that a step of their recurrence is one
 // multiply-add; those of Chebyshev's second kind stand between the Legendre functions of m = 0 and
 // of m = 1, which keeps the entries of the matrices small: sums enlarge their rounding by 7 at most
@@ -12,7 +12,7 @@
 #include "rsh/rsh_kernel.h"
 #include "rsh/rsh_tables.h"
 
-// Vectors of samples that share a pass over the sums; cosine and sine; channels.
+// Vectors of samples in one pass over the sums; cosine and sine; channels.
 enum { RUN = 4, PARTS = 2, MOST = 3 };
 // Orders up to here take one set for all m; the others have the second from m = SECOND on.
 enum { ONE_SET = 10, SECOND = 3 };
@@ -21,30 +21,30 @@ enum { SPACE = 8 };
 typedef float sextet __attribute__((vector_size(4 * SPACE)));
 
 // Re, Im (x + i y)^m of RUN vectors of samples.
-struct turn {
+struct phases {
     vf c[RUN], s[RUN];
 };
 
 // RUN vectors of samples: z counts twice; the values are the caller's, or a padded copy.
-struct run {
-    struct turn turn[RSH_MAX_ORDER];
+struct project_run {
+    struct phases phase[RSH_MAX_ORDER];
     vf z[RUN];
     const float *value[MOST];
     float padded[MOST][RUN * W];
 };
 
 INLINE void load_run(rsh_basis basis, int channels, size_t first, size_t count,
-                     const float *const d[3], const float *const value[3], struct run *r) {
+                     const float *const d[3], const float *const value[3], struct project_run *r) {
     for (size_t i = 0; i < RUN; i++) {
         size_t at = first + i * W, left = at < count ? count - at : 0;
         struct directions v = load_directions(d, at, left);
         if (basis == RSH_HEMISPHERE) {
-            vf s = stretch(&v.z);
+            vf s = stretch_height(&v.z);
             v.x *= s;
             v.y *= s;
             v.z = 2.0f * v.z - 1.0f;
         }
-        r->turn[1].c[i] = v.x, r->turn[1].s[i] = v.y, r->z[i] = v.z + v.z;
+        r->phase[1].c[i] = v.x, r->phase[1].s[i] = v.y, r->z[i] = v.z + v.z;
     }
     const bool whole = count - first >= RUN * W;
     for (int a = 0; a < channels; a++) {
@@ -63,7 +63,7 @@ INLINE vf *add_zonal(int channels, vf g[MOST][RUN], vf *sum) {
 
 // Adds g times cosine and sine to the sums of one m. The run is added up before the sums are
 // touched: they come and go by the adders, which work beside the products.
-INLINE vf *add_turned(int channels, const struct turn *t, vf g[MOST][RUN], vf *sum) {
+INLINE vf *add_phase(int channels, const struct phases *t, vf g[MOST][RUN], vf *sum) {
     vf total[MOST][PARTS];
     for (int i = 0; i < RUN; i++) {
         vf c = t->c[i], s = t->s[i];
@@ -79,19 +79,19 @@ INLINE vf *add_turned(int channels, const struct turn *t, vf g[MOST][RUN], vf *s
 }
 
 // (x + i y)^m from smaller powers.
-INLINE void next_turn(int m, struct turn *turn) {
-    const struct turn *half = turn + m / 2, *other = turn + (m + 1) / 2;
+INLINE void next_phase(int m, struct phases *phase) {
+    const struct phases *half = phase + m / 2, *other = phase + (m + 1) / 2;
     for (int i = 0; i < RUN; i++) {
         const struct azimuth a = azimuth_of(half->c[i], half->s[i]);
         const struct azimuth t =
             m % 2 ? azimuth_add(a, azimuth_of(other->c[i], other->s[i])) : azimuth_double(a);
-        turn[m].c[i] = t.c, turn[m].s[i] = t.s;
+        phase[m].c[i] = t.c, phase[m].s[i] = t.s;
     }
 }
 
 // Adds to the sums of m = first .. end - 1, by k, then m, then channel, and returns the next sum.
-// Set 0, which begins at m = 0, finds the powers of x + i y on its way.
-INLINE vf *project_set(int order, int channels, int set, int first, int end, struct run *r,
+// Set 0, which begins at m = 0, also finds the powers of x + i y.
+INLINE vf *project_set(int order, int channels, int set, int first, int end, struct project_run *r,
                        vf *sum) {
     vf f[RUN], f1[RUN], g[MOST][RUN];
     for (int i = 0; i < RUN; i++) {
@@ -110,8 +110,8 @@ INLINE vf *project_set(int order, int channels, int set, int first, int end, str
         const int last = end < order - k ? end : order - k;
         if (set == 0) sum = add_zonal(channels, g, sum);
         for (int m = set == 0 ? 1 : first; m < last; m++) {
-            if (k == 0 && set == 0 && m > 1) next_turn(m, r->turn);
-            sum = add_turned(channels, &r->turn[m], g, sum);
+            if (k == 0 && set == 0 && m > 1) next_phase(m, r->phase);
+            sum = add_phase(channels, &r->phase[m], g, sum);
         }
     }
     return sum;
@@ -161,10 +161,10 @@ INLINE void mix_sums(rsh_basis basis, int order, int channels, int second, const
 }
 
 // A function of its own per shape: inlined together they leave too few registers.
-#define SHAPE(name, channels, set)                                              \
-    static __attribute__((noinline))                                            \
-    vf *project_##name(int order, int first, int end, struct run *r, vf *sum) { \
-        return project_set(order, channels, set, first, end, r, sum);           \
+#define SHAPE(name, channels, set)                                                      \
+    static __attribute__((noinline))                                                    \
+    vf *project_##name(int order, int first, int end, struct project_run *r, vf *sum) { \
+        return project_set(order, channels, set, first, end, r, sum);                   \
     }
 SHAPE(one, 1, 0)
 SHAPE(one_more, 1, 1)
@@ -172,12 +172,12 @@ SHAPE(three, 3, 0)
 SHAPE(three_more, 3, 1)
 #undef SHAPE
 
-INLINE void project_run(int order, int channels, int second, struct run *r, vf *sums) {
+INLINE void project_run(int order, int channels, int second, struct project_run *r, vf *sums) {
     if (channels == 1)
         sums = project_one(order, 0, second, r, sums);
     else
         sums = project_three(order, 0, second, r, sums);
-    for (int m = second; m < order; m++) next_turn(m, r->turn);
+    for (int m = second; m < order; m++) next_phase(m, r->phase);
     if (second < order && channels == 1) project_one_more(order, second, order, r, sums);
     if (second < order && channels == 3) project_three_more(order, second, order, r, sums);
 }
@@ -188,7 +188,7 @@ INLINE void project_channels(rsh_basis basis, int order, int channels, size_t co
     const int second = order <= ONE_SET ? order : SECOND;
     memset(sums, 0, (size_t)(channels * order * order + 4) * sizeof *sums);
     for (size_t first = 0; first < count; first += RUN * W) {
-        struct run r;
+        struct project_run r;
         load_run(basis, channels, first, count, d, value, &r);
         project_run(order, channels, second, &r, sums);
     }

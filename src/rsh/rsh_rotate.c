@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rotation of spherical harmonics: from angles and matrices to the turns about z, y and z that the
-// kernels apply. [K05 5.3, C, D; Pinchon and Hoggan 2007 for the exchange of y and z.]
+// Rotation of spherical harmonics: from angles and matrices to the rotations about z, y and z that
+// the kernels apply. [K05 5.3, C, D; Pinchon and Hoggan 2007 for the exchange of y and z.]
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
@@ -31,12 +31,12 @@ static float inverse_length(float x) {
     return x > 0.0f ? 1.0f / sqrtf(x) : 0.0f;
 }
 
-// The turns whose product is r. Gamma, with which a rotation begins, follows from the third row.
-// The upper left quarter of r gives alpha + gamma, which does not suffer when beta is nearly 0 and
-// gamma is uncertain, or, where beta is above 90 degrees, gamma - alpha: sums and differences of
-// its entries are 1 + |cos beta| times cosine and sine.
-struct rsh_turn rsh_turn_of_matrix(const float r[9]) {
-    struct rsh_turn t = {.method = RSH_METHOD_EXACT, .cos_alpha = 1.0f};
+// The rotations whose product is r. Gamma, with which a rotation begins, follows from the third
+// row. The upper left quarter of r gives alpha + gamma, which does not suffer when beta is nearly 0
+// and gamma is uncertain, or, where beta is above 90 degrees, gamma - alpha: sums and differences
+// of its entries are 1 + |cos beta| times cosine and sine.
+struct rsh_rotation rsh_rotation_of_matrix(const float r[9]) {
+    struct rsh_rotation t = {.method = RSH_METHOD_EXACT, .cos_alpha = 1.0f};
     const float side = copysignf(1.0f, r[8]);
     const float s2 = r[6] * r[6] + r[7] * r[7], s = sqrtf(s2);
     float cosine = r[4] + side * r[0], sine = r[3] - side * r[1];
@@ -67,7 +67,7 @@ struct rsh_turn rsh_turn_of_matrix(const float r[9]) {
 // cos beta' = 2 cos beta - 1. Both 1 - cos beta' = 2 (1 - cos beta) and 1 + cos beta' = 2 cos beta
 // are found without cancellation, so that beta' is right near 0 and near pi, where it stays from 90
 // degrees on.
-void rsh_turn_stretch(struct rsh_turn *t) {
+void rsh_rotation_stretch(struct rsh_rotation *t) {
     const float above = fmaxf(t->cos_beta, 0.0f);
     float lift = above > 0.0f ? 2.0f * t->sin_beta * t->sin_beta / (1.0f + above) : 2.0f;
     lift = fminf(lift, 2.0f);
@@ -76,14 +76,14 @@ void rsh_turn_stretch(struct rsh_turn *t) {
 }
 
 // Small angles by the series of the arcsine, whose next term is below the rounding of floats.
-float rsh_turn_angle(const struct rsh_turn *t) {
+float rsh_rotation_angle(const struct rsh_rotation *t) {
     float s = t->sin_beta, u = s * s;
     if (!(u < 0.09f) || t->cos_beta < 0.0f) return atan2f(s, t->cos_beta);
     float sum = 15.0f / 336.0f + u * (105.0f / 3456.0f);
     return s + s * u * (1.0f / 6.0f + u * (3.0f / 40.0f + u * sum));
 }
 
-bool rsh_turn_is_nothing(const struct rsh_turn *t) {
+bool rsh_rotation_is_identity(const struct rsh_rotation *t) {
     return t->method == RSH_METHOD_Z && t->cos_gamma > 0.0f && fabsf(t->sin_gamma) <= RSH_NO_ANGLE;
 }
 
@@ -97,25 +97,25 @@ bool rsh_method_of_taylor(rsh_taylor kind, enum rsh_method *method) {
 
 bool rsh_rotate_z(int order, int channels, float angle, const float *in, float *out) {
     if (!rsh_order_ok(order) || !rsh_in_range(&angle, 1)) return false;
-    struct rsh_turn t = {
+    struct rsh_rotation t = {
         .method = RSH_METHOD_Z, .cos_gamma = cosf(angle), .sin_gamma = sinf(angle)};
-    rsh_kernels_best()->turn(&t, order, channels, in, out);
+    rsh_kernels_best()->rotate(&t, order, channels, in, out);
     return true;
 }
 
-static struct rsh_turn turn_about_y(enum rsh_method method, float angle) {
-    return (struct rsh_turn){.method = method,
-                             .beta = angle,
-                             .cos_alpha = 1.0f,
-                             .cos_beta = cosf(angle),
-                             .sin_beta = sinf(angle),
-                             .cos_gamma = 1.0f};
+static struct rsh_rotation rotate_about_y(enum rsh_method method, float angle) {
+    return (struct rsh_rotation){.method = method,
+                                 .beta = angle,
+                                 .cos_alpha = 1.0f,
+                                 .cos_beta = cosf(angle),
+                                 .sin_beta = sinf(angle),
+                                 .cos_gamma = 1.0f};
 }
 
 bool rsh_rotate_y(int order, int channels, float angle, const float *in, float *out) {
     if (!rsh_order_ok(order) || !rsh_in_range(&angle, 1)) return false;
-    struct rsh_turn t = turn_about_y(RSH_METHOD_EXACT, angle);
-    rsh_kernels_best()->turn(&t, order, channels, in, out);
+    struct rsh_rotation t = rotate_about_y(RSH_METHOD_EXACT, angle);
+    rsh_kernels_best()->rotate(&t, order, channels, in, out);
     return true;
 }
 
@@ -124,19 +124,19 @@ bool rsh_rotate_y_taylor(rsh_taylor kind, int order, int channels, float angle, 
     enum rsh_method method;
     if (!rsh_order_ok(order) || !rsh_in_range(&angle, 1) || !rsh_method_of_taylor(kind, &method))
         return false;
-    struct rsh_turn t = turn_about_y(method, angle);
-    rsh_kernels_best()->turn(&t, order, channels, in, out);
+    struct rsh_rotation t = rotate_about_y(method, angle);
+    rsh_kernels_best()->rotate(&t, order, channels, in, out);
     return true;
 }
 
 bool rsh_rotate_pinchon_hoggan(int order, int channels, const float r[9], const float *in,
                                float *out) {
     if (!rsh_order_ok(order) || !rsh_in_range(r, 9)) return false;
-    struct rsh_turn t = rsh_turn_of_matrix(r);
-    if (rsh_turn_is_nothing(&t))
+    struct rsh_rotation t = rsh_rotation_of_matrix(r);
+    if (rsh_rotation_is_identity(&t))
         rsh_copy(order, channels, in, out);
     else
-        rsh_kernels_best()->turn(&t, order, channels, in, out);
+        rsh_kernels_best()->rotate(&t, order, channels, in, out);
     return true;
 }
 
@@ -149,17 +149,17 @@ bool rsh_rotate_taylor(rsh_taylor kind, int order, int channels, const float r[9
     enum rsh_method method;
     if (!rsh_order_ok(order) || !rsh_in_range(r, 9) || !rsh_method_of_taylor(kind, &method))
         return false;
-    struct rsh_turn t = rsh_turn_of_matrix(r);
+    struct rsh_rotation t = rsh_rotation_of_matrix(r);
     if (t.method == RSH_METHOD_EXACT) {
         t.method = method;
-        t.beta = rsh_turn_angle(&t);
+        t.beta = rsh_rotation_angle(&t);
     }
-    rsh_kernels_best()->turn(&t, order, channels, in, out);
+    rsh_kernels_best()->rotate(&t, order, channels, in, out);
     return true;
 }
 
 rsh_zyz rsh_zyz_of_matrix(const float r[9]) {
-    struct rsh_turn t = rsh_turn_of_matrix(r);
+    struct rsh_rotation t = rsh_rotation_of_matrix(r);
     float gamma = atan2f(t.sin_gamma, t.cos_gamma);
     if (t.method == RSH_METHOD_Z) return (rsh_zyz){0.0f, 0.0f, gamma};
     return (rsh_zyz){atan2f(t.sin_alpha, t.cos_alpha), atan2f(t.sin_beta, t.cos_beta), gamma};
@@ -168,8 +168,8 @@ rsh_zyz rsh_zyz_of_matrix(const float r[9]) {
 bool rsh_rotate_zyz(int order, int channels, rsh_zyz a, const float *in, float *out) {
     if (!rsh_order_ok(order) || !rsh_in_range((float[3]){a.alpha, a.beta, a.gamma}, 3))
         return false;
-    const struct rsh_turn t = {RSH_METHOD_EXACT, a.beta,       cosf(a.alpha), sinf(a.alpha),
-                               cosf(a.beta),     sinf(a.beta), cosf(a.gamma), sinf(a.gamma)};
-    rsh_kernels_best()->turn(&t, order, channels, in, out);
+    const struct rsh_rotation t = {RSH_METHOD_EXACT, a.beta,       cosf(a.alpha), sinf(a.alpha),
+                                   cosf(a.beta),     sinf(a.beta), cosf(a.gamma), sinf(a.gamma)};
+    rsh_kernels_best()->rotate(&t, order, channels, in, out);
     return true;
 }

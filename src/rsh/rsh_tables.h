@@ -14,19 +14,20 @@ extern const float rsh_norm[RSH_MAX_ORDER * RSH_MAX_ORDER];
 extern const float rsh_recurrence[RSH_MAX_ORDER * RSH_MAX_ORDER];
 extern const double rsh_recurrence_d[RSH_MAX_ORDER * RSH_MAX_ORDER];  // the same in double
 
-// The same for m < RSH_STEEP by differences, which near the poles, where these functions are steep,
-// lose nothing to cancellation [after Reinsch]: with u = 1 - |z| and q_m = 1, d_m = 0,
-// d_l = d_(l-1) - bend_lm u q_(l-1), q_l = q_(l-1) + keep_lm d_l,
-// Y_l^m = pole_lm q_l sign(z)^(l-m) Re (x + i y)^m.
+// These functions for m < RSH_STEEP by differences, which near the poles, where these functions are
+// steep, lose nothing to cancellation [after Reinsch]: with u = 1 - |z| and q_m = 1, d_m = 0, d_l =
+// d_(l-1) - curvature_lm u q_(l-1), q_l = q_(l-1) + keep_lm d_l, Y_l^m = pole_lm q_l sign(z)^(l-m)
+// Re (x
+// + i y)^m.
 enum { RSH_STEEP = 8 };
 extern const float rsh_pole[RSH_STEEP * RSH_MAX_ORDER];
-extern const float rsh_bend[RSH_STEEP * RSH_MAX_ORDER];
+extern const float rsh_curvature[RSH_STEEP * RSH_MAX_ORDER];
 extern const float rsh_keep[RSH_STEEP * RSH_MAX_ORDER];
 
-// The same for l < RSH_GENTLE by the roots in z^2: Y_l^m = norm_lm times z^2 - root for each of the
-// (l - m) / 2 roots, times Re (x + i y)^m, times z for odd l - m. The largest come first, and the
-// first half of them, rounded down, stands as 1 - root, to be taken from 1 - z^2. Both tables are
-// indexed m * RSH_GENTLE + l; the norms of the hemisphere contain its factor sqrt 2.
+// These functions for l < RSH_GENTLE by the roots in z^2: Y_l^m = norm_lm times z^2 - root for each
+// of the (l - m) / 2 roots, times Re (x + i y)^m, times z for odd l - m. The largest come first,
+// and the first half of them, rounded down, stands as 1 - root, to be taken from 1 - z^2. Both
+// tables are indexed m * RSH_GENTLE + l; the norms of the hemisphere contain its factor sqrt 2.
 enum { RSH_GENTLE = 10, RSH_GENTLE_ROOTS = 4 };
 extern const float rsh_gentle_norm[2 * RSH_GENTLE * RSH_GENTLE];  // of sphere and hemisphere
 extern const float rsh_gentle_root[RSH_GENTLE * RSH_GENTLE][RSH_GENTLE_ROOTS];
@@ -49,8 +50,9 @@ extern const float rsh_curve[RSH_MAX_COEFFICIENTS];
 // band l begins at l (2 l - 1) (2 l + 1) / 3. Three of four entries vanish by parity.
 extern const float rsh_swap[];
 
-// The quarter turn about x, (x, y, z) -> (x, -z, y), by rows: row i of all ends before entry
-// rsh_quarter_end[i], and entry k stands in column rsh_quarter_column[k] - l. Back: its transpose.
+// The rotation about x by 90 degrees, (x, y, z) -> (x, -z, y), by rows: row i of all ends before
+// entry rsh_quarter_end[i], and entry k stands in column rsh_quarter_column[k] - l. Back: its
+// transpose.
 extern const uint16_t rsh_quarter_end[RSH_MAX_COEFFICIENTS];
 extern const uint8_t rsh_quarter_column[];
 extern const float rsh_quarter[], rsh_quarter_back[];
@@ -62,7 +64,7 @@ extern const float rsh_ivanic_column[RSH_MAX_COEFFICIENTS];
 
 // Rotation works on 16 lanes at a time: lane |m| of a band, with the two coefficients +m and -m in
 // two vectors. The part that is even in x holds +m for even m and -m for odd m; the part that is
-// odd in x holds the others. Small bands share a vector, so order n takes the groups {0 1 2 3}
+// odd in x holds the others. Small bands are in one vector, so order n takes the groups {0 1 2 3}
 // {4 5} {6 7} {8} {9} ... {15}. Even m sit in the lower eight lanes and odd m in the upper eight.
 //
 // About z by a: with s = (-1)^m sin(m a) and c = cos(m a), even' = c even - s odd and

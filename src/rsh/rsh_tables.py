@@ -18,7 +18,7 @@ PAIR_STEPS = 3
 # the second kind, and Gegenbauer's of 11 / 2.
 MIXED = (fractions.Fraction(1, 2), fractions.Fraction(5))
 BELOW = 0.1  # weight of the mirror image below the horizon, see rsh_tables.h
-# Bands that share a vector of lanes, see rsh_tables.h.
+# Bands that are in one vector of lanes, see rsh_tables.h.
 GROUPS = [[0, 1, 2, 3], [4, 5], [6, 7]] + [[l] for l in range(8, ORDER)]
 
 
@@ -93,9 +93,9 @@ def y_quarter(l, a, b):
                         + (1 if a > 0 else -1) * wigner_quarter(l, p, -q))
 
 
-def z_quarter(m, turns):
-    """Rows (m, -m) of the rotation about z by turns * pi / 2: {column: value}."""
-    c, s = [(1, 0), (0, 1), (-1, 0), (0, -1)][(abs(m) * turns) % 4]
+def z_quarter(m, quarters):
+    """Rows (m, -m) of the rotation about z by quarters * pi / 2: {column: value}."""
+    c, s = [(1, 0), (0, 1), (-1, 0), (0, -1)][(abs(m) * quarters) % 4]
     return {m: c} if m == 0 else {m: c, -m: -s if m > 0 else s}
 
 
@@ -168,7 +168,7 @@ def plain_tables(w):
     steep = [(l, m) for l, m in grid if m < STEEP]
     w.array("float", "rsh_pole[RSH_STEEP * RSH_MAX_ORDER]",
             [norm(l, m) * pole(l, m) for l, m in steep])
-    w.array("float", "rsh_bend[RSH_STEEP * RSH_MAX_ORDER]",
+    w.array("float", "rsh_curvature[RSH_STEEP * RSH_MAX_ORDER]",
             [pole(l - 1, m) / (pole(l, m) * keep(l, m)) if l > m else 0.0 for l, m in steep])
     w.array("float", "rsh_keep[RSH_STEEP * RSH_MAX_ORDER]",
             [keep(l, m) if l > m else 0.0 for l, m in steep])
@@ -265,8 +265,8 @@ def mix_row(f, s, polynomial, scale):
 
 
 def quarter_tables(w, flat):
-    """The quarter turn about x, (x, y, z) -> (x, -z, y), by rows without its zeros: the exchange of
-    y and z after which y is turned round; and its transpose."""
+    """The rotation about x by 90 degrees, (x, y, z) -> (x, -z, y), by rows without its zeros: the
+    exchange of y and z after which y is negated; and its transpose."""
     ends, columns, values, back = [], [], [], []
     for l, a in flat:
         for b in range(-l, l + 1):

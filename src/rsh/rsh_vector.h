@@ -46,7 +46,7 @@ INLINE vf with_sign(vf v, vf s) { return (vf)((vi)v | ((vi)s & INT32_MIN)); }
 #endif
 
 // v, but no smaller in magnitude than `least`.
-INLINE vf at_least(vf v, float least) {
+INLINE vf lanes_at_least(vf v, float least) {
 #if RSH_WIDTH == 1
     return v > least || v < -least ? v : least;
 #else

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rotation as z, x, z, x, z [Kautz et al. 2002; K05 5.2]: the turn about y is one about z between
-// two quarter turns about x, whose matrices are constant and three quarters empty. Kept for
-// comparison, in plain C: rsh_rotate does the same work without an index per entry.
+// Rotation as z, x, z, x, z [Kautz et al. 2002; K05 5.2]: the rotation about y is one about z
+// between two rotations about x by 90 degrees, whose matrices are constant and three quarters
+// empty. Kept for comparison, in plain C: rsh_rotate does the same work without an index per entry.
 #include <string.h>
 
 #include "rsh/rsh_kernel.h"
 #include "rsh/rsh_multiples.h"
 
-// By the quarter turn about x, or back by its transpose.
-static void quarter_turn(int order, const float *value, const float *in, float *out) {
+// By the rotation about x by 90 degrees, or back by its transpose.
+static void rotate_about_x(int order, const float *value, const float *in, float *out) {
     for (int l = 0, k = 0; l < order; l++)
         for (int row = l * l; row < (l + 1) * (l + 1); row++) {
             float sum = 0.0f;
@@ -20,9 +20,9 @@ static void quarter_turn(int order, const float *value, const float *in, float *
 
 bool rsh_rotate_zxzxz(int order, int channels, const float r[9], const float *in, float *out) {
     if (!rsh_order_ok(order) || !rsh_in_range(r, 9)) return false;
-    struct rsh_turn t = rsh_turn_of_matrix(r);
+    struct rsh_rotation t = rsh_rotation_of_matrix(r);
     if (t.method == RSH_METHOD_Z) {
-        rsh_plain_turn(&t, order, channels, in, out);
+        rsh_plain_rotate(&t, order, channels, in, out);
         return true;
     }
     const struct rsh_multiples alpha = rsh_multiples_of(t.cos_alpha, t.sin_alpha, order),
@@ -32,11 +32,11 @@ bool rsh_rotate_zxzxz(int order, int channels, const float r[9], const float *in
     for (int c = 0; c < channels; c++, in += n, out += n) {
         float v[RSH_MAX_COEFFICIENTS], u[RSH_MAX_COEFFICIENTS];
         memcpy(v, in, (size_t)n * sizeof *v);
-        rsh_turn_multiples(order, &gamma, v);
-        quarter_turn(order, rsh_quarter, v, u);
-        rsh_turn_multiples(order, &beta, u);
-        quarter_turn(order, rsh_quarter_back, u, v);
-        rsh_turn_multiples(order, &alpha, v);
+        rsh_rotate_multiples(order, &gamma, v);
+        rotate_about_x(order, rsh_quarter, v, u);
+        rsh_rotate_multiples(order, &beta, u);
+        rotate_about_x(order, rsh_quarter_back, u, v);
+        rsh_rotate_multiples(order, &alpha, v);
         memcpy(out, v, (size_t)n * sizeof *v);
     }
     return true;

@@ -54,7 +54,7 @@ struct texture {
     const struct image *image, *level;  // level: half its size, a quarter, ...; or NULL
     int levels;
     bool filtered;                   // it, or what is nested in it, can be averaged over a width
-    float texels;                    // of the image along a unit of uv, the mean of both ways
+    float texels;                    // of the image along a unit of uv, the mean of both directions
     enum texture_wrap wrap, wrap_v;  // along u and v
     bool nearest;                    // filter_type nearest; else bilinear
     const char *attribute;           // name of a mesh attribute, the same pointer for the same name
@@ -95,35 +95,35 @@ static inline float texture_lines(const struct texture *grid) {
 
 // ---- Materials --------------------------------------------------------------------------------
 
-// Turns the frame of a BRDF by a height map or by a map of normals in the surface's frame; one of
+// Rotates the frame of a BRDF by a height map or by a map of normals in the surface's frame; one of
 // both is NULL, or both.
-struct material_relief {
-    const struct texture *bump, *normal;
+struct material_bump {
+    const struct texture *height, *normal;
     float scale;   // of the bumps
-    bool upright;  // normals that turn away from the viewer are mirrored [Schuessler et al. 2017]
+    bool upright;  // normals that point away from the viewer are mirrored [Schuessler et al. 2017]
     bool shadows;  // slopes shadow light that comes in flat
     bool outside;  // of twosided: the back shows the bumps from below, else its own
 };
-static inline bool relief_used(const struct material_relief *r) { return r->bump || r->normal; }
+static inline bool bump_used(const struct material_bump *r) { return r->height || r->normal; }
 
 // A side of a surface: a BRDF with constants in `base`, and textures (or NULL) that replace slots
-// of it; or, if part[0] is set, a blend of two sides. Where one of them is nothing (a null BRDF) it
-// is a mask: the surface has holes. At least one leaf of a tree is not nothing, unless it is the
-// only one.
+// of it; or, if component[0] is set, a blend of two sides. Where one of them is nothing (a null
+// BRDF) it is a mask: the surface has holes. At least one leaf of a tree is not nothing, unless it
+// is the only one.
 struct material_side {
     struct brdf base;
     const struct texture *slot[BRDF_SLOT_COUNT];
-    struct material_relief relief[BRDF_RELIEFS];  // the outermost first
-    bool one_sided;  // at the back of a blend that is two-sided in other parts only
-    uint32_t index;  // of the scene's sides that are no blends; a back may share the front's
-    const struct material_side *part[2];
-    const struct texture *blend;  // weight of part[1]; NULL: constant
+    struct material_bump bump[BRDF_BUMPS_MAX];  // the outermost first
+    bool one_sided;  // at the back of a blend that is two-sided in other components only
+    uint32_t index;  // of the scene's sides that are no blends; a back may have the front's
+    const struct material_side *component[2];
+    const struct texture *blend;  // weight of component[1]; NULL: constant
     float weight;
     bool holes;  // it is nothing; or a leaf of it is
 };
 
 // No more BRDFs may be blended on one side.
-enum { MATERIAL_PARTS_MAX = 16 };
+enum { MATERIAL_COMPONENTS_MAX = 16 };
 
 struct material {
     const char *name;                  // the id of its bsdf element, or its model's name
@@ -133,7 +133,7 @@ struct material {
     bool filtered;   // colours come from bitmaps that can be averaged
 };
 
-// The share of rays that are stopped there, in [0, 1] (scene_opacity.c).
+// The fraction of rays that are stopped there, in [0, 1] (scene_opacity.c).
 float material_opacity(const struct material *m, const struct texture_place *at);
 // Calls fn for every side of m that is no blend; those of the back if it is two-sided.
 void material_visit(const struct material *m,
@@ -190,11 +190,11 @@ struct shape {
     struct mat4 to_world,
         to_object;   // the others: object space as in Mitsuba (unit sphere, disk, cylinder)
     vec3 center;     // sphere: world
-    float radius;    // sphere: world; instance: its part of the scene's grain
+    float radius;    // sphere: world; instance: what it adds to the scene's epsilon
     uint32_t group;  // 1 + index of the group that it is a part of, in whose space it is; 0: none
     uint32_t instance_of;  // instance: index of its group
     vec3 lo, hi;           // instance (by scene_trace_build) and curves: bounds
-    bool flip_normals;     // already applied to a mesh's vertex normals and to surfels
+    bool flip_normals;     // already applied to a mesh's vertex normals and to surface interactions
     bool face_normals;
     uint32_t material;
     int32_t light;          // index of its area light or -1
@@ -209,8 +209,8 @@ struct shape_group {
 
 // Places a sphere, disk or cylinder by the transform of its object space (a sphere's or cylinder's
 // centre, radius and ends included): sets to_world, to_object, center and radius. A mirrored sphere
-// turns its front side, as in Mitsuba: flip_normals, set before, is toggled. False if the transform
-// has no inverse.
+// has its other side as the front, as in Mitsuba: flip_normals, set before, is toggled. False if
+// the transform has no inverse.
 bool scene_shape_place(struct shape *shape, const struct mat4 *to_world);
 // World-space area of a shape.
 float scene_shape_area(const struct shape *shape);
@@ -270,7 +270,7 @@ struct satin_scene {
     struct trace *trace;
     vec3 bounds_lo, bounds_hi;  // of all surfaces; equal for an empty scene
     float radius;               // of the sphere around the bounds, > 0
-    float grain;                // a length: coordinates are good to some ulp of it at least
+    float epsilon;              // a length: coordinates are good to some ulp of it at least
     uint64_t triangle_count;
     uint64_t hash;             // of everything that was read
     uint64_t world;            // the same without how it is looked at: sensor and integrator
@@ -287,7 +287,7 @@ struct ray {
 };
 
 // A surface point that a ray hit.
-struct surfel {
+struct interaction {
     vec3 p;              // on the surface to a few ulp
     vec3 ng;             // geometric normal, unit; the front side, with flip_normals applied
     struct frame frame;  // shading frame; n on the side of ng
@@ -307,29 +307,30 @@ void scene_trace_free(struct trace *trace);
 
 // The nearest hit in (tnear, tfar), or false; footprint 0. A ray that is not finite, or has no
 // direction, hits nothing.
-bool scene_intersect(const struct satin_scene *scene, const struct ray *ray, struct surfel *out);
-// The same for a ray that sees masked surfaces as whole ones.
+bool scene_intersect(const struct satin_scene *scene, const struct ray *ray,
+                     struct interaction *out);
+// scene_intersect for a ray to which masked surfaces are whole.
 bool scene_intersect_whole(const struct satin_scene *scene, const struct ray *ray,
-                           struct surfel *out);
+                           struct interaction *out);
 // Only the distance: INFINITY if there is no hit. Cheaper than scene_intersect.
 float scene_distance(const struct satin_scene *scene, const struct ray *ray);
 bool scene_occluded(const struct satin_scene *scene, const struct ray *ray);
 
 // A surface point moved off the edges of its triangle by `margin` where it is nearer, or as far
 // towards the triangle's centre, by no more than `margin`. Points of other shapes stay.
-vec3 scene_off_edges(const struct satin_scene *scene, const struct surfel *s, float margin);
+vec3 scene_off_edges(const struct satin_scene *scene, const struct interaction *s, float margin);
 
 // A ray that leaves a surface point in direction d: its origin is moved off the surface, to the
 // side that d points to, by a bound of the rounding error there, so that it does not hit the
 // surface it leaves.
 struct ray scene_spawn(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d);
-// The same towards the point q; it ends just before q. Normal nq of the surface at q, or zero if q
-// is free.
+// A ray as scene_spawn makes it, towards the point q; it ends just before q. Normal nq of the
+// surface at q, or zero if q is free.
 struct ray scene_spawn_to(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 q, vec3 nq);
 
 // Where textures are looked up at s.
-static inline struct texture_place surfel_texture_place(const struct satin_scene *scene,
-                                                        const struct surfel *s) {
+static inline struct texture_place interaction_texture_place(const struct satin_scene *scene,
+                                                             const struct interaction *s) {
     const struct mesh *mesh = &scene->shape[s->shape].mesh;
     return (struct texture_place){s->uv, mesh->attribute_count ? mesh : NULL, s->prim, s->bary,
                                   s->footprint * s->uv_rate};
@@ -338,29 +339,30 @@ static inline struct texture_place surfel_texture_place(const struct satin_scene
 // ---- Shading (scene_material.c) ---------------------------------------------------------------
 
 // One BRDF of those that are blended at s, seen from wo (world, unit, away from the surface).
-struct scene_part {
+struct scene_component {
     const struct material_side *side;
     float weight;
 };
 
 // All of them: at most MATERIAL_PARTS_MAX; weights over 0 that sum to 1. Rays have passed the holes
-// of s, so these are no parts, but where it emits.
-int scene_parts(const struct satin_scene *scene, const struct surfel *s, vec3 wo,
-                struct scene_part out[MATERIAL_PARTS_MAX]);
+// of s, so these are no components, but where it emits.
+int scene_components(const struct satin_scene *scene, const struct interaction *s, vec3 wo,
+                     struct scene_component out[MATERIAL_COMPONENTS_MAX]);
 // One, drawn with its weight as the probability, by s and wo alone.
-const struct material_side *scene_part(const struct satin_scene *scene, const struct surfel *s,
-                                       vec3 wo);
-// The BRDF of a part, with its textures looked up, and the frame that its local directions refer
-// to: n on wo's side for a two-sided material, else the surfel's, turned by bumps. False if the
-// part reflects nothing.
-bool scene_part_brdf(const struct satin_scene *scene, const struct material_side *side,
-                     const struct surfel *s, vec3 wo, struct brdf *brdf, struct frame *frame);
+const struct material_side *scene_component(const struct satin_scene *scene,
+                                            const struct interaction *s, vec3 wo);
+// The BRDF of a component, with its textures looked up, and the frame that its local directions
+// refer to: n on wo's side for a two-sided material, else the surface interaction's, rotated by
+// bump and normal maps. False if the component reflects nothing.
+bool scene_component_brdf(const struct satin_scene *scene, const struct material_side *side,
+                          const struct interaction *s, vec3 wo, struct brdf *brdf,
+                          struct frame *frame);
 // That of scene_part.
-bool scene_brdf(const struct satin_scene *scene, const struct surfel *s, vec3 wo, struct brdf *brdf,
-                struct frame *frame);
-// The frame without bumps, on the side that scene_part_brdf takes.
+bool scene_brdf(const struct satin_scene *scene, const struct interaction *s, vec3 wo,
+                struct brdf *brdf, struct frame *frame);
+// The frame without bumps, on the side that scene_component_brdf takes.
 struct frame scene_part_frame(const struct satin_scene *scene, const struct material_side *side,
-                              const struct surfel *s, vec3 wo);
+                              const struct interaction *s, vec3 wo);
 
 // ---- Camera (scene_camera.c) ------------------------------------------------------------------
 
@@ -380,8 +382,8 @@ void camera_check(const struct satin_scene *scene, struct log log);
 // at the border does.
 float film_filter_sample(const struct film_spec *film, float centre, float lo, float hi, float u);
 
-// The same from tables, for every filter. The sample counts `weight` times: 1, or where lobes of
-// the filter are negative on average 1, and less than 0 in the lobes.
+// film_filter_sample from tables, for every filter. The sample counts `weight` times: 1, or where
+// lobes of the filter are negative on average 1, and less than 0 in the lobes.
 enum { FILM_FILTER_STEPS = 1024 };
 struct film_filter {
     const struct film_spec *film;

@@ -30,8 +30,8 @@ struct ray camera_ray(const struct satin_scene *scene, float x, float y, float u
     float width = 2.0f * camera->tan_x / (float)film->width;
     if (spread) *spread = width * d.z * sqrtf(d.z);
     if (camera->aperture > 0.0f) {
-        vec2 lens = sample_disk(u, v);
-        origin = v3(camera->aperture * lens.x, camera->aperture * lens.y, 0.0f);
+        vec2 disk = sample_disk(u, v);
+        origin = v3(camera->aperture * disk.x, camera->aperture * disk.y, 0.0f);
         d = v3_unit(v3_mad(plane, -1.0f / camera->focus_distance, origin));
     }
     return (struct ray){mat4_point(&camera->to_world, origin), camera->near_clip / d.z,

@@ -7,15 +7,15 @@
 enum { RAYS = 1024 };
 
 // What the rays meet, with and without the clip planes.
-struct look {
+struct camera_look {
     int seen, there;
     float first, last;  // depths of what is there, as the clip planes count it
 };
 
-static struct look look(const struct satin_scene *scene) {
+static struct camera_look look(const struct satin_scene *scene) {
     const struct camera *camera = &scene->camera;
     const struct film_spec *film = &scene->film;
-    struct look out = {.first = INFINITY};
+    struct camera_look out = {.first = INFINITY};
     for (uint32_t i = 0; i < RAYS; i++) {
         const vec2 at = sample_sobol2(i, 0);
         struct ray ray =
@@ -39,8 +39,8 @@ static struct look look(const struct satin_scene *scene) {
     return out;
 }
 
-// Whether all corners of the scene's bounds lie behind the camera.
-static bool is_behind(const struct satin_scene *scene) {
+// Whether all corners of the scene's bounds are behind the camera.
+static bool scene_is_behind(const struct satin_scene *scene) {
     const vec3 eye = mat4_point(&scene->camera.to_world, v3(0, 0, 0)),
                d = mat4_vector(&scene->camera.to_world, v3(0, 0, 1)), lo = scene->bounds_lo,
                hi = scene->bounds_hi;
@@ -60,7 +60,7 @@ void camera_check(const struct satin_scene *scene, struct log log) {
     }
     if (scene->light_count == 0)
         log_message(log, SATIN_LOG_WARNING, "the scene has no light that shines: all is black");
-    const struct look l = look(scene);
+    const struct camera_look l = look(scene);
     if (l.seen > 0) return;
     if (l.there > 0 && l.first >= camera->far_clip)
         log_message(log, SATIN_LOG_WARNING,
@@ -79,5 +79,5 @@ void camera_check(const struct satin_scene *scene, struct log log) {
                     (double)l.last);
     else if (scene->environment < 0)
         log_message(log, SATIN_LOG_WARNING, "none of %d rays of the camera meets a shape%s", RAYS,
-                    is_behind(scene) ? ": the scene is behind it" : "");
+                    scene_is_behind(scene) ? ": the scene is behind it" : "");
 }

@@ -20,7 +20,7 @@ struct geometry {
     } array[ARRAYS_MAX];
 };
 
-static void add(struct geometry *g, const void *data, size_t size) {
+static void add_geometry_bytes(struct geometry *g, const void *data, size_t size) {
     g->array[g->count].data = data;
     g->array[g->count++].size = size;
 }
@@ -29,27 +29,27 @@ static struct geometry geometry_of(const struct shape *shape) {
     struct geometry g = {0};
     const struct mesh *mesh = &shape->mesh;
     const struct curves *curves = &shape->curves;
-    add(&g, &shape->kind, sizeof shape->kind);
+    add_geometry_bytes(&g, &shape->kind, sizeof shape->kind);
     switch (shape->kind) {
         case SHAPE_MESH:
-            add(&g, mesh->position, 3 * sizeof(float) * mesh->vertex_count);
-            add(&g, mesh->index, 3 * sizeof(uint32_t) * mesh->triangle_count);
+            add_geometry_bytes(&g, mesh->position, 3 * sizeof(float) * mesh->vertex_count);
+            add_geometry_bytes(&g, mesh->index, 3 * sizeof(uint32_t) * mesh->triangle_count);
             break;
         case SHAPE_CURVES:
-            add(&g, curves->point, 4 * sizeof(float) * curves->points);
-            add(&g, curves->first, sizeof(uint32_t) * curves->segments);
-            add(&g, &curves->linear, sizeof curves->linear);
+            add_geometry_bytes(&g, curves->point, 4 * sizeof(float) * curves->points);
+            add_geometry_bytes(&g, curves->first, sizeof(uint32_t) * curves->segments);
+            add_geometry_bytes(&g, &curves->linear, sizeof curves->linear);
             break;
         case SHAPE_SPHERE:
-            add(&g, &shape->center, sizeof shape->center);
-            add(&g, &shape->radius, sizeof shape->radius);
+            add_geometry_bytes(&g, &shape->center, sizeof shape->center);
+            add_geometry_bytes(&g, &shape->radius, sizeof shape->radius);
             break;
         case SHAPE_INSTANCE:
-            add(&g, &shape->instance_of, sizeof shape->instance_of);
-            add(&g, &shape->to_world, sizeof shape->to_world);
+            add_geometry_bytes(&g, &shape->instance_of, sizeof shape->instance_of);
+            add_geometry_bytes(&g, &shape->to_world, sizeof shape->to_world);
             break;
         default:
-            add(&g, &shape->to_world, sizeof shape->to_world);
+            add_geometry_bytes(&g, &shape->to_world, sizeof shape->to_world);
             break;
     }
     return g;
@@ -75,14 +75,14 @@ static bool equal(const struct geometry *a, const struct geometry *b) {
     return true;
 }
 
-struct keyed {
+struct keyed_shape {
     uint64_t hash;
     bool dark;  // emits no light
     uint32_t shape;
 };
 
 static int by_hash(const void *a, const void *b) {
-    const struct keyed *x = a, *y = b;
+    const struct keyed_shape *x = a, *y = b;
     if (x->hash != y->hash) return x->hash < y->hash ? -1 : 1;
     if (x->dark != y->dark) return x->dark ? 1 : -1;  // what shines is seen
     return x->shape < y->shape ? -1 : x->shape > y->shape;
@@ -93,7 +93,7 @@ bool coincide_find(const struct satin_scene *scene, uint32_t first, uint32_t cou
     *found = 0;
     memset(hidden, 0, count * sizeof *hidden);
     if (count < 2) return true;
-    struct keyed *key = array_new(count, sizeof *key);
+    struct keyed_shape *key = array_new(count, sizeof *key);
     if (!key) return false;
     size_t n = 0;
     for (uint32_t i = first; i < first + count; i++) {
@@ -101,7 +101,7 @@ bool coincide_find(const struct satin_scene *scene, uint32_t first, uint32_t cou
         if (shape->group != group) continue;
         if (shape->kind != SHAPE_INSTANCE && opacity_of(scene, shape)) continue;
         const struct geometry g = geometry_of(shape);
-        key[n++] = (struct keyed){hash_of(&g), shape->light < 0, i};
+        key[n++] = (struct keyed_shape){hash_of(&g), shape->light < 0, i};
     }
     qsort(key, n, sizeof *key, by_hash);
     // Each is compared with the first of its hash alone: of two geometries with one hash, which

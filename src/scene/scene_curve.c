@@ -3,8 +3,8 @@
 // in Mitsuba; u around the tube, from an axis of our own.
 #include "scene/scene_curve.h"
 
-// Share of the radius that hits are moved outwards by: above the error with which Embree finds
-// round curves (up to some 1e-4 where they bend), and too little to be seen.
+// Fraction of the radius that hits are moved outwards by: above the error with which Embree finds
+// round curves (up to some 1e-4 where they curve), and too little to be visible.
 #define OUTSIDE 1e-3f
 
 void scene_curves_bound(const struct curves *curves, vec3 *lo, vec3 *hi) {
@@ -39,8 +39,8 @@ static int basis(bool linear, float u, float w[4], float d[4]) {
     return 4;
 }
 
-void curve_surfel(const struct curves *curves, const struct curve_hit *hit, bool tangent,
-                  struct surfel *out) {
+void curve_interaction(const struct curves *curves, const struct curve_hit *hit, bool tangent,
+                       struct interaction *out) {
     const float *point = curves->point + (size_t)curves->first[hit->segment] * 4;
     float w[4], d[4], radius = 0.0f;
     int count = basis(curves->linear, hit->u, w, d);
@@ -52,10 +52,10 @@ void curve_surfel(const struct curves *curves, const struct curve_hit *hit, bool
     }
     vec3 n = v3_unit(hit->n), axis = v3_unit(along);
     struct frame around = frame_from_normal(axis);
-    float turn = atan2f(v3_dot(n, around.v), v3_dot(n, around.u)) * (0.5f / PI_F);
+    float azimuth = atan2f(v3_dot(n, around.v), v3_dot(n, around.u)) * (0.5f / PI_F);
     out->p = v3_mad(hit->p, OUTSIDE * radius, n);
     out->ng = hit->flip ? v3_neg(n) : n;
-    out->uv = (vec2){turn < 0.0f ? turn + 1.0f : turn,
+    out->uv = (vec2){azimuth < 0.0f ? azimuth + 1.0f : azimuth,
                      ((float)hit->segment + hit->u) / (float)curves->segments};
     out->dp_dv = along;
     out->dp_du = v3_mul(v3_cross(along, n), 2.0f * PI_F * radius / fmaxf(v3_len(along), 1e-20f));

@@ -9,13 +9,13 @@
 struct curve_hit {
     uint32_t segment;
     float u;  // along the segment, 0 to 1
-    vec3 p;   // as the ray tells
+    vec3 p;   // as the ray finds it
     vec3 n;   // normal, any length
     bool flip;
 };
 // Fills p, ng, frame, uv and dp_du, dp_dv. The point is put a little off the tube, to the outside:
 // the tracer finds tubes with errors that grow with their radius.
-void curve_surfel(const struct curves *curves, const struct curve_hit *hit, bool tangent,
-                  struct surfel *out);
+void curve_interaction(const struct curves *curves, const struct curve_hit *hit, bool tangent,
+                       struct interaction *out);
 
 #endif

@@ -14,7 +14,7 @@ static double filter_integral(const struct film_spec *film, double x) {
         case FILTER_TENT:
             return x < 0.0 ? 0.5 * (r + x) * (r + x) : r * r - 0.5 * (r - x) * (r - x);
         case FILTER_GAUSSIAN:
-            // Lowered to reach zero at the radius.
+            // Lowered to be zero at the radius.
             return sigma * sqrt(0.5 * 3.14159265358979323846) *
                        (erf(x / (sigma * sqrt(2.0))) + erf(r / (sigma * sqrt(2.0)))) -
                    (x + r) * exp(-0.5 * r * r / (sigma * sigma));
@@ -47,7 +47,7 @@ float film_filter_sample(const struct film_spec *film, float centre, float lo, f
     if (!(a < b)) return 0.0f;
     double from = filter_integral(film, a), to = filter_integral(film, b);
     double wanted = from + (double)u * (to - from);
-    // Newton's method; where it leaves the bracket, halving. The integral only grows, so the
+    // Newton's method; where it leaves the bracket, bisection. The integral only grows, so the
     // bracket closes.
     double left = a, right = b, x = 0.5 * (a + b);
     for (int i = 0; i < 40; i++) {

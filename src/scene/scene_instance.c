@@ -2,7 +2,7 @@
 // Instances: a group of shapes seen through a transform, for scene_trace.c.
 #include "scene/scene_instance.h"
 
-#include "scene/scene_surfel.h"
+#include "scene/scene_interaction.h"
 
 // The longest and the shortest a unit vector can about become: by columns, which serves for bounds.
 static float longest_column(const struct mat4 *m) {
@@ -22,8 +22,8 @@ void instance_bound(struct shape *shape, vec3 lo, vec3 hi) {
     }
     // A ray is rounded in the group's space, relative to what is added up there.
     vec3 back = v3(shape->to_object.m[0][3], shape->to_object.m[1][3], shape->to_object.m[2][3]);
-    float reach = fmaxf(v3_max_abs(lo), v3_max_abs(hi)) + v3_max_abs(back);
-    shape->radius = longest_column(&shape->to_world) * reach;
+    float extent = fmaxf(v3_max_abs(lo), v3_max_abs(hi)) + v3_max_abs(back);
+    shape->radius = longest_column(&shape->to_world) * extent;
 }
 
 struct ray instance_ray(const struct shape *shape, const struct ray *ray) {
@@ -32,10 +32,10 @@ struct ray instance_ray(const struct shape *shape, const struct ray *ray) {
 }
 
 float instance_margin(const struct satin_scene *scene, const struct shape *shape, vec3 p) {
-    return 4.0f * surfel_offset(scene, p) * longest_column(&shape->to_object);
+    return 4.0f * interaction_offset(scene, p) * longest_column(&shape->to_object);
 }
 
-void instance_place(const struct shape *shape, bool tangent, bool partials, struct surfel *s) {
+void instance_place(const struct shape *shape, bool tangent, bool partials, struct interaction *s) {
     vec3 u = mat4_vector(&shape->to_world, s->frame.u);
     if (partials) {
         s->dp_du = mat4_vector(&shape->to_world, s->dp_du);

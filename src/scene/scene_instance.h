@@ -5,15 +5,15 @@
 
 #include "scene/scene.h"
 
-// Sets an instance's bounds and its part of the scene's grain from the bounds of its group.
+// Sets an instance's bounds and what it adds to the scene's epsilon from the bounds of its group.
 void instance_bound(struct shape *shape, vec3 lo, vec3 hi);
 
 // A world ray in the group's space, with the same distances: its direction is not unit.
 struct ray instance_ray(const struct shape *shape, const struct ray *ray);
 // How far off the edges of a triangle to keep a hit at p (world), in the group's space.
 float instance_margin(const struct satin_scene *scene, const struct shape *shape, vec3 p);
-// Moves a surfel from the group's space to the world, with dp_du and dp_dv if it has these
-// `partials`. Its frame follows dp/du if `tangent`.
-void instance_place(const struct shape *shape, bool tangent, bool partials, struct surfel *s);
+// Moves a surface interaction from the group's space to the world, with dp_du and dp_dv if it has
+// these `partials`. Its frame follows dp/du if `tangent`.
+void instance_place(const struct shape *shape, bool tangent, bool partials, struct interaction *s);
 
 #endif

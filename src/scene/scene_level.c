@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shapes into Embree: triangle meshes share their arrays with it; spheres, disks and cylinders are
+// Shapes into Embree: triangle meshes lend it their arrays; spheres, disks and cylinders are
 // one user geometry over scene_quadric.c; instances are Embree's own. ROBUST traversal, so that no
 // ray passes between two triangles of a shared edge.
 #include "scene/scene_level.h"
@@ -21,11 +21,11 @@ static bool guard_accepts(const struct guard *guard, const struct RTCRay *ray,
     if (distance > guard->error.most) return true;
     double n2 = v3_len2(n), by_area = guard->error.by_area;
     if (distance * distance > by_area * by_area * n2 * sqrt(n2)) return true;
-    return surfel_crosses(guard->mesh, hit->primID, v3(ray->org_x, ray->org_y, ray->org_z), d,
-                          ray->tnear, end);
+    return interaction_crosses(guard->mesh, hit->primID, v3(ray->org_x, ray->org_y, ray->org_z), d,
+                               ray->tnear, end);
 }
 
-static vec3 origin_of(const struct RTCRay *ray) { return v3(ray->org_x, ray->org_y, ray->org_z); }
+static vec3 ray_origin(const struct RTCRay *ray) { return v3(ray->org_x, ray->org_y, ray->org_z); }
 static vec3 direction_of(const struct RTCRay *ray) {
     return v3(ray->dir_x, ray->dir_y, ray->dir_z);
 }
@@ -41,7 +41,7 @@ static bool mask_stops(const struct guard *guard, const struct RTCRay *ray,
         at.uv.x = first * a[0] + hit->u * b[0] + hit->v * c[0];
         at.uv.y = first * a[1] + hit->u * b[1] + hit->v * c[1];
     }
-    struct ray same = {.o = origin_of(ray), .d = direction_of(ray)};
+    struct ray same = {.o = ray_origin(ray), .d = direction_of(ray)};
     return opacity_stops(guard->mask, &at, &same, hit->primID, ray->id != 0);
 }
 
@@ -58,7 +58,8 @@ static void mesh_any(const struct RTCFilterFunctionNArguments *args) {
 }
 
 static void mesh_nearest(const struct RTCFilterFunctionNArguments *args) {
-    // The surfel will want the corners: their indices come while the traversal goes on.
+    // The surface interaction will want the corners: their indices come while the traversal goes
+    // on.
     const struct guard *guard = args->geometryUserPtr;
     __builtin_prefetch(guard->mesh->index + (size_t)((const struct RTCHit *)args->hit)->primID * 3);
     mesh_hit(args, INFINITY);
@@ -85,14 +86,14 @@ static void quadric_box(const struct RTCBoundsFunctionArguments *args) {
 }
 
 static bool quadric_hit(const struct quadric *q, const struct RTCRay *ray, float *t) {
-    const vec3 o = origin_of(ray), d = direction_of(ray);
+    const vec3 o = ray_origin(ray), d = direction_of(ray);
     float near = ray->tnear;
     for (int crossing = 0; crossing < 2; crossing++) {
         if (!quadric_intersect(q, o, d, near, ray->tfar, t)) return false;
         if (!q->mask) return true;
-        struct surfel s;
+        struct interaction s;
         struct ray same = {.o = o, .d = d};
-        quadric_surfel(q, &same, *t, false, &s);
+        quadric_interaction(q, &same, *t, false, &s);
         struct texture_place at = texture_at(s.uv);
         if (opacity_stops(q->mask, &at, &same, q->shape + (uint32_t)crossing, ray->id != 0))
             return true;
@@ -149,7 +150,7 @@ static void attach_mesh(RTCDevice device, struct level *level, const struct mesh
                                mesh->position, 0, 3 * sizeof(float), mesh->vertex_count);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->index, 0,
                                3 * sizeof(uint32_t), mesh->triangle_count);
-    level->guard[id] = (struct guard){mesh, mask, surfel_error(mesh)};
+    level->guard[id] = (struct guard){mesh, mask, interaction_error(mesh)};
     rtcSetGeometryUserData(geometry, &level->guard[id]);
     rtcSetGeometryIntersectFilterFunction(geometry, mesh_nearest);
     rtcSetGeometryOccludedFilterFunction(geometry, mesh_any);

@@ -5,14 +5,14 @@
 #define SCENE_LEVEL_H
 
 #include "scene/scene_embree.h"
+#include "scene/scene_interaction.h"
 #include "scene/scene_quadric.h"
-#include "scene/scene_surfel.h"
 
 // A mesh as its filter sees it.
 struct guard {
     const struct mesh *mesh;
     const struct material *mask;  // NULL if rays cannot pass
-    struct surfel_error error;
+    struct interaction_error error;
 };
 
 struct level {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a surface point to the BRDF there: which side is seen, which part of a blend, textures
-// looked up, the frame set. Sides are told by the shading normal, as the BRDF's own cosines are.
+// From a surface point to the BRDF there: which side is seen, which component of a blend, textures
+// looked up, the frame set. The side is that of the shading normal, as the BRDF's own cosines are.
 //
-// A blend is never evaluated as a sum: one part is drawn for each point and direction, or where the
-// image would show the noise all parts are taken in turn. So every part keeps its own way of being
-// cached or sampled.
+// A blend is never evaluated as a sum: one component is drawn for each point and direction, or
+// where the image would show the noise all components are taken in turn. So every component has its
+// own way of being cached or sampled.
 #include <string.h>
 
 #include "base/rng.h"
@@ -12,12 +12,12 @@
 
 static void visit(const struct material_side *side,
                   void (*fn)(void *ctx, const struct material_side *side), void *ctx) {
-    if (!side->part[0]) {
+    if (!side->component[0]) {
         fn(ctx, side);
         return;
     }
-    visit(side->part[0], fn, ctx);
-    visit(side->part[1], fn, ctx);
+    visit(side->component[0], fn, ctx);
+    visit(side->component[1], fn, ctx);
 }
 
 void material_visit(const struct material *m,
@@ -54,48 +54,54 @@ unsigned material_lobes(const struct material *m, bool holes) {
 
 // ---- Parts of a blend ---------------------------------------------------------------------------
 
-static bool is_behind(const struct surfel *s, vec3 wo) { return v3_dot(wo, s->frame.n) < 0.0f; }
-
-static const struct material_side *side_seen(const struct satin_scene *scene,
-                                             const struct surfel *s, vec3 wo) {
-    const struct material *m = &scene->material[s->material];
-    return m->two_sided && is_behind(s, wo) ? &m->back : &m->front;
+static bool is_seen_from_back(const struct interaction *s, vec3 wo) {
+    return v3_dot(wo, s->frame.n) < 0.0f;
 }
 
-static bool is_hole(const struct material_side *side) { return side->holes && !side->part[0]; }
+static const struct material_side *side_seen(const struct satin_scene *scene,
+                                             const struct interaction *s, vec3 wo) {
+    const struct material *m = &scene->material[s->material];
+    return m->two_sided && is_seen_from_back(s, wo) ? &m->back : &m->front;
+}
 
-// The weight of part[1]; among the parts that are there, where rays pass the holes.
+static bool side_is_hole(const struct material_side *side) {
+    return side->holes && !side->component[0];
+}
+
+// The weight of component[1]; among the components that are there, where rays pass the holes.
 static float blend_weight(const struct satin_scene *scene, const struct material_side *side,
-                          const struct surfel *s) {
-    const struct material_side *first = side->part[0], *second = side->part[1];
+                          const struct interaction *s) {
+    const struct material_side *first = side->component[0], *second = side->component[1];
     const bool passed = side->holes && s->light < 0;
-    if (passed && (is_hole(first) || is_hole(second))) return is_hole(first) ? 1.0f : 0.0f;
-    struct texture_place at = surfel_texture_place(scene, s);
+    if (passed && (side_is_hole(first) || side_is_hole(second)))
+        return side_is_hole(first) ? 1.0f : 0.0f;
+    struct texture_place at = interaction_texture_place(scene, s);
     float weight = side_weight(side, &at);
     if (!passed) return weight;
     float a = (1.0f - weight) * side_opacity(first, &at), b = weight * side_opacity(second, &at);
     return a + b > 0.0f ? b / (a + b) : weight;  // rounded uv may be where nothing is
 }
 
-static int list_parts(const struct satin_scene *scene, const struct material_side *side,
-                      const struct surfel *s, float weight, struct scene_part *out, int count) {
-    if (!(weight > 0.0f) || count == MATERIAL_PARTS_MAX) return count;
-    if (!side->part[0]) {
-        out[count] = (struct scene_part){side, weight};
+static int list_components(const struct satin_scene *scene, const struct material_side *side,
+                           const struct interaction *s, float weight, struct scene_component *out,
+                           int count) {
+    if (!(weight > 0.0f) || count == MATERIAL_COMPONENTS_MAX) return count;
+    if (!side->component[0]) {
+        out[count] = (struct scene_component){side, weight};
         return count + 1;
     }
     float second = blend_weight(scene, side, s);
-    count = list_parts(scene, side->part[0], s, weight * (1.0f - second), out, count);
-    return list_parts(scene, side->part[1], s, weight * second, out, count);
+    count = list_components(scene, side->component[0], s, weight * (1.0f - second), out, count);
+    return list_components(scene, side->component[1], s, weight * second, out, count);
 }
 
-int scene_parts(const struct satin_scene *scene, const struct surfel *s, vec3 wo,
-                struct scene_part out[MATERIAL_PARTS_MAX]) {
-    return list_parts(scene, side_seen(scene, s, wo), s, 1.0f, out, 0);
+int scene_components(const struct satin_scene *scene, const struct interaction *s, vec3 wo,
+                     struct scene_component out[MATERIAL_COMPONENTS_MAX]) {
+    return list_components(scene, side_seen(scene, s, wo), s, 1.0f, out, 0);
 }
 
 // A number in [0, 1) that depends on the point and the direction.
-static float draw(const struct surfel *s, vec3 wo) {
+static float draw(const struct interaction *s, vec3 wo) {
     const float f[6] = {s->p.x, s->p.y, s->p.z, wo.x, wo.y, wo.z};
     uint32_t bits[6];
     uint64_t key = 0x5851f42d4c957f2dull;
@@ -104,21 +110,21 @@ static float draw(const struct surfel *s, vec3 wo) {
     return (float)(key >> 40) * 0x1p-24f;
 }
 
-const struct material_side *scene_part(const struct satin_scene *scene, const struct surfel *s,
-                                       vec3 wo) {
+const struct material_side *scene_component(const struct satin_scene *scene,
+                                            const struct interaction *s, vec3 wo) {
     const struct material_side *side = side_seen(scene, s, wo);
-    if (!side->part[0]) return side;
+    if (!side->component[0]) return side;
     float u = draw(s, wo);
-    while (side->part[0]) {
+    while (side->component[0]) {
         float second = blend_weight(scene, side, s);
         bool take = u < second;
         u = take ? u / second : (u - second) / (1.0f - second);
-        side = side->part[take];
+        side = side->component[take];
     }
     return side;
 }
 
-// ---- The BRDF of a part -------------------------------------------------------------------------
+// ---- The BRDF of a component --------------------------------------------------------------------
 
 // What of a texture's number a model can stand.
 static float keep_number(enum brdf_slot slot, float x) {
@@ -126,8 +132,8 @@ static float keep_number(enum brdf_slot slot, float x) {
 }
 
 // Replaces the constants of `b` that are textured; colours are averaged over the place.
-static void look_up(const struct material_side *side, const struct texture_place *at,
-                    struct brdf *b) {
+static void set_brdf_values(const struct material_side *side, const struct texture_place *at,
+                            struct brdf *b) {
     const struct texture *const *slot = side->slot;
     struct texture_place point = *at;
     point.width = 0.0f;
@@ -142,79 +148,81 @@ static void look_up(const struct material_side *side, const struct texture_place
 
 // Seen from behind as if that were the front: two-sided, or a thin sheet, which is alike from both.
 static bool is_flipped(const struct satin_scene *scene, const struct material_side *side,
-                       const struct surfel *s, vec3 wo) {
-    if (!is_behind(s, wo)) return false;
+                       const struct interaction *s, vec3 wo) {
+    if (!is_seen_from_back(s, wo)) return false;
     return side->base.model->thin || (scene->material[s->material].two_sided && !side->one_sided);
 }
 
 struct frame scene_part_frame(const struct satin_scene *scene, const struct material_side *side,
-                              const struct surfel *s, vec3 wo) {
+                              const struct interaction *s, vec3 wo) {
     return is_flipped(scene, side, s, wo) ? frame_flip(s->frame) : s->frame;
 }
 
-// The normal of the relief in the frame that it turns, any length.
-static vec3 relief_normal(const struct satin_scene *scene, const struct material_relief *relief,
-                          const struct surfel *s, const struct frame *frame) {
-    if (relief->normal) {
-        struct texture_place at = surfel_texture_place(scene, s);
+// The normal of the bump or normal map in the frame that it rotates, any length.
+static vec3 bump_normal(const struct satin_scene *scene, const struct material_bump *bump,
+                        const struct interaction *s, const struct frame *frame) {
+    if (bump->normal) {
+        struct texture_place at = interaction_texture_place(scene, s);
         at.width = 0.0f;
-        rgb c = texture_eval(relief->normal, &at);
+        rgb c = texture_eval(bump->normal, &at);
         return v3(2.0f * c.r - 1.0f, 2.0f * c.g - 1.0f, 2.0f * c.b - 1.0f);
     }
-    vec2 slope = texture_gradient(relief->bump, s->uv);
+    vec2 slope = texture_gradient(bump->height, s->uv);
     vec3 n = frame->n, u = s->dp_du, v = s->dp_dv;
-    u = v3_mad(u, relief->scale * slope.x - v3_dot(n, u), n);
-    v = v3_mad(v, relief->scale * slope.y - v3_dot(n, v), n);
+    u = v3_mad(u, bump->scale * slope.x - v3_dot(n, u), n);
+    v = v3_mad(v, bump->scale * slope.y - v3_dot(n, v), n);
     n = v3_cross(u, v);
     return frame_to_local(frame, v3_dot(n, s->ng) < 0.0f ? v3_neg(n) : n);
 }
 
-// Turns `frame` by a relief whose normal is n for a view from wo; false if it stays. *shadows gets
-// the alpha^2 of its slopes.
-static bool turn_frame(const struct material_relief *relief, vec3 n, vec3 wo, bool flipped,
-                       struct frame *frame, float *shadows) {
+// Rotates `frame` by a bump or normal map whose normal is n for a view from wo; false if it stays.
+// *shadows gets the alpha^2 of its slopes.
+static bool rotate_frame(const struct material_bump *bump, vec3 n, vec3 wo, bool flipped,
+                         struct frame *frame, float *shadows) {
     vec3 w = frame_to_local(frame, wo);
-    // frame_flip keeps u and turns v.
-    if (flipped) n = relief->outside ? v3(-n.x, n.y, n.z) : v3(n.x, -n.y, n.z);
-    if (relief->upright && w.z * v3_dot(w, n) <= 0.0f) n = v3(-n.x, -n.y, n.z);
+    // frame_flip keeps u and negates v.
+    if (flipped) n = bump->outside ? v3(-n.x, n.y, n.z) : v3(n.x, -n.y, n.z);
+    if (bump->upright && w.z * v3_dot(w, n) <= 0.0f) n = v3(-n.x, -n.y, n.z);
     float length = v3_len(n);
     if (!(length > 0.0f && isfinite(length))) return false;
     n = v3_mul(n, 1.0f / length);
     if (n.z >= 1.0f) return false;
     *frame = frame_from_tangent(frame_to_world(frame, n), frame->u);
     float c2 = n.z * n.z;
-    *shadows = relief->shadows ? minf(0.125f * (1.0f - c2) / maxf(c2, 1e-12f), 1.0f) : 0.0f;
+    *shadows = bump->shadows ? minf(0.125f * (1.0f - c2) / maxf(c2, 1e-12f), 1.0f) : 0.0f;
     return true;
 }
 
-// Turns `frame` by the reliefs of a side, from the outermost on, and tells the BRDF.
-static void apply_reliefs(const struct satin_scene *scene, const struct material_side *side,
-                          const struct surfel *s, vec3 wo, struct frame *frame, struct brdf *b) {
+// Rotates `frame` by the bump and normal maps of a side, the outermost first, and records in the
+// BRDF what its shadowing needs.
+static void apply_bumps(const struct satin_scene *scene, const struct material_side *side,
+                        const struct interaction *s, vec3 wo, struct frame *frame, struct brdf *b) {
     const bool flipped = is_flipped(scene, side, s, wo);
-    vec3 up[BRDF_RELIEFS];
-    int turned = 0;
-    for (int i = 0; i < BRDF_RELIEFS && relief_used(&side->relief[i]); i++) {
+    vec3 up[BRDF_BUMPS_MAX];
+    int rotated = 0;
+    for (int i = 0; i < BRDF_BUMPS_MAX && bump_used(&side->bump[i]); i++) {
         const struct frame front = flipped ? frame_flip(*frame) : *frame;
-        vec3 n = relief_normal(scene, &side->relief[i], s, &front);
-        up[turned] = frame->n;
-        turned += turn_frame(&side->relief[i], n, wo, flipped, frame, &b->relief[turned]);
+        vec3 n = bump_normal(scene, &side->bump[i], s, &front);
+        up[rotated] = frame->n;
+        rotated += rotate_frame(&side->bump[i], n, wo, flipped, frame, &b->bump[rotated]);
     }
-    for (int i = 0; i < turned; i++) b->base[i] = frame_to_local(frame, up[i]);
+    for (int i = 0; i < rotated; i++) b->base[i] = frame_to_local(frame, up[i]);
 }
 
-bool scene_part_brdf(const struct satin_scene *scene, const struct material_side *side,
-                     const struct surfel *s, vec3 wo, struct brdf *brdf, struct frame *frame) {
+bool scene_component_brdf(const struct satin_scene *scene, const struct material_side *side,
+                          const struct interaction *s, vec3 wo, struct brdf *brdf,
+                          struct frame *frame) {
     const bool flipped = is_flipped(scene, side, s, wo);
-    if (is_behind(s, wo) && !flipped && !brdf_transmits(&side->base)) return false;
+    if (is_seen_from_back(s, wo) && !flipped && !brdf_transmits(&side->base)) return false;
     *brdf = side->base;
-    struct texture_place at = surfel_texture_place(scene, s);
-    look_up(side, &at, brdf);
+    struct texture_place at = interaction_texture_place(scene, s);
+    set_brdf_values(side, &at, brdf);
     *frame = flipped ? frame_flip(s->frame) : s->frame;
-    if (relief_used(&side->relief[0])) apply_reliefs(scene, side, s, wo, frame, brdf);
+    if (bump_used(&side->bump[0])) apply_bumps(scene, side, s, wo, frame, brdf);
     return brdf_lobes(brdf) != 0;
 }
 
-bool scene_brdf(const struct satin_scene *scene, const struct surfel *s, vec3 wo, struct brdf *brdf,
-                struct frame *frame) {
-    return scene_part_brdf(scene, scene_part(scene, s, wo), s, wo, brdf, frame);
+bool scene_brdf(const struct satin_scene *scene, const struct interaction *s, vec3 wo,
+                struct brdf *brdf, struct frame *frame) {
+    return scene_component_brdf(scene, scene_component(scene, s, wo), s, wo, brdf, frame);
 }

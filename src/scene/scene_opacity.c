@@ -15,10 +15,10 @@ float side_weight(const struct material_side *side, const struct texture_place *
 
 float side_opacity(const struct material_side *side, const struct texture_place *at) {
     if (!side->holes) return 1.0f;
-    if (!side->part[0]) return 0.0f;
+    if (!side->component[0]) return 0.0f;
     float second = side_weight(side, at);
-    return (1.0f - second) * side_opacity(side->part[0], at) +
-           second * side_opacity(side->part[1], at);
+    return (1.0f - second) * side_opacity(side->component[0], at) +
+           second * side_opacity(side->component[1], at);
 }
 
 const struct material *opacity_of(const struct satin_scene *scene, const struct shape *shape) {

@@ -8,24 +8,26 @@
 #include <float.h>
 #include <string.h>
 
-struct point {
+struct quadric_point {
     double x, y, z;
 };
 
-static struct point apply(const double m[3][4], struct point p, double w) {
-    return (struct point){m[0][0] * p.x + m[0][1] * p.y + m[0][2] * p.z + m[0][3] * w,
-                          m[1][0] * p.x + m[1][1] * p.y + m[1][2] * p.z + m[1][3] * w,
-                          m[2][0] * p.x + m[2][1] * p.y + m[2][2] * p.z + m[2][3] * w};
+static struct quadric_point apply(const double m[3][4], struct quadric_point p, double w) {
+    return (struct quadric_point){m[0][0] * p.x + m[0][1] * p.y + m[0][2] * p.z + m[0][3] * w,
+                                  m[1][0] * p.x + m[1][1] * p.y + m[1][2] * p.z + m[1][3] * w,
+                                  m[2][0] * p.x + m[2][1] * p.y + m[2][2] * p.z + m[2][3] * w};
 }
 
-static struct point wide(vec3 v) { return (struct point){v.x, v.y, v.z}; }
-static vec3 narrow(struct point p) { return v3((float)p.x, (float)p.y, (float)p.z); }
+static struct quadric_point wide(vec3 v) { return (struct quadric_point){v.x, v.y, v.z}; }
+static vec3 narrow(struct quadric_point p) { return v3((float)p.x, (float)p.y, (float)p.z); }
 
-static struct point along(struct point o, double t, struct point d) {
-    return (struct point){o.x + t * d.x, o.y + t * d.y, o.z + t * d.z};
+static struct quadric_point along(struct quadric_point o, double t, struct quadric_point d) {
+    return (struct quadric_point){o.x + t * d.x, o.y + t * d.y, o.z + t * d.z};
 }
 
-static double dot(struct point a, struct point b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static double dot(struct quadric_point a, struct quadric_point b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 
 // The inverse of an affine map by cofactors; false if it has none.
 static bool invert(const double m[3][4], double out[3][4]) {
@@ -95,18 +97,19 @@ static bool roots(double a, double b, double c, double rest, double t[2]) {
     return true;
 }
 
-static int crossings(const struct quadric *q, struct point o, struct point d, double t[2]) {
+static int crossings(const struct quadric *q, struct quadric_point o, struct quadric_point d,
+                     double t[2]) {
     if (q->kind == SHAPE_SPHERE) {
-        struct point m = {o.x - q->center[0], o.y - q->center[1], o.z - q->center[2]};
+        struct quadric_point m = {o.x - q->center[0], o.y - q->center[1], o.z - q->center[2]};
         double a = dot(d, d), b = dot(m, d), r2 = q->radius * q->radius;
-        struct point nearest = along(m, -b / a, d);
+        struct quadric_point nearest = along(m, -b / a, d);
         return roots(a, b, dot(m, m) - r2, dot(nearest, nearest) - r2, t) ? 2 : 0;
     }
     o = apply(q->to_object, o, 1.0);
     d = apply(q->to_object, d, 0.0);
     if (q->kind == SHAPE_DISK) {
         t[0] = -o.z / d.z;
-        struct point p = along(o, t[0], d);
+        struct quadric_point p = along(o, t[0], d);
         return p.x * p.x + p.y * p.y <= 1.0 ? 1 : 0;  // false for a ray in the plane: NaN
     }
     double a = d.x * d.x + d.y * d.y, b = o.x * d.x + o.y * d.y;
@@ -131,73 +134,78 @@ bool quadric_intersect(const struct quadric *q, vec3 o, vec3 d, float tnear, flo
     return false;
 }
 
-static struct point scaled(struct point p, double s) {
-    return (struct point){p.x * s, p.y * s, p.z * s};
+static struct quadric_point scaled(struct quadric_point p, double s) {
+    return (struct quadric_point){p.x * s, p.y * s, p.z * s};
 }
 
-// A turn about z as a coordinate in [0, 1).
-static float turn(double y, double x) {
+// The azimuth about z as a coordinate in [0, 1).
+static float azimuth_fraction(double y, double x) {
     double u = atan2(y, x) * (0.5 / M_PI);
     return (float)(u < 0.0 ? u + 1.0 : u);
 }
 
 // n, unit, by the transposed inverse.
-static struct point normal_to_world(const struct quadric *q, struct point n) {
+static struct quadric_point normal_to_world(const struct quadric *q, struct quadric_point n) {
     const double(*m)[4] = q->to_object;
-    struct point w = {m[0][0] * n.x + m[1][0] * n.y + m[2][0] * n.z,
-                      m[0][1] * n.x + m[1][1] * n.y + m[2][1] * n.z,
-                      m[0][2] * n.x + m[1][2] * n.y + m[2][2] * n.z};
+    struct quadric_point w = {m[0][0] * n.x + m[1][0] * n.y + m[2][0] * n.z,
+                              m[0][1] * n.x + m[1][1] * n.y + m[2][1] * n.z,
+                              m[0][2] * n.x + m[1][2] * n.y + m[2][2] * n.z};
     return scaled(w, 1.0 / sqrt(dot(w, w)));
 }
 
 // Position, normal (front side outwards or +z), uv, dp/du and dp/dv in world space.
 struct spot {
-    struct point p, n, du, dv;
+    struct quadric_point p, n, du, dv;
     vec2 uv;
 };
 
-static struct spot sphere_spot(const struct quadric *q, struct point p) {
-    struct point m = {p.x - q->center[0], p.y - q->center[1], p.z - q->center[2]};
+static struct spot sphere_spot(const struct quadric *q, struct quadric_point p) {
+    struct quadric_point m = {p.x - q->center[0], p.y - q->center[1], p.z - q->center[2]};
     struct spot s;
     s.n = scaled(m, 1.0 / sqrt(dot(m, m)));
-    s.p = along((struct point){q->center[0], q->center[1], q->center[2]}, q->radius, s.n);
-    struct point l = apply(q->to_object, s.p, 1.0);
+    s.p = along((struct quadric_point){q->center[0], q->center[1], q->center[2]}, q->radius, s.n);
+    struct quadric_point l = apply(q->to_object, s.p, 1.0);
     double r = hypot(l.x, l.y), c = r > 0.0 ? l.x / r : 1.0, d = r > 0.0 ? l.y / r : 0.0;
-    s.du = apply(q->to_world, (struct point){-2.0 * M_PI * l.y, 2.0 * M_PI * l.x, 0.0}, 0.0);
-    s.dv = apply(q->to_world, (struct point){M_PI * l.z * c, M_PI * l.z * d, -M_PI * r}, 0.0);
-    s.uv.x = turn(l.y, l.x);
+    s.du =
+        apply(q->to_world, (struct quadric_point){-2.0 * M_PI * l.y, 2.0 * M_PI * l.x, 0.0}, 0.0);
+    s.dv =
+        apply(q->to_world, (struct quadric_point){M_PI * l.z * c, M_PI * l.z * d, -M_PI * r}, 0.0);
+    s.uv.x = azimuth_fraction(l.y, l.x);
     s.uv.y = (float)(atan2(r, l.z) / M_PI);
     return s;
 }
 
-static struct spot disk_spot(const struct quadric *q, struct point p) {
-    struct point l = apply(q->to_object, p, 1.0);
+static struct spot disk_spot(const struct quadric *q, struct quadric_point p) {
+    struct quadric_point l = apply(q->to_object, p, 1.0);
     l.z = 0.0;
     double r = hypot(l.x, l.y);
-    struct point axis = r > 0.0 ? (struct point){l.x / r, l.y / r, 0.0} : (struct point){1, 0, 0};
+    struct quadric_point axis =
+        r > 0.0 ? (struct quadric_point){l.x / r, l.y / r, 0.0} : (struct quadric_point){1, 0, 0};
     struct spot s = {.p = apply(q->to_world, l, 1.0),
-                     .n = normal_to_world(q, (struct point){0.0, 0.0, 1.0}),
+                     .n = normal_to_world(q, (struct quadric_point){0.0, 0.0, 1.0}),
                      .du = apply(q->to_world, axis, 0.0)};
-    s.dv = apply(q->to_world, (struct point){-2.0 * M_PI * l.y, 2.0 * M_PI * l.x, 0.0}, 0.0);
-    s.uv = (vec2){(float)r, turn(l.y, l.x)};
+    s.dv =
+        apply(q->to_world, (struct quadric_point){-2.0 * M_PI * l.y, 2.0 * M_PI * l.x, 0.0}, 0.0);
+    s.uv = (vec2){(float)r, azimuth_fraction(l.y, l.x)};
     return s;
 }
 
-static struct spot cylinder_spot(const struct quadric *q, struct point p) {
-    struct point l = apply(q->to_object, p, 1.0);
+static struct spot cylinder_spot(const struct quadric *q, struct quadric_point p) {
+    struct quadric_point l = apply(q->to_object, p, 1.0);
     double r = hypot(l.x, l.y);
-    l = (struct point){l.x / r, l.y / r, fmin(fmax(l.z, 0.0), 1.0)};
+    l = (struct quadric_point){l.x / r, l.y / r, fmin(fmax(l.z, 0.0), 1.0)};
     struct spot s = {.p = apply(q->to_world, l, 1.0),
-                     .n = normal_to_world(q, (struct point){l.x, l.y, 0.0}),
-                     .dv = apply(q->to_world, (struct point){0.0, 0.0, 1.0}, 0.0)};
-    s.du = apply(q->to_world, (struct point){-2.0 * M_PI * l.y, 2.0 * M_PI * l.x, 0.0}, 0.0);
-    s.uv = (vec2){turn(l.y, l.x), (float)l.z};
+                     .n = normal_to_world(q, (struct quadric_point){l.x, l.y, 0.0}),
+                     .dv = apply(q->to_world, (struct quadric_point){0.0, 0.0, 1.0}, 0.0)};
+    s.du =
+        apply(q->to_world, (struct quadric_point){-2.0 * M_PI * l.y, 2.0 * M_PI * l.x, 0.0}, 0.0);
+    s.uv = (vec2){azimuth_fraction(l.y, l.x), (float)l.z};
     return s;
 }
 
-void quadric_surfel(const struct quadric *q, const struct ray *ray, float t, bool tangent,
-                    struct surfel *out) {
-    struct point p = along(wide(ray->o), t, wide(ray->d));
+void quadric_interaction(const struct quadric *q, const struct ray *ray, float t, bool tangent,
+                         struct interaction *out) {
+    struct quadric_point p = along(wide(ray->o), t, wide(ray->d));
     struct spot s = q->kind == SHAPE_SPHERE ? sphere_spot(q, p)
                     : q->kind == SHAPE_DISK ? disk_spot(q, p)
                                             : cylinder_spot(q, p);

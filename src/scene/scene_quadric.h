@@ -25,7 +25,7 @@ bool quadric_intersect(const struct quadric *quadric, vec3 o, vec3 d, float tnea
                        float *t);
 // Fills p (put back onto the surface), ng, frame and uv of the hit at distance t. The frame follows
 // dp/du if `tangent`.
-void quadric_surfel(const struct quadric *quadric, const struct ray *ray, float t, bool tangent,
-                    struct surfel *out);
+void quadric_interaction(const struct quadric *quadric, const struct ray *ray, float t,
+                         bool tangent, struct interaction *out);
 
 #endif

@@ -28,7 +28,7 @@ static void observer_at(double wavelength, double out[4]) {
     }
 }
 
-static double value_at(const struct spectrum *s, double wavelength, size_t *at) {
+static double spectrum_value_at(const struct spectrum *s, double wavelength, size_t *at) {
     if (!s->count || wavelength < s->wavelength[0] || wavelength > s->wavelength[s->count - 1])
         return 0.0;
     while (*at + 2 < s->count && s->wavelength[*at + 1] < wavelength) ++*at;
@@ -63,7 +63,7 @@ static double step_wavelength(int i) {
 }
 
 // A step of the integral over that of y.
-static double step_share(void) {
+static double step_fraction(void) {
     const double range = SPECTRUM_CIE_STEP * (SPECTRUM_CIE_ROWS - 1);
     return range / STEPS / y_integral;
 }
@@ -72,23 +72,23 @@ rgb spectrum_to_rgb(const struct spectrum *spectrum, bool light) {
     double xyz[3] = {0.0, 0.0, 0.0}, row[4];
     size_t at = 0;
     for (int i = 0; i < STEPS; i++) {
-        double wavelength = step_wavelength(i), y = value_at(spectrum, wavelength, &at);
+        double wavelength = step_wavelength(i), y = spectrum_value_at(spectrum, wavelength, &at);
         observer_at(wavelength, row);
         if (!light) y *= row[3] / d65_scale;
         for (int k = 0; k < 3; k++) xyz[k] += row[k] * y;
     }
-    return xyz_to_rgb(xyz, step_share());
+    return xyz_to_rgb(xyz, step_fraction());
 }
 
-rgb spectrum_filtered(double kelvin, double (*share)(const void *ctx, double nanometres),
+rgb spectrum_filtered(double kelvin, double (*transmitted)(const void *ctx, double nanometres),
                       const void *ctx) {
     double xyz[3] = {0.0, 0.0, 0.0}, row[4];
     for (int i = 0; i < STEPS; i++) {
-        double wavelength = step_wavelength(i), passed = share(ctx, wavelength);
+        double wavelength = step_wavelength(i), passed = transmitted(ctx, wavelength);
         observer_at(wavelength, row);
         for (int k = 0; k < 3; k++) xyz[k] += row[k] * planck(wavelength, kelvin) * passed;
     }
-    return xyz_to_rgb(xyz, step_share());
+    return xyz_to_rgb(xyz, step_fraction());
 }
 
 // Nothing outside of two wavelengths.

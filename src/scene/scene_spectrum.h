@@ -26,8 +26,8 @@ rgb spectrum_to_rgb(const struct spectrum *spectrum, bool light);
 // Linear sRGB of a black body's radiance [W m^-2 sr^-1 nm^-1] between two wavelengths [nm].
 rgb spectrum_blackbody(double kelvin, double first, double last);
 
-// The same through a filter: the share that it lets pass at a wavelength.
-rgb spectrum_filtered(double kelvin, double (*share)(const void *ctx, double nanometres),
+// Such a spectrum through a filter: `transmitted` is the fraction that passes at a wavelength.
+rgb spectrum_filtered(double kelvin, double (*transmitted)(const void *ctx, double nanometres),
                       const void *ctx);
 // Linear sRGB of the CIE's chromaticity x, y and a luminance; cut at 0.
 rgb spectrum_chromaticity(double x, double y, double luminance);

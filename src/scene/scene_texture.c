@@ -14,61 +14,63 @@ static int wrap(float i, int n, enum texture_wrap mode) {
     return odd ? n - 1 - inside : inside;
 }
 
-static rgb texel(const struct image *image, int x, int y) {
+static rgb image_texel(const struct image *image, int x, int y) {
     const float *t =
         image->texel + ((size_t)y * (size_t)image->width + (size_t)x) * (size_t)image->channels;
     return image->channels == 1 ? rgb_grey(t[0]) : rgb_make(t[0], t[1], t[2]);
 }
 
 // The four texels around (x, y), in texels from the centre of the first.
-struct cell {
+struct texel_cell {
     rgb upper_left, upper_right, lower_left, lower_right;
     float fx, fy;
 };
 
-static struct cell cell_at(const struct texture *texture, const struct image *image, float x,
-                           float y) {
+static struct texel_cell cell_at(const struct texture *texture, const struct image *image, float x,
+                                 float y) {
     float x0 = floorf(x), y0 = floorf(y);
     int left = wrap(x0, image->width, texture->wrap),
         right = wrap(x0 + 1.0f, image->width, texture->wrap);
     int top = wrap(y0, image->height, texture->wrap_v),
         bottom = wrap(y0 + 1.0f, image->height, texture->wrap_v);
-    return (struct cell){texel(image, left, top),
-                         texel(image, right, top),
-                         texel(image, left, bottom),
-                         texel(image, right, bottom),
-                         x - x0,
-                         y - y0};
+    return (struct texel_cell){image_texel(image, left, top),
+                               image_texel(image, right, top),
+                               image_texel(image, left, bottom),
+                               image_texel(image, right, bottom),
+                               x - x0,
+                               y - y0};
 }
 
-static rgb interpolate(const struct texture *texture, const struct image *image, float u, float v) {
+static rgb interpolate_texels(const struct texture *texture, const struct image *image, float u,
+                              float v) {
     float x = u * (float)image->width, y = v * (float)image->height;
-    struct cell c = cell_at(texture, image, x - 0.5f, y - 0.5f);
+    struct texel_cell c = cell_at(texture, image, x - 0.5f, y - 0.5f);
     rgb upper = rgb_mad(rgb_scale(c.upper_left, 1.0f - c.fx), c.upper_right, c.fx);
     rgb lower = rgb_mad(rgb_scale(c.lower_left, 1.0f - c.fx), c.lower_right, c.fx);
     return rgb_mad(rgb_scale(upper, 1.0f - c.fy), lower, c.fy);
 }
 
-static rgb nearest(const struct texture *texture, float u, float v) {
+static rgb nearest_texel(const struct texture *texture, float u, float v) {
     const struct image *image = texture->image;
     int w = image->width, h = image->height;
     float x = floorf(u * (float)w), y = floorf(v * (float)h);
-    return texel(image, wrap(x, w, texture->wrap), wrap(y, h, texture->wrap_v));
+    return image_texel(image, wrap(x, w, texture->wrap), wrap(y, h, texture->wrap_v));
 }
 
-static const struct image *level_of(const struct texture *texture, int i) {
+static const struct image *texture_level(const struct texture *texture, int i) {
     return i ? &texture->level[i - 1] : texture->image;
 }
 
 static rgb bitmap(const struct texture *texture, float u, float v, float width) {
-    if (texture->nearest) return nearest(texture, u, v);
+    if (texture->nearest) return nearest_texel(texture, u, v);
     float texels = width * texture->texels;
-    if (!(texels > 1.0f) || !texture->levels) return interpolate(texture, texture->image, u, v);
+    if (!(texels > 1.0f) || !texture->levels)
+        return interpolate_texels(texture, texture->image, u, v);
     // Between the level whose texels are that wide at most and the next [Williams 1983].
     float height = fminf(log2f(texels), (float)texture->levels);
     int low = (int)height, high = low < texture->levels ? low + 1 : low;
-    rgb fine = interpolate(texture, level_of(texture, low), u, v);
-    rgb coarse = interpolate(texture, level_of(texture, high), u, v);
+    rgb fine = interpolate_texels(texture, texture_level(texture, low), u, v);
+    rgb coarse = interpolate_texels(texture, texture_level(texture, high), u, v);
     return rgb_mad(rgb_scale(fine, (float)(low + 1) - height), coarse, height - (float)low);
 }
 
@@ -105,7 +107,7 @@ static const struct texture *find_check(const struct texture *texture, vec2 uv, 
     return texture;
 }
 
-static rgb eval(const struct texture *texture, const struct texture_place *at) {
+static rgb eval_unscaled(const struct texture *texture, const struct texture_place *at) {
     if (texture->kind == TEXTURE_CONSTANT) return texture->value;
     if (texture->kind == TEXTURE_ATTRIBUTE)
         return rgb_scale(attribute_eval(texture->attribute, at), texture->scale);
@@ -117,14 +119,14 @@ static rgb eval(const struct texture *texture, const struct texture_place *at) {
 rgb texture_eval(const struct texture *texture, const struct texture_place *at) {
     rgb factor;
     texture = find_check(texture, at->uv, false, &factor);
-    return rgb_mul(eval(texture, at), factor);
+    return rgb_mul(eval_unscaled(texture, at), factor);
 }
 
 float texture_number(const struct texture *texture, const struct texture_place *at) {
     rgb factor;
     texture = find_check(texture, at->uv, true, &factor);
     if (texture->kind == TEXTURE_CONSTANT) return rgb_mean(rgb_mul(texture->value, factor));
-    return rgb_luminance(rgb_mul(eval(texture, at), factor));
+    return rgb_luminance(rgb_mul(eval_unscaled(texture, at), factor));
 }
 
 vec2 texture_gradient(const struct texture *texture, vec2 uv) {
@@ -134,7 +136,7 @@ vec2 texture_gradient(const struct texture *texture, vec2 uv) {
     if (texture->kind != TEXTURE_BITMAP || texture->nearest || !to_texture(texture, uv, &u, &v))
         return (vec2){0.0f, 0.0f};
     float w = (float)texture->image->width, h = (float)texture->image->height;
-    struct cell c = cell_at(texture, texture->image, u * w - 0.5f, v * h - 0.5f);
+    struct texel_cell c = cell_at(texture, texture->image, u * w - 0.5f, v * h - 0.5f);
     float a = rgb_luminance(rgb_mul(c.upper_left, k)), b = rgb_luminance(rgb_mul(c.upper_right, k));
     float d = rgb_luminance(rgb_mul(c.lower_left, k)), e = rgb_luminance(rgb_mul(c.lower_right, k));
     float x = w * lerpf(b - a, e - d, c.fy), y = h * lerpf(d - a, e - b, c.fx);
@@ -146,7 +148,7 @@ static void image_range(const struct image *image, float *lo, float *hi) {
     *lo = INFINITY, *hi = -INFINITY;
     for (int y = 0; y < image->height; y++)
         for (int x = 0; x < image->width; x++) {
-            float value = rgb_luminance(texel(image, x, y));
+            float value = rgb_luminance(image_texel(image, x, y));
             *lo = minf(*lo, value), *hi = maxf(*hi, value);
         }
 }

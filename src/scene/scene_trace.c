@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Ray tracing over Embree, which this file and scene_level.c alone know: the scene as a level,
-// groups of shapes as levels below it, queries. Hits become surfels in scene_surfel.c,
-// scene_quadric.c and, where they are instances', scene_instance.c.
+// groups of shapes as levels below it, queries. Hits become surface interactions in
+// scene_interaction.c, scene_quadric.c and, where they are instances', scene_instance.c.
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -29,7 +29,7 @@ static bool bounds_of(const struct level *level, vec3 *lo, vec3 *hi) {
     return lo->x <= hi->x && lo->y <= hi->y && lo->z <= hi->z;
 }
 
-static satin_status build(struct trace *trace, struct satin_scene *scene, struct log log) {
+static satin_status build_trace(struct trace *trace, struct satin_scene *scene, struct log log) {
     trace->group = array_new(scene->group_count, sizeof *trace->group);
     if (!trace->group)
         return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for the ray tracing structure");
@@ -61,12 +61,12 @@ static void set_bounds(struct satin_scene *scene, const struct trace *trace) {
     scene->bounds_hi = empty ? v3(0, 0, 0) : hi;
     float radius = 0.5f * v3_len(v3_sub(scene->bounds_hi, scene->bounds_lo));
     scene->radius = radius > 0.0f ? radius : 1.0f;
-    scene->grain = 0x1p-20f * scene->radius;
+    scene->epsilon = 0x1p-20f * scene->radius;
     scene->triangle_count = 0;
     for (uint32_t i = 0; i < scene->shape_count; i++) {
         const struct shape *shape = &scene->shape[i];
         if (shape->kind == SHAPE_MESH) scene->triangle_count += shape->mesh.triangle_count;
-        if (shape->kind == SHAPE_INSTANCE) scene->grain = fmaxf(scene->grain, shape->radius);
+        if (shape->kind == SHAPE_INSTANCE) scene->epsilon = fmaxf(scene->epsilon, shape->radius);
     }
 }
 
@@ -92,7 +92,7 @@ satin_status scene_trace_build(struct satin_scene *scene, struct log log) {
     struct trace *trace = calloc(1, sizeof *trace);
     if (!trace)
         return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for the ray tracing structure");
-    satin_status status = build(trace, scene, log);
+    satin_status status = build_trace(trace, scene, log);
     if (status != SATIN_OK) {
         scene_trace_free(trace);
         return status;
@@ -135,20 +135,20 @@ static bool ray_load(const struct ray *ray, struct RTCRay *out) {
     return true;
 }
 
-static void surfel_of_curve(const struct shape *shape, const struct RTCRayHit *hit,
-                            const struct ray *ray, bool tangent, struct surfel *out) {
+static void interaction_of_curve(const struct shape *shape, const struct RTCRayHit *hit,
+                                 const struct ray *ray, bool tangent, struct interaction *out) {
     struct curve_hit at = {.segment = hit->hit.primID,
                            .u = hit->hit.u,
                            .p = v3_mad(ray->o, hit->ray.tfar, ray->d),
                            .n = v3(hit->hit.Ng_x, hit->hit.Ng_y, hit->hit.Ng_z),
                            .flip = shape->flip_normals};
-    curve_surfel(&shape->curves, &at, tangent, out);
+    curve_interaction(&shape->curves, &at, tangent, out);
 }
 
-// Fills a surfel but for t; ray and result are in the level's own space.
-static void surfel_of(const struct satin_scene *scene, const struct level *level,
-                      const struct RTCRayHit *hit, const struct ray *ray, float margin,
-                      struct surfel *out) {
+// Fills a surface interaction but for t; ray and result are in the level's own space.
+static void interaction_of(const struct satin_scene *scene, const struct level *level,
+                           const struct RTCRayHit *hit, const struct ray *ray, float margin,
+                           struct interaction *out) {
     bool quadric = hit->hit.geomID == level->quadric_id;
     uint32_t index =
         quadric ? level->quadric[hit->hit.primID].shape : level->geometry_shape[hit->hit.geomID];
@@ -156,14 +156,14 @@ static void surfel_of(const struct satin_scene *scene, const struct level *level
     bool tangent = scene->material[shape->material].tangent;
     bool rate = scene->material[shape->material].filtered;
     bool partials = tangent || scene->hints.aovs.partials;
-    struct surfel_hit at = {hit->hit.primID, hit->hit.u, hit->hit.v, tangent,
-                            partials,        rate,       margin};
+    struct interaction_hit at = {hit->hit.primID, hit->hit.u, hit->hit.v, tangent,
+                                 partials,        rate,       margin};
     if (quadric)
-        quadric_surfel(&level->quadric[hit->hit.primID], ray, hit->ray.tfar, tangent, out);
+        quadric_interaction(&level->quadric[hit->hit.primID], ray, hit->ray.tfar, tangent, out);
     else if (shape->kind == SHAPE_CURVES)
-        surfel_of_curve(shape, hit, ray, tangent, out);
+        interaction_of_curve(shape, hit, ray, tangent, out);
     else
-        surfel_triangle(scene, shape, &at, out);
+        interaction_triangle(scene, shape, &at, out);
     if (!rate)
         out->uv_rate = 0.0f;
     else if (shape->kind != SHAPE_MESH)
@@ -175,7 +175,7 @@ static void surfel_of(const struct satin_scene *scene, const struct level *level
 }
 
 static bool find_hit(const struct satin_scene *scene, const struct ray *ray, bool whole,
-                     struct surfel *out) {
+                     struct interaction *out) {
     struct RTCRayHit hit;
     if (!ray_load(ray, &hit.ray)) return false;
     hit.ray.id = whole;  // for the masks
@@ -184,12 +184,12 @@ static bool find_hit(const struct satin_scene *scene, const struct ray *ray, boo
     embree_intersect(trace->top.scene, &hit);
     if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
     if (hit.hit.instID[0] == RTC_INVALID_GEOMETRY_ID) {
-        surfel_of(scene, &trace->top, &hit, ray, 0.0f, out);
+        interaction_of(scene, &trace->top, &hit, ray, 0.0f, out);
     } else {
         const struct shape *shape = &scene->shape[trace->top.geometry_shape[hit.hit.instID[0]]];
         struct ray local = instance_ray(shape, ray);
         float margin = instance_margin(scene, shape, v3_mad(ray->o, hit.ray.tfar, ray->d));
-        surfel_of(scene, &trace->group[shape->instance_of], &hit, &local, margin, out);
+        interaction_of(scene, &trace->group[shape->instance_of], &hit, &local, margin, out);
         bool tangent = scene->material[out->material].tangent;
         instance_place(shape, tangent, tangent || scene->hints.aovs.partials, out);
     }
@@ -198,12 +198,13 @@ static bool find_hit(const struct satin_scene *scene, const struct ray *ray, boo
     return true;
 }
 
-bool scene_intersect(const struct satin_scene *scene, const struct ray *ray, struct surfel *out) {
+bool scene_intersect(const struct satin_scene *scene, const struct ray *ray,
+                     struct interaction *out) {
     return find_hit(scene, ray, false, out);
 }
 
 bool scene_intersect_whole(const struct satin_scene *scene, const struct ray *ray,
-                           struct surfel *out) {
+                           struct interaction *out) {
     return find_hit(scene, ray, true, out);
 }
 

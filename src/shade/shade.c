@@ -60,7 +60,7 @@ static void surface_channels(const struct shade *shade, const struct gather_poin
     vec3 n = v3_dot(p->frame.n, p->ng) < 0.0f ? v3_neg(p->frame.n) : p->frame.n;
     if (p->lobes) out->layer[SHADE_ALBEDO] = brdf_albedo(&p->brdf, p->wo_l, BRDF_ALL);
     out->layer[SHADE_NORMAL] = rgb_make(n.x, n.y, n.z);
-    out->depth = p->surfel.t;
+    out->depth = p->interaction.t;
     if (shade->g->scene->hints.aovs.count) shade_aov(shade, p, lens, out->aov);
 }
 
@@ -75,8 +75,8 @@ static void photons_seen(struct shade_job *job) {
     const struct gather *g = job->shade->g;
     const struct gather_point *p = &job->vertex->point;
     float radius;
-    rgb L = photon_radiance(g->maps, g->scene, p->surfel.p, p->ng, &p->frame, &p->brdf, p->wo_l,
-                            BRDF_REFLECT, &radius);
+    rgb L = photon_radiance(g->maps, g->scene, p->interaction.p, p->ng, &p->frame, &p->brdf,
+                            p->wo_l, BRDF_REFLECT, &radius);
     rgb *layer = &job->out->layer[SHADE_INDIRECT_DIFFUSE];
     *layer = rgb_fma(*layer, job->vertex->T, L);
 }
@@ -151,10 +151,10 @@ int shade_sites(const struct shade *shade, int x, int y, uint32_t index, struct 
         uint64_t stream =
             rng_mix(((uint64_t)sampler.seed << 20) + ((uint64_t)index << 4) + (uint64_t)i);
         out[count++] = (struct cache_site){
-            .p = o->origin_shift
-                     ? scene_off_edges(shade->g->scene, &v->point.surfel, EDGE_PIXELS * v->pixel)
-                     : v->point.surfel.p,
-            .ng = v->point.surfel.ng,
+            .p = o->origin_shift ? scene_off_edges(shade->g->scene, &v->point.interaction,
+                                                   EDGE_PIXELS * v->pixel)
+                                 : v->point.interaction.p,
+            .ng = v->point.interaction.ng,
             .frame = v->point.base,
             .pixel = v->pixel,
             .stream = stream,

@@ -4,7 +4,7 @@
 
 // How uv grows on the tangent plane of s from the eye ray to one through `film`: the least squares
 // solution of du dp/du + dv dp/dv = dp. 0 where the ray misses the plane or uv spans none.
-static vec2 uv_towards(const struct satin_scene *scene, const struct surfel *s, vec2 film,
+static vec2 uv_towards(const struct satin_scene *scene, const struct interaction *s, vec2 film,
                        vec2 lens) {
     const struct ray ray = camera_ray(scene, film.x, film.y, lens.x, lens.y, NULL);
     const float t = v3_dot(v3_sub(s->p, ray.o), s->ng) / v3_dot(ray.d, s->ng);
@@ -32,7 +32,7 @@ static void put3(float *to, vec3 v) {
     if (to) to[0] = v.x, to[1] = v.y, to[2] = v.z;
 }
 
-static void put_partials(const struct shade *shade, const struct surfel *s,
+static void put_partials(const struct shade *shade, const struct interaction *s,
                          const struct shade_lens *lens, float *out) {
     const struct satin_scene *scene = shade->g->scene;
     const struct scene_aovs *aovs = &scene->hints.aovs;
@@ -58,7 +58,7 @@ void shade_aov_light(const struct scene_aovs *aovs, rgb L, float *out) {
 void shade_aov(const struct shade *shade, const struct gather_point *p,
                const struct shade_lens *lens, float *out) {
     const struct scene_aovs *aovs = &shade->g->scene->hints.aovs;
-    const struct surfel *s = &p->surfel;
+    const struct interaction *s = &p->interaction;
     if (p->lobes && p->brdf.model->slots & 1u << BRDF_SLOT_DIFFUSE) {
         const rgb c = p->brdf.diffuse;
         put3(place(aovs, AOV_ALBEDO, out), v3(c.r, c.g, c.b));

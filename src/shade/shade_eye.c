@@ -42,7 +42,7 @@ struct ray shade_eye_ray(const struct shade *shade, int x, int y, struct sampler
     return camera_ray(scene, out->film.x, out->film.y, lens.x, lens.y, &out->spread);
 }
 
-static void emitted(const struct shade *shade, const struct branch *b, const struct surfel *s,
+static void emitted(const struct shade *shade, const struct branch *b, const struct interaction *s,
                     struct shade_eye *out) {
     const struct satin_scene *scene = shade->g->scene;
     const satin_options *o = shade->g->options;
@@ -77,18 +77,18 @@ static int scatter(const struct shade *shade, const struct branch *b, const stru
         }
         vec3 d = frame_to_world(&p->frame, way[i].wi);
         stack[top++] =
-            (struct branch){scene_spawn(shade->g->scene, p->surfel.p, p->surfel.ng, d), T,
-                            b->distance + p->surfel.t, b->depth + 1, b->splits + (ways > 1)};
+            (struct branch){scene_spawn(shade->g->scene, p->interaction.p, p->interaction.ng, d), T,
+                            b->distance + p->interaction.t, b->depth + 1, b->splits + (ways > 1)};
     }
     return top;
 }
 
 // The parts of a blend, all while there is room for them, else one that is drawn.
-static int find_parts(const struct satin_scene *scene, const struct surfel *s, vec3 d, int taken,
-                      struct scene_part part[MATERIAL_PARTS_MAX]) {
-    int parts = scene_parts(scene, s, v3_neg(d), part);
+static int find_parts(const struct satin_scene *scene, const struct interaction *s, vec3 d,
+                      int taken, struct scene_component part[MATERIAL_COMPONENTS_MAX]) {
+    int parts = scene_components(scene, s, v3_neg(d), part);
     if (parts == 1 || taken + 2 * parts <= SHADE_VERTICES) return parts;
-    part[0] = (struct scene_part){scene_part(scene, s, v3_neg(d)), 1.0f};
+    part[0] = (struct scene_component){scene_component(scene, s, v3_neg(d)), 1.0f};
     return 1;
 }
 
@@ -105,14 +105,14 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
     out->emission = rgb_grey(0.0f);
     for (int top = 1; top > 0;) {
         struct branch b = stack[--top];
-        struct surfel s;
+        struct interaction s;
         bool hit = scene_intersect(scene, &b.ray, &s);
         emitted(shade, &b, hit ? &s : NULL, out);
         if (!hit) continue;
         s.footprint = shade->sharpness * spread * (b.distance + s.t);
-        struct scene_part part[MATERIAL_PARTS_MAX];
+        struct scene_component part[MATERIAL_COMPONENTS_MAX];
         const struct material_side *shown =
-            b.depth == 0 ? scene_part(scene, &s, v3_neg(b.ray.d)) : NULL;
+            b.depth == 0 ? scene_component(scene, &s, v3_neg(b.ray.d)) : NULL;
         int parts = find_parts(scene, &s, b.ray.d, out->count + top, part);
         for (int i = 0; i < parts; i++) {
             struct gather_point point;

@@ -15,13 +15,13 @@ struct shade_memo_entry *shade_memo_find(struct shade_memo *memo, const struct g
         if (e->side == p->side && fabsf(e->alpha - p->brdf.alpha_u) < ROUGH * e->alpha &&
             fabsf(e->exponent - p->brdf.exponent) <= 2.0f * ROUGH * e->exponent &&
             v3_dot(e->n, p->frame.n) > ALIKE && v3_dot(e->wo, wo) > ALIKE &&
-            v3_dist2(e->p, p->surfel.p) < sqrf(NEAR * pixel))
+            v3_dist2(e->p, p->interaction.p) < sqrf(NEAR * pixel))
             return e;
     }
     struct shade_memo_entry *e = &memo->entry[memo->next];
     memo->next = (memo->next + 1) % SHADE_MEMO;
     if (memo->count < SHADE_MEMO) memo->count++;
-    *e = (struct shade_memo_entry){p->surfel.p,     p->frame.n,       wo,         p->side,
-                                   p->brdf.alpha_u, p->brdf.exponent, .knows = 0u};
+    *e = (struct shade_memo_entry){p->interaction.p, p->frame.n,       wo,         p->side,
+                                   p->brdf.alpha_u,  p->brdf.exponent, .knows = 0u};
     return e;
 }

@@ -9,7 +9,7 @@
 #include "shade/shade_eye.h"
 
 // Where bumps leave less of a lobe, they cut it so that its harmonics do not tell.
-static const float RELIEF_LEAST = 0.8f;
+static const float BUMP_LEAST = 0.8f;
 
 void shade_plan_make(const struct shade *shade, const struct gather_point *p,
                      struct shade_plan *plan) {
@@ -23,8 +23,8 @@ void shade_plan_make(const struct shade *shade, const struct gather_point *p,
         plan->diffuse &= ~plan->cached;
         return;
     }
-    plan->relief = brdf_relief_glossy(&p->brdf, p->wo_l);
-    if (plan->table && plan->relief > RELIEF_LEAST &&
+    plan->bump = brdf_bump_glossy(&p->brdf, p->wo_l);
+    if (plan->table && plan->bump > BUMP_LEAST &&
         brdf_range_order(plan->table, &p->brdf, p->wo_l) > 0) {
         plan->cached = p->lobes & BRDF_REFLECT;
     } else {
@@ -46,7 +46,7 @@ struct cache_used shade_radiance(const struct shade *shade, const struct shade_p
 }
 
 rgb shade_diffuse_albedo(const struct gather_point *p) {
-    float share = brdf_relief_diffuse(&p->brdf) * (1.0f / PI_F);
+    float share = brdf_bump_diffuse(&p->brdf) * (1.0f / PI_F);
     return rgb_scale(brdf_albedo(&p->brdf, p->wo_l, BRDF_DIFFUSE), share);
 }
 
@@ -68,7 +68,7 @@ unsigned shade_known(const void *records, const struct gather_point *y, rgb *L) 
     if (plan.cached && shade_radiance(s, &plan, y, &at, &glossy, &E).count) {
         known |= plan.cached;
         if (plan.cached & BRDF_GLOSSY)
-            *L = rgb_fma(*L, rgb_scale(y->brdf.specular, plan.relief), glossy);
+            *L = rgb_fma(*L, rgb_scale(y->brdf.specular, plan.bump), glossy);
     } else if (plan.diffuse && cache_irradiance(s->cache, &at, s->a_irradiance, &E).count) {
         known |= plan.diffuse;
     }

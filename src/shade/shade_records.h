@@ -13,7 +13,7 @@ struct shade_plan {
     unsigned sampled;                // glossy, or through, by importance sampling
     const struct brdf_range *table;  // of the glossy lobe, if that is cached
     int channels;
-    float relief;  // what bumps leave of the cached glossy light
+    float bump;  // what bumps leave of the cached glossy light
 };
 
 void shade_plan_make(const struct shade *shade, const struct gather_point *p,
@@ -21,7 +21,7 @@ void shade_plan_make(const struct shade *shade, const struct gather_point *p,
 
 // A place for lookups; without a record of the accuracy asked for the nearest up to `reach` serves.
 static inline struct cache_place shade_place(const struct gather_point *p, float reach) {
-    return (struct cache_place){p->surfel.p, p->base.n, p->frame, reach};
+    return (struct cache_place){p->interaction.p, p->base.n, p->frame, reach};
 }
 
 // What the glossy lobes reflect, without the factor brdf.specular, and the irradiance, if the point

@@ -24,7 +24,7 @@ void shade_surface(const struct shade *shade, const struct cache_site *site, str
                    struct cache_surface *out) {
     struct sampler sampler;
     const struct gather_point p = find(shade, site, &sampler);
-    *at = (struct cache_place){p.surfel.p, p.base.n, p.base, 0.0f};
+    *at = (struct cache_place){p.interaction.p, p.base.n, p.base, 0.0f};
     out->diffuse = rgb_scale(brdf_albedo(&p.brdf, p.wo_l, BRDF_DIFFUSE), 1.0f / PI_F);
     out->lobe = (struct cache_lobe){.C = out->coefficients};
     shade_lobe_name(&p, &out->lobe);

@@ -22,7 +22,7 @@ static void add(struct shade_job *job, enum shade_layer layer, rgb L) {
 
 static struct gather_site site_of(const struct shade_job *job) {
     const struct gather_point *p = &job->vertex->point;
-    return (struct gather_site){p->surfel.p, p->surfel.ng, p->base, job->stream};
+    return (struct gather_site){p->interaction.p, p->interaction.ng, p->base, job->stream};
 }
 
 // E on a facet that bumps turned, as cache_irradiance has it.
@@ -82,7 +82,7 @@ static bool indirect_cached(struct shade_job *job, const struct shade_plan *plan
         memo->knows |= MEMO_RADIANCE;
     }
     note_records(job, memo->used);
-    rgb factor = rgb_scale(p->brdf.specular, plan->relief);
+    rgb factor = rgb_scale(p->brdf.specular, plan->bump);
     if (shiny) add_cached(job, SHADE_INDIRECT_GLOSSY, rgb_mul(factor, memo->glossy));
     if (diffuse) add_cached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(shade_diffuse_albedo(p), memo->E));
     return true;
@@ -107,9 +107,9 @@ static int draw_rays(struct shade_job *job, unsigned lobes, int count, rgb *weig
         float u_lobe = sampler_1d(&u);
         if (!brdf_sample(&p->brdf, p->wo_l, u_lobe, uv.x, uv.y, lobes, BRDF_RADIANCE, &b)) continue;
         vec3 d = frame_to_world(&p->frame, b.wi);
-        ray[rays].ray = scene_spawn(job->shade->g->scene, p->surfel.p, p->surfel.ng, d);
+        ray[rays].ray = scene_spawn(job->shade->g->scene, p->interaction.p, p->interaction.ng, d);
         ray[rays].item = u.index;
-        ray[rays].lit = &p->surfel.p;
+        ray[rays].lit = &p->interaction.p;
         ray[rays].spread = sharp ? 0.0f : fminf(1.0f / sqrtf(b.pdf_w * (float)count), SPREAD_MAX);
         weight[rays] = b.weight;
         pdf[rays++] = b.pdf_w;
@@ -156,18 +156,19 @@ static void look_for_lights(struct shade_job *job, unsigned lobes, float ratio) 
     if (!brdf_sample(&p->brdf, p->wo_l, sampler_1d(&u), uv.x, uv.y, lobes, BRDF_RADIANCE, &b))
         return;
     vec3 d = frame_to_world(&p->frame, b.wi);
-    struct surfel hit;
+    struct interaction hit;
     bool sky;
     struct light_found found;
-    if (!light_find(g->scene, p->surfel.p, p->surfel.ng, d, gather_panes(g, 1), &hit, &sky, &found))
+    if (!light_find(g->scene, p->interaction.p, p->interaction.ng, d, gather_panes(g, 1), &hit,
+                    &sky, &found))
         return;
-    float light_pdf = gather_light_pdf(g, p->surfel.p, &found.chain, sky ? NULL : &hit);
+    float light_pdf = gather_light_pdf(g, p->interaction.p, &found.chain, sky ? NULL : &hit);
     add(job, SHADE_DIRECT,
         rgb_scale(rgb_mul(b.weight, found.L), mis_power(ratio * b.pdf_w, light_pdf)));
 }
 
 // Luminance of direct and indirect light so far.
-static float shown(const struct shade_job *job) {
+static float light_so_far(const struct shade_job *job) {
     const rgb *layer = job->out->layer;
     return rgb_luminance(rgb_add(
         layer[SHADE_DIRECT], rgb_add(layer[SHADE_INDIRECT_DIFFUSE], layer[SHADE_INDIRECT_GLOSSY])));
@@ -191,7 +192,7 @@ void shade_vertex_two_pass(struct shade_job *job) {
     const struct gather_mis mis = {
         1, {{rest & ~extra, 0.0f}, {extra, 1.0f / lights}, {sampled, ratio}}};
     float variance;
-    const float before = shown(job);
+    const float before = light_so_far(job);
     add(job, SHADE_DIRECT, gather_direct(g, p, mis, job->lights, job->sampler, &variance));
     job->out->light_variance += sqrf(rgb_luminance(job->vertex->T)) * variance;
     job->sampler.dimension += 2;
@@ -199,7 +200,7 @@ void shade_vertex_two_pass(struct shade_job *job) {
     job->sampler.dimension += 2;
     if (!indirect) return;
     if (o->record_maps &&
-        cache_stands(job->shade->cache, p->surfel.p, p->base.n, job->vertex->pixel))
+        cache_stands(job->shade->cache, p->interaction.p, p->base.n, job->vertex->pixel))
         job->out->record = 1.0f;
 
     const unsigned caustic = plan.cached | plan.diffuse;
@@ -214,9 +215,9 @@ void shade_vertex_two_pass(struct shade_job *job) {
     }
     if (plan.diffuse) indirect_diffuse(job, memo);
     if (plan.sampled) sample_lobes(job, plan.sampled, ratio);
-    const struct photon_beside beside = {shown(job) - before, u_caustic};
+    const struct photon_beside beside = {light_so_far(job) - before, u_caustic};
     if (caustic)
         add(job, SHADE_CAUSTIC,
-            photon_caustic(g->maps, g->scene, p->surfel.p, p->ng, &p->frame, &p->brdf, p->wo_l,
+            photon_caustic(g->maps, g->scene, p->interaction.p, p->ng, &p->frame, &p->brdf, p->wo_l,
                            caustic, beside));
 }

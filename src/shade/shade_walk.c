@@ -36,15 +36,15 @@ bool shade_walk(const struct shade *shade, int x, int y, int level, struct cache
         vec2 u = sampler_2d(&sampler);
         if (!brdf_sample(&p.brdf, p.wo_l, u_lobe, u.x, u.y, BRDF_SMOOTH, BRDF_RADIANCE, &next))
             return false;
-        struct ray ray =
-            scene_spawn(g->scene, p.surfel.p, p.surfel.ng, frame_to_world(&p.frame, next.wi));
+        struct ray ray = scene_spawn(g->scene, p.interaction.p, p.interaction.ng,
+                                     frame_to_world(&p.frame, next.wi));
         if (!gather_follow(g, ray, &sampler, &first, &p)) return false;
         way += first.r;
     }
     unsigned wants = shade_wants(shade, &p);
     uint64_t stream = rng_mix(((uint64_t)sampler.seed << 20) + (uint64_t)level);
-    *out = (struct cache_site){.p = p.surfel.p,
-                               .ng = p.surfel.ng,
+    *out = (struct cache_site){.p = p.interaction.p,
+                               .ng = p.interaction.ng,
                                .frame = p.base,
                                .pixel = FOOTPRINT * way,
                                .stream = stream,

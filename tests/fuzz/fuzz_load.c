@@ -72,7 +72,8 @@ static int write_scene(const char *body, const char *path, char scene_path[FUZZ_
 static bool counts(rgb c) { return c.r >= 0.0f && c.g >= 0.0f && c.b >= 0.0f; }
 static bool sound(rgb c) { return rgb_finite(c) && counts(c); }
 
-static void use_surface(const satin_scene *scene, const struct surfel *s, vec3 wo, const float *u) {
+static void use_surface(const satin_scene *scene, const struct interaction *s, vec3 wo,
+                        const float *u) {
     struct brdf brdf;
     struct frame frame;
     struct brdf_sample to;
@@ -95,7 +96,7 @@ static void use(const satin_scene *scene) {
     vec3 centre = v3_mul(v3_add(scene->bounds_lo, scene->bounds_hi), 0.5f);
     for (uint32_t i = 0; i < 16; i++) {
         float u[4];
-        struct surfel s;
+        struct interaction s;
         struct light_ray photon;
         sample_sobol4(i, 1, u);
         vec3 d = sample_uniform_sphere(u[0], u[1]);

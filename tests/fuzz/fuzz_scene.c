@@ -12,7 +12,7 @@ static void use(const satin_scene *scene) {
     float x =
         right - 0.5f + film_filter_offset(&filter, right - 0.5f, (float)film->crop_x, right, 0).x;
     struct ray ray = camera_ray(scene, x, 0.5f, 0.3f, 0.7f, &spread);
-    struct surfel s;
+    struct interaction s;
     struct brdf brdf;
     struct frame frame;
     if (!(x >= (float)film->crop_x && x < right)) abort();

@@ -28,14 +28,14 @@ static const float angles[] = {0.0f, 35.0f, 70.0f, 88.0f};
 static struct brdf bumped(struct brdf b) {
     b.base[0] = v3_unit(v3(0.5f, -0.2f, 0.9f));
     b.base[1] = v3_unit(v3(0.1f, 0.3f, 0.9f));
-    b.relief[0] = 0.2f;
-    b.relief[1] = 0.1f;
+    b.bump[0] = 0.2f;
+    b.bump[1] = 0.1f;
     return b;
 }
 
 // Whether w can be seen from, or lit from.
 static bool in_front(const struct brdf *b, vec3 w) {
-    return b->relief[0] == 0.0f ||
+    return b->bump[0] == 0.0f ||
            (v3_dot(b->base[0], w) * w.z > 0.0f && v3_dot(b->base[1], w) * w.z > 0.0f);
 }
 

@@ -101,13 +101,13 @@ static void sharp_edges_at_grazing_views_are_not_held(void **state) {
     assert_true(brdf_table_order(table, v3(0, 0, 1)) > 0);
     assert_int_equal(brdf_table_order(table, direction(85, 0)), 0);
     assert_int_equal(brdf_table_order(table, v3(0, 0, -1)), 0);
-    float share = brdf_table_info(table).share;
-    assert_true(share > 0.4f && share < 0.95f);
+    float fraction = brdf_table_info(table).fraction;
+    assert_true(fraction > 0.4f && fraction < 0.95f);
     brdf_table_free(table);
     b = phong(15);
     table = build(&b, SATIN_HSH, 10, 0.01f, 2);
     assert_int_equal(brdf_table_info(table).channels, 1);
-    assert_true(brdf_table_info(table).share == 1.0f);
+    assert_true(brdf_table_info(table).fraction == 1.0f);
     brdf_table_free(table);
 }
 

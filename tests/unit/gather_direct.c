@@ -27,7 +27,7 @@ static void scene_of(struct test_scene *t, int lamps) {
 
 static struct gather_point below(const struct test_scene *t) {
     struct ray ray = {.o = v3(0, 0, 0.5f), .d = v3(0, 0, -1), .tfar = INFINITY};
-    struct surfel s;
+    struct interaction s;
     struct gather_point p;
     assert_true(scene_intersect(&t->scene, &ray, &s));
     gather_point_make(&t->scene, &s, ray.d, &p);

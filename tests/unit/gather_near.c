@@ -73,7 +73,7 @@ static double expected(const struct fixture *f) {
         const vec2 u = sample_sobol2(i, 7);
         const vec3 d = frame_to_world(&site.frame, sample_cosine_hemisphere(u.x, u.y));
         const struct ray ray = scene_spawn(&f->scene.scene, site.p, site.ng, d);
-        struct surfel y;
+        struct interaction y;
         assert_true(scene_intersect(&f->scene.scene, &ray, &y));
         const vec3 way = v3_sub(v3(LAMP.x, 1.0f, LAMP.z), y.p);
         const float cosine = fabsf(v3_dot(way, y.ng)), r2 = v3_len2(way);
@@ -133,7 +133,7 @@ static void weights_are_unbiased(void **state) {
         const struct ray ray = scene_spawn(&f.scene.scene, site.p, site.ng, d);
         const vec3 spot = v3(LAMP.x, 1.0f, LAMP.z);
         const float r = tanf(HALF_ANGLE);
-        struct surfel s;
+        struct interaction s;
         struct gather_point y;
         assert_true(scene_intersect(&f.scene.scene, &ray, &s));
         gather_point_make(&f.scene.scene, &s, d, &y);
@@ -144,11 +144,11 @@ static void weights_are_unbiased(void **state) {
             const float u_lobe = sampler_1d(&u);
             if (!gather_near_bounce(near, &y, 1e-4f, u_lobe, sampler_2d(&u), &next)) continue;
             const vec3 w = frame_to_world(&y.frame, next.wi);
-            const vec3 at = v3_mad(y.surfel.p, (1.0f - y.surfel.p.y) / w.y, w);
+            const vec3 at = v3_mad(y.interaction.p, (1.0f - y.interaction.p.y) / w.y, w);
             sum += (double)next.weight.g / POINTS;
             if (w.y > 0.0f && v3_dist2(at, spot) < r * r) hits += (double)next.weight.g / POINTS;
         }
-        const vec3 way = v3_sub(spot, y.surfel.p);
+        const vec3 way = v3_sub(spot, y.interaction.p);
         const double r2 = (double)v3_len2(way), cosines = (double)(way.y * v3_dot(way, y.frame.n));
         const double wanted = (double)(ALBEDO * r * r) * cosines / (r2 * r2);
         print_message("%.4f of %.4f, %.3e of %.3e\n", sum, (double)ALBEDO, hits, wanted);

@@ -99,8 +99,8 @@ static void tells_what_the_eye_sees(void **state) {
         struct ray ray = {.o = v3(0.5f, 0.5f, 2.0f), .d = v3(0, 0, -1), .tfar = INFINITY};
         rgb L = gather_path_eye(&g, ray, &sampler, &seen);
         // Embree divides by a refined reciprocal, whose last bits depend on the processor.
-        assert_true(seen.hit && fabsf(seen.point.surfel.t - 2.0f) < 4.0f * FLT_EPSILON);
-        assert_true(seen.point.surfel.ng.z == 1.0f);
+        assert_true(seen.hit && fabsf(seen.point.interaction.t - 2.0f) < 4.0f * FLT_EPSILON);
+        assert_true(seen.point.interaction.ng.z == 1.0f);
         assert_true(rgb_black(seen.emission) && (depth < 2) == rgb_black(L));
         ray.o.x = 3.5f;
         L = gather_path_eye(&g, ray, &sampler, &seen);

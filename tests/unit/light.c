@@ -28,7 +28,7 @@ static float density(const struct satin_scene *scene, uint32_t light, vec3 p, ve
     enum light_kind kind = scene->light[light].kind;
     if (kind != LIGHT_AREA) return light_environment_pdf(scene, NULL, w);
     struct ray ray = {p, 0.0f, w, INFINITY};
-    struct surfel s;
+    struct interaction s;
     if (!scene_intersect(scene, &ray, &s) || s.light != (int32_t)light) return 0.0f;
     return light_pdf(scene, p, w, &s);
 }
@@ -256,7 +256,7 @@ static void area_lights_have_a_front(void **state) {
     assert_false(light_sample(&t.scene, 1, v3(0, 0, 5), 0.3f, 0.6f, &s));
     for (int side = -1; side <= 1; side += 2) {
         struct ray ray = {v3(0.1f, 0.2f, (float)side), 0.0f, v3(0, 0, (float)-side), INFINITY};
-        struct surfel hit;
+        struct interaction hit;
         assert_true(scene_intersect(&t.scene, &ray, &hit));
         rgb L = light_emitted(&t.scene, &hit, v3_neg(ray.d));
         assert_true(L.r == (side > 0 ? 2.0f : 0.0f));
@@ -350,7 +350,7 @@ static double emit(const struct test_scene *t, int n, vec3 p, float half, double
         struct light_ray ray;
         if (!light_emit(&t->scene, 0, NULL, u, &ray)) continue;
         power += ray.power.r / n;
-        struct surfel s;
+        struct interaction s;
         if (!scene_intersect(&t->scene, &ray.ray, &s)) continue;
         vec3 d = v3_sub(s.p, p);
         if (fabsf(d.x) < half && fabsf(d.y) < half && fabsf(d.z) < 1e-3f && ray.ray.d.z < 0.0f)

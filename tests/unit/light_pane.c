@@ -143,7 +143,7 @@ static void panes_are_counted(void **state) {
         assert_true(arriving(&t.scene, up, 2 * plates - 1) < 0.0);
         // More than 32 surfaces are a caustic to all who ask.
         assert_true((arriving(&t.scene, up, 64) > 0.0) == (plates <= 16));
-        struct surfel hit;
+        struct interaction hit;
         struct light_found found;
         bool sky;
         assert_false(light_find(&t.scene, v3(0, 0, 0), up, up, 64, &hit, &sky, &found));
@@ -169,7 +169,7 @@ static void distances_are_those_of_a_slab(void **state) {
     test_scene_finish(&t);
     for (int i = 0; i <= 7; i++) {
         const double a = (i + 0.5) * M_PI / 18.0, step = 1e-4;
-        struct surfel hit;
+        struct interaction hit;
         struct light_found found;
         bool sky;
         assert_true(
@@ -230,7 +230,7 @@ static double by_samples(const struct satin_scene *scene, vec3 p, int *wrong) {
         struct light_sample s;
         if (!light_sample(scene, 0, p, u, v, &s) || !light_arrives(scene, p, up, 8, &s)) continue;
         sum += (double)(s.L.g * s.wi.z / s.pdf_w);
-        struct surfel hit;
+        struct interaction hit;
         struct light_found found;
         bool sky;
         if (!light_find(scene, p, up, s.wi, 8, &hit, &sky, &found) || sky) {
@@ -254,7 +254,7 @@ static double by_directions(const struct satin_scene *scene, vec3 p, int side) {
         const float x = width * ((float)(i % side) + rng_float(&rng)) - 0.8f - p.x;
         const float y = width * ((float)(i / side) + rng_float(&rng)) - 0.8f - p.y;
         const vec3 d = v3_unit(v3(x, y, 1));
-        struct surfel hit;
+        struct interaction hit;
         struct light_found found;
         bool sky;
         if (!light_find(scene, p, v3(0, 0, 1), d, 8, &hit, &sky, &found) || sky) continue;

@@ -24,7 +24,7 @@ static void twosided_nests(void **state) {
     const struct material *m = scene->material;
     assert_true(m->two_sided && m->front.base.model == brdf_find("plastic"));
     assert_ptr_equal(m->back.base.model, m->front.base.model);
-    assert_true(m[1].two_sided && !m[1].back.part[1]->one_sided);
+    assert_true(m[1].two_sided && !m[1].back.component[1]->one_sided);
     satin_scene_free(scene);
 }
 
@@ -58,7 +58,7 @@ static void masks_nest(void **state) {
         assert_int_equal(m->back.holes, m->front.holes);
         assert_int_equal(m->two_sided, i == 2);
     }
-    assert_null(scene->material[4].front.part[0]);
+    assert_null(scene->material[4].front.component[0]);
     satin_scene_free(scene);
 }
 

@@ -47,16 +47,16 @@ static void moves_the_scale_of_bumps(void **state) {
     snprintf(text, sizeof text, bumps, "0.6.0", "<float name='scale' value='7'/>");
     satin_scene *scene = scene_case_load(&c, text);
     assert_non_null(scene);
-    const struct material_relief *relief = scene->material[0].front.relief;
-    assert_true(relief->scale == 7.0f && relief->bump->kind == TEXTURE_CHECKERBOARD);
+    const struct material_bump *bump = scene->material[0].front.bump;
+    assert_true(bump->scale == 7.0f && bump->height->kind == TEXTURE_CHECKERBOARD);
     satin_scene_free(scene);
     snprintf(text, sizeof text, bumps, "0.6.0", "<rgb name='scale' value='1 2 3'/>");
     assert_null(scene_case_load(&c, text));
     snprintf(text, sizeof text, bumps, "3.0.0", "");
     scene = scene_case_load(&c, text);
     assert_non_null(scene);
-    relief = scene->material[0].front.relief;
-    assert_true(relief->scale == 1.0f && relief->bump->kind == TEXTURE_SCALED);
+    bump = scene->material[0].front.bump;
+    assert_true(bump->scale == 1.0f && bump->height->kind == TEXTURE_SCALED);
     satin_scene_free(scene);
 }
 

@@ -131,7 +131,7 @@ static void tells_before_an_error(void **state) {
     assert_int_equal(c.warnings, 2);
     assert_string_equal(c.warning, "e: something else");
     assert_string_equal(c.error, "f: wrong");
-    load_warnings_tell(&warnings);
+    load_warnings_report(&warnings);
     assert_int_equal(c.warnings, 2);
     assert_false(warnings.failed);
 }

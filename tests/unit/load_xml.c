@@ -40,9 +40,9 @@ static void keeps_order_and_places(void **state) {
     load_xml_free(&xml);
 }
 
-// What is declared of the document's type is passed over, whatever it is, and lines stay where they
-// are.
-static void passes_over_the_type(void **state) {
+// Declarations of a document's type change nothing but the entities that they declare, and lines
+// stay where they are.
+static void reads_past_the_type(void **state) {
     (void)state;
     static const char *const types[] = {
         "<!DOCTYPE scene>\n\n\n",
@@ -60,6 +60,58 @@ static void passes_over_the_type(void **state) {
         assert_int_equal(xml.root->place.line, 4);
         assert_string_equal(xml.root->child->id, "&A");
         load_xml_free(&xml);
+    }
+}
+
+static void replaces_entities(void **state) {
+    (void)state;
+    struct scene_case c;
+    struct load_xml xml;
+    assert_int_equal(read_text(&c,
+                               "<!DOCTYPE scene [<!ENTITY a 'b'><!ENTITY c '&a;&a;'>\n"
+                               "<!ENTITY lamp \"<shape type='sphere' id='&c;'/>\">]>\n"
+                               "<scene version='3.0.0'>&lamp;\n<shape type='&c;'/></scene>",
+                               &xml),
+                     SATIN_OK);
+    const struct xml_node *lamp = xml.root->child;
+    assert_string_equal(lamp->id, "bb");
+    assert_int_equal(lamp->place.line, 3);
+    assert_string_equal(lamp->next->type, "bb");
+    assert_int_equal(lamp->next->place.line, 4);
+    assert_int_equal(c.warnings, 0);
+    load_xml_free(&xml);
+    // What another file declares is not read, and a warning says so.
+    assert_int_equal(read_text(&c,
+                               "<!DOCTYPE scene SYSTEM 'a.dtd'>\n"
+                               "<scene version='3.0.0'><shape type='a&b;'/></scene>",
+                               &xml),
+                     SATIN_OK);
+    assert_string_equal(xml.root->child->type, "a");
+    assert_string_equal(c.warning,
+                        "scene.xml:1:24: declarations in other files are not read; "
+                        "entities that they declare are empty");
+    load_xml_free(&xml);
+}
+
+// The billion laughs: ten times as many of each entity in the next, to 10^12 elements or bytes.
+static void entities_are_bounded(void **state) {
+    (void)state;
+    static const char *const first[] = {"<bsdf type='diffuse'/>", "laughter"};
+    static const char *const used[] = {"&e12;", "<shape type='&e12;'/>"};
+    for (int i = 0; i < 2; i++) {
+        char text[4096];
+        struct scene_case c;
+        struct load_xml xml;
+        sprintf(text, "<!DOCTYPE scene [<!ENTITY e0 \"%s\">\n", first[i]);
+        for (int k = 1; k <= 12; k++) {
+            sprintf(text + strlen(text), "<!ENTITY e%d \"", k);
+            for (int n = 0; n < 10; n++) sprintf(text + strlen(text), "&e%d;", k - 1);
+            strcat(text, "\">\n");
+        }
+        sprintf(text + strlen(text), "]>\n<scene version='3.0.0'>%s</scene>", used[i]);
+        assert_int_equal(read_text(&c, text, &xml), SATIN_ERROR_INPUT);
+        assert_non_null(strstr(c.error, ": not XML: limit on input amplification factor"));
+        assert_int_equal(c.errors, 1);
     }
 }
 
@@ -179,12 +231,14 @@ static const struct refusal refusals[] = {
     {S "<shape type='$what'/></scene>",
      "scene.xml:1:24: undefined parameter '$what' (-D what=VALUE defines it)"},
     {S "<default name='' value='1'/></scene>", "scene.xml:1:24: <default> with an empty name"},
-    {"<!DOCTYPE scene [<!ENTITY a 'b'>]>\n" S "<shape type='&lt;&a;'/></scene>",
-     "scene.xml:2:24: entities are not read; write what '&a;' stands for"},
-    {S "words and an &entity;</scene>",
-     "scene.xml:1:37: entities are not read; write what '&entity;' stands for"},
-    {"<!DOCTYPE scene [<!ENTITY a 'b'>" S "</scene>",
-     "scene.xml:1:17: cannot pass over this declaration of a document type"},
+    {"<!DOCTYPE scene [<!ENTITY a SYSTEM 'a.xml'>]>\n" S "&a;</scene>",
+     "scene.xml:2:24: an entity that is the file 'a.xml' is not read; <include> reads files"},
+    {"<!DOCTYPE scene [<!ENTITY a SYSTEM 'a.xml'>]>\n" S "<shape type='&a;'/></scene>",
+     "scene.xml:2:37: not XML: reference to external entity in attribute"},
+    {"<!DOCTYPE scene [<!ENTITY a '&b;'><!ENTITY b '&a;'>]>\n" S "<shape type='&a;'/></scene>",
+     "scene.xml:2:24: not XML: recursive entity reference"},
+    {S "words and an &entity;</scene>", "scene.xml:1:37: not XML: undefined entity"},
+    {"<!DOCTYPE scene [<!ENTITY a 'b'>" S "</scene>", "scene.xml:1:33: not XML: syntax error"},
     {S "<include filename='none.xml'/></scene>",
      "scene.xml:1:24: cannot read 'none.xml': No such file or directory"},
 };
@@ -233,7 +287,8 @@ static void substitution_is_bounded(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(keeps_order_and_places), cmocka_unit_test(passes_over_the_type),
+        cmocka_unit_test(keeps_order_and_places), cmocka_unit_test(reads_past_the_type),
+        cmocka_unit_test(replaces_entities),      cmocka_unit_test(entities_are_bounded),
         cmocka_unit_test(substitutes_parameters), cmocka_unit_test(includes_files),
         cmocka_unit_test(includes_are_bounded),   cmocka_unit_test(refuses_with_place),
         cmocka_unit_test(nesting_is_bounded),     cmocka_unit_test(substitution_is_bounded),

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes rsh_rotations.h: a vector of order 16 turned by a few rotations, in double precision with
+"""Writes rsh_rotations.h: a vector of order 16 rotated by a few rotations, in double precision with
 the Wigner matrices of the package spherical.
 
 usage: make_rsh_rotations.py > rsh_rotations.h
@@ -20,7 +20,7 @@ def vector():
     return v / np.linalg.norm(v)
 
 
-def turned(r):
+def rotated(r):
     """Real coefficients without phase to complex ones with phase, D, and back. The package turns
     coefficients by the conjugate of its D."""
     v, wigner = vector(), spherical.Wigner(ORDER - 1)
@@ -44,11 +44,11 @@ def turned(r):
 
 def main():
     print("// SPDX-License-Identifier: Apache-2.0")
-    print("// Written by make_rsh_rotations.py: the vector sin(k + 1) / length, turned by r.")
+    print("// Written by make_rsh_rotations.py: the vector sin(k + 1) / length, rotated by r.")
     print("// clang-format off")
     print("static const struct {")
     print("    float r[9];")
-    print("    double turned[%d];" % ORDER**2)
+    print("    double rotated[%d];" % ORDER**2)
     print("} rsh_rotations[] = {")
     for axis, angle in AXES:
         axis = np.array(axis) / np.linalg.norm(axis)
@@ -56,7 +56,7 @@ def main():
         # The rotation is that of the float matrix.
         r = rotor.to_rotation_matrix.astype(np.float32).astype(float)
         print("    {{%s},\n     {" % ", ".join("%.9ef" % x for x in r.ravel()))
-        values = ["%.10g" % x for x in turned(r)]
+        values = ["%.10g" % x for x in rotated(r)]
         for k in range(0, len(values), 8):
             print("      %s," % ", ".join(values[k:k + 8]))
         print("     }},")

@@ -17,8 +17,8 @@ enum { CHANNELS = 4, STRIDE = RSH_MAX_WIDTH + 3 };  // three together and one al
 
 static float in[CHANNELS * MAX * STRIDE], out[CHANNELS * MAX * STRIDE];
 
-static struct rsh_turns random_turns(uint32_t *seed, enum rsh_method method) {
-    struct rsh_turns t = {.method = method};
+static struct rsh_rotations random_turns(uint32_t *seed, enum rsh_method method) {
+    struct rsh_rotations t = {.method = method};
     for (int i = 0; i < RSH_MAX_WIDTH; i++) {
         float a = 3 * noise(seed), c = 3 * noise(seed);
         float b = method == RSH_METHOD_EXACT ? 3 * noise(seed) : 0.1f * noise(seed);
@@ -43,9 +43,9 @@ static void turns_equal_the_plain_twin(void **state) {
         for (int order = 1; order <= RSH_MAX_ORDER; order++)
             for (int method = RSH_METHOD_TAYLOR_1; method <= RSH_METHOD_EXACT; method++) {
                 int n = order * order;
-                struct rsh_turns t = random_turns(&seed, (enum rsh_method)method);
+                struct rsh_rotations t = random_turns(&seed, (enum rsh_method)method);
                 for (int j = 0; j < CHANNELS * n * STRIDE; j++) out[j] = in[j] = noise(&seed);
-                (*k)->turn_many(&t, order, CHANNELS, STRIDE, out, out);
+                (*k)->rotate_many(&t, order, CHANNELS, STRIDE, out, out);
                 for (int i = 0; i < STRIDE; i++)
                     for (int c = 0; c < CHANNELS; c++) {
                         float v[MAX], a[MAX], b[MAX];
@@ -55,17 +55,17 @@ static void turns_equal_the_plain_twin(void **state) {
                             assert_memory_equal(v, b, (size_t)n * sizeof *v);
                             continue;
                         }
-                        const struct rsh_turn one = {t.method,       t.beta[i],     t.cos_alpha[i],
-                                                     t.sin_alpha[i], t.cos_beta[i], t.sin_beta[i],
-                                                     t.cos_gamma[i], t.sin_gamma[i]};
-                        rsh_plain_turn(&one, order, 1, v, a);
+                        const struct rsh_rotation one = {
+                            t.method,      t.beta[i],     t.cos_alpha[i], t.sin_alpha[i],
+                            t.cos_beta[i], t.sin_beta[i], t.cos_gamma[i], t.sin_gamma[i]};
+                        rsh_plain_rotate(&one, order, 1, v, a);
                         double length = sqrt((double)n / 3.0);
                         assert_true(distance(n, a, b) < 3e-6 * length);
                     }
             }
 }
 
-// The angles of rotations, of turns about z, upside down, and of what is no rotation.
+// The angles of rotations, of rotations about z, upside down, and of what is no rotation.
 static void angles_equal_the_plain_twin(void **state) {
     (void)state;
     uint32_t seed = 13;
@@ -76,7 +76,7 @@ static void angles_equal_the_plain_twin(void **state) {
     for (const struct rsh_kernels *const *k = rsh_kernels_usable(); *k; k++)
         for (int round = 0; round < 40; round++) {
             float m[9][RSH_MAX_WIDTH], r[RSH_MAX_WIDTH][9];
-            struct rsh_turns t = {0};
+            struct rsh_rotations t = {0};
             for (int i = 0; i < RSH_MAX_WIDTH; i++) {
                 noise_rotation(&seed, r[i]);
                 if (i < 4 && round == 0) memcpy(r[i], special[i], sizeof r[i]);
@@ -85,8 +85,8 @@ static void angles_equal_the_plain_twin(void **state) {
             bool stretch = round & 1;
             (*k)->angles((const float(*)[RSH_MAX_WIDTH])m, stretch, &t);
             for (int i = 0; i < (*k)->width; i++) {
-                struct rsh_turn one = rsh_turn_of_matrix(r[i]);
-                if (stretch && one.method == RSH_METHOD_EXACT) rsh_turn_stretch(&one);
+                struct rsh_rotation one = rsh_rotation_of_matrix(r[i]);
+                if (stretch && one.method == RSH_METHOD_EXACT) rsh_rotation_stretch(&one);
                 assert_true(fabsf(t.cos_alpha[i] - one.cos_alpha) < 1e-6f);
                 assert_true(fabsf(t.sin_alpha[i] - one.sin_alpha) < 1e-6f);
                 assert_true(fabsf(t.cos_gamma[i] - one.cos_gamma) < 1e-6f);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Turning the BRDF reflects what turning the record with its derivatives would.
+// Rotating the BRDF reflects what rotating the record with its derivatives would.
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -18,7 +18,7 @@ static void either_side_may_turn(void **state) {
     (void)state;
     uint32_t seed = 61;
     for (int i = 0; i < 80; i++) {
-        float record[9 * N], turned[9 * N], brdf[3 * N], from[9], to[9], tilt[9], out[3];
+        float record[9 * N], rotated[9 * N], brdf[3 * N], from[9], to[9], tilt[9], out[3];
         float b = 0.3f * noise(&seed), c = cosf(b), s = sinf(b);
         for (int k = 0; k < 9; k++) noise_unit(&seed, N, record + k * N);
         for (int k = 0; k < 3; k++) noise_unit(&seed, N, brdf + k * N);
@@ -38,9 +38,9 @@ static void either_side_may_turn(void **state) {
                             .brdf = brdf,
                             .brdf_channels = i & 8 ? 1 : 3};
         assert_true(rsh_reflect(&r, out));
-        rsh_align(r.basis, ORDER, 9, from, to, r.beta_limit, record, turned);
+        rsh_align(r.basis, ORDER, 9, from, to, r.beta_limit, record, rotated);
         for (int k = 0; k < 3; k++) {
-            const float *f = brdf + (r.brdf_channels == 1 ? 0 : k * N), *v = turned + k * N;
+            const float *f = brdf + (r.brdf_channels == 1 ? 0 : k * N), *v = rotated + k * N;
             double want = 0.0;
             for (int j = 0; j < N; j++)
                 want += (double)f[j] * ((double)v[j] + 0.3 * (double)v[3 * N + j] -

@@ -16,10 +16,10 @@
 #include "rsh_quadrature.h"
 #include "rsh_rotations.h"
 
-static struct rsh_turn turn_of_angles(enum rsh_method method, float alpha, float beta,
-                                      float gamma) {
-    return (struct rsh_turn){method,     beta,       cosf(alpha), sinf(alpha),
-                             cosf(beta), sinf(beta), cosf(gamma), sinf(gamma)};
+static struct rsh_rotation turn_of_angles(enum rsh_method method, float alpha, float beta,
+                                          float gamma) {
+    return (struct rsh_rotation){method,     beta,       cosf(alpha), sinf(alpha),
+                                 cosf(beta), sinf(beta), cosf(gamma), sinf(gamma)};
 }
 
 // A unit vector's function is at most order / sqrt(4 pi) large, so 2e-5 is 5e-6 of that at order
@@ -62,7 +62,7 @@ static void forms_equal_wigner_matrices(void **state) {
             double square = 0.0;
             assert_true(forms[f](RSH_MAX_ORDER, 1, rsh_rotations[i].r, v, out));
             for (int k = 0; k < MAX; k++) {
-                double d = (double)out[k] - rsh_rotations[i].turned[k];
+                double d = (double)out[k] - rsh_rotations[i].rotated[k];
                 square += d * d;
             }
             assert_true(sqrt(square) < 3e-6);
@@ -106,13 +106,13 @@ static void kernels_agree(void **state) {
                     float v[3 * MAX + 1], a[3 * MAX], b[3 * MAX + 1];
                     int n = order * order;
                     for (int c = 0; c < channels; c++) noise_unit(&seed, n, v + c * n);
-                    struct rsh_turn t = turn_of_angles(
+                    struct rsh_rotation t = turn_of_angles(
                         (enum rsh_method)method, 3 * noise(&seed),
                         method == RSH_METHOD_EXACT ? 3 * noise(&seed) : 0.1f, 3 * noise(&seed));
-                    rsh_kernels_plain.turn(&t, order, channels, v, a);
+                    rsh_kernels_plain.rotate(&t, order, channels, v, a);
                     v[channels * n] = 77.0f;
                     memcpy(b, v, sizeof b);
-                    (*k)->turn(&t, order, channels, b, b);
+                    (*k)->rotate(&t, order, channels, b, b);
                     for (int c = 0; c < channels; c++)
                         assert_true(distance(n, a + c * n, b + c * n) < 3e-6);
                     assert_true(b[channels * n] == 77.0f);
@@ -140,7 +140,7 @@ static void inverse_and_product_hold(void **state) {
     }
 }
 
-// Around beta = 0, where the first and last turn are uncertain one by one.
+// Around beta = 0, where the first and last rotation are uncertain one by one.
 static void small_angles_are_exact(void **state) {
     (void)state;
     uint32_t seed = 4;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Written by make_rsh_rotations.py: the vector sin(k + 1) / length, turned by r.
+// Written by make_rsh_rotations.py: the vector sin(k + 1) / length, rotated by r.
 // clang-format off
 static const struct {
     float r[9];
-    double turned[256];
+    double rotated[256];
 } rsh_rotations[] = {
     {{5.403022766e-01f, -8.414709568e-01f, 0.000000000e+00f, 8.414709568e-01f, 5.403022766e-01f, 0.000000000e+00f, 0.000000000e+00f, 0.000000000e+00f, 1.000000000e+00f},
      {

@@ -39,7 +39,7 @@ static void finds_each_kind(void **state) {
 
     // The first is seen: the sphere, from outside.
     test_scene_finish(&t);
-    struct surfel s;
+    struct interaction s;
     const struct ray ray = {v3(9, 2, 1.5f), 0.0f, v3(-1, 0, 0), INFINITY};
     assert_true(scene_intersect(&t.scene, &ray, &s));
     assert_int_equal(s.shape, 1);
@@ -112,7 +112,7 @@ static void warns_once(void **state) {
                         "1001 of 1004 shapes lie exactly where earlier ones do, which hide them; "
                         "the first is shape 2, 'twin'");
     const struct ray ray = {v3(0, 0, 9), 0.0f, v3(0, 0, -1), INFINITY};
-    struct surfel s;
+    struct interaction s;
     assert_true(scene_intersect(scene, &ray, &s));
     assert_int_equal(s.shape, 4);
     satin_scene_free(scene);

@@ -53,7 +53,7 @@ static void agrees_with_mitsuba(void **state) {
                 scene[1]->shape[0].curves.segments == 7);
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         struct ray ray = {known[i].o, 0, known[i].d, INFINITY};
-        struct surfel s;
+        struct interaction s;
         assert_true(scene_intersect(scene[known[i].kind], &ray, &s));
         assert_true(v3_dist2(s.p, known[i].p) < 1e-6f);  // a thousandth of the radius off
         assert_true(v3_dot(s.ng, known[i].n) > 0.9999f);
@@ -77,7 +77,7 @@ static void rays_leave(void **state) {
             vec3 from = v3(51.1f + .8f * rng_float(&rng), rng_float(&rng) - .5f, 1);
             vec3 to = v3(51.1f + .8f * rng_float(&rng), .04f * rng_float(&rng) - .02f, 0);
             struct ray ray = {from, 0, v3_unit(v3_sub(to, from)), INFINITY};
-            struct surfel s, other;
+            struct interaction s, other;
             if (!scene_intersect(scene, &ray, &s)) continue;
             hits++;
             float u = rng_float(&rng), v = rng_float(&rng);

@@ -52,7 +52,7 @@ static void shows_the_same(void **state) {
         // Half of the rays are aimed at the shapes.
         if (i & 1) to = v3_add(i & 2 ? v3(1, 1, 0) : v3(98, -38, 7), v3_mul(v3_unit(to), 3));
         struct ray ray = {from, 0, v3_unit(v3_sub(to, from)), INFINITY};
-        struct surfel a, b;
+        struct interaction a, b;
         bool hit = scene_intersect(direct, &ray, &a);
         if (hit != scene_intersect(instances, &ray, &b)) {
             misses++;
@@ -91,7 +91,7 @@ static void rays_leave(void **state) {
     for (uint64_t i = 0; i < 200000; i++) {
         vec3 from = random_point(scene, 2 * i), to = i & 1 ? v3(106, -38, 3) : v3(0, 0, 0);
         struct ray ray = {from, 0, v3_unit(v3_sub(to, from)), INFINITY};
-        struct surfel s, other;
+        struct interaction s, other;
         if (!scene_intersect(scene, &ray, &s) || s.shape > 1) continue;
         hits++;
         struct rng rng = rng_make(6, RNG_TEST, i);
@@ -118,7 +118,7 @@ static void groups_may_be_empty(void **state) {
     assert_non_null(scene);
     assert_true(scene->group_count == 1 && scene->group[0].count == 1 && scene->shape_count == 2);
     struct ray ray = {v3(0, 0, 5), 0, v3(0, 0, -1), INFINITY};
-    struct surfel s;
+    struct interaction s;
     assert_true(scene_intersect(scene, &ray, &s) && fabsf(s.t - 4.0f) < 1e-5f);
     satin_scene_free(scene);
 }

@@ -9,10 +9,10 @@
 
 #include "scene/scene.h"
 
-static struct shape shape;  // the one that surfels are on
+static struct shape shape;  // the one that surface interactions are on
 
-static struct surfel surfel_facing(vec3 n) {
-    return (struct surfel){.ng = n, .frame = frame_from_normal(n), .uv = {0.25f, 0.25f}};
+static struct interaction interaction_facing(vec3 n) {
+    return (struct interaction){.ng = n, .frame = frame_from_normal(n), .uv = {0.25f, 0.25f}};
 }
 
 static void sides_and_frames(void **state) {
@@ -23,7 +23,7 @@ static void sides_and_frames(void **state) {
     };
     struct satin_scene scene = {.shape = &shape, .material = &material, .material_count = 1};
     vec3 n = v3_unit(v3(1, 2, 3)), tilted = v3_unit(v3(2, 2, 2));
-    struct surfel s = surfel_facing(n);
+    struct interaction s = interaction_facing(n);
     struct brdf b;
     struct frame f;
     assert_true(scene_brdf(&scene, &s, tilted, &b, &f));
@@ -54,7 +54,7 @@ static void textures_replace_slots(void **state) {
     struct material material = {
         .front.base = {.model = brdf_find("ward"), .alpha_u = .1f, .alpha_v = .1f, .exponent = 7}};
     struct satin_scene scene = {.shape = &shape, .material = &material, .material_count = 1};
-    struct surfel s = surfel_facing(v3(0, 0, 1));
+    struct interaction s = interaction_facing(v3(0, 0, 1));
     struct brdf b;
     struct frame f;
     material.front.slot[BRDF_SLOT_DIFFUSE] = &colour;
@@ -71,36 +71,36 @@ static void textures_replace_slots(void **state) {
 
 // Of a surface with holes only what is there is drawn, by weight times opacity; what emits is met
 // as a whole.
-static void holes_are_no_parts(void **state) {
+static void holes_are_no_components(void **state) {
     (void)state;
     const struct material_side leaf[3] = {
         {.base = {.model = brdf_find("diffuse"), .diffuse = {1, 1, 1}}},
         {.base = {.model = brdf_find("phong"), .specular = {1, 1, 1}}},
         {.base = {.model = brdf_find("null"), .transmittance = {1, 1, 1}}, .holes = true}};
     const struct material_side mask = {
-        .part = {&leaf[2], &leaf[0]}, .weight = 0.25f, .holes = true};
+        .component = {&leaf[2], &leaf[0]}, .weight = 0.25f, .holes = true};
     struct material material = {
-        .front = {.part = {&mask, &leaf[1]}, .weight = 0.1f, .holes = true}};
+        .front = {.component = {&mask, &leaf[1]}, .weight = 0.1f, .holes = true}};
     struct satin_scene scene = {.shape = &shape, .material = &material, .material_count = 1};
-    struct surfel s = surfel_facing(v3(0, 0, 1));
-    struct scene_part part[MATERIAL_PARTS_MAX];
+    struct interaction s = interaction_facing(v3(0, 0, 1));
+    struct scene_component part[MATERIAL_COMPONENTS_MAX];
     s.light = -1;
     const float there = 0.9f * 0.25f + 0.1f, diffuse = 0.9f * 0.25f / there;
-    assert_int_equal(scene_parts(&scene, &s, v3(0, 0, 1), part), 2);
+    assert_int_equal(scene_components(&scene, &s, v3(0, 0, 1), part), 2);
     assert_true(part[0].side == &leaf[0] && fabsf(part[0].weight - diffuse) < 1e-6f);
     assert_true(part[1].side == &leaf[1] && fabsf(part[1].weight - 0.1f / there) < 1e-6f);
     enum { DRAWS = 20000 };
     int count = 0;
     for (int i = 0; i < DRAWS; i++) {
         s.p = v3((float)i * 0.37f, 1.0f, 2.0f);
-        const struct material_side *side = scene_part(&scene, &s, v3(0, 0, 1));
+        const struct material_side *side = scene_component(&scene, &s, v3(0, 0, 1));
         assert_ptr_not_equal(side, &leaf[2]);
         count += side == &leaf[0];
     }
     assert_true(fabsf((float)count / DRAWS - diffuse) <
                 4.0f * sqrtf(diffuse * (1.0f - diffuse) / DRAWS));
     s.light = 0;
-    assert_int_equal(scene_parts(&scene, &s, v3(0, 0, 1), part), 3);
+    assert_int_equal(scene_components(&scene, &s, v3(0, 0, 1), part), 3);
     assert_true(part[0].side == &leaf[2] && fabsf(part[0].weight - 0.9f * 0.75f) < 1e-6f);
 }
 
@@ -112,13 +112,13 @@ static void blends_draw_their_parts(void **state) {
         {.base = {.model = brdf_find("diffuse"), .diffuse = {1, 1, 1}}},
         {.base = {.model = brdf_find("phong"), .specular = {1, 1, 1}}},
         {.base = {.model = brdf_find("null"), .transmittance = {1, 1, 1}}}};
-    const struct material_side pair = {.part = {&leaf[0], &leaf[1]}, .weight = 0.25f};
-    struct material material = {.front = {.part = {&pair, &leaf[2]}, .blend = &third}};
+    const struct material_side pair = {.component = {&leaf[0], &leaf[1]}, .weight = 0.25f};
+    struct material material = {.front = {.component = {&pair, &leaf[2]}, .blend = &third}};
     struct satin_scene scene = {.shape = &shape, .material = &material, .material_count = 1};
-    struct surfel s = surfel_facing(v3(0, 0, 1));
-    struct scene_part part[MATERIAL_PARTS_MAX];
+    struct interaction s = interaction_facing(v3(0, 0, 1));
+    struct scene_component part[MATERIAL_COMPONENTS_MAX];
     const float want[3] = {0.5f, 1 / 6.f, 1 / 3.f};
-    assert_int_equal(scene_parts(&scene, &s, v3(0, 0, 1), part), 3);
+    assert_int_equal(scene_components(&scene, &s, v3(0, 0, 1), part), 3);
     for (int i = 0; i < 3; i++)
         assert_true(part[i].side == &leaf[i] && fabsf(part[i].weight - want[i]) < 1e-6f);
 
@@ -126,19 +126,19 @@ static void blends_draw_their_parts(void **state) {
     int count[3] = {0};
     for (int i = 0; i < DRAWS; i++) {
         s.p = v3((float)i * 0.37f, 1.0f, 2.0f);
-        count[scene_part(&scene, &s, v3(0, 0, 1)) - leaf]++;
+        count[scene_component(&scene, &s, v3(0, 0, 1)) - leaf]++;
     }
     for (int i = 0; i < 3; i++)
         assert_true(fabsf((float)count[i] / DRAWS - want[i]) < 4.0f * sqrtf(0.25f / DRAWS));
     struct brdf b;
     struct frame f;
-    assert_false(scene_part_brdf(&scene, &leaf[0], &s, v3(0, 0, -1), &b, &f));
-    assert_true(scene_part_brdf(&scene, &leaf[2], &s, v3(0, 0, -1), &b, &f));
+    assert_false(scene_component_brdf(&scene, &leaf[0], &s, v3(0, 0, -1), &b, &f));
+    assert_true(scene_component_brdf(&scene, &leaf[2], &s, v3(0, 0, -1), &b, &f));
 }
 
-static struct material white_under(struct material_relief outer, struct material_relief inner) {
+static struct material white_under(struct material_bump outer, struct material_bump inner) {
     struct material m = {.front.base = {.model = brdf_find("diffuse"), .diffuse = {1, 1, 1}},
-                         .front.relief = {outer, inner},
+                         .front.bump = {outer, inner},
                          .two_sided = true,
                          .tangent = true};
     m.back = m.front;
@@ -147,21 +147,21 @@ static struct material white_under(struct material_relief outer, struct material
 
 // A tilted normal turns the frame, whichever side twosided shows of it; the true surface still
 // bounds the light.
-static void relief_turns_the_frame(void **state) {
+static void bumps_rotate_the_frame(void **state) {
     (void)state;
     const struct texture tilt = {.kind = TEXTURE_CONSTANT,
                                  .value = {.8f, .5f, .9f}};  // (.6, 0, .8)
-    const struct material_relief bump = {.normal = &tilt, .upright = true, .shadows = true};
-    struct material m = white_under(bump, (struct material_relief){.normal = NULL});
+    const struct material_bump bump = {.normal = &tilt, .upright = true, .shadows = true};
+    struct material m = white_under(bump, (struct material_bump){.normal = NULL});
     struct satin_scene scene = {.shape = &shape, .material = &m, .material_count = 1};
-    struct surfel s = surfel_facing(v3(0, 0, 1));
+    struct interaction s = interaction_facing(v3(0, 0, 1));
     struct brdf b;
     struct frame f;
     vec3 x = s.frame.u, n = s.frame.n;
     assert_true(scene_brdf(&scene, &s, n, &b, &f));
     assert_true(v3_dist2(f.n, v3_mad(v3_mul(n, .8f), .6f, x)) < 1e-10f);
     assert_true(v3_dist2(frame_to_world(&f, b.base[0]), n) < 1e-10f);
-    assert_true(fabsf(b.relief[0] - 0.125f * 0.5625f) < 1e-6f);
+    assert_true(fabsf(b.bump[0] - 0.125f * 0.5625f) < 1e-6f);
     // Behind the facet but above the surface, and the other way round.
     vec3 wo = frame_to_local(&f, n), under = v3_unit(v3_mad(v3_mul(x, -1), .2f, n));
     assert_true(rgb_black(brdf_eval(&b, wo, frame_to_local(&f, under), BRDF_ALL)));
@@ -174,22 +174,22 @@ static void relief_turns_the_frame(void **state) {
     // From behind: twosided around the map mirrors it at the surface, the map around twosided not.
     assert_true(scene_brdf(&scene, &s, v3_neg(n), &b, &f));
     assert_true(v3_dist2(f.n, v3_mad(v3_mul(n, -.8f), .6f, x)) < 1e-10f);
-    m.back.relief[0].outside = true;
+    m.back.bump[0].outside = true;
     assert_true(scene_brdf(&scene, &s, v3_neg(n), &b, &f));
     assert_true(v3_dist2(f.n, v3_mad(v3_mul(n, -.8f), -.6f, x)) < 1e-10f);
 }
 
 // A map in a map turns what that has turned; both hide what is behind them. Seen from behind, maps
 // around twosided are the same surface.
-static void reliefs_turn_in_turn(void **state) {
+static void bumps_rotate_one_after_another(void **state) {
     (void)state;
     const struct texture right = {.kind = TEXTURE_CONSTANT, .value = {.8f, .5f, .9f}},
                          left = {.kind = TEXTURE_CONSTANT, .value = {.3f, .5f, .95826f}};
-    const struct material_relief outer = {.normal = &right, .shadows = true, .outside = true},
-                                 inner = {.normal = &left, .shadows = true, .outside = true};
+    const struct material_bump outer = {.normal = &right, .shadows = true, .outside = true},
+                               inner = {.normal = &left, .shadows = true, .outside = true};
     struct material m = white_under(outer, inner);
     struct satin_scene scene = {.shape = &shape, .material = &m, .material_count = 1};
-    struct surfel s = surfel_facing(v3(0, 0, 1));
+    struct interaction s = interaction_facing(v3(0, 0, 1));
     struct brdf b;
     struct frame f;
     const vec3 x = s.frame.u, n = s.frame.n, first = v3_mad(v3_mul(n, .8f), .6f, x);
@@ -199,7 +199,7 @@ static void reliefs_turn_in_turn(void **state) {
     assert_true(v3_dist2(f.n, want) < 1e-8f);
     assert_true(v3_dist2(frame_to_world(&f, b.base[0]), n) < 1e-8f);
     assert_true(v3_dist2(frame_to_world(&f, b.base[1]), first) < 1e-8f);
-    assert_true(fabsf(b.relief[1] - 0.125f * .16f / .84f) < 1e-5f);
+    assert_true(fabsf(b.bump[1] - 0.125f * .16f / .84f) < 1e-5f);
     // Above the surface and the last facet, but behind the first.
     vec3 wo = frame_to_local(&f, n), wi = v3_unit(v3_mad(n, 2.0f, v3_neg(x)));
     assert_true(v3_dot(wi, n) > 0.0f && v3_dot(wi, f.n) > 0.0f && v3_dot(wi, first) < 0.0f);
@@ -218,14 +218,14 @@ static void bumps_and_maps_nest(void **state) {
     const struct texture slope = {
         .kind = TEXTURE_BITMAP, .image = &image, .to_uv = {1, 0, 0, 0, 1}};
     const struct texture tilt = {.kind = TEXTURE_CONSTANT, .value = {.8f, .5f, .9f}};
-    const struct material_relief rise = {.bump = &slope, .scale = 1.0f, .outside = true},
-                                 turn = {.normal = &tilt, .outside = true};
-    struct surfel s = surfel_facing(v3_unit(v3(1, 2, 3)));
+    const struct material_bump rise = {.height = &slope, .scale = 1.0f, .outside = true},
+                               turn = {.normal = &tilt, .outside = true};
+    struct interaction s = interaction_facing(v3_unit(v3(1, 2, 3)));
     s.uv = (vec2){0.5f, 0.5f};
     s.dp_du = s.frame.u, s.dp_dv = s.frame.v;
     const float up = asinf(.6f), back = atanf(.5f), steep = atanf(.5f / .8f);
     const struct {
-        struct material_relief outer, inner;
+        struct material_bump outer, inner;
         float angle;
     } cases[] = {{rise, turn, up - back}, {turn, rise, up - steep}};
     for (int i = 0; i < 2; i++) {
@@ -245,9 +245,9 @@ static void bumps_and_maps_nest(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(blends_draw_their_parts), cmocka_unit_test(bumps_and_maps_nest),
-        cmocka_unit_test(holes_are_no_parts),      cmocka_unit_test(relief_turns_the_frame),
-        cmocka_unit_test(reliefs_turn_in_turn),    cmocka_unit_test(sides_and_frames),
+        cmocka_unit_test(blends_draw_their_parts),        cmocka_unit_test(bumps_and_maps_nest),
+        cmocka_unit_test(holes_are_no_components),        cmocka_unit_test(bumps_rotate_the_frame),
+        cmocka_unit_test(bumps_rotate_one_after_another), cmocka_unit_test(sides_and_frames),
         cmocka_unit_test(textures_replace_slots),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -8,7 +8,7 @@ enum { RAYS = 20000 };
 static struct material_side join(const struct material_side *a, const struct material_side *b,
                                  float weight, const struct texture *texture) {
     return (struct material_side){
-        .part = {a, b}, .weight = weight, .blend = texture, .holes = a->holes || b->holes};
+        .component = {a, b}, .weight = weight, .blend = texture, .holes = a->holes || b->holes};
 }
 
 // A surface with holes (a rectangle, or a sphere, which rays cross twice) before a wall, z = 0.
@@ -34,7 +34,7 @@ static void share_through(const struct satin_scene *scene, float share[2]) {
     int hits = 0, free_ways = 0;
     for (int i = 0; i < RAYS; i++) {
         struct ray ray = ray_number(i), shadow = ray;
-        struct surfel s;
+        struct interaction s;
         assert_true(scene_intersect(scene, &ray, &s));
         bool wall = s.p.z == 0.0f;
         hits += wall;
@@ -87,7 +87,7 @@ static void follows_its_texture(void **state) {
     for (int i = 0; i < 4; i++) {
         float x = i & 1 ? 1.0f : -1.0f, y = i & 2 ? 1.0f : -1.0f;
         struct ray ray = {v3(x, y, 9), 0.0f, v3(0, 0, -1), INFINITY};
-        struct surfel s;
+        struct interaction s;
         assert_true(scene_intersect(&t.scene, &ray, &s));
         assert_true((s.p.z > 0.0f) == (x != y));
     }
@@ -102,7 +102,7 @@ static void null_is_nothing(void **state) {
     uint32_t nothing = test_material(&t, "null", rgb_grey(0.0f), rgb_grey(0.0f));
     uint32_t shape = test_rectangle(&t, test_transform(v3(0, 0, 5), v3(2, 2, 1)), nothing);
     struct ray ray = {v3(0.5f, 0, 9), 0.0f, v3(0, 0, -1), INFINITY};
-    struct surfel s;
+    struct interaction s;
     for (int emits = 0; emits < 2; emits++) {
         t.shape[shape].light = emits - 1;
         assert_int_equal(scene_trace_build(&t.scene, (struct log){0}), SATIN_OK);

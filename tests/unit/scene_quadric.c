@@ -51,8 +51,8 @@ static void meets_surfaces(void **state) {
             float t;
             if (!quadric_intersect(&q, ray.o, ray.d, 0.0f, INFINITY, &t)) continue;
             hits++;
-            struct surfel s2;
-            quadric_surfel(&q, &ray, t, k & 2, &s2);
+            struct interaction s2;
+            quadric_interaction(&q, &ray, t, k & 2, &s2);
             assert_true(off_surface(kind, &m, s2.p) < 4e-6);
             assert_near3(v3_mad(ray.o, t, ray.d), s2.p, 4e-7f * far + 2e-5f);
             assert_float_equal(v3_len(s2.ng), 1.0f, 1e-6f);
@@ -79,15 +79,15 @@ static void faces_as_mitsuba(void **state) {
             struct mat4 m = mat4_scale(v3(mirror ? -1 : 1, 1, 1));
             struct ray down = {{0.3f, 0.2f, 5}, 0, {0, 0, -1}, INFINITY};
             struct ray side = {{5, 0.2f, 0.5f}, 0, {-1, 0, 0}, INFINITY};
-            struct surfel s;
+            struct interaction s;
             struct quadric sphere = make(SHAPE_SPHERE, m, flip);
-            quadric_surfel(&sphere, &down, 4, false, &s);
+            quadric_interaction(&sphere, &down, 4, false, &s);
             assert_true((s.ng.z > 0) == (mirror == flip));
             struct quadric disk = make(SHAPE_DISK, m, flip);
-            quadric_surfel(&disk, &down, 5, false, &s);
+            quadric_interaction(&disk, &down, 5, false, &s);
             assert_true((s.ng.z > 0) == !flip);
             struct quadric cylinder = make(SHAPE_CYLINDER, m, flip);
-            quadric_surfel(&cylinder, &side, 4, false, &s);
+            quadric_interaction(&cylinder, &side, 4, false, &s);
             assert_true((s.ng.x > 0) == !flip);
         }
 }

@@ -40,7 +40,7 @@ static void knows_bounds(void **state) {
 }
 
 // Values worked out by hand for rays straight at each shape.
-static void fills_surfels(void **state) {
+static void fills_interactions(void **state) {
     (void)state;
     const struct {
         vec3 from, to, p, ng, u;
@@ -62,7 +62,7 @@ static void fills_surfels(void **state) {
     };
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         struct ray ray = ray_between(known[i].from, known[i].to);
-        struct surfel s;
+        struct interaction s;
         assert_true(scene_intersect(&t.scene, &ray, &s));
         assert_int_equal(s.shape, known[i].shape);
         assert_int_equal(s.material, known[i].material);
@@ -85,7 +85,7 @@ static void queries_agree(void **state) {
         vec3 a = v3(18 * rng_float(&rng) - 9, 18 * rng_float(&rng) - 9, 18 * rng_float(&rng) - 9);
         vec3 b = v3(18 * rng_float(&rng) - 9, 18 * rng_float(&rng) - 9, 18 * rng_float(&rng) - 9);
         struct ray ray = ray_between(a, b);
-        struct surfel s;
+        struct interaction s;
         assert_true(scene_intersect(&t.scene, &ray, &s));
         hits[s.shape]++;
         assert_true(scene_distance(&t.scene, &ray) == s.t);
@@ -112,7 +112,7 @@ static void survives_every_ray(void **state) {
             struct ray ray;
         } any;
         for (int k = 0; k < 8; k++) any.bits[k] = rng_u32(&rng);
-        struct surfel s;
+        struct interaction s;
         bool hit = scene_intersect(&t.scene, &any.ray, &s);
         assert_true(hit == isfinite(scene_distance(&t.scene, &any.ray)));
         if (hit) assert_true(v3_finite(s.p) && v3_finite(s.ng) && v3_finite(s.frame.u));
@@ -125,7 +125,7 @@ static void survives_every_ray(void **state) {
         {{0, 0, 0}, 5, {0, 0, 1}, 5},          {{0, 0, 0}, 0, {0, 0, 1}, -INFINITY},
     };
     for (size_t i = 0; i < sizeof none / sizeof *none; i++) {
-        struct surfel s;
+        struct interaction s;
         assert_false(scene_intersect(&t.scene, &none[i], &s));
         assert_false(scene_occluded(&t.scene, &none[i]));
         assert_true(isinf(scene_distance(&t.scene, &none[i])));
@@ -163,7 +163,7 @@ static void tells_the_rate_of_coordinates(void **state) {
                  {{5, 0, 0.01f}, 0.112540f},  // 1 / sqrt(2 pi r pi r), r = 2, at its equator
                  {{-5, 0.1f, 0.1f}, 0.0f}};   // not wanted
     for (int i = 0; i < 3; i++) {
-        struct surfel s;
+        struct interaction s;
         struct ray ray =
             ray_between(v3(known[i].to.x, known[i].to.y, known[i].to.z + 4), known[i].to);
         if (i == 1) ray = ray_between(v3(0, 0, 0), known[i].to);
@@ -176,7 +176,7 @@ static void tells_the_rate_of_coordinates(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(knows_bounds),
-        cmocka_unit_test(fills_surfels),
+        cmocka_unit_test(fills_interactions),
         cmocka_unit_test(queries_agree),
         cmocka_unit_test(survives_every_ray),
         cmocka_unit_test(tells_the_rate_of_coordinates),

@@ -32,7 +32,7 @@ static void look(const char *body, vec2 film, float out[AOV_VALUES], struct scen
     const struct shade shade = {.g = &g};
     const struct shade_lens lens = {.film = film};
     const struct ray ray = camera_ray(scene, film.x, film.y, 0.0f, 0.0f, NULL);
-    struct surfel s;
+    struct interaction s;
     struct gather_point point;
     assert_true(scene_intersect(scene, &ray, &s));
     gather_point_make(scene, &s, ray.d, &point);
@@ -94,7 +94,7 @@ static void instances_are_alike(void **state) {
 // Where dp/du is wanted by the channels alone, frames and with them images stay as they are.
 static void frames_stay(void **state) {
     (void)state;
-    struct surfel s[2];
+    struct interaction s[2];
     for (int i = 0; i < 2; i++) {
         struct scene_case c;
         char text[4096];

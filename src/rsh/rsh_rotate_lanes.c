@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rotation on lanes, one source for AVX2 and AVX-512: the build defines RSH_NAME, the suffix.
-// Orders up to 6 are in rsh_turn_pairs.c. rsh_tables.h describes the layout. A group of bands is
-// loaded, turned about z, y and z, and stored; what depends on the angles only is computed once for
-// all channels.
-#include "rsh/rsh_turn.h"
+// Orders up to 6 are in rsh_rotate_pairs.c. rsh_tables.h describes the layout. A group of bands is
+// loaded, rotated about z, y and z, and stored; what depends on the angles only is computed once
+// for all channels.
+#include "rsh/rsh_rotate_lanes.h"
 
 #include "rsh/rsh_lanes.h"
 #include "rsh/rsh_tables.h"
@@ -12,45 +12,45 @@
 #define GLUE(a, b) GLUE2(a, b)
 #define INLINE static inline __attribute__((always_inline))
 
-// Channels turned at once: what the registers hold. They share the loads of the tables.
+// Channels rotated at once: what the registers hold. They use the same loads of the tables.
 #if defined(__AVX512F__)
 enum { BLOCK = 3 };
 #else
 enum { BLOCK = 1 };
 #endif
 
-struct angle {
+struct multiple_angle {
     lanes cosine, sine;
 };
 
-INLINE struct angle add_angles(struct angle a, struct angle b) {
-    return (struct angle){
+INLINE struct multiple_angle add_multiples(struct multiple_angle a, struct multiple_angle b) {
+    return (struct multiple_angle){
         lanes_nmad(a.sine, b.sine, lanes_mul(a.cosine, b.cosine)),
         lanes_mad(a.sine, b.cosine, lanes_mul(a.cosine, b.sine)),
     };
 }
 
 #define ANGLE_IN(mask, c, s) \
-    ((struct angle){lanes_choose(mask, c, 1.0f), lanes_choose(mask, s, 0.0f)})
+    ((struct multiple_angle){lanes_choose(mask, c, 1.0f), lanes_choose(mask, s, 0.0f)})
 
 // cos(m a) and (-1)^m sin(m a) for m = 0 2 4 .. 14 1 3 .. 15: lane by lane the sum of the angle's
 // multiples by 1, 2, 4 and, where m > 7 is asked for, 8 that make up m.
-INLINE struct angle multiples(float c1, float s1, bool wide) {
+INLINE struct multiple_angle multiples(float c1, float s1, bool wide) {
     float c2 = c1 * c1 - s1 * s1, s2 = 2.0f * c1 * s1;
     float c4 = c2 * c2 - s2 * s2, s4 = 2.0f * c2 * s2;
-    struct angle low = add_angles(ANGLE_IN(0xff00, c1, s1), ANGLE_IN(0xaaaa, c2, s2));
-    struct angle high = ANGLE_IN(0xcccc, c4, s4);
+    struct multiple_angle low = add_multiples(ANGLE_IN(0xff00, c1, s1), ANGLE_IN(0xaaaa, c2, s2));
+    struct multiple_angle high = ANGLE_IN(0xcccc, c4, s4);
     if (wide) {
         float c8 = c4 * c4 - s4 * s4, s8 = 2.0f * c4 * s4;
-        high = add_angles(high, ANGLE_IN(0xf0f0, c8, s8));
+        high = add_multiples(high, ANGLE_IN(0xf0f0, c8, s8));
     }
-    struct angle m = add_angles(low, high);
+    struct multiple_angle m = add_multiples(low, high);
     m.sine = lanes_halves(m.sine, lanes_nmad(m.sine, lanes_splat(1.0f), lanes_zero()));
     return m;
 }
 
 // About z.
-INLINE void turn_parts(struct angle t, lanes *even, lanes *odd) {
+INLINE void rotate_parts(struct multiple_angle t, lanes *even, lanes *odd) {
     lanes a = *even, b = *odd;
     *even = lanes_nmad(t.sine, b, lanes_mul(t.cosine, a));
     *odd = lanes_mad(t.sine, a, lanes_mul(t.cosine, b));
@@ -58,13 +58,13 @@ INLINE void turn_parts(struct angle t, lanes *even, lanes *odd) {
 
 // What of a group is known where it is used: its coefficients, the steps of its exchange and the
 // place of the first.
-struct span {
+struct lane_span {
     int first, end, steps, offset;
 };
 
 // Exchanges y and z of `block` channels; direction 0 leads to the inner layout, 1 back.
-INLINE void exchange(const struct rsh_lane_group *g, struct span span, int direction, int block,
-                     lanes *even, lanes *odd) {
+INLINE void exchange_lanes(const struct rsh_lane_group *g, struct lane_span span, int direction,
+                           int block, lanes *even, lanes *odd) {
     const struct rsh_lane_step *step = rsh_lane_steps + span.offset;
     places source = places_load(g->source[direction]), other = places_opposite(source);
     lanes a[BLOCK], b[BLOCK], p = lanes_load(step->factor[direction][0]),
@@ -88,20 +88,21 @@ INLINE void exchange(const struct rsh_lane_group *g, struct span span, int direc
 }
 
 // D, the derivative of the rotation about y: what `other` gives to the even (0) or odd (1) part.
-INLINE lanes derivative(const struct rsh_lane_group *g, int part, lanes other) {
+INLINE lanes lane_derivative(const struct rsh_lane_group *g, int part, lanes other) {
     lanes down =
         lanes_mul(lanes_across(other, places_load(g->down)), lanes_load(g->from_down[part]));
     return lanes_mad(lanes_across(other, places_load(g->up)), lanes_load(g->from_up[part]), down);
 }
 
 // About y, by the series.
-INLINE void turn_series(const struct rsh_lane_group *g, const struct rsh_turn *t, lanes *even,
-                        lanes *odd) {
-    lanes a = derivative(g, 0, *odd), b = derivative(g, 1, *even), beta = lanes_splat(t->beta);
+INLINE void rotate_lane_series(const struct rsh_lane_group *g, const struct rsh_rotation *t,
+                               lanes *even, lanes *odd) {
+    lanes a = lane_derivative(g, 0, *odd), b = lane_derivative(g, 1, *even),
+          beta = lanes_splat(t->beta);
     lanes half = lanes_splat(0.5f * t->beta), first_a = a, first_b = b;
     if (t->method == RSH_METHOD_TAYLOR_2) {
-        a = lanes_mad(half, derivative(g, 0, first_b), a);
-        b = lanes_mad(half, derivative(g, 1, first_a), b);
+        a = lanes_mad(half, lane_derivative(g, 0, first_b), a);
+        b = lanes_mad(half, lane_derivative(g, 1, first_a), b);
     } else if (t->method == RSH_METHOD_TAYLOR_1_5) {
         a = lanes_mad(half, lanes_mul(*even, lanes_load(g->curve[0])), a);
         b = lanes_mad(half, lanes_mul(*odd, lanes_load(g->curve[1])), b);
@@ -111,63 +112,65 @@ INLINE void turn_series(const struct rsh_lane_group *g, const struct rsh_turn *t
 }
 
 // The multiples where the group's lanes want them, in the outer (0) or the inner (1) layout.
-INLINE struct angle place(const struct rsh_lane_group *g, int inner, struct angle a) {
+INLINE struct multiple_angle place_lanes(const struct rsh_lane_group *g, int inner,
+                                         struct multiple_angle a) {
     const places p = places_load(g->power[inner]);
-    if (inner) return (struct angle){lanes_any(a.cosine, p), lanes_any(a.sine, p)};
-    return (struct angle){lanes_within(a.cosine, p), lanes_within(a.sine, p)};
+    if (inner) return (struct multiple_angle){lanes_any(a.cosine, p), lanes_any(a.sine, p)};
+    return (struct multiple_angle){lanes_within(a.cosine, p), lanes_within(a.sine, p)};
 }
 
 struct angles {
-    struct angle alpha, beta, gamma;
+    struct multiple_angle alpha, beta, gamma;
 };
 
 // `in` and `out` are the first of `block` channels of n coefficients each.
-INLINE void turn_group(const struct rsh_lane_group *g, struct span span, const struct rsh_turn *t,
-                       const struct angles *angles, int block, int n, const float *in, float *out) {
+INLINE void rotate_group(const struct rsh_lane_group *g, struct lane_span span,
+                         const struct rsh_rotation *t, const struct angles *angles, int block,
+                         int n, const float *in, float *out) {
     const int count = (n < span.end ? n : span.end) - span.first;
     in += span.first;
     out += span.first;
-    struct angle gamma = place(g, 0, angles->gamma);
+    struct multiple_angle gamma = place_lanes(g, 0, angles->gamma);
     lanes even[BLOCK], odd[BLOCK];
     for (int c = 0; c < block; c++) {
         struct lanes_source source = lanes_source(in + c * n, count);
         even[c] = lanes_gather(source, places_load(g->even));
         odd[c] = lanes_gather(source, places_load(g->odd));
-        turn_parts(gamma, &even[c], &odd[c]);
+        rotate_parts(gamma, &even[c], &odd[c]);
     }
     if (t->method == RSH_METHOD_EXACT) {
-        struct angle beta = place(g, 1, angles->beta);
-        exchange(g, span, 0, block, even, odd);
-        for (int c = 0; c < block; c++) turn_parts(beta, &even[c], &odd[c]);
-        exchange(g, span, 1, block, even, odd);
+        struct multiple_angle beta = place_lanes(g, 1, angles->beta);
+        exchange_lanes(g, span, 0, block, even, odd);
+        for (int c = 0; c < block; c++) rotate_parts(beta, &even[c], &odd[c]);
+        exchange_lanes(g, span, 1, block, even, odd);
     } else if (t->method != RSH_METHOD_Z) {
-        for (int c = 0; c < block; c++) turn_series(g, t, &even[c], &odd[c]);
+        for (int c = 0; c < block; c++) rotate_lane_series(g, t, &even[c], &odd[c]);
     }
     if (t->method != RSH_METHOD_Z) {
-        struct angle alpha = place(g, 0, angles->alpha);
-        for (int c = 0; c < block; c++) turn_parts(alpha, &even[c], &odd[c]);
+        struct multiple_angle alpha = place_lanes(g, 0, angles->alpha);
+        for (int c = 0; c < block; c++) rotate_parts(alpha, &even[c], &odd[c]);
     }
     for (int c = 0; c < block; c++) lanes_scatter(even[c], odd[c], g->natural, count, out + c * n);
 }
 
 // The first two groups, which all these orders have, with what the tables say of them.
-INLINE void turn_channels(const struct rsh_turn *t, const struct angles *angles, int order,
-                          int block, const float *in, float *out) {
+INLINE void rotate_lane_channels(const struct rsh_rotation *t, const struct angles *angles,
+                                 int order, int block, const float *in, float *out) {
     const struct rsh_lane_group *g = rsh_lane_groups, *end = g + RSH_LANE_GROUPS;
     const int n = order * order;
-    turn_group(g++, (struct span){0, 16, 2, 0}, t, angles, block, n, in, out);
-    turn_group(g++, (struct span){16, 36, 3, 2}, t, angles, block, n, in, out);
+    rotate_group(g++, (struct lane_span){0, 16, 2, 0}, t, angles, block, n, in, out);
+    rotate_group(g++, (struct lane_span){16, 36, 3, 2}, t, angles, block, n, in, out);
     for (; g < end && g->first < n; g++) {
         const int next = g + 1 < end ? g[1].first : RSH_MAX_COEFFICIENTS;
-        const struct span span = {g->first, next, g->steps, g->offset};
-        turn_group(g, span, t, angles, block, n, in, out);
+        const struct lane_span span = {g->first, next, g->steps, g->offset};
+        rotate_group(g, span, t, angles, block, n, in, out);
     }
 }
 
-void GLUE(rsh_turn_, RSH_NAME)(const struct rsh_turn *t, int order, int channels, const float *in,
-                               float *out) {
+void GLUE(rsh_rotate_lanes_, RSH_NAME)(const struct rsh_rotation *t, int order, int channels,
+                                       const float *in, float *out) {
     if (order <= 6) {
-        GLUE(rsh_turn_pairs_, RSH_NAME)(t, order, channels, in, out);
+        GLUE(rsh_rotate_pairs_, RSH_NAME)(t, order, channels, in, out);
         return;
     }
     const bool wide = order > 8;
@@ -175,9 +178,10 @@ void GLUE(rsh_turn_, RSH_NAME)(const struct rsh_turn *t, int order, int channels
     struct angles a;
     a.alpha = a.beta = a.gamma = multiples(t->cos_gamma, t->sin_gamma, wide);
     if (t->method != RSH_METHOD_Z) a.alpha = multiples(t->cos_alpha, t->sin_alpha, wide);
-    // The exchange turns the sense round: y by beta is z by -beta between two exchanges.
+    // The exchange reverses the sense: y by beta is z by -beta between two exchanges.
     if (t->method == RSH_METHOD_EXACT) a.beta = multiples(t->cos_beta, -t->sin_beta, wide);
     for (; channels >= BLOCK; channels -= BLOCK, in += BLOCK * n, out += BLOCK * n)
-        turn_channels(t, &a, order, BLOCK, in, out);
-    for (; channels > 0; channels--, in += n, out += n) turn_channels(t, &a, order, 1, in, out);
+        rotate_lane_channels(t, &a, order, BLOCK, in, out);
+    for (; channels > 0; channels--, in += n, out += n)
+        rotate_lane_channels(t, &a, order, 1, in, out);
 }

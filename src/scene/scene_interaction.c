@@ -4,20 +4,22 @@
 // Self-intersection is kept out by three measures that need no tolerance in world units:
 // - a hit point is combined in double and rounded once, so it lies within half an ulp of the plane;
 // - scene_spawn moves the origin off by a few ulp of the position, which exceeds that half ulp;
-// - the filter of scene_level.c asks surfel_crosses, in double, before it believes a hit that is
+// - the filter of scene_level.c asks interaction_crosses, in double, before it believes a hit that
+// is
 //   nearer than what the float intersector can resolve on a large or thin triangle; so too where a
 //   ray ends on the surface that it leads to.
 // Leaks at edges are kept out by pulling hits a few ulp into their triangle: next to an edge a
 // rounded position can lie beyond the neighbouring face.
-#include "scene/scene_surfel.h"
+#include "scene/scene_interaction.h"
 
-struct triangle {
+struct surface_triangle {
     double p[3][3];
     double e1[3], e2[3];  // p1 - p0, p2 - p0
     double n[3];          // e1 x e2
 };
 
-static void triangle_get(const struct mesh *mesh, uint32_t prim, struct triangle *t) {
+static void surface_triangle_get(const struct mesh *mesh, uint32_t prim,
+                                 struct surface_triangle *t) {
     const uint32_t *index = mesh->index + (size_t)prim * 3;
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < 3; i++) t->p[k][i] = mesh->position[(size_t)index[k] * 3 + i];
@@ -35,34 +37,34 @@ static double dot3(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-bool surfel_crosses(const struct mesh *mesh, uint32_t prim, vec3 o, vec3 d, float tnear,
-                    float tfar) {
-    struct triangle t;
-    triangle_get(mesh, prim, &t);
+bool interaction_crosses(const struct mesh *mesh, uint32_t prim, vec3 o, vec3 d, float tnear,
+                         float tfar) {
+    struct surface_triangle t;
+    surface_triangle_get(mesh, prim, &t);
     const double to[3] = {t.p[0][0] - o.x, t.p[0][1] - o.y, t.p[0][2] - o.z};
     const double direction[3] = {d.x, d.y, d.z};
     double at = dot3(to, t.n) / dot3(direction, t.n);
     return at > tnear && at < tfar;
 }
 
-struct surfel_error surfel_error(const struct mesh *mesh) {
+struct interaction_error interaction_error(const struct mesh *mesh) {
     const double ulps = 64.0 * 0x1p-24;
     double edge2 = 0.0, aspect = 0.0;  // the longest edge; the largest edge^2 / |n|
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
-        struct triangle t;
-        triangle_get(mesh, i, &t);
+        struct surface_triangle t;
+        surface_triangle_get(mesh, i, &t);
         const double e3[3] = {t.e2[0] - t.e1[0], t.e2[1] - t.e1[1], t.e2[2] - t.e1[2]};
         double longest2 = fmax(dot3(e3, e3), fmax(dot3(t.e1, t.e1), dot3(t.e2, t.e2)));
         double n2 = dot3(t.n, t.n);
         edge2 = fmax(edge2, longest2);
         if (n2 > 0.0) aspect = fmax(aspect, longest2 / sqrt(n2));
     }
-    return (struct surfel_error){ulps * edge2 * sqrt(edge2), ulps * aspect * sqrt(aspect)};
+    return (struct interaction_error){ulps * edge2 * sqrt(edge2), ulps * aspect * sqrt(aspect)};
 }
 
 // Keeps the barycentric coordinates b off the edges by `margin` in world units, or at the centre of
 // a triangle that is smaller than that. False if they are that far off already.
-static bool pull_inside(const struct triangle *t, double margin, double b[3]) {
+static bool pull_inside(const struct surface_triangle *t, double margin, double b[3]) {
     const double e3[3] = {t->e2[0] - t->e1[0], t->e2[1] - t->e1[1], t->e2[2] - t->e1[2]};
     const double *edge[3] = {e3, t->e2, t->e1};  // opposite to each vertex
     double n2 = dot3(t->n, t->n), least2[3], sum = 0.0;
@@ -84,7 +86,7 @@ static bool pull_inside(const struct triangle *t, double margin, double b[3]) {
 // along the first two edges. Texture coordinates that do not span the triangle have none: then they
 // are the axes of the frame of ng.
 static void triangle_tangents(const struct mesh *mesh, const uint32_t *index,
-                              const struct triangle *t, vec3 ng, vec3 *dp_du, vec3 *dp_dv) {
+                              const struct surface_triangle *t, vec3 ng, vec3 *dp_du, vec3 *dp_dv) {
     double du[3] = {t->e1[0], t->e1[1], t->e1[2]}, dv[3] = {t->e2[0], t->e2[1], t->e2[2]};
     if (mesh->uv) {
         const float *a = mesh->uv + (size_t)index[0] * 2, *b = mesh->uv + (size_t)index[1] * 2,
@@ -105,7 +107,7 @@ static void triangle_tangents(const struct mesh *mesh, const uint32_t *index,
     *dp_dv = v3((float)dv[0], (float)dv[1], (float)dv[2]);
 }
 
-static vec3 blend_corners(const struct triangle *t, const double b[3]) {
+static vec3 blend_corners(const struct surface_triangle *t, const double b[3]) {
     return v3((float)(b[0] * t->p[0][0] + b[1] * t->p[1][0] + b[2] * t->p[2][0]),
               (float)(b[0] * t->p[0][1] + b[1] * t->p[1][1] + b[2] * t->p[2][1]),
               (float)(b[0] * t->p[0][2] + b[1] * t->p[1][2] + b[2] * t->p[2][2]));
@@ -120,15 +122,15 @@ static vec3 blend_normals(const float *normal, const uint32_t *index, const doub
               b0 * p[2] + b1 * q[2] + b2 * r[2]);
 }
 
-void surfel_triangle(const struct satin_scene *scene, const struct shape *shape,
-                     const struct surfel_hit *hit, struct surfel *out) {
+void interaction_triangle(const struct satin_scene *scene, const struct shape *shape,
+                          const struct interaction_hit *hit, struct interaction *out) {
     const struct mesh *mesh = &shape->mesh;
     const uint32_t *index = mesh->index + (size_t)hit->prim * 3;
-    struct triangle t;
-    triangle_get(mesh, hit->prim, &t);
+    struct surface_triangle t;
+    surface_triangle_get(mesh, hit->prim, &t);
     double b[3] = {1.0 - (double)hit->u - (double)hit->v, hit->u, hit->v};
     out->p = blend_corners(&t, b);
-    double margin = hit->margin > 0.0f ? hit->margin : 4.0 * surfel_offset(scene, out->p);
+    double margin = hit->margin > 0.0f ? hit->margin : 4.0 * interaction_offset(scene, out->p);
     if (pull_inside(&t, margin, b)) out->p = blend_corners(&t, b);
 
     double s = (shape->flip_normals ? -1.0 : 1.0) / sqrt(dot3(t.n, t.n));
@@ -156,11 +158,11 @@ void surfel_triangle(const struct satin_scene *scene, const struct shape *shape,
     out->frame = hit->tangent ? frame_from_tangent(n, out->dp_du) : frame_from_normal(n);
 }
 
-vec3 scene_off_edges(const struct satin_scene *scene, const struct surfel *s, float margin) {
+vec3 scene_off_edges(const struct satin_scene *scene, const struct interaction *s, float margin) {
     const struct shape *shape = &scene->shape[s->shape];
     if (shape->kind != SHAPE_MESH || !(margin > 0.0f)) return s->p;
-    struct triangle t;
-    triangle_get(&shape->mesh, s->prim, &t);
+    struct surface_triangle t;
+    surface_triangle_get(&shape->mesh, s->prim, &t);
     double b[3] = {1.0 - (double)s->bary.x - (double)s->bary.y, s->bary.x, s->bary.y};
     if (!pull_inside(&t, margin, b)) return s->p;
     vec3 way = v3_sub(blend_corners(&t, b), s->p);
@@ -174,14 +176,14 @@ static vec3 leave(vec3 p, vec3 ng, vec3 d, float offset) {
 }
 
 struct ray scene_spawn(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d) {
-    return (struct ray){leave(p, ng, d, surfel_offset(scene, p)), 0.0f, d, INFINITY};
+    return (struct ray){leave(p, ng, d, interaction_offset(scene, p)), 0.0f, d, INFINITY};
 }
 
 struct ray scene_spawn_to(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 q, vec3 nq) {
     vec3 d = v3_sub(q, p);
     // At the far end the direction's own rounding counts too, in proportion to the distance.
-    float end_offset = fmaxf(surfel_offset(scene, q), 8.0f * 0x1p-24f * v3_max_abs(d));
-    vec3 o = leave(p, ng, d, surfel_offset(scene, p));
+    float end_offset = fmaxf(interaction_offset(scene, q), 8.0f * 0x1p-24f * v3_max_abs(d));
+    vec3 o = leave(p, ng, d, interaction_offset(scene, p));
     vec3 end = leave(q, nq, v3_neg(d), end_offset);
     d = v3_sub(end, o);
     float distance = v3_len(d);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rays that leave surfaces: none meets the surface it leaves, none gets out of a closed body, at
-// any scale and place. And what the surfel of a triangle says about shading.
+// any scale and place. And what the surface interaction of a triangle says about shading.
 #include "base/sampling.h"
 #include "mesh_case.h"
 #include "test_scene.h"
@@ -60,7 +60,7 @@ static void check_body(struct test_scene *t, bool convex, int starts) {
         vec3 to = v3_mad(centre, 0.3f * scene->radius,
                          sample_uniform_sphere(rng_float(&rng), rng_float(&rng)));
         struct ray ray = {from, 0.0f, v3_unit(v3_sub(to, from)), INFINITY};
-        struct surfel s, next;
+        struct interaction s, next;
         assert_true(scene_intersect(scene, &ray, &s));
         ray = scene_spawn(scene, s.p, s.ng, direction_around(s.ng, &rng));
         bool again = scene_intersect(scene, &ray, &next);
@@ -111,7 +111,7 @@ static void leaves_cylinders(void **state) {
     for (int i = 0; i < 50000; i++) {
         vec3 d = sample_uniform_sphere(rng_float(&rng), rng_float(&rng));
         struct ray ray = {mat4_point(&m, v3(0.3f, 0.2f, 0.5f)), 0.0f, d, INFINITY};
-        struct surfel s;
+        struct interaction s;
         if (!scene_intersect(&t.scene, &ray, &s)) continue;
         ray = scene_spawn(&t.scene, s.p, s.ng, direction_around(s.ng, &rng));
         assert_false(scene_occluded(&t.scene, &ray));
@@ -137,7 +137,7 @@ static void leaves_huge_floors(void **state) {
         for (int i = 0; i < 20000; i++) {
             vec3 local = v3(2 * rng_float(&rng) - 1, 2 * rng_float(&rng) - 1, 1);
             struct ray ray = {frame_to_world(&frame, local), 0.0f, v3_neg(n), INFINITY};
-            struct surfel s;
+            struct interaction s;
             if (!scene_intersect(&t.scene, &ray, &s)) continue;  // the two shrink by rounding
             ray = scene_spawn(&t.scene, s.p, s.ng, direction_around(s.ng, &rng));
             assert_false(scene_occluded(&t.scene, &ray));
@@ -148,11 +148,11 @@ static void leaves_huge_floors(void **state) {
 }
 
 // A point of a sheet of the scene, straight along n from a random place between the sheets.
-static struct surfel point_of_sheet(const struct satin_scene *scene, const struct mat4 *turn,
-                                    vec3 n, float z, struct rng *rng) {
+static struct interaction point_of_sheet(const struct satin_scene *scene, const struct mat4 *turn,
+                                         vec3 n, float z, struct rng *rng) {
     vec3 local = v3(17.9f * rng_float(rng) - 8.95f, 17.9f * rng_float(rng) - 8.95f, z);
     struct ray ray = {mat4_point(turn, local), 0.0f, n, INFINITY};
-    struct surfel s;
+    struct interaction s;
     assert_true(scene_intersect(scene, &ray, &s));
     return s;
 }
@@ -180,8 +180,8 @@ static void connects_points(void **state) {
         vec3 n = mat4_vector(&turn, v3(0, 0, 1));
         struct rng rng = rng_make(1, RNG_TEST, 0);
         for (int i = 0; i < 30000; i++) {
-            struct surfel p = point_of_sheet(&t.scene, &turn, v3_neg(n), 0.25f, &rng);
-            struct surfel q = point_of_sheet(&t.scene, &turn, n, 0.75f, &rng);
+            struct interaction p = point_of_sheet(&t.scene, &turn, v3_neg(n), 0.25f, &rng);
+            struct interaction q = point_of_sheet(&t.scene, &turn, n, 0.75f, &rng);
             struct ray ray = scene_spawn_to(&t.scene, p.p, p.ng, q.p, q.ng);
             assert_true(scene_occluded(&t.scene, &ray) == blocked);
             assert_float_equal(v3_len(v3_sub(v3_mad(ray.o, ray.tfar, ray.d), q.p)), 0.0f, 2e-5f);
@@ -215,7 +215,7 @@ static void shades_by_vertex_normals(void **state) {
                                                    .index = index}});
         test_scene_finish(&t);
         float side = flip ? -1.0f : 1.0f;
-        struct surfel s;
+        struct interaction s;
         struct ray ray = {{0.25f, 0.25f, 1}, 0, {0, 0, -1}, INFINITY};
         assert_true(scene_intersect(&t.scene, &ray, &s));
         vec3 n = v3_unit(v3(.25f * .6f + .25f * .8f, 0, .5f + .25f * .8f - .25f * .6f));
@@ -245,7 +245,7 @@ static void moves_off_edges(void **state) {
     const vec3 place[] = {{0.3f, -0.999f, 1}, {-0.9995f, -0.9995f, 1}, {0.2f, -0.6f, 1}};
     for (int i = 0; i < 3; i++) {
         struct ray ray = {place[i], 0.0f, v3(0, 0, -1), INFINITY};
-        struct surfel s;
+        struct interaction s;
         assert_true(scene_intersect(&t.scene, &ray, &s));
         vec3 p = scene_off_edges(&t.scene, &s, margin);
         float moved = v3_len(v3_sub(p, s.p));

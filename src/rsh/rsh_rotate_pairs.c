@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rotation of orders up to 6 on lanes, one source for AVX2 and AVX-512: the build defines RSH_NAME,
 // the suffix. rsh_tables.h describes the layout, which leaves no lane empty: orders up to 4 fill
-// one vector, the bands 2 to 5 of order 6 two, while bands 0 and 1 are turned number by number.
-// Lanes stand in pairs +m, -m, so that a turn about z is a product of complex numbers.
+// one vector, the bands 2 to 5 of order 6 two, while bands 0 and 1 are rotated number by number.
+// Lanes stand in pairs +m, -m, so that a rotation about z is a product of complex numbers.
 //
 // What the time goes into here is loads, of which the processor does one vector per cycle, and
 // waiting: so both vectors go side by side, and places that are used twice are held in registers.
 // The factors are not, lest others go to the stack.
 #include "rsh/rsh_lanes.h"
+#include "rsh/rsh_rotate_lanes.h"
 #include "rsh/rsh_tables.h"
-#include "rsh/rsh_turn.h"
 
 #define GLUE2(a, b) a##b
 #define GLUE(a, b) GLUE2(a, b)
@@ -23,13 +23,13 @@ enum { MOST_VECTORS = 2, MOST_STEPS = 3 };
 
 enum { ALPHA, BETA, GAMMA, ANGLES };
 
-// A turn about z: cosine and sine of the multiple that each lane wants.
+// A rotation about z: cosine and sine of the multiple that each lane wants.
 struct spin {
     lanes cosine[MOST_VECTORS], sine[MOST_VECTORS];
 };
 
 // The exchange of y and z.
-struct exchange {
+struct pair_exchange {
     places source[MOST_VECTORS][MOST_STEPS];
     lanes factor[MOST_VECTORS][MOST_STEPS];
 };
@@ -40,9 +40,9 @@ INLINE lanes three(float alpha, float beta, float gamma) {
                            lanes_choose_of(RSH_PAIR_BETA, lanes_splat(beta), lanes_splat(gamma)));
 }
 
-// The multiples of all angles at once, then where the lanes want them. The exchange turns the sense
-// round: y by beta is z by -beta between two exchanges.
-INLINE void multiply(const struct rsh_turn *t, int group, struct spin *spins) {
+// The multiples of all angles at once, then where the lanes want them. The exchange reverses the
+// sense: y by beta is z by -beta between two exchanges.
+INLINE void multiply(const struct rsh_rotation *t, int group, struct spin *spins) {
     const struct rsh_pair_multiples *m = &rsh_pair_multiples;
     const lanes c1 = three(t->cos_alpha, t->cos_beta, t->cos_gamma);
     const lanes s1 = three(t->sin_alpha, -t->sin_beta, t->sin_gamma);
@@ -62,15 +62,15 @@ INLINE void multiply(const struct rsh_turn *t, int group, struct spin *spins) {
         }
 }
 
-INLINE void turn_z(const struct spin *spin, int group, lanes *v) {
+INLINE void rotate_pairs_z(const struct spin *spin, int group, lanes *v) {
     lanes w[MOST_VECTORS];
     for (int i = 0; i < VECTORS(group); i++)
         w[i] = lanes_mul(spin->sine[i], lanes_swap_pairs(v[i]));
     for (int i = 0; i < VECTORS(group); i++) v[i] = lanes_mad_sub(spin->cosine[i], v[i], w[i]);
 }
 
-INLINE struct exchange load_exchange(int group) {
-    struct exchange e;
+INLINE struct pair_exchange load_exchange(int group) {
+    struct pair_exchange e;
     for (int k = 0; k < STEPS(group); k++)
         for (int i = 0; i < VECTORS(group); i++) {
             const struct rsh_pair_lanes *p = &rsh_pair_groups[group].lanes[i];
@@ -80,7 +80,7 @@ INLINE struct exchange load_exchange(int group) {
     return e;
 }
 
-INLINE void swap(const struct exchange *e, int group, lanes *v) {
+INLINE void swap(const struct pair_exchange *e, int group, lanes *v) {
     lanes sum[MOST_VECTORS];
     for (int k = 0; k < STEPS(group); k++)
         for (int i = 0; i < VECTORS(group); i++) {
@@ -91,39 +91,41 @@ INLINE void swap(const struct exchange *e, int group, lanes *v) {
 }
 
 // D, the derivative of the rotation about y.
-INLINE lanes derivative(const struct rsh_pair_lanes *p, lanes v) {
+INLINE lanes pair_derivative(const struct rsh_pair_lanes *p, lanes v) {
     const lanes down = lanes_mul(lanes_any(v, places_load(p->down)), lanes_load(p->from_down));
     return lanes_mad(lanes_any(v, places_load(p->up)), lanes_load(p->from_up), down);
 }
 
 // About y, by the series.
-INLINE lanes turn_series(const struct rsh_pair_lanes *p, const struct rsh_turn *t, lanes v) {
+INLINE lanes rotate_pair_series(const struct rsh_pair_lanes *p, const struct rsh_rotation *t,
+                                lanes v) {
     const lanes half = lanes_splat(0.5f * t->beta);
-    lanes a = derivative(p, v);
+    lanes a = pair_derivative(p, v);
     if (t->method == RSH_METHOD_TAYLOR_2)
-        a = lanes_mad(half, derivative(p, a), a);
+        a = lanes_mad(half, pair_derivative(p, a), a);
     else if (t->method == RSH_METHOD_TAYLOR_1_5)
         a = lanes_mad(half, lanes_mul(v, lanes_load(p->curve)), a);
     return lanes_mad(lanes_splat(t->beta), a, v);
 }
 
-INLINE void turn_vectors(const struct rsh_turn *t, const struct spin *spins, int group, lanes *v) {
-    turn_z(&spins[GAMMA], group, v);
+INLINE void rotate_vectors(const struct rsh_rotation *t, const struct spin *spins, int group,
+                           lanes *v) {
+    rotate_pairs_z(&spins[GAMMA], group, v);
     if (t->method == RSH_METHOD_Z) return;
     if (t->method == RSH_METHOD_EXACT) {
-        const struct exchange e = load_exchange(group);
+        const struct pair_exchange e = load_exchange(group);
         swap(&e, group, v);
-        turn_z(&spins[BETA], group, v);
+        rotate_pairs_z(&spins[BETA], group, v);
         swap(&e, group, v);
     } else {
         for (int i = 0; i < VECTORS(group); i++)
-            v[i] = turn_series(&rsh_pair_groups[group].lanes[i], t, v[i]);
+            v[i] = rotate_pair_series(&rsh_pair_groups[group].lanes[i], t, v[i]);
     }
-    turn_z(&spins[ALPHA], group, v);
+    rotate_pairs_z(&spins[ALPHA], group, v);
 }
 
 // Bands 0 and 1, the second of which is y, z, x.
-INLINE void turn_head(const struct rsh_turn *t, const float *in, float *out) {
+INLINE void rotate_head(const struct rsh_rotation *t, const float *in, float *out) {
     const float y = in[1], z = in[2], x = in[3];
     float c = t->cos_beta, s = t->sin_beta;
     if (t->method != RSH_METHOD_EXACT) {
@@ -139,8 +141,8 @@ INLINE void turn_head(const struct rsh_turn *t, const float *in, float *out) {
     out[3] = z_only ? x1 : t->cos_alpha * x2 - t->sin_alpha * y1;
 }
 
-INLINE void turn(const struct rsh_turn *t, int group, int order, int channels, const float *in,
-                 float *out) {
+INLINE void rotate_pairs(const struct rsh_rotation *t, int group, int order, int channels,
+                         const float *in, float *out) {
     const int n = order * order, count = n - FIRST(group);
     const struct rsh_pair_group *g = &rsh_pair_groups[group];
     struct spin spins[ANGLES];
@@ -150,45 +152,45 @@ INLINE void turn(const struct rsh_turn *t, int group, int order, int channels, c
         lanes v[MOST_VECTORS];
         for (int i = 0; i < VECTORS(group); i++)
             v[i] = lanes_gather(source, places_load(g->lanes[i].place));
-        turn_vectors(t, spins, group, v);
-        if (group > 0) turn_head(t, in, out);
+        rotate_vectors(t, spins, group, v);
+        if (group > 0) rotate_head(t, in, out);
         lanes_scatter(v[0], v[group], g->natural, count, out + FIRST(group));
     }
 }
 
 // Of order 6 exactly there is a form without a branch; the others are one function each.
-static __attribute__((noinline)) void turn_four(const struct rsh_turn *t, int order, int channels,
-                                                const float *in, float *out) {
-    turn(t, 0, order, channels, in, out);
+static __attribute__((noinline)) void rotate_four(const struct rsh_rotation *t, int order,
+                                                  int channels, const float *in, float *out) {
+    rotate_pairs(t, 0, order, channels, in, out);
 }
 
-static __attribute__((noinline)) void turn_six(const struct rsh_turn *t, int order, int channels,
-                                               const float *in, float *out) {
-    turn(t, 1, order, channels, in, out);
+static __attribute__((noinline)) void rotate_six(const struct rsh_rotation *t, int order,
+                                                 int channels, const float *in, float *out) {
+    rotate_pairs(t, 1, order, channels, in, out);
 }
 
-static __attribute__((noinline)) void turn_exact(const struct rsh_turn *t, int channels,
-                                                 const float *in, float *out) {
-    struct rsh_turn exact = *t;
+static __attribute__((noinline)) void rotate_exact(const struct rsh_rotation *t, int channels,
+                                                   const float *in, float *out) {
+    struct rsh_rotation exact = *t;
     exact.method = RSH_METHOD_EXACT;
-    turn(&exact, 1, 6, channels, in, out);
+    rotate_pairs(&exact, 1, 6, channels, in, out);
 }
 
-static __attribute__((noinline)) void turn_exact_one(const struct rsh_turn *t, const float *in,
-                                                     float *out) {
-    struct rsh_turn exact = *t;
+static __attribute__((noinline)) void rotate_exact_one(const struct rsh_rotation *t,
+                                                       const float *in, float *out) {
+    struct rsh_rotation exact = *t;
     exact.method = RSH_METHOD_EXACT;
-    turn(&exact, 1, 6, 1, in, out);
+    rotate_pairs(&exact, 1, 6, 1, in, out);
 }
 
-void GLUE(rsh_turn_pairs_, RSH_NAME)(const struct rsh_turn *t, int order, int channels,
-                                     const float *in, float *out) {
+void GLUE(rsh_rotate_pairs_, RSH_NAME)(const struct rsh_rotation *t, int order, int channels,
+                                       const float *in, float *out) {
     if (order <= 4)
-        turn_four(t, order, channels, in, out);
+        rotate_four(t, order, channels, in, out);
     else if (order == 5 || t->method != RSH_METHOD_EXACT)
-        turn_six(t, order, channels, in, out);
+        rotate_six(t, order, channels, in, out);
     else if (channels != 1)
-        turn_exact(t, channels, in, out);
+        rotate_exact(t, channels, in, out);
     else
-        turn_exact_one(t, in, out);
+        rotate_exact_one(t, in, out);
 }
