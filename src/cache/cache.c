@@ -46,6 +46,7 @@ struct cache *cache_new(const struct gather *g, int order, struct parallel *pool
     c->order = order;
     cache_tree_init(&c->irradiance_tree, g->scene->bounds_lo, g->scene->bounds_hi);
     cache_tree_init(&c->radiance_tree, g->scene->bounds_lo, g->scene->bounds_hi);
+    c->rays_part = 1.0f;
     c->irradiance_whole = gather_layout_new(o->irradiance_rays, o->radiance_basis, 0);
     if (!c->irradiance_whole) goto fail;
     if (cache_rays_prepare(c, CACHE_IRRADIANCE, 1.0f, c->irradiance_layout) != SATIN_OK) goto fail;

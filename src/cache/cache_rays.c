@@ -24,6 +24,7 @@ satin_status cache_rays_prepare(const struct cache *cache, enum cache_kind kind,
 }
 
 satin_status cache_limit_rays(struct cache *cache, float part) {
+    if (part == cache->rays_part) return SATIN_OK;
     for (int k = CACHE_IRRADIANCE; k <= CACHE_RADIANCE; k++) {
         const bool irradiance = k == CACHE_IRRADIANCE;
         struct gather_layout **to = irradiance ? cache->irradiance_layout : cache->radiance_layout;
@@ -36,6 +37,7 @@ satin_status cache_limit_rays(struct cache *cache, float part) {
         }
         if (status != SATIN_OK) return status;
     }
+    cache->rays_part = part;
     return SATIN_OK;
 }
 

@@ -53,6 +53,7 @@ struct cache {
 
     struct gather_layout *irradiance_layout[CACHE_LAYOUTS], *radiance_layout[CACHE_LAYOUTS];
     struct gather_layout *irradiance_whole;  // all the rays that the options say
+    float rays_part;                         // of them that new records get
     struct gather_scratch **scratch;         // one per worker
     int scratch_count;
     uint64_t rays;

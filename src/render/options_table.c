@@ -55,12 +55,15 @@ const struct option options_table[] = {
     {"hide-emitters", OPTION_INT, AT(hide_emitters), false, "-1..1",
      "1: emitters seen directly are black; 0: they are not; -1: the scene's, else 0."},
     {"light-samples", OPTION_INT, AT(light_samples), true, "1..1024",
-     "Light samples per pixel sample at the first hit."},
+     "Light samples at the first hit of each of a pixel's first samples; later ones take 2 to 16, "
+     "as many as cost least by the noise of lights and of all else. With adaptive off all take "
+     "these."},
     {"glossy-samples", OPTION_INT, AT(glossy_samples), true, "1..256",
      "Gather rays per pixel sample for glossy reflection that is not cached."},
 
     {"photons", OPTION_COUNT, AT(photons), true, "0..1000000000000",
-     "Photon paths emitted for the global map."},
+     "Photon paths emitted for the global map; the number of a quality, not another, grows up to "
+     "eightfold where few photons of indirect light are kept."},
     {"caustic-photons", OPTION_COUNT, AT(caustic_photons), true, "0..1000000000000",
      "Photon paths emitted for the caustic map; 0: no caustics."},
     {"photon-k", OPTION_INT, AT(photon_k), false, "1..10000",

@@ -17,7 +17,6 @@ enum {
 // first round is over and render_share.c knows better.
 static const double RECORD_SHARE = 0.5;
 
-// It fills at a times these first, so that the image is covered whenever the time is over.
 // A level makes more records than the one before it, by a factor that falls towards 1: 2.1, 3.1,
 // 2.3, 1.8, 1.2 in a furnished room, 1.4, 1.0, 1.6, 1.3, .9 in a closed one.
 static const float GROWTH_LEAST = 1.5f;
@@ -26,6 +25,7 @@ static const double GROWTH_FADES = 0.8, COVER_SHARE = 0.5;
 // options say.
 static const float RAYS_LEAST = 32.0f;
 
+// It fills at a times these first, so that the image is covered whenever the time is over.
 static const float TIMED_WIDEN[] = {2.5f, 1.6f, 1.0f, 0.75f, 0.55f};
 enum { TIMED_ROUNDS = 5, LEVELS = 6 };
 
@@ -144,6 +144,7 @@ static void pace(struct level *l, int left, double made, double seconds) {
     l->records = made;
     l->seconds += seconds;
     l->full += made * (double)rays_of(l, l->stride);
+    if (left == 0) return;  // the finer rounds go on as this one did
     for (int i = 0; i < left; i++) {
         growth = 1.0 + GROWTH_FADES * (growth - 1.0);
         next[i] = made *= growth;

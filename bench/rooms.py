@@ -1,0 +1,70 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Rooms that others made, against time: two passes beside path tracing, at equal wall seconds.
+
+  bench/rooms.py ROOMS DIR [--limits 10 30] [--seeds 2] [--denoise]
+
+ROOMS is a folder of folders, each with a scene.xml and reference-WxH.exr of the same film, as
+another renderer made it; those without are left out, saying so. Renders alternate, so that a busy
+machine is busy for all. Images and statistics are left in DIR. relMSE over all pixels, means
+relative to the reference's.
+"""
+import glob
+import json
+import os
+import re
+import statistics
+import sys
+
+import runs
+
+WAYS = [("two passes", []), ("path", ["--integrator", "path"])]
+
+
+def rooms(folder):
+    """Name, scene, reference and its size of each room."""
+    for scene in sorted(glob.glob(os.path.join(folder, "*", "scene.xml"))):
+        name = os.path.basename(os.path.dirname(scene))
+        found = glob.glob(os.path.join(os.path.dirname(scene), "reference-*.exr"))
+        size = re.search(r"reference-(\d+)x(\d+)\.exr$", found[0]) if found else None
+        if size:
+            yield name, scene, found[0], size.groups()
+        else:
+            print(f"{name}: skipped, it has no reference-WxH.exr", file=sys.stderr)
+
+
+def error(options, image, reference):
+    found = json.loads(runs.run([options.satin, "compare", image, reference, "--json"]))
+    return found["relmse"], found["mean_ratio"] - 1
+
+
+def main():
+    p = runs.parser(__doc__)
+    p.add_argument("--limits", type=float, nargs="+", default=[10, 30], help="wall seconds")
+    p.add_argument("--seeds", type=int, default=2)
+    p.add_argument("--denoise", action="store_true", help="both ways again with --denoise")
+    # The folder of rooms comes first.
+    if len(sys.argv) < 2 or not os.path.isdir(sys.argv[1]):
+        sys.exit("skipped: give a folder of rooms, and one for images\n\n" + __doc__)
+    folder = sys.argv.pop(1)
+    options = p.parse_args()
+    print("| room | seconds | way | relMSE | mean | samples per pixel |\n|---|---|---|---|---|---|")
+    for name, scene, reference, (width, height) in rooms(folder):
+        for limit in options.limits:
+            results = {}
+            for seed in range(options.seeds):
+                for denoise in [[], ["--denoise"]] if options.denoise else [[]]:
+                    for way, arguments in WAYS:
+                        image, stats = runs.render(
+                            options, scene, f"{name}-{way[:4]}", "--width", width, "--height",
+                            height, "--time", str(limit), "--seed", str(seed), *arguments, *denoise)
+                        row = (*error(options, image, reference), stats["image.spp"])
+                        results.setdefault(" ".join([way, *denoise]), []).append(row)
+            for way, rows in results.items():
+                relmse, mean, spp = (statistics.mean(column) for column in zip(*rows))
+                print(f"| {name} | {limit:g} | {way} | {relmse:.4f} | {100 * mean:+.2f} % | "
+                      f"{spp:.1f} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
