@@ -51,7 +51,7 @@ struct run {
 struct flight {
     struct ray ray;
     rgb power;
-    enum photon_class class;      // but for what panes are told to be by the chain
+    enum photon_class class;      // direct: unless the chain bends it, see class_of
     struct light_chain chain;     // of a direct photon
     unsigned keep[PHOTON_KEEPS];  // classes that are kept of this path,
     float share[PHOTON_KEEPS];    // and what of all power its power is to who keeps them

@@ -196,8 +196,9 @@ void adapt_lights(struct adapt *adapt, float cost) {
         const float all = (p->squares - count * sqrf(mean)) / fmaxf(count - 1.0f, 1.0f);
         light[i] = p->light_variance / fmaxf(count, 1.0f);
         rest[i] = all - light[i] / fmaxf(m, 1.0f);
-        if (p->count < 2 || !isfinite(light[i]) || !isfinite(rest[i])) light[i] = rest[i] = -1.0f;
-        rest[i] = fmaxf(rest[i], p->count < 2 ? -1.0f : 0.0f);
+        const bool known = p->count > 1 && isfinite(light[i]) && isfinite(rest[i]);
+        light[i] = known ? light[i] : -1.0f;  // does not count
+        rest[i] = known ? fmaxf(rest[i], 0.0f) : -1.0f;
     }
     blur_image(adapt, light, other);
     blur_image(adapt, rest, other);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The first pass within a time limit. How long a photon takes varies a hundredfold between scenes:
-// a sixteenth of the photons tells, and serves itself if there is no time for many more. Where not
-// even that fits, as among thousands of surfaces in one place, the image is traced by paths.
+// a sixteenth of the photons shows it, and serves itself if there is no time for many more. Where
+// not even that fits, as among thousands of surfaces in one place, the image is traced by paths.
 #include "render/render_image.h"
 
 enum {

@@ -8,6 +8,7 @@ Usage: rules_sources.py TREE. Prints `path:line: what is wrong` and exits 1 if a
 import collections
 import pathlib
 import re
+import subprocess
 import sys
 
 # The way of the light: a stage includes only stages before it.
@@ -17,6 +18,9 @@ STAGES = ["base", "rsh", "brdf", "scene", "light", "load", "guide", "photon", "g
 LIBRARIES = {"embree": "scene", "flann": "photon"}
 # How names of files may begin; base is free, the others have their stage's noun.
 NOUNS = {"render": ("render", "options"), "apps": ("app", "main")}
+# What the top level may hold beside hidden files.
+TOP = {"CHANGELOG.md", "LICENSE", "README.md", "bench", "bootstrap", "data", "docs", "include",
+       "meson.build", "meson_options.txt", "src", "tests"}
 MAX_LINES = 500
 # Longer on purpose, each with its reason.
 LONG_FILES = {}
@@ -32,6 +36,13 @@ def source_files(tree):
     below = [p for folder in [*FOLDERS, ".ci"] for p in (tree / folder).rglob("*")
              if p.is_file() and "__pycache__" not in p.parts]
     return sorted(top + below)
+
+
+def kept_at_top(tree):
+    """What git keeps at the top level; images that a user leaves there are the user's."""
+    listed = subprocess.run(["git", "-C", tree, "ls-files"], stdout=subprocess.PIPE, text=True,
+                            check=False)  # of a tree without history: nothing
+    return {line.split("/")[0] for line in listed.stdout.splitlines()}
 
 
 def check_includes(path, stage, lines):
@@ -104,6 +115,8 @@ def check_names(tree):
 def main():
     tree = pathlib.Path(sys.argv[1]).resolve()
     wrong = [(p, 1, what) for p, what in check_names(tree)]
+    wrong += [(tree / name, 1, "the top level has no place for it")
+              for name in sorted(kept_at_top(tree) - TOP) if not name.startswith(".")]
     warnings = []
     for path in source_files(tree):
         try:
