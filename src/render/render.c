@@ -1,26 +1,57 @@
 // SPDX-License-Identifier: Apache-2.0
 // THE main path: scene and options in, film out, in the order of the light. Two passes
-// [K05 2.1, 3.5]: photons make a rough solution; final gathering fills the caches; the image
-// interpolates.
+// [K05 2.1, 3.5]: photons make a first-pass radiance estimate; final gathering reads it and fills
+// the caches; the image interpolates between their records.
 #include "satin/render.h"
 
 #include <stdlib.h>
 
 #include "render/render_image.h"
 
-// With a time limit, the part of it after which no more BRDF tables are made; and how long a first
-// look may take after a cancellation.
-static const double TABLES_UNTIL = 0.45, SKETCH_SECONDS = 0.5;
+// With a time limit, the part of it after which no more BRDF tables are made; and how long a look
+// may take after a cancellation.
+static const double TABLES_UNTIL = 0.45, LOOK_SECONDS = 0.5;
 
-static bool two_pass(const struct render *r) { return r->options.integrator == SATIN_TWO_PASS; }
+static bool is_two_pass(const struct render *r) { return r->options.integrator == SATIN_TWO_PASS; }
 
 static bool needs_photons(const struct render *r) {
     if (r->options.integrator == SATIN_PHOTONS) return true;
-    return two_pass(r) && (r->options.max_depth < 0 || r->options.max_depth > 2);
+    return is_two_pass(r) && (r->options.max_depth < 0 || r->options.max_depth > 2);
 }
 
-// Room for the image, so that it is not missing when all else is done.
-static satin_status room(struct render *r) {
+// Passes messages on to the caller's log, and notes whether one of them was an error.
+static void log_through(void *user, satin_log_level level, const char *message) {
+    struct render *r = user;
+    if (level == SATIN_LOG_ERROR) r->outcome.error_logged = true;
+    if (r->callbacks.log) r->callbacks.log(r->callbacks.log_user, level, message);
+}
+
+static struct render *render_new(const satin_callbacks *callbacks) {
+    struct render *r = calloc(1, sizeof *r);
+    if (!r) return NULL;
+    r->budget = (struct render_budget){.start = stats_wall(), .stop_at = INFINITY};
+    if (callbacks) r->callbacks = *callbacks;
+    r->log = (struct log){log_through, r};
+    return r;
+}
+
+static void render_free(struct render *r) {
+    if (!r) return;
+    render_image_free(r->image);
+    shade_destroy(&r->second_pass.shade);
+    cache_free(r->second_pass.cache);
+    render_cache_free(r);
+    render_levels_free(r);
+    shade_tables_free(&r->second_pass.tables);
+    photon_maps_free(r->first_pass.maps);
+    guide_visibility_free(r->first_pass.visibility);
+    film_denoiser_free(r->denoiser);
+    parallel_free(r->pool);
+    free(r);
+}
+
+// The image is allocated first, so that there is memory for it when all else is done.
+static satin_status allocate_image(struct render *r) {
     const struct film_spec *film = &r->scene.film;
     r->image = render_image_new(&r->scene, &r->options);
     if (r->image) return SATIN_OK;
@@ -28,143 +59,138 @@ static satin_status room(struct render *r) {
                     film->crop_width, film->crop_height);
 }
 
-// 1, 2. Photons and the rough solution.
-static satin_status photons(struct render *r) {
-    render_stage(r, "photons", "photons",
-                 (double)(r->options.photons + r->options.caustic_photons));
-    return render_photons(r);
+static satin_status start_threads(struct render *r) {
+    r->pool = parallel_new(r->options.threads);
+    if (!r->pool) return log_fail(r->log, SATIN_ERROR_MEMORY, "threads could not be started");
+    render_progress_install(r);
+    return SATIN_OK;
 }
 
-// Harmonics of the scene's glossy BRDFs. If there is no time for them all are sampled instead.
-static satin_status tables(struct render *r) {
-    render_stage(r, "BRDF tables", "materials", (double)r->scene.material_count);
-    if (r->options.time > 0.0) r->stop_at = TABLES_UNTIL * r->options.time;
-    satin_status status = shade_tables_build(&r->scene, &r->options, r->pool, r->log, &r->tables);
-    r->stop_at = INFINITY;
-    return status == SATIN_CANCELLED && !r->cancelled ? SATIN_OK : status;
-}
-
-// 3, 4. Shading points and records.
-static satin_status records(struct render *r) {
-    r->cache = cache_new(&r->gather, r->tables.order, r->pool);
-    if (!r->cache) return SATIN_ERROR_MEMORY;
-    satin_status status = shade_init(&r->shade, &r->gather, &r->tables, r->cache, r->pool);
+// All that can be wrong is found here, before anything takes long.
+static satin_status prepare(struct render *r, const satin_scene *scene,
+                            const satin_options *options) {
+    satin_status status = render_resolve(r, scene, options);
+    if (status == SATIN_OK) status = render_cache_open(r);
+    if (status == SATIN_OK) status = start_threads(r);
+    if (status == SATIN_OK) status = render_denoiser(r);
     if (status != SATIN_OK) return status;
-    if (!two_pass(r) || !needs_photons(r)) return SATIN_OK;
-    status = render_records(r);
-    cache_statistics(r->cache, &r->stats);
+    camera_check(&r->scene, r->log);
+    return allocate_image(r);
+}
+
+// Photons, and the first-pass radiance estimate that gather rays read where they hit.
+static satin_status first_pass(struct render *r) {
+    satin_status status = SATIN_OK;
+    if (needs_photons(r)) {
+        render_stage_begin(r, STAGE_PHOTONS,
+                           (double)(r->options.photons + r->options.caustic_photons));
+        status = render_photons(r);
+    }
+    r->second_pass.gather = render_gather(r);
     return status;
 }
 
-// 5. The image.
-static satin_status image(struct render *r) {
-    r->image_begun = true;
-    if (r->options.time > 0.0 && !r->sketch) r->stop_at = r->options.time - render_write_seconds(r);
+// Harmonics of the scene's glossy BRDFs. If there is no time for them all are sampled instead.
+static satin_status brdf_tables(struct render *r) {
+    if (!is_two_pass(r)) return SATIN_OK;
+    render_stage_begin(r, STAGE_TABLES, (double)r->scene.material_count);
+    if (r->options.time > 0.0) r->budget.stop_at = TABLES_UNTIL * r->options.time;
+    satin_status status =
+        shade_tables_build(&r->scene, &r->options, r->pool, r->log, &r->second_pass.tables);
+    r->budget.stop_at = INFINITY;
+    return status == SATIN_CANCELLED && !render_cancelled(r) ? SATIN_OK : status;
+}
+
+// Records of the bounces after the first, from the deepest up, if gather rays are to read these.
+static satin_status deeper_records(struct render *r) {
+    return is_two_pass(r) ? render_levels(r) : SATIN_OK;
+}
+
+// Final gathering: records at the shading points of the image.
+static satin_status first_bounce_records(struct render *r) {
+    struct render_second_pass *pass = &r->second_pass;
+    pass->cache = cache_new(&pass->gather, pass->tables.order, r->pool);
+    if (!pass->cache) return SATIN_ERROR_MEMORY;
+    satin_status status =
+        shade_init(&pass->shade, &pass->gather, &pass->tables, pass->cache, r->pool);
+    if (status != SATIN_OK || !is_two_pass(r) || !needs_photons(r)) return status;
+    status = render_records(r);
+    cache_statistics(pass->cache, &r->stats);
+    return status;
+}
+
+// Eye paths, whose indirect light is interpolated between the records.
+static satin_status sample_image(struct render *r) {
+    if (r->options.time > 0.0 && r->progress.look == LOOK_WHOLE)
+        r->budget.stop_at = r->options.time - render_write_seconds(r);
     return render_image_fill(r);
 }
 
-// Cancelled before the image's first samples are there: one look within a moment, with the records
-// that there are, or with direct light alone.
-static satin_status sketch(struct render *r, bool direct) {
-    if (!r->sketch) r->sketch = r->stage;
-    r->sketch_direct = direct;
-    if (direct) {
-        shade_destroy(&r->shade);
-        r->sketch_options = r->options;
-        r->sketch_options.integrator = SATIN_DIRECT;
-        r->gather = gather_make(&r->scene, &r->sketch_options, NULL);
-        satin_status status = shade_init(&r->shade, &r->gather, &r->tables, NULL, r->pool);
+static satin_status take_look(struct render *r, enum render_look look) {
+    struct render_second_pass *pass = &r->second_pass;
+    r->progress.look = look;
+    if (look == LOOK_DIRECT) {
+        shade_destroy(&pass->shade);
+        pass->direct = r->options;
+        pass->direct.integrator = SATIN_DIRECT;
+        pass->gather = gather_make(&r->scene, &pass->direct, NULL);
+        satin_status status = shade_init(&pass->shade, &pass->gather, &pass->tables, NULL, r->pool);
         if (status != SATIN_OK) return status;
     }
-    r->stop_at = render_elapsed(r) + SKETCH_SECONDS;
-    satin_status status = image(r);
+    r->budget.stop_at = render_elapsed(r) + LOOK_SECONDS;
+    satin_status status = sample_image(r);
     return status == SATIN_OK ? SATIN_CANCELLED : status;
 }
 
-// 6. The film, denoised if that was asked for; a cancelled render has one if some pixel was
-// sampled.
-static satin_status film(struct render *r, satin_status status, satin_film **out) {
-    const bool begun = r->image_begun && (status == SATIN_OK || status == SATIN_CANCELLED);
-    if (begun && r->denoiser) render_denoise(r);
-    render_stage(r, "film", "", 0.0);
-    if (!begun) return status;
-    if (r->sketch)
+// Cancelled before the image's first samples were there, it has them within a moment: with the
+// records that there are, or, where that takes too long or there are none, with direct light alone.
+static satin_status look_after_cancellation(struct render *r) {
+    satin_status status = SATIN_CANCELLED;
+    if (r->progress.stage == STAGE_RECORDS) status = take_look(r, LOOK_WITH_RECORDS);
+    if (status == SATIN_CANCELLED && !r->image->looked) status = take_look(r, LOOK_DIRECT);
+    return status;
+}
+
+// The film of a render that ended so, denoised if that was asked for; a cancelled one has a film if
+// some pixel was sampled.
+static satin_status finish_film(struct render *r, satin_status status, satin_film **out) {
+    const bool has_image = status == SATIN_OK || status == SATIN_CANCELLED;
+    if (has_image && r->denoiser) render_denoise(r);
+    render_stage_begin(r, STAGE_FILM, 0.0);
+    if (!has_image) return status;
+    if (r->progress.look != LOOK_WHOLE)
         log_message(r->log, SATIN_LOG_WARNING, "cancelled during %s: the image is a first look%s",
-                    r->sketch, !r->sketch_direct ? "" : " at direct light alone");
+                    render_stage_name(r->progress.cancelled_in),
+                    r->progress.look == LOOK_DIRECT ? " at direct light alone" : "");
     bool any;
     render_image_film(r, &any);
     if (status == SATIN_CANCELLED && !any) return status;
     if (!render_metadata(r, r->image->film)) return SATIN_ERROR_MEMORY;
     *out = r->image->film;
     r->image->film = NULL;
-    return status;
-}
-
-// To the caller's log; an error that was told by who found it is not told again.
-static void log_through(void *user, satin_log_level level, const char *message) {
-    struct render *r = user;
-    if (level == SATIN_LOG_ERROR) r->error_told = true;
-    if (r->callbacks.log) r->callbacks.log(r->callbacks.log_user, level, message);
-}
-
-static void destroy(struct render *r) {
-    render_image_free(r->image);
-    shade_destroy(&r->shade);
-    cache_free(r->cache);
-    render_cache_free(r);
-    render_levels_free(r);
-    shade_tables_free(&r->tables);
-    photon_maps_free(r->maps);
-    guide_visibility_free(r->visibility);
-    film_denoiser_free(r->denoiser);
-    parallel_free(r->pool);
+    if (status == SATIN_OK) status = r->outcome.denoised;
+    return status == SATIN_OK ? r->outcome.saved : status;
 }
 
 satin_status satin_render(const satin_scene *scene, const satin_options *options,
                           const satin_callbacks *callbacks, satin_film **out) {
     if (!scene || !options || !out) return SATIN_ERROR_ARGUMENT;
-    struct render *r = calloc(1, sizeof *r);
-    if (!r) {
+    struct render *r = render_new(callbacks);
+    satin_film *film = NULL;
+    satin_status status = r ? prepare(r, scene, options) : SATIN_ERROR_MEMORY;
+    if (status == SATIN_OK) status = first_pass(r);
+    if (status == SATIN_OK) status = brdf_tables(r);
+    if (status == SATIN_OK) status = deeper_records(r);
+    if (status == SATIN_OK) status = first_bounce_records(r);
+    if (status == SATIN_OK) status = sample_image(r);
+    if (status == SATIN_CANCELLED) status = look_after_cancellation(r);
+    if (r) status = finish_film(r, status, &film);
+    if (status == SATIN_ERROR_MEMORY && !(r && r->outcome.error_logged)) {
         const struct log log = {callbacks ? callbacks->log : NULL,
                                 callbacks ? callbacks->log_user : NULL};
-        return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory");
+        log_message(log, SATIN_LOG_ERROR, "not enough memory");
     }
-    r->start = stats_wall();
-    if (callbacks) r->callbacks = *callbacks;
-    r->log = (struct log){log_through, r};
-    r->stop_at = INFINITY;
-    satin_film *made = NULL;
-
-    satin_status status = render_resolve(r, scene, options);
-    if (status == SATIN_OK) status = render_cache_open(r);
-    if (status == SATIN_OK) {
-        r->pool = parallel_new(r->options.threads);
-        if (!r->pool) status = log_fail(r->log, SATIN_ERROR_MEMORY, "threads could not be started");
-    }
-    if (status == SATIN_OK) status = render_denoiser(r);
-    if (status == SATIN_OK) {
-        render_progress_install(r);
-        camera_check(&r->scene, r->log);
-        status = room(r);
-        if (status == SATIN_OK && needs_photons(r)) status = photons(r);
-        r->gather = render_gather(r);
-    }
-    if (status == SATIN_OK && two_pass(r)) status = tables(r);
-    if (status == SATIN_OK && two_pass(r)) status = render_levels(r);
-    if (status == SATIN_OK) status = records(r);
-    if (status == SATIN_OK) status = image(r);
-    // Where a sample takes long the first look does not come to its end; direct light does.
-    if (status == SATIN_CANCELLED && !r->image->looked)
-        status = sketch(r, !r->shade.g || r->image_begun);
-    if (status == SATIN_CANCELLED && !r->image->looked) status = sketch(r, true);
-    if (r->pool) status = film(r, status, &made);
-    if (status == SATIN_OK) status = r->denoised;
-    if (status == SATIN_OK) status = r->saved;
-    if (status == SATIN_ERROR_MEMORY && !r->error_told)
-        log_message(r->log, SATIN_LOG_ERROR, "not enough memory");
-
-    destroy(r);
-    free(r);
-    if (made) *out = made;
+    render_free(r);
+    if (film) *out = film;
     return status;
 }

@@ -69,20 +69,22 @@ satin_status render_cache_open(struct render *r) {
     const struct cache_origin origin = origin_of(r, &options);
     satin_status status = SATIN_ERROR_MEMORY;
     if (options)
-        status =
-            fileio_read(r->log, (struct log_place){0}, path, BYTES_MAX, &r->cache_bytes, &size);
+        status = fileio_read(r->log, (struct log_place){0}, path, BYTES_MAX,
+                             &r->second_pass.file_bytes, &size);
     if (status == SATIN_OK)
-        status = cache_file_parse(r->cache_bytes, size, path, r->log, &r->cache_file);
-    if (status == SATIN_OK) status = cache_file_check(r->cache_file, &origin, path, r->log);
+        status =
+            cache_file_parse(r->second_pass.file_bytes, size, path, r->log, &r->second_pass.file);
+    if (status == SATIN_OK) status = cache_file_check(r->second_pass.file, &origin, path, r->log);
     free(options);
     return status;
 }
 
 satin_status render_cache_load(struct render *r, bool *whole) {
     *whole = false;
-    if (!r->cache_file) return SATIN_OK;
-    const struct cache_summary file = cache_file_summary(r->cache_file);
-    satin_status status = cache_load(r->cache, r->cache_file, r->callbacks.load_cache, r->log);
+    if (!r->second_pass.file) return SATIN_OK;
+    const struct cache_summary file = cache_file_summary(r->second_pass.file);
+    satin_status status =
+        cache_load(r->second_pass.cache, r->second_pass.file, r->callbacks.load_cache, r->log);
     *whole = file.origin.view != 0 && file.origin.view == view_of(r);
     stats_set(&r->stats, "records.loaded", (double)(file.irradiance + file.radiance));
     render_cache_free(r);
@@ -95,14 +97,14 @@ satin_status render_cache_save(const struct render *r) {
     char *options;
     const struct cache_origin origin = origin_of(r, &options);
     satin_status status = SATIN_ERROR_MEMORY;
-    if (options) status = cache_save(r->cache, &origin, path, r->log);
+    if (options) status = cache_save(r->second_pass.cache, &origin, path, r->log);
     free(options);
     return status;
 }
 
 void render_cache_free(struct render *r) {
-    cache_file_free(r->cache_file);
-    free(r->cache_bytes);
-    r->cache_file = NULL;
-    r->cache_bytes = NULL;
+    cache_file_free(r->second_pass.file);
+    free(r->second_pass.file_bytes);
+    r->second_pass.file = NULL;
+    r->second_pass.file_bytes = NULL;
 }

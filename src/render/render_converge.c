@@ -23,7 +23,7 @@ static void find_sites(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
     uint32_t width = (uint32_t)p->r->options.width;
     for (size_t i = begin; i < end; i++)
-        p->count[i] = (uint8_t)shade_sites(&p->r->shade, (int)(p->pixel[i] % width),
+        p->count[i] = (uint8_t)shade_sites(&p->r->second_pass.shade, (int)(p->pixel[i] % width),
                                            (int)(p->pixel[i] / width), 0,
                                            &p->site[i * SITES_PER_PIXEL], SITES_PER_PIXEL);
 }
@@ -31,12 +31,12 @@ static void find_sites(void *ctx, size_t begin, size_t end, int worker) {
 static void surface(void *user, const struct cache_site *site, struct cache_place *at,
                     struct cache_surface *out) {
     struct render *r = user;
-    shade_surface(&r->shade, site, at, out);
+    shade_surface(&r->second_pass.shade, site, at, out);
 }
 
 static float direct(void *user, const struct cache_site *site) {
     struct render *r = user;
-    return shade_surface_direct(&r->shade, site);
+    return shade_surface_direct(&r->second_pass.shade, site);
 }
 
 static satin_status converge(struct points *p, size_t pixels, float widen, const float read[2]) {
@@ -61,7 +61,7 @@ static satin_status converge(struct points *p, size_t pixels, float widen, const
         .direct = direct,
         .user = r,
     };
-    return cache_converge(r->cache, &with);
+    return cache_converge(r->second_pass.cache, &with);
 }
 
 satin_status render_converge(struct render *r, float widen, const float read[2]) {

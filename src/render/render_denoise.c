@@ -70,7 +70,7 @@ static void fill(struct render_image *image) {
 
 static bool goes_on(void *user, double done) {
     struct asked *asked = user;
-    if (!asked->stopped) asked->stopped = !render_progress_tell(asked->r, done);
+    if (!asked->stopped) asked->stopped = !render_progress_report(asked->r, done);
     return !asked->stopped;
 }
 
@@ -79,16 +79,16 @@ void render_denoise(struct render *r) {
     struct asked asked = {r, false};
     fill(image);
     // A first look has samples of a few pixels, of which the others are copies.
-    const bool late = r->cancelled && render_denoise_seconds(r) > CANCELLED_SECONDS;
-    if (r->sketch || late) {
+    const bool late = render_cancelled(r) && render_denoise_seconds(r) > CANCELLED_SECONDS;
+    if (r->progress.look != LOOK_WHOLE || late) {
         log_message(r->log, SATIN_LOG_WARNING, "cancelled: the image is not denoised");
         return;
     }
     const double pixels = (double)image->width * (double)image->height;
     image->noisy.clean = (double)image->taken >= CLEAN_SAMPLES * pixels;
-    render_stage(r, "denoising", "pixels", pixels);
-    r->denoised = film_denoise(r->denoiser, &image->noisy, goes_on, &asked, r->log);
-    image->denoised = r->denoised == SATIN_OK;
-    if (r->denoised == SATIN_CANCELLED)
+    render_stage_begin(r, STAGE_DENOISE, pixels);
+    r->outcome.denoised = film_denoise(r->denoiser, &image->noisy, goes_on, &asked, r->log);
+    image->denoised = r->outcome.denoised == SATIN_OK;
+    if (r->outcome.denoised == SATIN_CANCELLED)
         log_message(r->log, SATIN_LOG_WARNING, "cancelled: the image is not denoised");
 }

@@ -200,7 +200,7 @@ void render_image_film(struct render *r, bool *any) {
     if (dropped)
         log_message(r->log, SATIN_LOG_WARNING, "%llu samples were not finite and were dropped",
                     (unsigned long long)dropped);
-    if (samples && filled && !r->cancelled)
+    if (samples && filled && !render_cancelled(r))
         log_message(r->log, SATIN_LOG_WARNING,
                     "the time was too short: %.0f %% of the pixels show a neighbour's sample",
                     100.0 * (double)filled / ((double)image->width * (double)image->height));

@@ -109,8 +109,8 @@ static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
                 while (adapt->count < adapt->target) {
                     struct shade_sample sample;
                     const struct gather_lights lights = {(int)adapt->lights, adapt->lights_taken};
-                    shade_pixel(&pass->r->shade, &pass->worker[worker], x, y, adapt->count, lights,
-                                &sample);
+                    shade_pixel(&pass->r->second_pass.shade, &pass->worker[worker], x, y,
+                                adapt->count, lights, &sample);
                     if (parallel_stopped(pass->r->pool)) return;  // it may be cut short
                     bool finite = add_sample(&image->pixel[at], &sample);
                     if (finite && image->aov) add_aovs(image, at, &sample);
@@ -228,15 +228,15 @@ static void want_one(struct render_image *image, int stride) {
 // and if it is short, of all, coarse to fine. False if that was cut short.
 static bool first_look(struct pass *pass) {
     struct render *r = pass->r;
-    const bool hurry = r->options.time > 0.0 || r->sketch;
-    const double stop_at = r->stop_at;
+    const bool hurry = r->options.time > 0.0 || r->progress.look != LOOK_WHOLE;
+    const double stop_at = r->budget.stop_at;
     bool whole = true;
-    if (!r->sketch || r->sketch_direct) r->stop_at = INFINITY;
+    if (r->progress.look != LOOK_WITH_RECORDS) r->budget.stop_at = INFINITY;
     for (int stride = r->image->coarsest; stride > 0 && whole; stride /= 2) {
         want_one(r->image, stride);
         whole = run_pass(pass);
         r->image->looked |= whole;
-        r->stop_at = stop_at;
+        r->budget.stop_at = stop_at;
         if (!hurry) break;
     }
     if (hurry && whole) r->image->taken = (uint64_t)r->image->width * (uint64_t)r->image->height;
@@ -249,9 +249,9 @@ satin_status render_image_fill(struct render *r) {
     struct pass pass = {.r = r, .columns = (image->width + TILE - 1) / TILE};
     pass.worker = array_new((size_t)workers, sizeof *pass.worker);
     if (!pass.worker) return SATIN_ERROR_MEMORY;
-    for (int i = 0; i < workers; i++) pass.worker[i].scratch = r->shade.scratch[i];
+    for (int i = 0; i < workers; i++) pass.worker[i].scratch = r->second_pass.shade.scratch[i];
     const double all = (double)r->options.spp * (double)image->width * (double)image->height;
-    render_stage(r, "image", "samples", all);
+    render_stage_begin(r, STAGE_IMAGE, all);
     render_stage_part(r, 0.0, 1.0 / r->options.spp);
     double start = stats_wall(), per_sample = 0.0;
     bool whole = first_look(&pass);
@@ -263,7 +263,8 @@ satin_status render_image_fill(struct render *r) {
     const uint64_t even =
         (uint64_t)even_samples(r) * (uint64_t)image->width * (uint64_t)image->height;
     satin_status status = SATIN_OK;
-    while (status == SATIN_OK && whole && !r->sketch && next_pass(r, per_sample, &samples)) {
+    while (status == SATIN_OK && whole && r->progress.look == LOOK_WHOLE &&
+           next_pass(r, per_sample, &samples)) {
         start = stats_wall();
         render_stage_part(r, (double)image->taken / all, (double)samples / all);
         whole = run_pass(&pass);
@@ -274,9 +275,9 @@ satin_status render_image_fill(struct render *r) {
         if (image->taken >= even && !image->rims && r->options.integrator != SATIN_PATH)
             status = render_rims(r, &whole);
     }
-    r->stage_items = (double)image->taken;
+    r->progress.items = (double)image->taken;
     note_counts(r, pass.worker, workers);
     free(pass.worker);
     if (status != SATIN_OK) return status;
-    return !whole && r->cancelled ? SATIN_CANCELLED : SATIN_OK;
+    return !whole && render_cancelled(r) ? SATIN_CANCELLED : SATIN_OK;
 }

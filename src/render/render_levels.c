@@ -92,15 +92,15 @@ static satin_status fill(struct render *r, struct render_level *level, struct wa
 }
 
 static satin_status make_level(struct render *r, int index, struct walks *walks) {
-    struct render_level *level = &r->levels[index - 1];
+    struct render_level *level = &r->second_pass.levels[index - 1];
     level->options = level_options(&r->options, index);
-    level->gather = r->gather;  // with the records of the level below
+    level->gather = r->second_pass.gather;  // with the records of the level below
     level->gather.options = &level->options;
-    level->cache = cache_new(&level->gather, r->tables.order, r->pool);
+    level->cache = cache_new(&level->gather, r->second_pass.tables.order, r->pool);
     if (!level->cache) return SATIN_ERROR_MEMORY;
     level->shade = (struct shade){
         .g = &level->gather,
-        .tables = &r->tables,
+        .tables = &r->second_pass.tables,
         .cache = level->cache,
         .a_irradiance = level->options.irradiance_a * level->options.irradiance_widen,
         .a_radiance = level->options.radiance_a * level->options.radiance_widen};
@@ -108,7 +108,7 @@ static satin_status make_level(struct render *r, int index, struct walks *walks)
     walks->shade = &level->shade;
     walks->level = index;
     satin_status status = fill(r, level, walks);
-    r->gather.rough = (struct gather_rough){shade_known, &level->shade, &level->gather};
+    r->second_pass.gather.rough = (struct gather_rough){shade_known, &level->shade, &level->gather};
     return status;
 }
 
@@ -123,27 +123,27 @@ static int levels_wanted(const satin_options *o) {
 satin_status render_levels(struct render *r) {
     const int count = levels_wanted(&r->options);
     if (count <= 0) return SATIN_OK;
-    render_stage(r, "deeper records", "", 0.0);
+    render_stage_begin(r, STAGE_LEVELS, 0.0);
     struct walks walks = {.image = &r->options};
     walks.site = array_new(WALKS, sizeof *walks.site);
     walks.found = array_new(WALKS, sizeof *walks.found);
-    r->levels = calloc((size_t)count, sizeof *r->levels);
+    r->second_pass.levels = calloc((size_t)count, sizeof *r->second_pass.levels);
     satin_status status = SATIN_ERROR_MEMORY;
-    if (walks.site && walks.found && r->levels) status = SATIN_OK;
-    r->level_count = r->levels ? count : 0;
+    if (walks.site && walks.found && r->second_pass.levels) status = SATIN_OK;
+    r->second_pass.level_count = r->second_pass.levels ? count : 0;
     const double start = render_elapsed(r), left = render_time_left(r);
     for (int i = count; i > 0 && status == SATIN_OK; i--) {
         double done = (double)(count - i) / count;
         render_stage_part(r, done, 1.0 / count);
-        r->stop_at = start + TIME_SHARE * left * (done + 1.0 / count);
+        r->budget.stop_at = start + TIME_SHARE * left * (done + 1.0 / count);
         status = make_level(r, i, &walks);
-        if (status == SATIN_CANCELLED && !r->cancelled) status = SATIN_OK;
+        if (status == SATIN_CANCELLED && !render_cancelled(r)) status = SATIN_OK;
     }
-    r->stop_at = INFINITY;
+    r->budget.stop_at = INFINITY;
     size_t records = 0;
-    for (int i = 0; i < r->level_count && r->levels[i].cache; i++)
-        records += cache_count(r->levels[i].cache, CACHE_IRRADIANCE) +
-                   cache_count(r->levels[i].cache, CACHE_RADIANCE);
+    for (int i = 0; i < r->second_pass.level_count && r->second_pass.levels[i].cache; i++)
+        records += cache_count(r->second_pass.levels[i].cache, CACHE_IRRADIANCE) +
+                   cache_count(r->second_pass.levels[i].cache, CACHE_RADIANCE);
     stats_set(&r->stats, "records.deeper", (double)records);
     free(walks.site);
     free(walks.found);
@@ -151,6 +151,6 @@ satin_status render_levels(struct render *r) {
 }
 
 void render_levels_free(struct render *r) {
-    for (int i = 0; i < r->level_count; i++) cache_free(r->levels[i].cache);
-    free(r->levels);
+    for (int i = 0; i < r->second_pass.level_count; i++) cache_free(r->second_pass.levels[i].cache);
+    free(r->second_pass.levels);
 }

@@ -35,10 +35,9 @@ bool render_metadata(struct render *r, struct satin_film *film) {
               film_attribute_set(film, "satin:options", options);
     if (ok && r->image->denoised)
         ok = film_attribute_set(film, "satin:denoiser", film_denoiser_name(r->denoiser));
-    if (ok && r->cancelled) {
-        const char *image = r->denoised == SATIN_CANCELLED ? "denoising" : "image";
-        ok = film_attribute_set(film, "satin:cancelled", r->sketch ? r->sketch : image);
-    }
+    if (ok && render_cancelled(r))
+        ok = film_attribute_set(film, "satin:cancelled",
+                                render_stage_name(r->progress.cancelled_in));
     free(options);
     return ok;
 }

@@ -80,8 +80,8 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
     // Samples that count negatively are not few where the image is smooth.
     if (film_filter_has_lobes(&scene->film)) o->adaptive = false;
     if (o->spp == 0 && o->time > 0.0) o->spp = TIMED_SPP;
-    r->photons_wanted = o->photons;
-    r->photons_chosen = !options_budget_chooses_photons(o);
+    r->first_pass.wanted = o->photons;
+    r->first_pass.chosen_by_user = !options_budget_chooses_photons(o);
     if (o->time > 0.0)
         options_budget_seconds(o, o->time * parallel_cores(o->threads),
                                (double)o->width * (double)o->height);

@@ -28,16 +28,17 @@ static bool reads_photons(const satin_options *o) {
 static satin_status build_visibility(struct render *r) {
     if (!r->options.light_guide || r->options.integrator != SATIN_TWO_PASS) return SATIN_OK;
     const double start = stats_wall();
-    satin_status status = guide_visibility_build(&r->scene, &r->options, r->pool, &r->visibility);
+    satin_status status =
+        guide_visibility_build(&r->scene, &r->options, r->pool, &r->first_pass.visibility);
     stats_add(&r->stats, "photons.seen_s", stats_wall() - start);
     return status;
 }
 
 static void free_maps(struct render *r) {
-    photon_maps_free(r->maps);
-    guide_visibility_free(r->visibility);
-    r->maps = NULL;
-    r->visibility = NULL;
+    photon_maps_free(r->first_pass.maps);
+    guide_visibility_free(r->first_pass.visibility);
+    r->first_pass.maps = NULL;
+    r->first_pass.visibility = NULL;
 }
 
 // By `share` of the photons, and `more` times as many of the global map.
@@ -46,20 +47,24 @@ static satin_status build(struct render *r, double share, double more) {
     o.photons = (int64_t)ceil((double)o.photons * share * more);
     o.caustic_photons = (int64_t)ceil((double)o.caustic_photons * share);
     if (!reads_photons(&o)) o.photons = 0;
-    r->photons_share = r->photons_wanted ? (double)o.photons / (double)r->photons_wanted : 0.0;
-    satin_status status = photon_maps_build(&r->scene, &o, r->pool, r->log, &r->stats, &r->maps);
-    if (status == SATIN_OK && !r->visibility) status = build_visibility(r);
+    r->first_pass.made =
+        r->first_pass.wanted ? (double)o.photons / (double)r->first_pass.wanted : 0.0;
+    satin_status status =
+        photon_maps_build(&r->scene, &o, r->pool, r->log, &r->stats, &r->first_pass.maps);
+    if (status == SATIN_OK && !r->first_pass.visibility) status = build_visibility(r);
     if (status != SATIN_OK)
         free_maps(r);
     else
-        stats_add(&r->stats, "photons.bytes", (double)guide_visibility_bytes(r->visibility));
+        stats_add(&r->stats, "photons.bytes",
+                  (double)guide_visibility_bytes(r->first_pass.visibility));
     return status;
 }
 
 // How many times the photons of the global map are wanted, where `share` of them was made.
 static double starved(const struct render *r, double share) {
     const satin_options *o = &r->options;
-    if (r->photons_chosen || !reads_photons(o) || o->integrator != SATIN_TWO_PASS) return 1.0;
+    if (r->first_pass.chosen_by_user || !reads_photons(o) || o->integrator != SATIN_TWO_PASS)
+        return 1.0;
     const double kept = fmax(stats_get(&r->stats, "photons.stored_indirect"), 1.0);
     return fmin(fmax(KEPT_LEAST * share * (double)o->photons / kept, 1.0), MORE_MOST);
 }
@@ -67,8 +72,8 @@ static double starved(const struct render *r, double share) {
 // In place of the maps that are there; what was learned of the lights serves on.
 static satin_status build_again(struct render *r, struct stats before, double share, double more) {
     const double look = stats_get(&r->stats, "photons.seen_s");
-    photon_maps_free(r->maps);
-    r->maps = NULL;
+    photon_maps_free(r->first_pass.maps);
+    r->first_pass.maps = NULL;
     r->stats = before;
     stats_set(&r->stats, "photons.seen_s", look);
     return build(r, share, more);
@@ -88,10 +93,10 @@ static bool paths_will_do(const struct render *r) {
 
 // Builds from a sixteenth of the photons; *given_up: there was no time for it.
 static satin_status pilot(struct render *r, bool *given_up) {
-    if (paths_will_do(r)) r->stop_at = PILOT_UNTIL * r->options.time;
+    if (paths_will_do(r)) r->budget.stop_at = PILOT_UNTIL * r->options.time;
     satin_status status = build(r, 1.0 / PILOT, 1.0);
-    r->stop_at = INFINITY;
-    *given_up = status == SATIN_CANCELLED && !r->cancelled;
+    r->budget.stop_at = INFINITY;
+    *given_up = status == SATIN_CANCELLED && !render_cancelled(r);
     return status;
 }
 
@@ -128,9 +133,10 @@ satin_status render_photons(struct render *r) {
 }
 
 struct gather render_gather(const struct render *r) {
-    struct gather g = gather_make(&r->scene, &r->options, r->maps);
-    g.visibility = r->visibility;
+    struct gather g = gather_make(&r->scene, &r->options, r->first_pass.maps);
+    g.visibility = r->first_pass.visibility;
     // The radius of a lookup falls as the root of the number of photons.
-    if (r->photons_share > 0.0 && r->photons_share < 1.0) g.trust /= (float)sqrt(r->photons_share);
+    if (r->first_pass.made > 0.0 && r->first_pass.made < 1.0)
+        g.trust /= (float)sqrt(r->first_pass.made);
     return g;
 }

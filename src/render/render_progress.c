@@ -1,28 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one place where progress is told and a cancellation is seen.
-#include <stdio.h>
-#include <string.h>
-
+// The one place where progress is reported and a cancellation is noticed.
 #include "render/render_state.h"
 
-static const double TELL_EVERY = 0.1;  // seconds
+static const double REPORT_EVERY = 0.1;  // seconds
 
 // Compressing a pixel's channels on one core is most of writing a film.
 static const double WRITE_SECONDS = 0.05, WRITE_PIXEL_SECONDS = 0.9e-6;
 
-// Statistics names must be static text: one for each stage.
-static const char *seconds_name(const char *stage) {
-    static const char *const name[][2] = {
-        {"photons", "time.photons_s"},       {"BRDF tables", "time.tables_s"},
-        {"deeper records", "time.levels_s"}, {"records", "time.records_s"},
-        {"image", "time.image_s"},           {"denoising", "time.denoise_s"},
-    };
-    for (size_t i = 0; i < sizeof name / sizeof *name; i++)
-        if (strcmp(name[i][0], stage) == 0) return name[i][1];
-    return NULL;
-}
+// What is reported of a stage: its name, the unit of its items, and the statistic of its seconds.
+static const struct stage_report {
+    const char *name, *unit, *seconds;
+} stage_reports[] = {
+    [STAGE_SETUP] = {"setup", "", NULL},
+    [STAGE_PHOTONS] = {"photons", "photons", "time.photons_s"},
+    [STAGE_TABLES] = {"BRDF tables", "materials", "time.tables_s"},
+    [STAGE_LEVELS] = {"deeper records", "", "time.levels_s"},
+    [STAGE_RECORDS] = {"records", "", "time.records_s"},
+    [STAGE_IMAGE] = {"image", "samples", "time.image_s"},
+    [STAGE_DENOISE] = {"denoising", "pixels", "time.denoise_s"},
+    [STAGE_FILM] = {"film", "", NULL},
+};
 
-double render_elapsed(const struct render *r) { return stats_wall() - r->start; }
+const char *render_stage_name(enum render_stage stage) { return stage_reports[stage].name; }
+
+double render_elapsed(const struct render *r) { return stats_wall() - r->budget.start; }
 
 double render_time_left(const struct render *r) {
     return r->options.time > 0.0 ? r->options.time - render_elapsed(r) : INFINITY;
@@ -34,51 +35,51 @@ double render_write_seconds(const struct render *r) {
            render_denoise_seconds(r);
 }
 
-static void tell(struct render *r, double done) {
+static void report_now(struct render *r, double done) {
+    struct render_progress *at = &r->progress;
     if (!r->callbacks.progress) return;
-    double now = stats_wall();
-    r->told = now;
-    double seconds = now - r->stage_start;
-    satin_progress progress = {
-        .stage = r->stage,
-        .unit = r->unit,
+    at->last_report = stats_wall();
+    const double seconds = at->last_report - at->stage_start;
+    const satin_progress progress = {
+        .stage = stage_reports[at->stage].name,
+        .unit = stage_reports[at->stage].unit,
         .done = done,
-        .rate = seconds > 0.0 ? done * r->stage_items / seconds : 0.0,
-        .elapsed = now - r->start,
+        .rate = seconds > 0.0 ? done * at->items / seconds : 0.0,
+        .elapsed = at->last_report - r->budget.start,
     };
-    if (r->callbacks.progress(r->callbacks.progress_user, &progress)) r->cancelled = true;
+    if (r->callbacks.progress(r->callbacks.progress_user, &progress)) at->cancelled_in = at->stage;
 }
 
-static bool on_progress(void *user, double done) {
+bool render_progress_report(struct render *r, double done) {
+    if (render_cancelled(r)) return true;
+    if (stats_wall() - r->progress.last_report >= REPORT_EVERY) report_now(r, done);
+    return !render_cancelled(r);
+}
+
+// For the pool: whether the loop under way must end. A look after a cancellation goes on.
+static bool loop_must_end(void *user, double done) {
     struct render *r = user;
-    if (!r->cancelled && stats_wall() - r->told >= TELL_EVERY)
-        tell(r, r->share_done + done * r->share_span);
-    return (r->cancelled && !r->sketch) || render_elapsed(r) > r->stop_at;
+    const struct render_progress *at = &r->progress;
+    render_progress_report(r, at->loop_done + done * at->loop_span);
+    const bool unwanted = render_cancelled(r) && at->look == LOOK_WHOLE;
+    return unwanted || render_elapsed(r) > r->budget.stop_at;
 }
 
-bool render_progress_tell(struct render *r, double done) {
-    if (r->cancelled) return true;
-    if (stats_wall() - r->told >= TELL_EVERY) tell(r, done);
-    return !r->cancelled;
-}
+void render_progress_install(struct render *r) { parallel_set_progress(r->pool, loop_must_end, r); }
 
-void render_progress_install(struct render *r) { parallel_set_progress(r->pool, on_progress, r); }
-
-void render_stage(struct render *r, const char *stage, const char *unit, double items) {
-    double now = stats_wall();
-    if (r->stage) {
-        const char *name = seconds_name(r->stage);
-        if (name) stats_add(&r->stats, name, now - r->stage_start);
-        if (!r->cancelled) tell(r, 1.0);
-    }
-    r->stage = stage;
-    r->unit = unit;
-    r->stage_start = now;
-    r->stage_items = items;
+void render_stage_begin(struct render *r, enum render_stage stage, double items) {
+    const double now = stats_wall();
+    struct render_progress *at = &r->progress;
+    if (stage_reports[at->stage].seconds)
+        stats_add(&r->stats, stage_reports[at->stage].seconds, now - at->stage_start);
+    if (at->stage != STAGE_SETUP && !render_cancelled(r)) report_now(r, 1.0);
+    at->stage = stage;
+    at->stage_start = now;
+    at->items = items;
     render_stage_part(r, 0.0, 1.0);
 }
 
 void render_stage_part(struct render *r, double done, double span) {
-    r->share_done = done;
-    r->share_span = span;
+    r->progress.loop_done = done;
+    r->progress.loop_span = span;
 }

@@ -46,8 +46,8 @@ static void find_sites(void *ctx, size_t begin, size_t end, int worker) {
     uint32_t width = (uint32_t)l->r->options.width;
     for (size_t i = begin; i < end; i++) {
         int x = (int)(l->pixel[i] % width), y = (int)(l->pixel[i] / width);
-        l->count[i] = (uint8_t)shade_sites(&l->r->shade, x, y, 0, &l->site[i * SITES_PER_PIXEL],
-                                           SITES_PER_PIXEL);
+        l->count[i] = (uint8_t)shade_sites(&l->r->second_pass.shade, x, y, 0,
+                                           &l->site[i * SITES_PER_PIXEL], SITES_PER_PIXEL);
     }
 }
 
@@ -75,12 +75,12 @@ uint32_t *render_grid(const struct render *r, int stride, bool finer, size_t *co
 
 bool render_time_remains(void *user) {
     const struct render *r = user;
-    return render_elapsed(r) < r->stop_at;
+    return render_elapsed(r) < r->budget.stop_at;
 }
 
 bool render_view(void *user, const struct cache_site *site, struct cache_view *out) {
     const struct render *r = user;
-    return shade_view(&r->shade, site, out);
+    return shade_view(&r->second_pass.shade, site, out);
 }
 
 float render_widest(const struct render *r) {
@@ -106,7 +106,7 @@ static satin_status fill_block(struct level *l, size_t count, float widen) {
         .view = render_view,
         .user = r,
     };
-    return cache_fill(r->cache, &fill);
+    return cache_fill(r->second_pass.cache, &fill);
 }
 
 static satin_status fill_level(struct level *l, float widen) {
@@ -123,8 +123,8 @@ static satin_status fill_level(struct level *l, float widen) {
 }
 
 static double records(const struct render *r) {
-    return (double)(cache_count(r->cache, CACHE_IRRADIANCE) +
-                    cache_count(r->cache, CACHE_RADIANCE));
+    return (double)(cache_count(r->second_pass.cache, CACHE_IRRADIANCE) +
+                    cache_count(r->second_pass.cache, CACHE_RADIANCE));
 }
 
 // With a time limit the image is to be covered by the first round, in a part of the time that
@@ -149,7 +149,8 @@ static void pace(struct level *l, int left, double made, double seconds) {
         growth = 1.0 + GROWTH_FADES * (growth - 1.0);
         next[i] = made *= growth;
     }
-    const double budget = COVER_SHARE * (r->stop_at - render_elapsed(r)) * l->full / l->seconds;
+    const double budget =
+        COVER_SHARE * (r->budget.stop_at - render_elapsed(r)) * l->full / l->seconds;
     for (int step = 0; step < 30; step++) {
         double need = 0.0;
         l->rays = (float)(0.5 * (lo + hi));
@@ -170,7 +171,7 @@ static satin_status fill_levels(struct level *l, float widen, bool covering, dou
     for (int i = 0; i < LEVELS && status == SATIN_OK; i++, l->stride /= 2) {
         render_stage_part(l->r, done + span * i / LEVELS, span / LEVELS);
         const double start = stats_wall(), before = records(l->r);
-        status = cache_limit_rays(l->r->cache, rays_of(l, l->stride));
+        status = cache_limit_rays(l->r->second_pass.cache, rays_of(l, l->stride));
         if (status == SATIN_OK) status = fill_level(l, widen);
         if (covering) pace(l, LEVELS - 1 - i, records(l->r) - before, stats_wall() - start);
     }
@@ -179,13 +180,13 @@ static satin_status fill_levels(struct level *l, float widen, bool covering, dou
 
 static void give_records(struct render *r, double share) {
     double left = render_time_left(r) - render_write_seconds(r);
-    r->stop_at = render_elapsed(r) + share * left;
+    r->budget.stop_at = render_elapsed(r) + share * left;
 }
 
 // The image reads the records at these factors of a.
 static void read_at(struct render *r, float irradiance, float radiance) {
-    r->shade.a_irradiance = r->options.irradiance_a * irradiance;
-    r->shade.a_radiance = r->options.radiance_a * radiance;
+    r->second_pass.shade.a_irradiance = r->options.irradiance_a * irradiance;
+    r->second_pass.shade.a_radiance = r->options.radiance_a * radiance;
 }
 
 // At the options' accuracies; then adapted.
@@ -212,16 +213,16 @@ static satin_status fill_timed(struct level *l) {
         if (!render_time_remains(r)) break;
         finished = TIMED_WIDEN[i];
         if (i > 0) continue;
-        double pace = (double)cache_rays(r->cache) / fmax(stats_wall() - start, 1e-9);
+        double pace = (double)cache_rays(r->second_pass.cache) / fmax(stats_wall() - start, 1e-9);
         double share = RECORD_SHARE;
         status = render_share(r, pace, &share);
         give_records(r, share);
     }
-    r->stop_at = INFINITY;
+    r->budget.stop_at = INFINITY;
     float fine = fminf(finished, 1.0f);
     read_at(r, fmaxf(finished, fine * r->options.irradiance_widen),
             fmaxf(finished, fine * r->options.radiance_widen));
-    return status == SATIN_CANCELLED && !r->cancelled ? SATIN_OK : status;
+    return status == SATIN_CANCELLED && !render_cancelled(r) ? SATIN_OK : status;
 }
 
 static satin_status make_records(struct render *r) {
@@ -237,9 +238,9 @@ static satin_status make_records(struct render *r) {
 
 satin_status render_records(struct render *r) {
     bool whole;
-    render_stage(r, "records", "", 0.0);
+    render_stage_begin(r, STAGE_RECORDS, 0.0);
     satin_status status = render_cache_load(r, &whole);
     if (status == SATIN_OK && !whole) status = make_records(r);
-    if (status == SATIN_OK) r->saved = render_cache_save(r);
+    if (status == SATIN_OK) r->outcome.saved = render_cache_save(r);
     return status;
 }

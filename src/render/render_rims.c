@@ -63,7 +63,7 @@ static void trace_rims(void *ctx, size_t begin, size_t end, int worker) {
         struct image_pixel *p = &image->pixel[rims->pixel[i]];
         for (uint32_t k = 0; k < rims->rays; k++) {
             float weight;
-            const rgb Le = shade_emission(&rims->r->shade, x, y, k, &weight);
+            const rgb Le = shade_emission(&rims->r->second_pass.shade, x, y, k, &weight);
             if (!rgb_finite(Le)) continue;
             p->rim = rgb_mad(p->rim, Le, weight);
             p->rim_weight += weight;

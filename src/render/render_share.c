@@ -39,7 +39,7 @@ static void sample_pixels(void *ctx, size_t begin, size_t end, int worker) {
         while (pixel->count < pixel->target) {
             struct shade_sample s;
             shade_pixel(
-                &pilot->r->shade, &pilot->worker[worker], x, y, pixel->count,
+                &pilot->r->second_pass.shade, &pilot->worker[worker], x, y, pixel->count,
                 (struct gather_lights){o->light_samples, (uint32_t)o->light_samples * pixel->count},
                 &s);
             bool finite = rgb_finite(s.beauty);
@@ -72,7 +72,7 @@ static bool pilot_make(struct pilot *pilot, struct render *r) {
     pilot->worker = array_new((size_t)workers, sizeof *pilot->worker);
     pilot->indirect = array_new((size_t)columns * (size_t)rows, sizeof *pilot->indirect);
     if (!pilot->worker || !pilot->indirect) return false;
-    for (int i = 0; i < workers; i++) pilot->worker[i].scratch = r->shade.scratch[i];
+    for (int i = 0; i < workers; i++) pilot->worker[i].scratch = r->second_pass.shade.scratch[i];
     return adapt_make(&pilot->adapt, columns, rows, r->options.light_samples);
 }
 
@@ -86,16 +86,16 @@ satin_status render_share(struct render *r, double rays_per_second, double *best
     struct pilot pilot;
     double least = INFINITY, start = stats_wall();
     const bool made = pilot_make(&pilot, r);
-    const double stop_at = r->stop_at;
+    const double stop_at = r->budget.stop_at;
     bool ok = made;
-    r->stop_at = INFINITY;  // it is short
+    r->budget.stop_at = INFINITY;  // it is short
     for (uint32_t n = SAMPLES / 2; ok && n <= SAMPLES; n += SAMPLES / 2) {
         adapt_even(&pilot.adapt, n);
         ok = parallel_for(r->pool, (size_t)pilot.columns * (size_t)pilot.rows, 16, sample_pixels,
                           &pilot);
         adapt_judge(&pilot.adapt);
     }
-    r->stop_at = stop_at;
+    r->budget.stop_at = stop_at;
     double pixels = (double)r->options.width * (double)r->options.height, V = 0.0, q = 0.0;
     double samples = (double)SAMPLES * pilot.columns * pilot.rows;
     double samples_per_second = samples / fmax(stats_wall() - start, 1e-9);

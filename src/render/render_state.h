@@ -8,48 +8,97 @@
 #include "satin/render.h"
 #include "shade/shade.h"
 
+// The stages of a render, in the order of the light. What a caller reads of each is in the table of
+// render_progress.c.
+enum render_stage {
+    STAGE_SETUP,    // options, files and memory; nothing is reported, so it is never cancelled
+    STAGE_PHOTONS,  // photons and the first-pass radiance estimate
+    STAGE_TABLES,   // BRDFs in harmonics
+    STAGE_LEVELS,   // records of deeper bounces, see render_levels.c
+    STAGE_RECORDS,  // records of the first bounce
+    STAGE_IMAGE,
+    STAGE_DENOISE,
+    STAGE_FILM
+};
+
+// What becomes of the image.
+enum render_look {
+    LOOK_WHOLE,         // as many samples as the options ask for
+    LOOK_WITH_RECORDS,  // the caller cancelled before the image: one coarse look with what is
+                        // there,
+    LOOK_DIRECT         // or with direct light alone
+};
+
+// Where the render stands.
+struct render_progress {
+    enum render_stage stage;         // the stage under way
+    enum render_stage cancelled_in;  // the stage that the caller cancelled; STAGE_SETUP: none
+    enum render_look look;
+    double stage_start;           // wall clock at its beginning
+    double items;                 // units of work of the stage; 0: they are not counted
+    double loop_done, loop_span;  // the loop under way is [done, done + span] of the stage
+    double last_report;           // wall clock when the caller was last asked
+};
+
+// The time that there is.
+struct render_budget {
+    double start;    // wall clock at the beginning of the render
+    double stop_at;  // seconds after it that end the loop under way; INFINITY: nothing does
+};
+
+// Photons, and what was found of the lights with them.
+struct render_first_pass {
+    int64_t wanted;       // photons of the global map without a time limit
+    bool chosen_by_user;  // no more than these are made
+    double made;          // fraction of `wanted` that was made; 0: none were wanted
+    struct photon_maps *maps;
+    struct guide_visibility *visibility;  // of the lights; NULL: every light is sampled everywhere
+};
+
+// Final gathering, and the records of what it found.
+struct render_second_pass {
+    struct gather gather;
+    struct shade_tables tables;
+    struct render_level *levels;  // records of deeper bounces, see render_levels.c
+    int level_count;
+    struct cache *cache;
+    struct shade shade;
+    char *file_bytes;         // of the file of records that the caller named, or NULL
+    struct cache_file *file;  // its records
+    satin_options direct;     // options of a look at direct light alone
+};
+
+// How the parts of the render ended that do not stop it.
+struct render_outcome {
+    satin_status saved;     // whether the records could be written to a file
+    satin_status denoised;  // whether the image is denoised, or was to stay as it is
+    bool error_logged;      // an error message has gone to the caller
+};
+
 struct render {
-    struct satin_scene
-        scene;  // the caller's scene with the film size and camera of this render; owns nothing
-    satin_options options;  // resolved: no field means "the scene's" any more
+    // What the caller gave. The scene has the film size and camera of this render and owns nothing;
+    // the options are resolved: no field means "the scene's" any more.
+    struct satin_scene scene;
+    satin_options options;
     satin_callbacks callbacks;
+    // What all steps use.
     struct log log;
     struct parallel *pool;
     struct stats stats;
-    double start;  // wall clock at the beginning
-
-    // Progress of the stage under way.
-    const char *stage, *unit;
-    double stage_start, stage_items;
-    double share_done, share_span;  // the part of the stage that the loop under way is
-    double told;                    // when the caller was last told
-    double stop_at;                 // elapsed seconds that end the loop under way; INFINITY: none
-    bool cancelled;
-    // Cancelled before the image, in the stage of that name: a first look is taken all the same.
-    const char *sketch;
-    bool sketch_direct;  // at direct light alone
-    satin_options sketch_options;
-    bool error_told;
-
-    int64_t photons_wanted;  // of the global map, without a time limit
-    bool photons_chosen;     // by the user: no more than these
-    double photons_share;    // that were made of them; 0: none were wanted
-    struct photon_maps *maps;
-    struct guide_visibility *visibility;  // of the lights; NULL: all is seen
-    struct gather gather;
-    struct shade_tables tables;
-    struct render_level *levels;  // records of each bounce behind the image, see render_levels.c
-    int level_count;
-    struct cache *cache;
-    char *cache_bytes;              // of the file that was read, or NULL
-    struct cache_file *cache_file;  // the same
-    satin_status saved;             // whether the records could be written to a file
-    struct shade shade;
+    // What they have made.
+    struct render_progress progress;
+    struct render_budget budget;
+    struct render_first_pass first_pass;
+    struct render_second_pass second_pass;
     struct render_image *image;
-    bool image_begun;
     struct film_denoiser *denoiser;  // NULL: the image stays as it is
-    satin_status denoised;           // what became of it
+    struct render_outcome outcome;
 };
+
+// Whether the caller cancelled.
+static inline bool render_cancelled(const struct render *r) {
+    return r->progress.cancelled_in != STAGE_SETUP;
+}
 
 // ---- render_options.c: options and scene hints -> what is rendered
 satin_status render_resolve(struct render *r, const struct satin_scene *scene,
@@ -57,12 +106,15 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
 
 // ---- render_progress.c
 // Opens a stage of `items` units; closes the one before and notes its seconds under its name.
-void render_stage(struct render *r, const char *stage, const char *unit, double items);
+void render_stage_begin(struct render *r, enum render_stage stage, double items);
+// The name of a stage that is reported; static storage.
+const char *render_stage_name(enum render_stage stage);
 // The next loops are the part [done, done + span] of the stage.
 void render_stage_part(struct render *r, double done, double span);
-void render_progress_install(struct render *r);  // makes the pool tell the caller
-// Tells the caller, if it is time to; false if that cancelled the render.
-bool render_progress_tell(struct render *r, double done);
+// Makes the pool report to the caller, and stop its loops when that cancels or the time is up.
+void render_progress_install(struct render *r);
+// Reports to the caller, if it is time to; false if the caller cancelled now, and not before.
+bool render_progress_report(struct render *r, double done);
 double render_elapsed(const struct render *r);
 // Seconds that are left of options.time; INFINITY without a limit.
 double render_time_left(const struct render *r);

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// The main path: its stages come in their order and under the names of satin/render.h, and a render
+// that is cancelled in any of them ends with an image, and says in which.
+#include "satin/render.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "film/film.h"
+
+enum { STAGES_MAX = 8, OPTIONS_MAX = 8 };
+
+static satin_scene *scene;
+
+// What a render reported.
+struct watch {
+    const char *cancel;  // the stage to be cancelled, or NULL
+    const char *stage[STAGES_MAX];
+    int count;
+    bool fell;  // `done` went down within a stage, or left [0, 1]
+    double done;
+    char message[256];
+};
+
+static void note_message(void *user, satin_log_level level, const char *message) {
+    struct watch *watch = user;
+    (void)level;
+    snprintf(watch->message, sizeof watch->message, "%s", message);
+}
+
+static bool note_progress(void *user, const satin_progress *now) {
+    struct watch *watch = user;
+    if (!watch->count || strcmp(watch->stage[watch->count - 1], now->stage) != 0) {
+        assert_true(watch->count < STAGES_MAX);
+        watch->stage[watch->count++] = now->stage;
+        watch->done = 0.0;
+    }
+    watch->fell |= now->done < watch->done || now->done > 1.0;
+    watch->done = now->done;
+    return watch->cancel && strcmp(now->stage, watch->cancel) == 0;
+}
+
+// A draft of the box with further settings, ended by a name of NULL.
+static satin_status render_box(struct watch *watch, const satin_setting *setting,
+                               satin_film **film) {
+    const satin_setting common[] = {{"quality", "draft"},
+                                    {"width", "24"},
+                                    {"height", "18"},
+                                    {"photons", "2000"},
+                                    {"caustic-photons", "2000"}};
+    satin_options options;
+    assert_int_equal(
+        satin_options_resolve(scene, common, sizeof common / sizeof *common, NULL, NULL, &options),
+        SATIN_OK);
+    for (; setting->name; setting++)
+        assert_int_equal(satin_options_set(&options, setting->name, setting->value, NULL, NULL),
+                         SATIN_OK);
+    const satin_callbacks callbacks = {
+        .log = note_message, .log_user = watch, .progress = note_progress, .progress_user = watch};
+    *film = NULL;
+    return satin_render(scene, &options, &callbacks, film);
+}
+
+static const satin_setting two_pass[] = {{NULL, NULL}};
+static const satin_setting recursive[] = {{"first-pass", "recursive"}, {NULL, NULL}};
+static const satin_setting path[] = {{"integrator", "path"}, {NULL, NULL}};
+static const satin_setting photons[] = {{"integrator", "photons"}, {NULL, NULL}};
+
+static void stages_come_in_their_order(void **state) {
+    (void)state;
+    static const struct {
+        const satin_setting *setting;
+        const char *stage[STAGES_MAX];
+    } cases[] = {
+        {two_pass, {"photons", "BRDF tables", "records", "image"}},
+        {recursive, {"photons", "BRDF tables", "deeper records", "records", "image"}},
+        {path, {"image"}},
+        {photons, {"photons", "image"}},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct watch watch = {0};
+        satin_film *film;
+        assert_int_equal(render_box(&watch, cases[i].setting, &film), SATIN_OK);
+        for (int k = 0; cases[i].stage[k] || k < watch.count; k++) {
+            assert_non_null(cases[i].stage[k]);
+            assert_true(k < watch.count);
+            assert_string_equal(watch.stage[k], cases[i].stage[k]);
+        }
+        assert_false(watch.fell);
+        assert_null(film_attribute_get(film, "satin:cancelled"));
+        satin_film_free(film);
+    }
+}
+
+// What the look shows depends on how far the stage was when the caller was asked; where the photons
+// are missing it can only be direct light.
+static void a_cancelled_render_has_an_image(void **state) {
+    (void)state;
+    static const struct {
+        const char *stage, *message;
+    } cases[] = {
+        {"photons", "cancelled during photons: the image is a first look at direct light alone"},
+        {"BRDF tables", "cancelled during BRDF tables: the image is a first look"},
+        {"deeper records", "cancelled during deeper records: the image is a first look"},
+        {"records", "cancelled during records: the image is a first look"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct watch watch = {.cancel = cases[i].stage};
+        satin_film *film;
+        assert_int_equal(render_box(&watch, recursive, &film), SATIN_CANCELLED);
+        assert_non_null(film);
+        assert_string_equal(watch.stage[watch.count - 1], cases[i].stage);
+        assert_memory_equal(watch.message, cases[i].message, strlen(cases[i].message));
+        assert_string_equal(film_attribute_get(film, "satin:cancelled"), cases[i].stage);
+        double sum = 0.0;
+        const float *green = satin_film_channel(film, "G");
+        for (int k = 0; k < 24 * 18; k++) sum += (double)green[k];
+        assert_true(sum > 0.0);
+        satin_film_free(film);
+    }
+}
+
+static void a_cancelled_image_is_what_was_sampled(void **state) {
+    (void)state;
+    struct watch watch = {.cancel = "image"};
+    satin_film *film;
+    assert_int_equal(render_box(&watch, path, &film), SATIN_CANCELLED);
+    assert_non_null(film);
+    assert_string_equal(film_attribute_get(film, "satin:cancelled"), "image");
+    satin_film_free(film);
+}
+
+int main(int argc, char **argv) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(stages_come_in_their_order),
+        cmocka_unit_test(a_cancelled_render_has_an_image),
+        cmocka_unit_test(a_cancelled_image_is_what_was_sampled),
+    };
+    if (argc != 2 || satin_scene_load(argv[1], NULL, 0, NULL, NULL, &scene) != SATIN_OK) {
+        fprintf(stderr, "usage: render SCENE.xml\n");
+        return 2;
+    }
+    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    satin_scene_free(scene);
+    return failed;
+}
