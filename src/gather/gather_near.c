@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where a gather ray hits nearer than a photon lookup can resolve, its path continues by one more
-// bounce (gather_ray.c). The hit y may see bright places that the site does not: a wall sees what
-// shines on the ceiling where they meet, and the ceiling does not. A bounce by the BRDF alone meets
-// such a place so rarely that the one that does outweighs its whole hemisphere. So a part of the
-// bounces goes to the bright places around the site as y sees them; the balance heuristic [Veach
-// and Guibas 1995] weighs both ways of sampling, so the mean is the same.
+// bounce (gather_bounces.c). The hit y may see bright places that the site does not: a wall sees
+// what shines on the ceiling where they meet, and the ceiling does not. A bounce by the BRDF alone
+// meets such a place so rarely that the one that does outweighs its whole hemisphere. So a part of
+// the bounces goes to the bright places around the site as y sees them; the balance heuristic
+// [Veach and Guibas 1995] weighs both ways of sampling, so the mean is the same.
 #include "gather/gather_near.h"
 
 // Most of the bounces from y that go to bright places.

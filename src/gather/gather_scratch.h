@@ -10,8 +10,8 @@ enum { GATHER_CHUNK = 512 };  // hits looked up together: a call of the library 
 // Where a gather ray ended, ready for the lookup.
 struct gather_hit {
     struct gather_point point;
-    rgb T;         // throughput of the delta chain before it
-    uint32_t ray;  // index among the rays
+    rgb T;  // what ideal specular surfaces before it leave of the light
+    struct gather_ray *ray;
     struct sampler sampler;
 };
 

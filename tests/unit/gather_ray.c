@@ -68,48 +68,6 @@ static void light_is_weighed_at_the_point_that_rays_leave(void **state) {
     test_scene_free(&t);
 }
 
-// Where no photon tells of the light, rays go on as paths over diffuse and glossy lobes: on average
-// they bring what path tracing brings, whatever the first pass would have made of photons.
-static void paths_over_two_lobes_are_unbiased(void **state) {
-    (void)state;
-    enum { RAYS = 150000 };
-    struct test_scene t;
-    test_scene_init(&t);
-    test_cube(&t, mat4_identity(), true,
-              test_material(&t, "phong", rgb_make(.5f, .4f, .3f), rgb_grey(.4f)));
-    test_light(&t, (struct light){
-                       .kind = LIGHT_POINT, .position = v3(.3f, .2f, .4f), .value = rgb_grey(1)});
-    test_scene_finish(&t);
-    satin_options options = satin_options_default;
-    options.max_depth = -1;
-    options.rr_depth = 5;
-    const struct photon_maps maps = {.area = true};
-    const struct gather g = gather_make(&t.scene, &options, &maps);
-    struct gather_scratch *scratch = gather_scratch_new(RAYS);
-    assert_non_null(scratch);
-    struct gather_ray *rays = gather_scratch_rays(scratch);
-    rgb path = rgb_grey(0.0f);
-    for (uint32_t i = 0; i < RAYS; i++) {
-        const vec2 u = sample_sobol2(i, 5);
-        const struct ray ray = {v3(0, 0, 0), 0.0f, sample_uniform_sphere(u.x, u.y), INFINITY};
-        struct sampler sampler = {i, 11, 0};
-        struct gather_first first;
-        rays[i] = (struct gather_ray){.ray = ray, .item = i};
-        path = rgb_add(path, gather_path(&g, ray, &sampler, &first));
-    }
-    const satin_first_pass pass[] = {SATIN_FIRST_PRECOMPUTED, SATIN_FIRST_PHOTONS};
-    for (int k = 0; k < 2; k++) {
-        options.first_pass = pass[k];
-        rgb sum = rgb_grey(0.0f);
-        gather_rays(&g, scratch, rays, RAYS, 3);
-        for (uint32_t i = 0; i < RAYS; i++) sum = rgb_add(sum, rays[i].L);
-        print_message("%.4f of %.4f\n", (double)sum.g / RAYS, (double)path.g / RAYS);
-        assert_true(fabsf(sum.r / path.r - 1.0f) < 0.01f && fabsf(sum.g / path.g - 1.0f) < 0.01f);
-    }
-    gather_scratch_free(scratch);
-    test_scene_free(&t);
-}
-
 // A surface without a diffuse lobe has no irradiance estimate: none is left in the scratch from an
 // earlier ray.
 static void no_estimate_is_left_over(void **state) {
@@ -140,7 +98,6 @@ static void no_estimate_is_left_over(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(light_is_weighed_at_the_point_that_rays_leave),
-        cmocka_unit_test(paths_over_two_lobes_are_unbiased),
         cmocka_unit_test(no_estimate_is_left_over),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+// The path behind the hit y of a gather ray: the last row of the path table, E S* x S* y ... L.
+// The path goes from surface to surface. At each one it adds the direct light there and reads what
+// is known of the other light: records of the next level (first pass `recursive`), or the
+// irradiance of the first-pass estimate (photons). It goes on by the lobes of which nothing is
+// known:
+// - by the diffuse lobe where the estimate is not to be trusted: nearer to the gather ray's start
+//   than the photon lookup can resolve, or where photons are so few that it would blur over all
+//   that is seen;
+// - by the glossy lobe always, but for the tail of long paths.
+// So a path ends where all is known, which for most gather rays is y itself.
+//
+// Where both lobes go on, the path splits in two. One after the other is followed to its end, with
+// the surface where they part kept on a stack; light is summed from the ends back to y. Beyond y
+// both together go on no more often than the likelier one alone would, so paths do not multiply.
+#include "gather/gather_bounces.h"
+
+#include <assert.h>
+
+#include "gather/gather_segment.h"
+
+enum {
+    GLOSSY_MAX = 6,    // glossy bounces behind y; the tail is taken as diffuse
+    THROUGH_MAX = 32,  // glossy bounces inside rough glass, where no photon describes the tail
+    DIFFUSE_MAX = 64,  // bounces where there are no photons; the tail is lost
+    LEVELS_MAX = 8,    // of records: the most that option recursive_levels allows
+    VERTICES = DIFFUSE_MAX + LEVELS_MAX + 1
+};
+
+// Lobes that are followed by a segment of their own beside the diffuse one.
+static const unsigned GLOSSY = BRDF_GLOSSY | BRDF_THROUGH;
+
+// Lobes by which a path goes on from a surface, and the probability that it does.
+struct path_branch {
+    unsigned lobes;  // 0: none
+    float probability;
+};
+
+// A surface on the path.
+struct path_vertex {
+    const struct gather *g;  // whose records may be read here
+    const struct gather_point *y;
+    struct gather_point point;  // y, but for the first vertex
+    int bounce;                 // number of segments from the gather ray's hit to y; passing to the
+                                // next level of records does not count, as its own depth is less
+    rgb T, Le;                  // of the segment that leads here: what it leaves of light from y,
+                                // and the emitted light that it meets
+    rgb L;                      // reflected by y, as far as it is known
+    struct path_branch branch[2];  // by which the path goes on: diffuse, then glossy
+    int followed;                  // how many of them are done
+};
+
+struct path {
+    struct sampler sampler;          // of all decisions, in the order in which they are made
+    const struct gather_near *near;  // photon clusters to which the first bounce is guided, or NULL
+    float E;                         // luminance of the first-pass irradiance at the first vertex
+    struct path_vertex vertex[VERTICES];
+};
+
+static bool has_records(const struct gather *g) {
+    return g->options->first_pass == SATIN_FIRST_RECURSIVE;
+}
+
+// Whether light that reaches a surface of number `bounce` after `more` segments is within the
+// longest path: three segments lead from the eye over x and y to a light.
+static bool within_depth(const struct gather *g, int bounce, int more) {
+    return g->options->max_depth < 0 || 2 + bounce + more <= g->options->max_depth;
+}
+
+// Probability that the glossy lobes, of this albedo, are followed: faint ones, as of a coat, are
+// followed now and then; on long paths all are by what they reflect.
+static float glossy_probability(rgb albedo, int bounce) {
+    if (bounce >= GLOSSY_MAX) return clampf(rgb_max(albedo), 0.1f, 0.95f);
+    return clampf(4.0f * rgb_max(albedo), 0.1f, 1.0f);
+}
+
+// Probability that the diffuse lobe is followed where the estimate is not trusted: always at the
+// gather ray's hit, behind it by what the lobe reflects.
+static float diffuse_probability(const struct gather_point *y, int bounce) {
+    if (bounce == 0) return 1.0f;
+    if (bounce >= DIFFUSE_MAX) return 0.0f;
+    return clampf(rgb_max(brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE)), 0.1f, 0.95f);
+}
+
+// Number of bounces over which glossy lobes are followed; the tail is diffuse where E describes it.
+static int glossy_bounces(const struct gather *g, unsigned glossy, bool trusted) {
+    if (!trusted && !has_records(g)) return DIFFUSE_MAX;
+    return glossy & BRDF_THROUGH || has_records(g) ? THROUGH_MAX : GLOSSY_MAX;
+}
+
+// Makes the probabilities of two branches such that their sum is the larger of them.
+static void limit_splits(struct path_branch *a, struct path_branch *b) {
+    const float sum = a->probability + b->probability;
+    const float factor = fmaxf(a->probability, b->probability) / fmaxf(sum, 1e-20f);
+    a->probability *= factor;
+    b->probability *= factor;
+}
+
+// Radiance of a diffuse lobe of this albedo in the irradiance E.
+static rgb diffuse_radiance(rgb albedo, rgb E) {
+    return rgb_scale(rgb_mul(albedo, E), 1.0f / PI_F);
+}
+
+// Reads what is known of the light at a vertex, and decides by which lobes the path goes on.
+static void arrive(struct path *path, struct path_vertex *v, struct gather_estimate estimate) {
+    const struct gather *g = v->g;
+    const struct gather_point *y = v->y;
+    const struct interaction *s = &y->interaction;
+    v->L = rgb_grey(0.0f);
+    v->followed = 0;
+    const unsigned known = g->rough.gather ? g->rough.read(g->rough.records, y, &v->L) : 0;
+    const unsigned diffuse = y->lobes & BRDF_DIFFUSE & ~known, glossy = y->lobes & GLOSSY & ~known;
+    const rgb albedo = glossy ? brdf_albedo(&y->brdf, y->wo_l, GLOSSY) : rgb_grey(0.0f);
+    struct path_branch by_diffuse = {0}, by_glossy = {0};
+    if (diffuse && !estimate.trusted)
+        by_diffuse = (struct path_branch){diffuse, diffuse_probability(y, v->bounce)};
+    if (glossy) by_glossy = (struct path_branch){glossy, glossy_probability(albedo, v->bounce)};
+    if (v->bounce > 0) limit_splits(&by_diffuse, &by_glossy);
+
+    // Direct light. In a trusted estimate it is already, but for option gather_shadow.
+    const bool shadow = !estimate.trusted || g->options->gather_shadow;
+    const struct gather_mis mis = {2 + v->bounce,
+                                   {{shadow ? diffuse : 0u, by_diffuse.probability},
+                                    {glossy, by_glossy.probability},
+                                    {known, 0.0f}}};
+    v->L = rgb_add(v->L, gather_direct(g, y, mis, (struct gather_lights){1, path->sampler.index},
+                                       path->sampler, NULL));
+    path->sampler.dimension += 2;
+
+    // Caustics. Photons do not know how many segments they have passed: at least two.
+    const bool caustics = within_depth(g, v->bounce, 2);
+    if (known && caustics)
+        v->L = rgb_add(v->L, photon_caustic(g->maps, g->scene, s->p, y->ng, &y->frame, &y->brdf,
+                                            y->wo_l, known, PHOTON_ALONE));
+    if (diffuse) {
+        const rgb reflectance = brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE);
+        if (estimate.trusted)
+            v->L = rgb_add(v->L, diffuse_radiance(reflectance, estimate.E));
+        else if (caustics)
+            v->L = rgb_add(
+                v->L, diffuse_radiance(reflectance,
+                                       photon_caustic_irradiance(g->maps, g->scene, s->p, y->ng)));
+    }
+    if (glossy && v->bounce >= glossy_bounces(g, glossy, estimate.trusted)) {
+        v->L = rgb_add(v->L, diffuse_radiance(albedo, estimate.E));
+        by_glossy.lobes = 0;
+    }
+    v->branch[0] = by_diffuse;
+    v->branch[1] = by_glossy;
+}
+
+// Draws the direction of a segment that leaves v by a branch. False if the path does not go on.
+static bool draw_direction(struct path *path, const struct path_vertex *v,
+                           struct path_branch branch, struct brdf_sample *out) {
+    const struct gather_point *y = v->y;
+    float u_lobe = sampler_1d(&path->sampler);
+    const vec2 u = sampler_2d(&path->sampler);
+    if (u_lobe >= branch.probability) return false;
+    u_lobe /= branch.probability;
+    if (branch.lobes == BRDF_DIFFUSE && v == path->vertex && path->near)
+        return gather_near_bounce(path->near, y, path->E, u_lobe, u, out);
+    return brdf_sample(&y->brdf, y->wo_l, u_lobe, u.x, u.y, branch.lobes, BRDF_RADIANCE, out);
+}
+
+// Which estimate is to be read at the end z of a segment from a vertex of g, and whose records.
+static struct gather_estimate estimate_at(const struct gather *g, struct path_vertex *z) {
+    struct gather_estimate none = {rgb_grey(0.0f), false};
+    if (g->rough.gather) {
+        // To the gather of the next level z is what the vertex before it is to g.
+        z->g = g->rough.gather;
+        z->bounce--;
+        return none;
+    }
+    if (has_records(g)) return none;
+    float radius;
+    const rgb E = photon_irradiance(g->maps, g->scene, z->y->interaction.p, z->y->ng, &radius);
+    return (struct gather_estimate){within_depth(g, z->bounce, 2) ? E : none.E,
+                                    !(g->options->gather_bounce && radius > g->trust)};
+}
+
+// Follows a branch from v by one segment. True if it leads to a further surface, which becomes the
+// vertex behind v. Emitted light on the way is weighed against the light samples of v; behind
+// specular surfaces it counts for the glossy lobes only: the diffuse one has caustic photons.
+static bool extend(struct path *path, struct path_vertex *v, struct path_branch branch) {
+    struct path_vertex *z = v + 1;
+    struct brdf_sample next;
+    if (!draw_direction(path, v, branch, &next)) return false;
+    assert(z < path->vertex + VERTICES);
+    const struct interaction *s = &v->y->interaction;
+    const struct gather_segment_start start = {
+        .ray = scene_spawn(v->g->scene, s->p, s->ng, frame_to_world(&v->y->frame, next.wi)),
+        .lit = &s->p,
+        .depth = 2 + v->bounce};
+    struct gather_segment segment;
+    const bool found = gather_segment_trace(v->g, &start, &path->sampler, &segment, &z->point);
+    const rgb weight = rgb_scale(next.weight, 1.0f / branch.probability);
+    z->T = rgb_mul(weight, segment.T);
+    z->Le = rgb_grey(0.0f);
+    if (segment.light_pdf > 0.0f)
+        z->Le = rgb_scale(rgb_mul(weight, segment.Le),
+                          mis_power(branch.probability * next.pdf_w, segment.light_pdf));
+    if (branch.lobes != BRDF_DIFFUSE) z->Le = rgb_fma(z->Le, weight, segment.Le_specular);
+    if (!found || !within_depth(v->g, v->bounce + 1, 1)) {
+        v->L = rgb_add(v->L, z->Le);
+        return false;
+    }
+    z->g = v->g;
+    z->y = &z->point;
+    z->bounce = v->bounce + 1;
+    arrive(path, z, estimate_at(v->g, z));
+    return true;
+}
+
+rgb gather_bounces(const struct gather *g, const struct gather_point *y,
+                   struct gather_estimate estimate, const struct gather_near *near,
+                   struct sampler sampler) {
+    struct path path;  // not initialised as a whole: few of its vertices are used
+    path.sampler = sampler;
+    path.near = near;
+    path.E = rgb_luminance(estimate.E);
+    struct path_vertex *v = path.vertex;
+    v->g = g;
+    v->y = y;
+    v->bounce = 0;
+    arrive(&path, v, estimate);
+    for (;;) {
+        if (v->followed < 2) {
+            const struct path_branch branch = v->branch[v->followed++];
+            if (branch.lobes && extend(&path, v, branch)) v++;
+        } else if (v > path.vertex) {
+            v--;
+            v->L = rgb_add(v->L, rgb_fma(v[1].Le, v[1].T, v[1].L));
+        } else {
+            return v->L;
+        }
+    }
+}

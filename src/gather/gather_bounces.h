@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to gather/: the path behind the hit of a gather ray (gather_bounces.c).
+#ifndef GATHER_BOUNCES_H
+#define GATHER_BOUNCES_H
+
+#include "gather/gather_near.h"
+
+// The first-pass estimate at a surface: its irradiance E [W m^-2], and whether that may be read. If
+// not, the path goes on there by the diffuse lobe as well.
+struct gather_estimate {
+    rgb E;
+    bool trusted;
+};
+
+// Radiance [W m^-2 sr^-1] that y, the hit of a gather ray, reflects towards its viewer by its
+// smooth lobes; what it emits is not in it. `near`, which may be NULL, guides the first bounce.
+rgb gather_bounces(const struct gather *g, const struct gather_point *y,
+                   struct gather_estimate estimate, const struct gather_near *near,
+                   struct sampler sampler);
+
+#endif

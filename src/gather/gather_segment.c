@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// A segment of a light path: from one surface with a smooth lobe to the next, through any number of
+// ideal specular surfaces (S* in the path table). A gather ray is the segment from x to y; every
+// further bounce behind y is one more.
+#include "gather/gather_segment.h"
+
+enum { DELTA_SURE = 32 };  // ideal specular surfaces in a row, after which chance may end a segment
+
+// Probability of going on at each further one: light that is guided along a sheet of glass meets
+// some hundred.
+static const float DELTA_SURVIVE = 0.98f;
+
+// Adds the emitted light that the segment meets at `hit`, or beyond all surfaces if that is NULL.
+static void add_met_light(const struct gather *g, const struct gather_segment_start *start,
+                          const struct light_chain *chain, vec3 d, const struct interaction *hit,
+                          struct gather_segment *out) {
+    if (hit ? hit->light < 0 : g->scene->environment < 0) return;
+    const rgb Le = light_chain_emitted(chain, g->scene, hit, d);
+    if (rgb_black(Le)) return;
+    if (!light_chain_straight(chain, d)) {
+        out->Le_specular = rgb_fma(out->Le_specular, out->T, Le);
+    } else if (chain->crossed <= gather_panes(g, start->depth)) {
+        out->Le = rgb_mul(out->T, Le);
+        out->light_pdf = gather_light_pdf(g, *start->lit, chain, hit);
+    }
+}
+
+// Probability that a segment ends at a surface that has smooth and ideal specular lobes, by what
+// they reflect.
+static float end_probability(const struct gather_point *p) {
+    if (!(p->lobes & BRDF_DELTA)) return p->lobes & BRDF_SMOOTH ? 1.0f : 0.0f;
+    if (!(p->lobes & BRDF_SMOOTH)) return 0.0f;
+    const float smooth = rgb_max(brdf_albedo(&p->brdf, p->wo_l, BRDF_SMOOTH));
+    const float delta = rgb_max(brdf_albedo(&p->brdf, p->wo_l, BRDF_DELTA));
+    return smooth + delta > 0.0f ? smooth / (smooth + delta) : 1.0f;
+}
+
+bool gather_segment_trace(const struct gather *g, const struct gather_segment_start *start,
+                          struct sampler *sampler, struct gather_segment *out,
+                          struct gather_point *end) {
+    struct ray ray = start->ray;
+    struct light_chain chain = light_chain_begin(ray.d);
+    float distance = 0.0f;
+    *out = (struct gather_segment){.T = rgb_grey(1.0f), .first = GATHER_NOTHING};
+    for (int i = 0;; i++) {
+        if (i >= DELTA_SURE) {
+            if (!(sampler_1d(sampler) < DELTA_SURVIVE)) return false;
+            out->T = rgb_scale(out->T, 1.0f / DELTA_SURVIVE);
+        }
+        struct interaction s;
+        const bool hit = scene_intersect(g->scene, &ray, &s);
+        if (hit) light_chain_advance(&chain, s.t);
+        if (start->lit) add_met_light(g, start, &chain, ray.d, hit ? &s : NULL, out);
+        if (!hit) return false;
+        if (i == 0) out->first = (struct gather_first){s.t, s.ng};
+        distance += s.t;
+        s.footprint = start->spread * distance;
+        gather_point_make(g->scene, &s, ray.d, end);
+        const float stop = end_probability(end), u = stop < 1.0f ? sampler_1d(sampler) : 0.0f;
+        if (u < stop) {
+            out->T = rgb_scale(out->T, 1.0f / stop);
+            return true;
+        }
+        out->first.ng = GATHER_NOTHING.ng;
+        struct brdf_sample next;
+        const float rest = stop > 0.0f ? (u - stop) / (1.0f - stop) : u;
+        if (!end->lobes ||
+            !brdf_sample(&end->brdf, end->wo_l, rest, 0.5f, 0.5f, BRDF_DELTA, BRDF_RADIANCE, &next))
+            return false;
+        out->T = rgb_mul(out->T, rgb_scale(next.weight, 1.0f / (1.0f - stop)));
+        light_chain_pass(&chain, g->scene, &s, v3_neg(ray.d), end->wo_l, &next);
+        ray = scene_spawn(g->scene, s.p, s.ng, frame_to_world(&end->frame, next.wi));
+    }
+}
+
+bool gather_follow(const struct gather *g, struct ray ray, struct sampler *sampler,
+                   struct gather_first *first, struct gather_point *out) {
+    struct gather_segment segment;
+    const bool found =
+        gather_segment_trace(g, &(struct gather_segment_start){.ray = ray}, sampler, &segment, out);
+    *first = segment.first;
+    return found;
+}

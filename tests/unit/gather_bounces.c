@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// Paths behind the hits of gather rays: on average they find what path tracing finds, and longer
+// ones than the options allow are left out.
+#include "gather/gather_bounces.h"
+
+#include <math.h>
+
+#include "photon/photon_map.h"
+#include "test_scene.h"
+
+// Where there are no photons, rays go on as paths over diffuse and glossy lobes: on average
+// they find what path tracing finds, whichever way the first pass would have read photons.
+static void paths_over_two_lobes_are_unbiased(void **state) {
+    (void)state;
+    enum { RAYS = 150000 };
+    struct test_scene t;
+    test_scene_init(&t);
+    test_cube(&t, mat4_identity(), true,
+              test_material(&t, "phong", rgb_make(.5f, .4f, .3f), rgb_grey(.4f)));
+    test_light(&t, (struct light){
+                       .kind = LIGHT_POINT, .position = v3(.3f, .2f, .4f), .value = rgb_grey(1)});
+    test_scene_finish(&t);
+    satin_options options = satin_options_default;
+    options.max_depth = -1;
+    options.rr_depth = 5;
+    const struct photon_maps maps = {.area = true};
+    const struct gather g = gather_make(&t.scene, &options, &maps);
+    struct gather_scratch *scratch = gather_scratch_new(RAYS);
+    assert_non_null(scratch);
+    struct gather_ray *rays = gather_scratch_rays(scratch);
+    rgb path = rgb_grey(0.0f);
+    for (uint32_t i = 0; i < RAYS; i++) {
+        const vec2 u = sample_sobol2(i, 5);
+        const struct ray ray = {v3(0, 0, 0), 0.0f, sample_uniform_sphere(u.x, u.y), INFINITY};
+        struct sampler sampler = {i, 11, 0};
+        struct gather_first first;
+        rays[i] = (struct gather_ray){.ray = ray, .item = i};
+        path = rgb_add(path, gather_path(&g, ray, &sampler, &first));
+    }
+    const satin_first_pass pass[] = {SATIN_FIRST_PRECOMPUTED, SATIN_FIRST_PHOTONS};
+    for (int k = 0; k < 2; k++) {
+        options.first_pass = pass[k];
+        rgb sum = rgb_grey(0.0f);
+        gather_rays(&g, scratch, rays, RAYS, 3);
+        for (uint32_t i = 0; i < RAYS; i++) sum = rgb_add(sum, rays[i].L);
+        print_message("%.4f of %.4f\n", (double)sum.g / RAYS, (double)path.g / RAYS);
+        assert_true(fabsf(sum.r / path.r - 1.0f) < 0.01f && fabsf(sum.g / path.g - 1.0f) < 0.01f);
+    }
+    gather_scratch_free(scratch);
+    test_scene_free(&t);
+}
+
+// Inside a diffuse sphere with a lamp in its middle every bounce brings its albedo times the light
+// of the one before, wherever it leads. The first bounce is always made; whether the others are is
+// decided by the albedo, so their number G has P(G >= k) = ALBEDO^k.
+static void bounces_end_with_the_longest_path(void **state) {
+    (void)state;
+    enum { PATHS = 20000 };
+    const float ALBEDO = 0.5f;
+    struct test_scene t;
+    test_scene_init(&t);
+    test_quadric(&t, SHAPE_SPHERE, mat4_identity(), true, test_diffuse(&t, ALBEDO, ALBEDO, ALBEDO));
+    test_light(&t, (struct light){.kind = LIGHT_POINT, .value = rgb_grey(PI_F)});
+    test_scene_finish(&t);
+    satin_options options = satin_options_default;
+    const struct photon_maps maps = {.area = true};
+    const struct gather g = gather_make(&t.scene, &options, &maps);
+    struct gather_first first;
+    struct gather_point y;
+    struct sampler sampler = {0, 5, 0};
+    const struct ray ray = {v3(0.1f, 0, 0), 0.0f, v3(1, 0, 0), INFINITY};
+    assert_true(gather_follow(&g, ray, &sampler, &first, &y));
+    const struct gather_estimate none = {rgb_grey(0.0f), false};
+    // Three segments: the lamp lights y, and no bounce is kept; four: one is.
+    const float expected[] = {ALBEDO, ALBEDO * (1.0f + ALBEDO)};
+    for (int i = 0; i < 2; i++) {
+        options.max_depth = 3 + i;
+        const rgb L = gather_bounces(&g, &y, none, NULL, sampler);
+        assert_true(fabsf(L.g - expected[i]) < 1e-4f);
+    }
+    options.max_depth = -1;
+    double sum = 0.0;
+    for (uint32_t i = 0; i < PATHS; i++)
+        sum += (double)gather_bounces(&g, &y, none, NULL, (struct sampler){i, 7, 0}).g / PATHS;
+    // L = ALBEDO (1 + ALBEDO (1 + G)) has the mean 1 and a standard deviation of 2^-1.5; five of
+    // the mean's.
+    assert_true(fabs(sum - 1.0) < 5.0 * 0.354 / sqrt(PATHS));
+    // A trusted estimate is read instead: E / pi times the albedo, without the direct light in it.
+    const struct gather_estimate estimate = {rgb_grey(2.0f * PI_F), true};
+    options.gather_shadow = false;
+    assert_true(fabsf(gather_bounces(&g, &y, estimate, NULL, sampler).g - 2.0f * ALBEDO) < 1e-6f);
+    options.gather_shadow = true;
+    assert_true(fabsf(gather_bounces(&g, &y, estimate, NULL, sampler).g - 3.0f * ALBEDO) < 1e-4f);
+    test_scene_free(&t);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(paths_over_two_lobes_are_unbiased),
+        cmocka_unit_test(bounces_end_with_the_longest_path),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
