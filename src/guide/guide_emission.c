@@ -134,7 +134,7 @@ struct pilot {
 static bool meets_delta(const struct pilot *pilot, const float u[4]) {
     struct light_ray start;
     if (!light_emit(pilot->scene, pilot->light, &pilot->emission->aim, u, &start)) return false;
-    return light_bends(pilot->scene, start.ray);
+    return light_makes_caustic(pilot->scene, start.ray);
 }
 
 static void probe_cells(void *ctx, size_t begin, size_t end, int worker) {

@@ -109,12 +109,12 @@ static float arrives(const struct satin_scene *scene, uint32_t light, struct lig
 static void learn_choice(const struct learning *l, size_t i, struct rng *rng) {
     const struct guide_cell *cell = &l->seen->cells.cell[i];
     const struct light_window *window = &l->seen->window[i];
-    const struct light_seen seen = {window->share > 0.0f ? window : NULL, NULL};
+    const struct light_seen seen = {window->fraction > 0.0f ? window : NULL, NULL};
     for (uint32_t light = 0; light < l->scene->light_count; light++) {
         float E = 0.0f, reach = 0.0f;
         for (size_t k = 0; k < LIGHT_RAYS; k++) {
             const struct guide_cell_point *p = &cell->point[k % cell->count];
-            reach += light_reach(l->scene, &l->scene->light[light], p->p);
+            reach += light_estimate(l->scene, &l->scene->light[light], p->p);
             E += arrives(l->scene, light, seen, p, rng);
         }
         const float share = E / reach;
@@ -168,7 +168,7 @@ satin_status guide_visibility_build(const struct satin_scene *scene, const satin
 struct light_seen guide_visibility_at(const struct guide_visibility *seen, vec3 p) {
     if (!seen) return LIGHT_SEEN_ALL;
     const size_t i = guide_cells_find(&seen->cells, p);
-    return (struct light_seen){seen->window[i].share > 0.0f ? &seen->window[i] : NULL,
+    return (struct light_seen){seen->window[i].fraction > 0.0f ? &seen->window[i] : NULL,
                                seen->choice ? seen->share[i] : NULL};
 }
 

@@ -4,10 +4,10 @@
 #include "base/sampling.h"
 #include "light/light_tree.h"
 
-// Share of the choice that does not trust the estimates, which know neither shadows nor facing, or
-// know them from around the point.
-#define CHOICE_EVEN 0.25f
-#define CHOICE_EVEN_SEEN 0.1f
+// Probability of a choice among all lights alike. The estimates know neither shadows nor facing, or
+// know them from around the point only.
+#define UNIFORM 0.25f
+#define UNIFORM_SEEN 0.1f
 
 satin_status light_prepare(struct satin_scene *scene, struct log log) {
     scene->light_cdf = NULL;
@@ -52,16 +52,16 @@ satin_status light_prepare(struct satin_scene *scene, struct log log) {
 
 // ---- Choice -----------------------------------------------------------------------------------
 
-float light_reach(const struct satin_scene *scene, const struct light *light, vec3 p) {
+float light_estimate(const struct satin_scene *scene, const struct light *light, vec3 p) {
     switch (light->kind) {
         case LIGHT_AREA:
-            return light_area_reach(scene, light, p);
+            return light_area_estimate(scene, light, p);
         case LIGHT_BEAM:
-            return light_beam_reach(scene, light, p);
+            return light_beam_estimate(scene, light, p);
         case LIGHT_POINT:
         case LIGHT_SPOT:
         case LIGHT_PROJECTOR:
-            return light_point_reach(light, p);
+            return light_point_estimate(light, p);
         case LIGHT_DIRECTIONAL:
         case LIGHT_CONSTANT:
         case LIGHT_ENVMAP:
@@ -72,23 +72,24 @@ float light_reach(const struct satin_scene *scene, const struct light *light, ve
 
 void light_choose_weigh(const struct satin_scene *scene, vec3 p, struct light_seen seen,
                         float probability[LIGHT_WEIGHED_MAX]) {
-    const float *share = seen.share;
+    const float *fraction = seen.fraction;
     uint32_t n = scene->light_count, lit = 0;
     float sum = 0.0f;
     for (uint32_t i = 0; i < n; i++) {
-        probability[i] = light_reach(scene, &scene->light[i], p) * (share ? share[i] : 1.0f);
+        probability[i] =
+            light_estimate(scene, &scene->light[i], p) * (fraction ? fraction[i] : 1.0f);
         sum += probability[i];
         lit += probability[i] > 0.0f;
     }
-    const float part = share ? CHOICE_EVEN_SEEN : CHOICE_EVEN;
-    float even = lit ? part / (float)lit : 0.0f;
-    float scale = (1.0f - part) / sum;
+    const float uniform = fraction ? UNIFORM_SEEN : UNIFORM;
+    float least = lit ? uniform / (float)lit : 0.0f;
+    float scale = (1.0f - uniform) / sum;
     if (!(sum > 0.0f) || !isfinite(scale)) {  // nothing reaches p: any choice will do
         for (uint32_t i = 0; i < n; i++) probability[i] = 1.0f / (float)n;
         return;
     }
     for (uint32_t i = 0; i < n; i++)
-        if (probability[i] > 0.0f) probability[i] = probability[i] * scale + even;
+        if (probability[i] > 0.0f) probability[i] = probability[i] * scale + least;
 }
 
 uint32_t light_choose(const struct satin_scene *scene, vec3 p, struct light_seen seen, float u,

@@ -53,10 +53,10 @@ struct light {
         *column_cdf;                // envmap, cells between texels: rows + 1; rows * (width + 1)
     const struct light_face *face;  // area: set if all triangles pair into few faces, else NULL
     uint32_t face_count;
-    vec3 center;      // area: of its bounds
-    float strength;   // luminance of radiance * area, intensity or irradiance, by kind
-    float sun_share;  // of the samples, for the disc
-    float power;      // luminance of the emitted power [W], > 0
+    vec3 center;         // area: of its bounds
+    float strength;      // luminance of radiance * area, intensity or irradiance, by kind
+    float sun_fraction;  // of the samples, for the disc
+    float power;         // luminance of the emitted power [W], > 0
 };
 
 // ---- Sampling (light.c) -----------------------------------------------------------------------
@@ -107,7 +107,7 @@ struct light_aim {
     int count;                // of the boxes in it, or before it, that matter most
     struct light_target spot[LIGHT_SPOTS];
 };
-#define LIGHT_UNAIMED 0.25f  // share of photons that are not aimed at a spot, if there is one
+#define LIGHT_UNAIMED 0.25f  // fraction of photons that are not aimed at a spot, if there is one
 bool light_emit(const struct satin_scene *scene, uint32_t i, const struct light_aim *aim,
                 const float u[4], struct light_ray *out);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Aimed emission: most photons of a light start towards boxes that matter, each by the light's own
-// distribution narrowed to the box. The density of a photon is the mixture's, whichever part drew
+// distribution narrowed to the box. The density of a photon is the mixture's, whichever target drew
 // it, so its power is exact, and at most 1 / LIGHT_UNAIMED times that without aim [the balance
 // heuristic of Veach 1997, 9.2.2].
 #include "base/sampling.h"
@@ -9,7 +9,7 @@
 // A cone narrower than this about the axis is opened to it: floats resolve no less.
 #define CONE_LEAST 4e-6f
 
-static float spot_share(const struct light_aim *aim) {
+static float spot_probability(const struct light_aim *aim) {
     return (1.0f - LIGHT_UNAIMED) / (float)aim->count;
 }
 
@@ -19,7 +19,7 @@ int light_aim_choose(const struct light_aim *aim, float *u) {
         *u /= LIGHT_UNAIMED;
         return -1;
     }
-    float x = (*u - LIGHT_UNAIMED) / spot_share(aim);
+    float x = (*u - LIGHT_UNAIMED) / spot_probability(aim);
     int i = x < (float)aim->count ? (int)x : aim->count - 1;
     *u = fminf(x - (float)i, 0x1.fffffep-1f);
     return i;
@@ -27,8 +27,8 @@ int light_aim_choose(const struct light_aim *aim, float *u) {
 
 // ---- Light from infinitely far: rays through boxes --------------------------------------------
 
-// Along one axis: cuts [*near, *far] to where o + t d is within [lo, hi].
-static void cut(float o, float d, float lo, float hi, float *near, float *far) {
+// Along one axis: clips [*near, *far] to where o + t d is within [lo, hi].
+static void clip_slab(float o, float d, float lo, float hi, float *near, float *far) {
     float a = (lo - o) / d, b = (hi - o) / d;
     if (d == 0.0f) {
         if (o < lo || o > hi) *far = -INFINITY;
@@ -41,9 +41,9 @@ static void cut(float o, float d, float lo, float hi, float *near, float *far) {
 // Whether the ray's line crosses the box, which may be flat.
 static bool crosses(const struct ray *ray, const struct light_target *box, float slack) {
     float near = -INFINITY, far = INFINITY;
-    cut(ray->o.x, ray->d.x, box->lo.x - slack, box->hi.x + slack, &near, &far);
-    cut(ray->o.y, ray->d.y, box->lo.y - slack, box->hi.y + slack, &near, &far);
-    cut(ray->o.z, ray->d.z, box->lo.z - slack, box->hi.z + slack, &near, &far);
+    clip_slab(ray->o.x, ray->d.x, box->lo.x - slack, box->hi.x + slack, &near, &far);
+    clip_slab(ray->o.y, ray->d.y, box->lo.y - slack, box->hi.y + slack, &near, &far);
+    clip_slab(ray->o.z, ray->d.z, box->lo.z - slack, box->hi.z + slack, &near, &far);
     return near <= far;
 }
 
@@ -60,19 +60,19 @@ float light_aim_weight_ray(const struct satin_scene *scene, const struct light_a
     float all = density(&aim->all, ray), sum = LIGHT_UNAIMED * all;
     for (int i = 0; i < aim->count; i++)
         if (i == chosen || crosses(ray, &aim->spot[i], slack))
-            sum += spot_share(aim) * density(&aim->spot[i], ray);
+            sum += spot_probability(aim) * density(&aim->spot[i], ray);
     return sum > 0.0f ? all / sum : 0.0f;
 }
 
 // ---- Light from a place: cones about boxes ----------------------------------------------------
 
-struct cone {
+struct target_cone {
     vec3 axis;
     float cos_max;
 };
 
 // The cone about the box's bounding sphere; false if p is so near that it would be wide.
-static bool cone_to(const struct light_target *box, vec3 p, struct cone *out) {
+static bool cone_to(const struct light_target *box, vec3 p, struct target_cone *out) {
     vec3 center = v3_mul(v3_add(box->lo, box->hi), 0.5f), d = v3_sub(center, p);
     float r2 = 0.25f * v3_dist2(box->lo, box->hi), d2 = v3_len2(d);
     if (!(d2 > 2.0f * r2)) return false;
@@ -83,7 +83,7 @@ static bool cone_to(const struct light_target *box, vec3 p, struct cone *out) {
 
 bool light_aim_direction(const struct light_aim *aim, int chosen, vec3 p, float u, float v,
                          vec3 *d) {
-    struct cone cone;
+    struct target_cone cone;
     if (chosen < 0 || !cone_to(&aim->spot[chosen], p, &cone)) return false;
     struct frame frame = frame_from_normal(cone.axis);
     *d = frame_to_world(&frame, sample_uniform_cone(u, v, cone.cos_max));
@@ -94,13 +94,13 @@ float light_aim_weight(const struct light_aim *aim, vec3 p, vec3 d, float pdf_w)
     if (aim->count == 0) return 1.0f;
     float sum = LIGHT_UNAIMED * pdf_w;
     for (int i = 0; i < aim->count; i++) {
-        struct cone cone;
-        float pdf = pdf_w;  // too near: this part draws as the light does
+        struct target_cone cone;
+        float pdf = pdf_w;  // too near: it is drawn as the light does
         if (cone_to(&aim->spot[i], p, &cone))
             pdf = v3_dot(d, cone.axis) >= cone.cos_max
                       ? 1.0f / (2.0f * PI_F * (1.0f - cone.cos_max))
                       : 0.0f;
-        sum += spot_share(aim) * pdf;
+        sum += spot_probability(aim) * pdf;
     }
     return sum > 0.0f ? pdf_w / sum : 0.0f;
 }

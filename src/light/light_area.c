@@ -2,7 +2,8 @@
 // Area lights: uniform radiance, or a texture over uv, leaving the front side of a shape. Meshes of
 // few flat faces are sampled face by face (light_face.c), other meshes by a distribution over
 // triangles, spheres by the cone they fill, disks and cylinders by area. Conventions are Mitsuba
-// 3's but for one: the front is told by the geometric normal, so that what is emitted is pi L A.
+// 3's but for one: the geometric normal decides which side is the front, so that what is emitted is
+// pi L A.
 #include "base/sampling.h"
 #include "light/light_kinds.h"
 
@@ -15,7 +16,7 @@ static vec3 vertex(const struct mesh *mesh, uint32_t i) {
 
 static float normal_sign(const struct shape *shape) { return shape->flip_normals ? -1.0f : 1.0f; }
 
-static rgb radiance(const struct light *light, struct texture_place at) {
+static rgb area_radiance(const struct light *light, struct texture_place at) {
     return light->texture ? texture_eval(light->texture, &at) : light->value;
 }
 
@@ -34,7 +35,7 @@ static struct triangle triangle_get(const struct shape *shape, uint32_t i) {
     return (struct triangle){a, ab, ac, v3_mul(n, light_mesh_side(shape, index, n))};
 }
 
-static float unit_turn(float y, float x) {
+static float unit_azimuth(float y, float x) {
     float t = atan2f(y, x) * (0.5f / PI_F);
     return t < 0.0f ? t + 1.0f : t;
 }
@@ -45,8 +46,8 @@ static struct light_point sphere_point(const struct light *light, const struct s
                               .n = v3_mul(outward, normal_sign(shape)),
                               .pdf_a = 1.0f / shape->area};
     vec3 o = v3_unit(mat4_vector(&shape->to_object, outward));
-    vec2 uv = {unit_turn(o.y, o.x), acosf(clampf(o.z, -1, 1)) * (1 / PI_F)};
-    out.L = radiance(light, texture_at(uv));
+    vec2 uv = {unit_azimuth(o.y, o.x), acosf(clampf(o.z, -1, 1)) * (1 / PI_F)};
+    out.L = area_radiance(light, texture_at(uv));
     return out;
 }
 
@@ -56,7 +57,8 @@ static struct light_point disk_point(const struct light *light, const struct sha
     vec3 n = v3_unit(mat4_normal(&shape->to_object, v3(0.0f, 0.0f, 1.0f)));
     return (struct light_point){
         mat4_point(&shape->to_world, v3(d.x, d.y, 0.0f)), v3_mul(n, normal_sign(shape)),
-        radiance(light, texture_at((vec2){sqrtf(d.x * d.x + d.y * d.y), unit_turn(d.y, d.x)})),
+        area_radiance(light,
+                      texture_at((vec2){sqrtf(d.x * d.x + d.y * d.y), unit_azimuth(d.y, d.x)})),
         1.0f / shape->area};
 }
 
@@ -66,7 +68,7 @@ static struct light_point cylinder_point(const struct light *light, const struct
     vec3 n = v3_unit(mat4_normal(&shape->to_object, o));
     return (struct light_point){mat4_point(&shape->to_world, v3(o.x, o.y, v)),
                                 v3_mul(n, normal_sign(shape)),
-                                radiance(light, texture_at((vec2){u, v})), 1.0f / shape->area};
+                                area_radiance(light, texture_at((vec2){u, v})), 1.0f / shape->area};
 }
 
 static float triangle_pdf(const struct shape *shape, uint32_t i, float normal_length) {
@@ -89,7 +91,7 @@ static struct light_point triangle_point(const struct light *light, const struct
     }
     float length = v3_len_wide(t.n);
     return (struct light_point){v3_mad(v3_mad(t.a, b.x, t.ab), b.y, t.ac),
-                                v3_mul(t.n, 1.0f / length), radiance(light, at),
+                                v3_mul(t.n, 1.0f / length), area_radiance(light, at),
                                 triangle_pdf(shape, i, length)};
 }
 
@@ -101,7 +103,7 @@ static rgb face_radiance(const struct light *light, const struct mesh *mesh,
     float scale = 1.0f / v3_len2(normal);
     float s = v3_dot(v3_cross(d, face->edge_v), normal) * scale;
     float t = v3_dot(v3_cross(face->edge_u, d), normal) * scale;
-    return radiance(light, texture_at(light_face_uv(face, mesh, s, t)));
+    return area_radiance(light, texture_at(light_face_uv(face, mesh, s, t)));
 }
 
 struct light_point light_area_point(const struct satin_scene *scene, const struct light *light,
@@ -178,26 +180,26 @@ satin_status light_area_prepare(struct satin_scene *scene, struct light *light) 
 
 // ---- Direct lighting --------------------------------------------------------------------------
 
-float light_area_reach(const struct satin_scene *scene, const struct light *light, vec3 p) {
+float light_area_estimate(const struct satin_scene *scene, const struct light *light, vec3 p) {
     const struct shape *shape = &scene->shape[light->shape];
     if (light->face) {
         float sum = 0.0f;
         for (uint32_t i = 0; i < light->face_count; i++)
-            sum += light_face_reach(&light->face[i], p);
+            sum += light_face_estimate(&light->face[i], p);
         return sum * light->strength / shape->area;
     }
     return light->strength / (v3_dist2(p, light->center) + (0.5f / PI_F) * shape->area);
 }
 
-// Chooses a face by its reach; *probability is that of the face `wanted` if it is not negative.
+// Chooses a face by its estimate; *probability is that of the face `wanted` if it is not negative.
 static uint32_t choose_face(const struct light *light, vec3 p, float *u, int64_t wanted,
                             float *probability) {
     *probability = 1.0f;
     if (light->face_count == 1) return 0;
-    float reach[FACES_MAX], cdf[FACES_MAX + 1];
+    float weight[FACES_MAX], cdf[FACES_MAX + 1];
     for (uint32_t i = 0; i < light->face_count; i++)
-        reach[i] = light_face_reach(&light->face[i], p);
-    sample_cdf_build(reach, light->face_count, cdf);
+        weight[i] = light_face_estimate(&light->face[i], p);
+    sample_cdf_build(weight, light->face_count, cdf);
     size_t i = wanted < 0 ? sample_cdf(cdf, light->face_count, *u, u) : (size_t)wanted;
     *probability = cdf[i + 1] - cdf[i];
     return (uint32_t)i;

@@ -8,8 +8,8 @@
 static bool locate(const struct light *light, const struct shape *shape, vec3 q, vec2 *uv) {
     if (shape->kind == SHAPE_DISK) {
         vec3 l = mat4_point(&shape->to_object, q);
-        float r = sqrtf(l.x * l.x + l.y * l.y), turn = atan2f(l.y, l.x) * (0.5f / PI_F);
-        *uv = (vec2){r, turn < 0.0f ? turn + 1.0f : turn};
+        float r = sqrtf(l.x * l.x + l.y * l.y), azimuth = atan2f(l.y, l.x) * (0.5f / PI_F);
+        *uv = (vec2){r, azimuth < 0.0f ? azimuth + 1.0f : azimuth};
         return r <= 1.0f;
     }
     const struct light_face *face = light->face;
@@ -42,7 +42,7 @@ bool light_beam_sample(const struct satin_scene *scene, const struct light *ligh
     return true;
 }
 
-float light_beam_reach(const struct satin_scene *scene, const struct light *light, vec3 p) {
+float light_beam_estimate(const struct satin_scene *scene, const struct light *light, vec3 p) {
     struct light_sample sample;
     return light_beam_sample(scene, light, p, &sample) ? light->strength : 0.0f;
 }

@@ -4,7 +4,7 @@
 // theta) of the light's own space lies at x = width phi / 2 pi - 1/2, wrapped, and y = (height - 1)
 // theta / pi. Directions are drawn in proportion to the interpolated luminance times sin theta: a
 // cell between four texels by its mean, then a point of the cell by bilinear interpolation. A sun
-// is a disc of light on top of the image, which gets a share of the samples.
+// is a disc of light on top of the image, which gets a fraction of the samples.
 #include "base/sampling.h"
 #include "light/light_kinds.h"
 
@@ -27,7 +27,7 @@ static rgb texel(const struct image *image, int column, int row) {
     return image->channels == 3 ? rgb_make(t[0], t[1], t[2]) : rgb_grey(t[0]);
 }
 
-static struct texel_place place_of(const struct light *light, vec3 w) {
+static struct texel_place texel_place_of(const struct light *light, vec3 w) {
     const struct image *image = light->image;
     vec3 l = v3_unit(mat4_vector(&light->to_local, w));
     float s = sqrtf(l.x * l.x + l.z * l.z);
@@ -105,23 +105,24 @@ static vec3 direction_at(const struct light *light, float x, float y) {
 // ---- The sun ------------------------------------------------------------------------------------
 
 static bool in_sun(const struct light *light, vec3 w) {
-    return light->sun_share > 0.0f && v3_dist2(w, light->sun) <= sqrf(light->sun_chord);
+    return light->sun_fraction > 0.0f && v3_dist2(w, light->sun) <= sqrf(light->sun_chord);
 }
 
 static float sun_solid_angle(const struct light *light) { return PI_F * sqrf(light->sun_chord); }
 
 // Neither the sun nor the sky is left to few samples, whichever brings more.
-#define SUN_SHARE_MIN 0.2f
-#define SUN_SHARE_MAX 0.7f
+#define SUN_FRACTION_MIN 0.2f
+#define SUN_FRACTION_MAX 0.7f
 
 static void add_sun(const struct satin_scene *scene, struct light *light) {
     float facing = rgb_luminance(light->sun_value) * sun_solid_angle(light);
     if (!(facing > 0.0f)) return;
     float power = facing * light_bounds_shadow(scene, light->sun);
-    light->sun_share = clampf(power / (power + light->power), SUN_SHARE_MIN, SUN_SHARE_MAX);
+    light->sun_fraction =
+        clampf(power / (power + light->power), SUN_FRACTION_MIN, SUN_FRACTION_MAX);
     light->strength += 0.25f * facing;
     light->power += power;
-    if (rgb_black(light->value)) light->sun_share = 1.0f;
+    if (rgb_black(light->value)) light->sun_fraction = 1.0f;
 }
 
 static vec3 sun_direction(const struct light *light, float u, float v) {
@@ -173,28 +174,28 @@ satin_status light_environment_prepare(struct satin_scene *scene, struct light *
 // The density of drawing a direction, in the sun or not, from that of drawing it for the radiance.
 static float mixed_pdf(const struct light *light, const struct light_window *window, vec3 wi,
                        bool sun, float pdf_w) {
-    if (window) pdf_w = lerpf(pdf_w, light_window_pdf(window, wi), window->share);
-    pdf_w *= 1.0f - light->sun_share;
-    return sun ? pdf_w + light->sun_share / sun_solid_angle(light) : pdf_w;
+    if (window) pdf_w = lerpf(pdf_w, light_window_pdf(window, wi), window->fraction);
+    pdf_w *= 1.0f - light->sun_fraction;
+    return sun ? pdf_w + light->sun_fraction / sun_solid_angle(light) : pdf_w;
 }
 
 static float radiance_pdf(const struct light *light, vec3 wi) {
     if (light->kind == LIGHT_CONSTANT) return 0.25f / PI_F;
-    struct texel_place at = place_of(light, wi);
+    struct texel_place at = texel_place_of(light, wi);
     return place_pdf(light, &at);
 }
 
-// Whether u < share; if so, or if not, u is stretched to [0, 1) again.
-static bool takes(float share, float *u) {
-    const bool yes = *u < share;
-    *u = yes ? *u / share : fminf((*u - share) / (1.0f - share), 0x1.fffffep-1f);
+// Whether u < probability; u is then stretched to [0, 1) again, in either case.
+static bool takes(float probability, float *u) {
+    const bool yes = *u < probability;
+    *u = yes ? *u / probability : fminf((*u - probability) / (1.0f - probability), 0x1.fffffep-1f);
     return yes;
 }
 
-// But for the sun.
-static rgb radiance(const struct light *light, vec3 w) {
+// The environment's radiance without its sun.
+static rgb sky_radiance(const struct light *light, vec3 w) {
     if (light->kind == LIGHT_CONSTANT) return light->value;
-    struct texel_place at = place_of(light, w);
+    struct texel_place at = texel_place_of(light, w);
     return interpolate(light, &at);
 }
 
@@ -227,12 +228,12 @@ static vec3 sample_radiance(const struct light *light, float u, float v, float *
 bool light_environment_sample(const struct satin_scene *scene, const struct light_window *window,
                               float u, float v, struct light_sample *out) {
     const struct light *light = &scene->light[scene->environment];
-    bool sun = light->sun_share > 0.0f && takes(light->sun_share, &u);
+    bool sun = light->sun_fraction > 0.0f && takes(light->sun_fraction, &u);
     *out = (struct light_sample){.dist = INFINITY};
-    if (sun || (window && takes(window->share, &u))) {
+    if (sun || (window && takes(window->fraction, &u))) {
         out->wi = sun ? sun_direction(light, u, v) : light_window_sample(window, u, v);
         out->pdf_w = radiance_pdf(light, out->wi);
-        out->L = radiance(light, out->wi);
+        out->L = sky_radiance(light, out->wi);
     } else {
         out->wi = sample_radiance(light, u, v, &out->pdf_w, &out->L);
     }
@@ -251,6 +252,6 @@ float light_environment_pdf(const struct satin_scene *scene, const struct light_
 rgb light_environment(const struct satin_scene *scene, vec3 w) {
     if (scene->environment < 0) return rgb_grey(0.0f);
     const struct light *light = &scene->light[scene->environment];
-    rgb L = radiance(light, w);
+    rgb L = sky_radiance(light, w);
     return in_sun(light, w) ? rgb_add(L, light->sun_value) : L;
 }

@@ -12,22 +12,22 @@
 #define SOLID_ANGLE_MIN 0.15f
 
 // An angle as the complex number c + i s, of any length.
-struct turn {
+struct angle {
     float c, s;
 };
 
-static struct turn turn_by(struct turn a, struct turn b) {
-    return (struct turn){a.c * b.c - a.s * b.s, a.s * b.c + a.c * b.s};
+static struct angle angle_sum(struct angle a, struct angle b) {
+    return (struct angle){a.c * b.c - a.s * b.s, a.s * b.c + a.c * b.s};
 }
-static struct turn turn_back(struct turn a, struct turn b) {
-    return (struct turn){a.c * b.c + a.s * b.s, a.s * b.c - a.c * b.s};
+static struct angle angle_difference(struct angle a, struct angle b) {
+    return (struct angle){a.c * b.c + a.s * b.s, a.s * b.c - a.c * b.s};
 }
 
 // A right-angled face seen from a point, whose frame is along the face's x, y and n.
 struct rectangle_view {
     float x0, x1, y0, y1, z0;  // z0 < 0
     float b0, b1, solid_angle;
-    struct turn k;  // the paper's k = 2 pi - g2 - g3
+    struct angle k;  // the paper's k = 2 pi - g2 - g3
 };
 
 static vec3 mesh_vertex(const struct mesh *mesh, uint32_t i) {
@@ -48,7 +48,7 @@ float light_mesh_side(const struct shape *shape, const uint32_t index[3], vec3 n
 
 static bool same_point(vec3 a, vec3 b, float scale2) { return v3_dist2(a, b) <= 1e-12f * scale2; }
 
-// Finds the edge (a[1], a[2]) that triangle b shares, in turned order, and the far corner.
+// Finds the edge (a[1], a[2]) that triangle b has too, in rotated order, and the far corner.
 static bool face_pair(const struct mesh *mesh, uint32_t first, struct light_face *face) {
     const uint32_t *a = mesh->index + 3 * (size_t)first, *b = a + 3;
     for (int i = 0; i < 3; i++)
@@ -89,7 +89,7 @@ bool light_faces_build(const struct shape *shape, struct light_face *face, uint3
     return true;
 }
 
-float light_face_reach(const struct light_face *face, vec3 p) {
+float light_face_estimate(const struct light_face *face, vec3 p) {
     vec3 d = v3_sub(p, face->corner);
     float h = v3_dot(d, face->n);
     if (!(h > 0.0f)) return 0.0f;
@@ -103,15 +103,15 @@ float light_face_reach(const struct light_face *face, vec3 p) {
 
 // The angle whose tangent is x y / (-z r): the part of the solid angle between the axes and a
 // corner. It is divided by r^2, as products of four lengths leave the range of float.
-static struct turn corner_angle(float x, float y, float z) {
+static struct angle corner_angle(float x, float y, float z) {
     float r2 = x * x + y * y + z * z, r = sqrtf(r2);
-    return (struct turn){-z / r, x * y / r2};
+    return (struct angle){-z / r, x * y / r2};
 }
 
 // False if the face is to be sampled by area from p.
 static bool rectangle_view_make(const struct light_face *face, vec3 p,
                                 struct rectangle_view *view) {
-    if (!face->right_angled || light_face_reach(face, p) < 0.5f * SOLID_ANGLE_MIN) return false;
+    if (!face->right_angled || light_face_estimate(face, p) < 0.5f * SOLID_ANGLE_MIN) return false;
     vec3 d = v3_sub(face->corner, p);
     view->x0 = v3_dot(d, face->x);
     view->y0 = v3_dot(d, face->y);
@@ -119,11 +119,11 @@ static bool rectangle_view_make(const struct light_face *face, vec3 p,
     view->x1 = view->x0 + face->length_u;
     view->y1 = view->y0 + face->length_v;
     float x0 = view->x0, x1 = view->x1, y0 = view->y0, y1 = view->y1, z0 = view->z0;
-    struct turn left = turn_back(corner_angle(x0, y1, z0), corner_angle(x0, y0, z0));
-    struct turn right = turn_back(corner_angle(x1, y1, z0), corner_angle(x1, y0, z0));
-    float scale = -1.0f / sqrtf(left.c * left.c + left.s * left.s);  // turned by pi
-    view->k = (struct turn){left.c * scale, left.s * scale};
-    struct turn all = turn_back(right, left);
+    struct angle left = angle_difference(corner_angle(x0, y1, z0), corner_angle(x0, y0, z0));
+    struct angle right = angle_difference(corner_angle(x1, y1, z0), corner_angle(x1, y0, z0));
+    float scale = -1.0f / sqrtf(left.c * left.c + left.s * left.s);  // rotated by pi
+    view->k = (struct angle){left.c * scale, left.s * scale};
+    struct angle all = angle_difference(right, left);
     view->solid_angle = atan2f(all.s, all.c);
     if (view->solid_angle < 0.0f) view->solid_angle += 2.0f * PI_F;
     view->b0 = -y0 / sqrtf(z0 * z0 + y0 * y0);
@@ -147,9 +147,9 @@ bool light_face_sample(const struct light_face *face, vec3 p, float u, float v, 
         *pdf_w = area_pdf(face, p, *q);
         return *pdf_w > 0.0f && isfinite(*pdf_w);
     }
-    // The plane x = xu through the point's y axis that cuts the share u off the solid angle, ...
-    float angle = u * w.solid_angle;
-    struct turn phi = turn_by((struct turn){cosf(angle), sinf(angle)}, w.k);
+    // The plane x = xu through the point's y axis that cuts the fraction u off the solid angle, ...
+    float cut = u * w.solid_angle;
+    struct angle phi = angle_sum((struct angle){cosf(cut), sinf(cut)}, w.k);
     float f = (phi.c * w.b0 - w.b1) / phi.s;
     float c = clampf(copysignf(1.0f, f) / sqrtf(f * f + w.b0 * w.b0), -1.0f, 1.0f);
     float xu = clampf(-c * w.z0 / safe_sqrtf(1.0f - c * c), w.x0, w.x1);

@@ -12,7 +12,7 @@
 satin_status light_area_prepare(struct satin_scene *scene, struct light *light);
 // An estimate of the irradiance (luminance) that the light can bring to p; 0 only if it brings
 // none.
-float light_area_reach(const struct satin_scene *scene, const struct light *light, vec3 p);
+float light_area_estimate(const struct satin_scene *scene, const struct light *light, vec3 p);
 bool light_area_sample(const struct satin_scene *scene, const struct light *light, vec3 p, float u,
                        float v, struct light_sample *out);
 float light_area_pdf(const struct satin_scene *scene, const struct light *light, vec3 p, vec3 wi,
@@ -29,7 +29,7 @@ struct light_point light_area_point(const struct satin_scene *scene, const struc
 // ---- Faces (light_face.c) ---------------------------------------------------------------------
 
 // 1 or -1: times n, a triangle's normal by its winding, it gives the front side, as scene_intersect
-// tells it.
+// reports it.
 float light_mesh_side(const struct shape *shape, const uint32_t index[3], vec3 n);
 // Pairs triangles 2 i and 2 i + 1 into parallelograms; false if one pair is none.
 bool light_faces_build(const struct shape *shape, struct light_face *face, uint32_t count);
@@ -40,7 +40,7 @@ bool light_face_sample(const struct light_face *face, vec3 p, float u, float v, 
 // The density over solid angle at p of drawing q.
 float light_face_pdf(const struct light_face *face, vec3 p, vec3 q);
 // An estimate of the solid angle of the face from p; 0 if p is behind.
-float light_face_reach(const struct light_face *face, vec3 p);
+float light_face_estimate(const struct light_face *face, vec3 p);
 // Texture coordinates at corner + s * edge_u + t * edge_v.
 vec2 light_face_uv(const struct light_face *face, const struct mesh *mesh, float s, float t);
 
@@ -59,7 +59,7 @@ float light_window_pdf(const struct light_window *window, vec3 w);
 
 // Sets position, direction, strength and power. SATIN_ERROR_MEMORY.
 satin_status light_beam_prepare(struct satin_scene *scene, struct light *light);
-float light_beam_reach(const struct satin_scene *scene, const struct light *light, vec3 p);
+float light_beam_estimate(const struct satin_scene *scene, const struct light *light, vec3 p);
 bool light_beam_sample(const struct satin_scene *scene, const struct light *light, vec3 p,
                        struct light_sample *out);
 
@@ -75,7 +75,7 @@ float light_bounds_area(const struct satin_scene *scene);
 
 // Sets strength and power.
 void light_point_prepare(struct light *light);
-float light_point_reach(const struct light *light, vec3 p);
+float light_point_estimate(const struct light *light, vec3 p);
 bool light_point_sample(const struct light *light, vec3 p, struct light_sample *out);
 // A direction of emission; and what is sent along d over the density *pdf_w [1 / sr] of that: color
 // times the result; 0: nothing, or d was never drawn.

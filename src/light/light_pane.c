@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Light through panes: which specular chains leave the direction of light as it was, and shadow
-// rays that follow such chains. A shadow ray towards a direction, as of the sky, bends at each
-// surface and goes on as it should; one towards a point is aimed again, until it meets the point.
+// rays that follow such chains. A shadow ray towards a direction, as of the sky, is refracted at
+// each surface as any ray is; one towards a point is aimed again, until it meets the point.
 #include "light/light.h"
 
 enum {
@@ -13,7 +13,8 @@ enum {
 static const float AIMED = 1e-4f;
 
 // Directions that differ by less are parallel [rad]. Panes of real scenes are parallel to 1e-5 by
-// the six digits of their corners, and a lens or a waved pane bends most light by more than 1e-2.
+// the six digits of their corners, and a lens or a waved pane deflects most light by more than
+// 1e-2.
 static const float PARALLEL = 1e-3f;
 
 static bool is_parallel(vec3 a, vec3 b) { return v3_dist2(a, b) < PARALLEL * PARALLEL; }
@@ -72,7 +73,7 @@ void light_chain_advance(struct light_chain *chain, float length) {
 }
 
 // By Snell's law sin(theta) / eta is carried on; its derivative gives the tangential rate.
-static void pass(struct light_chain *chain, vec3 wo_l, const struct brdf_sample *next) {
+static void pass_pane(struct light_chain *chain, vec3 wo_l, const struct brdf_sample *next) {
     chain->crossed++;
     chain->sagittal_rate /= next->eta;
     chain->tangential_rate *= sqrf(wo_l.z) / (next->eta * fmaxf(sqrf(next->wi.z), 1e-12f));
@@ -84,7 +85,7 @@ void light_chain_pass(struct light_chain *chain, const struct satin_scene *scene
     if (!chain->transmits) return;
     const bool through = (next->lobe & BRDF_DELTA) && wo_l.z * next->wi.z < 0.0f;
     chain->transmits = through && chain->crossed < PANES_MAX && may_be_pane(scene, s, wo);
-    if (chain->transmits) pass(chain, wo_l, next);
+    if (chain->transmits) pass_pane(chain, wo_l, next);
 }
 
 bool light_chain_straight(const struct light_chain *chain, vec3 d) {
@@ -131,7 +132,7 @@ static bool go_through(struct march *m, const struct interaction *s, vec3 *d) {
     for (int i = 0; i < ways; i++) {
         if (!(way[i].wi.z * wo_l.z < 0.0f)) continue;
         light_chain_advance(&m->chain, s->t);
-        pass(&m->chain, wo_l, &way[i]);
+        pass_pane(&m->chain, wo_l, &way[i]);
         m->T = rgb_mul(m->T, way[i].weight);
         m->p = s->p;
         m->ng = s->ng;
@@ -231,7 +232,7 @@ bool light_find(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d, int pa
     return true;
 }
 
-bool light_bends(const struct satin_scene *scene, struct ray ray) {
+bool light_makes_caustic(const struct satin_scene *scene, struct ray ray) {
     struct march m = march_begin(scene, PANES_MAX, ray.d);
     struct interaction s;
     vec3 d = ray.d;

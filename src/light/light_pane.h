@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Part of light.h: light through panes. A chain of ideal specular transmissions that ends in the
 // direction it began with, as through a sheet of glass with parallel faces, shifts light but does
-// not bend it. Such light is direct light: light samples look for it, rays that find it are weighed
-// against them, and photons that came so are direct photons. Every other specular chain makes
-// caustics.
+// not deflect it. Such light is direct light: light samples look for it, rays that find it are
+// weighed against them, and photons that came so are direct photons. Every other specular chain
+// makes caustics.
 #ifndef LIGHT_PANE_H
 #define LIGHT_PANE_H
 
@@ -64,7 +64,7 @@ bool light_find(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d, int pa
                 struct interaction *hit, bool *environment, struct light_found *out);
 
 // Whether a ray of light meets a specular surface that makes a caustic of it: another than panes.
-bool light_bends(const struct satin_scene *scene, struct ray ray);
+bool light_makes_caustic(const struct satin_scene *scene, struct ray ray);
 
 // Whether some shape may be a pane. light_prepare keeps it in scene->panes.
 bool light_has_panes(const struct satin_scene *scene);

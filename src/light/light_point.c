@@ -58,7 +58,7 @@ static float slide_power(const struct light *light) {
 
 // ---- Direct lighting ----------------------------------------------------------------------------
 
-float light_point_reach(const struct light *light, vec3 p) {
+float light_point_estimate(const struct light *light, vec3 p) {
     vec3 d = v3_sub(p, light->position);
     float d2 = fmaxf(v3_len2(d), 1e-20f), f = 1.0f;
     vec2 uv;
@@ -101,9 +101,9 @@ bool light_point_sample(const struct light *light, vec3 p, struct light_sample *
 static vec3 spot_direction(const struct light *light, float u, float v) {
     float beam, penumbra;
     light_spot_solid_angles(light, &beam, &penumbra);
-    float share = beam / (beam + penumbra);
-    if (u < share) return sample_uniform_cone(u / share, v, light->cos_beam);
-    float rest = (u - share) / (1.0f - share), phi = 2.0f * PI_F * v;
+    float in_beam = beam / (beam + penumbra);
+    if (u < in_beam) return sample_uniform_cone(u / in_beam, v, light->cos_beam);
+    float rest = (u - in_beam) / (1.0f - in_beam), phi = 2.0f * PI_F * v;
     float c = acosf(light->cos_cutoff), b = acosf(light->cos_beam);
     float theta = c - (c - b) * safe_sqrtf(1.0f - rest), s = sinf(theta);
     return v3(s * cosf(phi), s * sinf(phi), cosf(theta));
@@ -116,7 +116,7 @@ static float spot_power(const struct light *light, float cos_theta) {
     if (cos_theta >= light->cos_beam) return beam + penumbra;
     if (cos_theta <= light->cos_cutoff) return 0.0f;
     float c = acosf(light->cos_cutoff), b = acosf(light->cos_beam);
-    // falloff sin(theta) 2 pi over its density 2 (c - theta) / (c - b)^2 (1 - share)
+    // falloff sin(theta) 2 pi over its density 2 (c - theta) / (c - b)^2 (1 - in_beam)
     return PI_F * safe_sqrtf(1.0f - sqrf(cos_theta)) * (c - b) * (beam + penumbra) / penumbra;
 }
 

@@ -96,7 +96,7 @@ struct air {
     double haze, ozone;  // Angstrom's coefficient; cm at normal pressure
 };
 
-// The share of light that comes through [Preetham et al. 1999, appendix A.1].
+// The fraction of light that comes through [Preetham et al. 1999, appendix A.1].
 static double transmitted(const void *ctx, double nanometres) {
     const struct air *air = ctx;
     double um = 1e-3 * nanometres, band = (nanometres - 600.0) / 52.0;

@@ -1,30 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 // Many lights are chosen through a tree: every node holds a box around its lights, the cone of
-// their directions and the sum of their strengths, which bound what can reach a point [Conty
+// their directions and the sum of their strengths, which bound what can arrive at a point [Conty
 // Estevez and Kulla 2018, "Importance sampling of many lights with adaptive tree splitting"]. A
-// choice goes down with the bounds' shares; in a leaf the lights' own estimates decide. Deviations:
-// the receiver's normal is not known here, nodes split at the median, and lights from infinitely
-// far have a tree of their own beside the root's.
+// choice goes down with the bounds of its two children; in a leaf the lights' own estimates decide.
+// Deviations: the receiver's normal is not known here, nodes split at the median, and lights from
+// infinitely far have a tree of their own beside the root's.
 #include "light/light_tree.h"
 
 #include <stdlib.h>
 
 #include "base/sampling.h"
 
-// Share of each decision that goes by strength alone: what the bounds say nothing of is shadows.
-#define SHARE_BLIND 0.1f
+// Fraction of each decision that goes by strength alone, since the bounds say nothing of shadows.
+#define BLIND_FRACTION 0.1f
 // The least cosine that a cone is believed to leave.
 #define COSINE_MIN 0.02f
 
 // Directions that light goes: within `spread` of the normals, which are within `open` of the axis.
-struct cone {
+struct emission_cone {
     vec3 axis;
     float open, spread;
 };
 
 struct light_node {
     vec3 lo, hi;
-    struct cone cone;
+    struct emission_cone cone;
     float strength;
     bool far;               // infinitely: a place means nothing
     uint32_t first, count;  // leaf: lights of light_tree.order
@@ -40,29 +40,31 @@ struct light_tree {
 
 // ---- Bounds -------------------------------------------------------------------------------------
 
-static struct cone cone_all(void) { return (struct cone){v3(0, 0, 1), PI_F, 0.5f * PI_F}; }
+static struct emission_cone cone_all(void) {
+    return (struct emission_cone){v3(0, 0, 1), PI_F, 0.5f * PI_F};
+}
 
 static float angle_between(vec3 a, vec3 b) {
     return 2.0f * atan2f(v3_len(v3_sub(a, b)), v3_len(v3_add(a, b)));
 }
 
-// A cone around both: the axis turns towards the narrower one.
-static struct cone cone_union(struct cone a, struct cone b) {
+// A cone around both: the axis rotates towards the narrower one.
+static struct emission_cone cone_union(struct emission_cone a, struct emission_cone b) {
     if (b.open > a.open) {
-        struct cone swap = a;
+        struct emission_cone swap = a;
         a = b;
         b = swap;
     }
     float spread = fmaxf(a.spread, b.spread), between = angle_between(a.axis, b.axis);
-    if (between + b.open <= a.open) return (struct cone){a.axis, a.open, spread};
-    float open = 0.5f * (a.open + between + b.open), turn = open - a.open;
+    if (between + b.open <= a.open) return (struct emission_cone){a.axis, a.open, spread};
+    float open = 0.5f * (a.open + between + b.open), angle = open - a.open;
     vec3 side = v3_unit(v3_mad(b.axis, -v3_dot(a.axis, b.axis), a.axis));
-    if (open >= PI_F || v3_len2(side) < 0.5f) return (struct cone){a.axis, PI_F, spread};
-    vec3 axis = v3_unit(v3_mad(v3_mul(a.axis, cosf(turn)), sinf(turn), side));
-    return (struct cone){axis, open, spread};
+    if (open >= PI_F || v3_len2(side) < 0.5f) return (struct emission_cone){a.axis, PI_F, spread};
+    vec3 axis = v3_unit(v3_mad(v3_mul(a.axis, cosf(angle)), sinf(angle), side));
+    return (struct emission_cone){axis, open, spread};
 }
 
-static void grow(struct light_node *node, vec3 p) {
+static void bounds_grow(struct light_node *node, vec3 p) {
     node->lo = v3_min(node->lo, p);
     node->hi = v3_max(node->hi, p);
 }
@@ -73,7 +75,7 @@ static void area_bounds(const struct satin_scene *scene, const struct light *lig
     if (shape->kind == SHAPE_MESH) {
         for (size_t i = 0; i < shape->mesh.vertex_count; i++) {
             const float *p = shape->mesh.position + 3 * i;
-            grow(node, v3(p[0], p[1], p[2]));
+            bounds_grow(node, v3(p[0], p[1], p[2]));
         }
     } else {
         bool sphere = shape->kind == SHAPE_SPHERE;
@@ -81,14 +83,15 @@ static void area_bounds(const struct satin_scene *scene, const struct light *lig
             vec3 corner = v3(i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f);
             if (shape->kind != SHAPE_SPHERE) corner.z = fmaxf(corner.z, 0.0f);
             if (shape->kind == SHAPE_DISK) corner.z = 0.0f;
-            grow(node, sphere ? v3_mad(shape->center, shape->radius, corner)
-                              : mat4_point(&shape->to_world, corner));
+            bounds_grow(node, sphere ? v3_mad(shape->center, shape->radius, corner)
+                                     : mat4_point(&shape->to_world, corner));
         }
     }
     if (!light->face) return;
-    node->cone = (struct cone){light->face[0].n, 0.0f, 0.5f * PI_F};
+    node->cone = (struct emission_cone){light->face[0].n, 0.0f, 0.5f * PI_F};
     for (uint32_t i = 1; i < light->face_count; i++)
-        node->cone = cone_union(node->cone, (struct cone){light->face[i].n, 0.0f, 0.5f * PI_F});
+        node->cone =
+            cone_union(node->cone, (struct emission_cone){light->face[i].n, 0.0f, 0.5f * PI_F});
 }
 
 static struct light_node node_empty(void) {
@@ -108,7 +111,7 @@ static struct light_node node_of(const struct satin_scene *scene, uint32_t index
         node.lo = node.hi = node.far ? v3(0, 0, 0) : light->position;
     }
     if (light->kind == LIGHT_SPOT)
-        node.cone = (struct cone){light->direction, 0.0f, acosf(light->cos_cutoff)};
+        node.cone = (struct emission_cone){light->direction, 0.0f, acosf(light->cos_cutoff)};
     return node;
 }
 
@@ -131,7 +134,7 @@ struct item {
     float key;
 };
 
-struct build {
+struct tree_build {
     struct light_tree *tree;
     struct item *item;
 };
@@ -162,8 +165,8 @@ static uint32_t split(struct item *item, uint32_t count) {
     return mixed ? near : count / 2;
 }
 
-static void build_node(struct build *b, uint32_t at, uint32_t first, uint32_t count, uint32_t path,
-                       uint32_t depth) {
+static void build_node(struct tree_build *b, uint32_t at, uint32_t first, uint32_t count,
+                       uint32_t path, uint32_t depth) {
     struct item *item = b->item + first;
     struct light_node node = item[0].node;
     uint32_t far = item[0].node.far;
@@ -208,7 +211,7 @@ satin_status light_tree_build(struct satin_scene *scene) {
         item[i].centre = v3_mul(v3_add(item[i].node.lo, item[i].node.hi), 0.5f);
     }
     tree->node_count = 1;
-    struct build b = {tree, item};
+    struct tree_build b = {tree, item};
     build_node(&b, 0, 0, n, 0, 0);
     free(item);
     scene->light_tree = tree;
@@ -218,7 +221,7 @@ satin_status light_tree_build(struct satin_scene *scene) {
 // ---- Choice -------------------------------------------------------------------------------------
 
 // A bound, but for COSINE_MIN, of the irradiance that the node's lights bring to p.
-static float node_reach(const struct light_node *node, vec3 p) {
+static float node_estimate(const struct light_node *node, vec3 p) {
     if (node->far) return node->strength;
     vec3 centre = v3_mul(v3_add(node->lo, node->hi), 0.5f), d = v3_sub(p, centre);
     float r2 = 0.25f * v3_dist2(node->lo, node->hi), d2 = v3_len2(d);
@@ -234,13 +237,14 @@ static float node_reach(const struct light_node *node, vec3 p) {
 }
 
 // The probability of the second child of an inner node.
-static float second_share(const struct light_tree *tree, const struct light_node *node, vec3 p) {
+static float second_probability(const struct light_tree *tree, const struct light_node *node,
+                                vec3 p) {
     const struct light_node *a = &tree->node[node->child], *b = a + 1;
     float blind = b->strength / (a->strength + b->strength);
-    float ra = node_reach(a, p), rb = node_reach(b, p), share = rb / (ra + rb);
-    if (!isfinite(share)) share = blind;
+    float ra = node_estimate(a, p), rb = node_estimate(b, p), informed = rb / (ra + rb);
+    if (!isfinite(informed)) informed = blind;
     if (!isfinite(blind)) return 0.5f;
-    return share + SHARE_BLIND * (blind - share);
+    return informed + BLIND_FRACTION * (blind - informed);
 }
 
 // What a leaf's lights are weighed by; their sum. Lights that bring nothing have no weight, unless
@@ -251,15 +255,15 @@ static float weigh_leaf(const struct satin_scene *scene, const struct light_node
     uint32_t lit = 0;
     const uint32_t *order = scene->light_tree->order + leaf->first;
     for (uint32_t i = 0; i < leaf->count; i++) {
-        weight[i] = light_reach(scene, &scene->light[order[i]], p);
+        weight[i] = light_estimate(scene, &scene->light[order[i]], p);
         sum += weight[i];
         lit += weight[i] > 0.0f;
     }
     bool good = sum > 0.0f && isfinite(sum);
-    float even = good ? sum * (SHARE_BLIND / (float)lit) : 0.0f;
+    float least = good ? sum * (BLIND_FRACTION / (float)lit) : 0.0f;
     for (uint32_t i = 0; i < leaf->count; i++) {
         if (!good) weight[i] = 1.0f;
-        if (good && weight[i] > 0.0f) weight[i] = weight[i] * (1.0f - SHARE_BLIND) + even;
+        if (good && weight[i] > 0.0f) weight[i] = weight[i] * (1.0f - BLIND_FRACTION) + least;
     }
     return good ? sum : (float)leaf->count;
 }
@@ -269,7 +273,7 @@ uint32_t light_tree_choose(const struct satin_scene *scene, vec3 p, float u, flo
     const struct light_node *node = tree->node;
     double x = (double)u, chosen = 1.0;
     while (node->child) {
-        double second = (double)second_share(tree, node, p), first = 1.0 - second;
+        double second = (double)second_probability(tree, node, p), first = 1.0 - second;
         bool right = x >= first;
         x = fmin(right ? (x - first) / second : x / first, 0x1.fffffffffffffp-1);
         chosen *= right ? second : first;
@@ -289,7 +293,7 @@ float light_tree_probability(const struct satin_scene *scene, vec3 p, uint32_t l
     const struct light_node *node = tree->node;
     double chosen = 1.0;
     for (uint32_t path = tree->path[light]; node->child; path >>= 1) {
-        double second = (double)second_share(tree, node, p);
+        double second = (double)second_probability(tree, node, p);
         chosen *= path & 1 ? second : 1.0 - second;
         node = &tree->node[node->child + (path & 1)];
     }

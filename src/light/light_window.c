@@ -19,8 +19,8 @@ static int within(float x) {
 }
 
 float light_window_pdf(const struct light_window *window, vec3 w) {
-    float turn = atan2f(w.y, w.x) * (0.5f / PI_F);
-    if (turn < 0.0f) turn += 1.0f;
-    const int bin = within(0.5f - 0.5f * w.z) * LIGHT_WINDOW_SIDE + within(turn);
+    float azimuth = atan2f(w.y, w.x) * (0.5f / PI_F);
+    if (azimuth < 0.0f) azimuth += 1.0f;
+    const int bin = within(0.5f - 0.5f * w.z) * LIGHT_WINDOW_SIDE + within(azimuth);
     return (window->cdf[bin + 1] - window->cdf[bin]) * (LIGHT_WINDOW_BINS * 0.25f / PI_F);
 }

@@ -125,8 +125,8 @@ static void what_is_no_pane_stops(void **state) {
         const struct ray up = {v3(0, 0, 0), 0.0f, v3(0, 0, 1), INFINITY};
         const struct ray tilted = {v3(-0.7f, 0, 0), 0.0f, inclined(0.4), INFINITY};
         // Along its axis a ball shifts nothing, but it is no pane.
-        assert_true(light_bends(&t.scene, up) == (i == 1));
-        assert_true(light_bends(&t.scene, tilted) == (i == 1));
+        assert_true(light_makes_caustic(&t.scene, up) == (i == 1));
+        assert_true(light_makes_caustic(&t.scene, tilted) == (i == 1));
         test_scene_free(&t);
     }
 }
@@ -147,7 +147,7 @@ static void panes_are_counted(void **state) {
         struct light_found found;
         bool sky;
         assert_false(light_find(&t.scene, v3(0, 0, 0), up, up, 64, &hit, &sky, &found));
-        assert_true(light_bends(&t.scene, (struct ray){v3(0, 0, 0), 0.0f, up, INFINITY}) ==
+        assert_true(light_makes_caustic(&t.scene, (struct ray){v3(0, 0, 0), 0.0f, up, INFINITY}) ==
                     (plates > 16));
         test_scene_free(&t);
     }
