@@ -17,15 +17,30 @@ struct cache;
 // Which records a site asks for; a mask.
 enum cache_kind { CACHE_IRRADIANCE = 1, CACHE_RADIANCE = 2 };
 
-// A surface point where a record may be made.
+// The glossy lobes of a surface point as the eye sees them.
+struct cache_view {
+    struct brdf brdf;                // with a factor `specular` of 1
+    const struct brdf_range *table;  // of its harmonics; NULL: it has none
+    int channels;                    // of the table: 1 or 3
+    uint32_t name;                   // see cache_lobe; 0: no record keeps a residual of it
+    vec3 wo;                         // unit, towards the eye, in the site's frame
+};
+
+// A surface point where a record may be made, and what the surface reflects there. Maps that bend
+// the normal are left out, since they spend no records. 336 bytes.
 struct cache_site {
-    vec3 p, ng;          // ng: geometric normal on the side that is seen
+    vec3 p;              // where the record is made; may lie off an edge that `seen` is near to
+    vec3 ng;             // geometric normal on the side that is seen
     struct frame frame;  // shading frame; n on the same side
     float pixel;      // width of a projected pixel at p, across the line of sight, in scene units
     uint64_t stream;  // random stream, unique to the site
-    uint32_t source;  // the caller's, by which it knows the point again
-    uint8_t vertex;   // the same
     uint8_t wants;    // mask of cache_kind
+    struct cache_view view;  // table NULL: nothing is known of the eye, or nothing is glossy
+    // For cache_converge alone:
+    vec3 seen;     // the surface point that the eye sees
+    rgb diffuse;   // BRDF of the diffuse lobe [1 / sr]
+    rgb specular;  // factor of the glossy lobes
+    float direct;  // luminance of the direct light that is reflected towards the eye
 };
 
 // Caches with room for no record yet. `order` is the order of radiance records, 0 if none will be
@@ -34,19 +49,10 @@ struct cache_site {
 struct cache *cache_new(const struct gather *g, int order, struct parallel *pool);
 void cache_free(struct cache *cache);  // NULL is allowed
 
-// A glossy BRDF as the eye sees it at a site.
-struct cache_view {
-    struct brdf brdf;                // with a factor `specular` of 1
-    const struct brdf_range *table;  // of its harmonics
-    int channels;                    // of the table
-    uint32_t name;                   // see cache_lobe; not 0
-    vec3 wo;                         // towards the eye, in the site's frame
-};
-
 // Makes records until every site is covered with accuracies a_irradiance and a_radiance: takes
 // uncovered sites in the order given, in batches whose members lie apart, gathers each batch on all
-// threads against the frozen cache, inserts in order. Returns SATIN_CANCELLED at a batch boundary
-// if the pool is cancelled.
+// threads against the frozen cache, inserts in order. SATIN_CANCELLED if the pool's progress
+// function stopped it: then the records of all batches before are there.
 struct cache_fill {
     const struct cache_site *site;
     size_t count;
@@ -54,10 +60,6 @@ struct cache_fill {
     float widest;   // records will be read at accuracies up to this times the options' a
     float spacing;  // of sites, in pixels: members of a batch are farther apart than this
     bool adapted;   // new records take their scale from the nearest one [K05 6.3.2]
-    bool (*go_on)(void *user);  // asked between batches; false ends the fill early. NULL: never
-    // The glossy BRDF at a site of radiance records; false if it has none. NULL: no site is seen.
-    bool (*view)(void *user, const struct cache_site *site, struct cache_view *out);
-    void *user;
 };
 satin_status cache_fill(struct cache *cache, const struct cache_fill *fill);
 
@@ -95,8 +97,13 @@ struct cache_lobe {
     int channels;    // 1 or 3
     // By these a record recognizes what it knows the residual of (cache_residual.c).
     uint32_t name;  // equal for equal BRDFs, but for their factor; 0: none
-    vec3 mirror;    // the direction that an ideal mirror would show, in world space
+    vec3 mirror;    // see cache_mirror
 };
+// The direction in world space in which an ideal mirror would show what it reflects along wo, which
+// is given in the frame.
+static inline vec3 cache_mirror(const struct frame *frame, vec3 wo) {
+    return frame_to_world(frame, v3(-wo.x, -wo.y, wo.z));
+}
 // lobe may be NULL: then *glossy is untouched. E, the irradiance from the same records, may be
 // NULL.
 struct cache_used cache_radiance(const struct cache *cache, const struct cache_place *at, float a,
@@ -106,14 +113,6 @@ bool cache_stands(const struct cache *cache, vec3 p, vec3 n, float reach);
 
 // ---- Adaptive caching [K05 6.3] (cache_converge.c) ---------------------------------------------
 
-// What reflects at a point: L = specular * (lobe . Lambda) + diffuse * E. C of the lobe may point
-// into `coefficients`; order 0: no glossy part.
-struct cache_surface {
-    rgb specular, diffuse;
-    struct cache_lobe lobe;
-    float coefficients[3 * RSH_MAX_COEFFICIENTS];
-};
-
 // Full convergence for a set of shading points: where records disagree visibly, the farthest give
 // way, and new ones fill the gaps, until none disagree.
 struct cache_converge {
@@ -121,12 +120,6 @@ struct cache_converge {
     size_t count;
     struct cache_fill fill;  // its accuracies; its sites are not used
     float widen[2];          // irradiance, radiance: records are read at a times this
-    // The surface at a site; where it is in space, in *at.
-    void (*surface)(void *user, const struct cache_site *site, struct cache_place *at,
-                    struct cache_surface *out);
-    // Luminance of the direct light that it reflects.
-    float (*direct)(void *user, const struct cache_site *site);
-    void *user;
 };
 satin_status cache_converge(struct cache *cache, const struct cache_converge *with);
 

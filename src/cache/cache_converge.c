@@ -164,7 +164,6 @@ static satin_status converge(struct cache_convergence *c) {
         double note = stats_wall();
         if (!note_changes(c)) return SATIN_ERROR_MEMORY;
         c->cache->converged.seconds += gather - start + (stats_wall() - note);
-        if (c->with->fill.go_on && !c->with->fill.go_on(c->with->fill.user)) break;
     }
     if (c->cache->converged.passes < pass) c->cache->converged.passes = pass;
     return SATIN_OK;
@@ -187,7 +186,6 @@ static satin_status converge_kind(struct cache *cache, const struct cache_conver
     if (c.site && c.point) {
         for (size_t i = 0; i < with->count; i++)
             if (with->site[i].wants & kind) c.site[c.count++] = &with->site[i];
-        for (size_t i = 0; i < c.count; i++) c.point[i].direct = -1.0f;
         status = c.count ? converge(&c) : SATIN_OK;
     }
     free(c.site);

@@ -19,7 +19,6 @@ struct cache_contribution {
 
 struct cache_point {
     struct cache_contribution with[CACHE_CONTRIBUTIONS];
-    float direct;                            // luminance; negative: not yet known
     uint8_t count, queued, bare, gives_way;  // the last: mask of contributions
 };
 

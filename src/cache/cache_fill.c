@@ -65,12 +65,10 @@ static struct cache_residual residual_of(const struct batch *b, const struct job
                                          const struct gather_layout *layout,
                                          const struct gather_scratch *scratch) {
     const struct cache_site *s = job->site;
-    struct cache_view view;
-    if (!b->fill->view || !b->fill->view(b->fill->user, s, &view))
-        return (struct cache_residual){.name = 0};
+    if (!s->view.table || !s->view.name) return (struct cache_residual){.name = 0};
     const rgb whole =
-        gather_hemisphere_reflected(layout, scratch, &view.brdf, view.wo, BRDF_GLOSSY);
-    return cache_residual_make(&job->radiance, b->cache->order, &s->frame, &view, whole);
+        gather_hemisphere_reflected(layout, scratch, &s->view.brdf, s->view.wo, BRDF_GLOSSY);
+    return cache_residual_make(&job->radiance, b->cache->order, &s->frame, &s->view, whole);
 }
 
 // One attempt at a record; false if it is not finite or out of range.
@@ -261,7 +259,6 @@ static satin_status fill_kind(struct batch *b, const struct cache_site **waiting
     for (size_t i = 0; i < b->fill->count; i++)
         if (b->fill->site[i].wants & b->kind) waiting[count++] = &b->fill->site[i];
     while (head < count) {
-        if (b->fill->go_on && !b->fill->go_on(b->fill->user)) return SATIN_OK;
         if (!choose(b, waiting, &head, count) ||
             !parallel_for(b->cache->pool, (size_t)b->count, 1, gather_jobs, b))
             return SATIN_CANCELLED;

@@ -11,10 +11,6 @@ static const float VISIBLE = 0.02f;
 // pairs of records that is met by chance, and shrunk records show more noise, not less.
 static const float DEVIATIONS = 2.5f;
 
-static struct cache_place place_of(const struct cache_site *s) {
-    return (struct cache_place){s->p, s->frame.n, s->frame, 0.0f};
-}
-
 void cache_judge_revise(const struct cache_convergence *c, const struct cache_site *s,
                         struct cache_point *p) {
     int kept = 0;
@@ -34,11 +30,25 @@ void cache_judge_revise(const struct cache_convergence *c, const struct cache_si
         if (p->with[i].error < c->a * c->tree->head[p->with[i].record].scale) p->bare = false;
 }
 
+// What a kind of records lights at a site; the harmonics of its glossy lobes if that is radiance.
+static void find_surface(const struct cache_site *s, enum cache_kind kind,
+                         struct cache_surface *out) {
+    const struct cache_view *v = &s->view;
+    out->specular = s->specular;
+    out->diffuse = s->diffuse;
+    out->lobe = (struct cache_lobe){.C = out->coefficients};
+    if (kind != CACHE_RADIANCE || !v->table) return;
+    out->lobe.order = brdf_range_lookup(v->table, &v->brdf, v->wo, out->coefficients);
+    out->lobe.channels = v->channels;
+    out->lobe.name = v->name;
+    out->lobe.mirror = cache_mirror(&s->frame, v->wo);
+}
+
 static void look(const struct cache_convergence *c, const struct cache_site *s,
                  struct cache_point *p) {
+    const struct cache_place at = {s->seen, s->frame.n, s->frame, 0.0f};
     struct cache_surface surface;
-    struct cache_place at = place_of(s);
-    c->with->surface(c->with->user, s, &at, &surface);
+    find_surface(s, c->kind, &surface);
     for (int i = 0; i < p->count; i++) {
         struct cache_contribution *x = &p->with[i];
         if (x->Y < 0.0f)
@@ -78,36 +88,32 @@ static bool may_end(const struct cache_convergence *c, const struct cache_site *
 }
 
 // Whether a difference in luminance beside `all` and direct light can be seen [K05 6.4].
-static bool visible(const struct cache_convergence *c, const struct cache_site *s,
-                    struct cache_point *p, float difference, float all, float noise) {
-    if (difference <= VISIBLE * all + noise) return false;
-    if (p->direct < 0.0f) p->direct = c->with->direct(c->with->user, s);
-    return difference > VISIBLE * (all + p->direct) + noise;
+static bool visible(const struct cache_site *s, float difference, float all, float noise) {
+    return difference > VISIBLE * (all + s->direct) + noise;
 }
 
 // Whether the mean of the contributions in `mask` visibly differs from that without one of them.
-static bool disagree(const struct cache_convergence *c, const struct cache_site *s,
-                     struct cache_point *p, unsigned mask) {
+static bool disagree(const struct cache_site *s, const struct cache_point *p, unsigned mask) {
     const float all = mean_of(p, mask), noise = noise_of(p);
     for (int i = 0; i < p->count; i++) {
         if (!(mask >> i & 1u)) continue;
         float rest = mean_of(p, mask & ~(1u << i));
-        if (visible(c, s, p, fabsf(all - rest), all, noise)) return true;
+        if (visible(s, fabsf(all - rest), all, noise)) return true;
     }
     return false;
 }
 
 // The contributions that are to blame for what `worst` says otherwise than the rest: an error grows
 // with the square of the distance, so those hardly nearer have their part in it.
-static unsigned to_blame(const struct cache_convergence *c, const struct cache_site *s,
-                         struct cache_point *p, unsigned rest, int worst) {
+static unsigned to_blame(const struct cache_site *s, const struct cache_point *p, unsigned rest,
+                         int worst) {
     const float all = mean_of(p, rest), noise = noise_of(p);
     const float difference = fabsf(p->with[worst].Y - all);
     const float far2 = p->with[worst].error * p->with[worst].error;
     unsigned blamed = 1u << worst;
     for (int i = 0; i < p->count; i++) {
         float near2 = p->with[i].error * p->with[i].error;
-        if (rest >> i & 1u && visible(c, s, p, difference * near2 / (near2 + far2), all, noise))
+        if (rest >> i & 1u && visible(s, difference * near2 / (near2 + far2), all, noise))
             blamed |= 1u << i;
     }
     return blamed;
@@ -122,11 +128,11 @@ void cache_judge(const struct cache_convergence *c, const struct cache_site *s,
     if (p->count < 2) return;
     look(c, s, p);
     unsigned mask = (1u << p->count) - 1u;
-    while (mask & (mask - 1u) && disagree(c, s, p, mask)) {
+    while (mask & (mask - 1u) && disagree(s, p, mask)) {
         int worst = -1;
         for (int i = 0; i < p->count; i++)
             if (mask >> i & 1u && (worst < 0 || p->with[i].error > p->with[worst].error)) worst = i;
-        unsigned blamed = to_blame(c, s, p, mask & ~(1u << worst), worst);
+        unsigned blamed = to_blame(s, p, mask & ~(1u << worst), worst);
         for (int i = 0; i < p->count; i++)
             if (blamed >> i & 1u && !may_end(c, s, p->with[i].record)) blamed &= ~(1u << i);
         if (!blamed) return;

@@ -101,6 +101,14 @@ bool cache_valid_radiance(const struct gather_radiance *value, int order,
                           const struct gather_around *around);
 bool cache_valid_head(const struct cache_head *head);
 
+// What reflects at a point: L = specular * (lobe . Lambda) + diffuse * E. C of the lobe may point
+// into `coefficients`; order 0: no glossy part.
+struct cache_surface {
+    rgb specular, diffuse;
+    struct cache_lobe lobe;
+    float coefficients[3 * RSH_MAX_COEFFICIENTS];
+};
+
 // Sectors in which something stands nearer than `reach`; *clear gets the least distance of all.
 uint32_t cache_leak_walls(const struct gather_around *around, float reach, float *clear);
 // The records to interpolate at a place, without those that do not see it.

@@ -25,7 +25,7 @@ struct cache_residual cache_residual_make(const struct gather_radiance *radiance
         for (int k = 0; k < n * n; k++) sum[c] += lobe[k] * lambda[k];
     }
     residual.name = view->name;
-    residual.mirror = frame_to_world(frame, v3(-view->wo.x, -view->wo.y, view->wo.z));
+    residual.mirror = cache_mirror(frame, view->wo);
     residual.L = rgb_sub(whole, rgb_make(sum[0], sum[1], sum[2]));
     return residual;
 }

@@ -75,9 +75,7 @@ static satin_status fill(struct render *r, struct render_level *level, struct wa
     struct cache_fill fill = {.a_irradiance = o->irradiance_a,
                               .a_radiance = o->radiance_a,
                               .widest = fmaxf(o->irradiance_widen, o->radiance_widen),
-                              .spacing = SPACING,
-                              .go_on = r->options.time > 0.0 ? render_time_remains : NULL,
-                              .user = r};
+                              .spacing = SPACING};
     satin_status status = SATIN_OK;
     for (size_t i = 0, next = FIRST; i < WALKS && status == SATIN_OK; i = next, next = 2 * i) {
         struct cache_site *site = walks->site + i;

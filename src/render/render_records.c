@@ -4,13 +4,11 @@
 // order, so that a batch is spread over the image.
 #include <stdlib.h>
 
-#include "base/array.h"
 #include "render/render_state.h"
 
 enum {
     COARSEST = 32,         // pixels
     BLOCK_PIXELS = 65536,  // whose sites are held at a time
-    SITES_PER_PIXEL = 4
 };
 
 // Of a render with a time limit: the records' share of what is left after the photons, until the
@@ -34,77 +32,28 @@ struct level {
     int stride;
     float rays;      // part of the options' gather rays that records of the coarsest level get
     double records;  // that the last level made
-    double full, seconds;     // of all levels: records, each weighed by its part of the rays; time
-    const uint32_t *pixel;    // y * width + x, scrambled
-    struct cache_site *site;  // SITES_PER_PIXEL slots per pixel
-    uint8_t *count;
+    double full, seconds;  // of all levels: records, each weighed by its part of the rays; time
+    struct render_sites sites;
 };
 
-static void find_sites(void *ctx, size_t begin, size_t end, int worker) {
-    struct level *l = ctx;
-    (void)worker;
-    uint32_t width = (uint32_t)l->r->options.width;
-    for (size_t i = begin; i < end; i++) {
-        int x = (int)(l->pixel[i] % width), y = (int)(l->pixel[i] / width);
-        l->count[i] = (uint8_t)shade_sites(&l->r->second_pass.shade, x, y, 0,
-                                           &l->site[i * SITES_PER_PIXEL], SITES_PER_PIXEL);
-    }
-}
-
-uint32_t *render_grid(const struct render *r, int stride, bool finer, size_t *count) {
-    int width = r->options.width, height = r->options.height;
-    size_t columns = (size_t)(width + stride - 1) / (size_t)stride;
-    size_t rows = (size_t)(height + stride - 1) / (size_t)stride, n = 0;
-    uint32_t *pixel = array_new(columns * rows, sizeof *pixel);
-    *count = 0;
-    if (!pixel) return NULL;
-    for (int y = 0; y < height; y += stride)
-        for (int x = 0; x < width; x += stride)
-            if (!finer || x % (2 * stride) || y % (2 * stride))
-                pixel[n++] = (uint32_t)y * (uint32_t)width + (uint32_t)x;
-    struct rng rng = rng_make(r->options.seed, RNG_SITE, (uint64_t)stride);
-    for (size_t i = n; i > 1; i--) {
-        size_t j = (size_t)(((uint64_t)rng_u32(&rng) * i) >> 32);
-        uint32_t t = pixel[i - 1];
-        pixel[i - 1] = pixel[j];
-        pixel[j] = t;
-    }
-    *count = n;
-    return pixel;
-}
-
-bool render_time_remains(void *user) {
-    const struct render *r = user;
-    return render_elapsed(r) < r->budget.stop_at;
-}
-
-bool render_view(void *user, const struct cache_site *site, struct cache_view *out) {
-    const struct render *r = user;
-    return shade_view(&r->second_pass.shade, site, out);
-}
+static bool time_remains(const struct render *r) { return render_elapsed(r) < r->budget.stop_at; }
 
 float render_widest(const struct render *r) {
     float w = fmaxf(r->options.irradiance_widen, r->options.radiance_widen);
     return r->options.time > 0.0 ? fmaxf(w, TIMED_WIDEN[0]) : w;
 }
 
-static satin_status fill_block(struct level *l, size_t count, float widen) {
+static satin_status fill_block(struct level *l, const uint32_t *pixel, size_t count, float widen) {
     struct render *r = l->r;
-    if (!parallel_for(r->pool, count, 64, find_sites, l)) return SATIN_CANCELLED;
-    size_t n = 0;  // sites moved together, in order
-    for (size_t i = 0; i < count; i++)
-        for (int k = 0; k < l->count[i]; k++)
-            l->site[n++] = l->site[i * SITES_PER_PIXEL + (size_t)k];
+    satin_status status = render_find_sites(r, pixel, count, false, &l->sites);
+    if (status != SATIN_OK) return status;
     struct cache_fill fill = {
-        .site = l->site,
-        .count = n,
+        .site = l->sites.site,
+        .count = l->sites.count,
         .a_irradiance = r->options.irradiance_a * widen,
         .a_radiance = r->options.radiance_a * widen,
         .widest = render_widest(r),
         .spacing = 1.5f * (float)l->stride,
-        .go_on = r->options.time > 0.0 ? render_time_remains : NULL,
-        .view = render_view,
-        .user = r,
     };
     return cache_fill(r->second_pass.cache, &fill);
 }
@@ -115,8 +64,8 @@ static satin_status fill_level(struct level *l, float widen) {
     if (!pixel) return SATIN_ERROR_MEMORY;
     satin_status status = SATIN_OK;
     for (size_t i = 0; i < count && status == SATIN_OK; i += BLOCK_PIXELS) {
-        l->pixel = pixel + i;
-        status = fill_block(l, count - i < BLOCK_PIXELS ? count - i : BLOCK_PIXELS, widen);
+        const size_t left = count - i;
+        status = fill_block(l, pixel + i, left < BLOCK_PIXELS ? left : BLOCK_PIXELS, widen);
     }
     free(pixel);
     return status;
@@ -210,7 +159,7 @@ static satin_status fill_timed(struct level *l) {
     for (int i = 0; i < TIMED_ROUNDS && status == SATIN_OK; i++) {
         status =
             fill_levels(l, TIMED_WIDEN[i], i == 0, (double)i / TIMED_ROUNDS, 1.0 / TIMED_ROUNDS);
-        if (!render_time_remains(r)) break;
+        if (!time_remains(r)) break;
         finished = TIMED_WIDEN[i];
         if (i > 0) continue;
         double pace = (double)cache_rays(r->second_pass.cache) / fmax(stats_wall() - start, 1e-9);
@@ -227,12 +176,8 @@ static satin_status fill_timed(struct level *l) {
 
 static satin_status make_records(struct render *r) {
     struct level l = {.r = r, .rays = COARSEST};
-    l.site = array_new((size_t)BLOCK_PIXELS * SITES_PER_PIXEL, sizeof *l.site);
-    l.count = array_new(BLOCK_PIXELS, 1);
-    satin_status status = SATIN_ERROR_MEMORY;
-    if (l.site && l.count) status = r->options.time > 0.0 ? fill_timed(&l) : fill(&l);
-    free(l.site);
-    free(l.count);
+    satin_status status = r->options.time > 0.0 ? fill_timed(&l) : fill(&l);
+    render_sites_free(&l.sites);
     return status;
 }
 

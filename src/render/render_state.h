@@ -148,14 +148,23 @@ void render_cache_free(struct render *r);
 // ---- render_records.c
 // Fills the cache over the image's shading points, coarse to fine.
 satin_status render_records(struct render *r);
+// The factor of a over which no record is read: what the image pass may use.
+float render_widest(const struct render *r);
+
+// ---- render_sites.c: where records may be needed
 // The pixels y * width + x of a grid of that stride, without those of the grid twice as coarse if
 // `finer`, scrambled by Fisher and Yates; malloc, NULL without memory.
 uint32_t *render_grid(const struct render *r, int stride, bool finer, size_t *count);
-bool render_time_remains(void *render);  // until stop_at
-// For cache_fill: what the eye sees at a site.
-bool render_view(void *render, const struct cache_site *site, struct cache_view *out);
-// The factor of a over which no record is read: what the image pass may use.
-float render_widest(const struct render *r);
+// An array of sites that grows; begins as all zeros.
+struct render_sites {
+    struct cache_site *site;
+    size_t count, capacity;
+};
+// Replaces the sites by those that the eye sees in `count` pixels, in their order; `adaptive`: with
+// what cache_converge asks of them. SATIN_CANCELLED, SATIN_ERROR_MEMORY.
+satin_status render_find_sites(struct render *r, const uint32_t *pixel, size_t count, bool adaptive,
+                               struct render_sites *sites);
+void render_sites_free(struct render_sites *sites);
 
 // ---- render_converge.c
 // Adapts the records to the eye's points [K05 6.3]; they were filled at `widen` times a and will be

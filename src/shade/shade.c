@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// One sample of one pixel by the chosen integrator, and the sites where it may need records.
+// One sample of one pixel by the chosen integrator.
 #include "shade/shade.h"
 
 #include <stdlib.h>
 
 #include "shade/shade_aov.h"
 #include "shade/shade_indirect.h"
-#include "shade/shade_records.h"
 
 enum {
     FALLBACK_RAYS =
@@ -132,36 +131,4 @@ rgb shade_emission(const struct shade *shade, int x, int y, uint32_t index, floa
     shade_eye_trace(shade, x, y, &sampler, &eye);
     *weight = eye.lens.weight;
     return eye.emission;
-}
-
-// Records are made so far off edges, where rays would slip through gaps [K05 6.5.3].
-static const float EDGE_PIXELS = 0.5f;
-
-int shade_sites(const struct shade *shade, int x, int y, uint32_t index, struct cache_site *out,
-                int max) {
-    const satin_options *o = shade->g->options;
-    struct shade_eye eye;
-    struct sampler sampler = shade_eye_sampler(shade->g, x, y, index, RNG_SITE);
-    shade_eye_trace(shade, x, y, &sampler, &eye);
-    int count = 0;
-    for (int i = 0; i < eye.count && count < max; i++) {
-        const struct shade_vertex *v = &eye.vertex[i];
-        unsigned wants = shade_wants(shade, &v->point);
-        if (!wants) continue;
-        uint64_t stream =
-            rng_mix(((uint64_t)sampler.seed << 20) + ((uint64_t)index << 4) + (uint64_t)i);
-        out[count++] = (struct cache_site){
-            .p = o->origin_shift ? scene_off_edges(shade->g->scene, &v->point.interaction,
-                                                   EDGE_PIXELS * v->pixel)
-                                 : v->point.interaction.p,
-            .ng = v->point.interaction.ng,
-            .frame = v->point.base,
-            .pixel = v->pixel,
-            .stream = stream,
-            .source = (uint32_t)y * (uint32_t)shade->g->options->width + (uint32_t)x,
-            .vertex = (uint8_t)i,
-            .wants = (uint8_t)wants,
-        };
-    }
-    return count;
 }

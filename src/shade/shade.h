@@ -106,22 +106,14 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
 // *weight as of a sample.
 rgb shade_emission(const struct shade *shade, int x, int y, uint32_t index, float *weight);
 
-// The surface points of an eye ray where records may be needed, for cache_fill. Returns how many,
-// at most `max`.
-int shade_sites(const struct shade *shade, int x, int y, uint32_t index, struct cache_site *out,
+// The surface points where an eye ray of pixel (x, y) may need records; `adaptive`: with what
+// cache_converge asks of them. Returns how many, at most `max`. (shade_sites.c)
+int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct cache_site *out,
                 int max);
 // A site of the `level`-th bounce behind the image: the end of a walk of that many bounces from
 // pixel (x, y). False if the walk ends before, or where no record is wanted.
 bool shade_walk(const struct shade *shade, int x, int y, int level, struct cache_site *out);
 // For struct gather_rough; `records` is a struct shade whose scratch is not needed.
 unsigned shade_known(const void *records, const struct gather_point *y, rgb *L);
-
-// A site of shade_sites(..., 0, ...) as adaptive caching sees it: the surface in place of bumps,
-// and direct light by a few samples. (shade_surface.c)
-void shade_surface(const struct shade *shade, const struct cache_site *site, struct cache_place *at,
-                   struct cache_surface *out);
-float shade_surface_direct(const struct shade *shade, const struct cache_site *site);
-// Its glossy BRDF, without bumps; false if that has no harmonics.
-bool shade_view(const struct shade *shade, const struct cache_site *site, struct cache_view *out);
 
 #endif

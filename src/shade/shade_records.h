@@ -29,10 +29,14 @@ static inline struct cache_place shade_place(const struct gather_point *p, float
 struct cache_used shade_radiance(const struct shade *shade, const struct shade_plan *plan,
                                  const struct gather_point *p, const struct cache_place *at,
                                  rgb *glossy, rgb *E);
+// The number by which records recognize a point's glossy lobes, 0 if textures change their shape.
+static inline uint32_t shade_lobe_number(const struct gather_point *p) {
+    return shade_shape_textured(p->side) ? 0 : (uint32_t)p->side->index + 1;
+}
 // Fills the name and the mirror direction of a point's glossy lobe.
 static inline void shade_lobe_name(const struct gather_point *p, struct cache_lobe *lobe) {
-    lobe->name = shade_shape_textured(p->side) ? 0 : (uint32_t)p->side->index + 1;
-    lobe->mirror = frame_to_world(&p->frame, v3(-p->wo_l.x, -p->wo_l.y, p->wo_l.z));
+    lobe->name = shade_lobe_number(p);
+    lobe->mirror = cache_mirror(&p->frame, p->wo_l);
 }
 // Share of the irradiance that the diffuse lobe reflects, per solid angle.
 rgb shade_diffuse_albedo(const struct gather_point *p);

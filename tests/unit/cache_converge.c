@@ -33,19 +33,6 @@ static void start(struct cache_case *f, int threads) {
                       (struct cache_site){.pixel = PIXEL, .wants = CACHE_IRRADIANCE});
 }
 
-static void surface(void *user, const struct cache_site *site, struct cache_place *at,
-                    struct cache_surface *out) {
-    (void)user;
-    *at = (struct cache_place){site->p, site->frame.n, site->frame, 0.0f};
-    out->diffuse = rgb_grey(0.8f / PI_F);
-    out->lobe.order = 0;
-}
-
-static float direct(void *user, const struct cache_site *site) {
-    (void)site;
-    return *(const float *)user;
-}
-
 // Fills, then converges beside direct light of that luminance; returns how many records were added.
 static size_t run(struct cache_case *f, float light) {
     struct cache_fill fill = {.site = f->site,
@@ -57,14 +44,14 @@ static size_t run(struct cache_case *f, float light) {
     assert_int_equal(cache_fill(f->cache, &fill), SATIN_OK);
     fill.count = CACHE_CASE_SITES;
     assert_int_equal(cache_fill(f->cache, &fill), SATIN_OK);
+    for (int i = 0; i < CACHE_CASE_SITES; i++) {
+        f->site[i].seen = f->site[i].p;
+        f->site[i].diffuse = rgb_grey(0.8f / PI_F);
+        f->site[i].direct = light;
+    }
     size_t before = cache_count(f->cache, CACHE_IRRADIANCE);
-    struct cache_converge with = {.site = f->site,
-                                  .count = CACHE_CASE_SITES,
-                                  .fill = fill,
-                                  .widen = {1.5f, 1.0f},
-                                  .surface = surface,
-                                  .direct = direct,
-                                  .user = &light};
+    struct cache_converge with = {
+        .site = f->site, .count = CACHE_CASE_SITES, .fill = fill, .widen = {1.5f, 1.0f}};
     assert_int_equal(cache_converge(f->cache, &with), SATIN_OK);
     return cache_count(f->cache, CACHE_IRRADIANCE) - before;
 }

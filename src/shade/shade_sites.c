@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// The shading points of an eye ray as the cache asks for them: where records may be made, how the
+// surface there reflects their light, and the direct light beside it [K05 6.2, 6.4].
+#include "shade/shade_eye.h"
+#include "shade/shade_records.h"
+
+enum { LIGHT_SAMPLES = 4 };
+
+// Records are made so far off edges, where rays would slip through gaps [K05 6.5.3].
+static const float EDGE_PIXELS = 0.5f;
+
+// The direction towards the eye in the frame of the surface without bump and normal maps: they
+// spend no records.
+static vec3 base_wo(const struct gather_point *p) {
+    return frame_to_local(&p->base, frame_to_world(&p->frame, p->wo_l));
+}
+
+static void add_view(const struct shade *shade, const struct gather_point *p,
+                     struct cache_view *view) {
+    view->table = p->lobes & BRDF_GLOSSY ? shade_table(shade, p, &view->channels) : NULL;
+    if (!view->table) return;
+    view->brdf = p->brdf;
+    view->brdf.specular = rgb_grey(1.0f);
+    view->name = shade_lobe_number(p);
+    view->wo = base_wo(p);
+}
+
+// What cache_converge asks of a site; direct light by a few samples of lights alone.
+static void add_light(const struct shade *shade, const struct gather_point *bumpy,
+                      struct sampler sampler, struct cache_site *site) {
+    static const struct gather_mis lights_alone = {1, {{BRDF_SMOOTH, 0.0f}}};
+    const struct gather_lights lights = {LIGHT_SAMPLES, LIGHT_SAMPLES * sampler.index};
+    struct gather_point p = *bumpy;
+    p.wo_l = base_wo(bumpy);
+    p.frame = p.base;
+    site->seen = p.interaction.p;
+    site->diffuse = rgb_scale(brdf_albedo(&p.brdf, p.wo_l, BRDF_DIFFUSE), 1.0f / PI_F);
+    site->specular = p.brdf.specular;
+    site->direct = rgb_luminance(gather_direct(shade->g, &p, lights_alone, lights, sampler, NULL));
+}
+
+int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct cache_site *out,
+                int max) {
+    const struct gather *g = shade->g;
+    struct shade_eye eye;
+    struct sampler sampler = shade_eye_sampler(g, x, y, 0, RNG_SITE);
+    shade_eye_trace(shade, x, y, &sampler, &eye);
+    int count = 0;
+    for (int i = 0; i < eye.count && count < max; i++) {
+        const struct shade_vertex *v = &eye.vertex[i];
+        const struct interaction *s = &v->point.interaction;
+        const unsigned wants = shade_wants(shade, &v->point);
+        if (!wants) continue;
+        struct cache_site *site = &out[count++];
+        *site = (struct cache_site){
+            .p = g->options->origin_shift ? scene_off_edges(g->scene, s, EDGE_PIXELS * v->pixel)
+                                          : s->p,
+            .ng = s->ng,
+            .frame = v->point.base,
+            .pixel = v->pixel,
+            .stream = rng_mix(((uint64_t)sampler.seed << 20) + (uint64_t)i),
+            .wants = (uint8_t)wants,
+        };
+        add_view(shade, &v->point, &site->view);
+        if (adaptive) add_light(shade, &v->point, sampler, site);
+    }
+    return count;
+}
