@@ -52,7 +52,7 @@ satin_status film_write_pixels(const char *path, int width, int height, const un
 // do not darken the others.
 satin_status film_write_map(const struct satin_film *film, const float *value, const char *path,
                             struct log log, float *top);
-// The beauty in grey, and over it the share `dot` of each pixel in one colour.
+// The beauty in grey, and over it the fraction `dot` of each pixel's area in one colour.
 satin_status film_write_dots(const struct satin_film *film, const float *dot, const char *path,
                              struct log log);
 
@@ -91,7 +91,7 @@ struct film_difference {
     double relmse;       // relative to the reference's square + 0.01; may be below 0, see variance
     double psnr;         // [dB] of the sRGB pictures; infinite if they are equal
     double mean_ratio;   // mean luminance over the reference's; 1 if both are black
-    double discernible;  // share of pixels, in [0, 1]
+    double discernible;  // fraction of pixels, in [0, 1]
     uint64_t compared, masked, nonfinite;  // pixels; the three sum to all
     bool variance;  // the reference's own variance was known and is subtracted from rmse and relmse
 };

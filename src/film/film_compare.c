@@ -19,7 +19,7 @@ static const double WEBER = 0.02;
 enum layer { IMAGE, REFERENCE, VARIANCE, EMISSION_IMAGE, EMISSION_REFERENCE, LAYERS };
 
 // The planes of a layer, or NULL for those that are absent.
-struct planes {
+struct compared_planes {
     const float *channel[LAYERS][3];
 };
 
@@ -34,7 +34,7 @@ static void find_layer(const struct satin_film *film, const char *const names[3]
     if (!out[0] || !out[1] || !out[2]) out[0] = out[1] = out[2] = NULL;
 }
 
-static rgb value_at(const struct planes *p, enum layer layer, size_t i) {
+static rgb value_at(const struct compared_planes *p, enum layer layer, size_t i) {
     const float *const *channel = p->channel[layer];
     return channel[0] ? rgb_make(channel[0][i], channel[1][i], channel[2][i]) : rgb_grey(0.0f);
 }
@@ -52,7 +52,7 @@ static void add_channel(struct sums *sums, double x, double r, double variance) 
     sums->display += display * display;
 }
 
-static void add_pixel(struct sums *sums, const struct planes *p, size_t i) {
+static void add_pixel(struct sums *sums, const struct compared_planes *p, size_t i) {
     rgb x = value_at(p, IMAGE, i), r = value_at(p, REFERENCE, i), v = value_at(p, VARIANCE, i);
     rgb emitted = rgb_add(value_at(p, EMISSION_IMAGE, i), value_at(p, EMISSION_REFERENCE, i));
     if (!rgb_finite(x) || !rgb_finite(r) || !rgb_finite(v)) {
@@ -74,7 +74,7 @@ static void add_pixel(struct sums *sums, const struct planes *p, size_t i) {
 }
 
 static satin_status find_planes(const struct satin_film *image, const struct satin_film *reference,
-                                bool mask_emission, struct log log, struct planes *p) {
+                                bool mask_emission, struct log log, struct compared_planes *p) {
     static const char *const beauty[3] = {"R", "G", "B"};
     static const char *const variance[3] = {"variance.R", "variance.G", "variance.B"};
     static const char *const emission[3] = {"emission.R", "emission.G", "emission.B"};
@@ -97,7 +97,7 @@ static satin_status find_planes(const struct satin_film *image, const struct sat
 
 satin_status film_compare(const struct satin_film *image, const struct satin_film *reference,
                           bool mask_emission, struct log log, struct film_difference *out) {
-    struct planes planes = {0};
+    struct compared_planes planes = {0};
     struct sums s = {0};
     satin_status status = find_planes(image, reference, mask_emission, log, &planes);
     if (status != SATIN_OK) return status;

@@ -25,9 +25,10 @@ static satin_status status_of(int error, const char *message, satin_status broke
                     "Open Image Denoise failed: %s", message);
 }
 
-// The same of the calls before this one on this thread; `made`: they did what they should.
-static satin_status check(const struct film_denoiser *d, bool made, satin_status broken,
-                          struct log log) {
+// The status of the calls before this one on this thread; `made` is whether they did what they
+// should.
+static satin_status device_status(const struct film_denoiser *d, bool made, satin_status broken,
+                                  struct log log) {
     const char *message = NULL;
     const int error = d->oidn.GetDeviceError(d->device, &message);
     if (error == OIDN_NO_ERROR && made) return SATIN_OK;
@@ -53,7 +54,7 @@ static satin_status run_filter(const struct film_denoiser *d, const struct film_
                                satin_status broken, struct log log) {
     const struct oidn *oidn = &d->oidn;
     struct oidn_filter *filter = oidn->NewFilter(d->device, "RT");
-    satin_status status = check(d, filter, broken, log);
+    satin_status status = device_status(d, filter, broken, log);
     if (status != SATIN_OK) return status;
     bind(d, filter, "color", image->denoised, image);
     bind(d, filter, "albedo", image->albedo, image);
@@ -62,7 +63,7 @@ static satin_status run_filter(const struct film_denoiser *d, const struct film_
     oidn->SetFilterBool(filter, "hdr", true);
     oidn->SetFilterBool(filter, "cleanAux", image->clean);
     oidn->SetFilterInt(filter, "maxMemoryMB", MEMORY_MB);
-    status = check(d, true, broken, log);
+    status = device_status(d, true, broken, log);
     if (status == SATIN_OK) {
         char text[OIDN_TEXT];
         const int error = oidn_execute(oidn, d->device, filter, goes_on, user, text);
@@ -79,13 +80,13 @@ static satin_status run_filter(const struct film_denoiser *d, const struct film_
 // square of 1e7 times the rest came out within 2 %.
 #define BRIGHTEST 0x1p24f
 
-static rgb in_range(rgb value, float most) {
+static rgb clamp_color(rgb value, float most) {
     return rgb_make(clampf(value.r, 0.0f, most), clampf(value.g, 0.0f, most),
                     clampf(value.b, 0.0f, most));
 }
 
 // The power of two nearest to the logarithmic mean of what is not black; 0: all is black.
-static float level_of(const rgb *light, size_t pixels) {
+static float light_scale(const rgb *light, size_t pixels) {
     double sum = 0.0;
     size_t count = 0;
     for (size_t i = 0; i < pixels; i++) {
@@ -102,7 +103,7 @@ static float level_of(const rgb *light, size_t pixels) {
 static void clamp_guides(const struct film_noisy *image, size_t pixels) {
     for (size_t i = 0; i < pixels; i++) {
         rgb *normal = &image->normal[i];
-        image->albedo[i] = in_range(image->albedo[i], 1.0f);
+        image->albedo[i] = clamp_color(image->albedo[i], 1.0f);
         *normal = rgb_make(clampf(normal->r, -1.0f, 1.0f), clampf(normal->g, -1.0f, 1.0f),
                            clampf(normal->b, -1.0f, 1.0f));
     }
@@ -111,19 +112,20 @@ static void clamp_guides(const struct film_noisy *image, size_t pixels) {
 satin_status film_denoise(struct film_denoiser *denoiser, const struct film_noisy *image,
                           bool (*goes_on)(void *user, double done), void *user, struct log log) {
     const size_t pixels = (size_t)image->width * (size_t)image->height;
-    const float level = level_of(image->light, pixels), most = level * BRIGHTEST;
+    const float scale = light_scale(image->light, pixels), most = scale * BRIGHTEST;
     for (size_t i = 0; i < pixels; i++)
-        image->denoised[i] = level > 0.0f ? rgb_scale(in_range(image->light[i], most), 1.0f / level)
-                                          : image->light[i];
-    if (!(level > 0.0f)) return SATIN_OK;
+        image->denoised[i] = scale > 0.0f
+                                 ? rgb_scale(clamp_color(image->light[i], most), 1.0f / scale)
+                                 : image->light[i];
+    if (!(scale > 0.0f)) return SATIN_OK;
     clamp_guides(image, pixels);
     const satin_status status =
         run_filter(denoiser, image, goes_on, user, SATIN_ERROR_INTERNAL, log);
     if (status != SATIN_OK) return status;
     for (size_t i = 0; i < pixels; i++) {
-        const rgb seen = in_range(image->light[i], most);
-        const rgb made = rgb_scale(image->denoised[i], level);
-        image->denoised[i] = rgb_add(made, rgb_sub(image->light[i], seen));
+        const rgb given = clamp_color(image->light[i], most);
+        const rgb made = rgb_scale(image->denoised[i], scale);
+        image->denoised[i] = rgb_add(made, rgb_sub(image->light[i], given));
         if (!rgb_finite(image->denoised[i]))
             return log_fail(log, SATIN_ERROR_INTERNAL,
                             "Open Image Denoise failed: its result is not finite");
@@ -156,12 +158,12 @@ static satin_status try_out(struct film_denoiser *d, struct log log) {
 static satin_status open_device(struct film_denoiser *d, int threads, struct log log) {
     const struct oidn *oidn = &d->oidn;
     d->device = oidn->NewDevice(OIDN_CPU);
-    if (!d->device) return check(d, false, SATIN_ERROR_INPUT, log);
+    if (!d->device) return device_status(d, false, SATIN_ERROR_INPUT, log);
     oidn->SetDeviceInt(d->device, "numThreads", threads);
     // It would pin the thread that calls it to a core.
     oidn->SetDeviceBool(d->device, "setAffinity", false);
     oidn->CommitDevice(d->device);
-    const satin_status status = check(d, true, SATIN_ERROR_INPUT, log);
+    const satin_status status = device_status(d, true, SATIN_ERROR_INPUT, log);
     if (status != SATIN_OK) return status;
     const int version = oidn->GetDeviceInt(d->device, "version");
     snprintf(d->name, sizeof d->name, "Open Image Denoise %d.%d.%d", version / 10000,

@@ -58,7 +58,7 @@ static int64_t memory_read(exr_const_context_t exr, void *user, void *buffer, ui
     return (int64_t)bytes;
 }
 
-static satin_status refuse(const struct reader *r, const char *what, exr_result_t code) {
+static satin_status exr_refuse(const struct reader *r, const char *what, exr_result_t code) {
     if (code == EXR_ERR_OUT_OF_MEMORY || r->no_memory)
         return log_fail(r->log, SATIN_ERROR_MEMORY, "%s: not enough memory", r->name);
     return log_fail(r->log, SATIN_ERROR_INPUT, "%s: %s: %s", r->name, what,
@@ -78,7 +78,7 @@ static satin_status open_header(struct reader *r) {
     r->in_header = true;
     exr_result_t code = exr_start_read(&r->exr, r->name, &init);
     r->in_header = false;
-    return code == EXR_ERR_SUCCESS ? SATIN_OK : refuse(r, "bad OpenEXR header", code);
+    return code == EXR_ERR_SUCCESS ? SATIN_OK : exr_refuse(r, "bad OpenEXR header", code);
 }
 
 // What cannot be read, by name; NULL if nothing is in the way.
@@ -117,10 +117,10 @@ static satin_status make_film(struct reader *r, const exr_attr_chlist_t *channel
     const char *names[CHANNELS_MAX];
     for (int i = 0; i < channels->num_channels; i++) names[i] = channels->entries[i].name.str;
     r->film = film_new(r->width, r->height, names, channels->num_channels);
-    return r->film ? SATIN_OK : refuse(r, "", EXR_ERR_OUT_OF_MEMORY);
+    return r->film ? SATIN_OK : exr_refuse(r, "", EXR_ERR_OUT_OF_MEMORY);
 }
 
-static satin_status read_header(struct reader *r, exr_storage_t *storage) {
+static satin_status read_exr_header(struct reader *r, exr_storage_t *storage) {
     const exr_attr_chlist_t *channels = NULL;
     exr_compression_t compression = EXR_COMPRESSION_NONE;
     satin_status status = open_header(r);
@@ -129,7 +129,7 @@ static satin_status read_header(struct reader *r, exr_storage_t *storage) {
     if (code == EXR_ERR_SUCCESS) code = exr_get_compression(r->exr, 0, &compression);
     if (code == EXR_ERR_SUCCESS) code = exr_get_channels(r->exr, 0, &channels);
     if (code == EXR_ERR_SUCCESS) code = exr_get_data_window(r->exr, 0, &r->window);
-    if (code != EXR_ERR_SUCCESS) return refuse(r, "bad OpenEXR header", code);
+    if (code != EXR_ERR_SUCCESS) return exr_refuse(r, "bad OpenEXR header", code);
     const char *why = unsupported(*storage, compression, channels);
     if (!why) why = measure(r, channels);
     if (why) return log_fail(r->log, SATIN_ERROR_INPUT, "%s: %s", r->name, why);
@@ -156,7 +156,7 @@ static satin_status read_attributes(struct reader *r) {
         else
             memory = film_attribute_set(r->film, a->name, a->string->str);
     }
-    return memory ? SATIN_OK : refuse(r, "", EXR_ERR_OUT_OF_MEMORY);
+    return memory ? SATIN_OK : exr_refuse(r, "", EXR_ERR_OUT_OF_MEMORY);
 }
 
 // Decodes one chunk into the film, its corner at (x, y) from the film's corner.
@@ -190,14 +190,14 @@ static satin_status read_scanlines(struct reader *r) {
         code = exr_read_scanline_chunk_info(r->exr, 0, (int)(r->window.min.y + y), &info);
         if (code == EXR_ERR_SUCCESS) code = decode_chunk(r, &info, 0, y);
     }
-    return code == EXR_ERR_SUCCESS ? SATIN_OK : refuse(r, "bad pixels", code);
+    return code == EXR_ERR_SUCCESS ? SATIN_OK : exr_refuse(r, "bad pixels", code);
 }
 
 static satin_status read_tiles(struct reader *r) {
     int32_t w = 0, h = 0;
     exr_result_t code = exr_get_tile_sizes(r->exr, 0, 0, 0, &w, &h);
     if (code == EXR_ERR_SUCCESS && (w < 1 || h < 1)) code = EXR_ERR_FILE_BAD_HEADER;
-    if (code != EXR_ERR_SUCCESS) return refuse(r, "bad tiles", code);
+    if (code != EXR_ERR_SUCCESS) return exr_refuse(r, "bad tiles", code);
     int columns = (r->width - 1) / w + 1, rows = (r->height - 1) / h + 1;
     for (int64_t i = 0; code == EXR_ERR_SUCCESS && i < (int64_t)columns * rows; i++) {
         int tx = (int)(i % columns), ty = (int)(i / columns);
@@ -206,18 +206,18 @@ static satin_status read_tiles(struct reader *r) {
         if (code == EXR_ERR_SUCCESS)
             code = decode_chunk(r, &info, (int64_t)tx * w, (int64_t)ty * h);
     }
-    return code == EXR_ERR_SUCCESS ? SATIN_OK : refuse(r, "bad pixels", code);
+    return code == EXR_ERR_SUCCESS ? SATIN_OK : exr_refuse(r, "bad pixels", code);
 }
 
 satin_status film_parse_exr(const void *data, size_t size, const char *name, struct log log,
                             struct satin_film **film) {
     struct reader r = {.name = name, .log = log, .data = data, .size = size};
     exr_storage_t storage = EXR_STORAGE_SCANLINE;
-    satin_status status = read_header(&r, &storage);
+    satin_status status = read_exr_header(&r, &storage);
     if (status == SATIN_OK) status = read_attributes(&r);
     if (status == SATIN_OK)
         status = storage == EXR_STORAGE_TILED ? read_tiles(&r) : read_scanlines(&r);
-    if (status == SATIN_OK && r.no_memory) status = refuse(&r, "", EXR_ERR_OUT_OF_MEMORY);
+    if (status == SATIN_OK && r.no_memory) status = exr_refuse(&r, "", EXR_ERR_OUT_OF_MEMORY);
     if (r.exr) exr_finish(&r.exr);
     if (status == SATIN_OK)
         *film = r.film;

@@ -17,7 +17,7 @@ enum {
     SHORT_NAME_MAX = 31  // longer names need a flag that readers before OpenEXR 1.7 refuse
 };
 
-struct chunk {
+struct exr_chunk {
     void *data;  // malloc
     uint64_t bytes;
     exr_result_t result;
@@ -29,7 +29,7 @@ struct writer {
     struct fileio_output file;
     exr_context_t exr;
     int lines, first;  // lines per chunk; number of the batch's first chunk
-    struct chunk chunk[BATCH];
+    struct exr_chunk chunk[BATCH];
 };
 
 static void be_silent(exr_const_context_t exr, exr_result_t code, const char *message) {
@@ -48,7 +48,7 @@ static int64_t write_bytes(exr_const_context_t exr, void *user, const void *data
 
 // Takes the place of the pipeline's last step, writing: chunks finish in any order here.
 static exr_result_t keep_chunk(exr_encode_pipeline_t *pipe) {
-    struct chunk *chunk = pipe->encoding_user_data;
+    struct exr_chunk *chunk = pipe->encoding_user_data;
     // A chunk as long as the plain one is read as the plain one.
     bool shorter = pipe->compressed_bytes < pipe->packed_bytes;
     chunk->bytes = shorter ? pipe->compressed_bytes : pipe->packed_bytes;
@@ -69,7 +69,7 @@ static size_t copy_finite(const float *in, size_t count, float *out) {
     return dropped;
 }
 
-static exr_result_t encode_chunk(const struct writer *w, int index, struct chunk *chunk) {
+static exr_result_t encode_chunk(const struct writer *w, int index, struct exr_chunk *chunk) {
     int width = w->film->width, y = index * w->lines;
     exr_chunk_info_t info;
     exr_encode_pipeline_t pipe = EXR_ENCODE_PIPELINE_INITIALIZER;
@@ -120,7 +120,7 @@ static exr_result_t write_batch(struct writer *w, int count, struct parallel *po
         encode_chunks(w, 0, (size_t)count, 0);
     exr_result_t r = complete ? EXR_ERR_SUCCESS : EXR_ERR_UNKNOWN;
     for (int i = 0; i < count; i++) {
-        struct chunk *chunk = &w->chunk[i];
+        struct exr_chunk *chunk = &w->chunk[i];
         if (r == EXR_ERR_SUCCESS) r = chunk->result;
         if (r == EXR_ERR_SUCCESS)
             r = exr_write_scanline_chunk(w->exr, 0, (w->first + i) * w->lines, chunk->data,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pictures of what is not light: a number per pixel as a colour, dots over the beauty. The colours
-// walk through Oklab [Ottosson 2020]: lightness grows evenly while the hue turns from blue by red
+// walk through Oklab [Ottosson 2020]: lightness grows uniformly while the hue goes from blue by red
 // to yellow, so that equal steps look equal, also in grey.
 #include <math.h>
 #include <stdlib.h>
@@ -12,8 +12,8 @@
 // these chromas no colour leaves sRGB by much.
 static const float LIGHT[2] = {0.18f, 0.96f}, HUE[2] = {-1.75f, 1.95f}, CHROMA = 0.16f;
 
-// The value that is lightest: this share of those above 0 is not larger.
-static const double TOP_SHARE = 0.995;
+// The value that is lightest: this fraction of the values above 0 is not larger.
+static const double TOP_FRACTION = 0.995;
 
 static const rgb DOT = {1.0f, 0.28f, 0.02f};
 
@@ -36,9 +36,9 @@ static rgb ramp(float t) {
     return from_oklab(L, chroma * cosf(hue), chroma * sinf(hue));
 }
 
-static void put(unsigned char *pixel, rgb colour) {
-    const float part[3] = {colour.r, colour.g, colour.b};
-    for (int c = 0; c < 3; c++) pixel[c] = film_encode_srgb(part[c]);
+static void put_color(unsigned char *pixel, rgb colour) {
+    const float component[3] = {colour.r, colour.g, colour.b};
+    for (int c = 0; c < 3; c++) pixel[c] = film_encode_srgb(component[c]);
 }
 
 static int ascending(const void *a, const void *b) {
@@ -46,7 +46,7 @@ static int ascending(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-// The value below which TOP_SHARE of those above 0 lie; 0 if there are none. `scratch` holds
+// The value below which TOP_FRACTION of those above 0 lie; 0 if there are none. `scratch` holds
 // `count`.
 static float top_of(const float *value, size_t count, float *scratch) {
     size_t n = 0;
@@ -54,7 +54,7 @@ static float top_of(const float *value, size_t count, float *scratch) {
         if (value[i] > 0.0f && isfinite(value[i])) scratch[n++] = value[i];
     if (n == 0) return 0.0f;
     qsort(scratch, n, sizeof *scratch, ascending);
-    return scratch[(size_t)(TOP_SHARE * (double)(n - 1))];
+    return scratch[(size_t)(TOP_FRACTION * (double)(n - 1))];
 }
 
 satin_status film_write_map(const struct satin_film *film, const float *value, const char *path,
@@ -67,7 +67,7 @@ satin_status film_write_map(const struct satin_film *film, const float *value, c
         const float most = top_of(value, count, scratch);
         for (size_t i = 0; i < count; i++)
             if (value[i] > 0.0f && isfinite(value[i]))
-                put(&pixel[3 * i], ramp(fminf(value[i] / most, 1.0f)));
+                put_color(&pixel[3 * i], ramp(fminf(value[i] / most, 1.0f)));
         status = film_write_pixels(path, film->width, film->height, pixel, log);
         if (status == SATIN_OK) *top = most;
     } else {
@@ -89,9 +89,9 @@ satin_status film_write_dots(const struct satin_film *film, const float *dot, co
     if (!pixel) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
     for (size_t i = 0; i < count; i++) {
         const float grey = rgb_luminance(rgb_make(beauty[0][i], beauty[1][i], beauty[2][i]));
-        const float share = fminf(fmaxf(dot[i], 0.0f), 1.0f);
-        rgb under = rgb_grey(fminf(grey, 1.0f) * (1.0f - share));
-        put(&pixel[3 * i], rgb_mad(under, DOT, share));
+        const float cover = fminf(fmaxf(dot[i], 0.0f), 1.0f);
+        rgb under = rgb_grey(fminf(grey, 1.0f) * (1.0f - cover));
+        put_color(&pixel[3 * i], rgb_mad(under, DOT, cover));
     }
     satin_status status = film_write_pixels(path, film->width, film->height, pixel, log);
     free(pixel);

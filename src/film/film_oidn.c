@@ -87,7 +87,7 @@ static const long ASK_NANOSECONDS = 50000000;
 
 // The library asks whether to go on by a thread of its own; so the filter runs on another one, and
 // the caller's thread asks the caller.
-struct run {
+struct filter_run {
     const struct oidn *oidn;
     struct oidn_device *device;
     struct oidn_filter *filter;
@@ -99,8 +99,8 @@ struct run {
     bool stop, finished;
 };
 
-static bool on_progress(void *user, double done) {
-    struct run *run = user;
+static bool on_filter_progress(void *user, double done) {
+    struct filter_run *run = user;
     pthread_mutex_lock(&run->mutex);
     run->done = done;
     const bool stop = run->stop;
@@ -110,7 +110,7 @@ static bool on_progress(void *user, double done) {
 
 // Errors are kept per thread, so it is this one that asks for them.
 static void *execute(void *user) {
-    struct run *run = user;
+    struct filter_run *run = user;
     const char *message = NULL;
     run->oidn->ExecuteFilter(run->filter);
     run->error = run->oidn->GetDeviceError(run->device, &message);
@@ -123,7 +123,7 @@ static void *execute(void *user) {
 }
 
 // Asks the caller until the filter has come to its end.
-static void watch(struct run *run, bool (*goes_on)(void *user, double done), void *user) {
+static void watch(struct filter_run *run, bool (*goes_on)(void *user, double done), void *user) {
     pthread_mutex_lock(&run->mutex);
     while (!run->finished) {
         struct timespec until;
@@ -143,14 +143,14 @@ static void watch(struct run *run, bool (*goes_on)(void *user, double done), voi
 
 int oidn_execute(const struct oidn *oidn, struct oidn_device *device, struct oidn_filter *filter,
                  bool (*goes_on)(void *user, double done), void *user, char text[OIDN_TEXT]) {
-    struct run run = {.oidn = oidn,
-                      .device = device,
-                      .filter = filter,
-                      .text = text,
-                      .mutex = PTHREAD_MUTEX_INITIALIZER,
-                      .changed = PTHREAD_COND_INITIALIZER};
+    struct filter_run run = {.oidn = oidn,
+                             .device = device,
+                             .filter = filter,
+                             .text = text,
+                             .mutex = PTHREAD_MUTEX_INITIALIZER,
+                             .changed = PTHREAD_COND_INITIALIZER};
     pthread_t thread;
-    if (goes_on) oidn->SetFilterProgressMonitorFunction(filter, on_progress, &run);
+    if (goes_on) oidn->SetFilterProgressMonitorFunction(filter, on_filter_progress, &run);
     oidn->CommitFilter(filter);
     if (goes_on && pthread_create(&thread, NULL, execute, &run) == 0) {
         watch(&run, goes_on, user);

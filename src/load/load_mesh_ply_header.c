@@ -134,8 +134,8 @@ static uint64_t least_bytes(const struct ply_header *header, const struct ply_el
     return bytes;
 }
 
-static satin_status check(const struct load_source *source, const struct mesh_text *text,
-                          const struct ply_header *header) {
+static satin_status check_header(const struct load_source *source, const struct mesh_text *text,
+                                 const struct ply_header *header) {
     if (!header->vertex_count || !header->has[PLY_X] || !header->has[PLY_Y] || !header->has[PLY_Z])
         return mesh_error(source, 0, "there is no vertex with x, y and z in it");
     bool corners = false;
@@ -185,7 +185,7 @@ satin_status ply_header_read(const struct load_source *source, struct mesh_text 
         if (status != SATIN_OK) return status;
     }
     if (!format) return mesh_error(source, 0, "its header names no format");
-    satin_status status = check(source, text, &header);
+    satin_status status = check_header(source, text, &header);
     if (status == SATIN_OK) *out = header;
     return status;
 }

@@ -170,21 +170,21 @@ vec3 scene_off_edges(const struct satin_scene *scene, const struct interaction *
     return length > margin ? v3_mad(s->p, margin / length, way) : v3_add(s->p, way);
 }
 
-static vec3 leave(vec3 p, vec3 ng, vec3 d, float offset) {
+static vec3 leave_surface(vec3 p, vec3 ng, vec3 d, float offset) {
     double side = (double)ng.x * d.x + (double)ng.y * d.y + (double)ng.z * d.z;
     return v3_mad(p, side < 0.0 ? -offset : offset, ng);
 }
 
 struct ray scene_spawn(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d) {
-    return (struct ray){leave(p, ng, d, interaction_offset(scene, p)), 0.0f, d, INFINITY};
+    return (struct ray){leave_surface(p, ng, d, interaction_offset(scene, p)), 0.0f, d, INFINITY};
 }
 
 struct ray scene_spawn_to(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 q, vec3 nq) {
     vec3 d = v3_sub(q, p);
     // At the far end the direction's own rounding counts too, in proportion to the distance.
     float end_offset = fmaxf(interaction_offset(scene, q), 8.0f * 0x1p-24f * v3_max_abs(d));
-    vec3 o = leave(p, ng, d, interaction_offset(scene, p));
-    vec3 end = leave(q, nq, v3_neg(d), end_offset);
+    vec3 o = leave_surface(p, ng, d, interaction_offset(scene, p));
+    vec3 end = leave_surface(q, nq, v3_neg(d), end_offset);
     d = v3_sub(end, o);
     float distance = v3_len(d);
     if (!(distance > 0.0f)) return (struct ray){o, 0.0f, v3(0, 0, 0), 0.0f};

@@ -21,7 +21,7 @@ satin_status shade_init(struct shade *shade, const struct gather *g,
     s.a_irradiance = o->irradiance_a * o->irradiance_widen;
     s.a_radiance = o->radiance_a * o->radiance_widen;
     film_filter_make(&g->scene->film, &s.filter);
-    // The samples of a pixel share it.
+    // The samples of a pixel divide its footprint among them.
     if (o->texture_filter) s.sharpness = 1.0f / sqrtf((float)(o->spp > 1 ? o->spp : 1));
     // Without the cache the same rays are spread over the samples of the pixel.
     int rays = o->irradiance_rays / (o->spp > 0 ? o->spp : 1);
@@ -55,12 +55,12 @@ void shade_destroy(struct shade *shade) {
 
 // The channels that are not light, of the first surface.
 static void surface_channels(const struct shade *shade, const struct gather_point *p,
-                             const struct shade_lens *lens, struct shade_sample *out) {
+                             const struct shade_camera_sample *camera, struct shade_sample *out) {
     vec3 n = v3_dot(p->frame.n, p->ng) < 0.0f ? v3_neg(p->frame.n) : p->frame.n;
     if (p->lobes) out->layer[SHADE_ALBEDO] = brdf_albedo(&p->brdf, p->wo_l, BRDF_ALL);
     out->layer[SHADE_NORMAL] = rgb_make(n.x, n.y, n.z);
     out->depth = p->interaction.t;
-    if (shade->g->scene->hints.aovs.count) shade_aov(shade, p, lens, out->aov);
+    if (shade->g->scene->hints.aovs.count) shade_aov(shade, p, camera, out->aov);
 }
 
 // What the scene asks for of the sum of the light.
@@ -83,15 +83,15 @@ static void photons_seen(struct shade_job *job) {
 static void path_sample(const struct shade *shade, int x, int y, uint32_t index,
                         struct shade_sample *out) {
     struct sampler sampler = shade_eye_sampler(shade->g, x, y, index, RNG_PATH);
-    struct shade_lens lens;
+    struct shade_camera_sample camera;
     struct gather_seen seen;
-    struct ray ray = shade_eye_ray(shade, x, y, &sampler, &lens);
+    struct ray ray = shade_eye_ray(shade, x, y, &sampler, &camera);
     out->beauty = gather_path_eye(shade->g, ray, &sampler, &seen);
     out->layer[SHADE_EMISSION] = seen.emission;
     out->uncached = rgb_sub(out->beauty, seen.emission);
-    if (seen.hit) surface_channels(shade, &seen.point, &lens, out);
+    if (seen.hit) surface_channels(shade, &seen.point, &camera, out);
     light_channels(shade, out);
-    out->weight = lens.weight;
+    out->weight = camera.weight;
 }
 
 void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, int y,
@@ -106,7 +106,7 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
     struct shade_eye eye;
     struct sampler sampler = shade_eye_sampler(shade->g, x, y, index, RNG_PIXEL);
     shade_eye_trace(shade, x, y, &sampler, &eye);
-    if (eye.hit) surface_channels(shade, &eye.first, &eye.lens, out);
+    if (eye.hit) surface_channels(shade, &eye.first, &eye.camera, out);
     out->layer[SHADE_EMISSION] = eye.emission;
     for (int i = 0; i < eye.count; i++) {
         uint64_t pixel = rng_mix((uint64_t)sampler.seed + (uint64_t)i);
@@ -122,13 +122,13 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
     for (int layer = SHADE_DIRECT; layer <= SHADE_EMISSION; layer++)
         out->beauty = rgb_add(out->beauty, out->layer[layer]);
     light_channels(shade, out);
-    out->weight = eye.lens.weight;
+    out->weight = eye.camera.weight;
 }
 
 rgb shade_emission(const struct shade *shade, int x, int y, uint32_t index, float *weight) {
     struct shade_eye eye;
     struct sampler sampler = shade_eye_sampler(shade->g, x, y, index, RNG_RIM);
     shade_eye_trace(shade, x, y, &sampler, &eye);
-    *weight = eye.lens.weight;
+    *weight = eye.camera.weight;
     return eye.emission;
 }

@@ -70,32 +70,32 @@ struct shade_counts {
     uint64_t samples, points, interpolated, records_used, gathered, rays;
 };
 
-// Values that the samples of a pixel share (shade_memo.h).
-enum { SHADE_MEMO = 4 };
-enum { MEMO_IRRADIANCE = 1, MEMO_RADIANCE = 2 };
-struct shade_memo {
-    struct shade_memo_entry {
+// Values that the samples of a pixel have in common (shade_pixel_cache.h).
+enum { SHADE_PIXEL_ENTRIES = 4 };
+enum { PIXEL_IRRADIANCE = 1, PIXEL_RADIANCE = 2 };
+struct shade_pixel_cache {
+    struct shade_pixel_entry {
         vec3 p, n, wo;
         const struct material_side *side;
         float alpha, exponent;   // roughness
-        unsigned knows;          // mask of MEMO_...
+        unsigned knows;          // mask of PIXEL_...
         struct cache_used used;  // records behind E
         rgb E;                   // indirect irradiance by either cache
         rgb glossy;              // reflected by the glossy lobes, without the factor brdf.specular
-    } entry[SHADE_MEMO];
+    } entry[SHADE_PIXEL_ENTRIES];
     int count, next;
 };
 
 // A worker's own; zeroed at first but for `scratch`.
 struct shade_worker {
     struct gather_scratch *scratch;
-    struct shade_counts counts;  // joined by the caller
-    struct shade_memo memo;      // of the pixel under way
+    struct shade_counts counts;            // joined by the caller
+    struct shade_pixel_cache pixel_cache;  // of the pixel under way
 };
 
-// Forgets what the samples before shared; before the first sample of a pixel in each pass.
+// Empties the per-pixel cache; to be called before the first sample of a pixel in each pass.
 static inline void shade_pixel_begin(struct shade_worker *worker) {
-    worker->memo.count = worker->memo.next = 0;
+    worker->pixel_cache.count = worker->pixel_cache.next = 0;
 }
 // Sample number `index` of pixel (x, y) of the crop window. `lights` at each of its points; `path`
 // takes one each.
@@ -110,9 +110,9 @@ rgb shade_emission(const struct shade *shade, int x, int y, uint32_t index, floa
 // cache_converge asks of them. Returns how many, at most `max`. (shade_sites.c)
 int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct cache_site *out,
                 int max);
-// A site of the `level`-th bounce behind the image: the end of a walk of that many bounces from
-// pixel (x, y). False if the walk ends before, or where no record is wanted.
-bool shade_walk(const struct shade *shade, int x, int y, int level, struct cache_site *out);
+// A site of indirect bounce `bounce`: the end of a walk of that many bounces from pixel (x, y).
+// False if the walk ends before, or where no record is wanted.
+bool shade_walk(const struct shade *shade, int x, int y, int bounce, struct cache_site *out);
 // For struct gather_rough; `records` is a struct shade whose scratch is not needed.
 unsigned shade_known(const void *records, const struct gather_point *y, rgb *L);
 

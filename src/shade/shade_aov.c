@@ -15,60 +15,62 @@ static vec2 uv_towards(const struct satin_scene *scene, const struct interaction
     return isfinite(d.x) && isfinite(d.y) ? d : (vec2){0.0f, 0.0f};
 }
 
-// Where the values of a kind go; NULL: nowhere.
-static float *place(const struct scene_aovs *aovs, enum aov_kind kind, float *out) {
+// Where the values of a kind are written; NULL if the scene does not ask for them.
+static float *value_of(const struct scene_aovs *aovs, enum aov_kind kind, float *out) {
     return aovs->first[kind] >= 0 ? out + aovs->first[kind] : NULL;
 }
 
-static void put1(float *to, float value) {
+static void set_float(float *to, float value) {
     if (to) to[0] = value;
 }
 
-static void put2(float *to, vec2 v) {
+static void set_vec2(float *to, vec2 v) {
     if (to) to[0] = v.x, to[1] = v.y;
 }
 
-static void put3(float *to, vec3 v) {
+static void set_vec3(float *to, vec3 v) {
     if (to) to[0] = v.x, to[1] = v.y, to[2] = v.z;
 }
 
 static void put_partials(const struct shade *shade, const struct interaction *s,
-                         const struct shade_lens *lens, float *out) {
+                         const struct shade_camera_sample *camera, float *out) {
     const struct satin_scene *scene = shade->g->scene;
     const struct scene_aovs *aovs = &scene->hints.aovs;
-    float *dx = place(aovs, AOV_DUV_DX, out), *dy = place(aovs, AOV_DUV_DY, out);
-    put3(place(aovs, AOV_DP_DU, out), s->dp_du);
-    put3(place(aovs, AOV_DP_DV, out), s->dp_dv);
+    float *dx = value_of(aovs, AOV_DUV_DX, out), *dy = value_of(aovs, AOV_DUV_DY, out);
+    set_vec3(value_of(aovs, AOV_DP_DU, out), s->dp_du);
+    set_vec3(value_of(aovs, AOV_DP_DV, out), s->dp_dv);
     if (!dx && !dy) return;
-    // A sample stands for its share of the pixel.
+    // A sample stands for its part of the pixel's area.
     const int spp = shade->g->options->spp;
     const float side = 1.0f / sqrtf((float)(spp > 1 ? spp : 1));
-    const vec2 film = lens->film, right = {film.x + side, film.y}, below = {film.x, film.y + side};
-    put2(dx, uv_towards(scene, s, right, lens->at));
-    put2(dy, uv_towards(scene, s, below, lens->at));
+    const vec2 film = camera->film, right = {film.x + side, film.y},
+               below = {film.x, film.y + side};
+    set_vec2(dx, uv_towards(scene, s, right, camera->at));
+    set_vec2(dy, uv_towards(scene, s, below, camera->at));
 }
 
 void shade_aov_light(const struct scene_aovs *aovs, rgb L, float *out) {
     // Linear sRGB to CIE XYZ (IEC 61966-2-1).
-    put3(place(aovs, AOV_LIGHT, out), v3(0.412453f * L.r + 0.357580f * L.g + 0.180423f * L.b,
-                                         0.212671f * L.r + 0.715160f * L.g + 0.072169f * L.b,
-                                         0.019334f * L.r + 0.119193f * L.g + 0.950227f * L.b));
+    set_vec3(value_of(aovs, AOV_LIGHT, out),
+             v3(0.412453f * L.r + 0.357580f * L.g + 0.180423f * L.b,
+                0.212671f * L.r + 0.715160f * L.g + 0.072169f * L.b,
+                0.019334f * L.r + 0.119193f * L.g + 0.950227f * L.b));
 }
 
 void shade_aov(const struct shade *shade, const struct gather_point *p,
-               const struct shade_lens *lens, float *out) {
+               const struct shade_camera_sample *camera, float *out) {
     const struct scene_aovs *aovs = &shade->g->scene->hints.aovs;
     const struct interaction *s = &p->interaction;
     if (p->lobes && p->brdf.model->slots & 1u << BRDF_SLOT_DIFFUSE) {
         const rgb c = p->brdf.diffuse;
-        put3(place(aovs, AOV_ALBEDO, out), v3(c.r, c.g, c.b));
+        set_vec3(value_of(aovs, AOV_ALBEDO, out), v3(c.r, c.g, c.b));
     }
-    put1(place(aovs, AOV_DEPTH, out), s->t);
-    put3(place(aovs, AOV_POSITION, out), s->p);
-    put2(place(aovs, AOV_UV, out), s->uv);
-    put3(place(aovs, AOV_GEO_NORMAL, out), s->ng);
-    put3(place(aovs, AOV_SH_NORMAL, out), s->frame.n);
-    put1(place(aovs, AOV_PRIM_INDEX, out), (float)s->prim);
-    put1(place(aovs, AOV_SHAPE_INDEX, out), (float)(s->shape + 1));
-    if (aovs->partials) put_partials(shade, s, lens, out);
+    set_float(value_of(aovs, AOV_DEPTH, out), s->t);
+    set_vec3(value_of(aovs, AOV_POSITION, out), s->p);
+    set_vec2(value_of(aovs, AOV_UV, out), s->uv);
+    set_vec3(value_of(aovs, AOV_GEO_NORMAL, out), s->ng);
+    set_vec3(value_of(aovs, AOV_SH_NORMAL, out), s->frame.n);
+    set_float(value_of(aovs, AOV_PRIM_INDEX, out), (float)s->prim);
+    set_float(value_of(aovs, AOV_SHAPE_INDEX, out), (float)(s->shape + 1));
+    if (aovs->partials) put_partials(shade, s, camera, out);
 }

@@ -5,10 +5,10 @@
 
 #include "shade/shade_eye.h"
 
-// Those of p, which the eye ray `lens` meets first: out[scene->hints.aovs.values], of each kind
-// from its `first` on.
+// Writes the values of p, which the eye ray of `camera` meets first, to
+// out[scene->hints.aovs.values]: those of each kind begin at its `first`.
 void shade_aov(const struct shade *shade, const struct gather_point *p,
-               const struct shade_lens *lens, float *out);
+               const struct shade_camera_sample *camera, float *out);
 // The kind AOV_LIGHT of out: L, which is linear sRGB [W m^-2 sr^-1].
 void shade_aov_light(const struct scene_aovs *aovs, rgb L, float *out);
 

@@ -3,12 +3,12 @@
 #include "shade/shade_eye.h"
 
 enum {
-    SPLIT_LEVELS =
+    SPLIT_DEPTH =
         2,  // at the first two specular surfaces both reflection and refraction are followed
     EYE_DEPTH = 64  // specular surfaces in a row before the ray is given up
 };
 
-// A branch whose share of the image is below this is followed by chance only.
+// A branch whose throughput is below this is followed by chance only (Russian roulette).
 static const float SPLIT_LEAST = 0.02f;
 
 struct branch {
@@ -26,7 +26,7 @@ struct sampler shade_eye_sampler(const struct gather *g, int x, int y, uint32_t 
 }
 
 struct ray shade_eye_ray(const struct shade *shade, int x, int y, struct sampler *sampler,
-                         struct shade_lens *out) {
+                         struct shade_camera_sample *out) {
     const struct satin_scene *scene = shade->g->scene;
     const struct film_spec *film = &scene->film;
     vec2 pixel = sampler_2d(sampler), lens = sampler_2d(sampler);
@@ -36,14 +36,14 @@ struct ray shade_eye_ray(const struct shade *shade, int x, int y, struct sampler
     struct film_offset y_offset =
         film_filter_offset(&shade->filter, cy, (float)film->crop_y,
                            (float)(film->crop_y + film->crop_height), pixel.y);
-    *out = (struct shade_lens){.weight = x_offset.weight * y_offset.weight,
-                               .film = {cx + x_offset.x, cy + y_offset.x},
-                               .at = lens};
+    *out = (struct shade_camera_sample){.weight = x_offset.weight * y_offset.weight,
+                                        .film = {cx + x_offset.x, cy + y_offset.x},
+                                        .at = lens};
     return camera_ray(scene, out->film.x, out->film.y, lens.x, lens.y, &out->spread);
 }
 
-static void emitted(const struct shade *shade, const struct branch *b, const struct interaction *s,
-                    struct shade_eye *out) {
+static void add_emission(const struct shade *shade, const struct branch *b,
+                         const struct interaction *s, struct shade_eye *out) {
     const struct satin_scene *scene = shade->g->scene;
     const satin_options *o = shade->g->options;
     if (o->max_depth == 0 || (b->depth == 0 && o->hide_emitters > 0)) return;
@@ -53,42 +53,43 @@ static void emitted(const struct shade *shade, const struct branch *b, const str
 }
 
 // Pushes the rays that leave an ideal specular surface; returns the new height of the stack.
-static int scatter(const struct shade *shade, const struct branch *b, const struct gather_point *p,
-                   struct sampler *sampler, struct branch *stack, int top) {
-    struct brdf_sample way[2];
-    int ways = brdf_delta(&p->brdf, p->wo_l, BRDF_RADIANCE, way);
-    bool split = b->splits < SPLIT_LEVELS && top + ways <= SHADE_VERTICES;
-    if (ways > 1 && !split) {
-        float total = way[0].probability + way[1].probability;
-        float first = total > 0.0f ? way[0].probability / total : 0.5f;
+static int push_specular(const struct shade *shade, const struct branch *b,
+                         const struct gather_point *p, struct sampler *sampler,
+                         struct branch *stack, int top) {
+    struct brdf_sample lobe[2];
+    int lobes = brdf_delta(&p->brdf, p->wo_l, BRDF_RADIANCE, lobe);
+    bool split = b->splits < SPLIT_DEPTH && top + lobes <= SHADE_VERTICES;
+    if (lobes > 1 && !split) {
+        float total = lobe[0].probability + lobe[1].probability;
+        float first = total > 0.0f ? lobe[0].probability / total : 0.5f;
         int chosen = sampler_1d(sampler) < first ? 0 : 1;
-        way[0] = way[chosen];
+        lobe[0] = lobe[chosen];
         float q = chosen ? 1.0f - first : first;
-        way[0].weight = rgb_scale(way[0].weight, 1.0f / q);
-        ways = 1;
+        lobe[0].weight = rgb_scale(lobe[0].weight, 1.0f / q);
+        lobes = 1;
     }
-    for (int i = 0; i < ways; i++) {
-        rgb T = rgb_mul(b->T, way[i].weight);
-        float share = rgb_max(T);
-        if (!(share > 0.0f)) continue;
-        if (share < SPLIT_LEAST) {
-            if (!(sampler_1d(sampler) < share / SPLIT_LEAST)) continue;
-            T = rgb_scale(T, SPLIT_LEAST / share);
+    for (int i = 0; i < lobes; i++) {
+        rgb T = rgb_mul(b->T, lobe[i].weight);
+        float throughput = rgb_max(T);
+        if (!(throughput > 0.0f)) continue;
+        if (throughput < SPLIT_LEAST) {
+            if (!(sampler_1d(sampler) < throughput / SPLIT_LEAST)) continue;
+            T = rgb_scale(T, SPLIT_LEAST / throughput);
         }
-        vec3 d = frame_to_world(&p->frame, way[i].wi);
+        vec3 d = frame_to_world(&p->frame, lobe[i].wi);
         stack[top++] =
             (struct branch){scene_spawn(shade->g->scene, p->interaction.p, p->interaction.ng, d), T,
-                            b->distance + p->interaction.t, b->depth + 1, b->splits + (ways > 1)};
+                            b->distance + p->interaction.t, b->depth + 1, b->splits + (lobes > 1)};
     }
     return top;
 }
 
-// The parts of a blend, all while there is room for them, else one that is drawn.
-static int find_parts(const struct satin_scene *scene, const struct interaction *s, vec3 d,
-                      int taken, struct scene_component part[MATERIAL_COMPONENTS_MAX]) {
-    int parts = scene_components(scene, s, v3_neg(d), part);
-    if (parts == 1 || taken + 2 * parts <= SHADE_VERTICES) return parts;
-    part[0] = (struct scene_component){scene_component(scene, s, v3_neg(d)), 1.0f};
+// The components of a blend: all if the stack can hold their branches, else one that is drawn.
+static int find_components(const struct satin_scene *scene, const struct interaction *s, vec3 d,
+                           int taken, struct scene_component component[MATERIAL_COMPONENTS_MAX]) {
+    int components = scene_components(scene, s, v3_neg(d), component);
+    if (components == 1 || taken + 2 * components <= SHADE_VERTICES) return components;
+    component[0] = (struct scene_component){scene_component(scene, s, v3_neg(d)), 1.0f};
     return 1;
 }
 
@@ -97,8 +98,8 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
     const struct satin_scene *scene = shade->g->scene;
     const int max_depth = shade->g->options->max_depth;
     struct branch stack[SHADE_VERTICES + 2];
-    struct ray ray = shade_eye_ray(shade, x, y, sampler, &out->lens);
-    const float spread = out->lens.spread;
+    struct ray ray = shade_eye_ray(shade, x, y, sampler, &out->camera);
+    const float spread = out->camera.spread;
     stack[0] = (struct branch){ray, rgb_grey(1.0f), 0.0f, 0, 0};
     out->count = 0;
     out->hit = false;
@@ -107,19 +108,19 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
         struct branch b = stack[--top];
         struct interaction s;
         bool hit = scene_intersect(scene, &b.ray, &s);
-        emitted(shade, &b, hit ? &s : NULL, out);
+        add_emission(shade, &b, hit ? &s : NULL, out);
         if (!hit) continue;
         s.footprint = shade->sharpness * spread * (b.distance + s.t);
-        struct scene_component part[MATERIAL_COMPONENTS_MAX];
+        struct scene_component component[MATERIAL_COMPONENTS_MAX];
         const struct material_side *shown =
             b.depth == 0 ? scene_component(scene, &s, v3_neg(b.ray.d)) : NULL;
-        int parts = find_parts(scene, &s, b.ray.d, out->count + top, part);
-        for (int i = 0; i < parts; i++) {
+        int components = find_components(scene, &s, b.ray.d, out->count + top, component);
+        for (int i = 0; i < components; i++) {
             struct gather_point point;
             struct branch own = b;
-            own.T = rgb_scale(b.T, part[i].weight);
-            gather_point_of(scene, part[i].side, &s, b.ray.d, &point);
-            if (part[i].side == shown) {
+            own.T = rgb_scale(b.T, component[i].weight);
+            gather_point_of(scene, component[i].side, &s, b.ray.d, &point);
+            if (component[i].side == shown) {
                 out->hit = true;
                 out->first = point;
             }
@@ -128,7 +129,7 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
                 out->vertex[out->count++] =
                     (struct shade_vertex){point, own.T, spread * (b.distance + s.t)};
             if ((point.lobes & BRDF_DELTA) && b.depth < EYE_DEPTH)
-                top = scatter(shade, &own, &point, sampler, stack, top);
+                top = push_specular(shade, &own, &point, sampler, stack, top);
         }
     }
 }

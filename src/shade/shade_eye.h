@@ -14,8 +14,8 @@ struct shade_vertex {
     float pixel;  // width of a projected pixel there
 };
 
-// An eye ray.
-struct shade_lens {
+// What an eye ray was drawn with.
+struct shade_camera_sample {
     float spread;  // its width per distance
     float weight;  // that the film's filter gives to the sample
     vec2 film;     // where it passes the film, in pixels of all of it
@@ -26,19 +26,19 @@ struct shade_eye {
     struct shade_vertex vertex[SHADE_VERTICES];
     int count;
     rgb emission;  // emitted light seen
-    struct shade_lens lens;
+    struct shade_camera_sample camera;
     // The first surface, for channels that are not light.
     bool hit;
-    struct gather_point first;  // of a blend one part, as likely as it weighs
+    struct gather_point first;  // of a blend one component, drawn by its weight
 };
 
-// Follows the eye ray of a sample; both ways are taken at the first ideal specular surfaces, one of
-// them is chosen at deeper ones.
+// Follows the eye ray of a sample; reflection and refraction are both followed at the first ideal
+// specular surfaces, one of them is drawn at deeper ones.
 void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sampler,
                      struct shade_eye *out);
 // The eye ray itself.
 struct ray shade_eye_ray(const struct shade *shade, int x, int y, struct sampler *sampler,
-                         struct shade_lens *lens);
+                         struct shade_camera_sample *camera);
 // The sampler of a sample: its numbers depend on the seed, the pixel and the index alone.
 struct sampler shade_eye_sampler(const struct gather *g, int x, int y, uint32_t index,
                                  enum rng_stage stage);

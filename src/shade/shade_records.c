@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which technique carries which lobes of a point, and what the records tell there [K05 3.5].
+// Which technique carries which lobes of a point, and what the records hold there [K05 3.5].
 // Low-frequency glossy BRDFs use radiance records for all they reflect smoothly; others use
 // irradiance records for the diffuse lobe and importance sampling for the glossy one. What passes
 // through is importance-sampled.
@@ -8,7 +8,7 @@
 #include "rsh/rsh.h"
 #include "shade/shade_eye.h"
 
-// Where bumps leave less of a lobe, they cut it so that its harmonics do not tell.
+// Where bumps leave less of a lobe than this, they cut it in a way that its harmonics do not show.
 static const float BUMP_LEAST = 0.8f;
 
 void shade_plan_make(const struct shade *shade, const struct gather_point *p,
@@ -46,8 +46,8 @@ struct cache_used shade_radiance(const struct shade *shade, const struct shade_p
 }
 
 rgb shade_diffuse_albedo(const struct gather_point *p) {
-    float share = brdf_bump_diffuse(&p->brdf) * (1.0f / PI_F);
-    return rgb_scale(brdf_albedo(&p->brdf, p->wo_l, BRDF_DIFFUSE), share);
+    float scale = brdf_bump_diffuse(&p->brdf) * (1.0f / PI_F);
+    return rgb_scale(brdf_albedo(&p->brdf, p->wo_l, BRDF_DIFFUSE), scale);
 }
 
 unsigned shade_wants(const struct shade *shade, const struct gather_point *p) {

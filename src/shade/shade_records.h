@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to shade/: what records tell of the light at a point, and which lobes are left to other
+// Private to shade/: what records hold of the light at a point, and which lobes are left to other
 // techniques.
 #ifndef SHADE_RECORDS_H
 #define SHADE_RECORDS_H
@@ -19,9 +19,10 @@ struct shade_plan {
 void shade_plan_make(const struct shade *shade, const struct gather_point *p,
                      struct shade_plan *plan);
 
-// A place for lookups; without a record of the accuracy asked for the nearest up to `reach` serves.
-static inline struct cache_place shade_place(const struct gather_point *p, float reach) {
-    return (struct cache_place){p->interaction.p, p->base.n, p->frame, reach};
+// Where a cache is looked up. Without a record of the accuracy asked for, the nearest one up to the
+// distance `fallback` serves.
+static inline struct cache_place shade_place(const struct gather_point *p, float fallback) {
+    return (struct cache_place){p->interaction.p, p->base.n, p->frame, fallback};
 }
 
 // What the glossy lobes reflect, without the factor brdf.specular, and the irradiance, if the point
@@ -38,7 +39,7 @@ static inline void shade_lobe_name(const struct gather_point *p, struct cache_lo
     lobe->name = shade_lobe_number(p);
     lobe->mirror = cache_mirror(&p->frame, p->wo_l);
 }
-// Share of the irradiance that the diffuse lobe reflects, per solid angle.
+// The fraction of the irradiance that the diffuse lobe reflects, per solid angle.
 rgb shade_diffuse_albedo(const struct gather_point *p);
 
 // The kinds of records that the plan of a point reads, a mask of cache_kind; 0: none.

@@ -25,10 +25,10 @@ static bool only_rough_textured(const struct material_side *side, struct brdf_ro
     return side->slot[over->slot] && texture_range(side->slot[over->slot], &over->lo, &over->hi);
 }
 
-enum choice { BY_ERROR, CACHED, SAMPLED };
+enum table_choice { BY_ERROR, CACHED, SAMPLED };
 
 // What material_cache says of a material: the first word with its name.
-static enum choice chosen(const satin_options *o, const char *name) {
+static enum table_choice chosen(const satin_options *o, const char *name) {
     size_t length = strlen(name);
     for (const char *at = o->material_cache; *at;) {
         size_t word = strcspn(at, ",");
@@ -40,7 +40,8 @@ static enum choice chosen(const satin_options *o, const char *name) {
 }
 
 static satin_status build_side(const struct material_side *side, const satin_options *o,
-                               enum choice choice, struct parallel *pool, struct brdf_range **out) {
+                               enum table_choice choice, struct parallel *pool,
+                               struct brdf_range **out) {
     struct brdf_roughness over;
     const struct brdf_fit fit = {o->radiance_basis, o->radiance_order,
                                  choice == CACHED ? -o->radiance_error : o->radiance_error};
@@ -63,15 +64,15 @@ struct builder {
     struct parallel *pool;
     struct log log;
     const char *material;
-    enum choice choice;
+    enum table_choice choice;
     const struct material_side **first;
-    enum choice *choices;  // of the sides in `first`
+    enum table_choice *choices;  // of the sides in `first`
     struct shade_tables tables;
     satin_status status;
 };
 
 // Takes the table of an equal side; false if there is none.
-static bool share_table(struct builder *b, const struct material_side *side) {
+static bool take_equal_table(struct builder *b, const struct material_side *side) {
     if (shade_shape_textured(side)) return false;
     for (size_t j = 0; j < b->tables.count; j++) {
         const struct material_side *other = b->first[j];
@@ -92,7 +93,7 @@ static void build_table(void *ctx, const struct material_side *side) {
     if (b->status != SATIN_OK || b->first[i]) return;
     b->first[i] = side;
     b->choices[i] = b->choice;
-    if (share_table(b, side)) return;
+    if (take_equal_table(b, side)) return;
     b->status = build_side(side, b->options, b->choice, b->pool, &t->table[i]);
     t->owned[i] = true;
     if (b->status != SATIN_OK && b->status != SATIN_CANCELLED)

@@ -2,20 +2,20 @@
 // The second pass at one point [K05 3.5]: what a point reflects, each part of the path table once,
 // its lobes by the techniques of shade_records.h.
 #include "shade/shade_indirect.h"
-#include "shade/shade_memo.h"
+#include "shade/shade_pixel_cache.h"
 #include "shade/shade_records.h"
 
-// Pixels between a point that the fill has missed, in a sliver along an edge, and the record that
-// serves.
-#define REACH 8.0f
+// A point that the fill has missed, as in a sliver along an edge, takes the nearest record within
+// this many pixels.
+#define FALLBACK_PIXELS 8.0f
 
 // Light that a record carries.
 static void add_cached(struct shade_job *job, enum shade_layer layer, rgb L) {
     job->out->layer[layer] = rgb_fma(job->out->layer[layer], job->vertex->T, L);
 }
 
-// Light that none does.
-static void add(struct shade_job *job, enum shade_layer layer, rgb L) {
+// Light that no record carries.
+static void add_uncached(struct shade_job *job, enum shade_layer layer, rgb L) {
     add_cached(job, layer, L);
     job->out->uncached = rgb_fma(job->out->uncached, job->vertex->T, L);
 }
@@ -25,13 +25,13 @@ static struct gather_site site_of(const struct shade_job *job) {
     return (struct gather_site){p->interaction.p, p->interaction.ng, p->base, job->stream};
 }
 
-// E on a facet that bumps turned, as cache_irradiance has it.
-static rgb turn_irradiance(const struct gather_irradiance *value, vec3 n, vec3 facing) {
-    vec3 turn = v3_cross(n, facing);
-    float share = minf(v3_dot(n, facing), 1.0f);
-    const rgb E = rgb_make(share * value->E.r + v3_dot(turn, value->grad_r[0]),
-                           share * value->E.g + v3_dot(turn, value->grad_r[1]),
-                           share * value->E.b + v3_dot(turn, value->grad_r[2]));
+// E on a facet that a bump map has rotated, as cache_irradiance computes it.
+static rgb rotate_irradiance(const struct gather_irradiance *value, vec3 n, vec3 facing) {
+    vec3 rotation = v3_cross(n, facing);
+    float cosine = minf(v3_dot(n, facing), 1.0f);
+    const rgb E = rgb_make(cosine * value->E.r + v3_dot(rotation, value->grad_r[0]),
+                           cosine * value->E.g + v3_dot(rotation, value->grad_r[1]),
+                           cosine * value->E.b + v3_dot(rotation, value->grad_r[2]));
     return rgb_at_least(E, 0.0f);
 }
 
@@ -41,20 +41,20 @@ static void note_records(struct shade_job *job, struct cache_used used) {
     job->out->used = cache_used_add(job->out->used, used);
 }
 
-static void indirect_diffuse(struct shade_job *job, struct shade_memo_entry *memo) {
+static void indirect_diffuse(struct shade_job *job, struct shade_pixel_entry *entry) {
     const struct shade *s = job->shade;
     const struct gather_point *p = &job->vertex->point;
-    const struct cache_place at = shade_place(p, REACH * job->vertex->pixel);
-    rgb E = memo->E;
-    if (!(memo->knows & MEMO_IRRADIANCE)) {
-        memo->used = (struct cache_used){0};
+    const struct cache_place at = shade_place(p, FALLBACK_PIXELS * job->vertex->pixel);
+    rgb E = entry->E;
+    if (!(entry->knows & PIXEL_IRRADIANCE)) {
+        entry->used = (struct cache_used){0};
         if (s->g->options->irradiance_cache)
-            memo->used = cache_irradiance(s->cache, &at, s->a_irradiance, &E);
+            entry->used = cache_irradiance(s->cache, &at, s->a_irradiance, &E);
     }
-    if (memo->used.count) {
-        memo->knows |= MEMO_IRRADIANCE;
-        memo->E = E;
-        note_records(job, memo->used);
+    if (entry->used.count) {
+        entry->knows |= PIXEL_IRRADIANCE;
+        entry->E = E;
+        note_records(job, entry->used);
         add_cached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(shade_diffuse_albedo(p), E));
     } else {
         struct gather_irradiance value;
@@ -63,28 +63,29 @@ static void indirect_diffuse(struct shade_job *job, struct shade_memo_entry *mem
         gather_hemisphere_irradiance(s->g, off ? s->gather : s->fallback, job->worker->scratch,
                                      &site, &value);
         job->worker->counts.rays += value.rays;
-        E = turn_irradiance(&value, p->base.n, p->frame.n);
+        E = rotate_irradiance(&value, p->base.n, p->frame.n);
         job->worker->counts.gathered++;
-        add(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(shade_diffuse_albedo(p), E));
+        add_uncached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(shade_diffuse_albedo(p), E));
     }
 }
 
 // By radiance records; false if none is near.
 static bool indirect_cached(struct shade_job *job, const struct shade_plan *plan,
-                            struct shade_memo_entry *memo) {
+                            struct shade_pixel_entry *entry) {
     const struct shade *s = job->shade;
     const struct gather_point *p = &job->vertex->point;
     const bool diffuse = p->lobes & BRDF_DIFFUSE, shiny = plan->cached & BRDF_GLOSSY;
-    if (!(memo->knows & MEMO_RADIANCE)) {
-        const struct cache_place at = shade_place(p, REACH * job->vertex->pixel);
-        memo->used = shade_radiance(s, plan, p, &at, &memo->glossy, &memo->E);
-        if (!memo->used.count) return false;
-        memo->knows |= MEMO_RADIANCE;
+    if (!(entry->knows & PIXEL_RADIANCE)) {
+        const struct cache_place at = shade_place(p, FALLBACK_PIXELS * job->vertex->pixel);
+        entry->used = shade_radiance(s, plan, p, &at, &entry->glossy, &entry->E);
+        if (!entry->used.count) return false;
+        entry->knows |= PIXEL_RADIANCE;
     }
-    note_records(job, memo->used);
+    note_records(job, entry->used);
     rgb factor = rgb_scale(p->brdf.specular, plan->bump);
-    if (shiny) add_cached(job, SHADE_INDIRECT_GLOSSY, rgb_mul(factor, memo->glossy));
-    if (diffuse) add_cached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(shade_diffuse_albedo(p), memo->E));
+    if (shiny) add_cached(job, SHADE_INDIRECT_GLOSSY, rgb_mul(factor, entry->glossy));
+    if (diffuse)
+        add_cached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(shade_diffuse_albedo(p), entry->E));
     return true;
 }
 
@@ -138,11 +139,11 @@ static void sample_lobes(struct shade_job *job, unsigned lobes, float ratio) {
         caustic = rgb_fma(caustic, weight[i], ray[i].Le_specular);
         indirect = rgb_fma(indirect, weight[i], ray[i].L);
     }
-    float share = 1.0f / (float)count;
-    add(job, SHADE_INDIRECT_GLOSSY, rgb_scale(indirect, share));
+    float weight_each = 1.0f / (float)count;
+    add_uncached(job, SHADE_INDIRECT_GLOSSY, rgb_scale(indirect, weight_each));
     if (ratio > 0.0f) {
-        add(job, SHADE_DIRECT, rgb_scale(direct, share));
-        add(job, SHADE_CAUSTIC, rgb_scale(caustic, share));
+        add_uncached(job, SHADE_DIRECT, rgb_scale(direct, weight_each));
+        add_uncached(job, SHADE_CAUSTIC, rgb_scale(caustic, weight_each));
     }
 }
 
@@ -163,8 +164,8 @@ static void look_for_lights(struct shade_job *job, unsigned lobes, float ratio) 
                     &sky, &found))
         return;
     float light_pdf = gather_light_pdf(g, p->interaction.p, &found.chain, sky ? NULL : &hit);
-    add(job, SHADE_DIRECT,
-        rgb_scale(rgb_mul(b.weight, found.L), mis_power(ratio * b.pdf_w, light_pdf)));
+    add_uncached(job, SHADE_DIRECT,
+                 rgb_scale(rgb_mul(b.weight, found.L), mis_power(ratio * b.pdf_w, light_pdf)));
 }
 
 // Luminance of direct and indirect light so far.
@@ -181,11 +182,12 @@ void shade_vertex_two_pass(struct shade_job *job) {
     const bool indirect = o->integrator == SATIN_TWO_PASS && (o->max_depth < 0 || o->max_depth > 2);
     struct shade_plan plan;
     shade_plan_make(job->shade, p, &plan);
-    struct shade_memo_entry *memo = shade_memo_find(&job->worker->memo, p, job->vertex->pixel);
+    struct shade_pixel_entry *entry =
+        shade_pixel_cache_find(&job->worker->pixel_cache, p, job->vertex->pixel);
     job->worker->counts.points++;
 
-    // Direct light. The samples of glossy lobes, or one extra BRDF sample, share the lights with
-    // it.
+    // Direct light. The samples of glossy lobes, or one extra BRDF sample, divide the lights with
+    // it by multiple importance sampling.
     const unsigned sampled = indirect ? plan.sampled : 0, rest = p->lobes & BRDF_SMOOTH & ~sampled;
     const unsigned extra = g->wide_lights ? rest : rest & ~(unsigned)BRDF_DIFFUSE;
     const float lights = (float)job->lights.samples, ratio = (float)o->glossy_samples / lights;
@@ -193,7 +195,7 @@ void shade_vertex_two_pass(struct shade_job *job) {
         1, {{rest & ~extra, 0.0f}, {extra, 1.0f / lights}, {sampled, ratio}}};
     float variance;
     const float before = light_so_far(job);
-    add(job, SHADE_DIRECT, gather_direct(g, p, mis, job->lights, job->sampler, &variance));
+    add_uncached(job, SHADE_DIRECT, gather_direct(g, p, mis, job->lights, job->sampler, &variance));
     job->out->light_variance += sqrf(rgb_luminance(job->vertex->T)) * variance;
     job->sampler.dimension += 2;
     if (extra) look_for_lights(job, extra, 1.0f / lights);
@@ -207,17 +209,17 @@ void shade_vertex_two_pass(struct shade_job *job) {
     struct sampler apart = job->sampler;
     apart.dimension += 32;  // beyond those that the lobes below use
     const float u_caustic = sampler_1d(&apart);
-    if (plan.cached && !indirect_cached(job, &plan, memo)) {
+    if (plan.cached && !indirect_cached(job, &plan, entry)) {
         // No record is near: gather for the diffuse lobe, sample the glossy one.
         plan.diffuse = plan.cached & BRDF_DIFFUSE;
         if (plan.cached & BRDF_GLOSSY) sample_lobes(job, BRDF_GLOSSY, 0.0f);
         job->worker->counts.gathered++;
     }
-    if (plan.diffuse) indirect_diffuse(job, memo);
+    if (plan.diffuse) indirect_diffuse(job, entry);
     if (plan.sampled) sample_lobes(job, plan.sampled, ratio);
     const struct photon_beside beside = {light_so_far(job) - before, u_caustic};
     if (caustic)
-        add(job, SHADE_CAUSTIC,
-            photon_caustic(g->maps, g->scene, p->interaction.p, p->ng, &p->frame, &p->brdf, p->wo_l,
-                           caustic, beside));
+        add_uncached(job, SHADE_CAUSTIC,
+                     photon_caustic(g->maps, g->scene, p->interaction.p, p->ng, &p->frame, &p->brdf,
+                                    p->wo_l, caustic, beside));
 }

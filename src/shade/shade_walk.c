@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where light behind the image will be asked for: random walks from the eye, each bounce drawn by
-// what the surface reflects smoothly, as gather rays' weights are.
+// Where records of the indirect bounces will be looked up: random walks from the eye, each bounce
+// drawn by what the surface reflects smoothly, as gather rays are weighed.
 #include "shade/shade_eye.h"
 #include "shade/shade_records.h"
 
-// Light at a hit is seen by one gather ray among hundreds: records nearer together than this share
-// of the way from the image would tell it no more.
+// One gather ray among hundreds reads the light at a hit, so records need not be nearer together
+// than this fraction of the path's length from the image.
 static const float FOOTPRINT = 0.05f;
 
 // One of the surface points that the eye sees in a pixel, drawn by its throughput.
-static const struct gather_point *choose(const struct shade_eye *eye, float u) {
+static const struct gather_point *choose_vertex(const struct shade_eye *eye, float u) {
     float total = 0.0f;
     for (int i = 0; i < eye->count; i++) total += rgb_max(eye->vertex[i].T);
     float left = u * total;
@@ -20,16 +20,16 @@ static const struct gather_point *choose(const struct shade_eye *eye, float u) {
     return NULL;
 }
 
-bool shade_walk(const struct shade *shade, int x, int y, int level, struct cache_site *out) {
+bool shade_walk(const struct shade *shade, int x, int y, int bounce, struct cache_site *out) {
     const struct gather *g = shade->g;
     struct shade_eye eye;
-    struct sampler sampler = shade_eye_sampler(g, x, y, (uint32_t)level, RNG_SITE);
+    struct sampler sampler = shade_eye_sampler(g, x, y, (uint32_t)bounce, RNG_SITE);
     shade_eye_trace(shade, x, y, &sampler, &eye);
-    const struct gather_point *start = choose(&eye, sampler_1d(&sampler));
+    const struct gather_point *start = choose_vertex(&eye, sampler_1d(&sampler));
     if (!start) return false;
     struct gather_point p = *start;
-    float way = 0.0f;
-    for (int i = 0; i < level; i++) {
+    float length = 0.0f;
+    for (int i = 0; i < bounce; i++) {
         struct brdf_sample next;
         struct gather_first first;
         float u_lobe = sampler_1d(&sampler);
@@ -39,14 +39,14 @@ bool shade_walk(const struct shade *shade, int x, int y, int level, struct cache
         struct ray ray = scene_spawn(g->scene, p.interaction.p, p.interaction.ng,
                                      frame_to_world(&p.frame, next.wi));
         if (!gather_follow(g, ray, &sampler, &first, &p)) return false;
-        way += first.r;
+        length += first.r;
     }
     unsigned wants = shade_wants(shade, &p);
-    uint64_t stream = rng_mix(((uint64_t)sampler.seed << 20) + (uint64_t)level);
+    uint64_t stream = rng_mix(((uint64_t)sampler.seed << 20) + (uint64_t)bounce);
     *out = (struct cache_site){.p = p.interaction.p,
                                .ng = p.interaction.ng,
                                .frame = p.base,
-                               .pixel = FOOTPRINT * way,
+                               .pixel = FOOTPRINT * length,
                                .stream = stream,
                                .wants = (uint8_t)wants};
     return wants != 0;

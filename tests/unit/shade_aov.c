@@ -30,7 +30,7 @@ static void look(const char *body, vec2 film, float out[AOV_VALUES], struct scen
     options.spp = 4;
     const struct gather g = {.scene = scene, .options = &options};
     const struct shade shade = {.g = &g};
-    const struct shade_lens lens = {.film = film};
+    const struct shade_camera_sample lens = {.film = film};
     const struct ray ray = camera_ray(scene, film.x, film.y, 0.0f, 0.0f, NULL);
     struct interaction s;
     struct gather_point point;

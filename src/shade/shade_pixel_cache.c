@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// The per-pixel cache: see shade_pixel_cache.h.
+#include "shade/shade_pixel_cache.h"
+
+// Directions alike: within 3.6 degrees.
+#define ALIKE 0.998f
+#define ROUGH 0.02f  // difference of roughness, relative
+#define NEAR 2.0f    // pixels
+
+struct shade_pixel_entry *shade_pixel_cache_find(struct shade_pixel_cache *cache,
+                                                 const struct gather_point *p, float pixel) {
+    vec3 wo = frame_to_world(&p->frame, p->wo_l);
+    for (int i = 0; i < cache->count; i++) {
+        struct shade_pixel_entry *e = &cache->entry[i];
+        if (e->side == p->side && fabsf(e->alpha - p->brdf.alpha_u) < ROUGH * e->alpha &&
+            fabsf(e->exponent - p->brdf.exponent) <= 2.0f * ROUGH * e->exponent &&
+            v3_dot(e->n, p->frame.n) > ALIKE && v3_dot(e->wo, wo) > ALIKE &&
+            v3_dist2(e->p, p->interaction.p) < sqrf(NEAR * pixel))
+            return e;
+    }
+    struct shade_pixel_entry *e = &cache->entry[cache->next];
+    cache->next = (cache->next + 1) % SHADE_PIXEL_ENTRIES;
+    if (cache->count < SHADE_PIXEL_ENTRIES) cache->count++;
+    *e = (struct shade_pixel_entry){p->interaction.p, p->frame.n,       wo,         p->side,
+                                    p->brdf.alpha_u,  p->brdf.exponent, .knows = 0u};
+    return e;
+}
