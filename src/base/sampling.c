@@ -53,13 +53,12 @@ double sample_cdf_build(const float *weight, size_t n, float *cdf) {
 }
 
 size_t sample_cdf(const float *cdf, size_t n, float u, float *u_rest) {
-    size_t lo = 0, hi = n;
-    while (hi - lo > 1) {
-        size_t mid = lo + (hi - lo) / 2;
-        if (cdf[mid] <= u)
-            lo = mid;
-        else
-            hi = mid;
+    // Without branches: which way a step goes is by chance, and half of the guesses would be wrong.
+    size_t lo = 0;
+    for (size_t left = n; left > 1;) {
+        const size_t half = left / 2;
+        lo += cdf[lo + half] <= u ? half : 0;
+        left -= half;
     }
     if (u_rest) {
         float width = cdf[lo + 1] - cdf[lo];

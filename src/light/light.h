@@ -51,6 +51,7 @@ struct light {
     // The rest is filled by light_prepare.
     const float *row_cdf,
         *column_cdf;                // envmap, cells between texels: rows + 1; rows * (width + 1)
+    const float *row_weight;        // envmap: of the rows of texels in the density, rows + 1
     const struct light_face *face;  // area: set if all triangles pair into few faces, else NULL
     uint32_t face_count;
     vec3 center;         // area: of its bounds

@@ -49,21 +49,24 @@ static rgb interpolate(const struct light *light, const struct texel_place *at) 
     return rgb_mul(c, light->value);
 }
 
-// The sampling weight of a texel. Poles get an eighth of their neighbours' sine instead of 0, so
+// What a row of texels counts by. Poles get an eighth of their neighbours' sine instead of 0, so
 // that the light of an image of two rows has a density too.
-static float weight(const struct image *image, int column, int row) {
+static float row_weight(const struct image *image, int row) {
     float step = PI_F / (float)cell_rows(image);
-    float s = fmaxf(sinf(step * (float)row), sinf(0.125f * step));
-    return fmaxf(rgb_luminance(texel(image, column, row)), 0.0f) * s;
+    return fmaxf(sinf(step * (float)row), sinf(0.125f * step));
 }
 
 struct cell {
-    float w00, w10, w01, w11;  // corner weights
+    float w00, w10, w01, w11;  // sampling weights of the corners
 };
 
-static struct cell cell_of(const struct image *image, int column, int row) {
-    return (struct cell){weight(image, column, row), weight(image, column + 1, row),
-                         weight(image, column, row + 1), weight(image, column + 1, row + 1)};
+static struct cell cell_of(const struct light *light, int column, int row) {
+    const struct image *image = light->image;
+    const float low = light->row_weight[row], high = light->row_weight[row + 1];
+    return (struct cell){fmaxf(rgb_luminance(texel(image, column, row)), 0.0f) * low,
+                         fmaxf(rgb_luminance(texel(image, column + 1, row)), 0.0f) * low,
+                         fmaxf(rgb_luminance(texel(image, column, row + 1)), 0.0f) * high,
+                         fmaxf(rgb_luminance(texel(image, column + 1, row + 1)), 0.0f) * high};
 }
 
 static float cell_mean(const struct cell *c) { return 0.25f * (c->w00 + c->w10 + c->w01 + c->w11); }
@@ -90,10 +93,10 @@ static float cell_probability(const struct light *light, int column, int row) {
     return p * (float)image->width * (float)cell_rows(image);
 }
 
-static float place_pdf(const struct light *light, const struct texel_place *at) {
+static float place_pdf(const struct light *light, const struct texel_place *at,
+                       const struct cell *cell) {
     if (!(at->sin_theta > 0.0f)) return 0.0f;
-    struct cell c = cell_of(light->image, at->column, at->row);
-    return cell_probability(light, at->column, at->row) * cell_density(&c, at->fx, at->fy) /
+    return cell_probability(light, at->column, at->row) * cell_density(cell, at->fx, at->fy) /
            (2.0f * PI_F * PI_F * at->sin_theta);
 }
 
@@ -140,12 +143,15 @@ static satin_status prepare_image(struct satin_scene *scene, struct light *light
     float *row_cdf = arena_array(&scene->arena, rows + 1, sizeof *row_cdf);
     float *row_sum = arena_array(&scene->arena, rows, sizeof *row_sum);
     float *line = arena_array(&scene->arena, columns, sizeof *line);
+    float *weight = arena_array(&scene->arena, rows + 1, sizeof *weight);
     float *column_cdf = arena_array(&scene->arena, rows * (columns + 1), sizeof *column_cdf);
-    if (!row_cdf || !row_sum || !line || !column_cdf) return SATIN_ERROR_MEMORY;
+    if (!row_cdf || !row_sum || !line || !weight || !column_cdf) return SATIN_ERROR_MEMORY;
+    for (size_t r = 0; r <= rows; r++) weight[r] = row_weight(image, (int)r);
+    light->row_weight = weight;
     double cell_area = 2.0 * M_PI * M_PI / (double)(rows * columns), flux = 0.0, power = 0.0;
     for (size_t r = 0; r < rows; r++) {
         for (size_t c = 0; c < columns; c++) {
-            struct cell cell = cell_of(image, (int)c, (int)r);
+            struct cell cell = cell_of(light, (int)c, (int)r);
             line[c] = cell_mean(&cell);
             vec3 d = direction_at(light, ((float)c + 1.0f) / (float)columns,
                                   ((float)r + 0.5f) / (float)rows);
@@ -179,10 +185,16 @@ static float mixed_pdf(const struct light *light, const struct light_window *win
     return sun ? pdf_w + light->sun_fraction / sun_solid_angle(light) : pdf_w;
 }
 
-static float radiance_pdf(const struct light *light, vec3 wi) {
-    if (light->kind == LIGHT_CONSTANT) return 0.25f / PI_F;
-    struct texel_place at = texel_place_of(light, wi);
-    return place_pdf(light, &at);
+// The density of drawing a direction by the radiance. *L, if not NULL, gets the radiance there.
+static float radiance_pdf(const struct light *light, vec3 wi, rgb *L) {
+    if (light->kind == LIGHT_CONSTANT) {
+        if (L) *L = light->value;
+        return 0.25f / PI_F;
+    }
+    const struct texel_place at = texel_place_of(light, wi);
+    const struct cell cell = cell_of(light, at.column, at.row);
+    if (L) *L = interpolate(light, &at);
+    return place_pdf(light, &at, &cell);
 }
 
 // Whether u < probability; u is then stretched to [0, 1) again, in either case.
@@ -210,13 +222,13 @@ static vec3 sample_radiance(const struct light *light, float u, float v, float *
     int row = (int)sample_cdf(light->row_cdf, (size_t)cell_rows(image), v, &v);
     const float *columns = light->column_cdf + (size_t)row * (size_t)(image->width + 1);
     int column = (int)sample_cdf(columns, (size_t)image->width, u, &u);
-    struct cell c = cell_of(image, column, row);
+    struct cell c = cell_of(light, column, row);
     struct texel_place at = {.column = column, .row = row};
     at.fy = sample_linear(v, c.w00 + c.w10, c.w01 + c.w11);
     at.fx = sample_linear(u, lerpf(c.w00, c.w01, at.fy), lerpf(c.w10, c.w11, at.fy));
     float y = ((float)row + at.fy) / (float)cell_rows(image);
     at.sin_theta = sinf(PI_F * y);
-    *pdf_w = place_pdf(light, &at);
+    *pdf_w = place_pdf(light, &at, &c);
     *L = interpolate(light, &at);
     return direction_at(light, ((float)column + at.fx + 0.5f) / (float)image->width, y);
 }
@@ -232,8 +244,7 @@ bool light_environment_sample(const struct satin_scene *scene, const struct ligh
     *out = (struct light_sample){.dist = INFINITY};
     if (sun || (window && takes(window->fraction, &u))) {
         out->wi = sun ? sun_direction(light, u, v) : light_window_sample(window, u, v);
-        out->pdf_w = radiance_pdf(light, out->wi);
-        out->L = sky_radiance(light, out->wi);
+        out->pdf_w = radiance_pdf(light, out->wi, &out->L);
     } else {
         out->wi = sample_radiance(light, u, v, &out->pdf_w, &out->L);
     }
@@ -246,7 +257,7 @@ bool light_environment_sample(const struct satin_scene *scene, const struct ligh
 float light_environment_pdf(const struct satin_scene *scene, const struct light_window *window,
                             vec3 wi) {
     const struct light *light = &scene->light[scene->environment];
-    return mixed_pdf(light, window, wi, in_sun(light, wi), radiance_pdf(light, wi));
+    return mixed_pdf(light, window, wi, in_sun(light, wi), radiance_pdf(light, wi, NULL));
 }
 
 rgb light_environment(const struct satin_scene *scene, vec3 w) {
