@@ -158,7 +158,8 @@ static rgb estimate(const struct photon_query *query, const struct reflection *a
     int row[PHOTON_K_MAX];
     float distance2[PHOTON_K_MAX];
     float q[3] = {query->p.x, query->p.y, query->p.z};
-    photon_index_nearest(query->map->index, q, 1, query->k, row, distance2);
+    photon_index_nearest(query->map->index, q, 1, query->k, photon_map_far2(query->map), row,
+                         distance2);
     struct photon_disc disc;
     photon_disc_make(query, row, distance2, &disc);
     *radius = disc.r;

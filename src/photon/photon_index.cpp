@@ -170,7 +170,9 @@ void build(photon_index &index, const float *data, size_t rows) {
 // The nearest row.
 struct Nearest {
     int row = -1;
-    float distance2 = INFINITY;
+    float distance2;
+
+    explicit Nearest(float far2) : distance2(far2) {}
 
     void add(float dist, int at) {
         if (!(dist < distance2)) return;
@@ -184,7 +186,8 @@ struct Nearest {
 // farthest on top.
 class NearestK {
    public:
-    NearestK(int k, int *row, float *distance2) : k_(k), row_(row), distance2_(distance2) {}
+    NearestK(int k, float far2, int *row, float *distance2)
+        : k_(k), far2_(far2), row_(row), distance2_(distance2) {}
 
     void add(float dist, int at) {
         if (count_ < k_) {
@@ -196,7 +199,7 @@ class NearestK {
             sink(0, dist, at);
         }
     }
-    float worst() const { return count_ == k_ ? distance2_[0] : INFINITY; }
+    float worst() const { return count_ == k_ ? distance2_[0] : far2_; }
 
    private:
     // Puts an entry at place i or below it.
@@ -212,6 +215,7 @@ class NearestK {
     }
 
     int k_, count_ = 0;
+    float far2_;
     int *row_;
     float *distance2_;
 };
@@ -267,7 +271,7 @@ void search(const photon_index &index, const float *query, Found &found) {
         if (query[i] > index.high[i]) s.part[i] = square(query[i] - index.high[i]);
         distance2 += s.part[i];
     }
-    visit(s, 0, distance2);
+    if (distance2 <= found.worst()) visit(s, 0, distance2);
 }
 
 bool finite(const float *q, size_t n) {
@@ -277,14 +281,16 @@ bool finite(const float *q, size_t n) {
 }
 
 template <size_t N>
-void find(const photon_index &index, const float *query, int k, int *row, float *distance2) {
+void find(const photon_index &index, const float *query, int k, float far2, int *row,
+          float *distance2) {
     if (k == 1) {
-        Nearest nearest;
+        Nearest nearest(far2);
         search<N>(index, query, nearest);
+        if (nearest.row < 0) return;
         row[0] = nearest.row;
         distance2[0] = nearest.distance2;
     } else {
-        NearestK nearest(k, row, distance2);
+        NearestK nearest(k, far2, row, distance2);
         search<N>(index, query, nearest);
     }
 }
@@ -317,7 +323,7 @@ size_t photon_index_bytes(const struct photon_index *index) {
 }
 
 void photon_index_nearest(const struct photon_index *index, const float *query, size_t count, int k,
-                          int *row, float *distance2) {
+                          float far2, int *row, float *distance2) {
     const size_t columns = index->columns;
     for (size_t i = 0; i < count; i++, query += columns, row += k, distance2 += k) {
         for (int j = 0; j < k; j++) {
@@ -326,8 +332,8 @@ void photon_index_nearest(const struct photon_index *index, const float *query, 
         }
         if (!finite(query, columns)) continue;
         if (columns == 3)
-            find<3>(*index, query, k, row, distance2);
+            find<3>(*index, query, k, far2, row, distance2);
         else
-            find<6>(*index, query, k, row, distance2);
+            find<6>(*index, query, k, far2, row, distance2);
     }
 }

@@ -11,10 +11,11 @@ struct photon_index;  // a kd-tree over a copy of rows of floats
 struct photon_index *photon_index_new(const float *data, size_t rows, int columns);
 void photon_index_free(struct photon_index *index);  // NULL is allowed
 size_t photon_index_bytes(const struct photon_index *index);
-// The k nearest rows of `count` queries: k row numbers and squared distances for each, in no order.
-// Beyond the rows there are, rows are -1 and distances INFINITY. A query that is not finite finds
-// nothing. Allocates nothing and cannot fail. Safe from many threads.
+// The k nearest rows of `count` queries, of those whose squared distance is less than far2
+// (INFINITY: of all): k row numbers and squared distances for each, in no order. Beyond the rows
+// there are, rows are -1 and distances INFINITY. A query that is not finite finds nothing.
+// Allocates nothing and cannot fail. Safe from many threads.
 void photon_index_nearest(const struct photon_index *index, const float *query, size_t count, int k,
-                          int *row, float *distance2);
+                          float far2, int *row, float *distance2);
 
 #endif

@@ -113,7 +113,8 @@ static void precompute_chunk(void *ctx, size_t begin, size_t end, int worker) {
             query[3 * i + 1] = p.y;
             query[3 * i + 2] = p.z;
         }
-        photon_index_nearest(what->map->index, query, n, what->k, row, distance2);
+        photon_index_nearest(what->map->index, query, n, what->k, photon_map_far2(what->map), row,
+                             distance2);
         struct clearing clearing =
             find_clearing(what, at + middle, row + middle * k, distance2 + middle * k);
         for (size_t i = 0; i < n; i++)
@@ -158,6 +159,13 @@ static float normal_scale(const struct photon_irradiance *r, const struct satin_
     return scale > 0.0f && isfinite(scale) ? scale : scene->radius;
 }
 
+// Where light ends no entry answers farther than this, squared, in the space of the rows: an entry
+// that faces as the query does has a normal that differs by less than the scale.
+static float far_of(const struct photon_precompute *what, const struct photon_irradiance *r) {
+    if (!r->ends) return INFINITY;
+    return FAR * r->reach2 * photon_map_far2(what->map) + sqrf(r->place.scale);
+}
+
 // The rows of the index, their scale known by now.
 static void fill_rows(const struct photon_precompute *what, struct photon_irradiance *r) {
     r->place.scale = normal_scale(r, what->scene);
@@ -196,6 +204,7 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
     }
     if (status == SATIN_OK) {
         fill_rows(what, &r);
+        r.far2 = far_of(what, &r);
         r.index = photon_index_new(r.place.row, r.count, 6);
         if (!r.index) status = SATIN_ERROR_MEMORY;
     }
@@ -268,7 +277,7 @@ static int search_facing(const struct photon_irradiance *r, const float *query, 
     int row[RETRY_K], best = -1;
     float distance2[RETRY_K], least = INFINITY;
     const int k = r->ends ? RETRY_ENDS : RETRY_K;
-    photon_index_nearest(r->index, query, 1, k, row, distance2);
+    photon_index_nearest(r->index, query, 1, k, r->far2, row, distance2);
     for (int i = 0; i < k; i++) {
         if (row[i] < 0 || distance2[i] >= least || !faces(r, row[i], n)) continue;
         if (scene && photon_place_hidden(&r->place, scene, (size_t)row[i], p, n)) continue;
@@ -283,7 +292,7 @@ int photon_irradiance_entry(const struct photon_irradiance *r, vec3 p, vec3 n) {
     int row;
     if (r->count == 0) return -1;
     set_row(query, p, n, r->place.scale);
-    photon_index_nearest(r->index, query, 1, 1, &row, &distance2);
+    photon_index_nearest(r->index, query, 1, 1, r->far2, &row, &distance2);
     if (row >= 0 && r->ends && is_far(r, row, p)) return -1;
     return row >= 0 && !faces(r, row, n) ? search_facing(r, query, n, NULL) : row;
 }
@@ -307,7 +316,7 @@ static void look_up(const struct photon_irradiance *r, const struct satin_scene 
             row[i] = -1;
             set_row(query + 6 * i, p[at + i], n[at + i], r->place.scale);
         }
-        if (r->count > 0) photon_index_nearest(r->index, query, batch, 1, row, distance2);
+        if (r->count > 0) photon_index_nearest(r->index, query, batch, 1, r->far2, row, distance2);
         for (size_t i = 0; i < batch; i++) {
             size_t j = at + i;
             if (row[i] >= 0 && (!faces(r, row[i], n[j]) ||

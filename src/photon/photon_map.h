@@ -76,6 +76,10 @@ struct photon_map {
     size_t stride;
     float radius_max;  // of an estimate
 };
+// The bound of an estimate's squared radius.
+static inline float photon_map_far2(const struct photon_map *map) {
+    return map->radius_max * map->radius_max;
+}
 
 // Sorts the hits into a map, or an empty one; takes nothing over. SATIN_ERROR_MEMORY.
 satin_status photon_map_build(const struct satin_scene *scene, const struct photon_hit *hit,
@@ -180,6 +184,7 @@ struct photon_irradiance {
     float *radius;  // of its estimate
     float reach2;   // of an entry, in units of its squared radius
     bool ends;      // nothing is left of it at three times its reach
+    float far2;     // squared distance of rows beyond which no entry answers
     struct photon_index *index;
 };
 

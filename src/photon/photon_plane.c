@@ -42,7 +42,8 @@ static int find_neighbours(const struct photon_fitting *job, size_t site, struct
     const struct photon_sites *sites = job->sites;
     int row[NEIGHBOURS], count = 0;
     float distance2[NEIGHBOURS], far2 = 0.0f;
-    photon_index_nearest(sites->index, sites->place.row + 6 * site, 1, NEIGHBOURS, row, distance2);
+    photon_index_nearest(sites->index, sites->place.row + 6 * site, 1, NEIGHBOURS, INFINITY, row,
+                         distance2);
     for (int i = 0; i < NEIGHBOURS; i++)
         if (row[i] >= 0) far2 = fmaxf(far2, distance2[i]);
     const vec3 p = photon_place(&sites->place, site), n = normal_at(sites, site);
@@ -143,7 +144,7 @@ static rgb read_value(const struct photon_reading *job, size_t i) {
     int row[MIXED];
     float distance2[MIXED], far2 = 0.0f, sum = 0.0f, kept = 0.0f, noise = 0.0f;
     rgb plane = rgb_grey(0.0f);
-    photon_index_nearest(sites->index, job->place->row + 6 * i, 1, MIXED, row, distance2);
+    photon_index_nearest(sites->index, job->place->row + 6 * i, 1, MIXED, INFINITY, row, distance2);
     for (int k = 0; k < MIXED; k++)
         if (row[k] >= 0) far2 = fmaxf(far2, distance2[k]);
     for (int k = 0; k < MIXED; k++) {

@@ -93,7 +93,8 @@ static void estimate_site(const struct estimating *job, size_t site, int *row, f
                                        what->area ? AREA_IF_NEEDED : AREA_WHOLE};
     const float at[3] = {p.x, p.y, p.z};
     struct photon_disc disc;
-    photon_index_nearest(what->map->index, at, 1, what->k, row, distance2);
+    photon_index_nearest(what->map->index, at, 1, what->k, photon_map_far2(what->map), row,
+                         distance2);
     photon_disc_make(&query, row, distance2, &disc);
     const rgb E = photon_disc_irradiance(&disc);
     if (!(rgb_square(E) > 0.0f)) return;

@@ -34,7 +34,7 @@ static void search_is_exact(void **state) {
         for (int i = 0; i < QUERIES * columns; i++) query[i] = rng_float(&rng) * 1.2f - 0.1f;
         struct photon_index *index = photon_index_new(data, ROWS, columns);
         assert_non_null(index);
-        photon_index_nearest(index, query, QUERIES, K, row, distance2);
+        photon_index_nearest(index, query, QUERIES, K, INFINITY, row, distance2);
         for (int i = 0; i < QUERIES; i++) {
             float most = 0.0f;
             const float *q = query + i * columns;
@@ -59,7 +59,7 @@ static void few_rows_and_wild_queries(void **state) {
     struct photon_index *index = photon_index_new(data, 3, 3);
     int row[15];
     float distance2[15];
-    photon_index_nearest(index, query, 3, 5, row, distance2);
+    photon_index_nearest(index, query, 3, 5, INFINITY, row, distance2);
     int found = 0;
     for (int i = 0; i < 15; i++) {
         assert_true((row[i] < 0) == isinf(distance2[i]));
@@ -67,7 +67,7 @@ static void few_rows_and_wild_queries(void **state) {
         if (row[i] >= 0) assert_in_range(i, 0, 4);
     }
     assert_int_equal(found, 3);
-    photon_index_nearest(index, query, 3, 1, row, distance2);
+    photon_index_nearest(index, query, 3, 1, INFINITY, row, distance2);
     assert_int_equal(row[0], 0);
     assert_int_equal(row[1], -1);
     assert_int_equal(row[2], -1);
