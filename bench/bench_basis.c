@@ -70,11 +70,11 @@ static bool gather_light(const struct gather *g, float u, float v, struct incide
     float lambda[3 * N2];
     for (uint64_t layer = 0; layer < LAYERS; layer++) {
         const struct gather_site site = {s.p, n, frame_from_normal(n), layer};
-        gather_hemisphere_radiance(g, layout, scratch, &site,
-                                   &(struct gather_radiance){.lambda = lambda});
+        const struct gather_hemisphere h = gather_hemisphere_trace(g, layout, &site, scratch);
+        gather_hemisphere_radiance(g, &h, &(struct gather_radiance){.lambda = lambda});
         for (size_t i = 0, k = layer * RAYS; i < RAYS; i++, k++) {
-            x[k] = scratch->x[i], y[k] = scratch->y[i], z[k] = scratch->z[i];
-            out->L[k] = 2.0f * PI_F / COUNT * rgb_luminance(scratch->rays[i].L);
+            x[k] = h.x[i], y[k] = h.y[i], z[k] = h.z[i];
+            out->L[k] = 2.0f * PI_F / COUNT * rgb_luminance(h.ray[i].L);
         }
     }
     project(out->L, out->lambda);

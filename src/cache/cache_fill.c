@@ -49,8 +49,10 @@ static void gather_more(const struct batch *b, struct job *job, struct gather_si
     const struct cache *c = b->cache;
     struct gather_irradiance more, *first = &job->irradiance;
     site.stream = rng_mix(site.stream ^ 0x9e3779b97f4a7c15ull);
-    gather_hemisphere_irradiance(c->g, c->irradiance_whole, scratch, &site, &more);
-    gather_around_make(c->irradiance_whole, scratch, bends, &job->around);
+    const struct gather_hemisphere hemisphere =
+        gather_hemisphere_trace(c->g, c->irradiance_whole, &site, scratch);
+    gather_hemisphere_irradiance(c->g, &hemisphere, &more);
+    gather_around_make(&hemisphere, bends, &job->around);
     const float t = (float)more.rays / (float)(more.rays + first->rays);
     first->E = mix(first->E, more.E, t);
     for (int k = 0; k < 3; k++) {
@@ -62,12 +64,11 @@ static void gather_more(const struct batch *b, struct job *job, struct gather_si
 
 // What the harmonics leave out of what the eye sees at the site.
 static struct cache_residual residual_of(const struct batch *b, const struct job *job,
-                                         const struct gather_layout *layout,
-                                         const struct gather_scratch *scratch) {
+                                         const struct gather_hemisphere *hemisphere) {
     const struct cache_site *s = job->site;
     if (!s->view.table || !s->view.name) return (struct cache_residual){.name = 0};
     const rgb whole =
-        gather_hemisphere_reflected(layout, scratch, &s->view.brdf, s->view.wo, BRDF_GLOSSY);
+        gather_hemisphere_reflected(hemisphere, &s->view.brdf, s->view.wo, BRDF_GLOSSY);
     return cache_residual_make(&job->radiance, b->cache->order, &s->frame, &s->view, whole);
 }
 
@@ -81,15 +82,16 @@ static bool gather_record(const struct batch *b, struct job *job, uint64_t strea
     const bool bends = c->g->options->irradiance_radius == SATIN_RADIUS_HESSIAN;
     const float a = irradiance ? b->fill->a_irradiance : b->fill->a_radiance;
     const struct gather_layout *layout = cache_rays_layout(c, b->kind, s, a * b->fill->widest);
+    const struct gather_hemisphere hemisphere =
+        gather_hemisphere_trace(c->g, layout, &site, scratch);
+    gather_around_make(&hemisphere, bends, &job->around);
     if (irradiance) {
-        gather_hemisphere_irradiance(c->g, layout, scratch, &site, &job->irradiance);
-        gather_around_make(layout, scratch, bends, &job->around);
+        gather_hemisphere_irradiance(c->g, &hemisphere, &job->irradiance);
         if (job->around.deviation > UNSURE) gather_more(b, job, site, scratch, bends);
         return cache_valid_irradiance(&job->irradiance, &job->around);
     }
-    gather_hemisphere_radiance(c->g, layout, scratch, &site, &job->radiance);
-    gather_around_make(layout, scratch, bends, &job->around);
-    job->residual = residual_of(b, job, layout, scratch);
+    gather_hemisphere_radiance(c->g, &hemisphere, &job->radiance);
+    job->residual = residual_of(b, job, &hemisphere);
     return cache_valid_radiance(&job->radiance, c->order, &job->around) &&
            rgb_finite(job->residual.L);
 }

@@ -150,6 +150,42 @@ void gather_rays(const struct gather *g, struct gather_scratch *scratch, struct 
 
 // ---- Hemispheres (gather_hemisphere.c) ---------------------------------------------------------
 
+struct gather_site {
+    vec3 p, ng;
+    struct frame frame;  // hemisphere about frame.n
+    uint64_t stream;     // random stream of this site
+};
+
+// Constants of a stratified hemisphere: uniform for harmonics of `order`, or cosine-weighted if
+// order is 0.
+struct gather_layout;
+struct gather_layout *gather_layout_new(int rays, satin_basis basis, int order);
+void gather_layout_free(struct gather_layout *layout);
+size_t gather_layout_rays(const struct gather_layout *layout);
+
+// A hemisphere of gather rays and what they found. The stratified rays come first: cell (j, k) of
+// the layout is ray j * N + k; guided rays follow. The arrays have `count` entries unless said
+// otherwise. They belong to the scratch that the rays were traced with, and hold until that is used
+// again.
+struct gather_hemisphere {
+    const struct gather_layout *layout;
+    struct frame frame;        // of the site: local directions are in it
+    size_t stratified, count;  // rays that are stratified, and all
+    const struct gather_ray
+        *ray;                // L is weighted so that every ray counts as a stratified one does
+    const float *x, *y, *z;  // local directions
+    const float *r, *g, *b;  // L times the solid angle of a stratified ray, 2 pi / stratified;
+                             // undefined in a cosine-weighted layout
+    float *work;             // 6 * count: for what is computed from the hemisphere
+};
+
+// Traces the stratified rays of `layout` from the site, and guided ones beside them if the options
+// ask for them. The scratch must have room for the layout's rays.
+struct gather_hemisphere gather_hemisphere_trace(const struct gather *g,
+                                                 const struct gather_layout *layout,
+                                                 const struct gather_site *site,
+                                                 struct gather_scratch *scratch);
+
 // Irradiance on a point, with gradients.
 struct gather_irradiance {
     rgb E;
@@ -170,8 +206,7 @@ struct gather_radiance {
 
 enum { GATHER_SECTORS = 32 };
 
-// What the rays tell of the surroundings (gather_around.c). Distances are INFINITY if nothing was
-// hit.
+// What the rays found around the site (gather_around.c). Distances are INFINITY if nothing was hit.
 struct gather_around {
     float harmonic;       // harmonic mean of hit distances
     float least;          // least of them,
@@ -181,34 +216,19 @@ struct gather_around {
     float bend[3];  // d2E/dx2, d2E/dxdy, d2E/dy2 of luminance in the frame; of irradiance, if asked
 };
 
-struct gather_site {
-    vec3 p, ng;
-    struct frame frame;  // hemisphere about frame.n
-    uint64_t stream;     // random stream of this site
-};
-
-// Constants of a stratified hemisphere: uniform for harmonics of `order`, or cosine-weighted if
-// order is 0.
-struct gather_layout;
-struct gather_layout *gather_layout_new(int rays, satin_basis basis, int order);
-void gather_layout_free(struct gather_layout *layout);
-size_t gather_layout_rays(const struct gather_layout *layout);
-
-void gather_hemisphere_irradiance(const struct gather *g, const struct gather_layout *layout,
-                                  struct gather_scratch *scratch, const struct gather_site *site,
+// Irradiance by a hemisphere of a cosine-weighted layout.
+void gather_hemisphere_irradiance(const struct gather *g,
+                                  const struct gather_hemisphere *hemisphere,
                                   struct gather_irradiance *out);
-void gather_hemisphere_radiance(const struct gather *g, const struct gather_layout *layout,
-                                struct gather_scratch *scratch, const struct gather_site *site,
+// Incident radiance by a hemisphere of a uniform layout.
+void gather_hemisphere_radiance(const struct gather *g, const struct gather_hemisphere *hemisphere,
                                 struct gather_radiance *out);
-
-// Radiance that `lobes` of a BRDF in the site's frame reflect towards wo: the sum over the rays of
-// the hemisphere that `scratch` holds, gathered last by `layout`, a uniform one.
-rgb gather_hemisphere_reflected(const struct gather_layout *layout,
-                                const struct gather_scratch *scratch, const struct brdf *brdf,
+// Radiance that `lobes` of a BRDF in the site's frame reflect towards wo (local): the sum over the
+// rays of a hemisphere of a uniform layout.
+rgb gather_hemisphere_reflected(const struct gather_hemisphere *hemisphere, const struct brdf *brdf,
                                 vec3 wo, unsigned lobes);
-
-// Of the hemisphere that `scratch` holds, gathered last by `layout`. `bends` asks for the Hessian.
-void gather_around_make(const struct gather_layout *layout, const struct gather_scratch *scratch,
-                        bool bends, struct gather_around *out);
+// Fills *out; `bends` asks for the Hessian, which only a cosine-weighted layout gives.
+void gather_around_make(const struct gather_hemisphere *hemisphere, bool bends,
+                        struct gather_around *out);
 
 #endif

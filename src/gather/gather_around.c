@@ -6,37 +6,34 @@
 // polygons seen by the cosine law, and the second derivative of such a polygon edge is a constant
 // of the wall over the squared distance.
 #include "gather/gather_layout.h"
-#include "gather/gather_scratch.h"
 
 // Rays that leave and arrive more grazing than this say little of near geometry [Tabellion and
 // Lamorlette 2004].
 static const float GRAZING = 0.2f;
 
-static void distances(const struct gather_layout *l, const struct gather_scratch *scratch,
-                      struct gather_around *out) {
+static void distances(const struct gather_hemisphere *h, struct gather_around *out) {
     double sum = 0.0;
-    const size_t count = gather_layout_rays(l);
-    for (size_t i = 0; i < count; i++) {
-        const struct gather_ray *ray = &scratch->rays[i];
+    for (size_t i = 0; i < h->stratified; i++) {
+        const struct gather_ray *ray = &h->ray[i];
         float r = ray->first.r;
         sum += 1.0 / (double)r;  // a miss adds 0
         out->least = fminf(out->least, r);
-        if (scratch->z[i] > GRAZING || fabsf(v3_dot(ray->ray.d, ray->first.ng)) > GRAZING)
+        if (h->z[i] > GRAZING || fabsf(v3_dot(ray->ray.d, ray->first.ng)) > GRAZING)
             out->least_upright = fminf(out->least_upright, r);
     }
-    if (sum > 0.0) out->harmonic = (float)((double)count / sum);
+    if (sum > 0.0) out->harmonic = (float)((double)h->stratified / sum);
 }
 
 // The least distances along the tangent plane, by azimuth, of what stands there: rays steeper than
 // 45 degrees find what hangs over it.
-static void sectors(const struct gather_layout *l, const struct gather_scratch *scratch,
-                    struct gather_around *out) {
+static void sectors(const struct gather_hemisphere *h, struct gather_around *out) {
+    const struct gather_layout *l = h->layout;
     for (int k = 0; k < l->N; k++) {
         float near = INFINITY;
         for (int j = 0; j < l->M; j++) {
             size_t i = (size_t)(j * l->N + k);
-            float sine = sqrtf(scratch->x[i] * scratch->x[i] + scratch->y[i] * scratch->y[i]);
-            if (scratch->z[i] < sine) near = fminf(near, scratch->rays[i].first.r * sine);
+            float sine = sqrtf(h->x[i] * h->x[i] + h->y[i] * h->y[i]);
+            if (h->z[i] < sine) near = fminf(near, h->ray[i].first.r * sine);
         }
         int first = k * GATHER_SECTORS / l->N, last = (k + 1) * GATHER_SECTORS / l->N;
         for (int s = first; s <= last; s++) {
@@ -48,20 +45,20 @@ static void sectors(const struct gather_layout *l, const struct gather_scratch *
 
 // The standard deviation of E over E, by the spread of interleaved parts of the rays. The thesis
 // compares every second ray with all of them [K05 6.4], which is 0 now and then by chance.
-static float deviation(const struct gather_layout *l, const struct gather_scratch *scratch) {
+static float deviation(const struct gather_hemisphere *h) {
+    const struct gather_layout *l = h->layout;
     enum { PARTS = 8 };
     double sum[PARTS] = {0}, weight[PARTS] = {0}, all = 0.0, total = 0.0, square = 0.0;
     for (int j = 0; j < l->M; j++)
         for (int k = 0; k < l->N; k++) {
             size_t i = (size_t)(j * l->N + k);
-            double w = l->order ? (double)scratch->z[i] : 1.0;
-            sum[(3 * j + k) % PARTS] += w * (double)rgb_luminance(scratch->rays[i].L);
+            double w = l->order ? (double)h->z[i] : 1.0;
+            sum[(3 * j + k) % PARTS] += w * (double)rgb_luminance(h->ray[i].L);
             weight[(3 * j + k) % PARTS] += w;
         }
-    const size_t even = gather_layout_rays(l);
-    for (size_t i = even; i < even + scratch->guide.made; i++) {
-        double w = l->order ? (double)scratch->z[i] : 1.0;
-        sum[i % PARTS] += w * (double)rgb_luminance(scratch->rays[i].L);
+    for (size_t i = h->stratified; i < h->count; i++) {
+        double w = l->order ? (double)h->z[i] : 1.0;
+        sum[i % PARTS] += w * (double)rgb_luminance(h->ray[i].L);
     }
     for (int i = 0; i < PARTS; i++) {
         all += sum[i];
@@ -107,11 +104,11 @@ static void bend(const struct gather_layout *l, const struct gather_ray *cell, f
 
 // The same by a ray that stands for a patch around its hit q: f = cos(theta) Omega, its logarithm
 // derived twice. Letters as in gather_solid_angle.c, v = q - p.
-static void add_point(const struct gather_scratch *scratch, size_t i, float weight, float out[3]) {
-    const struct gather_ray *ray = &scratch->rays[i];
+static void add_point(const struct gather_hemisphere *h, size_t i, float weight, float out[3]) {
+    const struct gather_ray *ray = &h->ray[i];
     const float r = ray->first.r;
-    const vec3 w = v3(scratch->x[i], scratch->y[i], scratch->z[i]);
-    const vec3 n = frame_to_local(&scratch->guide.frame, ray->first.ng);
+    const vec3 w = v3(h->x[i], h->y[i], h->z[i]);
+    const vec3 n = frame_to_local(&h->frame, ray->first.ng);
     const float c = -v3_dot(n, w);
     if (!(isfinite(r) && r > 0.0f && fabsf(c) > GRAZING)) return;
     const float value = weight * rgb_luminance(ray->L) / (r * r);
@@ -121,17 +118,15 @@ static void add_point(const struct gather_scratch *scratch, size_t i, float weig
     out[2] += value * (gy * gy - n.y * n.y / (c * c) + 8.0f * w.y * w.y - 4.0f);
 }
 
-void gather_around_make(const struct gather_layout *l, const struct gather_scratch *scratch,
-                        bool bends, struct gather_around *out) {
+void gather_around_make(const struct gather_hemisphere *h, bool bends, struct gather_around *out) {
     *out = (struct gather_around){.harmonic = INFINITY, .least = INFINITY};
     out->least_upright = INFINITY;
     for (int s = 0; s < GATHER_SECTORS; s++) out->sector[s] = INFINITY;
-    distances(l, scratch, out);
-    sectors(l, scratch, out);
-    out->deviation = deviation(l, scratch);
-    if (!bends || l->order) return;
-    bend(l, scratch->rays, out->bend);
-    const size_t even = gather_layout_rays(l);
-    for (size_t i = even; i < even + scratch->guide.made; i++)
-        add_point(scratch, i, PI_F / (float)even, out->bend);
+    distances(h, out);
+    sectors(h, out);
+    out->deviation = deviation(h);
+    if (!bends || h->layout->order) return;
+    bend(h->layout, h->ray, out->bend);
+    for (size_t i = h->stratified; i < h->count; i++)
+        add_point(h, i, PI_F / (float)h->stratified, out->bend);
 }

@@ -5,29 +5,20 @@
 #define GATHER_GRADIENTS_H
 
 #include "gather/gather_layout.h"
-#include "gather/gather_scratch.h"
-
-// A hemisphere that was gathered: cell (j, k) is ray j * N + k of the scratch, guided rays follow.
-struct gather_cells {
-    const struct gather_layout *layout;
-    const struct frame *frame;
-    struct gather_scratch *scratch;  // rays; x, y, z: local directions; r, g, b: their radiance
-                                     // times their solid angle, for harmonics only
-};
 
 // Stratification-based [K05 4.3], or as Ward and Heckbert [1992] have it: what crosses the walls
 // between cells. Adds to `grad`, one vector per channel.
-void gather_stratified_irradiance(const struct gather_cells *cells, bool ward_heckbert,
+void gather_stratified_irradiance(const struct gather_hemisphere *h, bool ward_heckbert,
                                   vec3 grad[3]);
 // Adds to dx and dy, [3 * order^2].
-void gather_stratified_radiance(const struct gather_cells *cells, float *dx, float *dy);
+void gather_stratified_radiance(const struct gather_hemisphere *h, float *dx, float *dy);
 
 // Solid-angle-based [K05 4.2]: how what each ray hit turns, comes nearer and looks larger. By
 // differentiation, or by finite differences. Both add what rays first .. of the hemisphere tell,
 // the guided ones at the end included.
-void gather_solid_angle_irradiance(const struct gather_cells *cells, bool differences, size_t first,
-                                   vec3 grad[3]);
-void gather_solid_angle_radiance(const struct gather_cells *cells, bool differences, size_t first,
+void gather_solid_angle_irradiance(const struct gather_hemisphere *h, bool differences,
+                                   size_t first, vec3 grad[3]);
+void gather_solid_angle_radiance(const struct gather_hemisphere *h, bool differences, size_t first,
                                  float *dx, float *dy);
 
 #endif

@@ -7,26 +7,27 @@
 #include "gather/gather_guide.h"
 
 #include "base/rng.h"
+#include "gather/gather_layout.h"
 
 size_t gather_guide_rays(const struct gather *g, const struct gather_layout *layout,
-                         const struct gather_site *site, struct gather_scratch *scratch) {
+                         const struct gather_site *site, struct gather_scratch *scratch,
+                         struct gather_guide *out) {
     const size_t stratified = gather_layout_rays(layout);
     const struct guide_eye eye = {site->p, site->frame.n, site->ng};
-    struct gather_guide *guide = &scratch->guide;
-    struct guide_rays *to = &guide->to;
-    *guide = (struct gather_guide){.frame = site->frame, .p = site->p};
+    struct guide_rays *to = &out->to;
+    *out = (struct gather_guide){.near.p = site->p};
     if (!g->options->gather_guide) return 0;
-    guide->near.found = -1;
+    out->near.found = -1;
     if (!g->clusters) return 0;
     float radius;
-    guide->expected =
+    out->near.expected =
         rgb_luminance(photon_irradiance(g->maps, g->scene, site->p, site->ng, &radius));
-    to->count = guide_cones_from(g->clusters, g->scene, &eye, to->cone, &guide->expected);
+    to->count = guide_cones_from(g->clusters, g->scene, &eye, to->cone, &out->near.expected);
     if (to->count == 0) return 0;
-    guide_rays_allocate(to, guide->expected, stratified);
+    guide_rays_allocate(to, out->near.expected, stratified);
     size_t i = stratified;
     for (int c = 0; c < to->count; c++) {
-        guide->first[c] = i;
+        out->first[c] = i;
         const uint32_t seed = (uint32_t)rng_mix(site->stream + 0x9e3779b97f4a7c15ull * (size_t)c);
         for (int k = 0; k < to->rays[c]; k++) {
             const vec3 w = guide_cone_sample(&to->cone[c], sample_sobol2((uint32_t)k, seed));
@@ -43,12 +44,12 @@ size_t gather_guide_rays(const struct gather *g, const struct gather_layout *lay
             i++;
         }
     }
-    return guide->made = i - stratified;
+    return i - stratified;
 }
 
-void gather_guide_weigh(const struct gather_layout *layout, struct gather_scratch *scratch) {
-    const struct gather_guide *guide = &scratch->guide;
-    const size_t stratified = gather_layout_rays(layout), count = stratified + guide->made;
+void gather_guide_weigh(const struct gather_guide *guide, const struct gather_layout *layout,
+                        struct gather_scratch *scratch, size_t count) {
+    const size_t stratified = gather_layout_rays(layout);
     if (guide->to.count == 0) return;
     int own = -1;  // the cone that a guided ray was drawn from, whatever the last digit says
     for (size_t i = 0; i < count; i++) {

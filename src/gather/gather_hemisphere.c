@@ -9,8 +9,8 @@
 #include "rsh/rsh.h"
 
 // One jittered ray per cell, row by row.
-static void make_rays(const struct gather *g, const struct gather_layout *l,
-                      struct gather_scratch *scratch, const struct gather_site *site) {
+static void make_stratified_rays(const struct gather *g, const struct gather_layout *l,
+                                 struct gather_scratch *scratch, const struct gather_site *site) {
     struct rng rng = rng_make(g->options->seed, RNG_GATHER, site->stream);
     struct gather_ray *out = scratch->rays;
     const float spread =
@@ -32,14 +32,25 @@ static void make_rays(const struct gather *g, const struct gather_layout *l,
         }
 }
 
-// Even rays and guided ones; returns how many.
-static size_t trace(const struct gather *g, const struct gather_layout *l,
-                    struct gather_scratch *scratch, const struct gather_site *site) {
-    make_rays(g, l, scratch, site);
-    const size_t count = gather_layout_rays(l) + gather_guide_rays(g, l, site, scratch);
-    gather_rays_guided(g, scratch, scratch->rays, count, site->stream);
-    gather_guide_weigh(l, scratch);
-    return count;
+struct gather_hemisphere gather_hemisphere_trace(const struct gather *g,
+                                                 const struct gather_layout *layout,
+                                                 const struct gather_site *site,
+                                                 struct gather_scratch *scratch) {
+    struct gather_hemisphere h = gather_scratch_hemisphere(scratch, layout, &site->frame);
+    struct gather_guide guide;
+    make_stratified_rays(g, layout, scratch, site);
+    h.count += gather_guide_rays(g, layout, site, scratch, &guide);
+    gather_rays_guided(g, scratch, scratch->rays, h.count, site->stream, &guide.near);
+    gather_guide_weigh(&guide, layout, scratch, h.count);
+    if (!layout->order) return h;
+    const float solid_angle = 2.0f * PI_F / (float)h.stratified;
+    for (size_t i = 0; i < h.count; i++) {
+        const rgb L = rgb_scale(scratch->rays[i].L, solid_angle);
+        scratch->r[i] = L.r;
+        scratch->g[i] = L.g;
+        scratch->b[i] = L.b;
+    }
+    return h;
 }
 
 static void add_turn(vec3 grad[3], rgb turn, vec3 axis) {
@@ -49,116 +60,99 @@ static void add_turn(vec3 grad[3], rgb turn, vec3 axis) {
 }
 
 // E changes with the normal about the axis across each column by the integral of sin^2(theta).
-static void turn_gradient(const struct gather_cells *cells, vec3 grad[3]) {
-    const struct gather_layout *l = cells->layout;
+static void turn_gradient(const struct gather_hemisphere *h, vec3 grad[3]) {
+    const struct gather_layout *l = h->layout;
     for (int k = 0; k < l->N; k++) {
-        const struct gather_ray *ray = cells->scratch->rays + k;
+        const struct gather_ray *ray = h->ray + k;
         const vec3 axis = v3(-l->sin_k[k], l->cos_k[k], 0.0f);
         rgb turn = rgb_grey(0.0f);
         for (int j = 0; j < l->M; j++, ray += l->N) turn = rgb_mad(turn, ray->L, l->turn[j]);
         add_turn(grad, turn, axis);
     }
-    // The others by the derivative of the cosine, each standing for pi / count of cos(theta) Omega.
-    const size_t even = gather_layout_rays(l);
-    const struct gather_scratch *s = cells->scratch;
-    for (size_t i = even; i < even + s->guide.made; i++) {
-        float share = PI_F / (float)even / s->z[i];
-        add_turn(grad, rgb_scale(s->rays[i].L, share), v3(-s->y[i], s->x[i], 0.0f));
+    // Guided rays by the derivative of the cosine, each for pi / stratified of cos(theta) Omega.
+    for (size_t i = h->stratified; i < h->count; i++) {
+        float weight = PI_F / (float)h->stratified / h->z[i];
+        add_turn(grad, rgb_scale(h->ray[i].L, weight), v3(-h->y[i], h->x[i], 0.0f));
     }
 }
 
-static void irradiance_gradients(const struct gather_cells *cells, satin_gradients kind,
+static void irradiance_gradients(const struct gather_hemisphere *h, satin_gradients kind,
                                  vec3 grad[3]) {
     if (kind == SATIN_GRADIENTS_SOLID_ANGLE || kind == SATIN_GRADIENTS_DIFFERENCES)
-        gather_solid_angle_irradiance(cells, kind == SATIN_GRADIENTS_DIFFERENCES, 0, grad);
+        gather_solid_angle_irradiance(h, kind == SATIN_GRADIENTS_DIFFERENCES, 0, grad);
     else {
-        gather_stratified_irradiance(cells, kind == SATIN_GRADIENTS_WARD_HECKBERT, grad);
-        gather_solid_angle_irradiance(cells, false, gather_layout_rays(cells->layout), grad);
+        gather_stratified_irradiance(h, kind == SATIN_GRADIENTS_WARD_HECKBERT, grad);
+        gather_solid_angle_irradiance(h, false, h->stratified, grad);
     }
 }
 
-void gather_hemisphere_irradiance(const struct gather *g, const struct gather_layout *layout,
-                                  struct gather_scratch *scratch, const struct gather_site *site,
+void gather_hemisphere_irradiance(const struct gather *g, const struct gather_hemisphere *h,
                                   struct gather_irradiance *out) {
-    const size_t count = trace(g, layout, scratch, site);
-    *out = (struct gather_irradiance){.rays = (uint32_t)count};
-    for (size_t i = 0; i < count; i++) out->E = rgb_add(out->E, scratch->rays[i].L);
-    out->E = rgb_scale(out->E, PI_F / (float)gather_layout_rays(layout));
-    const struct gather_cells cells = {layout, &site->frame, scratch};
-    irradiance_gradients(&cells, g->options->irradiance_gradients, out->grad_t);
-    turn_gradient(&cells, out->grad_r);
+    *out = (struct gather_irradiance){.rays = (uint32_t)h->count};
+    for (size_t i = 0; i < h->count; i++) out->E = rgb_add(out->E, h->ray[i].L);
+    out->E = rgb_scale(out->E, PI_F / (float)h->stratified);
+    irradiance_gradients(h, g->options->irradiance_gradients, out->grad_t);
+    turn_gradient(h, out->grad_r);
     for (int c = 0; c < 3; c++) {
-        out->grad_t[c] = frame_to_world(&site->frame, out->grad_t[c]);
-        out->grad_r[c] = frame_to_world(&site->frame, out->grad_r[c]);
+        out->grad_t[c] = frame_to_world(&h->frame, out->grad_t[c]);
+        out->grad_r[c] = frame_to_world(&h->frame, out->grad_r[c]);
     }
 }
 
-static void radiance_gradients(const struct gather_cells *cells, satin_gradients kind, float *dx,
+static void radiance_gradients(const struct gather_hemisphere *h, satin_gradients kind, float *dx,
                                float *dy) {
-    const size_t n2 = (size_t)(cells->layout->order * cells->layout->order);
+    const size_t n2 = (size_t)(h->layout->order * h->layout->order);
     memset(dx, 0, sizeof *dx * 3 * n2);
     memset(dy, 0, sizeof *dy * 3 * n2);
     if (kind == SATIN_GRADIENTS_SOLID_ANGLE || kind == SATIN_GRADIENTS_DIFFERENCES)
-        gather_solid_angle_radiance(cells, kind == SATIN_GRADIENTS_DIFFERENCES, 0, dx, dy);
+        gather_solid_angle_radiance(h, kind == SATIN_GRADIENTS_DIFFERENCES, 0, dx, dy);
     else {
-        gather_stratified_radiance(cells, dx, dy);
-        gather_solid_angle_radiance(cells, false, gather_layout_rays(cells->layout), dx, dy);
+        gather_stratified_radiance(h, dx, dy);
+        gather_solid_angle_radiance(h, false, h->stratified, dx, dy);
     }
+}
+
+static void project(const struct gather_hemisphere *h, const float *r, const float *g,
+                    const float *b, float *lambda) {
+    const struct gather_layout *l = h->layout;
+    rsh_project(l->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, l->order, (int)h->count, h->x,
+                h->y, h->z, r, g, b, lambda);
 }
 
 // What is projected when every second cell counts negatively: signal cancels, noise does not.
-static void project_noise(const struct gather_layout *l, struct gather_scratch *scratch,
-                          float weight, float *noise) {
-    const size_t n2 = (size_t)(l->order * l->order);
-    const size_t even = gather_layout_rays(l), count = even + scratch->guide.made;
+static void project_noise(const struct gather_hemisphere *h, float *noise) {
+    const struct gather_layout *l = h->layout;
+    const float weight = 2.0f * PI_F / (float)h->stratified;
+    float *value = h->work, *zero = h->work + h->count;
     float sum[3 * RSH_MAX_COEFFICIENTS] = {0};
+    for (size_t i = 0; i < h->count; i++) {
+        value[i] = weight * rgb_luminance(h->ray[i].L);
+        zero[i] = 0.0f;
+    }
     for (int j = 0; j < l->M; j++)
-        for (int k = 0; k < l->N; k++) {
-            size_t i = (size_t)(j * l->N + k);
-            float L = weight * rgb_luminance(scratch->rays[i].L);
-            scratch->r[i] = (j + k) & 1 ? -L : L;
-        }
-    for (size_t i = even; i < count; i++) {
-        float L = weight * rgb_luminance(scratch->rays[i].L);
-        scratch->r[i] = i & 1 ? -L : L;
-    }
-    for (size_t i = 0; i < count; i++) scratch->g[i] = scratch->b[i] = 0.0f;
-    rsh_project(l->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, l->order, (int)count,
-                scratch->x, scratch->y, scratch->z, scratch->r, scratch->g, scratch->b, sum);
-    memcpy(noise, sum, n2 * sizeof *noise);
+        for (int k = 1 - j % 2; k < l->N; k += 2) value[j * l->N + k] *= -1.0f;
+    for (size_t i = h->stratified | 1; i < h->count; i += 2) value[i] *= -1.0f;
+    project(h, value, zero, zero, sum);
+    memcpy(noise, sum, (size_t)(l->order * l->order) * sizeof *noise);
 }
 
-void gather_hemisphere_radiance(const struct gather *g, const struct gather_layout *layout,
-                                struct gather_scratch *scratch, const struct gather_site *site,
+void gather_hemisphere_radiance(const struct gather *g, const struct gather_hemisphere *h,
                                 struct gather_radiance *out) {
-    const size_t n2 = (size_t)(layout->order * layout->order);
-    const size_t count = trace(g, layout, scratch, site);
-    const float weight = 2.0f * PI_F / (float)gather_layout_rays(layout);
-    for (size_t i = 0; i < count; i++) {
-        rgb L = rgb_scale(scratch->rays[i].L, weight);
-        scratch->r[i] = L.r;
-        scratch->g[i] = L.g;
-        scratch->b[i] = L.b;
-    }
+    const size_t n2 = (size_t)(h->layout->order * h->layout->order);
     memset(out->lambda, 0, sizeof *out->lambda * 3 * n2);
-    rsh_project(layout->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, layout->order, (int)count,
-                scratch->x, scratch->y, scratch->z, scratch->r, scratch->g, scratch->b,
-                out->lambda);
-    out->rays = (uint32_t)count;
-    const struct gather_cells cells = {layout, &site->frame, scratch};
-    if (out->dx) radiance_gradients(&cells, g->options->radiance_gradients, out->dx, out->dy);
-    if (out->noise) project_noise(layout, scratch, weight, out->noise);  // overwrites radiance
+    project(h, h->r, h->g, h->b, out->lambda);
+    out->rays = (uint32_t)h->count;
+    if (out->dx) radiance_gradients(h, g->options->radiance_gradients, out->dx, out->dy);
+    if (out->noise) project_noise(h, out->noise);
 }
 
-rgb gather_hemisphere_reflected(const struct gather_layout *layout,
-                                const struct gather_scratch *scratch, const struct brdf *brdf,
-                                vec3 wo, unsigned lobes) {
-    const size_t even = gather_layout_rays(layout), count = even + scratch->guide.made;
+rgb gather_hemisphere_reflected(const struct gather_hemisphere *h, const struct brdf *brdf, vec3 wo,
+                                unsigned lobes) {
     rgb sum = rgb_grey(0.0f);
-    for (size_t i = 0; i < count; i++) {
-        const vec3 wi = v3(scratch->x[i], scratch->y[i], scratch->z[i]);
+    for (size_t i = 0; i < h->count; i++) {
+        const vec3 wi = v3(h->x[i], h->y[i], h->z[i]);
         const rgb f = brdf_eval(brdf, wo, wi, lobes);
-        sum = rgb_fma(sum, rgb_scale(f, wi.z), scratch->rays[i].L);
+        sum = rgb_fma(sum, rgb_scale(f, wi.z), h->ray[i].L);
     }
-    return rgb_scale(sum, 2.0f * PI_F / (float)even);
+    return rgb_scale(sum, 2.0f * PI_F / (float)h->stratified);
 }

@@ -20,19 +20,18 @@ static const float SEEN_LEAST = 0.05f;
 // Least part of a cone in which light is expected: where more is missed, it hardly is a cone.
 static const float FILLED_LEAST = 0.01f;
 
-static bool is_near(const struct gather_scratch *scratch, size_t i) {
-    const struct gather_point *y = &scratch->hit[i].point;
-    return y->lobes & BRDF_DIFFUSE && y->interaction.t < scratch->radius[i];
+static bool is_near(const struct gather_hits *hits, size_t i) {
+    const struct gather_point *y = &hits->hit[i].point;
+    return y->lobes & BRDF_DIFFUSE && y->interaction.t < hits->radius[i];
 }
 
 // Hits spread evenly over the near ones; returns how many.
-static int choose_probes(const struct gather_scratch *scratch, size_t hits,
-                         size_t probe[GUIDE_PROBES]) {
+static int choose_probes(const struct gather_hits *hits, size_t all, size_t probe[GUIDE_PROBES]) {
     size_t nears = 0, at = 0;
     int count = 0;
-    for (size_t i = 0; i < hits; i++) nears += is_near(scratch, i);
-    for (size_t i = 0; i < hits && count < GUIDE_PROBES; i++) {
-        if (!is_near(scratch, i)) continue;
+    for (size_t i = 0; i < all; i++) nears += is_near(hits, i);
+    for (size_t i = 0; i < all && count < GUIDE_PROBES; i++) {
+        if (!is_near(hits, i)) continue;
         if (at++ * GUIDE_PROBES >= (size_t)count * nears) probe[count++] = i;
     }
     return count;
@@ -40,12 +39,12 @@ static int choose_probes(const struct gather_scratch *scratch, size_t hits,
 
 // Fraction of the probes that see the cone's place, of those at which it matters; 0 if it matters
 // at none.
-static float probe_cone(const struct gather *g, const struct gather_scratch *scratch,
-                        const size_t *probe, int probes, struct guide_cone cone) {
+static float probe_cone(const struct gather *g, const struct gather_hits *hits, const size_t *probe,
+                        int probes, struct guide_cone cone) {
     int matters = 0, clear = 0;
     for (int i = 0; i < probes; i++) {
-        const struct gather_point *y = &scratch->hit[probe[i]].point;
-        const float rest = rgb_luminance(scratch->E[probe[i]]);
+        const struct gather_point *y = &hits->hit[probe[i]].point;
+        const float rest = rgb_luminance(hits->E[probe[i]]);
         if (!guide_cone_move(&cone, y->interaction.p, y->frame.n)) continue;
         if (!(cone.E > FAINT * (cone.E + rest))) continue;
         const struct guide_eye eye = {y->interaction.p, y->frame.n, y->ng};
@@ -55,19 +54,18 @@ static float probe_cone(const struct gather *g, const struct gather_scratch *scr
     return matters ? fmaxf((float)clear / (float)matters, SEEN_LEAST) : 0.0f;
 }
 
-void gather_near_look(const struct gather *g, struct gather_scratch *scratch, size_t hits) {
-    const struct gather_guide *guide = &scratch->guide;
-    struct gather_near *near = &scratch->guide.near;
+void gather_near_look(const struct gather *g, const struct gather_hits *hits, size_t count,
+                      struct gather_near *near) {
     size_t probe[GUIDE_PROBES];
     near->count = 0;
     if (near->found == 0 || !g->options->gather_bounce) return;
-    const int probes = choose_probes(scratch, hits, probe);
+    const int probes = choose_probes(hits, count, probe);
     if (probes == 0) return;
     if (near->found < 0)
-        near->found = guide_cones_around(g->clusters, guide->p, guide->expected, near->cone);
+        near->found = guide_cones_around(g->clusters, near->p, near->expected, near->cone);
     for (int c = 0; c < near->found; c++) {
         const struct guide_cone cone = near->cone[c];
-        const float seen = probe_cone(g, scratch, probe, probes, cone);
+        const float seen = probe_cone(g, hits, probe, probes, cone);
         if (!(seen > 0.0f)) continue;
         near->cone[c] = near->cone[near->count];
         near->cone[near->count] = cone;

@@ -8,6 +8,7 @@
 
 #include "base/array.h"
 #include "gather/gather_bounces.h"
+#include "gather/gather_guide.h"
 #include "gather/gather_segment.h"
 
 struct gather_scratch *gather_scratch_new(size_t capacity) {
@@ -26,7 +27,7 @@ struct gather_scratch *gather_scratch_new(size_t capacity) {
     s->r = s->z + capacity;
     s->g = s->r + capacity;
     s->b = s->g + capacity;
-    s->wall = s->b + capacity;
+    s->work = s->b + capacity;
     return s;
 }
 
@@ -58,40 +59,38 @@ static rgb density_irradiance(const struct gather *g, const struct gather_point 
                     a.b > 0.0f ? PI_F * L.b / a.b : 0.0f);
 }
 
-// E and radius of the scratch's hits: all of a chunk look the map up together, or each has its own
-// estimate.
-static void look_up(const struct gather *g, struct gather_scratch *scratch, size_t count) {
+// Finds E and radius of `count` hits: all look the map up together, or each has its own estimate.
+static void look_up(const struct gather *g, struct gather_hits *hits, size_t count) {
     const bool precomputed = g->options->first_pass == SATIN_FIRST_PRECOMPUTED;
     for (size_t i = 0; i < count; i++) {
-        scratch->p[i] = scratch->hit[i].point.interaction.p;
-        scratch->n[i] = scratch->hit[i].point.ng;
-        if (!precomputed)
-            scratch->E[i] = density_irradiance(g, &scratch->hit[i].point, &scratch->radius[i]);
+        const struct gather_point *y = &hits->hit[i].point;
+        hits->p[i] = y->interaction.p;
+        hits->n[i] = y->ng;
+        if (!precomputed) hits->E[i] = density_irradiance(g, y, &hits->radius[i]);
     }
     if (precomputed)
-        photon_irradiance_many(g->maps, g->scene, count, scratch->p, scratch->n, scratch->E,
-                               scratch->radius);
+        photon_irradiance_many(g->maps, g->scene, count, hits->p, hits->n, hits->E, hits->radius);
 }
 
 // Rays that are traced together.
 struct bundle {
     struct gather_ray *rays;
-    bool guided;  // near their site, by the scratch's guide
+    struct gather_near *near;  // guides the bounces near their site; NULL: they are not guided
     uint32_t seed;
 };
 
-// First passes `photons` and `photons-precomputed`: what the scratch's hits reflect.
-static void shade_hits(const struct gather *g, struct gather_scratch *scratch, size_t count,
+// First passes `photons` and `photons-precomputed`: what the hits reflect.
+static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t count,
                        const struct bundle *bundle) {
-    look_up(g, scratch, count);
-    if (bundle->guided) gather_near_look(g, scratch, count);
+    look_up(g, hits, count);
+    if (bundle->near) gather_near_look(g, hits, count, bundle->near);
     for (size_t i = 0; i < count; i++) {
-        const struct gather_hit *hit = &scratch->hit[i];
-        const float radius = scratch->radius[i];
+        const struct gather_hit *hit = &hits->hit[i];
+        const float radius = hits->radius[i];
         const bool close = hit->point.interaction.t < radius;
         const bool follow = g->options->gather_bounce && (close || radius > g->trust);
-        const struct gather_estimate estimate = {scratch->E[i], !follow};
-        const struct gather_near *near = bundle->guided && close ? &scratch->guide.near : NULL;
+        const struct gather_estimate estimate = {hits->E[i], !follow};
+        const struct gather_near *near = close ? bundle->near : NULL;
         hit->ray->L = rgb_mul(hit->T, gather_bounces(g, &hit->point, estimate, near, hit->sampler));
     }
 }
@@ -131,12 +130,12 @@ static bool trace_ray(const struct gather *g, struct gather_ray *ray, uint32_t s
     return false;
 }
 
-static void trace_chunk(const struct gather *g, struct gather_scratch *scratch,
+static void trace_chunk(const struct gather *g, struct gather_hits *hits,
                         const struct bundle *bundle, size_t begin, size_t end) {
-    size_t hits = 0;
+    size_t count = 0;
     for (size_t i = begin; i < end; i++)
-        hits += trace_ray(g, &bundle->rays[i], bundle->seed, &scratch->hit[hits]);
-    shade_hits(g, scratch, hits, bundle);
+        count += trace_ray(g, &bundle->rays[i], bundle->seed, &hits->hit[count]);
+    shade_hits(g, hits, count, bundle);
 }
 
 // Rays that are left off have found nothing.
@@ -157,13 +156,14 @@ static void trace_rays(const struct gather *g, struct gather_scratch *scratch, s
         if (begin > 0 && scratch->pool && parallel_cancelled(scratch->pool, scratch->worker))
             forget(bundle.rays, begin, end);
         else
-            trace_chunk(g, scratch, &bundle, begin, end);
+            trace_chunk(g, &scratch->hits, &bundle, begin, end);
     }
 }
 
 void gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
-                        struct gather_ray *rays, size_t count, uint64_t stream) {
-    trace_rays(g, scratch, (struct bundle){.rays = rays, .guided = true}, count, stream);
+                        struct gather_ray *rays, size_t count, uint64_t stream,
+                        struct gather_near *near) {
+    trace_rays(g, scratch, (struct bundle){.rays = rays, .near = near}, count, stream);
 }
 
 void gather_rays(const struct gather *g, struct gather_scratch *scratch, struct gather_ray *rays,

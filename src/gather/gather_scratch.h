@@ -15,38 +15,46 @@ struct gather_hit {
     struct sampler sampler;
 };
 
-// The bright places around a site, for the next bounce of rays that hit near to it (gather_near.c).
-struct gather_near {
-    struct guide_cone cone[GUIDE_CONES];
-    float seen[GUIDE_CONES];  // fraction of the near hits that see it, never 0
-    int found;                // cones around the site; negative: not yet known
-    int count;                // of them, first in `cone`, those that matter to the hits
+// A chunk of hits, and the first-pass estimate at each: the irradiance E [W m^-2], and the radius
+// of the lookup that found it.
+struct gather_hits {
+    struct gather_hit hit[GATHER_CHUNK];
+    vec3 p[GATHER_CHUNK], n[GATHER_CHUNK];  // where the estimate is looked up
+    rgb E[GATHER_CHUNK];
+    float radius[GATHER_CHUNK];
 };
 
-// The bright places that a site sees, and the rays that it sends there (gather_guide.c).
-struct gather_guide {
-    struct guide_rays to;
-    struct frame frame;         // of the site
-    size_t first[GUIDE_CONES];  // ray of a cone
-    size_t made;                // of the rays: none goes below the horizon
-    vec3 p;                     // of the site,
-    float expected;             // and roughly its irradiance
-    struct gather_near near;
-};
-
+// Memory that a worker uses again and again. Nothing in it is read that the same call has not put
+// there, or that does not belong to a hemisphere which is passed along.
 struct gather_scratch {
     size_t capacity;          // half as many again as asked for: guided rays
     struct gather_ray *rays;  // capacity
     float *x, *y, *z;         // capacity: local directions
-    float *r, *g, *b;         // capacity: weighted radiance
-    float *wall;              // 6 * capacity: of gradients
+    float *r, *g, *b;         // capacity: radiance times solid angle
+    float *work;              // 6 * capacity
     struct parallel *pool;    // asked between chunks whether to go on; NULL: it is not
     int worker;
-    struct gather_guide guide;
-    struct gather_hit hit[GATHER_CHUNK];
-    vec3 p[GATHER_CHUNK], n[GATHER_CHUNK];
-    rgb E[GATHER_CHUNK];
-    float radius[GATHER_CHUNK];
+    struct gather_hits hits;
 };
+
+// The hemisphere of a layout's stratified rays in the scratch, which the caller fills.
+static inline struct gather_hemisphere gather_scratch_hemisphere(
+    const struct gather_scratch *scratch, const struct gather_layout *layout,
+    const struct frame *frame) {
+    const struct gather_scratch *s = scratch;
+    const size_t count = gather_layout_rays(layout);
+    return (struct gather_hemisphere){.layout = layout,
+                                      .frame = *frame,
+                                      .stratified = count,
+                                      .count = count,
+                                      .ray = s->rays,
+                                      .x = s->x,
+                                      .y = s->y,
+                                      .z = s->z,
+                                      .r = s->r,
+                                      .g = s->g,
+                                      .b = s->b,
+                                      .work = s->work};
+}
 
 #endif

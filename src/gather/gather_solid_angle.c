@@ -25,19 +25,14 @@ struct seen {
 };
 
 // False if nothing is known of how the light of ray i changes.
-static bool see(const struct gather_cells *cells, size_t i, struct seen *out) {
-    const struct gather_scratch *s = cells->scratch;
-    const struct gather_first *first = &s->rays[i].first;
+static bool see(const struct gather_hemisphere *h, size_t i, struct seen *out) {
+    const struct gather_first *first = &h->ray[i].first;
     if (!(first->r > 0.0f) || !isfinite(first->r)) return false;
-    out->w = v3(s->x[i], s->y[i], s->z[i]);
-    out->n = frame_to_local(cells->frame, first->ng);
+    out->w = v3(h->x[i], h->y[i], h->z[i]);
+    out->n = frame_to_local(&h->frame, first->ng);
     out->c = -v3_dot(out->n, out->w);
     out->r = first->r;
     return fabsf(out->c) > GRAZING;
-}
-
-static size_t ray_count(const struct gather_cells *cells) {
-    return gather_layout_rays(cells->layout) + cells->scratch->guide.made;
 }
 
 // What a move by `step` r along `axis` makes of a ray: returns its new length over r; *w gets its
@@ -61,13 +56,13 @@ static float cosine_difference(const struct seen *at, vec3 axis) {
 }
 
 // Rays are dense as the cosine, so cos(theta) Omega is pi / count for each of them [K05 4.2.3].
-void gather_solid_angle_irradiance(const struct gather_cells *cells, bool differences, size_t first,
-                                   vec3 grad[3]) {
-    const float share = PI_F / (float)gather_layout_rays(cells->layout);
-    const size_t count = ray_count(cells);
+void gather_solid_angle_irradiance(const struct gather_hemisphere *h, bool differences,
+                                   size_t first, vec3 grad[3]) {
+    const float share = PI_F / (float)h->stratified;
+    const size_t count = h->count;
     for (size_t i = first; i < count; i++) {
         struct seen at;
-        if (!see(cells, i, &at)) continue;
+        if (!see(h, i, &at)) continue;
         vec3 change;
         if (differences) {
             change =
@@ -76,7 +71,7 @@ void gather_solid_angle_irradiance(const struct gather_cells *cells, bool differ
             change = v3_mul(v3_mad(v3_mul(at.n, 1.0f / at.c), 4.0f, at.w), 1.0f / at.r);
             change.z = 0.0f;
         }
-        const rgb L = rgb_scale(cells->scratch->rays[i].L, share);
+        const rgb L = rgb_scale(h->ray[i].L, share);
         grad[0] = v3_mad(grad[0], L.r, change);
         grad[1] = v3_mad(grad[1], L.g, change);
         grad[2] = v3_mad(grad[2], L.b, change);
@@ -102,10 +97,9 @@ static void derive(const struct gather_layout *l, const struct seen *at, float *
     }
 }
 
-static void differentiate(const struct gather_cells *cells, size_t first, float *dx, float *dy) {
-    const struct gather_scratch *s = cells->scratch;
-    const size_t count = ray_count(cells);
-    const size_t n2 = (size_t)(cells->layout->order * cells->layout->order);
+static void differentiate(const struct gather_hemisphere *h, size_t first, float *dx, float *dy) {
+    const size_t count = h->count;
+    const size_t n2 = (size_t)(h->layout->order * h->layout->order);
     float by_x[BLOCK * RSH_MAX_COEFFICIENTS], by_y[BLOCK * RSH_MAX_COEFFICIENTS];
     for (size_t i = first; i < count; i += BLOCK) {
         size_t n = count - i < BLOCK ? count - i : BLOCK;
@@ -113,45 +107,44 @@ static void differentiate(const struct gather_cells *cells, size_t first, float 
         memset(by_y, 0, sizeof *by_y * n * n2);
         for (size_t k = 0; k < n; k++) {
             struct seen at;
-            if (see(cells, i + k, &at)) derive(cells->layout, &at, by_x + k * n2, by_y + k * n2);
+            if (see(h, i + k, &at)) derive(h->layout, &at, by_x + k * n2, by_y + k * n2);
         }
-        rsh_accumulate(n, n2, by_x, s->r + i, s->g + i, s->b + i, dx);
-        rsh_accumulate(n, n2, by_y, s->r + i, s->g + i, s->b + i, dy);
+        rsh_accumulate(n, n2, by_x, h->r + i, h->g + i, h->b + i, dx);
+        rsh_accumulate(n, n2, by_y, h->r + i, h->g + i, h->b + i, dy);
     }
 }
 
 // Adds one side of the difference quotient along an axis: a projection of displaced rays. A step
 // that grows with r keeps close hits as exact as far ones, unlike the fixed one of [K05 4.2.1].
-static void difference(const struct gather_cells *cells, size_t first, vec3 axis, float side,
+static void difference(const struct gather_hemisphere *h, size_t first, vec3 axis, float side,
                        float *out) {
-    const struct gather_layout *l = cells->layout;
-    const struct gather_scratch *s = cells->scratch;
-    const size_t count = ray_count(cells);
-    float *x = s->wall, *y = x + count, *z = y + count, *r = z + count, *g = r + count,
+    const struct gather_layout *l = h->layout;
+    const size_t count = h->count;
+    float *x = h->work, *y = x + count, *z = y + count, *r = z + count, *g = r + count,
           *b = g + count;
     for (size_t i = first; i < count; i++) {
         struct seen at;
         vec3 w = v3(0.0f, 0.0f, 1.0f);
         float omega = 0.0f, value = 0.0f;
-        if (see(cells, i, &at)) {
+        if (see(h, i, &at)) {
             displace(&at, axis, side * STEP, &w, &omega);
             value = side * omega / (2.0f * STEP * at.r);
         }
         x[i] = w.x, y[i] = w.y, z[i] = w.z;
-        r[i] = s->r[i] * value, g[i] = s->g[i] * value, b[i] = s->b[i] * value;
+        r[i] = h->r[i] * value, g[i] = h->g[i] * value, b[i] = h->b[i] * value;
     }
     rsh_project(l->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, l->order, count - first,
                 x + first, y + first, z + first, r + first, g + first, b + first, out);
 }
 
-void gather_solid_angle_radiance(const struct gather_cells *cells, bool differences, size_t first,
+void gather_solid_angle_radiance(const struct gather_hemisphere *h, bool differences, size_t first,
                                  float *dx, float *dy) {
     if (!differences) {
-        differentiate(cells, first, dx, dy);
+        differentiate(h, first, dx, dy);
         return;
     }
     for (int side = -1; side <= 1; side += 2) {
-        difference(cells, first, v3(1.0f, 0.0f, 0.0f), (float)side, dx);
-        difference(cells, first, v3(0.0f, 1.0f, 0.0f), (float)side, dy);
+        difference(h, first, v3(1.0f, 0.0f, 0.0f), (float)side, dx);
+        difference(h, first, v3(0.0f, 1.0f, 0.0f), (float)side, dy);
     }
 }

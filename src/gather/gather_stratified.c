@@ -39,15 +39,15 @@ static void add_gradient(vec3 grad[3], rgb value, vec3 direction) {
     grad[2] = v3_mad(grad[2], value.b, direction);
 }
 
-void gather_stratified_irradiance(const struct gather_cells *cells, bool ward_heckbert,
+void gather_stratified_irradiance(const struct gather_hemisphere *h, bool ward_heckbert,
                                   vec3 grad[3]) {
-    const struct gather_layout *l = cells->layout;
+    const struct gather_layout *l = h->layout;
     const float *weight_v = ward_heckbert ? l->wall_v : l->wall_h;
     for (int k = 0; k < l->N; k++) {
         const int before = k ? k - 1 : l->N - 1;
         rgb along_u = rgb_grey(0.0f), along_v = rgb_grey(0.0f);
         for (int j = 0; j < l->M; j++) {
-            const struct gather_ray *row = cells->scratch->rays + (size_t)j * (size_t)l->N;
+            const struct gather_ray *row = h->ray + (size_t)j * (size_t)l->N;
             if (j > 0)
                 along_u = rgb_mad(along_u, wall_change(&row[k], &row[k] - l->N, ward_heckbert),
                                   l->wall_u[j]);
@@ -88,12 +88,12 @@ static void put_wall(float *wall, int N, int k, rgb value, float x, float y) {
     wall[5 * N + k] = value.b * y;
 }
 
-void gather_stratified_radiance(const struct gather_cells *cells, float *dx, float *dy) {
-    const struct gather_layout *l = cells->layout;
+void gather_stratified_radiance(const struct gather_hemisphere *h, float *dx, float *dy) {
+    const struct gather_layout *l = h->layout;
     const int N = l->N, n2 = l->order * l->order;
-    float *wall = cells->scratch->wall;
+    float *wall = h->work;
     for (int j = 0; j < l->M; j++) {
-        const struct gather_ray *row = cells->scratch->rays + (size_t)j * (size_t)N;
+        const struct gather_ray *row = h->ray + (size_t)j * (size_t)N;
         if (j > 0) {
             for (int k = 0; k < N; k++)
                 put_wall(wall, N, k, wall_change(row + k, row + k - N, false), l->cos_k[k],

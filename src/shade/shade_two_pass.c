@@ -60,8 +60,9 @@ static void indirect_diffuse(struct shade_job *job, struct shade_pixel_entry *en
         struct gather_irradiance value;
         struct gather_site site = site_of(job);
         bool off = !s->g->options->irradiance_cache;
-        gather_hemisphere_irradiance(s->g, off ? s->gather : s->fallback, job->worker->scratch,
-                                     &site, &value);
+        const struct gather_hemisphere hemisphere = gather_hemisphere_trace(
+            s->g, off ? s->gather : s->fallback, &site, job->worker->scratch);
+        gather_hemisphere_irradiance(s->g, &hemisphere, &value);
         job->worker->counts.rays += value.rays;
         E = rotate_irradiance(&value, p->base.n, p->frame.n);
         job->worker->counts.gathered++;
@@ -95,9 +96,9 @@ static bool indirect_cached(struct shade_job *job, const struct shade_plan *plan
 enum { GLOSSY_MAX = 256 };  // rays of one sample; the range of the option glossy_samples
 
 // Draws gather rays from `lobes`; returns how many did not fail, with their weights and densities.
-static int draw_rays(struct shade_job *job, unsigned lobes, int count, rgb *weight, float *pdf) {
+static int draw_rays(struct shade_job *job, unsigned lobes, int count, struct gather_ray *ray,
+                     rgb *weight, float *pdf) {
     const struct gather_point *p = &job->vertex->point;
-    struct gather_ray *ray = gather_scratch_rays(job->worker->scratch);
     const bool sharp = !job->shade->g->options->texture_filter;
     int rays = 0;
     for (int i = 0; i < count; i++) {
@@ -126,11 +127,10 @@ static void sample_lobes(struct shade_job *job, unsigned lobes, float ratio) {
     const int count = g->options->glossy_samples;
     rgb weight[GLOSSY_MAX];
     float pdf[GLOSSY_MAX];
-    int rays = draw_rays(job, lobes, count, weight, pdf);
-    const struct gather_ray *ray = gather_scratch_rays(job->worker->scratch);
+    struct gather_ray *ray = gather_scratch_rays(job->worker->scratch);
+    const int rays = draw_rays(job, lobes, count, ray, weight, pdf);
     job->worker->counts.rays += (uint64_t)rays;
-    gather_rays(g, job->worker->scratch, gather_scratch_rays(job->worker->scratch), (size_t)rays,
-                job->pixel_stream);
+    gather_rays(g, job->worker->scratch, ray, (size_t)rays, job->pixel_stream);
     rgb direct = rgb_grey(0.0f), caustic = direct, indirect = direct;
     for (int i = 0; i < rays; i++) {
         if (ray[i].light_pdf > 0.0f)

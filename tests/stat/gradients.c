@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "gather/gather_gradients.h"
+#include "gather/gather_scratch.h"
 #include "rsh/rsh.h"
 
 enum { ORDER = 10, N2 = ORDER * ORDER, BLOCK = 2000, POINTS_MOST = 10000 };
@@ -142,10 +143,8 @@ static void note(struct tally *t, int kind, int count, const float *given, const
 static const struct frame FRAME = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
 // One jittered ray per cell of a layout, as gathering makes them.
-static void fill(const struct scene *scene, const struct gather_cells *cells, vec3 p,
-                 uint64_t point) {
-    const struct gather_layout *l = cells->layout;
-    struct gather_scratch *s = cells->scratch;
+static void fill(const struct scene *scene, const struct gather_layout *l, vec3 p, uint64_t point,
+                 struct gather_scratch *s) {
     struct rng rng = rng_make(5, RNG_GATHER, point);
     const float weight = 2.0f * PI_F / (float)gather_layout_rays(l);
     size_t i = 0;
@@ -163,27 +162,27 @@ static void fill(const struct scene *scene, const struct gather_cells *cells, ve
         }
 }
 
-static void measure_radiance(const struct gather_cells *cells, int first_kind,
+static void measure_radiance(const struct gather_hemisphere *hemisphere, int first_kind,
                              const double *wanted[2], struct tally *t) {
     for (int kind = 0; kind < 3; kind++) {
         float d[2][3 * N2] = {{0}};
         if (kind == 0)
-            gather_stratified_radiance(cells, d[0], d[1]);
+            gather_stratified_radiance(hemisphere, d[0], d[1]);
         else
-            gather_solid_angle_radiance(cells, kind == 2, 0, d[0], d[1]);
+            gather_solid_angle_radiance(hemisphere, kind == 2, 0, d[0], d[1]);
         for (int axis = 0; axis < 2; axis++)
             note(t, first_kind + kind, 3 * N2, d[axis], wanted[axis]);
     }
 }
 
-static void measure_irradiance(const struct gather_cells *cells, const struct vectors wanted[2],
-                               struct tally *t) {
+static void measure_irradiance(const struct gather_hemisphere *hemisphere,
+                               const struct vectors wanted[2], struct tally *t) {
     for (int kind = 0; kind < 4; kind++) {
         vec3 grad[3] = {{0}};
         if (kind < 2)
-            gather_stratified_irradiance(cells, kind == 1, grad);
+            gather_stratified_irradiance(hemisphere, kind == 1, grad);
         else
-            gather_solid_angle_irradiance(cells, kind == 3, 0, grad);
+            gather_solid_angle_irradiance(hemisphere, kind == 3, 0, grad);
         note(t, 6 + kind, 3, (float[]){grad[0].x, grad[1].x, grad[2].x}, wanted[0].E);
         note(t, 6 + kind, 3, (float[]){grad[0].y, grad[1].y, grad[2].y}, wanted[1].E);
     }
@@ -229,12 +228,13 @@ struct set {
 static void measure(const struct scene *scene, vec3 p, uint64_t point,
                     const struct vectors wanted[2], struct set *set) {
     for (int k = 0; k < 3; k++) {
-        const struct gather_cells cells = {set->layout[k], &FRAME, set->scratch};
-        fill(scene, &cells, p, point);
+        const struct gather_hemisphere hemisphere =
+            gather_scratch_hemisphere(set->scratch, set->layout[k], &FRAME);
+        fill(scene, set->layout[k], p, point, set->scratch);
         if (k == 2)
-            measure_irradiance(&cells, wanted, &set->tally);
+            measure_irradiance(&hemisphere, wanted, &set->tally);
         else
-            measure_radiance(&cells, 3 * k,
+            measure_radiance(&hemisphere, 3 * k,
                              k ? (const double *[]){wanted[0].sh, wanted[1].sh}
                                : (const double *[]){wanted[0].hsh, wanted[1].hsh},
                              &set->tally);

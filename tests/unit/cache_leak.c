@@ -40,8 +40,10 @@ static void start(struct fixture *f) {
     struct gather_scratch *scratch = gather_scratch_new(gather_layout_rays(layout));
     struct gather_irradiance value;
     struct gather_around around;
-    gather_hemisphere_irradiance(&f->g, layout, scratch, &site, &value);
-    gather_around_make(layout, scratch, false, &around);
+    const struct gather_hemisphere hemisphere =
+        gather_hemisphere_trace(&f->g, layout, &site, scratch);
+    gather_hemisphere_irradiance(&f->g, &hemisphere, &value);
+    gather_around_make(&hemisphere, false, &around);
     f->head = (struct cache_head){.p = site.p, .R = 2.0f, .n = up, .u = site.frame.u, .scale = 1};
     f->head.walls = cache_leak_walls(&around, 2.0f, &f->head.clear);
     gather_scratch_free(scratch);

@@ -74,8 +74,10 @@ static rgb by_rays(const struct fixture *f) {
     struct gather_radiance radiance = {.lambda = lambda};
     struct gather_layout *layout = gather_layout_new(RAYS, SATIN_HSH, ORDER);
     struct gather_scratch *scratch = gather_scratch_new(2 * RAYS);
-    gather_hemisphere_radiance(&f->c.g, layout, scratch, &site, &radiance);
-    const rgb L = gather_hemisphere_reflected(layout, scratch, &brdf, WO, BRDF_GLOSSY);
+    const struct gather_hemisphere hemisphere =
+        gather_hemisphere_trace(&f->c.g, layout, &site, scratch);
+    gather_hemisphere_radiance(&f->c.g, &hemisphere, &radiance);
+    const rgb L = gather_hemisphere_reflected(&hemisphere, &brdf, WO, BRDF_GLOSSY);
     gather_scratch_free(scratch);
     gather_layout_free(layout);
     return L;

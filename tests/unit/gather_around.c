@@ -66,8 +66,10 @@ static double irradiance(struct fixture *f, float x, float z, uint64_t stream,
     vec3 n = v3(0, 1, 0);
     struct gather_site site = {v3(x, -1.0f, z), n, frame_from_tangent(n, v3(1, 0, 0)), stream};
     struct gather_irradiance value;
-    gather_hemisphere_irradiance(&f->g, f->layout, f->scratch, &site, &value);
-    if (around) gather_around_make(f->layout, f->scratch, true, around);
+    const struct gather_hemisphere hemisphere =
+        gather_hemisphere_trace(&f->g, f->layout, &site, f->scratch);
+    gather_hemisphere_irradiance(&f->g, &hemisphere, &value);
+    if (around) gather_around_make(&hemisphere, true, around);
     return (double)rgb_luminance(value.E);
 }
 

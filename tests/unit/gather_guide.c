@@ -89,7 +89,9 @@ static void check_irradiance(float half_angle, double tolerance) {
     for (uint64_t i = 0; i < STREAMS; i++) {
         const struct gather_site site = floor_site(i);
         struct gather_irradiance value;
-        gather_hemisphere_irradiance(&f.g, f.layout, f.scratch, &site, &value);
+        const struct gather_hemisphere h =
+            gather_hemisphere_trace(&f.g, f.layout, &site, f.scratch);
+        gather_hemisphere_irradiance(&f.g, &h, &value);
         assert_true(value.rays > RAYS && value.rays <= RAYS * 3 / 2 + 3);
         const double x = (double)value.E.g / E;
         sum += x / STREAMS;
@@ -111,7 +113,9 @@ static void check_irradiance(float half_angle, double tolerance) {
     for (uint64_t i = 0; i < STREAMS; i++) {
         const struct gather_site site = floor_site(i);
         struct gather_irradiance value;
-        gather_hemisphere_irradiance(&f.g, f.layout, f.scratch, &site, &value);
+        const struct gather_hemisphere h =
+            gather_hemisphere_trace(&f.g, f.layout, &site, f.scratch);
+        gather_hemisphere_irradiance(&f.g, &h, &value);
         assert_int_equal(value.rays, gather_layout_rays(f.layout));
         dark += value.E.g == 0.0f;
     }
@@ -137,7 +141,9 @@ static void radiance_is_right(void **state) {
         float lambda[3 * N2], dx[3 * N2], dy[3 * N2], noise[N2];
         struct gather_radiance out = {.lambda = lambda, .dx = dx, .dy = dy, .noise = noise};
         site.stream = i;
-        gather_hemisphere_radiance(&f.g, f.layout, f.scratch, &site, &out);
+        const struct gather_hemisphere h =
+            gather_hemisphere_trace(&f.g, f.layout, &site, f.scratch);
+        gather_hemisphere_radiance(&f.g, &h, &out);
         for (int k = 0; k < N2; k++) {
             sum[0][k] += (double)lambda[N2 + k] / STREAMS;
             sum[1][k] += (double)dx[N2 + k] / STREAMS;

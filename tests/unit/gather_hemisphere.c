@@ -55,7 +55,8 @@ static void a_furnace_has_no_gradients(void **state) {
     for (uint64_t i = 0; i < STREAMS; i++) {
         struct gather_site site = floor_site(0.3f, 0.2f, i);
         struct gather_irradiance value;
-        gather_hemisphere_irradiance(&f.g, layout, scratch, &site, &value);
+        const struct gather_hemisphere h = gather_hemisphere_trace(&f.g, layout, &site, scratch);
+        gather_hemisphere_irradiance(&f.g, &h, &value);
         E += (double)value.E.g / STREAMS;
         const float c[4] = {value.grad_t[1].x, value.grad_t[1].z, value.grad_r[1].x,
                             value.grad_r[1].z};
@@ -89,8 +90,16 @@ static struct gather_irradiance irradiance_at(struct fixture *f, struct gather_l
                                               struct gather_scratch *scratch,
                                               struct gather_site site) {
     struct gather_irradiance value;
-    gather_hemisphere_irradiance(&f->g, layout, scratch, &site, &value);
+    const struct gather_hemisphere h = gather_hemisphere_trace(&f->g, layout, &site, scratch);
+    gather_hemisphere_irradiance(&f->g, &h, &value);
     return value;
+}
+
+static void radiance_at(const struct fixture *f, const struct gather_layout *layout,
+                        struct gather_scratch *scratch, const struct gather_site *site,
+                        struct gather_radiance *out) {
+    const struct gather_hemisphere h = gather_hemisphere_trace(&f->g, layout, site, scratch);
+    gather_hemisphere_radiance(&f->g, &h, out);
 }
 
 static void irradiance_gradients_match_differences(void **state) {
@@ -163,16 +172,14 @@ static void radiance_gradients_match_differences(void **state) {
     double error = 0.0, size = 0.0;
     struct gather_site site = floor_site(x, z, 5);
     struct gather_radiance here = {.lambda = a, .dx = dx, .dy = dy};
-    gather_hemisphere_radiance(&f.g, layout, scratch, &site, &here);
+    radiance_at(&f, layout, scratch, &site, &here);
     for (int axis = 0; axis < 2; axis++) {
         vec3 along = v3_mul(axis ? site.frame.v : site.frame.u, h);
         struct gather_site s = site;
         s.p = v3_add(site.p, along);
-        gather_hemisphere_radiance(&f.g, layout, scratch, &s,
-                                   &(struct gather_radiance){.lambda = up});
+        radiance_at(&f, layout, scratch, &s, &(struct gather_radiance){.lambda = up});
         s.p = v3_sub(site.p, along);
-        gather_hemisphere_radiance(&f.g, layout, scratch, &s,
-                                   &(struct gather_radiance){.lambda = down});
+        radiance_at(&f, layout, scratch, &s, &(struct gather_radiance){.lambda = down});
         for (int k = 0; k < 3 * N2; k++) {
             double difference = (double)(up[k] - down[k]) / (2.0 * (double)h);
             double given = (double)(axis ? dy[k] : dx[k]);
@@ -196,8 +203,7 @@ static void constant_radiance_has_one_coefficient(void **state) {
     struct gather_scratch *scratch = gather_scratch_new(gather_layout_rays(layout));
     float a[3 * N2];
     struct gather_site site = floor_site(0.1f, -0.4f, 3);
-    gather_hemisphere_radiance(&f.g, layout, scratch, &site,
-                               &(struct gather_radiance){.lambda = a});
+    radiance_at(&f, layout, scratch, &site, &(struct gather_radiance){.lambda = a});
     // 1 / 4 times the integral of H_0 = 1 / sqrt(2 pi) over the hemisphere. One light sample of six
     // faces spreads by less than its mean, so a coefficient's standard error is below 0.7 %; five
     // of them for one, twice the expected sum for the 35 others.

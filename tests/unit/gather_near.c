@@ -6,6 +6,7 @@
 
 #include <math.h>
 
+#include "gather/gather_guide.h"
 #include "test_scene.h"
 
 enum { STREAMS = 64, RAYS = 600, POINTS = 1 << 16 };
@@ -93,7 +94,9 @@ static struct errors errors_of(struct fixture *f, bool guided, double E) {
     for (uint64_t i = 0; i < STREAMS; i++) {
         const struct gather_site site = ceiling_site(i);
         struct gather_irradiance value;
-        gather_hemisphere_irradiance(&f->g, f->layout, f->scratch, &site, &value);
+        const struct gather_hemisphere hemisphere =
+            gather_hemisphere_trace(&f->g, f->layout, &site, f->scratch);
+        gather_hemisphere_irradiance(&f->g, &hemisphere, &value);
         const double d = (double)value.E.g / E - 1.0;
         e.mean += d / STREAMS;
         e.rms += d * d / STREAMS;
@@ -123,10 +126,18 @@ static void weights_are_unbiased(void **state) {
     (void)state;
     struct fixture f;
     start(&f);
-    struct gather_irradiance value;
     const struct gather_site site = ceiling_site(0);
-    gather_hemisphere_irradiance(&f.g, f.layout, f.scratch, &site, &value);
-    const struct gather_near *near = &f.scratch->guide.near;
+    struct gather_guide guide;
+    const struct gather_near *near = &guide.near;
+    struct gather_ray *rays = gather_scratch_rays(f.scratch);
+    gather_guide_rays(&f.g, f.layout, &site, f.scratch, &guide);
+    for (uint32_t i = 0; i < RAYS; i++) {
+        const vec2 u = sample_sobol2(i, 5);
+        const vec3 d = frame_to_world(&site.frame, sample_cosine_hemisphere(u.x, u.y));
+        rays[i] =
+            (struct gather_ray){.ray = scene_spawn(&f.scene.scene, site.p, site.ng, d), .item = i};
+    }
+    gather_rays_guided(&f.g, f.scratch, rays, RAYS, 0, &guide.near);
     assert_true(near->count > 0);
     for (int wall = 0; wall < 2; wall++) {
         const vec3 d = wall ? v3_unit(v3(1.0f, -2.0f, 0.2f)) : v3(0, -1, 0);

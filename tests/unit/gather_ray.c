@@ -83,14 +83,14 @@ static void no_estimate_is_left_over(void **state) {
     const struct gather g = gather_make(&t.scene, &options, &maps);
     struct gather_scratch *scratch = gather_scratch_new(1);
     assert_non_null(scratch);
-    scratch->E[0] = rgb_grey(NAN);
-    scratch->radius[0] = NAN;
+    scratch->hits.E[0] = rgb_grey(NAN);
+    scratch->hits.radius[0] = NAN;
     const struct ray down = {v3(0, 0, 1), 0.0f, v3(0, 0, -1), INFINITY};
     struct gather_ray *ray = gather_scratch_rays(scratch);
     *ray = (struct gather_ray){.ray = down};
     gather_rays(&g, scratch, ray, 1, 0);
-    assert_int_equal(scratch->hit[0].point.lobes & BRDF_SMOOTH, BRDF_GLOSSY);
-    assert_true(rgb_black(scratch->E[0]) && isinf(scratch->radius[0]));
+    assert_int_equal(scratch->hits.hit[0].point.lobes & BRDF_SMOOTH, BRDF_GLOSSY);
+    assert_true(rgb_black(scratch->hits.E[0]) && isinf(scratch->hits.radius[0]));
     gather_scratch_free(scratch);
     test_scene_free(&t);
 }

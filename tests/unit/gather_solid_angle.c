@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "gather/gather_gradients.h"
+#include "gather/gather_scratch.h"
 #include "rsh/rsh.h"
 
 enum { RAYS = 400, ORDER = 10, N2 = ORDER * ORDER };
@@ -20,7 +21,7 @@ struct fixture {
     struct gather_layout *layout;
     struct gather_scratch *scratch;
     struct frame frame;
-    struct gather_cells cells;
+    struct gather_hemisphere hemisphere;
     size_t count;
 };
 
@@ -31,7 +32,7 @@ static void start(struct fixture *f, satin_basis basis, int order) {
     f->count = gather_layout_rays(f->layout);
     f->scratch = gather_scratch_new(f->count);
     f->frame = frame_from_normal(v3_unit(v3(0.3f, -0.5f, 0.7f)));
-    f->cells = (struct gather_cells){f->layout, &f->frame, f->scratch};
+    f->hemisphere = gather_scratch_hemisphere(f->scratch, f->layout, &f->frame);
     struct rng rng = rng_make(1, RNG_GATHER, 0);
     struct gather_scratch *s = f->scratch;
     for (size_t i = 0; i < f->count; i++) {
@@ -115,7 +116,7 @@ static void radiance(satin_basis basis) {
     for (int differences = 0; differences < 2; differences++) {
         memset(dx, 0, sizeof dx);
         memset(dy, 0, sizeof dy);
-        gather_solid_angle_radiance(&f.cells, differences, 0, dx, dy);
+        gather_solid_angle_radiance(&f.hemisphere, differences, 0, dx, dy);
         compare(dx, wanted[0], 3 * N2, 2e-3);
         compare(dy, wanted[1], 3 * N2, 2e-3);
     }
@@ -151,7 +152,7 @@ static void irradiance(void **state) {
         }
     for (int differences = 0; differences < 2; differences++) {
         vec3 grad[3] = {{0}};
-        gather_solid_angle_irradiance(&f.cells, differences, 0, grad);
+        gather_solid_angle_irradiance(&f.hemisphere, differences, 0, grad);
         const float given[6] = {grad[0].x, grad[0].y, grad[1].x, grad[1].y, grad[2].x, grad[2].y};
         compare(given, wanted, 6, 2e-4);
         for (int c = 0; c < 3; c++) assert_true(grad[c].z == 0.0f);

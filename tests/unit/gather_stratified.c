@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "gather/gather_gradients.h"
+#include "gather/gather_scratch.h"
 #include "rsh/rsh.h"
 
 enum { RAYS = 16384, ORDER = 4, N2 = ORDER * ORDER };
@@ -43,11 +44,11 @@ static void irradiance_in_a_sphere(void **state) {
     (void)state;
     struct gather_layout *l = gather_layout_new(RAYS, SATIN_HSH, 0);
     struct gather_scratch *s = gather_scratch_new(gather_layout_rays(l));
-    const struct gather_cells cells = {l, &FRAME, s};
+    const struct gather_hemisphere hemisphere = gather_scratch_hemisphere(s, l, &FRAME);
     look(s, l, v3(1.0f, 0.0f, 0.0f));
     for (int kind = 0; kind < 2; kind++) {
         vec3 grad[3] = {{0}};
-        gather_stratified_irradiance(&cells, kind == 1, grad);
+        gather_stratified_irradiance(&hemisphere, kind == 1, grad);
         for (int c = 0; c < 3; c++) {
             assert_true(fabs((double)grad[c].x / (c + 1) - SLOPE) < TOLERANCE);
             assert_true(fabs((double)grad[c].y / (c + 1)) < TOLERANCE);
@@ -63,13 +64,13 @@ static void radiance_in_a_sphere(void **state) {
     (void)state;
     struct gather_layout *l = gather_layout_new(RAYS, SATIN_HSH, ORDER);
     struct gather_scratch *s = gather_scratch_new(gather_layout_rays(l));
-    const struct gather_cells cells = {l, &FRAME, s};
+    const struct gather_hemisphere hemisphere = gather_scratch_hemisphere(s, l, &FRAME);
     // cos(theta) = (sqrt(2 pi) H_0 + sqrt(2 pi / 3) H_1) / 2.
     const double c0 = 0.5 * sqrt(2.0 * 3.14159265358979), c2 = c0 / sqrt(3.0);
     for (int turned = 0; turned < 2; turned++) {
         float dx[3 * N2] = {0}, dy[3 * N2] = {0};
         look(s, l, turned ? v3(0.0f, 1.0f, 0.0f) : v3(1.0f, 0.0f, 0.0f));
-        gather_stratified_radiance(&cells, dx, dy);
+        gather_stratified_radiance(&hemisphere, dx, dy);
         for (int c = 0; c < 3; c++) {
             double x = (c0 * (double)dx[c * N2] + c2 * (double)dx[c * N2 + 2]) / (c + 1);
             double y = (c0 * (double)dy[c * N2] + c2 * (double)dy[c * N2 + 2]) / (c + 1);
