@@ -26,14 +26,41 @@ static void project_cosine(float *out, satin_basis basis, int order) {
     }
 }
 
+struct cache_options cache_options_of(const satin_options *o, enum cache_kind kind) {
+    if (kind == CACHE_IRRADIANCE)
+        return (struct cache_options){.a = o->irradiance_a,
+                                      .widen = o->irradiance_widen,
+                                      .rays = o->irradiance_rays,
+                                      .noise = o->irradiance_noise,
+                                      .basis = o->radiance_basis,
+                                      .gradients = o->irradiance_gradients,
+                                      .radius = o->irradiance_radius,
+                                      .gradient_clamp = o->irradiance_gradient_clamp,
+                                      .neighbours = o->irradiance_neighbours,
+                                      .min_pixels = o->irradiance_min_pixels,
+                                      .max_pixels = o->irradiance_max_pixels,
+                                      .max_radius = o->record_max_radius};
+    return (struct cache_options){.a = o->radiance_a,
+                                  .widen = o->radiance_widen,
+                                  .rays = o->radiance_rays,
+                                  .noise = o->radiance_noise,
+                                  .basis = o->radiance_basis,
+                                  .gradients = o->radiance_gradients,
+                                  .radius = o->radiance_radius,
+                                  .gradient_clamp = o->radiance_gradient_clamp,
+                                  .neighbours = o->radiance_neighbours,
+                                  .min_pixels = o->radiance_min_pixels,
+                                  .max_pixels = o->radiance_max_pixels,
+                                  .max_radius = o->record_max_radius};
+}
+
 static size_t most_rays(const struct cache *cache) {
     size_t most = 0;
-    for (int i = 0; i < 2 * CACHE_LAYOUTS; i++) {
-        const struct gather_layout *layout = i < CACHE_LAYOUTS
-                                                 ? cache->irradiance_layout[i]
-                                                 : cache->radiance_layout[i - CACHE_LAYOUTS];
-        if (layout && gather_layout_rays(layout) > most) most = gather_layout_rays(layout);
-    }
+    for (int k = 0; k < CACHE_KINDS; k++)
+        for (int i = 0; i < CACHE_LAYOUTS; i++) {
+            const struct gather_layout *layout = cache->side[k].layout[i];
+            if (layout && gather_layout_rays(layout) > most) most = gather_layout_rays(layout);
+        }
     return most;
 }
 
@@ -44,17 +71,19 @@ struct cache *cache_new(const struct gather *g, int order, struct parallel *pool
     c->g = g;
     c->pool = pool;
     c->order = order;
-    cache_tree_init(&c->irradiance_tree, g->scene->bounds_lo, g->scene->bounds_hi);
-    cache_tree_init(&c->radiance_tree, g->scene->bounds_lo, g->scene->bounds_hi);
+    for (int k = 0; k < CACHE_KINDS; k++) {
+        c->side[k].options = cache_options_of(o, (enum cache_kind)k);
+        cache_tree_init(&c->side[k].tree, g->scene->bounds_lo, g->scene->bounds_hi);
+    }
     c->rays_part = 1.0f;
     c->irradiance_whole = gather_layout_new(o->irradiance_rays, o->radiance_basis, 0);
     if (!c->irradiance_whole) goto fail;
-    if (cache_rays_prepare(c, CACHE_IRRADIANCE, 1.0f, c->irradiance_layout) != SATIN_OK) goto fail;
+    if (cache_rays_prepare(c, CACHE_IRRADIANCE, 1.0f) != SATIN_OK) goto fail;
     if (order) {
         c->cosine_order = o->radiance_basis == SATIN_HSH && order > 2 ? 2 : order;
         c->cosine = array_new((size_t)(c->cosine_order * c->cosine_order), sizeof *c->cosine);
         if (!c->cosine) goto fail;
-        if (cache_rays_prepare(c, CACHE_RADIANCE, 1.0f, c->radiance_layout) != SATIN_OK) goto fail;
+        if (cache_rays_prepare(c, CACHE_RADIANCE, 1.0f) != SATIN_OK) goto fail;
         project_cosine(c->cosine, o->radiance_basis, c->cosine_order);
     }
     c->scratch_count = parallel_threads(pool);
@@ -72,17 +101,15 @@ fail:
 
 void cache_free(struct cache *cache) {
     if (!cache) return;
-    cache_tree_free(&cache->irradiance_tree);
-    cache_tree_free(&cache->radiance_tree);
+    for (int k = 0; k < CACHE_KINDS; k++) {
+        cache_tree_free(&cache->side[k].tree);
+        for (int i = 0; i < CACHE_LAYOUTS; i++) gather_layout_free(cache->side[k].layout[i]);
+    }
     free(cache->irradiance);
     free(cache->radiance);
     arena_free(&cache->radiance_arena);
     free(cache->cosine);
     gather_layout_free(cache->irradiance_whole);
-    for (int i = 0; i < CACHE_LAYOUTS; i++) {
-        gather_layout_free(cache->irradiance_layout[i]);
-        gather_layout_free(cache->radiance_layout[i]);
-    }
     for (int i = 0; cache->scratch && i < cache->scratch_count; i++)
         gather_scratch_free(cache->scratch[i]);
     free(cache->scratch);
@@ -90,17 +117,15 @@ void cache_free(struct cache *cache) {
 }
 
 size_t cache_count(const struct cache *cache, enum cache_kind kind) {
-    return kind == CACHE_IRRADIANCE ? cache->irradiance_tree.head_count
-                                    : cache->radiance_tree.head_count;
+    return cache->side[kind].tree.head_count;
 }
 
 void cache_record(const struct cache *cache, enum cache_kind kind, size_t i, vec3 *p, vec3 *n,
                   float *R) {
-    const struct cache_tree *tree =
-        kind == CACHE_IRRADIANCE ? &cache->irradiance_tree : &cache->radiance_tree;
-    *p = tree->head[i].p;
-    *n = tree->head[i].n;
-    *R = tree->head[i].R;
+    const struct cache_head *head = &cache->side[kind].tree.head[i];
+    *p = head->p;
+    *n = head->n;
+    *R = head->R;
 }
 
 static double tree_bytes(const struct cache_tree *t) {
@@ -116,7 +141,8 @@ void cache_statistics(const struct cache *cache, struct stats *stats) {
     stats_set(stats, "records.rays", (double)cache->rays);
     stats_set(stats, "records.refused", (double)cache->refused);
     stats_set(stats, "records.bytes",
-              tree_bytes(&cache->irradiance_tree) + tree_bytes(&cache->radiance_tree) +
+              tree_bytes(&cache->side[CACHE_IRRADIANCE].tree) +
+                  tree_bytes(&cache->side[CACHE_RADIANCE].tree) +
                   (double)(cache->irradiance_capacity * sizeof *cache->irradiance) +
                   (double)(cache->radiance_capacity * sizeof *cache->radiance) +
                   (double)cache->radiance_arena.bytes);

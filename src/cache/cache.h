@@ -14,8 +14,8 @@
 
 struct cache;
 
-// Which records a site asks for; a mask.
-enum cache_kind { CACHE_IRRADIANCE = 1, CACHE_RADIANCE = 2 };
+// The two sides of the cache.
+enum cache_kind { CACHE_IRRADIANCE, CACHE_RADIANCE, CACHE_KINDS };
 
 // The glossy lobes of a surface point as the eye sees them.
 struct cache_view {
@@ -34,7 +34,7 @@ struct cache_site {
     struct frame frame;  // shading frame; n on the same side
     float pixel;      // width of a projected pixel at p, across the line of sight, in scene units
     uint64_t stream;  // random stream, unique to the site
-    uint8_t wants;    // mask of cache_kind
+    uint8_t wants;    // mask of 1 << cache_kind
     struct cache_view view;  // table NULL: nothing is known of the eye, or nothing is glossy
     // For cache_converge alone:
     vec3 seen;     // the surface point that the eye sees
@@ -49,23 +49,23 @@ struct cache_site {
 struct cache *cache_new(const struct gather *g, int order, struct parallel *pool);
 void cache_free(struct cache *cache);  // NULL is allowed
 
-// Makes records until every site is covered with accuracies a_irradiance and a_radiance: takes
+// Makes records of a kind until every site that wants them is covered with accuracy a: takes
 // uncovered sites in the order given, in batches whose members lie apart, gathers each batch on all
 // threads against the frozen cache, inserts in order. SATIN_CANCELLED if the pool's progress
-// function stopped it: then the records of all batches before are there.
+// function stopped it: then the records of all batches before are there. SATIN_ERROR_MEMORY.
 struct cache_fill {
     const struct cache_site *site;
     size_t count;
-    float a_irradiance, a_radiance;
+    float a;
     float widest;   // records will be read at accuracies up to this times the options' a
     float spacing;  // of sites, in pixels: members of a batch are farther apart than this
     bool adapted;   // new records take their scale from the nearest one [K05 6.3.2]
 };
-satin_status cache_fill(struct cache *cache, const struct cache_fill *fill);
+satin_status cache_fill(struct cache *cache, enum cache_kind kind, const struct cache_fill *fill);
 
-// New records get this part, in (0, 1], of the gather rays that the options say.
+// New records get this fraction, in (0, 1], of the gather rays that the options say.
 // SATIN_ERROR_MEMORY.
-satin_status cache_limit_rays(struct cache *cache, float part);
+satin_status cache_limit_rays(struct cache *cache, float fraction);
 
 // Where interpolated light is wanted.
 struct cache_place {
@@ -113,15 +113,11 @@ bool cache_stands(const struct cache *cache, vec3 p, vec3 n, float reach);
 
 // ---- Adaptive caching [K05 6.3] (cache_converge.c) ---------------------------------------------
 
-// Full convergence for a set of shading points: where records disagree visibly, the farthest give
-// way, and new ones fill the gaps, until none disagree.
-struct cache_converge {
-    const struct cache_site *site;  // shading points, in the order in which gaps are filled
-    size_t count;
-    struct cache_fill fill;  // its accuracies; its sites are not used
-    float widen[2];          // irradiance, radiance: records are read at a times this
-};
-satin_status cache_converge(struct cache *cache, const struct cache_converge *with);
+// Full convergence of a kind of records for the sites of a fill that is done: where records that
+// are read at accuracy read_a disagree visibly, the farthest give way, and new ones fill the gaps,
+// until none disagree. Status as of cache_fill.
+satin_status cache_converge(struct cache *cache, enum cache_kind kind,
+                            const struct cache_fill *fill, float read_a);
 
 // ---- Files of records (cache_file.c, docs/formats.md) -------------------------------------------
 

@@ -128,14 +128,13 @@ static satin_status fill_gaps(struct cache_convergence *c) {
     size_t n = 0;
     for (size_t i = 0; i < c->count; i++) {
         if (!c->point[i].queued || !c->point[i].bare) continue;
-        site[n] = *c->site[i];
-        site[n++].wants = (uint8_t)c->kind;
+        site[n++] = *c->site[i];
     }
-    struct cache_fill fill = c->with->fill;
+    struct cache_fill fill = *c->fill;
     fill.site = site;
     fill.count = n;
     fill.adapted = true;
-    satin_status status = cache_fill(c->cache, &fill);
+    satin_status status = cache_fill(c->cache, c->kind, &fill);
     free(site);
     return status;
 }
@@ -169,23 +168,19 @@ static satin_status converge(struct cache_convergence *c) {
     return SATIN_OK;
 }
 
-static satin_status converge_kind(struct cache *cache, const struct cache_converge *with,
-                                  enum cache_kind kind) {
-    const bool irradiance = kind == CACHE_IRRADIANCE;
-    struct cache_convergence c = {
-        .cache = cache,
-        .with = with,
-        .kind = kind,
-        .tree = irradiance ? &cache->irradiance_tree : &cache->radiance_tree,
-        .a = irradiance ? with->fill.a_irradiance : with->fill.a_radiance,
-    };
-    c.read_a = c.a * with->widen[irradiance ? 0 : 1];
-    c.site = array_new(with->count, sizeof(struct cache_site *));
-    c.point = array_new(with->count, sizeof *c.point);
+satin_status cache_converge(struct cache *cache, enum cache_kind kind,
+                            const struct cache_fill *fill, float read_a) {
+    struct cache_convergence c = {.cache = cache,
+                                  .fill = fill,
+                                  .kind = kind,
+                                  .tree = &cache->side[kind].tree,
+                                  .read_a = read_a};
+    c.site = array_new(fill->count, sizeof(struct cache_site *));
+    c.point = array_new(fill->count, sizeof *c.point);
     satin_status status = SATIN_ERROR_MEMORY;
     if (c.site && c.point) {
-        for (size_t i = 0; i < with->count; i++)
-            if (with->site[i].wants & kind) c.site[c.count++] = &with->site[i];
+        for (size_t i = 0; i < fill->count; i++)
+            if (fill->site[i].wants >> kind & 1u) c.site[c.count++] = &fill->site[i];
         status = c.count ? converge(&c) : SATIN_OK;
     }
     free(c.site);
@@ -195,11 +190,5 @@ static satin_status converge_kind(struct cache *cache, const struct cache_conver
     free(c.scale);
     cache_tree_free(&c.news);
     cache_tree_free(&c.shrunk);
-    return status;
-}
-
-satin_status cache_converge(struct cache *cache, const struct cache_converge *with) {
-    satin_status status = converge_kind(cache, with, CACHE_IRRADIANCE);
-    if (status == SATIN_OK && cache->order) status = converge_kind(cache, with, CACHE_RADIANCE);
     return status;
 }

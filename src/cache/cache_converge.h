@@ -24,10 +24,10 @@ struct cache_point {
 
 struct cache_convergence {
     struct cache *cache;
-    const struct cache_converge *with;
+    const struct cache_fill *fill;  // its sites are the shading points
     enum cache_kind kind;
     struct cache_tree *tree;
-    float a, read_a;
+    float read_a;
     const struct cache_site **site;  // those of the kind
     struct cache_point *point;
     size_t count;

@@ -17,10 +17,9 @@ static float by_distance(satin_radius kind, const struct gather_around *around) 
 }
 
 // The bound on a radius where nothing was hit, and the user's.
-static float bounded(float R, const struct cache *cache) {
-    const float most = cache->g->options->record_max_radius;
+static float bounded(float R, const struct cache *cache, const struct cache_options *o) {
     R = fminf(R, cache->g->scene->radius);
-    return most > 0.0f ? fminf(R, most) : R;
+    return o->max_radius > 0.0f ? fminf(R, o->max_radius) : R;
 }
 
 static struct cache_extent circle(float R) { return (struct cache_extent){R, R, {0, 0, 0}, 1.0f}; }
@@ -43,14 +42,9 @@ static struct cache_extent by_bend(const struct gather_around *around, const str
 }
 
 // The largest radii are the user's last word: the least one gives way to them.
-float cache_least_radius(const struct cache *cache, enum cache_kind kind, float pixel) {
-    const satin_options *o = cache->g->options;
-    const bool irradiance = kind == CACHE_IRRADIANCE;
-    const float a = irradiance ? o->irradiance_a : o->radiance_a;
-    const float least = irradiance ? o->irradiance_min_pixels : o->radiance_min_pixels;
-    const float most = irradiance ? o->irradiance_max_pixels : o->radiance_max_pixels;
-    const float R = fminf(least, most) * pixel / a;
-    return o->record_max_radius > 0.0f ? fminf(R, o->record_max_radius) : R;
+float cache_least_radius(const struct cache_options *o, float pixel) {
+    const float R = fminf(o->min_pixels, o->max_pixels) * pixel / o->a;
+    return o->max_radius > 0.0f ? fminf(R, o->max_radius) : R;
 }
 
 // Keeps R of both axes between `lo` and `hi`. Where a record reaches farther than it should, its
@@ -77,21 +71,20 @@ struct cache_extent cache_extent_irradiance(const struct cache *cache,
                                             const struct cache_site *site,
                                             const struct gather_around *around,
                                             struct gather_irradiance *value) {
-    const satin_options *o = cache->g->options;
-    const float a = o->irradiance_a, E = rgb_luminance(value->E);
-    struct cache_extent x = o->irradiance_radius == SATIN_RADIUS_HESSIAN
+    const struct cache_options *o = &cache->side[CACHE_IRRADIANCE].options;
+    const float E = rgb_luminance(value->E);
+    struct cache_extent x = o->radius == SATIN_RADIUS_HESSIAN
                                 ? by_bend(around, &site->frame, E)
-                                : circle(by_distance(o->irradiance_radius, around));
-    limit(&x, bounded(x.R, cache));
+                                : circle(by_distance(o->radius, around));
+    limit(&x, bounded(x.R, cache, o));
     // E may not change by more than itself within R [K05 6.5.1].
     const float slope = v3_len(luminance_gradient(value));
-    if (o->irradiance_gradient_clamp && slope * x.R > E && E > 0.0f) limit(&x, E / slope);
-    clamp_radii(&x, cache_least_radius(cache, CACHE_IRRADIANCE, site->pixel),
-                o->irradiance_max_pixels * site->pixel / a);
+    if (o->gradient_clamp && slope * x.R > E && E > 0.0f) limit(&x, E / slope);
+    clamp_radii(&x, cache_least_radius(o, site->pixel), o->max_pixels * site->pixel / o->a);
     // And never extrapolate E below 0.
     const float Ec[3] = {value->E.r, value->E.g, value->E.b};
     for (int c = 0; c < 3; c++) {
-        float change = x.room * v3_len(value->grad_t[c]) * a * o->irradiance_widen * x.R;
+        float change = x.room * v3_len(value->grad_t[c]) * o->a * o->widen * x.R;
         float part = change > Ec[c] ? x.room * Ec[c] / change : x.room;
         value->grad_t[c] = v3_mul(value->grad_t[c], part);
     }
@@ -113,21 +106,19 @@ static void lengths2(const struct gather_radiance *value, int n2, int channel, f
 struct cache_extent cache_extent_radiance(const struct cache *cache, const struct cache_site *site,
                                           const struct gather_around *around,
                                           struct gather_radiance *value) {
-    const satin_options *o = cache->g->options;
+    const struct cache_options *o = &cache->side[CACHE_RADIANCE].options;
     const int n2 = cache->order * cache->order;
-    const float a = o->radiance_a;
     float size2[3], slope2[3];
     for (int c = 0; c < 3; c++) lengths2(value, n2, c, &size2[c], &slope2[c]);
     const float size = sqrtf(size2[0] + size2[1] + size2[2]);
     const float slope = sqrtf(slope2[0] + slope2[1] + slope2[2]);
-    struct cache_extent x = circle(bounded(by_distance(o->radiance_radius, around), cache));
+    struct cache_extent x = circle(bounded(by_distance(o->radius, around), cache, o));
     // As for E: the vector may not change by more than its length within R. Measured where a wall
     // reflects a box near to it: half of the records serve for the same error.
-    if (o->radiance_gradient_clamp && slope * x.R > size && size > 0.0f) limit(&x, size / slope);
-    clamp_radii(&x, cache_least_radius(cache, CACHE_RADIANCE, site->pixel),
-                o->radiance_max_pixels * site->pixel / a);
+    if (o->gradient_clamp && slope * x.R > size && size > 0.0f) limit(&x, size / slope);
+    clamp_radii(&x, cache_least_radius(o, site->pixel), o->max_pixels * site->pixel / o->a);
     for (int c = 0; c < 3; c++) {
-        float change = x.room * sqrtf(slope2[c]) * a * o->radiance_widen * x.R;
+        float change = x.room * sqrtf(slope2[c]) * o->a * o->widen * x.R;
         float length = sqrtf(size2[c]), part = change > length ? x.room * length / change : x.room;
         for (int k = c * n2; part < 1.0f && k < (c + 1) * n2; k++) {
             value->dx[k] *= part;

@@ -81,16 +81,17 @@ static struct cache_radiance_record get_radiance(const float *in, int n2, float 
 static void put_section(const struct cache *c, const struct cache_origin *origin,
                         enum cache_section section, unsigned char *out) {
     const size_t row = cache_file_row(section, (uint32_t)c->order);
-    const size_t irradiance = c->irradiance_tree.head_count, radiance = c->radiance_tree.head_count;
+    const size_t irradiance = c->side[CACHE_IRRADIANCE].tree.head_count,
+                 radiance = c->side[CACHE_RADIANCE].tree.head_count;
     switch (section) {
         case SECTION_OPTIONS:
             memcpy(out, origin->options, strlen(origin->options));
             break;
         case SECTION_IRRADIANCE_HEADS:
-            if (irradiance) memcpy(out, c->irradiance_tree.head, irradiance * row);
+            if (irradiance) memcpy(out, c->side[CACHE_IRRADIANCE].tree.head, irradiance * row);
             break;
         case SECTION_RADIANCE_HEADS:
-            if (radiance) memcpy(out, c->radiance_tree.head, radiance * row);
+            if (radiance) memcpy(out, c->side[CACHE_RADIANCE].tree.head, radiance * row);
             break;
         case SECTION_IRRADIANCE:
             for (size_t i = 0; i < irradiance; i++)
@@ -107,8 +108,8 @@ static void put_section(const struct cache *c, const struct cache_origin *origin
 
 satin_status cache_save(const struct cache *cache, const struct cache_origin *origin,
                         const char *path, struct log log) {
-    const size_t irradiance = cache->irradiance_tree.head_count;
-    const size_t radiance = cache->radiance_tree.head_count;
+    const size_t irradiance = cache->side[CACHE_IRRADIANCE].tree.head_count;
+    const size_t radiance = cache->side[CACHE_RADIANCE].tree.head_count;
     const size_t rows[SECTIONS] = {0, irradiance, irradiance, radiance, radiance};
     struct cache_file_header h = {.version = CACHE_FILE_VERSION,
                                   .sections = SECTIONS,
@@ -164,7 +165,7 @@ static satin_status load_irradiance(struct cache *c, const struct cache_file *f)
     for (size_t i = 0; i < count && status == SATIN_OK; i++) {
         memcpy(row, f->section[SECTION_IRRADIANCE] + i * sizeof row, sizeof row);
         c->irradiance[i] = get_irradiance(row);
-        status = load_head(&c->irradiance_tree,
+        status = load_head(&c->side[CACHE_IRRADIANCE].tree,
                            f->section[SECTION_IRRADIANCE_HEADS] + i * sizeof(struct cache_head));
     }
     return status;
@@ -183,7 +184,7 @@ static satin_status load_radiance(struct cache *c, const struct cache_file *f) {
         if (!value) return SATIN_ERROR_MEMORY;
         memcpy(row, f->section[SECTION_RADIANCE] + i * bytes, bytes);
         c->radiance[i] = get_radiance(row, n2, value);
-        status = load_head(&c->radiance_tree,
+        status = load_head(&c->side[CACHE_RADIANCE].tree,
                            f->section[SECTION_RADIANCE_HEADS] + i * sizeof(struct cache_head));
     }
     return status;

@@ -27,7 +27,7 @@ void cache_judge_revise(const struct cache_convergence *c, const struct cache_si
     p->count = (uint8_t)kept;
     p->bare = true;
     for (int i = 0; i < kept; i++)
-        if (p->with[i].error < c->a * c->tree->head[p->with[i].record].scale) p->bare = false;
+        if (p->with[i].error < c->fill->a * c->tree->head[p->with[i].record].scale) p->bare = false;
 }
 
 // What a kind of records lights at a site; the harmonics of its glossy lobes if that is radiance.
@@ -81,9 +81,8 @@ static float noise_of(const struct cache_point *p) {
 // Whether a record may end before this point: not within the least radius of a record.
 static bool may_end(const struct cache_convergence *c, const struct cache_site *s,
                     uint32_t record) {
-    const satin_options *o = c->cache->g->options;
-    const float a = c->kind == CACHE_IRRADIANCE ? o->irradiance_a : o->radiance_a;
-    const float least = a * cache_least_radius(c->cache, c->kind, s->pixel);
+    const struct cache_options *o = &c->cache->side[c->kind].options;
+    const float least = o->a * cache_least_radius(o, s->pixel);
     return v3_dist2(c->tree->head[record].p, s->p) > least * least;
 }
 

@@ -7,38 +7,33 @@
 // The plain number of rays, and up to four times more or less.
 enum { PLAIN = CACHE_LAYOUTS / 2 };
 
-satin_status cache_rays_prepare(const struct cache *cache, enum cache_kind kind, float part,
-                                struct gather_layout *layout[CACHE_LAYOUTS]) {
-    const satin_options *o = cache->g->options;
-    const bool irradiance = kind == CACHE_IRRADIANCE;
-    const double rays = (double)part * (irradiance ? o->irradiance_rays : o->radiance_rays);
-    const float noise = irradiance ? o->irradiance_noise : o->radiance_noise;
-    for (int i = 0; i < CACHE_LAYOUTS; i++) {
-        if (!(noise > 0.0f) && i != PLAIN) continue;
+satin_status cache_rays_prepare(struct cache *cache, enum cache_kind kind, float fraction) {
+    struct cache_side *side = &cache->side[kind];
+    const struct cache_options *o = &side->options;
+    const int order = kind == CACHE_RADIANCE ? cache->order : 0;
+    const double rays = (double)fraction * o->rays;
+    struct gather_layout *made[CACHE_LAYOUTS] = {NULL};
+    satin_status status = SATIN_OK;
+    for (int i = 0; i < CACHE_LAYOUTS && status == SATIN_OK; i++) {
+        if (!(o->noise > 0.0f) && i != PLAIN) continue;
         const double wanted = fmax(4.0, fmin(ldexp(rays, i - PLAIN), CACHE_RAYS_MAX));
-        layout[i] =
-            gather_layout_new((int)wanted, o->radiance_basis, irradiance ? 0 : cache->order);
-        if (!layout[i]) return SATIN_ERROR_MEMORY;
+        made[i] = gather_layout_new((int)wanted, o->basis, order);
+        if (!made[i]) status = SATIN_ERROR_MEMORY;
     }
-    return SATIN_OK;
+    for (int i = 0; i < CACHE_LAYOUTS; i++) {
+        gather_layout_free(status == SATIN_OK ? side->layout[i] : made[i]);
+        if (status == SATIN_OK) side->layout[i] = made[i];
+    }
+    return status;
 }
 
-satin_status cache_limit_rays(struct cache *cache, float part) {
-    if (part == cache->rays_part) return SATIN_OK;
-    for (int k = CACHE_IRRADIANCE; k <= CACHE_RADIANCE; k++) {
-        const bool irradiance = k == CACHE_IRRADIANCE;
-        struct gather_layout **to = irradiance ? cache->irradiance_layout : cache->radiance_layout;
-        struct gather_layout *layout[CACHE_LAYOUTS] = {NULL};
-        if (!irradiance && !cache->order) continue;
-        satin_status status = cache_rays_prepare(cache, (enum cache_kind)k, part, layout);
-        for (int i = 0; i < CACHE_LAYOUTS; i++) {
-            gather_layout_free(status == SATIN_OK ? to[i] : layout[i]);
-            if (status == SATIN_OK) to[i] = layout[i];
-        }
-        if (status != SATIN_OK) return status;
-    }
-    cache->rays_part = part;
-    return SATIN_OK;
+satin_status cache_limit_rays(struct cache *cache, float fraction) {
+    if (fraction == cache->rays_part) return SATIN_OK;
+    satin_status status = cache_rays_prepare(cache, CACHE_IRRADIANCE, fraction);
+    if (status == SATIN_OK && cache->order)
+        status = cache_rays_prepare(cache, CACHE_RADIANCE, fraction);
+    if (status == SATIN_OK) cache->rays_part = fraction;
+    return status;
 }
 
 // The squared deviation of a record over its value, times its rays.
@@ -59,15 +54,12 @@ static float variance_of(const struct cache *cache, enum cache_kind kind, uint32
 
 const struct gather_layout *cache_rays_layout(const struct cache *cache, enum cache_kind kind,
                                               const struct cache_site *site, float a) {
-    const bool irradiance = kind == CACHE_IRRADIANCE;
-    const satin_options *o = cache->g->options;
-    struct gather_layout *const *layout =
-        irradiance ? cache->irradiance_layout : cache->radiance_layout;
-    const struct cache_tree *tree = irradiance ? &cache->irradiance_tree : &cache->radiance_tree;
-    const float noise = irradiance ? o->irradiance_noise : o->radiance_noise;
+    const struct cache_side *side = &cache->side[kind];
+    struct gather_layout *const *layout = side->layout;
+    const float noise = side->options.noise;
     if (!(noise > 0.0f)) return layout[PLAIN];
     struct cache_near near[CACHE_NEAR_MAX];
-    const int count = cache_find(cache, tree, site->p, site->frame.n, a, near);
+    const int count = cache_find(cache, &side->tree, site->p, site->frame.n, a, near);
     float variance = 0.0f;
     for (int i = 0; i < count; i++) variance += variance_of(cache, kind, near[i].record);
     if (!(variance > 0.0f)) return layout[PLAIN];

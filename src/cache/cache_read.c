@@ -68,13 +68,13 @@ static rgb mean_of(const struct taylor *sum, float weight) {
 // rotation gradient adds sin t.
 static struct taylor irradiance_of(const struct cache *cache, uint32_t record,
                                    const struct cache_place *at, float a) {
-    const struct cache_head *h = &cache->irradiance_tree.head[record];
+    const struct cache_head *h = &cache->side[CACHE_IRRADIANCE].tree.head[record];
     const struct gather_irradiance *value = &cache->irradiance[record].value;
     const float share = minf(v3_dot(at->n, at->frame.n), 1.0f);
     struct taylor t = {{share * value->E.r, share * value->E.g, share * value->E.b},
                        .way = way_from(h, at->p, a),
                        .turn = v3_cross(h->n, at->frame.n)};
-    if (cache->g->options->irradiance_gradients == SATIN_GRADIENTS_NONE) return t;
+    if (cache->side[CACHE_IRRADIANCE].options.gradients == SATIN_GRADIENTS_NONE) return t;
     for (int c = 0; c < 3; c++) {
         t.grad[c] = value->grad_t[c];
         t.turn_grad[c] = value->grad_r[c];
@@ -106,8 +106,8 @@ static void use(struct cache_used *used, const struct cache_head *h, float weigh
 
 struct cache_used cache_irradiance(const struct cache *cache, const struct cache_place *at, float a,
                                    rgb *E) {
-    const struct cache_tree *tree = &cache->irradiance_tree;
-    const float whole = cache->g->options->irradiance_a;
+    const struct cache_tree *tree = &cache->side[CACHE_IRRADIANCE].tree;
+    const float whole = cache->side[CACHE_IRRADIANCE].options.a;
     struct cache_near near[CACHE_NEAR_MAX];
     struct cache_used used = {0};
     const int count = find(cache, tree, at, a, near);
@@ -161,8 +161,8 @@ static struct taylor radiance_of(const struct cache *cache, uint32_t index,
     if (noise) *noise = fabsf(sum[3]);
     const rgb rest = cache_residual_read(&record->residual, &lobe);
     struct taylor t = {{sum[0] + rest.r, sum[1] + rest.g, sum[2] + rest.b},
-                       .way = way_from(&cache->radiance_tree.head[index], at->p, a)};
-    if (cache->g->options->radiance_gradients == SATIN_GRADIENTS_NONE) return t;
+                       .way = way_from(&cache->side[CACHE_RADIANCE].tree.head[index], at->p, a)};
+    if (cache->side[CACHE_RADIANCE].options.gradients == SATIN_GRADIENTS_NONE) return t;
     for (int c = 0; c < 3; c++)
         t.grad[c] = v3_mad(v3_mul(frame->u, sum[4 + c]), sum[8 + c], frame->v);
     return t;
@@ -170,8 +170,8 @@ static struct taylor radiance_of(const struct cache *cache, uint32_t index,
 
 struct cache_used cache_radiance(const struct cache *cache, const struct cache_place *at, float a,
                                  const struct cache_lobe *lobe, rgb *glossy, rgb *E) {
-    const struct cache_tree *tree = &cache->radiance_tree;
-    const float whole = cache->g->options->radiance_a;
+    const struct cache_tree *tree = &cache->side[CACHE_RADIANCE].tree;
+    const float whole = cache->side[CACHE_RADIANCE].options.a;
     struct cache_near near[CACHE_NEAR_MAX];
     struct cache_used used = {0};
     const int count = find(cache, tree, at, a, near);
@@ -199,8 +199,8 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_p
 }
 
 bool cache_stands(const struct cache *cache, vec3 p, vec3 n, float reach) {
-    return cache_tree_nearest(&cache->irradiance_tree, p, n, reach) >= 0 ||
-           cache_tree_nearest(&cache->radiance_tree, p, n, reach) >= 0;
+    return cache_tree_nearest(&cache->side[CACHE_IRRADIANCE].tree, p, n, reach) >= 0 ||
+           cache_tree_nearest(&cache->side[CACHE_RADIANCE].tree, p, n, reach) >= 0;
 }
 
 float cache_reflected(const struct cache *cache, enum cache_kind kind, uint32_t record,

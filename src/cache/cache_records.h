@@ -35,23 +35,44 @@ struct cache_irradiance_record {
     float room;       // as above
 };
 
+// The options of one kind of records; satin_options has them as irradiance_a, radiance_a and so on,
+// and says what they mean.
+struct cache_options {
+    float a, widen;
+    int rays;
+    float noise;
+    satin_basis basis;
+    satin_gradients gradients;
+    satin_radius radius;
+    bool gradient_clamp, neighbours;
+    float min_pixels, max_pixels;
+    float max_radius;  // in scene units; 0: none
+};
+struct cache_options cache_options_of(const satin_options *options, enum cache_kind kind);
+
+// What both kinds of records have.
+struct cache_side {
+    struct cache_options options;
+    struct cache_tree tree;
+    // Hemispheres of different numbers of rays; NULL where none is used.
+    struct gather_layout *layout[CACHE_LAYOUTS];
+};
+
 struct cache {
     const struct gather *g;
     struct parallel *pool;
     int order;  // of radiance records; 0: none
+    struct cache_side side[CACHE_KINDS];
 
-    struct cache_tree irradiance_tree;
     struct cache_irradiance_record *irradiance;
     size_t irradiance_capacity;
 
-    struct cache_tree radiance_tree;
     struct cache_radiance_record *radiance;
     size_t radiance_capacity;
     struct arena radiance_arena;  // coefficient blocks
     float *cosine;                // the projection of cos(theta), so that E = Lambda . cosine
     int cosine_order;             // HSH hold the cosine in two bands
 
-    struct gather_layout *irradiance_layout[CACHE_LAYOUTS], *radiance_layout[CACHE_LAYOUTS];
     struct gather_layout *irradiance_whole;  // all the rays that the options say
     float rays_part;                         // of them that new records get
     struct gather_scratch **scratch;         // one per worker
@@ -80,15 +101,14 @@ struct cache_extent cache_extent_irradiance(const struct cache *cache,
 struct cache_extent cache_extent_radiance(const struct cache *cache, const struct cache_site *site,
                                           const struct gather_around *around,
                                           struct gather_radiance *value);
-// Makes the layouts that the options ask for, of a part of their rays. SATIN_ERROR_MEMORY; those
-// made are the caller's.
-satin_status cache_rays_prepare(const struct cache *cache, enum cache_kind kind, float part,
-                                struct gather_layout *layout[CACHE_LAYOUTS]);
+// Makes the layouts of a side anew: those that its options ask for, of a fraction of their rays.
+// SATIN_ERROR_MEMORY: then it keeps those that it had.
+satin_status cache_rays_prepare(struct cache *cache, enum cache_kind kind, float fraction);
 // The layout of a new record, by the records that reach its site at accuracy a.
 const struct gather_layout *cache_rays_layout(const struct cache *cache, enum cache_kind kind,
                                               const struct cache_site *site, float a);
 // The least R that is made where a pixel is so wide: a R of the options' least radius in pixels.
-float cache_least_radius(const struct cache *cache, enum cache_kind kind, float pixel);
+float cache_least_radius(const struct cache_options *options, float pixel);
 // Neighbour clamping [K05 6.5.2]: R of the new record, after limiting it by its neighbours and them
 // by it.
 float cache_clamp_neighbours(struct cache_tree *tree, vec3 p, vec3 n, float R);

@@ -9,7 +9,7 @@ enum {
     STRIDE_LEAST = 2
 };
 
-satin_status render_converge(struct render *r, float widen, const float read[2]) {
+satin_status render_converge(struct render *r) {
     int stride = STRIDE_LEAST;
     while ((int64_t)r->options.width * r->options.height / stride / stride > POINTS_MOST) stride++;
     size_t pixels;
@@ -18,16 +18,16 @@ satin_status render_converge(struct render *r, float widen, const float read[2])
     satin_status status =
         pixel ? render_find_sites(r, pixel, pixels, true, &sites) : SATIN_ERROR_MEMORY;
     free(pixel);
-    struct cache_converge with = {
-        .site = sites.site,
-        .count = sites.count,
-        .fill = {.a_irradiance = r->options.irradiance_a * widen,
-                 .a_radiance = r->options.radiance_a * widen,
-                 .widest = render_widest(r),
-                 .spacing = 1.5f},
-        .widen = {read[0] / widen, read[1] / widen},
-    };
-    if (status == SATIN_OK) status = cache_converge(r->second_pass.cache, &with);
+    const float a[CACHE_KINDS] = {r->options.irradiance_a, r->options.radiance_a};
+    const float widen[CACHE_KINDS] = {r->options.irradiance_widen, r->options.radiance_widen};
+    for (int k = 0; k < CACHE_KINDS && status == SATIN_OK; k++) {
+        const struct cache_fill fill = {.site = sites.site,
+                                        .count = sites.count,
+                                        .a = a[k],
+                                        .widest = render_widest(r),
+                                        .spacing = 1.5f};
+        status = cache_converge(r->second_pass.cache, (enum cache_kind)k, &fill, a[k] * widen[k]);
+    }
     render_sites_free(&sites);
     return status;
 }

@@ -72,9 +72,8 @@ static void walk(void *ctx, size_t begin, size_t end, int worker) {
 static satin_status fill(struct render *r, struct render_level *level, struct walks *walks) {
     if (!parallel_for(r->pool, WALKS, 64, walk, walks)) return SATIN_CANCELLED;
     const satin_options *o = &level->options;
-    struct cache_fill fill = {.a_irradiance = o->irradiance_a,
-                              .a_radiance = o->radiance_a,
-                              .widest = fmaxf(o->irradiance_widen, o->radiance_widen),
+    const float a[CACHE_KINDS] = {o->irradiance_a, o->radiance_a};
+    struct cache_fill fill = {.widest = fmaxf(o->irradiance_widen, o->radiance_widen),
                               .spacing = SPACING};
     satin_status status = SATIN_OK;
     for (size_t i = 0, next = FIRST; i < WALKS && status == SATIN_OK; i = next, next = 2 * i) {
@@ -84,7 +83,10 @@ static satin_status fill(struct render *r, struct render_level *level, struct wa
             if (walks->found[k]) site[count++] = walks->site[k];
         fill.site = site;
         fill.count = count;
-        status = cache_fill(level->cache, &fill);
+        for (int kind = 0; kind < CACHE_KINDS && status == SATIN_OK; kind++) {
+            fill.a = a[kind];
+            status = cache_fill(level->cache, (enum cache_kind)kind, &fill);
+        }
     }
     return status;
 }

@@ -47,15 +47,16 @@ static satin_status fill_block(struct level *l, const uint32_t *pixel, size_t co
     struct render *r = l->r;
     satin_status status = render_find_sites(r, pixel, count, false, &l->sites);
     if (status != SATIN_OK) return status;
-    struct cache_fill fill = {
-        .site = l->sites.site,
-        .count = l->sites.count,
-        .a_irradiance = r->options.irradiance_a * widen,
-        .a_radiance = r->options.radiance_a * widen,
-        .widest = render_widest(r),
-        .spacing = 1.5f * (float)l->stride,
-    };
-    return cache_fill(r->second_pass.cache, &fill);
+    const float a[CACHE_KINDS] = {r->options.irradiance_a, r->options.radiance_a};
+    for (int k = 0; k < CACHE_KINDS && status == SATIN_OK; k++) {
+        const struct cache_fill fill = {.site = l->sites.site,
+                                        .count = l->sites.count,
+                                        .a = a[k] * widen,
+                                        .widest = render_widest(r),
+                                        .spacing = 1.5f * (float)l->stride};
+        status = cache_fill(r->second_pass.cache, (enum cache_kind)k, &fill);
+    }
+    return status;
 }
 
 static satin_status fill_level(struct level *l, float widen) {
@@ -141,10 +142,9 @@ static void read_at(struct render *r, float irradiance, float radiance) {
 // At the options' accuracies; then adapted.
 static satin_status fill(struct level *l) {
     struct render *r = l->r;
-    const float read[2] = {r->options.irradiance_widen, r->options.radiance_widen};
     satin_status status = fill_levels(l, 1.0f, false, 0.0, 1.0);
     if (status != SATIN_OK || !r->options.adaptive_cache) return status;
-    return render_converge(r, 1.0f, read);
+    return render_converge(r);
 }
 
 // With a time limit: rounds of ever finer records. The image reads them at the finest accuracy that

@@ -167,9 +167,9 @@ satin_status render_find_sites(struct render *r, const uint32_t *pixel, size_t c
 void render_sites_free(struct render_sites *sites);
 
 // ---- render_converge.c
-// Adapts the records to the eye's points [K05 6.3]; they were filled at `widen` times a and will be
-// read at `read` times the options' a, irradiance and radiance.
-satin_status render_converge(struct render *r, float widen, const float read[2]);
+// Adapts the records to the points that the eye sees [K05 6.3], for reading them at the accuracies
+// that the options name.
+satin_status render_converge(struct render *r);
 
 // ---- render_image.c
 struct render_image *render_image_new(const struct satin_scene *scene,

@@ -53,8 +53,8 @@ rgb shade_diffuse_albedo(const struct gather_point *p) {
 unsigned shade_wants(const struct shade *shade, const struct gather_point *p) {
     struct shade_plan plan;
     shade_plan_make(shade, p, &plan);
-    unsigned wants = plan.cached ? CACHE_RADIANCE : 0u;
-    if (plan.diffuse && shade->g->options->irradiance_cache) wants |= CACHE_IRRADIANCE;
+    unsigned wants = plan.cached ? 1u << CACHE_RADIANCE : 0u;
+    if (plan.diffuse && shade->g->options->irradiance_cache) wants |= 1u << CACHE_IRRADIANCE;
     return wants;
 }
 

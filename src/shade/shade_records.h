@@ -42,7 +42,7 @@ static inline void shade_lobe_name(const struct gather_point *p, struct cache_lo
 // The fraction of the irradiance that the diffuse lobe reflects, per solid angle.
 rgb shade_diffuse_albedo(const struct gather_point *p);
 
-// The kinds of records that the plan of a point reads, a mask of cache_kind; 0: none.
+// The kinds of records that the plan of a point reads, a mask of 1 << cache_kind; 0: none.
 unsigned shade_wants(const struct shade *shade, const struct gather_point *p);
 
 #endif

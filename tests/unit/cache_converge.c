@@ -30,29 +30,26 @@ static void start(struct cache_case *f, int threads) {
     f->options.leak_test = false;
     f->options.irradiance_min_pixels = 1.0f;
     cache_case_finish(f, 0, threads, v3(0, 0, 0), v3(0.5f, 0, 0), v3(0, 0.5f, 0),
-                      (struct cache_site){.pixel = PIXEL, .wants = CACHE_IRRADIANCE});
+                      (struct cache_site){.pixel = PIXEL, .wants = 1 << CACHE_IRRADIANCE});
 }
 
 // Fills, then converges beside direct light of that luminance; returns how many records were added.
 static size_t run(struct cache_case *f, float light) {
     struct cache_fill fill = {.site = f->site,
                               .count = 12,  // coarse to fine
-                              .a_irradiance = f->options.irradiance_a,
-                              .a_radiance = 0.3f,
+                              .a = f->options.irradiance_a,
                               .widest = 2.0f,
                               .spacing = 1.5f};
-    assert_int_equal(cache_fill(f->cache, &fill), SATIN_OK);
+    assert_int_equal(cache_fill(f->cache, CACHE_IRRADIANCE, &fill), SATIN_OK);
     fill.count = CACHE_CASE_SITES;
-    assert_int_equal(cache_fill(f->cache, &fill), SATIN_OK);
+    assert_int_equal(cache_fill(f->cache, CACHE_IRRADIANCE, &fill), SATIN_OK);
     for (int i = 0; i < CACHE_CASE_SITES; i++) {
         f->site[i].seen = f->site[i].p;
         f->site[i].diffuse = rgb_grey(0.8f / PI_F);
         f->site[i].direct = light;
     }
     size_t before = cache_count(f->cache, CACHE_IRRADIANCE);
-    struct cache_converge with = {
-        .site = f->site, .count = CACHE_CASE_SITES, .fill = fill, .widen = {1.5f, 1.0f}};
-    assert_int_equal(cache_converge(f->cache, &with), SATIN_OK);
+    assert_int_equal(cache_converge(f->cache, CACHE_IRRADIANCE, &fill, 1.5f * fill.a), SATIN_OK);
     return cache_count(f->cache, CACHE_IRRADIANCE) - before;
 }
 
@@ -64,13 +61,13 @@ static void records_are_added_where_they_disagree(void **state) {
     assert_true(added > 0);
     assert_true(f.cache->converged.passes >= 2 && f.cache->converged.passes <= 11);
     bool smaller = false;
-    for (size_t i = 0; i < f.cache->irradiance_tree.head_count; i++)
-        smaller = smaller || f.cache->irradiance_tree.head[i].scale < 1.0f;
+    for (size_t i = 0; i < f.cache->side[CACHE_IRRADIANCE].tree.head_count; i++)
+        smaller = smaller || f.cache->side[CACHE_IRRADIANCE].tree.head[i].scale < 1.0f;
     assert_true(smaller);
     struct cache_near near[CACHE_NEAR_MAX];
     for (int i = 0; i < CACHE_CASE_SITES; i++)
-        assert_true(cache_find(f.cache, &f.cache->irradiance_tree, f.site[i].p, f.site[i].frame.n,
-                               f.options.irradiance_a, near) > 0);
+        assert_true(cache_find(f.cache, &f.cache->side[CACHE_IRRADIANCE].tree, f.site[i].p,
+                               f.site[i].frame.n, f.options.irradiance_a, near) > 0);
     cache_case_free(&f);
 }
 
@@ -91,7 +88,8 @@ static void threads_make_no_difference(void **state) {
     start(&b, 3);
     run(&a, 0.0f);
     run(&b, 0.0f);
-    const struct cache_tree *s = &a.cache->irradiance_tree, *t = &b.cache->irradiance_tree;
+    const struct cache_tree *s = &a.cache->side[CACHE_IRRADIANCE].tree,
+                            *t = &b.cache->side[CACHE_IRRADIANCE].tree;
     assert_int_equal(s->head_count, t->head_count);
     assert_memory_equal(s->head, t->head, s->head_count * sizeof *s->head);
     cache_case_free(&a);

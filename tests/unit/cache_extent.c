@@ -30,8 +30,15 @@ static void start(struct fixture *f) {
     f->cache = (struct cache){.g = &f->g, .order = 1};
 }
 
+// Makes the cache take over the options.
+static void apply(struct fixture *f) {
+    for (int k = 0; k < CACHE_KINDS; k++)
+        f->cache.side[k].options = cache_options_of(&f->options, (enum cache_kind)k);
+}
+
 // a R in pixels of a record whose rays found walls at that distance; both caches must agree.
-static float pixels(const struct fixture *f, float distance) {
+static float pixels(struct fixture *f, float distance) {
+    apply(f);
     const struct cache_site site = {.frame = frame_from_normal(v3(0, 0, 1)), .pixel = PIXEL};
     const struct gather_around around = {.harmonic = distance, .least = distance};
     float lambda[3] = {1, 1, 1}, dx[3] = {0}, dy[3] = {0};
@@ -67,7 +74,8 @@ static void scene_units_win_over_pixels(void **state) {
     f.options.record_max_radius = 0.02f;  // one pixel
     assert_float_equal(pixels(&f, 0.001f), 1.0f, 1e-4f);
     assert_float_equal(pixels(&f, 5.0f), 1.0f, 1e-4f);
-    assert_float_equal(cache_least_radius(&f.cache, CACHE_IRRADIANCE, PIXEL), 0.02f, 1e-6f);
+    assert_float_equal(cache_least_radius(&f.cache.side[CACHE_IRRADIANCE].options, PIXEL), 0.02f,
+                       1e-6f);
 }
 
 // A record that reaches farther than its rays said keeps that in mind; one that is cut does not.
@@ -75,6 +83,7 @@ static void room_tells_what_was_wanted(void **state) {
     (void)state;
     struct fixture f;
     start(&f);
+    apply(&f);
     const struct cache_site site = {.frame = frame_from_normal(v3(0, 0, 1)), .pixel = PIXEL};
     struct gather_around around = {.harmonic = 0.03f};
     struct gather_irradiance E = {.E = rgb_grey(1.0f)};

@@ -25,22 +25,18 @@ static void start(struct cache_case *f, int threads, float noise) {
     f->options.irradiance_noise = f->options.radiance_noise = noise;
     cache_case_finish(
         f, 4, threads, v3(0, -1, 0), v3(0, 0, 0.9f), v3(0.9f, 0, 0),
-        (struct cache_site){.pixel = 0.01f, .wants = CACHE_IRRADIANCE | CACHE_RADIANCE});
+        (struct cache_site){.pixel = 0.01f, .wants = 1 << CACHE_IRRADIANCE | 1 << CACHE_RADIANCE});
 }
 
 // Some coarse records, then finer ones among them; returns how many were coarse.
 static size_t fill(struct cache_case *f, enum cache_kind kind) {
-    struct cache_fill fill = {.site = f->site,
-                              .count = 16,
-                              .a_irradiance = 0.5f,
-                              .a_radiance = 0.5f,
-                              .widest = 2.0f,
-                              .spacing = 1.0f};
-    assert_int_equal(cache_fill(f->cache, &fill), SATIN_OK);
+    struct cache_fill fill = {
+        .site = f->site, .count = 16, .a = 0.5f, .widest = 2.0f, .spacing = 1.0f};
+    assert_int_equal(cache_fill(f->cache, kind, &fill), SATIN_OK);
     size_t coarse = cache_count(f->cache, kind);
     fill.count = CACHE_CASE_SITES;
-    fill.a_irradiance = fill.a_radiance = 0.25f;
-    assert_int_equal(cache_fill(f->cache, &fill), SATIN_OK);
+    fill.a = 0.25f;
+    assert_int_equal(cache_fill(f->cache, kind, &fill), SATIN_OK);
     assert_true(cache_count(f->cache, kind) > coarse + 8);
     return coarse;
 }

@@ -37,12 +37,12 @@ static void start(struct fixture *f, bool viewed) {
                    .kind = LIGHT_POINT, .position = v3(0.7f, 0.5f, 0.6f), .value = rgb_grey(1.0f)});
     c->options.radiance_rays = RAYS;
     cache_case_finish(c, ORDER, 1, v3(0, -1, 0), v3(0, 0, 0.9f), v3(0.9f, 0, 0),
-                      (struct cache_site){.pixel = 0.01f, .wants = CACHE_RADIANCE});
+                      (struct cache_site){.pixel = 0.01f, .wants = 1 << CACHE_RADIANCE});
     assert_int_equal(brdf_range_build(&brdf, NULL, &fit, c->pool, &f->range), SATIN_OK);
     if (viewed) c->site[0].view = (struct cache_view){shiny(), f->range, 1, NAME, WO};
     struct cache_fill fill = {
-        .site = c->site, .count = 1, .a_radiance = 0.5f, .widest = 1.0f, .spacing = 1.0f};
-    assert_int_equal(cache_fill(c->cache, &fill), SATIN_OK);
+        .site = c->site, .count = 1, .a = 0.5f, .widest = 1.0f, .spacing = 1.0f};
+    assert_int_equal(cache_fill(c->cache, CACHE_RADIANCE, &fill), SATIN_OK);
     assert_int_equal(cache_count(c->cache, CACHE_RADIANCE), 1);
 }
 
