@@ -8,10 +8,6 @@
 
 #include "render/render_image.h"
 
-// With a time limit, the part of it after which no more BRDF tables are made; and how long a look
-// may take after a cancellation.
-static const double TABLES_UNTIL = 0.45, LOOK_SECONDS = 0.5;
-
 static bool is_two_pass(const struct render *r) { return r->options.integrator == SATIN_TWO_PASS; }
 
 static bool needs_photons(const struct render *r) {
@@ -94,11 +90,10 @@ static satin_status first_pass(struct render *r) {
 static satin_status brdf_tables(struct render *r) {
     if (!is_two_pass(r)) return SATIN_OK;
     render_stage_begin(r, STAGE_TABLES, (double)r->scene.material_count);
-    if (r->options.time > 0.0) r->budget.stop_at = TABLES_UNTIL * r->options.time;
+    render_limit_tables(r);
     satin_status status =
         shade_tables_build(&r->scene, &r->options, r->pool, r->log, &r->second_pass.tables);
-    r->budget.stop_at = INFINITY;
-    return status == SATIN_CANCELLED && !render_cancelled(r) ? SATIN_OK : status;
+    return render_limit_end(r, status);
 }
 
 // Records of the bounces after the first, from the deepest up, if gather rays are to read these.
@@ -121,8 +116,7 @@ static satin_status first_bounce_records(struct render *r) {
 
 // Eye paths, whose indirect light is interpolated between the records.
 static satin_status sample_image(struct render *r) {
-    if (r->options.time > 0.0 && r->progress.look == LOOK_WHOLE)
-        r->budget.stop_at = r->options.time - render_write_seconds(r);
+    if (r->progress.look == LOOK_WHOLE) render_limit_image(r);
     return render_image_fill(r);
 }
 
@@ -137,7 +131,7 @@ static satin_status take_look(struct render *r, enum render_look look) {
         satin_status status = shade_init(&pass->shade, &pass->gather, &pass->tables, NULL, r->pool);
         if (status != SATIN_OK) return status;
     }
-    r->budget.stop_at = render_elapsed(r) + LOOK_SECONDS;
+    render_limit_look(r);
     satin_status status = sample_image(r);
     return status == SATIN_OK ? SATIN_CANCELLED : status;
 }

@@ -13,13 +13,6 @@
 // .0265 at 8 and .0073 at 76, in three times the time.
 static const double CLEAN_SAMPLES = 4.0;
 
-// A cancelled render is over within a moment: so long may denoising take then [s].
-static const double CANCELLED_SECONDS = 0.5;
-
-// The part of a time limit that is kept for denoising at most: a large image is late rather than
-// left without samples.
-static const double TIME_SHARE = 0.5;
-
 // The one that is asked by the filter whether it should go on.
 struct asked {
     struct render *r;
@@ -44,13 +37,6 @@ bool render_denoise_room(struct render_image *image) {
 satin_status render_denoiser(struct render *r) {
     if (!r->options.denoise) return SATIN_OK;
     return film_denoiser_open(parallel_threads(r->pool), r->log, &r->denoiser);
-}
-
-double render_denoise_seconds(const struct render *r) {
-    if (!r->denoiser) return 0.0;
-    const double pixels = (double)r->options.width * (double)r->options.height;
-    const double seconds = film_denoiser_pace(r->denoiser) * pixels, limit = r->options.time;
-    return limit > 0.0 ? fmin(seconds, TIME_SHARE * limit) : seconds;
 }
 
 static void fill(struct render_image *image) {
@@ -79,8 +65,7 @@ void render_denoise(struct render *r) {
     struct asked asked = {r, false};
     fill(image);
     // A first look has samples of a few pixels, of which the others are copies.
-    const bool late = render_cancelled(r) && render_denoise_seconds(r) > CANCELLED_SECONDS;
-    if (r->progress.look != LOOK_WHOLE || late) {
+    if (r->progress.look != LOOK_WHOLE || !render_budget_denoises(r)) {
         log_message(r->log, SATIN_LOG_WARNING, "cancelled: the image is not denoised");
         return;
     }

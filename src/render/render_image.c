@@ -18,9 +18,6 @@ enum {
     ASK_SAMPLES = 32  // after so many a worker asks whether it should go on
 };
 
-// Of a render with a time limit: the part of a sample per pixel that is not worth another pass.
-static const double PASS_LEAST = 0.1;
-
 struct pass {
     struct render *r;
     struct shade_worker *worker;
@@ -137,8 +134,7 @@ static uint32_t even_samples(const struct render *r) {
 }
 
 // Sets the targets of the next pass, which takes *samples in all; false: the image is done. A pass
-// doubles the samples; with a time limit it takes at most half of what is left, so that the last
-// ones are well foreseen.
+// doubles the samples, as far as the time goes.
 static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
     struct render_image *image = r->image;
     const uint64_t pixels = (uint64_t)image->width * (uint64_t)image->height;
@@ -149,10 +145,9 @@ static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
     uint64_t want = done ? done : pixels;
     if (want > all - done) want = all - done;
     if (done < even && want > even - done) want = even - done;
-    if (r->options.time > 0.0 && done) {
-        double fit = (render_time_left(r) - render_write_seconds(r)) / per_sample;
-        if (fit < PASS_LEAST * (double)pixels) return false;
-        if (fit > 2.0 * (double)pixels) fit *= 0.5;
+    if (done) {
+        const double fit = render_budget_pass(r, per_sample);
+        if (fit == 0.0) return false;
         if (fit < (double)want) want = (uint64_t)fit;
     }
     if (done < even) {
@@ -229,14 +224,14 @@ static void want_one(struct render_image *image, int stride) {
 static bool first_look(struct pass *pass) {
     struct render *r = pass->r;
     const bool hurry = r->options.time > 0.0 || r->progress.look != LOOK_WHOLE;
-    const double stop_at = r->budget.stop_at;
+    const double limit = render_limit_lift(r);
     bool whole = true;
-    if (r->progress.look != LOOK_WITH_RECORDS) r->budget.stop_at = INFINITY;
+    if (r->progress.look == LOOK_WITH_RECORDS) render_limit_restore(r, limit);
     for (int stride = r->image->coarsest; stride > 0 && whole; stride /= 2) {
         want_one(r->image, stride);
         whole = run_pass(pass);
         r->image->looked |= whole;
-        r->budget.stop_at = stop_at;
+        render_limit_restore(r, limit);
         if (!hurry) break;
     }
     if (hurry && whole) r->image->taken = (uint64_t)r->image->width * (uint64_t)r->image->height;

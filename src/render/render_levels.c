@@ -21,9 +21,6 @@ static const float RAYS_LEAST = 64.0f;
 // Sites of a batch lie apart by so many least radii.
 static const float SPACING = 2.0f;
 
-// Of the time that is left.
-static const double TIME_SHARE = 0.3;
-
 // Records of one bounce behind the image, and what made them.
 struct render_level {
     satin_options options;
@@ -131,15 +128,13 @@ satin_status render_levels(struct render *r) {
     satin_status status = SATIN_ERROR_MEMORY;
     if (walks.site && walks.found && r->second_pass.levels) status = SATIN_OK;
     r->second_pass.level_count = r->second_pass.levels ? count : 0;
-    const double start = render_elapsed(r), left = render_time_left(r);
+    const double start = render_elapsed(r);
     for (int i = count; i > 0 && status == SATIN_OK; i--) {
         double done = (double)(count - i) / count;
         render_stage_part(r, done, 1.0 / count);
-        r->budget.stop_at = start + TIME_SHARE * left * (done + 1.0 / count);
-        status = make_level(r, i, &walks);
-        if (status == SATIN_CANCELLED && !render_cancelled(r)) status = SATIN_OK;
+        render_limit_levels(r, start, done + 1.0 / count);
+        status = render_limit_end(r, make_level(r, i, &walks));
     }
-    r->budget.stop_at = INFINITY;
     size_t records = 0;
     for (int i = 0; i < r->second_pass.level_count && r->second_pass.levels[i].cache; i++)
         records += cache_count(r->second_pass.levels[i].cache, CACHE_IRRADIANCE) +

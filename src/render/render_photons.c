@@ -5,19 +5,14 @@
 #include "render/render_image.h"
 
 enum {
-    PILOT = 16,      // part of the photons that is tried first
-    WORTH_MORE = 3,  // times the pilot's photons: fewer are not worth another pass
-    MORE_MOST = 8    // times the photons where few of them are kept
+    PILOT = 16,    // part of the photons that is tried first
+    MORE_MOST = 8  // times the photons where few of them are kept
 };
 
 // Photons of indirect light per path: .5 to 2 in closed rooms; .07 in a room lit by the sky, where
 // ten times the paths brought gather rays that read the map in place of going on as paths: a tenth
 // less time in all, and half of the error of indirect light.
 static const double KEPT_LEAST = 0.5, WORTH_STARVED = 1.5;
-
-// Of the time limit; of it, after how much a pilot is given up; and what of the time that the pilot
-// foretells is used.
-static const double PHOTON_SHARE = 0.3, PILOT_UNTIL = 0.5, CAUTION = 0.9;
 
 // Whether the global map is looked at.
 static bool reads_photons(const satin_options *o) {
@@ -93,11 +88,10 @@ static bool paths_will_do(const struct render *r) {
 
 // Builds from a sixteenth of the photons; *given_up: there was no time for it.
 static satin_status pilot(struct render *r, bool *given_up) {
-    if (paths_will_do(r)) r->budget.stop_at = PILOT_UNTIL * r->options.time;
-    satin_status status = build(r, 1.0 / PILOT, 1.0);
-    r->budget.stop_at = INFINITY;
+    if (paths_will_do(r)) render_limit_pilot(r);
+    const satin_status status = build(r, 1.0 / PILOT, 1.0);
     *given_up = status == SATIN_CANCELLED && !render_cancelled(r);
-    return status;
+    return render_limit_end(r, status);
 }
 
 // The image has the channels of its integrator.
@@ -124,10 +118,8 @@ satin_status render_photons(struct render *r) {
         return trace_paths(r);
     }
     if (status != SATIN_OK) return status;
-    double left = PHOTON_SHARE * r->options.time - render_elapsed(r);
-    const double seconds = photon_seconds(&r->stats);
-    const double fit = CAUTION * left / seconds / PILOT;
-    if (fit * PILOT < WORTH_MORE) return SATIN_OK;
+    const double fit = render_budget_photons(r, photon_seconds(&r->stats)) / PILOT;
+    if (fit == 0.0) return SATIN_OK;
     const double more = fmin(starved(r, 1.0 / PILOT), fmax(fit, 1.0));
     return build_again(r, before, fmin(fit, 1.0), more);
 }

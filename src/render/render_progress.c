@@ -4,9 +4,6 @@
 
 static const double REPORT_EVERY = 0.1;  // seconds
 
-// Compressing a pixel's channels on one core is most of writing a film.
-static const double WRITE_SECONDS = 0.05, WRITE_PIXEL_SECONDS = 0.9e-6;
-
 // What is reported of a stage: its name, the unit of its items, and the statistic of its seconds.
 static const struct stage_report {
     const char *name, *unit, *seconds;
@@ -22,18 +19,6 @@ static const struct stage_report {
 };
 
 const char *render_stage_name(enum render_stage stage) { return stage_reports[stage].name; }
-
-double render_elapsed(const struct render *r) { return stats_wall() - r->budget.start; }
-
-double render_time_left(const struct render *r) {
-    return r->options.time > 0.0 ? r->options.time - render_elapsed(r) : INFINITY;
-}
-
-double render_write_seconds(const struct render *r) {
-    double pixels = (double)r->options.width * (double)r->options.height;
-    return WRITE_SECONDS + WRITE_PIXEL_SECONDS * pixels / parallel_threads(r->pool) +
-           render_denoise_seconds(r);
-}
 
 static void report_now(struct render *r, double done) {
     struct render_progress *at = &r->progress;

@@ -11,14 +11,10 @@ enum {
     BLOCK_PIXELS = 65536,  // whose sites are held at a time
 };
 
-// Of a render with a time limit: the records' share of what is left after the photons, until the
-// first round is over and render_share.c knows better.
-static const double RECORD_SHARE = 0.5;
-
 // A level makes more records than the one before it, by a factor that falls towards 1: 2.1, 3.1,
 // 2.3, 1.8, 1.2 in a furnished room, 1.4, 1.0, 1.6, 1.3, .9 in a closed one.
 static const float GROWTH_LEAST = 1.5f;
-static const double GROWTH_FADES = 0.8, COVER_SHARE = 0.5;
+static const double GROWTH_FADES = 0.8;
 // Gather rays of an irradiance record at least; a radiance record has as many times more as the
 // options say.
 static const float RAYS_LEAST = 32.0f;
@@ -35,8 +31,6 @@ struct level {
     double full, seconds;  // of all levels: records, each weighed by its part of the rays; time
     struct render_sites sites;
 };
-
-static bool time_remains(const struct render *r) { return render_elapsed(r) < r->budget.stop_at; }
 
 float render_widest(const struct render *r) {
     float w = fmaxf(r->options.irradiance_widen, r->options.radiance_widen);
@@ -99,8 +93,7 @@ static void pace(struct level *l, int left, double made, double seconds) {
         growth = 1.0 + GROWTH_FADES * (growth - 1.0);
         next[i] = made *= growth;
     }
-    const double budget =
-        COVER_SHARE * (r->budget.stop_at - render_elapsed(r)) * l->full / l->seconds;
+    const double budget = render_budget_first_round(r) * l->full / l->seconds;
     for (int step = 0; step < 30; step++) {
         double need = 0.0;
         l->rays = (float)(0.5 * (lo + hi));
@@ -128,11 +121,6 @@ static satin_status fill_levels(struct level *l, float widen, bool covering, dou
     return status;
 }
 
-static void give_records(struct render *r, double share) {
-    double left = render_time_left(r) - render_write_seconds(r);
-    r->budget.stop_at = render_elapsed(r) + share * left;
-}
-
 // The image reads the records at these factors of a.
 static void read_at(struct render *r, float irradiance, float radiance) {
     r->second_pass.shade.a_irradiance = r->options.irradiance_a * irradiance;
@@ -153,25 +141,25 @@ static satin_status fill_timed(struct level *l) {
     struct render *r = l->r;
     satin_status status = SATIN_OK;
     float finished = TIMED_WIDEN[0];
-    give_records(r, RECORD_SHARE);
+    render_limit_records(r, NULL);
     read_at(r, TIMED_WIDEN[0], TIMED_WIDEN[0]);
     double start = stats_wall();
     for (int i = 0; i < TIMED_ROUNDS && status == SATIN_OK; i++) {
         status =
             fill_levels(l, TIMED_WIDEN[i], i == 0, (double)i / TIMED_ROUNDS, 1.0 / TIMED_ROUNDS);
-        if (!time_remains(r)) break;
+        if (!render_time_remains(r)) break;
         finished = TIMED_WIDEN[i];
         if (i > 0) continue;
-        double pace = (double)cache_rays(r->second_pass.cache) / fmax(stats_wall() - start, 1e-9);
-        double share = RECORD_SHARE;
-        status = render_share(r, pace, &share);
-        give_records(r, share);
+        struct render_pace pace = {.rays = (double)cache_rays(r->second_pass.cache) /
+                                           fmax(stats_wall() - start, 1e-9)};
+        status = render_pilot(r, &pace);
+        if (status == SATIN_OK) render_limit_records(r, &pace);
     }
-    r->budget.stop_at = INFINITY;
+    status = render_limit_end(r, status);
     float fine = fminf(finished, 1.0f);
     read_at(r, fmaxf(finished, fine * r->options.irradiance_widen),
             fmaxf(finished, fine * r->options.radiance_widen));
-    return status == SATIN_CANCELLED && !render_cancelled(r) ? SATIN_OK : status;
+    return status;
 }
 
 static satin_status make_records(struct render *r) {

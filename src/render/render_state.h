@@ -5,6 +5,7 @@
 
 #include "film/film.h"
 #include "render/render_adapt.h"
+#include "render/render_budget.h"
 #include "satin/render.h"
 #include "shade/shade.h"
 
@@ -115,11 +116,6 @@ void render_stage_part(struct render *r, double done, double span);
 void render_progress_install(struct render *r);
 // Reports to the caller, if it is time to; false if the caller cancelled now, and not before.
 bool render_progress_report(struct render *r, double done);
-double render_elapsed(const struct render *r);
-// Seconds that are left of options.time; INFINITY without a limit.
-double render_time_left(const struct render *r);
-// What denoising, making and writing the film is going to take.
-double render_write_seconds(const struct render *r);
 
 // ---- render_photons.c
 // Photons and the rough solution, as many as a time limit allows.
@@ -132,10 +128,10 @@ struct gather render_gather(const struct render *r);
 satin_status render_levels(struct render *r);
 void render_levels_free(struct render *r);
 
-// ---- render_share.c
-// *share: the records' share of the time that is left, judged by sampling a few pixels; it stays as
-// it is if that was cut short. `rays_per_second` is the pace at which records were gathered so far.
-satin_status render_share(struct render *r, double rays_per_second, double *share);
+// ---- render_pilot.c
+// Samples a few pixels with the records that are there; sets all of *pace but its rays.
+// SATIN_CANCELLED if it was cut short.
+satin_status render_pilot(struct render *r, struct render_pace *pace);
 
 // ---- render_cache.c: files of records
 // Reads the file that the caller named, if any, and refuses one that does not fit.
@@ -181,8 +177,6 @@ satin_status render_image_fill(struct render *r);
 // ---- render_denoise.c
 // Opens the denoiser, if the options want one.
 satin_status render_denoiser(struct render *r);
-// What denoising is going to take [s], or half of a time limit if it is going to take more.
-double render_denoise_seconds(const struct render *r);
 // Denoises the image, if more of it is there than a first look; r->denoised says what became of it.
 // SATIN_CANCELLED: the caller did not want to wait.
 void render_denoise(struct render *r);

@@ -1,23 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a time limit is shared between records and image. A few pixels are sampled against the
-// coarse records that are there; from them and from the rays gathered so far follow, per pixel,
-//   the variance of n samples, V n^-1.5 (adapt_variance), and n, if the image gets the share s;
-//   the error of the records, ERROR_RAYS q / rays, where q is the mean square of the indirect part
-//   of a pixel's light and rays are those that fit into the share 1 - s;
-// and s is where their sum is least.
+// A pilot of a time limit: samples a few pixels against the coarse records that are there, and so
+// measures what divides the time between records and image (render_budget.h): samples per second,
+// the variance that they leave, and how much of the light is the records'.
 #include <stdlib.h>
 
 #include "base/array.h"
 #include "render/render_state.h"
 
-enum { SIDE = 64, SAMPLES = 4, STEPS = 40 };
-
-// Measured on the data scenes at 10 to 20 gather rays and 6 to 15 samples per pixel: the relative
-// squared error of a pixel that is all indirect, times the rays per pixel, was 2.7e-3 to 1e-2. The
-// image had a variance less than V by 5 to 12 in closed rooms, 2 to 3 in a furnished one: V is of
-// two halves of two samples with few light samples, and of three colours.
-static const double ERROR_RAYS = 5e-3, VARIANCE_GAIN = 5.0;
-static const double SHARE_LEAST = 0.2, SHARE_MOST = 0.8;
+enum { SIDE = 64, SAMPLES = 4 };
 
 struct pilot {
     struct render *r;
@@ -82,37 +72,26 @@ static void pilot_destroy(struct pilot *pilot) {
     free(pilot->indirect);
 }
 
-satin_status render_share(struct render *r, double rays_per_second, double *best) {
+satin_status render_pilot(struct render *r, struct render_pace *pace) {
     struct pilot pilot;
-    double least = INFINITY, start = stats_wall();
-    const bool made = pilot_make(&pilot, r);
-    const double stop_at = r->budget.stop_at;
-    bool ok = made;
-    r->budget.stop_at = INFINITY;  // it is short
-    for (uint32_t n = SAMPLES / 2; ok && n <= SAMPLES; n += SAMPLES / 2) {
+    if (!pilot_make(&pilot, r)) {
+        pilot_destroy(&pilot);
+        return SATIN_ERROR_MEMORY;
+    }
+    const size_t pixels = (size_t)pilot.columns * (size_t)pilot.rows;
+    const double start = stats_wall(), limit = render_limit_lift(r);
+    bool whole = true;
+    for (uint32_t n = SAMPLES / 2; whole && n <= SAMPLES; n += SAMPLES / 2) {
         adapt_even(&pilot.adapt, n);
-        ok = parallel_for(r->pool, (size_t)pilot.columns * (size_t)pilot.rows, 16, sample_pixels,
-                          &pilot);
+        whole = parallel_for(r->pool, pixels, 16, sample_pixels, &pilot);
         adapt_judge(&pilot.adapt);
     }
-    r->budget.stop_at = stop_at;
-    double pixels = (double)r->options.width * (double)r->options.height, V = 0.0, q = 0.0;
-    double samples = (double)SAMPLES * pilot.columns * pilot.rows;
-    double samples_per_second = samples / fmax(stats_wall() - start, 1e-9);
-    double left = render_time_left(r) - render_write_seconds(r);
-    if (ok && left > 0.0) {
-        V = adapt_variance(&pilot.adapt);
-        q = mean_square_indirect(&pilot);
-    }
-    for (int i = 0; ok && left > 0.0 && i <= STEPS; i++) {
-        double share = SHARE_LEAST + (SHARE_MOST - SHARE_LEAST) * i / STEPS;
-        double n = share * left * samples_per_second / pixels;
-        double rays = (1.0 - share) * left * rays_per_second / pixels;
-        double error = V / VARIANCE_GAIN / (n * sqrt(n)) + ERROR_RAYS * q / fmax(rays, 1e-9);
-        if (!(error < least)) continue;
-        least = error;
-        *best = 1.0 - share;
+    render_limit_restore(r, limit);
+    if (whole) {
+        pace->samples = SAMPLES * (double)pixels / fmax(stats_wall() - start, 1e-9);
+        pace->variance = adapt_variance(&pilot.adapt);
+        pace->indirect2 = mean_square_indirect(&pilot);
     }
     pilot_destroy(&pilot);
-    return made ? SATIN_OK : SATIN_ERROR_MEMORY;
+    return whole ? SATIN_OK : SATIN_CANCELLED;
 }
