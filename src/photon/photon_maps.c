@@ -7,6 +7,7 @@
 // hit; its photons come from a pass of their own, aimed at what can cause caustics. What looks for
 // bright places needs all, but fewer, allocated by power so that they weigh alike; the pass of the
 // global map brings them too.
+#include <math.h>
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -33,6 +34,9 @@ struct pass {
 
 // A lookup wider than this part of what is seen is not trusted.
 static const float TRUST = 0.25f;
+
+// Caustics are faint below this part of the mean irradiance.
+static const float FAINT = 0.01f;
 
 // An estimate leaves out its outermost photon, so it takes two to see light.
 static int clamp_k(int k) { return k < 2 ? 2 : k > PHOTON_K_MAX ? PHOTON_K_MAX : k; }
@@ -132,6 +136,30 @@ static satin_status build_global(const struct pass *pass, struct photon_maps *ma
         &maps->irradiance);
 }
 
+// Mean luminance of the irradiance over the surfaces that photons came down on: an entry stands for
+// an area in proportion to that of its estimate.
+static float mean_irradiance(const struct photon_irradiance *r) {
+    double sum = 0.0, area = 0.0;
+    for (size_t i = 0; i < r->count; i++) {
+        const double radius = (double)r->radius[i];
+        if (!isfinite(radius)) continue;
+        sum += radius * radius * (double)rgb_luminance(r->E[i]);
+        area += radius * radius;
+    }
+    return area > 0.0 ? (float)(sum / area) : 0.0f;
+}
+
+// The radius in which the photons of a caustic's estimate would be so faint: a wider search would
+// take long, and nobody could see what it finds.
+static float faint_radius(const struct photon_maps *maps) {
+    const struct photon_map *map = &maps->caustic;
+    double power = 0.0;
+    for (size_t i = 0; i < map->count; i++) power += (double)rgb_luminance(map->photon[i].power);
+    const double mean = power / (double)map->count;
+    const double least = (double)(FAINT * mean_irradiance(&maps->irradiance));
+    return least > 0.0 ? (float)sqrt(maps->caustic_k * mean / (M_PI * least)) : INFINITY;
+}
+
 static satin_status build_caustic(const struct pass *pass, struct photon_maps *maps) {
     const satin_options *o = pass->options;
     // The photons integrator has the caustics in the global map.
@@ -153,6 +181,8 @@ static satin_status build_caustic(const struct pass *pass, struct photon_maps *m
     status = trace_into(pass, &tracing, &maps->caustic, trace);
     guide_emission_free(emission);
     if (status != SATIN_OK) return status;
+    if (maps->caustic.count > 0)
+        maps->caustic.radius_max = fminf(maps->caustic.radius_max, faint_radius(maps));
     return precompute(pass,
                       &(struct photon_precompute){
                           &maps->caustic, pass->scene, PHOTON_CAUSTIC_STRIDE, maps->caustic_k,
