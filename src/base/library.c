@@ -30,12 +30,12 @@ static bool own_folder(bool program, char folder[PATH_MAX]) {
     return cut_to_folder(folder);
 }
 
-bool library_find(const char *const *places, size_t count, char path[PATH_MAX]) {
+bool library_find(const char *const *paths, size_t count, char path[PATH_MAX]) {
     char folder[PATH_MAX];
     for (int program = 0; program < 2; program++) {
         if (!own_folder(program, folder)) continue;
         for (size_t i = 0; i < count; i++) {
-            int n = snprintf(path, PATH_MAX, "%s%s", folder, places[i]);
+            int n = snprintf(path, PATH_MAX, "%s%s", folder, paths[i]);
             if (n > 0 && n < PATH_MAX && access(path, R_OK) == 0) return true;
         }
     }

@@ -9,7 +9,7 @@
 
 // Looks for the first of `count` paths, seen from the folder of the library and then of the program
 // that holds this code, that can be read. False if none can; then `path` says nothing.
-bool library_find(const char *const *places, size_t count, char path[PATH_MAX]);
+bool library_find(const char *const *paths, size_t count, char path[PATH_MAX]);
 
 // Opens it for the life of the process: what it starts threads in must not be unloaded under them.
 // NULL if that fails; dlerror() says why.

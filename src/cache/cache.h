@@ -68,7 +68,7 @@ satin_status cache_fill(struct cache *cache, enum cache_kind kind, const struct 
 satin_status cache_limit_rays(struct cache *cache, float fraction);
 
 // Where interpolated light is wanted.
-struct cache_place {
+struct cache_lookup {
     vec3 p, n;           // the surface's point and normal,
     struct frame frame;  // the BRDF's frame, of the same normal unless bumps turned it
     float reach;         // without a record of the accuracy asked for the nearest up to here serves
@@ -87,8 +87,8 @@ static inline struct cache_used cache_used_add(struct cache_used x, struct cache
 
 // Interpolated irradiance on a facet of normal frame.n at accuracy a [K05 (2.2)]; count is 0 if no
 // record is near enough: then *E is untouched.
-struct cache_used cache_irradiance(const struct cache *cache, const struct cache_place *at, float a,
-                                   rgb *E);
+struct cache_used cache_irradiance(const struct cache *cache, const struct cache_lookup *at,
+                                   float a, rgb *E);
 
 // What a glossy surface reflects of the interpolated radiance [K05 (3.2), (3.3)].
 struct cache_lobe {
@@ -106,7 +106,7 @@ static inline vec3 cache_mirror(const struct frame *frame, vec3 wo) {
 }
 // lobe may be NULL: then *glossy is untouched. E, the irradiance from the same records, may be
 // NULL.
-struct cache_used cache_radiance(const struct cache *cache, const struct cache_place *at, float a,
+struct cache_used cache_radiance(const struct cache *cache, const struct cache_lookup *at, float a,
                                  const struct cache_lobe *lobe, rgb *glossy, rgb *E);
 // Whether a record of any kind stands within `reach` of p, on a surface that faces alike.
 bool cache_stands(const struct cache *cache, vec3 p, vec3 n, float reach);

@@ -46,7 +46,7 @@ static void find_surface(const struct cache_site *s, enum cache_kind kind,
 
 static void look(const struct cache_convergence *c, const struct cache_site *s,
                  struct cache_point *p) {
-    const struct cache_place at = {s->seen, s->frame.n, s->frame, 0.0f};
+    const struct cache_lookup at = {s->seen, s->frame.n, s->frame, 0.0f};
     struct cache_surface surface;
     find_surface(s, c->kind, &surface);
     for (int i = 0; i < p->count; i++) {

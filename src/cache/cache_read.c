@@ -9,7 +9,7 @@
 
 // The records to interpolate at a place; where none is, the nearest one.
 static int find(const struct cache *cache, const struct cache_tree *tree,
-                const struct cache_place *at, float a, struct cache_near near[CACHE_NEAR_MAX]) {
+                const struct cache_lookup *at, float a, struct cache_near near[CACHE_NEAR_MAX]) {
     int count = cache_find(cache, tree, at->p, at->n, a, near);
     if (count > 0 || !(at->reach > 0.0f)) return count;
     int64_t nearest = cache_tree_nearest(tree, at->p, at->n, at->reach);
@@ -67,7 +67,7 @@ static rgb mean_of(const struct taylor *sum, float weight) {
 // E of one record at a place. A facet that is turned by an angle t sees E cos t, and what the
 // rotation gradient adds sin t.
 static struct taylor irradiance_of(const struct cache *cache, uint32_t record,
-                                   const struct cache_place *at, float a) {
+                                   const struct cache_lookup *at, float a) {
     const struct cache_head *h = &cache->side[CACHE_IRRADIANCE].tree.head[record];
     const struct gather_irradiance *value = &cache->irradiance[record].value;
     const float share = minf(v3_dot(at->n, at->frame.n), 1.0f);
@@ -104,8 +104,8 @@ static void use(struct cache_used *used, const struct cache_head *h, float weigh
     *used = cache_used_add(*used, one);
 }
 
-struct cache_used cache_irradiance(const struct cache *cache, const struct cache_place *at, float a,
-                                   rgb *E) {
+struct cache_used cache_irradiance(const struct cache *cache, const struct cache_lookup *at,
+                                   float a, rgb *E) {
     const struct cache_tree *tree = &cache->side[CACHE_IRRADIANCE].tree;
     const float whole = cache->side[CACHE_IRRADIANCE].options.a;
     struct cache_near near[CACHE_NEAR_MAX];
@@ -151,7 +151,7 @@ static void product(const struct cache_radiance_record *record, const struct cac
 // What a lobe, given in the place's frame, reflects of one record; *noise, if not NULL, gets that
 // of its luminance.
 static struct taylor radiance_of(const struct cache *cache, uint32_t index,
-                                 const struct cache_place *at, float a, struct cache_lobe lobe,
+                                 const struct cache_lookup *at, float a, struct cache_lobe lobe,
                                  float *noise) {
     const struct cache_radiance_record *record = &cache->radiance[index];
     const struct frame *frame = &record->frame;
@@ -168,7 +168,7 @@ static struct taylor radiance_of(const struct cache *cache, uint32_t index,
     return t;
 }
 
-struct cache_used cache_radiance(const struct cache *cache, const struct cache_place *at, float a,
+struct cache_used cache_radiance(const struct cache *cache, const struct cache_lookup *at, float a,
                                  const struct cache_lobe *lobe, rgb *glossy, rgb *E) {
     const struct cache_tree *tree = &cache->side[CACHE_RADIANCE].tree;
     const float whole = cache->side[CACHE_RADIANCE].options.a;
@@ -204,7 +204,7 @@ bool cache_stands(const struct cache *cache, vec3 p, vec3 n, float reach) {
 }
 
 float cache_reflected(const struct cache *cache, enum cache_kind kind, uint32_t record,
-                      const struct cache_place *at, float a, const struct cache_surface *surface,
+                      const struct cache_lookup *at, float a, const struct cache_surface *surface,
                       float *noise) {
     struct taylor t;
     *noise = 0.0f;

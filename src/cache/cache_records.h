@@ -137,7 +137,7 @@ int cache_find(const struct cache *cache, const struct cache_tree *tree, vec3 p,
 // Luminance of what a surface reflects of one record; *noise gets its standard deviation, or for
 // radiance one sample of it.
 float cache_reflected(const struct cache *cache, enum cache_kind kind, uint32_t record,
-                      const struct cache_place *at, float a, const struct cache_surface *surface,
+                      const struct cache_lookup *at, float a, const struct cache_surface *surface,
                       float *noise);
 // Whether a wall stands between the record and the point.
 bool cache_leaks(const struct cache *cache, const struct cache_head *head, vec3 p);

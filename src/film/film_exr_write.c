@@ -38,7 +38,7 @@ static void be_silent(exr_const_context_t exr, exr_result_t code, const char *me
     (void)message;
 }
 
-// Takes the place of OpenEXR's own file.
+// Used instead of OpenEXR's own file.
 static int64_t write_bytes(exr_const_context_t exr, void *user, const void *data, uint64_t size,
                            uint64_t offset, exr_stream_error_func_ptr_t error) {
     (void)exr;
@@ -46,7 +46,7 @@ static int64_t write_bytes(exr_const_context_t exr, void *user, const void *data
     return fileio_output_write_at(user, data, size, offset) ? (int64_t)size : -1;
 }
 
-// Takes the place of the pipeline's last step, writing: chunks finish in any order here.
+// Used instead of the pipeline's last step, writing: chunks finish in any order here.
 static exr_result_t keep_chunk(exr_encode_pipeline_t *pipe) {
     struct exr_chunk *chunk = pipe->encoding_user_data;
     // A chunk as long as the plain one is read as the plain one.

@@ -15,7 +15,7 @@
 
 // Where `./bootstrap denoiser` puts it, seen from the command and from the library in their build
 // folders. The library finds its others in a folder of this name.
-static const char *const oidn_places[] = {
+static const char *const oidn_paths[] = {
     "../../denoiser/lib/libOpenImageDenoise.so.2",
     "../denoiser/lib/libOpenImageDenoise.so.2",
 };
@@ -59,9 +59,9 @@ static bool find_functions(void *library, struct oidn *out, const char **missing
 satin_status oidn_open(struct log log, struct oidn *out) {
     const char *named = getenv("SATIN_OIDN"), *missing;
     char found[PATH_MAX];
-    const size_t places = sizeof oidn_places / sizeof *oidn_places;
+    const size_t paths = sizeof oidn_paths / sizeof *oidn_paths;
     const bool given = named && *named;
-    const char *path = given ? named : library_find(oidn_places, places, found) ? found : NULL;
+    const char *path = given ? named : library_find(oidn_paths, paths, found) ? found : NULL;
     void *library = library_open(path ? path : system_name);
     if (!library && !path)
         return log_fail(log, SATIN_ERROR_INPUT,

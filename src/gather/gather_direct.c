@@ -10,7 +10,7 @@
 enum { FEW = 4 };
 
 struct choice {
-    struct light_seen seen;
+    struct light_visibility visibility;
     uint32_t light;
     float probability;
 };
@@ -38,7 +38,8 @@ static rgb sample_light(const struct gather *g, const struct gather_point *p, st
     const struct satin_scene *scene = g->scene;
     rgb none = rgb_grey(0.0f);
     struct light_sample s;
-    if (!light_sample_seen(scene, choice.light, choice.seen, p->interaction.p, u.x, u.y, &s))
+    if (!light_sample_visible(scene, choice.light, choice.visibility, p->interaction.p, u.x, u.y,
+                              &s))
         return none;
     vec3 wi = frame_to_local(&p->frame, s.wi);
     rgb f = weighted_brdf(p, mis, wi, s.pdf_w * choice.probability, s.delta);
@@ -60,13 +61,13 @@ int gather_panes(const struct gather *g, int depth) {
 
 // Each light by one sample.
 static rgb all_lights(const struct gather *g, const struct gather_point *p, struct gather_mis mis,
-                      struct light_seen seen, struct sampler sampler) {
+                      struct light_visibility visibility, struct sampler sampler) {
     rgb sum = rgb_grey(0.0f);
     const vec2 u = sampler_2d(&sampler);
     float probability[LIGHT_WEIGHED_MAX];
-    light_choose_weigh(g->scene, p->interaction.p, seen, probability);
+    light_choose_weigh(g->scene, p->interaction.p, visibility, probability);
     for (uint32_t i = 0; i < g->scene->light_count; i++) {
-        struct choice choice = {seen, i, probability[i]};
+        struct choice choice = {visibility, i, probability[i]};
         if (choice.probability > 0.0f) sum = rgb_add(sum, sample_light(g, p, mis, choice, u));
     }
     return sum;
@@ -80,17 +81,18 @@ rgb gather_direct(const struct gather *g, const struct gather_point *p, struct g
     unsigned lobes = mis.part[0].lobes | mis.part[1].lobes | mis.part[2].lobes;
     lobes &= p->lobes & BRDF_SMOOTH;
     if (!lobes || light_count == 0) return sum;
-    const struct light_seen seen = guide_visibility_at(g->visibility, p->interaction.p);
+    const struct light_visibility visibility = guide_visibility_at(g->visibility, p->interaction.p);
     sampler.index = lights.first;
-    if (samples < light_count && light_count <= FEW) return all_lights(g, p, mis, seen, sampler);
+    if (samples < light_count && light_count <= FEW)
+        return all_lights(g, p, mis, visibility, sampler);
     float squares = 0.0f;
     for (uint32_t i = 0; i < samples; i++) {
         struct sampler s = {lights.first + i, sampler.seed, sampler.dimension};
-        struct choice choice = {.seen = seen};
+        struct choice choice = {.visibility = visibility};
         vec2 u = sampler_2d(&s);
         float u_choose = light_count > 1 ? sampler_1d(&s) : 0.0f;
         choice.light =
-            light_choose(g->scene, p->interaction.p, seen, u_choose, &choice.probability);
+            light_choose(g->scene, p->interaction.p, visibility, u_choose, &choice.probability);
         const rgb L = rgb_scale(sample_light(g, p, mis, choice, u), 1.0f / choice.probability);
         sum = rgb_add(sum, L);
         squares += sqrf(rgb_luminance(L));
@@ -106,10 +108,10 @@ float gather_light_pdf(const struct gather *g, vec3 p, const struct light_chain 
                        const struct interaction *hit) {
     const struct satin_scene *scene = g->scene;
     if (!hit && scene->environment < 0) return 0.0f;
-    const struct light_seen seen = guide_visibility_at(g->visibility, p);
+    const struct light_visibility visibility = guide_visibility_at(g->visibility, p);
     const uint32_t light = (uint32_t)(hit ? hit->light : scene->environment);
-    const float choice = light_choose_probability(scene, p, seen, light);
-    if (!hit) return choice * light_environment_pdf(scene, seen.window, chain->d);
+    const float choice = light_choose_probability(scene, p, visibility, light);
+    if (!hit) return choice * light_environment_pdf(scene, visibility.histogram, chain->d);
     const vec3 beside = light_chain_beside(chain, p, hit->p);
     const float density = light_chain_density(chain, sqrtf(v3_dist2(beside, hit->p)));
     return choice * density * light_pdf(scene, beside, chain->d, hit);

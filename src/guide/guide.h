@@ -84,7 +84,7 @@ satin_status guide_visibility_build(const struct satin_scene *scene, const satin
 void guide_visibility_free(struct guide_visibility *visibility);  // NULL is allowed
 size_t guide_visibility_bytes(const struct guide_visibility *visibility);
 // What is seen of the lights around p, for sampling direct light; NULL: all.
-struct light_seen guide_visibility_at(const struct guide_visibility *visibility, vec3 p);
+struct light_visibility guide_visibility_at(const struct guide_visibility *visibility, vec3 p);
 
 // ---- Photon clusters (guide_clusters.c) -------------------------------------------------------
 

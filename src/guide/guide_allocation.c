@@ -26,7 +26,7 @@ static void add_direct(struct tally *tally, const struct interaction *s, vec3 n,
     const float u_choose = rng_float(rng), u = rng_float(rng), v = rng_float(rng);
     float choice;
     struct light_sample sample;
-    const uint32_t light = light_choose(scene, s->p, LIGHT_SEEN_ALL, u_choose, &choice);
+    const uint32_t light = light_choose(scene, s->p, LIGHT_ALL_VISIBLE, u_choose, &choice);
     if (!light_sample(scene, light, s->p, u, v, &sample)) return;
     const float cosine = v3_dot(sample.wi, n);
     if (!(cosine > 0.0f)) return;

@@ -29,7 +29,7 @@ struct learning {
     const struct satin_scene *scene;
     uint64_t seed;
     int rays;  // per bin
-    struct guide_visibility *seen;
+    struct guide_visibility *visibility;
 };
 
 // ---- Windows ----------------------------------------------------------------------------------
@@ -37,8 +37,8 @@ struct learning {
 // What rays from a cell find of the environment: the square root of its luminance, as the peaks are
 // the own sampling's.
 struct tally {
-    float weight[LIGHT_WINDOW_BINS];  // mean of a bin
-    float seen, facing;               // sums: what is seen, and were without walls
+    float weight[LIGHT_HISTOGRAM_BINS];  // mean of a bin
+    float seen, facing;                  // sums: what is seen, and were without walls
 };
 
 static void ask(const struct learning *l, const struct guide_cell *cell, int bin, struct rng *rng,
@@ -49,7 +49,7 @@ static void ask(const struct learning *l, const struct guide_cell *cell, int bin
     for (size_t k = 0; k < cell->count && asked < l->rays; k++) {
         const struct guide_cell_point *p = &cell->point[(first + k) % cell->count];
         const float u = rng_float(rng), v = rng_float(rng);
-        const vec3 w = light_window_direction(bin, u, v);
+        const vec3 w = light_histogram_direction(bin, u, v);
         if (!p->both && !(v3_dot(w, p->n) > 0.0f)) continue;
         asked++;
         const float L = sqrtf(rgb_luminance(light_environment(l->scene, w)));
@@ -64,41 +64,43 @@ static void ask(const struct learning *l, const struct guide_cell *cell, int bin
 
 // Rows end at the poles, columns meet.
 static float brightest_beside(const struct tally *tally, int bin) {
-    const int row = bin / LIGHT_WINDOW_SIDE, column = bin % LIGHT_WINDOW_SIDE;
+    const int row = bin / LIGHT_HISTOGRAM_SIDE, column = bin % LIGHT_HISTOGRAM_SIDE;
     float most = 0.0f;
     for (int y = row - 1; y <= row + 1; y++) {
-        if (y < 0 || y >= LIGHT_WINDOW_SIDE) continue;
+        if (y < 0 || y >= LIGHT_HISTOGRAM_SIDE) continue;
         for (int x = column - 1; x <= column + 1; x++) {
-            const int beside = (x + LIGHT_WINDOW_SIDE) % LIGHT_WINDOW_SIDE;
-            most = fmaxf(most, tally->weight[y * LIGHT_WINDOW_SIDE + beside]);
+            const int beside = (x + LIGHT_HISTOGRAM_SIDE) % LIGHT_HISTOGRAM_SIDE;
+            most = fmaxf(most, tally->weight[y * LIGHT_HISTOGRAM_SIDE + beside]);
         }
     }
     return most;
 }
 
-static void learn_window(const struct learning *l, size_t i, struct rng *rng) {
+static void learn_histogram(const struct learning *l, size_t i, struct rng *rng) {
     const struct light *light = &l->scene->light[l->scene->environment];
     struct tally tally = {.seen = 0.0f};
-    float weight[LIGHT_WINDOW_BINS];
-    for (int bin = 0; bin < LIGHT_WINDOW_BINS; bin++)
-        ask(l, &l->seen->cells.cell[i], bin, rng, &tally);
+    float weight[LIGHT_HISTOGRAM_BINS];
+    for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++)
+        ask(l, &l->visibility->cells.cell[i], bin, rng, &tally);
     if (!(tally.seen > 0.0f)) return;  // its share stays 0
-    for (int bin = 0; bin < LIGHT_WINDOW_BINS; bin++)
+    for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++)
         weight[bin] = fmaxf(tally.weight[bin], BESIDE * brightest_beside(&tally, bin));
-    sample_cdf_build(weight, LIGHT_WINDOW_BINS, l->seen->cdf[i]);
+    sample_cdf_build(weight, LIGHT_HISTOGRAM_BINS, l->visibility->cdf[i]);
     const float unseen = 1.0f - tally.seen / tally.facing;
-    l->seen->window[i] = (struct light_window){
-        light->kind == LIGHT_CONSTANT ? SHARE_CONSTANT : SHARE_IMAGE * unseen, l->seen->cdf[i]};
+    l->visibility->histogram[i] = (struct light_histogram){
+        light->kind == LIGHT_CONSTANT ? SHARE_CONSTANT : SHARE_IMAGE * unseen,
+        l->visibility->cdf[i]};
 }
 
 // ---- Lights -----------------------------------------------------------------------------------
 
 // Irradiance of one light at a point by one sample.
-static float arrives(const struct satin_scene *scene, uint32_t light, struct light_seen seen,
-                     const struct guide_cell_point *p, struct rng *rng) {
+static float arrives(const struct satin_scene *scene, uint32_t light,
+                     struct light_visibility visibility, const struct guide_cell_point *p,
+                     struct rng *rng) {
     const float u = rng_float(rng), v = rng_float(rng);
     struct light_sample s;
-    if (!light_sample_seen(scene, light, seen, p->p, u, v, &s)) return 0.0f;
+    if (!light_sample_visible(scene, light, visibility, p->p, u, v, &s)) return 0.0f;
     float cosine = v3_dot(s.wi, p->n);
     if (p->both) cosine = fabsf(cosine);
     if (!(cosine > 0.0f)) return 0.0f;
@@ -107,18 +109,19 @@ static float arrives(const struct satin_scene *scene, uint32_t light, struct lig
 }
 
 static void learn_choice(const struct learning *l, size_t i, struct rng *rng) {
-    const struct guide_cell *cell = &l->seen->cells.cell[i];
-    const struct light_window *window = &l->seen->window[i];
-    const struct light_seen seen = {window->fraction > 0.0f ? window : NULL, NULL};
+    const struct guide_cell *cell = &l->visibility->cells.cell[i];
+    const struct light_histogram *histogram = &l->visibility->histogram[i];
+    const struct light_visibility visibility = {histogram->fraction > 0.0f ? histogram : NULL,
+                                                NULL};
     for (uint32_t light = 0; light < l->scene->light_count; light++) {
         float E = 0.0f, reach = 0.0f;
         for (size_t k = 0; k < LIGHT_RAYS; k++) {
             const struct guide_cell_point *p = &cell->point[k % cell->count];
             reach += light_estimate(l->scene, &l->scene->light[light], p->p);
-            E += arrives(l->scene, light, seen, p, rng);
+            E += arrives(l->scene, light, visibility, p, rng);
         }
         const float share = E / reach;
-        l->seen->share[i][light] = isfinite(share) ? fmaxf(share, UNSEEN) : 1.0f;
+        l->visibility->share[i][light] = isfinite(share) ? fmaxf(share, UNSEEN) : 1.0f;
     }
 }
 
@@ -129,8 +132,8 @@ static void learn(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         struct rng rng = rng_make(l->seed, RNG_SEEN, i);
-        if (l->seen->sky) learn_window(l, i, &rng);
-        if (l->seen->choice) learn_choice(l, i, &rng);
+        if (l->visibility->sky) learn_histogram(l, i, &rng);
+        if (l->visibility->choice) learn_choice(l, i, &rng);
     }
 }
 
@@ -146,34 +149,36 @@ satin_status guide_visibility_build(const struct satin_scene *scene, const satin
     const bool choice = scene->light_count > 1 && scene->light_count <= LIGHT_WEIGHED_MAX;
     *out = NULL;
     if (!sky && !choice) return SATIN_OK;
-    struct guide_visibility *seen = calloc(1, sizeof *seen);
-    if (!seen || !guide_cells_make(scene, options->seed, &seen->cells)) {
-        free(seen);
+    struct guide_visibility *visibility = calloc(1, sizeof *visibility);
+    if (!visibility || !guide_cells_make(scene, options->seed, &visibility->cells)) {
+        free(visibility);
         return SATIN_ERROR_MEMORY;
     }
-    seen->sky = sky;
-    seen->choice = choice;
-    struct learning learning = {scene, options->seed, rays_per_bin(options->photons), seen};
-    const size_t cells = seen->cells.cell[0].count > 0 ? guide_cells_count(&seen->cells) : 0;
+    visibility->sky = sky;
+    visibility->choice = choice;
+    struct learning learning = {scene, options->seed, rays_per_bin(options->photons), visibility};
+    const size_t cells =
+        visibility->cells.cell[0].count > 0 ? guide_cells_count(&visibility->cells) : 0;
     const bool done = parallel_for(pool, cells, 1, learn, &learning);
-    free(seen->cells.point);
-    seen->cells.point = NULL;
+    free(visibility->cells.point);
+    visibility->cells.point = NULL;
     if (done && cells > 0)
-        *out = seen;
+        *out = visibility;
     else
-        free(seen);
+        free(visibility);
     return done ? SATIN_OK : SATIN_CANCELLED;
 }
 
-struct light_seen guide_visibility_at(const struct guide_visibility *seen, vec3 p) {
-    if (!seen) return LIGHT_SEEN_ALL;
-    const size_t i = guide_cells_find(&seen->cells, p);
-    return (struct light_seen){seen->window[i].fraction > 0.0f ? &seen->window[i] : NULL,
-                               seen->choice ? seen->share[i] : NULL};
+struct light_visibility guide_visibility_at(const struct guide_visibility *visibility, vec3 p) {
+    if (!visibility) return LIGHT_ALL_VISIBLE;
+    const size_t i = guide_cells_find(&visibility->cells, p);
+    return (struct light_visibility){
+        visibility->histogram[i].fraction > 0.0f ? &visibility->histogram[i] : NULL,
+        visibility->choice ? visibility->share[i] : NULL};
 }
 
-size_t guide_visibility_bytes(const struct guide_visibility *seen) {
-    return seen ? sizeof *seen : 0;
+size_t guide_visibility_bytes(const struct guide_visibility *visibility) {
+    return visibility ? sizeof *visibility : 0;
 }
 
-void guide_visibility_free(struct guide_visibility *seen) { free(seen); }
+void guide_visibility_free(struct guide_visibility *visibility) { free(visibility); }

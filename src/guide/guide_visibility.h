@@ -41,9 +41,9 @@ size_t guide_cells_find(const struct guide_cells *cells, vec3 p);
 
 struct guide_visibility {
     struct guide_cells cells;
-    bool sky, choice;  // whether windows, or shares of the lights, were learned
-    struct light_window window[GUIDE_CELLS_MAX];
-    float cdf[GUIDE_CELLS_MAX][LIGHT_WINDOW_BINS + 1];
+    bool sky, choice;  // whether histograms, or fractions of the lights, were learned
+    struct light_histogram histogram[GUIDE_CELLS_MAX];
+    float cdf[GUIDE_CELLS_MAX][LIGHT_HISTOGRAM_BINS + 1];
     float share[GUIDE_CELLS_MAX][LIGHT_WEIGHED_MAX];
 };
 

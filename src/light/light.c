@@ -70,9 +70,9 @@ float light_estimate(const struct satin_scene *scene, const struct light *light,
     return 0.0f;
 }
 
-void light_choose_weigh(const struct satin_scene *scene, vec3 p, struct light_seen seen,
+void light_choose_weigh(const struct satin_scene *scene, vec3 p, struct light_visibility visibility,
                         float probability[LIGHT_WEIGHED_MAX]) {
-    const float *fraction = seen.fraction;
+    const float *fraction = visibility.fraction;
     uint32_t n = scene->light_count, lit = 0;
     float sum = 0.0f;
     for (uint32_t i = 0; i < n; i++) {
@@ -92,8 +92,8 @@ void light_choose_weigh(const struct satin_scene *scene, vec3 p, struct light_se
         if (probability[i] > 0.0f) probability[i] = probability[i] * scale + least;
 }
 
-uint32_t light_choose(const struct satin_scene *scene, vec3 p, struct light_seen seen, float u,
-                      float *probability) {
+uint32_t light_choose(const struct satin_scene *scene, vec3 p, struct light_visibility visibility,
+                      float u, float *probability) {
     uint32_t n = scene->light_count, i = 0;
     if (n == 1) {
         *probability = 1.0f;
@@ -101,7 +101,7 @@ uint32_t light_choose(const struct satin_scene *scene, vec3 p, struct light_seen
     }
     if (scene->light_tree) return light_tree_choose(scene, p, u, probability);
     float weight[LIGHT_WEIGHED_MAX];
-    light_choose_weigh(scene, p, seen, weight);
+    light_choose_weigh(scene, p, visibility, weight);
     uint32_t last = 0;
     for (; i < n; i++) {
         if (!(weight[i] > 0.0f)) continue;
@@ -113,12 +113,12 @@ uint32_t light_choose(const struct satin_scene *scene, vec3 p, struct light_seen
     return last;
 }
 
-float light_choose_probability(const struct satin_scene *scene, vec3 p, struct light_seen seen,
-                               uint32_t light) {
+float light_choose_probability(const struct satin_scene *scene, vec3 p,
+                               struct light_visibility visibility, uint32_t light) {
     if (scene->light_count == 1) return 1.0f;
     if (scene->light_tree) return light_tree_probability(scene, p, light);
     float weight[LIGHT_WEIGHED_MAX];
-    light_choose_weigh(scene, p, seen, weight);
+    light_choose_weigh(scene, p, visibility, weight);
     return weight[light];
 }
 
@@ -126,11 +126,11 @@ float light_choose_probability(const struct satin_scene *scene, vec3 p, struct l
 
 bool light_sample(const struct satin_scene *scene, uint32_t i, vec3 p, float u, float v,
                   struct light_sample *out) {
-    return light_sample_seen(scene, i, LIGHT_SEEN_ALL, p, u, v, out);
+    return light_sample_visible(scene, i, LIGHT_ALL_VISIBLE, p, u, v, out);
 }
 
-static bool sample(const struct satin_scene *scene, uint32_t i, struct light_seen seen, vec3 p,
-                   float u, float v, struct light_sample *out) {
+static bool sample(const struct satin_scene *scene, uint32_t i, struct light_visibility visibility,
+                   vec3 p, float u, float v, struct light_sample *out) {
     const struct light *light = &scene->light[i];
     switch (light->kind) {
         case LIGHT_AREA:
@@ -150,14 +150,15 @@ static bool sample(const struct satin_scene *scene, uint32_t i, struct light_see
             return true;
         case LIGHT_CONSTANT:
         case LIGHT_ENVMAP:
-            return light_environment_sample(scene, seen.window, u, v, out);
+            return light_environment_sample(scene, visibility.histogram, u, v, out);
     }
     return false;
 }
 
-bool light_sample_seen(const struct satin_scene *scene, uint32_t i, struct light_seen seen, vec3 p,
-                       float u, float v, struct light_sample *out) {
-    if (!sample(scene, i, seen, p, u, v, out)) return false;
+bool light_sample_visible(const struct satin_scene *scene, uint32_t i,
+                          struct light_visibility visibility, vec3 p, float u, float v,
+                          struct light_sample *out) {
+    if (!sample(scene, i, visibility, p, u, v, out)) return false;
     out->light = i;
     out->u = u;
     out->v = v;
@@ -173,7 +174,7 @@ rgb light_emitted(const struct satin_scene *scene, const struct interaction *s, 
     if (s->light < 0 || !(v3_dot(s->ng, w) > 0.0f)) return rgb_grey(0.0f);
     const struct light *light = &scene->light[s->light];
     if (light->kind != LIGHT_AREA) return rgb_grey(0.0f);
-    struct texture_place at = interaction_texture_place(scene, s);
+    struct texture_lookup at = interaction_texture_lookup(scene, s);
     return light->texture ? texture_eval(light->texture, &at) : light->value;
 }
 

@@ -6,9 +6,9 @@
 #define LIGHT_LIGHT_H
 
 #include "light/light_pane.h"
-#include "light/light_seen.h"
 #include "light/light_sky.h"
 #include "light/light_sun.h"
+#include "light/light_visibility.h"
 #include "scene/scene.h"
 
 // ---- Kinds ------------------------------------------------------------------------------------

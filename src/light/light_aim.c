@@ -64,7 +64,7 @@ float light_aim_weight_ray(const struct satin_scene *scene, const struct light_a
     return sum > 0.0f ? all / sum : 0.0f;
 }
 
-// ---- Light from a place: cones about boxes ----------------------------------------------------
+// ---- Light from a point: cones about boxes ----------------------------------------------------
 
 struct target_cone {
     vec3 axis;

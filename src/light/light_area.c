@@ -16,7 +16,7 @@ static vec3 vertex(const struct mesh *mesh, uint32_t i) {
 
 static float normal_sign(const struct shape *shape) { return shape->flip_normals ? -1.0f : 1.0f; }
 
-static rgb area_radiance(const struct light *light, struct texture_place at) {
+static rgb area_radiance(const struct light *light, struct texture_lookup at) {
     return light->texture ? texture_eval(light->texture, &at) : light->value;
 }
 
@@ -81,7 +81,7 @@ static struct light_point triangle_point(const struct light *light, const struct
     uint32_t i = (uint32_t)sample_cdf(shape->area_cdf, mesh->triangle_count, u, &u);
     struct triangle t = triangle_get(shape, i);
     vec2 b = sample_triangle(u, v);
-    struct texture_place at = {b, mesh, i, b, 0.0f};
+    struct texture_lookup at = {b, mesh, i, b, 0.0f};
     if (mesh->uv && light->texture) {
         const uint32_t *index = mesh->index + 3 * (size_t)i;
         const float *p = mesh->uv + 2 * (size_t)index[0], *q = mesh->uv + 2 * (size_t)index[1],

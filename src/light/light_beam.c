@@ -4,7 +4,7 @@
 // it by chance: a point's foot on the shape is its light sample.
 #include "light/light_kinds.h"
 
-// The place of q in the shape's plane as texture coordinates; false if it is outside of the shape.
+// The texture coordinates of q in the shape's plane; false if it is outside of the shape.
 static bool locate(const struct light *light, const struct shape *shape, vec3 q, vec2 *uv) {
     if (shape->kind == SHAPE_DISK) {
         vec3 l = mat4_point(&shape->to_object, q);
@@ -30,7 +30,7 @@ bool light_beam_sample(const struct satin_scene *scene, const struct light *ligh
     vec3 q = v3_mad(p, -height, light->direction);
     vec2 uv = {0.0f, 0.0f};
     if (!(height > 0.0f) || !locate(light, shape, q, &uv)) return false;
-    struct texture_place at = texture_at(uv);
+    struct texture_lookup at = texture_at(uv);
     *out = (struct light_sample){
         .wi = v3_neg(light->direction),
         .p = q,

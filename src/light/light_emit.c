@@ -52,7 +52,7 @@ static bool box_ray(const struct satin_scene *scene, const struct light_target *
     return true;
 }
 
-// ---- Light from a place -----------------------------------------------------------------------
+// ---- Light from a point -----------------------------------------------------------------------
 
 // The direction of a photon that leaves p: towards what matters, or as the light draws it.
 struct departure {

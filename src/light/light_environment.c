@@ -8,8 +8,8 @@
 #include "base/sampling.h"
 #include "light/light_kinds.h"
 
-// A place between four texels: column and row of the first, and the weights of the next ones.
-struct texel_place {
+// A point between four texels: column and row of the first, and the weights of the next ones.
+struct texel_lookup {
     int column, row;
     float fx, fy;
     float sin_theta;
@@ -27,7 +27,7 @@ static rgb texel(const struct image *image, int column, int row) {
     return image->channels == 3 ? rgb_make(t[0], t[1], t[2]) : rgb_grey(t[0]);
 }
 
-static struct texel_place texel_place_of(const struct light *light, vec3 w) {
+static struct texel_lookup texel_lookup_at(const struct light *light, vec3 w) {
     const struct image *image = light->image;
     vec3 l = v3_unit(mat4_vector(&light->to_local, w));
     float s = sqrtf(l.x * l.x + l.z * l.z);
@@ -36,10 +36,10 @@ static struct texel_place texel_place_of(const struct light *light, vec3 w) {
     float column = floorf(x), row = clampf(floorf(y), 0.0f, (float)(cell_rows(image) - 1));
     int c = (int)column;
     if (c < 0) c += image->width;
-    return (struct texel_place){c, (int)row, x - column, clampf(y - row, 0.0f, 1.0f), s};
+    return (struct texel_lookup){c, (int)row, x - column, clampf(y - row, 0.0f, 1.0f), s};
 }
 
-static rgb interpolate(const struct light *light, const struct texel_place *at) {
+static rgb interpolate(const struct light *light, const struct texel_lookup *at) {
     const struct image *image = light->image;
     float fx = at->fx, fy = at->fy;
     rgb c = rgb_scale(texel(image, at->column, at->row), (1.0f - fx) * (1.0f - fy));
@@ -93,7 +93,7 @@ static float cell_probability(const struct light *light, int column, int row) {
     return p * (float)image->width * (float)cell_rows(image);
 }
 
-static float place_pdf(const struct light *light, const struct texel_place *at,
+static float texel_pdf(const struct light *light, const struct texel_lookup *at,
                        const struct cell *cell) {
     if (!(at->sin_theta > 0.0f)) return 0.0f;
     return cell_probability(light, at->column, at->row) * cell_density(cell, at->fx, at->fy) /
@@ -178,9 +178,9 @@ satin_status light_environment_prepare(struct satin_scene *scene, struct light *
 }
 
 // The density of drawing a direction, in the sun or not, from that of drawing it for the radiance.
-static float mixed_pdf(const struct light *light, const struct light_window *window, vec3 wi,
+static float mixed_pdf(const struct light *light, const struct light_histogram *histogram, vec3 wi,
                        bool sun, float pdf_w) {
-    if (window) pdf_w = lerpf(pdf_w, light_window_pdf(window, wi), window->fraction);
+    if (histogram) pdf_w = lerpf(pdf_w, light_histogram_pdf(histogram, wi), histogram->fraction);
     pdf_w *= 1.0f - light->sun_fraction;
     return sun ? pdf_w + light->sun_fraction / sun_solid_angle(light) : pdf_w;
 }
@@ -191,10 +191,10 @@ static float radiance_pdf(const struct light *light, vec3 wi, rgb *L) {
         if (L) *L = light->value;
         return 0.25f / PI_F;
     }
-    const struct texel_place at = texel_place_of(light, wi);
+    const struct texel_lookup at = texel_lookup_at(light, wi);
     const struct cell cell = cell_of(light, at.column, at.row);
     if (L) *L = interpolate(light, &at);
-    return place_pdf(light, &at, &cell);
+    return texel_pdf(light, &at, &cell);
 }
 
 // Whether u < probability; u is then stretched to [0, 1) again, in either case.
@@ -207,7 +207,7 @@ static bool takes(float probability, float *u) {
 // The environment's radiance without its sun.
 static rgb sky_radiance(const struct light *light, vec3 w) {
     if (light->kind == LIGHT_CONSTANT) return light->value;
-    struct texel_place at = texel_place_of(light, w);
+    struct texel_lookup at = texel_lookup_at(light, w);
     return interpolate(light, &at);
 }
 
@@ -223,12 +223,12 @@ static vec3 sample_radiance(const struct light *light, float u, float v, float *
     const float *columns = light->column_cdf + (size_t)row * (size_t)(image->width + 1);
     int column = (int)sample_cdf(columns, (size_t)image->width, u, &u);
     struct cell c = cell_of(light, column, row);
-    struct texel_place at = {.column = column, .row = row};
+    struct texel_lookup at = {.column = column, .row = row};
     at.fy = sample_linear(v, c.w00 + c.w10, c.w01 + c.w11);
     at.fx = sample_linear(u, lerpf(c.w00, c.w01, at.fy), lerpf(c.w10, c.w11, at.fy));
     float y = ((float)row + at.fy) / (float)cell_rows(image);
     at.sin_theta = sinf(PI_F * y);
-    *pdf_w = place_pdf(light, &at, &c);
+    *pdf_w = texel_pdf(light, &at, &c);
     *L = interpolate(light, &at);
     return direction_at(light, ((float)column + at.fx + 0.5f) / (float)image->width, y);
 }
@@ -237,27 +237,28 @@ static vec3 sample_radiance(const struct light *light, float u, float v, float *
 // divided by it, and what is lost is as small.
 #define PDF_LEAST 1e-18f
 
-bool light_environment_sample(const struct satin_scene *scene, const struct light_window *window,
-                              float u, float v, struct light_sample *out) {
+bool light_environment_sample(const struct satin_scene *scene,
+                              const struct light_histogram *histogram, float u, float v,
+                              struct light_sample *out) {
     const struct light *light = &scene->light[scene->environment];
     bool sun = light->sun_fraction > 0.0f && takes(light->sun_fraction, &u);
     *out = (struct light_sample){.dist = INFINITY};
-    if (sun || (window && takes(window->fraction, &u))) {
-        out->wi = sun ? sun_direction(light, u, v) : light_window_sample(window, u, v);
+    if (sun || (histogram && takes(histogram->fraction, &u))) {
+        out->wi = sun ? sun_direction(light, u, v) : light_histogram_sample(histogram, u, v);
         out->pdf_w = radiance_pdf(light, out->wi, &out->L);
     } else {
         out->wi = sample_radiance(light, u, v, &out->pdf_w, &out->L);
     }
     sun = sun || in_sun(light, out->wi);  // drawn at its rim it may be off by a digit
     if (sun) out->L = rgb_add(out->L, light->sun_value);
-    out->pdf_w = mixed_pdf(light, window, out->wi, sun, out->pdf_w);
+    out->pdf_w = mixed_pdf(light, histogram, out->wi, sun, out->pdf_w);
     return out->pdf_w > PDF_LEAST && !rgb_black(out->L);
 }
 
-float light_environment_pdf(const struct satin_scene *scene, const struct light_window *window,
-                            vec3 wi) {
+float light_environment_pdf(const struct satin_scene *scene,
+                            const struct light_histogram *histogram, vec3 wi) {
     const struct light *light = &scene->light[scene->environment];
-    return mixed_pdf(light, window, wi, in_sun(light, wi), radiance_pdf(light, wi, NULL));
+    return mixed_pdf(light, histogram, wi, in_sun(light, wi), radiance_pdf(light, wi, NULL));
 }
 
 rgb light_environment(const struct satin_scene *scene, vec3 w) {

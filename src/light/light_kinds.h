@@ -49,11 +49,12 @@ vec2 light_face_uv(const struct light_face *face, const struct mesh *mesh, float
 // Builds the distribution of an envmap; sets strength and power. SATIN_ERROR_MEMORY.
 satin_status light_environment_prepare(struct satin_scene *scene, struct light *light);
 
-// ---- Windows (light_window.c) -----------------------------------------------------------------
+// ---- Windows (light_histogram.c)
+// -----------------------------------------------------------------
 
 // A direction by the bins, and the density over solid angle of drawing it so.
-vec3 light_window_sample(const struct light_window *window, float u, float v);
-float light_window_pdf(const struct light_window *window, vec3 w);
+vec3 light_histogram_sample(const struct light_histogram *histogram, float u, float v);
+float light_histogram_pdf(const struct light_histogram *histogram, vec3 w);
 
 // ---- Beams (light_beam.c) ---------------------------------------------------------------------
 

@@ -44,7 +44,7 @@ rgb light_chain_emitted(const struct light_chain *chain, const struct satin_scen
 // From where the point q at the chain's end would be seen along chain->d without panes, beside the
 // point p where it began.
 vec3 light_chain_beside(const struct light_chain *chain, vec3 p, vec3 q);
-// The density over solid angle at p of drawing q, over the density at that place, at distance
+// The density over solid angle at p of drawing q, over the density at that point, at distance
 // `dist` from q.
 float light_chain_density(const struct light_chain *chain, float dist);
 

@@ -22,7 +22,7 @@ void light_spot_solid_angles(const struct light *light, float *beam, float *penu
 // ---- Slides -------------------------------------------------------------------------------------
 
 static rgb slide(const struct light *light, vec2 uv) {
-    struct texture_place at = texture_at(uv);
+    struct texture_lookup at = texture_at(uv);
     return light->texture ? rgb_mul(light->value, texture_eval(light->texture, &at)) : light->value;
 }
 
@@ -126,7 +126,7 @@ vec3 light_point_direction(const struct light *light, float u, float v) {
         return frame_to_world(&frame, spot_direction(light, u, v));
     }
     if (light->kind != LIGHT_PROJECTOR) return sample_uniform_sphere(u, v);
-    // The irradiance is even over the slide, so that places on it are chosen evenly.
+    // The irradiance is even over the slide, so that points on it are chosen uniformly.
     vec3 l = v3(light->tan_x * (1.0f - 2.0f * u), light->tan_y * (1.0f - 2.0f * v), 1.0f);
     return v3_unit(mat4_vector(&light->to_world, l));
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sun's place by the formulas of Blanco-Muriel et al. (Computing the solar vector, 2001), which
-// Mitsuba 0.6 uses and which are good to half a minute of arc from 1999 to 2015.
+// The sun's position by the formulas of Blanco-Muriel et al. (Computing the solar vector, 2001),
+// which Mitsuba 0.6 uses and which are good to half a minute of arc from 1999 to 2015.
 #include "light/light_sun.h"
 
 static const double RADIANS = 3.14159265358979323846 / 180.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Part of light.h: where the sun stands at a time and place.
+// Part of light.h: where the sun stands at a time and a point of the earth.
 #ifndef LIGHT_SUN_H
 #define LIGHT_SUN_H
 

@@ -26,7 +26,7 @@ struct light_node {
     vec3 lo, hi;
     struct emission_cone cone;
     float strength;
-    bool far;               // infinitely: a place means nothing
+    bool far;               // infinitely, so that lo and hi mean nothing
     uint32_t first, count;  // leaf: lights of light_tree.order
     uint32_t child;         // the first of two; 0: a leaf
 };

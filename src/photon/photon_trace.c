@@ -81,7 +81,7 @@ static enum photon_class class_of(const struct flight *f) {
 static bool keep_hit(const struct satin_scene *scene, struct chunk *chunk,
                      const struct interaction *s, const struct flight *f) {
     const vec3 wi = v3_neg(f->ray.d), n = v3_dot(s->ng, wi) < 0.0f ? v3_neg(s->ng) : s->ng;
-    const struct texture_place at = interaction_texture_place(scene, s);
+    const struct texture_lookup at = interaction_texture_lookup(scene, s);
     const struct material *material = &scene->material[s->material];
     const float opacity = s->light < 0 ? material_opacity(material, &at) : 1.0f;
     const enum photon_class class = class_of(f);

@@ -62,21 +62,23 @@ struct texture {
     rgb mean;                        // average colour, for photon roulette and the like
 };
 
-// Where a texture is looked up: a place on a surface.
+// Where a texture is looked up: a point of a surface.
 struct mesh;
-struct texture_place {
+struct texture_lookup {
     vec2 uv;
     const struct mesh *mesh;  // whose attributes there are; NULL: none
     uint32_t prim;
     vec2 bary;    // weights of the triangle's second and third corner
     float width;  // of the area to average over, in uv; 0: a point
 };
-static inline struct texture_place texture_at(vec2 uv) { return (struct texture_place){.uv = uv}; }
+static inline struct texture_lookup texture_at(vec2 uv) {
+    return (struct texture_lookup){.uv = uv};
+}
 
-rgb texture_eval(const struct texture *texture, const struct texture_place *at);
+rgb texture_eval(const struct texture *texture, const struct texture_lookup *at);
 // A texture that gives a number: an image's luminance, a colour's mean. A checkerboard then begins
 // with color1, as in Mitsuba 3.9, which exchanges its colours where it asks for a number.
-float texture_number(const struct texture *texture, const struct texture_place *at);
+float texture_number(const struct texture *texture, const struct texture_lookup *at);
 // The least and the largest number that it gives; false if that is not known.
 bool texture_range(const struct texture *texture, float *lo, float *hi);
 // The gradient of its number by u and v; of a bitmap with bilinear filter, else 0.
@@ -134,7 +136,7 @@ struct material {
 };
 
 // The fraction of rays that are stopped there, in [0, 1] (scene_opacity.c).
-float material_opacity(const struct material *m, const struct texture_place *at);
+float material_opacity(const struct material *m, const struct texture_lookup *at);
 // Calls fn for every side of m that is no blend; those of the back if it is two-sided.
 void material_visit(const struct material *m,
                     void (*fn)(void *ctx, const struct material_side *side), void *ctx);
@@ -151,7 +153,7 @@ enum shape_kind {
     SHAPE_DISK,
     SHAPE_CYLINDER,
     SHAPE_CURVES,
-    SHAPE_INSTANCE  // a group of shapes at a place
+    SHAPE_INSTANCE  // a group of shapes, moved by a transform
 };
 
 // Round tubes along curves, in world space or that of a group.
@@ -329,11 +331,11 @@ struct ray scene_spawn(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d)
 struct ray scene_spawn_to(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 q, vec3 nq);
 
 // Where textures are looked up at s.
-static inline struct texture_place interaction_texture_place(const struct satin_scene *scene,
-                                                             const struct interaction *s) {
+static inline struct texture_lookup interaction_texture_lookup(const struct satin_scene *scene,
+                                                               const struct interaction *s) {
     const struct mesh *mesh = &scene->shape[s->shape].mesh;
-    return (struct texture_place){s->uv, mesh->attribute_count ? mesh : NULL, s->prim, s->bary,
-                                  s->footprint * s->uv_rate};
+    return (struct texture_lookup){s->uv, mesh->attribute_count ? mesh : NULL, s->prim, s->bary,
+                                   s->footprint * s->uv_rate};
 }
 
 // ---- Shading (scene_material.c) ---------------------------------------------------------------

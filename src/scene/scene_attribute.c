@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Attributes of meshes: their values at a place, and their means.
+// Attributes of meshes: their values at a point of the surface, and their means.
 #include "scene/scene_attribute.h"
 
 #include "base/vec.h"
@@ -9,7 +9,7 @@ static rgb attribute_value(const struct mesh_attribute *a, uint32_t item) {
     return a->channels == 1 ? rgb_grey(v[0]) : rgb_make(v[0], v[1], v[2]);
 }
 
-rgb attribute_eval(const char *name, const struct texture_place *at) {
+rgb attribute_eval(const char *name, const struct texture_lookup *at) {
     for (int i = 0; at->mesh && i < at->mesh->attribute_count; i++) {
         const struct mesh_attribute *a = &at->mesh->attribute[i];
         if (a->name != name) continue;
@@ -33,7 +33,8 @@ static rgb mesh_attribute_mean(const struct mesh *mesh, const char *name) {
         vec3 a = corner_position_of(mesh, t, 0);
         float n = v3_len_wide(v3_cross(v3_sub(corner_position_of(mesh, t, 1), a),
                                        v3_sub(corner_position_of(mesh, t, 2), a)));
-        struct texture_place middle = {.mesh = mesh, .prim = t, .bary = {1.0f / 3.0f, 1.0f / 3.0f}};
+        struct texture_lookup middle = {
+            .mesh = mesh, .prim = t, .bary = {1.0f / 3.0f, 1.0f / 3.0f}};
         rgb c = attribute_eval(name, &middle);
         sum[0] += (double)(n * c.r), sum[1] += (double)(n * c.g), sum[2] += (double)(n * c.b);
         area += (double)n;

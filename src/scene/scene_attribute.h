@@ -5,6 +5,6 @@
 
 #include "scene/scene.h"
 
-// The attribute of that name (the pointer counts) at a place; black if the mesh has none.
-rgb attribute_eval(const char *name, const struct texture_place *at);
+// The attribute of that name (the pointer counts) at a lookup; black if the mesh has none.
+rgb attribute_eval(const char *name, const struct texture_lookup *at);
 #endif

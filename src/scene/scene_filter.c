@@ -111,7 +111,7 @@ static float table_at(const float table[FILM_FILTER_STEPS + 1], float at) {
     return lerpf(table[i], table[i + 1], at - (float)i);
 }
 
-// The place, in steps, where the table has a value.
+// Where the table has a value, in steps.
 static float table_find(const float table[FILM_FILTER_STEPS + 1], float value) {
     int low = 0, high = FILM_FILTER_STEPS;
     while (high - low > 1) {

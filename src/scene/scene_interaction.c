@@ -4,7 +4,7 @@
 // Self-intersection is kept out by three measures that need no tolerance in world units:
 // - a hit point is combined in double and rounded once, so it lies within half an ulp of the plane;
 // - scene_spawn moves the origin off by a few ulp of the position, which exceeds that half ulp;
-// - the filter of scene_level.c asks interaction_crosses, in double, before it believes a hit that
+// - the filter of scene_accel.c asks interaction_crosses, in double, before it believes a hit that
 // is
 //   nearer than what the float intersector can resolve on a large or thin triangle; so too where a
 //   ray ends on the surface that it leads to.

@@ -75,7 +75,7 @@ static float blend_weight(const struct satin_scene *scene, const struct material
     const bool passed = side->holes && s->light < 0;
     if (passed && (side_is_hole(first) || side_is_hole(second)))
         return side_is_hole(first) ? 1.0f : 0.0f;
-    struct texture_place at = interaction_texture_place(scene, s);
+    struct texture_lookup at = interaction_texture_lookup(scene, s);
     float weight = side_weight(side, &at);
     if (!passed) return weight;
     float a = (1.0f - weight) * side_opacity(first, &at), b = weight * side_opacity(second, &at);
@@ -131,11 +131,11 @@ static float keep_number(enum brdf_slot slot, float x) {
     return slot == BRDF_SLOT_IOR ? clampf(x, BRDF_IOR_MIN, BRDF_IOR_MAX) : clampf(x, 0.0f, 1e6f);
 }
 
-// Replaces the constants of `b` that are textured; colours are averaged over the place.
-static void set_brdf_values(const struct material_side *side, const struct texture_place *at,
+// Replaces the constants of `b` that are textured; colours are averaged over the footprint.
+static void set_brdf_values(const struct material_side *side, const struct texture_lookup *at,
                             struct brdf *b) {
     const struct texture *const *slot = side->slot;
-    struct texture_place point = *at;
+    struct texture_lookup point = *at;
     point.width = 0.0f;
     for (enum brdf_slot i = 0; i < BRDF_SLOT_COUNT; i++) {
         if (!slot[i]) continue;
@@ -162,7 +162,7 @@ struct frame scene_part_frame(const struct satin_scene *scene, const struct mate
 static vec3 bump_normal(const struct satin_scene *scene, const struct material_bump *bump,
                         const struct interaction *s, const struct frame *frame) {
     if (bump->normal) {
-        struct texture_place at = interaction_texture_place(scene, s);
+        struct texture_lookup at = interaction_texture_lookup(scene, s);
         at.width = 0.0f;
         rgb c = texture_eval(bump->normal, &at);
         return v3(2.0f * c.r - 1.0f, 2.0f * c.g - 1.0f, 2.0f * c.b - 1.0f);
@@ -215,7 +215,7 @@ bool scene_component_brdf(const struct satin_scene *scene, const struct material
     const bool flipped = is_flipped(scene, side, s, wo);
     if (is_seen_from_back(s, wo) && !flipped && !brdf_transmits(&side->base)) return false;
     *brdf = side->base;
-    struct texture_place at = interaction_texture_place(scene, s);
+    struct texture_lookup at = interaction_texture_lookup(scene, s);
     set_brdf_values(side, &at, brdf);
     *frame = flipped ? frame_flip(s->frame) : s->frame;
     if (bump_used(&side->bump[0])) apply_bumps(scene, side, s, wo, frame, brdf);

@@ -6,14 +6,14 @@
 
 #include "base/rng.h"
 
-float side_weight(const struct material_side *side, const struct texture_place *at) {
+float side_weight(const struct material_side *side, const struct texture_lookup *at) {
     if (!side->blend) return side->weight;
-    struct texture_place point = *at;
+    struct texture_lookup point = *at;
     point.width = 0.0f;
     return clampf(texture_number(side->blend, &point), 0.0f, 1.0f);
 }
 
-float side_opacity(const struct material_side *side, const struct texture_place *at) {
+float side_opacity(const struct material_side *side, const struct texture_lookup *at) {
     if (!side->holes) return 1.0f;
     if (!side->component[0]) return 0.0f;
     float second = side_weight(side, at);
@@ -26,11 +26,11 @@ const struct material *opacity_of(const struct satin_scene *scene, const struct 
     return shape->light < 0 && m->front.holes ? m : NULL;
 }
 
-float material_opacity(const struct material *m, const struct texture_place *at) {
+float material_opacity(const struct material *m, const struct texture_lookup *at) {
     return side_opacity(&m->front, at);
 }
 
-bool opacity_stops(const struct material *m, const struct texture_place *at, const struct ray *ray,
+bool opacity_stops(const struct material *m, const struct texture_lookup *at, const struct ray *ray,
                    uint32_t salt, bool whole) {
     float a = material_opacity(m, at);
     if (whole || a <= 0.0f || a >= 1.0f) return a > 0.0f;

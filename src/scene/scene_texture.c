@@ -107,7 +107,7 @@ static const struct texture *find_check(const struct texture *texture, vec2 uv, 
     return texture;
 }
 
-static rgb eval_unscaled(const struct texture *texture, const struct texture_place *at) {
+static rgb eval_unscaled(const struct texture *texture, const struct texture_lookup *at) {
     if (texture->kind == TEXTURE_CONSTANT) return texture->value;
     if (texture->kind == TEXTURE_ATTRIBUTE)
         return rgb_scale(attribute_eval(texture->attribute, at), texture->scale);
@@ -116,13 +116,13 @@ static rgb eval_unscaled(const struct texture *texture, const struct texture_pla
     return bitmap(texture, u, v, at->width);
 }
 
-rgb texture_eval(const struct texture *texture, const struct texture_place *at) {
+rgb texture_eval(const struct texture *texture, const struct texture_lookup *at) {
     rgb factor;
     texture = find_check(texture, at->uv, false, &factor);
     return rgb_mul(eval_unscaled(texture, at), factor);
 }
 
-float texture_number(const struct texture *texture, const struct texture_place *at) {
+float texture_number(const struct texture *texture, const struct texture_lookup *at) {
     rgb factor;
     texture = find_check(texture, at->uv, true, &factor);
     if (texture->kind == TEXTURE_CONSTANT) return rgb_mean(rgb_mul(texture->value, factor));

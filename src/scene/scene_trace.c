@@ -1,29 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ray tracing over Embree, which this file and scene_level.c alone know: the scene as a level,
-// groups of shapes as levels below it, queries. Hits become surface interactions in
-// scene_interaction.c, scene_quadric.c and, where they are instances', scene_instance.c.
+// Ray tracing over Embree, which this file and scene_accel.c alone know: the scene as an
+// acceleration structure, groups of shapes as structures below it, and the queries. Hits become
+// surface interactions in scene_interaction.c, scene_quadric.c and, where they are instances',
+// scene_instance.c.
 #include <stdlib.h>
 
 #include "base/array.h"
+#include "scene/scene_accel.h"
 #include "scene/scene_curve.h"
 #include "scene/scene_instance.h"
-#include "scene/scene_level.h"
 
 // Embree aborts the process on rays beyond these, so they are looked at first.
 static const float COORDINATE_MAX = 1e18f;
 
 struct trace {
     RTCDevice device;
-    struct level top;
-    struct level *group;
+    struct accel top;
+    struct accel *group;
     uint32_t group_count;
 };
 
 // ---- Building -----------------------------------------------------------------------------------
 
-static bool bounds_of(const struct level *level, vec3 *lo, vec3 *hi) {
+static bool bounds_of(const struct accel *accel, vec3 *lo, vec3 *hi) {
     struct RTCBounds box;
-    rtcGetSceneBounds(level->scene, &box);
+    rtcGetSceneBounds(accel->scene, &box);
     *lo = v3(box.lower_x, box.lower_y, box.lower_z);
     *hi = v3(box.upper_x, box.upper_y, box.upper_z);
     return lo->x <= hi->x && lo->y <= hi->y && lo->z <= hi->z;
@@ -35,11 +36,11 @@ static satin_status build_trace(struct trace *trace, struct satin_scene *scene, 
         return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for the ray tracing structure");
     // On all cores: the trees of 1, 2 and 8 threads answered alike where several triangles tie.
     trace->device = rtcNewDevice(NULL);
-    if (!trace->device) return level_status(NULL, log);
+    if (!trace->device) return accel_status(NULL, log);
     trace->group_count = scene->group_count;
     for (uint32_t g = 0; g < scene->group_count; g++) {
         const struct shape_group *group = &scene->group[g];
-        satin_status status = level_build(trace->device, scene, group->first, group->count, g + 1,
+        satin_status status = accel_build(trace->device, scene, group->first, group->count, g + 1,
                                           NULL, log, &trace->group[g]);
         if (status != SATIN_OK) return status;
     }
@@ -50,7 +51,7 @@ static satin_status build_trace(struct trace *trace, struct satin_scene *scene, 
         if (!bounds_of(&trace->group[shape->instance_of], &lo, &hi)) lo = hi = v3(0, 0, 0);
         instance_bound(shape, lo, hi);
     }
-    return level_build(trace->device, scene, 0, scene->shape_count, 0, trace->group, log,
+    return accel_build(trace->device, scene, 0, scene->shape_count, 0, trace->group, log,
                        &trace->top);
 }
 
@@ -76,9 +77,9 @@ static void warn_of_hidden(const struct satin_scene *scene, const struct trace *
     uint32_t hidden = trace->top.hidden_count;
     uint32_t first = hidden ? trace->top.hidden_first : UINT32_MAX;
     for (uint32_t g = 0; g < trace->group_count; g++) {
-        const struct level *level = &trace->group[g];
-        hidden += level->hidden_count;
-        if (level->hidden_count && level->hidden_first < first) first = level->hidden_first;
+        const struct accel *accel = &trace->group[g];
+        hidden += accel->hidden_count;
+        if (accel->hidden_count && accel->hidden_first < first) first = accel->hidden_first;
     }
     if (!hidden) return;
     const char *name = scene->shape[first].name;
@@ -105,8 +106,8 @@ satin_status scene_trace_build(struct satin_scene *scene, struct log log) {
 
 void scene_trace_free(struct trace *trace) {
     if (!trace) return;
-    level_free(&trace->top);
-    for (uint32_t g = 0; g < trace->group_count; g++) level_free(&trace->group[g]);
+    accel_free(&trace->top);
+    for (uint32_t g = 0; g < trace->group_count; g++) accel_free(&trace->group[g]);
     if (trace->device) rtcReleaseDevice(trace->device);
     free(trace->group);
     free(trace);
@@ -145,13 +146,13 @@ static void interaction_of_curve(const struct shape *shape, const struct RTCRayH
     curve_interaction(&shape->curves, &at, tangent, out);
 }
 
-// Fills a surface interaction but for t; ray and result are in the level's own space.
-static void interaction_of(const struct satin_scene *scene, const struct level *level,
+// Fills a surface interaction but for t; ray and result are in the accel's own space.
+static void interaction_of(const struct satin_scene *scene, const struct accel *accel,
                            const struct RTCRayHit *hit, const struct ray *ray, float margin,
                            struct interaction *out) {
-    bool quadric = hit->hit.geomID == level->quadric_id;
+    bool quadric = hit->hit.geomID == accel->quadric_id;
     uint32_t index =
-        quadric ? level->quadric[hit->hit.primID].shape : level->geometry_shape[hit->hit.geomID];
+        quadric ? accel->quadric[hit->hit.primID].shape : accel->geometry_shape[hit->hit.geomID];
     const struct shape *shape = &scene->shape[index];
     bool tangent = scene->material[shape->material].tangent;
     bool rate = scene->material[shape->material].filtered;
@@ -159,7 +160,7 @@ static void interaction_of(const struct satin_scene *scene, const struct level *
     struct interaction_hit at = {hit->hit.primID, hit->hit.u, hit->hit.v, tangent,
                                  partials,        rate,       margin};
     if (quadric)
-        quadric_interaction(&level->quadric[hit->hit.primID], ray, hit->ray.tfar, tangent, out);
+        quadric_interaction(&accel->quadric[hit->hit.primID], ray, hit->ray.tfar, tangent, out);
     else if (shape->kind == SHAPE_CURVES)
         interaction_of_curve(shape, hit, ray, tangent, out);
     else

@@ -19,7 +19,7 @@ struct shade_camera_sample {
     float spread;  // its width per distance
     float weight;  // that the film's filter gives to the sample
     vec2 film;     // where it passes the film, in pixels of all of it
-    vec2 at;       // random numbers for its place on the lens
+    vec2 at;       // random numbers for where it leaves the lens
 };
 
 struct shade_eye {

@@ -34,7 +34,7 @@ void shade_plan_make(const struct shade *shade, const struct gather_point *p,
 }
 
 struct cache_used shade_radiance(const struct shade *shade, const struct shade_plan *plan,
-                                 const struct gather_point *p, const struct cache_place *at,
+                                 const struct gather_point *p, const struct cache_lookup *at,
                                  rgb *glossy, rgb *E) {
     float C[3 * RSH_MAX_COEFFICIENTS];
     struct cache_lobe lobe = {.C = C, .channels = plan->channels};
@@ -60,7 +60,7 @@ unsigned shade_wants(const struct shade *shade, const struct gather_point *p) {
 
 unsigned shade_known(const void *records, const struct gather_point *y, rgb *L) {
     const struct shade *s = records;
-    const struct cache_place at = shade_place(y, 0.0f);
+    const struct cache_lookup at = shade_lookup(y, 0.0f);
     struct shade_plan plan;
     rgb glossy = rgb_grey(0.0f), E = glossy;
     shade_plan_make(s, y, &plan);

@@ -21,14 +21,14 @@ void shade_plan_make(const struct shade *shade, const struct gather_point *p,
 
 // Where a cache is looked up. Without a record of the accuracy asked for, the nearest one up to the
 // distance `fallback` serves.
-static inline struct cache_place shade_place(const struct gather_point *p, float fallback) {
-    return (struct cache_place){p->interaction.p, p->base.n, p->frame, fallback};
+static inline struct cache_lookup shade_lookup(const struct gather_point *p, float fallback) {
+    return (struct cache_lookup){p->interaction.p, p->base.n, p->frame, fallback};
 }
 
 // What the glossy lobes reflect, without the factor brdf.specular, and the irradiance, if the point
 // has such lobes and the plan says so, from radiance records; count 0: untouched.
 struct cache_used shade_radiance(const struct shade *shade, const struct shade_plan *plan,
-                                 const struct gather_point *p, const struct cache_place *at,
+                                 const struct gather_point *p, const struct cache_lookup *at,
                                  rgb *glossy, rgb *E);
 // The number by which records recognize a point's glossy lobes, 0 if textures change their shape.
 static inline uint32_t shade_lobe_number(const struct gather_point *p) {

@@ -44,7 +44,7 @@ static void note_records(struct shade_job *job, struct cache_used used) {
 static void indirect_diffuse(struct shade_job *job, struct shade_pixel_entry *entry) {
     const struct shade *s = job->shade;
     const struct gather_point *p = &job->vertex->point;
-    const struct cache_place at = shade_place(p, FALLBACK_PIXELS * job->vertex->pixel);
+    const struct cache_lookup at = shade_lookup(p, FALLBACK_PIXELS * job->vertex->pixel);
     rgb E = entry->E;
     if (!(entry->knows & PIXEL_IRRADIANCE)) {
         entry->used = (struct cache_used){0};
@@ -77,7 +77,7 @@ static bool indirect_cached(struct shade_job *job, const struct shade_plan *plan
     const struct gather_point *p = &job->vertex->point;
     const bool diffuse = p->lobes & BRDF_DIFFUSE, shiny = plan->cached & BRDF_GLOSSY;
     if (!(entry->knows & PIXEL_RADIANCE)) {
-        const struct cache_place at = shade_place(p, FALLBACK_PIXELS * job->vertex->pixel);
+        const struct cache_lookup at = shade_lookup(p, FALLBACK_PIXELS * job->vertex->pixel);
         entry->used = shade_radiance(s, plan, p, &at, &entry->glossy, &entry->E);
         if (!entry->used.count) return false;
         entry->knows |= PIXEL_RADIANCE;

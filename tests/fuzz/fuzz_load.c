@@ -85,7 +85,7 @@ static void use_surface(const satin_scene *scene, const struct interaction *s, v
     struct light_sample light;
     float p;
     if (!scene->light_count) return;
-    uint32_t chosen = light_choose(scene, s->p, LIGHT_SEEN_ALL, u[3], &p);
+    uint32_t chosen = light_choose(scene, s->p, LIGHT_ALL_VISIBLE, u[3], &p);
     FUZZ_REQUIRE(chosen < scene->light_count && p > 0.0f);
     if (light_sample(scene, chosen, s->p, u[1], u[2], &light))
         FUZZ_REQUIRE(v3_finite(light.wi) && sound(light.L) && light.pdf_w > 0.0f);

@@ -148,7 +148,7 @@ static void loads_what_was_saved(void **state) {
                      b.cache.side[CACHE_IRRADIANCE].tree.node_count);
     struct rng rng = rng_make(2, RNG_SITE, 0);
     for (int i = 0; i < LOOKUPS; i++) {
-        struct cache_place at = {draw(&rng), v3(0, 0, 1), frame_from_normal(v3(0, 0, 1)), 0.0f};
+        struct cache_lookup at = {draw(&rng), v3(0, 0, 1), frame_from_normal(v3(0, 0, 1)), 0.0f};
         rgb x = rgb_grey(-1.0f), y = x;
         assert_int_equal(cache_irradiance(&a.cache, &at, 0.5f, &x).count,
                          cache_irradiance(&b.cache, &at, 0.5f, &y).count);

@@ -39,8 +39,8 @@ static void start(struct fixture *f) {
     }
 }
 
-static struct cache_place place(float x) {
-    return (struct cache_place){v3(x, 0, 0), v3(0, 0, 1), frame_from_normal(v3(0, 0, 1)), 0.0f};
+static struct cache_lookup place(float x) {
+    return (struct cache_lookup){v3(x, 0, 0), v3(0, 0, 1), frame_from_normal(v3(0, 0, 1)), 0.0f};
 }
 
 static bool near(float x, float wanted) { return fabsf(x - wanted) < 1e-5f; }
@@ -50,7 +50,7 @@ static void records_behind_a_value(void **state) {
     struct fixture f;
     start(&f);
     // At accuracy .8: weights 1 - .2 / .8 and 1 - .1 / .4, both 3/4.
-    struct cache_place at = place(0.2f);
+    struct cache_lookup at = place(0.2f);
     rgb E;
     struct cache_used used = cache_irradiance(&f.cache, &at, 0.8f, &E);
     assert_int_equal(used.count, 2);
@@ -77,7 +77,7 @@ static void parabolas_are_kept(void **state) {
         for (int c = 0; c < 3; c++) f.record[i].value.grad_t[c] = v3(1.0f + 2.0f * x, 0, 0);
     }
     rgb E;
-    struct cache_place at = place(0.15f);
+    struct cache_lookup at = place(0.15f);
     assert_int_equal(cache_irradiance(&f.cache, &at, 0.4f, &E).count, 2);
     assert_true(near(E.r, 1.0f + 0.15f + 0.15f * 0.15f));
     // Elsewhere the error is the square of the mean way: weights 3/4 and 1/2, ways .1 and -.2.
@@ -92,7 +92,7 @@ static void none_is_near(void **state) {
     (void)state;
     struct fixture f;
     start(&f);
-    struct cache_place at = place(-0.9f);
+    struct cache_lookup at = place(-0.9f);
     rgb E = rgb_grey(7.0f);
     assert_int_equal(cache_irradiance(&f.cache, &at, 0.8f, &E).count, 0);
     assert_true(E.r == 7.0f);

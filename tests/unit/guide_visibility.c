@@ -45,13 +45,14 @@ struct tally {
 };
 
 // Of samples at p on the floor, with normal z.
-static struct tally sample(const struct test_scene *t, const struct light_window *window, vec3 p) {
+static struct tally sample(const struct test_scene *t, const struct light_histogram *histogram,
+                           vec3 p) {
     enum { SAMPLES = 1 << 16 };
     struct tally tally = {0};
     for (uint32_t i = 0; i < SAMPLES; i++) {
         const vec2 u = sample_sobol2(i, 3);
         struct light_sample s;
-        assert_true(light_environment_sample(&t->scene, window, u.x, u.y, &s));
+        assert_true(light_environment_sample(&t->scene, histogram, u.x, u.y, &s));
         struct ray ray = scene_spawn(&t->scene, p, v3(0, 0, 1), s.wi);
         if (!(s.wi.z > 0.0f) || scene_occluded(&t->scene, &ray)) continue;
         tally.visible += 1.0 / SAMPLES;
@@ -64,10 +65,10 @@ static struct tally sample(const struct test_scene *t, const struct light_window
 static struct guide_visibility *look(struct test_scene *t, int threads) {
     satin_options options = satin_options_default;
     struct parallel *pool = parallel_new(threads);
-    struct guide_visibility *seen = NULL;
-    assert_int_equal(guide_visibility_build(&t->scene, &options, pool, &seen), SATIN_OK);
+    struct guide_visibility *visibility = NULL;
+    assert_int_equal(guide_visibility_build(&t->scene, &options, pool, &visibility), SATIN_OK);
     parallel_free(pool);
-    return seen;
+    return visibility;
 }
 
 static struct guide_visibility *begin(struct test_scene *t, bool walls, int lamps, int threads) {
@@ -75,8 +76,8 @@ static struct guide_visibility *begin(struct test_scene *t, bool walls, int lamp
     return look(t, threads);
 }
 
-static void end(struct test_scene *t, struct guide_visibility *seen) {
-    guide_visibility_free(seen);
+static void end(struct test_scene *t, struct guide_visibility *visibility) {
+    guide_visibility_free(visibility);
     test_scene_free(t);
 }
 
@@ -86,9 +87,9 @@ static void samples_go_through_the_hole(void **state) {
     struct guide_visibility *all = begin(&t, true, 0, 2);
     for (int i = 0; i < 9; i++) {
         const vec3 p = v3(0.3f * (float)(i % 3 - 1), 0.3f * (float)(i / 3 - 1), -1.0f);
-        const struct light_window *window = guide_visibility_at(all, p).window;
-        assert_non_null(window);
-        const struct tally blind = sample(&t, NULL, p), guided = sample(&t, window, p);
+        const struct light_histogram *histogram = guide_visibility_at(all, p).histogram;
+        assert_non_null(histogram);
+        const struct tally blind = sample(&t, NULL, p), guided = sample(&t, histogram, p);
         assert_true(guided.visible > 30.0 * blind.visible);
         assert_true(fabs(guided.E - blind.E) < 0.05 * blind.E);
     }
@@ -100,9 +101,9 @@ static void an_open_floor_looks_up(void **state) {
     struct test_scene t;
     struct guide_visibility *all = begin(&t, false, 0, 1);
     const vec3 p = v3(0, 0, -1);
-    const struct light_window *window = guide_visibility_at(all, p).window;
-    assert_non_null(window);
-    const struct tally blind = sample(&t, NULL, p), guided = sample(&t, window, p);
+    const struct light_histogram *histogram = guide_visibility_at(all, p).histogram;
+    assert_non_null(histogram);
+    const struct tally blind = sample(&t, NULL, p), guided = sample(&t, histogram, p);
     assert_true(fabs(blind.visible - 0.5) < 0.01 && guided.visible > 0.85);
     assert_true(fabs(guided.E - M_PI) < 0.02);
     end(&t, all);
@@ -113,7 +114,7 @@ static void without_sky_there_is_nothing(void **state) {
     struct test_scene t;
     struct guide_visibility *all = begin(&t, true, 1, 1);
     assert_null(all);
-    assert_null(guide_visibility_at(all, v3(0, 0, 0)).window);
+    assert_null(guide_visibility_at(all, v3(0, 0, 0)).histogram);
     test_scene_free(&t);
 }
 
@@ -123,12 +124,13 @@ static void lamps_behind_walls_are_hardly_chosen(void **state) {
     struct test_scene t;
     struct guide_visibility *all = begin(&t, true, 2, 2);
     const vec3 p = v3(0.1f, 0.2f, -1);
-    const struct light_seen seen = guide_visibility_at(all, p);
-    assert_null(seen.window);
-    assert_true(light_choose_probability(&t.scene, p, LIGHT_SEEN_ALL, 1) > 0.35f);
-    const float behind = light_choose_probability(&t.scene, p, seen, 1);
+    const struct light_visibility visibility = guide_visibility_at(all, p);
+    assert_null(visibility.histogram);
+    assert_true(light_choose_probability(&t.scene, p, LIGHT_ALL_VISIBLE, 1) > 0.35f);
+    const float behind = light_choose_probability(&t.scene, p, visibility, 1);
     assert_true(behind > 0.01f && behind < 0.2f);
-    assert_true(fabsf(behind + light_choose_probability(&t.scene, p, seen, 0) - 1.0f) < 1e-5f);
+    assert_true(fabsf(behind + light_choose_probability(&t.scene, p, visibility, 0) - 1.0f) <
+                1e-5f);
     end(&t, all);
 }
 
@@ -139,9 +141,9 @@ static void threads_make_no_difference(void **state) {
     struct guide_visibility *one = look(&t, 1), *three = look(&t, 3);
     for (int i = 0; i < 64; i++) {
         const vec3 p = v3(0.06f * (float)(i % 8) - 0.2f, 0.06f * (float)(i / 8) - 0.2f, -1.0f);
-        const struct light_window *a = guide_visibility_at(one, p).window;
-        const struct light_window *b = guide_visibility_at(three, p).window;
-        assert_memory_equal(a->cdf, b->cdf, (LIGHT_WINDOW_BINS + 1) * sizeof *a->cdf);
+        const struct light_histogram *a = guide_visibility_at(one, p).histogram;
+        const struct light_histogram *b = guide_visibility_at(three, p).histogram;
+        assert_memory_equal(a->cdf, b->cdf, (LIGHT_HISTOGRAM_BINS + 1) * sizeof *a->cdf);
     }
     guide_visibility_free(one);
     guide_visibility_free(three);

@@ -299,14 +299,15 @@ static void choice_has_its_probability(void **state) {
         double drawn[32] = {0}, sum = 0.0;
         for (int i = 0; i < 100000; i++) {
             float probability;
-            uint32_t l =
-                light_choose(&t.scene, p, LIGHT_SEEN_ALL, ((float)i + 0.5f) * 1e-5f, &probability);
+            uint32_t l = light_choose(&t.scene, p, LIGHT_ALL_VISIBLE, ((float)i + 0.5f) * 1e-5f,
+                                      &probability);
             assert_true(fabsf(probability -
-                              light_choose_probability(&t.scene, p, LIGHT_SEEN_ALL, l)) < 1e-7f);
+                              light_choose_probability(&t.scene, p, LIGHT_ALL_VISIBLE, l)) < 1e-7f);
             drawn[l] += 1e-5;
         }
         for (int i = 0; i < lights; i++) {
-            float probability = light_choose_probability(&t.scene, p, LIGHT_SEEN_ALL, (uint32_t)i);
+            float probability =
+                light_choose_probability(&t.scene, p, LIGHT_ALL_VISIBLE, (uint32_t)i);
             struct light_sample s;
             if (light_sample(&t.scene, (uint32_t)i, p, 0.5f, 0.5f, &s))
                 assert_true(probability > 1e-4f);

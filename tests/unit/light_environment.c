@@ -39,29 +39,29 @@ static void sun_is_a_disc(void **state) {
 
 // Through a window that most bins leave dark: the density that is told is that which was drawn by,
 // and the light of every part of the sky comes to what it is.
-static void windows_change_no_light(void **state) {
+static void histograms_change_no_light(void **state) {
     (void)state;
     struct test_scene t;
     test_scene_init(&t);
     test_quadric(&t, SHAPE_SPHERE, mat4_identity(), false, test_diffuse(&t, 0.5f, 0.5f, 0.5f));
     test_light(&t, (struct light){.kind = LIGHT_CONSTANT, .value = rgb_grey(2.0f)});
     test_scene_finish(&t);
-    float weight[LIGHT_WINDOW_BINS], cdf[LIGHT_WINDOW_BINS + 1];
-    for (int i = 0; i < LIGHT_WINDOW_BINS; i++) weight[i] = i % 7 ? 0.0f : (float)(i % 5);
-    sample_cdf_build(weight, LIGHT_WINDOW_BINS, cdf);
-    const struct light_window window = {0.75f, cdf};
+    float weight[LIGHT_HISTOGRAM_BINS], cdf[LIGHT_HISTOGRAM_BINS + 1];
+    for (int i = 0; i < LIGHT_HISTOGRAM_BINS; i++) weight[i] = i % 7 ? 0.0f : (float)(i % 5);
+    sample_cdf_build(weight, LIGHT_HISTOGRAM_BINS, cdf);
+    const struct light_histogram histogram = {0.75f, cdf};
     enum { SAMPLES = 1 << 20, PARTS = 8 };
     double sum[PARTS] = {0};
     for (uint32_t i = 0; i < SAMPLES; i++) {
         const vec2 u = sample_sobol2(i, 3);
         struct light_sample s;
-        assert_true(light_environment_sample(&t.scene, &window, u.x, u.y, &s));
-        const float told = light_environment_pdf(&t.scene, &window, s.wi);
+        assert_true(light_environment_sample(&t.scene, &histogram, u.x, u.y, &s));
+        const float told = light_environment_pdf(&t.scene, &histogram, s.wi);
         assert_true(fabsf(told - s.pdf_w) <= 1e-5f * told);
         // Halves of bins, by both coordinates, below and above.
         const float turn = 0.5f + atan2f(s.wi.y, s.wi.x) * (0.5f / PI_F);
-        const int x = (int)(2 * LIGHT_WINDOW_SIDE * turn);
-        const int y = (int)(LIGHT_WINDOW_SIDE * (1.0f - s.wi.z));
+        const int x = (int)(2 * LIGHT_HISTOGRAM_SIDE * turn);
+        const int y = (int)(LIGHT_HISTOGRAM_SIDE * (1.0f - s.wi.z));
         const int part = x % 2 + 2 * (y % 2) + 4 * (s.wi.z > 0.5f);
         sum[part] += (double)(s.L.g / s.pdf_w) / SAMPLES;
     }
@@ -75,7 +75,7 @@ static void windows_change_no_light(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sun_is_a_disc),
-        cmocka_unit_test(windows_change_no_light),
+        cmocka_unit_test(histograms_change_no_light),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

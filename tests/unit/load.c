@@ -50,7 +50,7 @@ static void masks_nest(void **state) {
             "<shape type='disk'><bsdf type='blendbsdf'>"
             "<float name='weight' value='-2'/><bsdf type='null'/>" PLAIN "</bsdf></shape>"));
     const float opacity[] = {.36f, .7f, .54f, .75f, 0.0f, 1.0f, 1.0f, 0.0f};
-    const struct texture_place at = {.width = 0.0f};
+    const struct texture_lookup at = {.width = 0.0f};
     for (int i = 0; i < 8; i++) {
         const struct material *m = &scene->material[i];
         assert_true(fabsf(material_opacity(m, &at) - opacity[i]) < 1e-6f);
@@ -401,7 +401,7 @@ static void reads_a_raw_constant(void **state) {
                        "</shape>"));
     assert_non_null(scene);
     const struct texture *texture = scene->material[0].front.slot[BRDF_SLOT_DIFFUSE];
-    const struct texture_place at = texture_at((vec2){.3f, .7f});
+    const struct texture_lookup at = texture_at((vec2){.3f, .7f});
     const rgb value = texture_eval(texture, &at);
     assert_true(value.r == .2f && value.g == .4f && value.b == .6f && c.warnings == 0);
     satin_scene_free(scene);

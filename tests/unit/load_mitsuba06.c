@@ -133,7 +133,7 @@ static void reads_its_textures(void **state) {
     assert_true(c.warnings == 0 && outer->kind == TEXTURE_SCALED && inner->kind == TEXTURE_GRID);
     assert_true(inner->to_uv[0] == 4 && inner->to_uv[4] == 4 && inner->scale == .25f);
     assert_true(side->base.diffuse.r == .0625f && side->base.diffuse.g == .03125f);
-    struct texture_place at = texture_at((vec2){.125f, .125f});
+    struct texture_lookup at = texture_at((vec2){.125f, .125f});
     assert_true(texture_eval(outer, &at).g == .125f);
     satin_scene_free(scene);
     static const char *const bad[][2] = {

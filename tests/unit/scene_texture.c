@@ -18,12 +18,12 @@ static struct texture bitmap(enum texture_wrap wrap, bool nearest) {
 }
 
 static rgb eval(const struct texture *texture, vec2 uv) {
-    struct texture_place at = texture_at(uv);
+    struct texture_lookup at = texture_at(uv);
     return texture_eval(texture, &at);
 }
 
 static float number(const struct texture *texture, vec2 uv) {
-    struct texture_place at = texture_at(uv);
+    struct texture_lookup at = texture_at(uv);
     return texture_number(texture, &at);
 }
 
@@ -179,7 +179,7 @@ static void interpolates_attributes(void **state) {
                                                 {tint, true, 3, of_triangle}};
     const struct mesh mesh = {.index = index, .attribute = attribute, .attribute_count = 2};
     struct texture t = {.kind = TEXTURE_ATTRIBUTE, .attribute = heat, .scale = 2.0f};
-    struct texture_place at = {.mesh = &mesh, .prim = 1, .bary = {0.25f, 0.5f}};
+    struct texture_lookup at = {.mesh = &mesh, .prim = 1, .bary = {0.25f, 0.5f}};
     assert_float_equal(texture_number(&t, &at), 2.0f * (0.25f * 4 + 0.25f * 2 + 0.5f * 8), 1e-5f);
     t.attribute = tint;
     rgb c = texture_eval(&t, &at);
@@ -214,7 +214,7 @@ static void averages_over_wide_places(void **state) {
         for (int k = 0; k < count; k++) sum += (double)t.level[i].texel[k] / count;
         assert_float_equal(sum, mean, 1e-6);
     }
-    struct texture_place at = texture_at((vec2){0.5f / 6, 0.5f / 3});
+    struct texture_lookup at = texture_at((vec2){0.5f / 6, 0.5f / 3});
     float sharp = texture_eval(&t, &at).r;
     at.width = 1.0f / t.texels;
     assert_true(texture_eval(&t, &at).r == sharp);

@@ -2,7 +2,7 @@
 // Shapes into Embree: triangle meshes lend it their arrays; spheres, disks and cylinders are
 // one user geometry over scene_quadric.c; instances are Embree's own. ROBUST traversal, so that no
 // ray passes between two triangles of a shared edge.
-#include "scene/scene_level.h"
+#include "scene/scene_accel.h"
 
 #include <stdlib.h>
 
@@ -33,7 +33,7 @@ static vec3 direction_of(const struct RTCRay *ray) {
 static bool mask_stops(const struct guard *guard, const struct RTCRay *ray,
                        const struct RTCHit *hit) {
     const struct mesh *mesh = guard->mesh;
-    struct texture_place at = {{hit->u, hit->v}, mesh, hit->primID, {hit->u, hit->v}, 0.0f};
+    struct texture_lookup at = {{hit->u, hit->v}, mesh, hit->primID, {hit->u, hit->v}, 0.0f};
     if (mesh->uv) {
         const uint32_t *index = mesh->index + (size_t)hit->primID * 3;
         const float *a = mesh->uv + (size_t)index[0] * 2, *b = mesh->uv + (size_t)index[1] * 2,
@@ -74,9 +74,9 @@ static void curve_any(const struct RTCFilterFunctionNArguments *args) {
 }
 
 static void quadric_box(const struct RTCBoundsFunctionArguments *args) {
-    const struct level *level = args->geometryUserPtr;
+    const struct accel *accel = args->geometryUserPtr;
     float lo[3], hi[3];
-    quadric_bounds(&level->quadric[args->primID], lo, hi);
+    quadric_bounds(&accel->quadric[args->primID], lo, hi);
     args->bounds_o->lower_x = lo[0];
     args->bounds_o->lower_y = lo[1];
     args->bounds_o->lower_z = lo[2];
@@ -94,7 +94,7 @@ static bool quadric_hit(const struct quadric *q, const struct RTCRay *ray, float
         struct interaction s;
         struct ray same = {.o = o, .d = d};
         quadric_interaction(q, &same, *t, false, &s);
-        struct texture_place at = texture_at(s.uv);
+        struct texture_lookup at = texture_at(s.uv);
         if (opacity_stops(q->mask, &at, &same, q->shape + (uint32_t)crossing, ray->id != 0))
             return true;
         near = nextafterf(*t, INFINITY);  // t was rounded
@@ -103,27 +103,27 @@ static bool quadric_hit(const struct quadric *q, const struct RTCRay *ray, float
 }
 
 static void quadric_nearest(const struct RTCIntersectFunctionNArguments *args) {
-    const struct level *level = args->geometryUserPtr;
+    const struct accel *accel = args->geometryUserPtr;
     struct RTCRayHit *ray_hit = (struct RTCRayHit *)args->rayhit;
     float t;
-    if (!args->valid[0] || !quadric_hit(&level->quadric[args->primID], &ray_hit->ray, &t)) return;
+    if (!args->valid[0] || !quadric_hit(&accel->quadric[args->primID], &ray_hit->ray, &t)) return;
     ray_hit->ray.tfar = t;
     ray_hit->hit.primID = args->primID;
-    ray_hit->hit.geomID = level->quadric_id;
+    ray_hit->hit.geomID = accel->quadric_id;
     ray_hit->hit.instID[0] = args->context->instID[0];
 }
 
 static void quadric_any(const struct RTCOccludedFunctionNArguments *args) {
-    const struct level *level = args->geometryUserPtr;
+    const struct accel *accel = args->geometryUserPtr;
     struct RTCRay *ray = (struct RTCRay *)args->ray;
     float t;
-    if (args->valid[0] && quadric_hit(&level->quadric[args->primID], ray, &t))
+    if (args->valid[0] && quadric_hit(&accel->quadric[args->primID], ray, &t))
         ray->tfar = -INFINITY;
 }
 
 // ---- Building -----------------------------------------------------------------------------------
 
-satin_status level_status(RTCDevice device, struct log log) {
+satin_status accel_status(RTCDevice device, struct log log) {
     switch (rtcGetDeviceError(device)) {
         case RTC_ERROR_NONE:
             return SATIN_OK;
@@ -136,13 +136,13 @@ satin_status level_status(RTCDevice device, struct log log) {
     }
 }
 
-static void attach(struct level *level, RTCGeometry geometry, uint32_t id) {
+static void attach(struct accel *accel, RTCGeometry geometry, uint32_t id) {
     rtcCommitGeometry(geometry);
-    rtcAttachGeometryByID(level->scene, geometry, id);
+    rtcAttachGeometryByID(accel->scene, geometry, id);
     rtcReleaseGeometry(geometry);
 }
 
-static void attach_mesh(RTCDevice device, struct level *level, const struct mesh *mesh,
+static void attach_mesh(RTCDevice device, struct accel *accel, const struct mesh *mesh,
                         const struct material *mask, uint32_t id) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     if (!geometry) return;
@@ -150,14 +150,14 @@ static void attach_mesh(RTCDevice device, struct level *level, const struct mesh
                                mesh->position, 0, 3 * sizeof(float), mesh->vertex_count);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->index, 0,
                                3 * sizeof(uint32_t), mesh->triangle_count);
-    level->guard[id] = (struct guard){mesh, mask, interaction_error(mesh)};
-    rtcSetGeometryUserData(geometry, &level->guard[id]);
+    accel->guard[id] = (struct guard){mesh, mask, interaction_error(mesh)};
+    rtcSetGeometryUserData(geometry, &accel->guard[id]);
     rtcSetGeometryIntersectFilterFunction(geometry, mesh_nearest);
     rtcSetGeometryOccludedFilterFunction(geometry, mesh_any);
-    attach(level, geometry, id);
+    attach(accel, geometry, id);
 }
 
-static void attach_curves(RTCDevice device, struct level *level, const struct curves *curves,
+static void attach_curves(RTCDevice device, struct accel *accel, const struct curves *curves,
                           uint32_t id) {
     RTCGeometry geometry =
         rtcNewGeometry(device, curves->linear ? RTC_GEOMETRY_TYPE_ROUND_LINEAR_CURVE
@@ -172,37 +172,37 @@ static void attach_curves(RTCDevice device, struct level *level, const struct cu
                                    curves->flags, 0, 1, curves->segments);
     rtcSetGeometryIntersectFilterFunction(geometry, curve_any);
     rtcSetGeometryOccludedFilterFunction(geometry, curve_any);
-    attach(level, geometry, id);
+    attach(accel, geometry, id);
 }
 
-static void attach_quadrics(RTCDevice device, struct level *level) {
+static void attach_quadrics(RTCDevice device, struct accel *accel) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
     if (!geometry) return;
-    rtcSetGeometryUserPrimitiveCount(geometry, level->quadric_count);
-    rtcSetGeometryUserData(geometry, level);
+    rtcSetGeometryUserPrimitiveCount(geometry, accel->quadric_count);
+    rtcSetGeometryUserData(geometry, accel);
     rtcSetGeometryBoundsFunction(geometry, quadric_box, NULL);
     rtcSetGeometryIntersectFunction(geometry, quadric_nearest);
     rtcSetGeometryOccludedFunction(geometry, quadric_any);
-    attach(level, geometry, level->quadric_id);
+    attach(accel, geometry, accel->quadric_id);
 }
 
-static void attach_instance(RTCDevice device, struct level *level, const struct shape *shape,
-                            const struct level *group, uint32_t id) {
+static void attach_instance(RTCDevice device, struct accel *accel, const struct shape *shape,
+                            const struct accel *group, uint32_t id) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
     if (!geometry) return;
     rtcSetGeometryInstancedScene(geometry, group->scene);
     // The rows of the matrix but the last.
     rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, shape->to_world.m);
-    attach(level, geometry, id);
+    attach(accel, geometry, id);
 }
 
 // Which shapes are left out because others lie there; the caller frees it, NULL without memory.
 static bool *find_hidden(const struct satin_scene *scene, uint32_t first, uint32_t count,
-                         uint32_t group, struct level *level) {
+                         uint32_t group, struct accel *accel) {
     bool *hidden = array_new((size_t)count + 1, sizeof *hidden);
-    if (!hidden || coincide_find(scene, first, count, group, hidden, &level->hidden_count)) {
+    if (!hidden || coincide_find(scene, first, count, group, hidden, &accel->hidden_count)) {
         for (uint32_t i = count; hidden && i-- > 0;)
-            if (hidden[i]) level->hidden_first = first + i;
+            if (hidden[i]) accel->hidden_first = first + i;
         return hidden;
     }
     free(hidden);
@@ -213,76 +213,76 @@ static bool *find_hidden(const struct satin_scene *scene, uint32_t first, uint32
 // then instances.
 static satin_status sort_shapes(const struct satin_scene *scene, uint32_t first, uint32_t count,
                                 uint32_t group, const bool *hidden, struct log log,
-                                struct level *level) {
+                                struct accel *accel) {
     uint32_t n = 0;
     for (uint32_t i = first; i < first + count; i++) {
         const struct shape *shape = &scene->shape[i];
         if (shape->group != group || shape->kind == SHAPE_INSTANCE || hidden[i - first]) continue;
         if (shape->kind == SHAPE_MESH) {
-            if (shape->mesh.triangle_count) level->geometry_shape[n++] = i;
+            if (shape->mesh.triangle_count) accel->geometry_shape[n++] = i;
         } else if (shape->kind == SHAPE_CURVES) {
-            level->geometry_shape[n++] = i;
-        } else if (quadric_make(shape, i, &level->quadric[level->quadric_count])) {
-            level->quadric[level->quadric_count++].mask = opacity_of(scene, shape);
+            accel->geometry_shape[n++] = i;
+        } else if (quadric_make(shape, i, &accel->quadric[accel->quadric_count])) {
+            accel->quadric[accel->quadric_count++].mask = opacity_of(scene, shape);
         } else {
             return log_fail(log, SATIN_ERROR_INPUT, "shape '%s' has a degenerate transform",
                             shape->name ? shape->name : "?");
         }
     }
-    level->quadric_id = n++;
+    accel->quadric_id = n++;
     for (uint32_t i = first; i < first + count; i++) {
         const struct shape *shape = &scene->shape[i];
         if (shape->group == group && shape->kind == SHAPE_INSTANCE && !hidden[i - first])
-            level->geometry_shape[n++] = i;
+            accel->geometry_shape[n++] = i;
     }
-    level->geometry_count = n;
+    accel->geometry_count = n;
     return SATIN_OK;
 }
 
 static satin_status collect(const struct satin_scene *scene, uint32_t first, uint32_t count,
-                            uint32_t group, struct log log, struct level *level) {
-    level->geometry_shape = array_new((size_t)count + 1, sizeof *level->geometry_shape);
-    level->guard = array_new((size_t)count + 1, sizeof *level->guard);
-    level->quadric = array_new(count, sizeof *level->quadric);
-    bool *hidden = find_hidden(scene, first, count, group, level);
-    if (!level->geometry_shape || !level->guard || !level->quadric || !hidden) {
+                            uint32_t group, struct log log, struct accel *accel) {
+    accel->geometry_shape = array_new((size_t)count + 1, sizeof *accel->geometry_shape);
+    accel->guard = array_new((size_t)count + 1, sizeof *accel->guard);
+    accel->quadric = array_new(count, sizeof *accel->quadric);
+    bool *hidden = find_hidden(scene, first, count, group, accel);
+    if (!accel->geometry_shape || !accel->guard || !accel->quadric || !hidden) {
         free(hidden);
         return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for %u shapes", count);
     }
-    satin_status status = sort_shapes(scene, first, count, group, hidden, log, level);
+    satin_status status = sort_shapes(scene, first, count, group, hidden, log, accel);
     free(hidden);
     return status;
 }
 
-satin_status level_build(RTCDevice device, const struct satin_scene *scene, uint32_t first,
-                         uint32_t count, uint32_t group, const struct level *groups, struct log log,
-                         struct level *level) {
-    satin_status status = collect(scene, first, count, group, log, level);
+satin_status accel_build(RTCDevice device, const struct satin_scene *scene, uint32_t first,
+                         uint32_t count, uint32_t group, const struct accel *groups, struct log log,
+                         struct accel *accel) {
+    satin_status status = collect(scene, first, count, group, log, accel);
     if (status != SATIN_OK) return status;
-    level->scene = rtcNewScene(device);
-    if (!level->scene) return level_status(device, log);
-    rtcSetSceneBuildQuality(level->scene, RTC_BUILD_QUALITY_MEDIUM);
-    rtcSetSceneFlags(level->scene, RTC_SCENE_FLAG_ROBUST);
-    for (uint32_t id = 0; id < level->geometry_count; id++) {
-        if (id == level->quadric_id) continue;
-        const struct shape *shape = &scene->shape[level->geometry_shape[id]];
+    accel->scene = rtcNewScene(device);
+    if (!accel->scene) return accel_status(device, log);
+    rtcSetSceneBuildQuality(accel->scene, RTC_BUILD_QUALITY_MEDIUM);
+    rtcSetSceneFlags(accel->scene, RTC_SCENE_FLAG_ROBUST);
+    for (uint32_t id = 0; id < accel->geometry_count; id++) {
+        if (id == accel->quadric_id) continue;
+        const struct shape *shape = &scene->shape[accel->geometry_shape[id]];
         if (shape->kind == SHAPE_CURVES)
-            attach_curves(device, level, &shape->curves, id);
-        else if (id < level->quadric_id)
-            attach_mesh(device, level, &shape->mesh, opacity_of(scene, shape), id);
+            attach_curves(device, accel, &shape->curves, id);
+        else if (id < accel->quadric_id)
+            attach_mesh(device, accel, &shape->mesh, opacity_of(scene, shape), id);
         else
-            attach_instance(device, level, shape, &groups[shape->instance_of], id);
+            attach_instance(device, accel, shape, &groups[shape->instance_of], id);
     }
-    if (level->quadric_count) attach_quadrics(device, level);
-    status = level_status(device, log);
+    if (accel->quadric_count) attach_quadrics(device, accel);
+    status = accel_status(device, log);
     if (status != SATIN_OK) return status;
-    rtcCommitScene(level->scene);
-    return level_status(device, log);
+    rtcCommitScene(accel->scene);
+    return accel_status(device, log);
 }
 
-void level_free(struct level *level) {
-    if (level->scene) rtcReleaseScene(level->scene);
-    free(level->geometry_shape);
-    free(level->guard);
-    free(level->quadric);
+void accel_free(struct accel *accel) {
+    if (accel->scene) rtcReleaseScene(accel->scene);
+    free(accel->geometry_shape);
+    free(accel->guard);
+    free(accel->quadric);
 }
