@@ -56,7 +56,7 @@ struct cache_options cache_options_of(const satin_options *o, enum cache_kind ki
 
 static size_t most_rays(const struct cache *cache) {
     size_t most = 0;
-    for (int k = 0; k < CACHE_KINDS; k++)
+    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
         for (int i = 0; i < CACHE_LAYOUTS; i++) {
             const struct gather_layout *layout = cache->side[k].layout[i];
             if (layout && gather_layout_rays(layout) > most) most = gather_layout_rays(layout);
@@ -71,8 +71,8 @@ struct cache *cache_new(const struct gather *g, int order, struct parallel *pool
     c->g = g;
     c->pool = pool;
     c->order = order;
-    for (int k = 0; k < CACHE_KINDS; k++) {
-        c->side[k].options = cache_options_of(o, (enum cache_kind)k);
+    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++) {
+        c->side[k].options = cache_options_of(o, k);
         cache_tree_init(&c->side[k].tree, g->scene->bounds_lo, g->scene->bounds_hi);
     }
     c->rays_part = 1.0f;
@@ -101,7 +101,7 @@ fail:
 
 void cache_free(struct cache *cache) {
     if (!cache) return;
-    for (int k = 0; k < CACHE_KINDS; k++) {
+    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++) {
         cache_tree_free(&cache->side[k].tree);
         for (int i = 0; i < CACHE_LAYOUTS; i++) gather_layout_free(cache->side[k].layout[i]);
     }

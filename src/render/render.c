@@ -101,17 +101,12 @@ static satin_status deeper_records(struct render *r) {
     return is_two_pass(r) ? render_levels(r) : SATIN_OK;
 }
 
-// Final gathering: records at the shading points of the image.
-static satin_status first_bounce_records(struct render *r) {
+// An empty cache, and what the image and the search for sites need.
+static satin_status prepare_second_pass(struct render *r) {
     struct render_second_pass *pass = &r->second_pass;
     pass->cache = cache_new(&pass->gather, pass->tables.order, r->pool);
     if (!pass->cache) return SATIN_ERROR_MEMORY;
-    satin_status status =
-        shade_init(&pass->shade, &pass->gather, &pass->tables, pass->cache, r->pool);
-    if (status != SATIN_OK || !is_two_pass(r) || !needs_photons(r)) return status;
-    status = render_records(r);
-    cache_statistics(pass->cache, &r->stats);
-    return status;
+    return shade_init(&pass->shade, &pass->gather, &pass->tables, pass->cache, r->pool);
 }
 
 // Eye paths, whose indirect light is interpolated between the records.
@@ -175,7 +170,8 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
     if (status == SATIN_OK) status = first_pass(r);
     if (status == SATIN_OK) status = brdf_tables(r);
     if (status == SATIN_OK) status = deeper_records(r);
-    if (status == SATIN_OK) status = first_bounce_records(r);
+    if (status == SATIN_OK) status = prepare_second_pass(r);
+    if (status == SATIN_OK && is_two_pass(r) && needs_photons(r)) status = render_records(r);
     if (status == SATIN_OK) status = sample_image(r);
     if (status == SATIN_CANCELLED) status = look_after_cancellation(r);
     if (r) status = finish_film(r, status, &film);

@@ -20,13 +20,13 @@ satin_status render_converge(struct render *r) {
     free(pixel);
     const float a[CACHE_KINDS] = {r->options.irradiance_a, r->options.radiance_a};
     const float widen[CACHE_KINDS] = {r->options.irradiance_widen, r->options.radiance_widen};
-    for (int k = 0; k < CACHE_KINDS && status == SATIN_OK; k++) {
+    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS && status == SATIN_OK; k++) {
         const struct cache_fill fill = {.site = sites.site,
                                         .count = sites.count,
                                         .a = a[k],
                                         .widest = render_widest(r),
                                         .spacing = 1.5f};
-        status = cache_converge(r->second_pass.cache, (enum cache_kind)k, &fill, a[k] * widen[k]);
+        status = cache_converge(r->second_pass.cache, k, &fill, a[k] * widen[k]);
     }
     render_sites_free(&sites);
     return status;

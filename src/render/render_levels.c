@@ -80,9 +80,10 @@ static satin_status fill(struct render *r, struct render_level *level, struct wa
             if (walks->found[k]) site[count++] = walks->site[k];
         fill.site = site;
         fill.count = count;
-        for (int kind = 0; kind < CACHE_KINDS && status == SATIN_OK; kind++) {
+        for (enum cache_kind kind = CACHE_IRRADIANCE; kind < CACHE_KINDS && status == SATIN_OK;
+             kind++) {
             fill.a = a[kind];
-            status = cache_fill(level->cache, (enum cache_kind)kind, &fill);
+            status = cache_fill(level->cache, kind, &fill);
         }
     }
     return status;

@@ -23,12 +23,13 @@ static const float RAYS_LEAST = 32.0f;
 static const float TIMED_WIDEN[] = {2.5f, 1.6f, 1.0f, 0.75f, 0.55f};
 enum { TIMED_ROUNDS = 5, LEVELS = 6 };
 
-struct level {
+// The filling under way.
+struct filling {
     struct render *r;
-    int stride;
-    float rays;      // part of the options' gather rays that records of the coarsest level get
+    int stride;      // pixels between the sites of the level under way
+    float rays;      // fraction of the options' gather rays that records of the coarsest level get
     double records;  // that the last level made
-    double full, seconds;  // of all levels: records, each weighed by its part of the rays; time
+    double full, seconds;  // of all levels: records, each weighed by its fraction of the rays; time
     struct render_sites sites;
 };
 
@@ -37,36 +38,7 @@ float render_widest(const struct render *r) {
     return r->options.time > 0.0 ? fmaxf(w, TIMED_WIDEN[0]) : w;
 }
 
-static satin_status fill_block(struct level *l, const uint32_t *pixel, size_t count, float widen) {
-    struct render *r = l->r;
-    satin_status status = render_find_sites(r, pixel, count, false, &l->sites);
-    if (status != SATIN_OK) return status;
-    const float a[CACHE_KINDS] = {r->options.irradiance_a, r->options.radiance_a};
-    for (int k = 0; k < CACHE_KINDS && status == SATIN_OK; k++) {
-        const struct cache_fill fill = {.site = l->sites.site,
-                                        .count = l->sites.count,
-                                        .a = a[k] * widen,
-                                        .widest = render_widest(r),
-                                        .spacing = 1.5f * (float)l->stride};
-        status = cache_fill(r->second_pass.cache, (enum cache_kind)k, &fill);
-    }
-    return status;
-}
-
-static satin_status fill_level(struct level *l, float widen) {
-    size_t count;
-    uint32_t *pixel = render_grid(l->r, l->stride, l->stride != COARSEST, &count);
-    if (!pixel) return SATIN_ERROR_MEMORY;
-    satin_status status = SATIN_OK;
-    for (size_t i = 0; i < count && status == SATIN_OK; i += BLOCK_PIXELS) {
-        const size_t left = count - i;
-        status = fill_block(l, pixel + i, left < BLOCK_PIXELS ? left : BLOCK_PIXELS, widen);
-    }
-    free(pixel);
-    return status;
-}
-
-static double records(const struct render *r) {
+static double count_records(const struct render *r) {
     return (double)(cache_count(r->second_pass.cache, CACHE_IRRADIANCE) +
                     cache_count(r->second_pass.cache, CACHE_RADIANCE));
 }
@@ -75,48 +47,69 @@ static double records(const struct render *r) {
 // records have, however many that takes: in furnished rooms some thousand. Rays are shared so that
 // the noise of all pixels is least, in proportion to the root of the area that a record serves: to
 // the stride of its level.
-static float rays_of(const struct level *l, int stride) {
-    const float least = RAYS_LEAST / (float)l->r->options.irradiance_rays;
-    return fminf(fmaxf(l->rays * (float)stride / COARSEST, least), 1.0f);
+static float fraction_of_rays(const struct filling *f, int stride) {
+    const float least = RAYS_LEAST / (float)f->r->options.irradiance_rays;
+    return fminf(fmaxf(f->rays * (float)stride / COARSEST, least), 1.0f);
 }
 
 // After a level that made `made` records in `seconds`, `left` levels before the last.
-static void pace(struct level *l, int left, double made, double seconds) {
-    const struct render *r = l->r;
-    double growth = clampf((float)(made / fmax(l->records, 1.0)), GROWTH_LEAST, 4.0f);
+static void pace(struct filling *f, int left, double made, double seconds) {
+    const struct render *r = f->r;
+    double growth = clampf((float)(made / fmax(f->records, 1.0)), GROWTH_LEAST, 4.0f);
     double next[LEVELS], lo = 0.0, hi = COARSEST;
-    l->records = made;
-    l->seconds += seconds;
-    l->full += made * (double)rays_of(l, l->stride);
+    f->records = made;
+    f->seconds += seconds;
+    f->full += made * (double)fraction_of_rays(f, f->stride);
     if (left == 0) return;  // the finer rounds go on as this one did
     for (int i = 0; i < left; i++) {
         growth = 1.0 + GROWTH_FADES * (growth - 1.0);
         next[i] = made *= growth;
     }
-    const double budget = render_budget_first_round(r) * l->full / l->seconds;
+    const double budget = render_budget_first_round(r) * f->full / f->seconds;
     for (int step = 0; step < 30; step++) {
         double need = 0.0;
-        l->rays = (float)(0.5 * (lo + hi));
-        for (int i = 0; i < left; i++) need += next[i] * (double)rays_of(l, l->stride >> (i + 1));
+        f->rays = (float)(0.5 * (lo + hi));
+        for (int i = 0; i < left; i++)
+            need += next[i] * (double)fraction_of_rays(f, f->stride >> (i + 1));
         if (need < budget)
-            lo = (double)l->rays;
+            lo = (double)f->rays;
         else
-            hi = (double)l->rays;
+            hi = (double)f->rays;
     }
-    l->rays = (float)lo;
+    f->rays = (float)lo;
 }
 
-// All levels at accuracies widened by `widen`; the part [done, done + span] of the stage.
-static satin_status fill_levels(struct level *l, float widen, bool covering, double done,
+// Fills all levels at `widen` times a; the loops are the part [done, done + span] of the stage.
+// `covering`: the numbers of rays are such that the image is covered in time.
+static satin_status fill_levels(struct filling *f, float widen, bool covering, double done,
                                 double span) {
+    struct render *r = f->r;
+    struct cache *cache = r->second_pass.cache;
+    const float a[CACHE_KINDS] = {r->options.irradiance_a, r->options.radiance_a};
     satin_status status = SATIN_OK;
-    l->stride = COARSEST;
-    for (int i = 0; i < LEVELS && status == SATIN_OK; i++, l->stride /= 2) {
-        render_stage_part(l->r, done + span * i / LEVELS, span / LEVELS);
-        const double start = stats_wall(), before = records(l->r);
-        status = cache_limit_rays(l->r->second_pass.cache, rays_of(l, l->stride));
-        if (status == SATIN_OK) status = fill_level(l, widen);
-        if (covering) pace(l, LEVELS - 1 - i, records(l->r) - before, stats_wall() - start);
+    f->stride = COARSEST;
+    for (int level = 0; level < LEVELS && status == SATIN_OK; level++, f->stride /= 2) {
+        const double start = stats_wall(), before = count_records(r);
+        render_stage_part(r, done + span * level / LEVELS, span / LEVELS);
+        status = cache_limit_rays(cache, fraction_of_rays(f, f->stride));
+        size_t count;
+        uint32_t *pixel = render_grid(r, f->stride, level > 0, &count);
+        if (!pixel) status = SATIN_ERROR_MEMORY;
+        for (size_t i = 0; i < count && status == SATIN_OK; i += BLOCK_PIXELS) {
+            const size_t block = count - i < BLOCK_PIXELS ? count - i : BLOCK_PIXELS;
+            status = render_find_sites(r, pixel + i, block, false, &f->sites);
+            for (enum cache_kind kind = CACHE_IRRADIANCE; kind < CACHE_KINDS && status == SATIN_OK;
+                 kind++) {
+                const struct cache_fill fill = {.site = f->sites.site,
+                                                .count = f->sites.count,
+                                                .a = a[kind] * widen,
+                                                .widest = render_widest(r),
+                                                .spacing = 1.5f * (float)f->stride};
+                status = cache_fill(cache, kind, &fill);
+            }
+        }
+        free(pixel);
+        if (covering) pace(f, LEVELS - 1 - level, count_records(r) - before, stats_wall() - start);
     }
     return status;
 }
@@ -127,18 +120,10 @@ static void read_at(struct render *r, float irradiance, float radiance) {
     r->second_pass.shade.a_radiance = r->options.radiance_a * radiance;
 }
 
-// At the options' accuracies; then adapted.
-static satin_status fill(struct level *l) {
-    struct render *r = l->r;
-    satin_status status = fill_levels(l, 1.0f, false, 0.0, 1.0);
-    if (status != SATIN_OK || !r->options.adaptive_cache) return status;
-    return render_converge(r);
-}
-
 // With a time limit: rounds of ever finer records. The image reads them at the finest accuracy that
 // was finished.
-static satin_status fill_timed(struct level *l) {
-    struct render *r = l->r;
+static satin_status fill_timed(struct filling *f) {
+    struct render *r = f->r;
     satin_status status = SATIN_OK;
     float finished = TIMED_WIDEN[0];
     render_limit_records(r, NULL);
@@ -146,7 +131,7 @@ static satin_status fill_timed(struct level *l) {
     double start = stats_wall();
     for (int i = 0; i < TIMED_ROUNDS && status == SATIN_OK; i++) {
         status =
-            fill_levels(l, TIMED_WIDEN[i], i == 0, (double)i / TIMED_ROUNDS, 1.0 / TIMED_ROUNDS);
+            fill_levels(f, TIMED_WIDEN[i], i == 0, (double)i / TIMED_ROUNDS, 1.0 / TIMED_ROUNDS);
         if (!render_time_remains(r)) break;
         finished = TIMED_WIDEN[i];
         if (i > 0) continue;
@@ -162,18 +147,18 @@ static satin_status fill_timed(struct level *l) {
     return status;
 }
 
-static satin_status make_records(struct render *r) {
-    struct level l = {.r = r, .rays = COARSEST};
-    satin_status status = r->options.time > 0.0 ? fill_timed(&l) : fill(&l);
-    render_sites_free(&l.sites);
-    return status;
-}
-
 satin_status render_records(struct render *r) {
+    struct filling f = {.r = r, .rays = COARSEST};
+    const bool timed = r->options.time > 0.0;
     bool whole;
     render_stage_begin(r, STAGE_RECORDS, 0.0);
     satin_status status = render_cache_load(r, &whole);
-    if (status == SATIN_OK && !whole) status = make_records(r);
+    if (status == SATIN_OK && !whole && timed) status = fill_timed(&f);
+    if (status == SATIN_OK && !whole && !timed) status = fill_levels(&f, 1.0f, false, 0.0, 1.0);
+    if (status == SATIN_OK && !whole && !timed && r->options.adaptive_cache)
+        status = render_converge(r);
     if (status == SATIN_OK) r->outcome.saved = render_cache_save(r);
+    render_sites_free(&f.sites);
+    cache_statistics(r->second_pass.cache, &r->stats);
     return status;
 }

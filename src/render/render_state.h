@@ -142,7 +142,8 @@ satin_status render_cache_save(const struct render *r);  // if the caller named 
 void render_cache_free(struct render *r);
 
 // ---- render_records.c
-// Fills the cache over the image's shading points, coarse to fine.
+// Final gathering: fills the cache over the image's shading points, coarse to fine, or from the
+// file that the caller named; then adapts it, and saves it if the caller wants that.
 satin_status render_records(struct render *r);
 // The factor of a over which no record is read: what the image pass may use.
 float render_widest(const struct render *r);

@@ -32,8 +32,8 @@ static void start(struct fixture *f) {
 
 // Makes the cache take over the options.
 static void apply(struct fixture *f) {
-    for (int k = 0; k < CACHE_KINDS; k++)
-        f->cache.side[k].options = cache_options_of(&f->options, (enum cache_kind)k);
+    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
+        f->cache.side[k].options = cache_options_of(&f->options, k);
 }
 
 // a R in pixels of a record whose rays found walls at that distance; both caches must agree.
