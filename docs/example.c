@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-// What the callbacks share.
+// What the callbacks have in common.
 struct session {
     double limit;  // seconds after which the user loses patience
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The harmonics in one page: project a sky, turn it, read it, light a surface by it.
+// The harmonics in one page: project a sky, rotate it, read it, light a surface by it.
 // Build: cc example_rsh.c $(pkg-config --cflags --libs rsh) -lm
 #include <math.h>
 #include <rsh/rsh.h>
@@ -35,17 +35,17 @@ int main(void) {
     }
 
     // Projection adds to the coefficients; they lie channel after channel.
-    float light[3 * N] = {0}, turned[3 * N], seen[3];
+    float light[3 * N] = {0}, rotated[3 * N], seen[3];
     rsh_project(RSH_SPHERE, ORDER, SAMPLES, x, y, z, value[0], value[1], value[2], light);
 
-    // A quarter turn about z brings the sun from +x to +y.
+    // A rotation by 90 degrees about z brings the sun from +x to +y.
     const float quarter[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1};
-    rsh_rotate(ORDER, 3, quarter, light, turned);
+    rsh_rotate(ORDER, 3, quarter, light, rotated);
     const float to_x[3] = {1, 0, 0}, to_y[3] = {0, 1, 0};
     rsh_value(RSH_SPHERE, ORDER, 3, light, to_x, seen);
     printf("towards +x before: %.3f %.3f %.3f\n", (double)seen[0], (double)seen[1],
            (double)seen[2]);
-    rsh_value(RSH_SPHERE, ORDER, 3, turned, to_y, seen);
+    rsh_value(RSH_SPHERE, ORDER, 3, rotated, to_y, seen);
     printf("towards +y after:  %.3f %.3f %.3f\n", (double)seen[0], (double)seen[1],
            (double)seen[2]);
 
@@ -57,7 +57,7 @@ int main(void) {
         rsh_eval(RSH_SPHERE, ORDER, w, basis);
         for (int l = 0; l < ORDER; l++) zonal[l] += weight * fmaxf(w[2], 0.0f) * basis[l * (l + 1)];
     }
-    rsh_convolve(ORDER, 3, zonal, turned, irradiance);
+    rsh_convolve(ORDER, 3, zonal, rotated, irradiance);
     rsh_value(RSH_SPHERE, ORDER, 3, irradiance, to_y, seen);
     printf("irradiance on a wall facing +y: %.3f %.3f %.3f\n", (double)seen[0], (double)seen[1],
            (double)seen[2]);
@@ -65,7 +65,7 @@ int main(void) {
     // The coefficients of red, as other programs keep them.
     const rsh_convention geodesy = {RSH_FOUR_PI, false, RSH_COSINE_SINE};
     float other[2 * N];
-    rsh_export(&geodesy, ORDER, 1, turned, other);
+    rsh_export(&geodesy, ORDER, 1, rotated, other);
     printf("mean red: %.3f\n", (double)other[0]);
     return fabsf(seen[0]) < 100.0f ? 0 : 1;
 }

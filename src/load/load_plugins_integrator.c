@@ -9,7 +9,7 @@
 enum { NESTING_MAX = 8 };
 
 static const struct param_spec max_depth = {
-    "max_depth", PARAM_INTEGER, "-1", 0, 0, NULL, "longest path, in edges; -1: no bound"};
+    "max_depth", PARAM_INTEGER, "-1", 0, 0, NULL, "longest path, in segments; -1: no bound"};
 static const struct param_spec rr_depth = {
     "rr_depth", PARAM_INTEGER, "5", RANGE_POSITIVE, 0, NULL, "depth where Russian roulette starts"};
 static const struct param_spec hide_emitters = {

@@ -48,8 +48,8 @@ const struct option options_table[] = {
      "never left out: they take .2 s, and .5 s more per million pixels. Where a sixteenth of the "
      "photons takes more than half of it, the image is path-traced, with a warning."},
     {"max-depth", OPTION_INT, AT(max_depth), false, "-2..1000000",
-     "Longest light path in edges, 1: emission alone, 0: black; -1: no limit; -2: the scene's, "
-     "else no limit."},
+     "Longest light path in path segments, 1: emission alone, 0: black; -1: no limit; -2: the "
+     "scene's, else no limit."},
     {"rr-depth", OPTION_INT, AT(rr_depth), false, "0..1000000",
      "Path depth at which Russian roulette starts; 0: the scene's, else 5."},
     {"hide-emitters", OPTION_INT, AT(hide_emitters), false, "-1..1",
@@ -71,11 +71,11 @@ const struct option options_table[] = {
     {"caustic-k", OPTION_INT, AT(caustic_k), false, "1..10000",
      "Photons in one density estimate of the caustic map."},
     {"caustic-smooth", OPTION_BOOL, AT(caustic_smooth), false, "off|on",
-     "Estimates of the caustic map that differ no more than by noise are averaged over wider "
-     "surroundings."},
+     "Estimates of the caustic map that differ by no more than noise are averaged over a wider "
+     "neighbourhood."},
     {"recursive-levels", OPTION_INT, AT(recursive_levels), false, "1..8",
-     "Bounces behind the image that first pass recursive keeps records for; from the last of them "
-     "on it traces paths."},
+     "Indirect bounces that first pass recursive keeps records for, counted from the image; from "
+     "the last of them on it traces paths."},
     {"photon-area", OPTION_BOOL, AT(photon_area), false, "off|on",
      "Divide density estimates by the surface that is really there, not by the whole disc."},
 
@@ -84,37 +84,39 @@ const struct option options_table[] = {
     {"gather-shadow", OPTION_BOOL, AT(gather_shadow), false, "off|on",
      "Direct light at gather hits by a shadow ray; off: by photons."},
     {"gather-guide", OPTION_BOOL, AT(gather_guide), false, "off|on",
-     "Hemispheres get more rays, up to half as many again, towards places where photons come down "
-     "densely."},
+     "Hemispheres get more rays, up to half as many again, towards clusters of photons, where "
+     "light "
+     "comes down densely."},
     {"light-guide", OPTION_BOOL, AT(light_guide), false, "off|on",
-     "Direct light is sampled by what is seen of the lights around a point, as of the sky through "
-     "windows; with integrator two-pass."},
+     "Direct light is sampled by what is visible of the lights around a point, as of the sky "
+     "through windows; with integrator two-pass."},
     {"texture-filter", OPTION_BOOL, AT(texture_filter), false, "off|on",
-     "Colours from bitmaps are averaged over what an eye ray or gather ray stands for; path takes "
-     "them as they are."},
+     "Colours from bitmaps are averaged over the footprint of an eye ray or gather ray; integrator "
+     "path takes them as they are."},
 
     {"irradiance-cache", OPTION_BOOL, AT(irradiance_cache), false, "off|on",
      "Interpolate diffuse indirect light between records; off: gather at every sample."},
     {"irradiance-gradients", OPTION_CHOICE, AT(irradiance_gradients), false,
      "none|stratified|solid-angle|differences|ward-heckbert",
-     "How irradiance records are interpolated between: without gradients, by what crosses the "
-     "walls of strata, by how what was hit turns and comes nearer, the latter by finite "
-     "differences, or by strata as Ward and Heckbert weigh them."},
+     "Gradients by which irradiance records are interpolated: none; by the light that crosses the "
+     "boundaries of strata; by how the solid angles of what was hit change, in closed form or by "
+     "finite differences; or by strata as Ward and Heckbert weigh them."},
     {"irradiance-rays", OPTION_INT, AT(irradiance_rays), true, "4..1048576",
      "Gather rays per irradiance record."},
     {"irradiance-noise", OPTION_FLOAT, AT(irradiance_noise), false, "0..1",
-     "Standard deviation over E by which a record gets rays, from a quarter of irradiance-rays to "
-     "four times as many, as the records around it measured the variance; 0: all get the same."},
+     "Noise of a record, as standard deviation over E, for which it gets rays: from a quarter of "
+     "irradiance-rays to four times as many, by the variance that the records around it have "
+     "measured; 0: all get irradiance-rays."},
     {"irradiance-a", OPTION_FLOAT, AT(irradiance_a), true, "0.01..2",
      "Error a at which the irradiance cache is filled; less means more records."},
     {"irradiance-widen", OPTION_FLOAT, AT(irradiance_widen), true, "1..2",
      "The image pass interpolates irradiance with the error a times this."},
     {"irradiance-radius", OPTION_CHOICE, AT(irradiance_radius), false,
      "harmonic|least|tabellion|hessian",
-     "How far a record reaches: harmonic mean or least distance of what its rays hit, least "
-     "without grazing rays, or by the second derivatives of its irradiance, elliptic."},
+     "How the radius of a record is found: the harmonic mean or the least distance of what its "
+     "rays hit, the least without grazing rays, or from the Hessian of its irradiance, elliptic."},
     {"irradiance-gradient-clamp", OPTION_BOOL, AT(irradiance_gradient_clamp), false, "off|on",
-     "Records reach no farther than their gradient holds."},
+     "The radius of a record is limited to where its gradient holds."},
     {"irradiance-neighbours", OPTION_BOOL, AT(irradiance_neighbours), false, "off|on",
      "Radii of neighbouring records differ by no more than their distance."},
     {"irradiance-min-pixels", OPTION_FLOAT, AT(irradiance_min_pixels), true, "0..1000",
@@ -127,7 +129,8 @@ const struct option options_table[] = {
      "Interpolate glossy indirect light between records; off: gather at every sample."},
     {"radiance-gradients", OPTION_CHOICE, AT(radiance_gradients), false,
      "none|stratified|solid-angle|differences",
-     "The same for radiance records; stratified ones know of changes in occlusion."},
+     "Gradients by which radiance records are interpolated, as for irradiance-gradients; "
+     "stratified ones include changes in occlusion."},
     {"radiance-diffuse", OPTION_BOOL, AT(radiance_diffuse), false, "off|on",
      "Diffuse surfaces use radiance records too, in place of irradiance records; for comparison."},
     {"radiance-basis", OPTION_CHOICE, AT(radiance_basis), false, "hsh|sh",
@@ -142,15 +145,15 @@ const struct option options_table[] = {
     {"radiance-rays", OPTION_INT, AT(radiance_rays), true, "4..1048576",
      "Gather rays per radiance record."},
     {"radiance-noise", OPTION_FLOAT, AT(radiance_noise), false, "0..1",
-     "The same for radiance records, of the vector of their coefficients."},
+     "As irradiance-noise, for radiance records and the vector of their coefficients."},
     {"radiance-a", OPTION_FLOAT, AT(radiance_a), true, "0.01..2",
      "Error a at which the radiance cache is filled; less means more records."},
     {"radiance-widen", OPTION_FLOAT, AT(radiance_widen), true, "1..2",
      "The image pass interpolates radiance with the error a times this."},
     {"radiance-radius", OPTION_CHOICE, AT(radiance_radius), false, "harmonic|least|tabellion",
-     "How far a record reaches, as for irradiance-radius."},
+     "How the radius of a record is found, as for irradiance-radius."},
     {"radiance-gradient-clamp", OPTION_BOOL, AT(radiance_gradient_clamp), false, "off|on",
-     "Records reach no farther than their gradient holds."},
+     "The radius of a record is limited to where its gradient holds."},
     {"radiance-neighbours", OPTION_BOOL, AT(radiance_neighbours), false, "off|on",
      "Radii of neighbouring records differ by no more than their distance."},
     {"radiance-min-pixels", OPTION_FLOAT, AT(radiance_min_pixels), true, "0..1000",
@@ -160,16 +163,17 @@ const struct option options_table[] = {
      "Largest radius of a radiance record in projected pixels."},
 
     {"adaptive-cache", OPTION_BOOL, AT(adaptive_cache), false, "off|on",
-     "Records are shrunk and added until no two visibly disagree at a point that is seen. A render "
-     "with a time limit refines them by rounds instead."},
+     "Records are shrunk and added until no two disagree visibly at a point that the eye sees. A "
+     "render with a time limit refines them in rounds instead."},
     {"origin-shift", OPTION_BOOL, AT(origin_shift), false, "off|on",
      "Records are made off the edges of triangles, by half a pixel at most."},
     {"record-max-radius", OPTION_FLOAT, AT(record_max_radius), false, "0..1e30",
      "Largest R of a record of either cache, in scene units, whatever the radii in pixels; 0: no "
      "limit."},
     {"gather-room", OPTION_FLOAT, AT(gather_room), false, "0..1",
-     "Where records should be smaller than this part of the least radius in pixels, near contacts, "
-     "the image pass gathers instead; 0: nowhere."},
+     "Where the radius that records should have is below this fraction of the least radius, as "
+     "near "
+     "contacts, the image pass gathers instead of interpolating; 0: nowhere."},
     {"leak-test", OPTION_BOOL, AT(leak_test), false, "off|on",
      "Records do not serve points that a wall hides from them."},
     {"record-maps", OPTION_BOOL, AT(record_maps), false, "off|on",

@@ -52,13 +52,12 @@ TO_DO = {
     "grain": "docs src/photon src/cache src/render",
     "judge": "docs src/photon src/cache src/render",
     "keeper": "src/photon",
-    "mend": "docs",
-    "parted": "docs src/guide src/cache src/render",
+    "parted": "src/guide src/cache src/render",
     "reach": "docs src/guide src/photon src/gather src/cache src/render",
     "rough solution": "docs src/photon src/gather src/render",
-    "share": "docs src/guide src/photon src/gather src/cache src/render",
-    "tell": "docs src/guide src/photon src/gather src/cache src/render",
-    "turn": "docs src/guide src/photon src/gather src/cache src/render",
+    "share": "src/guide src/photon src/gather src/cache src/render",
+    "tell": "src/guide src/photon src/gather src/cache src/render",
+    "turn": "docs src/guide src/photon src/gather src/cache",
 }
 
 
