@@ -52,20 +52,39 @@ double sample_cdf_build(const float *weight, size_t n, float *cdf) {
     return sum;
 }
 
-size_t sample_cdf(const float *cdf, size_t n, float u, float *u_rest) {
+// The last of the items [lo, lo + count) that begins at or below u, or lo.
+static size_t find_item(const float *cdf, size_t lo, size_t count, float u) {
     // Without branches: which way a step goes is by chance, and half of the guesses would be wrong.
-    size_t lo = 0;
-    for (size_t left = n; left > 1;) {
-        const size_t half = left / 2;
+    while (count > 1) {
+        const size_t half = count / 2;
         lo += cdf[lo + half] <= u ? half : 0;
-        left -= half;
-    }
-    if (u_rest) {
-        float width = cdf[lo + 1] - cdf[lo];
-        float rest = width > 0.0f ? (u - cdf[lo]) / width : 0.5f;
-        *u_rest = clampf(rest, 0.0f, 0x1.fffffep-1f);
+        count -= half;
     }
     return lo;
+}
+
+static float rest_within(const float *cdf, size_t i, float u) {
+    const float width = cdf[i + 1] - cdf[i];
+    const float rest = width > 0.0f ? (u - cdf[i]) / width : 0.5f;
+    return clampf(rest, 0.0f, 0x1.fffffep-1f);
+}
+
+size_t sample_cdf(const float *cdf, size_t n, float u, float *u_rest) {
+    const size_t i = find_item(cdf, 0, n, u);
+    if (u_rest) *u_rest = rest_within(cdf, i, u);
+    return i;
+}
+
+void sample_cuts_build(const float *cdf, size_t n, size_t cuts, uint32_t *cut) {
+    for (size_t i = 0; i <= cuts; i++)
+        cut[i] = (uint32_t)find_item(cdf, 0, n, (float)i / (float)cuts);
+}
+
+size_t sample_cdf_cut(const float *cdf, const uint32_t *cut, size_t cuts, float u, float *u_rest) {
+    const size_t range = (size_t)(u * (float)cuts);
+    const size_t i = find_item(cdf, cut[range], cut[range + 1] - cut[range] + 1, u);
+    *u_rest = rest_within(cdf, i, u);
+    return i;
 }
 
 static uint32_t reverse_bits(uint32_t x) {

@@ -86,10 +86,12 @@ static void learn_histogram(const struct learning *l, size_t i, struct rng *rng)
     for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++)
         weight[bin] = fmaxf(tally.weight[bin], BESIDE * brightest_beside(&tally, bin));
     sample_cdf_build(weight, LIGHT_HISTOGRAM_BINS, l->visibility->cdf[i]);
+    sample_cuts_build(l->visibility->cdf[i], LIGHT_HISTOGRAM_BINS, LIGHT_HISTOGRAM_CUTS,
+                      l->visibility->cut[i]);
     const float unseen = 1.0f - tally.seen / tally.facing;
     l->visibility->histogram[i] = (struct light_histogram){
         light->kind == LIGHT_CONSTANT ? SHARE_CONSTANT : SHARE_IMAGE * unseen,
-        l->visibility->cdf[i]};
+        l->visibility->cdf[i], l->visibility->cut[i]};
 }
 
 // ---- Lights -----------------------------------------------------------------------------------

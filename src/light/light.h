@@ -50,7 +50,9 @@ struct light {
     float sun_chord;             // of the angle from its middle to its rim
     // The rest is filled by light_prepare.
     const float *row_cdf,
-        *column_cdf;                // envmap, cells between texels: rows + 1; rows * (width + 1)
+        *column_cdf;  // envmap, cells between texels: rows + 1; rows * (width + 1)
+    const uint32_t *row_cut, *column_cut;  // envmap: by which they are searched
+    uint32_t row_cuts, column_cuts;
     const float *row_weight;        // envmap: of the rows of texels in the density, rows + 1
     const struct light_face *face;  // area: set if all triangles pair into few faces, else NULL
     uint32_t face_count;

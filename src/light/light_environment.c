@@ -137,6 +137,13 @@ static vec3 sun_direction(const struct light *light, float u, float v) {
 
 // ---- The light ----------------------------------------------------------------------------------
 
+// A power of two: about eight items in a range.
+static size_t cuts_of(size_t items) {
+    size_t cuts = 1;
+    while (cuts * 16 <= items) cuts *= 2;
+    return cuts;
+}
+
 static satin_status prepare_image(struct satin_scene *scene, struct light *light) {
     const struct image *image = light->image;
     size_t rows = (size_t)cell_rows(image), columns = (size_t)image->width;
@@ -145,7 +152,11 @@ static satin_status prepare_image(struct satin_scene *scene, struct light *light
     float *line = arena_array(&scene->arena, columns, sizeof *line);
     float *weight = arena_array(&scene->arena, rows + 1, sizeof *weight);
     float *column_cdf = arena_array(&scene->arena, rows * (columns + 1), sizeof *column_cdf);
-    if (!row_cdf || !row_sum || !line || !weight || !column_cdf) return SATIN_ERROR_MEMORY;
+    const size_t row_cuts = cuts_of(rows), column_cuts = cuts_of(columns);
+    uint32_t *row_cut = arena_array(&scene->arena, row_cuts + 1, sizeof *row_cut);
+    uint32_t *column_cut = arena_array(&scene->arena, rows * (column_cuts + 1), sizeof *column_cut);
+    if (!row_cdf || !row_sum || !line || !weight || !column_cdf || !row_cut || !column_cut)
+        return SATIN_ERROR_MEMORY;
     for (size_t r = 0; r <= rows; r++) weight[r] = row_weight(image, (int)r);
     light->row_weight = weight;
     double cell_area = 2.0 * M_PI * M_PI / (double)(rows * columns), flux = 0.0, power = 0.0;
@@ -158,9 +169,16 @@ static satin_status prepare_image(struct satin_scene *scene, struct light *light
             flux += line[c] * cell_area;
             power += line[c] * cell_area * light_bounds_shadow(scene, d);
         }
-        row_sum[r] = (float)sample_cdf_build(line, columns, column_cdf + r * (columns + 1));
+        float *cdf = column_cdf + r * (columns + 1);
+        row_sum[r] = (float)sample_cdf_build(line, columns, cdf);
+        sample_cuts_build(cdf, columns, column_cuts, column_cut + r * (column_cuts + 1));
     }
     sample_cdf_build(row_sum, rows, row_cdf);
+    sample_cuts_build(row_cdf, rows, row_cuts, row_cut);
+    light->row_cut = row_cut;
+    light->column_cut = column_cut;
+    light->row_cuts = (uint32_t)row_cuts;
+    light->column_cuts = (uint32_t)column_cuts;
     light->row_cdf = row_cdf;
     light->column_cdf = column_cdf;
     float scale = rgb_luminance(light->value);
@@ -219,9 +237,10 @@ static vec3 sample_radiance(const struct light *light, float u, float v, float *
         return sample_uniform_sphere(u, v);
     }
     const struct image *image = light->image;
-    int row = (int)sample_cdf(light->row_cdf, (size_t)cell_rows(image), v, &v);
+    int row = (int)sample_cdf_cut(light->row_cdf, light->row_cut, light->row_cuts, v, &v);
     const float *columns = light->column_cdf + (size_t)row * (size_t)(image->width + 1);
-    int column = (int)sample_cdf(columns, (size_t)image->width, u, &u);
+    const uint32_t *cut = light->column_cut + (size_t)row * (light->column_cuts + 1);
+    int column = (int)sample_cdf_cut(columns, cut, light->column_cuts, u, &u);
     struct cell c = cell_of(light, column, row);
     struct texel_lookup at = {.column = column, .row = row};
     at.fy = sample_linear(v, c.w00 + c.w10, c.w01 + c.w11);

@@ -11,7 +11,8 @@ vec3 light_histogram_direction(int bin, float u, float v) {
 }
 
 vec3 light_histogram_sample(const struct light_histogram *histogram, float u, float v) {
-    const int bin = (int)sample_cdf(histogram->cdf, LIGHT_HISTOGRAM_BINS, u, &u);
+    const int bin =
+        (int)sample_cdf_cut(histogram->cdf, histogram->cut, LIGHT_HISTOGRAM_CUTS, u, &u);
     return light_histogram_direction(bin, u, v);
 }
 

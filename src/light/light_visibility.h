@@ -16,12 +16,14 @@ struct satin_scene;
 
 enum {
     LIGHT_HISTOGRAM_SIDE = 32,
-    LIGHT_HISTOGRAM_BINS = LIGHT_HISTOGRAM_SIDE * LIGHT_HISTOGRAM_SIDE
+    LIGHT_HISTOGRAM_BINS = LIGHT_HISTOGRAM_SIDE * LIGHT_HISTOGRAM_SIDE,
+    LIGHT_HISTOGRAM_CUTS = 64
 };
 // The visible-environment histogram: directions of the world in which the environment is visible.
 struct light_histogram {
-    float fraction;    // of the samples, in [0, 1)
-    const float *cdf;  // of the bins, row by row, as sample_cdf_build has it
+    float fraction;       // of the samples, in [0, 1)
+    const float *cdf;     // of the bins, row by row, as sample_cdf_build has it
+    const uint32_t *cut;  // LIGHT_HISTOGRAM_CUTS + 1, as sample_cuts_build has them
 };
 
 // Up to this many lights are weighed for each point; beyond, they are chosen through a tree.

@@ -49,7 +49,9 @@ static void histograms_change_no_light(void **state) {
     float weight[LIGHT_HISTOGRAM_BINS], cdf[LIGHT_HISTOGRAM_BINS + 1];
     for (int i = 0; i < LIGHT_HISTOGRAM_BINS; i++) weight[i] = i % 7 ? 0.0f : (float)(i % 5);
     sample_cdf_build(weight, LIGHT_HISTOGRAM_BINS, cdf);
-    const struct light_histogram histogram = {0.75f, cdf};
+    uint32_t cut[LIGHT_HISTOGRAM_CUTS + 1];
+    sample_cuts_build(cdf, LIGHT_HISTOGRAM_BINS, LIGHT_HISTOGRAM_CUTS, cut);
+    const struct light_histogram histogram = {0.75f, cdf, cut};
     enum { SAMPLES = 1 << 20, PARTS = 8 };
     double sum[PARTS] = {0};
     for (uint32_t i = 0; i < SAMPLES; i++) {
