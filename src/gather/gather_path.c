@@ -22,7 +22,6 @@ struct walk {
 // Emitted light that the ray meets, at the surface it hit or from the environment, with its share
 // beside light sampling where the chain begins.
 static rgb emitted(const struct gather *g, const struct walk *walk, const struct interaction *hit) {
-    if (hit ? hit->light < 0 : g->scene->environment < 0) return rgb_grey(0.0f);
     const vec3 d = walk->ray.d;
     rgb Le = light_chain_emitted(&walk->chain, g->scene, hit, d);
     if (!(walk->pdf_w > 0.0f) || rgb_black(Le)) return Le;

@@ -14,7 +14,6 @@ static const float DELTA_SURVIVE = 0.98f;
 static void add_met_light(const struct gather *g, const struct gather_segment_start *start,
                           const struct light_chain *chain, vec3 d, const struct interaction *hit,
                           struct gather_segment *out) {
-    if (hit ? hit->light < 0 : g->scene->environment < 0) return;
     const rgb Le = light_chain_emitted(chain, g->scene, hit, d);
     if (rgb_black(Le)) return;
     if (!light_chain_straight(chain, d)) {

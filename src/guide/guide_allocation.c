@@ -37,13 +37,12 @@ static void add_direct(struct tally *tally, const struct interaction *s, vec3 n,
 
 // A light that the last ray has met behind ideal specular surfaces that are no panes, where no
 // sample finds it.
-static void add_emitted(struct tally *tally, const struct ray *ray, const struct interaction *hit,
-                        float T) {
+static void add_met(struct tally *tally, const struct ray *ray, const struct interaction *hit,
+                    float T) {
     const struct satin_scene *scene = tally->scene;
     const int light = hit ? hit->light : scene->environment;
     if (light < 0) return;
-    rgb Le = hit ? light_emitted(scene, hit, v3_neg(ray->d)) : light_environment(scene, ray->d);
-    const float E = T * PI_F * rgb_luminance(Le);
+    const float E = T * PI_F * rgb_luminance(light_met(scene, hit, ray->d));
     if (isfinite(E)) tally->light[light] += (double)E;
 }
 
@@ -57,7 +56,7 @@ static void walk(struct tally *tally, struct interaction s, vec3 n, struct rng *
         struct ray ray = scene_spawn(scene, s.p, s.ng, d);
         struct light_chain chain;
         const bool found = guide_view_follow(scene, &ray, rng, &s, &n, &chain);
-        if (!light_chain_straight(&chain, ray.d)) add_emitted(tally, &ray, found ? &s : NULL, T);
+        if (!light_chain_straight(&chain, ray.d)) add_met(tally, &ray, found ? &s : NULL, T);
         if (!found) return;
         add_direct(tally, &s, n, T, rng);
         struct brdf b;

@@ -36,7 +36,7 @@ static size_t add_path(const struct satin_scene *scene, uint64_t seed, uint32_t 
 }
 
 // Points [first, first + count) of a node, which are halved down to its cells.
-static void cut(struct guide_cells *cells, struct guide_point *point, size_t first, size_t count,
+static void cut(struct guide_cells *cells, struct split_point *point, size_t first, size_t count,
                 size_t node, int level) {
     if (level == cells->depth) {
         cells->cell[node + 1 - guide_cells_count(cells)] =
@@ -44,14 +44,14 @@ static void cut(struct guide_cells *cells, struct guide_point *point, size_t fir
         return;
     }
     const size_t left = count / 2;
-    cells->split[node] = guide_split(point + first, count);
+    cells->split[node] = median_split(point + first, count);
     cut(cells, point, first, left, 2 * node + 1, level + 1);
     cut(cells, point, first + left, count - left, 2 * node + 2, level + 1);
 }
 
 bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, struct guide_cells *out) {
     struct guide_cell_point *found = array_new(POINTS, sizeof *found);
-    struct guide_point *point = array_new(POINTS, sizeof *point);
+    struct split_point *point = array_new(POINTS, sizeof *point);
     out->point = array_new(POINTS, sizeof *out->point);
     const bool made = found && point && out->point;
     if (made) {
@@ -60,7 +60,7 @@ bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, struct gui
         out->depth = 0;
         while (out->depth < GUIDE_CELLS_DEPTH && count >> (out->depth + 1) >= LEAST) out->depth++;
         for (size_t i = 0; i < count; i++)
-            point[i] = (struct guide_point){.p = found[i].p, .item = (uint32_t)i};
+            point[i] = (struct split_point){.p = found[i].p, .item = (uint32_t)i};
         if (count > 0) cut(out, point, 0, count, 0, 0);
         for (size_t i = 0; i < count; i++) out->point[i] = found[point[i].item];
     } else {
@@ -74,7 +74,7 @@ bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, struct gui
 size_t guide_cells_find(const struct guide_cells *cells, vec3 p) {
     size_t node = 0;
     for (int level = 0; level < cells->depth; level++) {
-        const struct guide_plane *border = &cells->split[node];
+        const struct split_plane *border = &cells->split[node];
         node = 2 * node + (v3_dot(border->n, p) < border->at ? 1 : 2);
     }
     return node + 1 - guide_cells_count(cells);

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 
 #include "base/array.h"
+#include "base/median_split.h"
 #include "guide/guide_clusters.h"
-#include "guide/guide_split.h"
 
 enum {
     LEAF = 32,  // photons of a leaf
@@ -15,7 +15,7 @@ enum {
 #define CLEARLY 1.001f  // more than rounding
 
 struct leaf {
-    const struct guide_point *point;
+    const struct split_point *point;
     size_t count;
     vec3 center, normal;  // mean normal times power
     float radius, power, area;
@@ -23,7 +23,7 @@ struct leaf {
 
 // ---- Leaves -----------------------------------------------------------------------------------
 
-static struct leaf make_leaf(const struct guide_photon *photon, const struct guide_point *point,
+static struct leaf make_leaf(const struct guide_photon *photon, const struct split_point *point,
                              size_t count) {
     struct leaf leaf = {.point = point, .count = count};
     vec3 lo = point->p, hi = lo;
@@ -44,13 +44,13 @@ static struct leaf make_leaf(const struct guide_photon *photon, const struct gui
 }
 
 // Halves the photons until leaves are left; returns how many.
-static size_t cut(const struct guide_photon *photon, struct guide_point *point, size_t count,
+static size_t cut(const struct guide_photon *photon, struct split_point *point, size_t count,
                   struct leaf *out) {
     if (count <= LEAF) {
         *out = make_leaf(photon, point, count);
         return 1;
     }
-    guide_split(point, count);
+    median_split(point, count);
     const size_t left = count / 2, leaves = cut(photon, point, left, out);
     return leaves + cut(photon, point + left, count - left, out + leaves);
 }
@@ -163,11 +163,11 @@ satin_status guide_clusters_build(const struct satin_scene *scene,
     *out = NULL;
     if (count < 2 * LEAF) return SATIN_OK;
     struct guide_clusters *clusters = calloc(1, sizeof *clusters);
-    struct guide_point *point = array_new(count, sizeof *point);
+    struct split_point *point = array_new(count, sizeof *point);
     struct leaf *leaf = array_new(2 * count / LEAF + 1, sizeof *leaf);
     if (clusters && point && leaf) {
         for (size_t i = 0; i < count; i++)
-            point[i] = (struct guide_point){.p = photon[i].p, .item = (uint32_t)i};
+            point[i] = (struct split_point){.p = photon[i].p, .item = (uint32_t)i};
         const size_t leaves = cut(photon, point, count, leaf);
         clusters->node = array_new(2 * leaves, sizeof *clusters->node);
         clusters->place = array_new(count, sizeof *clusters->place);

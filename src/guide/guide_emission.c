@@ -38,32 +38,6 @@ struct guide_emission {
 
 // ---- The target box ---------------------------------------------------------------------------
 
-static void grow(struct light_target *box, vec3 p) {
-    box->lo = v3_min(box->lo, p);
-    box->hi = v3_max(box->hi, p);
-}
-
-static void grow_shape(struct light_target *box, const struct shape *shape) {
-    if (shape->kind == SHAPE_INSTANCE || shape->kind == SHAPE_CURVES) {
-        grow(box, shape->lo);
-        grow(box, shape->hi);
-    } else if (shape->kind == SHAPE_MESH) {
-        for (uint32_t i = 0; i < shape->mesh.vertex_count; i++) {
-            const float *p = shape->mesh.position + 3 * (size_t)i;
-            grow(box, v3(p[0], p[1], p[2]));
-        }
-    } else if (shape->kind == SHAPE_SPHERE) {
-        vec3 r = v3(shape->radius, shape->radius, shape->radius);
-        grow(box, v3_sub(shape->center, r));
-        grow(box, v3_add(shape->center, r));
-    } else {  // disks and cylinders: the corners of the object's box
-        float z0 = 0.0f, z1 = shape->kind == SHAPE_CYLINDER ? 1.0f : 0.0f;
-        for (int i = 0; i < 8; i++)
-            grow(box, mat4_point(&shape->to_world,
-                                 v3(i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? z1 : z0)));
-    }
-}
-
 // Whether some of a shape, or of the group that it is an instance of, has a delta lobe.
 static bool some_has_delta(const struct satin_scene *scene, uint32_t shape) {
     if (scene->shape[shape].kind != SHAPE_INSTANCE) return shape_has_delta(scene, shape);
@@ -81,7 +55,9 @@ static bool find_target(const struct satin_scene *scene, struct light_target *ou
     for (uint32_t i = 0; i < scene->shape_count; i++) {
         const struct shape *shape = &scene->shape[i];
         if (shape->group || !some_has_delta(scene, i)) continue;
-        grow_shape(&box, shape);
+        vec3 lo, hi;
+        scene_shape_bounds(shape, &lo, &hi);
+        box = (struct light_target){v3_min(box.lo, lo), v3_max(box.hi, hi)};
         found = true;
     }
     // The scene's bounds come from the ray tracer; nothing is outside of them.

@@ -4,8 +4,8 @@
 #ifndef GUIDE_VISIBILITY_H
 #define GUIDE_VISIBILITY_H
 
+#include "base/median_split.h"
 #include "guide/guide.h"
-#include "guide/guide_split.h"
 
 // ---- Cells ------------------------------------------------------------------------------------
 
@@ -23,7 +23,7 @@ struct guide_cell {
 
 struct guide_cells {
     int depth;                                  // of the tree; the cells are its leaves
-    struct guide_plane split[GUIDE_CELLS_MAX];  // of node i; 2 i + 1 is below it, 2 i + 2 above
+    struct split_plane split[GUIDE_CELLS_MAX];  // of node i; 2 i + 1 is below it, 2 i + 2 above
     struct guide_cell cell[GUIDE_CELLS_MAX];
     struct guide_cell_point *point;  // by malloc
 };

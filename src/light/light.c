@@ -178,6 +178,10 @@ rgb light_emitted(const struct satin_scene *scene, const struct interaction *s, 
     return light->texture ? texture_eval(light->texture, &at) : light->value;
 }
 
+rgb light_met(const struct satin_scene *scene, const struct interaction *hit, vec3 d) {
+    return hit ? light_emitted(scene, hit, v3_neg(d)) : light_environment(scene, d);
+}
+
 struct ray light_shadow_ray(const struct satin_scene *scene, vec3 p, vec3 ng,
                             const struct light_sample *s) {
     if (isfinite(s->dist)) return scene_spawn_to(scene, p, ng, s->p, s->n);

@@ -88,6 +88,9 @@ float light_pdf(const struct satin_scene *scene, vec3 p, vec3 wi, const struct i
 rgb light_emitted(const struct satin_scene *scene, const struct interaction *s, vec3 w);
 // Radiance of the environment along w (world, away from the eye); black without one.
 rgb light_environment(const struct satin_scene *scene, vec3 w);
+// Radiance that a ray along d brings from what it meets: emitted at `hit`, or by the environment if
+// that is NULL; black if that emits nothing.
+rgb light_met(const struct satin_scene *scene, const struct interaction *hit, vec3 d);
 // Shadow ray of a light sample from a surface point.
 struct ray light_shadow_ray(const struct satin_scene *scene, vec3 p, vec3 ng,
                             const struct light_sample *s);

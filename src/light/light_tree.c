@@ -9,6 +9,7 @@
 
 #include <stdlib.h>
 
+#include "base/median_split.h"
 #include "base/sampling.h"
 
 // Fraction of each decision that goes by strength alone, since the bounds say nothing of shadows.
@@ -64,29 +65,9 @@ static struct emission_cone cone_union(struct emission_cone a, struct emission_c
     return (struct emission_cone){axis, open, spread};
 }
 
-static void bounds_grow(struct light_node *node, vec3 p) {
-    node->lo = v3_min(node->lo, p);
-    node->hi = v3_max(node->hi, p);
-}
-
 static void area_bounds(const struct satin_scene *scene, const struct light *light,
                         struct light_node *node) {
-    const struct shape *shape = &scene->shape[light->shape];
-    if (shape->kind == SHAPE_MESH) {
-        for (size_t i = 0; i < shape->mesh.vertex_count; i++) {
-            const float *p = shape->mesh.position + 3 * i;
-            bounds_grow(node, v3(p[0], p[1], p[2]));
-        }
-    } else {
-        bool sphere = shape->kind == SHAPE_SPHERE;
-        for (int i = 0; i < 8; i++) {
-            vec3 corner = v3(i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f);
-            if (shape->kind != SHAPE_SPHERE) corner.z = fmaxf(corner.z, 0.0f);
-            if (shape->kind == SHAPE_DISK) corner.z = 0.0f;
-            bounds_grow(node, sphere ? v3_mad(shape->center, shape->radius, corner)
-                                     : mat4_point(&shape->to_world, corner));
-        }
-    }
+    scene_shape_bounds(&scene->shape[light->shape], &node->lo, &node->hi);
     if (!light->face) return;
     node->cone = (struct emission_cone){light->face[0].n, 0.0f, 0.5f * PI_F};
     for (uint32_t i = 1; i < light->face_count; i++)
@@ -94,16 +75,9 @@ static void area_bounds(const struct satin_scene *scene, const struct light *lig
             cone_union(node->cone, (struct emission_cone){light->face[i].n, 0.0f, 0.5f * PI_F});
 }
 
-static struct light_node node_empty(void) {
-    return (struct light_node){.lo = v3(INFINITY, INFINITY, INFINITY),
-                               .hi = v3(-INFINITY, -INFINITY, -INFINITY)};
-}
-
 static struct light_node node_of(const struct satin_scene *scene, uint32_t index) {
     const struct light *light = &scene->light[index];
-    struct light_node node = node_empty();
-    node.cone = cone_all();
-    node.strength = light->strength;
+    struct light_node node = {.cone = cone_all(), .strength = light->strength};
     node.far = light->kind >= LIGHT_BEAM;
     if (light->kind == LIGHT_AREA) {
         area_bounds(scene, light, &node);
@@ -127,65 +101,50 @@ static struct light_node node_union(const struct light_node *a, const struct lig
 
 // ---- Building -----------------------------------------------------------------------------------
 
-struct item {
-    struct light_node node;
-    vec3 centre;
-    uint32_t light;
-    float key;
-};
-
 struct tree_build {
     struct light_tree *tree;
-    struct item *item;
+    const struct light_node *leaf;  // of each light
+    struct split_point *point;      // the middle of each light's box
 };
 
-static int by_key(const void *a, const void *b) {
-    const struct item *x = a, *y = b;
-    if (x->key != y->key) return x->key < y->key ? -1 : 1;
-    return (x->light > y->light) - (x->light < y->light);
-}
-
-static float component(vec3 v, int k) { return k == 0 ? v.x : k == 1 ? v.y : v.z; }
-
-// Sorts along the longest side of the items' centres; lights from afar come last.
-static uint32_t split(struct item *item, uint32_t count) {
-    vec3 lo = item[0].centre, hi = lo;
+// Splits lights at the median of their places, those infinitely far off from the others first.
+// Returns how many of them the first child gets.
+static uint32_t split_lights(const struct tree_build *b, struct split_point *point,
+                             uint32_t count) {
     uint32_t near = 0;
     for (uint32_t i = 0; i < count; i++) {
-        lo = v3_min(lo, item[i].centre);
-        hi = v3_max(hi, item[i].centre);
-        near += !item[i].node.far;
+        if (b->leaf[point[i].item].far) continue;
+        const struct split_point swap = point[near];
+        point[near++] = point[i];
+        point[i] = swap;
     }
-    bool mixed = near > 0 && near < count;
-    vec3 size = v3_sub(hi, lo);
-    int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    for (uint32_t i = 0; i < count; i++)
-        item[i].key = mixed ? (float)item[i].node.far : component(item[i].centre, axis);
-    qsort(item, count, sizeof *item, by_key);
-    return mixed ? near : count / 2;
+    if (near > 0 && near < count) return near;
+    median_split(point, count);
+    return count / 2;
 }
 
 static void build_node(struct tree_build *b, uint32_t at, uint32_t first, uint32_t count,
                        uint32_t path, uint32_t depth) {
-    struct item *item = b->item + first;
-    struct light_node node = item[0].node;
-    uint32_t far = item[0].node.far;
+    struct split_point *point = b->point + first;
+    struct light_node node = b->leaf[point[0].item];
+    uint32_t far = node.far;
     for (uint32_t i = 1; i < count; i++) {
-        node = node_union(&node, &item[i].node);
-        far += item[i].node.far;
+        const struct light_node *leaf = &b->leaf[point[i].item];
+        node = node_union(&node, leaf);
+        far += leaf->far;
     }
     node.first = first;
     node.count = count;
     if (count > LIGHT_LEAF_MAX || (far && far < count)) {
-        uint32_t left = split(item, count);
+        uint32_t left = split_lights(b, point, count);
         node.child = b->tree->node_count;
         b->tree->node_count += 2;
         build_node(b, node.child, first, left, path, depth + 1);
         build_node(b, node.child + 1, first + left, count - left, path | 1u << depth, depth + 1);
     } else {
         for (uint32_t i = 0; i < count; i++) {
-            b->tree->order[first + i] = item[i].light;
-            b->tree->path[item[i].light] = path;
+            b->tree->order[first + i] = point[i].item;
+            b->tree->path[point[i].item] = path;
         }
     }
     b->tree->node[at] = node;
@@ -195,25 +154,29 @@ satin_status light_tree_build(struct satin_scene *scene) {
     uint32_t n = scene->light_count;
     struct arena *arena = &scene->arena;
     struct light_tree *tree = arena_alloc(arena, sizeof *tree);
-    struct item *item = malloc((size_t)n * sizeof *item);
+    struct light_node *leaf = malloc((size_t)n * sizeof *leaf);
+    struct split_point *point = malloc((size_t)n * sizeof *point);
     // At least one light for each leaf.
     if (tree) {
         tree->node = arena_array(arena, 2 * (size_t)n, sizeof *tree->node);
         tree->order = arena_array(arena, n, sizeof *tree->order);
         tree->path = arena_array(arena, n, sizeof *tree->path);
     }
-    if (!tree || !item || !tree->node || !tree->order || !tree->path) {
-        free(item);
+    if (!tree || !leaf || !point || !tree->node || !tree->order || !tree->path) {
+        free(leaf);
+        free(point);
         return SATIN_ERROR_MEMORY;
     }
     for (uint32_t i = 0; i < n; i++) {
-        item[i] = (struct item){.node = node_of(scene, i), .light = i};
-        item[i].centre = v3_mul(v3_add(item[i].node.lo, item[i].node.hi), 0.5f);
+        leaf[i] = node_of(scene, i);
+        const vec3 middle = v3_mul(v3_add(leaf[i].lo, leaf[i].hi), 0.5f);
+        point[i] = (struct split_point){.p = middle, .item = i};
     }
     tree->node_count = 1;
-    struct tree_build b = {tree, item};
+    struct tree_build b = {tree, leaf, point};
     build_node(&b, 0, 0, n, 0, 0);
-    free(item);
+    free(leaf);
+    free(point);
     scene->light_tree = tree;
     return SATIN_OK;
 }

@@ -216,6 +216,9 @@ struct shape_group {
 bool scene_shape_place(struct shape *shape, const struct mat4 *to_world);
 // World-space area of a shape.
 float scene_shape_area(const struct shape *shape);
+// The corners of a world-space box around a shape; lo is above hi if the shape has no points.
+// Instances: after scene_trace_build.
+void scene_shape_bounds(const struct shape *shape, vec3 *lo, vec3 *hi);
 // A box around tubes.
 void scene_curves_bound(const struct curves *curves, vec3 *lo, vec3 *hi);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where shapes are, and the area of every kind of them.
+// Where shapes are, and the area and bounds of every kind of them.
 #include "scene/scene.h"
 
 // ---- Spheres, disks, cylinders ------------------------------------------------------------------
@@ -66,4 +66,43 @@ float scene_shape_area(const struct shape *shape) {
                            column_length(&shape->to_world, 2));
     }
     return 0.0f;
+}
+
+// ---- Bounds -------------------------------------------------------------------------------------
+
+static void add_corner(vec3 p, vec3 *lo, vec3 *hi) {
+    *lo = v3_min(*lo, p);
+    *hi = v3_max(*hi, p);
+}
+
+void scene_shape_bounds(const struct shape *shape, vec3 *lo, vec3 *hi) {
+    const vec3 r = v3(shape->radius, shape->radius, shape->radius);
+    const float height = shape->kind == SHAPE_CYLINDER ? 1.0f : 0.0f;
+    *lo = v3(INFINITY, INFINITY, INFINITY);
+    *hi = v3_neg(*lo);
+    switch (shape->kind) {
+        case SHAPE_CURVES:
+        case SHAPE_INSTANCE:
+            *lo = shape->lo;
+            *hi = shape->hi;
+            return;
+        case SHAPE_MESH:
+            for (size_t i = 0; i < shape->mesh.vertex_count; i++) {
+                const float *p = shape->mesh.position + 3 * i;
+                add_corner(v3(p[0], p[1], p[2]), lo, hi);
+            }
+            return;
+        case SHAPE_SPHERE:
+            *lo = v3_sub(shape->center, r);
+            *hi = v3_add(shape->center, r);
+            return;
+        case SHAPE_DISK:
+        case SHAPE_CYLINDER:  // around the corners of the box that holds it before the transform
+            for (int i = 0; i < 8; i++)
+                add_corner(
+                    mat4_point(&shape->to_world, v3(i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f,
+                                                    i & 4 ? height : 0.0f)),
+                    lo, hi);
+            return;
+    }
 }

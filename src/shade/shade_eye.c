@@ -44,12 +44,9 @@ struct ray shade_eye_ray(const struct shade *shade, int x, int y, struct sampler
 
 static void add_emission(const struct shade *shade, const struct branch *b,
                          const struct interaction *s, struct shade_eye *out) {
-    const struct satin_scene *scene = shade->g->scene;
     const satin_options *o = shade->g->options;
     if (o->max_depth == 0 || (b->depth == 0 && o->hide_emitters > 0)) return;
-    if (s ? s->light < 0 : scene->environment < 0) return;
-    rgb Le = s ? light_emitted(scene, s, v3_neg(b->ray.d)) : light_environment(scene, b->ray.d);
-    out->emission = rgb_fma(out->emission, b->T, Le);
+    out->emission = rgb_fma(out->emission, b->T, light_met(shade->g->scene, s, b->ray.d));
 }
 
 // Pushes the rays that leave an ideal specular surface; returns the new height of the stack.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rectangle and cube: facing, texture coordinates, mirrors and flips; the area of every shape.
+// Rectangle and cube: facing, texture coordinates, mirrors and flips; the area and bounds of every
+// shape.
 #include "mesh_case.h"
 #include "test_scene.h"
 
@@ -80,11 +81,32 @@ static void knows_areas(void **state) {
     test_scene_free(&t);
 }
 
+static void bounds_hold_every_shape(void **state) {
+    (void)state;
+    struct test_scene t;
+    test_scene_init(&t);
+    const uint32_t grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
+    const struct mat4 m = test_transform(v3(1, 2, 3), v3(2, 2, 2));
+    test_cube(&t, m, false, grey);
+    test_quadric(&t, SHAPE_SPHERE, m, false, grey);
+    test_quadric(&t, SHAPE_DISK, m, false, grey);
+    test_quadric(&t, SHAPE_CYLINDER, m, false, grey);
+    static const float side[4][2] = {{-2, 2}, {-2, 2}, {0, 0}, {0, 2}};  // along z; else -2 to 2
+    for (int i = 0; i < 4; i++) {
+        vec3 lo, hi;
+        scene_shape_bounds(&t.shape[i], &lo, &hi);
+        assert_near3(lo, v3(-1, 0, 3 + side[i][0]), 1e-6f);
+        assert_near3(hi, v3(3, 4, 3 + side[i][1]), 1e-6f);
+    }
+    test_scene_free(&t);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(faces_as_mitsuba),
         cmocka_unit_test(maps_texture_coordinates),
         cmocka_unit_test(knows_areas),
+        cmocka_unit_test(bounds_hold_every_shape),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

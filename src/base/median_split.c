@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Halves of equal numbers of points, across the longest axis of their box. Where many points lie in
-// a wall across that axis their order would be rounding; so the axis leans a little towards the
-// second longest, along which the wall is cut into pieces.
-#include "guide/guide_split.h"
+// Splits points at the median across the longest axis of their box. Where many points lie in a
+// plane across that axis their order would be rounding; so the axis leans a little towards the
+// second longest, along which the plane is cut into pieces.
+#include "base/median_split.h"
 
 #define LEAN (1.0f / 1024.0f)  // much more than rounding
 #define CLEARLY 1.001f
@@ -21,7 +21,7 @@ static vec3 leaning_axis(vec3 d) {
 }
 
 // Puts the middle one in the order of keys to its place, lesser ones before it [Hoare 1961].
-static void select_middle(struct guide_point *points, size_t count) {
+static void select_middle(struct split_point *points, size_t count) {
     const ptrdiff_t middle = (ptrdiff_t)(count / 2);
     ptrdiff_t lo = 0, hi = (ptrdiff_t)count - 1;
     while (lo < hi) {
@@ -31,7 +31,7 @@ static void select_middle(struct guide_point *points, size_t count) {
             while (points[i].key < pivot) i++;
             while (points[j].key > pivot) j--;
             if (i > j) break;
-            const struct guide_point swap = points[i];
+            const struct split_point swap = points[i];
             points[i++] = points[j];
             points[j--] = swap;
         }
@@ -44,7 +44,7 @@ static void select_middle(struct guide_point *points, size_t count) {
     }
 }
 
-struct guide_plane guide_split(struct guide_point *points, size_t count) {
+struct split_plane median_split(struct split_point *points, size_t count) {
     vec3 lo = points->p, hi = lo;
     for (size_t i = 1; i < count; i++) {
         lo = v3_min(lo, points[i].p);
@@ -53,5 +53,5 @@ struct guide_plane guide_split(struct guide_point *points, size_t count) {
     const vec3 n = leaning_axis(v3_sub(hi, lo));
     for (size_t i = 0; i < count; i++) points[i].key = v3_dot(n, points[i].p);
     select_middle(points, count);
-    return (struct guide_plane){n, points[count / 2].key};
+    return (struct split_plane){n, points[count / 2].key};
 }

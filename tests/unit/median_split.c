@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Halves of points: equal in number, apart across the longest axis, and the same whatever the last
-// digit of a wall's points says.
-#include "guide/guide_split.h"
+// Median splits: halves are equal in number, apart across the longest axis, and hold the same
+// points whatever the last digit of points in one plane is.
+#include "base/median_split.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,20 +14,20 @@
 
 enum { MOST = 1001 };
 
-static void put(struct guide_point *point, size_t i, vec3 p) {
-    point[i] = (struct guide_point){.p = p, .item = (uint32_t)i};
+static void put(struct split_point *point, size_t i, vec3 p) {
+    point[i] = (struct split_point){.p = p, .item = (uint32_t)i};
 }
 
 // In a box that is longest along y, from 1 to a thousand points.
 static void halves_are_apart(void **state) {
     (void)state;
-    static struct guide_point point[MOST];
+    static struct split_point point[MOST];
     for (size_t count = 1; count <= MOST; count += 1 + count / 3) {
         for (size_t i = 0; i < count; i++) {
             const vec2 u = sample_sobol2((uint32_t)i, 1), v = sample_sobol2((uint32_t)i, 2);
             put(point, i, v3(u.x, 3.0f * u.y, 2.0f * v.x));
         }
-        const struct guide_plane border = guide_split(point, count);
+        const struct split_plane border = median_split(point, count);
         assert_true(count < 16 || border.n.y == 1.0f);
         uint64_t items = 0;
         for (size_t i = 0; i < count; i++) {
@@ -45,7 +45,7 @@ static void halves_are_apart(void **state) {
 static void walls_are_cut_into_pieces(void **state) {
     (void)state;
     enum { COUNT = 1000 };
-    static struct guide_point point[COUNT];
+    static struct split_point point[COUNT];
     static bool below[2][COUNT];
     for (int rounded = 0; rounded < 2; rounded++) {
         for (size_t i = 0; i < COUNT; i++) {
@@ -54,7 +54,7 @@ static void walls_are_cut_into_pieces(void **state) {
             const float x = i % 4 == 0 ? 2.0f * (float)i / COUNT : 0.3f + noise;
             put(point, i, v3(x, u.x, 0.5f * u.y));
         }
-        guide_split(point, COUNT);
+        median_split(point, COUNT);
         for (size_t i = 0; i < COUNT / 2; i++) below[rounded][point[i].item] = true;
     }
     int changed = 0;
@@ -64,9 +64,9 @@ static void walls_are_cut_into_pieces(void **state) {
 
 static void points_in_one_place_are_harmless(void **state) {
     (void)state;
-    struct guide_point point[9];
+    struct split_point point[9];
     for (size_t i = 0; i < 9; i++) put(point, i, v3(1.0f, 2.0f, 3.0f));
-    assert_true(guide_split(point, 9).at == v3_dot(guide_split(point, 9).n, point->p));
+    assert_true(median_split(point, 9).at == v3_dot(median_split(point, 9).n, point->p));
 }
 
 int main(void) {
