@@ -27,7 +27,7 @@ static struct cache_extent circle(float R) { return (struct cache_extent){R, R, 
 // Radii along the directions in which E bends least and most: sqrt(2 part E / |lambda|).
 static struct cache_extent by_bend(const struct gather_around *around, const struct frame *frame,
                                    float E) {
-    const float xx = around->bend[0], xy = around->bend[1], yy = around->bend[2];
+    const float xx = around->hessian[0], xy = around->hessian[1], yy = around->hessian[2];
     float mean = 0.5f * (xx + yy), half = sqrtf(0.25f * (xx - yy) * (xx - yy) + xy * xy);
     float most = fabsf(mean) + half, least = fabsf(fabsf(mean) - half);
     if (!(most > 0.0f) || !(E > 0.0f)) return circle(around->harmonic);

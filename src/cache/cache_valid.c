@@ -16,7 +16,7 @@ static bool valid_around(const struct gather_around *around) {
     for (int s = 0; s < GATHER_SECTORS; s++)
         if (!(around->sector[s] >= 0.0f)) return false;
     return around->deviation >= 0.0f && isfinite(around->deviation) &&
-           cache_valid_numbers(around->bend, 3);
+           cache_valid_numbers(around->hessian, 3);
 }
 
 bool cache_valid_irradiance(const struct gather_irradiance *value,

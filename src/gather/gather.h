@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gathering: light that arrives at a point, found by rays. A gather ray reads the rough solution
-// where it hits; a hemisphere of them gives what a record keeps. Letters: L radiance, E irradiance,
-// r hit distance, M rows (elevation) and N columns (azimuth) of a stratified hemisphere.
+// Gathering: light that arrives at a point, found by rays. A gather ray reads the
+// first-pass radiance estimate where it hits; a hemisphere of them gives what a record keeps.
+// Letters: L radiance, E irradiance, r hit distance, M rows (elevation) and N columns (azimuth) of
+// a stratified hemisphere.
 #ifndef GATHER_GATHER_H
 #define GATHER_GATHER_H
 
@@ -11,13 +12,13 @@
 
 struct gather_point;
 
-// First pass `recursive`: records at the hits, made before by a later stage.
-struct gather_rough {
-    // Which smooth lobes of y the records tell of; adds the indirect light that these reflect to
-    // *L.
+// First pass `recursive`: the records of the next level, made before by a later stage.
+struct gather_level {
+    // Adds to *L the indirect light that y reflects by the lobes which the records cover; returns
+    // these lobes, smooth ones.
     unsigned (*read)(const void *records, const struct gather_point *y, rgb *L);
     const void *records;
-    const struct gather *gather;  // that made them; NULL: there are none
+    const struct gather *gather;  // by which they were made; NULL: there are no records
 };
 
 // What stays the same during a render. Plain data, shared by all threads.
@@ -27,9 +28,9 @@ struct gather {
     const struct photon_maps *maps;
     const struct guide_clusters *clusters;      // of the maps; may be NULL
     const struct guide_visibility *visibility;  // of lights; NULL: all is seen
-    bool wide_lights;  // lights so large that light sampling alone is noisy
-    float trust;       // photon lookups of a larger radius say nothing about their place
-    struct gather_rough rough;
+    bool wide_lights;          // lights so large that light sampling alone is noisy
+    float trust;               // photon lookups of a larger radius say nothing about their place
+    struct gather_level next;  // its `gather` is NULL but in first pass `recursive`
 };
 
 struct gather gather_make(const struct satin_scene *scene, const satin_options *options,
@@ -39,7 +40,7 @@ struct gather gather_make(const struct satin_scene *scene, const satin_options *
 struct gather_point {
     struct interaction interaction;
     struct brdf brdf;
-    const struct material_side *side;  // the part of a blend that it is
+    const struct material_side *side;  // the component of a blend that it is
     struct frame frame;                // of the BRDF; n on the side that reflects
     struct frame base;                 // the same without bumps: records are kept in it
     vec3 wo_l;                         // towards the viewer, local
@@ -47,25 +48,25 @@ struct gather_point {
     unsigned lobes;                    // of the BRDF, 0 if it reflects nothing
 };
 
-// `d` is the direction of the ray that hit s. Of a blend, one part is drawn.
+// Prepares the point where a ray along d hits s. Of a blend, one component is drawn.
 void gather_point_make(const struct satin_scene *scene, const struct interaction *s, vec3 d,
                        struct gather_point *out);
-// The same for a given part.
+// Prepares the point for a given component.
 void gather_point_of(const struct satin_scene *scene, const struct material_side *side,
                      const struct interaction *s, vec3 d, struct gather_point *out);
 
 // ---- Direct light (gather_direct.c) ------------------------------------------------------------
 
-// How BRDF sampling shares direct light with light sampling: for each part of the BRDF, how many
-// BRDF samples there are per light sample, drawn from all lobes of the part: ideal ones among them
-// take their share of the samples. Ratio 0: light sampling alone. The parts' lobes do not overlap.
-// `depth`: edges between the eye and the point; panes that light passes add to them.
+// How direct light is split between BRDF sampling and light sampling: for each component of the
+// BRDF, how many BRDF samples there are per light sample, drawn from all lobes of the component,
+// ideal ones included. Ratio 0: light sampling alone. Lobes of different components do not overlap.
+// `depth`: path segments between the eye and the point; panes that light passes add to them.
 struct gather_mis {
     int depth;
     struct {
         unsigned lobes;
         float ratio;
-    } part[3];
+    } component[3];
 };
 
 // Light samples: how many, and the number of the first among those of its pixel.
@@ -134,8 +135,8 @@ struct gather_scratch;
 struct gather_scratch *gather_scratch_new(size_t capacity);  // NULL without memory
 void gather_scratch_free(struct gather_scratch *scratch);
 struct gather_ray *gather_scratch_rays(struct gather_scratch *scratch);  // room for `capacity`
-// Many rays are left off where the loop that this worker is in is cancelled: what parallel_stopped
-// tells, and what has come of them is to be dropped.
+// Many rays are left off where the loop that this worker is in is cancelled, which parallel_stopped
+// reports; then what the rays found is to be dropped.
 void gather_scratch_watch(struct gather_scratch *scratch, struct parallel *pool, int worker);
 
 // Follows `ray` through ideal specular surfaces to a point with a smooth lobe. False if it meets
@@ -213,7 +214,8 @@ struct gather_around {
     float least_upright;  // without rays that graze both the record's surface and the other
     float sector[GATHER_SECTORS];  // along the tangent plane to what stands there, by azimuth
     float deviation;               // standard deviation of E, as a part of E [K05 6.4]
-    float bend[3];  // d2E/dx2, d2E/dxdy, d2E/dy2 of luminance in the frame; of irradiance, if asked
+    float hessian[3];  // d2E/dx2, d2E/dxdy, d2E/dy2 of luminance in the frame; of irradiance, if
+                       // asked
 };
 
 // Irradiance by a hemisphere of a cosine-weighted layout.
@@ -227,8 +229,8 @@ void gather_hemisphere_radiance(const struct gather *g, const struct gather_hemi
 // rays of a hemisphere of a uniform layout.
 rgb gather_hemisphere_reflected(const struct gather_hemisphere *hemisphere, const struct brdf *brdf,
                                 vec3 wo, unsigned lobes);
-// Fills *out; `bends` asks for the Hessian, which only a cosine-weighted layout gives.
-void gather_around_make(const struct gather_hemisphere *hemisphere, bool bends,
+// Fills *out; `hessian` asks for the Hessian, which only a cosine-weighted layout gives.
+void gather_around_make(const struct gather_hemisphere *hemisphere, bool hessian,
                         struct gather_around *out);
 
 #endif

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the rays of a hemisphere tell of a record's surroundings: distances, by which a record's
-// reach is chosen; the noise of E; and how E bends. The bend is the occlusion Hessian of
-// Schwarzhaupt et al. [2012], written for the cells of the stratified hemisphere: a wall between
-// two cells stands at the nearer of their hits, where an occluder's edge would be, so E is a sum of
-// polygons seen by the cosine law, and the second derivative of such a polygon edge is a constant
-// of the wall over the squared distance.
+// What the rays of a hemisphere found around a record: distances, by which its influence radius is
+// chosen; the noise of E; and the Hessian of E. It is the occlusion Hessian of Schwarzhaupt et al.
+// [2012], written for the cells of the stratified hemisphere: the boundary between two cells stands
+// at the nearer of their hits, where an occluder's edge would be, so E is a sum of polygons seen by
+// the cosine law. The second derivative of such a polygon's edge is a constant of the boundary over
+// the squared distance.
 #include "gather/gather_layout.h"
 
 // Rays that leave and arrive more grazing than this say little of near geometry [Tabellion and
@@ -75,35 +75,41 @@ static float deviation(const struct gather_hemisphere *h) {
     return parts > 1 ? (float)sqrt(square / (parts * (parts - 1))) : 0.0f;
 }
 
-// Adds a wall's constant, turned from azimuth 0 to that of (cosine, sine), times `weight`.
-static void add_bend(const float wall[3], float cosine, float sine, float weight, float bend[3]) {
+// Adds the constant of a boundary, rotated from azimuth 0 to that of (cosine, sine), times
+// `weight`.
+static void add_rotated(const float constant[3], float cosine, float sine, float weight,
+                        float hessian[3]) {
     float cc = cosine * cosine, ss = sine * sine, cs = cosine * sine;
-    bend[0] += weight * (cc * wall[0] - 2.0f * cs * wall[1] + ss * wall[2]);
-    bend[1] += weight * (cs * (wall[0] - wall[2]) + (cc - ss) * wall[1]);
-    bend[2] += weight * (ss * wall[0] + 2.0f * cs * wall[1] + cc * wall[2]);
+    hessian[0] += weight * (cc * constant[0] - 2.0f * cs * constant[1] + ss * constant[2]);
+    hessian[1] += weight * (cs * (constant[0] - constant[2]) + (cc - ss) * constant[1]);
+    hessian[2] += weight * (ss * constant[0] + 2.0f * cs * constant[1] + cc * constant[2]);
 }
 
-// The change of luminance across a wall over the squared distance of the nearer side.
+// The change of luminance across a boundary over the squared distance of the nearer side.
 static float step_over(const struct gather_ray *from, const struct gather_ray *to) {
     float r = to ? fminf(from->first.r, to->first.r) : from->first.r;
     if (!(isfinite(r) && r > 0.0f)) return 0.0f;
     return (rgb_luminance(from->L) - (to ? rgb_luminance(to->L) : 0.0f)) / (r * r);
 }
 
-static void bend(const struct gather_layout *l, const struct gather_ray *cell, float out[3]) {
+// Adds what the stratified rays contribute to the Hessian.
+static void add_boundaries(const struct gather_hemisphere *h, float hessian[3]) {
+    const struct gather_layout *l = h->layout;
     const int N = l->N;
     for (int j = 0; j < l->M; j++)
         for (int k = 0; k < N; k++) {
-            const struct gather_ray *here = &cell[j * N + k];
-            const struct gather_ray *before = &cell[j * N + (k ? k - 1 : N - 1)];
+            const struct gather_ray *here = &h->ray[j * N + k];
+            const struct gather_ray *before = &h->ray[j * N + (k ? k - 1 : N - 1)];
             const struct gather_ray *below = j + 1 < l->M ? here + N : NULL;
-            add_bend(l->bend_u[j], l->cos_k[k], l->sin_k[k], step_over(here, below), out);
-            add_bend(l->bend_v[j], l->cos_w[k], l->sin_w[k], step_over(before, here), out);
+            add_rotated(l->hessian_u[j], l->cos_k[k], l->sin_k[k], step_over(here, below), hessian);
+            add_rotated(l->hessian_v[j], l->cos_w[k], l->sin_w[k], step_over(before, here),
+                        hessian);
         }
 }
 
-// The same by a ray that stands for a patch around its hit q: f = cos(theta) Omega, its logarithm
-// derived twice. Letters as in gather_solid_angle.c, v = q - p.
+// Adds what a guided ray contributes, which stands for a patch around its hit q: the second
+// derivative of f = cos(theta) Omega, by that of its logarithm. Letters as in gather_solid_angle.c,
+// v = q - p.
 static void add_point(const struct gather_hemisphere *h, size_t i, float weight, float out[3]) {
     const struct gather_ray *ray = &h->ray[i];
     const float r = ray->first.r;
@@ -118,15 +124,16 @@ static void add_point(const struct gather_hemisphere *h, size_t i, float weight,
     out[2] += value * (gy * gy - n.y * n.y / (c * c) + 8.0f * w.y * w.y - 4.0f);
 }
 
-void gather_around_make(const struct gather_hemisphere *h, bool bends, struct gather_around *out) {
+void gather_around_make(const struct gather_hemisphere *h, bool hessian,
+                        struct gather_around *out) {
     *out = (struct gather_around){.harmonic = INFINITY, .least = INFINITY};
     out->least_upright = INFINITY;
     for (int s = 0; s < GATHER_SECTORS; s++) out->sector[s] = INFINITY;
     distances(h, out);
     sectors(h, out);
     out->deviation = deviation(h);
-    if (!bends || h->layout->order) return;
-    bend(h->layout, h->ray, out->bend);
+    if (!hessian || h->layout->order) return;
+    add_boundaries(h, out->hessian);
     for (size_t i = h->stratified; i < h->count; i++)
-        add_point(h, i, PI_F / (float)h->stratified, out->bend);
+        add_point(h, i, PI_F / (float)h->stratified, out->hessian);
 }

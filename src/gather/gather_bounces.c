@@ -108,7 +108,7 @@ static void arrive(struct path *path, struct path_vertex *v, struct gather_estim
     const struct interaction *s = &y->interaction;
     v->L = rgb_grey(0.0f);
     v->followed = 0;
-    const unsigned known = g->rough.gather ? g->rough.read(g->rough.records, y, &v->L) : 0;
+    const unsigned known = g->next.gather ? g->next.read(g->next.records, y, &v->L) : 0;
     const unsigned diffuse = y->lobes & BRDF_DIFFUSE & ~known, glossy = y->lobes & GLOSSY & ~known;
     const rgb albedo = glossy ? brdf_albedo(&y->brdf, y->wo_l, GLOSSY) : rgb_grey(0.0f);
     struct path_branch by_diffuse = {0}, by_glossy = {0};
@@ -165,9 +165,9 @@ static bool draw_direction(struct path *path, const struct path_vertex *v,
 // Which estimate is to be read at the end z of a segment from a vertex of g, and whose records.
 static struct gather_estimate estimate_at(const struct gather *g, struct path_vertex *z) {
     struct gather_estimate none = {rgb_grey(0.0f), false};
-    if (g->rough.gather) {
+    if (g->next.gather) {
         // To the gather of the next level z is what the vertex before it is to g.
-        z->g = g->rough.gather;
+        z->g = g->next.gather;
         z->bounce--;
         return none;
     }

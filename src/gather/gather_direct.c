@@ -15,15 +15,15 @@ struct choice {
     float probability;
 };
 
-// f_r of the parts, each with its weight against BRDF sampling.
+// f_r of the components, each with its weight against BRDF sampling.
 static rgb weighted_brdf(const struct gather_point *p, struct gather_mis mis, vec3 wi, float pdf,
                          bool delta) {
     rgb sum = rgb_grey(0.0f);
     for (int i = 0; i < 3; i++) {
-        unsigned lobes = mis.part[i].lobes & p->lobes;
+        unsigned lobes = mis.component[i].lobes & p->lobes;
         if (!(lobes & BRDF_SMOOTH)) continue;
         rgb f = brdf_eval(&p->brdf, p->wo_l, wi, lobes);
-        float ratio = mis.part[i].ratio, weight = 1.0f;
+        float ratio = mis.component[i].ratio, weight = 1.0f;
         if (ratio > 0.0f && !delta)
             weight = mis_power(pdf, ratio * brdf_pdf(&p->brdf, p->wo_l, wi, lobes));
         sum = rgb_mad(sum, f, weight);
@@ -78,7 +78,7 @@ rgb gather_direct(const struct gather *g, const struct gather_point *p, struct g
     rgb sum = rgb_grey(0.0f);
     const uint32_t light_count = g->scene->light_count, samples = (uint32_t)lights.samples;
     if (variance) *variance = 0.0f;
-    unsigned lobes = mis.part[0].lobes | mis.part[1].lobes | mis.part[2].lobes;
+    unsigned lobes = mis.component[0].lobes | mis.component[1].lobes | mis.component[2].lobes;
     lobes &= p->lobes & BRDF_SMOOTH;
     if (!lobes || light_count == 0) return sum;
     const struct light_visibility visibility = guide_visibility_at(g->visibility, p->interaction.p);

@@ -53,26 +53,27 @@ struct gather_hemisphere gather_hemisphere_trace(const struct gather *g,
     return h;
 }
 
-static void add_turn(vec3 grad[3], rgb turn, vec3 axis) {
-    grad[0] = v3_mad(grad[0], turn.r, axis);
-    grad[1] = v3_mad(grad[1], turn.g, axis);
-    grad[2] = v3_mad(grad[2], turn.b, axis);
+static void add_about_axis(vec3 grad[3], rgb change, vec3 axis) {
+    grad[0] = v3_mad(grad[0], change.r, axis);
+    grad[1] = v3_mad(grad[1], change.g, axis);
+    grad[2] = v3_mad(grad[2], change.b, axis);
 }
 
 // E changes with the normal about the axis across each column by the integral of sin^2(theta).
-static void turn_gradient(const struct gather_hemisphere *h, vec3 grad[3]) {
+static void rotation_gradient(const struct gather_hemisphere *h, vec3 grad[3]) {
     const struct gather_layout *l = h->layout;
     for (int k = 0; k < l->N; k++) {
         const struct gather_ray *ray = h->ray + k;
         const vec3 axis = v3(-l->sin_k[k], l->cos_k[k], 0.0f);
-        rgb turn = rgb_grey(0.0f);
-        for (int j = 0; j < l->M; j++, ray += l->N) turn = rgb_mad(turn, ray->L, l->turn[j]);
-        add_turn(grad, turn, axis);
+        rgb change = rgb_grey(0.0f);
+        for (int j = 0; j < l->M; j++, ray += l->N)
+            change = rgb_mad(change, ray->L, l->rotation[j]);
+        add_about_axis(grad, change, axis);
     }
     // Guided rays by the derivative of the cosine, each for pi / stratified of cos(theta) Omega.
     for (size_t i = h->stratified; i < h->count; i++) {
         float weight = PI_F / (float)h->stratified / h->z[i];
-        add_turn(grad, rgb_scale(h->ray[i].L, weight), v3(-h->y[i], h->x[i], 0.0f));
+        add_about_axis(grad, rgb_scale(h->ray[i].L, weight), v3(-h->y[i], h->x[i], 0.0f));
     }
 }
 
@@ -92,7 +93,7 @@ void gather_hemisphere_irradiance(const struct gather *g, const struct gather_he
     for (size_t i = 0; i < h->count; i++) out->E = rgb_add(out->E, h->ray[i].L);
     out->E = rgb_scale(out->E, PI_F / (float)h->stratified);
     irradiance_gradients(h, g->options->irradiance_gradients, out->grad_t);
-    turn_gradient(h, out->grad_r);
+    rotation_gradient(h, out->grad_r);
     for (int c = 0; c < 3; c++) {
         out->grad_t[c] = frame_to_world(&h->frame, out->grad_t[c]);
         out->grad_r[c] = frame_to_world(&h->frame, out->grad_r[c]);

@@ -9,7 +9,7 @@
 #include "base/array.h"
 #include "rsh/rsh.h"
 
-static double wall_angle(const struct gather_layout *l, double j) {
+static double boundary_angle(const struct gather_layout *l, double j) {
     return l->order ? acos(fmax(0.0, 1.0 - j / l->M)) : asin(sqrt(fmin(1.0, j / l->M)));
 }
 
@@ -26,17 +26,17 @@ static void azimuths(struct gather_layout *l) {
 static void irradiance_rows(struct gather_layout *l) {
     const double step = 2.0 * 3.14159265358979323846 / l->N;
     for (int j = 0; j < l->M; j++) {
-        double lo = wall_angle(l, j), hi = wall_angle(l, j + 1);
-        l->wall_u[j] = (float)(step * cos(lo) * cos(lo) * sin(lo));
-        l->wall_v[j] = (float)(sin(hi) - sin(lo));
-        l->wall_h[j] = (float)((hi - lo) * cos(0.5 * (lo + hi)));
-        l->turn[j] = (float)(step * ((hi - lo) / 2.0 - (sin(2.0 * hi) - sin(2.0 * lo)) / 4.0));
+        double lo = boundary_angle(l, j), hi = boundary_angle(l, j + 1);
+        l->boundary_u[j] = (float)(step * cos(lo) * cos(lo) * sin(lo));
+        l->boundary_v[j] = (float)(sin(hi) - sin(lo));
+        l->boundary_h[j] = (float)((hi - lo) * cos(0.5 * (lo + hi)));
+        l->rotation[j] = (float)(step * ((hi - lo) / 2.0 - (sin(2.0 * hi) - sin(2.0 * lo)) / 4.0));
     }
 }
 
 // Half the integral of the cosine law's boundary term along the edge from r1 to r2,
 // n . (r1 x r2) int dt / |r|^2, derived twice by the position of the eye in the tangent plane.
-static void edge_bend(const double r1[3], const double r2[3], float out[3]) {
+static void edge_hessian(const double r1[3], const double r2[3], float out[3]) {
     static const double node[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
                                   0.9602898564975363};
     static const double weight[] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
@@ -59,9 +59,9 @@ static void edge_bend(const double r1[3], const double r2[3], float out[3]) {
     out[2] = (float)(0.5 * (height * second[2] + 2.0 * slope[1] * first[1]));
 }
 
-// The same of what joins a wall's ends to those of its neighbours, which stand at other distances:
-// edges along the line of sight, whose own term is 0 but not its derivatives. Each wall brings its
-// part, from its ends to infinity.
+// Adds the term of the edges that join a boundary's ends to those of its neighbours, which stand at
+// other distances: they run along the line of sight, where the term is 0 but not its derivatives.
+// Each boundary counts for their part from its ends to infinity.
 static void add_ends(const double r1[3], const double r2[3], float out[3]) {
     out[0] += (float)(r1[0] * r1[1] - r2[0] * r2[1]);
     out[1] += (float)(0.5 * (r2[0] * r2[0] - r2[1] * r2[1] - r1[0] * r1[0] + r1[1] * r1[1]));
@@ -74,20 +74,20 @@ static void direction(double theta, double phi, double out[3]) {
     out[2] = cos(theta);
 }
 
-// Walls run with the azimuth, and from the horizon to the pole, as seen with the cell before them
-// on the left.
-static void bend_rows(struct gather_layout *l) {
+// Boundaries run with the azimuth, and from the horizon to the pole, as seen with the cell before
+// them on the left.
+static void hessian_rows(struct gather_layout *l) {
     const double half = 3.14159265358979323846 / l->N;
     for (int j = 0; j < l->M; j++) {
-        double lo = wall_angle(l, j), hi = wall_angle(l, j + 1), from[3], to[3];
+        double lo = boundary_angle(l, j), hi = boundary_angle(l, j + 1), from[3], to[3];
         direction(hi, -half, from);
         direction(hi, half, to);
-        edge_bend(from, to, l->bend_u[j]);
-        add_ends(from, to, l->bend_u[j]);
+        edge_hessian(from, to, l->hessian_u[j]);
+        add_ends(from, to, l->hessian_u[j]);
         direction(hi, 0.0, from);
         direction(lo, 0.0, to);
-        edge_bend(from, to, l->bend_v[j]);
-        add_ends(from, to, l->bend_v[j]);
+        edge_hessian(from, to, l->hessian_v[j]);
+        add_ends(from, to, l->hessian_v[j]);
     }
 }
 
@@ -117,17 +117,17 @@ static bool radiance_rows(struct gather_layout *l) {
     float *scratch = array_new((size_t)(n * n), sizeof *scratch);
     if (!scratch) return false;
     for (int j = 0; j < l->M; j++) {
-        double lo = wall_angle(l, j), hi = wall_angle(l, j + 1);
+        double lo = boundary_angle(l, j), hi = boundary_angle(l, j + 1);
         size_t at = (size_t)j * (size_t)(n * n);
         theta_parts(l, lo, step * cos(lo) * sin(lo), l->row_u + at, scratch);
         theta_parts(l, 0.5 * (lo + hi), hi - lo, l->row_v + at, scratch);
     }
     for (int k = 0; k < l->N; k++)
         for (int m = -(n - 1); m < n; m++) {
-            double centre = step * (k + 0.5), wall = step * k;
+            double centre = step * (k + 0.5), boundary = step * k;
             size_t at = (size_t)k * (size_t)l->trig_count + (size_t)(m + n - 1);
             l->trig_u[at] = (float)(m < 0 ? sin(-m * centre) : cos(m * centre));
-            l->trig_v[at] = (float)(m < 0 ? sin(-m * wall) : cos(m * wall));
+            l->trig_v[at] = (float)(m < 0 ? sin(-m * boundary) : cos(m * boundary));
         }
     free(scratch);
     return true;
@@ -150,20 +150,20 @@ struct gather_layout *gather_layout_new(int rays, satin_basis basis, int order) 
         free(l);
         return NULL;
     }
-    float *bend_u, *bend_v;
-    float **part[] = {&l->cos_k,  &l->sin_k,  &l->cos_w, &l->sin_w,  &l->wall_u,
-                      &l->wall_v, &l->wall_h, &l->turn,  &l->trig_u, &l->trig_v,
-                      &l->row_u,  &l->row_v,  &bend_u,   &bend_v};
+    float *hessian_u, *hessian_v;
+    float **part[] = {&l->cos_k,      &l->sin_k,      &l->cos_w,    &l->sin_w,  &l->boundary_u,
+                      &l->boundary_v, &l->boundary_h, &l->rotation, &l->trig_u, &l->trig_v,
+                      &l->row_u,      &l->row_v,      &hessian_u,   &hessian_v};
     size_t size[] = {N, N, N, N, M, M, M, M, trig, trig, M * n2, M * n2, 3 * M, 3 * M};
     for (size_t i = 0; i < sizeof part / sizeof *part; i++) {
         *part[i] = block;
         block += size[i];
     }
-    l->bend_u = (float(*)[3])bend_u;
-    l->bend_v = (float(*)[3])bend_v;
+    l->hessian_u = (float(*)[3])hessian_u;
+    l->hessian_v = (float(*)[3])hessian_v;
     azimuths(l);
     irradiance_rows(l);
-    bend_rows(l);
+    hessian_rows(l);
     if (order && !radiance_rows(l)) {
         gather_layout_free(l);
         return NULL;

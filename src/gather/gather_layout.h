@@ -10,19 +10,20 @@ struct gather_layout {
     satin_basis basis;
     int M, N;              // rows of elevation, columns of azimuth
     float *cos_k, *sin_k;  // N each: azimuth of column centres
-    float *cos_w, *sin_w;  // N each: azimuth of the wall before column k
-    // Irradiance, per row j [Ward and Heckbert 1992; errata: weights at the fixed walls].
-    float *wall_u;  // M: d phi cos^2(theta_j-) sin(theta_j-), 0 for j = 0
-    float *wall_v;  // M: sin(theta_j+) - sin(theta_j-)
-    float *wall_h;  // M: the same by [K05 4.3.2]: (theta_j+ - theta_j-) cos(their mean)
-    float *turn;    // M: integral of sin^2(theta) over the cell
-    // Second derivatives of the cosine law over a wall at distance 1, xx xy yy (gather_around.c):
-    // of the wall below row j at its column's azimuth 0, and of the wall before a column there.
-    float (*bend_u)[3], (*bend_v)[3];  // M each
-    // Radiance [K05 4.3.1, at the walls]: H(theta, phi) = P(theta) trig(phi), so the sums over k
-    // are done first, once per trigonometric function.
+    float *cos_w, *sin_w;  // N each: azimuth of the stratum boundary before column k
+    // Irradiance, per row j [Ward and Heckbert 1992; errata: weights at the fixed boundaries].
+    float *boundary_u;  // M: d phi cos^2(theta_j-) sin(theta_j-), 0 for j = 0
+    float *boundary_v;  // M: sin(theta_j+) - sin(theta_j-)
+    float *boundary_h;  // M: (theta_j+ - theta_j-) cos(their mean), which [K05 4.3.2] has for it
+    float *rotation;    // M: integral of sin^2(theta) over the cell
+    // Second derivatives of the cosine law over a boundary at distance 1, xx xy yy
+    // (gather_around.c): of the boundary below row j at its column's azimuth 0, and of that before
+    // a column there.
+    float (*hessian_u)[3], (*hessian_v)[3];  // M each
+    // Radiance [K05 4.3.1, at the boundaries]: H(theta, phi) = P(theta) trig(phi), so the sums over
+    // k are done first, once per trigonometric function.
     int trig_count;          // 2 order - 1: m = -(order - 1) .. order - 1
-    float *trig_u, *trig_v;  // N * trig_count: at column centres, at walls
+    float *trig_u, *trig_v;  // N * trig_count: at column centres, at boundaries
     float *row_u, *row_v;    // M * order^2: the theta parts, weights included
 };
 

@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where a gather ray hits nearer than a photon lookup can resolve, its path continues by one more
-// bounce (gather_bounces.c). The hit y may see bright places that the site does not: a wall sees
+// bounce (gather_bounces.c). The hit y may see photon clusters that the site does not: a wall sees
 // what shines on the ceiling where they meet, and the ceiling does not. A bounce by the BRDF alone
-// meets such a place so rarely that the one that does outweighs its whole hemisphere. So a part of
-// the bounces goes to the bright places around the site as y sees them; the balance heuristic
-// [Veach and Guibas 1995] weighs both ways of sampling, so the mean is the same.
+// meets such a cluster so rarely that the one that does outweighs its whole hemisphere. So a part
+// of the bounces goes to the clusters around the site as y sees them; the balance heuristic [Veach
+// and Guibas 1995] weighs both kinds of sampling, so the mean is the same.
 #include "gather/gather_near.h"
 
-// Most of the bounces from y that go to bright places.
+// Largest fraction of the bounces from y that go to photon clusters.
 static const float GUIDED = 0.5f;
 
-// Fraction of the light at y, below which a place is left to chance.
+// Fraction of the light at y, below which a cluster is left to chance.
 static const float FAINT = 0.002f;
 
-// A place that no probe sees may still be seen from other hits: its least weight over that of one
+// A cluster that no probe sees may still be seen from other hits: its least weight over that of one
 // in full view.
 static const float SEEN_LEAST = 0.05f;
 
-// Least part of a cone in which light is expected: where more is missed, it hardly is a cone.
+// Least fraction of a cone in which light is expected: where more is missed, it hardly is a cone.
 static const float FILLED_LEAST = 0.01f;
 
 static bool is_near(const struct gather_hits *hits, size_t i) {
@@ -37,7 +37,7 @@ static int choose_probes(const struct gather_hits *hits, size_t all, size_t prob
     return count;
 }
 
-// Fraction of the probes that see the cone's place, of those at which it matters; 0 if it matters
+// Fraction of the probes that see the cone's cluster, of those at which it matters; 0 if it matters
 // at none.
 static float probe_cone(const struct gather *g, const struct gather_hits *hits, const size_t *probe,
                         int probes, struct guide_cone cone) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Path tracing with MIS of light and BRDF sampling: the reference, and the first pass `path`.
-// Depths count edges as Mitsuba 3 does: a path of max_depth edges is the longest that is kept.
+// Depths count path segments as Mitsuba 3 does: max_depth of them make the longest path.
 #include "gather/gather.h"
 
 // Survival is never certain, so that no path is endless between perfect mirrors.
@@ -11,7 +11,7 @@ struct walk {
     struct ray ray;
     rgb T;
     float eta;
-    int depth;    // edges before the ray
+    int depth;    // segments before the ray
     vec3 from;    // the last surface with smooth lobes that the path has left,
     float pdf_w;  // by a BRDF sample of this density; 0: by a delta lobe, or there is none
     struct light_chain chain;  // from there on
@@ -19,8 +19,8 @@ struct walk {
     bool specular;             // all surfaces so far were ideal specular
 };
 
-// Emitted light that the ray meets, at the surface it hit or from the environment, with its share
-// beside light sampling where the chain begins.
+// Emitted light that the ray meets, at the surface it hit or from the environment, with its MIS
+// weight against light sampling where the chain begins.
 static rgb emitted(const struct gather *g, const struct walk *walk, const struct interaction *hit) {
     const vec3 d = walk->ray.d;
     rgb Le = light_chain_emitted(&walk->chain, g->scene, hit, d);

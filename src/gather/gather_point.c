@@ -2,7 +2,7 @@
 // Surface points prepared for shading, and the constants of a render.
 #include "gather/gather.h"
 
-// A light is wide if its area is over this share of the scene's bounding sphere: then its solid
+// A light is wide if its area is over this fraction of the scene's bounding sphere: then its solid
 // angle is often large, and light sampling alone is noisy close to it.
 static const float WIDE_AREA = 0.02f;
 

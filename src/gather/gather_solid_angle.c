@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Solid-angle-based gradients [K05 4.2]: each ray stands for a small area around its hit q, which
-// stays where it is and keeps its radiance when the centre p moves. Its direction turns and its
-// solid angle Omega changes, the latter by the distance r and by the cosine c between its normal n
+// stays where it is and keeps its radiance when the centre p moves. Its direction changes, and its
+// solid angle Omega, the latter by the distance r and by the cosine c between its normal n
 // and the ray. What is hidden or comes into sight does not count: where that matters,
 // stratification-based gradients are right and these are not. Letters: w direction, L radiance.
 #include <string.h>
@@ -58,7 +58,7 @@ static float cosine_difference(const struct seen *at, vec3 axis) {
 // Rays are dense as the cosine, so cos(theta) Omega is pi / count for each of them [K05 4.2.3].
 void gather_solid_angle_irradiance(const struct gather_hemisphere *h, bool differences,
                                    size_t first, vec3 grad[3]) {
-    const float share = PI_F / (float)h->stratified;
+    const float weight = PI_F / (float)h->stratified;
     const size_t count = h->count;
     for (size_t i = first; i < count; i++) {
         struct seen at;
@@ -71,7 +71,7 @@ void gather_solid_angle_irradiance(const struct gather_hemisphere *h, bool diffe
             change = v3_mul(v3_mad(v3_mul(at.n, 1.0f / at.c), 4.0f, at.w), 1.0f / at.r);
             change.z = 0.0f;
         }
-        const rgb L = rgb_scale(h->ray[i].L, share);
+        const rgb L = rgb_scale(h->ray[i].L, weight);
         grad[0] = v3_mad(grad[0], L.r, change);
         grad[1] = v3_mad(grad[1], L.g, change);
         grad[2] = v3_mad(grad[2], L.b, change);

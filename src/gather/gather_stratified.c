@@ -1,32 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stratification-based gradients [K05 4.3]: when the centre moves, the walls between cells sweep
-// over what is seen, at a rate that the nearer side decides; so changes of occlusion count. Sample
-// directions are jittered per cell; the weights are taken at the cells' fixed walls, which is what
-// makes the gradients converge (docs/equations.md, erratum 1).
+// Stratification-based gradients [K05 4.3]: when the centre moves, the boundaries between strata
+// sweep over what is seen, at a rate that the nearer side decides; so changes of occlusion count.
+// Sample directions are jittered per cell; the weights are taken at the fixed boundaries, which is
+// what makes the gradients converge (docs/equations.md, erratum 1).
 //
-// Deviation: where the two sides of a wall hit one surface, it is their mean distance that counts,
-// not the lesser. The lesser is too short by half of what the surface recedes from cell to cell,
-// which was most of the error where nothing is hidden: 6 % fell to 2 % for irradiance of 4096 rays.
+// Deviation: where the two sides of a boundary hit one surface, it is their mean distance that
+// counts, not the lesser. The lesser is too short by half of what the surface recedes from cell to
+// cell, which was most of the error where nothing is hidden: 6 % fell to 2 % for irradiance of 4096
+// rays.
 #include <string.h>
 
 #include "gather/gather_gradients.h"
 #include "rsh/rsh.h"
 
-// Squared sine of the largest angle between a surface and the way to the next hit on it.
+// Squared sine of the largest angle between a surface and the offset to the next hit on it.
 static const float ALONG = 0.1f;
 
-// Whether two neighbouring rays hit one surface: the way from hit to hit is along both.
+// Whether two neighbouring rays hit one surface: the offset from hit to hit is along both.
 static bool one_surface(const struct gather_ray *a, const struct gather_ray *b) {
-    vec3 way = v3_sub(v3_mad(v3_mul(a->ray.d, a->first.r), -b->first.r, b->ray.d),
-                      v3_sub(b->ray.o, a->ray.o));
-    float out_a = v3_dot(way, a->first.ng), out_b = v3_dot(way, b->first.ng);
-    return fmaxf(out_a * out_a, out_b * out_b) < ALONG * v3_len2(way);
+    vec3 offset = v3_sub(v3_mad(v3_mul(a->ray.d, a->first.r), -b->first.r, b->ray.d),
+                         v3_sub(b->ray.o, a->ray.o));
+    float out_a = v3_dot(offset, a->first.ng), out_b = v3_dot(offset, b->first.ng);
+    return fmaxf(out_a * out_a, out_b * out_b) < ALONG * v3_len2(offset);
 }
 
-// (L_jk - L_neighbour) / r: how fast the wall between two cells carries light across, r the
+// (L_jk - L_neighbour) / r: how fast the boundary between two cells carries light across, r the
 // distance of what it sweeps over there: the nearer side's if that hides the other, or always if
 // `nearer`.
-static rgb wall_change(const struct gather_ray *a, const struct gather_ray *b, bool nearer) {
+static rgb boundary_change(const struct gather_ray *a, const struct gather_ray *b, bool nearer) {
     float r = fminf(a->first.r, b->first.r), far = fmaxf(a->first.r, b->first.r);
     if (!isfinite(r) || !(r > 0.0f)) return rgb_grey(0.0f);
     if (!nearer && isfinite(far) && one_surface(a, b)) r = 0.5f * (r + far);
@@ -42,32 +43,32 @@ static void add_gradient(vec3 grad[3], rgb value, vec3 direction) {
 void gather_stratified_irradiance(const struct gather_hemisphere *h, bool ward_heckbert,
                                   vec3 grad[3]) {
     const struct gather_layout *l = h->layout;
-    const float *weight_v = ward_heckbert ? l->wall_v : l->wall_h;
+    const float *weight_v = ward_heckbert ? l->boundary_v : l->boundary_h;
     for (int k = 0; k < l->N; k++) {
         const int before = k ? k - 1 : l->N - 1;
         rgb along_u = rgb_grey(0.0f), along_v = rgb_grey(0.0f);
         for (int j = 0; j < l->M; j++) {
             const struct gather_ray *row = h->ray + (size_t)j * (size_t)l->N;
             if (j > 0)
-                along_u = rgb_mad(along_u, wall_change(&row[k], &row[k] - l->N, ward_heckbert),
-                                  l->wall_u[j]);
-            along_v =
-                rgb_mad(along_v, wall_change(&row[k], &row[before], ward_heckbert), weight_v[j]);
+                along_u = rgb_mad(along_u, boundary_change(&row[k], &row[k] - l->N, ward_heckbert),
+                                  l->boundary_u[j]);
+            along_v = rgb_mad(along_v, boundary_change(&row[k], &row[before], ward_heckbert),
+                              weight_v[j]);
         }
         add_gradient(grad, along_u, v3(l->cos_k[k], l->sin_k[k], 0.0f));
         add_gradient(grad, along_v, v3(-l->sin_w[k], l->cos_w[k], 0.0f));
     }
 }
 
-// Adds to gradient vectors dx, dy the change through one kind of wall in row j: sums over k by
+// Adds to gradient vectors dx, dy the change through one kind of boundary in row j: sums over k by
 // trigonometric function first, then times the row's theta parts.
-static void add_row(const struct gather_layout *l, const float *wall, const float *trig,
+static void add_row(const struct gather_layout *l, const float *boundary, const float *trig,
                     const float *row, float *dx, float *dy) {
     const int n = l->order, n2 = n * n, trigs = l->trig_count, N = l->N;
     float sum[2][3 * (2 * RSH_MAX_ORDER - 1)];
     for (int axis = 0; axis < 2; axis++) {
         memset(sum[axis], 0, sizeof sum[axis]);
-        const float *value = wall + axis * 3 * N;
+        const float *value = boundary + axis * 3 * N;
         rsh_accumulate((size_t)N, (size_t)trigs, trig, value, value + N, value + 2 * N, sum[axis]);
     }
     for (int c = 0; c < 3; c++)
@@ -79,30 +80,30 @@ static void add_row(const struct gather_layout *l, const float *wall, const floa
             }
 }
 
-static void put_wall(float *wall, int N, int k, rgb value, float x, float y) {
-    wall[0 * N + k] = value.r * x;
-    wall[1 * N + k] = value.g * x;
-    wall[2 * N + k] = value.b * x;
-    wall[3 * N + k] = value.r * y;
-    wall[4 * N + k] = value.g * y;
-    wall[5 * N + k] = value.b * y;
+static void put_boundary(float *boundary, int N, int k, rgb value, float x, float y) {
+    boundary[0 * N + k] = value.r * x;
+    boundary[1 * N + k] = value.g * x;
+    boundary[2 * N + k] = value.b * x;
+    boundary[3 * N + k] = value.r * y;
+    boundary[4 * N + k] = value.g * y;
+    boundary[5 * N + k] = value.b * y;
 }
 
 void gather_stratified_radiance(const struct gather_hemisphere *h, float *dx, float *dy) {
     const struct gather_layout *l = h->layout;
     const int N = l->N, n2 = l->order * l->order;
-    float *wall = h->work;
+    float *boundary = h->work;
     for (int j = 0; j < l->M; j++) {
         const struct gather_ray *row = h->ray + (size_t)j * (size_t)N;
         if (j > 0) {
             for (int k = 0; k < N; k++)
-                put_wall(wall, N, k, wall_change(row + k, row + k - N, false), l->cos_k[k],
-                         l->sin_k[k]);
-            add_row(l, wall, l->trig_u, l->row_u + j * n2, dx, dy);
+                put_boundary(boundary, N, k, boundary_change(row + k, row + k - N, false),
+                             l->cos_k[k], l->sin_k[k]);
+            add_row(l, boundary, l->trig_u, l->row_u + j * n2, dx, dy);
         }
         for (int k = 0; k < N; k++)
-            put_wall(wall, N, k, wall_change(row + k, row + (k ? k - 1 : N - 1), false),
-                     -l->sin_w[k], l->cos_w[k]);
-        add_row(l, wall, l->trig_v, l->row_v + j * n2, dx, dy);
+            put_boundary(boundary, N, k, boundary_change(row + k, row + (k ? k - 1 : N - 1), false),
+                         -l->sin_w[k], l->cos_w[k]);
+        add_row(l, boundary, l->trig_v, l->row_v + j * n2, dx, dy);
     }
 }

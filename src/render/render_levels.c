@@ -106,7 +106,7 @@ static satin_status make_level(struct render *r, int index, struct walks *walks)
     walks->shade = &level->shade;
     walks->level = index;
     satin_status status = fill(r, level, walks);
-    r->second_pass.gather.rough = (struct gather_rough){shade_known, &level->shade, &level->gather};
+    r->second_pass.gather.next = (struct gather_level){shade_known, &level->shade, &level->gather};
     return status;
 }
 

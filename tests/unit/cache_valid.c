@@ -38,7 +38,7 @@ static void irradiance_is_checked(void **state) {
     irradiance_refuses(&value, &around, &value.E.r, 3);
     irradiance_refuses(&value, &around, &value.grad_t[0].x, 9);
     irradiance_refuses(&value, &around, &value.grad_r[0].x, 9);
-    irradiance_refuses(&value, &around, around.bend, 3);
+    irradiance_refuses(&value, &around, around.hessian, 3);
     irradiance_refuses(&value, &around, &around.deviation, 1);
     value.E.g = -1e-6f;
     assert_false(cache_valid_irradiance(&value, &around));

@@ -95,7 +95,7 @@ static double bend_error(struct fixture *f, float x, float z, float h) {
         irradiance(f, x, z, i, &around);
         second_differences(f, x, z, h, i, difference);
         for (int k = 0; k < 3; k++) {
-            double d = (double)around.bend[k] - difference[k];
+            double d = (double)around.hessian[k] - difference[k];
             error += d * d;
             size += difference[k] * difference[k];
         }
