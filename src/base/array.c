@@ -25,3 +25,8 @@ void *array_new(size_t count, size_t size) {
     void *items = aligned_alloc(64, bytes ? bytes : 64);
     return items ? memset(items, 0, bytes ? bytes : 64) : NULL;
 }
+
+int array_compare_floats(const void *a, const void *b) {
+    const float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}

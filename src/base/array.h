@@ -14,4 +14,7 @@ bool array_reserve(void **items, size_t *capacity, size_t count, size_t size);
 // or lack of memory.
 void *array_new(size_t count, size_t size);
 
+// For qsort of floats, none of them NaN, in ascending order.
+int array_compare_floats(const void *a, const void *b);
+
 #endif

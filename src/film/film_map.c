@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/array.h"
 #include "base/vec.h"
 #include "film/film.h"
 
@@ -41,11 +42,6 @@ static void put_color(unsigned char *pixel, rgb colour) {
     for (int c = 0; c < 3; c++) pixel[c] = film_encode_srgb(component[c]);
 }
 
-static int ascending(const void *a, const void *b) {
-    const float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
-}
-
 // The value below which TOP_FRACTION of those above 0 lie; 0 if there are none. `scratch` holds
 // `count`.
 static float top_of(const float *value, size_t count, float *scratch) {
@@ -53,7 +49,7 @@ static float top_of(const float *value, size_t count, float *scratch) {
     for (size_t i = 0; i < count; i++)
         if (value[i] > 0.0f && isfinite(value[i])) scratch[n++] = value[i];
     if (n == 0) return 0.0f;
-    qsort(scratch, n, sizeof *scratch, ascending);
+    qsort(scratch, n, sizeof *scratch, array_compare_floats);
     return scratch[(size_t)(TOP_FRACTION * (double)(n - 1))];
 }
 

@@ -7,7 +7,7 @@
 static const float ROULETTE_MAX = 0.95f;
 
 // Where a path stands, behind its start.
-struct walk {
+struct path_walk {
     struct ray ray;
     rgb T;
     float eta;
@@ -21,7 +21,8 @@ struct walk {
 
 // Emitted light that the ray meets, at the surface it hit or from the environment, with its MIS
 // weight against light sampling where the chain begins.
-static rgb emitted(const struct gather *g, const struct walk *walk, const struct interaction *hit) {
+static rgb emitted(const struct gather *g, const struct path_walk *walk,
+                   const struct interaction *hit) {
     const vec3 d = walk->ray.d;
     rgb Le = light_chain_emitted(&walk->chain, g->scene, hit, d);
     if (!(walk->pdf_w > 0.0f) || rgb_black(Le)) return Le;
@@ -32,7 +33,7 @@ static rgb emitted(const struct gather *g, const struct walk *walk, const struct
 
 // The path leaves `from` by a sample, along `d`.
 static void leave(const struct gather *g, const struct gather_point *from,
-                  const struct brdf_sample *next, vec3 d, struct walk *walk) {
+                  const struct brdf_sample *next, vec3 d, struct path_walk *walk) {
     if (next->pdf_w > 0.0f) {
         walk->from = from->interaction.p;
         walk->pdf_w = next->pdf_w;
@@ -45,7 +46,7 @@ static void leave(const struct gather *g, const struct gather_point *from,
 
 // Goes on from a point by what it reflects and transmits; false: the path ends there.
 static bool bounce(const struct gather *g, const struct gather_point *from, struct sampler *sampler,
-                   struct walk *walk) {
+                   struct path_walk *walk) {
     struct brdf_sample next;
     float u_lobe = sampler_1d(sampler);
     vec2 u = sampler_2d(sampler);
@@ -69,7 +70,7 @@ static bool bounce(const struct gather *g, const struct gather_point *from, stru
 
 // The radiance of a path, and what its first ray meets: `first` of a gather ray, `seen` of one from
 // the eye.
-static rgb follow(const struct gather *g, struct walk walk, struct sampler *sampler,
+static rgb follow(const struct gather *g, struct path_walk walk, struct sampler *sampler,
                   struct gather_first *first, struct gather_seen *seen) {
     const int max_depth = g->options->max_depth;
     rgb L = rgb_grey(0.0f);
@@ -106,18 +107,18 @@ static rgb follow(const struct gather *g, struct walk walk, struct sampler *samp
 
 rgb gather_path(const struct gather *g, struct ray ray, struct sampler *sampler,
                 struct gather_first *first) {
-    struct walk walk = {.ray = ray, .T = rgb_grey(1.0f), .eta = 1.0f, .depth = 1};
+    struct path_walk walk = {.ray = ray, .T = rgb_grey(1.0f), .eta = 1.0f, .depth = 1};
     return follow(g, walk, sampler, first, NULL);
 }
 
 rgb gather_path_eye(const struct gather *g, struct ray ray, struct sampler *sampler,
                     struct gather_seen *seen) {
     const satin_options *o = g->options;
-    struct walk walk = {.ray = ray,
-                        .T = rgb_grey(1.0f),
-                        .eta = 1.0f,
-                        .emission = o->hide_emitters <= 0 && o->max_depth != 0,
-                        .specular = true};
+    struct path_walk walk = {.ray = ray,
+                             .T = rgb_grey(1.0f),
+                             .eta = 1.0f,
+                             .emission = o->hide_emitters <= 0 && o->max_depth != 0,
+                             .specular = true};
     seen->hit = false;
     seen->emission = rgb_grey(0.0f);
     return follow(g, walk, sampler, NULL, seen);

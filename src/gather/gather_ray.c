@@ -60,7 +60,7 @@ static rgb density_irradiance(const struct gather *g, const struct gather_point 
 }
 
 // Finds E and radius of `count` hits: all look the map up together, or each has its own estimate.
-static void look_up(const struct gather *g, struct gather_hits *hits, size_t count) {
+static void look_up_hits(const struct gather *g, struct gather_hits *hits, size_t count) {
     const bool precomputed = g->options->first_pass == SATIN_FIRST_PRECOMPUTED;
     for (size_t i = 0; i < count; i++) {
         const struct gather_point *y = &hits->hit[i].point;
@@ -82,7 +82,7 @@ struct bundle {
 // First passes `photons` and `photons-precomputed`: what the hits reflect.
 static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t count,
                        const struct bundle *bundle) {
-    look_up(g, hits, count);
+    look_up_hits(g, hits, count);
     if (bundle->near) gather_near_look(g, hits, count, bundle->near);
     for (size_t i = 0; i < count; i++) {
         const struct gather_hit *hit = &hits->hit[i];
@@ -130,8 +130,8 @@ static bool trace_ray(const struct gather *g, struct gather_ray *ray, uint32_t s
     return false;
 }
 
-static void trace_chunk(const struct gather *g, struct gather_hits *hits,
-                        const struct bundle *bundle, size_t begin, size_t end) {
+static void trace_ray_chunk(const struct gather *g, struct gather_hits *hits,
+                            const struct bundle *bundle, size_t begin, size_t end) {
     size_t count = 0;
     for (size_t i = begin; i < end; i++)
         count += trace_ray(g, &bundle->rays[i], bundle->seed, &hits->hit[count]);
@@ -156,7 +156,7 @@ static void trace_rays(const struct gather *g, struct gather_scratch *scratch, s
         if (begin > 0 && scratch->pool && parallel_cancelled(scratch->pool, scratch->worker))
             forget(bundle.rays, begin, end);
         else
-            trace_chunk(g, &scratch->hits, &bundle, begin, end);
+            trace_ray_chunk(g, &scratch->hits, &bundle, begin, end);
     }
 }
 

@@ -116,8 +116,8 @@ static void differentiate(const struct gather_hemisphere *h, size_t first, float
 
 // Adds one side of the difference quotient along an axis: a projection of displaced rays. A step
 // that grows with r keeps close hits as exact as far ones, unlike the fixed one of [K05 4.2.1].
-static void difference(const struct gather_hemisphere *h, size_t first, vec3 axis, float side,
-                       float *out) {
+static void add_difference(const struct gather_hemisphere *h, size_t first, vec3 axis, float side,
+                           float *out) {
     const struct gather_layout *l = h->layout;
     const size_t count = h->count;
     float *x = h->work, *y = x + count, *z = y + count, *r = z + count, *g = r + count,
@@ -144,7 +144,7 @@ void gather_solid_angle_radiance(const struct gather_hemisphere *h, bool differe
         return;
     }
     for (int side = -1; side <= 1; side += 2) {
-        difference(h, first, v3(1.0f, 0.0f, 0.0f), (float)side, dx);
-        difference(h, first, v3(0.0f, 1.0f, 0.0f), (float)side, dy);
+        add_difference(h, first, v3(1.0f, 0.0f, 0.0f), (float)side, dx);
+        add_difference(h, first, v3(0.0f, 1.0f, 0.0f), (float)side, dy);
     }
 }

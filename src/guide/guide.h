@@ -16,16 +16,16 @@
 // What the eye sees of the scene. Boxes hold all, nine tenths and half of the points.
 enum { GUIDE_VIEW_BOXES = LIGHT_SPOTS / 2, GUIDE_VIEW_PATHS = 1024 };
 struct guide_view {
-    float reach;                     // median length of gather rays; INFINITY if they meet nothing
+    float ray_length;                // median of gather rays; INFINITY if they meet nothing
     int seen_count, specular_count;  // points; 0: no boxes
     struct light_target seen[GUIDE_VIEW_BOXES], specular[GUIDE_VIEW_BOXES];
 };
 void guide_view_make(const struct satin_scene *scene, uint64_t seed, struct guide_view *out);
 // Follows the ray through ideal specular surfaces to one with a smooth lobe, with normal *n; false
-// if there is none. *ray becomes its last edge; *chain gets the surfaces, not the lengths.
+// if there is none. *ray becomes its last segment; *chain gets the surfaces, not the lengths.
 bool guide_view_follow(const struct satin_scene *scene, struct ray *ray, struct rng *rng,
                        struct interaction *s, vec3 *n, struct light_chain *chain);
-// The same from the eye, for path i of GUIDE_VIEW_PATHS.
+// Follows the ray of path i of GUIDE_VIEW_PATHS from the eye in the same way.
 bool guide_view_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng,
                     struct interaction *s, vec3 *n);
 // Aims at what is small against `all`, the box of everything that matters.
@@ -42,8 +42,8 @@ static inline bool shape_has_delta(const struct satin_scene *scene, uint32_t sha
 // How the paths of a pass are allocated to the lights.
 enum { GUIDE_ALLOCATION_LIGHTS = 16 };
 struct guide_allocation {
-    bool by_power;                         // `share` is not set
-    float share[GUIDE_ALLOCATION_LIGHTS];  // of all paths, by light
+    bool by_power;                            // `fraction` is not set
+    float fraction[GUIDE_ALLOCATION_LIGHTS];  // of all paths, by light
 };
 // By what each light brings to what is seen.
 void guide_allocation_make(const struct satin_scene *scene, uint64_t seed,
@@ -127,8 +127,9 @@ enum { GUIDE_CONES = 48 };
 int guide_cones_from(const struct guide_clusters *clusters, const struct satin_scene *scene,
                      const struct guide_eye *eye, struct guide_cone out[GUIDE_CONES],
                      float *expected);
-// The same for surfaces near p that face anywhere and may see what p does not: guide_cone_move
-// makes cones of them. `expected` [W m^-2] is the irradiance there. None if `clusters` is NULL.
+// Finds clusters for surfaces near p that face anywhere and may see what p does not:
+// guide_cone_move makes cones of them. `expected` [W m^-2] is the irradiance there. None if
+// `clusters` is NULL.
 int guide_cones_around(const struct guide_clusters *clusters, vec3 p, float expected,
                        struct guide_cone out[GUIDE_CONES]);
 // Changes axis, versine, E and filled to those at p with normal n, as if nothing stood between; E

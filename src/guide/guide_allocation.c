@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // How many of the photons each light gets. Allocated by power all photons weigh alike. But power
 // may go where nothing is seen of it, as that of the sky around a closed room, and what is left for
-// the lamp inside is too few to tell of its light. So one half is allocated by power, the other by
-// what a few paths from the eye find: they go on as light's paths to the gather rays' hits would,
-// backwards, and sample the lights where they go. The first half serves light that comes in ways
-// that they have missed.
+// the lamp inside is too few to represent its light. So one half is allocated by power, the other
+// by what a few paths from the eye find: they go on as light's paths to the gather rays' hits
+// would, backwards, and sample the lights where they go. The first half serves light that comes in
+// ways that they have missed.
 #include "guide/guide.h"
 
 #include <limits.h>
@@ -14,13 +14,13 @@
 enum { BOUNCES = 3 };  // of a path: behind the first one is what gather rays ask photons for
 
 // Irradiance that each light brings to the paths' vertices.
-struct tally {
+struct light_tally {
     const struct satin_scene *scene;
     double light[GUIDE_ALLOCATION_LIGHTS];
 };
 
 // What comes from one light at s, chosen by chance.
-static void add_direct(struct tally *tally, const struct interaction *s, vec3 n, float T,
+static void add_direct(struct light_tally *tally, const struct interaction *s, vec3 n, float T,
                        struct rng *rng) {
     const struct satin_scene *scene = tally->scene;
     const float u_choose = rng_float(rng), u = rng_float(rng), v = rng_float(rng);
@@ -37,7 +37,7 @@ static void add_direct(struct tally *tally, const struct interaction *s, vec3 n,
 
 // A light that the last ray has met behind ideal specular surfaces that are no panes, where no
 // sample finds it.
-static void add_met(struct tally *tally, const struct ray *ray, const struct interaction *hit,
+static void add_met(struct light_tally *tally, const struct ray *ray, const struct interaction *hit,
                     float T) {
     const struct satin_scene *scene = tally->scene;
     const int light = hit ? hit->light : scene->environment;
@@ -46,7 +46,7 @@ static void add_met(struct tally *tally, const struct ray *ray, const struct int
     if (isfinite(E)) tally->light[light] += (double)E;
 }
 
-static void walk(struct tally *tally, struct interaction s, vec3 n, struct rng *rng) {
+static void walk_path(struct light_tally *tally, struct interaction s, vec3 n, struct rng *rng) {
     const struct satin_scene *scene = tally->scene;
     float T = 1.0f;
     for (int i = 0; i < BOUNCES; i++) {
@@ -69,7 +69,7 @@ static void walk(struct tally *tally, struct interaction s, vec3 n, struct rng *
 
 void guide_allocation_make(const struct satin_scene *scene, uint64_t seed,
                            struct guide_allocation *out) {
-    struct tally tally = {.scene = scene};
+    struct light_tally tally = {.scene = scene};
     double sum = 0.0;
     out->by_power = true;
     // Among more lights than this, chance would allocate.
@@ -78,12 +78,12 @@ void guide_allocation_make(const struct satin_scene *scene, uint64_t seed,
         struct rng rng = rng_make(seed, RNG_ALLOCATION, i);
         struct interaction s;
         vec3 n;
-        if (guide_view_eye(scene, i, &rng, &s, &n)) walk(&tally, s, n, &rng);
+        if (guide_view_eye(scene, i, &rng, &s, &n)) walk_path(&tally, s, n, &rng);
     }
     for (uint32_t i = 0; i < scene->light_count; i++) sum += tally.light[i];
     if (!(sum > 0.0)) return;
     out->by_power = false;
     for (uint32_t i = 0; i < scene->light_count; i++)
-        out->share[i] = 0.5f * (scene->light_cdf[i + 1] - scene->light_cdf[i]) +
-                        0.5f * (float)(tally.light[i] / sum);
+        out->fraction[i] = 0.5f * (scene->light_cdf[i + 1] - scene->light_cdf[i]) +
+                           0.5f * (float)(tally.light[i] / sum);
 }

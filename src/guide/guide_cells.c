@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cells of places that matter: points on paths from the eye, and on their bounces, parted by a tree
+// Cells of places that matter: points on paths from the eye, and on their bounces, split by a tree
 // into cells of equal numbers. What is learned in a cell serves all points that fall into it.
 #include <stdlib.h>
 
@@ -35,9 +35,9 @@ static size_t add_path(const struct satin_scene *scene, uint64_t seed, uint32_t 
     return count;
 }
 
-// Points [first, first + count) of a node, which are halved down to its cells.
-static void cut(struct guide_cells *cells, struct split_point *point, size_t first, size_t count,
-                size_t node, int level) {
+// Points [first, first + count) of a node, which median splits take down to its cells.
+static void split_cells(struct guide_cells *cells, struct split_point *point, size_t first,
+                        size_t count, size_t node, int level) {
     if (level == cells->depth) {
         cells->cell[node + 1 - guide_cells_count(cells)] =
             (struct guide_cell){cells->point + first, count};
@@ -45,8 +45,8 @@ static void cut(struct guide_cells *cells, struct split_point *point, size_t fir
     }
     const size_t left = count / 2;
     cells->split[node] = median_split(point + first, count);
-    cut(cells, point, first, left, 2 * node + 1, level + 1);
-    cut(cells, point, first + left, count - left, 2 * node + 2, level + 1);
+    split_cells(cells, point, first, left, 2 * node + 1, level + 1);
+    split_cells(cells, point, first + left, count - left, 2 * node + 2, level + 1);
 }
 
 bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, struct guide_cells *out) {
@@ -61,7 +61,7 @@ bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, struct gui
         while (out->depth < GUIDE_CELLS_DEPTH && count >> (out->depth + 1) >= LEAST) out->depth++;
         for (size_t i = 0; i < count; i++)
             point[i] = (struct split_point){.p = found[i].p, .item = (uint32_t)i};
-        if (count > 0) cut(out, point, 0, count, 0, 0);
+        if (count > 0) split_cells(out, point, 0, count, 0, 0);
         for (size_t i = 0; i < count; i++) out->point[i] = found[point[i].item];
     } else {
         free(out->point);

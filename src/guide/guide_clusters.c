@@ -43,21 +43,21 @@ static struct leaf make_leaf(const struct guide_photon *photon, const struct spl
     return leaf;
 }
 
-// Halves the photons until leaves are left; returns how many.
-static size_t cut(const struct guide_photon *photon, struct split_point *point, size_t count,
-                  struct leaf *out) {
+// Splits the photons at the median until leaves are left; returns how many.
+static size_t make_leaves(const struct guide_photon *photon, struct split_point *point,
+                          size_t count, struct leaf *out) {
     if (count <= LEAF) {
         *out = make_leaf(photon, point, count);
         return 1;
     }
     median_split(point, count);
-    const size_t left = count / 2, leaves = cut(photon, point, left, out);
-    return leaves + cut(photon, point + left, count - left, out + leaves);
+    const size_t left = count / 2, leaves = make_leaves(photon, point, left, out);
+    return leaves + make_leaves(photon, point + left, count - left, out + leaves);
 }
 
 // ---- The hierarchy ----------------------------------------------------------------------------
 
-// What a part of the leaves is together.
+// What some of the leaves are together.
 struct span {
     vec3 lo, hi;
     float power;
@@ -71,7 +71,7 @@ static void span_add(struct span *span, vec3 lo, vec3 hi, float power) {
     span->power += power;
 }
 
-// Power times the square of the extent: low for parts that are bright and small.
+// Power times the square of the extent: low for leaves that are bright and small.
 static float span_cost(const struct span *span) {
     return span->power > 0.0f ? span->power * v3_dist2(span->lo, span->hi) : 0.0f;
 }
@@ -83,8 +83,8 @@ static int bin_of(const struct leaf *leaf, int axis, vec3 lo, vec3 hi) {
     return bin < BINS ? bin : BINS - 1;
 }
 
-// Parts the leaves where the cost of both sides is least; returns how many are in the first part.
-static size_t part(struct leaf *leaf, size_t count) {
+// Splits the leaves where the cost of both sides is least; returns how many are on the first side.
+static size_t split_leaves(struct leaf *leaf, size_t count) {
     struct span all = NO_SPAN;
     for (size_t i = 0; i < count; i++) span_add(&all, leaf[i].center, leaf[i].center, 0.0f);
     float best = INFINITY;
@@ -149,7 +149,7 @@ static void add_nodes(struct guide_clusters *out, struct leaf *leaf, size_t coun
     if (count == 1) {
         for (size_t i = 0; i < leaf->count; i++) out->place[(*placed)++] = leaf->point[i].p;
     } else {
-        size_t left = part(leaf, count);
+        size_t left = split_leaves(leaf, count);
         add_nodes(out, leaf, left, placed);
         node->right = (int32_t)out->node_count;
         add_nodes(out, leaf + left, count - left, placed);
@@ -168,7 +168,7 @@ satin_status guide_clusters_build(const struct satin_scene *scene,
     if (clusters && point && leaf) {
         for (size_t i = 0; i < count; i++)
             point[i] = (struct split_point){.p = photon[i].p, .item = (uint32_t)i};
-        const size_t leaves = cut(photon, point, count, leaf);
+        const size_t leaves = make_leaves(photon, point, count, leaf);
         clusters->node = array_new(2 * leaves, sizeof *clusters->node);
         clusters->place = array_new(count, sizeof *clusters->place);
         if (clusters->node && clusters->place) {
@@ -182,7 +182,7 @@ satin_status guide_clusters_build(const struct satin_scene *scene,
     free(point);
     if (*out) return SATIN_OK;
     guide_clusters_free(clusters);
-    return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for bright places");
+    return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for photon clusters");
 }
 
 void guide_clusters_free(struct guide_clusters *clusters) {

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where to look for light: what a spot or the sun through a window lights, or a caustic, is to the
-// rest of a room a small bright source, which the even rays of a hemisphere meet by luck. A point
-// takes the places of the hierarchy that are much brighter than what it expects, that it sees as
-// small, and that no wall hides [Jensen 1995 guides by the photons themselves].
+// rest of a room a small bright source, which the stratified rays of a hemisphere meet by luck. A
+// point takes the clusters of the hierarchy that are much brighter than what it expects, that it
+// sees as small, and that no wall hides [Jensen 1995 guides by the photons themselves].
 #include "guide/guide_clusters.h"
 
-#define DENSE 16.0f       // irradiance of a dense place over what is expected at the point
+#define DENSE 16.0f       // irradiance of a dense cluster over what is expected at the point
 #define FAINT 0.0002f     // of what is expected: what comes from less is left to chance
 #define SINE_LEAST 1e-4f  // of half an angle: directions are floats
 #define NARROW 0.35f      // sine of a cone's largest half angle
 #define SINE_MOVED 0.5f   // the same when it is moved
-#define EVEN 0.4f         // mean irradiance by area over that by power, of a place that is one
+#define EVEN 0.4f         // mean irradiance by area over that by power, of a cluster that is one
 #define FILLED 0.2f       // of a sphere's disc that its leaves should fill
 
 // Whether p sees photon i of some of the node's photons.
-static bool sees(const struct guide_clusters *clusters, const struct satin_scene *scene,
-                 const struct guide_cluster *node, const struct guide_eye *eye, size_t i) {
+static bool sees_photon(const struct guide_clusters *clusters, const struct satin_scene *scene,
+                        const struct guide_cluster *node, const struct guide_eye *eye, size_t i) {
     vec3 place = clusters->place[node->first + (2 * i + 1) * node->count / (2 * GUIDE_PROBES)];
     vec3 d = v3_sub(place, eye->p);
     float distance = v3_len(d);
@@ -34,10 +34,10 @@ static void aim(struct guide_cone *cone, vec3 p) {
 
 // E and filled of an aimed cone at `distance` from its centre, which is seen at `cosine` from the
 // normal.
-static void estimate(struct guide_cone *cone, float distance, float cosine) {
+static void estimate_cone(struct guide_cone *cone, float distance, float cosine) {
     const struct guide_cluster *node = cone->cluster;
-    const float turned = 1.0f - v3_len(node->normal);
-    const float facing = clampf(turned - v3_dot(node->normal, cone->axis), 0.0f, 1.0f);
+    const float diverging = 1.0f - v3_len(node->normal);
+    const float facing = clampf(diverging - v3_dot(node->normal, cone->axis), 0.0f, 1.0f);
     cone->E = node->power * cosine * facing / (PI_F * sqrf(distance));
     cone->filled = facing * node->area / (2.0f * PI_F * cone->versine * sqrf(distance));
 }
@@ -50,8 +50,8 @@ struct view {
     bool coarse;  // its children would be seen better
 };
 
-static struct view view_of(const struct guide_cluster *node, const struct guide_eye *eye,
-                           float expected) {
+static struct view cluster_view(const struct guide_cluster *node, const struct guide_eye *eye,
+                                float expected) {
     struct view view = {.node = node};
     const vec3 d = v3_sub(node->center, eye->p);
     const float distance = v3_len(d), nearest = fmaxf(distance - node->radius, 0.0f);
@@ -75,11 +75,11 @@ static bool make_cone(const struct guide_clusters *clusters, const struct satin_
     const float distance = v3_len(d), sine = node->radius / distance;
     *out = (struct guide_cone){.cluster = node, .center = node->center, .radius = node->radius};
     aim(out, eye->p);
-    estimate(out, distance, fmaxf(v3_dot(d, eye->n) / distance, 0.25f * sine));
+    estimate_cone(out, distance, fmaxf(v3_dot(d, eye->n) / distance, 0.25f * sine));
     out->chance = out->E / node->power * node->area;
     if (!(out->E > 0.0f)) return false;
     int clear = 0;
-    for (size_t i = 0; i < GUIDE_PROBES; i++) clear += sees(clusters, scene, node, eye, i);
+    for (size_t i = 0; i < GUIDE_PROBES; i++) clear += sees_photon(clusters, scene, node, eye, i);
     out->E *= (float)clear / GUIDE_PROBES;
     return out->E > 0.0f;
 }
@@ -89,15 +89,15 @@ static bool make_cone(const struct guide_clusters *clusters, const struct satin_
 static int refine(const struct guide_clusters *clusters, const struct guide_eye *eye,
                   float expected, struct view view[GUIDE_CONES]) {
     int count = 1;
-    view[0] = view_of(clusters->node, eye, expected);
+    view[0] = cluster_view(clusters->node, eye, expected);
     while (count < GUIDE_CONES) {
         int best = -1;
         for (int i = 0; i < count; i++)
             if (view[i].coarse && (best < 0 || view[i].most > view[best].most)) best = i;
         if (best < 0) break;
         const struct guide_cluster *parent = view[best].node;
-        view[best] = view_of(parent + 1, eye, expected);
-        const struct view right = view_of(clusters->node + parent->right, eye, expected);
+        view[best] = cluster_view(parent + 1, eye, expected);
+        const struct view right = cluster_view(clusters->node + parent->right, eye, expected);
         if (right.most > 0.0f) view[count++] = right;
         if (!(view[best].most > 0.0f)) view[best] = view[--count];
         if (count == 0) break;
@@ -140,11 +140,11 @@ bool guide_cone_move(struct guide_cone *cone, vec3 p, vec3 n) {
     if (!(v3_len2(d) > sqrf(cone->radius / SINE_MOVED))) return false;
     aim(cone, p);
     const float distance = v3_len(d), sine = cone->radius / distance, up = v3_dot(cone->axis, n);
-    estimate(cone, distance, up > -sine ? fmaxf(up, 0.25f * sine) : 0.0f);
+    estimate_cone(cone, distance, up > -sine ? fmaxf(up, 0.25f * sine) : 0.0f);
     return true;
 }
 
 bool guide_cone_visible(const struct guide_clusters *clusters, const struct satin_scene *scene,
                         const struct guide_cone *cone, const struct guide_eye *eye, size_t i) {
-    return sees(clusters, scene, cone->cluster, eye, i);
+    return sees_photon(clusters, scene, cone->cluster, eye, i);
 }

@@ -3,7 +3,7 @@
 // not panes alone, so a pilot divides each light's unit hypercube of emission into cells, sends a
 // few single rays from each and keeps the cells where one met such a surface, and their neighbours.
 // The caustic pass starts most of its paths there, evenly, so that its photons have equal power;
-// the other cells get a share too, which keeps the estimate unbiased. Light from infinitely far is
+// the other cells get some too, which keeps the estimate unbiased. Light from infinitely far is
 // aimed at the box of the surfaces with delta lobes, which loses nothing; and where that is large,
 // as a pane of glass over all that is seen, light is aimed at what is seen (guide_view.c).
 #include <stdlib.h>
@@ -16,16 +16,16 @@ enum {
     CELLS_MAX = 1 << 18,  // of all lights together
     LIGHT_CELLS_MAX = 1 << 12
 };
-// Share of a light's paths that starts in cells where the pilot met nothing. A photon from there is
-// worth (1 - share) / share * (other cells / kept cells) of the common ones: much less, and a
-// caustic that the pilot missed is a rash of bright dots.
-#define BLIND_SHARE 0.2f
+// Fraction of a light's paths that start in cells where the pilot met nothing. The power of a
+// photon from there is (1 - fraction) / fraction * (other cells / kept cells) of that of the common
+// ones: with a much smaller fraction a caustic that the pilot missed is a rash of bright dots.
+#define BLIND_FRACTION 0.2f
 
 // The cells of one light: a grid over the unit hypercube.
 struct light_cells {
     uint32_t split[4];  // cells along each number
     uint32_t total, seen;
-    uint32_t *cell;  // a permutation: the `seen` ones first, each part ascending
+    uint32_t *cell;  // a permutation: the `seen` ones first, each group ascending
     uint64_t paths;
 };
 
@@ -99,7 +99,7 @@ static void cell_point(const struct light_cells *cells, uint32_t cell, float u[4
     for (int k = 0; k < 4; k++) u[k] = sample_stratum((int)at[k], u[k], (int)cells->split[k]);
 }
 
-struct pilot {
+struct emission_pilot {
     const struct satin_scene *scene;
     const struct guide_emission *emission;
     uint64_t seed;
@@ -107,7 +107,7 @@ struct pilot {
     uint8_t *met;
 };
 
-static bool meets_delta(const struct pilot *pilot, const float u[4]) {
+static bool meets_delta(const struct emission_pilot *pilot, const float u[4]) {
     struct light_ray start;
     if (!light_emit(pilot->scene, pilot->light, &pilot->emission->aim, u, &start)) return false;
     return light_makes_caustic(pilot->scene, start.ray);
@@ -115,7 +115,7 @@ static bool meets_delta(const struct pilot *pilot, const float u[4]) {
 
 static void probe_cells(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
-    const struct pilot *pilot = ctx;
+    const struct emission_pilot *pilot = ctx;
     const struct light_cells *cells = &pilot->emission->light[pilot->light];
     for (size_t c = begin; c < end; c++) {
         struct rng rng = rng_make(pilot->seed, RNG_GUIDE, (uint64_t)pilot->light << 32 | c);
@@ -151,15 +151,16 @@ static void sort_cells(struct light_cells *cells, const uint8_t *met) {
         if (!near_met(cells, met, c)) cells->cell[n++] = c;
 }
 
-// Share of a light's paths that starts in the cells that were seen.
-static float seen_share(const struct light_cells *cells) {
+// Fraction of a light's paths that start in the cells that were seen.
+static float seen_fraction(const struct light_cells *cells) {
     if (cells->seen == 0) return 0.0f;
-    return cells->seen == cells->total ? 1.0f : 1.0f - BLIND_SHARE;
+    return cells->seen == cells->total ? 1.0f : 1.0f - BLIND_FRACTION;
 }
 
-// Deals the paths to the lights by the power that leaves their seen cells, and a tenth by power.
-static void allocate_paths(const struct satin_scene *scene, uint64_t paths,
-                           struct guide_emission *emission) {
+// Allocates the paths to the lights by the power that leaves their seen cells, and a tenth by
+// power.
+static void allocate_caustic_paths(const struct satin_scene *scene, uint64_t paths,
+                                   struct guide_emission *emission) {
     double seen = 0.0, all = 0.0;
     for (uint32_t i = 0; i < emission->light_count; i++) {
         const struct light_cells *cells = &emission->light[i];
@@ -168,9 +169,9 @@ static void allocate_paths(const struct satin_scene *scene, uint64_t paths,
     }
     for (uint32_t i = 0; i < emission->light_count; i++) {
         struct light_cells *cells = &emission->light[i];
-        double power = scene->light[i].power, share = power / all;
-        if (seen > 0.0) share = 0.9 * power * cells->seen / cells->total / seen + 0.1 * share;
-        uint64_t n = (uint64_t)llround(share * (double)paths);
+        double power = scene->light[i].power, fraction = power / all;
+        if (seen > 0.0) fraction = 0.9 * power * cells->seen / cells->total / seen + 0.1 * fraction;
+        uint64_t n = (uint64_t)llround(fraction * (double)paths);
         cells->paths = n > 16 ? n : 16;  // so that both kinds of cells get some
     }
 }
@@ -215,7 +216,7 @@ satin_status guide_emission_build(const struct guide_emission_request *request,
     if (!emission || !met) status = SATIN_ERROR_MEMORY;
     if (emission) guide_view_aim(request->view, target, &emission->aim);
     for (uint32_t i = 0; i < scene->light_count && status == SATIN_OK; i++) {
-        struct pilot pilot = {scene, emission, request->seed, i, met};
+        struct emission_pilot pilot = {scene, emission, request->seed, i, met};
         for (int c = 0; c < LIGHT_CELLS_MAX; c++) met[c] = 0;
         if (!parallel_for(pool, emission->light[i].total, 64, probe_cells, &pilot))
             status = SATIN_CANCELLED;
@@ -228,7 +229,7 @@ satin_status guide_emission_build(const struct guide_emission_request *request,
         if (status == SATIN_ERROR_MEMORY) log_fail(log, status, "not enough memory for caustics");
         return status;
     }
-    allocate_paths(scene, request->paths, emission);
+    allocate_caustic_paths(scene, request->paths, emission);
     *out = emission;
     return SATIN_OK;
 }
@@ -254,7 +255,7 @@ const struct light_aim *guide_emission_aim(const struct guide_emission *emission
 float guide_emission_warp(const struct guide_emission *emission, uint32_t light, uint64_t index,
                           float u[4]) {
     const struct light_cells *cells = &emission->light[light];
-    uint64_t to_seen = (uint64_t)llround((double)seen_share(cells) * (double)cells->paths);
+    uint64_t to_seen = (uint64_t)llround((double)seen_fraction(cells) * (double)cells->paths);
     bool seen = index < to_seen;
     uint64_t n = seen ? to_seen : cells->paths - to_seen, j = seen ? index : index - to_seen;
     uint32_t first = seen ? 0 : cells->seen,

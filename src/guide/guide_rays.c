@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // How many rays of a hemisphere go to photon clusters: its stratified rays meet a small bright
-// place by luck; some more rays go to each one that the point sees. Together they are one estimate
-// by the balance heuristic [Veach and Guibas 1995].
+// cluster by luck; some more rays go to each one that the point sees. Together they are one
+// estimate by the balance heuristic [Veach and Guibas 1995].
 #include "guide/guide.h"
 
-// The deviation of what comes from one place over all, below which luck is good enough.
+// The deviation of what comes from one cluster over all light, below which luck is good enough.
 static const float LUCK = 0.01f;
-// The same that guided rays should reach, and that of one of them that meets its place, over its
-// mean.
+// The deviation, over all light, that guided rays aim at; and that of one of them that meets its
+// cluster, over its own mean.
 static const float AIM = 0.01f, SPREAD = 0.5f;
 
 enum { LEAST = 8, MOST = 256 };  // rays of one cone, powers of 2: whole nets
 
-// How many rays go to a place that sends a `share` of the light.
-static int count_rays(const struct guide_cone *cone, float share, size_t stratified) {
-    if (!(share > LUCK * sqrtf((float)stratified * cone->chance))) return 0;
+// Number of rays to a cluster that sends a `fraction` of the light.
+static int count_rays(const struct guide_cone *cone, float fraction, size_t stratified) {
+    if (!(fraction > LUCK * sqrtf((float)stratified * cone->chance))) return 0;
     const float missed = 1.0f / clampf(cone->filled, 0.01f, 1.0f) - 1.0f;
-    const float wanted = sqrf(share / AIM) * (sqrf(SPREAD) + missed);
+    const float wanted = sqrf(fraction / AIM) * (sqrf(SPREAD) + missed);
     int rays = LEAST;
     while (rays < MOST && (float)rays < wanted) rays *= 2;
     return rays;

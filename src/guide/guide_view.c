@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // What of the scene matters to the image, by a few paths: from the eye to x, the first surface that
-// is not ideal specular, and on by a ray as a gather ray would go. Their median length tells how
+// is not ideal specular, and on by a ray as a gather ray would go. Their median length limits how
 // wide a photon lookup may be; boxes of the points x, and of the ideal specular surfaces that the
-// rays meet, tell where caustics are worth photons. A box holds a part of the points that lie
+// rays meet, show where caustics are worth photons. A box holds a fraction of the points that lie
 // nearest to their middle, so a few that are far, as on a ground seen to the horizon, do not widen
 // all.
 #include <stdlib.h>
 
+#include "base/array.h"
 #include "base/sampling.h"
 #include "guide/guide.h"
 
@@ -27,14 +28,9 @@ struct cloud {
     int count;
 };
 
-static int compare_floats(const void *a, const void *b) {
-    float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
-}
-
 static int compare_points(const void *a, const void *b) {
-    return compare_floats(&((const struct point *)a)->distance,
-                          &((const struct point *)b)->distance);
+    return array_compare_floats(&((const struct point *)a)->distance,
+                                &((const struct point *)b)->distance);
 }
 
 static void add(struct cloud *cloud, vec3 p) { cloud->point[cloud->count++].p = p; }
@@ -44,7 +40,7 @@ static void add(struct cloud *cloud, vec3 p) { cloud->point[cloud->count++].p = 
 static float median(const struct cloud *cloud, int axis) {
     float x[GUIDE_VIEW_PATHS];
     for (int i = 0; i < cloud->count; i++) x[i] = v3_along(cloud->point[i].p, axis);
-    qsort(x, (size_t)cloud->count, sizeof *x, compare_floats);
+    qsort(x, (size_t)cloud->count, sizeof *x, array_compare_floats);
     return x[cloud->count / 2];
 }
 
@@ -142,9 +138,9 @@ void guide_view_make(const struct satin_scene *scene, uint64_t seed, struct guid
         if (shape_has_delta(scene, s.shape)) add(&specular, s.p);
     }
     *out = (struct guide_view){
-        .reach = INFINITY, .seen_count = seen.count, .specular_count = specular.count};
-    qsort(length, (size_t)hits, sizeof *length, compare_floats);
-    if (hits > 0) out->reach = length[hits / 2];
+        .ray_length = INFINITY, .seen_count = seen.count, .specular_count = specular.count};
+    qsort(length, (size_t)hits, sizeof *length, array_compare_floats);
+    if (hits > 0) out->ray_length = length[hits / 2];
     if (seen.count > 0) make_boxes(&seen, out->seen);
     if (specular.count > 0) make_boxes(&specular, out->specular);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What of the lights is seen from where. Through a window the environment is a small part of all
 // directions, and a lamp in the next room is none at all; samples that know nothing of walls mostly
-// end at them. Rays from the points of each cell tell in which bins of directions the environment
+// end at them. Rays from the points of each cell find in which bins of directions the environment
 // is seen there, and how much of each light arrives; direct light is sampled by both.
 #include "guide/guide_visibility.h"
 
@@ -16,12 +16,12 @@ enum {
     LIGHT_RAYS = 32
 };
 
-// A bin beside one where the environment is seen gets this part of its weight: rays are few.
+// A bin beside one where the environment is seen gets this fraction of its weight: rays are few.
 #define BESIDE 0.1f
-// Share of samples that bins get: a constant sky has nothing to draw by, and an image draws well
-// where all of it is seen.
-#define SHARE_CONSTANT 0.9f
-#define SHARE_IMAGE 0.75f
+// Fraction of the samples that bins get: a constant sky has nothing to draw by, and an image draws
+// well where all of it is seen.
+#define FRACTION_CONSTANT 0.9f
+#define FRACTION_IMAGE 0.75f
 // A light that no ray has found may yet arrive.
 #define UNSEEN 0.1f
 
@@ -36,13 +36,13 @@ struct learning {
 
 // What rays from a cell find of the environment: the square root of its luminance, as the peaks are
 // the own sampling's.
-struct tally {
+struct sky_tally {
     float weight[LIGHT_HISTOGRAM_BINS];  // mean of a bin
     float seen, facing;                  // sums: what is seen, and were without walls
 };
 
 static void ask(const struct learning *l, const struct guide_cell *cell, int bin, struct rng *rng,
-                struct tally *tally) {
+                struct sky_tally *tally) {
     const size_t first = rng_u32(rng) % cell->count;
     float sum = 0.0f;
     int asked = 0;
@@ -63,7 +63,7 @@ static void ask(const struct learning *l, const struct guide_cell *cell, int bin
 }
 
 // Rows end at the poles, columns meet.
-static float brightest_beside(const struct tally *tally, int bin) {
+static float brightest_beside(const struct sky_tally *tally, int bin) {
     const int row = bin / LIGHT_HISTOGRAM_SIDE, column = bin % LIGHT_HISTOGRAM_SIDE;
     float most = 0.0f;
     for (int y = row - 1; y <= row + 1; y++) {
@@ -78,11 +78,11 @@ static float brightest_beside(const struct tally *tally, int bin) {
 
 static void learn_histogram(const struct learning *l, size_t i, struct rng *rng) {
     const struct light *light = &l->scene->light[l->scene->environment];
-    struct tally tally = {.seen = 0.0f};
+    struct sky_tally tally = {.seen = 0.0f};
     float weight[LIGHT_HISTOGRAM_BINS];
     for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++)
         ask(l, &l->visibility->cells.cell[i], bin, rng, &tally);
-    if (!(tally.seen > 0.0f)) return;  // its share stays 0
+    if (!(tally.seen > 0.0f)) return;  // its fraction stays 0
     for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++)
         weight[bin] = fmaxf(tally.weight[bin], BESIDE * brightest_beside(&tally, bin));
     sample_cdf_build(weight, LIGHT_HISTOGRAM_BINS, l->visibility->cdf[i]);
@@ -90,7 +90,7 @@ static void learn_histogram(const struct learning *l, size_t i, struct rng *rng)
                       l->visibility->cut[i]);
     const float unseen = 1.0f - tally.seen / tally.facing;
     l->visibility->histogram[i] = (struct light_histogram){
-        light->kind == LIGHT_CONSTANT ? SHARE_CONSTANT : SHARE_IMAGE * unseen,
+        light->kind == LIGHT_CONSTANT ? FRACTION_CONSTANT : FRACTION_IMAGE * unseen,
         l->visibility->cdf[i], l->visibility->cut[i]};
 }
 
@@ -116,14 +116,14 @@ static void learn_choice(const struct learning *l, size_t i, struct rng *rng) {
     const struct light_visibility visibility = {histogram->fraction > 0.0f ? histogram : NULL,
                                                 NULL};
     for (uint32_t light = 0; light < l->scene->light_count; light++) {
-        float E = 0.0f, reach = 0.0f;
+        float E = 0.0f, expected = 0.0f;
         for (size_t k = 0; k < LIGHT_RAYS; k++) {
             const struct guide_cell_point *p = &cell->point[k % cell->count];
-            reach += light_estimate(l->scene, &l->scene->light[light], p->p);
+            expected += light_estimate(l->scene, &l->scene->light[light], p->p);
             E += arrives(l->scene, light, visibility, p, rng);
         }
-        const float share = E / reach;
-        l->visibility->share[i][light] = isfinite(share) ? fmaxf(share, UNSEEN) : 1.0f;
+        const float visible = E / expected;
+        l->visibility->visible[i][light] = isfinite(visible) ? fmaxf(visible, UNSEEN) : 1.0f;
     }
 }
 
@@ -176,7 +176,7 @@ struct light_visibility guide_visibility_at(const struct guide_visibility *visib
     const size_t i = guide_cells_find(&visibility->cells, p);
     return (struct light_visibility){
         visibility->histogram[i].fraction > 0.0f ? &visibility->histogram[i] : NULL,
-        visibility->choice ? visibility->share[i] : NULL};
+        visibility->choice ? visibility->visible[i] : NULL};
 }
 
 size_t guide_visibility_bytes(const struct guide_visibility *visibility) {

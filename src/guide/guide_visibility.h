@@ -45,7 +45,7 @@ struct guide_visibility {
     struct light_histogram histogram[GUIDE_CELLS_MAX];
     float cdf[GUIDE_CELLS_MAX][LIGHT_HISTOGRAM_BINS + 1];
     uint32_t cut[GUIDE_CELLS_MAX][LIGHT_HISTOGRAM_CUTS + 1];
-    float share[GUIDE_CELLS_MAX][LIGHT_WEIGHED_MAX];
+    float visible[GUIDE_CELLS_MAX][LIGHT_WEIGHED_MAX];
 };
 
 #endif

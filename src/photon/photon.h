@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The first pass: photons from the lights, and the rough solution that is read from them.
+// The first pass: photons from the lights, and the first-pass radiance estimate that is read from
+// them.
 #ifndef PHOTON_PHOTON_H
 #define PHOTON_PHOTON_H
 
@@ -23,18 +24,18 @@ satin_status photon_maps_build(const struct satin_scene *scene, const satin_opti
                                struct photon_maps **out);
 void photon_maps_free(struct photon_maps *maps);  // NULL is allowed
 
-// The rough solution at a surface point: incident irradiance on the side of n (unit), by the
+// The first-pass estimate at a surface point: incident irradiance on the side of n (unit), by the
 // nearest photon on that side whose irradiance was precomputed. *radius gets the radius of its
 // density estimate. E includes direct light unless options->gather_shadow was set when the maps
 // were built. Black and radius INFINITY where no photon is near that faces as n does and is not
 // behind a wall.
 rgb photon_irradiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
                       vec3 n, float *radius);
-// The same for many points; arrays of `count`.
+// photon_irradiance of many points; arrays of `count`.
 void photon_irradiance_many(const struct photon_maps *maps, const struct satin_scene *scene,
                             size_t count, const vec3 *p, const vec3 *n, rgb *E, float *radius);
 
-// The same from the caustic map.
+// Irradiance by caustic photons, from the caustic map.
 rgb photon_caustic_irradiance(const struct photon_maps *maps, const struct satin_scene *scene,
                               vec3 p, vec3 n);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The area that is really there. A density estimate divides the photons in a disc by its area, but
-// the disc may hang over an edge or reach into a wall. Here the disc is cut to what is surface of
+// the disc may hang over an edge or go on into a wall. Here the disc is cut to what is surface of
 // the same facing and seen from just above its centre: by direction, a ray along the surface finds
 // the wall and a ray down the end of the surface. Extents are interpolated in their inverse, which
 // is exact for a straight wall, and a photon counts only inside the cut disc, so the area and the
@@ -11,7 +11,7 @@
 
 // In units of the disc's radius r.
 #define HEIGHT 0.1f      // of the rays along the surface: over ripples, under what stands there
-#define DEPTH 0.35f      // how far below the tangent plane the surface may bend away
+#define DEPTH 0.35f      // how far below the tangent plane the surface may curve away
 #define FACING 0.5f      // least cosine between the normals of one surface
 #define EXTENT_MIN .02f  // bounds 1 / extent
 #define SECTOR (2.0f * PI_F / AREA_SECTORS)
@@ -64,11 +64,11 @@ static struct probe probe_make(const struct satin_scene *scene, vec3 p, vec3 n, 
 void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r, uint64_t key,
                       struct photon_area *out) {
     out->frame = frame_from_normal(n);
-    out->turn = (float)(rng_mix(key) >> 40) * 0x1p-24f * SECTOR;
+    out->rotation = (float)(rng_mix(key) >> 40) * 0x1p-24f * SECTOR;
     out->open = true;
     struct probe probe = probe_make(scene, p, n, r);
     for (int i = 0; i < AREA_SECTORS; i++) {
-        float phi = out->turn + (float)i * SECTOR;
+        float phi = out->rotation + (float)i * SECTOR;
         vec3 w = frame_to_world(&out->frame, v3(cosf(phi), sinf(phi), 0.0f));
         float e = extent(&probe, w);
         out->inverse[i] = 1.0f / fmaxf(e, EXTENT_MIN);
@@ -98,14 +98,14 @@ static float inverse_extent(const struct photon_area *area, float sector) {
 
 bool photon_area_has(const struct photon_area *area, vec3 d, float r) {
     float x = v3_dot(d, area->frame.u), y = v3_dot(d, area->frame.v);
-    float sector = (atan2f(y, x) - area->turn) * (1.0f / SECTOR);
+    float sector = (atan2f(y, x) - area->rotation) * (1.0f / SECTOR);
     if (sector < 0.0f) sector += AREA_SECTORS;
     if (sector < 0.0f) sector += AREA_SECTORS;
     float inverse = inverse_extent(area, fminf(sector, (float)AREA_SECTORS));
     return (x * x + y * y) * inverse * inverse <= r * r;
 }
 
-float photon_area_share(const struct photon_area *area, enum photon_kernel kernel) {
+float photon_area_fraction(const struct photon_area *area, enum photon_kernel kernel) {
     if (area->open) return 1.0f;
     float sum = 0.0f;
     for (int i = 0; i < AREA_SECTORS * STEPS; i++) {

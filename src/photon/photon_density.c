@@ -75,16 +75,17 @@ void photon_disc_make(const struct photon_query *query, const int *row, const fl
     out->r2 = disc_radius2(query, row, distance2);
     out->r = sqrtf(out->r2);
     if (!(out->r > 0.0f)) return;
-    float share = 1.0f;
+    float fraction = 1.0f;
     bool measure = query->correction == AREA_MEASURED ||
                    (query->correction == AREA_IF_NEEDED && edge_near(out));
     if (measure) {
         photon_area_make(query->scene, query->p, query->n, out->r, place_key(query->p), &out->area);
         out->corrected = !out->area.open;
         // In the tightest cracks nearly nothing is there, and a single photon would shine.
-        if (out->corrected) share = fmaxf(photon_area_share(&out->area, query->kernel), 0.02f);
+        if (out->corrected)
+            fraction = fmaxf(photon_area_fraction(&out->area, query->kernel), 0.02f);
     }
-    out->scale = 1.0f / (PI_F * out->r2 * share);
+    out->scale = 1.0f / (PI_F * out->r2 * fraction);
 }
 
 float photon_disc_weight(const struct photon_disc *disc, int i) {

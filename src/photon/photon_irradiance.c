@@ -5,7 +5,8 @@
 // nearest photon of the right facing is then the nearest point of the index. The scale is twice the
 // median radius of the density estimates, about three times the spacing of the entries: photons of
 // a wall at right angles seem further than any neighbour on the own wall, while on curved surfaces
-// the neighbours stay near as long as the surface does not turn within an estimate's disc.
+// the neighbours stay near as long as the surface's normal changes little within an estimate's
+// disc.
 //
 // An entry's photon counts in its own estimate, which makes it too bright by 1 / (k - 1) on average
 // over photons. Lookups are not even over photons, though: an entry in a gap answers for more area
@@ -20,8 +21,8 @@
 #include "base/array.h"
 
 enum {
-    GRAIN = 256,    // entries of a chunk
-    GROUP = 8,      // of them are searched and judged together
+    CHUNK = 256,    // entries of a chunk
+    GROUP = 8,      // of them are searched and evaluated together
     BATCH = 512,    // lookups of one call
     RETRY_K = 16,   // neighbours searched if the nearest one faces elsewhere,
     RETRY_ENDS = 4  // and of caustics, which mostly are elsewhere then
@@ -30,14 +31,14 @@ enum {
 // Nothing is left of light that ends beyond this times the squared distance where it begins to
 // fade.
 #define FAR 9.0f
-// The nearest of evenly spread entries is further than the root of REACH / (pi density) once in
-// e^REACH places. Where it is, no light came down in between, and its irradiance fades.
-#define REACH 6.0f
+// The nearest of evenly spread entries is further than the root of INFLUENCE / (pi density) once in
+// e^INFLUENCE places. Where it is, no light came down in between, and its irradiance fades.
+#define INFLUENCE 6.0f
 // A ray towards an entry runs so much of its length above the surface.
 #define LIFT 0.1f
 #define CLEARING 2.5f  // radius of a clearing over that of a disc
 
-struct precompute {
+struct precompute_job {
     const struct photon_precompute *what;
     struct photon_irradiance *out;
     atomic_bool failed;
@@ -58,10 +59,10 @@ static struct photon_query query_of(const struct photon_precompute *what, size_t
 // A place around which the surface is known to be whole up to a distance; 0: not known.
 struct clearing {
     vec3 p, n;
-    float reach;
+    float radius;
 };
 
-// Far from edges one clearing tells of a group of entries, which are neighbours on the Morton
+// Far from edges one clearing serves a group of entries, which are neighbours on the Morton
 // curve, and saves them the rays.
 static struct clearing find_clearing(const struct photon_precompute *what, size_t entry,
                                      const int *row, const float *distance2) {
@@ -69,19 +70,20 @@ static struct clearing find_clearing(const struct photon_precompute *what, size_
     struct clearing clearing = {query.p, query.n, 0.0f};
     struct photon_disc disc;
     photon_disc_make(&query, row, distance2, &disc);
-    float reach = CLEARING * disc.r;
-    if (what->area && reach > 0.0f && photon_area_clear(what->scene, query.p, query.n, reach))
-        clearing.reach = reach;
+    float radius = CLEARING * disc.r;
+    if (what->area && radius > 0.0f && photon_area_clear(what->scene, query.p, query.n, radius))
+        clearing.radius = radius;
     return clearing;
 }
 
-static void precompute_one(struct precompute *job, size_t entry, const struct clearing *clearing,
-                           const int *row, const float *distance2) {
+static void precompute_one(struct precompute_job *job, size_t entry,
+                           const struct clearing *clearing, const int *row,
+                           const float *distance2) {
     const struct photon_precompute *what = job->what;
     struct photon_query query = query_of(what, entry);
     struct photon_disc disc;
     photon_disc_make(&query, row, distance2, &disc);
-    float room = clearing->reach - sqrtf(v3_dist2(query.p, clearing->p));
+    float room = clearing->radius - sqrtf(v3_dist2(query.p, clearing->p));
     if (what->area && !(disc.r <= room && v3_dot(query.n, clearing->n) > 0.9f)) {
         query.correction = AREA_MEASURED;
         photon_disc_make(&query, row, distance2, &disc);
@@ -98,7 +100,7 @@ static void precompute_one(struct precompute *job, size_t entry, const struct cl
 
 static void precompute_chunk(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
-    struct precompute *job = ctx;
+    struct precompute_job *job = ctx;
     const struct photon_precompute *what = job->what;
     size_t k = (size_t)what->k;
     int *row = malloc(GROUP * k * sizeof *row);
@@ -124,18 +126,13 @@ static void precompute_chunk(void *ctx, size_t begin, size_t end, int worker) {
     free(distance2);
 }
 
-static int compare_floats(const void *a, const void *b) {
-    float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
-}
-
 // The median of a sample of the radii.
 static float median_radius(const struct photon_irradiance *irradiance) {
     enum { SAMPLE = 1023 };
     float sample[SAMPLE];
     size_t n = irradiance->count < SAMPLE ? irradiance->count : SAMPLE;
     for (size_t i = 0; i < n; i++) sample[i] = irradiance->radius[i * irradiance->count / n];
-    qsort(sample, n, sizeof *sample, compare_floats);
+    qsort(sample, n, sizeof *sample, array_compare_floats);
     return sample[n / 2];
 }
 
@@ -163,7 +160,7 @@ static float normal_scale(const struct photon_irradiance *r, const struct satin_
 // that faces as the query does has a normal that differs by less than the scale.
 static float far_of(const struct photon_precompute *what, const struct photon_irradiance *r) {
     if (!r->ends) return INFINITY;
-    return FAR * r->reach2 * photon_map_far2(what->map) + sqrf(r->place.scale);
+    return FAR * r->influence2 * photon_map_far2(what->map) + sqrf(r->place.scale);
 }
 
 // The rows of the index, their scale known by now.
@@ -179,7 +176,7 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
                                      struct log log, struct photon_irradiance *out) {
     struct photon_map *map = what->map;
     struct photon_irradiance r = {.count = (map->count + what->stride - 1) / what->stride};
-    r.reach2 = REACH * (float)what->stride / (float)what->k;
+    r.influence2 = INFLUENCE * (float)what->stride / (float)what->k;
     r.ends = what->ends;
     if (map->count == 0) {
         *out = r;
@@ -193,10 +190,10 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
     r.radius = array_new(r.count, sizeof *r.radius);
     r.place.clear = array_new(r.count, sizeof *r.place.clear);
     if (map->open && r.place.row && r.E && r.radius && r.place.clear) {
-        struct precompute job = {.what = what, .out = &r};
+        struct precompute_job job = {.what = what, .out = &r};
         atomic_init(&job.failed, false);
         atomic_init(&job.refused, 0);
-        if (!parallel_for(pool, r.count, GRAIN, precompute_chunk, &job))
+        if (!parallel_for(pool, r.count, CHUNK, precompute_chunk, &job))
             status = SATIN_CANCELLED;
         else if (!atomic_load(&job.failed))
             status = SATIN_OK;
@@ -239,7 +236,7 @@ static bool faces(const struct photon_irradiance *r, int row, vec3 n) {
 }
 
 // Whether nothing stands between p and the place, a little above the surface.
-static bool sees(vec3 place, const struct satin_scene *scene, vec3 p, vec3 n) {
+static bool is_visible(vec3 place, const struct satin_scene *scene, vec3 p, vec3 n) {
     vec3 d = v3_sub(place, p);
     float distance = v3_len(d);
     if (!(distance > 0.0f)) return true;
@@ -252,21 +249,21 @@ static bool sees(vec3 place, const struct satin_scene *scene, vec3 p, vec3 n) {
 
 bool photon_irradiance_sees(const struct photon_irradiance *r, const struct satin_scene *scene,
                             int entry, vec3 p, vec3 n) {
-    return sees(photon_place(&r->place, (size_t)entry), scene, p, n);
+    return is_visible(photon_place(&r->place, (size_t)entry), scene, p, n);
 }
 
 bool photon_place_hidden(const struct photon_places *places, const struct satin_scene *scene,
                          size_t i, vec3 p, vec3 n) {
     const vec3 place = photon_place(places, i);
     const float clear = places->clear[i];
-    return v3_dist2(place, p) > clear * clear && !sees(place, scene, p, n);
+    return v3_dist2(place, p) > clear * clear && !is_visible(place, scene, p, n);
 }
 
 // Whether p is far from the row for the density of photons there.
 static bool is_far(const struct photon_irradiance *r, int row, vec3 p) {
     const float d2 = v3_dist2(p, photon_place(&r->place, (size_t)row));
-    const float reach2 = r->reach2 * sqrf(r->radius[row]);
-    return reach2 > 0.0f && d2 > FAR * reach2;
+    const float influence2 = r->influence2 * sqrf(r->radius[row]);
+    return influence2 > 0.0f && d2 > FAR * influence2;
 }
 
 // The nearest entry that faces as n does, among a few, and of which no wall hides p; -1 if there is
@@ -300,14 +297,15 @@ int photon_irradiance_entry(const struct photon_irradiance *r, vec3 p, vec3 n) {
 rgb photon_irradiance_value(const struct photon_irradiance *r, int entry, vec3 p) {
     if (entry < 0) return rgb_grey(0.0f);
     float d2 = v3_dist2(p, photon_place(&r->place, (size_t)entry)), radius = r->radius[entry];
-    float reach2 = r->reach2 * radius * radius;
-    if (d2 <= reach2) return r->E[entry];
-    const float far = d2 / reach2, left = r->ends ? fmaxf(FAR - far, 0.0f) / (FAR - 1.0f) : 1.0f;
+    float influence2 = r->influence2 * radius * radius;
+    if (d2 <= influence2) return r->E[entry];
+    const float far = d2 / influence2,
+                left = r->ends ? fmaxf(FAR - far, 0.0f) / (FAR - 1.0f) : 1.0f;
     return rgb_scale(r->E[entry], left / far);
 }
 
-static void look_up(const struct photon_irradiance *r, const struct satin_scene *scene,
-                    size_t count, const vec3 *p, const vec3 *n, rgb *E, float *radius) {
+static void look_up_photons(const struct photon_irradiance *r, const struct satin_scene *scene,
+                            size_t count, const vec3 *p, const vec3 *n, rgb *E, float *radius) {
     float query[6 * BATCH], distance2[BATCH];
     int row[BATCH];
     for (size_t at = 0; at < count; at += BATCH) {
@@ -332,13 +330,13 @@ static void look_up(const struct photon_irradiance *r, const struct satin_scene 
 
 void photon_irradiance_many(const struct photon_maps *maps, const struct satin_scene *scene,
                             size_t count, const vec3 *p, const vec3 *n, rgb *E, float *radius) {
-    look_up(&maps->irradiance, scene, count, p, n, E, radius);
+    look_up_photons(&maps->irradiance, scene, count, p, n, E, radius);
 }
 
 rgb photon_irradiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
                       vec3 n, float *radius) {
     rgb E;
-    look_up(&maps->irradiance, scene, 1, &p, &n, &E, radius);
+    look_up_photons(&maps->irradiance, scene, 1, &p, &n, &E, radius);
     return E;
 }
 
@@ -346,6 +344,6 @@ rgb photon_caustic_irradiance(const struct photon_maps *maps, const struct satin
                               vec3 p, vec3 n) {
     rgb E;
     float radius;
-    look_up(&maps->caustic_irradiance, scene, 1, &p, &n, &E, &radius);
+    look_up_photons(&maps->caustic_irradiance, scene, 1, &p, &n, &E, &radius);
     return E;
 }

@@ -43,7 +43,8 @@ static struct keyed *sort_keyed(struct keyed *a, struct keyed *b, size_t n) {
 
 // ---- The map ----------------------------------------------------------------------------------
 
-static void fill(struct photon_map *map, const struct photon_hit *hit, const struct keyed *order) {
+static void fill_photons(struct photon_map *map, const struct photon_hit *hit,
+                         const struct keyed *order) {
     for (size_t i = 0; i < map->count; i++) {
         const struct photon_hit *h = &hit[order[i].item];
         float *p = map->position + 3 * i;
@@ -68,7 +69,7 @@ satin_status photon_map_build(const struct satin_scene *scene, const struct phot
         float scale = 512.0f / scene->radius;
         for (size_t i = 0; i < count; i++)
             key[i] = (struct keyed){morton_key(hit[i].p, scene->bounds_lo, scale), (uint32_t)i};
-        fill(&map, hit, sort_keyed(key, key + count, count));
+        fill_photons(&map, hit, sort_keyed(key, key + count, count));
         map.index = photon_index_new(map.position, count, 3);
     }
     free(key);

@@ -21,7 +21,7 @@ struct photon_hit {
     uint32_t wi, n;  // packed directions: to where it came from; geometric normal on that side
 };
 
-// The same in a map, where the positions stand apart for the search.
+// A photon in a map, where the positions stand apart for the search.
 struct photon {
     rgb power;
     uint32_t wi, n;
@@ -100,12 +100,12 @@ enum { AREA_SECTORS = 16 };
 // above: its extent by direction.
 struct photon_area {
     struct frame frame;
-    float turn;                   // of the first sector, radians
+    float rotation;               // of the first sector, radians
     float inverse[AREA_SECTORS];  // 1 / extent in units of r; up to 1: the disc's rim is reached
     bool open;                    // all of the disc is there
 };
 
-// `key` turns the sectors, so that no direction is favoured.
+// `key` rotates the sectors, so that no direction is favoured.
 void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r, uint64_t key,
                       struct photon_area *out);
 // Whether all of the disc is there; quick to say no.
@@ -118,8 +118,8 @@ enum photon_kernel { KERNEL_FLAT = 0, KERNEL_PARABOLA };
 static inline float photon_kernel_weight(enum photon_kernel kernel, float q) {
     return kernel == KERNEL_FLAT ? 1.0f : 2.0f * (1.0f - q);
 }
-// The kernel's integral over the part that is there, over the whole disc's.
-float photon_area_share(const struct photon_area *area, enum photon_kernel kernel);
+// The kernel's integral over what is there of the disc, over that of the whole.
+float photon_area_fraction(const struct photon_area *area, enum photon_kernel kernel);
 
 // ---- Density (photon_density.c) ---------------------------------------------------------------
 
@@ -181,10 +181,10 @@ struct photon_irradiance {
     size_t refused;  // estimates that were not finite
     struct photon_places place;
     rgb *E;
-    float *radius;  // of its estimate
-    float reach2;   // of an entry, in units of its squared radius
-    bool ends;      // nothing is left of it at three times its reach
-    float far2;     // squared distance of rows beyond which no entry answers
+    float *radius;     // of its estimate
+    float influence2;  // squared influence radius of an entry, in units of its squared radius
+    bool ends;         // nothing is left of it at three times its influence radius
+    float far2;        // squared distance of rows beyond which no entry answers
     struct photon_index *index;
 };
 

@@ -5,8 +5,8 @@
 // directly and needs all. A gather ray that finds direct light by a shadow ray needs the caustic
 // and the indirect ones; one that does not needs all. The caustic map is seen directly at the first
 // hit; its photons come from a pass of their own, aimed at what can cause caustics. What looks for
-// bright places needs all, but fewer, allocated by power so that they weigh alike; the pass of the
-// global map brings them too.
+// photon clusters needs all, but fewer, allocated by power so that they weigh alike; the pass of
+// the global map brings them too.
 #include <math.h>
 #include <stdlib.h>
 
@@ -16,13 +16,13 @@
 enum {
     KEEP_ALL = 1 << PHOTON_DIRECT | 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT,
     KEEP_BOUNCED = 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT,
-    BRIGHT_LEAST = 1 << 15,  // paths that look for bright places:
-    BRIGHT_MOST = 1 << 18,   // a part of those of the global map, within bounds
+    BRIGHT_LEAST = 1 << 15,  // paths that look for photon clusters:
+    BRIGHT_MOST = 1 << 18,   // a fraction of those of the global map, within bounds
     BRIGHT_PART = 3
 };
 
-// What the steps share.
-struct pass {
+// What all steps of the first pass need.
+struct photon_pass {
     const struct satin_scene *scene;
     const satin_options *options;
     struct parallel *pool;
@@ -32,17 +32,17 @@ struct pass {
     struct guide_allocation allocation;
 };
 
-// A lookup wider than this part of what is seen is not trusted.
+// A lookup wider than this fraction of what is seen is not trusted.
 static const float TRUST = 0.25f;
 
-// Caustics are faint below this part of the mean irradiance.
+// Caustics are faint below this fraction of the mean irradiance.
 static const float FAINT = 0.01f;
 
 // An estimate leaves out its outermost photon, so it takes two to see light.
 static int clamp_k(int k) { return k < 2 ? 2 : k > PHOTON_K_MAX ? PHOTON_K_MAX : k; }
 
-// Traces, and sorts the first keeper's photons into the map.
-static satin_status trace_into(const struct pass *pass, const struct photon_tracing *tracing,
+// Traces, and sorts the first consumer's photons into the map.
+static satin_status trace_into(const struct photon_pass *pass, const struct photon_tracing *tracing,
                                struct photon_map *map, struct photon_trace trace[PHOTON_KEEPS]) {
     double start = stats_wall();
     satin_status status = photon_trace_run(tracing, pass->pool, pass->log, trace);
@@ -67,8 +67,9 @@ static int bounces_left(const satin_options *o, int behind) {
     return o->max_depth > behind + 1 ? o->max_depth - behind - 1 : 0;
 }
 
-static satin_status precompute(const struct pass *pass, const struct photon_precompute *what,
-                               struct photon_irradiance *out) {
+static satin_status precompute_map(const struct photon_pass *pass,
+                                   const struct photon_precompute *what,
+                                   struct photon_irradiance *out) {
     const double start = stats_wall();
     satin_status status = photon_irradiance_build(what, pass->pool, pass->log, out);
     stats_add(pass->stats, "photons.precompute_s", stats_wall() - start);
@@ -83,11 +84,11 @@ static uint64_t bright_paths(const satin_options *o) {
 }
 
 // The clusters of the photons that were traced for them.
-static satin_status build_clusters(const struct pass *pass, const struct photon_trace *trace,
+static satin_status build_clusters(const struct photon_pass *pass, const struct photon_trace *trace,
                                    struct photon_maps *maps) {
     struct guide_photon *photon = array_new(trace->count, sizeof *photon);
     if (!photon)
-        return log_fail(pass->log, SATIN_ERROR_MEMORY, "not enough memory for bright places");
+        return log_fail(pass->log, SATIN_ERROR_MEMORY, "not enough memory for photon clusters");
     for (size_t i = 0; i < trace->count; i++) {
         const struct photon_hit *hit = &trace->hit[i];
         photon[i] = (struct guide_photon){hit->p, photon_unpack(hit->n), rgb_luminance(hit->power)};
@@ -98,8 +99,8 @@ static satin_status build_clusters(const struct pass *pass, const struct photon_
     return status;
 }
 
-// The global map, and the bright places.
-static satin_status trace_global(const struct pass *pass, struct photon_maps *maps) {
+// The global map, and the photon clusters.
+static satin_status trace_global(const struct photon_pass *pass, struct photon_maps *maps) {
     const satin_options *o = pass->options;
     const bool seen = o->integrator == SATIN_PHOTONS, bounced = o->gather_shadow && !seen;
     const struct photon_tracing tracing = {
@@ -120,7 +121,7 @@ static satin_status trace_global(const struct pass *pass, struct photon_maps *ma
     return status;
 }
 
-static satin_status build_global(const struct pass *pass, struct photon_maps *maps) {
+static satin_status build_global(const struct photon_pass *pass, struct photon_maps *maps) {
     satin_status status = trace_global(pass, maps);
     if (status != SATIN_OK) return status;
     maps->global.radius_max = INFINITY;
@@ -129,7 +130,7 @@ static satin_status build_global(const struct pass *pass, struct photon_maps *ma
     size_t stride = PHOTON_STRIDE;
     if (pass->options->integrator == SATIN_PHOTONS && maps->photon_k > 8 * PHOTON_STRIDE)
         stride = (size_t)maps->photon_k / 8;
-    return precompute(
+    return precompute_map(
         pass,
         &(struct photon_precompute){&maps->global, pass->scene, stride, maps->photon_k, KERNEL_FLAT,
                                     maps->area, false, false},
@@ -160,7 +161,7 @@ static float faint_radius(const struct photon_maps *maps) {
     return least > 0.0 ? (float)sqrt(maps->caustic_k * mean / (M_PI * least)) : INFINITY;
 }
 
-static satin_status build_caustic(const struct pass *pass, struct photon_maps *maps) {
+static satin_status build_caustic(const struct photon_pass *pass, struct photon_maps *maps) {
     const satin_options *o = pass->options;
     // The photons integrator has the caustics in the global map.
     if (o->caustic_photons <= 0 || o->integrator == SATIN_PHOTONS) return SATIN_OK;
@@ -183,11 +184,11 @@ static satin_status build_caustic(const struct pass *pass, struct photon_maps *m
     if (status != SATIN_OK) return status;
     if (maps->caustic.count > 0)
         maps->caustic.radius_max = fminf(maps->caustic.radius_max, faint_radius(maps));
-    return precompute(pass,
-                      &(struct photon_precompute){
-                          &maps->caustic, pass->scene, PHOTON_CAUSTIC_STRIDE, maps->caustic_k,
-                          KERNEL_PARABOLA, maps->area, o->caustic_smooth, true},
-                      &maps->caustic_irradiance);
+    return precompute_map(pass,
+                          &(struct photon_precompute){
+                              &maps->caustic, pass->scene, PHOTON_CAUSTIC_STRIDE, maps->caustic_k,
+                              KERNEL_PARABOLA, maps->area, o->caustic_smooth, true},
+                          &maps->caustic_irradiance);
 }
 
 satin_status photon_maps_build(const struct satin_scene *scene, const satin_options *options,
@@ -199,11 +200,11 @@ satin_status photon_maps_build(const struct satin_scene *scene, const satin_opti
     maps->caustic_k = clamp_k(options->caustic_k);
     maps->area = options->photon_area;
     maps->smooth = options->caustic_smooth;
-    struct pass pass = {
+    struct photon_pass pass = {
         .scene = scene, .options = options, .pool = pool, .log = log, .stats = stats};
     guide_view_make(scene, options->seed, &pass.view);
     guide_allocation_make(scene, options->seed, &pass.allocation);
-    maps->trust = TRUST * pass.view.reach;
+    maps->trust = TRUST * pass.view.ray_length;
     satin_status status = build_global(&pass, maps);
     if (status == SATIN_OK) status = build_caustic(&pass, maps);
     if (status != SATIN_OK) {

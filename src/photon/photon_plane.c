@@ -113,8 +113,9 @@ static void fit_site(const struct photon_fitting *job, size_t i) {
     sites->slope[i].differs = differs < DIFFERS_MOST ? differs : DIFFERS_MOST;
 }
 
-// A few neighbours differ by more than noise now and then: the mean over neighbouring planes tells.
-static void judge_site(const struct photon_fitting *job, size_t i) {
+// A few neighbours differ by more than noise now and then: the mean over neighbouring planes
+// decides.
+static void evaluate_site(const struct photon_fitting *job, size_t i) {
     struct neighbour near[NEIGHBOURS];
     const int count = find_neighbours(job, i, near);
     float differs = 0.0f, sum = 0.0f;
@@ -130,9 +131,9 @@ void photon_fit_planes(void *fitting, size_t begin, size_t end, int worker) {
     for (size_t i = begin; i < end; i++) fit_site(fitting, i);
 }
 
-void photon_judge_planes(void *fitting, size_t begin, size_t end, int worker) {
+void photon_evaluate_planes(void *fitting, size_t begin, size_t end, int worker) {
     (void)worker;
-    for (size_t i = begin; i < end; i++) judge_site(fitting, i);
+    for (size_t i = begin; i < end; i++) evaluate_site(fitting, i);
 }
 
 // ---- Reading ------------------------------------------------------------------------------------

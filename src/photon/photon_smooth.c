@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Caustics without the grain of their photons. Where the estimates around a place differ from a
+// Caustics without the noise of their photons. Where the estimates around a place differ from a
 // plane hardly more than their variance explains, the plane is what is seen; where they differ much
 // more, they stay as they are, and in between a part of the difference is kept. Planes are fitted
 // by least squares at sites, and what a site stands for is smoothed in the same way over ever wider
@@ -21,7 +21,7 @@ enum {
     STRIDE = 16,       // entries per site, and
     STRIDE_WIDER = 4,  // sites per site of wider surroundings
     SITES_LEAST = 128,
-    GRAIN = 64
+    CHUNK = 64
 };
 #define ASIDE 1.2f  // least distance of a site from its photon, in radii of its disc
 #define ASIDE_MOST 1.7f
@@ -64,11 +64,11 @@ static bool find_place(const struct estimating *job, size_t site, vec3 *p, vec3 
     *n = photon_unpack(job->what->map->photon[entry * job->what->stride].n);
     const struct frame frame = frame_from_normal(*n);
     struct rng rng = rng_make(0, RNG_SMOOTH, site);
-    const float turn = 2.0f * PI_F * rng_float(&rng);
+    const float rotation = 2.0f * PI_F * rng_float(&rng);
     const float least2 = ASIDE * ASIDE, most2 = ASIDE_MOST * ASIDE_MOST;
     const float aside = r->radius[entry] * sqrtf(least2 + (most2 - least2) * rng_float(&rng));
-    vec3 above = v3_mad(photon_place(&r->place, entry), aside * cosf(turn), frame.u);
-    above = v3_mad(v3_mad(above, aside * sinf(turn), frame.v), HEIGHT * aside, *n);
+    vec3 above = v3_mad(photon_place(&r->place, entry), aside * cosf(rotation), frame.u);
+    above = v3_mad(v3_mad(above, aside * sinf(rotation), frame.v), HEIGHT * aside, *n);
     const struct ray down = {above, 0.0f, v3_neg(*n), 2.0f * HEIGHT * aside};
     struct interaction s;
     if (!scene_intersect_whole(scene, &down, &s)) return false;
@@ -146,7 +146,7 @@ static bool thin(const struct photon_sites *sites, struct photon_sites *out) {
 
 // ---- Levels -------------------------------------------------------------------------------------
 
-// Replaces `count` values by what the sites, every few of their places, tell.
+// Replaces `count` values by what the sites, every few of their places, give.
 static satin_status smooth(const struct satin_scene *scene, struct parallel *pool,
                            struct photon_sites *sites, const struct photon_places *place,
                            size_t count, rgb *value) {
@@ -156,8 +156,8 @@ static satin_status smooth(const struct satin_scene *scene, struct parallel *poo
     if (!plane || !sites->index) goto end;
     struct photon_fitting fitting = {scene, sites, plane};
     status = SATIN_CANCELLED;
-    if (!parallel_for(pool, sites->count, GRAIN, photon_fit_planes, &fitting)) goto end;
-    if (!parallel_for(pool, sites->count, GRAIN, photon_judge_planes, &fitting)) goto end;
+    if (!parallel_for(pool, sites->count, CHUNK, photon_fit_planes, &fitting)) goto end;
+    if (!parallel_for(pool, sites->count, CHUNK, photon_evaluate_planes, &fitting)) goto end;
     memcpy(sites->value, plane, sites->count * sizeof *plane);
     if (sites->count / STRIDE_WIDER >= SITES_LEAST) {
         struct photon_sites wider;
@@ -169,7 +169,7 @@ static satin_status smooth(const struct satin_scene *scene, struct parallel *poo
     }
     struct photon_reading reading = {scene, sites, place, value};
     status =
-        parallel_for(pool, count, GRAIN, photon_read_planes, &reading) ? SATIN_OK : SATIN_CANCELLED;
+        parallel_for(pool, count, CHUNK, photon_read_planes, &reading) ? SATIN_OK : SATIN_CANCELLED;
 end:
     free(plane);
     return status;
@@ -184,7 +184,7 @@ satin_status photon_smooth(const struct photon_precompute *what, struct parallel
     if (sites_make(count, irradiance->place.scale, &sites)) {
         struct estimating job = {.what = what, .irradiance = irradiance, .sites = &sites};
         atomic_init(&job.failed, false);
-        if (!parallel_for(pool, count, GRAIN, estimate_sites, &job))
+        if (!parallel_for(pool, count, CHUNK, estimate_sites, &job))
             status = SATIN_CANCELLED;
         else if (!atomic_load(&job.failed))
             status = SATIN_OK;

@@ -21,23 +21,29 @@ struct photon_sites {
 
 static inline float rgb_square(rgb c) { return c.r * c.r + c.g * c.g + c.b * c.b; }
 
-// Fits the planes at the sites, which have an index by now. Chunk functions of parallel_for:
+// The next three functions are chunk functions of parallel_for, to be run one after the other; the
+// sites must have an index.
+
+// Context of the first two.
 struct photon_fitting {
     const struct satin_scene *scene;
     struct photon_sites *sites;  // of which `slope` is filled
     rgb *plane;                  // value of each site's plane at the site
 };
+// Fits a plane at each site.
 void photon_fit_planes(void *fitting, size_t begin, size_t end, int worker);
-// says how much of the differences is kept, when all are fitted;
-void photon_judge_planes(void *fitting, size_t begin, size_t end, int worker);
-// and replaces values by what the planes around, and the values themselves as far as they are no
-// noise, tell.
+// Decides at each site how much of the differences from its plane is kept.
+void photon_evaluate_planes(void *fitting, size_t begin, size_t end, int worker);
+
+// Context of photon_read_planes.
 struct photon_reading {
     const struct satin_scene *scene;
     const struct photon_sites *sites;   // with their planes' values
     const struct photon_places *place;  // of the values
     rgb *value;
 };
+// Replaces values by the mean of the planes around, and of the values themselves as far as they are
+// no noise.
 void photon_read_planes(void *reading, size_t begin, size_t end, int worker);
 
 #endif

@@ -2,9 +2,9 @@
 // Pass 1a: photons leave the lights, scatter and are kept where a smooth lobe could reflect them.
 // Paths are allocated to the lights, by power or by what is seen of it (guide_allocation.c), in one
 // run of path indices each, so that well-spread numbers make the emission of every light even and
-// no choice of a light adds noise. Who needs fewer photons keeps those of the first paths of each
-// run, which are well spread too. Scattering ends by Russian roulette at the albedo, which keeps
-// the photons' powers alike [Jensen 2001]; shading normals get the factor of the adjoint BSDF
+// no choice of a light adds noise. A consumer of fewer photons keeps those of the first paths of
+// each run, which are well spread too. Scattering ends by Russian roulette at the albedo, which
+// keeps the photons' powers alike [Jensen 2001]; shading normals get the factor of the adjoint BSDF
 // [Veach 1997, 5.3.2].
 #include <limits.h>
 #include <stdatomic.h>
@@ -22,7 +22,7 @@ enum {
     BOUNCES_MAX = 1000     // ends paths that a mirror with albedo 1 would keep for ever
 };
 
-// What one chunk of paths leaves to one who keeps photons.
+// Photons that one chunk of paths leaves to one consumer.
 struct kept {
     struct photon_hit *hit;
     size_t count, capacity;
@@ -41,7 +41,7 @@ struct run {
     uint64_t *paths[PHOTON_KEEPS];  // by light: its first ones, of which photons are kept
     struct parallel *pool;
     struct chunk *chunk;
-    size_t grain;         // paths of a chunk
+    size_t chunk_paths;   // paths of a chunk
     atomic_size_t count;  // photons kept so far
     atomic_bool failed;
 };
@@ -51,10 +51,10 @@ struct run {
 struct flight {
     struct ray ray;
     rgb power;
-    enum photon_class class;      // direct: unless the chain bends it, see class_of
+    enum photon_class class;      // direct: unless a chain deflects it, see class_of
     struct light_chain chain;     // of a direct photon
     unsigned keep[PHOTON_KEEPS];  // classes that are kept of this path,
-    float share[PHOTON_KEEPS];    // and what of all power its power is to who keeps them
+    float factor[PHOTON_KEEPS];   // of its power, for each consumer
 };
 
 static bool append(struct kept *kept, struct photon_hit hit, enum photon_class class) {
@@ -73,8 +73,8 @@ static bool valid(const struct photon_hit *hit) {
 
 // A direct photon whose direction glass has changed for good is a caustic one.
 static enum photon_class class_of(const struct flight *f) {
-    const bool bent = f->class == PHOTON_DIRECT && !light_chain_straight(&f->chain, f->ray.d);
-    return bent ? PHOTON_CAUSTIC : f->class;
+    const bool deflected = f->class == PHOTON_DIRECT && !light_chain_straight(&f->chain, f->ray.d);
+    return deflected ? PHOTON_CAUSTIC : f->class;
 }
 
 // Where a mask lets photons pass, those that stop stand for all that would come to whole surface.
@@ -88,7 +88,7 @@ static bool keep_hit(const struct satin_scene *scene, struct chunk *chunk,
     struct photon_hit hit = {.p = s->p, .wi = photon_pack(wi), .n = photon_pack(n)};
     for (int i = 0; i < PHOTON_KEEPS; i++) {
         if (!(f->keep[i] >> class & 1u)) continue;
-        hit.power = rgb_scale(f->power, f->share[i]);
+        hit.power = rgb_scale(f->power, f->factor[i]);
         if (opacity < 1.0f) hit.power = rgb_scale(hit.power, 1.0f / fmaxf(opacity, 0.05f));
         if (!valid(&hit))
             chunk->refused++;
@@ -148,8 +148,8 @@ static bool scatter(const struct satin_scene *scene, const struct interaction *s
     return true;
 }
 
-static void walk(const struct photon_tracing *tracing, struct flight f, struct rng *rng,
-                 struct chunk *chunk) {
+static void follow_photon(const struct photon_tracing *tracing, struct flight f, struct rng *rng,
+                          struct chunk *chunk) {
     const struct satin_scene *scene = tracing->scene;
     unsigned lobes = tracing->emission ? BRDF_DELTA : BRDF_ALL;
     const int most = tracing->bounces < 0 ? BOUNCES_MAX : tracing->bounces;
@@ -170,15 +170,16 @@ static uint64_t paths_of(const struct photon_tracing *tracing, const struct phot
     if (keep->paths == 0) return 0;
     if (tracing->emission) return guide_emission_paths(tracing->emission, light);
     const float *cdf = tracing->scene->light_cdf;
-    double share = (double)cdf[light + 1] - (double)cdf[light];
+    double fraction = (double)cdf[light + 1] - (double)cdf[light];
     if (keep->allocation && !keep->allocation->by_power)
-        share = (double)keep->allocation->share[light];
-    uint64_t n = (uint64_t)llround(share * (double)keep->paths);
+        fraction = (double)keep->allocation->fraction[light];
+    uint64_t n = (uint64_t)llround(fraction * (double)keep->paths);
     return n > 0 ? n : 1;  // even the faintest light is represented
 }
 
-// Allocates and fills the paths of each light; who keeps most of them decides how many there are.
-static bool allocate_paths(struct run *run) {
+// Allocates and fills the paths of each light; the consumer of most of them decides how many there
+// are.
+static bool allocate_photon_paths(struct run *run) {
     const uint32_t lights = run->tracing->scene->light_count;
     run->first = array_new(lights + 1, sizeof *run->first);
     run->paths[0] = array_new(PHOTON_KEEPS * (size_t)lights, sizeof *run->paths[0]);
@@ -232,16 +233,16 @@ static bool launch(const struct run *run, uint32_t light, uint64_t index, struct
     for (int k = 0; k < PHOTON_KEEPS; k++) {
         if (index >= run->paths[k][light]) continue;
         f->keep[k] = tracing->keep[k].classes;
-        f->share[k] = paths / (float)run->paths[k][light];
+        f->factor[k] = paths / (float)run->paths[k][light];
     }
     if (!rgb_finite(f->power)) ++*refused;
     return rgb_finite(f->power) && rgb_max(f->power) > 0.0f;
 }
 
-static void trace_chunk(void *ctx, size_t begin, size_t end, int worker) {
+static void trace_photon_paths(void *ctx, size_t begin, size_t end, int worker) {
     struct run *run = ctx;
     const struct photon_tracing *tracing = run->tracing;
-    struct chunk *chunk = &run->chunk[begin / run->grain];
+    struct chunk *chunk = &run->chunk[begin / run->chunk_paths];
     if (atomic_load(&run->failed)) return;
     uint32_t light = light_of(run->first, tracing->scene->light_count, begin);
     for (uint64_t path = begin; path < end && !chunk->failed; path++) {
@@ -252,7 +253,7 @@ static void trace_chunk(void *ctx, size_t begin, size_t end, int worker) {
             rng_make(tracing->seed, tracing->emission ? RNG_CAUSTIC : RNG_PHOTON, path);
         struct flight f;
         if (launch(run, light, path - run->first[light], &f, &chunk->refused))
-            walk(tracing, f, &rng, chunk);
+            follow_photon(tracing, f, &rng, chunk);
     }
     // The kd-tree numbers photons by int.
     size_t own = 0;
@@ -284,14 +285,14 @@ static satin_status join(struct run *run, size_t chunks, int keep, struct photon
 }
 
 static satin_status trace_all(struct run *run, struct photon_trace out[PHOTON_KEEPS]) {
-    if (!allocate_paths(run)) return SATIN_ERROR_MEMORY;
+    if (!allocate_photon_paths(run)) return SATIN_ERROR_MEMORY;
     const size_t paths = (size_t)run->first[run->tracing->scene->light_count];
-    run->grain = paths / CHUNKS_MAX > CHUNK_PATHS ? paths / CHUNKS_MAX + 1 : CHUNK_PATHS;
-    const size_t chunks = paths / run->grain + (paths % run->grain != 0);
+    run->chunk_paths = paths / CHUNKS_MAX > CHUNK_PATHS ? paths / CHUNKS_MAX + 1 : CHUNK_PATHS;
+    const size_t chunks = paths / run->chunk_paths + (paths % run->chunk_paths != 0);
     run->chunk = array_new(chunks, sizeof *run->chunk);
     if (!run->chunk) return SATIN_ERROR_MEMORY;
     satin_status status = SATIN_OK;
-    if (!parallel_for(run->pool, paths, run->grain, trace_chunk, run))
+    if (!parallel_for(run->pool, paths, run->chunk_paths, trace_photon_paths, run))
         status = SATIN_CANCELLED;
     else if (atomic_load(&run->failed))
         status = SATIN_ERROR_MEMORY;

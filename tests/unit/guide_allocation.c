@@ -41,8 +41,8 @@ static void lamps_in_closed_rooms_get_half(void **state) {
     assert_true(by_power < 0.01f);
     guide_allocation_make(&t.scene, 1, &allocation);
     assert_false(allocation.by_power);
-    assert_true(fabsf(allocation.share[0] - 0.5f - 0.5f * by_power) < 1e-6f);
-    assert_true(fabsf(allocation.share[0] + allocation.share[1] - 1.0f) < 1e-6f);
+    assert_true(fabsf(allocation.fraction[0] - 0.5f - 0.5f * by_power) < 1e-6f);
+    assert_true(fabsf(allocation.fraction[0] + allocation.fraction[1] - 1.0f) < 1e-6f);
     test_scene_free(&t);
 }
 
@@ -53,7 +53,7 @@ static void skies_over_open_floors_get_most(void **state) {
     room(&t, false);
     guide_allocation_make(&t.scene, 1, &allocation);
     // Walks leave the floor upwards and meet nothing but the back of the lamp, or the sky.
-    assert_true(allocation.by_power || allocation.share[1] > 0.5f);
+    assert_true(allocation.by_power || allocation.fraction[1] > 0.5f);
     test_scene_free(&t);
 }
 
