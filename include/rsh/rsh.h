@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Real spherical and hemispherical harmonics: evaluation, projection, products, rotation. A library
 // of its own: it needs nothing but this header, allocates nothing and keeps no state, so every
-// function may be called from any thread at any time.
+// function may be called from any thread at any time. Arrays are the caller's; none is kept.
 //
 // Conventions, said once
 //   order    n = number of bands, 1 to RSH_MAX_ORDER; a vector has n * n coefficients

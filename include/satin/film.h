@@ -10,22 +10,34 @@
 extern "C" {
 #endif
 
-// Reads an OpenEXR file (scanline or tiled, first part, any pixel type). The caller frees *film.
+// Reads an OpenEXR file (scanline or tiled, first part, any pixel type). `log` may be NULL; it is
+// called on this thread. The caller frees *film with satin_film_free; on failure it is untouched.
+// SATIN_ERROR_INPUT: it cannot be read, is no such file, or of a kind that is not supported;
+// SATIN_ERROR_MEMORY. Thread-safe.
 SATIN_API satin_status satin_film_read(const char *path, satin_log_fn log, void *log_user,
                                        satin_film **film);
-// Ends the film, its channels, names and statistics. NULL is allowed.
+// Frees the film, and with it its channels, names and statistics. NULL is allowed. No other thread
+// may use the film then.
 SATIN_API void satin_film_free(satin_film *film);
 
-// In pixels; of the crop window, if the scene has one.
+// The film's size [pixels], of the crop window if the scene has one. Neither pointer may be NULL.
+// Thread-safe.
 SATIN_API void satin_film_size(const satin_film *film, int *width, int *height);
-// Channels are named R, G, B for the beauty and layer.R and so on for layers. NULL beyond the last.
-// Units are those of docs/formats.md: radiance [W m^-2 sr^-1] in all channels of light.
+// The name of channel `index`, from 0 on; NULL beyond the last, which ends a loop over all, and
+// below 0. Channels are named R, G, B for the beauty and layer.R and so on for layers. It belongs
+// to the film. Thread-safe.
 SATIN_API const char *satin_film_channel_name(const satin_film *film, int index);
-// width * height floats, row by row from the top, valid as long as the film; NULL if there is none.
+// The channel of that name: width * height floats, row by row from the top, which belong to the
+// film; NULL if there is none. docs/formats.md has the unit of each: radiance [W m^-2 sr^-1] in all
+// channels of light, the scene's unit of length in depth.Z, 1 in albedo, normal and counts.
+// Thread-safe.
 SATIN_API const float *satin_film_channel(const satin_film *film, const char *name);
 
 // Writes all channels and attributes as OpenEXR (float, ZIP), or the beauty as 8-bit sRGB PNG. The
-// file appears whole or not at all. SATIN_ERROR_IO, logged, if it cannot be written.
+// file appears whole or not at all, and replaces one of that name. `log` may be NULL; it is called
+// on this thread. SATIN_ERROR_IO, logged, if it cannot be written; SATIN_ERROR_ARGUMENT, logged, if
+// it has no channels, or for PNG no R, G and B; SATIN_ERROR_MEMORY. Thread-safe, but for two calls
+// that write one path: the last one to end wins.
 SATIN_API satin_status satin_film_write_exr(const satin_film *film, const char *path,
                                             satin_log_fn log, void *log_user);
 SATIN_API satin_status satin_film_write_png(const satin_film *film, const char *path,

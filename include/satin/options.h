@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // How an image is rendered. A plain struct: copy satin_options_default (or let
 // satin_options_preset fill one) and set what differs. One table (src/render/options_table.c)
-// parses, prints and documents every field.
+// parses, prints and documents every field, with its range, which satin_options_set
+// checks. Every call here is thread-safe: it touches nothing but what its pointers lead to. A
+// struct that one thread writes must not be used by another at the same time.
 #ifndef SATIN_OPTIONS_H
 #define SATIN_OPTIONS_H
 
@@ -57,13 +59,13 @@ typedef struct satin_options {
     satin_quality quality;
     satin_first_pass first_pass;
     int spp;            // samples per pixel; 0: the scene's for path, the preset's for the others
-    bool adaptive;      // spp is a mean: pixels that need it get more; path always spreads evenly
+    bool adaptive;      // spp is a mean: pixels that need it get more; path takes spp everywhere
     bool denoise;       // the light that no record carries; needs Open Image Denoise
     int width, height;  // film size in pixels; 0: the scene's
     uint64_t seed;
     int threads;        // 0: one per core
     double time;        // wall seconds for the whole render; 0: no limit
-    int max_depth;      // path edges as Mitsuba counts them; -1: no limit; -2: the scene's, else -1
+    int max_depth;      // path segments as Mitsuba counts them; -1: no limit; -2: the scene's or -1
     int rr_depth;       // path depth at which Russian roulette starts; 0: the scene's, else 5
     int hide_emitters;  // 1: directly seen emitters are black; 0: not; -1: the scene's, else 0
     int light_samples;  // light samples per pixel sample at the first hit
@@ -81,9 +83,9 @@ typedef struct satin_options {
     // Gathering.
     bool gather_bounce;   // hits nearer than the lookup radius go on one more bounce
     bool gather_shadow;   // direct light at gather hits by a shadow ray instead of photons
-    bool gather_guide;    // more gather rays to where photons come down densely
-    bool light_guide;     // direct light is sampled by what is seen of the lights around
-    bool texture_filter;  // bitmaps are averaged over what a ray stands for
+    bool gather_guide;    // more gather rays towards clusters of photons
+    bool light_guide;     // direct light is sampled by what is visible of the lights
+    bool texture_filter;  // bitmaps are averaged over a ray's footprint
 
     // Irradiance cache (diffuse surfaces).
     bool irradiance_cache;
@@ -118,7 +120,7 @@ typedef struct satin_options {
     float radiance_max_pixels;
 
     // Both caches.
-    bool adaptive_cache;      // records give way where they visibly disagree [K05 6.3]
+    bool adaptive_cache;      // records are shrunk where they disagree visibly [K05 6.3]
     bool origin_shift;        // records are made off the edges of triangles [K05 6.5.3]
     float record_max_radius;  // largest R in scene units, over those in pixels; 0: no limit
     // Where the R that records should have is less than this part of the least that pixels allow,
@@ -132,20 +134,21 @@ typedef struct satin_options {
     char material_cache[256];
 } satin_options;
 
-// The options at quality `preview`. Constant, static storage.
+// The options at quality `preview`. Constant, static storage; any thread may read them.
 extern SATIN_API const satin_options satin_options_default;
 
-// Sets every field that a quality preset decides; the others stay.
+// Sets every field that a quality preset decides; the others stay. `options` must not be NULL and
+// `quality` be one of the enum.
 SATIN_API void satin_options_preset(satin_options *options, satin_quality quality);
 
 // Sets one option from text, by the name of its field (`-` and `_` are the same); `quality` applies
 // its preset; `material.NAME.cache` = on or off adds to material_cache. SATIN_ERROR_INPUT, with one
 // logged line that names the nearest option or the range, if the name or the value is wrong; then
-// nothing changes.
+// nothing changes. `log` may be NULL; it is called on this thread.
 SATIN_API satin_status satin_options_set(satin_options *options, const char *name,
                                          const char *value, satin_log_fn log, void *log_user);
 
-// A name and a value for satin_options_set.
+// A name and a value for satin_options_set; both texts are the caller's.
 typedef struct satin_setting {
     const char *name, *value;
 } satin_setting;
@@ -159,8 +162,9 @@ SATIN_API satin_status satin_options_resolve(const satin_scene *scene,
                                              const satin_setting *settings, size_t count,
                                              satin_log_fn log, void *log_user, satin_options *out);
 
-// Describes option `index` (from 0): name, value as text in `options`, range and one sentence,
-// static storage but for `value`. False beyond the last.
+// Describes option `index` (from 0): name, value as text in `options`, range and documentation,
+// with units where it has some. The texts are static, but for `value`, which is a copy. False, and
+// *out is untouched, beyond the last.
 typedef struct satin_option_info {
     const char *name, *range, *doc;
     char value[256];

@@ -31,8 +31,8 @@ typedef enum satin_status {
     SATIN_STATUS_COUNT
 } satin_status;
 
-// One English sentence for a status, never NULL, static storage. An unknown value has a sentence
-// too.
+// One English sentence for a status; an unknown value has a sentence too. Never NULL; static
+// storage, which the caller does not free. Thread-safe: any thread may call it at any time.
 SATIN_API const char *satin_status_text(satin_status status);
 
 typedef enum satin_log_level {
@@ -41,13 +41,17 @@ typedef enum satin_log_level {
     SATIN_LOG_INFO
 } satin_log_level;
 
-// Receives one message, a single line without a newline; errors of a file read `file:line:column:
-// text`. Called from the thread that made the call into satin only. `message` is valid during the
-// call.
+// Receives one message, a single line without a newline, in UTF-8 if the names of files are; errors
+// of a file read `file:line:column: text`. It is called on the thread that made the call into satin
+// only, during that call, so it needs no lock unless calls on several threads use one `user`.
+// `message` belongs to satin and is valid until the function returns. It must not call satin_*_free
+// on what the call under way uses.
 typedef void (*satin_log_fn)(void *user, satin_log_level level, const char *message);
 
-typedef struct satin_scene satin_scene;  // a loaded scene, ready to render; immutable, thread-safe
-typedef struct satin_film satin_film;    // a rendered image: named float channels of one size
+// A loaded scene, ready to render. It does not change, so threads may use one at the same time.
+typedef struct satin_scene satin_scene;
+// A rendered image: named float channels of one size. It does not change either.
+typedef struct satin_film satin_film;
 
 #ifdef __cplusplus
 }

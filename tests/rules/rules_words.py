@@ -17,7 +17,7 @@ import sys
 FOLDERS = ["include", "docs", *(f"src/{s}" for s in (
     "base", "rsh", "brdf", "scene", "light", "load", "guide", "photon", "gather", "cache", "shade",
     "film", "render", "apps"))]
-TEXT = {".c", ".h", ".cpp", ".md", ".py"}
+TEXT = {".c", ".h", ".cpp", ".md", ".py", ".1"}
 # Retired words as patterns, and the terms in their place.
 RETIRED = {
     "deal|deals|dealt|dealer": "allocate, distribute",
@@ -38,9 +38,17 @@ RETIRED = {
     "keeper|keepers": "consumer",
     "substance|substances": "IOR preset",
     "without a word": "silently",
+    "even rays|evenly spread rays": "stratified rays",
+    "bright place|bright places": "photon clusters",
+    "trust|trusts|trusted": "maximum lookup radius; reliable",
+    "put_wall|wall_change|wall_[uv]|walls? of (?:the )?strat(?:a|um)|walls? between (?:two )?cells"
+    "|fixed walls": "stratum boundary",
+    "max_depth edges|path edges": "path segments",
 }
 # Where a retired word is the right one.
 ALLOWED = re.compile(r"\b(in|by) turns?\b|\bradiance[-_]turn\b")
+# What stands between two words of a term at the end of a line, in a comment or a text.
+LINE_END = re.compile(r"[ \t]*\n[ \t]*(?:// ?|# )?|\"\s*\n\s*\"")
 # Ways to begin a comment that cannot be read alone.
 CUT = re.compile(r"^\s*// (The same|Of what)\b", re.MULTILINE)
 # Of each word, the folders in which it is not yet replaced.
@@ -48,20 +56,24 @@ TO_DO = {
     "behind the image": "docs src/render",
     "bend": "docs src/cache",
     "deal": "docs",
+    "even rays": "docs",
     "grain": "docs src/cache src/render",
     "judge": "docs src/cache src/render",
+    "max_depth edges": "src/photon",
     "parted": "src/cache src/render",
+    "put_wall": "docs",
     "reach": "docs src/cache src/render",
     "rough solution": "docs src/render",
     "share": "src/cache src/render",
     "tell": "src/cache src/render",
+    "trust": "src/photon src/gather src/render",
     "turn": "docs src/cache",
 }
 
 
 def count_words(text):
     """How often each retired word stands in a text."""
-    text = ALLOWED.sub("", text)
+    text = ALLOWED.sub("", LINE_END.sub(" ", text))
     return {words: len(re.findall(rf"(?<![A-Za-z])(?:{words})(?![A-Za-z])", text, re.IGNORECASE))
             for words in RETIRED}
 
@@ -76,7 +88,7 @@ def counts_of(tree):
             text = path.read_text(encoding="utf-8")
             for words, number in count_words(text).items():
                 counts[words.split("|")[0], folder] += number
-            if path.suffix != ".md":
+            if path.suffix in {".c", ".h", ".cpp"}:
                 counts["// The same", folder] += len(CUT.findall(text))
     return counts
 

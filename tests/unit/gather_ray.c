@@ -34,7 +34,8 @@ static struct guide_visibility *cells_at(float height) {
     seen->cells.depth = 1;
     seen->cells.split[0] = (struct split_plane){v3(0, 0, 1), height};
     for (int cell = 0; cell < 2; cell++)
-        for (int light = 0; light < 2; light++) seen->visible[cell][light] = cell == light ? .02f : 1;
+        for (int light = 0; light < 2; light++)
+            seen->visible[cell][light] = cell == light ? .02f : 1;
     return seen;
 }
 
