@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gathering: light that arrives at a point, found by rays. A gather ray reads the
-// first-pass radiance estimate where it hits; a hemisphere of them gives what a record keeps.
-// Letters: L radiance, E irradiance, r hit distance, M rows (elevation) and N columns (azimuth) of
-// a stratified hemisphere.
+// Gathering: light that arrives at a point, found by rays [K05 2.1]. A gather ray reads the
+// first-pass radiance estimate where it hits; a hemisphere of gather rays gives what a record
+// keeps.
+//
+// Units: lengths in those of the scene; directions are unit vectors, in world space unless said to
+// be local. Letters: L radiance [W m^-2 sr^-1], E irradiance [W m^-2], r hit distance, M rows
+// (elevation) and N columns (azimuth) of a stratified hemisphere.
+// Every function may be called from any thread, if threads do not pass the same scratch or output.
+// None fails but those that allocate memory; scenes, options and maps must outlive what points to
+// them.
 #ifndef GATHER_GATHER_H
 #define GATHER_GATHER_H
 
@@ -33,6 +39,7 @@ struct gather {
     struct gather_level next;  // its `gather` is NULL but in first pass `recursive`
 };
 
+// The constants of a render without visibility of lights and without records. `maps` may be NULL.
 struct gather gather_make(const struct satin_scene *scene, const satin_options *options,
                           const struct photon_maps *maps);
 
@@ -42,7 +49,7 @@ struct gather_point {
     struct brdf brdf;
     const struct material_side *side;  // the component of a blend that it is
     struct frame frame;                // of the BRDF; n on the side that reflects
-    struct frame base;                 // the same without bumps: records are kept in it
+    struct frame base;                 // the frame without bumps, in which records are kept
     vec3 wo_l;                         // towards the viewer, local
     vec3 ng;                           // geometric normal on the viewer's side
     unsigned lobes;                    // of the BRDF, 0 if it reflects nothing
@@ -69,22 +76,23 @@ struct gather_mis {
     } component[3];
 };
 
-// Light samples: how many, and the number of the first among those of its pixel.
+// Light samples: how many, at least one, and the number of the first among those of its pixel.
 struct gather_lights {
     int samples;
     uint32_t first;
 };
-// Light reflected at p towards wo by the smooth lobes that `mis` names, by sampling the lights, or
-// few lights each once if they are more than the samples, with the power heuristic's weight against
-// BRDF sampling. *variance, if not NULL, gets the variance of the luminance by one sample; 0 where
-// there is but one.
+// Radiance of direct light reflected at p towards wo by the smooth lobes that `mis` names, by
+// sampling the lights, or few lights each once if they are more than the samples, with the power
+// heuristic's weight against BRDF sampling. *variance, if not NULL, gets the variance of the
+// luminance by one sample; 0 if only one is asked for, or if every light is sampled.
 rgb gather_direct(const struct gather *g, const struct gather_point *p, struct gather_mis mis,
                   struct gather_lights lights, struct sampler sampler, float *variance);
-// How many surfaces of panes light may pass to a point at a depth.
+// The largest number of surfaces of panes that light may pass on its way to a point at a depth;
+// negative if not even direct light is within max_depth.
 int gather_panes(const struct gather *g, int depth);
-// Density over solid angle at p with which gather_direct, choosing one light, draws the first
-// direction of a straight chain from p to an emitter: `hit` is the surface interaction on it, NULL
-// for the environment.
+// Density over solid angle [sr^-1] at p with which gather_direct, choosing one light, draws the
+// first direction of a straight chain from p to an emitter: `hit` is the surface interaction on it,
+// NULL for the environment.
 float gather_light_pdf(const struct gather *g, vec3 p, const struct light_chain *chain,
                        const struct interaction *hit);
 
@@ -98,71 +106,76 @@ struct gather_first {
 // ---- Paths (gather_path.c) ---------------------------------------------------------------------
 
 // Radiance that is reflected towards the start of a gather ray, by path tracing with MIS of light
-// and BRDF sampling: light that is emitted along the ray itself does not count, nor what is seen
-// through ideal specular surfaces alone. *first gets the surface that the ray itself meets.
+// and BRDF sampling. Light that is emitted along the ray itself does not count, nor emitted light
+// that is seen through ideal specular surfaces alone. *first gets the surface that the ray itself
+// meets.
 rgb gather_path(const struct gather *g, struct ray ray, struct sampler *sampler,
                 struct gather_first *first);
 
 // What an eye ray meets.
-struct gather_seen {
+struct gather_eye_hit {
     bool hit;
     struct gather_point point;  // of the first surface, if one was hit
-    rgb emission;  // the part of the radiance that is emitted light, seen directly or through ideal
-                   // specular surfaces alone
+    rgb emission;  // emitted light in the radiance, seen directly or through ideal specular
+                   // surfaces alone
 };
-// Radiance along an eye ray, all of it but for what hide_emitters hides.
+// Radiance along an eye ray by path tracing; option hide_emitters hides the emitters that it meets
+// first.
 rgb gather_path_eye(const struct gather *g, struct ray ray, struct sampler *sampler,
-                    struct gather_seen *seen);
+                    struct gather_eye_hit *out);
 
 // ---- Gather rays (gather_ray.c) ----------------------------------------------------------------
 
-// A gather ray and what it found. Filled by gather_rays.
+// A gather ray, which the caller fills, and what it found, which gather_rays fills.
 struct gather_ray {
     struct ray ray;
     uint32_t item;    // numbers the random decisions behind the hit
-    float spread;     // width of what it stands for, per distance, for textures; 0: a point
+    float spread;     // width per distance of what it stands for, for textures; 0: a point
     const vec3 *lit;  // the point whose light it looks for, to which gather_direct brings the rest:
-                      // fill Le, light_pdf and Le_specular; NULL: do not
-    rgb L;            // radiance that arrives by reflection: no emitted light
+                      // fill Le, light_pdf and Le_specular; NULL: leave these 0
+    // Found:
+    rgb L;            // radiance that arrives by reflection, without emitted light
     rgb Le;           // emitted light seen directly, or through panes
-    float light_pdf;  // density at *lit with which light samples draw it
+    float light_pdf;  // density [sr^-1] at *lit with which light samples draw it
     rgb Le_specular;  // emitted light seen by other ideal specular surfaces
     struct gather_first first;
 };
 
-// Scratch of one worker for `capacity` rays.
+// Memory of one worker for `capacity` rays, and for half as many guided ones. One thread at a time
+// may use it.
 struct gather_scratch;
 struct gather_scratch *gather_scratch_new(size_t capacity);  // NULL without memory
-void gather_scratch_free(struct gather_scratch *scratch);
-struct gather_ray *gather_scratch_rays(struct gather_scratch *scratch);  // room for `capacity`
+void gather_scratch_free(struct gather_scratch *scratch);    // NULL is allowed
+// Room for `capacity` rays, which gather_rays may be given; it belongs to the scratch.
+struct gather_ray *gather_scratch_rays(struct gather_scratch *scratch);
 // Many rays are left off where the loop that this worker is in is cancelled, which parallel_stopped
 // reports; then what the rays found is to be dropped.
 void gather_scratch_watch(struct gather_scratch *scratch, struct parallel *pool, int worker);
 
-// Follows `ray` through ideal specular surfaces to a point with a smooth lobe. False if it meets
-// none. *first gets the surface that it meets first.
+// Follows `ray` through ideal specular surfaces to a point with a smooth lobe, which *out gets.
+// False if it meets none. *first gets the surface that it meets first.
 bool gather_follow(const struct gather *g, struct ray ray, struct sampler *sampler,
                    struct gather_first *first, struct gather_point *out);
 
-// Finds L and r of `count` rays (at most the scratch's capacity). `stream` and each ray's item seed
-// the decisions.
+// Traces `count` rays, any number of them. `stream` and each ray's item seed the random decisions.
 void gather_rays(const struct gather *g, struct gather_scratch *scratch, struct gather_ray *rays,
                  size_t count, uint64_t stream);
 
 // ---- Hemispheres (gather_hemisphere.c) ---------------------------------------------------------
 
+// Where a hemisphere is gathered.
 struct gather_site {
-    vec3 p, ng;
+    vec3 p, ng;          // the surface point and its geometric normal
     struct frame frame;  // hemisphere about frame.n
     uint64_t stream;     // random stream of this site
 };
 
-// Constants of a stratified hemisphere: uniform for harmonics of `order`, or cosine-weighted if
-// order is 0.
+// Constants of a stratified hemisphere of about `rays` rays: uniform for harmonics of `order`, or
+// cosine-weighted if order is 0. NULL without memory.
 struct gather_layout;
 struct gather_layout *gather_layout_new(int rays, satin_basis basis, int order);
-void gather_layout_free(struct gather_layout *layout);
-size_t gather_layout_rays(const struct gather_layout *layout);
+void gather_layout_free(struct gather_layout *layout);          // NULL is allowed
+size_t gather_layout_rays(const struct gather_layout *layout);  // exactly, M * N
 
 // A hemisphere of gather rays and what they found. The stratified rays come first: cell (j, k) of
 // the layout is ray j * N + k; guided rays follow. The arrays have `count` entries unless said
@@ -170,11 +183,10 @@ size_t gather_layout_rays(const struct gather_layout *layout);
 // again.
 struct gather_hemisphere {
     const struct gather_layout *layout;
-    struct frame frame;        // of the site: local directions are in it
-    size_t stratified, count;  // rays that are stratified, and all
-    const struct gather_ray
-        *ray;                // L is weighted so that every ray counts as a stratified one does
-    const float *x, *y, *z;  // local directions
+    struct frame frame;            // of the site: local directions are in it
+    size_t stratified, count;      // rays that are stratified, and all
+    const struct gather_ray *ray;  // L is weighted: every ray counts as a stratified one does
+    const float *x, *y, *z;        // local directions
     const float *r, *g, *b;  // L times the solid angle of a stratified ray, 2 pi / stratified;
                              // undefined in a cosine-weighted layout
     float *work;             // 6 * count: for what is computed from the hemisphere
@@ -192,17 +204,18 @@ struct gather_irradiance {
     rgb E;
     vec3 grad_t[3];  // translation: dE/dp per channel, world, in the tangent plane
     vec3 grad_r[3];  // rotation: E changes by (n_i x n) . grad_r
-    uint32_t rays;
+    uint32_t rays;   // that it was made from
 };
 
-// Incident radiance in harmonics [K05 (4.9)], in the given frame. Arrays of 3 * order^2 (channel by
-// channel), owned by the caller; dx and dy may be NULL.
+// Incident radiance in harmonics [K05 (4.9)], in the site's frame. Arrays of 3 * order^2 (channel
+// by channel), owned by the caller; dx and dy, the derivatives by p along the frame's axes, may be
+// NULL.
 struct gather_radiance {
     float *lambda, *dx, *dy;
     // order^2, or NULL: luminance projected with alternating signs of the cells. Its product with a
     // lobe has the standard deviation of what the lobe reflects of lambda.
     float *noise;
-    uint32_t rays;
+    uint32_t rays;  // that it was made from
 };
 
 enum { GATHER_SECTORS = 32 };
@@ -210,12 +223,11 @@ enum { GATHER_SECTORS = 32 };
 // What the rays found around the site (gather_around.c). Distances are INFINITY if nothing was hit.
 struct gather_around {
     float harmonic;       // harmonic mean of hit distances
-    float least;          // least of them,
-    float least_upright;  // without rays that graze both the record's surface and the other
+    float least;          // least hit distance
+    float least_upright;  // least one without rays that graze both the site's surface and the other
     float sector[GATHER_SECTORS];  // along the tangent plane to what stands there, by azimuth
-    float deviation;               // standard deviation of E, as a part of E [K05 6.4]
-    float hessian[3];  // d2E/dx2, d2E/dxdy, d2E/dy2 of luminance in the frame; of irradiance, if
-                       // asked
+    float deviation;               // standard deviation of E, as a fraction of E [K05 6.4]
+    float hessian[3];  // d2E/dx2, d2E/dxdy, d2E/dy2 of luminance in the frame, if asked for
 };
 
 // Irradiance by a hemisphere of a cosine-weighted layout.

@@ -43,36 +43,36 @@ static void sectors(const struct gather_hemisphere *h, struct gather_around *out
     }
 }
 
-// The standard deviation of E over E, by the spread of interleaved parts of the rays. The thesis
+// The standard deviation of E over E, by the spread of interleaved groups of the rays. The thesis
 // compares every second ray with all of them [K05 6.4], which is 0 now and then by chance.
 static float deviation(const struct gather_hemisphere *h) {
     const struct gather_layout *l = h->layout;
-    enum { PARTS = 8 };
-    double sum[PARTS] = {0}, weight[PARTS] = {0}, all = 0.0, total = 0.0, square = 0.0;
+    enum { GROUPS = 8 };
+    double sum[GROUPS] = {0}, weight[GROUPS] = {0}, all = 0.0, total = 0.0, square = 0.0;
     for (int j = 0; j < l->M; j++)
         for (int k = 0; k < l->N; k++) {
             size_t i = (size_t)(j * l->N + k);
             double w = l->order ? (double)h->z[i] : 1.0;
-            sum[(3 * j + k) % PARTS] += w * (double)rgb_luminance(h->ray[i].L);
-            weight[(3 * j + k) % PARTS] += w;
+            sum[(3 * j + k) % GROUPS] += w * (double)rgb_luminance(h->ray[i].L);
+            weight[(3 * j + k) % GROUPS] += w;
         }
     for (size_t i = h->stratified; i < h->count; i++) {
         double w = l->order ? (double)h->z[i] : 1.0;
-        sum[i % PARTS] += w * (double)rgb_luminance(h->ray[i].L);
+        sum[i % GROUPS] += w * (double)rgb_luminance(h->ray[i].L);
     }
-    for (int i = 0; i < PARTS; i++) {
+    for (int i = 0; i < GROUPS; i++) {
         all += sum[i];
         total += weight[i];
     }
     if (all == 0.0) return 0.0f;
-    int parts = 0;
-    for (int i = 0; i < PARTS; i++) {
+    int groups = 0;
+    for (int i = 0; i < GROUPS; i++) {
         if (!(weight[i] > 0.0)) continue;
         double d = sum[i] / weight[i] * total / all - 1.0;
         square += d * d;
-        parts++;
+        groups++;
     }
-    return parts > 1 ? (float)sqrt(square / (parts * (parts - 1))) : 0.0f;
+    return groups > 1 ? (float)sqrt(square / (groups * (groups - 1))) : 0.0f;
 }
 
 // Adds the constant of a boundary, rotated from azimuth 0 to that of (cosine, sine), times

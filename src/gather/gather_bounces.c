@@ -11,8 +11,8 @@
 // So a path ends where all is known, which for most gather rays is y itself.
 //
 // Where both lobes go on, the path splits in two. One after the other is followed to its end, with
-// the surface where they part kept on a stack; light is summed from the ends back to y. Beyond y
-// both together go on no more often than the likelier one alone would, so paths do not multiply.
+// the surface where they separate kept on a stack; light is summed from the ends back to y. Beyond
+// y both together go on no more often than the likelier one alone would, so paths do not multiply.
 #include "gather/gather_bounces.h"
 
 #include <assert.h>

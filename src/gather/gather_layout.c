@@ -97,10 +97,11 @@ static void evaluate(const struct gather_layout *l, double theta, double phi, fl
     rsh_eval(l->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, l->order, w, y);
 }
 
-// The theta part of every harmonic: its value where its trigonometric factor is 1 (at phi = 0 for m
+// The factor in theta of every harmonic: its value where its trigonometric factor is 1 (at phi = 0
+// for m
 // >= 0, at phi = pi / (2 |m|) for m < 0).
-static void theta_parts(const struct gather_layout *l, double theta, double weight, float *row,
-                        float *scratch) {
+static void theta_factors(const struct gather_layout *l, double theta, double weight, float *row,
+                          float *scratch) {
     const int n = l->order;
     for (int m = -(n - 1); m < n; m++) {
         evaluate(l, theta, m < 0 ? 3.14159265358979323846 / (2.0 * -m) : 0.0, scratch);
@@ -119,8 +120,8 @@ static bool radiance_rows(struct gather_layout *l) {
     for (int j = 0; j < l->M; j++) {
         double lo = boundary_angle(l, j), hi = boundary_angle(l, j + 1);
         size_t at = (size_t)j * (size_t)(n * n);
-        theta_parts(l, lo, step * cos(lo) * sin(lo), l->row_u + at, scratch);
-        theta_parts(l, 0.5 * (lo + hi), hi - lo, l->row_v + at, scratch);
+        theta_factors(l, lo, step * cos(lo) * sin(lo), l->row_u + at, scratch);
+        theta_factors(l, 0.5 * (lo + hi), hi - lo, l->row_v + at, scratch);
     }
     for (int k = 0; k < l->N; k++)
         for (int m = -(n - 1); m < n; m++) {
@@ -151,12 +152,12 @@ struct gather_layout *gather_layout_new(int rays, satin_basis basis, int order) 
         return NULL;
     }
     float *hessian_u, *hessian_v;
-    float **part[] = {&l->cos_k,      &l->sin_k,      &l->cos_w,    &l->sin_w,  &l->boundary_u,
-                      &l->boundary_v, &l->boundary_h, &l->rotation, &l->trig_u, &l->trig_v,
-                      &l->row_u,      &l->row_v,      &hessian_u,   &hessian_v};
+    float **table[] = {&l->cos_k,      &l->sin_k,      &l->cos_w,    &l->sin_w,  &l->boundary_u,
+                       &l->boundary_v, &l->boundary_h, &l->rotation, &l->trig_u, &l->trig_v,
+                       &l->row_u,      &l->row_v,      &hessian_u,   &hessian_v};
     size_t size[] = {N, N, N, N, M, M, M, M, trig, trig, M * n2, M * n2, 3 * M, 3 * M};
-    for (size_t i = 0; i < sizeof part / sizeof *part; i++) {
-        *part[i] = block;
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+        *table[i] = block;
         block += size[i];
     }
     l->hessian_u = (float(*)[3])hessian_u;

@@ -24,7 +24,7 @@ struct gather_layout {
     // k are done first, once per trigonometric function.
     int trig_count;          // 2 order - 1: m = -(order - 1) .. order - 1
     float *trig_u, *trig_v;  // N * trig_count: at column centres, at boundaries
-    float *row_u, *row_v;    // M * order^2: the theta parts, weights included
+    float *row_u, *row_v;    // M * order^2: the factors in theta, weights included
 };
 
 #endif

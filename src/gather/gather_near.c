@@ -2,8 +2,8 @@
 // Where a gather ray hits nearer than a photon lookup can resolve, its path continues by one more
 // bounce (gather_bounces.c). The hit y may see photon clusters that the site does not: a wall sees
 // what shines on the ceiling where they meet, and the ceiling does not. A bounce by the BRDF alone
-// meets such a cluster so rarely that the one that does outweighs its whole hemisphere. So a part
-// of the bounces goes to the clusters around the site as y sees them; the balance heuristic [Veach
+// meets such a cluster so rarely that the one that does outweighs its whole hemisphere. So some
+// of the bounces go to the clusters around the site as y sees them; the balance heuristic [Veach
 // and Guibas 1995] weighs both kinds of sampling, so the mean is the same.
 #include "gather/gather_near.h"
 

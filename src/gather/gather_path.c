@@ -68,10 +68,10 @@ static bool bounce(const struct gather *g, const struct gather_point *from, stru
     return !rgb_black(walk->T);
 }
 
-// The radiance of a path, and what its first ray meets: `first` of a gather ray, `seen` of one from
+// The radiance of a path, and what its first ray meets: `first` of a gather ray, `eye` of one from
 // the eye.
 static rgb follow(const struct gather *g, struct path_walk walk, struct sampler *sampler,
-                  struct gather_first *first, struct gather_seen *seen) {
+                  struct gather_first *first, struct gather_eye_hit *eye) {
     const int max_depth = g->options->max_depth;
     rgb L = rgb_grey(0.0f);
     struct gather_point from = {0};
@@ -83,17 +83,17 @@ static rgb follow(const struct gather *g, struct path_walk walk, struct sampler 
         if (walk.emission) {
             rgb Le = emitted(g, &walk, hit ? &s : NULL);
             L = rgb_fma(L, walk.T, Le);
-            if (seen && walk.specular) seen->emission = rgb_fma(seen->emission, walk.T, Le);
+            if (eye && walk.specular) eye->emission = rgb_fma(eye->emission, walk.T, Le);
         }
         const bool last = max_depth >= 0 && walk.depth + 1 >= max_depth;
-        if (!hit || (last && (!seen || seen->hit))) break;
+        if (!hit || (last && (!eye || eye->hit))) break;
 
         gather_point_make(g->scene, &s, walk.ray.d, &from);
         if (first && !(from.lobes & BRDF_SMOOTH)) first->ng = GATHER_NOTHING.ng;
         first = NULL;
-        if (seen && !seen->hit) {
-            seen->hit = true;
-            seen->point = from;
+        if (eye && !eye->hit) {
+            eye->hit = true;
+            eye->point = from;
         }
         if (last || !from.lobes) break;
         const struct gather_mis both = {walk.depth + 1, {{BRDF_ALL, 1.0f}}};
@@ -112,14 +112,14 @@ rgb gather_path(const struct gather *g, struct ray ray, struct sampler *sampler,
 }
 
 rgb gather_path_eye(const struct gather *g, struct ray ray, struct sampler *sampler,
-                    struct gather_seen *seen) {
+                    struct gather_eye_hit *eye) {
     const satin_options *o = g->options;
     struct path_walk walk = {.ray = ray,
                              .T = rgb_grey(1.0f),
                              .eta = 1.0f,
                              .emission = o->hide_emitters <= 0 && o->max_depth != 0,
                              .specular = true};
-    seen->hit = false;
-    seen->emission = rgb_grey(0.0f);
-    return follow(g, walk, sampler, NULL, seen);
+    eye->hit = false;
+    eye->emission = rgb_grey(0.0f);
+    return follow(g, walk, sampler, NULL, eye);
 }

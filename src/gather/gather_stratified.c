@@ -61,7 +61,7 @@ void gather_stratified_irradiance(const struct gather_hemisphere *h, bool ward_h
 }
 
 // Adds to gradient vectors dx, dy the change through one kind of boundary in row j: sums over k by
-// trigonometric function first, then times the row's theta parts.
+// trigonometric function first, then times the row's factors in theta.
 static void add_row(const struct gather_layout *l, const float *boundary, const float *trig,
                     const float *row, float *dx, float *dy) {
     const int n = l->order, n2 = n * n, trigs = l->trig_count, N = l->N;

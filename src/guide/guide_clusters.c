@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Places where light comes down densely: photons of a part of all paths are cut into leaves of
-// equal numbers, and these are gathered into a hierarchy of spheres that keeps what is bright and
-// small together. guide_cones.c looks at it.
+// Places where light comes down densely: photons of a fraction of all paths are split into leaves
+// of equal numbers, and these are gathered into a hierarchy of spheres that keeps what is bright
+// and small together. guide_cones.c looks at it.
 #include <stdlib.h>
 
 #include "base/array.h"

@@ -202,9 +202,9 @@ static float smoothness(float smooth, float rough) {
     return rough > 0.0f ? clampf(smooth / rough, 1.0f / RATIO_MOST, RATIO_MOST) : 0.0f;
 }
 
-// How likely a caustic is looked at that is this part of the light beside it, by its irradiance: a
-// low-frequency lobe reflects some ten times as much at most.
-static float chance_of(float part) { return clampf(50.0f * part, 0.1f, 1.0f); }
+// Probability that a caustic is looked at which, by its irradiance, is this fraction of the light
+// beside it: a low-frequency lobe reflects some ten times as much at most.
+static float chance_of(float fraction) { return clampf(50.0f * fraction, 0.1f, 1.0f); }
 
 rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p, vec3 ng,
                    const struct frame *frame, const struct brdf *brdf, vec3 wo, unsigned lobes,

@@ -40,7 +40,7 @@ enum { LEAF_ROWS = 16, COLUMNS_MAX = 6 };
 // Nodes stand in the order in which the tree is written down: first themselves, then their first
 // child with all below it, then the second.
 struct Node {
-    int32_t column;   // that parts the children; -1: a leaf
+    int32_t column;   // that separates the children; -1: a leaf
     uint32_t second;  // node of the second child
     union {
         float low;      // where the first child ends
@@ -228,7 +228,8 @@ struct Search {
     const photon_index &index;
     const float *query;
     Found &found;
-    float part[N];  // of the squared distance from the box of the node under way, by columns
+    float along2[N];  // by column, the terms of the squared distance from the box of the node under
+                      // way
 };
 
 template <size_t N, typename Found>
@@ -254,12 +255,12 @@ void visit(Search<N, Found> &s, uint32_t at, float distance2) {
     const bool first = (value - node.low) + (value - node.high) < 0.0f;
     const float cut = square(value - (first ? node.high : node.low));
     visit(s, first ? at + 1 : node.second, distance2);
-    float &part = s.part[node.column];
-    const float before = part;
+    float &along2 = s.along2[node.column];
+    const float before = along2;
     distance2 = distance2 + cut - before;
-    part = cut;
+    along2 = cut;
     if (distance2 <= s.found.worst()) visit(s, first ? node.second : at + 1, distance2);
-    part = before;
+    along2 = before;
 }
 
 template <size_t N, typename Found>
@@ -267,9 +268,9 @@ void search(const photon_index &index, const float *query, Found &found) {
     Search<N, Found> s = {index, query, found, {}};
     float distance2 = 0.0f;
     for (size_t i = 0; i < N; i++) {
-        if (query[i] < index.low[i]) s.part[i] = square(query[i] - index.low[i]);
-        if (query[i] > index.high[i]) s.part[i] = square(query[i] - index.high[i]);
-        distance2 += s.part[i];
+        if (query[i] < index.low[i]) s.along2[i] = square(query[i] - index.low[i]);
+        if (query[i] > index.high[i]) s.along2[i] = square(query[i] - index.high[i]);
+        distance2 += s.along2[i];
     }
     if (distance2 <= found.worst()) visit(s, 0, distance2);
 }

@@ -16,9 +16,9 @@
 enum {
     KEEP_ALL = 1 << PHOTON_DIRECT | 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT,
     KEEP_BOUNCED = 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT,
-    BRIGHT_LEAST = 1 << 15,  // paths that look for photon clusters:
-    BRIGHT_MOST = 1 << 18,   // a fraction of those of the global map, within bounds
-    BRIGHT_PART = 3
+    CLUSTER_LEAST = 1 << 15,  // paths that look for photon clusters:
+    CLUSTER_MOST = 1 << 18,   // a fraction of those of the global map, within bounds
+    CLUSTER_DIVISOR = 3
 };
 
 // What all steps of the first pass need.
@@ -60,8 +60,8 @@ static satin_status trace_into(const struct photon_pass *pass, const struct phot
     return status;
 }
 
-// Bounces after which a photon still fits a path of max_depth edges, `behind` of which follow the
-// surface where it is kept; one edge leads from the light to the first.
+// Bounces after which a photon still fits a path of max_depth segments, `behind` of which follow
+// the surface where it is kept; one segment leads from the light to the first.
 static int bounces_left(const satin_options *o, int behind) {
     if (o->max_depth < 0) return -1;
     return o->max_depth > behind + 1 ? o->max_depth - behind - 1 : 0;
@@ -77,10 +77,10 @@ static satin_status precompute_map(const struct photon_pass *pass,
     return status;
 }
 
-static uint64_t bright_paths(const satin_options *o) {
+static uint64_t cluster_paths(const satin_options *o) {
     if (!o->gather_guide || o->integrator != SATIN_TWO_PASS) return 0;
-    const uint64_t paths = o->photons > 0 ? (uint64_t)o->photons / BRIGHT_PART : 0;
-    return paths < BRIGHT_LEAST ? BRIGHT_LEAST : paths > BRIGHT_MOST ? BRIGHT_MOST : paths;
+    const uint64_t paths = o->photons > 0 ? (uint64_t)o->photons / CLUSTER_DIVISOR : 0;
+    return paths < CLUSTER_LEAST ? CLUSTER_LEAST : paths > CLUSTER_MOST ? CLUSTER_MOST : paths;
 }
 
 // The clusters of the photons that were traced for them.
@@ -109,7 +109,7 @@ static satin_status trace_global(const struct photon_pass *pass, struct photon_m
         .keep = {{.paths = o->photons > 0 ? (uint64_t)o->photons : 0,
                   .classes = bounced ? KEEP_BOUNCED : KEEP_ALL,
                   .allocation = &pass->allocation},
-                 {.paths = bright_paths(o), .classes = KEEP_ALL}},
+                 {.paths = cluster_paths(o), .classes = KEEP_ALL}},
         // Seen by the eye, or by the eye through a gather ray.
         .bounces = bounces_left(o, seen ? 1 : 2)};
     struct photon_trace trace[PHOTON_KEEPS] = {0};
@@ -117,7 +117,7 @@ static satin_status trace_global(const struct photon_pass *pass, struct photon_m
     const double start = stats_wall();
     if (status == SATIN_OK) status = build_clusters(pass, &trace[1], maps);
     photon_trace_free(&trace[1]);
-    stats_add(pass->stats, "photons.bright_s", stats_wall() - start);
+    stats_add(pass->stats, "photons.clusters_s", stats_wall() - start);
     return status;
 }
 

@@ -103,10 +103,10 @@ static bool keep_hit(const struct satin_scene *scene, struct chunk *chunk,
 static bool keeps_photons(const struct satin_scene *scene, const struct interaction *s, vec3 wi) {
     const struct material *m = &scene->material[s->material];
     bool behind = v3_dot(wi, s->frame.n) < 0.0f;
-    struct scene_component part[MATERIAL_COMPONENTS_MAX];
-    int parts = scene_components(scene, s, wi, part);
-    for (int i = 0; i < parts; i++) {
-        const struct material_side *side = part[i].side;
+    struct scene_component component[MATERIAL_COMPONENTS_MAX];
+    int count = scene_components(scene, s, wi, component);
+    for (int i = 0; i < count; i++) {
+        const struct material_side *side = component[i].side;
         unsigned lobes = side->base.model->lobes;
         if (behind && (!m->two_sided || side->one_sided))
             lobes &= brdf_transmits(&side->base) ? BRDF_DIFFUSE : 0u;

@@ -77,7 +77,7 @@ static satin_status build_again(struct render *r, struct stats before, double sh
 // What grows with the photons.
 static double photon_seconds(const struct stats *stats) {
     return stats_get(stats, "photons.trace_s") + stats_get(stats, "photons.build_s") +
-           stats_get(stats, "photons.bright_s") + stats_get(stats, "photons.precompute_s");
+           stats_get(stats, "photons.clusters_s") + stats_get(stats, "photons.precompute_s");
 }
 
 // Whether paths can do without what the photons are for.

@@ -84,7 +84,7 @@ static void path_sample(const struct shade *shade, int x, int y, uint32_t index,
                         struct shade_sample *out) {
     struct sampler sampler = shade_eye_sampler(shade->g, x, y, index, RNG_PATH);
     struct shade_camera_sample camera;
-    struct gather_seen seen;
+    struct gather_eye_hit seen;
     struct ray ray = shade_eye_ray(shade, x, y, &sampler, &camera);
     out->beauty = gather_path_eye(shade->g, ray, &sampler, &seen);
     out->layer[SHADE_EMISSION] = seen.emission;

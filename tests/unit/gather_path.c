@@ -30,7 +30,7 @@ static struct mean by_paths(const struct gather *g, vec3 wo) {
         struct rng rng = rng_make(1, RNG_TEST, i);
         struct sampler sampler = {0, (uint32_t)(rng_float(&rng) * 0x1p32f), 0};
         struct ray ray = {.o = v3_mul(wo, 3.0f), .d = v3_neg(wo), .tfar = INFINITY};
-        struct gather_seen seen;
+        struct gather_eye_hit seen;
         double L = (double)gather_path_eye(g, ray, &sampler, &seen).g;
         sum += L;
         squares += L * L;
@@ -95,7 +95,7 @@ static void tells_what_the_eye_sees(void **state) {
     for (int depth = 0; depth < 4; depth++) {
         options.max_depth = depth;
         struct sampler sampler = {0};
-        struct gather_seen seen;
+        struct gather_eye_hit seen;
         struct ray ray = {.o = v3(0.5f, 0.5f, 2.0f), .d = v3(0, 0, -1), .tfar = INFINITY};
         rgb L = gather_path_eye(&g, ray, &sampler, &seen);
         // Embree divides by a refined reciprocal, whose last bits depend on the processor.
