@@ -65,7 +65,7 @@ void satin_options_preset(satin_options *options, satin_quality quality) {
 }
 
 // Reports what is wrong with an option at its place in a scene, or without one.
-static satin_status refuse(struct log log, struct log_place place, const char *text) {
+static satin_status refuse_option(struct log log, struct log_place place, const char *text) {
     if (place.file)
         log_error_at(log, place, "%s", text);
     else
@@ -73,14 +73,14 @@ static satin_status refuse(struct log log, struct log_place place, const char *t
     return SATIN_ERROR_INPUT;
 }
 
-static satin_status refuse_name(struct log log, struct log_place place, const char *name) {
+static satin_status refuse_option_name(struct log log, struct log_place place, const char *name) {
     struct text_nearest search = {.word = name};
     char text[256];
     for (int i = 0; i < options_table_count; i++) text_nearest_try(&search, options_table[i].name);
     int n = snprintf(text, sizeof text, "unknown option '%.80s'", name);
     if (search.best)
         snprintf(text + n, sizeof text - (size_t)n, " (did you mean '%s'?)", search.best);
-    return refuse(log, place, text);
+    return refuse_option(log, place, text);
 }
 
 // material.NAME.cache: adds NAME=value to the list before it. False if it is none of these.
@@ -103,12 +103,12 @@ static satin_status set(satin_options *options, const char *name, const char *va
     if (material_value(options, name, value, list, sizeof list))
         name = "material-cache", value = list;
     const struct option *option = options_find(name);
-    if (!option) return refuse_name(log, place, name);
+    if (!option) return refuse_option_name(log, place, name);
     if (!option_parse(option, value, options)) {
         char text[256];
         snprintf(text, sizeof text, "option %s: '%.80s' is not in %s", option->name, value,
                  option->range);
-        return refuse(log, place, text);
+        return refuse_option(log, place, text);
     }
     if (option->offset == offsetof(satin_options, quality))
         satin_options_preset(options, options->quality);

@@ -2,8 +2,8 @@
 // The curve from effort to options: a table of three presets, each at the effort that it takes on
 // the data scenes, and between them power laws, straight lines over the logarithm of effort. Below
 // the first and beyond the last preset the options are theirs: with less time the records are
-// coarser, with more they are finer and the image takes more samples (render_records.c). What the
-// presets take and reach, and the curve, is in docs/experiments.md.
+// coarser, with more they are finer and the image takes more samples (render_records.c). The
+// time and the error of the presets, and of the curve, are in docs/experiments.md.
 #include "render/options_budget.h"
 
 #include <math.h>
@@ -73,14 +73,14 @@ int options_quality_spp(satin_quality quality) { return preset[quality].spp; }
 
 // ---- A field of an option -----------------------------------------------------------------------
 
-static void *field(satin_options *options, const struct option *o) {
+static void *preset_field(satin_options *options, const struct option *o) {
     return (char *)options + o->offset;
 }
-static const void *field_of(const satin_options *options, const struct option *o) {
+static const void *preset_field_of(const satin_options *options, const struct option *o) {
     return (const char *)options + o->offset;
 }
 
-static size_t field_size(const struct option *o) {
+static size_t preset_field_size(const struct option *o) {
     switch (o->kind) {
         case OPTION_COUNT:
             return sizeof(int64_t);
@@ -92,21 +92,21 @@ static size_t field_size(const struct option *o) {
 }
 
 static bool same(const satin_options *a, const satin_options *b, const struct option *o) {
-    return memcmp(field_of(a, o), field_of(b, o), field_size(o)) == 0;
+    return memcmp(preset_field_of(a, o), preset_field_of(b, o), preset_field_size(o)) == 0;
 }
 
 static void copy(satin_options *to, const satin_options *from, const struct option *o) {
-    memcpy(field(to, o), field_of(from, o), field_size(o));
+    memcpy(preset_field(to, o), preset_field_of(from, o), preset_field_size(o));
 }
 
 static double number(const satin_options *options, const struct option *o) {
-    const void *in = field_of(options, o);
+    const void *in = preset_field_of(options, o);
     if (o->kind == OPTION_COUNT) return (double)*(const int64_t *)in;
     return o->kind == OPTION_FLOAT ? (double)*(const float *)in : (double)*(const int *)in;
 }
 
 static void set_number(satin_options *options, const struct option *o, double value) {
-    void *out = field(options, o);
+    void *out = preset_field(options, o);
     if (o->kind == OPTION_FLOAT)
         *(float *)out = (float)value;
     else if (o->kind == OPTION_COUNT)

@@ -226,7 +226,7 @@ static bool parse_seed(const char *value, uint64_t *out) {
     return true;
 }
 
-// Words NAME=on or NAME=off, parted by commas.
+// Words NAME=on or NAME=off, separated by commas.
 static bool parse_text(const char *value, char *out) {
     size_t length = strlen(value);
     if (length >= OPTION_TEXT_SIZE) return false;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Adaptive sampling: pixels where direct light has penumbrae, where edges run and where glossy
-// surfaces are sampled get more samples than flat walls. A pixel's error is judged by comparing two
+// surfaces are sampled get more samples than flat walls. A pixel's error is estimated from two
 // halves of its samples, and averaged over a few neighbours, as two halves may agree by chance.
 // Samples depend on those of earlier passes through this choice alone, over an area, so that what
 // it biases is far below the noise.
@@ -17,7 +17,7 @@
 #include "base/array.h"
 
 #define GAIN 1.5f
-// Of the image's mean luminance: pixels darker than this are judged by their absolute error.
+// Of the image's mean luminance: the error of darker pixels counts absolutely.
 #define DARK 0.2f
 // Light samples of a sample at most: beyond, they are a sample's cost, and well spread.
 #define LIGHTS_MOST 16.0f
@@ -67,7 +67,7 @@ static double relative2(float difference, float mean, double floor2) {
     return d * d / (m * m + floor2);
 }
 
-void adapt_judge(struct adapt *adapt) {
+void adapt_compare(struct adapt *adapt) {
     const double least2 = floor2(adapt);
     for (size_t i = 0; i < pixels(adapt); i++) {
         struct adapt_pixel *p = &adapt->pixel[i];
@@ -80,7 +80,7 @@ void adapt_judge(struct adapt *adapt) {
                             rgb_scale(rgb_sub(p->sum, p->sum_before), 1.0f / b));
             const double error2 = relative2(d.r, mean.r, least2) + relative2(d.g, mean.g, least2) +
                                   relative2(d.b, mean.b, least2);
-            // Sums that are not finite tell nothing.
+            // Sums that are not finite say nothing.
             p->spread = isfinite(error2) ? (float)error2 * a * b / (n * n) * powf(n, GAIN) : 0.0f;
         }
         p->sum_before = p->sum;

@@ -9,9 +9,9 @@
 
 // What is known of one pixel's samples.
 struct adapt_pixel {
-    rgb sum, sum_before;     // of all samples, and of those before the last judgement's new ones
+    rgb sum, sum_before;     // of all samples, and of those before the last comparison
     uint32_t count, before;  // how many
-    float spread;            // variance of the mean times count^GAIN, relative; < 0: not judged yet
+    float spread;            // variance of the mean times count^GAIN, relative; < 0: not known yet
     uint32_t target;         // the next pass samples up to this count
     float squares;           // of the samples' luminances, summed
     float light_variance;    // of them by one light sample, summed
@@ -38,7 +38,7 @@ static inline void adapt_add(struct adapt_pixel *pixel, rgb value, float light_v
 }
 
 // After a pass: compares each pixel's new samples with those before.
-void adapt_judge(struct adapt *adapt);
+void adapt_compare(struct adapt *adapt);
 // Targets of the next pass: `count` samples in every pixel.
 void adapt_even(struct adapt *adapt, uint32_t count);
 // Targets of the next pass: `samples` more where they lower the relative squared error of the image

@@ -42,7 +42,7 @@ static char *deciding_options(const struct render *r) {
 }
 
 // What decides where records are wanted. With a time limit it is not only that: 0.
-static uint64_t view_of(const struct render *r) {
+static uint64_t view_hash(const struct render *r) {
     const satin_options *o = &r->options;
     if (o->time > 0.0) return 0;
     const uint64_t view[4] = {r->scene.hash, (uint64_t)o->width, (uint64_t)o->height, o->seed};
@@ -52,7 +52,7 @@ static uint64_t view_of(const struct render *r) {
 // Without an origin there is no memory: options NULL. The caller frees options.
 static struct cache_origin origin_of(const struct render *r, char **options) {
     *options = deciding_options(r);
-    return (struct cache_origin){r->scene.world, view_of(r), *options};
+    return (struct cache_origin){r->scene.world, view_hash(r), *options};
 }
 
 satin_status render_cache_open(struct render *r) {
@@ -85,7 +85,7 @@ satin_status render_cache_load(struct render *r, bool *whole) {
     const struct cache_summary file = cache_file_summary(r->second_pass.file);
     satin_status status =
         cache_load(r->second_pass.cache, r->second_pass.file, r->callbacks.load_cache, r->log);
-    *whole = file.origin.view != 0 && file.origin.view == view_of(r);
+    *whole = file.origin.view != 0 && file.origin.view == view_hash(r);
     stats_set(&r->stats, "records.loaded", (double)(file.irradiance + file.radiance));
     render_cache_free(r);
     return status;

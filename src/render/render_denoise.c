@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Denoising of the light that no record carries. Interpolated light has no noise, only error that a
-// denoiser cannot tell from the scene, so it is left as it is, and so are emitters that are seen:
-// the image is what was denoised and the rest.
+// denoiser takes for a part of the scene, so it is left as it is, and so are emitters that are
+// seen: the image is what was denoised and the rest.
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -39,7 +39,7 @@ satin_status render_denoiser(struct render *r) {
     return film_denoiser_open(parallel_threads(r->pool), r->log, &r->denoiser);
 }
 
-static void fill(struct render_image *image) {
+static void fill_planes(struct render_image *image) {
     const struct film_noisy *noisy = &image->noisy;
     rgb *light = image->planes;
     for (int y = 0; y < image->height; y++)
@@ -63,7 +63,7 @@ static bool goes_on(void *user, double done) {
 void render_denoise(struct render *r) {
     struct render_image *image = r->image;
     struct asked asked = {r, false};
-    fill(image);
+    fill_planes(image);
     // A first look has samples of a few pixels, of which the others are copies.
     if (r->progress.look != LOOK_WHOLE || !render_budget_denoises(r)) {
         log_message(r->log, SATIN_LOG_WARNING, "cancelled: the image is not denoised");

@@ -134,11 +134,11 @@ static void put_pixel(const struct planes *planes, size_t at, const struct image
 static void put_maps(const struct planes *planes, size_t at, const struct image_pixel *pixel) {
     const struct cache_used *used = &pixel->used;
     const float scale = pixel->samples ? 1.0f / (float)pixel->samples : 0.0f;
-    const float share = used->weight > 0.0f ? 1.0f / used->weight : 0.0f;
+    const float mean = used->weight > 0.0f ? 1.0f / used->weight : 0.0f;
     put(planes, CHANNEL_MAPS, at, pixel->record * scale);
-    put(planes, CHANNEL_MAPS + 1, at, used->a * share);
+    put(planes, CHANNEL_MAPS + 1, at, used->a * mean);
     put(planes, CHANNEL_MAPS + 2, at, used->weight * scale);
-    put(planes, CHANNEL_MAPS + 3, at, used->rays * share);
+    put(planes, CHANNEL_MAPS + 3, at, used->rays * mean);
 }
 
 // What the scene asks for, where its channels are.

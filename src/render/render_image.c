@@ -11,14 +11,14 @@
 
 enum {
     TILE = 16,
-    EVEN_LEAST = 2,   // samples per pixel that are spread evenly at least, and
-    EVEN_SHARE = 4,   // the share of all that is
-    COARSEST = 16,    // pixels between the very first samples, or more, for
-    LOOK = 256,       // no more samples than these
-    ASK_SAMPLES = 32  // after so many a worker asks whether it should go on
+    EVEN_LEAST = 2,     // samples per pixel that are spread evenly, at least;
+    EVEN_FRACTION = 4,  // where there are many, one of so many
+    COARSEST = 16,      // pixels between the very first samples, or more,
+    LOOK_MOST = 256,    // so that these are no more
+    ASK_SAMPLES = 32    // after so many a worker asks whether it should go on
 };
 
-struct pass {
+struct image_pass {
     struct render *r;
     struct shade_worker *worker;
     int columns;
@@ -33,7 +33,7 @@ struct render_image *render_image_new(const struct satin_scene *scene,
     if (!image) return NULL;
     *image =
         (struct render_image){.width = width, .height = height, .aovs = aovs, .coarsest = COARSEST};
-    while ((width / image->coarsest) * (height / image->coarsest) > LOOK) image->coarsest *= 2;
+    while ((width / image->coarsest) * (height / image->coarsest) > LOOK_MOST) image->coarsest *= 2;
     image->pixel = array_new(pixels, sizeof *image->pixel);
     image->sums = (size_t)aovs->values * (aovs->moment ? 2 : 1);
     image->aov = array_new(pixels, image->sums * sizeof *image->aov);
@@ -56,9 +56,9 @@ void render_image_free(struct render_image *image) {
     free(image);
 }
 
-// What a sample is judged by. Lights seen directly are white at most, so that their rims do not
-// take the samples.
-static rgb judged(const struct shade_sample *s) {
+// The light by which the noise of a sample is measured. Lights seen directly are white at most, so
+// that their rims do not take the samples.
+static rgb shown_light(const struct shade_sample *s) {
     rgb e = s->layer[SHADE_EMISSION];
     rgb shown = rgb_make(fminf(e.r, 1.0f), fminf(e.g, 1.0f), fminf(e.b, 1.0f));
     return rgb_add(rgb_sub(s->beauty, e), shown);
@@ -92,7 +92,7 @@ static void add_aovs(const struct render_image *image, size_t at, const struct s
 }
 
 static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
-    struct pass *pass = ctx;
+    struct image_pass *pass = ctx;
     struct render_image *image = pass->r->image;
     unsigned samples = 0;
     for (size_t tile = begin; tile < end; tile++) {
@@ -114,7 +114,7 @@ static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
                     if (finite && image->uncached)
                         image->uncached[at] =
                             rgb_mad(image->uncached[at], sample.uncached, sample.weight);
-                    adapt_add(adapt, finite ? judged(&sample) : rgb_grey(0.0f),
+                    adapt_add(adapt, finite ? shown_light(&sample) : rgb_grey(0.0f),
                               finite ? sample.light_variance : 0.0f);
                     // A late pass takes thousands of samples of every pixel.
                     if (++samples % ASK_SAMPLES == 0 && parallel_cancelled(pass->r->pool, worker))
@@ -130,7 +130,7 @@ static uint32_t even_samples(const struct render *r) {
     if (!r->options.adaptive || r->options.integrator == SATIN_PATH) return spp;
     if (spp < 2 * EVEN_LEAST) return spp;
     if (r->options.time > 0.0) return EVEN_LEAST;
-    return spp / EVEN_SHARE > EVEN_LEAST ? spp / EVEN_SHARE : EVEN_LEAST;
+    return spp / EVEN_FRACTION > EVEN_LEAST ? spp / EVEN_FRACTION : EVEN_LEAST;
 }
 
 // Sets the targets of the next pass, which takes *samples in all; false: the image is done. A pass
@@ -197,15 +197,15 @@ static void note_counts(struct render *r, const struct shade_worker *worker, int
 }
 
 // After a pass: where more samples are wanted, and how many light samples each takes.
-static void judge(struct pass *pass, int workers) {
+static void plan_samples(struct image_pass *pass, int workers) {
     struct render *r = pass->r;
-    adapt_judge(&r->image->adapt);
+    adapt_compare(&r->image->adapt);
     if (r->options.integrator != SATIN_TWO_PASS || !r->options.adaptive) return;
     const struct shade_counts counts = sum_counts(pass->worker, workers);
     adapt_lights(&r->image->adapt, sample_cost(&counts));
 }
 
-static bool run_pass(struct pass *pass) {
+static bool run_pass(struct image_pass *pass) {
     const struct render_image *image = pass->r->image;
     size_t rows = (size_t)((image->height + TILE - 1) / TILE);
     return parallel_for(pass->r->pool, (size_t)pass->columns * rows, 1, render_tiles, pass);
@@ -221,7 +221,7 @@ static void want_one(struct render_image *image, int stride) {
 
 // The first sample of a few pixels, whatever the time is, unless a look at direct light can follow;
 // and if it is short, of all, coarse to fine. False if that was cut short.
-static bool first_look(struct pass *pass) {
+static bool first_look(struct image_pass *pass) {
     struct render *r = pass->r;
     const bool hurry = r->options.time > 0.0 || r->progress.look != LOOK_WHOLE;
     const double limit = render_limit_lift(r);
@@ -241,7 +241,7 @@ static bool first_look(struct pass *pass) {
 satin_status render_image_fill(struct render *r) {
     struct render_image *image = r->image;
     const int workers = parallel_threads(r->pool);
-    struct pass pass = {.r = r, .columns = (image->width + TILE - 1) / TILE};
+    struct image_pass pass = {.r = r, .columns = (image->width + TILE - 1) / TILE};
     pass.worker = array_new((size_t)workers, sizeof *pass.worker);
     if (!pass.worker) return SATIN_ERROR_MEMORY;
     for (int i = 0; i < workers; i++) pass.worker[i].scratch = r->second_pass.shade.scratch[i];
@@ -253,7 +253,7 @@ satin_status render_image_fill(struct render *r) {
     uint64_t samples;
     if (whole && image->taken) {
         per_sample = (stats_wall() - start) / (double)image->taken;
-        judge(&pass, workers);
+        plan_samples(&pass, workers);
     }
     const uint64_t even =
         (uint64_t)even_samples(r) * (uint64_t)image->width * (uint64_t)image->height;
@@ -266,7 +266,7 @@ satin_status render_image_fill(struct render *r) {
         if (!whole) break;
         image->taken += samples;
         per_sample = (stats_wall() - start) / (double)samples;
-        judge(&pass, workers);
+        plan_samples(&pass, workers);
         if (image->taken >= even && !image->rims && r->options.integrator != SATIN_PATH)
             status = render_rims(r, &whole);
     }

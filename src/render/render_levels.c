@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// First pass `recursive` [K05 2.1]: records for each bounce behind the image, from the deepest
-// level up. Level i is gathered with i edges less than the longest path; its gather rays read level
-// i + 1, which is finished then. Sites are the ends of random walks from the image, so the records
-// depend on these alone, and where rays ask later and no record is near, they go on.
+// First pass `recursive` [K05 2.1]: records for each indirect bounce beyond the first, from the
+// deepest level up. Level i is gathered with i edges less than the longest path; its gather rays
+// read level i + 1, which is finished then. Sites are the ends of random walks from the image, so
+// the records depend on these alone, and where rays ask later and no record is near, they go on.
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -21,7 +21,7 @@ static const float RAYS_LEAST = 64.0f;
 // Sites of a batch lie apart by so many least radii.
 static const float SPACING = 2.0f;
 
-// Records of one bounce behind the image, and what made them.
+// Records of one indirect bounce, and what made them.
 struct render_level {
     satin_options options;
     struct gather gather;
@@ -114,8 +114,8 @@ static satin_status make_level(struct render *r, int index, struct walks *walks)
 // record of level 1 sees.
 static int levels_wanted(const satin_options *o) {
     if (o->first_pass != SATIN_FIRST_RECURSIVE) return 0;
-    int reach = o->max_depth - 3;
-    return o->max_depth >= 0 && reach < o->recursive_levels ? reach : o->recursive_levels;
+    const int longest = o->max_depth - 3;
+    return o->max_depth >= 0 && longest < o->recursive_levels ? longest : o->recursive_levels;
 }
 
 satin_status render_levels(struct render *r) {

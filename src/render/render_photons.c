@@ -36,11 +36,11 @@ static void free_maps(struct render *r) {
     r->first_pass.visibility = NULL;
 }
 
-// By `share` of the photons, and `more` times as many of the global map.
-static satin_status build(struct render *r, double share, double more) {
+// From this fraction of the photons, and `more` times as many of the global map.
+static satin_status build(struct render *r, double fraction, double more) {
     satin_options o = r->options;
-    o.photons = (int64_t)ceil((double)o.photons * share * more);
-    o.caustic_photons = (int64_t)ceil((double)o.caustic_photons * share);
+    o.photons = (int64_t)ceil((double)o.photons * fraction * more);
+    o.caustic_photons = (int64_t)ceil((double)o.caustic_photons * fraction);
     if (!reads_photons(&o)) o.photons = 0;
     r->first_pass.made =
         r->first_pass.wanted ? (double)o.photons / (double)r->first_pass.wanted : 0.0;
@@ -55,23 +55,24 @@ static satin_status build(struct render *r, double share, double more) {
     return status;
 }
 
-// How many times the photons of the global map are wanted, where `share` of them was made.
-static double starved(const struct render *r, double share) {
+// How many times the photons of the global map are wanted, where this fraction of them was made.
+static double starved(const struct render *r, double fraction) {
     const satin_options *o = &r->options;
     if (r->first_pass.chosen_by_user || !reads_photons(o) || o->integrator != SATIN_TWO_PASS)
         return 1.0;
     const double kept = fmax(stats_get(&r->stats, "photons.stored_indirect"), 1.0);
-    return fmin(fmax(KEPT_LEAST * share * (double)o->photons / kept, 1.0), MORE_MOST);
+    return fmin(fmax(KEPT_LEAST * fraction * (double)o->photons / kept, 1.0), MORE_MOST);
 }
 
 // In place of the maps that are there; what was learned of the lights serves on.
-static satin_status build_again(struct render *r, struct stats before, double share, double more) {
+static satin_status build_again(struct render *r, struct stats before, double fraction,
+                                double more) {
     const double look = stats_get(&r->stats, "photons.seen_s");
     photon_maps_free(r->first_pass.maps);
     r->first_pass.maps = NULL;
     r->stats = before;
     stats_set(&r->stats, "photons.seen_s", look);
-    return build(r, share, more);
+    return build(r, fraction, more);
 }
 
 // What grows with the photons.
@@ -87,7 +88,7 @@ static bool paths_will_do(const struct render *r) {
 }
 
 // Builds from a sixteenth of the photons; *given_up: there was no time for it.
-static satin_status pilot(struct render *r, bool *given_up) {
+static satin_status build_pilot(struct render *r, bool *given_up) {
     if (paths_will_do(r)) render_limit_pilot(r);
     const satin_status status = build(r, 1.0 / PILOT, 1.0);
     *given_up = status == SATIN_CANCELLED && !render_cancelled(r);
@@ -112,7 +113,7 @@ satin_status render_photons(struct render *r) {
         return more < WORTH_STARVED ? status : build_again(r, before, 1.0, more);
     }
     bool given_up;
-    satin_status status = pilot(r, &given_up);
+    satin_status status = build_pilot(r, &given_up);
     if (given_up) {
         r->stats = before;
         return trace_paths(r);

@@ -9,7 +9,7 @@
 
 enum { SIDE = 64, SAMPLES = 4 };
 
-struct pilot {
+struct image_pilot {
     struct render *r;
     struct adapt adapt;
     struct shade_worker *worker;
@@ -18,7 +18,7 @@ struct pilot {
 };
 
 static void sample_pixels(void *ctx, size_t begin, size_t end, int worker) {
-    struct pilot *pilot = ctx;
+    struct image_pilot *pilot = ctx;
     const satin_options *o = &pilot->r->options;
     for (size_t i = begin; i < end; i++) {
         struct adapt_pixel *pixel = &pilot->adapt.pixel[i];
@@ -42,7 +42,7 @@ static void sample_pixels(void *ctx, size_t begin, size_t end, int worker) {
 }
 
 // The mean of q over the pilot's pixels.
-static double mean_square_indirect(const struct pilot *pilot) {
+static double mean_square_indirect(const struct image_pilot *pilot) {
     size_t n = (size_t)pilot->columns * (size_t)pilot->rows;
     double q = 0.0;
     for (size_t i = 0; i < n; i++) {
@@ -54,11 +54,11 @@ static double mean_square_indirect(const struct pilot *pilot) {
     return q;
 }
 
-static bool pilot_make(struct pilot *pilot, struct render *r) {
+static bool pilot_make(struct image_pilot *pilot, struct render *r) {
     const int workers = parallel_threads(r->pool);
     int columns = r->options.width < SIDE ? r->options.width : SIDE;
     int rows = r->options.height < SIDE ? r->options.height : SIDE;
-    *pilot = (struct pilot){.r = r, .columns = columns, .rows = rows};
+    *pilot = (struct image_pilot){.r = r, .columns = columns, .rows = rows};
     pilot->worker = array_new((size_t)workers, sizeof *pilot->worker);
     pilot->indirect = array_new((size_t)columns * (size_t)rows, sizeof *pilot->indirect);
     if (!pilot->worker || !pilot->indirect) return false;
@@ -66,14 +66,14 @@ static bool pilot_make(struct pilot *pilot, struct render *r) {
     return adapt_make(&pilot->adapt, columns, rows, r->options.light_samples);
 }
 
-static void pilot_destroy(struct pilot *pilot) {
+static void pilot_destroy(struct image_pilot *pilot) {
     adapt_destroy(&pilot->adapt);
     free(pilot->worker);
     free(pilot->indirect);
 }
 
 satin_status render_pilot(struct render *r, struct render_pace *pace) {
-    struct pilot pilot;
+    struct image_pilot pilot;
     if (!pilot_make(&pilot, r)) {
         pilot_destroy(&pilot);
         return SATIN_ERROR_MEMORY;
@@ -84,7 +84,7 @@ satin_status render_pilot(struct render *r, struct render_pace *pace) {
     for (uint32_t n = SAMPLES / 2; whole && n <= SAMPLES; n += SAMPLES / 2) {
         adapt_even(&pilot.adapt, n);
         whole = parallel_for(r->pool, pixels, 16, sample_pixels, &pilot);
-        adapt_judge(&pilot.adapt);
+        adapt_compare(&pilot.adapt);
     }
     render_limit_restore(r, limit);
     if (whole) {

@@ -10,7 +10,7 @@
 
 enum {
     RAYS_MOST = 128,  // of one pixel, a power of two: whole nets
-    GRAIN = 64        // pixels
+    CHUNK = 64        // pixels that a worker takes at a time
 };
 
 // Rays per pixel of the whole image. Measured with 2: at 128x128 the rms error of rims falls from
@@ -81,7 +81,7 @@ satin_status render_rims(struct render *r, bool *whole) {
     find_rims(&rims);
     const double most = RAYS_MEAN * (double)pixels / (double)(rims.count ? rims.count : 1);
     for (rims.rays = RAYS_MOST; rims.rays > most; rims.rays /= 2) continue;
-    *whole = parallel_for(r->pool, rims.rays ? rims.count : 0, GRAIN, trace_rims, &rims);
+    *whole = parallel_for(r->pool, rims.rays ? rims.count : 0, CHUNK, trace_rims, &rims);
     stats_set(&r->stats, "image.rim_pixels", (double)rims.count);
     free(rims.pixel);
     return SATIN_OK;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to render/: what the steps of a render share.
+// Private to render/: what the steps of a render have in common.
 #ifndef RENDER_STATE_H
 #define RENDER_STATE_H
 
@@ -118,7 +118,7 @@ void render_progress_install(struct render *r);
 bool render_progress_report(struct render *r, double done);
 
 // ---- render_photons.c
-// Photons and the rough solution, as many as a time limit allows.
+// Photons, as many as a time limit allows, and the first-pass radiance estimate by them.
 satin_status render_photons(struct render *r);
 // The constants of gathering. Photons that there was no time for are not missed.
 struct gather render_gather(const struct render *r);

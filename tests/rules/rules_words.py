@@ -53,19 +53,18 @@ LINE_END = re.compile(r"[ \t]*\n[ \t]*(?:// ?|# )?|\"\s*\n\s*\"")
 CUT = re.compile(r"^\s*// (The same|Of what)\b", re.MULTILINE)
 # Of each word, the folders in which it is not yet replaced.
 TO_DO = {
-    "behind the image": "docs src/render",
+    "behind the image": "docs",
     "bend": "docs src/cache",
     "deal": "docs",
     "even rays": "docs",
-    "grain": "docs src/cache src/render",
-    "judge": "docs src/cache src/render",
-    "max_depth edges": "src/photon",
-    "parted": "src/cache src/render",
+    "grain": "docs src/cache",
+    "judge": "docs src/cache",
+    "parted": "src/cache",
     "put_wall": "docs",
-    "reach": "docs src/cache src/render",
-    "rough solution": "docs src/render",
-    "share": "src/cache src/render",
-    "tell": "src/cache src/render",
+    "reach": "docs src/cache",
+    "rough solution": "docs",
+    "share": "src/cache",
+    "tell": "src/cache",
     "trust": "src/photon src/gather src/render",
     "turn": "docs src/cache",
 }

@@ -27,7 +27,7 @@ static void take(struct adapt *adapt, uint64_t seed) {
             adapt_add(p, rgb_grey(1.0f + e), 0.0f);
         }
     }
-    adapt_judge(adapt);
+    adapt_compare(adapt);
 }
 
 // Renders with ALL samples per pixel on average; returns how many were taken.
@@ -107,7 +107,7 @@ static void make_quiet(struct adapt *adapt, float difference) {
         adapt_even(adapt, n);
         for (int i = 0; i < SIZE * SIZE; i++) adapt_add(&adapt->pixel[i], rgb_grey(2.0f), 0.0f);
         if (n == 2) adapt->pixel[SIZE * SIZE / 2].sum.r += difference;
-        adapt_judge(adapt);
+        adapt_compare(adapt);
     }
 }
 
