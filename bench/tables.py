@@ -31,7 +31,8 @@ HARMONICS = ["src/rsh/*.[ch]", "src/rsh/rsh_tables.py"]
 TABLES = {
     "fig_5_5": ("fig_5_5.tsv", "build/bench/fig_5_5", [*HARMONICS, "bench/fig_5_5.c"]),
     "fig_5_6": ("fig_5_6.md", "build/bench/fig_5_6 data/scenes/vase.xml build 256 10",
-                [*HARMONICS, "src/cache/cache_turn.c", "bench/fig_5_6.c", "data/scenes/vase.xml"]),
+                [*HARMONICS, "src/cache/cache_rotate.c", "bench/fig_5_6.c",
+                 "data/scenes/vase.xml"]),
     "fig_5_7": ("fig_5_7.tsv", "build/bench/fig_5_7 51", [*HARMONICS, "bench/fig_5_7.c"]),
     "bench_rsh": ("bench_rsh.txt", "build/bench/bench_rsh 31", [*HARMONICS, "bench/bench_rsh.c"]),
     "harmonics_errors": ("harmonics_errors.md",

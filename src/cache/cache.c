@@ -75,7 +75,7 @@ struct cache *cache_new(const struct gather *g, int order, struct parallel *pool
         c->side[k].options = cache_options_of(o, k);
         cache_tree_init(&c->side[k].tree, g->scene->bounds_lo, g->scene->bounds_hi);
     }
-    c->rays_part = 1.0f;
+    c->rays_fraction = 1.0f;
     c->irradiance_whole = gather_layout_new(o->irradiance_rays, o->radiance_basis, 0);
     if (!c->irradiance_whole) goto fail;
     if (cache_rays_prepare(c, CACHE_IRRADIANCE, 1.0f) != SATIN_OK) goto fail;

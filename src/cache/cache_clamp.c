@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Neighbour clamping: no two radii differ by more than the records lie apart [K05 6.5.2]. It brings
-// to all what one has found, a step or a gap that the rays of the others have missed.
+// Neighbour clamping: no two radii differ by more than the distance of the records [K05 6.5.2]. So
+// what one record has found, such as a step that the rays of others have missed, limits them too.
 #include "cache/cache_records.h"
 
-// Neighbours count as alike if their normals are closer than about 25 degrees.
+// Only records whose normals differ by less than about 25 degrees limit each other.
 static const float ALIKE = 0.9f;
 
-// Records farther away than this part of R bear on it through those in between.
+// Records farther away than this fraction of R limit it through those in between.
 static const float NEIGHBOURS = 0.4f;
 
 struct neighbours {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Adaptive caching [K05 6.3, 6.4]. A record's own accuracy, a times its scale, is lowered wherever
-// what it says of a shading point differs visibly from what the others say; new records fill the
-// gaps; until no point sees a difference. A pass judges all queued points on all threads against
-// the records as they are, lowers the scales to the least that a point asks for, fills the gaps,
-// and queues the points that this concerns: nothing depends on the order of the points or the
-// threads.
+// Adaptive caching [K05 6.3, 6.4]. A record's own accuracy, a times its scale, is lowered where the
+// light that it gives to a shading point differs visibly from what the other records give; new
+// records fill the gaps; until there is no such difference at any point. A pass evaluates all
+// queued points on all threads against the records as they are, lowers the scales to the least that
+// a point asks for, fills the gaps, and queues the points that this concerns: nothing depends on
+// the order of the points or the threads.
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -13,20 +13,20 @@
 
 enum {
     PASSES_MAX = 11,  // the thesis never needed more
-    GRAIN = 256
+    CHUNK_POINTS = 256
 };
 
-// A record that gives way to a point ends so much before it.
+// A record that gives way to a point ends before it by this fraction of the distance.
 static const float SHORT_OF = 1e-4f;
 
-static void judge_points(void *ctx, size_t begin, size_t end, int worker) {
+static void evaluate_points(void *ctx, size_t begin, size_t end, int worker) {
     struct cache_convergence *c = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         struct cache_point *p = &c->point[i];
         if (!p->queued) continue;
-        cache_judge_revise(c, c->site[i], p);
-        cache_judge(c, c->site[i], p);
+        cache_update_point(c, c->site[i], p);
+        cache_evaluate_point(c, c->site[i], p);
     }
 }
 
@@ -43,7 +43,7 @@ static void shrink(struct cache_convergence *c) {
     }
 }
 
-// Keeps the contribution among the point's, in place of the worst if there is no room.
+// Adds a record to the contributions of a point, in place of the worst one if there are too many.
 static void contribute(struct cache_convergence *c, const struct cache_site *s,
                        struct cache_point *p, uint32_t record) {
     struct cache_contribution x = {record, c->change[record],
@@ -61,7 +61,7 @@ static void contribute(struct cache_convergence *c, const struct cache_site *s,
     p->with[at] = x;
 }
 
-// Queues the points that the pass concerns, and gives them the new records.
+// Queues the points at which records were added or shrunk, and gives them the new records.
 static void queue_points(void *ctx, size_t begin, size_t end, int worker) {
     struct cache_convergence *c = ctx;
     (void)worker;
@@ -80,7 +80,8 @@ static void queue_points(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-// Notes the records as they are; counts and sets aside those that have changed since, and new ones.
+// Notes the radii and scales of all records. Those that were added or shrunk since the last call
+// get trees of their own. False without memory.
 static bool note_changes(struct cache_convergence *c) {
     const size_t before = c->records, now = c->tree->head_count;
     const struct satin_scene *scene = c->cache->g->scene;
@@ -96,10 +97,10 @@ static bool note_changes(struct cache_convergence *c) {
         struct cache_head h = c->tree->head[i];
         bool fresh = i >= before, changed = !fresh && (h.R < c->R[i] || h.scale < c->scale[i]);
         if (changed) {
-            struct cache_head old = h;
-            old.R = c->R[i];
-            old.scale = c->scale[i];
-            if (!cache_tree_insert(&c->shrunk, &old)) return false;
+            struct cache_head before_it = h;
+            before_it.R = c->R[i];
+            before_it.scale = c->scale[i];
+            if (!cache_tree_insert(&c->shrunk, &before_it)) return false;
             c->change[i]++;
             c->cache->converged.shrunk++;
         }
@@ -113,13 +114,13 @@ static bool note_changes(struct cache_convergence *c) {
     return true;
 }
 
-// New records where points have lost their last one.
+// Makes new records where points have lost their last one.
 static satin_status fill_gaps(struct cache_convergence *c) {
     size_t gaps = 0;
     for (size_t i = 0; i < c->count; i++) {
         struct cache_point *p = &c->point[i];
         if (!p->queued) continue;
-        cache_judge_revise(c, c->site[i], p);
+        cache_update_point(c, c->site[i], p);
         gaps += p->bare;
     }
     if (gaps == 0) return SATIN_OK;
@@ -142,20 +143,20 @@ static satin_status fill_gaps(struct cache_convergence *c) {
 static satin_status converge(struct cache_convergence *c) {
     struct parallel *pool = c->cache->pool;
     int pass = 0;
-    // At first all records are new to all points.
+    // In the first pass all records are new to all points.
     if (!note_changes(c)) return SATIN_ERROR_MEMORY;
     c->records = 0;
     for (; pass < PASSES_MAX; pass++) {
         double start = stats_wall();
-        if (!parallel_for(pool, c->count, GRAIN, queue_points, c)) return SATIN_CANCELLED;
+        if (!parallel_for(pool, c->count, CHUNK_POINTS, queue_points, c)) return SATIN_CANCELLED;
         c->records = c->tree->head_count;
         size_t queued = 0;
         for (size_t i = 0; i < c->count; i++) queued += c->point[i].queued;
         if (queued == 0) break;
         c->cache->converged.points += queued;
-        if (!parallel_for(pool, c->count, GRAIN, judge_points, c)) return SATIN_CANCELLED;
+        if (!parallel_for(pool, c->count, CHUNK_POINTS, evaluate_points, c)) return SATIN_CANCELLED;
         shrink(c);
-        for (size_t i = 0; i < c->records; i++)  // so that contributions are revised
+        for (size_t i = 0; i < c->records; i++)  // so that the points notice
             if (c->tree->head[i].scale < c->scale[i]) c->change[i]++;
         double gather = stats_wall();
         satin_status status = fill_gaps(c);

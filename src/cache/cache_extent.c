@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far a record reaches: by the distances that its rays found, or by how its irradiance bends;
-// then limited by what its gradient can carry and by the projected pixel [K05 3.3, 6.5.1].
+// The area of a record: by the distances that its rays found, or by the Hessian of its irradiance;
+// then limited by its gradient and by the projected pixel [K05 3.3, 6.5.1].
 #include "cache/cache_records.h"
 
-// R by the Hessian is such that, at a R, the second-order term of E is a^2 times this part of E.
-static const float BEND_PART = 0.5f;
+// R by the Hessian is such that at a distance of a R the second-order term of E is a^2 times this
+// fraction of E.
+static const float SECOND_ORDER = 0.5f;
 
-// An elliptic record is at most so much longer than wide, and reaches at most this times the
-// harmonic mean distance.
+// An elliptic record is at most LONGEST times longer than wide, and its R is at most FARTHEST times
+// the harmonic mean distance.
 static const float LONGEST = 3.0f, FARTHEST = 2.0f;
 
 static float by_distance(satin_radius kind, const struct gather_around *around) {
@@ -16,7 +17,7 @@ static float by_distance(satin_radius kind, const struct gather_around *around) 
     return around->harmonic;
 }
 
-// The bound on a radius where nothing was hit, and the user's.
+// Limits a radius by that of the scene, where nothing was hit, and by the user's bound.
 static float bounded(float R, const struct cache *cache, const struct cache_options *o) {
     R = fminf(R, cache->g->scene->radius);
     return o->max_radius > 0.0f ? fminf(R, o->max_radius) : R;
@@ -24,9 +25,10 @@ static float bounded(float R, const struct cache *cache, const struct cache_opti
 
 static struct cache_extent circle(float R) { return (struct cache_extent){R, R, {0, 0, 0}, 1.0f}; }
 
-// Radii along the directions in which E bends least and most: sqrt(2 part E / |lambda|).
-static struct cache_extent by_bend(const struct gather_around *around, const struct frame *frame,
-                                   float E) {
+// Radii along the eigenvectors of the Hessian, whose eigenvalues are lambda:
+// sqrt(2 SECOND_ORDER E / |lambda|) [Schwarzhaupt et al. 2012].
+static struct cache_extent by_hessian(const struct gather_around *around, const struct frame *frame,
+                                      float E) {
     const float xx = around->hessian[0], xy = around->hessian[1], yy = around->hessian[2];
     float mean = 0.5f * (xx + yy), half = sqrtf(0.25f * (xx - yy) * (xx - yy) + xy * xy);
     float most = fabsf(mean) + half, least = fabsf(fabsf(mean) - half);
@@ -34,21 +36,21 @@ static struct cache_extent by_bend(const struct gather_around *around, const str
     // The eigenvector of the eigenvalue of largest modulus.
     float angle = 0.5f * atan2f(2.0f * xy, xx - yy);
     if (mean < 0.0f) angle += 0.5f * PI_F;
-    float narrow = sqrtf(2.0f * BEND_PART * E / most);
+    float narrow = sqrtf(2.0f * SECOND_ORDER * E / most);
     float wide = fminf(narrow * sqrtf(most / fmaxf(least, 1e-12f * most)), LONGEST * narrow);
     const float limit = FARTHEST * around->harmonic;
     vec3 axis = v3_add(v3_mul(frame->u, cosf(angle)), v3_mul(frame->v, sinf(angle)));
     return (struct cache_extent){fminf(wide, limit), fminf(narrow, limit), axis, 1.0f};
 }
 
-// The largest radii are the user's last word: the least one gives way to them.
+// Where the options' least and largest radii contradict each other, the largest decides.
 float cache_least_radius(const struct cache_options *o, float pixel) {
     const float R = fminf(o->min_pixels, o->max_pixels) * pixel / o->a;
     return o->max_radius > 0.0f ? fminf(R, o->max_radius) : R;
 }
 
-// Keeps R of both axes between `lo` and `hi`. Where a record reaches farther than it should, its
-// gradient would carry it away, and holds by its `room` only.
+// Keeps R of both axes between `lo` and `hi`. Where that makes a record larger than it should be,
+// its gradient would extrapolate too far, and is scaled by `room`.
 static void clamp_radii(struct cache_extent *x, float lo, float hi) {
     const float wanted = x->R;
     x->R = fmaxf(fminf(x->R, hi), lo);
@@ -74,14 +76,14 @@ struct cache_extent cache_extent_irradiance(const struct cache *cache,
     const struct cache_options *o = &cache->side[CACHE_IRRADIANCE].options;
     const float E = rgb_luminance(value->E);
     struct cache_extent x = o->radius == SATIN_RADIUS_HESSIAN
-                                ? by_bend(around, &site->frame, E)
+                                ? by_hessian(around, &site->frame, E)
                                 : circle(by_distance(o->radius, around));
     limit(&x, bounded(x.R, cache, o));
     // E may not change by more than itself within R [K05 6.5.1].
     const float slope = v3_len(luminance_gradient(value));
     if (o->gradient_clamp && slope * x.R > E && E > 0.0f) limit(&x, E / slope);
     clamp_radii(&x, cache_least_radius(o, site->pixel), o->max_pixels * site->pixel / o->a);
-    // And never extrapolate E below 0.
+    // The gradient must not extrapolate E below 0.
     const float Ec[3] = {value->E.r, value->E.g, value->E.b};
     for (int c = 0; c < 3; c++) {
         float change = x.room * v3_len(value->grad_t[c]) * o->a * o->widen * x.R;
@@ -113,8 +115,8 @@ struct cache_extent cache_extent_radiance(const struct cache *cache, const struc
     const float size = sqrtf(size2[0] + size2[1] + size2[2]);
     const float slope = sqrtf(slope2[0] + slope2[1] + slope2[2]);
     struct cache_extent x = circle(bounded(by_distance(o->radius, around), cache, o));
-    // As for E: the vector may not change by more than its length within R. Measured where a wall
-    // reflects a box near to it: half of the records serve for the same error.
+    // As for E, the vector may not change by more than its length within R. Measured where a wall
+    // reflects a box near to it: with this half of the records suffice for the same error.
     if (o->gradient_clamp && slope * x.R > size && size > 0.0f) limit(&x, size / slope);
     clamp_radii(&x, cache_least_radius(o, site->pixel), o->max_pixels * site->pixel / o->a);
     for (int c = 0; c < 3; c++) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Records to a file and from it into a cache. They go in by the order in which they were made, with
-// the reach that they had, so that the tree is the one that was saved, and what it answers.
+// Records to a file and from it into a cache. They are inserted in the order in which they were
+// made and with their influence radii, so that the tree, and what it answers, is that which was
+// saved.
 #include "cache/cache_file.h"
 
 #include <stdio.h>
@@ -42,7 +43,7 @@ static struct cache_irradiance_record get_irradiance(const float *in) {
     return r;
 }
 
-// In memory the gradients' colours have four lanes too.
+// In memory the gradients have four lanes too, of which a file holds the three of their colours.
 static void put_radiance(const struct cache_radiance_record *record, int n2, float *out) {
     out = put_vec3(put_vec3(put_vec3(out, record->frame.u), record->frame.v), record->frame.n);
     *out++ = record->room;
@@ -142,15 +143,15 @@ satin_status cache_save(const struct cache *cache, const struct cache_origin *or
 
 // ---- Loading ------------------------------------------------------------------------------------
 
-// The next head into the tree; its value must stand at the next index. A head that the tree cannot
-// hold, far from all surfaces, gives SATIN_ERROR_INPUT.
+// Puts the next head into the tree. SATIN_ERROR_INPUT for one that the tree cannot hold, as it lies
+// far from all surfaces.
 static satin_status load_head(struct cache_tree *tree, const unsigned char *row) {
     struct cache_head head;
     memcpy(&head, row, sizeof head);
     const vec3 d = v3_sub(head.p, tree->lo);
     const float most = tree->size * (float)(1 << 24);  // cells are numbered by int
     if (!(fminf(fminf(d.x, d.y), d.z) >= 0.0f) || !(v3_max_abs(d) <= tree->size) ||
-        !(head.reach <= most))
+        !(head.influence <= most))
         return SATIN_ERROR_INPUT;
     return cache_tree_insert(tree, &head) ? SATIN_OK : SATIN_ERROR_MEMORY;
 }

@@ -35,7 +35,7 @@ struct cache_file_header {
 
 // Words of a row; those between semicolons, or after one, are integers.
 enum {
-    HEAD_WORDS = 17,        // p R, n reach, squeeze scale, u; walls; clear
+    HEAD_WORDS = 17,        // p R, n influence, squeeze scale, u; walls; clear
     IRRADIANCE_WORDS = 24,  // E, dE/dp r g b, rotation r g b, deviation, room; rays
     RADIANCE_WORDS = 18,    // frame u v n, room, residual mirror L; rays, residual name; then
     COEFFICIENT_WORDS = 10  // for each coefficient: Lambda r g b noise, d/dx r g b, d/dy r g b

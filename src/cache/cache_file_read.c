@@ -7,7 +7,7 @@
 #include "base/fileio.h"
 #include "cache/cache_file.h"
 
-static satin_status refuse(struct log log, const char *name, const char *why) {
+static satin_status refuse_file(struct log log, const char *name, const char *why) {
     return log_fail(log, SATIN_ERROR_INPUT, "%s: %s", name, why);
 }
 
@@ -15,8 +15,8 @@ static satin_status read_header(const unsigned char *data, size_t size, const ch
                                 struct log log, struct cache_file_header *h) {
     const size_t magic = sizeof h->magic;
     if (size < magic || memcmp(data, CACHE_FILE_MAGIC, magic) != 0)
-        return refuse(log, name, "it is not a file of cache records");
-    if (size < sizeof *h) return refuse(log, name, "the file of cache records ends early");
+        return refuse_file(log, name, "it is not a file of cache records");
+    if (size < sizeof *h) return refuse_file(log, name, "the file of cache records ends early");
     memcpy(h, data, sizeof *h);
     if (h->version != CACHE_FILE_VERSION)
         return log_fail(log, SATIN_ERROR_INPUT,
@@ -24,7 +24,7 @@ static satin_status read_header(const unsigned char *data, size_t size, const ch
                         h->version, CACHE_FILE_VERSION);
     if (h->sections != SECTIONS || h->order > RSH_MAX_ORDER ||
         fileio_hash(FILEIO_HASH, data, offsetof(struct cache_file_header, checksum)) != h->checksum)
-        return refuse(log, name, "the header of the cache records is damaged");
+        return refuse_file(log, name, "the header of the cache records is damaged");
     return SATIN_OK;
 }
 
@@ -34,22 +34,22 @@ static satin_status find_sections(const unsigned char *data, size_t size, const 
     for (int i = 0; i < SECTIONS; i++) {
         const struct cache_file_section *s = &f->header.section[i];
         if (at > size || s->size > size - at)
-            return refuse(log, name, "the file of cache records ends early");
+            return refuse_file(log, name, "the file of cache records ends early");
         f->section[i] = data + at;
         const size_t row = cache_file_row((enum cache_section)i, f->header.order);
         f->rows[i] = row ? s->size / row : 0;
         if ((row && s->size % row) ||
             fileio_hash_large(FILEIO_HASH, f->section[i], s->size) != s->checksum)
-            return refuse(log, name, "the cache records are damaged");
+            return refuse_file(log, name, "the cache records are damaged");
         at += cache_file_padded(s->size);
     }
     if (at != size)
-        return refuse(log, name, "the file of cache records has another size than it says");
+        return refuse_file(log, name, "the file of cache records has another size than it says");
     if (f->rows[SECTION_IRRADIANCE_HEADS] != f->rows[SECTION_IRRADIANCE] ||
         f->rows[SECTION_RADIANCE_HEADS] != f->rows[SECTION_RADIANCE] ||
         f->rows[SECTION_IRRADIANCE] > UINT32_MAX || f->rows[SECTION_RADIANCE] > UINT32_MAX ||
         (f->rows[SECTION_RADIANCE] && !f->header.order))
-        return refuse(log, name, "the cache records do not fit together");
+        return refuse_file(log, name, "the cache records do not fit together");
     return SATIN_OK;
 }
 
@@ -64,7 +64,7 @@ static satin_status check_heads(const struct cache_file *f, const char *name, st
         for (size_t i = 0; i < f->rows[s]; i++) {
             const struct cache_head head = head_at(f, (enum cache_section)s, i);
             if (!cache_valid_head(&head))
-                return refuse(log, name, "a cache record has an impossible place");
+                return refuse_file(log, name, "a cache record has an impossible place");
         }
     return SATIN_OK;
 }
@@ -96,13 +96,13 @@ static satin_status check_values(const struct cache_file *f, const char *name, s
         memcpy(row, f->section[SECTION_RADIANCE] + i * size, size);
         valid = is_radiance(row, order);
     }
-    return valid ? SATIN_OK : refuse(log, name, "a cache record has an impossible value");
+    return valid ? SATIN_OK : refuse_file(log, name, "a cache record has an impossible value");
 }
 
 static satin_status keep_options(const char *name, struct log log, struct cache_file *f) {
     const size_t size = f->header.section[SECTION_OPTIONS].size;
     if (memchr(f->section[SECTION_OPTIONS], 0, size))
-        return refuse(log, name, "the options of the cache records are no text");
+        return refuse_file(log, name, "the options of the cache records are no text");
     f->options = malloc(size + 1);
     if (!f->options) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", name);
     memcpy(f->options, f->section[SECTION_OPTIONS], size);
@@ -146,7 +146,7 @@ static const char *first_difference(const char *a, const char *b) {
 satin_status cache_file_check(const struct cache_file *file, const struct cache_origin *origin,
                               const char *name, struct log log) {
     if (file->header.world != origin->world)
-        return refuse(log, name, "the cache records are of another scene");
+        return refuse_file(log, name, "the cache records are of another scene");
     if (strcmp(file->options, origin->options) == 0) return SATIN_OK;
     const char *theirs = first_difference(file->options, origin->options);
     const char *ours = first_difference(origin->options, file->options);

@@ -10,8 +10,8 @@
 #include "cache/cache_records.h"
 
 enum {
-    ATTEMPTS = 3,  // at a record that is not finite; then its site has none
-    BATCH = 128,   // fixed: the records depend on it; large enough to keep 32 threads busy
+    ATTEMPTS = 3,  // to make a record that is finite; if all fail its site has none
+    BATCH = 128,   // fixed, as the records depend on it; large enough to keep 32 threads busy
     WINDOW = 1024  // sites that are tested together before some of them are chosen
 };
 
@@ -22,8 +22,8 @@ struct job {
     struct gather_radiance radiance;
     struct cache_residual residual;
     struct gather_around around;
-    int refused;  // attempts that were
-    bool valid;   // the last one
+    int refused;  // how many attempts were not valid
+    bool valid;   // whether the last one was
 };
 
 struct batch {
@@ -41,9 +41,10 @@ struct batch {
     bool covered[WINDOW];              // what was found
 };
 
-// A record that hangs on a few of its rays, as where one of them has met something small and
-// bright, is gathered again by all the rays that the options say; what both have found counts by
-// their rays. Of calm records the deviation is below .1 to .2 at 50 rays.
+// Where a few of its rays make up most of a record, as when one of them has met something small and
+// bright, it is gathered again with all the rays that the options say, and both results are
+// averaged by their numbers of rays. The deviation above which that is done: other records have
+// less than .1 to .2 at 50 rays.
 static const float UNSURE = 0.4f;
 
 // ---- Choosing the sites of a batch --------------------------------------------------------------
@@ -108,7 +109,7 @@ static bool choose_batch(struct batch *b) {
 
 static rgb mix(rgb a, rgb b, float t) { return rgb_add(rgb_scale(a, 1.0f - t), rgb_scale(b, t)); }
 
-// Adds all the rays that the options say to those of the job.
+// Averages the job's irradiance with that of all the rays that the options say.
 static void gather_more(const struct batch *b, struct job *job, struct gather_site site,
                         struct gather_scratch *scratch, bool hessian) {
     const struct cache *c = b->cache;
@@ -171,10 +172,11 @@ static void gather_jobs(void *ctx, size_t begin, size_t end, int worker) {
 
 // ---- Inserting ----------------------------------------------------------------------------------
 
-// Of a new record among ones that were adapted: 1.4 times that of the nearest one [K05 6.3.2].
-static float first_scale(const struct cache_tree *tree, const struct cache_site *s, float reach) {
+// The scale of a new record among ones that were adapted: 1.4 times that of the nearest one
+// [K05 6.3.2].
+static float first_scale(const struct cache_tree *tree, const struct cache_site *s, float radius) {
     static const float GROWTH = 1.4f;
-    int64_t nearest = cache_tree_nearest(tree, s->p, s->frame.n, reach);
+    int64_t nearest = cache_tree_nearest(tree, s->p, s->frame.n, radius);
     return nearest < 0 ? 1.0f : fminf(1.0f, GROWTH * tree->head[nearest].scale);
 }
 
@@ -187,20 +189,21 @@ static void clamp_extent(struct cache_side *side, const struct cache_site *s,
     x->across = fminf(x->across, x->R);
 }
 
-// Puts a record's area into the tree; its value must stand at the next index.
+// Puts a record's area into the tree, after its value was put at the tree's next number. False
+// without memory.
 static bool insert_head(struct batch *b, const struct job *job, const struct cache_extent *x) {
     const struct cache_site *s = job->site;
-    const float reach = b->side->options.a * b->fill->widest * x->R;
+    const float influence = b->side->options.a * b->fill->widest * x->R;
     float ratio = x->R / x->across;
     float clear;
-    const uint32_t walls = cache_leak_walls(&job->around, reach, &clear);
+    const uint32_t walls = cache_leak_walls(&job->around, influence, &clear);
     struct cache_head head = {
         .p = s->p,
         .R = x->R,
         .n = s->frame.n,
-        .reach = reach,
+        .influence = influence,
         .squeeze = v3_mul(x->axis, sqrtf(fmaxf(ratio * ratio - 1.0f, 0.0f))),
-        .scale = b->fill->adapted ? first_scale(&b->side->tree, s, reach) : 1.0f,
+        .scale = b->fill->adapted ? first_scale(&b->side->tree, s, influence) : 1.0f,
         .u = s->frame.u,
         .walls = walls,
         .clear = clear,
@@ -222,7 +225,7 @@ static bool insert_irradiance(struct batch *b, struct job *job) {
     return insert_head(b, job, &x);
 }
 
-// Into the layout of products, see cache_records.h.
+// Copies coefficients into the layout of cache_radiance_record.
 static void interleave(const struct gather_radiance *from, int n2, float *value) {
     const float *part[3] = {from->lambda, from->dx, from->dy};
     for (int k = 0; k < n2; k++)

@@ -1,21 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // Leaks: a record behind a thin wall, or one whose rays have slipped through a gap, must not serve
-// what it does not see. Each record remembers the directions along its plane in which something
-// stands within its reach, as the ambient cache of Radiance does; there a ray decides.
+// a point that does not see its surroundings. Each record keeps the sectors of its
+// tangent plane in which something stands within its influence radius, as the ambient cache of
+// Radiance does; for points in such a sector a ray decides.
 #include "cache/cache_records.h"
 
-// The ray runs so much of its length above both ends, so that it passes over the roundness of one
-// surface.
+// The ray runs above both ends by this fraction of its length, so that a curved surface does not
+// occlude its own points.
 static const float LIFT = 0.1f;
 
-// Of the least distance that rays have found; they may have missed something nearer.
+// No ray is traced to points nearer than this fraction of the least distance that the record's rays
+// found; they may have missed something nearer than that.
 static const float CLEAR = 0.8f;
 
-uint32_t cache_leak_walls(const struct gather_around *around, float reach, float *clear) {
+uint32_t cache_leak_walls(const struct gather_around *around, float radius, float *clear) {
     uint32_t walls = 0;
-    *clear = reach;
+    *clear = radius;
     for (int s = 0; s < GATHER_SECTORS; s++)
-        if (around->sector[s] < reach) {
+        if (around->sector[s] < radius) {
             walls |= 1u << s;
             *clear = fminf(*clear, CLEAR * around->sector[s]);
         }
@@ -25,8 +27,8 @@ uint32_t cache_leak_walls(const struct gather_around *around, float reach, float
 // The sector of the direction d about n.
 static int sector_of(const struct cache_head *h, vec3 d) {
     float x = v3_dot(d, h->u), y = v3_dot(d, v3_cross(h->n, h->u));
-    float turn = atan2f(y, x) * (0.5f / PI_F);
-    int s = (int)floorf((turn < 0.0f ? turn + 1.0f : turn) * GATHER_SECTORS);
+    float angle = atan2f(y, x) * (0.5f / PI_F);  // of the full circle
+    int s = (int)floorf((angle < 0.0f ? angle + 1.0f : angle) * GATHER_SECTORS);
     return s < GATHER_SECTORS ? s : 0;
 }
 
@@ -42,8 +44,8 @@ bool cache_leaks(const struct cache *cache, const struct cache_head *h, vec3 p) 
 
 int cache_find(const struct cache *cache, const struct cache_tree *tree, vec3 p, vec3 n, float a,
                struct cache_near near[CACHE_NEAR_MAX]) {
-    int count = cache_tree_find(tree, p, n, a, near), seen = 0;
+    int count = cache_tree_find(tree, p, n, a, near), kept = 0;
     for (int i = 0; i < count; i++)
-        if (!cache_leaks(cache, &tree->head[near[i].record], p)) near[seen++] = near[i];
-    return seen;
+        if (!cache_leaks(cache, &tree->head[near[i].record], p)) near[kept++] = near[i];
+    return kept;
 }

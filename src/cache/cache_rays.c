@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How many rays a new record gets: a fixed number, or one by the variance that the records around
-// it measured [K05 7.2.1]. Their rays, not its own, decide: a number that depends on the rays that
-// are kept would bias the mean.
+// it measured [K05 7.2.1]. The rays of these decide and not its own: a number that depends on the
+// rays that are averaged would bias the mean.
 #include "cache/cache_records.h"
 
 // The plain number of rays, and up to four times more or less.
@@ -28,15 +28,16 @@ satin_status cache_rays_prepare(struct cache *cache, enum cache_kind kind, float
 }
 
 satin_status cache_limit_rays(struct cache *cache, float fraction) {
-    if (fraction == cache->rays_part) return SATIN_OK;
+    if (fraction == cache->rays_fraction) return SATIN_OK;
     satin_status status = cache_rays_prepare(cache, CACHE_IRRADIANCE, fraction);
     if (status == SATIN_OK && cache->order)
         status = cache_rays_prepare(cache, CACHE_RADIANCE, fraction);
-    if (status == SATIN_OK) cache->rays_part = fraction;
+    if (status == SATIN_OK) cache->rays_fraction = fraction;
     return status;
 }
 
-// The squared deviation of a record over its value, times its rays.
+// The relative variance of one ray, as a record measured it: its squared deviation over its squared
+// value, times its rays.
 static float variance_of(const struct cache *cache, enum cache_kind kind, uint32_t record) {
     if (kind == CACHE_IRRADIANCE) {
         const struct cache_irradiance_record *r = &cache->irradiance[record];

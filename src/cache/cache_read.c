@@ -1,89 +1,92 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading the caches: what one record says of a place, and the weighted mean of those that are near
-// [K05 (2.2), (3.2), (3.3)]. Deviation: half of what the gradients add is taken from their mean.
+// Reading the caches: the light that one record gives to a point, and the weighted mean over the
+// records that are near [K05 (2.2), (3.2), (3.3)]. Deviation: half of what the gradients add is
+// taken from their mean.
 #include <stdlib.h>
 #include <string.h>
 
 #include "cache/cache_records.h"
 #include "rsh/rsh.h"
 
-// The records to interpolate at a place; where none is, the nearest one.
-static int find(const struct cache *cache, const struct cache_tree *tree,
-                const struct cache_lookup *at, float a, struct cache_near near[CACHE_NEAR_MAX]) {
+// The records to interpolate at a point; where there are none, the nearest one.
+static int find_or_nearest(const struct cache *cache, const struct cache_tree *tree,
+                           const struct cache_lookup *at, float a,
+                           struct cache_near near[CACHE_NEAR_MAX]) {
     int count = cache_find(cache, tree, at->p, at->n, a, near);
-    if (count > 0 || !(at->reach > 0.0f)) return count;
-    int64_t nearest = cache_tree_nearest(tree, at->p, at->n, at->reach);
+    if (count > 0 || !(at->fallback_radius > 0.0f)) return count;
+    int64_t nearest = cache_tree_nearest(tree, at->p, at->n, at->fallback_radius);
     if (nearest < 0 || cache_leaks(cache, &tree->head[nearest], at->p)) return 0;
     near[0] = (struct cache_near){(uint32_t)nearest, 1.0f};
     return 1;
 }
 
-// The way from a record to p, cut at the radius within which its gradient is good.
-static vec3 way_from(const struct cache_head *h, vec3 p, float a) {
+// The offset from a record to p, of at most the length within which the record's gradient is good.
+static vec3 offset_from(const struct cache_head *h, vec3 p, float a) {
     vec3 d = v3_sub(p, h->p);
     float length = v3_len(d), most = a * h->R;
     return length > most ? v3_mul(d, most / length) : d;
 }
 
-// What a record tells: its value, its gradients, and the way from it to the place. Also sums of
-// such over records.
+// A record's value and gradients, and the offset and rotation from it to the point; also weighted
+// sums of these over records.
 struct taylor {
     float value[3];
-    vec3 way, grad[3];        // along the surface
-    vec3 turn, turn_grad[3];  // of the normal
+    vec3 offset, grad[3];             // along the surface
+    vec3 rotation, rotation_grad[3];  // of the normal
 };
 
 static float linear(const struct taylor *t, int c) {
-    return v3_dot(t->way, t->grad[c]) + v3_dot(t->turn, t->turn_grad[c]);
+    return v3_dot(t->offset, t->grad[c]) + v3_dot(t->rotation, t->rotation_grad[c]);
 }
 
-// What one record says.
-static rgb alone(const struct taylor *t) {
+// The value at the point by this record alone.
+static rgb value_alone(const struct taylor *t) {
     return rgb_make(t->value[0] + linear(t, 0), t->value[1] + linear(t, 1),
                     t->value[2] + linear(t, 2));
 }
 
-// What a record says errs by half the second derivative times the square of the way; the mean of
-// bare values errs by as much the other way. So each record's gradient leads half the way, and the
-// mean gradient half the mean way: where the records lie around the place, second order cancels.
+// A value that is extrapolated by its gradient errs by half the second derivative times the squared
+// distance; the mean of values without gradients errs by as much with the other sign. So each
+// record's gradient is applied along half of its offset, and the mean gradient along half of the
+// mean offset: where records lie all around the point, errors of second order cancel.
 static void add_record(struct taylor *sum, const struct taylor *t, float weight) {
     for (int c = 0; c < 3; c++) {
         sum->value[c] += weight * (t->value[c] + 0.5f * linear(t, c));
         sum->grad[c] = v3_mad(sum->grad[c], weight, t->grad[c]);
-        sum->turn_grad[c] = v3_mad(sum->turn_grad[c], weight, t->turn_grad[c]);
+        sum->rotation_grad[c] = v3_mad(sum->rotation_grad[c], weight, t->rotation_grad[c]);
     }
-    sum->way = v3_mad(sum->way, weight, t->way);
-    sum->turn = v3_mad(sum->turn, weight, t->turn);
+    sum->offset = v3_mad(sum->offset, weight, t->offset);
+    sum->rotation = v3_mad(sum->rotation, weight, t->rotation);
 }
 
-static rgb mean_of(const struct taylor *sum, float weight) {
-    const float share = 1.0f / weight, half = 0.5f * share * share;
+static rgb mean_value(const struct taylor *sum, float weight) {
+    const float inverse = 1.0f / weight, half = 0.5f * inverse * inverse;
     float mean[3];
     for (int c = 0; c < 3; c++)
-        mean[c] = at_least(share * sum->value[c] + half * linear(sum, c), 0.0f);
+        mean[c] = at_least(inverse * sum->value[c] + half * linear(sum, c), 0.0f);
     return rgb_make(mean[0], mean[1], mean[2]);
 }
 
-// E of one record at a place. A facet that is turned by an angle t sees E cos t, and what the
-// rotation gradient adds sin t.
+// E of one record at a point. A facet that bumps rotate by an angle t receives E cos t, and by the
+// rotation gradient a term in sin t.
 static struct taylor irradiance_of(const struct cache *cache, uint32_t record,
                                    const struct cache_lookup *at, float a) {
     const struct cache_head *h = &cache->side[CACHE_IRRADIANCE].tree.head[record];
     const struct gather_irradiance *value = &cache->irradiance[record].value;
-    const float share = minf(v3_dot(at->n, at->frame.n), 1.0f);
-    struct taylor t = {{share * value->E.r, share * value->E.g, share * value->E.b},
-                       .way = way_from(h, at->p, a),
-                       .turn = v3_cross(h->n, at->frame.n)};
+    const float cosine = minf(v3_dot(at->n, at->frame.n), 1.0f);
+    struct taylor t = {{cosine * value->E.r, cosine * value->E.g, cosine * value->E.b},
+                       .offset = offset_from(h, at->p, a),
+                       .rotation = v3_cross(h->n, at->frame.n)};
     if (cache->side[CACHE_IRRADIANCE].options.gradients == SATIN_GRADIENTS_NONE) return t;
     for (int c = 0; c < 3; c++) {
         t.grad[c] = value->grad_t[c];
-        t.turn_grad[c] = value->grad_r[c];
+        t.rotation_grad[c] = value->grad_r[c];
     }
     return t;
 }
 
-// Whether most of the weight is of records that reach much farther than they should: near contacts,
-// where none could be placed densely enough.
+// Whether most of the weight is of records that are much larger than they should be, as near
+// contacts, where the least radius keeps records from being dense enough.
 static bool crowded(const struct cache *cache, enum cache_kind kind, const struct cache_near *near,
                     int count) {
     const float least = cache->g->options->gather_room;
@@ -110,7 +113,7 @@ struct cache_used cache_irradiance(const struct cache *cache, const struct cache
     const float whole = cache->side[CACHE_IRRADIANCE].options.a;
     struct cache_near near[CACHE_NEAR_MAX];
     struct cache_used used = {0};
-    const int count = find(cache, tree, at, a, near);
+    const int count = find_or_nearest(cache, tree, at, a, near);
     if (count == 0 || crowded(cache, CACHE_IRRADIANCE, near, count)) return used;
     struct taylor sum = {0};
     for (int i = 0; i < count; i++) {
@@ -120,17 +123,17 @@ struct cache_used cache_irradiance(const struct cache *cache, const struct cache
         use(&used, &tree->head[record], near[i].weight, whole,
             cache->irradiance[record].value.rays);
     }
-    *E = mean_of(&sum, used.weight);
+    *E = mean_value(&sum, used.weight);
     return used;
 }
 
-// Whether two frames agree so well that no coefficient needs turning.
+// Whether two frames agree so well that coefficients need no rotation.
 static bool same_frame(const struct frame *a, const struct frame *b) {
     return v3_dot(a->n, b->n) > 1.0f - 1e-6f && v3_dot(a->u, b->u) > 1.0f - 1e-6f;
 }
 
-// sum_k C_k (Lambda, d/dx, d/dy)_k of one record, per colour, and the noise of the first: lanes of
-// sums as in the record.
+// sum_k C_k (Lambda, d/dx, d/dy)_k of one record, per colour, and that of the noise: the lanes are
+// those of the record's value.
 static void product(const struct cache_radiance_record *record, const struct cache_lobe *lobe,
                     float sum[CACHE_LANES]) {
     const int n2 = lobe->order * lobe->order;
@@ -148,20 +151,21 @@ static void product(const struct cache_radiance_record *record, const struct cac
     }
 }
 
-// What a lobe, given in the place's frame, reflects of one record; *noise, if not NULL, gets that
-// of its luminance.
+// The radiance that a lobe, given in the lookup's frame, reflects of one record. *noise, if not
+// NULL, gets a sample of the noise of its luminance.
 static struct taylor radiance_of(const struct cache *cache, uint32_t index,
                                  const struct cache_lookup *at, float a, struct cache_lobe lobe,
                                  float *noise) {
     const struct cache_radiance_record *record = &cache->radiance[index];
     const struct frame *frame = &record->frame;
-    float turned[3 * RSH_MAX_COEFFICIENTS], sum[CACHE_LANES];
-    if (!same_frame(&at->frame, frame)) cache_turn(cache, &at->frame, frame, &lobe, turned);
+    float rotated[3 * RSH_MAX_COEFFICIENTS], sum[CACHE_LANES];
+    if (!same_frame(&at->frame, frame)) cache_rotate(cache, &at->frame, frame, &lobe, rotated);
     product(record, &lobe, sum);
     if (noise) *noise = fabsf(sum[3]);
     const rgb rest = cache_residual_read(&record->residual, &lobe);
-    struct taylor t = {{sum[0] + rest.r, sum[1] + rest.g, sum[2] + rest.b},
-                       .way = way_from(&cache->side[CACHE_RADIANCE].tree.head[index], at->p, a)};
+    struct taylor t = {
+        {sum[0] + rest.r, sum[1] + rest.g, sum[2] + rest.b},
+        .offset = offset_from(&cache->side[CACHE_RADIANCE].tree.head[index], at->p, a)};
     if (cache->side[CACHE_RADIANCE].options.gradients == SATIN_GRADIENTS_NONE) return t;
     for (int c = 0; c < 3; c++)
         t.grad[c] = v3_mad(v3_mul(frame->u, sum[4 + c]), sum[8 + c], frame->v);
@@ -174,7 +178,7 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_l
     const float whole = cache->side[CACHE_RADIANCE].options.a;
     struct cache_near near[CACHE_NEAR_MAX];
     struct cache_used used = {0};
-    const int count = find(cache, tree, at, a, near);
+    const int count = find_or_nearest(cache, tree, at, a, near);
     if (count == 0 || crowded(cache, CACHE_RADIANCE, near, count)) return used;
     const struct cache_lobe cosine = {
         .C = cache->cosine, .order = cache->cosine_order, .channels = 1};
@@ -193,14 +197,14 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_l
         }
         use(&used, &tree->head[record], w, whole, cache->radiance[record].rays);
     }
-    if (lobe) *glossy = mean_of(&shine, used.weight);
-    if (E) *E = mean_of(&diffuse, used.weight);
+    if (lobe) *glossy = mean_value(&shine, used.weight);
+    if (E) *E = mean_value(&diffuse, used.weight);
     return used;
 }
 
-bool cache_stands(const struct cache *cache, vec3 p, vec3 n, float reach) {
-    return cache_tree_nearest(&cache->side[CACHE_IRRADIANCE].tree, p, n, reach) >= 0 ||
-           cache_tree_nearest(&cache->side[CACHE_RADIANCE].tree, p, n, reach) >= 0;
+bool cache_has_record_near(const struct cache *cache, vec3 p, vec3 n, float radius) {
+    return cache_tree_nearest(&cache->side[CACHE_IRRADIANCE].tree, p, n, radius) >= 0 ||
+           cache_tree_nearest(&cache->side[CACHE_RADIANCE].tree, p, n, radius) >= 0;
 }
 
 float cache_reflected(const struct cache *cache, enum cache_kind kind, uint32_t record,
@@ -210,7 +214,7 @@ float cache_reflected(const struct cache *cache, enum cache_kind kind, uint32_t 
     *noise = 0.0f;
     if (kind == CACHE_IRRADIANCE) {
         t = irradiance_of(cache, record, at, a);
-        float Y = rgb_luminance(rgb_mul(surface->diffuse, alone(&t)));
+        float Y = rgb_luminance(rgb_mul(surface->diffuse, value_alone(&t)));
         *noise = cache->irradiance[record].deviation * Y;
         return Y;
     }
@@ -220,12 +224,12 @@ float cache_reflected(const struct cache *cache, enum cache_kind kind, uint32_t 
     float part = 0.0f;
     if (surface->lobe.order) {
         t = radiance_of(cache, record, at, a, surface->lobe, &part);
-        L = rgb_mul(surface->specular, alone(&t));
+        L = rgb_mul(surface->specular, value_alone(&t));
         *noise += part * rgb_luminance(surface->specular);
     }
     if (!rgb_black(surface->diffuse)) {
         t = radiance_of(cache, record, at, a, cosine, &part);
-        L = rgb_fma(L, surface->diffuse, alone(&t));
+        L = rgb_fma(L, surface->diffuse, value_alone(&t));
         *noise += part * rgb_luminance(surface->diffuse);
     }
     return rgb_luminance(L);

@@ -1,30 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to cache/: the records and what is shared by filling and reading.
+// Private to cache/: the records, and the functions that filling and reading have in common.
 #ifndef CACHE_RECORDS_H
 #define CACHE_RECORDS_H
 
 #include "cache/cache.h"
 #include "cache/cache_tree.h"
 
-// A radiance record's value, laid out for products with a BRDF: for each coefficient k, CACHE_LANES
-// floats: Lambda r g b and its noise, d/dx r g b 0, d/dy r g b 0.
+// A radiance record's value is laid out for products with a BRDF. It has CACHE_LANES floats for
+// each coefficient k: Lambda r g b and its noise, d/dx r g b 0, d/dy r g b 0.
 enum { CACHE_LANES = 12 };
 
-// Numbers of rays that records of a cache may have (cache_rays.c), and the most of them.
+// How many different numbers of rays the records of a side may have (cache_rays.c), and the
+// largest.
 enum { CACHE_LAYOUTS = 5, CACHE_RAYS_MAX = 1 << 20 };
 
-// Radiance that the BRDF of a record's site reflects of the record's rays, less that of their
-// harmonics.
+// The radiance that the BRDF of a record's site reflects of the record's rays, less what it
+// reflects of their harmonics.
 struct cache_residual {
-    uint32_t name;  // of the BRDF; 0: nothing is known
+    uint32_t name;  // see cache_lobe; 0: nothing is known
     vec3 mirror;    // see cache_lobe
     rgb L;          // without the BRDF's factor `specular`
 };
 
 struct cache_radiance_record {
     struct frame frame;
-    float *value;  // order^2 * CACHE_LANES
-    float room;    // R that was wanted over R, below 1 where the least radius holds it up
+    float *value;  // order^2 * CACHE_LANES, in the cache's arena
+    float room;    // see cache_extent
     uint32_t rays;
     struct cache_residual residual;
 };
@@ -32,7 +33,7 @@ struct cache_radiance_record {
 struct cache_irradiance_record {
     struct gather_irradiance value;
     float deviation;  // standard deviation of E over E
-    float room;       // as above
+    float room;       // see cache_extent
 };
 
 // The options of one kind of records; satin_options has them as irradiance_a, radiance_a and so on,
@@ -74,26 +75,29 @@ struct cache {
     int cosine_order;             // HSH hold the cosine in two bands
 
     struct gather_layout *irradiance_whole;  // all the rays that the options say
-    float rays_part;                         // of them that new records get
+    float rays_fraction;                     // of the options' rays that new records get
     struct gather_scratch **scratch;         // one per worker
     int scratch_count;
-    uint64_t rays;
+    uint64_t rays;     // of all records
     uint64_t refused;  // records that were not finite or out of range
     struct {
         int passes;               // of the cache that took more
-        uint64_t points, shrunk;  // points judged, records whose scale was lowered
+        uint64_t points, shrunk;  // points that were evaluated, records whose scale was lowered
         double seconds;           // without gathering
     } converged;
 };
 
-// The area of a new record: R along the surface but `across` (at most R) along `axis`, a unit
-// vector of the tangent plane, before neighbour clamping. Limits the value's gradient where R
-// cannot follow it. From what its rays found around it [K05 3.3, 6.5.1].
+// ---- The area of a new record (cache_extent.c) --------------------------------------------------
+
+// An ellipse in the tangent plane, before neighbour clamping; a circle if both radii are equal.
 struct cache_extent {
-    float R, across;
-    vec3 axis;
-    float room;  // R that was wanted over R; at most 1
+    float R;       // the larger radius
+    float across;  // the smaller one, along `axis`; at most R
+    vec3 axis;     // unit, in world space; 0 for a circle
+    float room;    // R that was wanted over R; below 1 where the least radius is larger
 };
+// The area by what the record's rays found around it [K05 3.3, 6.5.1]. Scales the gradients of
+// *value down where R is larger than they can carry.
 struct cache_extent cache_extent_irradiance(const struct cache *cache,
                                             const struct cache_site *site,
                                             const struct gather_around *around,
@@ -101,25 +105,43 @@ struct cache_extent cache_extent_irradiance(const struct cache *cache,
 struct cache_extent cache_extent_radiance(const struct cache *cache, const struct cache_site *site,
                                           const struct gather_around *around,
                                           struct gather_radiance *value);
+// The least R of records where a pixel is so wide: the options' least radius in pixels, over a.
+float cache_least_radius(const struct cache_options *options, float pixel);
+// Neighbour clamping [K05 6.5.2] (cache_clamp.c): limits R of a new record at (p, n) by its
+// neighbours in the tree and returns it, and limits theirs by the new one.
+float cache_clamp_neighbours(struct cache_tree *tree, vec3 p, vec3 n, float R);
+
+// ---- Rays of a new record (cache_rays.c) --------------------------------------------------------
+
 // Makes the layouts of a side anew: those that its options ask for, of a fraction of their rays.
 // SATIN_ERROR_MEMORY: then it keeps those that it had.
 satin_status cache_rays_prepare(struct cache *cache, enum cache_kind kind, float fraction);
-// The layout of a new record, by the records that reach its site at accuracy a.
+// The layout of a new record, by the variance of the records that serve its site at accuracy a.
 const struct gather_layout *cache_rays_layout(const struct cache *cache, enum cache_kind kind,
                                               const struct cache_site *site, float a);
-// The least R that is made where a pixel is so wide: a R of the options' least radius in pixels.
-float cache_least_radius(const struct cache_options *options, float pixel);
-// Neighbour clamping [K05 6.5.2]: R of the new record, after limiting it by its neighbours and them
-// by it.
-float cache_clamp_neighbours(struct cache_tree *tree, vec3 p, vec3 n, float R);
 
-// ---- Validity (cache_valid.c): finite, and E, distances, radii and scales in their ranges
+// ---- Validity (cache_valid.c): finite, and E, distances, radii and scales in their ranges -------
+
 bool cache_valid_numbers(const float *value, size_t count);
 bool cache_valid_irradiance(const struct gather_irradiance *value,
                             const struct gather_around *around);
 bool cache_valid_radiance(const struct gather_radiance *value, int order,
                           const struct gather_around *around);
 bool cache_valid_head(const struct cache_head *head);
+
+// ---- Leaks (cache_leak.c) -----------------------------------------------------------------------
+
+// The mask of the sectors in which something stands nearer than `radius`; *clear gets a distance
+// within which nothing does.
+uint32_t cache_leak_walls(const struct gather_around *around, float radius, float *clear);
+// Whether a ray is occluded between the record and the point, which is traced only where the record
+// keeps a wall.
+bool cache_leaks(const struct cache *cache, const struct cache_head *head, vec3 p);
+// cache_tree_find, without the records that leak.
+int cache_find(const struct cache *cache, const struct cache_tree *tree, vec3 p, vec3 n, float a,
+               struct cache_near near[CACHE_NEAR_MAX]);
+
+// ---- One record's value (cache_read.c) ----------------------------------------------------------
 
 // What reflects at a point: L = specular * (lobe . Lambda) + diffuse * E. C of the lobe may point
 // into `coefficients`; order 0: no glossy part.
@@ -128,30 +150,23 @@ struct cache_surface {
     struct cache_lobe lobe;
     float coefficients[3 * RSH_MAX_COEFFICIENTS];
 };
-
-// Sectors in which something stands nearer than `reach`; *clear gets the least distance of all.
-uint32_t cache_leak_walls(const struct gather_around *around, float reach, float *clear);
-// The records to interpolate at a place, without those that do not see it.
-int cache_find(const struct cache *cache, const struct cache_tree *tree, vec3 p, vec3 n, float a,
-               struct cache_near near[CACHE_NEAR_MAX]);
 // Luminance of what a surface reflects of one record; *noise gets its standard deviation, or for
 // radiance one sample of it.
 float cache_reflected(const struct cache *cache, enum cache_kind kind, uint32_t record,
                       const struct cache_lookup *at, float a, const struct cache_surface *surface,
                       float *noise);
-// Whether a wall stands between the record and the point.
-bool cache_leaks(const struct cache *cache, const struct cache_head *head, vec3 p);
+// Expresses a lobe that is given in frame `from` in frame `to`, for products with a record in that
+// frame (cache_rotate.c): lobe->C then points into `rotated`, of 3 * order^2.
+void cache_rotate(const struct cache *cache, const struct frame *from, const struct frame *to,
+                  struct cache_lobe *lobe, float *rotated);
+
+// ---- Residuals (cache_residual.c) ---------------------------------------------------------------
 
 // The residual of a record of frame `frame`; `whole` is what the BRDF reflects of its rays.
 struct cache_residual cache_residual_make(const struct gather_radiance *radiance, int order,
                                           const struct frame *frame, const struct cache_view *view,
                                           rgb whole);
-// What it adds to what a lobe reflects of the record's harmonics.
+// What a residual adds to what a lobe reflects of the record's harmonics; may be negative.
 rgb cache_residual_read(const struct cache_residual *residual, const struct cache_lobe *lobe);
-
-// Re-expresses a BRDF given in frame `from` for products with a record in frame `to`; *lobe then
-// points into `turned` (3 * order^2).
-void cache_turn(const struct cache *cache, const struct frame *from, const struct frame *to,
-                struct cache_lobe *lobe, float *turned);
 
 #endif

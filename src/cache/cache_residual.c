@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a record's harmonics leave out of what is reflected. A series that ends at order n rings
-// beside what is bright and near, in every record alike, by 5 to 10 % around a ball that almost
-// touches a wall of rough metal. The rays that a record is projected from know what its own BRDF
-// reflects of them towards the eye. The difference, which has no noise of its own but that of the
-// rays, is kept and interpolated with the record.
+// What a record's harmonics leave out of the light that is reflected. A series that ends at order n
+// rings beside what is bright and near, in every record alike, by 5 to 10 % around a ball that
+// almost touches a wall of rough metal. What the BRDF at the record's own site reflects towards the
+// eye follows from the record's rays without harmonics. The difference, which has no noise but that
+// of the rays, is kept and interpolated with the record.
 #include "cache/cache_records.h"
 
 // Another lobe of the same BRDF is corrected the less the farther it points elsewhere, and not at

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The octree of records [Ward 1988], multiple references in place of a search of neighbouring
-// cells.
+// The octree of records [Ward 1988]. Deviation: a record is referred to from all cells that it
+// touches, so that a query need not search the neighbours of its cell.
 #include "cache/cache_tree.h"
 
 #include <stdlib.h>
@@ -9,15 +9,17 @@
 
 enum { DEPTH_MAX = 24 };
 
-// A record is not used at points that lie in front of it by more than this share of R: there it may
-// be hidden from what the point sees [Ward 1988]. The slack lets curved surfaces and rounding pass.
+// A record that lies in front of a point is not used there: it may be lit by what the point does
+// not see [Ward 1988]. This fraction of the record's radius is allowed, for curved surfaces and
+// rounding.
 static const float FRONT_SLACK = 0.05f;
 
-// Nor at points farther from its tangent plane than this share of a R: normals in S differ by less
-// than arccos(1 - a^2), so a surface that turns so far at a = .5 rises by .35 of the way.
+// Nor is it used at points farther from its tangent plane than this fraction of a R: normals in S
+// differ by less than arccos(1 - a^2), and a surface whose normal changes by that much at a = .5
+// rises by .35 of the distance.
 static const float SLAB = 0.4f;
 
-// Least cosine of normals for a record that is taken for want of a better one.
+// The nearest record serves where no other does if the cosine between the normals is above this.
 static const float NEAREST_ALIKE = 0.9f;
 
 void cache_tree_init(struct cache_tree *tree, vec3 lo, vec3 hi) {
@@ -51,10 +53,11 @@ static int descend(vec3 p, vec3 *lo, float *size) {
     return octant;
 }
 
-// Depth of the level whose cells are between half as wide as `reach` and as wide.
-static int level_of(const struct cache_tree *tree, float reach) {
+// Depth of the level whose cells are between half as wide as the influence radius and as wide.
+static int depth_of(const struct cache_tree *tree, float influence) {
     int depth = 0;
-    for (float size = tree->size * 0.5f; size >= 0.5f * reach && depth < DEPTH_MAX; size *= 0.5f)
+    for (float size = tree->size * 0.5f; size >= 0.5f * influence && depth < DEPTH_MAX;
+         size *= 0.5f)
         depth++;
     return depth;
 }
@@ -76,30 +79,30 @@ static void add_reference(struct cache_tree *tree, vec3 centre, int depth, uint3
     tree->node[at].first = (uint32_t)++tree->ref_count;
 }
 
-// Whether a point of the cell may use the record: the sphere meets the cell, and the cell meets the
-// slab around the tangent plane that points with normals in S can lie in.
+// Whether a point of the cell may use the record: the sphere of influence meets the cell, and so
+// does the slab around the tangent plane, outside of which no point uses the record.
 static bool cell_meets(const struct cache_head *h, vec3 centre, float size) {
     vec3 d = v3_sub(centre, h->p);
     float half = 0.5f * size;
     float dx = fmaxf(fabsf(d.x) - half, 0.0f), dy = fmaxf(fabsf(d.y) - half, 0.0f),
           dz = fmaxf(fabsf(d.z) - half, 0.0f);
-    if (dx * dx + dy * dy + dz * dz >= h->reach * h->reach) return false;
+    if (dx * dx + dy * dy + dz * dz >= h->influence * h->influence) return false;
     float extent = half * (fabsf(h->n.x) + fabsf(h->n.y) + fabsf(h->n.z));
-    return fabsf(v3_dot(d, h->n)) <= SLAB * h->reach + extent;
+    return fabsf(v3_dot(d, h->n)) <= SLAB * h->influence + extent;
 }
 
 bool cache_tree_insert(struct cache_tree *tree, const struct cache_head *head) {
-    int depth = level_of(tree, head->reach);
+    int depth = depth_of(tree, head->influence);
     float size = ldexpf(tree->size, -depth);
     // Cells of that level, numbered from the root's corner, that the sphere's box touches.
     const float p[3] = {head->p.x - tree->lo.x, head->p.y - tree->lo.y, head->p.z - tree->lo.z};
     const int most = 1 << depth;
     int first[3], last[3];
     for (int k = 0; k < 3; k++) {
-        first[k] = (int)fmaxf(floorf((p[k] - head->reach) / size), 0.0f);
-        last[k] = (int)fminf(floorf((p[k] + head->reach) / size), (float)(most - 1));
+        first[k] = (int)fmaxf(floorf((p[k] - head->influence) / size), 0.0f);
+        last[k] = (int)fminf(floorf((p[k] + head->influence) / size), (float)(most - 1));
     }
-    enum { SPAN = 6 };  // 2 reach / size <= 4 but at the root, and a cell on either side
+    enum { SPAN = 6 };  // 2 influence / size <= 4 but at the root, and a cell on either side
     if (!array_reserve((void **)&tree->head, &tree->head_capacity, tree->head_count + 1,
                        sizeof *tree->head) ||
         !array_reserve((void **)&tree->node, &tree->node_capacity,
@@ -130,7 +133,8 @@ float cache_tree_error(const struct cache_head *h, vec3 p, vec3 n) {
     return distance(h, v3_sub(p, h->p)) / h->R + safe_sqrtf(1.0f - v3_dot(n, h->n));
 }
 
-// The record's weight at (p, n), 0 if it is not in S.
+// The record's weight at (p, n) [K05 (2.3)], 0 if it is not in S. Deviation: 1 - error / a instead
+// of 1 / error, so that it falls to 0 where the record leaves S.
 static float weight_at(const struct cache_head *h, vec3 p, vec3 n, float a) {
     vec3 d = v3_sub(p, h->p);
     float own = a * h->scale, limit = own * h->R;
@@ -209,7 +213,7 @@ void cache_tree_visit(const struct cache_tree *tree, vec3 p, float radius,
 struct nearest {
     const struct cache_tree *tree;
     vec3 p, n;
-    float reach, distance2;
+    float radius, distance2;
     int64_t record;
 };
 
@@ -220,13 +224,13 @@ static void compare_one(void *ctx, uint32_t record) {
     float d2 = v3_len2(d);
     bool nearer = d2 < s->distance2 || (d2 == s->distance2 && record < s->record);
     if (!nearer || v3_dot(h->n, s->n) < NEAREST_ALIKE) return;
-    if (fabsf(v3_dot(d, h->n)) > SLAB * s->reach) return;
+    if (fabsf(v3_dot(d, h->n)) > SLAB * s->radius) return;
     s->distance2 = d2;
     s->record = record;
 }
 
-int64_t cache_tree_nearest(const struct cache_tree *tree, vec3 p, vec3 n, float reach) {
-    struct nearest s = {tree, p, n, reach, reach * reach, -1};
-    cache_tree_visit(tree, p, reach, compare_one, &s);
+int64_t cache_tree_nearest(const struct cache_tree *tree, vec3 p, vec3 n, float radius) {
+    struct nearest s = {tree, p, n, radius, radius * radius, -1};
+    cache_tree_visit(tree, p, radius, compare_one, &s);
     return s.record;
 }

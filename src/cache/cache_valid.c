@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A record is a claim: what it holds is finite and in range when it is made or read from a file.
-// What is not is refused and counted, and its site is gathered again (cache_fill.c).
+// A record that is not is refused and counted, and its site is gathered again (cache_fill.c).
 #include "cache/cache_records.h"
 
 bool cache_valid_numbers(const float *value, size_t count) {
@@ -40,6 +40,6 @@ static bool unit(vec3 v) { return fabsf(v3_len2(v) - 1.0f) < 1e-3f; }
 
 bool cache_valid_head(const struct cache_head *h) {
     return v3_finite(h->p) && unit(h->n) && unit(h->u) && v3_finite(h->squeeze) && h->R >= 0.0f &&
-           isfinite(h->R) && h->reach >= 0.0f && isfinite(h->reach) && h->scale >= 0.0f &&
+           isfinite(h->R) && h->influence >= 0.0f && isfinite(h->influence) && h->scale >= 0.0f &&
            h->scale <= 1.0f && h->clear >= 0.0f;
 }

@@ -55,7 +55,7 @@ static satin_options level_options(const satin_options *image, int level) {
     return o;
 }
 
-static void walk(void *ctx, size_t begin, size_t end, int worker) {
+static void follow_walks(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
     const struct walks *w = ctx;
     const uint64_t width = (uint64_t)w->image->width, height = (uint64_t)w->image->height;
@@ -66,8 +66,9 @@ static void walk(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-static satin_status fill(struct render *r, struct render_level *level, struct walks *walks) {
-    if (!parallel_for(r->pool, WALKS, 64, walk, walks)) return SATIN_CANCELLED;
+static satin_status fill_from_walks(struct render *r, struct render_level *level,
+                                    struct walks *walks) {
+    if (!parallel_for(r->pool, WALKS, 64, follow_walks, walks)) return SATIN_CANCELLED;
     const satin_options *o = &level->options;
     const float a[CACHE_KINDS] = {o->irradiance_a, o->radiance_a};
     struct cache_fill fill = {.widest = fmaxf(o->irradiance_widen, o->radiance_widen),
@@ -105,7 +106,7 @@ static satin_status make_level(struct render *r, int index, struct walks *walks)
     film_filter_make(&r->scene.film, &level->shade.filter);
     walks->shade = &level->shade;
     walks->level = index;
-    satin_status status = fill(r, level, walks);
+    satin_status status = fill_from_walks(r, level, walks);
     r->second_pass.gather.next = (struct gather_level){shade_known, &level->shade, &level->gather};
     return status;
 }

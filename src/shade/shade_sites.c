@@ -33,7 +33,7 @@ static void add_light(const struct shade *shade, const struct gather_point *bump
     struct gather_point p = *bumpy;
     p.wo_l = base_wo(bumpy);
     p.frame = p.base;
-    site->seen = p.interaction.p;
+    site->shading_p = p.interaction.p;
     site->diffuse = rgb_scale(brdf_albedo(&p.brdf, p.wo_l, BRDF_DIFFUSE), 1.0f / PI_F);
     site->specular = p.brdf.specular;
     site->direct = rgb_luminance(gather_direct(shade->g, &p, lights_alone, lights, sampler, NULL));

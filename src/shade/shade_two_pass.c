@@ -202,7 +202,7 @@ void shade_vertex_two_pass(struct shade_job *job) {
     job->sampler.dimension += 2;
     if (!indirect) return;
     if (o->record_maps &&
-        cache_stands(job->shade->cache, p->interaction.p, p->base.n, job->vertex->pixel))
+        cache_has_record_near(job->shade->cache, p->interaction.p, p->base.n, job->vertex->pixel))
         job->out->record = 1.0f;
 
     const unsigned caustic = plan.cached | plan.diffuse;

@@ -13,7 +13,7 @@ import sys
 CODE = {".c", ".h", ".cpp"}
 # Names that still recur. The list may only shrink: one that no longer recurs is an error too.
 TO_DO = set("""
-mean_of
+
 """.split())
 # As clang-format writes definitions: they begin in column 1, and a body opens on their last line.
 FUNCTION = re.compile(r"^static (?:inline )?(?:_Noreturn )?[\w \*]*?\b(\w+)\([^;{}]*?\)\s*\{",

@@ -54,19 +54,14 @@ CUT = re.compile(r"^\s*// (The same|Of what)\b", re.MULTILINE)
 # Of each word, the folders in which it is not yet replaced.
 TO_DO = {
     "behind the image": "docs",
-    "bend": "docs src/cache",
+    "bend": "docs",
     "deal": "docs",
     "even rays": "docs",
-    "grain": "docs src/cache",
-    "judge": "docs src/cache",
-    "parted": "src/cache",
+    "grain": "docs",
     "put_wall": "docs",
-    "reach": "docs src/cache",
     "rough solution": "docs",
-    "share": "src/cache",
-    "tell": "src/cache",
     "trust": "src/photon src/gather src/render",
-    "turn": "docs src/cache",
+    "turn": "docs",
 }
 
 

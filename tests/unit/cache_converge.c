@@ -44,7 +44,7 @@ static size_t run(struct cache_case *f, float light) {
     fill.count = CACHE_CASE_SITES;
     assert_int_equal(cache_fill(f->cache, CACHE_IRRADIANCE, &fill), SATIN_OK);
     for (int i = 0; i < CACHE_CASE_SITES; i++) {
-        f->site[i].seen = f->site[i].p;
+        f->site[i].shading_p = f->site[i].p;
         f->site[i].diffuse = rgb_grey(0.8f / PI_F);
         f->site[i].direct = light;
     }

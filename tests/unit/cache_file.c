@@ -54,7 +54,7 @@ static struct cache_head head(struct rng *rng) {
     return (struct cache_head){.p = draw(rng),
                                .R = 0.2f + rng_float(rng),
                                .n = frame.n,
-                               .reach = 0.6f,
+                               .influence = 0.6f,
                                .squeeze = draw(rng),
                                .scale = 0.5f + 0.5f * rng_float(rng),
                                .u = frame.u,

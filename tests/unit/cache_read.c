@@ -34,7 +34,7 @@ static void start(struct fixture *f) {
         f->record[i] = (struct cache_irradiance_record){
             .value = {.E = rgb_grey((float)i), .rays = i ? 300 : 100}, .room = 1.0f};
         struct cache_head head = {
-            .p = v3(x[i], 0, 0), .R = 1.0f, .n = v3(0, 0, 1), .reach = 1.0f, .scale = scale[i]};
+            .p = v3(x[i], 0, 0), .R = 1.0f, .n = v3(0, 0, 1), .influence = 1.0f, .scale = scale[i]};
         assert_true(cache_tree_insert(&f->cache.side[CACHE_IRRADIANCE].tree, &head));
     }
 }
@@ -97,7 +97,7 @@ static void none_is_near(void **state) {
     assert_int_equal(cache_irradiance(&f.cache, &at, 0.8f, &E).count, 0);
     assert_true(E.r == 7.0f);
     // The nearest one serves, if it is asked for.
-    at.reach = 1.0f;
+    at.fallback_radius = 1.0f;
     struct cache_used used = cache_irradiance(&f.cache, &at, 0.8f, &E);
     assert_true(used.count == 1 && used.weight == 1.0f);
     cache_tree_free(&f.cache.side[CACHE_IRRADIANCE].tree);
@@ -108,9 +108,9 @@ static void where_records_stand(void **state) {
     struct fixture f;
     start(&f);
     const vec3 up = v3(0, 0, 1);
-    assert_true(cache_stands(&f.cache, v3(0.31f, 0, 0), up, 0.02f));
-    assert_false(cache_stands(&f.cache, v3(0.31f, 0, 0), v3_neg(up), 0.02f));
-    assert_false(cache_stands(&f.cache, v3(0.35f, 0, 0), up, 0.02f));
+    assert_true(cache_has_record_near(&f.cache, v3(0.31f, 0, 0), up, 0.02f));
+    assert_false(cache_has_record_near(&f.cache, v3(0.31f, 0, 0), v3_neg(up), 0.02f));
+    assert_false(cache_has_record_near(&f.cache, v3(0.35f, 0, 0), up, 0.02f));
     cache_tree_free(&f.cache.side[CACHE_IRRADIANCE].tree);
 }
 

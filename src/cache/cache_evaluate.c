@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// The criterion of adaptive caching [K05 6.3.1, 6.4]: whether what the records of a point say
-// differs visibly, by Weber's law over direct and indirect light, beyond their noise; and which of
-// them give way.
+// The criterion of adaptive caching [K05 6.3.1, 6.4]: whether the light that the records give to a
+// point differs visibly, by Weber's law over direct and indirect light and beyond their noise; and
+// which of them give way.
 #include "cache/cache_converge.h"
 
-// Weber's law, with what is widely used in computer graphics [K05 6.4].
+// The relative difference that is visible by Weber's law, as is widely used in computer graphics
+// [K05 6.4].
 static const float VISIBLE = 0.02f;
 
-// Differences of so many standard deviations may be noise. The thesis has one; over all points and
-// pairs of records that is met by chance, and shrunk records show more noise, not less.
+// A difference of up to so many standard deviations may be noise. The thesis has one, which over
+// all points and pairs of records is often exceeded by chance; and where records shrink noise
+// grows.
 static const float DEVIATIONS = 2.5f;
 
-void cache_judge_revise(const struct cache_convergence *c, const struct cache_site *s,
+void cache_update_point(const struct cache_convergence *c, const struct cache_site *s,
                         struct cache_point *p) {
     int kept = 0;
     for (int i = 0; i < p->count; i++) {
@@ -44,9 +46,10 @@ static void find_surface(const struct cache_site *s, enum cache_kind kind,
     out->lobe.mirror = cache_mirror(&s->frame, v->wo);
 }
 
-static void look(const struct cache_convergence *c, const struct cache_site *s,
-                 struct cache_point *p) {
-    const struct cache_lookup at = {s->seen, s->frame.n, s->frame, 0.0f};
+// Computes the luminances that are not yet known.
+static void find_luminances(const struct cache_convergence *c, const struct cache_site *s,
+                            struct cache_point *p) {
+    const struct cache_lookup at = {s->shading_p, s->frame.n, s->frame, 0.0f};
     struct cache_surface surface;
     find_surface(s, c->kind, &surface);
     for (int i = 0; i < p->count; i++) {
@@ -59,7 +62,7 @@ static void look(const struct cache_convergence *c, const struct cache_site *s,
 }
 
 // Mean luminance of the contributions in `mask`, weighted by 1 / error.
-static float mean_of(const struct cache_point *p, unsigned mask) {
+static float mean_luminance(const struct cache_point *p, unsigned mask) {
     float sum = 0.0f, weights = 0.0f;
     for (int i = 0; i < p->count; i++) {
         if (!(mask >> i & 1u)) continue;
@@ -70,15 +73,15 @@ static float mean_of(const struct cache_point *p, unsigned mask) {
     return sum / weights;
 }
 
-// What noise may make of a difference: that of one record is too noisy itself to tell, so all that
-// reach the point are taken together.
+// The difference that noise alone may make. The estimate by one record is too noisy itself, so that
+// of all records of the point is taken.
 static float noise_of(const struct cache_point *p) {
     float square = 0.0f;
     for (int i = 0; i < p->count; i++) square += p->with[i].noise * p->with[i].noise;
     return DEVIATIONS * sqrtf(square / (float)p->count);
 }
 
-// Whether a record may end before this point: not within the least radius of a record.
+// Whether a record may end before this point: it must not become smaller than the least radius.
 static bool may_end(const struct cache_convergence *c, const struct cache_site *s,
                     uint32_t record) {
     const struct cache_options *o = &c->cache->side[c->kind].options;
@@ -86,27 +89,28 @@ static bool may_end(const struct cache_convergence *c, const struct cache_site *
     return v3_dist2(c->tree->head[record].p, s->p) > least * least;
 }
 
-// Whether a difference in luminance beside `all` and direct light can be seen [K05 6.4].
+// Whether a difference in luminance is visible where the records give `all`, and direct light is
+// added [K05 6.4].
 static bool visible(const struct cache_site *s, float difference, float all, float noise) {
     return difference > VISIBLE * (all + s->direct) + noise;
 }
 
 // Whether the mean of the contributions in `mask` visibly differs from that without one of them.
 static bool disagree(const struct cache_site *s, const struct cache_point *p, unsigned mask) {
-    const float all = mean_of(p, mask), noise = noise_of(p);
+    const float all = mean_luminance(p, mask), noise = noise_of(p);
     for (int i = 0; i < p->count; i++) {
         if (!(mask >> i & 1u)) continue;
-        float rest = mean_of(p, mask & ~(1u << i));
+        float rest = mean_luminance(p, mask & ~(1u << i));
         if (visible(s, fabsf(all - rest), all, noise)) return true;
     }
     return false;
 }
 
-// The contributions that are to blame for what `worst` says otherwise than the rest: an error grows
-// with the square of the distance, so those hardly nearer have their part in it.
+// The contributions that may have caused the difference between `worst` and the rest: an error
+// grows with the square of the distance, so records that are hardly nearer err almost as much.
 static unsigned to_blame(const struct cache_site *s, const struct cache_point *p, unsigned rest,
                          int worst) {
-    const float all = mean_of(p, rest), noise = noise_of(p);
+    const float all = mean_luminance(p, rest), noise = noise_of(p);
     const float difference = fabsf(p->with[worst].Y - all);
     const float far2 = p->with[worst].error * p->with[worst].error;
     unsigned blamed = 1u << worst;
@@ -118,14 +122,14 @@ static unsigned to_blame(const struct cache_site *s, const struct cache_point *p
     return blamed;
 }
 
-// The criterion: while contributions disagree, the one of least weight gives way [K05 figure 6.2],
-// and with it, beyond the thesis, those to which the same may be due: else a point whose records
-// all err alike keeps the nearest of them.
-void cache_judge(const struct cache_convergence *c, const struct cache_site *s,
-                 struct cache_point *p) {
+// While contributions disagree, the one of least weight gives way [K05 figure 6.2]. Deviation: so
+// do those that may err as it does; else a point whose records all err alike keeps the nearest of
+// them.
+void cache_evaluate_point(const struct cache_convergence *c, const struct cache_site *s,
+                          struct cache_point *p) {
     p->gives_way = 0;
     if (p->count < 2) return;
-    look(c, s, p);
+    find_luminances(c, s, p);
     unsigned mask = (1u << p->count) - 1u;
     while (mask & (mask - 1u) && disagree(s, p, mask)) {
         int worst = -1;
