@@ -35,7 +35,7 @@ struct gather {
     const struct guide_clusters *clusters;      // of the maps; may be NULL
     const struct guide_visibility *visibility;  // of lights; NULL: all is seen
     bool wide_lights;          // lights so large that light sampling alone is noisy
-    float trust;               // photon lookups of a larger radius say nothing about their place
+    float lookup_max;          // photon lookups of a larger radius are not reliable
     struct gather_level next;  // its `gather` is NULL but in first pass `recursive`
 };
 

@@ -4,7 +4,7 @@
 // is known of the other light: records of the next level (first pass `recursive`), or the
 // irradiance of the first-pass estimate (photons). It goes on by the lobes of which nothing is
 // known:
-// - by the diffuse lobe where the estimate is not to be trusted: nearer to the gather ray's start
+// - by the diffuse lobe where the estimate is not reliable: nearer to the gather ray's start
 //   than the photon lookup can resolve, or where photons are so few that it would blur over all
 //   that is seen;
 // - by the glossy lobe always, but for the tail of long paths.
@@ -74,7 +74,7 @@ static float glossy_probability(rgb albedo, int bounce) {
     return clampf(4.0f * rgb_max(albedo), 0.1f, 1.0f);
 }
 
-// Probability that the diffuse lobe is followed where the estimate is not trusted: always at the
+// Probability that the diffuse lobe is followed where the estimate is not reliable: always at the
 // gather ray's hit, behind it by what the lobe reflects.
 static float diffuse_probability(const struct gather_point *y, int bounce) {
     if (bounce == 0) return 1.0f;
@@ -83,8 +83,8 @@ static float diffuse_probability(const struct gather_point *y, int bounce) {
 }
 
 // Number of bounces over which glossy lobes are followed; the tail is diffuse where E describes it.
-static int glossy_bounces(const struct gather *g, unsigned glossy, bool trusted) {
-    if (!trusted && !has_records(g)) return DIFFUSE_MAX;
+static int glossy_bounces(const struct gather *g, unsigned glossy, bool reliable) {
+    if (!reliable && !has_records(g)) return DIFFUSE_MAX;
     return glossy & BRDF_THROUGH || has_records(g) ? THROUGH_MAX : GLOSSY_MAX;
 }
 
@@ -112,13 +112,13 @@ static void arrive(struct path *path, struct path_vertex *v, struct gather_estim
     const unsigned diffuse = y->lobes & BRDF_DIFFUSE & ~known, glossy = y->lobes & GLOSSY & ~known;
     const rgb albedo = glossy ? brdf_albedo(&y->brdf, y->wo_l, GLOSSY) : rgb_grey(0.0f);
     struct path_branch by_diffuse = {0}, by_glossy = {0};
-    if (diffuse && !estimate.trusted)
+    if (diffuse && !estimate.reliable)
         by_diffuse = (struct path_branch){diffuse, diffuse_probability(y, v->bounce)};
     if (glossy) by_glossy = (struct path_branch){glossy, glossy_probability(albedo, v->bounce)};
     if (v->bounce > 0) limit_splits(&by_diffuse, &by_glossy);
 
-    // Direct light. In a trusted estimate it is already, but for option gather_shadow.
-    const bool shadow = !estimate.trusted || g->options->gather_shadow;
+    // Direct light. A reliable estimate has it already, but for option gather_shadow.
+    const bool shadow = !estimate.reliable || g->options->gather_shadow;
     const struct gather_mis mis = {2 + v->bounce,
                                    {{shadow ? diffuse : 0u, by_diffuse.probability},
                                     {glossy, by_glossy.probability},
@@ -134,14 +134,14 @@ static void arrive(struct path *path, struct path_vertex *v, struct gather_estim
                                             y->wo_l, known, PHOTON_ALONE));
     if (diffuse) {
         const rgb reflectance = brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE);
-        if (estimate.trusted)
+        if (estimate.reliable)
             v->L = rgb_add(v->L, diffuse_radiance(reflectance, estimate.E));
         else if (caustics)
             v->L = rgb_add(
                 v->L, diffuse_radiance(reflectance,
                                        photon_caustic_irradiance(g->maps, g->scene, s->p, y->ng)));
     }
-    if (glossy && v->bounce >= glossy_bounces(g, glossy, estimate.trusted)) {
+    if (glossy && v->bounce >= glossy_bounces(g, glossy, estimate.reliable)) {
         v->L = rgb_add(v->L, diffuse_radiance(albedo, estimate.E));
         by_glossy.lobes = 0;
     }
@@ -175,7 +175,7 @@ static struct gather_estimate estimate_at(const struct gather *g, struct path_ve
     float radius;
     const rgb E = photon_irradiance(g->maps, g->scene, z->y->interaction.p, z->y->ng, &radius);
     return (struct gather_estimate){within_depth(g, z->bounce, 2) ? E : none.E,
-                                    !(g->options->gather_bounce && radius > g->trust)};
+                                    !(g->options->gather_bounce && radius > g->lookup_max)};
 }
 
 // Follows a branch from v by one segment. True if it leads to a further surface, which becomes the

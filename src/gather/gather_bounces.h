@@ -9,7 +9,7 @@
 // not, the path goes on there by the diffuse lobe as well.
 struct gather_estimate {
     rgb E;
-    bool trusted;
+    bool reliable;
 };
 
 // Radiance [W m^-2 sr^-1] that y, the hit of a gather ray, reflects towards its viewer by its

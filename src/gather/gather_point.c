@@ -10,7 +10,7 @@ struct gather gather_make(const struct satin_scene *scene, const satin_options *
                           const struct photon_maps *maps) {
     struct gather g = {.scene = scene, .options = options, .maps = maps};
     g.clusters = photon_clusters(maps);
-    g.trust = maps ? photon_trust(maps) : INFINITY;
+    g.lookup_max = maps ? photon_lookup_max(maps) : INFINITY;
     float sphere = 4.0f * PI_F * sqrf(scene->radius);
     g.wide_lights = scene->environment >= 0;
     for (uint32_t i = 0; i < scene->light_count; i++) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Gather rays: from x through ideal specular surfaces to y, the path table's E S* x S* y. What y
 // reflects comes from the first pass that the options name: the photons' estimate and the path
-// behind y where that is not to be trusted (gather_bounces.c), records, path tracing from y, or
+// behind y where that is not reliable (gather_bounces.c), records, path tracing from y, or
 // direct light at y alone. Emitted light adds nothing to it: direct light and caustics at x carry
 // it.
 #include <stdlib.h>
@@ -88,7 +88,7 @@ static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t 
         const struct gather_hit *hit = &hits->hit[i];
         const float radius = hits->radius[i];
         const bool close = hit->point.interaction.t < radius;
-        const bool follow = g->options->gather_bounce && (close || radius > g->trust);
+        const bool follow = g->options->gather_bounce && (close || radius > g->lookup_max);
         const struct gather_estimate estimate = {hits->E[i], !follow};
         const struct gather_near *near = close ? bundle->near : NULL;
         hit->ray->L = rgb_mul(hit->T, gather_bounces(g, &hit->point, estimate, near, hit->sampler));

@@ -9,9 +9,10 @@
 // A sphere around some photons.
 struct guide_cluster {
     vec3 center;
-    float radius, power, area;
-    float dense;          // largest irradiance of its leaves,
-    float common;         // and their mean, by power
+    float radius, power;  // of the sphere; luminance of the photons' power [W]
+    float area;           // of the leaves' surface, roughly
+    float dense;          // largest irradiance of its leaves [W m^-2]
+    float common;         // mean irradiance of its leaves, by power
     vec3 normal;          // mean of unit normals, by power
     size_t first, count;  // photons of its leaves
     int32_t right;        // its left child is the next node; 0: a leaf
@@ -20,7 +21,7 @@ struct guide_cluster {
 struct guide_clusters {
     struct guide_cluster *node;  // depth first
     size_t node_count;
-    vec3 *place;   // of photons
+    vec3 *place;   // of photons, in the order of the leaves
     float spread;  // irradiance if all the light came down on a sphere around the scene [W m^-2]
 };
 

@@ -11,16 +11,19 @@
 
 enum { GUIDE_CELLS_DEPTH = 10, GUIDE_CELLS_MAX = 1 << GUIDE_CELLS_DEPTH };
 
+// A point on a path from the eye.
 struct guide_cell_point {
     vec3 p, ng, n;  // geometric and shading normal
     bool both;      // lit from behind as well
 };
 
+// The points of one cell.
 struct guide_cell {
     const struct guide_cell_point *point;
     size_t count;
 };
 
+// The tree of cells. A leaf is a cell.
 struct guide_cells {
     int depth;                                  // of the tree; the cells are its leaves
     struct split_plane split[GUIDE_CELLS_MAX];  // of node i; 2 i + 1 is below it, 2 i + 2 above
@@ -31,21 +34,22 @@ struct guide_cells {
 static inline size_t guide_cells_count(const struct guide_cells *cells) {
     return (size_t)1 << cells->depth;
 }
-// Cells without points if paths from the eye meet nothing. False without memory. The caller frees
-// `point`.
+// Makes the cells; without points if paths from the eye meet nothing. False without memory. The
+// caller frees `point`.
 bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, struct guide_cells *out);
 // The cell that p falls into.
 size_t guide_cells_find(const struct guide_cells *cells, vec3 p);
 
 // ---- What is seen -----------------------------------------------------------------------------
 
+// What was learned in each cell.
 struct guide_visibility {
     struct guide_cells cells;
     bool sky, choice;  // whether histograms, or fractions of the lights, were learned
     struct light_histogram histogram[GUIDE_CELLS_MAX];
     float cdf[GUIDE_CELLS_MAX][LIGHT_HISTOGRAM_BINS + 1];
     uint32_t cut[GUIDE_CELLS_MAX][LIGHT_HISTOGRAM_CUTS + 1];
-    float visible[GUIDE_CELLS_MAX][LIGHT_WEIGHED_MAX];
+    float visible[GUIDE_CELLS_MAX][LIGHT_WEIGHED_MAX];  // of each light, over what is expected; > 0
 };
 
 #endif

@@ -15,10 +15,14 @@
 // (caustic), or anything else (indirect).
 enum photon_class { PHOTON_DIRECT = 0, PHOTON_CAUSTIC, PHOTON_INDIRECT, PHOTON_CLASSES };
 
-struct photon_maps;  // the global and the caustic map
+// The global and the caustic map. Immutable once built: every function below but those that build
+// and free may be called from any thread. Irradiance is in W m^-2, radiance in W m^-2 sr^-1, radii
+// in the scene's unit of length; p is a point, n and ng are unit vectors.
+struct photon_maps;
 
 // Traces photons and builds both maps. Statistics get photons.* entries. SATIN_CANCELLED if the
-// pool was cancelled. A scene without lights gives empty maps.
+// pool was cancelled, or SATIN_ERROR_MEMORY. A scene without lights gives empty maps. The caller
+// frees *out.
 satin_status photon_maps_build(const struct satin_scene *scene, const satin_options *options,
                                struct parallel *pool, struct log log, struct stats *stats,
                                struct photon_maps **out);
@@ -39,9 +43,9 @@ void photon_irradiance_many(const struct photon_maps *maps, const struct satin_s
 rgb photon_caustic_irradiance(const struct photon_maps *maps, const struct satin_scene *scene,
                               vec3 p, vec3 n);
 
-// An estimate of a larger radius blurs over a good part of what is seen, and should not be
-// believed.
-float photon_trust(const struct photon_maps *maps);
+// The maximum lookup radius: an estimate of a larger one blurs over a good part of what is seen,
+// and is not reliable.
+float photon_lookup_max(const struct photon_maps *maps);
 
 // Reflected radiance towards wo (local) by a k-nearest density estimate with the BRDF's smooth
 // `lobes`, from the global map (all classes it holds) or the caustic map. frame is the BRDF's; ng
@@ -50,12 +54,14 @@ float photon_trust(const struct photon_maps *maps);
 rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
                     vec3 ng, const struct frame *frame, const struct brdf *brdf, vec3 wo,
                     unsigned lobes, float *radius);
-// Light beside a caustic: luminance that the point reflects of it, and a random number in [0, 1). A
-// caustic that is faint beside it is looked at by chance; L 0: always.
+// Light beside a caustic: luminance L that the point reflects of it, and a random number u in
+// [0, 1), by which a caustic that is faint beside it is looked at; L 0: it always is.
 struct photon_beside {
     float L, u;
 };
 #define PHOTON_ALONE ((struct photon_beside){0.0f, 0.0f})
+// Radiance of the caustic map's photons that the smooth `lobes` reflect towards wo; arguments as of
+// photon_radiance.
 rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p, vec3 ng,
                    const struct frame *frame, const struct brdf *brdf, vec3 wo, unsigned lobes,
                    struct photon_beside beside);

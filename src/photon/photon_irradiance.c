@@ -90,7 +90,7 @@ static void precompute_one(struct precompute_job *job, size_t entry,
     }
     what->map->open[entry] = !disc.corrected;
     const rgb E = photon_disc_irradiance(&disc);
-    // A map of fewer than k photons gives an infinite radius, which no gather ray trusts.
+    // A map of fewer than k photons gives an infinite radius: not reliable.
     const bool valid = rgb_finite(E) && disc.r >= 0.0f;
     if (!valid) atomic_fetch_add(&job->refused, 1);
     job->out->E[entry] = valid ? E : rgb_grey(0.0f);

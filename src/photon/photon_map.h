@@ -33,36 +33,37 @@ vec3 photon_unpack(uint32_t packed);
 
 // ---- Tracing (photon_trace.c) -----------------------------------------------------------------
 
-// What one tracing pass leaves to one who keeps photons. By malloc; free with photon_trace_free.
+// Photons that a tracing pass leaves to one consumer. By malloc; free with photon_trace_free.
 struct photon_trace {
     struct photon_hit *hit;
     size_t count;
-    uint64_t emitted;
-    uint64_t refused;  // photons of the pass that were not finite, whoever would have kept them
+    uint64_t emitted;  // paths that were started for this consumer
+    uint64_t refused;  // photons of the pass that were not finite, for any consumer
     uint64_t stored[PHOTON_CLASSES];
 };
 
-// Who keeps photons of a pass, as if its paths were all.
-struct photon_keep {
+// A consumer of the photons of a pass, who gets them as if the pass had just these paths.
+struct photon_consumer {
     uint64_t paths;                             // 0: none
     unsigned classes;                           // mask of 1 << photon_class
     const struct guide_allocation *allocation;  // how paths are allocated to lights; NULL: by power
 };
-enum { PHOTON_KEEPS = 2 };
+enum { PHOTON_CONSUMERS = 2 };
 
 struct photon_tracing {
     const struct satin_scene *scene;
     uint64_t seed;
-    struct photon_keep keep[PHOTON_KEEPS];
+    struct photon_consumer consumer[PHOTON_CONSUMERS];
     int bounces;  // photons that bounced more often are not kept; < 0: no limit
     // Caustic pass: paths end at their first smooth scattering; this says where they start and how
     // many they are. NULL: all.
     const struct guide_emission *emission;
 };
 
-// SATIN_CANCELLED or SATIN_ERROR_MEMORY on failure; `out` untouched.
+// Traces the paths of all consumers; out[i] gets the photons of consumer i. SATIN_CANCELLED or
+// SATIN_ERROR_MEMORY on failure; then `out` is untouched.
 satin_status photon_trace_run(const struct photon_tracing *tracing, struct parallel *pool,
-                              struct log log, struct photon_trace out[PHOTON_KEEPS]);
+                              struct log log, struct photon_trace out[PHOTON_CONSUMERS]);
 void photon_trace_free(struct photon_trace *trace);
 
 // ---- The map (photon_map.c) -------------------------------------------------------------------
@@ -70,7 +71,7 @@ void photon_trace_free(struct photon_trace *trace);
 struct photon_map {
     size_t count;
     float *position;        // 3 per photon, sorted along a Morton curve
-    struct photon *photon;  // beside the positions
+    struct photon *photon;  // `count`, in the same order
     struct photon_index *index;
     uint8_t *open;  // every stride-th photon: nothing cuts its disc
     size_t stride;
@@ -81,7 +82,7 @@ static inline float photon_map_far2(const struct photon_map *map) {
     return map->radius_max * map->radius_max;
 }
 
-// Sorts the hits into a map, or an empty one; takes nothing over. SATIN_ERROR_MEMORY.
+// Makes a map of copies of the hits; an empty one of none. SATIN_ERROR_MEMORY.
 satin_status photon_map_build(const struct satin_scene *scene, const struct photon_hit *hit,
                               size_t count, struct log log, struct photon_map *out);
 void photon_map_free(struct photon_map *map);
@@ -96,8 +97,8 @@ static inline vec3 photon_position(const struct photon_map *map, size_t i) {
 
 enum { AREA_SECTORS = 16 };
 
-// What of a disc of radius r around a surface point is surface of the same facing, seen from just
-// above: its extent by direction.
+// The area of a disc of radius r around a surface point where there is surface of the same facing,
+// as seen from just above the point: its extent by direction.
 struct photon_area {
     struct frame frame;
     float rotation;               // of the first sector, radians
@@ -110,7 +111,7 @@ void photon_area_make(const struct satin_scene *scene, vec3 p, vec3 n, float r, 
                       struct photon_area *out);
 // Whether all of the disc is there; quick to say no.
 bool photon_area_clear(const struct satin_scene *scene, vec3 p, vec3 n, float r);
-// Whether p + d is in the part of the disc that is there.
+// Whether p + d is in the area that is there.
 bool photon_area_has(const struct photon_area *area, vec3 d, float r);
 
 // Kernels: weights over q = (d / r)^2 in [0, 1], of mean 1 over the disc.
@@ -128,7 +129,7 @@ struct photon_disc {
     const struct photon_map *map;
     vec3 p, n;
     enum photon_kernel kernel;
-    int count;  // of row and distance2, which the caller keeps
+    int count;  // entries of row and distance2, which the caller owns
     const int *row;
     const float *distance2;
     float r, r2;     // its radius, and squared; 0: no photons
@@ -152,58 +153,61 @@ void photon_disc_make(const struct photon_query *query, const int *row, const fl
                       struct photon_disc *out);
 // The weight of entry i of the disc [m^-2]; 0 for a photon that does not count.
 float photon_disc_weight(const struct photon_disc *disc, int i);
-// Irradiance: the sum of all photons by weight; and that of the squares, over all channels, which
-// is the variance of the sum.
+// Irradiance [W m^-2]: the weighted sum of the photons' power.
 rgb photon_disc_irradiance(const struct photon_disc *disc);
+// The variance of that sum over all channels: the sum of the squares.
 float photon_disc_variance(const struct photon_disc *disc);
-// How far from its centre a wall or an edge is at least, by the sectors of its disc.
+// The least distance from the centre at which a wall or an edge may be, by the sectors of the disc.
 float photon_disc_clear(const struct photon_disc *disc);
 
 // ---- Irradiance at photons (photon_irradiance.c) ----------------------------------------------
 
-// Where estimates are.
+// The places at which irradiance was precomputed, as rows of the search index.
 struct photon_places {
     float *row;    // 6 each: position, scale * normal
     float scale;   // positive
-    float *clear;  // within this no wall or edge cuts its disc
+    float *clear;  // distance from each within which no wall or edge is
 };
 static inline vec3 photon_place(const struct photon_places *places, size_t i) {
     const float *q = places->row + 6 * i;
     return v3(q[0], q[1], q[2]);
 }
 void photon_place_set(struct photon_places *places, size_t i, vec3 p, vec3 n);
-// Whether p, on a surface with normal n, lies behind a wall from there.
+// Whether a wall stands between place i and p, a point on a surface with normal n.
 bool photon_place_hidden(const struct photon_places *places, const struct satin_scene *scene,
                          size_t i, vec3 p, vec3 n);
 
+// Irradiance that was precomputed at places of photons, which are its entries.
 struct photon_irradiance {
-    size_t count;
+    size_t count;    // of entries
     size_t refused;  // estimates that were not finite
     struct photon_places place;
-    rgb *E;
-    float *radius;     // of its estimate
+    rgb *E;            // by entry [W m^-2]
+    float *radius;     // by entry, of its estimate; INFINITY: the map has too few photons
     float influence2;  // squared influence radius of an entry, in units of its squared radius
     bool ends;         // nothing is left of it at three times its influence radius
     float far2;        // squared distance of rows beyond which no entry answers
     struct photon_index *index;
 };
 
+// What irradiance is precomputed from.
 struct photon_precompute {
     struct photon_map *map;
     const struct satin_scene *scene;
-    size_t stride;
-    int k;
+    size_t stride;  // at every so many photons
+    int k;          // photons of an estimate
     enum photon_kernel kernel;
-    bool area;
+    bool area;    // estimates divide by the area that is there
     bool smooth;  // by photon_smooth
     bool ends;    // light has borders, as caustics have: where no photons are near, there is none
 };
 
 // Precomputes irradiance at every stride-th photon of the map, and the map's `open` flags.
+// SATIN_CANCELLED or SATIN_ERROR_MEMORY.
 satin_status photon_irradiance_build(const struct photon_precompute *what, struct parallel *pool,
                                      struct log log, struct photon_irradiance *out);
-// Replaces the irradiance of all entries by what of it is no noise (photon_smooth.c).
-// SATIN_CANCELLED or SATIN_ERROR_MEMORY, and some may be replaced.
+// Takes noise off the irradiance of all entries (photon_smooth.c). SATIN_CANCELLED or
+// SATIN_ERROR_MEMORY; then some entries may be changed.
 satin_status photon_smooth(const struct photon_precompute *what, struct parallel *pool,
                            struct photon_irradiance *irradiance);
 void photon_irradiance_free(struct photon_irradiance *irradiance);
@@ -213,7 +217,7 @@ int photon_irradiance_entry(const struct photon_irradiance *irradiance, vec3 p, 
 // Whether nothing stands between p and the entry's place, a little above the surface.
 bool photon_irradiance_sees(const struct photon_irradiance *irradiance,
                             const struct satin_scene *scene, int entry, vec3 p, vec3 n);
-// Its irradiance at p.
+// Irradiance at p by an entry; black for entry -1.
 rgb photon_irradiance_value(const struct photon_irradiance *irradiance, int entry, vec3 p);
 
 struct photon_maps {
@@ -222,7 +226,7 @@ struct photon_maps {
     struct guide_clusters *clusters;  // may be NULL
     int photon_k, caustic_k;
     bool area, smooth;  // the options photon_area and caustic_smooth
-    float trust;
+    float lookup_max;
 };
 
 #endif

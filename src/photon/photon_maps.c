@@ -32,8 +32,9 @@ struct photon_pass {
     struct guide_allocation allocation;
 };
 
-// A lookup wider than this fraction of what is seen is not trusted.
-static const float TRUST = 0.25f;
+// The maximum lookup radius, over the median length of gather rays: a wider lookup blurs over a
+// good part of what is seen.
+static const float LOOKUP_FRACTION = 0.25f;
 
 // Caustics are faint below this fraction of the mean irradiance.
 static const float FAINT = 0.01f;
@@ -43,7 +44,8 @@ static int clamp_k(int k) { return k < 2 ? 2 : k > PHOTON_K_MAX ? PHOTON_K_MAX :
 
 // Traces, and sorts the first consumer's photons into the map.
 static satin_status trace_into(const struct photon_pass *pass, const struct photon_tracing *tracing,
-                               struct photon_map *map, struct photon_trace trace[PHOTON_KEEPS]) {
+                               struct photon_map *map,
+                               struct photon_trace trace[PHOTON_CONSUMERS]) {
     double start = stats_wall();
     satin_status status = photon_trace_run(tracing, pass->pool, pass->log, trace);
     if (status != SATIN_OK) return status;
@@ -106,13 +108,13 @@ static satin_status trace_global(const struct photon_pass *pass, struct photon_m
     const struct photon_tracing tracing = {
         .scene = pass->scene,
         .seed = o->seed,
-        .keep = {{.paths = o->photons > 0 ? (uint64_t)o->photons : 0,
-                  .classes = bounced ? KEEP_BOUNCED : KEEP_ALL,
-                  .allocation = &pass->allocation},
-                 {.paths = cluster_paths(o), .classes = KEEP_ALL}},
+        .consumer = {{.paths = o->photons > 0 ? (uint64_t)o->photons : 0,
+                      .classes = bounced ? KEEP_BOUNCED : KEEP_ALL,
+                      .allocation = &pass->allocation},
+                     {.paths = cluster_paths(o), .classes = KEEP_ALL}},
         // Seen by the eye, or by the eye through a gather ray.
         .bounces = bounces_left(o, seen ? 1 : 2)};
-    struct photon_trace trace[PHOTON_KEEPS] = {0};
+    struct photon_trace trace[PHOTON_CONSUMERS] = {0};
     satin_status status = trace_into(pass, &tracing, &maps->global, trace);
     const double start = stats_wall();
     if (status == SATIN_OK) status = build_clusters(pass, &trace[1], maps);
@@ -175,10 +177,10 @@ static satin_status build_caustic(const struct photon_pass *pass, struct photon_
     const struct photon_tracing tracing = {
         .scene = pass->scene,
         .seed = o->seed,
-        .keep = {{.paths = (uint64_t)o->caustic_photons, .classes = 1 << PHOTON_CAUSTIC}},
+        .consumer = {{.paths = (uint64_t)o->caustic_photons, .classes = 1 << PHOTON_CAUSTIC}},
         .bounces = bounces_left(o, 1),
         .emission = emission};
-    struct photon_trace trace[PHOTON_KEEPS] = {0};
+    struct photon_trace trace[PHOTON_CONSUMERS] = {0};
     status = trace_into(pass, &tracing, &maps->caustic, trace);
     guide_emission_free(emission);
     if (status != SATIN_OK) return status;
@@ -204,7 +206,7 @@ satin_status photon_maps_build(const struct satin_scene *scene, const satin_opti
         .scene = scene, .options = options, .pool = pool, .log = log, .stats = stats};
     guide_view_make(scene, options->seed, &pass.view);
     guide_allocation_make(scene, options->seed, &pass.allocation);
-    maps->trust = TRUST * pass.view.ray_length;
+    maps->lookup_max = LOOKUP_FRACTION * pass.view.ray_length;
     satin_status status = build_global(&pass, maps);
     if (status == SATIN_OK) status = build_caustic(&pass, maps);
     if (status != SATIN_OK) {
@@ -227,7 +229,7 @@ const struct guide_clusters *photon_clusters(const struct photon_maps *maps) {
     return maps ? maps->clusters : NULL;
 }
 
-float photon_trust(const struct photon_maps *maps) { return maps->trust; }
+float photon_lookup_max(const struct photon_maps *maps) { return maps->lookup_max; }
 
 void photon_maps_free(struct photon_maps *maps) {
     if (!maps) return;

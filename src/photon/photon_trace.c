@@ -30,15 +30,15 @@ struct kept {
 };
 
 struct chunk {
-    struct kept kept[PHOTON_KEEPS];
+    struct kept kept[PHOTON_CONSUMERS];
     uint64_t refused;  // photons that are not finite
     bool failed;       // no memory
 };
 
 struct run {
     const struct photon_tracing *tracing;
-    uint64_t *first;                // light_count + 1: the first path of each light
-    uint64_t *paths[PHOTON_KEEPS];  // by light: its first ones, of which photons are kept
+    uint64_t *first;                    // light_count + 1: the first path of each light
+    uint64_t *paths[PHOTON_CONSUMERS];  // by light: its first ones, of which photons are kept
     struct parallel *pool;
     struct chunk *chunk;
     size_t chunk_paths;   // paths of a chunk
@@ -51,10 +51,10 @@ struct run {
 struct flight {
     struct ray ray;
     rgb power;
-    enum photon_class class;      // direct: unless a chain deflects it, see class_of
-    struct light_chain chain;     // of a direct photon
-    unsigned keep[PHOTON_KEEPS];  // classes that are kept of this path,
-    float factor[PHOTON_KEEPS];   // of its power, for each consumer
+    enum photon_class class;             // direct: unless a chain deflects it, see class_of
+    struct light_chain chain;            // of a direct photon
+    unsigned classes[PHOTON_CONSUMERS];  // classes that each consumer gets of this path
+    float factor[PHOTON_CONSUMERS];      // of its power, for each consumer
 };
 
 static bool append(struct kept *kept, struct photon_hit hit, enum photon_class class) {
@@ -86,8 +86,8 @@ static bool keep_hit(const struct satin_scene *scene, struct chunk *chunk,
     const float opacity = s->light < 0 ? material_opacity(material, &at) : 1.0f;
     const enum photon_class class = class_of(f);
     struct photon_hit hit = {.p = s->p, .wi = photon_pack(wi), .n = photon_pack(n)};
-    for (int i = 0; i < PHOTON_KEEPS; i++) {
-        if (!(f->keep[i] >> class & 1u)) continue;
+    for (int i = 0; i < PHOTON_CONSUMERS; i++) {
+        if (!(f->classes[i] >> class & 1u)) continue;
         hit.power = rgb_scale(f->power, f->factor[i]);
         if (opacity < 1.0f) hit.power = rgb_scale(hit.power, 1.0f / fmaxf(opacity, 0.05f));
         if (!valid(&hit))
@@ -156,7 +156,7 @@ static void follow_photon(const struct photon_tracing *tracing, struct flight f,
     for (int bounce = 0; bounce <= most; bounce++) {
         struct interaction s;
         if (!scene_intersect(scene, &f.ray, &s)) return;
-        const bool wanted = (f.keep[0] | f.keep[1]) >> class_of(&f) & 1u;
+        const bool wanted = (f.classes[0] | f.classes[1]) >> class_of(&f) & 1u;
         if (wanted && keeps_photons(scene, &s, v3_neg(f.ray.d)) && !keep_hit(scene, chunk, &s, &f))
             return;
         if (!scatter(scene, &s, lobes, rng, &f, &chunk->refused)) return;
@@ -165,15 +165,15 @@ static void follow_photon(const struct photon_tracing *tracing, struct flight f,
 
 // ---- All paths --------------------------------------------------------------------------------
 
-static uint64_t paths_of(const struct photon_tracing *tracing, const struct photon_keep *keep,
-                         uint32_t light) {
-    if (keep->paths == 0) return 0;
+static uint64_t paths_of(const struct photon_tracing *tracing,
+                         const struct photon_consumer *consumer, uint32_t light) {
+    if (consumer->paths == 0) return 0;
     if (tracing->emission) return guide_emission_paths(tracing->emission, light);
     const float *cdf = tracing->scene->light_cdf;
     double fraction = (double)cdf[light + 1] - (double)cdf[light];
-    if (keep->allocation && !keep->allocation->by_power)
-        fraction = (double)keep->allocation->fraction[light];
-    uint64_t n = (uint64_t)llround(fraction * (double)keep->paths);
+    if (consumer->allocation && !consumer->allocation->by_power)
+        fraction = (double)consumer->allocation->fraction[light];
+    uint64_t n = (uint64_t)llround(fraction * (double)consumer->paths);
     return n > 0 ? n : 1;  // even the faintest light is represented
 }
 
@@ -182,13 +182,13 @@ static uint64_t paths_of(const struct photon_tracing *tracing, const struct phot
 static bool allocate_photon_paths(struct run *run) {
     const uint32_t lights = run->tracing->scene->light_count;
     run->first = array_new(lights + 1, sizeof *run->first);
-    run->paths[0] = array_new(PHOTON_KEEPS * (size_t)lights, sizeof *run->paths[0]);
+    run->paths[0] = array_new(PHOTON_CONSUMERS * (size_t)lights, sizeof *run->paths[0]);
     if (!run->first || !run->paths[0]) return false;
-    for (int k = 0; k < PHOTON_KEEPS; k++) run->paths[k] = run->paths[0] + k * (size_t)lights;
+    for (int k = 0; k < PHOTON_CONSUMERS; k++) run->paths[k] = run->paths[0] + k * (size_t)lights;
     for (uint32_t i = 0; i < lights; i++) {
         uint64_t most = 0;
-        for (int k = 0; k < PHOTON_KEEPS; k++) {
-            const uint64_t paths = paths_of(run->tracing, &run->tracing->keep[k], i);
+        for (int k = 0; k < PHOTON_CONSUMERS; k++) {
+            const uint64_t paths = paths_of(run->tracing, &run->tracing->consumer[k], i);
             run->paths[k][i] = paths;
             if (paths > most) most = paths;
         }
@@ -230,9 +230,9 @@ static bool launch(const struct run *run, uint32_t light, uint64_t index, struct
     *f = (struct flight){.ray = start.ray,
                          .power = rgb_scale(start.power, factor / paths),
                          .chain = light_chain_begin(start.ray.d)};
-    for (int k = 0; k < PHOTON_KEEPS; k++) {
+    for (int k = 0; k < PHOTON_CONSUMERS; k++) {
         if (index >= run->paths[k][light]) continue;
-        f->keep[k] = tracing->keep[k].classes;
+        f->classes[k] = tracing->consumer[k].classes;
         f->factor[k] = paths / (float)run->paths[k][light];
     }
     if (!rgb_finite(f->power)) ++*refused;
@@ -257,19 +257,19 @@ static void trace_photon_paths(void *ctx, size_t begin, size_t end, int worker) 
     }
     // The kd-tree numbers photons by int.
     size_t own = 0;
-    for (int k = 0; k < PHOTON_KEEPS; k++) own += chunk->kept[k].count;
+    for (int k = 0; k < PHOTON_CONSUMERS; k++) own += chunk->kept[k].count;
     if (chunk->failed || atomic_fetch_add(&run->count, own) + own > INT_MAX)
         atomic_store(&run->failed, true);
 }
 
 // Joins the chunks in their order and gives their memory back on the way.
-static satin_status join(struct run *run, size_t chunks, int keep, struct photon_trace *out) {
+static satin_status join(struct run *run, size_t chunks, int consumer, struct photon_trace *out) {
     size_t count = 0;
-    for (size_t i = 0; i < chunks; i++) count += run->chunk[i].kept[keep].count;
+    for (size_t i = 0; i < chunks; i++) count += run->chunk[i].kept[consumer].count;
     struct photon_trace trace = {.hit = count ? malloc(count * sizeof *trace.hit) : NULL};
     if (count && !trace.hit) return SATIN_ERROR_MEMORY;
     for (size_t i = 0; i < chunks; i++) {
-        struct kept *kept = &run->chunk[i].kept[keep];
+        struct kept *kept = &run->chunk[i].kept[consumer];
         if (kept->count)
             memcpy(trace.hit + trace.count, kept->hit, kept->count * sizeof *kept->hit);
         trace.count += kept->count;
@@ -278,13 +278,13 @@ static satin_status join(struct run *run, size_t chunks, int keep, struct photon
         kept->hit = NULL;
     }
     for (uint32_t i = 0; i < run->tracing->scene->light_count; i++)
-        trace.emitted += run->paths[keep][i];
+        trace.emitted += run->paths[consumer][i];
     for (size_t i = 0; i < chunks; i++) trace.refused += run->chunk[i].refused;
     *out = trace;
     return SATIN_OK;
 }
 
-static satin_status trace_all(struct run *run, struct photon_trace out[PHOTON_KEEPS]) {
+static satin_status trace_all(struct run *run, struct photon_trace out[PHOTON_CONSUMERS]) {
     if (!allocate_photon_paths(run)) return SATIN_ERROR_MEMORY;
     const size_t paths = (size_t)run->first[run->tracing->scene->light_count];
     run->chunk_paths = paths / CHUNKS_MAX > CHUNK_PATHS ? paths / CHUNKS_MAX + 1 : CHUNK_PATHS;
@@ -296,7 +296,7 @@ static satin_status trace_all(struct run *run, struct photon_trace out[PHOTON_KE
         status = SATIN_CANCELLED;
     else if (atomic_load(&run->failed))
         status = SATIN_ERROR_MEMORY;
-    for (int k = 0; k < PHOTON_KEEPS; k++) {
+    for (int k = 0; k < PHOTON_CONSUMERS; k++) {
         if (status == SATIN_OK) status = join(run, chunks, k, &out[k]);
         for (size_t i = 0; i < chunks; i++) free(run->chunk[i].kept[k].hit);
     }
@@ -304,18 +304,18 @@ static satin_status trace_all(struct run *run, struct photon_trace out[PHOTON_KE
 }
 
 satin_status photon_trace_run(const struct photon_tracing *tracing, struct parallel *pool,
-                              struct log log, struct photon_trace out[PHOTON_KEEPS]) {
-    struct photon_trace trace[PHOTON_KEEPS] = {0};
+                              struct log log, struct photon_trace out[PHOTON_CONSUMERS]) {
+    struct photon_trace trace[PHOTON_CONSUMERS] = {0};
     struct run run = {.tracing = tracing, .pool = pool};
     atomic_init(&run.failed, false);
     atomic_init(&run.count, 0);
-    const bool some = tracing->keep[0].paths > 0 || tracing->keep[1].paths > 0;
+    const bool some = tracing->consumer[0].paths > 0 || tracing->consumer[1].paths > 0;
     satin_status status = SATIN_OK;
     if (tracing->scene->light_count > 0 && some) status = trace_all(&run, trace);
     free(run.chunk);
     free(run.first);
     free(run.paths[0]);
-    for (int k = 0; k < PHOTON_KEEPS; k++) {
+    for (int k = 0; k < PHOTON_CONSUMERS; k++) {
         if (status == SATIN_OK)
             out[k] = trace[k];
         else

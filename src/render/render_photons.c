@@ -130,6 +130,6 @@ struct gather render_gather(const struct render *r) {
     g.visibility = r->first_pass.visibility;
     // The radius of a lookup falls as the root of the number of photons.
     if (r->first_pass.made > 0.0 && r->first_pass.made < 1.0)
-        g.trust /= (float)sqrt(r->first_pass.made);
+        g.lookup_max /= (float)sqrt(r->first_pass.made);
     return g;
 }

@@ -60,7 +60,6 @@ TO_DO = {
     "grain": "docs",
     "put_wall": "docs",
     "rough solution": "docs",
-    "trust": "src/photon src/gather src/render",
     "turn": "docs",
 }
 

@@ -85,7 +85,7 @@ static void bounces_end_with_the_longest_path(void **state) {
     // L = ALBEDO (1 + ALBEDO (1 + G)) has the mean 1 and a standard deviation of 2^-1.5; five of
     // the mean's.
     assert_true(fabs(sum - 1.0) < 5.0 * 0.354 / sqrt(PATHS));
-    // A trusted estimate is read instead: E / pi times the albedo, without the direct light in it.
+    // A reliable estimate is read instead: E / pi times the albedo, without the direct light in it.
     const struct gather_estimate estimate = {rgb_grey(2.0f * PI_F), true};
     options.gather_shadow = false;
     assert_true(fabsf(gather_bounces(&g, &y, estimate, NULL, sampler).g - 2.0f * ALBEDO) < 1e-6f);

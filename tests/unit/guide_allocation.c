@@ -66,15 +66,15 @@ static void power_is_kept(void **state) {
     guide_allocation_make(&t.scene, 1, &allocation);
     struct parallel *pool = parallel_new(1);
     assert_non_null(pool);
-    const struct photon_tracing tracing = {
-        .scene = &t.scene,
-        .seed = 1,
-        .keep = {{1 << 20, 1 << PHOTON_DIRECT, NULL}, {1 << 20, 1 << PHOTON_DIRECT, &allocation}},
-        .bounces = 0};
-    struct photon_trace trace[PHOTON_KEEPS];
+    const struct photon_tracing tracing = {.scene = &t.scene,
+                                           .seed = 1,
+                                           .consumer = {{1 << 20, 1 << PHOTON_DIRECT, NULL},
+                                                        {1 << 20, 1 << PHOTON_DIRECT, &allocation}},
+                                           .bounces = 0};
+    struct photon_trace trace[PHOTON_CONSUMERS];
     assert_int_equal(photon_trace_run(&tracing, pool, (struct log){0}, trace), SATIN_OK);
-    double sum[PHOTON_KEEPS] = {0.0};
-    for (int i = 0; i < PHOTON_KEEPS; i++) {
+    double sum[PHOTON_CONSUMERS] = {0.0};
+    for (int i = 0; i < PHOTON_CONSUMERS; i++) {
         for (size_t k = 0; k < trace[i].count; k++) sum[i] += (double)trace[i].hit[k].power.g;
         photon_trace_free(&trace[i]);
     }

@@ -54,8 +54,8 @@ static void energy_is_kept(void **state) {
         furnace(&t, albedo);
         struct parallel *pool = pool_of(2);
         struct photon_tracing tracing = {
-            .scene = &t.scene, .seed = 1, .keep = {{N, 7, NULL}}, .bounces = -1};
-        struct photon_trace traces[PHOTON_KEEPS], trace;
+            .scene = &t.scene, .seed = 1, .consumer = {{N, 7, NULL}}, .bounces = -1};
+        struct photon_trace traces[PHOTON_CONSUMERS], trace;
         struct log quiet = {0};
         assert_int_equal(photon_trace_run(&tracing, pool, quiet, traces), SATIN_OK);
         trace = traces[0];
@@ -80,13 +80,14 @@ static void fewer_paths_are_a_pass_of_their_own(void **state) {
     struct test_scene t;
     furnace(&t, 0.5f);
     struct parallel *pool = pool_of(2);
-    struct photon_tracing tracing = {.scene = &t.scene,
-                                     .seed = 1,
-                                     .keep = {{MOST, 1 << PHOTON_INDIRECT, NULL}, {FEWER, 7, NULL}},
-                                     .bounces = -1};
-    struct photon_trace both[PHOTON_KEEPS], own[PHOTON_KEEPS];
+    struct photon_tracing tracing = {
+        .scene = &t.scene,
+        .seed = 1,
+        .bounces = -1,
+        .consumer = {{MOST, 1 << PHOTON_INDIRECT, NULL}, {FEWER, 7, NULL}}};
+    struct photon_trace both[PHOTON_CONSUMERS], own[PHOTON_CONSUMERS];
     assert_int_equal(photon_trace_run(&tracing, pool, (struct log){0}, both), SATIN_OK);
-    tracing.keep[0] = (struct photon_keep){0};
+    tracing.consumer[0] = (struct photon_consumer){0};
     assert_int_equal(photon_trace_run(&tracing, pool, (struct log){0}, own), SATIN_OK);
     assert_int_equal(both[0].emitted, MOST);
     assert_int_equal(both[0].stored[PHOTON_DIRECT], 0);
@@ -98,7 +99,7 @@ static void fewer_paths_are_a_pass_of_their_own(void **state) {
         assert_true(v3_dist2(a->p, b->p) == 0.0f);
         assert_true(fabsf(a->power.g / b->power.g - 1.0f) < 1e-5f);
     }
-    for (int k = 0; k < PHOTON_KEEPS; k++) {
+    for (int k = 0; k < PHOTON_CONSUMERS; k++) {
         photon_trace_free(&both[k]);
         photon_trace_free(&own[k]);
     }
@@ -301,13 +302,13 @@ static struct photon_trace trace_caustics(const struct test_scene *t, const stru
     struct parallel *pool = pool_of(2);
     struct log quiet = {0};
     struct guide_emission *guide = NULL;
-    struct photon_trace trace[PHOTON_KEEPS];
+    struct photon_trace trace[PHOTON_CONSUMERS];
     struct guide_emission_request guiding = {&t->scene, view, 1, paths};
     if (view) assert_int_equal(guide_emission_build(&guiding, pool, quiet, &guide), SATIN_OK);
     assert_true((guide != NULL) == (view != NULL));
     struct photon_tracing tracing = {.scene = &t->scene,
                                      .seed = 1,
-                                     .keep = {{paths, 1 << PHOTON_CAUSTIC, NULL}},
+                                     .consumer = {{paths, 1 << PHOTON_CAUSTIC, NULL}},
                                      .bounces = -1,
                                      .emission = guide};
     assert_int_equal(photon_trace_run(&tracing, pool, quiet, trace), SATIN_OK);

@@ -43,15 +43,17 @@ static struct power on_floor(enum glass glass) {
     assert_non_null(pool);
     struct power power;
     for (int class = 0; class < PHOTON_CLASSES; class ++) {
-        const struct photon_tracing tracing = {
-            .scene = &t.scene, .seed = 1, .keep = {{1 << 17, 1u << class, NULL}}, .bounces = 64};
-        struct photon_trace trace[PHOTON_KEEPS] = {{0}};
+        const struct photon_tracing tracing = {.scene = &t.scene,
+                                               .seed = 1,
+                                               .consumer = {{1 << 17, 1u << class, NULL}},
+                                               .bounces = 64};
+        struct photon_trace trace[PHOTON_CONSUMERS] = {{0}};
         assert_int_equal(photon_trace_run(&tracing, pool, (struct log){0}, trace), SATIN_OK);
         power.of[class] = 0.0;
         for (size_t k = 0; k < trace[0].count; k++)
             if (fabsf(trace[0].hit[k].p.z) < 0.01f)
                 power.of[class] += (double)trace[0].hit[k].power.g;
-        for (int k = 0; k < PHOTON_KEEPS; k++) photon_trace_free(&trace[k]);
+        for (int k = 0; k < PHOTON_CONSUMERS; k++) photon_trace_free(&trace[k]);
     }
     parallel_free(pool);
     test_scene_free(&t);
