@@ -11,12 +11,20 @@
 extern "C" {
 #endif
 
-// Where a render stands. `stage` is static text (photons, BRDF tables, records, image, film, ...),
-// `done` in [0, 1] within the stage, `rate` items per second of the stage with their name in
-// `unit`.
+// Where a render stands. `stage` is static text, one of these, in their order; a stage that there
+// is nothing to do in is left out:
+//   photons         photon maps and the first-pass radiance estimate
+//   BRDF tables     glossy BRDFs in harmonics
+//   deeper records  records of indirect bounces beyond the first, of first pass `recursive`
+//   records         records of the first indirect bounce, at what the image shows
+//   image           samples of the pixels
+//   denoising       if options->denoise asks for it
+// `done` in [0, 1] within the stage; `rate` items per second of the stage, whose name is `unit`, ""
+// with a rate of 0 where they are not counted; `elapsed` seconds since the render began. Texts are
+// static, the struct is valid during the call.
 typedef struct satin_progress {
     const char *stage, *unit;
-    double done, rate, elapsed;  // elapsed: seconds since the render began
+    double done, rate, elapsed;
 } satin_progress;
 
 // Called on the thread that called satin_render, about ten times a second. Returning true cancels.
