@@ -80,11 +80,9 @@ static void fewer_paths_are_a_pass_of_their_own(void **state) {
     struct test_scene t;
     furnace(&t, 0.5f);
     struct parallel *pool = pool_of(2);
-    struct photon_tracing tracing = {
-        .scene = &t.scene,
-        .seed = 1,
-        .bounces = -1,
-        .consumer = {{MOST, 1 << PHOTON_INDIRECT, NULL}, {FEWER, 7, NULL}}};
+    struct photon_tracing tracing = {.scene = &t.scene, .seed = 1, .bounces = -1};
+    tracing.consumer[0] = (struct photon_consumer){MOST, 1 << PHOTON_INDIRECT, NULL};
+    tracing.consumer[1] = (struct photon_consumer){FEWER, 7, NULL};
     struct photon_trace both[PHOTON_CONSUMERS], own[PHOTON_CONSUMERS];
     assert_int_equal(photon_trace_run(&tracing, pool, (struct log){0}, both), SATIN_OK);
     tracing.consumer[0] = (struct photon_consumer){0};
