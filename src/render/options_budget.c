@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The curve from effort to options: a table of three presets, each at the effort that it takes on
-// the data scenes, and between them power laws, straight lines over the logarithm of effort. Below
-// the first and beyond the last preset the options are theirs: with less time the records are
-// coarser, with more they are finer and the image takes more samples (render_records.c). The
-// time and the error of the presets, and of the curve, are in docs/experiments.md.
+// the data scenes, and between them power laws, straight lines over the logarithm of effort. With
+// less time than the first takes its records are coarser (render_records.c). With more than the
+// last, or with more cores, its records are finer and the image takes more samples, but the options
+// stay: at production and 200x200, one seed, eight times the photons lower the relative squared
+// error by 14 % (cornell-glossy) and 4 % (indirect-room) for 6 and 7 times the memory, .7 and 2.1
+// GB; four times the rays of records by 17 and 16 % in 2.5 and 2.2 times the time, four times the
+// samples by 19 and 5 % in 1.7 times. So the end of the curve is not one of a machine, but of what
+// is worth its memory and time. The time and the error of the presets are in docs/experiments.md.
 #include "render/options_budget.h"
 
 #include <math.h>
