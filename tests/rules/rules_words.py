@@ -52,16 +52,7 @@ LINE_END = re.compile(r"[ \t]*\n[ \t]*(?:// ?|# )?|\"\s*\n\s*\"")
 # Ways to begin a comment that cannot be read alone.
 CUT = re.compile(r"^\s*// (The same|Of what)\b", re.MULTILINE)
 # Of each word, the folders in which it is not yet replaced.
-TO_DO = {
-    "behind the image": "docs",
-    "bend": "docs",
-    "deal": "docs",
-    "even rays": "docs",
-    "grain": "docs",
-    "put_wall": "docs",
-    "rough solution": "docs",
-    "turn": "docs",
-}
+TO_DO = {}
 
 
 def count_words(text):
