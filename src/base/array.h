@@ -6,8 +6,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-// Makes room for `count` elements of `size` bytes in *items (from malloc or NULL), of which
-// *capacity fit now. Grows by half at least. False, with all unchanged, if there is no memory.
+// Grows *items to `count` elements of `size` bytes in *items (from malloc or NULL), of which
+// *capacity fit now; by half at least. False, with all unchanged, if there is no memory.
 bool array_reserve(void **items, size_t *capacity, size_t count, size_t size);
 
 // `count` zeroed elements of `size` bytes, aligned to 64, to be freed with free(); NULL on overflow

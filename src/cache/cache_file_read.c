@@ -64,7 +64,7 @@ static satin_status check_heads(const struct cache_file *f, const char *name, st
         for (size_t i = 0; i < f->rows[s]; i++) {
             const struct cache_head head = head_at(f, (enum cache_section)s, i);
             if (!cache_valid_head(&head))
-                return refuse_file(log, name, "a cache record has an impossible place");
+                return refuse_file(log, name, "a cache record has an impossible position");
         }
     return SATIN_OK;
 }

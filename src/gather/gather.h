@@ -18,7 +18,7 @@
 
 struct gather_point;
 
-// First pass `recursive`: the records of the next level, made before by a later stage.
+// First pass `recursive`: the records of the next indirect bounce, made before by a later stage.
 struct gather_level {
     // Adds to *L the indirect light that y reflects by the lobes which the records cover; returns
     // these lobes, smooth ones.
@@ -193,7 +193,7 @@ struct gather_hemisphere {
 };
 
 // Traces the stratified rays of `layout` from the site, and guided ones beside them if the options
-// ask for them. The scratch must have room for the layout's rays.
+// ask for them. The scratch must hold the layout's rays.
 struct gather_hemisphere gather_hemisphere_trace(const struct gather *g,
                                                  const struct gather_layout *layout,
                                                  const struct gather_site *site,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The path behind the hit y of a gather ray: the last row of the path table, E S* x S* y ... L.
 // The path goes from surface to surface. At each one it adds the direct light there and reads what
-// is known of the other light: records of the next level (first pass `recursive`), or the
+// is known of the other light: records of the next indirect bounce (first pass `recursive`), or the
 // irradiance of the first-pass estimate (photons). It goes on by the lobes of which nothing is
 // known:
 // - by the diffuse lobe where the estimate is not reliable: nearer to the gather ray's start
@@ -166,7 +166,7 @@ static bool draw_direction(struct path *path, const struct path_vertex *v,
 static struct gather_estimate estimate_at(const struct gather *g, struct path_vertex *z) {
     struct gather_estimate none = {rgb_grey(0.0f), false};
     if (g->next.gather) {
-        // To the gather of the next level z is what the vertex before it is to g.
+        // To the gather of the next bounce z is what the vertex before it is to g.
         z->g = g->next.gather;
         z->bounce--;
         return none;

@@ -93,7 +93,7 @@ struct guide_photon {
     vec3 p, n;
     float power;
 };
-// Spheres around places where light comes down densely.
+// Spheres around clusters of photons, where light comes down densely.
 struct guide_clusters;
 // Of photons that stand for all light. *out is NULL if they are too few.
 satin_status guide_clusters_build(const struct satin_scene *scene,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cells of places that matter: points on paths from the eye, and on their bounces, split by a tree
+// Cells of points that matter: points on paths from the eye, and on their bounces, split by a tree
 // into cells of equal numbers. What is learned in a cell serves all points that fall into it.
 #include <stdlib.h>
 

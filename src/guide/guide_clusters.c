@@ -10,7 +10,7 @@
 
 enum {
     LEAF = 32,  // photons of a leaf
-    BINS = 16   // places where a node may be split along an axis
+    BINS = 16   // positions where a node may be split along an axis
 };
 #define CLEARLY 1.001f  // more than rounding
 
@@ -141,13 +141,13 @@ static void bound(const struct leaf *leaf, size_t count, struct guide_cluster *n
             fmaxf(node->radius, sqrtf(v3_dist2(leaf[i].center, node->center)) + leaf[i].radius);
 }
 
-// Appends the nodes of some leaves, whose places go beside them.
+// Appends the nodes of some leaves, whose positions go beside them.
 static void add_nodes(struct guide_clusters *out, struct leaf *leaf, size_t count, size_t *placed) {
     struct guide_cluster *node = &out->node[out->node_count++];
     *node = (struct guide_cluster){.first = *placed};
     bound(leaf, count, node);
     if (count == 1) {
-        for (size_t i = 0; i < leaf->count; i++) out->place[(*placed)++] = leaf->point[i].p;
+        for (size_t i = 0; i < leaf->count; i++) out->position[(*placed)++] = leaf->point[i].p;
     } else {
         size_t left = split_leaves(leaf, count);
         add_nodes(out, leaf, left, placed);
@@ -170,8 +170,8 @@ satin_status guide_clusters_build(const struct satin_scene *scene,
             point[i] = (struct split_point){.p = photon[i].p, .item = (uint32_t)i};
         const size_t leaves = make_leaves(photon, point, count, leaf);
         clusters->node = array_new(2 * leaves, sizeof *clusters->node);
-        clusters->place = array_new(count, sizeof *clusters->place);
-        if (clusters->node && clusters->place) {
+        clusters->position = array_new(count, sizeof *clusters->position);
+        if (clusters->node && clusters->position) {
             size_t placed = 0;
             add_nodes(clusters, leaf, leaves, &placed);
             clusters->spread = clusters->node->power / (4.0f * PI_F * sqrf(scene->radius));
@@ -188,12 +188,12 @@ satin_status guide_clusters_build(const struct satin_scene *scene,
 void guide_clusters_free(struct guide_clusters *clusters) {
     if (!clusters) return;
     free(clusters->node);
-    free(clusters->place);
+    free(clusters->position);
     free(clusters);
 }
 
 size_t guide_clusters_bytes(const struct guide_clusters *clusters) {
     if (!clusters) return 0;
     const struct guide_cluster *root = clusters->node;
-    return clusters->node_count * sizeof *root + root->count * sizeof *clusters->place;
+    return clusters->node_count * sizeof *root + root->count * sizeof *clusters->position;
 }

@@ -21,8 +21,8 @@ struct guide_cluster {
 struct guide_clusters {
     struct guide_cluster *node;  // depth first
     size_t node_count;
-    vec3 *place;   // of photons, in the order of the leaves
-    float spread;  // irradiance if all the light came down on a sphere around the scene [W m^-2]
+    vec3 *position;  // of photons, in the order of the leaves
+    float spread;    // irradiance if all the light came down on a sphere around the scene [W m^-2]
 };
 
 #endif

@@ -16,8 +16,9 @@
 // Whether p sees photon i of some of the node's photons.
 static bool sees_photon(const struct guide_clusters *clusters, const struct satin_scene *scene,
                         const struct guide_cluster *node, const struct guide_eye *eye, size_t i) {
-    vec3 place = clusters->place[node->first + (2 * i + 1) * node->count / (2 * GUIDE_PROBES)];
-    vec3 d = v3_sub(place, eye->p);
+    vec3 position =
+        clusters->position[node->first + (2 * i + 1) * node->count / (2 * GUIDE_PROBES)];
+    vec3 d = v3_sub(position, eye->p);
     float distance = v3_len(d);
     if (!(v3_dot(d, eye->n) > 0.0f)) return false;
     struct ray ray = scene_spawn(scene, eye->p, eye->ng, v3_mul(d, 1.0f / distance));
@@ -85,7 +86,7 @@ static bool make_cone(const struct guide_clusters *clusters, const struct satin_
 }
 
 // Replaces the view that may send most, of those that are coarse, by views of the node's children,
-// as long as there is room.
+// as long as they fit.
 static int refine(const struct guide_clusters *clusters, const struct guide_eye *eye,
                   float expected, struct view view[GUIDE_CONES]) {
     int count = 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to guide/: what is seen of the lights from cells of places (guide_visibility.c), and the
+// Private to guide/: what is seen of the lights from cells of points (guide_visibility.c), and the
 // cells (guide_cells.c).
 #ifndef GUIDE_VISIBILITY_H
 #define GUIDE_VISIBILITY_H

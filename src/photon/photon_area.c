@@ -56,8 +56,8 @@ static float extent(const struct probe *probe, vec3 w) {
 static struct probe probe_make(const struct satin_scene *scene, vec3 p, vec3 n, float r) {
     struct ray up = scene_spawn(scene, p, n, n);
     // In a gap lower than the rays' height they run half way up.
-    float height = HEIGHT * r, room = clear_distance(scene, up.o, n, 2.0f * height);
-    if (room < 2.0f * height) height = 0.5f * room;
+    float height = HEIGHT * r, clearance = clear_distance(scene, up.o, n, 2.0f * height);
+    if (clearance < 2.0f * height) height = 0.5f * clearance;
     return (struct probe){scene, v3_mad(up.o, height, n), n, height, r};
 }
 

@@ -32,7 +32,7 @@ enum {
 // fade.
 #define FAR 9.0f
 // The nearest of evenly spread entries is further than the root of INFLUENCE / (pi density) once in
-// e^INFLUENCE places. Where it is, no light came down in between, and its irradiance fades.
+// e^INFLUENCE positions. Where it is, no light came down in between, and its irradiance fades.
 #define INFLUENCE 6.0f
 // A ray towards an entry runs so much of its length above the surface.
 #define LIFT 0.1f
@@ -56,7 +56,7 @@ static struct photon_query query_of(const struct photon_precompute *what, size_t
                                  AREA_WHOLE};
 }
 
-// A place around which the surface is known to be whole up to a distance; 0: not known.
+// A position around which the surface is known to be whole up to a distance; 0: not known.
 struct clearing {
     vec3 p, n;
     float radius;
@@ -83,8 +83,8 @@ static void precompute_one(struct precompute_job *job, size_t entry,
     struct photon_query query = query_of(what, entry);
     struct photon_disc disc;
     photon_disc_make(&query, row, distance2, &disc);
-    float room = clearing->radius - sqrtf(v3_dist2(query.p, clearing->p));
-    if (what->area && !(disc.r <= room && v3_dot(query.n, clearing->n) > 0.9f)) {
+    float margin = clearing->radius - sqrtf(v3_dist2(query.p, clearing->p));
+    if (what->area && !(disc.r <= margin && v3_dot(query.n, clearing->n) > 0.9f)) {
         query.correction = AREA_MEASURED;
         photon_disc_make(&query, row, distance2, &disc);
     }
@@ -95,7 +95,7 @@ static void precompute_one(struct precompute_job *job, size_t entry,
     if (!valid) atomic_fetch_add(&job->refused, 1);
     job->out->E[entry] = valid ? E : rgb_grey(0.0f);
     job->out->radius[entry] = valid ? disc.r : INFINITY;
-    job->out->place.clear[entry] = photon_disc_clear(&disc);
+    job->out->position.clear[entry] = photon_disc_clear(&disc);
 }
 
 static void precompute_chunk(void *ctx, size_t begin, size_t end, int worker) {
@@ -145,8 +145,8 @@ static void set_row(float *row, vec3 p, vec3 n, float scale) {
     row[5] = scale * n.z;
 }
 
-void photon_place_set(struct photon_places *places, size_t i, vec3 p, vec3 n) {
-    set_row(places->row + 6 * i, p, n, places->scale);
+void photon_entry_position_set(struct photon_positions *positions, size_t i, vec3 p, vec3 n) {
+    set_row(positions->row + 6 * i, p, n, positions->scale);
 }
 
 // Positive and finite, so that normals can be read from the rows. The median radius may be 0, where
@@ -160,15 +160,15 @@ static float normal_scale(const struct photon_irradiance *r, const struct satin_
 // that faces as the query does has a normal that differs by less than the scale.
 static float far_of(const struct photon_precompute *what, const struct photon_irradiance *r) {
     if (!r->ends) return INFINITY;
-    return FAR * r->influence2 * photon_map_far2(what->map) + sqrf(r->place.scale);
+    return FAR * r->influence2 * photon_map_far2(what->map) + sqrf(r->position.scale);
 }
 
 // The rows of the index, their scale known by now.
 static void fill_rows(const struct photon_precompute *what, struct photon_irradiance *r) {
-    r->place.scale = normal_scale(r, what->scene);
+    r->position.scale = normal_scale(r, what->scene);
     for (size_t i = 0; i < r->count; i++) {
         struct photon_query at = query_of(what, i);
-        photon_place_set(&r->place, i, at.p, at.n);
+        photon_entry_position_set(&r->position, i, at.p, at.n);
     }
 }
 
@@ -185,11 +185,11 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
     satin_status status = SATIN_ERROR_MEMORY;
     map->stride = what->stride;
     map->open = array_new(r.count, 1);
-    r.place.row = array_new(6 * r.count, sizeof *r.place.row);
+    r.position.row = array_new(6 * r.count, sizeof *r.position.row);
     r.E = array_new(r.count, sizeof *r.E);
     r.radius = array_new(r.count, sizeof *r.radius);
-    r.place.clear = array_new(r.count, sizeof *r.place.clear);
-    if (map->open && r.place.row && r.E && r.radius && r.place.clear) {
+    r.position.clear = array_new(r.count, sizeof *r.position.clear);
+    if (map->open && r.position.row && r.E && r.radius && r.position.clear) {
         struct precompute_job job = {.what = what, .out = &r};
         atomic_init(&job.failed, false);
         atomic_init(&job.refused, 0);
@@ -202,7 +202,7 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
     if (status == SATIN_OK) {
         fill_rows(what, &r);
         r.far2 = far_of(what, &r);
-        r.index = photon_index_new(r.place.row, r.count, 6);
+        r.index = photon_index_new(r.position.row, r.count, 6);
         if (!r.index) status = SATIN_ERROR_MEMORY;
     }
     if (status == SATIN_OK && what->smooth) status = photon_smooth(what, pool, &r);
@@ -216,10 +216,10 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
 
 void photon_irradiance_free(struct photon_irradiance *irradiance) {
     photon_index_free(irradiance->index);
-    free(irradiance->place.row);
+    free(irradiance->position.row);
     free(irradiance->E);
     free(irradiance->radius);
-    free(irradiance->place.clear);
+    free(irradiance->position.clear);
     *irradiance = (struct photon_irradiance){0};
 }
 
@@ -231,13 +231,13 @@ size_t photon_irradiance_bytes(const struct photon_irradiance *irradiance) {
 // ---- Lookups ----------------------------------------------------------------------------------
 
 static bool faces(const struct photon_irradiance *r, int row, vec3 n) {
-    const float *m = r->place.row + 6 * (size_t)row + 3;
-    return m[0] * n.x + m[1] * n.y + m[2] * n.z >= FACING * r->place.scale;
+    const float *m = r->position.row + 6 * (size_t)row + 3;
+    return m[0] * n.x + m[1] * n.y + m[2] * n.z >= FACING * r->position.scale;
 }
 
-// Whether nothing stands between p and the place, a little above the surface.
-static bool is_visible(vec3 place, const struct satin_scene *scene, vec3 p, vec3 n) {
-    vec3 d = v3_sub(place, p);
+// Whether nothing stands between p and the position, a little above the surface.
+static bool is_visible(vec3 position, const struct satin_scene *scene, vec3 p, vec3 n) {
+    vec3 d = v3_sub(position, p);
     float distance = v3_len(d);
     if (!(distance > 0.0f)) return true;
     struct ray ray = scene_spawn(scene, p, n, n);
@@ -249,19 +249,19 @@ static bool is_visible(vec3 place, const struct satin_scene *scene, vec3 p, vec3
 
 bool photon_irradiance_sees(const struct photon_irradiance *r, const struct satin_scene *scene,
                             int entry, vec3 p, vec3 n) {
-    return is_visible(photon_place(&r->place, (size_t)entry), scene, p, n);
+    return is_visible(photon_entry_position(&r->position, (size_t)entry), scene, p, n);
 }
 
-bool photon_place_hidden(const struct photon_places *places, const struct satin_scene *scene,
-                         size_t i, vec3 p, vec3 n) {
-    const vec3 place = photon_place(places, i);
-    const float clear = places->clear[i];
-    return v3_dist2(place, p) > clear * clear && !is_visible(place, scene, p, n);
+bool photon_entry_position_hidden(const struct photon_positions *positions,
+                                  const struct satin_scene *scene, size_t i, vec3 p, vec3 n) {
+    const vec3 position = photon_entry_position(positions, i);
+    const float clear = positions->clear[i];
+    return v3_dist2(position, p) > clear * clear && !is_visible(position, scene, p, n);
 }
 
 // Whether p is far from the row for the density of photons there.
 static bool is_far(const struct photon_irradiance *r, int row, vec3 p) {
-    const float d2 = v3_dist2(p, photon_place(&r->place, (size_t)row));
+    const float d2 = v3_dist2(p, photon_entry_position(&r->position, (size_t)row));
     const float influence2 = r->influence2 * sqrf(r->radius[row]);
     return influence2 > 0.0f && d2 > FAR * influence2;
 }
@@ -277,7 +277,8 @@ static int search_facing(const struct photon_irradiance *r, const float *query, 
     photon_index_nearest(r->index, query, 1, k, r->far2, row, distance2);
     for (int i = 0; i < k; i++) {
         if (row[i] < 0 || distance2[i] >= least || !faces(r, row[i], n)) continue;
-        if (scene && photon_place_hidden(&r->place, scene, (size_t)row[i], p, n)) continue;
+        if (scene && photon_entry_position_hidden(&r->position, scene, (size_t)row[i], p, n))
+            continue;
         best = row[i];
         least = distance2[i];
     }
@@ -288,7 +289,7 @@ int photon_irradiance_entry(const struct photon_irradiance *r, vec3 p, vec3 n) {
     float query[6], distance2;
     int row;
     if (r->count == 0) return -1;
-    set_row(query, p, n, r->place.scale);
+    set_row(query, p, n, r->position.scale);
     photon_index_nearest(r->index, query, 1, 1, r->far2, &row, &distance2);
     if (row >= 0 && r->ends && is_far(r, row, p)) return -1;
     return row >= 0 && !faces(r, row, n) ? search_facing(r, query, n, NULL) : row;
@@ -296,7 +297,8 @@ int photon_irradiance_entry(const struct photon_irradiance *r, vec3 p, vec3 n) {
 
 rgb photon_irradiance_value(const struct photon_irradiance *r, int entry, vec3 p) {
     if (entry < 0) return rgb_grey(0.0f);
-    float d2 = v3_dist2(p, photon_place(&r->place, (size_t)entry)), radius = r->radius[entry];
+    float d2 = v3_dist2(p, photon_entry_position(&r->position, (size_t)entry)),
+          radius = r->radius[entry];
     float influence2 = r->influence2 * radius * radius;
     if (d2 <= influence2) return r->E[entry];
     const float far = d2 / influence2,
@@ -312,13 +314,14 @@ static void look_up_photons(const struct photon_irradiance *r, const struct sati
         size_t batch = count - at < BATCH ? count - at : BATCH;
         for (size_t i = 0; i < batch; i++) {
             row[i] = -1;
-            set_row(query + 6 * i, p[at + i], n[at + i], r->place.scale);
+            set_row(query + 6 * i, p[at + i], n[at + i], r->position.scale);
         }
         if (r->count > 0) photon_index_nearest(r->index, query, batch, 1, r->far2, row, distance2);
         for (size_t i = 0; i < batch; i++) {
             size_t j = at + i;
-            if (row[i] >= 0 && (!faces(r, row[i], n[j]) ||
-                                photon_place_hidden(&r->place, scene, (size_t)row[i], p[j], n[j])))
+            if (row[i] >= 0 &&
+                (!faces(r, row[i], n[j]) ||
+                 photon_entry_position_hidden(&r->position, scene, (size_t)row[i], p[j], n[j])))
                 // Where even that is far, paths go on sooner than a search ends.
                 row[i] =
                     is_far(r, row[i], p[j]) ? -1 : search_facing(r, query + 6 * i, n[j], scene);

@@ -162,26 +162,26 @@ float photon_disc_clear(const struct photon_disc *disc);
 
 // ---- Irradiance at photons (photon_irradiance.c) ----------------------------------------------
 
-// The places at which irradiance was precomputed, as rows of the search index.
-struct photon_places {
+// The positions at which irradiance was precomputed, as rows of the search index.
+struct photon_positions {
     float *row;    // 6 each: position, scale * normal
     float scale;   // positive
     float *clear;  // distance from each within which no wall or edge is
 };
-static inline vec3 photon_place(const struct photon_places *places, size_t i) {
-    const float *q = places->row + 6 * i;
+static inline vec3 photon_entry_position(const struct photon_positions *positions, size_t i) {
+    const float *q = positions->row + 6 * i;
     return v3(q[0], q[1], q[2]);
 }
-void photon_place_set(struct photon_places *places, size_t i, vec3 p, vec3 n);
-// Whether a wall stands between place i and p, a point on a surface with normal n.
-bool photon_place_hidden(const struct photon_places *places, const struct satin_scene *scene,
-                         size_t i, vec3 p, vec3 n);
+void photon_entry_position_set(struct photon_positions *positions, size_t i, vec3 p, vec3 n);
+// Whether a wall stands between position i and p, a point on a surface with normal n.
+bool photon_entry_position_hidden(const struct photon_positions *positions,
+                                  const struct satin_scene *scene, size_t i, vec3 p, vec3 n);
 
-// Irradiance that was precomputed at places of photons, which are its entries.
+// Irradiance that was precomputed at positions of photons, which are its entries.
 struct photon_irradiance {
     size_t count;    // of entries
     size_t refused;  // estimates that were not finite
-    struct photon_places place;
+    struct photon_positions position;
     rgb *E;            // by entry [W m^-2]
     float *radius;     // by entry, of its estimate; INFINITY: the map has too few photons
     float influence2;  // squared influence radius of an entry, in units of its squared radius
@@ -214,7 +214,7 @@ void photon_irradiance_free(struct photon_irradiance *irradiance);
 size_t photon_irradiance_bytes(const struct photon_irradiance *irradiance);
 // The entry that answers for p on the side of n, or -1.
 int photon_irradiance_entry(const struct photon_irradiance *irradiance, vec3 p, vec3 n);
-// Whether nothing stands between p and the entry's place, a little above the surface.
+// Whether nothing stands between p and the entry's position, a little above the surface.
 bool photon_irradiance_sees(const struct photon_irradiance *irradiance,
                             const struct satin_scene *scene, int entry, vec3 p, vec3 n);
 // Irradiance at p by an entry; black for entry -1.

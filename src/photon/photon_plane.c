@@ -26,7 +26,7 @@ static float difference(rgb a, rgb b) {
 }
 
 static vec3 normal_at(const struct photon_sites *sites, size_t i) {
-    const float *row = sites->place.row + 6 * i, s = 1.0f / sites->place.scale;
+    const float *row = sites->position.row + 6 * i, s = 1.0f / sites->position.scale;
     return v3(s * row[3], s * row[4], s * row[5]);
 }
 
@@ -42,18 +42,19 @@ static int find_neighbours(const struct photon_fitting *job, size_t site, struct
     const struct photon_sites *sites = job->sites;
     int row[NEIGHBOURS], count = 0;
     float distance2[NEIGHBOURS], far2 = 0.0f;
-    photon_index_nearest(sites->index, sites->place.row + 6 * site, 1, NEIGHBOURS, INFINITY, row,
+    photon_index_nearest(sites->index, sites->position.row + 6 * site, 1, NEIGHBOURS, INFINITY, row,
                          distance2);
     for (int i = 0; i < NEIGHBOURS; i++)
         if (row[i] >= 0) far2 = fmaxf(far2, distance2[i]);
-    const vec3 p = photon_place(&sites->place, site), n = normal_at(sites, site);
+    const vec3 p = photon_entry_position(&sites->position, site), n = normal_at(sites, site);
     const struct frame frame = frame_from_normal(n);
     for (int i = 0; i < NEIGHBOURS; i++) {
         if (row[i] < 0 || !(distance2[i] < far2)) continue;
         const size_t at = (size_t)row[i];
         if (v3_dot(normal_at(sites, at), n) < FACING) continue;
-        if (at != site && photon_place_hidden(&sites->place, job->scene, at, p, n)) continue;
-        const vec3 d = v3_sub(photon_place(&sites->place, at), p);
+        if (at != site && photon_entry_position_hidden(&sites->position, job->scene, at, p, n))
+            continue;
+        const vec3 d = v3_sub(photon_entry_position(&sites->position, at), p);
         const float weight = 1.0f - distance2[i] / far2;
         out[count++] =
             (struct neighbour){v3_dot(d, frame.u), v3_dot(d, frame.v), weight, (uint32_t)at};
@@ -138,21 +139,23 @@ void photon_evaluate_planes(void *fitting, size_t begin, size_t end, int worker)
 
 // ---- Reading ------------------------------------------------------------------------------------
 
-// The value at a place, from the planes of the sites around.
+// The value at a position, from the planes of the sites around.
 static rgb read_value(const struct photon_reading *job, size_t i) {
     const struct photon_sites *sites = job->sites;
-    const vec3 p = photon_place(job->place, i);
+    const vec3 p = photon_entry_position(job->position, i);
     int row[MIXED];
     float distance2[MIXED], far2 = 0.0f, sum = 0.0f, kept = 0.0f, noise = 0.0f;
     rgb plane = rgb_grey(0.0f);
-    photon_index_nearest(sites->index, job->place->row + 6 * i, 1, MIXED, INFINITY, row, distance2);
+    photon_index_nearest(sites->index, job->position->row + 6 * i, 1, MIXED, INFINITY, row,
+                         distance2);
     for (int k = 0; k < MIXED; k++)
         if (row[k] >= 0) far2 = fmaxf(far2, distance2[k]);
     for (int k = 0; k < MIXED; k++) {
         if (row[k] < 0 || !(distance2[k] < far2)) continue;
         const size_t at = (size_t)row[k];
-        const vec3 q = photon_place(&sites->place, at), n = normal_at(sites, at), d = v3_sub(p, q);
-        if (photon_place_hidden(job->place, job->scene, i, q, n)) continue;
+        const vec3 q = photon_entry_position(&sites->position, at), n = normal_at(sites, at),
+                   d = v3_sub(p, q);
+        if (photon_entry_position_hidden(job->position, job->scene, i, q, n)) continue;
         const struct frame frame = frame_from_normal(n);
         const float near = 1.0f - distance2[k] / far2, weight = near * near;
         const rgb here =

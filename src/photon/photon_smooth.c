@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Caustics without the noise of their photons. Where the estimates around a place differ from a
+// Caustics without the noise of their photons. Where the estimates around a position differ from a
 // plane hardly more than their variance explains, the plane is what is seen; where they differ much
 // more, they stay as they are, and in between a part of the difference is kept. Planes are fitted
 // by least squares at sites, and what a site stands for is smoothed in the same way over ever wider
@@ -30,21 +30,21 @@ enum {
 
 static void sites_free(struct photon_sites *sites) {
     photon_index_free(sites->index);
-    free(sites->place.row);
-    free(sites->place.clear);
+    free(sites->position.row);
+    free(sites->position.clear);
     free(sites->value);
     free(sites->noise);
     free(sites->slope);
 }
 
 static bool sites_make(size_t count, float scale, struct photon_sites *out) {
-    *out = (struct photon_sites){.count = count, .place.scale = scale};
-    out->place.row = array_new(6 * count, sizeof *out->place.row);
-    out->place.clear = array_new(count, sizeof *out->place.clear);
+    *out = (struct photon_sites){.count = count, .position.scale = scale};
+    out->position.row = array_new(6 * count, sizeof *out->position.row);
+    out->position.clear = array_new(count, sizeof *out->position.clear);
     out->value = array_new(count, sizeof *out->value);
     out->noise = array_new(count, sizeof *out->noise);
     out->slope = array_new(count, sizeof *out->slope);
-    return out->place.row && out->place.clear && out->value && out->noise && out->slope;
+    return out->position.row && out->position.clear && out->value && out->noise && out->slope;
 }
 
 // ---- Sites --------------------------------------------------------------------------------------
@@ -56,7 +56,7 @@ struct estimating {
     atomic_bool failed;
 };
 
-// A place on the surface around an entry that sees it; false if there is none.
+// A position on the surface around an entry that sees it; false if there is none.
 static bool find_place(const struct estimating *job, size_t site, vec3 *p, vec3 *n) {
     const struct photon_irradiance *r = job->irradiance;
     const struct satin_scene *scene = job->what->scene;
@@ -67,7 +67,8 @@ static bool find_place(const struct estimating *job, size_t site, vec3 *p, vec3 
     const float rotation = 2.0f * PI_F * rng_float(&rng);
     const float least2 = ASIDE * ASIDE, most2 = ASIDE_MOST * ASIDE_MOST;
     const float aside = r->radius[entry] * sqrtf(least2 + (most2 - least2) * rng_float(&rng));
-    vec3 above = v3_mad(photon_place(&r->place, entry), aside * cosf(rotation), frame.u);
+    vec3 above =
+        v3_mad(photon_entry_position(&r->position, entry), aside * cosf(rotation), frame.u);
     above = v3_mad(v3_mad(above, aside * sinf(rotation), frame.v), HEIGHT * aside, *n);
     const struct ray down = {above, 0.0f, v3_neg(*n), 2.0f * HEIGHT * aside};
     struct interaction s;
@@ -100,8 +101,8 @@ static void estimate_site(const struct estimating *job, size_t site, int *row, f
     if (!(rgb_square(E) > 0.0f)) return;
     sites->value[site] = E;
     sites->noise[site] = photon_disc_variance(&disc) / rgb_square(E);
-    sites->place.clear[site] = photon_disc_clear(&disc);
-    photon_place_set(&sites->place, site, p, n);
+    sites->position.clear[site] = photon_disc_clear(&disc);
+    photon_entry_position_set(&sites->position, site, p, n);
 }
 
 static void estimate_sites(void *ctx, size_t begin, size_t end, int worker) {
@@ -122,8 +123,9 @@ static void compact(struct photon_sites *sites) {
     size_t kept = 0;
     for (size_t i = 0; i < sites->count; i++) {
         if (sites->noise[i] < 0.0f) continue;
-        memcpy(sites->place.row + 6 * kept, sites->place.row + 6 * i, 6 * sizeof *sites->place.row);
-        sites->place.clear[kept] = sites->place.clear[i];
+        memcpy(sites->position.row + 6 * kept, sites->position.row + 6 * i,
+               6 * sizeof *sites->position.row);
+        sites->position.clear[kept] = sites->position.clear[i];
         sites->value[kept] = sites->value[i];
         sites->noise[kept++] = sites->noise[i];
     }
@@ -132,12 +134,13 @@ static void compact(struct photon_sites *sites) {
 
 // Every STRIDE_WIDER-th site of which the planes are known.
 static bool thin(const struct photon_sites *sites, struct photon_sites *out) {
-    if (!sites_make((sites->count + STRIDE_WIDER - 1) / STRIDE_WIDER, sites->place.scale, out))
+    if (!sites_make((sites->count + STRIDE_WIDER - 1) / STRIDE_WIDER, sites->position.scale, out))
         return false;
     for (size_t i = 0; i < out->count; i++) {
         const size_t from = i * STRIDE_WIDER;
-        memcpy(out->place.row + 6 * i, sites->place.row + 6 * from, 6 * sizeof *sites->place.row);
-        out->place.clear[i] = sites->place.clear[from];
+        memcpy(out->position.row + 6 * i, sites->position.row + 6 * from,
+               6 * sizeof *sites->position.row);
+        out->position.clear[i] = sites->position.clear[from];
         out->value[i] = sites->value[from];
         out->noise[i] = NOISE_LEFT * sites->noise[from];
     }
@@ -146,13 +149,13 @@ static bool thin(const struct photon_sites *sites, struct photon_sites *out) {
 
 // ---- Levels -------------------------------------------------------------------------------------
 
-// Replaces `count` values by what the sites, every few of their places, give.
+// Replaces `count` values by what the sites, every few of their positions, give.
 static satin_status smooth(const struct satin_scene *scene, struct parallel *pool,
-                           struct photon_sites *sites, const struct photon_places *place,
+                           struct photon_sites *sites, const struct photon_positions *position,
                            size_t count, rgb *value) {
     satin_status status = SATIN_ERROR_MEMORY;
     rgb *plane = array_new(sites->count, sizeof *plane);
-    sites->index = photon_index_new(sites->place.row, sites->count, 6);
+    sites->index = photon_index_new(sites->position.row, sites->count, 6);
     if (!plane || !sites->index) goto end;
     struct photon_fitting fitting = {scene, sites, plane};
     status = SATIN_CANCELLED;
@@ -163,11 +166,11 @@ static satin_status smooth(const struct satin_scene *scene, struct parallel *poo
         struct photon_sites wider;
         status = SATIN_ERROR_MEMORY;
         if (thin(sites, &wider))
-            status = smooth(scene, pool, &wider, &sites->place, sites->count, sites->value);
+            status = smooth(scene, pool, &wider, &sites->position, sites->count, sites->value);
         sites_free(&wider);
         if (status != SATIN_OK) goto end;
     }
-    struct photon_reading reading = {scene, sites, place, value};
+    struct photon_reading reading = {scene, sites, position, value};
     status =
         parallel_for(pool, count, CHUNK, photon_read_planes, &reading) ? SATIN_OK : SATIN_CANCELLED;
 end:
@@ -181,7 +184,7 @@ satin_status photon_smooth(const struct photon_precompute *what, struct parallel
     if (count < SITES_LEAST) return SATIN_OK;
     struct photon_sites sites;
     satin_status status = SATIN_ERROR_MEMORY;
-    if (sites_make(count, irradiance->place.scale, &sites)) {
+    if (sites_make(count, irradiance->position.scale, &sites)) {
         struct estimating job = {.what = what, .irradiance = irradiance, .sites = &sites};
         atomic_init(&job.failed, false);
         if (!parallel_for(pool, count, CHUNK, estimate_sites, &job))
@@ -192,7 +195,7 @@ satin_status photon_smooth(const struct photon_precompute *what, struct parallel
     if (status == SATIN_OK) {
         compact(&sites);
         if (sites.count >= SITES_LEAST)
-            status = smooth(what->scene, pool, &sites, &irradiance->place, irradiance->count,
+            status = smooth(what->scene, pool, &sites, &irradiance->position, irradiance->count,
                             irradiance->E);
     }
     sites_free(&sites);

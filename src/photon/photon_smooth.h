@@ -5,11 +5,11 @@
 
 #include "photon/photon_map.h"
 
-// Values over places on surfaces, and the planes through them.
+// Values over positions on surfaces, and the planes through them.
 struct photon_sites {
     size_t count;
-    struct photon_places place;
-    rgb *value;    // first that of the place, then what its plane has there
+    struct photon_positions position;
+    rgb *value;    // first that of the position, then what its plane has there
     float *noise;  // variance of a value over its square
     struct slope {
         rgb u, v;       // of the plane along the frame of the normal
@@ -38,8 +38,8 @@ void photon_evaluate_planes(void *fitting, size_t begin, size_t end, int worker)
 // Context of photon_read_planes.
 struct photon_reading {
     const struct satin_scene *scene;
-    const struct photon_sites *sites;   // with their planes' values
-    const struct photon_places *place;  // of the values
+    const struct photon_sites *sites;         // with their planes' values
+    const struct photon_positions *position;  // of the values
     rgb *value;
 };
 // Replaces values by the mean of the planes around, and of the values themselves as far as they are

@@ -15,7 +15,7 @@ static int or_else(int value, int open, int scene, int scene_open, int fallback)
 }
 
 // Another film size: one number alone keeps the shape of the picture; two keep the horizontal field
-// of view. A crop window keeps its place.
+// of view. A crop window keeps its position.
 static void resize(struct satin_scene *scene, int width, int height) {
     struct film_spec *film = &scene->film;
     if (width <= 0 && height <= 0) return;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one place where progress is reported and a cancellation is noticed.
+// The one file where progress is reported and a cancellation is noticed.
 #include "render/render_state.h"
 
 static const double REPORT_EVERY = 0.1;  // seconds

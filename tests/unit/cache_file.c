@@ -219,7 +219,7 @@ static void lies_are_refused(void **state) {
         float *word = (float *)&f.cache.side[CACHE_IRRADIANCE].tree.head[3] + at[i], kept = *word;
         *word = wrong[i];
         data = save(&f, &size);
-        assert_non_null(strstr(refusal(data, size), "impossible place"));
+        assert_non_null(strstr(refusal(data, size), "impossible position"));
         *word = kept;
         free(data);
     }

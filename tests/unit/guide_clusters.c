@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bright places: found where photons come down densely, seen from where they are in sight, and
+// Bright positions: found where photons come down densely, seen from where they are in sight, and
 // nowhere where light is even.
 #include "test_scene.h"
 
@@ -13,7 +13,7 @@ enum { SPREAD = 12000, DENSE = 8000, PHOTONS = SPREAD + DENSE };
 static const vec3 SPOT = {0.3f, 1.0f, -0.2f};  // on the ceiling
 static const float SPOT_RADIUS = 0.04f;
 
-// A place on wall i of the six of the box.
+// A position on wall i of the six of the box.
 static vec3 on_wall(size_t i, vec2 u, vec3 *n) {
     const float x = 2.0f * u.x - 1.0f, y = 2.0f * u.y - 1.0f, side = i & 1 ? 1.0f : -1.0f;
     const int axis = (int)(i / 2);

@@ -273,8 +273,8 @@ static void caustic_scene(struct test_scene *t, enum light_kind kind) {
     test_quadric(t, SHAPE_SPHERE, test_transform(v3(0.5f, 0, 0.6f), v3(0.4f, 0.4f, 0.4f)), false,
                  glass);
     struct mat4 stand = mat4_rotate(v3(0, 1, 0), 70.0f);
-    struct mat4 place = test_transform(v3(-1, 0, 0.5f), v3(0.3f, 0.3f, 0.3f));
-    test_rectangle(t, mat4_mul(&place, &stand), mirror);
+    struct mat4 position = test_transform(v3(-1, 0, 0.5f), v3(0.3f, 0.3f, 0.3f));
+    test_rectangle(t, mat4_mul(&position, &stand), mirror);
     add_lamp(t, kind, white);
     test_scene_finish(t);
 }

@@ -72,7 +72,7 @@ static void build(struct test_scene *t, light_fn light, bool smooth, struct phot
 static struct errors errors_of(const struct photon_irradiance *r, light_fn light, at_fn at) {
     struct errors e = {0};
     for (size_t i = 0; i < r->count; i++) {
-        const vec3 p = photon_place(&r->place, i);
+        const vec3 p = photon_entry_position(&r->position, i);
         if (!at(p.x, p.y)) continue;
         const double d = (double)r->E[i].g / (double)light(p.x, p.y) - 1.0;
         e.mean += d;
@@ -142,10 +142,10 @@ static void normals_count_without_a_radius(void **state) {
         }
         scene_of(&t, false);
         precompute(&t, hit, few ? K / 2 : PHOTONS, !few, &map, &r);
-        assert_true(r.place.scale > 0.0f && isfinite(r.place.scale));
+        assert_true(r.position.scale > 0.0f && isfinite(r.position.scale));
         for (size_t i = 0; i < r.count; i++) assert_true(rgb_finite(r.E[i]));
         // Few reach not far.
-        const vec3 p = few ? photon_place(&r.place, 0) : v3(-0.5f, -0.5f, 0);
+        const vec3 p = few ? photon_entry_position(&r.position, 0) : v3(-0.5f, -0.5f, 0);
         const int entry = photon_irradiance_entry(&r, p, v3(0, 0, 1));
         assert_true(entry >= 0);
         assert_int_equal(photon_irradiance_entry(&r, p, v3(0, 0, -1)), -1);
