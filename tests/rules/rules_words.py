@@ -14,7 +14,7 @@ import pathlib
 import re
 import sys
 
-FOLDERS = ["include", "docs", *(f"src/{s}" for s in (
+FOLDERS = [".", "include", "docs", *(f"src/{s}" for s in (
     "base", "rsh", "brdf", "scene", "light", "load", "guide", "photon", "gather", "cache", "shade",
     "film", "render", "apps"))]
 TEXT = {".c", ".h", ".cpp", ".md", ".py", ".1"}
@@ -66,7 +66,8 @@ def counts_of(tree):
     """(word, folder) to how often; the cut comments are a word of their own."""
     counts = collections.Counter()
     for folder in FOLDERS:
-        for path in sorted((tree / folder).rglob("*")):
+        # The top level has its own pages alone.
+        for path in sorted((tree / folder).rglob("*") if folder != "." else tree.glob("*.md")):
             if path.suffix not in TEXT or path.name == "glossary.md":
                 continue
             text = path.read_text(encoding="utf-8")
