@@ -11,8 +11,8 @@
 extern "C" {
 #endif
 
-// Where a render stands. `stage` is static text, one of these, in their order; a stage that there
-// is nothing to do in is left out:
+// Where a render stands. `stage` is static text, one of these, in their order; those that the
+// options do without are left out:
 //   photons         photon maps and the first-pass radiance estimate
 //   BRDF tables     glossy BRDFs in harmonics
 //   deeper records  records of indirect bounces beyond the first, of first pass `recursive`
