@@ -27,6 +27,14 @@ struct gather_level {
     const struct gather *gather;  // by which they were made; NULL: there are no records
 };
 
+// Direct light at the entries of the photons' estimate (gather_direct_table.c): a gather ray that
+// reads an entry needs no light sample for its diffuse lobe. Arrays of `count`, owned.
+struct gather_direct_table {
+    size_t count;
+    rgb *E;      // direct irradiance on the entry's side [W m^-2]
+    bool *even;  // entries around have much the same, so that it may be read
+};
+
 // What stays the same during a render. Plain data, shared by all threads.
 struct gather {
     const struct satin_scene *scene;
@@ -34,9 +42,10 @@ struct gather {
     const struct photon_maps *maps;
     const struct guide_clusters *clusters;      // of the maps; may be NULL
     const struct guide_visibility *visibility;  // of lights; NULL: all is seen
-    bool wide_lights;          // lights so large that light sampling alone is noisy
-    float lookup_max;          // photon lookups of a larger radius are not reliable
-    struct gather_level next;  // its `gather` is NULL but in first pass `recursive`
+    bool wide_lights;                          // lights so large that light sampling alone is noisy
+    const struct gather_direct_table *direct;  // NULL: there is none
+    float lookup_max;                          // photon lookups of a larger radius are not reliable
+    struct gather_level next;                  // its `gather` is NULL but in first pass `recursive`
 };
 
 // The constants of a render without visibility of lights and without records. `maps` may be NULL.
@@ -102,6 +111,15 @@ struct gather_first {
     vec3 ng;  // its geometric normal, on either side; 0 if it is ideally specular, or none
 };
 #define GATHER_NOTHING ((struct gather_first){.r = INFINITY})
+
+// ---- Direct light at entries (gather_direct_table.c) --------------------------------------------
+
+// Samples the lights at all entries of g->maps, on all threads of the pool. SATIN_ERROR_MEMORY or
+// SATIN_CANCELLED; then *out is untouched.
+satin_status gather_direct_table_build(const struct gather *g, struct parallel *pool,
+                                       struct gather_direct_table *out);
+size_t gather_direct_table_bytes(const struct gather_direct_table *table);
+void gather_direct_table_free(struct gather_direct_table *table);  // a zeroed one is allowed
 
 // ---- Paths (gather_path.c) ---------------------------------------------------------------------
 

@@ -101,6 +101,27 @@ static rgb diffuse_radiance(rgb albedo, rgb E) {
     return rgb_scale(rgb_mul(albedo, E), 1.0f / PI_F);
 }
 
+// Direct light at a vertex by one light sample.
+static rgb sample_direct(const struct path *path, const struct path_vertex *v,
+                         struct gather_mis mis) {
+    const struct gather_lights one = {1, path->sampler.index};
+    return gather_direct(v->g, v->y, mis, one, path->sampler, NULL);
+}
+
+// Direct light that the glossy lobes alone reflect: sampled as often as they are followed.
+static rgb sample_glossy_direct(struct path *path, const struct path_vertex *v,
+                                struct path_branch branch) {
+    const struct gather_mis mis = {2 + v->bounce, {{branch.lobes, 1.0f}}};
+    if (!branch.lobes || !(sampler_1d(&path->sampler) < branch.probability)) return rgb_grey(0.0f);
+    return rgb_scale(sample_direct(path, v, mis), 1.0f / branch.probability);
+}
+
+// Whether an estimate knows the direct light of the diffuse lobe: it holds light through as many
+// panes as the first bounce allows.
+static bool knows_direct(const struct path_vertex *v, struct gather_estimate estimate) {
+    return estimate.reliable && estimate.direct && (v->bounce == 0 || v->g->options->max_depth < 0);
+}
+
 // Reads what is known of the light at a vertex, and decides by which lobes the path goes on.
 static void arrive(struct path *path, struct path_vertex *v, struct gather_estimate estimate) {
     const struct gather *g = v->g;
@@ -117,14 +138,19 @@ static void arrive(struct path *path, struct path_vertex *v, struct gather_estim
     if (glossy) by_glossy = (struct path_branch){glossy, glossy_probability(albedo, v->bounce)};
     if (v->bounce > 0) limit_splits(&by_diffuse, &by_glossy);
 
-    // Direct light. A reliable estimate has it already, but for option gather_shadow.
-    const bool shadow = !estimate.reliable || g->options->gather_shadow;
-    const struct gather_mis mis = {2 + v->bounce,
-                                   {{shadow ? diffuse : 0u, by_diffuse.probability},
-                                    {glossy, by_glossy.probability},
-                                    {known, 0.0f}}};
-    v->L = rgb_add(v->L, gather_direct(g, y, mis, (struct gather_lights){1, path->sampler.index},
-                                       path->sampler, NULL));
+    // Direct light. Of the diffuse lobe it may be known, or be in a reliable estimate of all
+    // photons.
+    if (knows_direct(v, estimate)) {
+        estimate.E = rgb_add(estimate.E, *estimate.direct);
+        v->L = rgb_add(v->L, sample_glossy_direct(path, v, by_glossy));
+    } else {
+        const bool shadow = !estimate.reliable || g->options->gather_shadow;
+        const struct gather_mis mis = {2 + v->bounce,
+                                       {{shadow ? diffuse : 0u, by_diffuse.probability},
+                                        {glossy, by_glossy.probability},
+                                        {known, 0.0f}}};
+        v->L = rgb_add(v->L, sample_direct(path, v, mis));
+    }
     path->sampler.dimension += 2;
 
     // Caustics. Photons do not know how many segments they have passed: at least two.
@@ -164,7 +190,7 @@ static bool draw_direction(struct path *path, const struct path_vertex *v,
 
 // Which estimate is to be read at the end z of a segment from a vertex of g, and whose records.
 static struct gather_estimate estimate_at(const struct gather *g, struct path_vertex *z) {
-    struct gather_estimate none = {rgb_grey(0.0f), false};
+    struct gather_estimate none = {rgb_grey(0.0f), false, NULL};
     if (g->next.gather) {
         // To the gather of the next bounce z is what the vertex before it is to g.
         z->g = g->next.gather;
@@ -173,9 +199,12 @@ static struct gather_estimate estimate_at(const struct gather *g, struct path_ve
     }
     if (has_records(g)) return none;
     float radius;
-    const rgb E = photon_irradiance(g->maps, g->scene, z->y->interaction.p, z->y->ng, &radius);
+    int entry;
+    const rgb E =
+        photon_irradiance(g->maps, g->scene, z->y->interaction.p, z->y->ng, &radius, &entry);
     return (struct gather_estimate){within_depth(g, z->bounce, 2) ? E : none.E,
-                                    !(g->options->gather_bounce && radius > g->lookup_max)};
+                                    !(g->options->gather_bounce && radius > g->lookup_max),
+                                    gather_direct_known(g, entry)};
 }
 
 // Follows a branch from v by one segment. True if it leads to a further surface, which becomes the

@@ -10,7 +10,13 @@
 struct gather_estimate {
     rgb E;
     bool reliable;
+    const rgb *direct;  // irradiance of direct light that E does not hold; NULL: it is not known
 };
+// Direct light at the entry that answered a lookup, as photon_irradiance_many returns it.
+static inline const rgb *gather_direct_known(const struct gather *g, int entry) {
+    const struct gather_direct_table *t = g->direct;
+    return t && entry >= 0 && t->even[entry] ? &t->E[entry] : NULL;
+}
 
 // Radiance [W m^-2 sr^-1] that y, the hit of a gather ray, reflects towards its viewer by its
 // smooth lobes; what it emits is not in it. `near`, which may be NULL, guides the first bounce.

@@ -21,7 +21,7 @@ size_t gather_guide_rays(const struct gather *g, const struct gather_layout *lay
     if (!g->clusters) return 0;
     float radius;
     out->near.expected =
-        rgb_luminance(photon_irradiance(g->maps, g->scene, site->p, site->ng, &radius));
+        rgb_luminance(photon_irradiance(g->maps, g->scene, site->p, site->ng, &radius, NULL));
     to->count = guide_cones_from(g->clusters, g->scene, &eye, to->cone, &out->near.expected);
     if (to->count == 0) return 0;
     guide_rays_allocate(to, out->near.expected, stratified);

@@ -66,10 +66,12 @@ static void look_up_hits(const struct gather *g, struct gather_hits *hits, size_
         const struct gather_point *y = &hits->hit[i].point;
         hits->p[i] = y->interaction.p;
         hits->n[i] = y->ng;
+        hits->entry[i] = -1;
         if (!precomputed) hits->E[i] = density_irradiance(g, y, &hits->radius[i]);
     }
     if (precomputed)
-        photon_irradiance_many(g->maps, g->scene, count, hits->p, hits->n, hits->E, hits->radius);
+        photon_irradiance_many(g->maps, g->scene, count, hits->p, hits->n, hits->E, hits->radius,
+                               hits->entry);
 }
 
 // Rays that are traced together.
@@ -89,7 +91,8 @@ static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t 
         const float radius = hits->radius[i];
         const bool close = hit->point.interaction.t < radius;
         const bool follow = g->options->gather_bounce && (close || radius > g->lookup_max);
-        const struct gather_estimate estimate = {hits->E[i], !follow};
+        const struct gather_estimate estimate = {hits->E[i], !follow,
+                                                 gather_direct_known(g, hits->entry[i])};
         const struct gather_near *near = close ? bundle->near : NULL;
         hit->ray->L = rgb_mul(hit->T, gather_bounces(g, &hit->point, estimate, near, hit->sampler));
     }
@@ -122,7 +125,7 @@ static bool trace_ray(const struct gather *g, struct gather_ray *ray, uint32_t s
         ray->L =
             rgb_mul(hit->T, gather_direct(g, &hit->point, lights_alone, one, hit->sampler, NULL));
     } else if (found && first_pass == SATIN_FIRST_RECURSIVE) {
-        const struct gather_estimate none = {rgb_grey(0.0f), false};
+        const struct gather_estimate none = {rgb_grey(0.0f), false, NULL};
         ray->L = rgb_mul(hit->T, gather_bounces(g, &hit->point, none, NULL, hit->sampler));
     } else {
         return found;

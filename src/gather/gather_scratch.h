@@ -22,6 +22,7 @@ struct gather_hits {
     vec3 p[GATHER_CHUNK], n[GATHER_CHUNK];  // where the estimate is looked up
     rgb E[GATHER_CHUNK];
     float radius[GATHER_CHUNK];
+    int entry[GATHER_CHUNK];
 };
 
 // Memory that a worker uses again and again. Nothing in it is read that the same call has not put

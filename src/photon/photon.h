@@ -34,10 +34,20 @@ void photon_maps_free(struct photon_maps *maps);  // NULL is allowed
 // were built. Black and radius INFINITY where no photon is near that faces as n does and is not
 // behind a wall.
 rgb photon_irradiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
-                      vec3 n, float *radius);
-// photon_irradiance of many points; arrays of `count`.
+                      vec3 n, float *radius, int *entry);
+// For many points; arrays of `count`. `entry` gets the number of the precomputed entry that
+// answered for the point's surroundings, or -1 if there is none as near as photons stand around it.
 void photon_irradiance_many(const struct photon_maps *maps, const struct satin_scene *scene,
-                            size_t count, const vec3 *p, const vec3 *n, rgb *E, float *radius);
+                            size_t count, const vec3 *p, const vec3 *n, rgb *E, float *radius,
+                            int *entry);
+// Where irradiance was precomputed: the number of entries, and the place and unit normal of one.
+size_t photon_irradiance_count(const struct photon_maps *maps);
+void photon_irradiance_position(const struct photon_maps *maps, size_t entry, vec3 *p, vec3 *n);
+rgb photon_irradiance_at(const struct photon_maps *maps, size_t entry);
+// The PHOTON_AROUND entries nearest to one, itself among them; those that there are not are -1.
+enum { PHOTON_AROUND = 9 };
+void photon_irradiance_around(const struct photon_maps *maps, size_t entry,
+                              int around[PHOTON_AROUND]);
 
 // Irradiance by caustic photons, from the caustic map.
 rgb photon_caustic_irradiance(const struct photon_maps *maps, const struct satin_scene *scene,

@@ -306,8 +306,15 @@ rgb photon_irradiance_value(const struct photon_irradiance *r, int entry, vec3 p
     return rgb_scale(r->E[entry], left / far);
 }
 
+// Whether light comes down between p and the row: p is as near as photons stand around the row.
+static bool stands_within(const struct photon_irradiance *r, int row, vec3 p) {
+    const float d2 = v3_dist2(p, photon_entry_position(&r->position, (size_t)row));
+    return d2 <= r->influence2 * sqrf(r->radius[row]);
+}
+
 static void look_up_photons(const struct photon_irradiance *r, const struct satin_scene *scene,
-                            size_t count, const vec3 *p, const vec3 *n, rgb *E, float *radius) {
+                            size_t count, const vec3 *p, const vec3 *n, rgb *E, float *radius,
+                            int *entry) {
     float query[6 * BATCH], distance2[BATCH];
     int row[BATCH];
     for (size_t at = 0; at < count; at += BATCH) {
@@ -327,19 +334,42 @@ static void look_up_photons(const struct photon_irradiance *r, const struct sati
                     is_far(r, row[i], p[j]) ? -1 : search_facing(r, query + 6 * i, n[j], scene);
             E[j] = photon_irradiance_value(r, row[i], p[j]);
             radius[j] = row[i] >= 0 ? r->radius[row[i]] : INFINITY;
+            if (entry) entry[j] = row[i] >= 0 && stands_within(r, row[i], p[j]) ? row[i] : -1;
         }
     }
 }
 
 void photon_irradiance_many(const struct photon_maps *maps, const struct satin_scene *scene,
-                            size_t count, const vec3 *p, const vec3 *n, rgb *E, float *radius) {
-    look_up_photons(&maps->irradiance, scene, count, p, n, E, radius);
+                            size_t count, const vec3 *p, const vec3 *n, rgb *E, float *radius,
+                            int *entry) {
+    look_up_photons(&maps->irradiance, scene, count, p, n, E, radius, entry);
+}
+
+size_t photon_irradiance_count(const struct photon_maps *maps) { return maps->irradiance.count; }
+
+void photon_irradiance_position(const struct photon_maps *maps, size_t entry, vec3 *p, vec3 *n) {
+    const struct photon_positions *at = &maps->irradiance.position;
+    const float *row = at->row + 6 * entry, s = 1.0f / at->scale;
+    *p = photon_entry_position(at, entry);
+    *n = v3_unit(v3(s * row[3], s * row[4], s * row[5]));
+}
+
+rgb photon_irradiance_at(const struct photon_maps *maps, size_t entry) {
+    return maps->irradiance.E[entry];
+}
+
+void photon_irradiance_around(const struct photon_maps *maps, size_t entry,
+                              int around[PHOTON_AROUND]) {
+    const struct photon_irradiance *r = &maps->irradiance;
+    float distance2[PHOTON_AROUND];
+    photon_index_nearest(r->index, r->position.row + 6 * entry, 1, PHOTON_AROUND, r->far2, around,
+                         distance2);
 }
 
 rgb photon_irradiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
-                      vec3 n, float *radius) {
+                      vec3 n, float *radius, int *entry) {
     rgb E;
-    look_up_photons(&maps->irradiance, scene, 1, &p, &n, &E, radius);
+    look_up_photons(&maps->irradiance, scene, 1, &p, &n, &E, radius, entry);
     return E;
 }
 
@@ -347,6 +377,6 @@ rgb photon_caustic_irradiance(const struct photon_maps *maps, const struct satin
                               vec3 p, vec3 n) {
     rgb E;
     float radius;
-    look_up_photons(&maps->caustic_irradiance, scene, 1, &p, &n, &E, &radius);
+    look_up_photons(&maps->caustic_irradiance, scene, 1, &p, &n, &E, &radius, NULL);
     return E;
 }

@@ -82,7 +82,8 @@ const struct option options_table[] = {
     {"gather-bounce", OPTION_BOOL, AT(gather_bounce), false, "off|on",
      "Gather rays that hit nearer than the photon lookup radius go on for one more bounce."},
     {"gather-shadow", OPTION_BOOL, AT(gather_shadow), false, "off|on",
-     "Direct light at gather hits by a shadow ray; off: by photons."},
+     "Direct light at gather hits by light samples, there or where photons' irradiance is "
+     "precomputed; off: by photons."},
     {"gather-guide", OPTION_BOOL, AT(gather_guide), false, "off|on",
      "Hemispheres get more rays, up to half as many again, towards clusters of photons, where "
      "light "

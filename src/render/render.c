@@ -40,6 +40,7 @@ static void render_free(struct render *r) {
     render_levels_free(r);
     shade_tables_free(&r->second_pass.tables);
     photon_maps_free(r->first_pass.maps);
+    gather_direct_table_free(&r->first_pass.direct);
     guide_visibility_free(r->first_pass.visibility);
     film_denoiser_free(r->denoiser);
     parallel_free(r->pool);
@@ -83,7 +84,7 @@ static satin_status first_pass(struct render *r) {
         status = render_photons(r);
     }
     r->second_pass.gather = render_gather(r);
-    return status;
+    return status == SATIN_OK ? render_direct(r) : status;
 }
 
 // Harmonics of the scene's glossy BRDFs. If there is no time for them all are sampled instead.

@@ -125,6 +125,21 @@ satin_status render_photons(struct render *r) {
     return build_again(r, before, fmin(fit, 1.0), more);
 }
 
+satin_status render_direct(struct render *r) {
+    const satin_options *o = &r->options;
+    const bool read = o->integrator == SATIN_TWO_PASS && o->first_pass == SATIN_FIRST_PRECOMPUTED &&
+                      o->gather_shadow;
+    if (!read || !r->first_pass.maps) return SATIN_OK;
+    const double start = stats_wall();
+    satin_status status =
+        gather_direct_table_build(&r->second_pass.gather, r->pool, &r->first_pass.direct);
+    if (status != SATIN_OK) return status;
+    r->second_pass.gather.direct = &r->first_pass.direct;
+    stats_set(&r->stats, "photons.direct_s", stats_wall() - start);
+    stats_add(&r->stats, "photons.bytes", (double)gather_direct_table_bytes(&r->first_pass.direct));
+    return SATIN_OK;
+}
+
 struct gather render_gather(const struct render *r) {
     struct gather g = gather_make(&r->scene, &r->options, r->first_pass.maps);
     g.visibility = r->first_pass.visibility;

@@ -53,6 +53,7 @@ struct render_first_pass {
     bool chosen_by_user;  // no more than these are made
     double made;          // fraction of `wanted` that was made; 0: none were wanted
     struct photon_maps *maps;
+    struct gather_direct_table direct;    // at the entries of the maps
     struct guide_visibility *visibility;  // of the lights; NULL: every light is sampled everywhere
 };
 
@@ -122,6 +123,8 @@ bool render_progress_report(struct render *r, double done);
 satin_status render_photons(struct render *r);
 // The constants of gathering. Photons that there was no time for are not missed.
 struct gather render_gather(const struct render *r);
+// Samples direct light where irradiance was precomputed, if gather rays read that.
+satin_status render_direct(struct render *r);
 
 // ---- render_levels.c
 // Records of deeper bounces, if the first pass is `recursive`; gather then reads them.

@@ -70,7 +70,7 @@ static void bounces_end_with_the_longest_path(void **state) {
     struct sampler sampler = {0, 5, 0};
     const struct ray ray = {v3(0.1f, 0, 0), 0.0f, v3(1, 0, 0), INFINITY};
     assert_true(gather_follow(&g, ray, &sampler, &first, &y));
-    const struct gather_estimate none = {rgb_grey(0.0f), false};
+    const struct gather_estimate none = {rgb_grey(0.0f), false, NULL};
     // Three segments: the lamp lights y, and no bounce is kept; four: one is.
     const float expected[] = {ALBEDO, ALBEDO * (1.0f + ALBEDO)};
     for (int i = 0; i < 2; i++) {
@@ -86,11 +86,15 @@ static void bounces_end_with_the_longest_path(void **state) {
     // the mean's.
     assert_true(fabs(sum - 1.0) < 5.0 * 0.354 / sqrt(PATHS));
     // A reliable estimate is read instead: E / pi times the albedo, without the direct light in it.
-    const struct gather_estimate estimate = {rgb_grey(2.0f * PI_F), true};
+    struct gather_estimate estimate = {rgb_grey(2.0f * PI_F), true, NULL};
     options.gather_shadow = false;
     assert_true(fabsf(gather_bounces(&g, &y, estimate, NULL, sampler).g - 2.0f * ALBEDO) < 1e-6f);
     options.gather_shadow = true;
     assert_true(fabsf(gather_bounces(&g, &y, estimate, NULL, sampler).g - 3.0f * ALBEDO) < 1e-4f);
+    // Known direct light stands for that of the lamp.
+    const rgb direct = rgb_grey(4.0f * PI_F);
+    estimate.direct = &direct;
+    assert_true(fabsf(gather_bounces(&g, &y, estimate, NULL, sampler).g - 6.0f * ALBEDO) < 1e-5f);
     test_scene_free(&t);
 }
 
