@@ -65,7 +65,8 @@ static rgb grid_value(const struct brdf_grid *g, size_t i) {
     return g->channels == 1 ? rgb_grey(v[0]) : rgb_make(v[0], v[1], v[2]);
 }
 
-// Over all corners of the cell in `dimensions` places, of which the last varies fastest.
+// The mean over all corners of the cell in `dimensions` coordinates, of which the last varies
+// fastest.
 static rgb blend(const struct brdf_grid *g, const struct grid_position *at, int dimensions) {
     rgb sum = rgb_grey(0.0f);
     for (int corner = 0; corner < 1 << dimensions; corner++) {
@@ -113,7 +114,7 @@ static rgb value_one_way(const struct brdf_grid *g, vec3 wo, vec3 wi) {
     return blend(g, at, 4);
 }
 
-// Reciprocal whatever the data: the mean of both ways.
+// Reciprocal whatever the data: the mean of both directions.
 static rgb value(const struct measured *m, vec3 wo, vec3 wi) {
     if (m->grid.kind == BRDF_GRID_HALF) return value_half(&m->grid, wo, wi);
     return rgb_scale(rgb_add(value_one_way(&m->grid, wo, wi), value_one_way(&m->grid, wi, wo)),

@@ -13,7 +13,7 @@ enum {
     PROJECT_AZIMUTHS = 40  // over 180 degrees
 };
 
-// A rule over [0, 1] for the angle from the mirror direction, in units of the way to the horizon.
+// A rule over [0, 1] for the angle from the mirror direction, in units of the angle to the horizon.
 struct project_rule {
     float x[PROJECT_PANELS * PROJECT_NODES], weight[PROJECT_PANELS * PROJECT_NODES];
 };

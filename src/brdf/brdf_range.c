@@ -67,7 +67,7 @@ void brdf_range_free(struct brdf_range *range) {
     free(range);
 }
 
-// The rung below b's roughness and the way to the next; false if b lies outside of all.
+// The rung below b's roughness and the distance to the next; false if b lies outside of all.
 static bool find_rung(const struct brdf_range *r, const struct brdf *b, int *rung, float *rest) {
     *rung = 0;
     *rest = 0.0f;

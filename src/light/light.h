@@ -41,7 +41,7 @@ struct light {
     const struct texture *texture;  // area: radiance over uv; spot, projector: their slide; or NULL
     uint32_t shape;                 // area, beam
     struct mat4 to_world, to_local;
-    vec3 position, direction;    // point, spot; spot and directional: the way the light goes
+    vec3 position, direction;    // point, spot; spot and directional: where the light goes
     float cos_cutoff, cos_beam;  // spot
     float tan_x, tan_y;          // projector: half extents of its slide at unit distance
     const struct image *image;   // envmap: latitude-longitude, 3 channels

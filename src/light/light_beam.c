@@ -54,7 +54,7 @@ satin_status light_beam_prepare(struct satin_scene *scene, struct light *light) 
     struct light_point point = light_area_point(scene, light, 0.5f, 0.5f);
     light->position = point.p;
     light->direction = point.n;
-    light->power = light->strength;  // what the area sends per steradian goes one way
+    light->power = light->strength;  // what the area sends per steradian goes in one direction
     light->strength = light->power / shape->area;
     return SATIN_OK;
 }

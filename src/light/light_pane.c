@@ -108,7 +108,7 @@ float light_chain_density(const struct light_chain *chain, float dist) {
 
 // ---- Shadow rays --------------------------------------------------------------------------------
 
-// A ray on its way through panes.
+// A shadow ray that passes through panes.
 struct march {
     const struct satin_scene *scene;
     int panes;  // surfaces that it may pass
@@ -122,20 +122,20 @@ static bool go_through(struct march *m, const struct interaction *s, vec3 *d) {
     const vec3 wo = v3_neg(*d);
     struct brdf b;
     struct frame frame;
-    struct brdf_sample way[2];
+    struct brdf_sample lobe[2];
     if (m->chain.crossed >= m->panes || m->chain.crossed >= PANES_MAX) return false;
     if (!may_be_pane(m->scene, s, wo) || !scene_brdf(m->scene, s, wo, &b, &frame)) return false;
     if (!(brdf_lobes(&b) & BRDF_DELTA)) return false;
     const vec3 wo_l = frame_to_local(&frame, wo);
-    const int ways = brdf_delta(&b, wo_l, BRDF_RADIANCE, way);
-    for (int i = 0; i < ways; i++) {
-        if (!(way[i].wi.z * wo_l.z < 0.0f)) continue;
+    const int lobes = brdf_delta(&b, wo_l, BRDF_RADIANCE, lobe);
+    for (int i = 0; i < lobes; i++) {
+        if (!(lobe[i].wi.z * wo_l.z < 0.0f)) continue;
         light_chain_advance(&m->chain, s->t);
-        pass_pane(&m->chain, wo_l, &way[i]);
-        m->T = rgb_mul(m->T, way[i].weight);
+        pass_pane(&m->chain, wo_l, &lobe[i]);
+        m->T = rgb_mul(m->T, lobe[i].weight);
         m->p = s->p;
         m->ng = s->ng;
-        *d = frame_to_world(&frame, way[i].wi);
+        *d = frame_to_world(&frame, lobe[i].wi);
         return !rgb_black(m->T);
     }
     return false;
@@ -147,7 +147,7 @@ static struct march march_begin(const struct satin_scene *scene, int panes, vec3
 }
 
 // Goes on from the hit s of a ray along d to the first surface that is no pane's, in *s, or to
-// where there is none: *hit. False: it stops on the way.
+// where there is none: *hit. False: it stops before that.
 static bool march_on(struct march *m, struct interaction *s, vec3 *d, bool *hit) {
     for (*hit = true; *hit;) {
         if (s->light >= 0) break;
@@ -158,8 +158,8 @@ static bool march_on(struct march *m, struct interaction *s, vec3 *d, bool *hit)
     return is_parallel(m->chain.d, *d);
 }
 
-// Towards a sample's point, behind the pane that s is of. *miss gets how far the end of the way
-// lies beside it; the way may end on another point of the same light. False: it stops before.
+// Towards a sample's point, behind the pane that s is of. *miss gets how far the end of the path
+// lies beside it; the path may end on another point of the same light. False: it stops before.
 static bool march_to(struct march *m, struct interaction s, vec3 d, const struct light_sample *to,
                      vec3 *miss) {
     while (go_through(m, &s, &d)) {

@@ -92,7 +92,7 @@ bool sky_image(struct arena *arena, const struct sky *sky, struct image *out) {
 // ---- The sun ------------------------------------------------------------------------------------
 
 struct air {
-    double mass;         // of air on the way, 1 from the zenith
+    double mass;         // of the air that light passes, 1 from the zenith
     double haze, ozone;  // Angstrom's coefficient; cm at normal pressure
 };
 

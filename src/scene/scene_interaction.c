@@ -165,9 +165,9 @@ vec3 scene_off_edges(const struct satin_scene *scene, const struct interaction *
     surface_triangle_get(&shape->mesh, s->prim, &t);
     double b[3] = {1.0 - (double)s->bary.x - (double)s->bary.y, s->bary.x, s->bary.y};
     if (!pull_inside(&t, margin, b)) return s->p;
-    vec3 way = v3_sub(blend_corners(&t, b), s->p);
-    float length = v3_len(way);
-    return length > margin ? v3_mad(s->p, margin / length, way) : v3_add(s->p, way);
+    vec3 offset = v3_sub(blend_corners(&t, b), s->p);
+    float length = v3_len(offset);
+    return length > margin ? v3_mad(s->p, margin / length, offset) : v3_add(s->p, offset);
 }
 
 static vec3 leave_surface(vec3 p, vec3 ng, vec3 d, float offset) {
