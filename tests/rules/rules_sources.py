@@ -66,17 +66,25 @@ def check_includes(path, stage, lines):
             yield at, f"{header} is private to {folder}; only {folder}/{folder}.h is for others"
 
 
-def check_functions(lines):
-    """Functions as clang-format writes them: the body opens and closes in column 1."""
-    start = None
+def function_lengths(lines):
+    """Line and length of functions as clang-format writes them: the body opens on a line of its own
+    or its signature's last, and closes in column 1, that of a class's member in column 5."""
+    start = close = None
     for at, line in enumerate(lines, 1):
-        if start is None and re.match(r"[A-Za-z].*\)\s*\{$|\s{4,}.*\)\s*\{$", line) \
+        before = lines[at - 2].strip() if at > 1 else ""
+        if start is None and re.match(r"[A-Za-z].*\)\s*\{$|\s{4,}.*\)\s*(const\s*)?\{$", line) \
                 and not re.match(r"\s*(if|for|while|switch|else|\}|do)\b", line):
-            start = at
-        elif start is not None and line == "}":
-            if at - start - 1 > MAX_FUNCTION:
-                yield start, f"function of {at - start - 1} lines"
+            member = line.startswith("    ") and (not before or before[-1] in ";}:{>")
+            start, close = at, "    }" if member else "}"
+        elif start is not None and line == close:
+            yield start, at - start - 1
             start = None
+
+
+def check_functions(lines):
+    for start, length in function_lengths(lines):
+        if length > MAX_FUNCTION:
+            yield start, f"function of {length} lines"
 
 
 def check_text(path, lines):
