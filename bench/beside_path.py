@@ -6,42 +6,26 @@
       [--scenes SCENE ...]
 
 DIR keeps what was rendered; without --scenes, all of data/scenes; --rooms adds random rooms of
-tests/sweep. Renders alternate, so that a busy machine is busy for both. Path tracing is unbiased:
-of an image A and two path-traced ones of other seeds, B and C, here of four times the limit, the
-mean of (A - B) (A - C) is the squared error of A, whatever the noise of B and C. It is divided by
-the square of their mean plus that of .05 of the image's mean. Pixels are left out in which B and C
-differ by more than their sum, as one of them has a firefly there, and those that see emitters; that
-is in favour of path, and so is what path leaves out of caustics.
+tests/sweep. Renders alternate, so that a busy machine is busy for both. Errors are found by two
+path-traced images of other seeds and of four times the limit (unbiased.py), relative to the square
+of their mean plus that of .05 of the image's mean. Pixels are left out in which these two differ by
+more than their sum, as one of them has a firefly there, and those that see emitters; that is in
+favour of path, and so is what path leaves out of caustics.
 """
 import pathlib
 import subprocess
 import sys
 
 import numpy as np
-import OpenEXR
 
 import runs
+import unbiased
 
 sys.path.insert(0, str(pathlib.Path(runs.ROOT) / "tests" / "sweep"))
 from rooms import write_rooms  # pylint: disable=wrong-import-position
 
 FLOOR = 0.05
 REFERENCE_TIMES = 4
-
-
-def pixels(path):
-    channels = OpenEXR.File(str(path)).channels()
-    image = np.asarray(channels["RGB"].pixels, dtype=np.float64)[..., :3]
-    emission = np.asarray(channels["emission"].pixels, dtype=np.float64)[..., :3]
-    return image, emission.max(axis=-1) > 0
-
-
-def squared_error(image, b, c, mask):
-    """Relative squared error of an image by two unbiased ones."""
-    mean = 0.5 * (b + c)
-    floor = FLOOR * mean.mean()
-    quotient = (image - b) * (image - c) / (mean ** 2 + floor ** 2)
-    return quotient[~mask].mean()
 
 
 def unsure(b, c):
@@ -59,12 +43,14 @@ def errors(options, scene, limit, seed):
         image, _ = runs.render(options, scene, f"{scene.stem}-{way}-{number}", "--integrator", way,
                                "--width", str(options.size), "--height", str(options.size),
                                "--time", str(times * limit), "--seed", number)
-        images.append(pixels(image))
+        images.append(unbiased.channels(image))
     two, path, b, c = (image for image, _ in images)
     mask = np.any([m for _, m in images], axis=0) | unsure(b, c)
     if mask.all():
         return None
-    return squared_error(two, b, c, mask), squared_error(path, b, c, mask)
+    mean = 0.5 * (b + c)
+    over = mean ** 2 + (FLOOR * mean.mean()) ** 2
+    return [unbiased.relative(image, b, c, over)[~mask].mean() for image in (two, path)]
 
 
 def scenes(options):

@@ -7,7 +7,9 @@
 ROOMS is a folder of folders, each with a scene.xml and reference-WxH.exr of the same film, as
 another renderer made it; those without are left out, saying so. Renders alternate, so that a busy
 machine is busy for all. Images and statistics are left in DIR. relMSE over all pixels, means
-relative to the reference's.
+relative to the reference's. The references are path-traced and so have noise of their own, which
+relMSE counts; `error` does not: it is found by the reference and a further path-traced image, of
+the longest limit (unbiased.py).
 """
 import glob
 import json
@@ -17,6 +19,7 @@ import statistics
 import sys
 
 import runs
+import unbiased
 
 WAYS = [("two passes", []), ("path", ["--integrator", "path"])]
 
@@ -38,6 +41,12 @@ def error(options, image, reference):
     return found["relmse"], found["mean_ratio"] - 1
 
 
+def exact_error(image, reference, traced):
+    """Without the reference's noise; relative as `satin compare` has it."""
+    (found, _), (b, _), (c, _) = (unbiased.channels(x) for x in (image, reference, traced))
+    return unbiased.relative(found, b, c, b ** 2 + 0.01).mean()
+
+
 def main():
     p = runs.parser(__doc__)
     p.add_argument("--limits", type=float, nargs="+", default=[10, 30], help="wall seconds")
@@ -48,22 +57,27 @@ def main():
         sys.exit("skipped: give a folder of rooms, and one for images\n\n" + __doc__)
     folder = sys.argv.pop(1)
     options = p.parse_args()
-    print("| room | seconds | way | relMSE | mean | samples per pixel |\n|---|---|---|---|---|---|")
+    print("| room | seconds | way | error | relMSE | mean | samples per pixel |\n"
+          "|---|---|---|---|---|---|---|")
     for name, scene, reference, (width, height) in rooms(folder):
+        size = ["--width", width, "--height", height]
+        traced, _ = runs.render(options, scene, f"{name}-traced", *size, "--integrator", "path",
+                                "--time", str(max(options.limits)), "--seed", "1000")
         for limit in options.limits:
             results = {}
             for seed in range(options.seeds):
                 for denoise in [[], ["--denoise"]] if options.denoise else [[]]:
                     for way, arguments in WAYS:
                         image, stats = runs.render(
-                            options, scene, f"{name}-{way[:4]}", "--width", width, "--height",
-                            height, "--time", str(limit), "--seed", str(seed), *arguments, *denoise)
-                        row = (*error(options, image, reference), stats["image.spp"])
+                            options, scene, f"{name}-{way[:4]}", *size, "--time", str(limit),
+                            "--seed", str(seed), *arguments, *denoise)
+                        row = (exact_error(image, reference, traced),
+                               *error(options, image, reference), stats["image.spp"])
                         results.setdefault(" ".join([way, *denoise]), []).append(row)
             for way, rows in results.items():
-                relmse, mean, spp = (statistics.mean(column) for column in zip(*rows))
-                print(f"| {name} | {limit:g} | {way} | {relmse:.4f} | {100 * mean:+.2f} % | "
-                      f"{spp:.1f} |", flush=True)
+                exact, relmse, mean, spp = (statistics.mean(column) for column in zip(*rows))
+                print(f"| {name} | {limit:g} | {way} | {exact:.4f} | {relmse:.4f} | "
+                      f"{100 * mean:+.2f} % | {spp:.1f} |", flush=True)
 
 
 if __name__ == "__main__":
