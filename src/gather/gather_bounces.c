@@ -140,8 +140,9 @@ static void arrive(struct path *path, struct path_vertex *v, struct gather_estim
 
     // Direct light. Of the diffuse lobe it may be known, or be in a reliable estimate of all
     // photons.
+    rgb E = estimate.E;  // of what the diffuse lobe reflects
     if (knows_direct(v, estimate)) {
-        estimate.E = rgb_add(estimate.E, *estimate.direct);
+        E = rgb_add(E, *estimate.direct);
         v->L = rgb_add(v->L, sample_glossy_direct(path, v, by_glossy));
     } else {
         const bool shadow = !estimate.reliable || g->options->gather_shadow;
@@ -161,7 +162,7 @@ static void arrive(struct path *path, struct path_vertex *v, struct gather_estim
     if (diffuse) {
         const rgb reflectance = brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE);
         if (estimate.reliable)
-            v->L = rgb_add(v->L, diffuse_radiance(reflectance, estimate.E));
+            v->L = rgb_add(v->L, diffuse_radiance(reflectance, E));
         else if (caustics)
             v->L = rgb_add(
                 v->L, diffuse_radiance(reflectance,

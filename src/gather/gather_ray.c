@@ -81,7 +81,7 @@ struct bundle {
     uint32_t seed;
 };
 
-// First passes `photons` and `photons-precomputed`: what the hits reflect.
+// First passes `photons` and `precomputed`: what the hits reflect.
 static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t count,
                        const struct bundle *bundle) {
     look_up_hits(g, hits, count);

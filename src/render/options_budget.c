@@ -6,8 +6,8 @@
 // stay: at production and 200x200, one seed, eight times the photons lower the relative squared
 // error by 14 % (cornell-glossy) and 4 % (indirect-room) for 6 and 7 times the memory, .7 and 2.1
 // GB; four times the rays of records by 17 and 16 % in 2.5 and 2.2 times the time, four times the
-// samples by 19 and 5 % in 1.7 times. What pays
-// best beyond the end, more rays, was not added to the curve yet. The time and the error of the presets are in docs/experiments.md.
+// samples by 19 and 5 % in 1.7 times. More rays, which pay best beyond the end, are not part of
+// the curve yet. The time and the error of the presets are in docs/experiments.md.
 #include "render/options_budget.h"
 
 #include <math.h>
