@@ -81,7 +81,7 @@ void sample_cuts_build(const float *cdf, size_t n, size_t cuts, uint32_t *cut) {
 }
 
 size_t sample_cdf_cut(const float *cdf, const uint32_t *cut, size_t cuts, float u, float *u_rest) {
-    const size_t range = (size_t)(u * (float)cuts);
+    const size_t at = (size_t)(u * (float)cuts), range = at < cuts ? at : cuts - 1;
     const size_t i = find_item(cdf, cut[range], cut[range + 1] - cut[range] + 1, u);
     *u_rest = rest_within(cdf, i, u);
     return i;

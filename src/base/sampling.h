@@ -55,7 +55,7 @@ double sample_cdf_build(const float *weight, size_t n, float *cdf);
 // stretched back to [0, 1).
 size_t sample_cdf(const float *cdf, size_t n, float u, float *u_rest);
 // Long distributions are searched in few steps by the items that are drawn at i / cuts, cut[cuts +
-// 1] of them; cuts is a power of two. sample_cdf_cut returns what sample_cdf does, for u in [0, 1).
+// 1] of them; cuts is a power of two. sample_cdf_cut returns what sample_cdf does.
 void sample_cuts_build(const float *cdf, size_t n, size_t cuts, uint32_t *cut);
 size_t sample_cdf_cut(const float *cdf, const uint32_t *cut, size_t cuts, float u, float *u_rest);
 

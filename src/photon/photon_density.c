@@ -8,7 +8,7 @@
 
 #define FACING 0.5f  // as in photon_area.c
 #define LAYER 0.35f
-#define RATIO_MOST 2.0f  // of what smooth light is to rough
+#define RATIO_MOST 2.0f  // of smoothed light to what is estimated at the point
 
 // Whether the photon is one of the disc's surface: its facing and its distance from the plane.
 static bool belongs(const struct photon_disc *disc, int i) {
@@ -196,10 +196,10 @@ static bool precomputed(const struct photon_maps *maps, const struct satin_scene
     return true;
 }
 
-// How many times as bright as the estimate is what is no noise of it: a channel without light stays
-// so.
-static float smoothness(float smooth, float rough) {
-    return rough > 0.0f ? clampf(smooth / rough, 1.0f / RATIO_MOST, RATIO_MOST) : 0.0f;
+// The factor that removes the noise of an estimate: of the irradiance that was smoothed over that
+// which is estimated at the point. A channel without light stays so.
+static float smoothing_factor(float smoothed, float estimated) {
+    return estimated > 0.0f ? clampf(smoothed / estimated, 1.0f / RATIO_MOST, RATIO_MOST) : 0.0f;
 }
 
 // Probability that a caustic is looked at which, by its irradiance, is this fraction of the light
@@ -210,7 +210,7 @@ rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *sce
                    const struct frame *frame, const struct brdf *brdf, vec3 wo, unsigned lobes,
                    struct photon_beside beside) {
     if (maps->caustic.count == 0) return rgb_grey(0.0f);
-    rgb E, rough;
+    rgb E, estimated;
     float radius;
     const bool diffuse = brdf->model->lobes == BRDF_DIFFUSE;
     const bool known =
@@ -228,9 +228,10 @@ rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *sce
                                  KERNEL_PARABOLA,
                                  maps->area ? AREA_IF_NEEDED : AREA_WHOLE};
     struct reflection at = {frame, brdf, wo, lobes};
-    const rgb L = estimate(&query, &at, &radius, &rough);
+    const rgb L = estimate(&query, &at, &radius, &estimated);
     if (!known) return L;
-    return rgb_scale(rgb_make(L.r * smoothness(E.r, rough.r), L.g * smoothness(E.g, rough.g),
-                              L.b * smoothness(E.b, rough.b)),
-                     1.0f / chance);
+    return rgb_scale(
+        rgb_make(L.r * smoothing_factor(E.r, estimated.r), L.g * smoothing_factor(E.g, estimated.g),
+                 L.b * smoothing_factor(E.b, estimated.b)),
+        1.0f / chance);
 }

@@ -127,7 +127,7 @@ static void guides_are_passed_on(void **state) {
     film_denoiser_free(d);
 }
 
-static void failures_are_told_once(void **state) {
+static void failures_are_reported_once(void **state) {
     (void)state;
     static const struct {
         const char *mode, *text;
@@ -229,7 +229,7 @@ int main(void) {
         cmocka_unit_test(black_stays_black),
         cmocka_unit_test(one_pixel_is_an_image),
         cmocka_unit_test(guides_are_passed_on),
-        cmocka_unit_test(failures_are_told_once),
+        cmocka_unit_test(failures_are_reported_once),
         cmocka_unit_test(it_can_be_cancelled),
         cmocka_unit_test(a_library_that_does_not_serve_is_refused),
         cmocka_unit_test(the_real_one_denoises),

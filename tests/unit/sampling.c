@@ -93,11 +93,32 @@ static void cdf_never_draws_zero(void **state) {
     assert_int_equal(count[3], 3072);
 }
 
+// Also where cut points lie within one item, and for 1 itself, which rounding may give.
+static void cuts_change_no_sample(void **state) {
+    (void)state;
+    enum { ITEMS = 1000, CUTS_MOST = 256, SAMPLES = 1 << 16 };
+    float weight[ITEMS], cdf[ITEMS + 1];
+    for (int i = 0; i < ITEMS; i++)
+        weight[i] = i % 7 < 3 ? 0.0f : i == 600 ? 900.0f : (float)(i % 5);
+    sample_cdf_build(weight, ITEMS, cdf);
+    for (size_t cuts = 1; cuts <= CUTS_MOST; cuts *= 4) {
+        uint32_t cut[CUTS_MOST + 1];
+        sample_cuts_build(cdf, ITEMS, cuts, cut);
+        for (int i = 0; i <= SAMPLES; i++) {
+            const float u = (float)i / SAMPLES;
+            float rest, rest_cut;
+            assert_int_equal(sample_cdf_cut(cdf, cut, cuts, u, &rest_cut),
+                             sample_cdf(cdf, ITEMS, u, &rest));
+            assert_true(rest == rest_cut);
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(disk_round_trip),      cmocka_unit_test(strata_end_below_one),
         cmocka_unit_test(sobol_is_a_net),       cmocka_unit_test(sobol4_is_a_net),
-        cmocka_unit_test(cdf_never_draws_zero),
+        cmocka_unit_test(cdf_never_draws_zero), cmocka_unit_test(cuts_change_no_sample),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
