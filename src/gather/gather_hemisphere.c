@@ -4,8 +4,8 @@
 // bound the records' radii.
 #include <string.h>
 
+#include "gather/gather_cluster_rays.h"
 #include "gather/gather_gradients.h"
-#include "gather/gather_guide.h"
 #include "rsh/rsh.h"
 
 // One jittered ray per cell, row by row.
@@ -37,11 +37,11 @@ struct gather_hemisphere gather_hemisphere_trace(const struct gather *g,
                                                  const struct gather_site *site,
                                                  struct gather_scratch *scratch) {
     struct gather_hemisphere h = gather_scratch_hemisphere(scratch, layout, &site->frame);
-    struct gather_guide guide;
+    struct gather_cluster_rays clusters;
     make_stratified_rays(g, layout, scratch, site);
-    h.count += gather_guide_rays(g, layout, site, scratch, &guide);
-    gather_rays_guided(g, scratch, scratch->rays, h.count, site->stream, &guide.near);
-    gather_guide_weigh(&guide, layout, scratch, h.count);
+    h.count += gather_cluster_rays_add(g, layout, site, scratch, &clusters);
+    gather_rays_guided(g, scratch, scratch->rays, h.count, site->stream, &clusters.near);
+    gather_cluster_rays_weigh(&clusters, layout, scratch, h.count);
     if (!layout->order) return h;
     const float solid_angle = 2.0f * PI_F / (float)h.stratified;
     for (size_t i = 0; i < h.count; i++) {

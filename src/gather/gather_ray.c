@@ -8,7 +8,7 @@
 
 #include "base/array.h"
 #include "gather/gather_bounces.h"
-#include "gather/gather_guide.h"
+#include "gather/gather_near.h"
 #include "gather/gather_segment.h"
 
 struct gather_scratch *gather_scratch_new(size_t capacity) {

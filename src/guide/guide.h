@@ -142,18 +142,37 @@ bool guide_cone_visible(const struct guide_clusters *clusters, const struct sati
 
 // ---- Rays to clusters (guide_rays.c) ----------------------------------------------------------
 
-// The cones that a point sees, and how many rays it sends into each.
+// The cones that a point sees, and how many rays it sends into each beside the stratified rays of
+// its hemisphere.
 struct guide_rays {
     struct guide_cone cone[GUIDE_CONES];
     int rays[GUIDE_CONES];       // each a power of 2
     float density[GUIDE_CONES];  // of a cone's rays over solid angle
+    int first[GUIDE_CONES];      // number of a cone's first ray, in the order of drawing
     int count;                   // of cones
 };
-// Allocates rays to the cones, beside the stratified rays of a hemisphere, and drops the cones that
-// get none. `expected` as guide_cones_from has it.
+// The cones that the eye sees, with rays allocated; `expected` as guide_cones_from has it. None if
+// `clusters` is NULL.
+void guide_rays_make(const struct guide_clusters *clusters, const struct satin_scene *scene,
+                     const struct guide_eye *eye, size_t stratified, float *expected,
+                     struct guide_rays *out);
+// Allocates rays to the cones and drops the cones that get none.
 void guide_rays_allocate(struct guide_rays *rays, float expected, size_t stratified);
-// `density` and those of all cones that hold w, or are cone `own` (-1: none).
-float guide_rays_density(const struct guide_rays *rays, int own, vec3 w, float density);
+
+// Where drawing stands: the caller fills the first two, the rest is 0 before the first ray.
+struct guide_draw {
+    uint64_t stream;  // random stream of the point
+    vec3 n;           // no ray goes below its horizon
+    int cone, ray;    // that are next
+    int drawn;        // how many rays were
+};
+// Draws the direction of the next ray and sets `first`; false after the last one. *density gets
+// that of its cone.
+bool guide_rays_draw(struct guide_rays *rays, struct guide_draw *draw, vec3 *w, float *density);
+// Weight of a ray along w, by the balance heuristic, when all rays count as stratified ones do, of
+// which there are `density` per solid angle there. `drawn`: the number of the ray in the order of
+// drawing, when all were drawn; negative: it is a stratified one.
+float guide_rays_weight(const struct guide_rays *rays, int drawn, vec3 w, float density);
 
 // A direction of constant density in the cone, and whether a direction is in it.
 vec3 guide_cone_sample(const struct guide_cone *cone, vec2 u);

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many rays of a hemisphere go to photon clusters: its stratified rays meet a small bright
-// cluster by luck; some more rays go to each one that the point sees. Together they are one
-// estimate by the balance heuristic [Veach and Guibas 1995].
+// Which rays of a hemisphere go to photon clusters: its stratified rays meet a small bright cluster
+// by luck; some more rays go to each one that the point sees. Together they are one estimate by the
+// balance heuristic [Veach and Guibas 1995]: every ray, however it was drawn, counts by the density
+// of the stratified rays over that of all, so nothing is counted twice and no light is left out
+// where a cluster was not guessed.
+#include "base/rng.h"
+#include "base/sampling.h"
 #include "guide/guide.h"
 
 // The deviation of what comes from one cluster over all light, below which luck is good enough.
@@ -46,6 +50,13 @@ void guide_rays_allocate(struct guide_rays *rays, float expected, size_t stratif
     rays->count = kept;
 }
 
+void guide_rays_make(const struct guide_clusters *clusters, const struct satin_scene *scene,
+                     const struct guide_eye *eye, size_t stratified, float *expected,
+                     struct guide_rays *out) {
+    out->count = clusters ? guide_cones_from(clusters, scene, eye, out->cone, expected) : 0;
+    if (out->count > 0) guide_rays_allocate(out, *expected, stratified);
+}
+
 vec3 guide_cone_sample(const struct guide_cone *cone, vec2 u) {
     // As sample_uniform_cone, which has no digits left for the narrowest.
     const struct frame frame = frame_from_normal(cone->axis);
@@ -59,8 +70,33 @@ bool guide_cone_holds(const struct guide_cone *cone, vec3 w) {
     return v3_dist2(w, cone->axis) <= 2.0f * cone->versine;
 }
 
-float guide_rays_density(const struct guide_rays *rays, int own, vec3 w, float density) {
+bool guide_rays_draw(struct guide_rays *rays, struct guide_draw *draw, vec3 *w, float *density) {
+    for (; draw->cone < rays->count; draw->cone++, draw->ray = 0) {
+        const int c = draw->cone;
+        const uint32_t seed = (uint32_t)rng_mix(draw->stream + 0x9e3779b97f4a7c15ull * (size_t)c);
+        if (draw->ray == 0) rays->first[c] = draw->drawn;
+        while (draw->ray < rays->rays[c]) {
+            *w = guide_cone_sample(&rays->cone[c], sample_sobol2((uint32_t)draw->ray++, seed));
+            if (!(v3_dot(*w, draw->n) > 0.0f)) continue;
+            *density = rays->density[c];
+            draw->drawn++;
+            return true;
+        }
+    }
+    return false;
+}
+
+// The cone that a ray was drawn from, whatever the last digit says; -1 for a stratified ray.
+static int find_own(const struct guide_rays *rays, int drawn) {
+    int own = -1;
+    while (own + 1 < rays->count && drawn >= rays->first[own + 1]) own++;
+    return own;
+}
+
+float guide_rays_weight(const struct guide_rays *rays, int drawn, vec3 w, float density) {
+    const int own = find_own(rays, drawn);
+    float all = density;
     for (int c = 0; c < rays->count; c++)
-        if (c == own || guide_cone_holds(&rays->cone[c], w)) density += rays->density[c];
-    return density;
+        if (c == own || guide_cone_holds(&rays->cone[c], w)) all += rays->density[c];
+    return density / all;
 }

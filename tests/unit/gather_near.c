@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-#include "gather/gather_guide.h"
+#include "gather/gather_cluster_rays.h"
 #include "test_scene.h"
 
 enum { STREAMS = 64, RAYS = 600, POINTS = 1 << 16 };
@@ -127,17 +127,17 @@ static void weights_are_unbiased(void **state) {
     struct fixture f;
     start(&f);
     const struct gather_site site = ceiling_site(0);
-    struct gather_guide guide;
-    const struct gather_near *near = &guide.near;
+    struct gather_cluster_rays clusters;
+    const struct gather_near *near = &clusters.near;
     struct gather_ray *rays = gather_scratch_rays(f.scratch);
-    gather_guide_rays(&f.g, f.layout, &site, f.scratch, &guide);
+    gather_cluster_rays_add(&f.g, f.layout, &site, f.scratch, &clusters);
     for (uint32_t i = 0; i < RAYS; i++) {
         const vec2 u = sample_sobol2(i, 5);
         const vec3 d = frame_to_world(&site.frame, sample_cosine_hemisphere(u.x, u.y));
         rays[i] =
             (struct gather_ray){.ray = scene_spawn(&f.scene.scene, site.p, site.ng, d), .item = i};
     }
-    gather_rays_guided(&f.g, f.scratch, rays, RAYS, 0, &guide.near);
+    gather_rays_guided(&f.g, f.scratch, rays, RAYS, 0, &clusters.near);
     assert_true(near->count > 0);
     for (int wall = 0; wall < 2; wall++) {
         const vec3 d = wall ? v3_unit(v3(1.0f, -2.0f, 0.2f)) : v3(0, -1, 0);

@@ -76,10 +76,49 @@ static void densities_of_all_cones_add_up(void **state) {
     (void)state;
     struct guide_rays rays = cones(2, 1.0f);
     rays.density[0] = 2.0f;
-    rays.density[1] = 4.0f;
-    assert_true(guide_rays_density(&rays, -1, rays.cone[0].axis, 1.0f) == 3.0f);
-    assert_true(guide_rays_density(&rays, 1, rays.cone[0].axis, 1.0f) == 7.0f);
-    assert_true(guide_rays_density(&rays, -1, v3(0, 1, 0), 1.0f) == 1.0f);
+    rays.density[1] = 5.0f;
+    rays.first[1] = 3;
+    assert_true(guide_rays_weight(&rays, -1, rays.cone[0].axis, 2.0f) == 0.5f);
+    assert_true(guide_rays_weight(&rays, 2, rays.cone[0].axis, 2.0f) == 0.5f);
+    assert_true(guide_rays_weight(&rays, 3, rays.cone[0].axis, 1.0f) == 0.125f);
+    assert_true(guide_rays_weight(&rays, -1, v3(0, 1, 0), 1.0f) == 1.0f);
+}
+
+// Whether stratified rays and those to three cones, one of which is half below the horizon, make up
+// the solid angle of the hemisphere and that of a cone when each counts by its weight.
+static void weighed_rays_cover_the_hemisphere(void **state) {
+    (void)state;
+    enum { STRATIFIED = 1 << 14, CONES = 3 };
+    const vec3 n = v3(0, 0, 1);
+    const struct frame frame = frame_from_normal(n);
+    const float density = STRATIFIED / (2.0f * PI_F);
+    struct guide_rays rays = cones(CONES, 1.0f);
+    rays.cone[1].axis = v3_unit(v3(0.5f * HALF_ANGLE, HALF_ANGLE, 1.0f));  // it overlaps the first
+    rays.cone[2].axis = v3(1, 0, 0);
+    guide_rays_allocate(&rays, 0.0f, STRATIFIED);
+    assert_int_equal(rays.count, CONES);
+    // Weights need to know what was drawn from which cone: all rays are drawn before.
+    static vec3 ray[STRATIFIED + STRATIFIED / 2];
+    struct guide_draw draw = {.stream = 3, .n = n};
+    float own;
+    for (int i = 0; guide_rays_draw(&rays, &draw, &ray[i], &own); i++) {
+        assert_int_equal(draw.drawn, i + 1);
+        assert_true(v3_dot(ray[i], n) > 0.0f && own == rays.density[draw.cone]);
+    }
+    assert_int_equal(rays.first[0], 0);
+    assert_int_equal(rays.first[1], rays.rays[0]);
+    assert_true(draw.drawn - rays.first[2] < rays.rays[2]);  // half are below the horizon
+    double all = 0.0, cone = 0.0;
+    for (int i = -STRATIFIED; i < draw.drawn; i++) {
+        const vec2 u = sample_sobol2((uint32_t)(i + STRATIFIED), 7);
+        const vec3 w = i < 0 ? frame_to_world(&frame, sample_uniform_hemisphere(u.x, u.y)) : ray[i];
+        const double weight = (double)guide_rays_weight(&rays, i, w, density);
+        all += weight / (double)density;
+        if (guide_cone_holds(&rays.cone[0], w)) cone += weight / (double)density;
+    }
+    // Of the cone's 256 rays one more or less is .4 %, and of the hemisphere a thousandth of that.
+    assert_true(fabs(all / (2.0 * M_PI) - 1.0) < 5e-4);
+    assert_true(fabs(cone / (2.0 * M_PI * (double)rays.cone[0].versine) - 1.0) < 5e-3);
 }
 
 int main(void) {
@@ -88,6 +127,7 @@ int main(void) {
         cmocka_unit_test(rays_are_at_most_half_as_many),
         cmocka_unit_test(directions_are_in_their_cone),
         cmocka_unit_test(densities_of_all_cones_add_up),
+        cmocka_unit_test(weighed_rays_cover_the_hemisphere),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,7 +2,7 @@
 // Guided rays, where all light comes from a spot of light on a ceiling, so small that irradiance,
 // radiance and their gradients are known: with them all are right within the noise that a few
 // hundred rays have, without them most hemispheres miss the spot.
-#include "gather/gather_guide.h"
+#include "gather/gather_cluster_rays.h"
 
 #include <math.h>
 
