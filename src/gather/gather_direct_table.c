@@ -19,6 +19,12 @@ enum {
 // standard deviations of its samples' noise. Without the test the mean of case `spot` is 25 % off.
 static const float DIFFERS = 0.5f, DEVIATIONS = 2.0f;
 
+// Direct photons show light between the entries: more of them around one than so many times what
+// the direct light of its neighbours brings there, and more than so many standard deviations.
+// An entry's area is known up to a factor of three. Without this test the mean of a room with a
+// beam that falls between entries is off by 30 % at 20,000 photons.
+static const float BRIGHTER = 4.0f, BRIGHTER_DEVIATIONS = 2.0f;
+
 struct direct_job {
     const struct gather *g;
     struct gather_direct_table *table;
@@ -56,6 +62,15 @@ static void light_entries(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
+// Whether direct photons bring far more around an entry than irradiance E would.
+static bool is_brighter(const struct direct_job *job, size_t i, float E) {
+    const struct photon_direct direct = photon_direct_at(job->g->maps, i);
+    if (!(direct.power > 0.0f)) return false;
+    const float photon = direct.power2 / direct.power;  // power of a typical one
+    const float most = BRIGHTER * E * photon_irradiance_area(job->g->maps, i);
+    return direct.power > most + BRIGHTER_DEVIATIONS * sqrtf(most * photon) + photon;
+}
+
 // Whether direct light is much the same at the entries around one, but for noise. Its own is not
 // asked: what is read would then depend on whether it is read, and bright samples, which are rare,
 // would be lost more often than others.
@@ -63,16 +78,20 @@ static bool is_even(const struct direct_job *job, size_t i) {
     const struct gather_direct_table *t = job->table;
     int around[PHOTON_AROUND];
     photon_irradiance_around(job->g->maps, i, around);
-    float least = INFINITY, most = 0.0f, noise2 = 0.0f;
+    float least = INFINITY, most = 0.0f, sum = 0.0f, noise2 = 0.0f;
+    int others = 0;
     for (int k = 0; k < PHOTON_AROUND; k++) {
         if (around[k] < 0 || (size_t)around[k] == i) continue;
         const float there = rgb_luminance(t->E[around[k]]);
         least = fminf(least, there);
         most = fmaxf(most, there);
+        sum += there;
+        others++;
         noise2 = fmaxf(noise2, job->noise2[around[k]]);
     }
     const float indirect = rgb_luminance(photon_irradiance_at(job->g->maps, i));
     const float mean = 0.5f * (least + most) + indirect;
+    if (is_brighter(job, i, others > 0 ? sum / (float)others : 0.0f)) return false;
     return most - least <= DIFFERS * mean + DEVIATIONS * sqrtf(2.0f * noise2);
 }
 

@@ -44,6 +44,15 @@ void photon_irradiance_many(const struct photon_maps *maps, const struct satin_s
 size_t photon_irradiance_count(const struct photon_maps *maps);
 void photon_irradiance_position(const struct photon_maps *maps, size_t entry, vec3 *p, vec3 *n);
 rgb photon_irradiance_at(const struct photon_maps *maps, size_t entry);
+// The area around an entry where points are nearer to it than to others: the mean of entries as
+// near to each other as those around it [square of the unit of length].
+float photon_irradiance_area(const struct photon_maps *maps, size_t entry);
+// Luminance of the direct photons that came down on that area: their power's sum [W] and the sum of
+// its squares. None unless options->gather_shadow was set when the maps were built.
+struct photon_direct {
+    float power, power2;
+};
+struct photon_direct photon_direct_at(const struct photon_maps *maps, size_t entry);
 // The PHOTON_AROUND entries nearest to one, itself among them; those that there are not are -1.
 enum { PHOTON_AROUND = 9 };
 void photon_irradiance_around(const struct photon_maps *maps, size_t entry,

@@ -358,6 +358,11 @@ rgb photon_irradiance_at(const struct photon_maps *maps, size_t entry) {
     return maps->irradiance.E[entry];
 }
 
+float photon_irradiance_area(const struct photon_maps *maps, size_t entry) {
+    const struct photon_irradiance *r = &maps->irradiance;
+    return PI_F * sqrf(r->radius[entry]) * r->influence2 / INFLUENCE;
+}
+
 void photon_irradiance_around(const struct photon_maps *maps, size_t entry,
                               int around[PHOTON_AROUND]) {
     const struct photon_irradiance *r = &maps->irradiance;

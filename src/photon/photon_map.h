@@ -48,7 +48,7 @@ struct photon_consumer {
     unsigned classes;                           // mask of 1 << photon_class
     const struct guide_allocation *allocation;  // how paths are allocated to lights; NULL: by power
 };
-enum { PHOTON_CONSUMERS = 2 };
+enum { PHOTON_CONSUMERS = 3 };
 
 struct photon_tracing {
     const struct satin_scene *scene;
@@ -220,10 +220,20 @@ bool photon_irradiance_sees(const struct photon_irradiance *irradiance,
 // Irradiance at p by an entry; black for entry -1.
 rgb photon_irradiance_value(const struct photon_irradiance *irradiance, int entry, vec3 p);
 
+// ---- Direct light at entries (photon_direct.c) ------------------------------------------------
+
+// Adds up the direct photons that came down nearest to each entry; *out has one item per entry, by
+// malloc, and is NULL if there are no photons or entries. SATIN_CANCELLED or SATIN_ERROR_MEMORY.
+satin_status photon_direct_build(const struct photon_irradiance *irradiance,
+                                 const struct photon_trace *direct, struct parallel *pool,
+                                 struct log log, struct photon_direct **out);
+size_t photon_direct_bytes(const struct photon_maps *maps);
+
 struct photon_maps {
     struct photon_map global, caustic;
     struct photon_irradiance irradiance, caustic_irradiance;
     struct guide_clusters *clusters;  // may be NULL
+    struct photon_direct *direct;     // by entry of `irradiance`; may be NULL
     int photon_k, caustic_k;
     bool area, smooth;  // the options photon_area and caustic_smooth
     float lookup_max;

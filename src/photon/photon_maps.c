@@ -18,7 +18,8 @@ enum {
     KEEP_BOUNCED = 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT,
     CLUSTER_LEAST = 1 << 15,  // paths that look for photon clusters:
     CLUSTER_MOST = 1 << 18,   // a fraction of those of the global map, within bounds
-    CLUSTER_DIVISOR = 3
+    CLUSTER_DIVISOR = 3,
+    DIRECT_DIVISOR = 2  // paths of the global map whose direct photons are added up
 };
 
 // What all steps of the first pass need.
@@ -85,6 +86,13 @@ static uint64_t cluster_paths(const satin_options *o) {
     return paths < CLUSTER_LEAST ? CLUSTER_LEAST : paths > CLUSTER_MOST ? CLUSTER_MOST : paths;
 }
 
+// Paths whose direct photons show where light comes down between the entries of irradiance.
+static uint64_t direct_paths(const satin_options *o) {
+    const bool read = o->integrator == SATIN_TWO_PASS && o->first_pass == SATIN_FIRST_PRECOMPUTED &&
+                      o->gather_shadow;
+    return read && o->photons > 0 ? (uint64_t)o->photons / DIRECT_DIVISOR : 0;
+}
+
 // The clusters of the photons that were traced for them.
 static satin_status build_clusters(const struct photon_pass *pass, const struct photon_trace *trace,
                                    struct photon_maps *maps) {
@@ -101,8 +109,9 @@ static satin_status build_clusters(const struct photon_pass *pass, const struct 
     return status;
 }
 
-// The global map, and the photon clusters.
-static satin_status trace_global(const struct photon_pass *pass, struct photon_maps *maps) {
+// The global map, the photon clusters, and the direct photons, which the caller frees.
+static satin_status trace_global(const struct photon_pass *pass, struct photon_maps *maps,
+                                 struct photon_trace *direct) {
     const satin_options *o = pass->options;
     const bool seen = o->integrator == SATIN_PHOTONS, bounced = o->gather_shadow && !seen;
     const struct photon_tracing tracing = {
@@ -111,7 +120,10 @@ static satin_status trace_global(const struct photon_pass *pass, struct photon_m
         .consumer = {{.paths = o->photons > 0 ? (uint64_t)o->photons : 0,
                       .classes = bounced ? KEEP_BOUNCED : KEEP_ALL,
                       .allocation = &pass->allocation},
-                     {.paths = cluster_paths(o), .classes = KEEP_ALL}},
+                     {.paths = cluster_paths(o), .classes = KEEP_ALL},
+                     {.paths = direct_paths(o),
+                      .classes = 1 << PHOTON_DIRECT,
+                      .allocation = &pass->allocation}},
         // Seen by the eye, or by the eye through a gather ray.
         .bounces = bounces_left(o, seen ? 1 : 2)};
     struct photon_trace trace[PHOTON_CONSUMERS] = {0};
@@ -119,13 +131,12 @@ static satin_status trace_global(const struct photon_pass *pass, struct photon_m
     const double start = stats_wall();
     if (status == SATIN_OK) status = build_clusters(pass, &trace[1], maps);
     photon_trace_free(&trace[1]);
+    *direct = trace[2];
     stats_add(pass->stats, "photons.clusters_s", stats_wall() - start);
     return status;
 }
 
-static satin_status build_global(const struct photon_pass *pass, struct photon_maps *maps) {
-    satin_status status = trace_global(pass, maps);
-    if (status != SATIN_OK) return status;
+static satin_status build_irradiance(const struct photon_pass *pass, struct photon_maps *maps) {
     maps->global.radius_max = INFINITY;
     // Who sees the photons themselves only asks whether an edge is near, which a few photons of
     // each estimate know.
@@ -161,6 +172,19 @@ static float faint_radius(const struct photon_maps *maps) {
     const double mean = power / (double)map->count;
     const double least = (double)(FAINT * mean_irradiance(&maps->irradiance));
     return least > 0.0 ? (float)sqrt(maps->caustic_k * mean / (M_PI * least)) : INFINITY;
+}
+
+static satin_status build_global(const struct photon_pass *pass, struct photon_maps *maps) {
+    struct photon_trace direct = {0};
+    satin_status status = trace_global(pass, maps, &direct);
+    if (status == SATIN_OK) status = build_irradiance(pass, maps);
+    const double start = stats_wall();
+    if (status == SATIN_OK)
+        status =
+            photon_direct_build(&maps->irradiance, &direct, pass->pool, pass->log, &maps->direct);
+    photon_trace_free(&direct);
+    stats_add(pass->stats, "photons.precompute_s", stats_wall() - start);
+    return status;
 }
 
 static satin_status build_caustic(const struct photon_pass *pass, struct photon_maps *maps) {
@@ -218,7 +242,7 @@ satin_status photon_maps_build(const struct satin_scene *scene, const satin_opti
               seconds > 0.0 ? stats_get(stats, "photons.emitted") / seconds : 0.0);
     stats_set(stats, "photons.bytes",
               (double)(photon_map_bytes(&maps->global) + photon_map_bytes(&maps->caustic) +
-                       photon_irradiance_bytes(&maps->irradiance) +
+                       photon_irradiance_bytes(&maps->irradiance) + photon_direct_bytes(maps) +
                        photon_irradiance_bytes(&maps->caustic_irradiance) +
                        guide_clusters_bytes(maps->clusters)));
     *out = maps;
@@ -238,5 +262,6 @@ void photon_maps_free(struct photon_maps *maps) {
     photon_map_free(&maps->global);
     photon_map_free(&maps->caustic);
     guide_clusters_free(maps->clusters);
+    free(maps->direct);
     free(maps);
 }

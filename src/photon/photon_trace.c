@@ -156,8 +156,9 @@ static void follow_photon(const struct photon_tracing *tracing, struct flight f,
     for (int bounce = 0; bounce <= most; bounce++) {
         struct interaction s;
         if (!scene_intersect(scene, &f.ray, &s)) return;
-        const bool wanted = (f.classes[0] | f.classes[1]) >> class_of(&f) & 1u;
-        if (wanted && keeps_photons(scene, &s, v3_neg(f.ray.d)) && !keep_hit(scene, chunk, &s, &f))
+        const unsigned wanted = f.classes[0] | f.classes[1] | f.classes[2];
+        if (wanted >> class_of(&f) & 1u && keeps_photons(scene, &s, v3_neg(f.ray.d)) &&
+            !keep_hit(scene, chunk, &s, &f))
             return;
         if (!scatter(scene, &s, lobes, rng, &f, &chunk->refused)) return;
     }
@@ -309,7 +310,8 @@ satin_status photon_trace_run(const struct photon_tracing *tracing, struct paral
     struct run run = {.tracing = tracing, .pool = pool};
     atomic_init(&run.failed, false);
     atomic_init(&run.count, 0);
-    const bool some = tracing->consumer[0].paths > 0 || tracing->consumer[1].paths > 0;
+    bool some = false;
+    for (int k = 0; k < PHOTON_CONSUMERS; k++) some = some || tracing->consumer[k].paths > 0;
     satin_status status = SATIN_OK;
     if (tracing->scene->light_count > 0 && some) status = trace_all(&run, trace);
     free(run.chunk);

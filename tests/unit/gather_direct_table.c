@@ -88,6 +88,43 @@ static void edges_of_spots_are_not_read(void **state) {
     lit_cube_free(&cube);
 }
 
+// A beam that is narrower than the entries' spacing, in eight directions: most fall between
+// entries, whose neighbours are dark, and some on one. None that answers for points in the patch
+// may be read.
+static void beams_between_entries_are_found(void **state) {
+    (void)state;
+    const float cosine = 0.9998f, radius = sqrtf(1.0f / (cosine * cosine) - 1.0f);
+    size_t points = 0, read = 0, between = 0;
+    for (int beam = 0; beam < 8; beam++) {
+        const vec3 center = v3(0.11f * (float)beam - 0.4f, 0.07f * (float)beam - 0.2f, -1.0f);
+        const struct light spot = {.kind = LIGHT_SPOT,
+                                   .direction = v3_unit(center),
+                                   .value = rgb_grey(1000.0f),
+                                   .cos_cutoff = cosine,
+                                   .cos_beam = cosine};
+        struct lit_cube cube = {0};
+        lit_cube_make(&cube, spot, 10000);
+        size_t lit = 0;
+        for (size_t i = 0; i < cube.table.count; i++) lit += cube.table.E[i].g > 0.0f;
+        between += lit == 0;
+        for (int k = 0; k < 64; k++) {
+            const float r = 0.9f * radius * sqrtf(((float)k + 0.5f) / 64.0f),
+                        angle = 2.4f * (float)k;
+            const vec3 p = v3_add(center, v3(r * cosf(angle), r * sinf(angle), 0.0f));
+            float estimate;
+            int entry;
+            photon_irradiance(cube.maps, &cube.t.scene, p, v3(0, 0, 1), &estimate, &entry);
+            points += entry >= 0;
+            read += entry >= 0 && cube.table.even[entry];
+        }
+        lit_cube_free(&cube);
+    }
+    print_message("%zu of 8 beams fall between entries; %zu of %zu points read\n", between, read,
+                  points);
+    assert_true(between >= 4 && points > 256);
+    assert_int_equal(read, 0);
+}
+
 // Maps without photons have no entries.
 static void empty_maps_have_no_entries(void **state) {
     (void)state;
@@ -101,6 +138,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_point_light_is_exact),
         cmocka_unit_test(edges_of_spots_are_not_read),
+        cmocka_unit_test(beams_between_entries_are_found),
         cmocka_unit_test(empty_maps_have_no_entries),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where lights send their photons at first hand. What direct light there is at the entries of
+// irradiance says nothing of what comes down between them, as the patch of a spot or of the sun
+// that is smaller than their spacing; the photons on their way to the map pass there.
+#include <stdlib.h>
+
+#include "base/array.h"
+#include "photon/photon_map.h"
+
+enum { CHUNK = 1024 };  // photons
+
+struct direct_lookup {
+    const struct photon_irradiance *irradiance;
+    const struct photon_trace *direct;
+    int *entry;  // by photon
+};
+
+static void find_entries(void *ctx, size_t begin, size_t end, int worker) {
+    const struct direct_lookup *lookup = ctx;
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        const struct photon_hit *hit = &lookup->direct->hit[i];
+        lookup->entry[i] =
+            photon_irradiance_entry(lookup->irradiance, hit->p, photon_unpack(hit->n));
+    }
+}
+
+satin_status photon_direct_build(const struct photon_irradiance *irradiance,
+                                 const struct photon_trace *direct, struct parallel *pool,
+                                 struct log log, struct photon_direct **out) {
+    *out = NULL;
+    if (direct->count == 0 || irradiance->count == 0) return SATIN_OK;
+    struct photon_direct *sum = array_new(irradiance->count, sizeof *sum);
+    int *entry = array_new(direct->count, sizeof *entry);
+    struct direct_lookup lookup = {irradiance, direct, entry};
+    satin_status status = SATIN_OK;
+    if (!sum || !entry)
+        status = log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for direct photons");
+    else if (!parallel_for(pool, direct->count, CHUNK, find_entries, &lookup))
+        status = SATIN_CANCELLED;
+    for (size_t i = 0; i < direct->count && status == SATIN_OK; i++) {
+        if (entry[i] < 0) continue;
+        const float power = rgb_luminance(direct->hit[i].power);
+        sum[entry[i]].power += power;
+        sum[entry[i]].power2 += power * power;
+    }
+    free(entry);
+    if (status == SATIN_OK)
+        *out = sum;
+    else
+        free(sum);
+    return status;
+}
+
+struct photon_direct photon_direct_at(const struct photon_maps *maps, size_t entry) {
+    return maps->direct ? maps->direct[entry] : (struct photon_direct){0.0f, 0.0f};
+}
+
+size_t photon_direct_bytes(const struct photon_maps *maps) {
+    return maps->direct ? maps->irradiance.count * sizeof *maps->direct : 0;
+}
