@@ -70,11 +70,11 @@ struct cache *cache_new(const struct gather *g, int order, struct parallel *pool
     const satin_options *o = g->options;
     c->g = g;
     c->pool = pool;
-    c->order = order;
     for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++) {
         c->side[k].options = cache_options_of(o, k);
         cache_tree_init(&c->side[k].tree, g->scene->bounds_lo, g->scene->bounds_hi);
     }
+    c->side[CACHE_RADIANCE].order = order;
     c->rays_fraction = 1.0f;
     c->irradiance_whole = gather_layout_new(o->irradiance_rays, o->radiance_basis, 0);
     if (!c->irradiance_whole) goto fail;

@@ -32,32 +32,35 @@ void cache_update_point(const struct cache_convergence *c, const struct cache_si
         if (p->with[i].error < c->fill->a * c->tree->head[p->with[i].record].scale) p->bare = false;
 }
 
-// What a kind of records lights at a site; the harmonics of its glossy lobes if that is radiance.
-static void find_surface(const struct cache_site *s, enum cache_kind kind,
-                         struct cache_surface *out) {
+// What records light at a site; the harmonics of its glossy lobes if records of `order` hold some.
+static void find_surface(const struct cache_site *s, int order, struct cache_surface *out) {
     const struct cache_view *v = &s->view;
     out->specular = s->specular;
     out->diffuse = s->diffuse;
     out->lobe = (struct cache_lobe){.C = out->coefficients};
-    if (kind != CACHE_RADIANCE || !v->table) return;
+    if (order == 0 || !v->table) return;
     out->lobe.order = brdf_range_lookup(v->table, &v->brdf, v->wo, out->coefficients);
     out->lobe.channels = v->channels;
     out->lobe.name = v->name;
     out->lobe.mirror = cache_mirror(&s->frame, v->wo);
 }
 
+static cache_reflected_fn *const reflected[CACHE_KINDS] = {
+    [CACHE_IRRADIANCE] = cache_irradiance_reflected,
+    [CACHE_RADIANCE] = cache_radiance_reflected,
+};
+
 // Computes the luminances that are not yet known.
 static void find_luminances(const struct cache_convergence *c, const struct cache_site *s,
                             struct cache_point *p) {
     const struct cache_lookup at = {s->shading_p, s->frame.n, s->frame, 0.0f};
     struct cache_surface surface;
-    find_surface(s, c->kind, &surface);
+    find_surface(s, c->cache->side[c->kind].order, &surface);
     for (int i = 0; i < p->count; i++) {
         struct cache_contribution *x = &p->with[i];
         if (x->Y < 0.0f)
             x->Y = at_least(
-                cache_reflected(c->cache, c->kind, x->record, &at, c->read_a, &surface, &x->noise),
-                0.0f);
+                reflected[c->kind](c->cache, x->record, &at, c->read_a, &surface, &x->noise), 0.0f);
     }
 }
 

@@ -108,8 +108,9 @@ static void lengths2(const struct gather_radiance *value, int n2, int channel, f
 struct cache_extent cache_extent_radiance(const struct cache *cache, const struct cache_site *site,
                                           const struct gather_around *around,
                                           struct gather_radiance *value) {
-    const struct cache_options *o = &cache->side[CACHE_RADIANCE].options;
-    const int n2 = cache->order * cache->order;
+    const struct cache_side *side = &cache->side[CACHE_RADIANCE];
+    const struct cache_options *o = &side->options;
+    const int n2 = side->order * side->order;
     float size2[3], slope2[3];
     for (int c = 0; c < 3; c++) lengths2(value, n2, c, &size2[c], &slope2[c]);
     const float size = sqrtf(size2[0] + size2[1] + size2[2]);

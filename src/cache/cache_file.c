@@ -22,7 +22,8 @@ static float *put3(float *out, float a, float b, float c) {
 
 static float *put_vec3(float *out, vec3 v) { return put3(out, v.x, v.y, v.z); }
 
-static void put_irradiance(const struct cache_irradiance_record *record, float *out) {
+static void put_irradiance(const struct cache *cache, size_t i, float *out) {
+    const struct cache_irradiance_record *record = &cache->irradiance[i];
     const struct gather_irradiance *v = &record->value;
     out = put3(out, v->E.r, v->E.g, v->E.b);
     for (int c = 0; c < 3; c++) out = put_vec3(out, v->grad_t[c]);
@@ -32,7 +33,7 @@ static void put_irradiance(const struct cache_irradiance_record *record, float *
     memcpy(out, &v->rays, sizeof v->rays);
 }
 
-static struct cache_irradiance_record get_irradiance(const float *in) {
+static bool get_irradiance(struct cache *cache, size_t i, const float *in) {
     struct cache_irradiance_record r = {.deviation = in[21], .room = in[22]};
     r.value.E = rgb_make(in[0], in[1], in[2]);
     for (int c = 0; c < 3; c++) {
@@ -40,11 +41,16 @@ static struct cache_irradiance_record get_irradiance(const float *in) {
         r.value.grad_r[c] = v3(in[12 + 3 * c], in[13 + 3 * c], in[14 + 3 * c]);
     }
     memcpy(&r.value.rays, &in[23], sizeof r.value.rays);
-    return r;
+    if (!array_reserve((void **)&cache->irradiance, &cache->irradiance_capacity, i + 1, sizeof r))
+        return false;
+    cache->irradiance[i] = r;
+    return true;
 }
 
 // In memory the gradients have four lanes too, of which a file holds the three of their colours.
-static void put_radiance(const struct cache_radiance_record *record, int n2, float *out) {
+static void put_radiance(const struct cache *cache, size_t i, float *out) {
+    const struct cache_radiance_record *record = &cache->radiance[i];
+    const int order = cache->side[CACHE_RADIANCE].order;
     out = put_vec3(put_vec3(put_vec3(out, record->frame.u), record->frame.v), record->frame.n);
     *out++ = record->room;
     const struct cache_residual *residual = &record->residual;
@@ -53,14 +59,16 @@ static void put_radiance(const struct cache_radiance_record *record, int n2, flo
     memcpy(out++, &record->rays, sizeof record->rays);
     memcpy(out++, &residual->name, sizeof residual->name);
     const float *value = record->value;
-    for (int k = 0; k < n2; k++, value += CACHE_LANES, out += COEFFICIENT_WORDS) {
+    for (int k = 0; k < order * order; k++, value += CACHE_LANES, out += COEFFICIENT_WORDS) {
         memcpy(out, value, 4 * sizeof *out);
         memcpy(out + 4, value + 4, 3 * sizeof *out);
         memcpy(out + 7, value + 8, 3 * sizeof *out);
     }
 }
 
-static struct cache_radiance_record get_radiance(const float *in, int n2, float *value) {
+static bool get_radiance(struct cache *cache, size_t i, const float *in) {
+    const int n2 = cache->side[CACHE_RADIANCE].order * cache->side[CACHE_RADIANCE].order;
+    float *value = arena_array(&cache->radiance_arena, (size_t)(n2 * CACHE_LANES), sizeof *value);
     struct cache_radiance_record r = {.value = value, .room = in[9]};
     r.frame =
         (struct frame){v3(in[0], in[1], in[2]), v3(in[3], in[4], in[5]), v3(in[6], in[7], in[8])};
@@ -68,72 +76,67 @@ static struct cache_radiance_record get_radiance(const float *in, int n2, float 
     r.residual.L = rgb_make(in[13], in[14], in[15]);
     memcpy(&r.rays, &in[16], sizeof r.rays);
     memcpy(&r.residual.name, &in[17], sizeof r.residual.name);
+    if (!value ||
+        !array_reserve((void **)&cache->radiance, &cache->radiance_capacity, i + 1, sizeof r))
+        return false;
+    cache->radiance[i] = r;
     in += RADIANCE_WORDS;
     for (int k = 0; k < n2; k++, value += CACHE_LANES, in += COEFFICIENT_WORDS) {
         memcpy(value, in, 4 * sizeof *in);
         memcpy(value + 4, in + 4, 3 * sizeof *in);
         memcpy(value + 8, in + 7, 3 * sizeof *in);
     }
-    return r;
+    return true;
 }
+
+// A record to the words of a row and from them; false without memory.
+static const struct row_functions {
+    void (*put)(const struct cache *cache, size_t i, float *out);
+    bool (*get)(struct cache *cache, size_t i, const float *in);
+} row_of[CACHE_KINDS] = {
+    [CACHE_IRRADIANCE] = {put_irradiance, get_irradiance},
+    [CACHE_RADIANCE] = {put_radiance, get_radiance},
+};
 
 // ---- Writing ------------------------------------------------------------------------------------
 
-static void put_section(const struct cache *c, const struct cache_origin *origin,
-                        enum cache_section section, unsigned char *out) {
-    const size_t row = cache_file_row(section, (uint32_t)c->order);
-    const size_t irradiance = c->side[CACHE_IRRADIANCE].tree.head_count,
-                 radiance = c->side[CACHE_RADIANCE].tree.head_count;
-    switch (section) {
-        case SECTION_OPTIONS:
-            memcpy(out, origin->options, strlen(origin->options));
-            break;
-        case SECTION_IRRADIANCE_HEADS:
-            if (irradiance) memcpy(out, c->side[CACHE_IRRADIANCE].tree.head, irradiance * row);
-            break;
-        case SECTION_RADIANCE_HEADS:
-            if (radiance) memcpy(out, c->side[CACHE_RADIANCE].tree.head, radiance * row);
-            break;
-        case SECTION_IRRADIANCE:
-            for (size_t i = 0; i < irradiance; i++)
-                put_irradiance(&c->irradiance[i], (float *)(out + i * row));
-            break;
-        case SECTION_RADIANCE:
-            for (size_t i = 0; i < radiance; i++)
-                put_radiance(&c->radiance[i], c->order * c->order, (float *)(out + i * row));
-            break;
-        default:
-            break;
-    }
+// The two sections of a kind of records, which begin at `heads` and `values`.
+static void put_records(const struct cache *c, enum cache_kind kind, unsigned char *heads,
+                        unsigned char *values) {
+    const struct cache_tree *tree = &c->side[kind].tree;
+    const size_t row = cache_file_row(cache_file_values(kind), (uint32_t)c->side[kind].order);
+    if (tree->head_count) memcpy(heads, tree->head, tree->head_count * sizeof *tree->head);
+    for (size_t i = 0; i < tree->head_count; i++)
+        row_of[kind].put(c, i, (float *)(values + i * row));
 }
 
 satin_status cache_save(const struct cache *cache, const struct cache_origin *origin,
                         const char *path, struct log log) {
-    const size_t irradiance = cache->side[CACHE_IRRADIANCE].tree.head_count;
-    const size_t radiance = cache->side[CACHE_RADIANCE].tree.head_count;
-    const size_t rows[SECTIONS] = {0, irradiance, irradiance, radiance, radiance};
+    const uint32_t order = (uint32_t)cache->side[CACHE_RADIANCE].order;
     struct cache_file_header h = {.version = CACHE_FILE_VERSION,
                                   .sections = SECTIONS,
                                   .world = origin->world,
                                   .view = origin->view,
                                   .rays = cache->rays,
-                                  .order = (uint32_t)cache->order};
+                                  .order = order};
     memcpy(h.magic, CACHE_FILE_MAGIC, sizeof h.magic);
-    size_t size = sizeof h;
+    h.section[SECTION_OPTIONS].size = strlen(origin->options);
+    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
+        for (int s = cache_file_heads(k); s <= (int)cache_file_values(k); s++)
+            h.section[s].size =
+                cache_count(cache, k) * cache_file_row((enum cache_section)s, order);
+    size_t at[SECTIONS], size = sizeof h;
     for (int i = 0; i < SECTIONS; i++) {
-        h.section[i].size = i == SECTION_OPTIONS
-                                ? strlen(origin->options)
-                                : rows[i] * cache_file_row((enum cache_section)i, h.order);
+        at[i] = size;
         size += cache_file_padded(h.section[i].size);
     }
     unsigned char *data = array_new(size, 1);
     if (!data) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
-    size_t at = sizeof h;
-    for (int i = 0; i < SECTIONS; i++) {
-        put_section(cache, origin, (enum cache_section)i, data + at);
-        h.section[i].checksum = fileio_hash_large(FILEIO_HASH, data + at, h.section[i].size);
-        at += cache_file_padded(h.section[i].size);
-    }
+    memcpy(data + at[SECTION_OPTIONS], origin->options, h.section[SECTION_OPTIONS].size);
+    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
+        put_records(cache, k, data + at[cache_file_heads(k)], data + at[cache_file_values(k)]);
+    for (int i = 0; i < SECTIONS; i++)
+        h.section[i].checksum = fileio_hash_large(FILEIO_HASH, data + at[i], h.section[i].size);
     h.checksum = fileio_hash(FILEIO_HASH, &h, offsetof(struct cache_file_header, checksum));
     memcpy(data, &h, sizeof h);
     satin_status status = fileio_write(log, path, data, size);
@@ -156,48 +159,29 @@ static satin_status load_head(struct cache_tree *tree, const unsigned char *row)
     return cache_tree_insert(tree, &head) ? SATIN_OK : SATIN_ERROR_MEMORY;
 }
 
-static satin_status load_irradiance(struct cache *c, const struct cache_file *f) {
-    const size_t count = f->rows[SECTION_IRRADIANCE];
-    float row[IRRADIANCE_WORDS];
-    if (!array_reserve((void **)&c->irradiance, &c->irradiance_capacity, count,
-                       sizeof *c->irradiance))
-        return SATIN_ERROR_MEMORY;
-    satin_status status = SATIN_OK;
-    for (size_t i = 0; i < count && status == SATIN_OK; i++) {
-        memcpy(row, f->section[SECTION_IRRADIANCE] + i * sizeof row, sizeof row);
-        c->irradiance[i] = get_irradiance(row);
-        status = load_head(&c->side[CACHE_IRRADIANCE].tree,
-                           f->section[SECTION_IRRADIANCE_HEADS] + i * sizeof(struct cache_head));
-    }
-    return status;
-}
-
-static satin_status load_radiance(struct cache *c, const struct cache_file *f) {
-    const size_t count = f->rows[SECTION_RADIANCE];
-    const size_t bytes = cache_file_row(SECTION_RADIANCE, f->header.order);
-    const int n2 = c->order * c->order;
+static satin_status load_records(struct cache *c, enum cache_kind kind,
+                                 const struct cache_file *f) {
+    const enum cache_section heads = cache_file_heads(kind), values = cache_file_values(kind);
+    const size_t bytes = cache_file_row(values, f->header.order);
     float row[RADIANCE_WORDS + COEFFICIENT_WORDS * RSH_MAX_COEFFICIENTS];
-    if (!array_reserve((void **)&c->radiance, &c->radiance_capacity, count, sizeof *c->radiance))
-        return SATIN_ERROR_MEMORY;
     satin_status status = SATIN_OK;
-    for (size_t i = 0; i < count && status == SATIN_OK; i++) {
-        float *value = arena_array(&c->radiance_arena, (size_t)(n2 * CACHE_LANES), sizeof *value);
-        if (!value) return SATIN_ERROR_MEMORY;
-        memcpy(row, f->section[SECTION_RADIANCE] + i * bytes, bytes);
-        c->radiance[i] = get_radiance(row, n2, value);
-        status = load_head(&c->side[CACHE_RADIANCE].tree,
-                           f->section[SECTION_RADIANCE_HEADS] + i * sizeof(struct cache_head));
+    for (size_t i = 0; i < f->rows[values] && status == SATIN_OK; i++) {
+        memcpy(row, f->section[values] + i * bytes, bytes);
+        if (!row_of[kind].get(c, i, row)) return SATIN_ERROR_MEMORY;
+        status = load_head(&c->side[kind].tree, f->section[heads] + i * sizeof(struct cache_head));
     }
     return status;
 }
 
 satin_status cache_load(struct cache *cache, const struct cache_file *file, const char *name,
                         struct log log) {
-    if (file->rows[SECTION_RADIANCE] && (int)file->header.order != cache->order)
+    if (file->rows[SECTION_RADIANCE] &&
+        (int)file->header.order != cache->side[CACHE_RADIANCE].order)
         return log_fail(log, SATIN_ERROR_INPUT, "%s: the radiance records are of order %u, not %d",
-                        name, file->header.order, cache->order);
-    satin_status status = load_irradiance(cache, file);
-    if (status == SATIN_OK) status = load_radiance(cache, file);
+                        name, file->header.order, cache->side[CACHE_RADIANCE].order);
+    satin_status status = SATIN_OK;
+    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS && status == SATIN_OK; k++)
+        status = load_records(cache, k, file);
     if (status == SATIN_ERROR_INPUT)
         return log_fail(log, status, "%s: a cache record lies far outside the scene", name);
     if (status == SATIN_OK) cache->rays = file->header.rays;

@@ -18,6 +18,13 @@ enum cache_section {
     SECTION_RADIANCE,
     SECTIONS
 };
+// The sections of a kind of records.
+static inline enum cache_section cache_file_heads(enum cache_kind kind) {
+    return kind == CACHE_IRRADIANCE ? SECTION_IRRADIANCE_HEADS : SECTION_RADIANCE_HEADS;
+}
+static inline enum cache_section cache_file_values(enum cache_kind kind) {
+    return (enum cache_section)(cache_file_heads(kind) + 1);
+}
 
 struct cache_file_section {
     uint64_t size;  // bytes, without the zeros that fill it up to a multiple of 8

@@ -60,16 +60,17 @@ static struct cache_head head_at(const struct cache_file *f, enum cache_section 
 }
 
 static satin_status check_heads(const struct cache_file *f, const char *name, struct log log) {
-    for (int s = SECTION_IRRADIANCE_HEADS; s <= SECTION_RADIANCE_HEADS; s += 2)
-        for (size_t i = 0; i < f->rows[s]; i++) {
-            const struct cache_head head = head_at(f, (enum cache_section)s, i);
+    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
+        for (size_t i = 0; i < f->rows[cache_file_heads(k)]; i++) {
+            const struct cache_head head = head_at(f, cache_file_heads(k), i);
             if (!cache_valid_head(&head))
                 return refuse_file(log, name, "a cache record has an impossible position");
         }
     return SATIN_OK;
 }
 
-static bool is_irradiance(const float row[IRRADIANCE_WORDS]) {
+static bool is_irradiance(const float *row, uint32_t order) {
+    (void)order;
     const float deviation = row[21], room = row[22];
     return cache_valid_numbers(row, IRRADIANCE_WORDS - 1) &&
            fminf(row[0], fminf(row[1], row[2])) >= 0.0f && deviation >= 0.0f && room >= 0.0f &&
@@ -82,21 +83,24 @@ static bool is_radiance(const float *row, uint32_t order) {
            cache_valid_numbers(row + RADIANCE_WORDS, (size_t)COEFFICIENT_WORDS * order * order);
 }
 
+static bool (*const is_value[CACHE_KINDS])(const float *row, uint32_t order) = {
+    [CACHE_IRRADIANCE] = is_irradiance,
+    [CACHE_RADIANCE] = is_radiance,
+};
+
 static satin_status check_values(const struct cache_file *f, const char *name, struct log log) {
     float row[RADIANCE_WORDS + COEFFICIENT_WORDS * RSH_MAX_COEFFICIENTS];
     const uint32_t order = f->header.order;
-    bool valid = true;
-    size_t size = cache_file_row(SECTION_IRRADIANCE, order);
-    for (size_t i = 0; i < f->rows[SECTION_IRRADIANCE] && valid; i++) {
-        memcpy(row, f->section[SECTION_IRRADIANCE] + i * size, size);
-        valid = is_irradiance(row);
+    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++) {
+        const enum cache_section section = cache_file_values(k);
+        const size_t size = cache_file_row(section, order);
+        for (size_t i = 0; i < f->rows[section]; i++) {
+            memcpy(row, f->section[section] + i * size, size);
+            if (!is_value[k](row, order))
+                return refuse_file(log, name, "a cache record has an impossible value");
+        }
     }
-    size = cache_file_row(SECTION_RADIANCE, order);
-    for (size_t i = 0; i < f->rows[SECTION_RADIANCE] && valid; i++) {
-        memcpy(row, f->section[SECTION_RADIANCE] + i * size, size);
-        valid = is_radiance(row, order);
-    }
-    return valid ? SATIN_OK : refuse_file(log, name, "a cache record has an impossible value");
+    return SATIN_OK;
 }
 
 static satin_status keep_options(const char *name, struct log log, struct cache_file *f) {
@@ -165,8 +169,7 @@ struct cache_summary cache_file_summary(const struct cache_file *f) {
 
 void cache_file_record(const struct cache_file *file, enum cache_kind kind, size_t i, float *R,
                        float *scale) {
-    const struct cache_head head = head_at(
-        file, kind == CACHE_IRRADIANCE ? SECTION_IRRADIANCE_HEADS : SECTION_RADIANCE_HEADS, i);
+    const struct cache_head head = head_at(file, cache_file_heads(kind), i);
     *R = head.R;
     *scale = head.scale;
 }

@@ -28,11 +28,22 @@ struct job {
     bool valid;   // whether the last one was
 };
 
+struct batch;
+struct gathered;
+
+// How the records of a kind are made.
+struct record_functions {
+    // From a hemisphere and what was found around it; returns whether the record is valid.
+    bool (*make)(const struct batch *batch, struct job *job, const struct gathered *from);
+    bool (*insert)(struct batch *batch, struct job *job);  // false without memory
+};
+
 struct batch {
     struct cache *cache;
     const struct cache_fill *fill;
     enum cache_kind kind;
-    struct cache_side *side;  // of that kind
+    struct cache_side *side;                 // of that kind
+    const struct record_functions *records;  // of that kind too
     struct job *job;
     int count, size;      // of `job`; at most `size`
     float *coefficients;  // of radiance jobs: 10 * order^2 each
@@ -87,7 +98,7 @@ static bool lies_apart(const struct batch *b, const struct cache_site *site) {
 }
 
 static void add_job(struct batch *b, const struct cache_site *site) {
-    const size_t n2 = (size_t)(b->cache->order * b->cache->order), n = 3 * n2;
+    const size_t n2 = (size_t)(b->side->order * b->side->order), n = 3 * n2;
     float *block = b->coefficients + 10 * n2 * (size_t)b->count;
     struct job *job = &b->job[b->count++];
     *job = (struct job){.site = site};
@@ -121,18 +132,26 @@ static bool choose_batch(struct batch *b) {
 
 // ---- Gathering ----------------------------------------------------------------------------------
 
+// A hemisphere that was traced for a job, and by what.
+struct gathered {
+    struct gather_hemisphere hemisphere;
+    struct gather_site site;
+    struct gather_scratch *scratch;
+    bool hessian;
+};
+
 static rgb mix(rgb a, rgb b, float t) { return rgb_add(rgb_scale(a, 1.0f - t), rgb_scale(b, t)); }
 
 // Averages the job's irradiance with that of all the rays that the options say.
-static void gather_more(const struct batch *b, struct job *job, struct gather_site site,
-                        struct gather_scratch *scratch, bool hessian) {
+static void gather_more(const struct batch *b, struct job *job, const struct gathered *from) {
     const struct cache *c = b->cache;
     struct gather_irradiance more, *first = &job->irradiance;
+    struct gather_site site = from->site;
     site.stream = rng_mix(site.stream ^ 0x9e3779b97f4a7c15ull);
     const struct gather_hemisphere hemisphere =
-        gather_hemisphere_trace(c->g, c->irradiance_whole, &site, scratch);
+        gather_hemisphere_trace(c->g, c->irradiance_whole, &site, from->scratch);
     gather_hemisphere_irradiance(c->g, &hemisphere, &more);
-    gather_around_make(&hemisphere, hessian, &job->around);
+    gather_around_make(&hemisphere, from->hessian, &job->around);
     const float t = (float)more.rays / (float)(more.rays + first->rays);
     first->E = mix(first->E, more.E, t);
     for (int k = 0; k < 3; k++) {
@@ -149,7 +168,20 @@ static struct cache_residual find_residual(const struct batch *b, const struct j
     if (!s->view.table || !s->view.name) return (struct cache_residual){.name = 0};
     const rgb whole =
         gather_hemisphere_reflected(hemisphere, &s->view.brdf, s->view.wo, BRDF_GLOSSY);
-    return cache_residual_make(&job->radiance, b->cache->order, &s->frame, &s->view, whole);
+    return cache_residual_make(&job->radiance, b->side->order, &s->frame, &s->view, whole);
+}
+
+static bool make_irradiance(const struct batch *b, struct job *job, const struct gathered *from) {
+    gather_hemisphere_irradiance(b->cache->g, &from->hemisphere, &job->irradiance);
+    if (job->around.deviation > UNSURE) gather_more(b, job, from);
+    return cache_valid_irradiance(&job->irradiance, &job->around);
+}
+
+static bool make_radiance(const struct batch *b, struct job *job, const struct gathered *from) {
+    gather_hemisphere_radiance(b->cache->g, &from->hemisphere, &job->radiance);
+    job->residual = find_residual(b, job, &from->hemisphere);
+    return cache_valid_radiance(&job->radiance, b->side->order, &job->around) &&
+           rgb_finite(job->residual.L);
 }
 
 // Gathers the jobs [begin, end) of a batch. A record that is not finite or out of range is gathered
@@ -165,19 +197,10 @@ static void gather_jobs(void *ctx, size_t begin, size_t end, int worker) {
             cache_rays_layout(c, b->kind, s, b->fill->a * b->fill->widest);
         struct gather_site site = {s->p, s->ng, s->frame, s->stream};
         for (int attempt = 0; attempt < ATTEMPTS && !job->valid; attempt++) {
-            const struct gather_hemisphere hemisphere =
-                gather_hemisphere_trace(c->g, layout, &site, scratch);
-            gather_around_make(&hemisphere, hessian, &job->around);
-            if (b->kind == CACHE_IRRADIANCE) {
-                gather_hemisphere_irradiance(c->g, &hemisphere, &job->irradiance);
-                if (job->around.deviation > UNSURE) gather_more(b, job, site, scratch, hessian);
-                job->valid = cache_valid_irradiance(&job->irradiance, &job->around);
-            } else {
-                gather_hemisphere_radiance(c->g, &hemisphere, &job->radiance);
-                job->residual = find_residual(b, job, &hemisphere);
-                job->valid = cache_valid_radiance(&job->radiance, c->order, &job->around) &&
-                             rgb_finite(job->residual.L);
-            }
+            const struct gathered from = {gather_hemisphere_trace(c->g, layout, &site, scratch),
+                                          site, scratch, hessian};
+            gather_around_make(&from.hemisphere, hessian, &job->around);
+            job->valid = b->records->make(b, job, &from);
             if (!job->valid) job->refused++;
             site.stream = rng_mix(site.stream + 0x9e3779b97f4a7c15ull);
         }
@@ -251,7 +274,7 @@ static void interleave(const struct gather_radiance *from, int n2, float *value)
 static bool insert_radiance(struct batch *b, struct job *job) {
     struct cache *c = b->cache;
     const size_t next = b->side->tree.head_count;
-    const int n2 = c->order * c->order;
+    const int n2 = b->side->order * b->side->order;
     float *value = arena_array(&c->radiance_arena, (size_t)(n2 * CACHE_LANES), sizeof *value);
     if (!value ||
         !array_reserve((void **)&c->radiance, &c->radiance_capacity, next + 1, sizeof *c->radiance))
@@ -267,10 +290,13 @@ static bool insert_radiance(struct batch *b, struct job *job) {
 
 // ---- All batches --------------------------------------------------------------------------------
 
+static const struct record_functions functions[CACHE_KINDS] = {
+    [CACHE_IRRADIANCE] = {make_irradiance, insert_irradiance},
+    [CACHE_RADIANCE] = {make_radiance, insert_radiance},
+};
+
 satin_status cache_fill(struct cache *cache, enum cache_kind kind, const struct cache_fill *fill) {
-    if (kind == CACHE_RADIANCE && cache->order == 0) return SATIN_OK;
-    bool (*insert)(struct batch *, struct job *) =
-        kind == CACHE_IRRADIANCE ? insert_irradiance : insert_radiance;
+    if (kind == CACHE_RADIANCE && cache->side[kind].order == 0) return SATIN_OK;
     satin_status status = SATIN_ERROR_MEMORY;
     struct batch *b = calloc(1, sizeof *b);
     if (!b) return status;
@@ -278,11 +304,12 @@ satin_status cache_fill(struct cache *cache, enum cache_kind kind, const struct 
     b->fill = fill;
     b->kind = kind;
     b->side = &cache->side[kind];
+    b->records = &functions[kind];
     b->waiting = array_new(fill->count, sizeof *b->waiting);
     b->size = batch_size(fill->count);
     b->job = array_new((size_t)b->size, sizeof *b->job);
     b->coefficients =
-        array_new((size_t)(b->size * 10 * cache->order * cache->order), sizeof(float));
+        array_new((size_t)(b->size * 10 * b->side->order * b->side->order), sizeof(float));
     if (b->waiting && b->job && b->coefficients) status = SATIN_OK;
     for (size_t i = 0; i < fill->count && status == SATIN_OK; i++)
         if (fill->site[i].wants >> kind & 1u) b->waiting[b->last++] = &fill->site[i];
@@ -293,7 +320,7 @@ satin_status cache_fill(struct cache *cache, enum cache_kind kind, const struct 
             cache->refused += (uint64_t)job->refused;
             assert(job->refused == 0);
             // A record that stayed invalid is left out: its site is sampled instead.
-            if (job->valid && !insert(b, job)) status = SATIN_ERROR_MEMORY;
+            if (job->valid && !b->records->insert(b, job)) status = SATIN_ERROR_MEMORY;
         }
     }
     free(b->waiting);

@@ -10,14 +10,13 @@ enum { PLAIN = CACHE_LAYOUTS / 2 };
 satin_status cache_rays_prepare(struct cache *cache, enum cache_kind kind, float fraction) {
     struct cache_side *side = &cache->side[kind];
     const struct cache_options *o = &side->options;
-    const int order = kind == CACHE_RADIANCE ? cache->order : 0;
     const double rays = (double)fraction * o->rays;
     struct gather_layout *made[CACHE_LAYOUTS] = {NULL};
     satin_status status = SATIN_OK;
     for (int i = 0; i < CACHE_LAYOUTS && status == SATIN_OK; i++) {
         if (!(o->noise > 0.0f) && i != PLAIN) continue;
         const double wanted = fmax(4.0, fmin(ldexp(rays, i - PLAIN), CACHE_RAYS_MAX));
-        made[i] = gather_layout_new((int)wanted, o->basis, order);
+        made[i] = gather_layout_new((int)wanted, o->basis, side->order);
         if (!made[i]) status = SATIN_ERROR_MEMORY;
     }
     for (int i = 0; i < CACHE_LAYOUTS; i++) {
@@ -30,7 +29,7 @@ satin_status cache_rays_prepare(struct cache *cache, enum cache_kind kind, float
 satin_status cache_limit_rays(struct cache *cache, float fraction) {
     if (fraction == cache->rays_fraction) return SATIN_OK;
     satin_status status = cache_rays_prepare(cache, CACHE_IRRADIANCE, fraction);
-    if (status == SATIN_OK && cache->order)
+    if (status == SATIN_OK && cache->side[CACHE_RADIANCE].order)
         status = cache_rays_prepare(cache, CACHE_RADIANCE, fraction);
     if (status == SATIN_OK) cache->rays_fraction = fraction;
     return status;
@@ -38,20 +37,29 @@ satin_status cache_limit_rays(struct cache *cache, float fraction) {
 
 // The relative variance of one ray, as a record measured it: its squared deviation over its squared
 // value, times its rays.
-static float variance_of(const struct cache *cache, enum cache_kind kind, uint32_t record) {
-    if (kind == CACHE_IRRADIANCE) {
-        const struct cache_irradiance_record *r = &cache->irradiance[record];
-        return r->deviation * r->deviation * (float)r->value.rays;
-    }
+typedef float variance_fn(const struct cache *cache, uint32_t record);
+
+static float irradiance_variance(const struct cache *cache, uint32_t record) {
+    const struct cache_irradiance_record *r = &cache->irradiance[record];
+    return r->deviation * r->deviation * (float)r->value.rays;
+}
+
+static float radiance_variance(const struct cache *cache, uint32_t record) {
     const struct cache_radiance_record *r = &cache->radiance[record];
     float noise2 = 0.0f, size2 = 0.0f;
-    for (int k = 0; k < cache->order * cache->order; k++) {
+    const int order = cache->side[CACHE_RADIANCE].order;
+    for (int k = 0; k < order * order; k++) {
         const float *value = r->value + k * CACHE_LANES;
         noise2 += sqrf(value[3]);
         size2 += sqrf(rgb_luminance(rgb_make(value[0], value[1], value[2])));
     }
     return size2 > 0.0f ? noise2 / size2 * (float)r->rays : 0.0f;
 }
+
+static variance_fn *const variance_of[CACHE_KINDS] = {
+    [CACHE_IRRADIANCE] = irradiance_variance,
+    [CACHE_RADIANCE] = radiance_variance,
+};
 
 const struct gather_layout *cache_rays_layout(const struct cache *cache, enum cache_kind kind,
                                               const struct cache_site *site, float a) {
@@ -62,7 +70,7 @@ const struct gather_layout *cache_rays_layout(const struct cache *cache, enum ca
     struct cache_near near[CACHE_NEAR_MAX];
     const int count = cache_find(cache, &side->tree, site->p, site->frame.n, a, near);
     float variance = 0.0f;
-    for (int i = 0; i < count; i++) variance += variance_of(cache, kind, near[i].record);
+    for (int i = 0; i < count; i++) variance += variance_of[kind](cache, near[i].record);
     if (!(variance > 0.0f)) return layout[PLAIN];
     const float wanted = variance / ((float)count * noise * noise);
     const float times = wanted / (float)gather_layout_rays(layout[PLAIN]);

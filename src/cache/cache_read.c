@@ -85,16 +85,23 @@ static struct taylor irradiance_of(const struct cache *cache, uint32_t record,
     return t;
 }
 
+// See cache_extent.
+typedef float room_fn(const struct cache *cache, uint32_t record);
+static float irradiance_room(const struct cache *cache, uint32_t record) {
+    return cache->irradiance[record].room;
+}
+static float radiance_room(const struct cache *cache, uint32_t record) {
+    return cache->radiance[record].room;
+}
+
 // Whether most of the weight is of records that are much larger than they should be, as near
 // contacts, where the least radius keeps records from being dense enough.
-static bool crowded(const struct cache *cache, enum cache_kind kind, const struct cache_near *near,
+static bool crowded(const struct cache *cache, room_fn *room, const struct cache_near *near,
                     int count) {
     const float least = cache->g->options->gather_room;
     float sum = 0.0f, weights = 0.0f;
     for (int i = 0; i < count; i++) {
-        float room = kind == CACHE_IRRADIANCE ? cache->irradiance[near[i].record].room
-                                              : cache->radiance[near[i].record].room;
-        if (room < least) sum += near[i].weight;
+        if (room(cache, near[i].record) < least) sum += near[i].weight;
         weights += near[i].weight;
     }
     return sum > 0.5f * weights;
@@ -114,7 +121,7 @@ struct cache_used cache_irradiance(const struct cache *cache, const struct cache
     struct cache_near near[CACHE_NEAR_MAX];
     struct cache_used used = {0};
     const int count = find_or_nearest(cache, tree, at, a, near);
-    if (count == 0 || crowded(cache, CACHE_IRRADIANCE, near, count)) return used;
+    if (count == 0 || crowded(cache, irradiance_room, near, count)) return used;
     struct taylor sum = {0};
     for (int i = 0; i < count; i++) {
         const uint32_t record = near[i].record;
@@ -179,7 +186,7 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_l
     struct cache_near near[CACHE_NEAR_MAX];
     struct cache_used used = {0};
     const int count = find_or_nearest(cache, tree, at, a, near);
-    if (count == 0 || crowded(cache, CACHE_RADIANCE, near, count)) return used;
+    if (count == 0 || crowded(cache, radiance_room, near, count)) return used;
     const struct cache_lobe cosine = {
         .C = cache->cosine, .order = cache->cosine_order, .channels = 1};
     struct taylor shine = {0}, diffuse = {0};
@@ -207,21 +214,24 @@ bool cache_has_record_near(const struct cache *cache, vec3 p, vec3 n, float radi
            cache_tree_nearest(&cache->side[CACHE_RADIANCE].tree, p, n, radius) >= 0;
 }
 
-float cache_reflected(const struct cache *cache, enum cache_kind kind, uint32_t record,
-                      const struct cache_lookup *at, float a, const struct cache_surface *surface,
-                      float *noise) {
-    struct taylor t;
-    *noise = 0.0f;
-    if (kind == CACHE_IRRADIANCE) {
-        t = irradiance_of(cache, record, at, a);
-        float Y = rgb_luminance(rgb_mul(surface->diffuse, value_alone(&t)));
-        *noise = cache->irradiance[record].deviation * Y;
-        return Y;
-    }
+float cache_irradiance_reflected(const struct cache *cache, uint32_t record,
+                                 const struct cache_lookup *at, float a,
+                                 const struct cache_surface *surface, float *noise) {
+    const struct taylor t = irradiance_of(cache, record, at, a);
+    const float Y = rgb_luminance(rgb_mul(surface->diffuse, value_alone(&t)));
+    *noise = cache->irradiance[record].deviation * Y;
+    return Y;
+}
+
+float cache_radiance_reflected(const struct cache *cache, uint32_t record,
+                               const struct cache_lookup *at, float a,
+                               const struct cache_surface *surface, float *noise) {
     const struct cache_lobe cosine = {
         .C = cache->cosine, .order = cache->cosine_order, .channels = 1};
+    struct taylor t;
     rgb L = rgb_grey(0.0f);
     float part = 0.0f;
+    *noise = 0.0f;
     if (surface->lobe.order) {
         t = radiance_of(cache, record, at, a, surface->lobe, &part);
         L = rgb_mul(surface->specular, value_alone(&t));

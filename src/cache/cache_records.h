@@ -54,6 +54,7 @@ struct cache_options cache_options_of(const satin_options *options, enum cache_k
 // What both kinds of records have.
 struct cache_side {
     struct cache_options options;
+    int order;  // of the harmonics that its records hold; 0: of irradiance, or there are none
     struct cache_tree tree;
     // Hemispheres of different numbers of rays; NULL where none is used.
     struct gather_layout *layout[CACHE_LAYOUTS];
@@ -62,7 +63,6 @@ struct cache_side {
 struct cache {
     const struct gather *g;
     struct parallel *pool;
-    int order;  // of radiance records; 0: none
     struct cache_side side[CACHE_KINDS];
 
     struct cache_irradiance_record *irradiance;
@@ -152,9 +152,10 @@ struct cache_surface {
 };
 // Luminance of what a surface reflects of one record; *noise gets its standard deviation, or for
 // radiance one sample of it.
-float cache_reflected(const struct cache *cache, enum cache_kind kind, uint32_t record,
-                      const struct cache_lookup *at, float a, const struct cache_surface *surface,
-                      float *noise);
+typedef float cache_reflected_fn(const struct cache *cache, uint32_t record,
+                                 const struct cache_lookup *at, float a,
+                                 const struct cache_surface *surface, float *noise);
+cache_reflected_fn cache_irradiance_reflected, cache_radiance_reflected;
 // Expresses a lobe that is given in frame `from` in frame `to`, for products with a record in that
 // frame (cache_rotate.c): lobe->C then points into `rotated`, of 3 * order^2.
 void cache_rotate(const struct cache *cache, const struct frame *from, const struct frame *to,

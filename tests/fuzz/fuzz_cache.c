@@ -29,8 +29,9 @@ static void mend(unsigned char *data, size_t size) {
 static void load(const struct cache_file *file) {
     const satin_options options = satin_options_default;
     const struct gather g = {.options = &options};
-    struct cache cache = {.g = &g, .order = cache_file_summary(file).order};
+    struct cache cache = {.g = &g};
     int lines = 0;
+    cache.side[CACHE_RADIANCE].order = cache_file_summary(file).order;
     cache_tree_init(&cache.side[CACHE_IRRADIANCE].tree, v3(-1, -1, -1), v3(1, 1, 1));
     cache_tree_init(&cache.side[CACHE_RADIANCE].tree, v3(-1, -1, -1), v3(1, 1, 1));
     satin_status status = cache_load(&cache, file, "fuzz", (struct log){fuzz_count, &lines});

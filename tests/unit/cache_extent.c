@@ -27,7 +27,7 @@ static void start(struct fixture *f) {
     f->options.irradiance_min_pixels = f->options.radiance_min_pixels = 3.0f;
     f->options.irradiance_max_pixels = f->options.radiance_max_pixels = 20.0f;
     f->g = (struct gather){.scene = &f->scene, .options = &f->options};
-    f->cache = (struct cache){.g = &f->g, .order = 1};
+    f->cache = (struct cache){.g = &f->g, .side[CACHE_RADIANCE].order = 1};
 }
 
 // Makes the cache take over the options.

@@ -31,7 +31,7 @@ static void start(struct fixture *f) {
     f->options = satin_options_default;
     f->options.leak_test = false;
     f->g = (struct gather){.options = &f->options};
-    f->cache = (struct cache){.g = &f->g, .order = ORDER};
+    f->cache = (struct cache){.g = &f->g, .side[CACHE_RADIANCE].order = ORDER};
     cache_tree_init(&f->cache.side[CACHE_IRRADIANCE].tree, v3(-1, -1, -1), v3(1, 1, 1));
     cache_tree_init(&f->cache.side[CACHE_RADIANCE].tree, v3(-1, -1, -1), v3(1, 1, 1));
 }
