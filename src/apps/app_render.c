@@ -200,21 +200,35 @@ static int check_outputs(struct request *r) {
     return status == APP_DONE ? check_format(r) : status;
 }
 
+// The film's statistics, and those of its writing.
+static satin_status write_stats(const struct request *r, const satin_film *film,
+                                const struct stats *written, struct log log) {
+    const char *stats = satin_film_stats(film);
+    if (!stats) return SATIN_OK;
+    char *text = stats_json_append(stats, written);
+    if (!text) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", r->stats);
+    const satin_status status = fileio_write(log, r->stats, text, strlen(text));
+    free(text);
+    return status;
+}
+
 static satin_status write_outputs(const struct request *r, const satin_film *film, int threads,
                                   struct log log) {
-    const char *stats = satin_film_stats(film);
+    struct stats written = {.count = 0};
     satin_status status;
     if (ends_in(r->output, ".png")) {
         status = satin_film_write_png(film, r->output, log.fn, log.user);
     } else {
         struct parallel *pool = parallel_new(threads);
+        if (pool) parallel_begin_part(pool, "write");
         status = film_write_exr(film, r->output, pool, log);
+        if (pool) stats_set_parts(&written, pool);
         parallel_free(pool);
     }
     // What can be written is, whatever became of the others.
     satin_status png = SATIN_OK, json = SATIN_OK;
     if (r->png) png = satin_film_write_png(film, r->png, log.fn, log.user);
-    if (r->stats && stats) json = fileio_write(log, r->stats, stats, strlen(stats));
+    if (r->stats) json = write_stats(r, film, &written, log);
     if (status != SATIN_OK) return status;
     return png != SATIN_OK ? png : json;
 }

@@ -19,11 +19,15 @@ bool array_reserve(void **items, size_t *capacity, size_t count, size_t size) {
     return true;
 }
 
-void *array_new(size_t count, size_t size) {
+void *array_new_unset(size_t count, size_t size) {
     if (size && count > SIZE_MAX / 2 / size) return NULL;
     size_t bytes = (count * size + 63) / 64 * 64;
-    void *items = aligned_alloc(64, bytes ? bytes : 64);
-    return items ? memset(items, 0, bytes ? bytes : 64) : NULL;
+    return aligned_alloc(64, bytes ? bytes : 64);
+}
+
+void *array_new(size_t count, size_t size) {
+    void *items = array_new_unset(count, size);
+    return items ? memset(items, 0, count * size) : NULL;
 }
 
 int array_compare_floats(const void *a, const void *b) {

@@ -13,6 +13,9 @@ bool array_reserve(void **items, size_t *capacity, size_t count, size_t size);
 // `count` zeroed elements of `size` bytes, aligned to 64, to be freed with free(); NULL on overflow
 // or lack of memory.
 void *array_new(size_t count, size_t size);
+// As array_new, but not zeroed: for large arrays that all threads fill, so that the system's work
+// for each new page is done on all of them too.
+void *array_new_unset(size_t count, size_t size);
 
 // For qsort of floats, none of them NaN, in ascending order.
 int array_compare_floats(const void *a, const void *b);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A thread pool on pthreads: workers sleep between loops and take chunks from an atomic counter.
+// The CPU time of every chunk is measured, by a call of about .2 us, and from the times of a loop's
+// chunks the time that many threads would take: a list schedule, as they too take chunks in order.
 #include "base/parallel.h"
 
 #include <pthread.h>
@@ -7,12 +9,18 @@
 #include <stdatomic.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 #if defined(__SSE__)
 #include <xmmintrin.h>
 #endif
 
-enum { THREADS_MAX = 1024 };
+#include "base/stats.h"
+
+enum {
+    THREADS_MAX = 1024,
+    CHUNKS_NOTED = 4096  // chunks of a loop whose times are noted; more are even enough
+};
 
 struct parallel {
     int threads;
@@ -32,6 +40,12 @@ struct parallel {
     atomic_bool cancelled;
     parallel_progress_fn progress;
     void *progress_user;
+
+    double *worker_spent;       // CPU seconds of the workers in the loop under way
+    float spent[CHUNKS_NOTED];  // and of its first chunks
+    struct parallel_part part[PARALLEL_PARTS];
+    int parts, current;  // of `part`
+    double wall, cpu;    // clocks up to which the current part is accounted for
 };
 
 // Denormals cost hundreds of cycles each and Embree asks for FTZ and DAZ on every thread that
@@ -54,15 +68,25 @@ bool parallel_cancelled(struct parallel *pool, int worker) {
 
 bool parallel_stopped(const struct parallel *pool) { return atomic_load(&pool->cancelled); }
 
+static size_t noted_chunks(const struct parallel *pool) {
+    return pool->chunks < CHUNKS_NOTED ? pool->chunks : CHUNKS_NOTED;
+}
+
 static void run_chunks(struct parallel *pool, int worker) {
+    double sum = 0.0, before = stats_thread();
     while (!parallel_cancelled(pool, worker)) {
         size_t chunk = atomic_fetch_add(&pool->next_chunk, 1);
-        if (chunk >= pool->chunks) return;
+        if (chunk >= pool->chunks) break;
         size_t begin = chunk * pool->chunk_size;
         size_t end = pool->n - begin > pool->chunk_size ? begin + pool->chunk_size : pool->n;
         pool->fn(pool->ctx, begin, end, worker);
         atomic_fetch_add(&pool->finished, 1);
+        const double after = stats_thread();
+        if (chunk < CHUNKS_NOTED) pool->spent[chunk] = (float)(after - before);
+        sum += after - before;
+        before = after;
     }
+    pool->worker_spent[worker] = sum;
 }
 
 static void *helper_main(void *arg) {
@@ -107,8 +131,13 @@ struct parallel *parallel_new(int threads) {
     pthread_cond_init(&pool->wake, NULL);
     pthread_cond_init(&pool->done, NULL);
     flush_denormals();
+    pool->parts = 1;
+    pool->part[0].name = "other";
+    pool->wall = stats_wall();
+    pool->cpu = stats_thread();
     pool->helpers = calloc((size_t)threads, sizeof *pool->helpers);
-    if (!pool->helpers) {
+    pool->worker_spent = calloc((size_t)threads, sizeof *pool->worker_spent);
+    if (!pool->helpers || !pool->worker_spent) {
         parallel_free(pool);
         return NULL;
     }
@@ -133,6 +162,7 @@ void parallel_free(struct parallel *pool) {
     pthread_cond_destroy(&pool->wake);
     pthread_mutex_destroy(&pool->mutex);
     free(pool->helpers);
+    free(pool->worker_spent);
     free(pool);
 }
 
@@ -143,8 +173,73 @@ void parallel_set_progress(struct parallel *pool, parallel_progress_fn fn, void 
     pool->progress_user = user;
 }
 
+// ---- Parts ------------------------------------------------------------------------------------
+
+// Adds what the calling thread did since the last call to the current part.
+static void account_serial(struct parallel *pool) {
+    struct parallel_part *part = &pool->part[pool->current];
+    const double wall = stats_wall(), cpu = stats_thread();
+    part->wall_s += wall - pool->wall;
+    if (cpu > pool->cpu) part->serial_s += cpu - pool->cpu;  // else it is another thread
+    pool->wall = wall;
+    pool->cpu = cpu;
+}
+
+// Seconds that PARALLEL_MODEL threads take for chunks of these times, of which each is taken in
+// order by the thread that is free first.
+static double schedule(const float *spent, size_t chunks) {
+    double busy[PARALLEL_MODEL] = {0.0}, last = 0.0;
+    for (size_t i = 0; i < chunks; i++) {
+        int first = 0;
+        for (int k = 1; k < PARALLEL_MODEL; k++)
+            if (busy[k] < busy[first]) first = k;
+        busy[first] += (double)spent[i];
+        if (busy[first] > last) last = busy[first];
+    }
+    return last;
+}
+
+// Adds the loop that has ended.
+static void account_loop(struct parallel *pool) {
+    struct parallel_part *part = &pool->part[pool->current];
+    const size_t noted = noted_chunks(pool);
+    double sum = 0.0, noted_sum = 0.0;
+    for (int i = 0; i < pool->threads; i++) {
+        sum += pool->worker_spent[i];
+        pool->worker_spent[i] = 0.0;
+    }
+    for (size_t i = 0; i < noted; i++) noted_sum += (double)pool->spent[i];
+    part->parallel_s += sum;
+    part->uneven_s += schedule(pool->spent, noted) - noted_sum / PARALLEL_MODEL;
+    part->loops += pool->chunks > 1;
+    const double wall = stats_wall();
+    part->wall_s += wall - pool->wall;
+    pool->wall = wall;
+    pool->cpu = stats_thread();
+}
+
+const char *parallel_begin_part(struct parallel *pool, const char *name) {
+    const char *before = pool->part[pool->current].name;
+    account_serial(pool);
+    int i = 0;
+    while (i < pool->parts && strcmp(pool->part[i].name, name) != 0) i++;
+    if (i == PARALLEL_PARTS) i = 0;
+    if (i == pool->parts) pool->part[pool->parts++].name = name;
+    pool->current = i;
+    return before;
+}
+
+const struct parallel_part *parallel_parts(struct parallel *pool, int *count) {
+    account_serial(pool);
+    *count = pool->parts;
+    return pool->part;
+}
+
+// ---- Loops ------------------------------------------------------------------------------------
+
 bool parallel_for(struct parallel *pool, size_t n, size_t chunk_size, parallel_fn fn, void *ctx) {
     if (n == 0) return true;
+    account_serial(pool);
     pool->fn = fn;
     pool->ctx = ctx;
     pool->n = n;
@@ -153,6 +248,7 @@ bool parallel_for(struct parallel *pool, size_t n, size_t chunk_size, parallel_f
     atomic_store(&pool->next_chunk, 0);
     atomic_store(&pool->finished, 0);
     atomic_store(&pool->cancelled, false);
+    memset(pool->spent, 0, noted_chunks(pool) * sizeof *pool->spent);
     if (pool->chunks > 1 && pool->started > 0) {
         pthread_mutex_lock(&pool->mutex);
         pool->busy = pool->started;
@@ -166,5 +262,6 @@ bool parallel_for(struct parallel *pool, size_t n, size_t chunk_size, parallel_f
     } else {
         run_chunks(pool, 0);
     }
+    account_loop(pool);
     return !atomic_load(&pool->cancelled);
 }

@@ -39,4 +39,27 @@ bool parallel_cancelled(struct parallel *pool, int worker);
 // Whether that was found, without calling anything.
 bool parallel_stopped(const struct parallel *pool);
 
+// ---- Where the CPU time goes ------------------------------------------------------------------
+
+// A part of the work that a pool does: CPU seconds, which other processes on the machine do not
+// change, so that they say what runs on one thread and what on all.
+struct parallel_part {
+    const char *name;   // static storage
+    double wall_s;      // wall time
+    double serial_s;    // of the thread that calls parallel_for, outside of loops
+    double parallel_s;  // in loops, of all threads
+    double uneven_s;    // by which PARALLEL_MODEL threads take longer than parallel_s /
+                        // PARALLEL_MODEL, as chunks differ; see parallel_for
+    double loops;       // of more than one chunk
+};
+enum { PARALLEL_PARTS = 32, PARALLEL_MODEL = 64 };
+
+// What follows is accounted for as part `name` (static storage), until the next call; returns the
+// name of the part before, with which a nested part ends. To be called by the thread that calls
+// parallel_for, outside of loops. A pool begins with the part "other", which also takes what more
+// than PARALLEL_PARTS names would need.
+const char *parallel_begin_part(struct parallel *pool, const char *name);
+// The parts so far, in the order of their beginning; *count of them, owned by the pool.
+const struct parallel_part *parallel_parts(struct parallel *pool, int *count);
+
 #endif

@@ -9,12 +9,15 @@
 #include <sys/resource.h>
 #include <time.h>
 
+#include "base/parallel.h"
+
 static struct stats_entry *find_entry(struct stats *stats, const char *name) {
     for (int i = 0; i < stats->count; i++)
         if (strcmp(stats->entry[i].name, name) == 0) return &stats->entry[i];
     if (stats->count == STATS_ENTRIES) return NULL;
     struct stats_entry *entry = &stats->entry[stats->count++];
-    *entry = (struct stats_entry){name, 0.0};
+    snprintf(entry->name, sizeof entry->name, "%s", name);
+    entry->value = 0.0;
     return entry;
 }
 
@@ -42,6 +45,47 @@ static double seconds(clockid_t clock) {
 
 double stats_wall(void) { return seconds(CLOCK_MONOTONIC); }
 double stats_cpu(void) { return seconds(CLOCK_PROCESS_CPUTIME_ID); }
+double stats_thread(void) { return seconds(CLOCK_THREAD_CPUTIME_ID); }
+
+struct stats_span stats_span_begin(void) {
+    return (struct stats_span){stats_wall(), stats_thread(), stats_cpu()};
+}
+
+struct stats_span stats_span_since(struct stats_span begin) {
+    const struct stats_span now = stats_span_begin();
+    return (struct stats_span){now.wall_s - begin.wall_s, now.thread_s - begin.thread_s,
+                               now.process_s - begin.process_s};
+}
+
+static void set_part(struct stats *stats, const struct parallel_part *part) {
+    const struct {
+        const char *quantity;
+        double value;
+    } entry[] = {{"wall_s", part->wall_s},
+                 {"serial_s", part->serial_s},
+                 {"parallel_s", part->parallel_s},
+                 {"uneven_s", part->uneven_s},
+                 {"loops", part->loops}};
+    for (size_t i = 0; i < sizeof entry / sizeof *entry; i++) {
+        char name[STATS_NAME];
+        snprintf(name, sizeof name, "parts.%s.%s", part->name, entry[i].quantity);
+        stats_set(stats, name, entry[i].value);
+    }
+}
+
+void stats_set_parts(struct stats *stats, struct parallel *pool) {
+    int count;
+    const struct parallel_part *part = parallel_parts(pool, &count);
+    for (int i = 0; i < count; i++) set_part(stats, &part[i]);
+}
+
+void stats_set_span(struct stats *stats, const char *name, struct stats_span span) {
+    set_part(stats,
+             &(struct parallel_part){.name = name,
+                                     .wall_s = span.wall_s,
+                                     .serial_s = span.thread_s,
+                                     .parallel_s = fmax(span.process_s - span.thread_s, 0.0)});
+}
 
 double stats_peak_memory(void) {
     struct rusage usage;
@@ -66,5 +110,21 @@ char *stats_json(const struct stats *stats) {
             used += (size_t)snprintf(text + used, bytes - used, "%.9g", v);
     }
     snprintf(text + used, bytes - used, "\n}\n");
+    return text;
+}
+
+char *stats_json_append(const char *json, const struct stats *stats) {
+    char *more = stats_json(stats);
+    const char *end = strrchr(json, '}');
+    const size_t kept = end ? (size_t)(end - json) : 0;
+    char *text = more ? malloc(kept + strlen(more) + 1) : NULL;
+    if (text && kept > 1) {
+        memcpy(text, json, kept);
+        text[kept - 1] = ',';  // the newline before the brace
+        strcpy(text + kept, more + 1);
+    } else if (text) {  // not one of stats_json
+        strcpy(text, more);
+    }
+    free(more);
     return text;
 }

@@ -182,7 +182,9 @@ satin_status cache_converge(struct cache *cache, enum cache_kind kind,
     if (c.site && c.point) {
         for (size_t i = 0; i < fill->count; i++)
             if (fill->site[i].wants >> kind & 1u) c.site[c.count++] = &fill->site[i];
+        const char *part = parallel_begin_part(cache->pool, "converge");
         status = c.count ? converge(&c) : SATIN_OK;
+        parallel_begin_part(cache->pool, part);
     }
     free(c.site);
     free(c.point);

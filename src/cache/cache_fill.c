@@ -300,6 +300,7 @@ satin_status cache_fill(struct cache *cache, enum cache_kind kind, const struct 
     satin_status status = SATIN_ERROR_MEMORY;
     struct batch *b = calloc(1, sizeof *b);
     if (!b) return status;
+    const char *part = parallel_begin_part(cache->pool, "insert");
     b->cache = cache;
     b->fill = fill;
     b->kind = kind;
@@ -314,8 +315,12 @@ satin_status cache_fill(struct cache *cache, enum cache_kind kind, const struct 
     for (size_t i = 0; i < fill->count && status == SATIN_OK; i++)
         if (fill->site[i].wants >> kind & 1u) b->waiting[b->last++] = &fill->site[i];
     while (b->next < b->last && status == SATIN_OK) {
-        if (!choose_batch(b) || !parallel_for(cache->pool, (size_t)b->count, 1, gather_jobs, b))
-            status = SATIN_CANCELLED;
+        parallel_begin_part(cache->pool, "choose");
+        bool whole = choose_batch(b);
+        parallel_begin_part(cache->pool, "gather");
+        whole = whole && parallel_for(cache->pool, (size_t)b->count, 1, gather_jobs, b);
+        parallel_begin_part(cache->pool, "insert");
+        if (!whole) status = SATIN_CANCELLED;
         for (struct job *job = b->job; job < b->job + b->count && status == SATIN_OK; job++) {
             cache->refused += (uint64_t)job->refused;
             assert(job->refused == 0);
@@ -323,6 +328,7 @@ satin_status cache_fill(struct cache *cache, enum cache_kind kind, const struct 
             if (job->valid && !b->records->insert(b, job)) status = SATIN_ERROR_MEMORY;
         }
     }
+    parallel_begin_part(cache->pool, part);
     free(b->waiting);
     free(b->coefficients);
     free(b->job);

@@ -190,6 +190,7 @@ satin_status satin_scene_load(const char *path, const satin_define *defines, siz
 satin_status satin_scene_load_with(const char *path, const satin_define *defines,
                                    size_t define_count, unsigned flags, satin_log_fn log,
                                    void *log_user, satin_scene **scene) {
+    const struct stats_span begin = stats_span_begin();
     struct load_warnings warnings = {.to = {log, log_user},
                                      .strict = (flags & SATIN_SCENE_STRICT) != 0};
     struct load_state loader = {.log = load_warnings_log(&warnings),
@@ -221,6 +222,7 @@ satin_status satin_scene_load_with(const char *path, const satin_define *defines
     free(loader.image);
     free(loader.group);
     free(loader.attribute);
+    loader.scene->load_span = stats_span_since(begin);
     load_warnings_report(&warnings);
     if (status == SATIN_OK && warnings.failed) status = SATIN_ERROR_INPUT;
     if (status == SATIN_OK)

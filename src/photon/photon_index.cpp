@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The kd-tree of photons: the only file on FLANN, which builds the tree. Its archive interface then
 // hands the nodes over into an array of half their size, over a copy of the rows in the tree's
-// order, and FLANN's memory goes back. The search is FLANN's own, step by step, so it finds the
+// order, and FLANN's memory goes back. Photons that stand along a curve fall into cells first, of
+// which FLANN builds a tree each, on all threads; they are joined below the planes between the
+// cells. The search is FLANN's own, step by step, so it finds the
 // same rows in the same order; but FLANN allocates in every query, and its C functions open a team
 // of threads besides, and a query that can fail would have to be asked for its failure wherever
 // light is looked up. Here nothing is allocated after the tree is built.
@@ -11,6 +13,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include <algorithm>
+#include <atomic>
 #include <climits>
 #include <cmath>
 #include <cstdint>
@@ -18,6 +22,8 @@
 #include <vector>
 
 extern "C" {
+#include "base/array.h"
+#include "photon/photon_curve.h"
 #include "photon/photon_index.h"
 }
 
@@ -35,7 +41,13 @@ static void *malloc_or_throw(size_t bytes) {
 
 namespace {
 
-enum { LEAF_ROWS = 16, COLUMNS_MAX = 6 };
+enum {
+    LEAF_ROWS = 16,
+    COLUMNS_MAX = 6,
+    // At most, where photons stand along a curve: some hundred cells of 200 thousand photons keep
+    // 64 threads busy, and the planes between them cost a query nothing that can be measured.
+    CELL_ROWS = 2048
+};
 
 // Nodes stand in the order in which the tree is written down: first themselves, then their first
 // child with all below it, then the second.
@@ -52,14 +64,27 @@ struct Node {
     };
 };
 
+struct Tree {
+    float low[COLUMNS_MAX], high[COLUMNS_MAX];  // bounds of the rows
+    std::vector<Node> node;
+    std::vector<int> row;  // in the tree's order
+};
+
 }  // namespace
 
 struct photon_index {
     size_t columns;
     float low[COLUMNS_MAX], high[COLUMNS_MAX];  // bounds of the rows
-    std::vector<Node> node;
-    std::vector<int> row;     // in the tree's order
-    std::vector<float> data;  // the same
+    size_t nodes, rows;
+    Node *node;
+    int *row;     // in the tree's order
+    float *data;  // the same
+
+    ~photon_index() {
+        free(node);
+        free(row);
+        free(data);
+    }
 };
 
 namespace {
@@ -86,7 +111,7 @@ struct Squared {
 // leaf.
 class Reader final : public flann::serialization::OutputArchive<Reader> {
    public:
-    explicit Reader(photon_index &index) : index_(index) {}
+    explicit Reader(Tree &tree) : tree_(tree) {}
 
     template <typename T>
     Reader &operator&(const T &value) {
@@ -100,7 +125,7 @@ class Reader final : public flann::serialization::OutputArchive<Reader> {
     }
     Reader &operator&(const flann::Matrix<float> &) { return *this; }
     Reader &operator&(const std::vector<int> &order) {
-        index_.row = order;
+        tree_.row = order;
         return *this;
     }
 
@@ -112,7 +137,7 @@ class Reader final : public flann::serialization::OutputArchive<Reader> {
         if (in_tree()) {
             limit_[limits_++] = value;
         } else {
-            (bounds_ % 2 ? index_.high : index_.low)[bounds_ / 2] = value;
+            (bounds_ % 2 ? tree_.high : tree_.low)[bounds_ / 2] = value;
             bounds_++;
         }
     }
@@ -121,11 +146,11 @@ class Reader final : public flann::serialization::OutputArchive<Reader> {
     }
 
    private:
-    bool in_tree() const { return !index_.row.empty(); }
+    bool in_tree() const { return !tree_.row.empty(); }
 
     void add(bool leaf);
 
-    photon_index &index_;
+    Tree &tree_;
     std::vector<uint32_t> open_;  // nodes whose second child is to come
     int bounds_ = 0, numbers_ = 0, limits_ = 0;
     int number_[3];
@@ -134,9 +159,9 @@ class Reader final : public flann::serialization::OutputArchive<Reader> {
 
 // The node is complete. After a leaf comes the second child of the last node that lacks one.
 void Reader::add(bool leaf) {
-    const uint32_t at = static_cast<uint32_t>(index_.node.size());
-    if (at > 0 && index_.node.back().column < 0) {
-        index_.node[open_.back()].second = at;
+    const uint32_t at = static_cast<uint32_t>(tree_.node.size());
+    if (at > 0 && tree_.node.back().column < 0) {
+        tree_.node[open_.back()].second = at;
         open_.pop_back();
     }
     Node node = {leaf ? -1 : number_[2], 0, {limit_[0]}, {limit_[1]}};
@@ -146,25 +171,132 @@ void Reader::add(bool leaf) {
     } else {
         open_.push_back(at);
     }
-    index_.node.push_back(node);
+    tree_.node.push_back(node);
     numbers_ = limits_ = 0;
 }
 
 template <size_t N>
-void build(photon_index &index, const float *data, size_t rows) {
-    {
-        flann::KDTreeSingleIndex<Squared<N>> tree(
-            flann::Matrix<float>(const_cast<float *>(data), rows, N),
-            flann::KDTreeSingleIndexParams(LEAF_ROWS, false));
-        tree.buildIndex();
-        Reader reader(index);
-        tree.serialize(reader);
+void build_tree(const float *data, size_t rows, Tree &out) {
+    flann::KDTreeSingleIndex<Squared<N>> tree(
+        flann::Matrix<float>(const_cast<float *>(data), rows, N),
+        flann::KDTreeSingleIndexParams(LEAF_ROWS, false));
+    tree.buildIndex();
+    Reader reader(out);
+    tree.serialize(reader);
+}
+
+// A cell of the rows, and where its tree goes.
+struct Cell {
+    size_t begin, end;  // rows
+    size_t first_node;
+    Tree tree;
+};
+
+struct Building {
+    photon_index *index;
+    const float *data;
+    std::vector<Cell> cell;
+    std::atomic<bool> failed;
+};
+
+template <size_t N>
+void build_cells(void *ctx, size_t begin, size_t end, int) {
+    Building &b = *static_cast<Building *>(ctx);
+    try {
+        for (size_t i = begin; i < end; i++) {
+            Cell &cell = b.cell[i];
+            build_tree<N>(b.data + cell.begin * N, cell.end - cell.begin, cell.tree);
+        }
+    } catch (...) {  // lack of memory: FLANN throws nothing else here
+        b.failed = true;
     }
-    index.node.shrink_to_fit();
-    index.data.resize(rows * N);
-    for (size_t i = 0; i < rows; i++)
-        for (size_t k = 0; k < N; k++)
-            index.data[i * N + k] = data[static_cast<size_t>(index.row[i]) * N + k];
+}
+
+// Copies the trees of cells to their places.
+template <size_t N>
+void join_cells(void *ctx, size_t begin, size_t end, int) {
+    Building &b = *static_cast<Building *>(ctx);
+    photon_index &index = *b.index;
+    for (size_t i = begin; i < end; i++) {
+        Cell &cell = b.cell[i];
+        const int shift = static_cast<int>(cell.begin);
+        Node *to = index.node + cell.first_node;
+        for (Node node : cell.tree.node) {
+            if (node.column < 0) {
+                node.begin += shift;
+                node.end += shift;
+            } else {
+                node.second += static_cast<uint32_t>(cell.first_node);
+            }
+            *to++ = node;
+        }
+        size_t at = cell.begin;
+        for (int from : cell.tree.row) {
+            const size_t row = cell.begin + static_cast<size_t>(from);
+            index.row[at] = static_cast<int>(row);
+            for (size_t k = 0; k < N; k++) index.data[at * N + k] = b.data[row * N + k];
+            at++;
+        }
+        cell.tree = Tree();
+    }
+}
+
+struct Box {
+    float low[COLUMNS_MAX], high[COLUMNS_MAX];
+};
+
+// Places for the nodes of the top of the tree, whose cells' trees are there, from top node `at` on;
+// sets the top nodes, and returns the bounds of what is below. *next is the next free node.
+template <size_t N>
+Box place(Building &b, const photon_curve_tree &top, size_t at, size_t *cell, size_t *next) {
+    const photon_curve_node &node = top.node[at];
+    Box box;
+    if (node.column < 0) {
+        Cell &here = b.cell[(*cell)++];
+        here.first_node = *next;
+        *next += here.tree.node.size();
+        std::copy(here.tree.low, here.tree.low + N, box.low);
+        std::copy(here.tree.high, here.tree.high + N, box.high);
+        return box;
+    }
+    Node &out = b.index->node[(*next)++];
+    box = place<N>(b, top, at + 1, cell, next);
+    out.column = node.column;
+    out.low = box.high[node.column];
+    out.second = static_cast<uint32_t>(*next);
+    const Box other = place<N>(b, top, node.second, cell, next);
+    out.high = other.low[node.column];
+    for (size_t k = 0; k < N; k++) {
+        box.low[k] = std::min(box.low[k], other.low[k]);
+        box.high[k] = std::max(box.high[k], other.high[k]);
+    }
+    return box;
+}
+
+template <typename T>
+T *allocate(size_t count) {
+    return static_cast<T *>(array_new_unset(count, sizeof(T)));
+}
+
+// False without memory or if the pool was cancelled.
+template <size_t N>
+bool build(photon_index &index, const float *data, const photon_curve_tree &top,
+           struct parallel *pool) {
+    Building b = {&index, data, {}, {false}};
+    for (size_t i = 0; i < top.count; i++)
+        if (top.node[i].column < 0) b.cell.push_back({top.node[i].begin, top.node[i].end, 0, {}});
+    if (!parallel_for(pool, b.cell.size(), 1, build_cells<N>, &b) || b.failed) return false;
+    index.nodes = top.count - top.cells;
+    for (const Cell &cell : b.cell) index.nodes += cell.tree.node.size();
+    index.node = allocate<Node>(index.nodes);
+    index.row = allocate<int>(index.rows);
+    index.data = allocate<float>(index.rows * N);
+    if (!index.node || !index.row || !index.data) return false;
+    size_t cell = 0, next = 0;
+    const Box box = place<N>(b, top, 0, &cell, &next);
+    std::copy(box.low, box.low + N, index.low);
+    std::copy(box.high, box.high + N, index.high);
+    return parallel_for(pool, b.cell.size(), 1, join_cells<N>, &b);
 }
 
 // The nearest row.
@@ -235,7 +367,7 @@ struct Search {
 template <size_t N, typename Found>
 void visit_leaf(Search<N, Found> &s, const Node &leaf) {
     const float worst = s.found.worst();
-    const float *row = s.index.data.data() + static_cast<size_t>(leaf.begin) * N;
+    const float *row = s.index.data + static_cast<size_t>(leaf.begin) * N;
     for (int i = leaf.begin; i < leaf.end; i++, row += N) {
         float distance2 = 0.0f;
         for (size_t k = 0; k < N; k++) distance2 += square(s.query[k] - row[k]);
@@ -298,29 +430,37 @@ void find(const photon_index &index, const float *query, int k, float far2, int 
 
 }  // namespace
 
-struct photon_index *photon_index_new(const float *data, size_t rows, int columns) {
+struct photon_index *photon_index_new(const float *data, size_t rows, int columns,
+                                      const struct photon_curve *curve, struct parallel *pool) {
     if (rows == 0 || rows > INT_MAX || (columns != 3 && columns != 6)) return nullptr;
     photon_index *index = nullptr;
+    photon_curve_node whole = {-1, 0, 0, rows};
+    photon_curve_tree top = {nullptr, 0, 0}, one = {&whole, 1, 1};
+    bool built = !curve || photon_curve_split(curve, data, static_cast<size_t>(columns), rows,
+                                              CELL_ROWS, &top);
     try {
         index = new photon_index();
         index->columns = static_cast<size_t>(columns);
-        if (columns == 3)
-            build<3>(*index, data, rows);
-        else
-            build<6>(*index, data, rows);
-        return index;
-    } catch (...) {  // lack of memory: FLANN throws nothing else here
-        delete index;
-        return nullptr;
+        index->rows = rows;
+        const photon_curve_tree &above = curve ? top : one;
+        if (built)
+            built = columns == 3 ? build<3>(*index, data, above, pool)
+                                 : build<6>(*index, data, above, pool);
+    } catch (...) {  // lack of memory
+        built = false;
     }
+    free(top.node);
+    if (built) return index;
+    delete index;
+    return nullptr;
 }
 
 void photon_index_free(struct photon_index *index) { delete index; }
 
 size_t photon_index_bytes(const struct photon_index *index) {
     if (!index) return 0;
-    return sizeof *index + index->node.size() * sizeof(Node) + index->row.size() * sizeof(int) +
-           index->data.size() * sizeof(float);
+    return sizeof *index + index->nodes * sizeof(Node) +
+           index->rows * (sizeof(int) + index->columns * sizeof(float));
 }
 
 void photon_index_nearest(const struct photon_index *index, const float *query, size_t count, int k,

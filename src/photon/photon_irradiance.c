@@ -200,11 +200,13 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
         r.refused = atomic_load(&job.refused);
     }
     if (status == SATIN_OK) {
+        parallel_begin_part(pool, "index");
         fill_rows(what, &r);
         r.far2 = far_of(what, &r);
-        r.index = photon_index_new(r.position.row, r.count, 6);
-        if (!r.index) status = SATIN_ERROR_MEMORY;
+        r.index = photon_index_new(r.position.row, r.count, 6, &map->curve, pool);
+        if (!r.index) status = parallel_stopped(pool) ? SATIN_CANCELLED : SATIN_ERROR_MEMORY;
     }
+    parallel_begin_part(pool, "smooth");
     if (status == SATIN_OK && what->smooth) status = photon_smooth(what, pool, &r);
     if (status == SATIN_ERROR_MEMORY) log_fail(log, status, "not enough memory for irradiance");
     if (status != SATIN_OK)

@@ -7,74 +7,68 @@
 
 #include "base/array.h"
 
-// ---- Morton order -----------------------------------------------------------------------------
+enum { CHUNK = 4096 };  // photons
 
-struct keyed {
-    uint32_t key, item;
+struct building {
+    struct photon_map *map;
+    const struct photon_hit *hit;
+    struct photon_curve curve;
+    struct photon_keyed *key;
 };
 
-static uint32_t spread_bits(uint32_t x) {  // 10 bits to every third of 30
-    x = (x | x << 16) & 0x030000ffu;
-    x = (x | x << 8) & 0x0300f00fu;
-    x = (x | x << 4) & 0x030c30c3u;
-    return (x | x << 2) & 0x09249249u;
+static void find_keys(void *ctx, size_t begin, size_t end, int worker) {
+    const struct building *b = ctx;
+    (void)worker;
+    for (size_t i = begin; i < end; i++)
+        b->key[i] = (struct photon_keyed){photon_curve_key(&b->curve, b->hit[i].p), (uint32_t)i};
 }
 
-static uint32_t morton_key(vec3 p, vec3 lo, float scale) {
-    vec3 q = v3_mul(v3_sub(p, lo), scale);
-    return spread_bits((uint32_t)clampf(q.x, 0.0f, 1023.0f)) |
-           spread_bits((uint32_t)clampf(q.y, 0.0f, 1023.0f)) << 1 |
-           spread_bits((uint32_t)clampf(q.z, 0.0f, 1023.0f)) << 2;
-}
-
-// Stable radix sort by key, 10 bits at a time; an even or odd number of passes ends in `a` or `b`.
-static struct keyed *sort_keyed(struct keyed *a, struct keyed *b, size_t n) {
-    for (int shift = 0; shift < 30; shift += 10) {
-        size_t start[1025] = {0};
-        for (size_t i = 0; i < n; i++) start[(a[i].key >> shift & 1023u) + 1]++;
-        for (int d = 0; d < 1024; d++) start[d + 1] += start[d];
-        for (size_t i = 0; i < n; i++) b[start[a[i].key >> shift & 1023u]++] = a[i];
-        struct keyed *swap = a;
-        a = b;
-        b = swap;
-    }
-    return a;
-}
-
-// ---- The map ----------------------------------------------------------------------------------
-
-static void fill_photons(struct photon_map *map, const struct photon_hit *hit,
-                         const struct keyed *order) {
-    for (size_t i = 0; i < map->count; i++) {
-        const struct photon_hit *h = &hit[order[i].item];
-        float *p = map->position + 3 * i;
+static void fill_photons(void *ctx, size_t begin, size_t end, int worker) {
+    const struct building *b = ctx;
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        const struct photon_hit *h = &b->hit[b->key[i].item];
+        float *p = b->map->position + 3 * i;
         p[0] = h->p.x;
         p[1] = h->p.y;
         p[2] = h->p.z;
-        map->photon[i] = (struct photon){h->power, h->wi, h->n};
+        b->map->photon[i] = (struct photon){h->power, h->wi, h->n};
     }
 }
 
+// Copies the hits into the map's arrays in the order of the curve; false without memory or if the
+// pool was cancelled.
+static bool sort_photons(struct building *b, struct parallel *pool) {
+    const size_t count = b->map->count;
+    struct photon_keyed *key = array_new_unset(2 * count, sizeof *key);
+    b->key = key;
+    bool sorted = key && parallel_for(pool, count, CHUNK, find_keys, b);
+    if (sorted) b->key = photon_curve_sort(key, key + count, count, pool);
+    sorted = sorted && b->key && parallel_for(pool, count, CHUNK, fill_photons, b);
+    free(key);
+    return sorted;
+}
+
 satin_status photon_map_build(const struct satin_scene *scene, const struct photon_hit *hit,
-                              size_t count, struct log log, struct photon_map *out) {
-    struct photon_map map = {.count = count, .radius_max = 0.1f * scene->radius};
+                              size_t count, struct parallel *pool, struct log log,
+                              struct photon_map *out) {
+    struct photon_map map = {.count = count,
+                             .radius_max = 0.1f * scene->radius,
+                             .curve = {scene->bounds_lo, 512.0f / scene->radius}};
     if (count == 0) {
         *out = map;
         return SATIN_OK;
     }
-    struct keyed *key = array_new(2 * count, sizeof *key);
-    map.position = array_new(3 * count, sizeof *map.position);
-    map.photon = array_new(count, sizeof *map.photon);
-    if (key && map.position && map.photon) {
-        float scale = 512.0f / scene->radius;
-        for (size_t i = 0; i < count; i++)
-            key[i] = (struct keyed){morton_key(hit[i].p, scene->bounds_lo, scale), (uint32_t)i};
-        fill_photons(&map, hit, sort_keyed(key, key + count, count));
-        map.index = photon_index_new(map.position, count, 3);
+    map.position = array_new_unset(3 * count, sizeof *map.position);
+    map.photon = array_new_unset(count, sizeof *map.photon);
+    struct building b = {.map = &map, .hit = hit, .curve = map.curve};
+    if (map.position && map.photon && sort_photons(&b, pool)) {
+        parallel_begin_part(pool, "index");
+        map.index = photon_index_new(map.position, count, 3, &map.curve, pool);
     }
-    free(key);
     if (!map.index) {
         photon_map_free(&map);
+        if (parallel_stopped(pool)) return SATIN_CANCELLED;
         return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for the photon map");
     }
     *out = map;

@@ -4,6 +4,7 @@
 #define PHOTON_MAP_H
 
 #include "photon/photon.h"
+#include "photon/photon_curve.h"
 #include "photon/photon_index.h"
 
 enum {
@@ -75,16 +76,18 @@ struct photon_map {
     struct photon_index *index;
     uint8_t *open;  // every stride-th photon: nothing cuts its disc
     size_t stride;
-    float radius_max;  // of an estimate
+    float radius_max;           // of an estimate
+    struct photon_curve curve;  // along which the photons are sorted
 };
 // The bound of an estimate's squared radius.
 static inline float photon_map_far2(const struct photon_map *map) {
     return map->radius_max * map->radius_max;
 }
 
-// Makes a map of copies of the hits; an empty one of none. SATIN_ERROR_MEMORY.
+// Makes a map of copies of the hits; an empty one of none. SATIN_CANCELLED or SATIN_ERROR_MEMORY.
 satin_status photon_map_build(const struct satin_scene *scene, const struct photon_hit *hit,
-                              size_t count, struct log log, struct photon_map *out);
+                              size_t count, struct parallel *pool, struct log log,
+                              struct photon_map *out);
 void photon_map_free(struct photon_map *map);
 size_t photon_map_bytes(const struct photon_map *map);
 

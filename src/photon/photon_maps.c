@@ -48,10 +48,12 @@ static satin_status trace_into(const struct photon_pass *pass, const struct phot
                                struct photon_map *map,
                                struct photon_trace trace[PHOTON_CONSUMERS]) {
     double start = stats_wall();
+    parallel_begin_part(pass->pool, "trace");
     satin_status status = photon_trace_run(tracing, pass->pool, pass->log, trace);
     if (status != SATIN_OK) return status;
     double traced = stats_wall();
-    status = photon_map_build(pass->scene, trace->hit, trace->count, pass->log, map);
+    parallel_begin_part(pass->pool, "sort");
+    status = photon_map_build(pass->scene, trace->hit, trace->count, pass->pool, pass->log, map);
     stats_add(pass->stats, "photons.emitted", (double)trace->emitted);
     stats_add(pass->stats, "photons.refused", (double)trace->refused);
     stats_add(pass->stats, "photons.stored_direct", (double)trace->stored[PHOTON_DIRECT]);
@@ -74,6 +76,7 @@ static satin_status precompute_map(const struct photon_pass *pass,
                                    const struct photon_precompute *what,
                                    struct photon_irradiance *out) {
     const double start = stats_wall();
+    parallel_begin_part(pass->pool, "estimate");
     satin_status status = photon_irradiance_build(what, pass->pool, pass->log, out);
     stats_add(pass->stats, "photons.precompute_s", stats_wall() - start);
     if (status == SATIN_OK) stats_add(pass->stats, "estimates.refused", (double)out->refused);
@@ -129,6 +132,7 @@ static satin_status trace_global(const struct photon_pass *pass, struct photon_m
     struct photon_trace trace[PHOTON_CONSUMERS] = {0};
     satin_status status = trace_into(pass, &tracing, &maps->global, trace);
     const double start = stats_wall();
+    parallel_begin_part(pass->pool, "clusters");
     if (status == SATIN_OK) status = build_clusters(pass, &trace[1], maps);
     photon_trace_free(&trace[1]);
     *direct = trace[2];
@@ -193,6 +197,7 @@ static satin_status build_caustic(const struct photon_pass *pass, struct photon_
     if (o->caustic_photons <= 0 || o->integrator == SATIN_PHOTONS) return SATIN_OK;
     struct guide_emission *emission = NULL;
     double start = stats_wall();
+    parallel_begin_part(pass->pool, "trace");
     struct guide_emission_request request = {pass->scene, &pass->view, o->seed,
                                              (uint64_t)o->caustic_photons};
     satin_status status = guide_emission_build(&request, pass->pool, pass->log, &emission);

@@ -155,10 +155,10 @@ static satin_status smooth(const struct satin_scene *scene, struct parallel *poo
                            size_t count, rgb *value) {
     satin_status status = SATIN_ERROR_MEMORY;
     rgb *plane = array_new(sites->count, sizeof *plane);
-    sites->index = photon_index_new(sites->position.row, sites->count, 6);
+    sites->index = photon_index_new(sites->position.row, sites->count, 6, NULL, pool);
+    if (plane && (sites->index || parallel_stopped(pool))) status = SATIN_CANCELLED;
     if (!plane || !sites->index) goto end;
     struct photon_fitting fitting = {scene, sites, plane};
-    status = SATIN_CANCELLED;
     if (!parallel_for(pool, sites->count, CHUNK, photon_fit_planes, &fitting)) goto end;
     if (!parallel_for(pool, sites->count, CHUNK, photon_evaluate_planes, &fitting)) goto end;
     memcpy(sites->value, plane, sites->count * sizeof *plane);

@@ -19,6 +19,7 @@ enum {
     CHUNK_PATHS = 2048,    // at least; large passes have
     CHUNKS_MAX = 1 << 16,  // no more chunks than this; then a chunk can take minutes,
     ASK_PATHS = 256,       // and after so many paths asks whether it should go on
+    JOIN_CHUNKS = 4,       // of photons, that are joined at a time
     BOUNCES_MAX = 1000     // ends paths that a mirror with albedo 1 would keep for ever
 };
 
@@ -26,6 +27,7 @@ enum {
 struct kept {
     struct photon_hit *hit;
     size_t count, capacity;
+    size_t first;  // place of the first of them among those of all chunks
     uint64_t stored[PHOTON_CLASSES];
 };
 
@@ -263,20 +265,39 @@ static void trace_photon_paths(void *ctx, size_t begin, size_t end, int worker) 
         atomic_store(&run->failed, true);
 }
 
-// Joins the chunks in their order and gives their memory back on the way.
-static satin_status join(struct run *run, size_t chunks, int consumer, struct photon_trace *out) {
-    size_t count = 0;
-    for (size_t i = 0; i < chunks; i++) count += run->chunk[i].kept[consumer].count;
-    struct photon_trace trace = {.hit = count ? malloc(count * sizeof *trace.hit) : NULL};
-    if (count && !trace.hit) return SATIN_ERROR_MEMORY;
-    for (size_t i = 0; i < chunks; i++) {
-        struct kept *kept = &run->chunk[i].kept[consumer];
-        if (kept->count)
-            memcpy(trace.hit + trace.count, kept->hit, kept->count * sizeof *kept->hit);
-        trace.count += kept->count;
-        for (int c = 0; c < PHOTON_CLASSES; c++) trace.stored[c] += kept->stored[c];
+struct joining {
+    struct run *run;
+    int consumer;
+    struct photon_hit *hit;
+};
+
+// Puts the photons of some chunks to their places and gives their memory back.
+static void copy_chunks(void *ctx, size_t begin, size_t end, int worker) {
+    const struct joining *j = ctx;
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        struct kept *kept = &j->run->chunk[i].kept[j->consumer];
+        if (kept->count) memcpy(j->hit + kept->first, kept->hit, kept->count * sizeof *kept->hit);
         free(kept->hit);
         kept->hit = NULL;
+    }
+}
+
+// Joins the chunks in their order.
+static satin_status join(struct run *run, size_t chunks, int consumer, struct photon_trace *out) {
+    struct photon_trace trace = {.hit = NULL};
+    for (size_t i = 0; i < chunks; i++) {
+        struct kept *kept = &run->chunk[i].kept[consumer];
+        kept->first = trace.count;
+        trace.count += kept->count;
+        for (int c = 0; c < PHOTON_CLASSES; c++) trace.stored[c] += kept->stored[c];
+    }
+    if (trace.count) trace.hit = malloc(trace.count * sizeof *trace.hit);
+    if (trace.count && !trace.hit) return SATIN_ERROR_MEMORY;
+    struct joining joining = {run, consumer, trace.hit};
+    if (!parallel_for(run->pool, chunks, JOIN_CHUNKS, copy_chunks, &joining)) {
+        free(trace.hit);
+        return SATIN_CANCELLED;
     }
     for (uint32_t i = 0; i < run->tracing->scene->light_count; i++)
         trace.emitted += run->paths[consumer][i];

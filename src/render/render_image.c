@@ -137,6 +137,7 @@ static uint32_t even_samples(const struct render *r) {
 // doubles the samples, as far as the time goes.
 static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
     struct render_image *image = r->image;
+    parallel_begin_part(r->pool, "plan");
     const uint64_t pixels = (uint64_t)image->width * (uint64_t)image->height;
     const uint64_t done = image->taken, limit = (uint64_t)r->options.spp * pixels;
     const uint64_t all = limit > done ? limit : done;
@@ -199,6 +200,7 @@ static void note_counts(struct render *r, const struct shade_worker *worker, int
 // After a pass: where more samples are wanted, and how many light samples each takes.
 static void plan_samples(struct image_pass *pass, int workers) {
     struct render *r = pass->r;
+    parallel_begin_part(r->pool, "plan");
     adapt_compare(&r->image->adapt);
     if (r->options.integrator != SATIN_TWO_PASS || !r->options.adaptive) return;
     const struct shade_counts counts = sum_counts(pass->worker, workers);
@@ -207,6 +209,7 @@ static void plan_samples(struct image_pass *pass, int workers) {
 
 static bool run_pass(struct image_pass *pass) {
     const struct render_image *image = pass->r->image;
+    parallel_begin_part(pass->r->pool, "image");
     size_t rows = (size_t)((image->height + TILE - 1) / TILE);
     return parallel_for(pass->r->pool, (size_t)pass->columns * rows, 1, render_tiles, pass);
 }

@@ -22,9 +22,17 @@ static char *options_text(const satin_options *options) {
     return text;
 }
 
+static struct stats_span span_without(struct stats_span a, struct stats_span b) {
+    return (struct stats_span){a.wall_s - b.wall_s, a.thread_s - b.thread_s,
+                               a.process_s - b.process_s};
+}
+
 bool render_metadata(struct render *r, struct satin_film *film) {
     stats_set(&r->stats, "time.total_s", render_elapsed(r));
     stats_set(&r->stats, "memory.peak_bytes", stats_peak_memory());
+    stats_set_span(&r->stats, "load", span_without(r->scene.load_span, r->scene.bvh_span));
+    stats_set_span(&r->stats, "bvh", r->scene.bvh_span);
+    stats_set_parts(&r->stats, r->pool);
     char hash[20];
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)r->scene.hash);
     char *options = options_text(&r->options);

@@ -23,6 +23,7 @@ static bool reads_photons(const satin_options *o) {
 static satin_status build_visibility(struct render *r) {
     if (!r->options.light_guide || r->options.integrator != SATIN_TWO_PASS) return SATIN_OK;
     const double start = stats_wall();
+    parallel_begin_part(r->pool, "visibility");
     satin_status status =
         guide_visibility_build(&r->scene, &r->options, r->pool, &r->first_pass.visibility);
     stats_add(&r->stats, "photons.seen_s", stats_wall() - start);
@@ -131,6 +132,7 @@ satin_status render_direct(struct render *r) {
                       o->gather_shadow;
     if (!read || !r->first_pass.maps) return SATIN_OK;
     const double start = stats_wall();
+    parallel_begin_part(r->pool, "direct");
     satin_status status =
         gather_direct_table_build(&r->second_pass.gather, r->pool, &r->first_pass.direct);
     if (status != SATIN_OK) return status;

@@ -74,6 +74,7 @@ static void pilot_destroy(struct image_pilot *pilot) {
 
 satin_status render_pilot(struct render *r, struct render_pace *pace) {
     struct image_pilot pilot;
+    const char *part = parallel_begin_part(r->pool, "pilot");
     if (!pilot_make(&pilot, r)) {
         pilot_destroy(&pilot);
         return SATIN_ERROR_MEMORY;
@@ -93,5 +94,6 @@ satin_status render_pilot(struct render *r, struct render_pace *pace) {
         pace->indirect2 = mean_square_indirect(&pilot);
     }
     pilot_destroy(&pilot);
+    parallel_begin_part(r->pool, part);
     return whole ? SATIN_OK : SATIN_CANCELLED;
 }

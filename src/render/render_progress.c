@@ -7,15 +7,16 @@ static const double REPORT_EVERY = 0.1;  // seconds
 // What is reported of a stage: its name, the unit of its items, and the statistic of its seconds.
 static const struct stage_report {
     const char *name, *unit, *seconds;
+    const char *part;  // of the work, where a step of the stage names none of its own
 } stage_reports[] = {
-    [STAGE_SETUP] = {"setup", "", NULL},
-    [STAGE_PHOTONS] = {"photons", "photons", "time.photons_s"},
-    [STAGE_TABLES] = {"BRDF tables", "materials", "time.tables_s"},
-    [STAGE_LEVELS] = {"deeper records", "", "time.levels_s"},
-    [STAGE_RECORDS] = {"records", "", "time.records_s"},
-    [STAGE_IMAGE] = {"image", "samples", "time.image_s"},
-    [STAGE_DENOISE] = {"denoising", "pixels", "time.denoise_s"},
-    [STAGE_FILM] = {"film", "", NULL},
+    [STAGE_SETUP] = {"setup", "", NULL, "other"},
+    [STAGE_PHOTONS] = {"photons", "photons", "time.photons_s", "photons"},
+    [STAGE_TABLES] = {"BRDF tables", "materials", "time.tables_s", "tables"},
+    [STAGE_LEVELS] = {"deeper records", "", "time.levels_s", "levels"},
+    [STAGE_RECORDS] = {"records", "", "time.records_s", "records"},
+    [STAGE_IMAGE] = {"image", "samples", "time.image_s", "image"},
+    [STAGE_DENOISE] = {"denoising", "pixels", "time.denoise_s", "denoise"},
+    [STAGE_FILM] = {"film", "", NULL, "film"},
 };
 
 const char *render_stage_name(enum render_stage stage) { return stage_reports[stage].name; }
@@ -58,6 +59,7 @@ void render_stage_begin(struct render *r, enum render_stage stage, double items)
     if (stage_reports[at->stage].seconds)
         stats_add(&r->stats, stage_reports[at->stage].seconds, now - at->stage_start);
     if (at->stage != STAGE_SETUP && !render_cancelled(r)) report_now(r, 1.0);
+    if (r->pool) parallel_begin_part(r->pool, stage_reports[stage].part);
     at->stage = stage;
     at->stage_start = now;
     at->items = items;

@@ -81,6 +81,7 @@ satin_status render_rims(struct render *r, bool *whole) {
     find_rims(&rims);
     const double most = RAYS_MEAN * (double)pixels / (double)(rims.count ? rims.count : 1);
     for (rims.rays = RAYS_MOST; rims.rays > most; rims.rays /= 2) continue;
+    parallel_begin_part(r->pool, "rims");
     *whole = parallel_for(r->pool, rims.rays ? rims.count : 0, CHUNK, trace_rims, &rims);
     stats_set(&r->stats, "image.rim_pixels", (double)rims.count);
     free(rims.pixel);

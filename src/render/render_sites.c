@@ -70,6 +70,7 @@ static bool append_sites(const struct site_search *s, size_t pixels, struct rend
 
 satin_status render_find_sites(struct render *r, const uint32_t *pixel, size_t count, bool adaptive,
                                struct render_sites *sites) {
+    const char *part = parallel_begin_part(r->pool, "sites");
     const size_t most = count < ROUND_PIXELS ? count : ROUND_PIXELS;
     struct site_search s = {.r = r, .adaptive = adaptive};
     s.slot = array_new(most * SITES_PER_PIXEL, sizeof *s.slot);
@@ -86,6 +87,7 @@ satin_status render_find_sites(struct render *r, const uint32_t *pixel, size_t c
     }
     free(s.slot);
     free(s.count);
+    parallel_begin_part(r->pool, part);
     return status;
 }
 

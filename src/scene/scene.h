@@ -14,6 +14,7 @@
 #include "base/mat4.h"
 #include "base/parallel.h"
 #include "base/rng.h"
+#include "base/stats.h"
 #include "brdf/brdf.h"
 #include "satin/scene.h"
 #include "scene/scene_hints.h"
@@ -280,6 +281,7 @@ struct satin_scene {
     uint64_t hash;             // of everything that was read
     uint64_t world;            // the same without how it is looked at: sensor and integrator
     struct fileio_files read;  // every file of which something was read
+    struct stats_span load_span, bvh_span;  // reading it; building the BVH, a part of that
 };
 
 // ---- Rays (scene_trace.c) ---------------------------------------------------------------------

@@ -30,7 +30,8 @@ static bool bounds_of(const struct accel *accel, vec3 *lo, vec3 *hi) {
     return lo->x <= hi->x && lo->y <= hi->y && lo->z <= hi->z;
 }
 
-static satin_status build_trace(struct trace *trace, struct satin_scene *scene, struct log log) {
+static satin_status build_structures(struct trace *trace, struct satin_scene *scene,
+                                     struct log log) {
     trace->group = array_new(scene->group_count, sizeof *trace->group);
     if (!trace->group)
         return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for the ray tracing structure");
@@ -53,6 +54,13 @@ static satin_status build_trace(struct trace *trace, struct satin_scene *scene, 
     }
     return accel_build(trace->device, scene, 0, scene->shape_count, 0, trace->group, log,
                        &trace->top);
+}
+
+static satin_status build_trace(struct trace *trace, struct satin_scene *scene, struct log log) {
+    const struct stats_span begin = stats_span_begin();
+    const satin_status status = build_structures(trace, scene, log);
+    scene->bvh_span = stats_span_since(begin);
+    return status;
 }
 
 static void set_bounds(struct satin_scene *scene, const struct trace *trace) {

@@ -73,10 +73,63 @@ static void cancellation_ends_long_chunks(void **state) {
     }
 }
 
+static void work_for(double seconds) {
+    struct timespec begin, now;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &begin);
+    do clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    while ((double)(now.tv_sec - begin.tv_sec) + 1e-9 * (double)(now.tv_nsec - begin.tv_nsec) <
+           seconds);
+}
+
+// The first of the chunks takes ten times as long as another.
+static void work(void *ctx, size_t begin, size_t end, int worker) {
+    (void)ctx;
+    (void)end;
+    (void)worker;
+    work_for(begin == 0 ? 0.01 : 0.001);
+}
+
+// CPU times do not depend on what else the machine does, but a switch between processes can add to
+// them; they cannot be less.
+static void assert_seconds(double found, double expected) {
+    assert_true(found >= 0.999 * expected);
+    assert_true(found <= expected + 0.01);
+}
+
+static void parts_know_what_is_serial(void **state) {
+    (void)state;
+    for (int threads = 1; threads <= THREADS; threads++) {
+        struct parallel *pool = parallel_new(threads);
+        assert_string_equal(parallel_begin_part(pool, "a"), "other");
+        work_for(0.004);
+        assert_true(parallel_for(pool, 21, 1, work, NULL));
+        assert_string_equal(parallel_begin_part(pool, "b"), "a");
+        assert_true(parallel_for(pool, 1, 1, work, NULL));
+        assert_string_equal(parallel_begin_part(pool, "a"), "b");
+        work_for(0.003);
+        int count;
+        const struct parallel_part *part = parallel_parts(pool, &count);
+        assert_int_equal(count, 3);
+        assert_string_equal(part[1].name, "a");
+        assert_seconds(part[1].serial_s, 0.007);
+        assert_seconds(part[1].parallel_s, 0.030);
+        // 64 threads wait for the long chunk.
+        assert_seconds(part[1].uneven_s, 0.010 - 0.030 / PARALLEL_MODEL);
+        assert_true(part[1].loops == 1.0);
+        assert_seconds(part[2].serial_s, 0.0);
+        assert_seconds(part[2].parallel_s, 0.010);
+        assert_seconds(part[2].uneven_s, 0.010 - 0.010 / PARALLEL_MODEL);
+        assert_true(part[2].loops == 0.0);
+        assert_true(part[1].wall_s >= 0.007 + 0.010);
+        parallel_free(pool);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_item_once),
         cmocka_unit_test(cancellation_ends_long_chunks),
+        cmocka_unit_test(parts_know_what_is_serial),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -28,11 +28,12 @@ static void search_is_exact(void **state) {
     (void)state;
     static float data[ROWS * 6], query[QUERIES * 6], distance2[QUERIES * K];
     static int row[QUERIES * K];
+    struct parallel *pool = parallel_new(1);
     for (int columns = 3; columns <= 6; columns += 3) {
         struct rng rng = rng_make(1, RNG_TEST, (uint64_t)columns);
         for (int i = 0; i < ROWS * columns; i++) data[i] = rng_float(&rng);
         for (int i = 0; i < QUERIES * columns; i++) query[i] = rng_float(&rng) * 1.2f - 0.1f;
-        struct photon_index *index = photon_index_new(data, ROWS, columns);
+        struct photon_index *index = photon_index_new(data, ROWS, columns, NULL, pool);
         assert_non_null(index);
         photon_index_nearest(index, query, QUERIES, K, INFINITY, row, distance2);
         for (int i = 0; i < QUERIES; i++) {
@@ -50,13 +51,15 @@ static void search_is_exact(void **state) {
         }
         photon_index_free(index);
     }
+    parallel_free(pool);
 }
 
 static void few_rows_and_wild_queries(void **state) {
     (void)state;
     const float data[9] = {0, 0, 0, 1, 0, 0, 0, 2, 0};
     const float query[9] = {0.1f, 0, 0, NAN, 0, 0, 0, 2, INFINITY};
-    struct photon_index *index = photon_index_new(data, 3, 3);
+    struct parallel *pool = parallel_new(1);
+    struct photon_index *index = photon_index_new(data, 3, 3, NULL, pool);
     int row[15];
     float distance2[15];
     photon_index_nearest(index, query, 3, 5, INFINITY, row, distance2);
@@ -73,6 +76,7 @@ static void few_rows_and_wild_queries(void **state) {
     assert_int_equal(row[2], -1);
     photon_index_free(index);
     photon_index_free(NULL);
+    parallel_free(pool);
 }
 
 // 16 bits for each of two coordinates: no more than 7e-5 rad.
@@ -109,7 +113,9 @@ static void map_keeps_all_in_order(void **state) {
     }
     struct photon_map map;
     struct log quiet = {0};
-    assert_int_equal(photon_map_build(&t.scene, hit, N, quiet, &map), SATIN_OK);
+    struct parallel *pool = parallel_new(1);
+    assert_int_equal(photon_map_build(&t.scene, hit, N, pool, quiet, &map), SATIN_OK);
+    parallel_free(pool);
     for (size_t i = 0; i < N; i++) {
         found += (double)map.photon[i].power.r * (double)photon_position(&map, i).x;
         if (i) step += sqrt(v3_dist2(photon_position(&map, i), photon_position(&map, i - 1))) / N;

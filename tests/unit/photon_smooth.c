@@ -47,7 +47,7 @@ static void precompute(struct test_scene *t, const struct photon_hit *hit, size_
     const struct log quiet = {0};
     struct parallel *pool = parallel_new(2);
     assert_non_null(pool);
-    assert_int_equal(photon_map_build(&t->scene, hit, count, quiet, map), SATIN_OK);
+    assert_int_equal(photon_map_build(&t->scene, hit, count, pool, quiet, map), SATIN_OK);
     const struct photon_precompute what = {map,  &t->scene, 1,   K, KERNEL_PARABOLA,
                                            true, smooth,    true};
     assert_int_equal(photon_irradiance_build(&what, pool, quiet, out), SATIN_OK);
