@@ -95,9 +95,11 @@ struct guide_photon {
 };
 // Spheres around clusters of photons, where light comes down densely.
 struct guide_clusters;
-// Of photons that stand for all light. *out is NULL if they are too few.
+// Of photons that stand for all light. *out is NULL if they are too few. SATIN_CANCELLED or
+// SATIN_ERROR_MEMORY.
 satin_status guide_clusters_build(const struct satin_scene *scene,
-                                  const struct guide_photon *photon, size_t count, struct log log,
+                                  const struct guide_photon *photon, size_t count,
+                                  struct parallel *pool, struct log log,
                                   struct guide_clusters **out);
 void guide_clusters_free(struct guide_clusters *clusters);  // NULL is allowed
 size_t guide_clusters_bytes(const struct guide_clusters *clusters);

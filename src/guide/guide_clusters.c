@@ -3,6 +3,7 @@
 // of equal numbers, and these are gathered into a hierarchy of spheres that keeps what is bright
 // and small together. guide_cones.c looks at it.
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/array.h"
 #include "base/median_split.h"
@@ -10,7 +11,11 @@
 
 enum {
     LEAF = 32,  // photons of a leaf
-    BINS = 16   // positions where a node may be split along an axis
+    BINS = 16,  // positions where a node may be split along an axis
+    // Work of one thread; what is larger is split level by level, all parts of a level at once.
+    PART = 2048,        // photons
+    PART_LEAVES = 128,  // and leaves
+    CHUNK = 4096
 };
 #define CLEARLY 1.001f  // more than rounding
 
@@ -43,7 +48,8 @@ static struct leaf make_leaf(const struct guide_photon *photon, const struct spl
     return leaf;
 }
 
-// Splits the photons at the median until leaves are left; returns how many.
+// Splits the photons at the median until leaves are left; returns how many. A leaf has LEAF / 2
+// photons at least.
 static size_t make_leaves(const struct guide_photon *photon, struct split_point *point,
                           size_t count, struct leaf *out) {
     if (count <= LEAF) {
@@ -53,6 +59,68 @@ static size_t make_leaves(const struct guide_photon *photon, struct split_point 
     median_split(point, count);
     const size_t left = count / 2, leaves = make_leaves(photon, point, left, out);
     return leaves + make_leaves(photon, point + left, count - left, out + leaves);
+}
+
+// Photons that become leaves on one thread, and these.
+struct part {
+    size_t begin, count;
+    struct leaf *leaf;
+    size_t leaves;
+};
+
+struct building {
+    const struct guide_photon *photon;
+    struct split_point *point;
+    struct part *part;
+    struct leaf *leaf;
+    struct task *task;
+    struct guide_clusters *out;
+};
+
+static void fill_points(void *ctx, size_t begin, size_t end, int worker) {
+    const struct building *b = ctx;
+    (void)worker;
+    for (size_t i = begin; i < end; i++)
+        b->point[i] = (struct split_point){.p = b->photon[i].p, .item = (uint32_t)i};
+}
+
+static void split_parts(void *ctx, size_t begin, size_t end, int worker) {
+    const struct building *b = ctx;
+    (void)worker;
+    for (size_t i = begin; i < end; i++)
+        median_split(b->point + b->part[i].begin, b->part[i].count);
+}
+
+static void make_leaves_of_parts(void *ctx, size_t begin, size_t end, int worker) {
+    const struct building *b = ctx;
+    (void)worker;
+    for (struct part *part = b->part + begin; part < b->part + end; part++)
+        part->leaves = make_leaves(b->photon, b->point + part->begin, part->count, part->leaf);
+}
+
+// make_leaves of all photons, on all threads; `b->leaf` has place for 2 count / LEAF + 1, and
+// `b->part` for 2 count / PART + 1. 0 if the pool was cancelled.
+static size_t make_all_leaves(struct building *b, size_t count, struct parallel *pool) {
+    size_t parts = 1, leaves = 0;
+    b->part[0] = (struct part){.count = count};
+    bool whole = parallel_for(pool, count, CHUNK, fill_points, b);
+    for (; whole && b->part[parts - 1].count > PART; parts *= 2) {  // the largest
+        whole = parallel_for(pool, parts, 1, split_parts, b);
+        for (size_t i = parts; i-- > 0;) {
+            const struct part part = b->part[i];
+            const size_t left = part.count / 2;
+            b->part[2 * i] = (struct part){.begin = part.begin, .count = left};
+            b->part[2 * i + 1] =
+                (struct part){.begin = part.begin + left, .count = part.count - left};
+        }
+    }
+    for (size_t i = 0; i < parts; i++) b->part[i].leaf = b->leaf + 2 * b->part[i].begin / LEAF;
+    if (!whole || !parallel_for(pool, parts, 1, make_leaves_of_parts, b)) return 0;
+    for (size_t i = 0; i < parts; i++) {
+        memmove(b->leaf + leaves, b->part[i].leaf, b->part[i].leaves * sizeof *b->leaf);
+        leaves += b->part[i].leaves;
+    }
+    return leaves;
 }
 
 // ---- The hierarchy ----------------------------------------------------------------------------
@@ -141,48 +209,120 @@ static void bound(const struct leaf *leaf, size_t count, struct guide_cluster *n
             fmaxf(node->radius, sqrtf(v3_dist2(leaf[i].center, node->center)) + leaf[i].radius);
 }
 
-// Appends the nodes of some leaves, whose positions go beside them.
-static void add_nodes(struct guide_clusters *out, struct leaf *leaf, size_t count, size_t *placed) {
-    struct guide_cluster *node = &out->node[out->node_count++];
-    *node = (struct guide_cluster){.first = *placed};
-    bound(leaf, count, node);
-    if (count == 1) {
-        for (size_t i = 0; i < leaf->count; i++) out->position[(*placed)++] = leaf->point[i].p;
-    } else {
-        size_t left = split_leaves(leaf, count);
-        add_nodes(out, leaf, left, placed);
-        node->right = (int32_t)out->node_count;
-        add_nodes(out, leaf + left, count - left, placed);
+// A node and all below it: 2 count - 1 nodes from number `node` on.
+struct task {
+    size_t node;
+    size_t leaf, count;
+    size_t placed;  // points of the leaves before
+    size_t left;    // leaves of the first child, which is the next node; 0: the node is a leaf
+};
+
+static size_t count_points(const struct leaf *leaf, size_t count) {
+    size_t points = 0;
+    for (size_t i = 0; i < count; i++) points += leaf[i].count;
+    return points;
+}
+
+// Makes the node alone.
+static void make_node(const struct building *b, struct task *t) {
+    struct guide_clusters *out = b->out;
+    struct guide_cluster *node = &out->node[t->node];
+    struct leaf *leaf = b->leaf + t->leaf;
+    *node = (struct guide_cluster){.first = t->placed, .count = count_points(leaf, t->count)};
+    bound(leaf, t->count, node);
+    t->left = t->count > 1 ? split_leaves(leaf, t->count) : 0;
+    if (t->left)
+        node->right = (int32_t)(t->node + 2 * t->left);
+    else
+        for (size_t i = 0; i < leaf->count; i++) out->position[t->placed + i] = leaf->point[i].p;
+}
+
+static void children_of(const struct building *b, const struct task *t, struct task child[2]) {
+    child[0] = (struct task){t->node + 1, t->leaf, t->left, t->placed, 0};
+    child[1] = (struct task){t->node + 2 * t->left, t->leaf + t->left, t->count - t->left,
+                             t->placed + count_points(b->leaf + t->leaf, t->left), 0};
+}
+
+static void make_nodes(const struct building *b, struct task *t) {
+    make_node(b, t);
+    if (!t->left) return;
+    struct task child[2];
+    children_of(b, t, child);
+    make_nodes(b, &child[0]);
+    make_nodes(b, &child[1]);
+}
+
+static void run_tasks(void *ctx, size_t begin, size_t end, int worker) {
+    const struct building *b = ctx;
+    (void)worker;
+    for (struct task *t = b->task + begin; t < b->task + end; t++)
+        if (t->count > PART_LEAVES)
+            make_node(b, t);
+        else
+            make_nodes(b, t);
+}
+
+// All nodes, on all threads: large ones level by level. False if the pool was cancelled.
+static bool make_all_nodes(struct building *b, size_t leaves, struct parallel *pool) {
+    struct task *all = b->task;
+    size_t tasks = 1;
+    all[0] = (struct task){.count = leaves};
+    b->out->node_count = 2 * leaves - 1;
+    while (tasks > 0) {
+        if (!parallel_for(pool, tasks, 1, run_tasks, b)) return false;
+        const struct task *done = b->task;
+        struct task *next = b->task + tasks;
+        size_t more = 0;
+        for (size_t i = 0; i < tasks; i++) {
+            if (done[i].count <= PART_LEAVES) continue;
+            children_of(b, &done[i], next + more);
+            more += 2;
+        }
+        b->task = next;
+        tasks = more;
     }
-    node->count = *placed - node->first;
+    b->task = all;
+    return true;
+}
+
+// SATIN_CANCELLED or SATIN_ERROR_MEMORY.
+static satin_status make_tree(struct building *b, size_t count, struct parallel *pool) {
+    const size_t leaves = make_all_leaves(b, count, pool);
+    if (leaves == 0) return SATIN_CANCELLED;
+    b->out->node = array_new(2 * leaves, sizeof *b->out->node);
+    b->out->position = array_new_unset(count, sizeof *b->out->position);
+    b->task = array_new(2 * leaves, sizeof *b->task);
+    satin_status status = SATIN_ERROR_MEMORY;
+    if (b->out->node && b->out->position && b->task)
+        status = make_all_nodes(b, leaves, pool) ? SATIN_OK : SATIN_CANCELLED;
+    free(b->task);
+    return status;
 }
 
 satin_status guide_clusters_build(const struct satin_scene *scene,
-                                  const struct guide_photon *photon, size_t count, struct log log,
+                                  const struct guide_photon *photon, size_t count,
+                                  struct parallel *pool, struct log log,
                                   struct guide_clusters **out) {
     *out = NULL;
     if (count < 2 * LEAF) return SATIN_OK;
     struct guide_clusters *clusters = calloc(1, sizeof *clusters);
-    struct split_point *point = array_new(count, sizeof *point);
-    struct leaf *leaf = array_new(2 * count / LEAF + 1, sizeof *leaf);
-    if (clusters && point && leaf) {
-        for (size_t i = 0; i < count; i++)
-            point[i] = (struct split_point){.p = photon[i].p, .item = (uint32_t)i};
-        const size_t leaves = make_leaves(photon, point, count, leaf);
-        clusters->node = array_new(2 * leaves, sizeof *clusters->node);
-        clusters->position = array_new(count, sizeof *clusters->position);
-        if (clusters->node && clusters->position) {
-            size_t placed = 0;
-            add_nodes(clusters, leaf, leaves, &placed);
-            clusters->spread = clusters->node->power / (4.0f * PI_F * sqrf(scene->radius));
-            *out = clusters;
-        }
+    struct building b = {.photon = photon, .out = clusters};
+    b.point = array_new_unset(count, sizeof *b.point);
+    b.leaf = array_new_unset(2 * count / LEAF + 1, sizeof *b.leaf);
+    b.part = array_new(2 * count / PART + 2, sizeof *b.part);
+    satin_status status = SATIN_ERROR_MEMORY;
+    if (clusters && b.point && b.leaf && b.part) status = make_tree(&b, count, pool);
+    free(b.part);
+    free(b.leaf);
+    free(b.point);
+    if (status == SATIN_OK) {
+        clusters->spread = clusters->node->power / (4.0f * PI_F * sqrf(scene->radius));
+        *out = clusters;
+        return SATIN_OK;
     }
-    free(leaf);
-    free(point);
-    if (*out) return SATIN_OK;
     guide_clusters_free(clusters);
-    return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for photon clusters");
+    if (status == SATIN_CANCELLED) return status;
+    return log_fail(log, status, "not enough memory for photon clusters");
 }
 
 void guide_clusters_free(struct guide_clusters *clusters) {

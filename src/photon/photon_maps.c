@@ -19,7 +19,8 @@ enum {
     CLUSTER_LEAST = 1 << 15,  // paths that look for photon clusters:
     CLUSTER_MOST = 1 << 18,   // a fraction of those of the global map, within bounds
     CLUSTER_DIVISOR = 3,
-    DIRECT_DIVISOR = 2  // paths of the global map whose direct photons are added up
+    CONVERT_CHUNK = 4096,  // photons
+    DIRECT_DIVISOR = 2     // paths of the global map whose direct photons are added up
 };
 
 // What all steps of the first pass need.
@@ -96,18 +97,30 @@ static uint64_t direct_paths(const satin_options *o) {
     return read && o->photons > 0 ? (uint64_t)o->photons / DIRECT_DIVISOR : 0;
 }
 
+struct conversion {
+    const struct photon_hit *hit;
+    struct guide_photon *photon;
+};
+
+static void convert_photons(void *ctx, size_t begin, size_t end, int worker) {
+    const struct conversion *c = ctx;
+    (void)worker;
+    for (size_t i = begin; i < end; i++)
+        c->photon[i] = (struct guide_photon){c->hit[i].p, photon_unpack(c->hit[i].n),
+                                             rgb_luminance(c->hit[i].power)};
+}
+
 // The clusters of the photons that were traced for them.
 static satin_status build_clusters(const struct photon_pass *pass, const struct photon_trace *trace,
                                    struct photon_maps *maps) {
-    struct guide_photon *photon = array_new(trace->count, sizeof *photon);
+    struct guide_photon *photon = array_new_unset(trace->count, sizeof *photon);
     if (!photon)
         return log_fail(pass->log, SATIN_ERROR_MEMORY, "not enough memory for photon clusters");
-    for (size_t i = 0; i < trace->count; i++) {
-        const struct photon_hit *hit = &trace->hit[i];
-        photon[i] = (struct guide_photon){hit->p, photon_unpack(hit->n), rgb_luminance(hit->power)};
-    }
-    satin_status status =
-        guide_clusters_build(pass->scene, photon, trace->count, pass->log, &maps->clusters);
+    struct conversion conversion = {trace->hit, photon};
+    satin_status status = SATIN_CANCELLED;
+    if (parallel_for(pass->pool, trace->count, CONVERT_CHUNK, convert_photons, &conversion))
+        status = guide_clusters_build(pass->scene, photon, trace->count, pass->pool, pass->log,
+                                      &maps->clusters);
     free(photon);
     return status;
 }

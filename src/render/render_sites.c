@@ -16,8 +16,10 @@ struct site_search {
     const struct render *r;
     const uint32_t *pixel;
     bool adaptive;
-    struct cache_site *slot;  // SITES_PER_PIXEL for each pixel of a round
-    uint8_t *count;           // of them that are filled
+    struct cache_site *slot;   // SITES_PER_PIXEL for each pixel of a round
+    uint8_t *count;            // of them that are filled
+    struct cache_site *place;  // where the sites of the round go
+    size_t *first;             // of each pixel, among them
 };
 
 uint32_t *render_grid(const struct render *r, int stride, bool finer, size_t *count) {
@@ -53,19 +55,27 @@ static void find_pixel_sites(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-// Appends the sites of a round of `pixels`, in order.
-static bool append_sites(const struct site_search *s, size_t pixels, struct render_sites *out) {
-    size_t more = 0;
-    for (size_t i = 0; i < pixels; i++) more += s->count[i];
-    if (more == 0) return true;
-    if (!array_reserve((void **)&out->site, &out->capacity, out->count + more, sizeof *out->site))
-        return false;
-    for (size_t i = 0; i < pixels; i++) {
-        memcpy(out->site + out->count, s->slot + i * SITES_PER_PIXEL,
+static void copy_sites(void *ctx, size_t begin, size_t end, int worker) {
+    const struct site_search *s = ctx;
+    (void)worker;
+    for (size_t i = begin; i < end; i++)
+        memcpy(s->place + s->first[i], s->slot + i * SITES_PER_PIXEL,
                s->count[i] * sizeof *s->slot);
-        out->count += s->count[i];
+}
+
+// Appends the sites of a round of `pixels`, in order.
+static satin_status append_sites(struct site_search *s, size_t pixels, struct render_sites *out) {
+    size_t more = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        s->first[i] = more;
+        more += s->count[i];
     }
-    return true;
+    if (more == 0) return SATIN_OK;
+    if (!array_reserve((void **)&out->site, &out->capacity, out->count + more, sizeof *out->site))
+        return SATIN_ERROR_MEMORY;
+    s->place = out->site + out->count;
+    out->count += more;
+    return parallel_for(s->r->pool, pixels, 64, copy_sites, s) ? SATIN_OK : SATIN_CANCELLED;
 }
 
 satin_status render_find_sites(struct render *r, const uint32_t *pixel, size_t count, bool adaptive,
@@ -73,20 +83,22 @@ satin_status render_find_sites(struct render *r, const uint32_t *pixel, size_t c
     const char *part = parallel_begin_part(r->pool, "sites");
     const size_t most = count < ROUND_PIXELS ? count : ROUND_PIXELS;
     struct site_search s = {.r = r, .adaptive = adaptive};
-    s.slot = array_new(most * SITES_PER_PIXEL, sizeof *s.slot);
+    s.slot = array_new_unset(most * SITES_PER_PIXEL, sizeof *s.slot);
     s.count = array_new(most, 1);
-    satin_status status = s.slot && s.count ? SATIN_OK : SATIN_ERROR_MEMORY;
+    s.first = array_new(most, sizeof *s.first);
+    satin_status status = s.slot && s.count && s.first ? SATIN_OK : SATIN_ERROR_MEMORY;
     sites->count = 0;
     for (size_t i = 0; i < count && status == SATIN_OK; i += ROUND_PIXELS) {
         const size_t pixels = count - i < ROUND_PIXELS ? count - i : ROUND_PIXELS;
         s.pixel = pixel + i;
         if (!parallel_for(r->pool, pixels, 64, find_pixel_sites, &s))
             status = SATIN_CANCELLED;
-        else if (!append_sites(&s, pixels, sites))
-            status = SATIN_ERROR_MEMORY;
+        else
+            status = append_sites(&s, pixels, sites);
     }
     free(s.slot);
     free(s.count);
+    free(s.first);
     parallel_begin_part(r->pool, part);
     return status;
 }

@@ -6,7 +6,7 @@
 #include <math.h>
 
 #include "base/sampling.h"
-#include "guide/guide.h"
+#include "guide/guide_clusters.h"
 
 enum { SPREAD = 12000, DENSE = 8000, PHOTONS = SPREAD + DENSE };
 
@@ -46,13 +46,21 @@ static void box(struct test_scene *t, bool shaded) {
     test_scene_finish(t);
 }
 
+static struct guide_clusters *build_of(const struct test_scene *t,
+                                       const struct guide_photon *photon, int threads) {
+    struct guide_clusters *clusters = NULL;
+    struct parallel *pool = parallel_new(threads);
+    assert_int_equal(
+        guide_clusters_build(&t->scene, photon, PHOTONS, pool, (struct log){0}, &clusters),
+        SATIN_OK);
+    parallel_free(pool);
+    return clusters;
+}
+
 static struct guide_clusters *build(const struct test_scene *t, size_t spread) {
     static struct guide_photon photon[PHOTONS];
     shower(photon, spread);
-    struct guide_clusters *clusters = NULL;
-    assert_int_equal(guide_clusters_build(&t->scene, photon, PHOTONS, (struct log){0}, &clusters),
-                     SATIN_OK);
-    return clusters;
+    return build_of(t, photon, 2);
 }
 
 static int look(const struct test_scene *t, struct guide_clusters *clusters, vec3 p, vec3 n,
@@ -127,7 +135,8 @@ static void even_light_has_none(void **state) {
     struct guide_cone cone[GUIDE_CONES];
     assert_int_equal(look(&t, clusters, v3(0.1f, -1, 0.2f), v3(0, 1, 0), cone), 0);
     assert_int_equal(look(&t, NULL, v3(0.1f, -1, 0.2f), v3(0, 1, 0), cone), 0);
-    assert_int_equal(guide_clusters_build(&t.scene, NULL, 0, (struct log){0}, &none), SATIN_OK);
+    assert_int_equal(guide_clusters_build(&t.scene, NULL, 0, NULL, (struct log){0}, &none),
+                     SATIN_OK);
     assert_null(none);
     guide_clusters_free(clusters);
     test_scene_free(&t);
@@ -141,11 +150,9 @@ static void photons_without_area_are_harmless(void **state) {
         shower(photon, SPREAD);
         for (size_t i = SPREAD; i < PHOTONS; i++)
             photon[i].p = v3_add(SPOT, v3(line ? 1e-6f * (float)i : 0.0f, 0.0f, 0.0f));
-        struct guide_clusters *clusters = NULL;
         struct test_scene t;
         box(&t, false);
-        assert_int_equal(
-            guide_clusters_build(&t.scene, photon, PHOTONS, (struct log){0}, &clusters), SATIN_OK);
+        struct guide_clusters *clusters = build_of(&t, photon, 2);
         struct guide_cone cone[GUIDE_CONES];
         int count = look(&t, clusters, v3(0, -1, 0), v3(0, 1, 0), cone);
         for (int c = 0; c < count; c++)
@@ -155,12 +162,61 @@ static void photons_without_area_are_harmless(void **state) {
     }
 }
 
+// A well-formed tree, in which every photon is once, and the same on any number of threads.
+static void same_tree_on_any_threads(void **state) {
+    (void)state;
+    static struct guide_photon photon[PHOTONS];
+    static const int THREADS[] = {1, 2, 3, 8};
+    struct test_scene t;
+    box(&t, false);
+    shower(photon, SPREAD);
+    struct guide_clusters *first = build_of(&t, photon, 1);
+    const size_t nodes = first->node_count;
+    double power = 0.0;
+    size_t points = 0;
+    assert_int_equal(first->node->count, PHOTONS);
+    for (size_t i = 0; i < nodes; i++) {
+        const struct guide_cluster *node = &first->node[i], *right = &first->node[node->right];
+        if (node->right) {
+            assert_true(i + 1 < (size_t)node->right && (size_t)node->right < nodes);
+            assert_int_equal(node[1].first, node->first);
+            assert_int_equal(right->first, node->first + node[1].count);
+            assert_int_equal(node->count, node[1].count + right->count);
+        } else {
+            power += (double)node->power;
+            points += node->count;
+            for (size_t k = 0; k < node->count; k++)
+                assert_true(v3_dist2(first->position[node->first + k], node->center) <=
+                            1.001f * node->radius * node->radius);
+        }
+    }
+    assert_int_equal(points, PHOTONS);
+    assert_true(fabs(power - 1.0) < 1e-4);
+    for (size_t k = 0; k < sizeof THREADS / sizeof *THREADS; k++) {
+        struct guide_clusters *other = build_of(&t, photon, THREADS[k]);
+        assert_int_equal(other->node_count, nodes);
+        for (size_t i = 0; i < nodes; i++) {
+            const struct guide_cluster *a = &first->node[i], *b = &other->node[i];
+            assert_memory_equal(&a->center, &b->center, sizeof a->center);
+            assert_memory_equal(&a->normal, &b->normal, sizeof a->normal);
+            assert_true(a->radius == b->radius && a->power == b->power && a->area == b->area);
+            assert_true(a->dense == b->dense && a->common == b->common && a->right == b->right);
+            assert_true(a->first == b->first && a->count == b->count);
+        }
+        assert_memory_equal(first->position, other->position, PHOTONS * sizeof *first->position);
+        guide_clusters_free(other);
+    }
+    guide_clusters_free(first);
+    test_scene_free(&t);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_spot_is_seen),
         cmocka_unit_test(what_is_hidden_is_not_seen),
         cmocka_unit_test(even_light_has_none),
         cmocka_unit_test(photons_without_area_are_harmless),
+        cmocka_unit_test(same_tree_on_any_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
