@@ -23,9 +23,11 @@ struct job {
     struct gather_irradiance irradiance;
     struct gather_radiance radiance;
     struct cache_residual residual;
+    float *value;  // of a radiance record, from the cache's arena
     struct gather_around around;
-    int refused;  // how many attempts were not valid
-    bool valid;   // whether the last one was
+    struct cache_extent extent;  // before other records limit it
+    int refused;                 // how many attempts were not valid
+    bool valid;                  // whether the last one was
 };
 
 struct batch;
@@ -174,14 +176,41 @@ static struct cache_residual find_residual(const struct batch *b, const struct j
 static bool make_irradiance(const struct batch *b, struct job *job, const struct gathered *from) {
     gather_hemisphere_irradiance(b->cache->g, &from->hemisphere, &job->irradiance);
     if (job->around.deviation > UNSURE) gather_more(b, job, from);
-    return cache_valid_irradiance(&job->irradiance, &job->around);
+    if (!cache_valid_irradiance(&job->irradiance, &job->around)) return false;
+    job->extent = cache_extent_irradiance(b->cache, job->site, &job->around, &job->irradiance);
+    return true;
+}
+
+// Copies coefficients into the layout of cache_radiance_record.
+static void interleave(const struct gather_radiance *from, int n2, float *value) {
+    const float *part[3] = {from->lambda, from->dx, from->dy};
+    for (int k = 0; k < n2; k++)
+        for (int i = 0; i < 3; i++)
+            for (int c = 0; c < 3; c++) value[k * CACHE_LANES + 4 * i + c] = part[i][c * n2 + k];
+    for (int k = 0; k < n2; k++) value[k * CACHE_LANES + 3] = from->noise[k];
 }
 
 static bool make_radiance(const struct batch *b, struct job *job, const struct gathered *from) {
     gather_hemisphere_radiance(b->cache->g, &from->hemisphere, &job->radiance);
     job->residual = find_residual(b, job, &from->hemisphere);
-    return cache_valid_radiance(&job->radiance, b->side->order, &job->around) &&
-           rgb_finite(job->residual.L);
+    if (!cache_valid_radiance(&job->radiance, b->side->order, &job->around) ||
+        !rgb_finite(job->residual.L))
+        return false;
+    job->extent = cache_extent_radiance(b->cache, job->site, &job->around, &job->radiance);
+    interleave(&job->radiance, b->side->order * b->side->order, job->value);
+    return true;
+}
+
+// Memory for the values of a batch's records; false if there is none. Those of a record that stays
+// invalid are not used.
+static bool allocate_values(struct batch *b) {
+    const size_t lanes = (size_t)(b->side->order * b->side->order * CACHE_LANES);
+    if (b->kind != CACHE_RADIANCE) return true;
+    for (struct job *job = b->job; job < b->job + b->count; job++) {
+        job->value = arena_array(&b->cache->radiance_arena, lanes, sizeof *job->value);
+        if (!job->value) return false;
+    }
+    return true;
 }
 
 // Gathers the jobs [begin, end) of a batch. A record that is not finite or out of range is gathered
@@ -254,7 +283,7 @@ static bool insert_irradiance(struct batch *b, struct job *job) {
     if (!array_reserve((void **)&c->irradiance, &c->irradiance_capacity, next + 1,
                        sizeof *c->irradiance))
         return false;
-    struct cache_extent x = cache_extent_irradiance(c, job->site, &job->around, &job->irradiance);
+    struct cache_extent x = job->extent;
     clamp_extent(b->side, job->site, &x);
     c->irradiance[next] =
         (struct cache_irradiance_record){job->irradiance, job->around.deviation, x.room};
@@ -262,27 +291,14 @@ static bool insert_irradiance(struct batch *b, struct job *job) {
     return insert_head(b, job, &x);
 }
 
-// Copies coefficients into the layout of cache_radiance_record.
-static void interleave(const struct gather_radiance *from, int n2, float *value) {
-    const float *part[3] = {from->lambda, from->dx, from->dy};
-    for (int k = 0; k < n2; k++)
-        for (int i = 0; i < 3; i++)
-            for (int c = 0; c < 3; c++) value[k * CACHE_LANES + 4 * i + c] = part[i][c * n2 + k];
-    for (int k = 0; k < n2; k++) value[k * CACHE_LANES + 3] = from->noise[k];
-}
-
 static bool insert_radiance(struct batch *b, struct job *job) {
     struct cache *c = b->cache;
     const size_t next = b->side->tree.head_count;
-    const int n2 = b->side->order * b->side->order;
-    float *value = arena_array(&c->radiance_arena, (size_t)(n2 * CACHE_LANES), sizeof *value);
-    if (!value ||
-        !array_reserve((void **)&c->radiance, &c->radiance_capacity, next + 1, sizeof *c->radiance))
+    if (!array_reserve((void **)&c->radiance, &c->radiance_capacity, next + 1, sizeof *c->radiance))
         return false;
-    struct cache_extent x = cache_extent_radiance(c, job->site, &job->around, &job->radiance);
+    struct cache_extent x = job->extent;
     clamp_extent(b->side, job->site, &x);
-    interleave(&job->radiance, n2, value);
-    c->radiance[next] = (struct cache_radiance_record){job->site->frame, value, x.room,
+    c->radiance[next] = (struct cache_radiance_record){job->site->frame, job->value, x.room,
                                                        job->radiance.rays, job->residual};
     c->rays += job->radiance.rays;
     return insert_head(b, job, &x);
@@ -318,6 +334,8 @@ satin_status cache_fill(struct cache *cache, enum cache_kind kind, const struct 
         parallel_begin_part(cache->pool, "choose");
         bool whole = choose_batch(b);
         parallel_begin_part(cache->pool, "gather");
+        if (whole && !allocate_values(b)) status = SATIN_ERROR_MEMORY;
+        if (status != SATIN_OK) break;
         whole = whole && parallel_for(cache->pool, (size_t)b->count, 1, gather_jobs, b);
         parallel_begin_part(cache->pool, "insert");
         if (!whole) status = SATIN_CANCELLED;
