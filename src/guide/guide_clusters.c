@@ -68,7 +68,7 @@ struct part {
     size_t leaves;
 };
 
-struct building {
+struct tree_building {
     const struct guide_photon *photon;
     struct split_point *point;
     struct part *part;
@@ -78,21 +78,21 @@ struct building {
 };
 
 static void fill_points(void *ctx, size_t begin, size_t end, int worker) {
-    const struct building *b = ctx;
+    const struct tree_building *b = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++)
         b->point[i] = (struct split_point){.p = b->photon[i].p, .item = (uint32_t)i};
 }
 
 static void split_parts(void *ctx, size_t begin, size_t end, int worker) {
-    const struct building *b = ctx;
+    const struct tree_building *b = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++)
         median_split(b->point + b->part[i].begin, b->part[i].count);
 }
 
 static void make_leaves_of_parts(void *ctx, size_t begin, size_t end, int worker) {
-    const struct building *b = ctx;
+    const struct tree_building *b = ctx;
     (void)worker;
     for (struct part *part = b->part + begin; part < b->part + end; part++)
         part->leaves = make_leaves(b->photon, b->point + part->begin, part->count, part->leaf);
@@ -100,7 +100,7 @@ static void make_leaves_of_parts(void *ctx, size_t begin, size_t end, int worker
 
 // make_leaves of all photons, on all threads; `b->leaf` has place for 2 count / LEAF + 1, and
 // `b->part` for 2 count / PART + 1. 0 if the pool was cancelled.
-static size_t make_all_leaves(struct building *b, size_t count, struct parallel *pool) {
+static size_t make_all_leaves(struct tree_building *b, size_t count, struct parallel *pool) {
     size_t parts = 1, leaves = 0;
     b->part[0] = (struct part){.count = count};
     bool whole = parallel_for(pool, count, CHUNK, fill_points, b);
@@ -224,7 +224,7 @@ static size_t count_points(const struct leaf *leaf, size_t count) {
 }
 
 // Makes the node alone.
-static void make_node(const struct building *b, struct task *t) {
+static void make_node(const struct tree_building *b, struct task *t) {
     struct guide_clusters *out = b->out;
     struct guide_cluster *node = &out->node[t->node];
     struct leaf *leaf = b->leaf + t->leaf;
@@ -237,13 +237,13 @@ static void make_node(const struct building *b, struct task *t) {
         for (size_t i = 0; i < leaf->count; i++) out->position[t->placed + i] = leaf->point[i].p;
 }
 
-static void children_of(const struct building *b, const struct task *t, struct task child[2]) {
+static void children_of(const struct tree_building *b, const struct task *t, struct task child[2]) {
     child[0] = (struct task){t->node + 1, t->leaf, t->left, t->placed, 0};
     child[1] = (struct task){t->node + 2 * t->left, t->leaf + t->left, t->count - t->left,
                              t->placed + count_points(b->leaf + t->leaf, t->left), 0};
 }
 
-static void make_nodes(const struct building *b, struct task *t) {
+static void make_nodes(const struct tree_building *b, struct task *t) {
     make_node(b, t);
     if (!t->left) return;
     struct task child[2];
@@ -253,7 +253,7 @@ static void make_nodes(const struct building *b, struct task *t) {
 }
 
 static void run_tasks(void *ctx, size_t begin, size_t end, int worker) {
-    const struct building *b = ctx;
+    const struct tree_building *b = ctx;
     (void)worker;
     for (struct task *t = b->task + begin; t < b->task + end; t++)
         if (t->count > PART_LEAVES)
@@ -263,7 +263,7 @@ static void run_tasks(void *ctx, size_t begin, size_t end, int worker) {
 }
 
 // All nodes, on all threads: large ones level by level. False if the pool was cancelled.
-static bool make_all_nodes(struct building *b, size_t leaves, struct parallel *pool) {
+static bool make_all_nodes(struct tree_building *b, size_t leaves, struct parallel *pool) {
     struct task *all = b->task;
     size_t tasks = 1;
     all[0] = (struct task){.count = leaves};
@@ -286,7 +286,7 @@ static bool make_all_nodes(struct building *b, size_t leaves, struct parallel *p
 }
 
 // SATIN_CANCELLED or SATIN_ERROR_MEMORY.
-static satin_status make_tree(struct building *b, size_t count, struct parallel *pool) {
+static satin_status make_tree(struct tree_building *b, size_t count, struct parallel *pool) {
     const size_t leaves = make_all_leaves(b, count, pool);
     if (leaves == 0) return SATIN_CANCELLED;
     b->out->node = array_new(2 * leaves, sizeof *b->out->node);
@@ -306,7 +306,7 @@ satin_status guide_clusters_build(const struct satin_scene *scene,
     *out = NULL;
     if (count < 2 * LEAF) return SATIN_OK;
     struct guide_clusters *clusters = calloc(1, sizeof *clusters);
-    struct building b = {.photon = photon, .out = clusters};
+    struct tree_building b = {.photon = photon, .out = clusters};
     b.point = array_new_unset(count, sizeof *b.point);
     b.leaf = array_new_unset(2 * count / LEAF + 1, sizeof *b.leaf);
     b.part = array_new(2 * count / PART + 2, sizeof *b.part);

@@ -2,6 +2,7 @@
 // The film of an image: means of the pixels' samples by channel. Where an image was cut short
 // before a pixel had its first sample, it shows a neighbour's. What an integrator does not compute
 // has no channel; a channel that the scene asks for by the name of one of these takes its place.
+#include <stdatomic.h>
 #include <string.h>
 
 #include "render/render_image.h"
@@ -173,28 +174,50 @@ struct satin_film *render_film_new(int width, int height, const struct scene_aov
     return film_new(width, height, name, count);
 }
 
-void render_image_film(struct render *r, bool *any) {
-    const struct render_image *image = r->image;
+struct filming {
+    const struct render_image *image;
     struct planes planes;
     float *aov[AOV_CHANNELS_MAX];
-    for (int i = 0; i < CHANNELS; i++) planes.of[i] = film_channel(image->film, channels[i].name);
-    for (int i = 0; i < image->aovs->count; i++)
-        aov[i] = film_channel(image->film, image->aovs->channel[i].name);
+    atomic_uint_fast64_t samples, dropped, filled;
+};
+
+static void fill_rows_of_film(void *ctx, size_t begin, size_t end, int worker) {
+    struct filming *f = ctx;
+    const struct render_image *image = f->image;
+    const size_t width = (size_t)image->width;
     uint64_t samples = 0, dropped = 0, filled = 0;
-    for (int y = 0; y < image->height; y++)
-        for (int x = 0; x < image->width; x++) {
-            size_t at = (size_t)y * (size_t)image->width + (size_t)x;
-            const struct image_pixel *pixel = &image->pixel[at],
-                                     *source = render_image_source(image, x, y);
-            samples += pixel->samples;
-            dropped += pixel->dropped;
-            filled += source != pixel;
-            put(&planes, CHANNEL_SAMPLES, at, (float)pixel->samples);
-            if (!source) continue;
-            put_pixel(&planes, at, source, image);
-            put_maps(&planes, at, source);
-            if (image->aov) put_aovs(image, aov, at, source);
-        }
+    (void)worker;
+    for (size_t at = begin * width; at < end * width; at++) {
+        const struct image_pixel *pixel = &image->pixel[at],
+                                 *source = render_image_source(image, (int)(at % width),
+                                                               (int)(at / width));
+        samples += pixel->samples;
+        dropped += pixel->dropped;
+        filled += source != pixel;
+        put(&f->planes, CHANNEL_SAMPLES, at, (float)pixel->samples);
+        if (!source) continue;
+        put_pixel(&f->planes, at, source, image);
+        put_maps(&f->planes, at, source);
+        if (image->aov) put_aovs(image, f->aov, at, source);
+    }
+    atomic_fetch_add(&f->samples, samples);
+    atomic_fetch_add(&f->dropped, dropped);
+    atomic_fetch_add(&f->filled, filled);
+}
+
+void render_image_film(struct render *r, bool *any) {
+    const struct render_image *image = r->image;
+    struct filming f = {.image = image};
+    atomic_init(&f.samples, 0);
+    atomic_init(&f.dropped, 0);
+    atomic_init(&f.filled, 0);
+    for (int i = 0; i < CHANNELS; i++) f.planes.of[i] = film_channel(image->film, channels[i].name);
+    for (int i = 0; i < image->aovs->count; i++)
+        f.aov[i] = film_channel(image->film, image->aovs->channel[i].name);
+    // A render that was cancelled has a film, too.
+    parallel_set_progress(r->pool, NULL, NULL);
+    parallel_for(r->pool, (size_t)image->height, 4, fill_rows_of_film, &f);
+    const uint64_t samples = f.samples, dropped = f.dropped, filled = f.filled;
     stats_set(&r->stats, "image.nonfinite", (double)dropped);
     stats_set(&r->stats, "image.filled", (double)filled);
     if (dropped)

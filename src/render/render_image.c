@@ -34,7 +34,8 @@ struct render_image *render_image_new(const struct satin_scene *scene,
     *image =
         (struct render_image){.width = width, .height = height, .aovs = aovs, .coarsest = COARSEST};
     while ((width / image->coarsest) * (height / image->coarsest) > LOOK_MOST) image->coarsest *= 2;
-    image->pixel = array_new(pixels, sizeof *image->pixel);
+    // By calloc, whose pages the system gives to the threads that first use them.
+    image->pixel = calloc(pixels, sizeof *image->pixel);
     image->sums = (size_t)aovs->values * (aovs->moment ? 2 : 1);
     image->aov = array_new(pixels, image->sums * sizeof *image->aov);
     image->film = render_film_new(width, height, aovs, options);
