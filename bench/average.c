@@ -8,7 +8,7 @@
 
 #include "film/film.h"
 
-static void print_message(void *user, satin_log_level level, const char *message) {
+static void print_reason(void *user, satin_log_level level, const char *message) {
     (void)user;
     (void)level;
     fprintf(stderr, "%s\n", message);
@@ -21,7 +21,7 @@ static const char *const variance[] = {"variance.R", "variance.G", "variance.B"}
 // Adds one part's values and squares to the sums kept in `out`'s channels.
 static bool add_part(const char *path, struct satin_film *out, double *square) {
     satin_film *part = NULL;
-    if (satin_film_read(path, print_message, NULL, &part) != SATIN_OK) return false;
+    if (satin_film_read(path, print_reason, NULL, &part) != SATIN_OK) return false;
     size_t n = (size_t)out->width * (size_t)out->height;
     bool ok = part->width == out->width && part->height == out->height;
     for (int c = 0; ok && c < 3; c++) {
@@ -43,7 +43,7 @@ int main(int argc, char **argv) {
         return 2;
     }
     satin_film *first = NULL;
-    if (satin_film_read(argv[2], print_message, NULL, &first) != SATIN_OK) return 1;
+    if (satin_film_read(argv[2], print_reason, NULL, &first) != SATIN_OK) return 1;
     const char *names[] = {color[0],    color[1],    color[2],    variance[0], variance[1],
                            variance[2], emission[0], emission[1], emission[2]};
     struct satin_film *out = film_new(first->width, first->height, names, 9);
@@ -67,7 +67,7 @@ int main(int argc, char **argv) {
             var[i] = (float)fmax(v, 0.0);
         }
     }
-    struct log log = {print_message, NULL};
+    struct log log = {print_reason, NULL};
     satin_status status = film_write_exr(out, argv[1], NULL, log);
     satin_film_free(out);
     free(square);

@@ -9,7 +9,7 @@
 // vectors is compared with the sum over the directions: the rms difference over points and wo
 // relative to the rms of the sum, in per cent. Then two rules for the order, the least one up to 14
 // whose squared error is within 1e-2 for the BRDF [K05 (3.4)], or within 1e-4 for what it reflects
-// of the usual light (src/brdf/brdf_table.c): the share of wo that some order serves, their mean
+// of the usual light (src/brdf/brdf_table.c): the fraction of wo that some order serves, their mean
 // order, and the rms difference among them, each with its own order. At the end, the mean power of
 // light in a coefficient of each band times (l + 1)^3, relative to that of all bands.
 #include <stdio.h>
@@ -43,12 +43,12 @@ struct incident {
 
 static float x[COUNT], y[COUNT], z[COUNT];  // directions, the same at every point
 
-static void print_message(void *user, satin_log_level level, const char *message) {
+static void print_error(void *user, satin_log_level level, const char *message) {
     (void)user;
     if (level == SATIN_LOG_ERROR) fprintf(stderr, "%s\n", message);
 }
 
-static void project(const float *value, float out[BASES][N2]) {
+static void project_light(const float *value, float out[BASES][N2]) {
     for (int basis = 0; basis < BASES; basis++) {
         for (int k = 0; k < N2; k++) out[basis][k] = 0.0f;
         rsh_project(basis ? RSH_SPHERE : RSH_HEMISPHERE, ORDER, COUNT, x, y, z, value, NULL, NULL,
@@ -77,7 +77,7 @@ static bool gather_light(const struct gather *g, float u, float v, struct incide
             out->L[k] = 2.0f * PI_F / COUNT * rgb_luminance(h.ray[i].L);
         }
     }
-    project(out->L, out->lambda);
+    project_light(out->L, out->lambda);
     gather_layout_free(layout);
     gather_scratch_free(scratch);
     return true;
@@ -89,13 +89,13 @@ static bool gather_light(const struct gather *g, float u, float v, struct incide
 enum { RULES = 2 };  // by the BRDF, by what it reflects
 static const double BOUND[RULES] = {1e-2, 1e-4};
 
-struct view {
+struct outgoing {
     float f[COUNT], C[BASES][N2];
     int order[RULES][BASES];  // least one within the bound; 0: none
 };
 
 // The least order whose bands hold all but `bound` of the power, that of band l over (l + 1)^fall.
-static int least_order(const float C[N2], double norm, double fall, double bound) {
+static int least_order_of_error(const float C[N2], double norm, double fall, double bound) {
     double band[ORDER + 1] = {0}, all = 0.0, held = 0.0;
     for (int l = 0, k = 0; l < ORDER; l++)
         for (; k < (l + 1) * (l + 1); k++) band[l] += (double)sqrf(C[k]);
@@ -112,19 +112,19 @@ static int least_order(const float C[N2], double norm, double fall, double bound
     return 0;
 }
 
-static void see(const struct brdf *b, vec3 wo, struct view *out) {
+static void see_light(const struct brdf *b, vec3 wo, struct outgoing *out) {
     double norm = 0.0;
     for (size_t i = 0; i < COUNT; i++) {
         rgb f = brdf_eval(b, wo, v3(x[i], y[i], z[i]), BRDF_GLOSSY);
         out->f[i] = rgb_luminance(f) * z[i];
         norm += 2.0 * (double)PI_F / COUNT * (double)(out->f[i] * out->f[i]);
     }
-    project(out->f, out->C);
+    project_light(out->f, out->C);
     for (int basis = 0; basis < BASES; basis++) {
         for (int k = 0; k < N2; k++) out->C[basis][k] *= 2.0f * PI_F / COUNT;
         for (int rule = 0; rule < RULES; rule++)
             out->order[rule][basis] =
-                least_order(out->C[basis], norm, rule ? 3.0 : 0.0, BOUND[rule]);
+                least_order_of_error(out->C[basis], norm, rule ? 3.0 : 0.0, BOUND[rule]);
     }
 }
 
@@ -136,7 +136,7 @@ struct tally {
     } by[RULES][BASES];
 };
 
-static void note(const struct incident *light, const struct view *view, struct tally *t) {
+static void note(const struct incident *light, const struct outgoing *view, struct tally *t) {
     double exact = 0.0;
     for (size_t i = 0; i < COUNT; i++) exact += (double)(light->L[i] * view->f[i]);
     t->size += exact * exact;
@@ -172,15 +172,15 @@ static void print_row(const char *name, int basis, const struct tally *t) {
     fflush(stdout);
 }
 
-static void measure(const char *name, const struct brdf *b, const struct incident *light,
-                    int points) {
+static void measure_model(const char *name, const struct brdf *b, const struct incident *light,
+                          int points) {
     static const float degrees[POLAR] = {10.0f, 30.0f, 50.0f, 68.0f, 80.0f};
-    static struct view view;
+    static struct outgoing view;
     struct tally t = {0};
     for (int v = 0; v < VIEWS; v++) {
         float theta = degrees[v % POLAR] * PI_F / 180.0f;
         float phi = 2.0f * PI_F * ((float)(v / POLAR) + 0.3f) / AZIMUTHS;
-        see(b, v3(sinf(theta) * cosf(phi), sinf(theta) * sinf(phi), cosf(theta)), &view);
+        see_light(b, v3(sinf(theta) * cosf(phi), sinf(theta) * sinf(phi), cosf(theta)), &view);
         for (int k = 0; k < RULES * BASES; k++) {
             t.by[k / BASES][k % BASES].views += view.order[k / BASES][k % BASES] > 0;
             t.by[k / BASES][k % BASES].order += view.order[k / BASES][k % BASES];
@@ -194,7 +194,7 @@ static void print_light(const struct incident *light, int points) {
     for (int basis = 0; basis < BASES; basis++) {
         printf("%s, power of light times (l + 1)^3:", basis ? "SH" : "HSH");
         for (int l = 0; l < ORDER; l++) {
-            double share = 0.0;
+            double sum = 0.0;
             for (int p = 0; p < points; p++) {
                 double band = 0.0, all = 0.0;
                 for (int k = 0; k < N2; k++) {
@@ -202,20 +202,20 @@ static void print_light(const struct incident *light, int points) {
                     all += power;
                     if (k >= l * l && k < (l + 1) * (l + 1)) band += power / (2 * l + 1);
                 }
-                share += band / all / points;
+                sum += band / all / points;
             }
-            printf(" %.2f", share * pow(l + 1.0, 3.0));
+            printf(" %.2f", sum * pow(l + 1.0, 3.0));
         }
         printf("\n");
     }
 }
 
-struct named {
+struct named_model {
     const char *name, *model;
     float exponent, alpha_u, alpha_v;
 };
 
-static const struct named BRDFS[] = {
+static const struct named_model BRDFS[] = {
     {"phong 5", "phong", 5, 0, 0},
     {"phong 22", "phong", 22, 0, 0},
     {"phong 100", "phong", 100, 0, 0},
@@ -228,7 +228,7 @@ static const struct named BRDFS[] = {
     {"lafortune 24, 7, 2", "lafortune", 0, 0, 0},
 };
 
-static bool make(const struct named *n, struct arena *arena, struct brdf *out) {
+static bool make_model(const struct named_model *n, struct arena *arena, struct brdf *out) {
     static const struct brdf_cosine_lobe lobe[] = {{{-1, -1, 1}, 24, {1.5f, 1.45f, 1.35f}},
                                                    {{-0.98f, -0.98f, 1}, 7, {0.3f, 0.29f, 0.27f}},
                                                    {{-0.95f, -0.95f, 0.9f}, 2, {.05f, .05f, .05f}}};
@@ -251,7 +251,7 @@ static bool make(const struct named *n, struct arena *arena, struct brdf *out) {
 // Light at POINTS points of the scene; returns how many were found.
 static int gather_scene(const char *path, uint64_t stream, struct incident *light) {
     satin_scene *scene = NULL;
-    if (satin_scene_load(path, NULL, 0, print_message, NULL, &scene) != SATIN_OK) exit(1);
+    if (satin_scene_load(path, NULL, 0, print_error, NULL, &scene) != SATIN_OK) exit(1);
     satin_options options = satin_options_default;
     options.first_pass = SATIN_FIRST_PATH;
     options.max_depth = 4;
@@ -290,8 +290,8 @@ int main(int argc, char **argv) {
     for (size_t i = 0; i < sizeof BRDFS / sizeof *BRDFS; i++) {
         struct arena arena = {0};
         struct brdf b;
-        if (!make(&BRDFS[i], &arena, &b)) return 1;
-        measure(BRDFS[i].name, &b, light, points);
+        if (!make_model(&BRDFS[i], &arena, &b)) return 1;
+        measure_model(BRDFS[i].name, &b, light, points);
         arena_free(&arena);
     }
     print_light(light, points);

@@ -19,7 +19,7 @@ struct bench {
     vec3 wo[DIRECTIONS], wi[DIRECTIONS];
 };
 
-static float run(const struct bench *n, enum operation op, int i) {
+static float run_model(const struct bench *n, enum operation op, int i) {
     struct brdf_sample s = {0};
     float u = (float)i / DIRECTIONS, c[300];
     switch (op) {
@@ -37,7 +37,7 @@ static float run(const struct bench *n, enum operation op, int i) {
     }
 }
 
-static int ascending(const void *a, const void *b) {
+static int ascending_ns(const void *a, const void *b) {
     double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
 }
@@ -47,10 +47,10 @@ static double median_ns(const struct bench *n, enum operation op, float *sink) {
     for (int round = 0; round < ROUNDS; round++) {
         double start = stats_cpu();
         for (int k = 0; k < REPEATS; k++)
-            for (int i = 0; i < DIRECTIONS; i++) *sink += run(n, op, i);
+            for (int i = 0; i < DIRECTIONS; i++) *sink += run_model(n, op, i);
         ns[round] = (stats_cpu() - start) * 1e9 / (REPEATS * DIRECTIONS);
     }
-    qsort(ns, ROUNDS, sizeof *ns, ascending);
+    qsort(ns, ROUNDS, sizeof *ns, ascending_ns);
     return ns[ROUNDS / 2];
 }
 
@@ -69,7 +69,8 @@ static const struct {
     {"ward", "ward", BRDF_BECKMANN},
 };
 
-static satin_status prepare(struct bench *n, int row, struct arena *arena, struct parallel *pool) {
+static satin_status prepare_model(struct bench *n, int row, struct arena *arena,
+                                  struct parallel *pool) {
     *n = (struct bench){.b = {.model = brdf_find(rows[row].model),
                               .diffuse = {.5f, .4f, .3f},
                               .specular = {.5f, .5f, .4f},
@@ -99,7 +100,7 @@ int main(void) {
     printf("%-24s %6s %6s %6s %6s %6s  [ns]\n", "model", "eval", "pdf", "sample", "albedo",
            "lookup");
     for (int row = 0; n && pool && row < (int)(sizeof rows / sizeof *rows); row++) {
-        if (prepare(n, row, &arena, pool)) return 1;
+        if (prepare_model(n, row, &arena, pool)) return 1;
         printf("%-24s", rows[row].label);
         for (int op = 0; op < OPERATIONS; op++)
             printf(" %6.1f", median_ns(n, (enum operation)op, &sink));

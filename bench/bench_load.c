@@ -22,7 +22,7 @@
 
 enum { ROUNDS = 3, INSTANCES = 1000 };
 
-struct seconds {
+struct cpu_seconds {
     double wall, cpu;
 };
 
@@ -32,12 +32,12 @@ static double clock_read(clockid_t clock) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static struct seconds now(void) {
-    return (struct seconds){clock_read(CLOCK_MONOTONIC), clock_read(CLOCK_PROCESS_CPUTIME_ID)};
+static struct cpu_seconds now(void) {
+    return (struct cpu_seconds){clock_read(CLOCK_MONOTONIC), clock_read(CLOCK_PROCESS_CPUTIME_ID)};
 }
 
-static void take_least(struct seconds start, struct seconds *least) {
-    struct seconds end = now();
+static void take_least(struct cpu_seconds start, struct cpu_seconds *least) {
+    struct cpu_seconds end = now();
     least->wall = fmin(least->wall, end.wall - start.wall);
     least->cpu = fmin(least->cpu, end.cpu - start.cpu);
 }
@@ -96,7 +96,7 @@ static void text_write(const char *path, const char *text) {
 }
 
 // Loads a scene and returns the growth of resident memory [MB].
-static double load(const char *path) {
+static double load_once(const char *path) {
     satin_scene *scene = NULL;
     if (satin_scene_load(path, NULL, 0, NULL, NULL, &scene) != SATIN_OK) exit(1);
     long pages = 0;
@@ -107,14 +107,14 @@ static double load(const char *path) {
     return (double)pages * (double)sysconf(_SC_PAGESIZE) * 1e-6;
 }
 
-// The same in a child, so that nothing is there before.
+// Loads in a child process, whose memory is empty at first.
 static double load_apart(const char *path) {
     int ends[2];
     double size = 0.0;
     if (pipe(ends) != 0) exit(1);
     pid_t child = fork();
     if (child == 0) {
-        size = load(path);
+        size = load_once(path);
         _exit(write(ends[1], &size, sizeof size) == sizeof size ? 0 : 1);
     }
     int status;
@@ -139,11 +139,11 @@ static void compare_times(uint32_t triangles) {
     struct sheet s = sheet_make(triangles);
     sheet_write(&s, "bench_load.ply");
     text_write("bench_load.xml", HEAD MESH "</scene>");
-    struct seconds bytes = {INFINITY, INFINITY}, bare = bytes, whole = bytes;
+    struct cpu_seconds bytes = {INFINITY, INFINITY}, bare = bytes, whole = bytes;
     for (int round = 0; round < ROUNDS; round++) {
         char *data;
         size_t size;
-        struct seconds start = now();
+        struct cpu_seconds start = now();
         if (fileio_read((struct log){0}, (struct log_place){0}, "bench_load.ply", (size_t)1 << 40,
                         &data, &size) != SATIN_OK)
             exit(1);
@@ -153,7 +153,7 @@ static void compare_times(uint32_t triangles) {
         build_bare(&s);
         take_least(start, &bare);
         start = now();
-        load("bench_load.xml");
+        load_once("bench_load.xml");
         take_least(start, &whole);
     }
     printf("%u triangles       wall    processor [s]\n", s.triangles);

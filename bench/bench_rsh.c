@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Times the harmonics on one thread, every instruction set this machine has, next to the peak rate
-// of fused multiply-adds measured in the same run. All cases take turns; a figure is the median of
+// of fused multiply-adds measured in the same run. The cases alternate; a figure is the median of
 // the rounds in nanoseconds per unit named in its row. "least ns" is what the multiply-adds, at the
 // measured peak, or the stores, at 32 bytes per cycle, take alone, whichever is more. A round of a
 // case takes a tenth of a millisecond or more, since reading the clock takes half a microsecond.
@@ -55,7 +55,7 @@ static void run_accumulate(const struct timed *c) {
     c->kernels->accumulate(COUNT, (size_t)(c->order * c->order), matrix, v, result);
 }
 
-static void run_turn(const struct timed *c) {
+static void run_rotation(const struct timed *c) {
     struct rsh_rotation t = {
         (enum rsh_method)c->method, 0.2f, 0.8f, 0.6f, 0.9800666f, 0.1986693f, 0.28f, -0.96f};
     for (int i = 0; i < CALLS; i++)
@@ -63,7 +63,7 @@ static void run_turn(const struct timed *c) {
 }
 
 // Records in structures of arrays, the same vector of them again and again.
-static void run_batch(const struct timed *c) {
+static void run_records(const struct timed *c) {
     struct rsh_rotations t = {.method = (enum rsh_method)c->method};
     size_t width = (size_t)c->kernels->width;
     for (size_t i = 0; i < width; i++) {
@@ -100,8 +100,8 @@ static void run_align(const struct timed *c) {
                              c->limit, coefficients, result);
 }
 
-// What hemispherical alignment by matrices of reprojection would take: two turns about z, and for
-// m >= 0 and m < 0 the matrices of one tabulated angle, or of two to interpolate between.
+// What hemispherical alignment by matrices of reprojection would take: two rotations about z, and
+// for m >= 0 and m < 0 the matrices of one tabulated angle, or of two to interpolate between.
 static void run_tabulated(const struct timed *c) {
     enum { ANGLES = 32, EVEN = 55, ODD = 45, SIZE = EVEN * EVEN + ODD * ODD };
     static float table[(ANGLES + 1) * SIZE];
@@ -156,8 +156,8 @@ static double batch_steps(int n) { return 33.0 * n * (n - 1) / 2.0 + 12.0 * n; }
 
 static double exact_steps(int n) { return n * (2.0 * n * n + 18.0 * n - 14.0); }
 
-static struct timed *add(struct timed *c, const struct rsh_kernels *k,
-                         void (*run)(const struct timed *), const char *what, int order) {
+static struct timed *add_case(struct timed *c, const struct rsh_kernels *k,
+                              void (*run)(const struct timed *), const char *what, int order) {
     *c = (struct timed){.kernels = k, .run = run, .units = 1.0, .order = order, .channels = 1};
     snprintf(c->name, sizeof c->name, "%-8s %-26s", k ? k->name : "best", what);
     return c;
@@ -166,24 +166,25 @@ static struct timed *add(struct timed *c, const struct rsh_kernels *k,
 // What a table of kernels does, of one order.
 static struct timed *add_kernels(struct timed *c, const struct rsh_kernels *k, int n) {
     for (int basis = RSH_SPHERE; basis <= RSH_HEMISPHERE; basis++) {
-        add(c, k, run_eval, basis == RSH_SPHERE ? "evaluate many" : "evaluate many, hemisphere", n);
+        add_case(c, k, run_eval,
+                 basis == RSH_SPHERE ? "evaluate many" : "evaluate many, hemisphere", n);
         c->units = COUNT;
         c->method = basis;
         c->steps = n <= 10 ? eval_steps(basis, n) : 0.0;
         c++->bytes = 4.0 * n * n;
     }
-    add(c, k, run_project, "project rgb", n)->units = COUNT;
+    add_case(c, k, run_project, "project rgb", n)->units = COUNT;
     c->steps = n <= 10 ? project_steps(n) : 0.0;
     c++->flops = 6.0 * n * n * COUNT;
-    add(c, k, run_accumulate, "accumulate rgb", n)->units = COUNT;
+    add_case(c, k, run_accumulate, "accumulate rgb", n)->units = COUNT;
     c++->flops = 6.0 * n * n * COUNT;
-    add(c, k, run_dot, "dot rgb", n)->units = CALLS;
+    add_case(c, k, run_dot, "dot rgb", n)->units = CALLS;
     c++->flops = 6.0 * n * n * CALLS;
-    add(c, k, run_extend, "extend", n)->units = CALLS;
+    add_case(c, k, run_extend, "extend", n)->units = CALLS;
     c++;
     for (int m = RSH_METHOD_TAYLOR_1_5; m <= RSH_METHOD_EXACT; m++) {
         static const char *const what[] = {"batch 1.5th", "batch 2nd", "batch exact"};
-        add(c, k, run_batch, what[m - RSH_METHOD_TAYLOR_1_5], n);
+        add_case(c, k, run_records, what[m - RSH_METHOD_TAYLOR_1_5], n);
         c->units = RECORDS;
         c->method = m;
         c->steps = m == RSH_METHOD_EXACT        ? exact_steps(n)
@@ -194,8 +195,8 @@ static struct timed *add_kernels(struct timed *c, const struct rsh_kernels *k, i
     }
     for (int rgb = 0; rgb < 2; rgb++)
         for (int m = RSH_METHOD_TAYLOR_1_5; m <= RSH_METHOD_EXACT; m++) {
-            static const char *const what[] = {"turn 1.5th", "turn 2nd", "turn exact"};
-            add(c, k, run_turn, what[m - RSH_METHOD_TAYLOR_1_5], n);
+            static const char *const what[] = {"rotate 1.5th", "rotate 2nd", "rotate exact"};
+            add_case(c, k, run_rotation, what[m - RSH_METHOD_TAYLOR_1_5], n);
             c->units = CALLS;
             c->method = m;
             c++->channels = rgb ? 3 : 1;
@@ -207,29 +208,29 @@ static struct timed *add_kernels(struct timed *c, const struct rsh_kernels *k, i
 static struct timed *add_calls(struct timed *c) {
     for (int angles = 1; angles <= 2; angles++)
         for (int channels = 1; channels <= 3; channels += 2) {
-            add(c, rsh_kernels_best(), run_tabulated,
-                angles == 1 ? "tabulated, one angle" : "tabulated, two angles", 10);
+            add_case(c, rsh_kernels_best(), run_tabulated,
+                     angles == 1 ? "tabulated, one angle" : "tabulated, two angles", 10);
             c->units = CALLS;
             c->method = angles;
             c++->channels = channels;
         }
     // A record of three colours, and one with its two derivative vectors.
     for (int channels = 3; channels <= 9; channels += 6) {
-        add(c, NULL, run_align, "align a record", 10)->units = CALLS;
+        add_case(c, NULL, run_align, "align a record", 10)->units = CALLS;
         c->method = RSH_SPHERE;
         c++->channels = channels;
     }
     for (int n = 4; n <= 12; n += 2) {
-        add(c, NULL, run_eval_one, "evaluate one", n)->units = CALLS;
+        add_case(c, NULL, run_eval_one, "evaluate one", n)->units = CALLS;
         c++;
-        add(c, NULL, run_rotate_many, "rotate many", n)->units = RECORDS;
+        add_case(c, NULL, run_rotate_many, "rotate many", n)->units = RECORDS;
         c++->channels = 3;
         for (int rgb = 0; rgb < 2; rgb++)
             for (int form = 0; form < 4; form++) {
                 static const char *const what[] = {"align sphere true", "align sphere fast",
                                                    "align hemisphere true",
                                                    "align hemisphere fast"};
-                add(c, NULL, run_align, what[form], n)->units = CALLS;
+                add_case(c, NULL, run_align, what[form], n)->units = CALLS;
                 c->limit = form % 2 ? 4.0f : 0.0f;
                 c->method = form / 2 ? RSH_HEMISPHERE : RSH_SPHERE;
                 c++->channels = rgb ? 3 : 1;
@@ -242,11 +243,11 @@ static int add_cases(struct timed *cases) {
     struct timed *c = cases;
 #if defined(__x86_64__)
     if (__builtin_cpu_supports("avx512f")) {
-        add(c, NULL, run_peak, "peak fma, 512 bit", 16)->units = COUNT * 16.0;
+        add_case(c, NULL, run_peak, "peak fma, 512 bit", 16)->units = COUNT * 16.0;
         c++->flops = 2.0 * 16 * 16 * COUNT;
     }
     if (__builtin_cpu_supports("avx2")) {
-        add(c, NULL, run_peak, "peak fma, 256 bit", 8)->units = COUNT * 12.0;
+        add_case(c, NULL, run_peak, "peak fma, 256 bit", 8)->units = COUNT * 12.0;
         c++->flops = 2.0 * 8 * 12 * COUNT;
     }
 #endif
@@ -255,7 +256,7 @@ static int add_cases(struct timed *cases) {
     return (int)(add_calls(c) - cases);
 }
 
-static void fill(void) {
+static void fill_randomly(void) {
     for (int i = 0; i < COUNT; i++) {
         float z = ((float)i + 0.5f) / COUNT, phi = 2.4f * (float)i, s = sqrtf(1.0f - z * z);
         directions[0][i] = s * cosf(phi);
@@ -285,7 +286,7 @@ int main(int argc, char **argv) {
     int rounds = argc > 1 ? atoi(argv[1]) : 15, count = add_cases(cases);
     rounds = rounds < 1 ? 1 : rounds > MAX_ROUNDS ? MAX_ROUNDS : rounds;
     double peak = 1.0;
-    fill();
+    fill_randomly();
     for (int i = 0; i < count; i++) {
         cases[i].repeats = 2;  // the first, with cold tables, counts for less
         cases[i].repeats = 1 + (int)(ROUND_NS / (time_case(&cases[i]) * cases[i].units));
@@ -295,7 +296,7 @@ int main(int argc, char **argv) {
     printf("kernels  what                       order channels        ns  GFLOP/s  least ns\n");
     for (int i = 0; i < count; i++) {
         struct timed *c = &cases[i];
-        double ns = median(c->ns, (size_t)rounds);
+        double ns = median_time(c->ns, (size_t)rounds);
         printf("%s %5d %8d %9.2f", c->name, c->order, c->channels, ns);
         // The first case is the peak.
         if (i == 0) peak = c->flops / (ns * c->units);

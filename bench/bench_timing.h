@@ -18,7 +18,7 @@ static inline int ascending(const void *a, const void *b) {
 }
 
 // Sorts v.
-static inline double median(double *v, size_t count) {
+static inline double median_time(double *v, size_t count) {
     qsort(v, count, sizeof *v, ascending);
     return v[count / 2];
 }

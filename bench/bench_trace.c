@@ -15,7 +15,7 @@
 enum { ROWS = 157, COLUMNS = 314, RAYS = 200000, ROUNDS = 15 };
 
 // A sphere with bumps, as a mesh with vertex normals.
-static void make_mesh(struct mesh *mesh) {
+static void make_grid_mesh(struct mesh *mesh) {
     float *position = array_new((size_t)ROWS * COLUMNS * 3 + 1, sizeof *position);
     float *normal = array_new((size_t)ROWS * COLUMNS * 3, sizeof *normal);
     uint32_t *index = array_new((size_t)(ROWS - 1) * COLUMNS * 6, sizeof *index);
@@ -70,11 +70,11 @@ static struct RTCRayHit bare_ray(const struct ray *ray) {
                               .hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
 }
 
-enum side { BARE_INTERSECT, DISTANCE, INTERSECT, BARE_OCCLUDED, OCCLUDED, SIDES };
+enum query_side { BARE_INTERSECT, DISTANCE, INTERSECT, BARE_OCCLUDED, OCCLUDED, SIDES };
 
 // Nanoseconds per ray; *sum keeps the work alive.
-static double run(enum side side, RTCScene bare, const struct satin_scene *scene,
-                  const struct ray *ray, float *sum) {
+static double run_queries(enum query_side side, RTCScene bare, const struct satin_scene *scene,
+                          const struct ray *ray, float *sum) {
     double start = now_ns();
     for (int i = 0; i < RAYS; i++) {
         struct interaction s;
@@ -101,7 +101,7 @@ int main(void) {
     struct material material = {0};
     struct satin_scene scene = {
         .shape = &shape, .shape_count = 1, .material = &material, .material_count = 1};
-    make_mesh(&shape.mesh);
+    make_grid_mesh(&shape.mesh);
     if (scene_trace_build(&scene, (struct log){0}) != SATIN_OK) return 1;
     const struct mesh *m = &shape.mesh;
     const struct bare_mesh mesh = {m->position, m->index, m->vertex_count, m->triangle_count};
@@ -113,12 +113,12 @@ int main(void) {
     float sum = 0.0f;
     for (int round = 0; round < ROUNDS; round++)
         for (int side = 0; side < SIDES; side++)
-            time[side][round] = run((enum side)side, bare, &scene, ray, &sum);
+            time[side][round] = run_queries((enum query_side)side, bare, &scene, ray, &sum);
     static const char *const name[] = {"rtcIntersect1", "scene_distance", "scene_intersect",
                                        "rtcOccluded1", "scene_occluded"};
     double typical[SIDES];
     for (int side = 0; side < SIDES; side++) {
-        typical[side] = median(time[side], ROUNDS);
+        typical[side] = median_time(time[side], ROUNDS);
         int base = side < BARE_OCCLUDED ? BARE_INTERSECT : BARE_OCCLUDED;
         printf("%-16s %7.1f ns   %.3f\n", name[side], typical[side], typical[side] / typical[base]);
     }

@@ -43,8 +43,8 @@ struct errors {
 };
 
 // The matrix of band l: the series from derivatives 0 .. 2 at angle 0, less the exact one.
-static void difference(int l, int kind, double beta, const float *d, const float *exact, int step,
-                       double m[SIZE][SIZE]) {
+static void difference_of_rotations(int l, int kind, double beta, const float *d,
+                                    const float *exact, int step, double m[SIZE][SIZE]) {
     int size = 2 * l + 1, first = l * (2 * l - 1) * (2 * l + 1) / 3;
     for (int i = 0; i < size; i++)
         for (int j = 0; j < size; j++) {
@@ -64,7 +64,7 @@ static struct errors errors_of(int order, int kind, double beta, const double *z
     for (int l = 0; l < order; l++) {
         double m[SIZE][SIZE], square[SIZE][SIZE] = {{0}};
         int size = 2 * l + 1;
-        difference(l, kind, beta, at_zero, exact, rsh_blocks_size(order), m);
+        difference_of_rotations(l, kind, beta, at_zero, exact, rsh_blocks_size(order), m);
         for (int i = 0; i < size; i++) {
             e.lobe += m[i][l] * m[i][l] * zonal[l] * zonal[l];
             for (int j = 0; j < size; j++)

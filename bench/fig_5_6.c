@@ -16,32 +16,32 @@
 #include "film/film.h"
 #include "satin/render.h"
 
-static void print_message(void *user, satin_log_level level, const char *message) {
+static void print_only_error(void *user, satin_log_level level, const char *message) {
     (void)user;
     if (level == SATIN_LOG_ERROR) fprintf(stderr, "%s\n", message);
 }
 
 static const char *const color[] = {"R", "G", "B"};
 
-static satin_film *render(const satin_scene *scene, satin_basis basis, float turn, int width,
-                          int order) {
+static satin_film *render_aligned(const satin_scene *scene, satin_basis basis, float rotation,
+                                  int width, int order) {
     satin_options options = satin_options_default;
     options.width = options.height = width;
     options.radiance_basis = basis;
     options.radiance_order = order;
-    options.radiance_turn = turn;
-    satin_callbacks callbacks = {.log = print_message};
+    options.radiance_rotation = rotation;
+    satin_callbacks callbacks = {.log = print_only_error};
     satin_film *film = NULL;
     if (satin_render(scene, &options, &callbacks, &film) != SATIN_OK) return NULL;
     return film;
 }
 
-struct measured {
+struct difference_measure {
     double largest, mean;                    // on [0, 1]
     double largest_relative, mean_relative;  // of luminance
 };
 
-static double luminance(const satin_film *f, size_t i) {
+static double luminance_at(const satin_film *f, size_t i) {
     return 0.2126 * (double)satin_film_channel(f, "R")[i] +
            0.7152 * (double)satin_film_channel(f, "G")[i] +
            0.0722 * (double)satin_film_channel(f, "B")[i];
@@ -55,11 +55,11 @@ static void paint(satin_film *picture, size_t i, double difference) {
     film_channel(picture, "B")[i] = (float)fmax(1 - 2 * t, 0.0);
 }
 
-static struct measured measure(const satin_film *exact, const satin_film *fast, size_t count,
-                               satin_film *picture) {
-    struct measured m = {0};
+static struct difference_measure measure_difference(const satin_film *exact, const satin_film *fast,
+                                                    size_t count, satin_film *picture) {
+    struct difference_measure m = {0};
     double mean = 0.0, counted = 0.0;
-    for (size_t i = 0; i < count; i++) mean += luminance(exact, i) / (double)count;
+    for (size_t i = 0; i < count; i++) mean += luminance_at(exact, i) / (double)count;
     for (size_t i = 0; i < count; i++) {
         double difference = 0.0;
         for (int c = 0; c < 3; c++) {
@@ -70,9 +70,9 @@ static struct measured measure(const satin_film *exact, const satin_film *fast, 
         m.largest = fmax(m.largest, difference);
         m.mean += difference / (double)count;
         paint(picture, i, difference);
-        double l = luminance(exact, i);
+        double l = luminance_at(exact, i);
         if (l < 0.01 * mean) continue;
-        double relative = fabs(luminance(fast, i) - l) / l;
+        double relative = fabs(luminance_at(fast, i) - l) / l;
         m.largest_relative = fmax(m.largest_relative, relative);
         m.mean_relative += relative;
         counted++;
@@ -84,7 +84,7 @@ static struct measured measure(const satin_film *exact, const satin_film *fast, 
 static void save(const satin_film *film, const char *folder, const char *basis, const char *name) {
     char path[4096];
     snprintf(path, sizeof path, "%s/%s-%s.png", folder, basis, name);
-    satin_film_write_png(film, path, print_message, NULL);
+    satin_film_write_png(film, path, print_only_error, NULL);
 }
 
 int main(int argc, char **argv) {
@@ -98,22 +98,24 @@ int main(int argc, char **argv) {
     snprintf(angle, sizeof angle, "1.25 a = %.3f rad", (double)thesis);
     const struct {
         const char *name, *what;
-        float turn;
+        float rotation;
     } cases[] = {{"small", ".05 rad", 0.05f}, {"1.25a", angle, thesis}, {"always", "always", 4.0f}};
     satin_scene *scene = NULL;
-    if (satin_scene_load(argv[1], NULL, 0, print_message, NULL, &scene) != SATIN_OK) return 1;
+    if (satin_scene_load(argv[1], NULL, 0, print_only_error, NULL, &scene) != SATIN_OK) return 1;
     puts("| basis | fast up to | largest | mean | largest, relative | mean, relative |");
     puts("|---|---|---|---|---|---|");
     for (int b = 0; b < 2; b++) {
         const char *basis = b ? "sh" : "hsh";
-        satin_film *exact = render(scene, b ? SATIN_SH : SATIN_HSH, 0.0f, width, order);
+        satin_film *exact = render_aligned(scene, b ? SATIN_SH : SATIN_HSH, 0.0f, width, order);
         satin_film *picture = film_new(width, width, color, 3);
         if (!exact || !picture) return 1;
         save(exact, argv[2], basis, "exact");
         for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-            satin_film *fast = render(scene, b ? SATIN_SH : SATIN_HSH, cases[k].turn, width, order);
+            satin_film *fast =
+                render_aligned(scene, b ? SATIN_SH : SATIN_HSH, cases[k].rotation, width, order);
             if (!fast) return 1;
-            struct measured m = measure(exact, fast, (size_t)width * (size_t)width, picture);
+            struct difference_measure m =
+                measure_difference(exact, fast, (size_t)width * (size_t)width, picture);
             printf("| %s | %s | %.2f %% | %.3f %% | %.1f %% | %.3f %% |\n", b ? "SH" : "HSH",
                    cases[k].what, 100.0 * m.largest, 100.0 * m.mean, 100.0 * m.largest_relative,
                    100.0 * m.mean_relative);

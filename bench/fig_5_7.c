@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Figure 5.7 of [K05]: times of the forms of rotation for n = 4 .. 12, single records and batches,
-// next to the peak rate of fused multiply-adds of the same run. All cases take turns; a figure is
+// next to the peak rate of fused multiply-adds of the same run. The cases alternate; a figure is
 // the median of the rounds, a ratio the median of the rounds' ratios. plot_rotation.py draws it.
 //
 // usage: fig_5_7 [ROUNDS]        (default 31); times are of one thread, in ns per record
@@ -8,10 +8,10 @@
 //
 // Scalar against scalar is one number at a time on both sides: the series and Pinchon and Hoggan's
 // form by the batch kernel of width one, zxzxz and Ivanic in plain C. Zxzxz is there twice: with
-// the quarter turns about x by their entries alone, as the library has it and [K05 5.3.3] counts,
-// and by whole matrices, which is what its arithmetic comes to where zeros are not left out.
-// Vectors against vectors are what this machine has best; zxzxz with vectors is Pinchon and
-// Hoggan's form, whose products are the same in number and place.
+// the rotations about x by a quarter circle by their entries alone, as the library has it and
+// [K05 5.3.3] counts, and by whole matrices, which is what its arithmetic comes to where zeros are
+// not left out. Vectors against vectors are what this machine has best; zxzxz with vectors is
+// Pinchon and Hoggan's form, whose products are the same in number and place.
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -58,14 +58,14 @@ static const char suffix[] = "";
 static bool can_run(void) { return true; }
 #endif
 
-static void turn_scalar(enum rsh_method method, int order, int channels, const float *r) {
+static void rotate_scalar(enum rsh_method method, int order, int channels, const float *r) {
     struct rsh_rotation t = rsh_rotation_of_matrix(r);
     t.method = method;
     t.beta = rsh_rotation_angle(&t);
     rsh_rotate_lanes_scalar(&t, order, channels, in, out);
 }
 
-// The quarter turn about x and its transpose, band after band, zeros and all.
+// The rotation about x by a quarter circle and its transpose, band after band, zeros and all.
 enum { WHOLE = RSH_MAX_ORDER * (4 * N_MAX - 1) / 3 };
 static float quarter[2][WHOLE];
 
@@ -80,7 +80,7 @@ static void fill_quarter(void) {
 }
 
 // Four rows at a time, lest every sum wait for the one before.
-static void quarter_turn(int order, const float *m, const float *v, float *to) {
+static void rotate_quarter(int order, const float *m, const float *v, float *to) {
     for (int l = 0, size = 1; l < order; l++, v += size, to += size, size += 2) {
         int row = 0;
         for (; row + 4 <= size; row += 4, m += 4 * size) {
@@ -111,15 +111,15 @@ static void zxzxz_whole(int order, int channels, const float *r) {
         float v[N_MAX], u[N_MAX];
         memcpy(v, in + c * n, (size_t)n * sizeof *v);
         rsh_rotate_multiples(order, &gamma, v);
-        quarter_turn(order, quarter[0], v, u);
+        rotate_quarter(order, quarter[0], v, u);
         rsh_rotate_multiples(order, &beta, u);
-        quarter_turn(order, quarter[1], u, v);
+        rotate_quarter(order, quarter[1], u, v);
         rsh_rotate_multiples(order, &alpha, v);
         memcpy(out + c * n, v, (size_t)n * sizeof *v);
     }
 }
 
-static void run_batch(enum form form, int order, int channels, int first) {
+static void run_batch_form(enum form form, int order, int channels, int first) {
     const float *r[9];
     for (int e = 0; e < 9; e++) r[e] = columns[e] + first;
     if (form == FAST_BATCH)
@@ -131,10 +131,10 @@ static void run_batch(enum form form, int order, int channels, int first) {
 static void run_one(enum form form, int order, int channels, const float *r) {
     switch (form) {
         case FAST_SCALAR:
-            turn_scalar(RSH_METHOD_TAYLOR_1_5, order, channels, r);
+            rotate_scalar(RSH_METHOD_TAYLOR_1_5, order, channels, r);
             break;
         case EXACT_SCALAR:
-            turn_scalar(RSH_METHOD_EXACT, order, channels, r);
+            rotate_scalar(RSH_METHOD_EXACT, order, channels, r);
             break;
         case ZXZXZ:
             rsh_rotate_zxzxz(order, channels, r, in, out);
@@ -161,7 +161,7 @@ static double time_form(enum form form, int order, int channels) {
     double start = now_ns();
     for (int k = 0; k < repeats; k++) {
         if (form >= FAST_BATCH)
-            for (int i = 0; i < RECORDS; i += VECTOR) run_batch(form, order, channels, i);
+            for (int i = 0; i < RECORDS; i += VECTOR) run_batch_form(form, order, channels, i);
         else
             for (int i = 0; i < RECORDS; i++) run_one(form, order, channels, matrix[i]);
     }
@@ -191,7 +191,7 @@ static double products(enum form form, int n) {
     return n * (2.0 * n * n + 18.0 * n - 14) / 3;
 }
 
-static void fill(void) {
+static void fill_rotations(void) {
     for (size_t i = 0; i < sizeof in / sizeof *in; i++) in[i] = sinf((float)i);
     for (int i = 0; i < RECORDS; i++) {
         float a = 0.4f * (float)i, b = 0.05f + 0.001f * (float)i, g = 1.7f * (float)i;
@@ -216,7 +216,7 @@ int main(int argc, char **argv) {
     int rounds = argc > 1 ? atoi(argv[1]) : 31;
     rounds = rounds < 1 ? 1 : rounds > MAX_ROUNDS ? MAX_ROUNDS : rounds;
     if (!can_run()) return 0;
-    fill();
+    fill_rotations();
     fill_quarter();
     if (!*suffix) printf("n\tchannels\tform\tns\tof_fast\tGFLOP/s\tof_peak\n");
     for (int n = FIRST; n <= LAST; n++)
@@ -229,13 +229,13 @@ int main(int argc, char **argv) {
                 // Against the fast form of the same kind: scalar, with vectors, or in batches.
                 int fast = f <= IVANIC ? FAST_SCALAR : f <= EXACT ? FAST : FAST_BATCH;
                 for (int r = 0; r < rounds; r++) ratio[r] = ns[f][r] / ns[fast][r];
-                double of_fast = median(ratio, (size_t)rounds), sorted[MAX_ROUNDS];
+                double of_fast = median_time(ratio, (size_t)rounds), sorted[MAX_ROUNDS];
                 memcpy(sorted, ns[f], sizeof sorted);
-                double time = median(sorted, (size_t)rounds);
+                double time = median_time(sorted, (size_t)rounds);
                 double rate = 2.0 * products((enum form)f, n) * channels / time;
                 memcpy(sorted, peak, sizeof sorted);
                 printf("%d\t%d\t%s%s\t%.1f\t%.2f\t%.1f\t%.2f\n", n, channels, form_names[f], suffix,
-                       time, of_fast, rate, rate / median(sorted, (size_t)rounds));
+                       time, of_fast, rate, rate / median_time(sorted, (size_t)rounds));
             }
         }
     return 0;

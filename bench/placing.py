@@ -2,10 +2,11 @@
 """Two ways to place records on one scene: at equal number, and how many records the plain way needs
 to be as good.
 
-One layer of the picture counts, against pictures without the cache that share the first pass but no
-random numbers. The thesis judged by eye whether a picture is free of artefacts; here `seen` is the
-share of pixels around which the mean of 5x5 is off by more than 4 % of all light there, twice what
-Weber's law hides. The systematic error is told by products of two errors of different seeds.
+One layer of the picture counts, against pictures without the cache that have the same first pass
+but other random numbers. The thesis found by eye whether a picture is free of artefacts; here
+`seen` is the fraction of pixels around which the mean of 5x5 is off by more than 4 % of all light
+there, twice what Weber's law hides. The systematic error is estimated by products of two errors of
+different seeds.
 """
 import dataclasses
 import itertools

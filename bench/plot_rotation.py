@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Draws what fig_5_5 and fig_5_7 print. Needs matplotlib.
 
-usage: plot_rotation.py TABLE.tsv PICTURE.png        (the table's columns tell which figure it is)
+usage: plot_rotation.py TABLE.tsv PICTURE.png        (the table's columns show which figure it is)
 """
 import csv
 import sys

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the scripts of this folder share: renders, their statistics, their errors.
+"""What the scripts of this folder have in common: renders, their statistics, their errors.
 
 References are those that `bench/quality.py references DIR SCENE.xml ...` makes.
 """

@@ -7,7 +7,7 @@
 //
 //   side_by_side OUT.png LAYER EXPOSURE X0,Y0,X1,Y1 REFERENCE.exr IMAGE.exr ...
 //
-// LAYER is indirect_glossy and the like; the part is given in shares of width and height.
+// LAYER is indirect_glossy and the like; the part is given in fractions of width and height.
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,20 +18,20 @@ enum { IMAGES_MOST = 12 };
 
 static const float ENLARGED = 10.0f;
 
-static void print_message(void *user, satin_log_level level, const char *message) {
+static void print_any_message(void *user, satin_log_level level, const char *message) {
     (void)user;
     (void)level;
     fprintf(stderr, "%s\n", message);
 }
 
 // A layer's three channels.
-struct layer {
+struct layer_of_film {
     satin_film *film;
     const float *channel[3];
 };
 
-static bool read_layer(const char *path, const char *name, struct layer *out) {
-    if (satin_film_read(path, print_message, NULL, &out->film) != SATIN_OK) return false;
+static bool read_layer(const char *path, const char *name, struct layer_of_film *out) {
+    if (satin_film_read(path, print_any_message, NULL, &out->film) != SATIN_OK) return false;
     for (int c = 0; c < 3; c++) {
         char channel[64];
         snprintf(channel, sizeof channel, "%.50s.%c", name, "RGB"[c]);
@@ -44,7 +44,7 @@ static bool read_layer(const char *path, const char *name, struct layer *out) {
     return true;
 }
 
-static float luminance(const struct layer *l, size_t i) {
+static float luminance_of_layer(const struct layer_of_film *l, size_t i) {
     return 0.212671f * l->channel[0][i] + 0.715160f * l->channel[1][i] +
            0.072169f * l->channel[2][i];
 }
@@ -54,14 +54,14 @@ struct part {
     int x0, y0, x1, y1;
 };
 
-static double relative_rms(const struct layer *image, const struct layer *reference,
+static double relative_rms(const struct layer_of_film *image, const struct layer_of_film *reference,
                            struct part part) {
     double square = 0.0, sum = 0.0;
     size_t n = 0;
     for (int y = part.y0; y < part.y1; y++)
         for (int x = part.x0; x < part.x1; x++) {
             size_t i = (size_t)y * (size_t)reference->film->width + (size_t)x;
-            if (!(luminance(reference, i) > 0.0f)) continue;
+            if (!(luminance_of_layer(reference, i) > 0.0f)) continue;
             for (int c = 0; c < 3; c++) {
                 double d = (double)image->channel[c][i] - (double)reference->channel[c][i];
                 square += d * d / 3.0;
@@ -72,25 +72,27 @@ static double relative_rms(const struct layer *image, const struct layer *refere
     return n ? sqrt(square / (double)n) / (sum / (double)n) : NAN;
 }
 
-static void put(struct satin_film *out, int x, int y, const float value[3]) {
+static void put_picture_pixel(struct satin_film *out, int x, int y, const float value[3]) {
     static const char *const name[] = {"R", "G", "B"};
     for (int c = 0; c < 3; c++)
         film_channel(out, name[c])[(size_t)y * (size_t)out->width + (size_t)x] = value[c];
 }
 
 // The picture's column `at`: an image, and below it how it differs.
-static void draw(struct satin_film *out, int at, float exposure, const struct layer *image,
-                 const struct layer *reference) {
+static void draw_difference(struct satin_film *out, int at, float exposure,
+                            const struct layer_of_film *image,
+                            const struct layer_of_film *reference) {
     const int width = reference->film->width, height = reference->film->height;
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
             size_t i = (size_t)y * (size_t)width + (size_t)x;
             float value[3];
             for (int c = 0; c < 3; c++) value[c] = exposure * image->channel[c][i];
-            put(out, at * width + x, y, value);
-            float d = ENLARGED * exposure * (luminance(image, i) - luminance(reference, i));
-            put(out, at * width + x, height + y,
-                (float[]){fmaxf(d, 0.0f), 0.1f * fabsf(d), fmaxf(-d, 0.0f)});
+            put_picture_pixel(out, at * width + x, y, value);
+            float d = ENLARGED * exposure *
+                      (luminance_of_layer(image, i) - luminance_of_layer(reference, i));
+            put_picture_pixel(out, at * width + x, height + y,
+                              (float[]){fmaxf(d, 0.0f), 0.1f * fabsf(d), fmaxf(-d, 0.0f)});
         }
 }
 
@@ -104,7 +106,7 @@ int main(int argc, char **argv) {
                 "IMAGE.exr ...\n");
         return 2;
     }
-    struct layer layer[IMAGES_MOST] = {{0}};
+    struct layer_of_film layer[IMAGES_MOST] = {{0}};
     for (int i = 0; i < images; i++) {
         if (!read_layer(argv[5 + i], argv[2], &layer[i])) return 1;
         if (layer[i].film->width != layer[0].film->width ||
@@ -121,12 +123,12 @@ int main(int argc, char **argv) {
         film_new(images * width, 2 * height, (const char *const[]){"R", "G", "B"}, 3);
     if (!out) return 1;
     for (int i = 0; i < images; i++) {
-        draw(out, i, (float)atof(argv[3]), &layer[i], &layer[0]);
+        draw_difference(out, i, (float)atof(argv[3]), &layer[i], &layer[0]);
         if (i > 0)
             printf("%.5f %.5f\n", relative_rms(&layer[i], &layer[0], all),
                    relative_rms(&layer[i], &layer[0], part));
     }
-    satin_status status = satin_film_write_png(out, argv[1], print_message, NULL);
+    satin_status status = satin_film_write_png(out, argv[1], print_any_message, NULL);
     satin_film_free(out);
     for (int i = 0; i < images; i++) satin_film_free(layer[i].film);
     return status == SATIN_OK ? 0 : 1;

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scenes of what caches of indirect light get wrong, each with one trap: generate.py writes them to
-scenes/cases, tests/image/cases.c judges pictures of them.
+scenes/cases, tests/image/cases.c evaluates pictures of them.
 
 Rooms are built around the origin, the floor at y = 0. Walls face inside and are black outside.
 """

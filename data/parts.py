@@ -71,21 +71,21 @@ def translate(x, y, z):
     return element("translate", {"x": number(x), "y": number(y), "z": number(z)})
 
 
-# How the rectangle of the xy plane, normal +z, is turned to face each way.
+# How the rectangle of the xy plane, normal +z, is rotated to face each direction.
 FACING = {"+z": [], "-z": [rotate("y", 180)], "+x": [rotate("y", 90)], "-x": [rotate("y", -90)],
           "+y": [rotate("x", -90)], "-y": [rotate("x", 90)]}
 
 
 def rectangle(facing, centre, half, *children):
-    """A rectangle with half extents `half` (before it is turned) that faces one of six ways."""
+    """A rectangle with half extents `half`, before it is rotated to face one of six directions."""
     return plugin("shape", "rectangle",
                   to_world(scale(half[0], half[1], 1), *FACING[facing], translate(*centre)),
                   *children)
 
 
-def box(centre, half, turn, *children):
-    """A box that is turned about the vertical by `turn` degrees."""
-    steps = [scale(*half)] + ([rotate("y", turn)] if turn else []) + [translate(*centre)]
+def box(centre, half, angle, *children):
+    """A box that is rotated about the vertical by `angle` degrees."""
+    steps = [scale(*half)] + ([rotate("y", angle)] if angle else []) + [translate(*centre)]
     return plugin("shape", "cube", to_world(*steps), *children)
 
 
@@ -146,8 +146,8 @@ def catmull_rom(points, steps):
 
 
 def lathe(profile, sides, steps):
-    """Turns a profile of (radius, height) about the y axis: a binary PLY with smooth normals, which
-    point to the right of the profile's way."""
+    """A profile of (radius, height), rotated about the y axis: a binary PLY with smooth normals
+    that point to the right of the profile's direction."""
     vertices = []
     curve = catmull_rom(profile, steps)
     for r, y, dr, dy in curve:

@@ -77,7 +77,7 @@ typedef struct satin_options {
     int photon_k;             // photons in a density estimate of the global map
     int caustic_k;            // photons in a density estimate of the caustic map
     bool caustic_smooth;      // caustics without the noise of their photons
-    int recursive_levels;     // indirect bounces that first pass `recursive` has records for
+    int recursive_bounces;    // indirect bounces that first pass `recursive` has records for
     bool photon_area;         // divide by the area that is really there
 
     // Gathering.
@@ -108,7 +108,8 @@ typedef struct satin_options {
     satin_basis radiance_basis;
     int radiance_order;    // largest order n, 1 to 14
     float radiance_error;  // largest relative rms error of radiance by a BRDF in harmonics
-    float radiance_turn;   // largest angle [rad] of normals for the fast rotation, 0 to 4; 0: none
+    float
+        radiance_rotation;  // largest angle [rad] of normals for the fast rotation, 0 to 4; 0: none
     int radiance_rays;
     float radiance_noise;  // the same of the coefficients' vector
     float radiance_a;

@@ -13,12 +13,12 @@ extern "C" {
 
 // Where a render stands. `stage` is static text, one of these, in their order; those that the
 // options do without are left out:
-//   photons         photon maps and the first-pass radiance estimate
-//   BRDF tables     glossy BRDFs in harmonics
-//   deeper records  records of indirect bounces beyond the first, of first pass `recursive`
-//   records         records of the first indirect bounce, at what the image shows
-//   image           samples of the pixels
-//   denoising       if options->denoise asks for it
+//   photons           photon maps and the first-pass radiance estimate
+//   BRDF tables       glossy BRDFs in harmonics
+//   indirect bounces  records of the indirect bounces beyond the first, by first pass `recursive`
+//   records           records of the first indirect bounce, at what the image shows
+//   image             samples of the pixels
+//   denoising         if options->denoise asks for it
 // `done` in [0, 1] within the stage; `rate` items per second of the stage, whose name is `unit`, ""
 // with a rate of 0 where they are not counted; `elapsed` seconds since the render began. Texts are
 // static, the struct is valid during the call.

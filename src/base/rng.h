@@ -21,7 +21,7 @@ enum rng_stage {
     RNG_CAUSTIC,
     RNG_GUIDE,
     RNG_VIEW,
-    RNG_LEVEL,
+    RNG_BOUNCE,
     RNG_ALLOCATION,
     RNG_CELL,
     RNG_SEEN,

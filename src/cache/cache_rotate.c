@@ -26,8 +26,8 @@ void cache_rotate(const struct cache *cache, const struct frame *from, const str
     // The thesis rotates fast up to 1.25 a [K05 5.4]; there the error is several per cent at order
     // 10, more than the records' own, and exact rotation takes no measurable time: the default is
     // 0.
-    if (!rsh_align_transposed(basis, lobe->order, lobe->channels, record, point, o->radiance_turn,
-                              lobe->C, rotated))
+    if (!rsh_align_transposed(basis, lobe->order, lobe->channels, record, point,
+                              o->radiance_rotation, lobe->C, rotated))
         memcpy(rotated, lobe->C,
                sizeof *rotated * (size_t)(lobe->channels * lobe->order * lobe->order));
     lobe->C = rotated;

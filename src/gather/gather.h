@@ -19,7 +19,7 @@
 struct gather_point;
 
 // First pass `recursive`: the records of the next indirect bounce, made before by a later stage.
-struct gather_level {
+struct gather_records {
     // Adds to *L the indirect light that y reflects by the lobes which the records cover; returns
     // these lobes, smooth ones.
     unsigned (*read)(const void *records, const struct gather_point *y, rgb *L);
@@ -45,7 +45,8 @@ struct gather {
     bool wide_lights;                          // lights so large that light sampling alone is noisy
     const struct gather_direct_table *direct;  // NULL: there is none
     float lookup_max;                          // photon lookups of a larger radius are not reliable
-    struct gather_level next;                  // its `gather` is NULL but in first pass `recursive`
+    struct gather_records
+        next;  // of the next indirect bounce; its `gather` is NULL but in `recursive`
 };
 
 // The constants of a render without visibility of lights and without records. `maps` may be NULL.

@@ -20,11 +20,11 @@
 #include "gather/gather_segment.h"
 
 enum {
-    GLOSSY_MAX = 6,    // glossy bounces behind y; the tail is taken as diffuse
-    THROUGH_MAX = 32,  // glossy bounces inside rough glass, where no photon describes the tail
-    DIFFUSE_MAX = 64,  // bounces where there are no photons; the tail is lost
-    LEVELS_MAX = 8,    // of records: the most that option recursive_levels allows
-    VERTICES = DIFFUSE_MAX + LEVELS_MAX + 1
+    GLOSSY_MAX = 6,     // glossy bounces behind y; the tail is taken as diffuse
+    THROUGH_MAX = 32,   // glossy bounces inside rough glass, where no photon describes the tail
+    DIFFUSE_MAX = 64,   // bounces where there are no photons; the tail is lost
+    RECURSIVE_MAX = 8,  // most that option recursive-bounces allows
+    VERTICES = DIFFUSE_MAX + RECURSIVE_MAX + 1
 };
 
 // Lobes that are followed by a segment of their own beside the diffuse one.
@@ -42,7 +42,7 @@ struct path_vertex {
     const struct gather_point *y;
     struct gather_point point;  // y, but for the first vertex
     int bounce;                 // number of segments from the gather ray's hit to y; passing to the
-                                // next level of records does not count, as its own depth is less
+                                // next bounce's records does not count, as its own depth is less
     rgb T, Le;                  // of the segment that leads here: what it leaves of light from y,
                                 // and the emitted light that it meets
     rgb L;                      // reflected by y, as far as it is known

@@ -73,7 +73,7 @@ const struct option options_table[] = {
     {"caustic-smooth", OPTION_BOOL, AT(caustic_smooth), false, "off|on",
      "Estimates of the caustic map that differ by no more than noise are averaged over a wider "
      "neighbourhood."},
-    {"recursive-levels", OPTION_INT, AT(recursive_levels), false, "1..8",
+    {"recursive-bounces", OPTION_INT, AT(recursive_bounces), false, "1..8",
      "Indirect bounces that first pass recursive keeps records for, counted from the image; from "
      "the last of them on it traces paths."},
     {"photon-area", OPTION_BOOL, AT(photon_area), false, "off|on",
@@ -86,8 +86,7 @@ const struct option options_table[] = {
      "precomputed; off: by photons."},
     {"gather-guide", OPTION_BOOL, AT(gather_guide), false, "off|on",
      "Hemispheres get more rays, up to half as many again, towards clusters of photons, where "
-     "light "
-     "comes down densely."},
+     "light comes down densely."},
     {"light-guide", OPTION_BOOL, AT(light_guide), false, "off|on",
      "Direct light is sampled by what is visible of the lights around a point, as of the sky "
      "through windows; with integrator two-pass."},
@@ -141,7 +140,7 @@ const struct option options_table[] = {
     {"radiance-error", OPTION_FLOAT, AT(radiance_error), false, "0.0001..1",
      "Largest relative error of what a BRDF reflects in harmonics, expected of the light of "
      "rooms; glossier ones are sampled instead."},
-    {"radiance-turn", OPTION_FLOAT, AT(radiance_turn), false, "0..4",
+    {"radiance-rotation", OPTION_FLOAT, AT(radiance_rotation), false, "0..4",
      "Angle of normals [rad] up to which records are aligned by the fast rotation; 0: none."},
     {"radiance-rays", OPTION_INT, AT(radiance_rays), true, "4..1048576",
      "Gather rays per radiance record."},
@@ -173,8 +172,7 @@ const struct option options_table[] = {
      "limit."},
     {"gather-room", OPTION_FLOAT, AT(gather_room), false, "0..1",
      "Where the radius that records should have is below this fraction of the least radius, as "
-     "near "
-     "contacts, the image pass gathers instead of interpolating; 0: nowhere."},
+     "near contacts, the image pass gathers instead of interpolating; 0: nowhere."},
     {"leak-test", OPTION_BOOL, AT(leak_test), false, "off|on",
      "Records do not serve points that a wall hides from them."},
     {"record-maps", OPTION_BOOL, AT(record_maps), false, "off|on",

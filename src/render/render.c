@@ -37,7 +37,7 @@ static void render_free(struct render *r) {
     shade_destroy(&r->second_pass.shade);
     cache_free(r->second_pass.cache);
     render_cache_free(r);
-    render_levels_free(r);
+    render_bounces_free(r);
     shade_tables_free(&r->second_pass.tables);
     photon_maps_free(r->first_pass.maps);
     gather_direct_table_free(&r->first_pass.direct);
@@ -97,9 +97,10 @@ static satin_status brdf_tables(struct render *r) {
     return render_limit_end(r, status);
 }
 
-// Records of the bounces after the first, from the deepest up, if gather rays are to read these.
-static satin_status deeper_records(struct render *r) {
-    return is_two_pass(r) ? render_levels(r) : SATIN_OK;
+// Records of the indirect bounces beyond the first, the last bounce first, if gather rays read
+// them.
+static satin_status bounce_records(struct render *r) {
+    return is_two_pass(r) ? render_bounces(r) : SATIN_OK;
 }
 
 // An empty cache, and what the image and the search for sites need.
@@ -170,7 +171,7 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
     satin_status status = r ? prepare(r, scene, options) : SATIN_ERROR_MEMORY;
     if (status == SATIN_OK) status = first_pass(r);
     if (status == SATIN_OK) status = brdf_tables(r);
-    if (status == SATIN_OK) status = deeper_records(r);
+    if (status == SATIN_OK) status = bounce_records(r);
     if (status == SATIN_OK) status = prepare_second_pass(r);
     if (status == SATIN_OK && is_two_pass(r) && needs_photons(r)) status = render_records(r);
     if (status == SATIN_OK) status = sample_image(r);

@@ -3,13 +3,12 @@
 // gets a fraction of the limit, or of what is left of it, and paces are measured while it renders;
 // so the same fractions hold for any scene and any number of cores. In the order of the light:
 //
-//   photons         a pilot of a sixteenth, then as many as fit until PHOTONS_UNTIL
-//   BRDF tables     until TABLES_UNTIL
-//   deeper records  LEVELS_FRACTION of what is left then
-//   records         RECORDS_FRACTION of what is left then, until their first round has been
-//   measured,
-//                   then the fraction at which the error of the image is least
-//   image           what is left, without the time that denoising and writing take
+//   photons           a pilot of a sixteenth, then as many as fit until PHOTONS_UNTIL
+//   BRDF tables       until TABLES_UNTIL
+//   indirect bounces  BOUNCES_FRACTION of what is left then
+//   records           RECORDS_FRACTION of what is left then, until their first round has been
+//                     measured; then the fraction at which the error of the image is least
+//   image             what is left, without the time that denoising and writing take
 //
 // What buys how much quality, before the render begins, is in options_budget.c.
 #include "render/render_budget.h"
@@ -22,7 +21,7 @@ static const double PILOT_UNTIL = 0.5, PHOTONS_UNTIL = 0.3, TABLES_UNTIL = 0.45;
 // pilot's photons from which on they are worth another pass.
 static const double PHOTONS_CAUTION = 0.9, PHOTONS_WORTH = 3.0;
 // Of the time that is left.
-static const double LEVELS_FRACTION = 0.3, RECORDS_FRACTION = 0.5;
+static const double BOUNCES_FRACTION = 0.3, RECORDS_FRACTION = 0.5;
 // Of the time of records, what their first round is to take, so that all pixels have some.
 static const double COVER_FRACTION = 0.5;
 
@@ -87,8 +86,8 @@ static double image_seconds(const struct render *r) {
 void render_limit_pilot(struct render *r) { r->budget.stop_at = PILOT_UNTIL * time_limit(r); }
 void render_limit_tables(struct render *r) { r->budget.stop_at = TABLES_UNTIL * time_limit(r); }
 
-void render_limit_levels(struct render *r, double start, double done) {
-    r->budget.stop_at = start + LEVELS_FRACTION * (time_limit(r) - start) * done;
+void render_limit_bounces(struct render *r, double start, double done) {
+    r->budget.stop_at = start + BOUNCES_FRACTION * (time_limit(r) - start) * done;
 }
 
 // The fraction of records at which the error of the image is least.

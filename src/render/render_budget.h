@@ -27,7 +27,7 @@ struct render_pace {
 void render_limit_pilot(struct render *r);   // a sixteenth of the photons
 void render_limit_tables(struct render *r);  // BRDFs in harmonics
 // Deeper records, which began at `start` [s since the render began], up to the part `done` of them.
-void render_limit_levels(struct render *r, double start, double done);
+void render_limit_bounces(struct render *r, double start, double done);
 // Records: of the time that is left for them and for the image, the fraction that makes the error
 // of the image least, its variance by n samples per pixel and ERROR_RAYS q / rays by the gather
 // rays per pixel of its records together. NULL: before anything is measured.

@@ -12,7 +12,7 @@ static const struct stage_report {
     [STAGE_SETUP] = {"setup", "", NULL, "other"},
     [STAGE_PHOTONS] = {"photons", "photons", "time.photons_s", "photons"},
     [STAGE_TABLES] = {"BRDF tables", "materials", "time.tables_s", "tables"},
-    [STAGE_LEVELS] = {"deeper records", "", "time.levels_s", "levels"},
+    [STAGE_BOUNCES] = {"indirect bounces", "", "time.bounces_s", "bounces"},
     [STAGE_RECORDS] = {"records", "", "time.records_s", "records"},
     [STAGE_IMAGE] = {"image", "samples", "time.image_s", "image"},
     [STAGE_DENOISE] = {"denoising", "pixels", "time.denoise_s", "denoise"},

@@ -15,8 +15,8 @@ enum render_stage {
     STAGE_SETUP,    // options, files and memory; nothing is reported, so it is never cancelled
     STAGE_PHOTONS,  // photons and the first-pass radiance estimate
     STAGE_TABLES,   // BRDFs in harmonics
-    STAGE_LEVELS,   // records of deeper bounces, see render_levels.c
-    STAGE_RECORDS,  // records of the first bounce
+    STAGE_BOUNCES,  // records of the indirect bounces beyond the first
+    STAGE_RECORDS,  // records of the first indirect bounce
     STAGE_IMAGE,
     STAGE_DENOISE,
     STAGE_FILM
@@ -61,8 +61,8 @@ struct render_first_pass {
 struct render_second_pass {
     struct gather gather;
     struct shade_tables tables;
-    struct render_level *levels;  // records of deeper bounces, see render_levels.c
-    int level_count;
+    struct render_bounce *bounces;  // records of the indirect bounces beyond the first
+    int bounce_count;
     struct cache *cache;
     struct shade shade;
     char *file_bytes;         // of the file of records that the caller named, or NULL
@@ -126,10 +126,11 @@ struct gather render_gather(const struct render *r);
 // Samples direct light where irradiance was precomputed, if gather rays read that.
 satin_status render_direct(struct render *r);
 
-// ---- render_levels.c
-// Records of deeper bounces, if the first pass is `recursive`; gather then reads them.
-satin_status render_levels(struct render *r);
-void render_levels_free(struct render *r);
+// ---- render_bounces.c
+// Records of the indirect bounces beyond the first, if the first pass is `recursive`; gather rays
+// then read them.
+satin_status render_bounces(struct render *r);
+void render_bounces_free(struct render *r);
 
 // ---- render_pilot.c
 // Samples a few pixels with the records that are there; sets all of *pace but its rays.

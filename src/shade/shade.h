@@ -113,7 +113,7 @@ int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct c
 // A site of indirect bounce `bounce`: the end of a walk of that many bounces from pixel (x, y).
 // False if the walk ends before, or where no record is wanted.
 bool shade_walk(const struct shade *shade, int x, int y, int bounce, struct cache_site *out);
-// For struct gather_level; `records` is a struct shade whose scratch is not needed.
+// For struct gather_records; `records` is a struct shade whose scratch is not needed.
 unsigned shade_known(const void *records, const struct gather_point *y, rgb *L);
 
 #endif

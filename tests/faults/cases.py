@@ -25,7 +25,7 @@ SCENARIOS = {
     "room": Scenario([*RENDER, "--png", "--stats", "out.json", "--save-cache", "out.cache"], [], 4),
     "reload": Scenario([*RENDER, "--load-cache", "in.cache", "--save-cache", "out.cache"],
                        [[*RENDER, "--save-cache", "in.cache"]], 4),
-    "recursive": Scenario([*RENDER, "-D", "pass=recursive", "--set", "recursive-levels=2"], [], 8),
+    "recursive": Scenario([*RENDER, "-D", "pass=recursive", "--set", "recursive-bounces=2"], [], 8),
     "images": Scenario([*RENDER, "-D", "floor=paper.xml", "--set", "light-guide=off"], [], 8),
 }
 

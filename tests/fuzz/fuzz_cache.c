@@ -11,7 +11,7 @@
 
 enum { SIZE_TRIED = 1 << 16 };
 
-static void mend(unsigned char *data, size_t size) {
+static void repair(unsigned char *data, size_t size) {
     struct cache_file_header h;
     size_t at = sizeof h;
     memcpy(&h, data, sizeof h);
@@ -63,7 +63,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     unsigned char *copy = malloc(size + 1);
     if (!copy) abort();
     memcpy(copy, data, size);
-    if (size >= sizeof(struct cache_file_header)) mend(copy, size);
+    if (size >= sizeof(struct cache_file_header)) repair(copy, size);
     parse(copy, size);
     free(copy);
     return 0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the fuzz targets share: their entry, a log that counts, and bytes as a file of the process.
+// What the fuzz targets have in common: their entry, a log that counts, and bytes as a file of the
+// process.
 #ifndef FUZZ_CASE_H
 #define FUZZ_CASE_H
 

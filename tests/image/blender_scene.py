@@ -139,13 +139,13 @@ def add_instances():
         bpy.context.collection.objects.link(place)
 
 
-def add_light(kind, energy, colour, where, turn, **more):
+def add_light(kind, energy, colour, where, rotation, **more):
     light = bpy.data.lights.new(kind.title(), kind)
     light.energy, light.color = energy, colour
     for name, value in more.items():
         setattr(light, name, value)
     made = bpy.data.objects.new(light.name, light)
-    made.location, made.rotation_euler = where, turn
+    made.location, made.rotation_euler = where, rotation
     bpy.context.collection.objects.link(made)
 
 

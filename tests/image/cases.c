@@ -165,8 +165,8 @@ static struct errors measure(const satin_film *film, const satin_film *reference
                            worst / level};
 }
 
-static bool judge(const char *scene, const struct region *region, struct errors e,
-                  struct errors bound) {
+static bool evaluate(const char *scene, const struct region *region, struct errors e,
+                     struct errors bound) {
     bool good = e.mean <= bound.mean && e.rms <= bound.rms && e.block <= bound.block;
     printf("%-14s %-20s mean %6.2f %%  rms %6.2f %%  block %6.2f %%%s\n", scene, region->name,
            100.0 * e.mean, 100.0 * e.rms, 100.0 * e.block, good ? "" : "  FAILED");
@@ -182,7 +182,8 @@ static bool run_row(const struct folders *in, const struct row *row) {
     satin_film *reference = read_reference(in, row->reference);
     bool good = film && reference;
     if (good)
-        good = judge(row->scene, &row->region, measure(film, reference, &row->region), row->bound);
+        good =
+            evaluate(row->scene, &row->region, measure(film, reference, &row->region), row->bound);
     char path[64];
     snprintf(path, sizeof path, "cases-%s.exr", row->scene);
     if (film && !good && satin_film_write_exr(film, path, say, NULL) == SATIN_OK)
@@ -199,7 +200,7 @@ static bool run_unit(const struct folders *in, const char *name) {
     static const struct region all = {"as the room of 5 m", 0, 0, SIZE, SIZE};
     static const struct errors bound = {0.002, 0.015, 0.15};
     satin_film *film = render_plain(in, name), *other = render_plain(in, "room-5m");
-    bool good = film && other && judge(name, &all, measure(film, other, &all), bound);
+    bool good = film && other && evaluate(name, &all, measure(film, other, &all), bound);
     satin_film_free(film);
     satin_film_free(other);
     return good;
@@ -229,9 +230,9 @@ static bool run_bump(const struct folders *in) {
 static bool run_steep(const struct folders *in) {
     static const satin_define steep[] = {{"filter", "box"}, {"waves", "0.5"}};
     satin_film *film = render(in, "bump", steep, 2);
-    double share = stat_of(film, "image.gathered") / stat_of(film, "image.points");
-    bool good = share <= 0.001;
-    printf("%-14s %-20s %.4f %% of the points%s\n", "bump", "gathered on steep", 100.0 * share,
+    double fraction = stat_of(film, "image.gathered") / stat_of(film, "image.points");
+    bool good = fraction <= 0.001;
+    printf("%-14s %-20s %.4f %% of the points%s\n", "bump", "gathered on steep", 100.0 * fraction,
            good ? "" : "  FAILED");
     satin_film_free(film);
     return good;

@@ -39,16 +39,16 @@ def shape(kind, *steps):
             "</transform></shape>")
 
 
-TURN = '<rotate y="1" angle="40"/><rotate x="1" angle="25"/><translate z="5"/>'
+ROTATION = '<rotate y="1" angle="40"/><rotate x="1" angle="25"/><translate z="5"/>'
 GROUP = f'<shape type="shapegroup" id="g">{shape("cube")}</shape>'
 BODIES = {
     "sphere": shape("sphere", '<rotate x="1" angle="30"/><translate z="5"/>'),
     "rectangle": shape("rectangle", '<scale value="4"/><rotate x="1" angle="160"/>',
                        '<translate z="6"/>'),
-    "cube": shape("cube", TURN),
+    "cube": shape("cube", ROTATION),
     "disk": shape("disk", '<scale value="2"/><rotate x="1" angle="160"/><translate z="4"/>'),
     "instance": f'{GROUP}<shape type="instance"><ref id="g"/><transform name="to_world">'
-                f'<scale x="0.7" y="1" z="1"/>{TURN}</transform></shape>',
+                f'<scale x="0.7" y="1" z="1"/>{ROTATION}</transform></shape>',
 }
 
 

@@ -47,7 +47,7 @@ class Params(dict):
 
 
 def directions(n):
-    """Unit vectors above the surface; a share of them grazing."""
+    """Unit vectors above the surface; a fraction of them grazing."""
     z = rng.random(n)
     z[: n // 5] *= 0.05
     phi = 2 * np.pi * rng.random(n)
@@ -186,7 +186,7 @@ def delta_error(p, wo, lines):
         for i in range(int(v[0])):
             ours = v[1 + 7 * i: 8 + 7 * i]
             same = theirs.get(np.sign(ours[2]) == np.sign(o[2]))
-            if same is None:  # a share too small for Mitsuba to have drawn it
+            if same is None:  # a probability too small for Mitsuba to have drawn it
                 worst = max(worst, 0.0 if ours[6] < 0.02 else 1.0)
                 continue
             worst = max(worst, np.abs(np.array(ours[:6]) - same).max())

@@ -5,8 +5,8 @@
     tests/image/count_false_alarms.py [--spp N] [--parts P] [--pool K] [--draws D] SCENE.xml ...
 
 Renders K parts of N samples per pixel, with other seeds than the reference's, draws P of them D
-times, and judges each draw against tests/image/references/SCENE.exr as z_test.c does. Prints the
-shares of draws that fail by a pixel and by the image's mean, and the extreme z.
+times, and evaluates each draw against tests/image/references/SCENE.exr as z_test.c does. Prints the
+fractions of draws that fail by a pixel and by the image's mean, and the extreme z.
 """
 import argparse
 import pathlib
@@ -27,7 +27,7 @@ def read(path):
     return pixels[:, :, :3], pixels[:, :, 3:], float(about["spp"]), float(about["parts"])
 
 
-def judge(parts, spp, reference):
+def evaluate(parts, spp, reference):
     """Worst z of all pixels and channels; worst channel's mean ratio and its deviation."""
     b, variance_b, n_b, parts_b = reference
     n_a = spp * len(parts)
@@ -43,7 +43,7 @@ def judge(parts, spp, reference):
 
 
 def z_limit(count):
-    """The |z| whose two-sided p is Sidak's share of the significance, by bisection."""
+    """The |z| whose two-sided p is Sidak's fraction of the significance, by bisection."""
     p, low, high = -expm1(log1p(-SIGNIFICANCE) / count), 0.0, 20.0
     for _ in range(60):
         middle = (low + high) / 2
@@ -69,7 +69,8 @@ def main():
         pool = np.stack([np.array(mi.render(scene, spp=options.spp, seed=100000 + k),
                                   dtype=np.float64)[:, :, :3] for k in range(options.pool)])
         worst, ratio, deviation = np.array(
-            [judge(pool[random.permutation(options.pool)[:options.parts]], options.spp, reference)
+            [evaluate(pool[random.permutation(options.pool)[:options.parts]], options.spp,
+                      reference)
              for _ in range(options.draws)]).T
         pixels = np.mean(np.abs(worst) > z_limit(reference[0].size))
         means = np.mean(np.abs(ratio - 1) > MEAN_TOLERANCE + MEAN_Z * deviation)

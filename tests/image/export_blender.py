@@ -6,7 +6,7 @@
 
 FOLDER gets scene.xml, meshes/*.ply, textures/*. The scene is blender_scene.py's. The names,
 parameters and units are those of the add-on's exporter (4.x): meshes as PLY through Mitsuba's own
-reader of Blender's memory, one per material; cameras and lights turned from Blender's axes; lights
+reader of Blender's memory, one per material; cameras and lights rotated from Blender's axes; lights
 in watts; a principled BRDF in twosided; instances of a shapegroup. Mitsuba's own writer makes the
 file.
 """
@@ -195,13 +195,13 @@ class Exporter:
     def camera(self, thing):
         data, render = thing.data, bpy.context.scene.render
         width, height = render.resolution_x, render.resolution_y
-        turn = mathutils.Matrix.Rotation(math.pi, 4, "Y")
+        flip = mathutils.Matrix.Rotation(math.pi, 4, "Y")
         return {"type": "perspective", "fov_axis": "x" if width >= height else "y",
                 "fov": math.degrees(data.angle_x),
                 "principal_point_offset_x": data.shift_x / width * max(width, height),
                 "principal_point_offset_y": -data.shift_y / height * max(width, height),
                 "near_clip": data.clip_start, "far_clip": data.clip_end,
-                "to_world": transform(thing.matrix_world @ turn),
+                "to_world": transform(thing.matrix_world @ flip),
                 "sampler": {"type": "independent", "sample_count": 64},
                 "film": {"type": "hdrfilm", "width": width, "height": height,
                          "pixel_format": "rgb", "rfilter": {"type": "box"}}}

@@ -124,7 +124,7 @@ MODELS = {
                   None),
 }
 
-# Mitsuba 3.9.1 turns what is in a bumpmap about the normal, by an angle that is 0 only where the
+# Mitsuba 3.9.1 rotates what is in a bumpmap about the normal, by an angle that is 0 only where the
 # surface's own frame is the world's. Its later sources do not.
 UPRIGHT = ("normal_in_bump", "bump_in_bump")
 

@@ -105,7 +105,7 @@ def write_painted_ply(path, mesh):
     head = ["ply", "format ascii 1.0", f"element vertex {len(points)}"]
     head += [f"property float {c}" for c in ("x", "y", "z", "nx", "ny", "nz", "u", "v")]
     head += [f"property uchar {c}" for c in ("red", "green", "blue")]
-    head += ["property float share_x", f"element face {2 * len(quads)}"]
+    head += ["property float part_x", f"element face {2 * len(quads)}"]
     head += ["property list uchar int vertex_indices"]
     head += [f"property float tint_{c}" for c in "rgb"] + ["end_header"]
     body = [" ".join("%.9g" % x for x in (*p, *n, *t)) + " %d %d %d %g" % (
@@ -185,11 +185,11 @@ def twosided(bsdf):
 
 
 def shapes():
-    turned, lift = place(TILT, UP), place('<scale value="0.9"/>', TILT, UP)
+    rotated, lift = place(TILT, UP), place('<scale value="0.9"/>', TILT, UP)
     flat = place('<scale x="1.2" y="0.8"/>', TILT, UP)
     checks = diffuse(CHECKS.format("reflectance"))
     yield "sphere", shape("sphere", '<point name="center" x="0" y="1" z="0"/>', real("radius", 0.8))
-    yield "sphere_flipped", shape("sphere", true("flip_normals"), turned)
+    yield "sphere_flipped", shape("sphere", true("flip_normals"), rotated)
     yield "disk", shape("disk", flat)
     yield "disk_textured", shape("disk", flat, bsdf=checks)
     yield "cylinder", shape("cylinder", '<point name="p0" x="-1" y="0.6" z="0"/>'
@@ -210,11 +210,11 @@ def shapes():
     yield "mirrored_mesh", shape("obj", torus_obj, bsdf=diffuse() +
                                  place('<scale x="-0.9" y="0.8"/>', TILT, UP))
     painted = text("filename", "painted.ply")
-    for name, scale in (("vertex_color", 1 / 255), ("face_tint_color", 1), ("vertex_share", 0.9)):
+    for name, scale in (("vertex_color", 1 / 255), ("face_tint_color", 1), ("vertex_part", 0.9)):
         yield name, shape("ply", painted, lift, bsdf=twosided(
             diffuse(attribute("reflectance", name, scale))))
     yield "vertex_blend", shape("ply", painted, lift, bsdf=twosided(
-        '<bsdf type="blendbsdf">' + attribute("weight", "vertex_share") + diffuse() + checks
+        '<bsdf type="blendbsdf">' + attribute("weight", "vertex_part") + diffuse() + checks
         + "</bsdf>"))
     for kind in ("bsplinecurve", "linearcurve"):
         yield kind, shape(kind, text("filename", "curve.txt"), bsdf=diffuse())
@@ -295,7 +295,7 @@ def emitters():
     yield "area_cylinder", area("cylinder", "", grey, '<point name="p0" x="-1" y="2.8" z="0"/>'
                                 '<point name="p1" x="1" y="3.2" z="0"/>', real("radius", 0.2))
     yield "area_cube", area("cube", place('<scale value="0.3"/>', TILT, '<translate y="3"/>'), grey)
-    # With facets: where normals are smooth, Mitsuba tells by them how much a light shows of itself.
+    # With facets: smooth normals decide in Mitsuba how much a light shows of itself.
     yield "area_mesh", area("ply", place('<scale value="0.5"/>', TILT, '<translate y="2.8"/>'),
                             grey, text("filename", "plain.ply"), true("face_normals"))
     yield "area_mesh_textured", area(
@@ -332,7 +332,7 @@ def emitters():
     yield "constant", emitter("constant", color.format("radiance", "0.5, 0.6, 0.7"))
     sky = text("filename", "sky.exr")
     yield "envmap", emitter("envmap", sky)
-    yield "envmap_turned", emitter("envmap", sky, real("scale", 1.7), place(
+    yield "envmap_rotated", emitter("envmap", sky, real("scale", 1.7), place(
         '<rotate y="1" angle="70"/>', '<rotate x="1" angle="20"/>'))
     rows_of_lamps = ""
     for i in range(30):

@@ -51,7 +51,7 @@ def write_images(folder):
     write_bmp(folder / "picture.bmp", eight)
 
 
-# Turned, and from below 0 to beyond 1.
+# Rotated, and from below 0 to beyond 1.
 AROUND = ('<transform name="to_uv"><translate x="-0.4" y="-0.3"/><rotate z="1" angle="30"/>'
           '<scale x="2.3" y="1.7"/></transform>')
 
@@ -81,7 +81,7 @@ def parameters():
     yield "raw_grey", bitmap("reflectance", "grey.png", true("raw"))
     yield "raw_float", bitmap("reflectance", "float.exr", true("raw"))
     yield "checkerboard", CHECKS.format("reflectance")
-    yield "checkerboard_turned", (
+    yield "checkerboard_rotated", (
         '<texture type="checkerboard" name="reflectance"><rgb name="color1" value="0.8, 0.2, 0.3"/>'
         '<transform name="to_uv"><translate x="-0.1" y="0.2"/><scale x="5" y="-3"/>'
         '<rotate z="1" angle="25"/></transform></texture>')
@@ -114,15 +114,15 @@ def numbers():
 
 def coordinates():
     look = twosided(diffuse(bitmap("reflectance", "eight.png", text("filter_type", "nearest"))))
-    turned = place('<scale value="0.9"/>', TILT, UP)
+    rotated = place('<scale value="0.9"/>', TILT, UP)
     for kind in ("sphere", "cube", "cylinder", "rectangle", "disk"):
-        yield kind, shape(kind, turned, bsdf=look)
-    yield "sphere_flipped", shape("sphere", true("flip_normals"), turned, bsdf=look)
+        yield kind, shape(kind, rotated, bsdf=look)
+    yield "sphere_flipped", shape("sphere", true("flip_normals"), rotated, bsdf=look)
     yield "rectangle_mirrored", shape("rectangle", place(
         '<scale x="-1.2" y="0.8"/>', TILT, UP), bsdf=look)
     for name in ("torus.obj", "torus_binary_little_endian.ply", "torus4.serialized"):
         kind = name.rsplit(".", maxsplit=1)[1]
-        yield kind, shape(kind, text("filename", name), turned, bsdf=look)
+        yield kind, shape(kind, text("filename", name), rotated, bsdf=look)
 
 
 def rows(folder):

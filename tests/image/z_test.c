@@ -10,10 +10,10 @@
 // Per pixel and channel t = (a - b) / sqrt(v / N_a + v / N_b), where v is the variance of one
 // sample: the larger of the parts' and the reference's estimate. Pixels of a path tracer have heavy
 // tails: a side that saw none of the rare bright paths believes itself sure of a dark value, and
-// the other side's estimate mends that; the price is a little power. t is taken as Student's with
-// the reference's degrees of freedom, and the two-sided p-values are corrected for their number
-// after Sidak: with a right renderer one test in a hundred or less fails. Measured on Mitsuba's own
-// images in place of ours, 200 tests for each scene: see docs/experiments.md.
+// the other side's estimate corrects that; the price is a little power. t is taken as Student's
+// with the reference's degrees of freedom, and the two-sided p-values are corrected for their
+// number after Sidak: with a right renderer one test in a hundred or less fails. Measured on
+// Mitsuba's own images in place of ours, 200 tests for each scene: see docs/experiments.md.
 //
 // The mean over the image may differ by 0.3 % and 3.3 of its standard deviations (p = 0.001).
 // On failure z_test-NAME.exr in the working folder holds the image and its z.
@@ -125,8 +125,8 @@ struct verdict {
 };
 
 // Compares channel c; z[i] gets each pixel's deviate.
-static void judge(const struct parts *parts, double spp, const satin_film *reference, int c,
-                  float *z, struct verdict *v) {
+static void evaluate(const struct parts *parts, double spp, const satin_film *reference, int c,
+                     float *z, struct verdict *v) {
     const char *text = film_attribute_get(reference, "spp");
     double n_b = atof(text), n_a = spp * parts->count;
     double freedom = atof(film_attribute_get(reference, "parts")) - 1;
@@ -160,7 +160,7 @@ static void judge(const struct parts *parts, double spp, const satin_film *refer
     }
 }
 
-// Judges all channels and says the outcome; true if the image passes.
+// Evaluates all channels and prints the outcome; true if the image passes.
 static bool compare(const struct parts *parts, double spp, const satin_film *reference,
                     const char *name) {
     const char *const names[] = {"R", "G", "B", "z.R", "z.G", "z.B"};
@@ -171,7 +171,7 @@ static bool compare(const struct parts *parts, double spp, const satin_film *ref
     for (int c = 0; c < CHANNELS; c++) {
         for (int i = 0; i < pixels; i++)
             map->channel[c][i] = (float)(parts->sum[c][i] / parts->count);
-        judge(parts, spp, reference, c, map->channel[CHANNELS + c], &v);
+        evaluate(parts, spp, reference, c, map->channel[CHANNELS + c], &v);
     }
     double limit = -expm1(log1p(-significance) / (pixels * CHANNELS));
     bool pixels_good = v.least_p >= limit;

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that the documentation is true where a program can tell: commands in ```sh blocks use
+"""Checks that the documentation is true where a program can check it: commands in ```sh blocks use
 arguments, options and scripts that exist, ```xml scenes load, links lead to files.
 
 Usage: rules_docs.py TREE SATIN

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that names are defined once in src: static functions and tags of structs, unions and enums
-name one thing in the whole tree, so that a search or a back-trace leads to one place.
+"""Checks that names are defined once in include, src and bench: static functions and tags of
+structs, unions and enums name one thing, so that a search or a back-trace leads to one definition.
 
 Usage: rules_names.py TREE
 """
@@ -10,6 +10,8 @@ import pathlib
 import re
 import sys
 
+# The unit tests are separate programs, whose helpers may be called alike.
+FOLDERS = ["include", "src", "bench"]
 CODE = {".c", ".h", ".cpp"}
 # Names that still recur. The list may only shrink: one that no longer recurs is an error too.
 TO_DO = set("""
@@ -33,7 +35,7 @@ def definitions(path):
 def recurring(tree):
     """Of each name that is defined in more than one file, the files."""
     places = collections.defaultdict(list)
-    for path in sorted(p for p in (tree / "src").rglob("*") if p.suffix in CODE):
+    for path in sorted(p for f in FOLDERS for p in (tree / f).rglob("*") if p.suffix in CODE):
         for name in sorted(set(definitions(path))):
             places[name].append(path)
     return {name: paths for name, paths in places.items() if len(paths) > 1}

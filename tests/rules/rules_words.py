@@ -5,19 +5,18 @@ the field's; and keeps docs/glossary.md true.
 
 Usage: rules_words.py TREE
 
-A word counts wherever it stands alone or between underscores, whatever its case. TO_DO names the
-folders in which a word is not yet replaced; it may only shrink, so a folder that no longer has the
-word is an error too.
+A word counts wherever it stands alone or between underscores, whatever its case.
 """
-import collections
 import pathlib
 import re
 import sys
 
-FOLDERS = [".", "include", "docs", *(f"src/{s}" for s in (
-    "base", "rsh", "brdf", "scene", "light", "load", "guide", "photon", "gather", "cache", "shade",
-    "film", "render", "apps"))]
-TEXT = {".c", ".h", ".cpp", ".md", ".py", ".1"}
+FOLDERS = ["include", "docs", "src", "tests", "bench", "data"]
+# Beside these, files without a suffix are scripts.
+TEXT = {".c", ".h", ".cpp", ".md", ".py", ".1", ".txt", ".build", ""}
+# What others wrote, what programs wrote, and the two files that name the retired words themselves.
+SKIPPED = {"seeds", "references", "results", "spectra", "meshes", "__pycache__", "glossary.md",
+           "rules_words.py"}
 # Retired words as patterns, and the terms in their place.
 RETIRED = {
     "deal|deals|dealt|dealer": "allocate, distribute",
@@ -46,36 +45,33 @@ RETIRED = {
     "max_depth edges|path edges": "path segments",
 }
 # Where a retired word is the right one.
-ALLOWED = re.compile(r"\b(in|by) turns?\b|\bradiance[-_]turn\b")
+ALLOWED = re.compile(r"\b(in|by) turns?\b")
 # What stands between two words of a term at the end of a line, in a comment or a text.
 LINE_END = re.compile(r"[ \t]*\n[ \t]*(?:// ?|# )?|\"\s*\n\s*\"")
 # Ways to begin a comment that cannot be read alone.
 CUT = re.compile(r"^\s*// (The same|Of what)\b", re.MULTILINE)
-# Of each word, the folders in which it is not yet replaced.
-TO_DO = {}
 
 
-def count_words(text):
-    """How often each retired word stands in a text."""
-    text = ALLOWED.sub("", LINE_END.sub(" ", text))
-    return {words: len(re.findall(rf"(?<![A-Za-z])(?:{words})(?![A-Za-z])", text, re.IGNORECASE))
-            for words in RETIRED}
-
-
-def counts_of(tree):
-    """(word, folder) to how often; the cut comments are a word of their own."""
-    counts = collections.Counter()
+def files(tree):
+    """The files that the rule is about."""
+    yield from sorted(tree.glob("*.md"))
+    yield tree / "bootstrap"
     for folder in FOLDERS:
-        # The top level has its own pages alone.
-        for path in sorted((tree / folder).rglob("*") if folder != "." else tree.glob("*.md")):
-            if path.suffix not in TEXT or path.name == "glossary.md":
-                continue
-            text = path.read_text(encoding="utf-8")
-            for words, number in count_words(text).items():
-                counts[words.split("|")[0], folder] += number
-            if path.suffix in {".c", ".h", ".cpp"}:
-                counts["// The same", folder] += len(CUT.findall(text))
-    return counts
+        for path in sorted((tree / folder).rglob("*")):
+            inside = path.relative_to(tree).parts
+            if path.suffix in TEXT and path.is_file() and not SKIPPED & set(inside):
+                yield path
+
+
+def wrong_words(path, name):
+    """Retired words and comments that are cut, in one file."""
+    text = ALLOWED.sub("", LINE_END.sub(" ", path.read_text(encoding="utf-8")))
+    for words, instead in RETIRED.items():
+        found = re.findall(rf"(?<![A-Za-z])(?:{words})(?![A-Za-z])", text, re.IGNORECASE)
+        if found:
+            yield f"{name}: '{found[0]}' stands {len(found)} times: {instead}"
+    if path.suffix in {".c", ".h", ".cpp"} and CUT.search(path.read_text(encoding="utf-8")):
+        yield f"{name}: '{CUT.search(path.read_text(encoding='utf-8')).group(1)}' begins a comment"
 
 
 def glossary_terms(text):
@@ -87,7 +83,7 @@ def wrong_glossary(tree):
     """Terms of the glossary that nothing uses, or that are not in their order."""
     terms = glossary_terms((tree / "docs/glossary.md").read_text(encoding="utf-8"))
     code = " ".join(p.read_text(encoding="utf-8").lower() for folder in ("src", "include")
-                    for p in (tree / folder).rglob("*") if p.suffix in TEXT)
+                    for p in (tree / folder).rglob("*") if p.suffix in TEXT and p.is_file())
     code = re.sub(r"[\s/]+|_", " ", code)
     for term in terms:
         if not re.search(rf"\b{re.escape(term.lower())}", code):
@@ -96,21 +92,10 @@ def wrong_glossary(tree):
         yield "docs/glossary.md: its terms are not in alphabetical order"
 
 
-def wrong_words(counts):
-    """Where a retired word stands, or is said to stand still and does not."""
-    replacements = {words.split("|")[0]: what for words, what in RETIRED.items()}
-    replacements["// The same"] = "a comment that can be read alone"
-    known = {(word, folder) for word, folders in TO_DO.items() for folder in folders.split()}
-    for word, folder in sorted({key for key in counts if counts[key]} - known):
-        yield f"{folder}: '{word}' stands {counts[word, folder]} times: {replacements[word]}"
-    for word, folder in sorted(known):
-        if not counts[word, folder]:
-            yield f"{folder}: '{word}' is replaced: take the folder off TO_DO"
-
-
 def main():
     tree = pathlib.Path(sys.argv[1]).resolve()
-    wrong = [*wrong_words(counts_of(tree)), *wrong_glossary(tree)]
+    wrong = [w for path in files(tree) for w in wrong_words(path, path.relative_to(tree))]
+    wrong += wrong_glossary(tree)
     print("\n".join(wrong))
     return 1 if wrong else 0
 

@@ -136,12 +136,13 @@ def check_rotation(lib, rng, rotations, table):
             r = np.ascontiguousarray(rotor.to_rotation_matrix, dtype=np.float32)
             v = rng.normal(size=n * n)
             v = (v / np.linalg.norm(v)).astype(np.float32)
-            # The rotation is that of the float matrix; spherical turns by the conjugate of its D.
+            # The rotation is that of the float matrix; spherical ones use the
+            # conjugate of its D.
             d = np.conj(wigner.D(quaternionic.array.from_rotation_matrix(r.astype(float))))
-            c, turned = complex_of(v, n), np.zeros(n * n, complex)
+            c, rotated = complex_of(v, n), np.zeros(n * n, complex)
             for l in range(n):
-                turned[l * l:(l + 1) ** 2] = d[places[l]] @ c[l * l:(l + 1) ** 2]
-            want = real_of(turned, n)
+                rotated[l * l:(l + 1) ** 2] = d[places[l]] @ c[l * l:(l + 1) ** 2]
+            want = real_of(rotated, n)
             for form in forms:
                 got = np.zeros(n * n, np.float32)
                 getattr(lib, form)(n, 1, pointer(r), pointer(v), pointer(got))

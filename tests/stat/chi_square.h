@@ -54,7 +54,7 @@ static inline double chi_tail(double x, int freedom) {
     return scale * h;
 }
 
-// The least p that each of `tests` independent tests must reach so that all right samplers pass
+// The least p that each of `tests` independent tests must have so that all right samplers pass
 // together with probability 1 - significance (Sidak).
 static inline double chi_threshold(double significance, int tests) {
     return -expm1(log1p(-significance) / tests);

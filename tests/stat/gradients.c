@@ -90,7 +90,7 @@ static void gather_reference(const struct scene *scene, vec3 p, int rows, double
                              struct vectors *out) {
     static struct block b;
     const int columns = 4 * rows;
-    const double share = weight * 2.0 * 3.14159265358979323846 / ((double)rows * columns);
+    const double area = weight * 2.0 * 3.14159265358979323846 / ((double)rows * columns);
     size_t n = 0;
     for (int j = 0; j < rows; j++)
         for (int k = 0; k < columns; k++) {
@@ -102,9 +102,9 @@ static void gather_reference(const struct scene *scene, vec3 p, int rows, double
             rgb L = look(scene, p, w, &first);
             b.x[n] = w.x, b.y[n] = w.y, b.z[n] = w.z;
             b.value[0][n] = L.r, b.value[1][n] = L.g, b.value[2][n] = L.b;
-            for (int c = 0; c < 3; c++) out->E[c] += share * (double)(b.value[c][n] * w.z);
+            for (int c = 0; c < 3; c++) out->E[c] += area * (double)(b.value[c][n] * w.z);
             if (++n < BLOCK) continue;
-            project_block(&b, share, out);
+            project_block(&b, area, out);
             n = 0;
         }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the programs of this folder share: messages, and the mean of a picture.
+// What the programs of this folder have in common: messages, and the mean of a picture.
 #ifndef STAT_CASE_H
 #define STAT_CASE_H
 

@@ -8,7 +8,7 @@
 #include "base/fileio.h"
 #include "stat_case.h"
 
-// Settings that reach every stage in a few seconds.
+// Settings that run every stage in a few seconds.
 static const char *const setting[][2] = {
     {"quality", "draft"},       {"width", "64"},
     {"height", "64"},           {"spp", "6"},

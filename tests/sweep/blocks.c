@@ -32,7 +32,7 @@ static double trimmed_mean(double *value, int count) {
     return sum / (count - 2 * BLOCK_TRIM);
 }
 
-// What the steps below share: `residual` is r; `row` and `all` have room for the numbers
+// What the steps below have in common: `residual` is r; `row` and `all` have room for the numbers
 // that a quantile is of, over the seeds and over all blocks.
 struct work {
     const struct block_stack *stack;
@@ -92,7 +92,7 @@ static double scale_here(const struct work *w, int seed, int block) {
     return 1.4826 * median(w->row, n);
 }
 
-// The same of the block and those around it, over their brightness.
+// The scale of the residuals of the block and those around it, over their brightness.
 static double scale_around(const struct work *w, int seed, int block) {
     const int columns = w->columns, rows = w->out->count / columns;
     int n = 0;

@@ -29,7 +29,8 @@
 
 enum { BLOCK_SIZE = 8, BLOCK_PIXELS = BLOCK_SIZE * BLOCK_SIZE, BLOCK_TRIM = 3 };
 
-// Least number of seeds that tell noise from a defect: with 5 the scales are of 4 and 36 values.
+// Least number of seeds that can separate noise from a defect: with 5 the scales are of 4 and 36
+// values.
 enum { BLOCK_SEEDS_LEAST = 5 };
 
 struct block_stack {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Renders a cell of the sweep and checks each picture alone: pixels without a finite value, the sum
-// of the layers, and what the statistics count. judge.c compares the pictures.
+// of the layers, and what the statistics count. evaluate.c compares the pictures.
 
 #include <math.h>
 #include <stdlib.h>
@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "blocks.h"
-#include "judge.h"
+#include "evaluate.h"
 
 // How far the beauty may be from the sum of its layers, over the largest of them: rounding of float
 // sums over the samples of a pixel.
@@ -37,7 +37,7 @@ void cell_command(const struct plan *plan, const struct cell *cell, int seed, FI
     fprintf(out, " -o build/flag.exr --png\n");
 }
 
-void judge_flag(struct work *w, const char *kind, int i) {
+void evaluate_flag(struct work *w, const char *kind, int i) {
     cell_flag(w->cell, kind, w->seed[i], w->out);
     w->tally->flags++;
     w->flagged[i] = true;
@@ -63,18 +63,18 @@ static void check_stats(struct work *w, int i, const satin_options *options) {
         bool samples = ends_with(name, length, "image.spp");
         if (refused) w->tally->records += value;
         if ((refused && value != 0.0) || (samples && fabs(value / budget - 1.0) > 0.01)) {
-            judge_flag(w, refused ? "counter" : "samples", i);
+            evaluate_flag(w, refused ? "counter" : "samples", i);
             fprintf(w->out, " %.*s %g\n", (int)length, name, value);
         }
         at = end;
     }
 }
 
-// Counts pixels for which `wrong` holds and tells the first.
+// Counts pixels for which `wrong` holds and reports the first.
 static void report_pixels(struct work *w, int i, const char *kind, const char *what, int count,
                           int first) {
     if (!count) return;
-    judge_flag(w, kind, i);
+    evaluate_flag(w, kind, i);
     fprintf(w->out, " %s pixels %d first %d,%d\n", what, count, first % w->plan->size,
             first / w->plan->size);
 }
@@ -96,14 +96,15 @@ static void check_finite(struct work *w, int i) {
 // The beauty is the sum of its layers.
 static void check_sum(struct work *w, int i) {
     for (int c = 0; c < 3; c++) {
-        const float *beauty = satin_film_channel(w->film[i], judge_layer[0].channel[c]);
+        const float *beauty = satin_film_channel(w->film[i], evaluate_layer[0].channel[c]);
         int count = 0, first = 0;
         for (int p = w->plan->size * w->plan->size - 1; p >= 0; p--) {
             double sum = 0.0, largest = 0.0;
             for (int k = 0; k < LAYERS; k++) {
-                const float *part = judge_layer[k].light
-                                        ? satin_film_channel(w->film[i], judge_layer[k].channel[c])
-                                        : NULL;
+                const float *part =
+                    evaluate_layer[k].light
+                        ? satin_film_channel(w->film[i], evaluate_layer[k].channel[c])
+                        : NULL;
                 if (!part) continue;
                 sum += (double)part[p];
                 largest = fmax(largest, fabs((double)part[p]));
@@ -112,7 +113,7 @@ static void check_sum(struct work *w, int i) {
             count++;
             first = p;
         }
-        report_pixels(w, i, "sum", judge_layer[0].channel[c], count, first);
+        report_pixels(w, i, "sum", evaluate_layer[0].channel[c], count, first);
     }
 }
 
@@ -127,7 +128,7 @@ static void render_seed(struct work *w, const satin_scene *scene, const satin_op
     satin_status status = satin_render(scene, &options, &callbacks, &w->film[i]);
     alarm(0);
     if (status != SATIN_OK) {
-        judge_flag(w, "failed", i);
+        evaluate_flag(w, "failed", i);
         fprintf(w->out, " %s\n", w->message[0] ? w->message : satin_status_text(status));
         cell_command(w->plan, w->cell, seed, w->out);
         w->flagged[i] = false;  // the next picture takes its place
@@ -179,12 +180,12 @@ void cell_run(const struct plan *plan, const struct cell *cell, struct tally *ta
     if (satin_scene_load(cell->scene, plan->define, plan->define_count, note, &w, &scene) !=
             SATIN_OK ||
         resolve(&w, scene, &options) != SATIN_OK) {
-        judge_flag(&w, "failed", 0);
+        evaluate_flag(&w, "failed", 0);
         fprintf(out, " %s\n", w.message);
     } else {
         for (int s = 0; s < plan->seed_count && s < SEEDS_MOST; s++)
             render_seed(&w, scene, &options, plan->seed_first + s);
-        judge_layers(&w);
+        evaluate_layers(&w);
         if (plan->worst)
             fprintf(out, "worst %s %s %s %.1f cpu %.1f\n", cell->scene, cell->preset,
                     cell->first_pass, tally->worst, (double)clock() / CLOCKS_PER_SEC);

@@ -41,7 +41,7 @@ struct tally {
     double seconds;                  // of wall time, of all renders
 };
 
-// Renders and judges; prints a line per flag to `out`. Renders on one thread.
+// Renders and evaluates; prints a line per flag to `out`. Renders on one thread.
 void cell_run(const struct plan *plan, const struct cell *cell, struct tally *tally, FILE *out);
 
 // Begins a line of the form `flag KIND SCENE PRESET FIRST-PASS seed S`, without its end.

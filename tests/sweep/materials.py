@@ -15,7 +15,7 @@ WAVES, BRDF = "waves.pgm", "measured.txt"  # files beside the scenes, see write_
 def write_files(folder):
     """What bump maps, normal maps and measured BRDFs read, in the folder of the scenes."""
     size = 32
-    turn = [2 * math.pi * k / size for k in range(size)]
+    angle = [2 * math.pi * k / size for k in range(size)]
     heights = [round(127 + 60 * math.sin(x) + 60 * math.cos(2 * y)) for y in turn for x in turn]
     (folder / WAVES).write_text(f"P2 {size} {size} 255\n" + " ".join(map(str, heights)) + "\n",
                                 encoding="ascii")

@@ -106,7 +106,7 @@ class Room(Shell):
         return x, z, top, min(half[0], half[2])
 
     def add(self, kind, size, x, y, z, material):
-        self.parts.append(plugin("shape", kind, to_world(self.grow(*size), *self.turn(),
+        self.parts.append(plugin("shape", kind, to_world(self.grow(*size), *self.rotation(),
                                                          self.move(x, y, z)), material))
 
     def tube(self, x, z, foot, top, radius):

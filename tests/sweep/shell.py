@@ -50,7 +50,7 @@ class Shell:
     def grow(self, x, y, z):
         return element("scale", {"value": triple((self.k * x, self.k * y, self.k * z))})
 
-    def turn(self):
+    def rotation(self):
         """None, about the vertical, or any."""
         if self.dice.chance(0.3):
             return []
@@ -91,7 +91,7 @@ class Shell:
         """A rectangle of the wall at sign * half[axis] that faces inwards, between two corners in
         the other two axes, in their order."""
         u, v = [a for a in range(3) if a != axis]
-        turn = {(0, -1): [rotate("y", 90)], (0, 1): [rotate("y", -90)],
+        rotation = {(0, -1): [rotate("y", 90)], (0, 1): [rotate("y", -90)],
                 (1, -1): [rotate("x", -90)], (1, 1): [rotate("x", 90)],
                 (2, -1): [], (2, 1): [rotate("y", 180)]}[axis, sign]
         size, centre = [0, 0, 0], [0, 0, 0]
@@ -99,7 +99,7 @@ class Shell:
             size[a], centre[a] = (hi - lo) / 2, (hi + lo) / 2
         centre[axis] = sign * self.half[axis]
         flat = {0: (size[2], size[1]), 1: (size[0], size[2]), 2: (size[0], size[1])}[axis]
-        steps = [self.grow(flat[0], flat[1], 1), *turn, self.move(*centre)]
+        steps = [self.grow(flat[0], flat[1], 1), *rotation, self.move(*centre)]
         return plugin("shape", "rectangle", to_world(*steps), material)
 
     def wall(self, axis, sign, material, hole):

@@ -227,10 +227,10 @@ static int print_totals(const struct tally *tallies, int cells) {
         all.worst = t->worst > all.worst ? t->worst : all.worst;
         for (int k = 0; k < CELL_HISTOGRAM; k++) all.histogram[k] += t->histogram[k];
     }
-    long judged = 0;
-    for (int k = 0; k < CELL_HISTOGRAM; k++) judged += all.histogram[k];
-    printf("renders %d  cells %d  seconds %.0f  blocks judged %ld\n", all.renders, cells,
-           all.seconds, judged);
+    long evaluated = 0;
+    for (int k = 0; k < CELL_HISTOGRAM; k++) evaluated += all.histogram[k];
+    printf("renders %d  cells %d  seconds %.0f  blocks evaluated %ld\n", all.renders, cells,
+           all.seconds, evaluated);
     printf("flags %d  blocks %d  refused or not finite %.0f  worst score %.1f\n", all.flags,
            all.blocks, all.records, all.worst);
     printf("blocks by score:");

@@ -99,8 +99,8 @@ static void samplers_follow_their_densities(void **state) {
 
 // The test itself must see a sampler that is slightly wrong, and its tail must be the known one.
 static bool draw_wrong(const void *ctx, const float u[4], vec3 *w) {
-    const float bent[4] = {u[0], powf(u[1], 1.1f), u[2], u[3]};
-    return draw(ctx, bent, w);
+    const float skewed[4] = {u[0], powf(u[1], 1.1f), u[2], u[3]};
+    return draw(ctx, skewed, w);
 }
 
 static void chi_square_is_sound(void **state) {
@@ -335,7 +335,7 @@ static void ward_variants_differ_as_known(void **state) {
 
 // ---- Delta lobes -------------------------------------------------------------------------------
 
-static void delta_lobes_share_the_light(void **state) {
+static void delta_lobes_divide_the_light(void **state) {
     (void)state;
     struct arena arena = {0};
     for (int i = 0; i < CASES; i++) {
@@ -345,9 +345,9 @@ static void delta_lobes_share_the_light(void **state) {
             struct brdf_sample power[2], radiance[2];
             int n = brdf_delta(&b, wo, BRDF_POWER, power);
             assert_int_equal(n, brdf_delta(&b, wo, BRDF_RADIANCE, radiance));
-            float shares = 0.0f, probabilities = 0.0f;
+            float fractions = 0.0f, probabilities = 0.0f;
             for (int k = 0; k < n; k++) {
-                shares += power[k].weight.g;
+                fractions += power[k].weight.g;
                 probabilities += power[k].probability;
                 assert_true(fabsf(v3_len(power[k].wi) - 1.0f) < 1e-5f);
                 float compressed = radiance[k].weight.g * power[k].eta * power[k].eta;
@@ -356,10 +356,10 @@ static void delta_lobes_share_the_light(void **state) {
                 // Snell: tangential parts scale with the index.
                 assert_true(fabsf(power[k].wi.x * power[k].eta + wo.x) < 1e-5f);
             }
-            assert_true(shares <= 1.0f + 1e-5f);
+            assert_true(fractions <= 1.0f + 1e-5f);
             if (n) assert_true(fabsf(probabilities - 1.0f) < 1e-5f);
             if (b.model->transmits && b.model->delta)
-                assert_true(n && fabsf(shares - 1.0f) < 1e-5f);
+                assert_true(n && fabsf(fractions - 1.0f) < 1e-5f);
         }
     }
     arena_free(&arena);
@@ -436,7 +436,7 @@ int main(void) {
         cmocka_unit_test(lafortune_contains_phong),
         cmocka_unit_test(grids_hold_their_values),
         cmocka_unit_test(ward_variants_differ_as_known),
-        cmocka_unit_test(delta_lobes_share_the_light),
+        cmocka_unit_test(delta_lobes_divide_the_light),
         cmocka_unit_test(refraction_is_reversible),
         cmocka_unit_test(albedo_follows_textures),
         cmocka_unit_test(unusual_input_does_no_harm),

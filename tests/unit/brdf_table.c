@@ -70,7 +70,7 @@ static double reflected_error(const float c[196], int n, int draws) {
 }
 
 // The order is the least one that keeps the error of reflected radiance within the bound. 4000
-// draws tell a relative rms to about 2 %; what lies beyond order 14 is below .1 % of all here.
+// draws give a relative rms to about 2 %; what lies beyond order 14 is below .1 % of all here.
 static void orders_bound_what_is_reflected(void **state) {
     (void)state;
     const struct brdf brdfs[] = {phong(5), phong(15), phong(22), ward(0.4f, 0.4f)};
@@ -126,7 +126,7 @@ static double lookup_error(const struct brdf *b, const struct brdf_table *table,
     return sqrt(error / norm);
 }
 
-// Turning an isotropic lobe, mirroring an anisotropic one, and interpolating between nodes, all
+// Rotating an isotropic lobe, mirroring an anisotropic one, and interpolating between nodes, all
 // against direct projection. The bounds are twice the largest error over 3,000 directions; only the
 // anisotropic map, near the horizon, comes close to its own.
 static void lookups_agree_with_projection(void **state) {

@@ -79,7 +79,7 @@ static void scene_units_win_over_pixels(void **state) {
 }
 
 // A record that reaches farther than its rays said keeps that in mind; one that is cut does not.
-static void room_tells_what_was_wanted(void **state) {
+static void room_records_what_was_wanted(void **state) {
     (void)state;
     struct fixture f;
     start(&f);
@@ -97,7 +97,7 @@ int main(void) {
         cmocka_unit_test(pixels_bound_what_rays_found),
         cmocka_unit_test(largest_pixels_win_over_least),
         cmocka_unit_test(scene_units_win_over_pixels),
-        cmocka_unit_test(room_tells_what_was_wanted),
+        cmocka_unit_test(room_records_what_was_wanted),
     };
     return cmocka_run_group_tests_name("cache_extent", tests, NULL, NULL);
 }

@@ -74,7 +74,7 @@ static void the_ends_are_four_times_off(void **state) {
 }
 
 // Half of the deviation that records of the plain number have takes four times the rays.
-static void rays_reach_the_deviation(void **state) {
+static void rays_give_the_deviation(void **state) {
     (void)state;
     double mean[2] = {0};
     for (int asked = 0; asked < 2; asked++) {
@@ -116,7 +116,7 @@ static void threads_do_not_matter(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_ends_are_four_times_off),
-        cmocka_unit_test(rays_reach_the_deviation),
+        cmocka_unit_test(rays_give_the_deviation),
         cmocka_unit_test(threads_do_not_matter),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -121,7 +121,7 @@ static void an_empty_tree_covers_nothing(void **state) {
 }
 
 // An elliptic record reaches R along, and less across; its scale lowers both.
-static void an_ellipse_and_a_scale_shorten_the_reach(void **state) {
+static void an_ellipse_and_a_scale_shorten_the_radius(void **state) {
     (void)state;
     struct cache_tree tree;
     cache_tree_init(&tree, v3(-1, -1, -1), v3(1, 1, 1));
@@ -141,7 +141,7 @@ static void an_ellipse_and_a_scale_shorten_the_reach(void **state) {
 }
 
 // A record that reaches beyond all of the scene is found everywhere in it.
-static void a_reach_beyond_the_scene_is_found(void **state) {
+static void a_radius_beyond_the_scene_is_found(void **state) {
     (void)state;
     struct cache_tree tree;
     cache_tree_init(&tree, v3(-1, -1, -1), v3(1, 1, 1));
@@ -174,8 +174,8 @@ static void nearest_is_of_this_side_and_layer(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(an_ellipse_and_a_scale_shorten_the_reach),
-        cmocka_unit_test(a_reach_beyond_the_scene_is_found),
+        cmocka_unit_test(an_ellipse_and_a_scale_shorten_the_radius),
+        cmocka_unit_test(a_radius_beyond_the_scene_is_found),
         cmocka_unit_test(nearest_is_of_this_side_and_layer),
         cmocka_unit_test(finds_all_and_only_S),
         cmocka_unit_test(rejects_points_in_front),

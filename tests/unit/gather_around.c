@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a hemisphere tells of its surroundings: distances in a box, the sectors that a wall fills,
-// and the Hessian of E against second differences, in a box lit by a point light, whose gathered
-// radiance (first pass `none`) has no noise.
+// What a hemisphere measures of its surroundings: distances in a box, the sectors that a wall
+// fills, and the Hessian of E against second differences, in a box lit by a point light, whose
+// gathered radiance (first pass `none`) has no noise.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -87,7 +87,7 @@ static void second_differences(struct fixture *f, float x, float z, float h, uin
 }
 
 // Root mean square of the error over that of the differences.
-static double bend_error(struct fixture *f, float x, float z, float h) {
+static double hessian_error(struct fixture *f, float x, float z, float h) {
     double error = 0.0, size = 0.0;
     for (uint64_t i = 0; i < 4; i++) {
         struct gather_around around;
@@ -103,21 +103,21 @@ static double bend_error(struct fixture *f, float x, float z, float h) {
     return sqrt(error / size);
 }
 
-static void the_bend_matches_second_differences(void **state) {
+static void the_hessian_matches_second_differences(void **state) {
     (void)state;
     struct fixture f;
     start_box(&f, 60000);
     // The sum over cells is good to the first order in their size, 1 / 140; most of this is noise
     // of the differences.
-    assert_true(bend_error(&f, -0.3f, 0.2f, 0.2f) < 0.05);
+    assert_true(hessian_error(&f, -0.3f, 0.2f, 0.2f) < 0.05);
     stop(&f);
 }
 
-static void the_bend_sees_an_edge_that_hides(void **state) {
+static void the_hessian_sees_an_edge_that_hides(void **state) {
     (void)state;
     struct fixture f;
     start_ball(&f, 60000);
-    assert_true(bend_error(&f, 0.1f, 0.0f, 0.1f) < 0.1);
+    assert_true(hessian_error(&f, 0.1f, 0.0f, 0.1f) < 0.1);
     stop(&f);
 }
 
@@ -139,8 +139,8 @@ static void distances_are_those_of_the_box(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_bend_matches_second_differences),
-        cmocka_unit_test(the_bend_sees_an_edge_that_hides),
+        cmocka_unit_test(the_hessian_matches_second_differences),
+        cmocka_unit_test(the_hessian_sees_an_edge_that_hides),
         cmocka_unit_test(distances_are_those_of_the_box),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -85,7 +85,7 @@ static void check_irradiance(float half_angle, double tolerance) {
     // E = const * height^2 / r^4.
     const vec3 d = v3_sub(v3(LAMP.x, 1.0f, LAMP.z), first.p);
     const vec3 moved = v3_mul(v3(d.x, 0.0f, d.z), 4.0f * (float)E / v3_len2(d));
-    double sum = 0.0, square = 0.0, gradient = 0.0, turn = 0.0;
+    double sum = 0.0, square = 0.0, gradient = 0.0, rotation = 0.0;
     for (uint64_t i = 0; i < STREAMS; i++) {
         const struct gather_site site = floor_site(i);
         struct gather_irradiance value;
@@ -97,16 +97,16 @@ static void check_irradiance(float half_angle, double tolerance) {
         sum += x / STREAMS;
         square += (x - 1.0) * (x - 1.0) / STREAMS;
         gradient += (double)v3_len(v3_sub(value.grad_t[1], moved)) / STREAMS;
-        // What a turn of the normal by a small angle changes: E / cos(theta) * w . n'.
+        // What a rotation of the normal by a small angle changes: E / cos(theta) * w . n'.
         const vec3 tilted = v3_unit(v3(0.02f, 1.0f, -0.01f));
         const double wanted = E / (double)w.y * (double)v3_dot(w, tilted) - E;
         const double given = (double)v3_dot(v3_cross(site.frame.n, tilted), value.grad_r[1]);
-        turn += fabs(given - wanted) / fabs(wanted) / STREAMS;
+        rotation += fabs(given - wanted) / fabs(wanted) / STREAMS;
     }
     assert_true(fabs(sum - 1.0) < tolerance);
     assert_true(sqrt(square) < 0.05);
     assert_true(gradient < 0.05 * (double)v3_len(moved));
-    assert_true(turn < 0.05);
+    assert_true(rotation < 0.05);
     // Without them one hemisphere in nine meets the spot at all.
     f.options.gather_guide = false;
     int dark = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Path tracing where the answer is known: a plane under a white sky is as bright as its albedo,
-// however light and BRDF sampling share the sky.
+// however the sky is divided between light and BRDF sampling.
 #include "gather/gather.h"
 
 #include <float.h>
@@ -79,7 +79,7 @@ static void planes_are_as_bright_as_their_albedo(void **state) {
 
 // A diffuse plane beside a pane that shows the sky: what the ray meets, and which part of the
 // light is emission, whether or not longer paths are wanted.
-static void tells_what_the_eye_sees(void **state) {
+static void reports_what_the_eye_sees(void **state) {
     (void)state;
     struct test_scene t;
     test_scene_init(&t);
@@ -115,6 +115,6 @@ static void tells_what_the_eye_sees(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(planes_are_as_bright_as_their_albedo),
-                                       cmocka_unit_test(tells_what_the_eye_sees)};
+                                       cmocka_unit_test(reports_what_the_eye_sees)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

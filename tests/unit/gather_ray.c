@@ -61,7 +61,7 @@ static void light_is_weighed_at_the_point_that_rays_leave(void **state) {
         assert_true(rgb_luminance(ray->Le) > 0.0f);
         const struct light_chain chain = light_chain_begin(up);
         assert_true(ray->light_pdf == gather_light_pdf(&g, p, &chain, NULL));
-        // A sky and a lamp that reach p alike would get half of the samples each.
+        // A sky and a lamp whose light arrives at p alike would get half of the samples each.
         assert_true(i == 0 ? ray->light_pdf > 0.4f / PI_F * 0.5f : ray->light_pdf < 0.05f / PI_F);
         free(visibility);
     }

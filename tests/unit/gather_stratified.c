@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stratified gradients where they are known: inside a unit sphere whose radiance is 1 + x, seen
 // from its centre, dE/dx = 3 pi / 4 and dE/dy = 0. Weights that follow the samples' own angles miss
-// this at any number of rays: they turn it by .7 towards -y (docs/equations.md, erratum 1).
+// this at any number of rays: they rotate it by .7 towards -y (docs/equations.md, erratum 1).
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -67,15 +67,15 @@ static void radiance_in_a_sphere(void **state) {
     const struct gather_hemisphere hemisphere = gather_scratch_hemisphere(s, l, &FRAME);
     // cos(theta) = (sqrt(2 pi) H_0 + sqrt(2 pi / 3) H_1) / 2.
     const double c0 = 0.5 * sqrt(2.0 * 3.14159265358979), c2 = c0 / sqrt(3.0);
-    for (int turned = 0; turned < 2; turned++) {
+    for (int rotated = 0; rotated < 2; rotated++) {
         float dx[3 * N2] = {0}, dy[3 * N2] = {0};
-        look(s, l, turned ? v3(0.0f, 1.0f, 0.0f) : v3(1.0f, 0.0f, 0.0f));
+        look(s, l, rotated ? v3(0.0f, 1.0f, 0.0f) : v3(1.0f, 0.0f, 0.0f));
         gather_stratified_radiance(&hemisphere, dx, dy);
         for (int c = 0; c < 3; c++) {
             double x = (c0 * (double)dx[c * N2] + c2 * (double)dx[c * N2 + 2]) / (c + 1);
             double y = (c0 * (double)dy[c * N2] + c2 * (double)dy[c * N2 + 2]) / (c + 1);
-            assert_true(fabs(x - (turned ? 0.0 : SLOPE)) < TOLERANCE);
-            assert_true(fabs(y - (turned ? SLOPE : 0.0)) < TOLERANCE);
+            assert_true(fabs(x - (rotated ? 0.0 : SLOPE)) < TOLERANCE);
+            assert_true(fabs(y - (rotated ? SLOPE : 0.0)) < TOLERANCE);
         }
     }
     gather_scratch_free(s);

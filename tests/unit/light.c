@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lights: what is sampled follows the density that is told (chi-square over a grid of directions,
-// at points near, beside, inside and far), what is told agrees from both sides (round trip), and
-// what is emitted is the analytic power and arrives as the irradiance that sampling finds.
+// Lights: what is sampled follows the density that is reported (chi-square over a grid of
+// directions, at points near, beside, inside and far), what is reported agrees from both sides
+// (round trip), and what is emitted is the analytic power and arrives as the irradiance that
+// sampling finds.
 #include "test_scene.h"
 
 #include <math.h>
@@ -17,8 +18,8 @@ enum { COLUMNS = 32, ROWS = 16, CELLS = COLUMNS * ROWS, FINE = 32 };
 // Directions in a grid of equal solid angles around a frame.
 static int cell_of(const struct frame *f, vec3 w) {
     vec3 l = frame_to_local(f, w);
-    float turn = atan2f(l.y, l.x) * (0.5f / PI_F);
-    int column = (int)((turn < 0.0f ? turn + 1.0f : turn) * COLUMNS);
+    float around = atan2f(l.y, l.x) * (0.5f / PI_F);
+    int column = (int)((around < 0.0f ? around + 1.0f : around) * COLUMNS);
     int row = (int)((l.z + 1.0f) * 0.5f * ROWS);
     return (row < ROWS ? row : ROWS - 1) * COLUMNS + (column < COLUMNS ? column : COLUMNS - 1);
 }
@@ -39,8 +40,8 @@ static double chi_square_tail(double chi2, double freedom) {
     return 0.5 * erfc(z / sqrt(2.0));
 }
 
-// The integral of the density over each cell, and the greatest share that one of its FINE^2 points
-// has.
+// The integral of the density over each cell, and the greatest part of it that one of its FINE^2
+// points has.
 static void integrate(const struct satin_scene *scene, uint32_t light, vec3 p,
                       const struct frame *f, double expected[CELLS], double most[CELLS]) {
     struct rng rng = rng_make(7, RNG_TEST, 1);
@@ -51,9 +52,9 @@ static void integrate(const struct satin_scene *scene, uint32_t light, vec3 p,
             float s = safe_sqrtf(1.0f - z * z);
             vec3 w = frame_to_world(f, v3(s * cosf(phi), s * sinf(phi), z));
             int cell = row / FINE * COLUMNS + column / FINE;
-            double share = 4.0 * M_PI / CELLS / (FINE * FINE) * density(scene, light, p, w);
-            expected[cell] += share;
-            most[cell] = fmax(most[cell], share);
+            double part = 4.0 * M_PI / CELLS / (FINE * FINE) * density(scene, light, p, w);
+            expected[cell] += part;
+            most[cell] = fmax(most[cell], part);
         }
 }
 
@@ -71,10 +72,10 @@ static void check_density(const struct test_scene *t, uint32_t light, vec3 p, co
         float u = rng_float(&rng), v = rng_float(&rng);
         if (!light_sample(scene, light, p, u, v, &s)) continue;
         assert_true(fabsf(v3_len(s.wi) - 1.0f) < 1e-5f && s.pdf_w > 0.0f && !s.delta);
-        float told = density(scene, light, p, s.wi);
-        // Samples on an edge may miss it, and where a cylinder turns away the cosine is known to
-        // few digits; all others must be told the same density twice.
-        wrong += !(fabsf(told - s.pdf_w) <= 2e-3f * s.pdf_w);
+        float reported = density(scene, light, p, s.wi);
+        // Samples on an edge may miss it, and where a cylinder curves away the cosine is known to
+        // few digits; all others must have the same density both times.
+        wrong += !(fabsf(reported - s.pdf_w) <= 2e-3f * s.pdf_w);
         found[cell_of(&f, s.wi)] += 1.0;
     }
     if (wrong > N / 400) printf("%s: %d of %d densities differ\n", what, wrong, N);
@@ -107,7 +108,7 @@ static void check_density(const struct test_scene *t, uint32_t light, vec3 p, co
 
 // ---- Lights to test ---------------------------------------------------------------------------
 
-static struct mat4 turned(struct mat4 m, vec3 axis, float degrees) {
+static struct mat4 rotated(struct mat4 m, vec3 axis, float degrees) {
     struct mat4 r = mat4_rotate(axis, degrees);
     return mat4_mul(&m, &r);
 }
@@ -117,7 +118,7 @@ static void area_density(void **state) {
     struct test_scene t;
     const rgb white = rgb_grey(1.0f);
     struct mat4 plain = test_transform(v3(0, 0, 0), v3(1.0f, 0.6f, 1.0f));
-    struct mat4 tilted = turned(test_transform(v3(3, 1, 2), v3(1, 1, 1)), v3(1, 2, 3), 50.0f);
+    struct mat4 tilted = rotated(test_transform(v3(3, 1, 2), v3(1, 1, 1)), v3(1, 2, 3), 50.0f);
     struct mat4 skew = mat4_identity();
     skew.m[0][1] = 0.7f;
     for (int kind = 0; kind < 7; kind++) {
@@ -387,8 +388,8 @@ static void check_emission(const struct emission_case *c) {
     test_scene_init(&t);
     uint32_t grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
     struct mat4 up = test_transform(v3(0.2f, 0, 2), v3(0.5f, 0.5f, 0.5f));
-    struct mat4 down = turned(up, v3(1, 0, 0), 180.0f);
-    struct mat4 lying = turned(up, v3(1, 0, 0), 90.0f);
+    struct mat4 down = rotated(up, v3(1, 0, 0), 180.0f);
+    struct mat4 lying = rotated(up, v3(1, 0, 0), 90.0f);
     uint32_t shape = 0;
     if (c->shape == 0) shape = test_rectangle(&t, down, grey);
     if (c->shape == 1) shape = test_cube(&t, up, false, grey);
@@ -438,7 +439,8 @@ static void emission(void **state) {
                              .check = {&light, &dark},
                              .to_uv = {1.4f, 0, 0, 0, 0.8f, 0},  // no edge near p
                              .mean = rgb_grey(0.55f)};
-    struct mat4 place = turned(test_transform(v3(0.5f, 0.2f, 2.0f), v3(1, 1, 1)), v3(1, 0, 0), 180);
+    struct mat4 place =
+        rotated(test_transform(v3(0.5f, 0.2f, 2.0f), v3(1, 1, 1)), v3(1, 0, 0), 180);
     struct light slide = spot(50.0f, 20.0f), projector = {.kind = LIGHT_PROJECTOR};
     slide.texture = projector.texture = &checks;
     slide.position = projector.position = down.position;

@@ -37,8 +37,8 @@ static void sun_is_a_disc(void **state) {
     test_scene_free(&t);
 }
 
-// Through a window that most bins leave dark: the density that is told is that which was drawn by,
-// and the light of every part of the sky comes to what it is.
+// Through a window that most bins leave dark: the density that is reported is that which was drawn
+// by, and the light of every part of the sky comes to what it is.
 static void histograms_change_no_light(void **state) {
     (void)state;
     struct test_scene t;
@@ -58,11 +58,11 @@ static void histograms_change_no_light(void **state) {
         const vec2 u = sample_sobol2(i, 3);
         struct light_sample s;
         assert_true(light_environment_sample(&t.scene, &histogram, u.x, u.y, &s));
-        const float told = light_environment_pdf(&t.scene, &histogram, s.wi);
-        assert_true(fabsf(told - s.pdf_w) <= 1e-5f * told);
+        const float reported = light_environment_pdf(&t.scene, &histogram, s.wi);
+        assert_true(fabsf(reported - s.pdf_w) <= 1e-5f * reported);
         // Halves of bins, by both coordinates, below and above.
-        const float turn = 0.5f + atan2f(s.wi.y, s.wi.x) * (0.5f / PI_F);
-        const int x = (int)(2 * LIGHT_HISTOGRAM_SIDE * turn);
+        const float around = 0.5f + atan2f(s.wi.y, s.wi.x) * (0.5f / PI_F);
+        const int x = (int)(2 * LIGHT_HISTOGRAM_SIDE * around);
         const int y = (int)(LIGHT_HISTOGRAM_SIDE * (1.0f - s.wi.z));
         const int part = x % 2 + 2 * (y % 2) + 4 * (s.wi.z > 0.5f);
         sum[part] += (double)(s.L.g / s.pdf_w) / SAMPLES;

@@ -19,8 +19,8 @@ static uint32_t plate(struct test_scene *t, float z, float thickness, float angl
     const struct mat4 tilt = mat4_rotate(v3(1, 0, 0), degrees(angle)),
                       to = test_transform(v3(0, 0, z), v3(1, 1, 1)),
                       size = mat4_scale(v3(4, 4, 0.5f * thickness)),
-                      turned = mat4_mul(&tilt, &size);
-    return test_cube(t, mat4_mul(&to, &turned), false, what);
+                      rotated = mat4_mul(&tilt, &size);
+    return test_cube(t, mat4_mul(&to, &rotated), false, what);
 }
 
 // A lamp at height 1 that shines down, of half-widths w and h, moved by x.
@@ -85,7 +85,7 @@ static void thin_sheets_transmit_straight(void **state) {
     test_scene_free(&t);
 }
 
-// A pane of two rectangles, the upper one turned about x by an angle [rad].
+// A pane of two rectangles, the upper one rotated about x by an angle [rad].
 static double through_wedge(float angle) {
     struct test_scene t;
     test_scene_init(&t);
@@ -175,7 +175,8 @@ static void distances_are_those_of_a_slab(void **state) {
         assert_true(
             light_find(&t.scene, v3(0, 0, 0), v3(0, 0, 1), inclined(a), 2, &hit, &sky, &found));
         assert_true(!sky && hit.light == 0 && found.chain.crossed == 2);
-        // A bundle of rays that turns by dphi about the axis is x dphi wide, one by da is cos a dx.
+        // A bundle of rays that rotates by dphi about the axis is x dphi wide, one by da is cos a
+        // dx.
         const double x = beside(a, 0.3),
                      dx = (beside(a + step, 0.3) - beside(a - step, 0.3)) / (2.0 * step);
         assert_true(fabs((double)hit.p.x - x) < 1e-4);
@@ -219,8 +220,8 @@ static void points_of_light_are_found(void **state) {
 
 enum { LIGHT_SIDE = 64 };
 
-// Irradiance at p, upwards, by light samples. Adds how often the density that they are told is
-// another than that which rays are told that find the same light.
+// Irradiance at p, upwards, by light samples. Adds how often the density reported for them is
+// another than that reported for rays that find the same light.
 static double by_samples(const struct satin_scene *scene, vec3 p, int *wrong) {
     const vec3 up = v3(0, 0, 1);
     double sum = 0.0;
@@ -238,9 +239,9 @@ static double by_samples(const struct satin_scene *scene, vec3 p, int *wrong) {
             continue;
         }
         const vec3 from = light_chain_beside(&found.chain, p, hit.p);
-        const float told = light_chain_density(&found.chain, sqrtf(v3_dist2(from, hit.p))) *
-                           light_pdf(scene, from, s.wi, &hit);
-        *wrong += !(fabsf(told - s.pdf_w) < 1e-2f * s.pdf_w);
+        const float reported = light_chain_density(&found.chain, sqrtf(v3_dist2(from, hit.p))) *
+                               light_pdf(scene, from, s.wi, &hit);
+        *wrong += !(fabsf(reported - s.pdf_w) < 1e-2f * s.pdf_w);
     }
     return sum / (LIGHT_SIDE * LIGHT_SIDE);
 }

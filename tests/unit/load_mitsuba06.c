@@ -82,7 +82,7 @@ static void keeps_meaning(void **state) {
     assert_true(fabsf(scene->light[1].value.r - 15.263024f) < 1e-4f);
     assert_true(fabsf(scene->material[1].front.base.diffuse.g - 0.21404114f) < 1e-6f);
     satin_scene_free(scene);
-    // The same words in version 3 are wrong.
+    // In version 3 these words are wrong.
     snprintf(text, sizeof text, "<scene version='3.0.0'>%s", body);
     assert_null(scene_case_load(&c, text));
     assert_true(c.errors == 1 && strstr(c.error, "unknown element <srgb>"));

@@ -17,28 +17,28 @@ static const struct param_spec choice = {"choice", PARAM_CHOICE, "green", 0, 0, 
 static const struct param_spec place = {"place", PARAM_POINT, "1 2 3", 0, 0, NULL, ""};
 static const struct param_spec colour = {"colour",      PARAM_COLOR, ".25", RANGE_UNIT,
                                          PARAM_TEXTURE, NULL,        ""};
-static const struct param_spec share = {"share",       PARAM_FLOAT, ".5", RANGE_UNIT,
-                                        PARAM_TEXTURE, NULL,        ""};
+static const struct param_spec fraction = {"fraction",    PARAM_FLOAT, ".5", RANGE_UNIT,
+                                           PARAM_TEXTURE, NULL,        ""};
 static const struct param_spec texel = {"texel",       PARAM_COLOR, ".5", RANGE_TEXEL,
                                         PARAM_TEXTURE, NULL,        ""};
 static const struct param_spec light = {"light", PARAM_LIGHT, NULL, RANGE_NOT_NEGATIVE,
                                         0,       NULL,        ""};
 static const struct param_spec ior = {"ior", PARAM_IOR, "bk7", RANGE_POSITIVE, 0, NULL, ""};
 static const struct param_spec must = {"must", PARAM_FLOAT, NULL, 0, PARAM_REQUIRED, NULL, ""};
-static const struct param_spec *const specs[] = {&flag,  &count,  &size,  &text,  &choice,
-                                                 &place, &colour, &share, &texel, &light,
+static const struct param_spec *const specs[] = {&flag,  &count,  &size,     &text,  &choice,
+                                                 &place, &colour, &fraction, &texel, &light,
                                                  &ior,   &must,   NULL};
 static const struct plugin_spec plugin = {XML_BSDF, "test", "", specs, 1u << XML_BSDF, NULL, false};
 
 static satin_status read_params(struct scene_case *c, const char *body, struct load_xml *xml,
                                 struct params *out) {
     char file[2048];
-    snprintf(
-        file, sizeof file,
-        "<scene version='3.0.0'><texture type='x' id='t'/><rgb id='shared' value='.1 .2 .3'/><bsdf "
-        "type='test'>\n%s</bsdf>"
-        "</scene>",
-        body);
+    snprintf(file, sizeof file,
+             "<scene version='3.0.0'><texture type='x' id='t'/><rgb id='common' value='.1 .2 "
+             ".3'/><bsdf "
+             "type='test'>\n%s</bsdf>"
+             "</scene>",
+             body);
     scene_case_file("scene.xml", file);
     uint64_t hash = FILEIO_HASH;
     struct log log = scene_case_begin(c);
@@ -106,7 +106,7 @@ static void reads_colours(void **state) {
                  {"<rgb name='colour' value='.1, .2 .3'/>", {.1f, .2f, .3f}},
                  {"<rgb name='colour' value='#ff8000'/>", {1, .21586050f, 0}},
                  {"<spectrum name='colour' value='.7'/>", {.7f, .7f, .7f}},
-                 {"<ref name='colour' id='shared'/>", {.1f, .2f, .3f}},
+                 {"<ref name='colour' id='common'/>", {.1f, .2f, .3f}},
                  {"<spectrum name='colour' type='d65'/>", {1, 1, 1}},
                  {"<spectrum name='colour' type='uniform'><float name='value' value='.3'/>"
                   "</spectrum>",
@@ -143,21 +143,21 @@ static void reads_colours(void **state) {
 static void takes_means_of_colours(void **state) {
     (void)state;
     static const char *const cases[] = {
-        "<rgb name='share' value='.5 .2 .9'/>", "<rgb name='share' value='.5333333'/>",
-        "<spectrum name='share' value='.5333333'/>",
-        "<texture name='share' type='uniform'><float name='value' value='.5333333'/></texture>"};
+        "<rgb name='fraction' value='.5 .2 .9'/>", "<rgb name='fraction' value='.5333333'/>",
+        "<spectrum name='fraction' value='.5333333'/>",
+        "<texture name='fraction' type='uniform'><float name='value' value='.5333333'/></texture>"};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct scene_case c;
         struct load_xml xml;
         struct params p;
         assert_int_equal(read_besides(&c, cases[i], &xml, &p), SATIN_OK);
-        assert_true(fabsf(param(&p, "share")->f - .5333333f) < 1e-6f);
+        assert_true(fabsf(param(&p, "fraction")->f - .5333333f) < 1e-6f);
         load_xml_free(&xml);
     }
 }
 
 // A colour of a texture is one; a number of it is any.
-static void tells_numbers_from_colours(void **state) {
+static void separates_numbers_from_colours(void **state) {
     (void)state;
     static const struct {
         const char *text;
@@ -195,7 +195,7 @@ static const char *const refusals[][2] = {
     {"<integer name='count' value='0'/>", "count is 0, but must be positive"},
     {"<float name='size' value='1.5'/>", "size is 1.5, but must be in [0, 1]"},
     {"<rgb name='size' value='.5'/>", "'size' must be <integer> or <float>, not <rgb>"},
-    {"<rgb name='share' value='1 1 2'/>", "share is 1.33333, but must be in [0, 1]"},
+    {"<rgb name='fraction' value='1 1 2'/>", "fraction is 1.33333, but must be in [0, 1]"},
     {"<float name='size' value='1x'/>", "'1x' is not a number"},
     {"<float name='size' value='0x1'/>", "'0x1' is not a number"},
     {"<float name='size' value='inf'/>", "'inf' is not a number"},
@@ -330,7 +330,7 @@ int main(void) {
         cmocka_unit_test(reads_values),
         cmocka_unit_test(takes_means_of_colours),
         cmocka_unit_test(reads_colours),
-        cmocka_unit_test(tells_numbers_from_colours),
+        cmocka_unit_test(separates_numbers_from_colours),
         cmocka_unit_test(refuses),
         cmocka_unit_test(passes_over_what_is_not_its_own),
         cmocka_unit_test(tables_are_complete),

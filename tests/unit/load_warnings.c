@@ -118,7 +118,7 @@ static void counts_those_of_a_kind(void **state) {
 }
 
 // Before an error, so that they are seen in the order of their places.
-static void tells_before_an_error(void **state) {
+static void reports_before_an_error(void **state) {
     (void)state;
     struct scene_case c;
     struct load_warnings warnings = {.to = scene_case_begin(&c)};
@@ -159,7 +159,7 @@ static void is_strict_if_asked(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(warns_of_nonsense),      cmocka_unit_test(refuses_nonsense),
-        cmocka_unit_test(counts_those_of_a_kind), cmocka_unit_test(tells_before_an_error),
+        cmocka_unit_test(counts_those_of_a_kind), cmocka_unit_test(reports_before_an_error),
         cmocka_unit_test(is_strict_if_asked),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);

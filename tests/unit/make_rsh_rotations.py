@@ -21,7 +21,7 @@ def vector():
 
 
 def rotated(r):
-    """Real coefficients without phase to complex ones with phase, D, and back. The package turns
+    """Real coefficients without phase to complex ones with phase, D, and back. The package rotates
     coefficients by the conjugate of its D."""
     v, wigner = vector(), spherical.Wigner(ORDER - 1)
     d = np.conj(wigner.D(quaternionic.array.from_rotation_matrix(r)))

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The curve from effort to options: it passes through the presets, never turns back between them,
+// The curve from effort to options: it passes through the presets, never goes back between them,
 // ends at the first and the last, and leaves alone what the user chose.
 #include "render/options_budget.h"
 

@@ -254,8 +254,9 @@ static void add_lamp(struct test_scene *t, enum light_kind kind, uint32_t materi
     lamp.cos_beam = cosf(0.3f);
     if (kind == LIGHT_AREA) {
         struct mat4 high = test_transform(v3(0.2f, 0.3f, 3.0f), v3(0.2f, 0.2f, 0.2f)),
-                    turn = mat4_rotate(v3(1, 0, 0), 180.0f);
-        test_area_light(t, test_rectangle(t, mat4_mul(&high, &turn), material), rgb_grey(10.0f));
+                    rotation = mat4_rotate(v3(1, 0, 0), 180.0f);
+        test_area_light(t, test_rectangle(t, mat4_mul(&high, &rotation), material),
+                        rgb_grey(10.0f));
     } else {
         test_light(t, lamp);
     }

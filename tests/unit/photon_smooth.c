@@ -144,7 +144,7 @@ static void normals_count_without_a_radius(void **state) {
         precompute(&t, hit, few ? K / 2 : PHOTONS, !few, &map, &r);
         assert_true(r.position.scale > 0.0f && isfinite(r.position.scale));
         for (size_t i = 0; i < r.count; i++) assert_true(rgb_finite(r.E[i]));
-        // Few reach not far.
+        // With few photons they do not extend far.
         const vec3 p = few ? photon_entry_position(&r.position, 0) : v3(-0.5f, -0.5f, 0);
         const int entry = photon_irradiance_entry(&r, p, v3(0, 0, 1));
         assert_true(entry >= 0);

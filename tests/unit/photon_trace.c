@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Classes of photons behind glass: light that panes let pass is direct, what is bent or reflected
-// on its way is a caustic, and what frosted glass scatters is indirect.
+// Classes of photons behind glass: light that panes let pass is direct, what is refracted or
+// reflected on its way is a caustic, and what frosted glass scatters is indirect.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

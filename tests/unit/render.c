@@ -79,7 +79,7 @@ static void stages_come_in_their_order(void **state) {
         const char *stage[STAGES_MAX];
     } cases[] = {
         {two_pass, {"photons", "BRDF tables", "records", "image"}},
-        {recursive, {"photons", "BRDF tables", "deeper records", "records", "image"}},
+        {recursive, {"photons", "BRDF tables", "indirect bounces", "records", "image"}},
         {path, {"image"}},
         {photons, {"photons", "image"}},
     };
@@ -107,7 +107,7 @@ static void a_cancelled_render_has_an_image(void **state) {
     } cases[] = {
         {"photons", "cancelled during photons: the image is a first look at direct light alone"},
         {"BRDF tables", "cancelled during BRDF tables: the image is a first look"},
-        {"deeper records", "cancelled during deeper records: the image is a first look"},
+        {"indirect bounces", "cancelled during indirect bounces: the image is a first look"},
         {"records", "cancelled during records: the image is a first look"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

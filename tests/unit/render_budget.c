@@ -33,7 +33,7 @@ static void no_limit_ends_nothing(void **state) {
     assert_true(render_time_remains(&r));
     render_limit_tables(&r);
     assert_true(render_time_remains(&r));
-    render_limit_levels(&r, 0.0, 0.5);
+    render_limit_bounces(&r, 0.0, 0.5);
     assert_true(render_time_remains(&r));
     render_limit_records(&r, NULL);
     assert_true(render_time_remains(&r));

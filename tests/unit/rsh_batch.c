@@ -17,7 +17,7 @@ enum { CHANNELS = 4, STRIDE = RSH_MAX_WIDTH + 3 };  // three together and one al
 
 static float in[CHANNELS * MAX * STRIDE], out[CHANNELS * MAX * STRIDE];
 
-static struct rsh_rotations random_turns(uint32_t *seed, enum rsh_method method) {
+static struct rsh_rotations random_rotations(uint32_t *seed, enum rsh_method method) {
     struct rsh_rotations t = {.method = method};
     for (int i = 0; i < RSH_MAX_WIDTH; i++) {
         float a = 3 * noise(seed), c = 3 * noise(seed);
@@ -36,14 +36,14 @@ static void take(const float *from, int n, int channel, int i, float *v) {
 }
 
 // As for the single record: 3e-6 of the vector's length.
-static void turns_equal_the_plain_twin(void **state) {
+static void rotations_equal_the_plain_twin(void **state) {
     (void)state;
     uint32_t seed = 11;
     for (const struct rsh_kernels *const *k = rsh_kernels_usable(); *k; k++)
         for (int order = 1; order <= RSH_MAX_ORDER; order++)
             for (int method = RSH_METHOD_TAYLOR_1; method <= RSH_METHOD_EXACT; method++) {
                 int n = order * order;
-                struct rsh_rotations t = random_turns(&seed, (enum rsh_method)method);
+                struct rsh_rotations t = random_rotations(&seed, (enum rsh_method)method);
                 for (int j = 0; j < CHANNELS * n * STRIDE; j++) out[j] = in[j] = noise(&seed);
                 (*k)->rotate_many(&t, order, CHANNELS, STRIDE, out, out);
                 for (int i = 0; i < STRIDE; i++)
@@ -101,7 +101,7 @@ static void angles_equal_the_plain_twin(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(turns_equal_the_plain_twin),
+        cmocka_unit_test(rotations_equal_the_plain_twin),
         cmocka_unit_test(angles_equal_the_plain_twin),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

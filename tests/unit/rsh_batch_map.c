@@ -134,8 +134,8 @@ static void add_random(uint32_t *seed) {
     }
 }
 
-// The same frame twice, also one whose rows are as far from orthonormal as callers' are, and both
-// mirrored, which makes their quotient a rotation.
+// One frame as both arguments, also one whose rows are as far from orthonormal as callers' are, and
+// both mirrored, which makes their quotient a rotation.
 static void add_alike(uint32_t *seed) {
     for (int i = 0; i < 6; i++) {
         float from[9], to[9];

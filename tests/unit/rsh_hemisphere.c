@@ -72,7 +72,7 @@ static void transposed_moves_to_the_other_side(void **state) {
 }
 
 // At the pole beta' is exact: a lobe about the old normal stands about its new direction.
-static void hemisphere_turns_its_pole(void **state) {
+static void hemisphere_rotates_its_pole(void **state) {
     (void)state;
     enum { ORDER = 8, N = ORDER * ORDER };
     float v[N] = {0}, out[N], y[N];
@@ -181,7 +181,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(alignment_keeps_the_world),
         cmocka_unit_test(transposed_moves_to_the_other_side),
-        cmocka_unit_test(hemisphere_turns_its_pole),
+        cmocka_unit_test(hemisphere_rotates_its_pole),
         cmocka_unit_test(true_alignment_is_close),
         cmocka_unit_test(extension_keeps_the_hemisphere),
     };

@@ -98,7 +98,7 @@ static void alignments_equal_single_ones(void **state) {
         }
 }
 
-// The same bits, alone, among others, and in place.
+// A record gives equal bits alone, among others, and in place.
 static void neighbours_do_not_matter(void **state) {
     (void)state;
     uint32_t seed = 23;

@@ -14,7 +14,7 @@
 
 enum { ORDER = 9, N = ORDER * ORDER };
 
-static void either_side_may_turn(void **state) {
+static void either_side_may_rotate(void **state) {
     (void)state;
     uint32_t seed = 61;
     for (int i = 0; i < 80; i++) {
@@ -69,7 +69,7 @@ static void bad_input_is_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(either_side_may_turn),
+        cmocka_unit_test(either_side_may_rotate),
         cmocka_unit_test(bad_input_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -16,8 +16,8 @@
 #include "rsh_quadrature.h"
 #include "rsh_rotations.h"
 
-static struct rsh_rotation turn_of_angles(enum rsh_method method, float alpha, float beta,
-                                          float gamma) {
+static struct rsh_rotation rotation_of_angles(enum rsh_method method, float alpha, float beta,
+                                              float gamma) {
     return (struct rsh_rotation){method,     beta,       cosf(alpha), sinf(alpha),
                                  cosf(beta), sinf(beta), cosf(gamma), sinf(gamma)};
 }
@@ -106,7 +106,7 @@ static void kernels_agree(void **state) {
                     float v[3 * MAX + 1], a[3 * MAX], b[3 * MAX + 1];
                     int n = order * order;
                     for (int c = 0; c < channels; c++) noise_unit(&seed, n, v + c * n);
-                    struct rsh_rotation t = turn_of_angles(
+                    struct rsh_rotation t = rotation_of_angles(
                         (enum rsh_method)method, 3 * noise(&seed),
                         method == RSH_METHOD_EXACT ? 3 * noise(&seed) : 0.1f, 3 * noise(&seed));
                     rsh_kernels_plain.rotate(&t, order, channels, v, a);
@@ -165,7 +165,7 @@ static void small_angles_are_exact(void **state) {
     assert_memory_equal(v, out, sizeof v);
 }
 
-// Halving the angle divides the error by 4, 4 and 8, and the 1.5th order has .55 of the first's
+// Half the angle divides the error by 4, 4 and 8, and the 1.5th order has .55 of the first's
 // error (errata 4).
 static void taylor_errors_fall_as_stated(void **state) {
     (void)state;

@@ -58,7 +58,7 @@ static bool matches(const char *pattern, const char *text) {
            strcmp(text + n - after, star + 1) == 0;
 }
 
-static void tells_why(void **state) {
+static void says_why(void **state) {
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[2048];
@@ -78,6 +78,6 @@ static void tells_why(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(tells_why)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(says_why)};
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -17,8 +17,8 @@ static float value(const struct film_spec *film, float x) {
     return fabsf(x) <= film->radius ? 1 : 0;
 }
 
-// The share of stratified samples left of a point is the filter's integral up to there, also where
-// the window cuts the filter.
+// The fraction of stratified samples left of a point is the filter's integral up to there, also
+// where the window cuts the filter.
 static void filter_samples_are_distributed(void **state) {
     (void)state;
     const struct film_spec films[] = {{.filter = FILTER_BOX, .radius = 0.5f},

@@ -43,7 +43,7 @@ static void shows_the_same(void **state) {
     satin_scene *direct = scene_case_load(&c, SCENE_TEXT(SHAPES(PLACE) SHAPES("")));
     satin_scene *instances = load_instances();
     assert_true(direct && instances && instances->group_count == 1);
-    // Boxes of turned boxes are looser.
+    // Boxes of rotated boxes are looser.
     assert_true(v3_dist2(direct->bounds_lo, instances->bounds_lo) < 64 &&
                 v3_dist2(direct->bounds_hi, instances->bounds_hi) < 64);
     int hits = 0, misses = 0;
@@ -67,7 +67,8 @@ static void shows_the_same(void **state) {
         }
         // To some ulp of 100 off the surface, by more along it at a grazing ray.
         assert_true(fabsf(v3_dot(v3_sub(a.p, b.p), a.ng)) < 1e-4f && v3_dist2(a.p, b.p) < 1e-4f);
-        // A mirror turns a sphere inside out, but not an instance of it; so it is in Mitsuba.
+        // A reflection puts the outside of a sphere inside, but not an instance of it; so it is in
+        // Mitsuba.
         bool sphere = instances->shape[b.shape].kind == SHAPE_SPHERE;
         float side = sphere && v3_dot(a.ng, b.ng) < 0 ? -1 : 1;
         assert_true(side * v3_dot(a.ng, b.ng) > 0.9999f);

@@ -82,9 +82,9 @@ static void leaves_surfaces_at_any_scale(void **state) {
     for (int i = 0; i < 15; i++)
         for (int kind = 0; kind < 3; kind++) {
             float s = size[i / 3];
-            struct mat4 turn = mat4_rotate(v3(1, 2, 3), 33);
+            struct mat4 rotation = mat4_rotate(v3(1, 2, 3), 33);
             struct mat4 m = test_transform(v3_mul(place[i % 3], s), v3(s, s, s));
-            m = mat4_mul(&m, &turn);
+            m = mat4_mul(&m, &rotation);
             static struct test_scene t;
             test_scene_init(&t);
             test_diffuse(&t, .5f, .5f, .5f);
@@ -103,8 +103,9 @@ static void leaves_cylinders(void **state) {
     static struct test_scene t;
     test_scene_init(&t);
     test_diffuse(&t, .5f, .5f, .5f);
-    struct mat4 turn = mat4_rotate(v3(1, 2, 3), 70), m = test_transform(v3(3, 2, 1), v3(4, 4, 90));
-    m = mat4_mul(&turn, &m);
+    struct mat4 rotation = mat4_rotate(v3(1, 2, 3), 70),
+                m = test_transform(v3(3, 2, 1), v3(4, 4, 90));
+    m = mat4_mul(&rotation, &m);
     test_quadric(&t, SHAPE_CYLINDER, m, false, 0);
     test_scene_finish(&t);
     struct rng rng = rng_make(1, RNG_TEST, 0);
@@ -128,10 +129,11 @@ static void leaves_huge_floors(void **state) {
         static struct test_scene t;
         test_scene_init(&t);
         test_diffuse(&t, .5f, .5f, .5f);
-        struct mat4 turn = mat4_rotate(v3(1, 2, 3), 33), scale = mat4_scale(v3(size, size, size));
-        test_rectangle(&t, mat4_mul(&turn, &scale), 0);
+        struct mat4 rotation = mat4_rotate(v3(1, 2, 3), 33),
+                    scale = mat4_scale(v3(size, size, size));
+        test_rectangle(&t, mat4_mul(&rotation, &scale), 0);
         test_scene_finish(&t);
-        vec3 n = mat4_vector(&turn, v3(0, 0, 1));
+        vec3 n = mat4_vector(&rotation, v3(0, 0, 1));
         struct frame frame = frame_from_normal(n);
         struct rng rng = rng_make(1, RNG_TEST, 0);
         for (int i = 0; i < 20000; i++) {
@@ -148,10 +150,11 @@ static void leaves_huge_floors(void **state) {
 }
 
 // A point of a sheet of the scene, straight along n from a random place between the sheets.
-static struct interaction point_of_sheet(const struct satin_scene *scene, const struct mat4 *turn,
-                                         vec3 n, float z, struct rng *rng) {
+static struct interaction point_of_sheet(const struct satin_scene *scene,
+                                         const struct mat4 *rotation, vec3 n, float z,
+                                         struct rng *rng) {
     vec3 local = v3(17.9f * rng_float(rng) - 8.95f, 17.9f * rng_float(rng) - 8.95f, z);
-    struct ray ray = {mat4_point(turn, local), 0.0f, n, INFINITY};
+    struct ray ray = {mat4_point(rotation, local), 0.0f, n, INFINITY};
     struct interaction s;
     assert_true(scene_intersect(scene, &ray, &s));
     return s;
@@ -167,21 +170,21 @@ static void connects_points(void **state) {
         static struct test_scene t;
         test_scene_init(&t);
         test_diffuse(&t, .5f, .5f, .5f);
-        struct mat4 turn = mat4_rotate(v3(3, 1, 2), 77);
+        struct mat4 rotation = mat4_rotate(v3(3, 1, 2), 77);
         for (int i = 0; i < 2 + blocked; i++) {
             struct mat4 m = test_transform(v3(0, 0,
                                               i == 0   ? 0
                                               : i == 1 ? 1
                                                        : .5f),
                                            v3(size, size, 1));
-            test_rectangle(&t, mat4_mul(&turn, &m), 0);
+            test_rectangle(&t, mat4_mul(&rotation, &m), 0);
         }
         test_scene_finish(&t);
-        vec3 n = mat4_vector(&turn, v3(0, 0, 1));
+        vec3 n = mat4_vector(&rotation, v3(0, 0, 1));
         struct rng rng = rng_make(1, RNG_TEST, 0);
         for (int i = 0; i < 30000; i++) {
-            struct interaction p = point_of_sheet(&t.scene, &turn, v3_neg(n), 0.25f, &rng);
-            struct interaction q = point_of_sheet(&t.scene, &turn, n, 0.75f, &rng);
+            struct interaction p = point_of_sheet(&t.scene, &rotation, v3_neg(n), 0.25f, &rng);
+            struct interaction q = point_of_sheet(&t.scene, &rotation, n, 0.75f, &rng);
             struct ray ray = scene_spawn_to(&t.scene, p.p, p.ng, q.p, q.ng);
             assert_true(scene_occluded(&t.scene, &ray) == blocked);
             assert_float_equal(v3_len(v3_sub(v3_mad(ray.o, ray.tfar, ray.d), q.p)), 0.0f, 2e-5f);
@@ -203,14 +206,14 @@ static void shades_by_vertex_normals(void **state) {
         test_scene_init(&t);
         test_diffuse(&t, .5f, .5f, .5f);
         t.material[0].tangent = true;
-        float turned[9];
-        for (int i = 0; i < 9; i++) turned[i] = flip ? -normal[i] : normal[i];
+        float rotated[9];
+        for (int i = 0; i < 9; i++) rotated[i] = flip ? -normal[i] : normal[i];
         test_add_shape(&t, (struct shape){.kind = SHAPE_MESH,
                                           .flip_normals = flip,
                                           .mesh = {.vertex_count = 3,
                                                    .triangle_count = 1,
                                                    .position = position,
-                                                   .normal = turned,
+                                                   .normal = rotated,
                                                    .uv = uv,
                                                    .index = index}});
         test_scene_finish(&t);

@@ -145,7 +145,7 @@ static struct material white_under(struct material_bump outer, struct material_b
     return m;
 }
 
-// A tilted normal turns the frame, whichever side twosided shows of it; the true surface still
+// A tilted normal rotates the frame, whichever side twosided shows of it; the true surface still
 // bounds the light.
 static void bumps_rotate_the_frame(void **state) {
     (void)state;
@@ -168,7 +168,7 @@ static void bumps_rotate_the_frame(void **state) {
     under = v3_unit(v3_mad(x, -.2f, n));
     assert_true(frame_to_local(&f, under).z > 0.0f);
     assert_true(rgb_black(brdf_eval(&b, wo, frame_to_local(&f, under), BRDF_ALL)));
-    // Seen from where the facet turns away it is mirrored.
+    // Seen from where the facet faces away it is mirrored.
     assert_true(scene_brdf(&scene, &s, v3_unit(v3_mad(v3_mul(x, -1), .2f, n)), &b, &f));
     assert_true(v3_dot(f.n, x) < -0.5f);
     // From behind: twosided around the map mirrors it at the surface, the map around twosided not.
@@ -179,8 +179,8 @@ static void bumps_rotate_the_frame(void **state) {
     assert_true(v3_dist2(f.n, v3_mad(v3_mul(n, -.8f), -.6f, x)) < 1e-10f);
 }
 
-// A map in a map turns what that has turned; both hide what is behind them. Seen from behind, maps
-// around twosided are the same surface.
+// A map in a map rotates what that has rotated; both hide what is behind them. Seen from behind,
+// maps around twosided are the same surface.
 static void bumps_rotate_one_after_another(void **state) {
     (void)state;
     const struct texture right = {.kind = TEXTURE_CONSTANT, .value = {.8f, .5f, .9f}},
@@ -209,7 +209,7 @@ static void bumps_rotate_one_after_another(void **state) {
     assert_true(v3_dist2(frame_to_world(&f, b.base[1]), v3_neg(first)) < 1e-8f);
 }
 
-// A map in bumps turns their facet; bumps in a map rise over its facet, where the axes of the
+// A map in bumps rotates their facet; bumps in a map rise over its facet, where the axes of the
 // texture are foreshortened.
 static void bumps_and_maps_nest(void **state) {
     (void)state;
@@ -219,7 +219,7 @@ static void bumps_and_maps_nest(void **state) {
         .kind = TEXTURE_BITMAP, .image = &image, .to_uv = {1, 0, 0, 0, 1}};
     const struct texture tilt = {.kind = TEXTURE_CONSTANT, .value = {.8f, .5f, .9f}};
     const struct material_bump rise = {.height = &slope, .scale = 1.0f, .outside = true},
-                               turn = {.normal = &tilt, .outside = true};
+                               tilted = {.normal = &tilt, .outside = true};
     struct interaction s = interaction_facing(v3_unit(v3(1, 2, 3)));
     s.uv = (vec2){0.5f, 0.5f};
     s.dp_du = s.frame.u, s.dp_dv = s.frame.v;
@@ -227,7 +227,7 @@ static void bumps_and_maps_nest(void **state) {
     const struct {
         struct material_bump outer, inner;
         float angle;
-    } cases[] = {{rise, turn, up - back}, {turn, rise, up - steep}};
+    } cases[] = {{rise, tilted, up - back}, {tilted, rise, up - steep}};
     for (int i = 0; i < 2; i++) {
         struct material m = white_under(cases[i].outer, cases[i].inner);
         struct satin_scene scene = {.shape = &shape, .material = &m, .material_count = 1};

@@ -29,8 +29,8 @@ static struct ray ray_number(int i) {
     return (struct ray){v3(x, y, 9), 0.0f, v3(0, 0, -1), INFINITY};
 }
 
-// Shares of rays that reach the wall, by the queries of scene.h.
-static void share_through(const struct satin_scene *scene, float share[2]) {
+// Fractions of rays that arrive at the wall, by the queries of scene.h.
+static void fraction_through(const struct satin_scene *scene, float fraction[2]) {
     int hits = 0, free_ways = 0;
     for (int i = 0; i < RAYS; i++) {
         struct ray ray = ray_number(i), shadow = ray;
@@ -45,14 +45,14 @@ static void share_through(const struct satin_scene *scene, float share[2]) {
         free_ways += clear;
         assert_true(scene_intersect_whole(scene, &ray, &s) && s.p.z > 0.0f);
     }
-    share[0] = (float)hits / RAYS;
-    share[1] = (float)free_ways / RAYS;
+    fraction[0] = (float)hits / RAYS;
+    fraction[1] = (float)free_ways / RAYS;
 }
 
 static const struct material_side hole = {.holes = true};
 static const struct material_side whole;
 
-static void lets_its_share_pass(void **state) {
+static void lets_its_fraction_pass(void **state) {
     (void)state;
     const struct material_side mask = join(&hole, &whole, .3f, NULL),
                                inverted = join(&whole, &hole, .3f, NULL),
@@ -66,11 +66,11 @@ static void lets_its_share_pass(void **state) {
     for (int k = 0; k < 12; k++) {
         struct test_scene t;
         build(&t, k & 1, &holes[k / 2].side);
-        float share[2], pass = holes[k / 2].pass;
+        float fraction[2], pass = holes[k / 2].pass;
         if (k & 1) pass *= pass;
-        share_through(&t.scene, share);
+        fraction_through(&t.scene, fraction);
         for (int i = 0; i < 2; i++)
-            assert_true(fabsf(share[i] - pass) < 4.0f * sqrtf(pass * (1 - pass) / RAYS));
+            assert_true(fabsf(fraction[i] - pass) < 4.0f * sqrtf(pass * (1 - pass) / RAYS));
         test_scene_free(&t);
     }
 }
@@ -115,7 +115,7 @@ static void null_is_nothing(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lets_its_share_pass),
+        cmocka_unit_test(lets_its_fraction_pass),
         cmocka_unit_test(follows_its_texture),
         cmocka_unit_test(null_is_nothing),
     };

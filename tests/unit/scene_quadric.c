@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spheres, disks and cylinders against their equations, under transforms that turn, stretch and
+// Spheres, disks and cylinders against their equations, under transforms that rotate, stretch and
 // mirror, from far away and from close by.
 #include "scene/scene_quadric.h"
 
@@ -34,10 +34,10 @@ static void meets_surfaces(void **state) {
         enum shape_kind kind = kinds[i % 3];
         float s = 1.0f + rng_float(&rng), x = kind == SHAPE_SPHERE ? s : s * 0.3f;
         vec3 axis = v3(rng_float(&rng), rng_float(&rng), rng_float(&rng) + 0.1f);
-        struct mat4 turn = mat4_rotate(axis, 360 * rng_float(&rng));
+        struct mat4 rotation = mat4_rotate(axis, 360 * rng_float(&rng));
         struct mat4 scale = mat4_scale(v3(i & 1 ? -x : x, s, s));
         struct mat4 move = mat4_translate(v3(3 * rng_float(&rng), 0, 2)), m;
-        m = mat4_mul(&turn, &scale);
+        m = mat4_mul(&rotation, &scale);
         m = mat4_mul(&move, &m);
         struct quadric q = make(kind, m, i & 2);
         float lo[3], hi[3];
@@ -70,7 +70,7 @@ static void meets_surfaces(void **state) {
     }
 }
 
-// The front of a sphere and a cylinder is outside, of a disk its +z; a mirror turns the sphere's
+// The front of a sphere and a cylinder is outside, of a disk its +z; a reflection puts the sphere's
 // only, as in Mitsuba.
 static void faces_as_mitsuba(void **state) {
     (void)state;

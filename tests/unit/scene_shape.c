@@ -60,8 +60,8 @@ static void knows_areas(void **state) {
     (void)state;
     static struct test_scene t;
     test_scene_init(&t);
-    struct mat4 turn = mat4_rotate(v3(1, 2, 3), 50), scale = mat4_scale(v3(2, 3, 4));
-    struct mat4 m = mat4_mul(&turn, &scale);
+    struct mat4 rotation = mat4_rotate(v3(1, 2, 3), 50), scale = mat4_scale(v3(2, 3, 4));
+    struct mat4 m = mat4_mul(&rotation, &scale);
     struct mat4 even = test_transform(v3(9, 8, 7), v3(-2, 2, 2)), tall = mat4_scale(v3(2, 2, 5));
     struct {
         uint32_t shape;

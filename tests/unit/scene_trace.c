@@ -154,7 +154,7 @@ static void refuses_degenerate_shapes(void **state) {
 }
 
 // Texture coordinates per length: the root of the ratio of areas, where it is wanted.
-static void tells_the_rate_of_coordinates(void **state) {
+static void measures_the_rate_of_coordinates(void **state) {
     (void)state;
     const struct {
         vec3 to;
@@ -179,7 +179,7 @@ int main(void) {
         cmocka_unit_test(fills_interactions),
         cmocka_unit_test(queries_agree),
         cmocka_unit_test(survives_every_ray),
-        cmocka_unit_test(tells_the_rate_of_coordinates),
+        cmocka_unit_test(measures_the_rate_of_coordinates),
         cmocka_unit_test(builds_an_empty_scene),
         cmocka_unit_test(refuses_degenerate_shapes),
     };

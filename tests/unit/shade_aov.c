@@ -52,7 +52,7 @@ static void plane_has_known_values(void **state) {
     struct scene_aovs at;
     look("<shape type='sphere'><point name='center' x='0' y='0' z='-90'/></shape>" PLATE,
          (vec2){75, 50}, a, &at);
-    // x = 2 on the plate, which is turned by a quarter: u grows with y, v against x.
+    // x = 2 on the plate, which is rotated by a quarter circle: u grows with y, v against x.
     near3(a + at.first[AOV_ALBEDO], .1f, .2f, .3f);
     assert_true(fabsf(a[at.first[AOV_DEPTH]] - sqrtf(20.0f)) < 1e-5f);
     near3(a + at.first[AOV_POSITION], 2, 0, 0);
@@ -63,7 +63,7 @@ static void plane_has_known_values(void **state) {
     const float *uv = a + at.first[AOV_UV];
     const float *dx = a + at.first[AOV_DUV_DX], *dy = a + at.first[AOV_DUV_DY];
     assert_true(fabsf(uv[0] - .5f) < 1e-5f && fabsf(uv[1] - (.5f - 2.0f / 32)) < 1e-5f);
-    // A sample's share of the pixel is half as wide: .04 to the right, or down.
+    // A sample's part of the pixel is half as wide: .04 to the right, or down.
     assert_true(fabsf(dx[0]) < 1e-6f && fabsf(dx[1] + .04f / 32) < 1e-6f);
     assert_true(fabsf(dy[0] + .04f / 16) < 1e-6f && fabsf(dy[1]) < 1e-6f);
     assert_true(a[at.first[AOV_PRIM_INDEX]] == 0.0f || a[at.first[AOV_PRIM_INDEX]] == 1.0f);
@@ -72,14 +72,14 @@ static void plane_has_known_values(void **state) {
 
 static void instances_are_alike(void **state) {
     (void)state;
-#define TURN "<rotate x='1' angle='30'/><rotate y='1' angle='20'/><scale y='.7'/>"
+#define ROTATION "<rotate x='1' angle='30'/><rotate y='1' angle='20'/><scale y='.7'/>"
     static const char *const pair[][2] = {
-        {"<shape type='cube'><transform name='to_world'>" TURN "</transform></shape>",
+        {"<shape type='cube'><transform name='to_world'>" ROTATION "</transform></shape>",
          "<shape type='shapegroup' id='g'><shape type='cube'/></shape><shape type='instance'>"
-         "<ref id='g'/><transform name='to_world'>" TURN "</transform></shape>"},
-        {"<shape type='disk'><transform name='to_world'>" TURN "</transform></shape>",
+         "<ref id='g'/><transform name='to_world'>" ROTATION "</transform></shape>"},
+        {"<shape type='disk'><transform name='to_world'>" ROTATION "</transform></shape>",
          "<shape type='shapegroup' id='g'><shape type='disk'/></shape><shape type='instance'>"
-         "<ref id='g'/><transform name='to_world'>" TURN "</transform></shape>"},
+         "<ref id='g'/><transform name='to_world'>" ROTATION "</transform></shape>"},
     };
     for (int i = 0; i < 2; i++) {
         float a[AOV_VALUES], b[AOV_VALUES];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compares the pictures of a cell by the statistic of blocks.h, channel by channel.
-#include "judge.h"
+#include "evaluate.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@
 // is off by less than six times that, 3 %, is not seen.
 static const double own_floor = 0.005, beauty_floor = 0.0025;
 
-const struct layer judge_layer[LAYERS] = {
+const struct layer evaluate_layer[LAYERS] = {
     {"beauty", {"R", "G", "B"}, false},
     {"direct", {"direct.R", "direct.G", "direct.B"}, true},
     {"caustic", {"caustic.R", "caustic.G", "caustic.B"}, true},
@@ -52,8 +52,8 @@ static void count_score(struct tally *tally, double score) {
     tally->worst = fmax(tally->worst, score);
 }
 
-static void judge_channel(struct work *w, const struct block_scores *scores, int channel,
-                          struct peak *peak) {
+static void evaluate_channel(struct work *w, const struct block_scores *scores, int channel,
+                             struct peak *peak) {
     for (int s = 0; s < w->count; s++)
         for (int b = 0; b < scores->count; b++) {
             const int at = s * scores->count + b;
@@ -70,7 +70,7 @@ static void judge_channel(struct work *w, const struct block_scores *scores, int
 
 static void report_peak(struct work *w, const struct layer *layer, int i, const struct peak *peak) {
     const int columns = w->plan->size / BLOCK_SIZE;
-    judge_flag(w, "block", i);
+    evaluate_flag(w, "block", i);
     w->tally->blocks += peak->blocks;
     fprintf(w->out, " %s %s pixel %d,%d ratio %.3f sigmas %.1f blocks %d\n", layer->name,
             layer->channel[peak->channel], peak->block % columns * BLOCK_SIZE,
@@ -86,16 +86,16 @@ static void fill_floor(const struct layer *layer, const struct block_scores *pla
     }
 }
 
-static void judge_one(struct work *w, const struct layer *layer, double *floor) {
+static void evaluate_one(struct work *w, const struct layer *layer, double *floor) {
     struct peak peak[SEEDS_MOST] = {0};
     for (int c = 0; c < 3; c++) {
         struct block_scores plain, beauty, scores;
         if (!score_channel(w, layer->channel[c], NULL, &plain)) continue;
-        if (score_channel(w, judge_layer[0].channel[c], NULL, &beauty)) {
+        if (score_channel(w, evaluate_layer[0].channel[c], NULL, &beauty)) {
             fill_floor(layer, &plain, &beauty, floor);
             block_scores_free(&beauty);
             if (score_channel(w, layer->channel[c], floor, &scores)) {
-                judge_channel(w, &scores, c, peak);
+                evaluate_channel(w, &scores, c, peak);
                 block_scores_free(&scores);
             }
         }
@@ -105,10 +105,10 @@ static void judge_one(struct work *w, const struct layer *layer, double *floor) 
         if (peak[i].blocks) report_peak(w, layer, i, &peak[i]);
 }
 
-void judge_layers(struct work *w) {
+void evaluate_layers(struct work *w) {
     const int columns = w->plan->size / BLOCK_SIZE;
     double *floor = calloc((size_t)(columns * columns), sizeof *floor);
     if (!floor) return;
-    for (int k = 0; k < LAYERS; k++) judge_one(w, &judge_layer[k], floor);
+    for (int k = 0; k < LAYERS; k++) evaluate_one(w, &evaluate_layer[k], floor);
     free(floor);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The pictures of a cell, one per seed, and their layers.
-#ifndef SWEEP_JUDGE_H
-#define SWEEP_JUDGE_H
+#ifndef SWEEP_EVALUATE_H
+#define SWEEP_EVALUATE_H
 
 #include "cell.h"
 
@@ -12,7 +12,7 @@ struct layer {
     bool light;  // a part of the beauty
 };
 
-extern const struct layer judge_layer[LAYERS];  // the beauty first
+extern const struct layer evaluate_layer[LAYERS];  // the beauty first
 
 struct work {
     const struct plan *plan;
@@ -27,9 +27,9 @@ struct work {
 };
 
 // Begins a line for a flag of picture `i`.
-void judge_flag(struct work *w, const char *kind, int i);
+void evaluate_flag(struct work *w, const char *kind, int i);
 
 // Flags blocks that differ from those of the other pictures, a line for each layer of a picture.
-void judge_layers(struct work *w);
+void evaluate_layers(struct work *w);
 
 #endif

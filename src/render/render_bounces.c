@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// First pass `recursive` [K05 2.1]: records for each indirect bounce beyond the first. The records
+// of the last bounce are made first. Those of bounce i are gathered with i segments fewer than the
+// longest path has; their gather rays read the records of bounce i + 1, which are complete by then.
+// Sites are the ends of random walks from the image, and the records depend on these alone; where a
+// gather ray finds no record near its hit, its path goes on instead.
+#include <stdlib.h>
+
+#include "base/array.h"
+#include "render/render_state.h"
+
+enum {
+    WALKS = 32768,  // per bounce
+    FIRST = 512     // walks of the first block of sites; each further block doubles their number
+};
+
+// What one gather ray among hundreds reads may be coarser than what the eye sees, and more so with
+// every bounce: per bounce, the error a grows by the first factor and the number of rays falls by
+// the second.
+static const float COARSER = 1.25f, FEWER = 0.6f;
+static const float RAYS_LEAST = 64.0f;
+
+// Sites of a batch lie apart by so many least radii.
+static const float SPACING = 2.0f;
+
+// Records of one indirect bounce, and what made them.
+struct render_bounce {
+    satin_options options;
+    struct gather gather;
+    struct shade shade;
+    struct cache *cache;
+};
+
+struct walks {
+    const struct shade *shade;
+    const satin_options *image;
+    int bounce;
+    struct cache_site *site;
+    bool *found;
+};
+
+static int fewer(int rays, int bounce) {
+    return (int)fmaxf(fminf(RAYS_LEAST, (float)rays), (float)rays * powf(FEWER, (float)bounce));
+}
+
+static satin_options bounce_options(const satin_options *image, int bounce) {
+    satin_options o = *image;
+    if (o.max_depth >= 0) o.max_depth -= bounce;
+    o.irradiance_rays = fewer(o.irradiance_rays, bounce);
+    o.radiance_rays = fewer(o.radiance_rays, bounce);
+    const float coarser = powf(COARSER, (float)bounce);
+    o.irradiance_a *= coarser;
+    o.radiance_a *= coarser;
+    // Sites come with their least radius in place of a pixel's width.
+    o.irradiance_min_pixels = o.radiance_min_pixels = 1.0f;
+    o.irradiance_max_pixels = o.radiance_max_pixels = INFINITY;
+    return o;
+}
+
+static void follow_walks(void *ctx, size_t begin, size_t end, int worker) {
+    (void)worker;
+    const struct walks *w = ctx;
+    const uint64_t width = (uint64_t)w->image->width, height = (uint64_t)w->image->height;
+    for (size_t i = begin; i < end; i++) {
+        struct rng rng = rng_make(w->image->seed, RNG_BOUNCE, (uint64_t)w->bounce << 32 | i);
+        int x = (int)(rng_u32(&rng) * width >> 32), y = (int)(rng_u32(&rng) * height >> 32);
+        w->found[i] = shade_walk(w->shade, x, y, w->bounce, &w->site[i]);
+    }
+}
+
+static satin_status fill_from_walks(struct render *r, struct render_bounce *bounce,
+                                    struct walks *walks) {
+    if (!parallel_for(r->pool, WALKS, 64, follow_walks, walks)) return SATIN_CANCELLED;
+    const satin_options *o = &bounce->options;
+    const float a[CACHE_KINDS] = {o->irradiance_a, o->radiance_a};
+    struct cache_fill fill = {.widest = fmaxf(o->irradiance_widen, o->radiance_widen),
+                              .spacing = SPACING};
+    satin_status status = SATIN_OK;
+    for (size_t i = 0, next = FIRST; i < WALKS && status == SATIN_OK; i = next, next = 2 * i) {
+        struct cache_site *site = walks->site + i;
+        size_t count = 0;
+        for (size_t k = i; k < next; k++)
+            if (walks->found[k]) site[count++] = walks->site[k];
+        fill.site = site;
+        fill.count = count;
+        for (enum cache_kind kind = CACHE_IRRADIANCE; kind < CACHE_KINDS && status == SATIN_OK;
+             kind++) {
+            fill.a = a[kind];
+            status = cache_fill(bounce->cache, kind, &fill);
+        }
+    }
+    return status;
+}
+
+static satin_status make_bounce(struct render *r, int index, struct walks *walks) {
+    struct render_bounce *bounce = &r->second_pass.bounces[index - 1];
+    bounce->options = bounce_options(&r->options, index);
+    bounce->gather = r->second_pass.gather;  // reads the records of the bounce after this one
+    bounce->gather.options = &bounce->options;
+    bounce->cache = cache_new(&bounce->gather, r->second_pass.tables.order, r->pool);
+    if (!bounce->cache) return SATIN_ERROR_MEMORY;
+    bounce->shade = (struct shade){
+        .g = &bounce->gather,
+        .tables = &r->second_pass.tables,
+        .cache = bounce->cache,
+        .a_irradiance = bounce->options.irradiance_a * bounce->options.irradiance_widen,
+        .a_radiance = bounce->options.radiance_a * bounce->options.radiance_widen};
+    film_filter_make(&r->scene.film, &bounce->shade.filter);
+    walks->shade = &bounce->shade;
+    walks->bounce = index;
+    satin_status status = fill_from_walks(r, bounce, walks);
+    r->second_pass.gather.next =
+        (struct gather_records){shade_known, &bounce->shade, &bounce->gather};
+    return status;
+}
+
+// Bounces that the longest path has room for: the shortest path that uses a record of the first
+// bounce made here has four segments, from the eye to the light.
+static int bounces_wanted(const satin_options *o) {
+    if (o->first_pass != SATIN_FIRST_RECURSIVE) return 0;
+    const int longest = o->max_depth - 3;
+    return o->max_depth >= 0 && longest < o->recursive_bounces ? longest : o->recursive_bounces;
+}
+
+satin_status render_bounces(struct render *r) {
+    const int count = bounces_wanted(&r->options);
+    if (count <= 0) return SATIN_OK;
+    render_stage_begin(r, STAGE_BOUNCES, 0.0);
+    struct walks walks = {.image = &r->options};
+    walks.site = array_new(WALKS, sizeof *walks.site);
+    walks.found = array_new(WALKS, sizeof *walks.found);
+    r->second_pass.bounces = calloc((size_t)count, sizeof *r->second_pass.bounces);
+    satin_status status = SATIN_ERROR_MEMORY;
+    if (walks.site && walks.found && r->second_pass.bounces) status = SATIN_OK;
+    r->second_pass.bounce_count = r->second_pass.bounces ? count : 0;
+    const double start = render_elapsed(r);
+    for (int i = count; i > 0 && status == SATIN_OK; i--) {
+        double done = (double)(count - i) / count;
+        render_stage_part(r, done, 1.0 / count);
+        render_limit_bounces(r, start, done + 1.0 / count);
+        status = render_limit_end(r, make_bounce(r, i, &walks));
+    }
+    size_t records = 0;
+    for (int i = 0; i < r->second_pass.bounce_count && r->second_pass.bounces[i].cache; i++)
+        records += cache_count(r->second_pass.bounces[i].cache, CACHE_IRRADIANCE) +
+                   cache_count(r->second_pass.bounces[i].cache, CACHE_RADIANCE);
+    stats_set(&r->stats, "records.bounces", (double)records);
+    free(walks.site);
+    free(walks.found);
+    return status;
+}
+
+void render_bounces_free(struct render *r) {
+    for (int i = 0; i < r->second_pass.bounce_count; i++)
+        cache_free(r->second_pass.bounces[i].cache);
+    free(r->second_pass.bounces);
+}
