@@ -50,12 +50,12 @@ static float luminance_of_layer(const struct layer_of_film *l, size_t i) {
 }
 
 // Pixels x0 <= x < x1, y0 <= y < y1.
-struct part {
+struct picture_part {
     int x0, y0, x1, y1;
 };
 
 static double relative_rms(const struct layer_of_film *image, const struct layer_of_film *reference,
-                           struct part part) {
+                           struct picture_part part) {
     double square = 0.0, sum = 0.0;
     size_t n = 0;
     for (int y = part.y0; y < part.y1; y++)
@@ -116,9 +116,9 @@ int main(int argc, char **argv) {
         }
     }
     const int width = layer[0].film->width, height = layer[0].film->height;
-    const struct part all = {0, 0, width, height};
-    const struct part part = {(int)(box[0] * width), (int)(box[1] * height), (int)(box[2] * width),
-                              (int)(box[3] * height)};
+    const struct picture_part all = {0, 0, width, height};
+    const struct picture_part part = {(int)(box[0] * width), (int)(box[1] * height),
+                                      (int)(box[2] * width), (int)(box[3] * height)};
     struct satin_film *out =
         film_new(images * width, 2 * height, (const char *const[]){"R", "G", "B"}, 3);
     if (!out) return 1;

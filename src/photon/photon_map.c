@@ -9,7 +9,7 @@
 
 enum { CHUNK = 4096 };  // photons
 
-struct building {
+struct map_building {
     struct photon_map *map;
     const struct photon_hit *hit;
     struct photon_curve curve;
@@ -17,14 +17,14 @@ struct building {
 };
 
 static void find_keys(void *ctx, size_t begin, size_t end, int worker) {
-    const struct building *b = ctx;
+    const struct map_building *b = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++)
         b->key[i] = (struct photon_keyed){photon_curve_key(&b->curve, b->hit[i].p), (uint32_t)i};
 }
 
 static void fill_photons(void *ctx, size_t begin, size_t end, int worker) {
-    const struct building *b = ctx;
+    const struct map_building *b = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         const struct photon_hit *h = &b->hit[b->key[i].item];
@@ -38,7 +38,7 @@ static void fill_photons(void *ctx, size_t begin, size_t end, int worker) {
 
 // Copies the hits into the map's arrays in the order of the curve; false without memory or if the
 // pool was cancelled.
-static bool sort_photons(struct building *b, struct parallel *pool) {
+static bool sort_photons(struct map_building *b, struct parallel *pool) {
     const size_t count = b->map->count;
     struct photon_keyed *key = array_new_unset(2 * count, sizeof *key);
     b->key = key;
@@ -61,7 +61,7 @@ satin_status photon_map_build(const struct satin_scene *scene, const struct phot
     }
     map.position = array_new_unset(3 * count, sizeof *map.position);
     map.photon = array_new_unset(count, sizeof *map.photon);
-    struct building b = {.map = &map, .hit = hit, .curve = map.curve};
+    struct map_building b = {.map = &map, .hit = hit, .curve = map.curve};
     if (map.position && map.photon && sort_photons(&b, pool)) {
         parallel_begin_part(pool, "index");
         map.index = photon_index_new(map.position, count, 3, &map.curve, pool);

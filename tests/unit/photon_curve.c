@@ -125,8 +125,8 @@ static int compare_floats(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-// The same distances; and rows are at the distances that they come with, and come once each, so
-// that only rows as far as the farthest can differ.
+// Both give equal distances; and rows are at the distances that they come with, and come once each,
+// so that only rows as far as the farthest can differ.
 static void assert_same_neighbours(const float *row, int columns, const float *query, int k,
                                    const int *found, float *distance2, float *expected) {
     for (int j = 0; j < k; j++) {
