@@ -13,8 +13,8 @@ loops is parallel, and from the times of the loops' chunks satin finds how much 
     serial + parallel / n + uneven (1 - 1/n) / (1 - 1/64)
 
 seconds. Not in the model: that cores use the same memory and caches (the column `2/1`, CPU time
-with two threads over that with one, shows what there is of it with two), and that sleeping threads wake
-for each loop (the last line says what each microsecond of that costs).
+with two threads over that with one, shows what there is of it with two), and that sleeping threads
+wake for each loop (the last line says what each microsecond of that costs).
 """
 import statistics
 
