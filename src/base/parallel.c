@@ -265,3 +265,16 @@ bool parallel_for(struct parallel *pool, size_t n, size_t chunk_size, parallel_f
     account_loop(pool);
     return !atomic_load(&pool->cancelled);
 }
+
+void parallel_for_all(struct parallel *pool, size_t n, size_t chunk_size, parallel_fn fn,
+                      void *ctx) {
+    if (pool) {
+        const parallel_progress_fn progress = pool->progress;
+        pool->progress = NULL;
+        parallel_for(pool, n, chunk_size, fn, ctx);
+        pool->progress = progress;
+        return;
+    }
+    for (size_t begin = 0; begin < n; begin += chunk_size)
+        fn(ctx, begin, n - begin > chunk_size ? begin + chunk_size : n, 0);
+}

@@ -32,6 +32,11 @@ void parallel_set_progress(struct parallel *pool, parallel_progress_fn fn, void 
 // cancelled: then chunks that started have returned and the others have not begun. Not reentrant.
 bool parallel_for(struct parallel *pool, size_t n, size_t chunk_size, parallel_fn fn, void *ctx);
 
+// Runs all chunks without asking the progress function: for what is short and must be whole. A NULL
+// pool is one thread.
+void parallel_for_all(struct parallel *pool, size_t n, size_t chunk_size, parallel_fn fn,
+                      void *ctx);
+
 // For a chunk that may take longer than a tenth of a second: whether the loop under way is
 // cancelled, when the chunk should return, whatever is missing of it. To be asked now and then by
 // the worker that runs the chunk; on the calling thread it calls the progress function.

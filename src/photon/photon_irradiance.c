@@ -164,12 +164,25 @@ static float far_of(const struct photon_precompute *what, const struct photon_ir
 }
 
 // The rows of the index, their scale known by now.
-static void fill_rows(const struct photon_precompute *what, struct photon_irradiance *r) {
-    r->position.scale = normal_scale(r, what->scene);
-    for (size_t i = 0; i < r->count; i++) {
-        struct photon_query at = query_of(what, i);
-        photon_entry_position_set(&r->position, i, at.p, at.n);
+static void fill_rows(void *ctx, size_t begin, size_t end, int worker) {
+    struct precompute_job *job = ctx;
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        struct photon_query at = query_of(job->what, i);
+        photon_entry_position_set(&job->out->position, i, at.p, at.n);
     }
+}
+
+// The index of the rows; false without memory or if the pool was cancelled.
+static bool index_rows(const struct photon_precompute *what, struct parallel *pool,
+                       struct photon_irradiance *r) {
+    struct precompute_job job = {.what = what, .out = r};
+    parallel_begin_part(pool, "index");
+    r->position.scale = normal_scale(r, what->scene);
+    r->far2 = far_of(what, r);
+    if (!parallel_for(pool, r->count, CHUNK, fill_rows, &job)) return false;
+    r->index = photon_index_new(r->position.row, r->count, 6, &what->map->curve, pool);
+    return r->index != NULL;
 }
 
 satin_status photon_irradiance_build(const struct photon_precompute *what, struct parallel *pool,
@@ -185,7 +198,7 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
     satin_status status = SATIN_ERROR_MEMORY;
     map->stride = what->stride;
     map->open = array_new(r.count, 1);
-    r.position.row = array_new(6 * r.count, sizeof *r.position.row);
+    r.position.row = array_new_unset(6 * r.count, sizeof *r.position.row);
     r.E = array_new(r.count, sizeof *r.E);
     r.radius = array_new(r.count, sizeof *r.radius);
     r.position.clear = array_new(r.count, sizeof *r.position.clear);
@@ -199,13 +212,8 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
             status = SATIN_OK;
         r.refused = atomic_load(&job.refused);
     }
-    if (status == SATIN_OK) {
-        parallel_begin_part(pool, "index");
-        fill_rows(what, &r);
-        r.far2 = far_of(what, &r);
-        r.index = photon_index_new(r.position.row, r.count, 6, &map->curve, pool);
-        if (!r.index) status = parallel_stopped(pool) ? SATIN_CANCELLED : SATIN_ERROR_MEMORY;
-    }
+    if (status == SATIN_OK && !index_rows(what, pool, &r))
+        status = parallel_stopped(pool) ? SATIN_CANCELLED : SATIN_ERROR_MEMORY;
     parallel_begin_part(pool, "smooth");
     if (status == SATIN_OK && what->smooth) status = photon_smooth(what, pool, &r);
     if (status == SATIN_ERROR_MEMORY) log_fail(log, status, "not enough memory for irradiance");

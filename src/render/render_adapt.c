@@ -22,8 +22,11 @@
 // Light samples of a sample at most: beyond, they are a sample's cost, and well spread.
 #define LIGHTS_MOST 16.0f
 enum {
-    GROWTH = 4,   // at most so many times its samples does a pixel get in one pass by its noise
-    MULTIPLE = 2  // samples are added in pairs, which are stratified among themselves
+    GROWTH = 4,    // at most so many times its samples does a pixel get in one pass by its noise
+    MULTIPLE = 2,  // samples are added in pairs, which are stratified among themselves
+    CHUNK = 4096,  // pixels
+    ROWS = 8,
+    COLUMNS = 16  // of floats, a line of the processor's cache
 };
 
 bool adapt_make(struct adapt *adapt, int width, int height, int lights) {
@@ -31,7 +34,8 @@ bool adapt_make(struct adapt *adapt, int width, int height, int lights) {
     *adapt = (struct adapt){.width = width, .height = height};
     adapt->pixel = array_new(n, sizeof *adapt->pixel);
     adapt->scratch = array_new(4 * n, sizeof *adapt->scratch);
-    if (adapt->pixel && adapt->scratch) {
+    adapt->sum = array_new(n / CHUNK + 1, sizeof *adapt->sum);
+    if (adapt->pixel && adapt->scratch && adapt->sum) {
         for (size_t i = 0; i < n; i++)
             adapt->pixel[i] = (struct adapt_pixel){.spread = -1.0f, .lights = (uint32_t)lights};
         return true;
@@ -43,6 +47,7 @@ bool adapt_make(struct adapt *adapt, int width, int height, int lights) {
 void adapt_destroy(struct adapt *adapt) {
     free(adapt->pixel);
     free(adapt->scratch);
+    free(adapt->sum);
     *adapt = (struct adapt){0};
 }
 
@@ -50,13 +55,42 @@ static size_t pixels(const struct adapt *adapt) {
     return (size_t)adapt->width * (size_t)adapt->height;
 }
 
-// The square of what is dark in this image.
-static double floor2(const struct adapt *adapt) {
+// What loops over pixels, rows or columns read and write.
+struct adapting {
+    const struct adapt *adapt;
+    const float *from;
+    float *to;
+    float factor;
+    double floor2;
+};
+
+static void each_chunk(const struct adapt *adapt, parallel_fn fn, struct adapting *job) {
+    parallel_for_all(adapt->pool, pixels(adapt), CHUNK, fn, job);
+}
+
+// The sum of what fn leaves for each chunk, in their order.
+static double sum_chunks(const struct adapt *adapt, parallel_fn fn, struct adapting *job) {
     double sum = 0.0;
-    for (size_t i = 0; i < pixels(adapt); i++) {
-        const struct adapt_pixel *p = &adapt->pixel[i];
+    each_chunk(adapt, fn, job);
+    for (size_t i = 0; i * CHUNK < pixels(adapt); i++) sum += adapt->sum[i];
+    return sum;
+}
+
+static void sum_luminances(void *ctx, size_t begin, size_t end, int worker) {
+    const struct adapting *job = ctx;
+    double sum = 0.0;
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        const struct adapt_pixel *p = &job->adapt->pixel[i];
         if (p->count) sum += (double)rgb_luminance(p->sum) / p->count;
     }
+    job->adapt->sum[begin / CHUNK] = sum;
+}
+
+// The square of what is dark in this image.
+static double floor2(const struct adapt *adapt) {
+    struct adapting job = {.adapt = adapt};
+    const double sum = sum_chunks(adapt, sum_luminances, &job);
     const double dark = (double)DARK * sum / (double)pixels(adapt);
     return fmax(dark * dark, 1e-30);
 }
@@ -67,10 +101,12 @@ static double relative2(float difference, float mean, double floor2) {
     return d * d / (m * m + floor2);
 }
 
-void adapt_compare(struct adapt *adapt) {
-    const double least2 = floor2(adapt);
-    for (size_t i = 0; i < pixels(adapt); i++) {
-        struct adapt_pixel *p = &adapt->pixel[i];
+static void compare_pixels(void *ctx, size_t begin, size_t end, int worker) {
+    const struct adapting *job = ctx;
+    const double least2 = job->floor2;
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        struct adapt_pixel *p = &job->adapt->pixel[i];
         uint32_t fresh = p->count - p->before;
         if (2 * fresh < p->before || fresh == 0) continue;  // too few to compare
         if (p->before > 0) {
@@ -86,6 +122,11 @@ void adapt_compare(struct adapt *adapt) {
         p->sum_before = p->sum;
         p->before = p->count;
     }
+}
+
+void adapt_compare(struct adapt *adapt) {
+    struct adapting job = {.adapt = adapt, .floor2 = floor2(adapt)};
+    each_chunk(adapt, compare_pixels, &job);
 }
 
 void adapt_even(struct adapt *adapt, uint32_t count) {
@@ -109,30 +150,65 @@ static void blur(const float *from, float *to, int count, size_t step) {
     }
 }
 
+static void blur_rows(void *ctx, size_t begin, size_t end, int worker) {
+    const struct adapting *job = ctx;
+    const size_t width = (size_t)job->adapt->width;
+    (void)worker;
+    for (size_t y = begin; y < end; y++)
+        blur(job->from + y * width, job->to + y * width, job->adapt->width, 1);
+}
+
+static void blur_columns(void *ctx, size_t begin, size_t end, int worker) {
+    const struct adapting *job = ctx;
+    (void)worker;
+    for (size_t x = begin; x < end; x++)
+        blur(job->from + x, job->to + x, job->adapt->height, (size_t)job->adapt->width);
+}
+
 static void blur_image(const struct adapt *adapt, float *a, float *b) {
-    const size_t width = (size_t)adapt->width;
-    for (int y = 0; y < adapt->height; y++)
-        blur(a + (size_t)y * width, b + (size_t)y * width, adapt->width, 1);
-    for (int x = 0; x < adapt->width; x++) blur(b + x, a + x, adapt->height, width);
+    struct adapting job = {.adapt = adapt, .from = a, .to = b};
+    parallel_for_all(adapt->pool, (size_t)adapt->height, ROWS, blur_rows, &job);
+    job = (struct adapting){.adapt = adapt, .from = b, .to = a};
+    parallel_for_all(adapt->pool, (size_t)adapt->width, COLUMNS, blur_columns, &job);
+}
+
+static void copy_spread(void *ctx, size_t begin, size_t end, int worker) {
+    const struct adapting *job = ctx;
+    (void)worker;
+    for (size_t i = begin; i < end; i++) job->to[i] = job->adapt->pixel[i].spread;
+}
+
+static void want_by_spread(void *ctx, size_t begin, size_t end, int worker) {
+    const struct adapting *job = ctx;
+    (void)worker;
+    for (size_t i = begin; i < end; i++)
+        job->to[i] = powf(fmaxf(job->to[i], 0.0f), 1.0f / (1.0f + GAIN));
 }
 
 // Into scratch: what each pixel's number of samples is to be in proportion to.
 static const float *wanted(struct adapt *adapt) {
-    size_t n = pixels(adapt);
     float *a = adapt->scratch;
-    for (size_t i = 0; i < n; i++) a[i] = adapt->pixel[i].spread;
-    blur_image(adapt, a, a + n);
-    for (size_t i = 0; i < n; i++) a[i] = powf(fmaxf(a[i], 0.0f), 1.0f / (1.0f + GAIN));
+    struct adapting job = {.adapt = adapt, .to = a};
+    each_chunk(adapt, copy_spread, &job);
+    blur_image(adapt, a, a + pixels(adapt));
+    each_chunk(adapt, want_by_spread, &job);
     return a;
 }
 
-static double more(const struct adapt *adapt, const float *want, float factor) {
+static void sum_more(void *ctx, size_t begin, size_t end, int worker) {
+    const struct adapting *job = ctx;
     double sum = 0.0;
-    for (size_t i = 0; i < pixels(adapt); i++) {
-        float count = (float)adapt->pixel[i].count;
-        sum += (double)(clampf(factor * want[i], count, GROWTH * count) - count);
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        const float count = (float)job->adapt->pixel[i].count;
+        sum += (double)(clampf(job->factor * job->from[i], count, GROWTH * count) - count);
     }
-    return sum;
+    job->adapt->sum[begin / CHUNK] = sum;
+}
+
+static double more(const struct adapt *adapt, const float *want, float factor) {
+    struct adapting job = {.adapt = adapt, .from = want, .factor = factor};
+    return sum_chunks(adapt, sum_more, &job);
 }
 
 // The factor that gives so many samples, or the largest number where no factor does. It is found
@@ -183,14 +259,12 @@ void adapt_spread(struct adapt *adapt, uint64_t samples) {
     last->target += (uint32_t)(samples - given);
 }
 
-// With m light samples of variance v each, and w the variance of a sample for all other reasons, n
-// samples leave w n^-GAIN + v (n m)^-GAIN and cost n (cost + m): least for
-// m = (v cost / w)^(1 / (1 + GAIN)).
-void adapt_lights(struct adapt *adapt, float cost) {
-    const size_t n = pixels(adapt);
-    float *light = adapt->scratch, *rest = light + n, *other = rest + n;
-    for (size_t i = 0; i < n; i++) {
-        const struct adapt_pixel *p = &adapt->pixel[i];
+static void find_variances(void *ctx, size_t begin, size_t end, int worker) {
+    const struct adapting *job = ctx;
+    float *light = job->to, *rest = light + pixels(job->adapt);
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        const struct adapt_pixel *p = &job->adapt->pixel[i];
         const float count = (float)p->count, m = (float)p->lights_taken / fmaxf(count, 1.0f);
         const float mean = rgb_luminance(p->sum) / fmaxf(count, 1.0f);
         const float all = (p->squares - count * sqrf(mean)) / fmaxf(count - 1.0f, 1.0f);
@@ -200,15 +274,32 @@ void adapt_lights(struct adapt *adapt, float cost) {
         light[i] = known ? light[i] : -1.0f;  // does not count
         rest[i] = known ? fmaxf(rest[i], 0.0f) : -1.0f;
     }
-    blur_image(adapt, light, other);
-    blur_image(adapt, rest, other);
-    for (size_t i = 0; i < n; i++) {
-        struct adapt_pixel *p = &adapt->pixel[i];
+}
+
+static void set_lights(void *ctx, size_t begin, size_t end, int worker) {
+    const struct adapting *job = ctx;
+    const float *light = job->from, *rest = light + pixels(job->adapt);
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        struct adapt_pixel *p = &job->adapt->pixel[i];
         if (!(light[i] > 0.0f)) continue;  // nothing is known, or there is no noise of lights
-        const float m = powf(light[i] * cost / fmaxf(rest[i], 1e-30f), 1.0f / (1.0f + GAIN));
+        const float m = powf(light[i] * job->factor / fmaxf(rest[i], 1e-30f), 1.0f / (1.0f + GAIN));
         p->lights = (uint32_t)clampf(m, 1.0f, LIGHTS_MOST);
         if (p->lights < 2) p->lights = 2;  // or the next judgement knows nothing
     }
+}
+
+// With m light samples of variance v each, and w the variance of a sample for all other reasons, n
+// samples leave w n^-GAIN + v (n m)^-GAIN and cost n (cost + m): least for
+// m = (v cost / w)^(1 / (1 + GAIN)).
+void adapt_lights(struct adapt *adapt, float cost) {
+    const size_t n = pixels(adapt);
+    float *light = adapt->scratch, *rest = light + n, *other = rest + n;
+    struct adapting job = {.adapt = adapt, .from = light, .to = light, .factor = cost};
+    each_chunk(adapt, find_variances, &job);
+    blur_image(adapt, light, other);
+    blur_image(adapt, rest, other);
+    each_chunk(adapt, set_lights, &job);
 }
 
 double adapt_light_samples(const struct adapt *adapt) {

@@ -5,6 +5,7 @@
 
 #include <stdint.h>
 
+#include "base/parallel.h"
 #include "base/vec.h"
 
 // What is known of one pixel's samples.
@@ -23,6 +24,8 @@ struct adapt {
     int width, height;
     struct adapt_pixel *pixel;  // row by row
     float *scratch;             // 4 per pixel
+    double *sum;                // by chunk of pixels
+    struct parallel *pool;      // of the caller, which sets it; NULL: one thread
 };
 
 // False without memory. `lights`: light samples of the first samples.

@@ -215,8 +215,7 @@ void render_image_film(struct render *r, bool *any) {
     for (int i = 0; i < image->aovs->count; i++)
         f.aov[i] = film_channel(image->film, image->aovs->channel[i].name);
     // A render that was cancelled has a film, too.
-    parallel_set_progress(r->pool, NULL, NULL);
-    parallel_for(r->pool, (size_t)image->height, 4, fill_rows_of_film, &f);
+    parallel_for_all(r->pool, (size_t)image->height, 4, fill_rows_of_film, &f);
     const uint64_t samples = f.samples, dropped = f.dropped, filled = f.filled;
     stats_set(&r->stats, "image.nonfinite", (double)dropped);
     stats_set(&r->stats, "image.filled", (double)filled);

@@ -202,6 +202,7 @@ static void note_counts(struct render *r, const struct shade_worker *worker, int
 static void plan_samples(struct image_pass *pass, int workers) {
     struct render *r = pass->r;
     parallel_begin_part(r->pool, "plan");
+    r->image->adapt.pool = r->pool;
     adapt_compare(&r->image->adapt);
     if (r->options.integrator != SATIN_TWO_PASS || !r->options.adaptive) return;
     const struct shade_counts counts = sum_counts(pass->worker, workers);

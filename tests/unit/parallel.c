@@ -27,6 +27,9 @@ static void every_item_once(void **state) {
         for (int i = 0; i < ITEMS; i++) atomic_store(&seen[i], 0);
         assert_true(parallel_for(pool, ITEMS, 7, count_items, seen));
         for (int i = 0; i < ITEMS; i++) assert_int_equal(atomic_load(&seen[i]), 1);
+        parallel_for_all(pool, ITEMS, 7, count_items, seen);
+        parallel_for_all(NULL, ITEMS, 7, count_items, seen);
+        for (int i = 0; i < ITEMS; i++) assert_int_equal(atomic_load(&seen[i]), 3);
         parallel_free(pool);
     }
 }
