@@ -116,6 +116,11 @@ void cache_free(struct cache *cache) {
     free(cache);
 }
 
+void cache_limit_radius(struct cache *cache, enum cache_kind kind, float fraction) {
+    cache->side[kind].options.min_pixels =
+        fraction * cache_options_of(cache->g->options, kind).min_pixels;
+}
+
 size_t cache_count(const struct cache *cache, enum cache_kind kind) {
     return cache->side[kind].tree.head_count;
 }

@@ -7,7 +7,7 @@
 // mean distance, clamped), E irradiance [W m^-2], L radiance [W m^-2 sr^-1], Lambda harmonic
 // coefficients of incident radiance.
 //
-// Threads: cache_fill, cache_converge, cache_limit_rays and cache_load change the cache and are
+// Threads: cache_fill, cache_converge, cache_limit_* and cache_load change the cache and are
 // called by one thread at a time, while no other uses it; they use the pool themselves. All
 // functions that take a const cache may be called by any number of threads at once.
 #ifndef CACHE_CACHE_H
@@ -74,6 +74,8 @@ satin_status cache_fill(struct cache *cache, enum cache_kind kind, const struct 
 // New records get this fraction, in (0, 1], of the gather rays that the options say.
 // SATIN_ERROR_MEMORY: then a side may keep the rays that it had.
 satin_status cache_limit_rays(struct cache *cache, float fraction);
+// New records of a kind get this fraction, in (0, 1], of the least radius that the options say.
+void cache_limit_radius(struct cache *cache, enum cache_kind kind, float fraction);
 
 // ---- Reading (cache_read.c) ---------------------------------------------------------------------
 

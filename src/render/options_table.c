@@ -241,13 +241,17 @@ static bool parse_text(const char *value, char *out) {
 }
 
 // The range as the numbers of its text; the dots end the first number.
-static bool in_range(const char *range, double value) {
+static double lowest(const struct option *option) {
     char low[32];
-    const char *dots = strstr(range, "..");
-    double bound = 0.0;
-    snprintf(low, sizeof low, "%.*s", (int)(dots - range), range);
-    if (text_double(low, &bound) && value < bound) return false;
-    return !text_double(dots + 2, &bound) || value <= bound;
+    double bound;
+    snprintf(low, sizeof low, "%.*s", (int)(strstr(option->range, "..") - option->range),
+             option->range);
+    return text_double(low, &bound) ? bound : -INFINITY;
+}
+
+double option_highest(const struct option *option) {
+    double bound;
+    return text_double(strstr(option->range, "..") + 2, &bound) ? bound : INFINITY;
 }
 
 bool option_parse(const struct option *option, const char *value, satin_options *options) {
@@ -266,7 +270,8 @@ bool option_parse(const struct option *option, const char *value, satin_options 
         *(bool *)out = word;
         return true;
     }
-    if (!text_double(value, &number) || !in_range(option->range, number)) return false;
+    if (!text_double(value, &number)) return false;
+    if (number < lowest(option) || number > option_highest(option)) return false;
     if (option->kind == OPTION_FLOAT) {
         *(float *)out = (float)number;
         return true;

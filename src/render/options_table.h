@@ -39,6 +39,8 @@ extern const int options_table_count;
 const struct option *options_find(const char *name);
 // Sets the option's field from text; false, and nothing changed, if the value is not in its range.
 bool option_parse(const struct option *option, const char *value, satin_options *options);
+// The highest value of a number; INFINITY: there is none.
+double option_highest(const struct option *option);
 // The field's value as text that option_parse reads back to the same value.
 void option_print(const struct option *option, const satin_options *options, char *out,
                   size_t bytes);

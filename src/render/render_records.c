@@ -3,6 +3,7 @@
 // directions, then those between, down to every pixel. The pixels of a level come in a scrambled
 // order, so that a batch is spread over the image.
 #include <stdlib.h>
+#include <string.h>
 
 #include "render/render_state.h"
 
@@ -19,9 +20,13 @@ static const double GROWTH_FADES = 0.8;
 // options say.
 static const float RAYS_LEAST = 32.0f;
 
-// It fills at a times these first, so that the image is covered whenever the time is over.
+// With a time limit: factors of a in rounds that follow each other, so that the image is covered
+// whenever the time is over. Then a and the least radius fall by TIMED_FINER from round to round,
+// as records are soon as dense as their least radius lets them be, until they are FLOOR_PIXELS
+// wide.
 static const float TIMED_WIDEN[] = {2.5f, 1.6f, 1.0f, 0.75f, 0.55f};
-enum { TIMED_ROUNDS = 5, LEVELS = 6 };
+static const float TIMED_FINER = 0.75f, FLOOR_PIXELS = 0.5f;
+enum { TIMED_GIVEN = 5, LEVELS = 6 };
 
 // The filling under way.
 struct filling {
@@ -79,9 +84,14 @@ static void pace(struct filling *f, int left, double made, double seconds) {
     f->rays = (float)lo;
 }
 
+// The factors of a for either kind of records.
+struct widths {
+    float of[CACHE_KINDS];
+};
+
 // Fills all levels at `widen` times a; the loops are the part [done, done + span] of the stage.
 // `covering`: the numbers of rays are such that the image is covered in time.
-static satin_status fill_levels(struct filling *f, float widen, bool covering, double done,
+static satin_status fill_levels(struct filling *f, struct widths widen, bool covering, double done,
                                 double span) {
     struct render *r = f->r;
     struct cache *cache = r->second_pass.cache;
@@ -102,7 +112,7 @@ static satin_status fill_levels(struct filling *f, float widen, bool covering, d
                  kind++) {
                 const struct cache_fill fill = {.site = f->sites.site,
                                                 .count = f->sites.count,
-                                                .a = a[kind] * widen,
+                                                .a = a[kind] * widen.of[kind],
                                                 .widest = render_widest(r),
                                                 .spacing = 1.5f * (float)f->stride};
                 status = cache_fill(cache, kind, &fill);
@@ -120,20 +130,49 @@ static void read_at(struct render *r, float irradiance, float radiance) {
     r->second_pass.shade.a_radiance = r->options.radiance_a * radiance;
 }
 
+// The finest factor w of a where the least radius is so many pixels at a: it falls as w does, and
+// so a record's least width as w^2.
+static float finest_width(float min_pixels) {
+    const float last = TIMED_WIDEN[TIMED_GIVEN - 1];
+    return fminf(sqrtf(FLOOR_PIXELS * last / fmaxf(min_pixels, FLOOR_PIXELS)), last);
+}
+
+static struct widths round_widths(const satin_options *o, int round) {
+    const int finer = round - (TIMED_GIVEN - 1);
+    const float width = finer <= 0 ? TIMED_WIDEN[round]
+                                   : TIMED_WIDEN[TIMED_GIVEN - 1] * powf(TIMED_FINER, (float)finer);
+    return (struct widths){{fmaxf(width, finest_width(o->irradiance_min_pixels)),
+                            fmaxf(width, finest_width(o->radiance_min_pixels))}};
+}
+
+// Rounds until one would be as fine as the one before it.
+static int count_rounds(const satin_options *o) {
+    int rounds = TIMED_GIVEN;
+    for (;; rounds++) {
+        const struct widths last = round_widths(o, rounds - 1), next = round_widths(o, rounds);
+        if (memcmp(&last, &next, sizeof last) == 0) return rounds;
+    }
+}
+
 // With a time limit: rounds of ever finer records. The image reads them at the finest accuracy that
 // was finished.
 static satin_status fill_timed(struct filling *f) {
     struct render *r = f->r;
     satin_status status = SATIN_OK;
-    float finished = TIMED_WIDEN[0];
+    struct widths finished = round_widths(&r->options, 0);
+    const int rounds = count_rounds(&r->options);
     render_limit_records(r, NULL);
     read_at(r, TIMED_WIDEN[0], TIMED_WIDEN[0]);
     double start = stats_wall();
-    for (int i = 0; i < TIMED_ROUNDS && status == SATIN_OK; i++) {
-        status =
-            fill_levels(f, TIMED_WIDEN[i], i == 0, (double)i / TIMED_ROUNDS, 1.0 / TIMED_ROUNDS);
+    for (int i = 0; i < rounds && status == SATIN_OK; i++) {
+        const struct widths widen = round_widths(&r->options, i);
+        for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
+            cache_limit_radius(r->second_pass.cache, k,
+                               fminf(widen.of[k] / TIMED_WIDEN[TIMED_GIVEN - 1], 1.0f));
+        status = fill_levels(f, widen, i == 0, (double)i / rounds, 1.0 / rounds);
         if (!render_time_remains(r)) break;
-        finished = TIMED_WIDEN[i];
+        finished = widen;
+        stats_set(&r->stats, "records.rounds", i + 1.0);
         if (i > 0) continue;
         struct render_pace pace = {.rays = (double)cache_rays(r->second_pass.cache) /
                                            fmax(stats_wall() - start, 1e-9)};
@@ -141,9 +180,9 @@ static satin_status fill_timed(struct filling *f) {
         if (status == SATIN_OK) render_limit_records(r, &pace);
     }
     status = render_limit_end(r, status);
-    float fine = fminf(finished, 1.0f);
-    read_at(r, fmaxf(finished, fine * r->options.irradiance_widen),
-            fmaxf(finished, fine * r->options.radiance_widen));
+    const float E = finished.of[CACHE_IRRADIANCE], L = finished.of[CACHE_RADIANCE];
+    read_at(r, fmaxf(E, fminf(E, 1.0f) * r->options.irradiance_widen),
+            fmaxf(L, fminf(L, 1.0f) * r->options.radiance_widen));
     return status;
 }
 
@@ -154,7 +193,8 @@ satin_status render_records(struct render *r) {
     render_stage_begin(r, STAGE_RECORDS, 0.0);
     satin_status status = render_cache_load(r, &whole);
     if (status == SATIN_OK && !whole && timed) status = fill_timed(&f);
-    if (status == SATIN_OK && !whole && !timed) status = fill_levels(&f, 1.0f, false, 0.0, 1.0);
+    if (status == SATIN_OK && !whole && !timed)
+        status = fill_levels(&f, (struct widths){{1.0f, 1.0f}}, false, 0.0, 1.0);
     if (status == SATIN_OK && !whole && !timed && r->options.adaptive_cache)
         status = render_converge(r);
     if (status == SATIN_OK) r->outcome.saved = render_cache_save(r);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The curve from effort to options: it passes through the presets, never goes back between them,
-// ends at the first and the last, and leaves alone what the user chose.
+// The curve from effort to options: it passes through the presets, never goes back between or
+// beyond them, begins at the first, and leaves alone what the user chose.
 #include "render/options_budget.h"
 
 #include <setjmp.h>
@@ -27,21 +27,48 @@ static void the_default_is_preview(void **state) {
     assert_memory_equal(&o, &satin_options_default, sizeof o);
 }
 
-static void little_and_much_time_give_the_ends(void **state) {
+static void little_time_gives_a_draft_and_production_its_own(void **state) {
     (void)state;
-    satin_options least = make(SATIN_DRAFT), most = make(SATIN_PRODUCTION);
+    satin_options least = make(SATIN_DRAFT), last = make(SATIN_PRODUCTION);
     options_budget_seconds(&least, 1e-9, PIXELS);
-    options_budget_seconds(&most, 1e9, PIXELS);
+    options_budget_seconds(&last, 4.5e-4 * PIXELS, PIXELS);
     const satin_options draft = make(SATIN_DRAFT), production = make(SATIN_PRODUCTION);
     assert_memory_equal(&least, &draft, sizeof least);
-    assert_memory_equal(&most, &production, sizeof most);
+    assert_memory_equal(&last, &production, sizeof last);
+}
+
+// Ten seconds of 64 cores against those of two, which production takes.
+static void many_cores_ask_for_more(void **state) {
+    (void)state;
+    satin_options two = make(SATIN_PREVIEW), many = make(SATIN_PREVIEW);
+    const double pixels = 2.0 * 10.0 / 4.5e-4;
+    options_budget_seconds(&two, 2.0 * 10.0, pixels);
+    options_budget_seconds(&many, 64.0 * 10.0, pixels);
+    assert_int_equal(two.irradiance_rays, make(SATIN_PRODUCTION).irradiance_rays);
+    assert_true(2 * many.irradiance_rays > 3 * two.irradiance_rays);
+    assert_true(2 * many.radiance_rays > 3 * two.radiance_rays);
+    assert_true(many.photons > 2 * two.photons && many.caustic_photons > 2 * two.caustic_photons);
+}
+
+// However much time there is, the options are ones that the user might give.
+static void no_time_leaves_the_ranges(void **state) {
+    (void)state;
+    satin_options o = make(SATIN_PREVIEW);
+    options_budget_seconds(&o, 1e18, 1.0);
+    assert_int_equal(o.radiance_rays, 1048576);
+    for (int i = 0; i < options_table_count; i++) {
+        char text[OPTION_TEXT_SIZE];
+        satin_options again = o;
+        option_print(&options_table[i], &o, text, sizeof text);
+        if (options_table[i].by_quality) assert_true(option_parse(&options_table[i], text, &again));
+    }
 }
 
 static void more_time_never_buys_less(void **state) {
     (void)state;
     satin_options before = make(SATIN_PREVIEW);
     options_budget_seconds(&before, 0.01, PIXELS);
-    for (double seconds = 0.01; seconds < 1e4; seconds *= 1.07) {
+    for (double seconds = 0.01; seconds < 1e7; seconds *= 1.07) {
         satin_options o = make(SATIN_PREVIEW);
         options_budget_seconds(&o, seconds, PIXELS);
         assert_true(o.photons >= before.photons && o.caustic_photons >= before.caustic_photons);
@@ -83,7 +110,9 @@ static void what_the_user_chose_stays(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_default_is_preview),
-        cmocka_unit_test(little_and_much_time_give_the_ends),
+        cmocka_unit_test(little_time_gives_a_draft_and_production_its_own),
+        cmocka_unit_test(many_cores_ask_for_more),
+        cmocka_unit_test(no_time_leaves_the_ranges),
         cmocka_unit_test(more_time_never_buys_less),
         cmocka_unit_test(seconds_are_shared_by_pixels),
         cmocka_unit_test(what_the_user_chose_stays),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The main path: its stages come in their order and under the names of satin/render.h, and a render
-// that is cancelled in any of them ends with an image, and says in which.
+// that is cancelled in any of them ends with an image, and says in which; records of a time limit
+// become finer as long as that is of use.
 #include "satin/render.h"
 
 #include <setjmp.h>
@@ -136,11 +137,31 @@ static void a_cancelled_image_is_what_was_sampled(void **state) {
     satin_film_free(film);
 }
 
+// With time to spare the records of a time limit go on until half a pixel, not to a fixed round:
+// after five, down to .55, a and the least radius of 3 pixels fall by 3/4 each time. Two rounds
+// leave 3 * .55 * (9 / 16)^2 = .52 pixels; a third makes them .5.
+static void rounds_go_on_to_half_a_pixel(void **state) {
+    (void)state;
+    static const satin_setting coarse[] = {{"time", "600"},
+                                           {"spp", "1"},
+                                           {"irradiance-rays", "16"},
+                                           {"radiance-rays", "16"},
+                                           {"irradiance-min-pixels", "3"},
+                                           {"radiance-min-pixels", "2"},
+                                           {NULL, NULL}};
+    struct watch watch = {0};
+    satin_film *film;
+    assert_int_equal(render_box(&watch, coarse, &film), SATIN_OK);
+    assert_non_null(strstr(satin_film_stats(film), "\"records.rounds\": 8,"));
+    satin_film_free(film);
+}
+
 int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(stages_come_in_their_order),
         cmocka_unit_test(a_cancelled_render_has_an_image),
         cmocka_unit_test(a_cancelled_image_is_what_was_sampled),
+        cmocka_unit_test(rounds_go_on_to_half_a_pixel),
     };
     if (argc != 2 || satin_scene_load(argv[1], NULL, 0, NULL, NULL, &scene) != SATIN_OK) {
         fprintf(stderr, "usage: render SCENE.xml\n");
