@@ -272,7 +272,7 @@ satin_status render_image_fill(struct render *r) {
         image->taken += samples;
         per_sample = (stats_wall() - start) / (double)samples;
         plan_samples(&pass, workers);
-        if (image->taken >= even && !image->rims && r->options.integrator != SATIN_PATH)
+        if (image->taken >= even && r->options.integrator != SATIN_PATH)
             status = render_rims(r, &whole);
     }
     r->progress.items = (double)image->taken;

@@ -27,7 +27,7 @@ struct render_image {
     size_t sums;  // of a pixel
     struct adapt adapt;
     uint64_t taken;           // samples
-    bool rims;                // render_rims has been here
+    uint32_t rim_rays;        // of each pixel at a rim; 0: render_rims has not been here
     int coarsest;             // pixels between the first samples, a power of two
     bool looked;              // each of these pixels has one
     struct satin_film *film;  // what it becomes
@@ -47,8 +47,8 @@ float render_image_scale(const struct image_pixel *pixel);
 // Room for denoising, freed with the image; false without memory (render_denoise.c).
 bool render_denoise_room(struct render_image *image);
 
-// Takes further eye rays for emitted light alone where it varies from pixel to pixel; once, when
-// the image has its even samples. *whole: it was not cut short.
+// Takes further eye rays for emitted light alone where it varies from pixel to pixel, once per
+// pixel, when the image has its even samples. *whole: it was not cut short.
 satin_status render_rims(struct render *r, bool *whole);
 
 // The film, empty, of an image; NULL without memory (render_film.c).

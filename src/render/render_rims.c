@@ -2,7 +2,8 @@
 // Rims of what is seen to emit light. A lamp is tens of times as bright as the wall around it, so
 // in the pixels along its edge a few samples more or less that meet it show as teeth. An eye ray
 // that looks for emitted light alone costs a small part of a sample: pixels near which emission
-// varies get many of them, and the emission layer is the mean of all.
+// varies get many of them, once, and the emission layer is the mean of all. What is so small that
+// the first samples miss it is found after later ones.
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -24,7 +25,6 @@ struct rims {
     struct render *r;
     uint32_t *pixel;  // y * width + x
     size_t count;
-    uint32_t rays;  // of each
 };
 
 static float emission_at(const struct render_image *image, int x, int y) {
@@ -49,7 +49,7 @@ static void find_rims(struct rims *rims) {
     const struct render_image *image = rims->r->image;
     for (int y = 0; y < image->height; y++)
         for (int x = 0; x < image->width; x++)
-            if (on_rim(image, x, y))
+            if (!(image->pixel[y * image->width + x].rim_weight > 0.0f) && on_rim(image, x, y))
                 rims->pixel[rims->count++] = (uint32_t)y * (uint32_t)image->width + (uint32_t)x;
 }
 
@@ -61,7 +61,7 @@ static void trace_rims(void *ctx, size_t begin, size_t end, int worker) {
         const int x = (int)(rims->pixel[i] % (uint32_t)image->width);
         const int y = (int)(rims->pixel[i] / (uint32_t)image->width);
         struct image_pixel *p = &image->pixel[rims->pixel[i]];
-        for (uint32_t k = 0; k < rims->rays; k++) {
+        for (uint32_t k = 0; k < image->rim_rays; k++) {
             float weight;
             const rgb Le = shade_emission(&rims->r->second_pass.shade, x, y, k, &weight);
             if (!rgb_finite(Le)) continue;
@@ -73,17 +73,18 @@ static void trace_rims(void *ctx, size_t begin, size_t end, int worker) {
 
 satin_status render_rims(struct render *r, bool *whole) {
     struct rims rims = {.r = r};
-    const struct render_image *image = r->image;
+    struct render_image *image = r->image;
     const size_t pixels = (size_t)image->width * (size_t)image->height;
-    r->image->rims = true;
     rims.pixel = array_new(pixels, sizeof *rims.pixel);
     if (!rims.pixel) return SATIN_ERROR_MEMORY;
     find_rims(&rims);
-    const double most = RAYS_MEAN * (double)pixels / (double)(rims.count ? rims.count : 1);
-    for (rims.rays = RAYS_MOST; rims.rays > most; rims.rays /= 2) continue;
+    if (image->rim_rays == 0 && rims.count > 0) {
+        const double most = RAYS_MEAN * (double)pixels / (double)rims.count;
+        for (image->rim_rays = RAYS_MOST; image->rim_rays > most; image->rim_rays /= 2) continue;
+    }
     parallel_begin_part(r->pool, "rims");
-    *whole = parallel_for(r->pool, rims.rays ? rims.count : 0, CHUNK, trace_rims, &rims);
-    stats_set(&r->stats, "image.rim_pixels", (double)rims.count);
+    *whole = parallel_for(r->pool, image->rim_rays ? rims.count : 0, CHUNK, trace_rims, &rims);
+    stats_add(&r->stats, "image.rim_pixels", (double)rims.count);
     free(rims.pixel);
     return SATIN_OK;
 }

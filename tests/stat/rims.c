@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pixels along a lamp's edge are as even at few samples as the rays that look for emission alone
 // make them.
-// usage: rims SCENE.xml
+// What the first samples miss is found after later ones.
+// usage: rims SCENE.xml TINY-LAMP.xml
 #include <stdlib.h>
 
 #include "stat_case.h"
 
-enum { SIZE = 128, SEEDS = 6 };
+enum { SIZE = 128, SEEDS = 6, TINY = 16, TINY_SEEDS = 16 };
 
-static bool render(const satin_scene *scene, const char *spp, const char *seed, float *emission) {
+// Of size x size pixels.
+static bool render(const satin_scene *scene, int size, const char *spp, const char *seed,
+                   float *emission) {
+    char width[8];
+    snprintf(width, sizeof width, "%d", size);
     const satin_setting setting[] = {{"integrator", "direct"},
-                                     {"width", "128"},
-                                     {"height", "128"},
+                                     {"width", width},
+                                     {"height", width},
                                      {"spp", spp},
                                      {"seed", seed}};
     satin_options options;
@@ -24,7 +29,7 @@ static bool render(const satin_scene *scene, const char *spp, const char *seed, 
     const float *all = satin_film_channel(film, "G"),
                 *direct = satin_film_channel(film, "direct.G");
     bool whole = true;
-    for (int i = 0; i < SIZE * SIZE; i++) {
+    for (int i = 0; i < size * size; i++) {
         emission[i] = green[i];
         // The beauty is the sum of its layers, to a rounding error of each of a few additions.
         whole = whole && fabsf(all[i] - direct[i] - green[i]) <= 1e-5f * (1.0f + all[i]);
@@ -33,19 +38,36 @@ static bool render(const satin_scene *scene, const char *spp, const char *seed, 
     return whole;
 }
 
+// Largest error of the light of a tiny lamp in single images of few samples; negative on failure.
+static double tiny_lamp(const char *file) {
+    static float image[TINY * TINY];
+    satin_scene *scene = NULL;
+    double sum[TINY_SEEDS + 1] = {0.0}, worst = 0.0;
+    if (satin_scene_load(file, NULL, 0, stat_say, NULL, &scene) != SATIN_OK) return -1.0;
+    for (int s = 0; s <= TINY_SEEDS; s++) {
+        char seed[8];
+        snprintf(seed, sizeof seed, "%d", s);
+        if (!render(scene, TINY, s < TINY_SEEDS ? "9" : "256", seed, image)) return -1.0;
+        for (int i = 0; i < TINY * TINY; i++) sum[s] += (double)image[i];
+    }
+    for (int s = 0; s < TINY_SEEDS; s++) worst = fmax(worst, fabs(sum[s] / sum[TINY_SEEDS] - 1.0));
+    satin_scene_free(scene);
+    return worst;
+}
+
 int main(int argc, char **argv) {
     static const char *const seed[SEEDS] = {"1", "2", "3", "4", "5", "6"};
     static float reference[SIZE * SIZE], image[SIZE * SIZE];
     satin_scene *scene = NULL;
-    if (argc != 2 || satin_scene_load(argv[1], NULL, 0, stat_say, NULL, &scene) != SATIN_OK)
+    if (argc != 3 || satin_scene_load(argv[1], NULL, 0, stat_say, NULL, &scene) != SATIN_OK)
         return 1;
-    if (!render(scene, "256", "99", reference)) return 1;
+    if (!render(scene, SIZE, "256", "99", reference)) return 1;
     double square = 0.0, mean = 0.0;
     int count = 0;
     float lamp = 0.0f;
     for (int i = 0; i < SIZE * SIZE; i++) lamp = fmaxf(lamp, reference[i]);
     for (int s = 0; s < SEEDS; s++) {
-        if (!render(scene, "9", seed[s], image)) return 1;
+        if (!render(scene, SIZE, "9", seed[s], image)) return 1;
         for (int i = 0; i < SIZE * SIZE; i++) {
             const float part = reference[i] / lamp;
             if (part < 0.02f || part > 0.98f) continue;
@@ -60,7 +82,11 @@ int main(int argc, char **argv) {
     mean /= count;
     // The samples alone err by .012, with the further rays by .005.
     const bool passed = count > 100 && rms < 0.008 && fabs(mean) < 4.0 * rms / sqrt(count);
-    printf("%d rims: rms %.4f, mean %+.5f of the lamp\n%d passed, %d failed\n", count, rms, mean,
-           passed, !passed);
-    return !passed;
+    printf("%d rims: rms %.4f, mean %+.5f of the lamp\n", count, rms, mean);
+    // .15 in the worst of 16 seeds, and .27 where only the first samples may find it.
+    const double worst = tiny_lamp(argv[2]);
+    const bool found = worst >= 0.0 && worst < 0.2;
+    printf("a tiny lamp: at most %.3f off\n%d passed, %d failed\n", worst, passed + found,
+           !passed + !found);
+    return !(passed && found);
 }
