@@ -35,7 +35,7 @@ static inline rgb burley_tinted(const struct brdf *b, float weight) {
 // The facets of a roughness, by the model's anisotropy.
 static inline struct microfacet burley_facets(const struct brdf *b, float roughness) {
     float aspect = sqrtf(1.0f - 0.9f * minf(b->anisotropic, 1.0f)), a = sqrf(roughness);
-    return microfacet_make(BRDF_GGX, maxf(0.001f, a / aspect), maxf(0.001f, a * aspect));
+    return microfacet_make(BRDF_GGX, a / aspect, a * aspect, maxf(0.001f, b->alpha_least));
 }
 
 // Integrals over the hemisphere for the albedo of the diffuse lobe.

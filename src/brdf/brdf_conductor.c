@@ -14,7 +14,7 @@ static int conductor_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode,
 }
 
 static struct microfacet conductor_facets(const struct brdf *b) {
-    return microfacet_make(b->distribution, b->alpha_u, b->alpha_v);
+    return microfacet_make(b->distribution, b->alpha_u, b->alpha_v, b->alpha_least);
 }
 
 static void conductor_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {

@@ -17,8 +17,10 @@ struct microfacet {
     float au, av;  // roughness along x and y, >= 1e-4
 };
 
-static inline struct microfacet microfacet_make(enum brdf_distribution kind, float au, float av) {
-    return (struct microfacet){kind, maxf(au, 1e-4f), maxf(av, 1e-4f)};
+static inline struct microfacet microfacet_make(enum brdf_distribution kind, float au, float av,
+                                                float least) {
+    least = maxf(least, 1e-4f);
+    return (struct microfacet){kind, maxf(au, least), maxf(av, least)};
 }
 
 // |(au v.x, av v.y)|^2: squared tangent of v after stretching, times v.z^2.

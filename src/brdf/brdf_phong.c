@@ -15,14 +15,21 @@ static float power(float x, float n) {
     return r;
 }
 
+// Of the lobe. Facets of roughness alpha spread light as this one by 2 / alpha^2 - 2 [Walter et al.
+// 2007].
+static float exponent(const struct brdf *b) {
+    if (!(b->alpha_least > 0.0f)) return b->exponent;
+    return minf(b->exponent, 2.0f / sqrf(b->alpha_least) - 2.0f);
+}
+
 // cos^n of the angle between wi and the reflection of wo.
 static float lobe(const struct brdf *b, vec3 wo, vec3 wi) {
     float c = wo.z * wi.z - wo.x * wi.x - wo.y * wi.y;
-    return c > 0.0f ? power(minf(c, 1.0f), b->exponent) : 0.0f;
+    return c > 0.0f ? power(minf(c, 1.0f), exponent(b)) : 0.0f;
 }
 
 static void phong_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
-    float f = (b->exponent + 2.0f) * (0.5f / PI_F) * lobe(b, wo, wi);
+    float f = (exponent(b) + 2.0f) * (0.5f / PI_F) * lobe(b, wo, wi);
     *diffuse = rgb_scale(b->diffuse, 1.0f / PI_F);
     *glossy = rgb_scale(b->specular, f);
 }
@@ -31,13 +38,13 @@ static void phong_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, fl
                       float *glossy) {
     (void)lobes;
     *diffuse = wi.z * (1.0f / PI_F);
-    *glossy = (b->exponent + 1.0f) * (0.5f / PI_F) * lobe(b, wo, wi);
+    *glossy = (exponent(b) + 1.0f) * (0.5f / PI_F) * lobe(b, wo, wi);
 }
 
 // cos^n about the mirror direction; what falls below the surface is lost.
 static bool phong_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
     (void)lobes;
-    float l = logf(maxf(1.0f - u.y, 0x1p-25f)) / (b->exponent + 1.0f);
+    float l = logf(maxf(1.0f - u.y, 0x1p-25f)) / (exponent(b) + 1.0f);
     float c = expf(l), s = safe_sqrtf(-expm1f(2.0f * l)), phi = 2.0f * PI_F * u.z;
     struct frame f = frame_from_normal(v3(-wo.x, -wo.y, wo.z));
     *wi = frame_to_world(&f, v3(s * cosf(phi), s * sinf(phi), c));

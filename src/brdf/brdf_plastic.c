@@ -84,7 +84,7 @@ static void smooth_plastic_probabilities(const struct brdf *b, vec3 wo, float *d
 // ---- Rough coat --------------------------------------------------------------------------------
 
 static struct microfacet plastic_facets(const struct brdf *b) {
-    return microfacet_make(b->distribution, b->alpha_u, b->alpha_u);
+    return microfacet_make(b->distribution, b->alpha_u, b->alpha_u, b->alpha_least);
 }
 
 static float transmittance(const struct plastic_coat *c, float cosine) {

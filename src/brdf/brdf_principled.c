@@ -30,7 +30,7 @@ static rgb reflectance(const struct brdf *b, float c) {
 // ---- The clear coat -----------------------------------------------------------------------------
 
 static float coat_alpha2(const struct brdf *b) {
-    return sqrf(lerpf(0.1f, 0.001f, b->clearcoat_gloss));
+    return sqrf(maxf(lerpf(0.1f, 0.001f, b->clearcoat_gloss), b->alpha_least));
 }
 
 // Density of GTR1 facets whose normal has cosine z.

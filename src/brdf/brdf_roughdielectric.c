@@ -5,7 +5,8 @@
 #include "brdf/brdf_refraction.h"
 
 static struct refraction rough_boundary(const struct brdf *b, vec3 *wo, vec3 *wi) {
-    return refraction_at(microfacet_make(b->distribution, b->alpha_u, b->alpha_v), b->ior, wo, wi);
+    return refraction_at(microfacet_make(b->distribution, b->alpha_u, b->alpha_v, b->alpha_least),
+                         b->ior, wo, wi);
 }
 
 static void roughdielectric_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse,

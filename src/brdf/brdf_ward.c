@@ -7,11 +7,13 @@
 #include "brdf/brdf_models.h"
 
 // Scale of both roughnesses, away from 0.
-static float rough(float alpha) { return maxf(alpha, 1e-4f); }
+static float rough(const struct brdf *b, float alpha) {
+    return maxf(alpha, maxf(b->alpha_least, 1e-4f));
+}
 
 // exp(...) / (4 pi au av) for the half vector h, any length.
 static float gaussian(const struct brdf *b, vec3 h) {
-    float au = rough(b->alpha_u), av = rough(b->alpha_v);
+    float au = rough(b, b->alpha_u), av = rough(b, b->alpha_v);
     float e = (sqrf(h.x / au) + sqrf(h.y / av)) / (h.z * h.z);
     return expf(-e) / (4.0f * PI_F * au * av);
 }
@@ -47,8 +49,8 @@ static void ward_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, flo
 static bool ward_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
     (void)lobes;
     float r = sqrtf(-logf(maxf(1.0f - u.y, 0x1p-25f))), phi = 2.0f * PI_F * u.z;
-    vec3 h =
-        v3_unit(v3(rough(b->alpha_u) * r * cosf(phi), rough(b->alpha_v) * r * sinf(phi), 1.0f));
+    vec3 h = v3_unit(
+        v3(rough(b, b->alpha_u) * r * cosf(phi), rough(b, b->alpha_v) * r * sinf(phi), 1.0f));
     float c = v3_dot(wo, h);
     *wi = v3_mad(v3_neg(wo), 2.0f * c, h);
     return c > 0.0f && wi->z > 0.0f;

@@ -149,7 +149,8 @@ rgb gather_path_eye(const struct gather *g, struct ray ray, struct sampler *samp
 struct gather_ray {
     struct ray ray;
     uint32_t item;    // numbers the random decisions behind the hit
-    float spread;     // width per distance of what it stands for, for textures; 0: a point
+    float spread;     // width per distance of what it stands for, for textures and
+                      // sharp lobes; 0: a point
     const vec3 *lit;  // the point whose light it looks for, to which gather_direct brings the rest:
                       // fill Le, light_pdf and Le_specular; NULL: leave these 0
     // Found:

@@ -402,6 +402,60 @@ static void albedo_follows_textures(void **state) {
     arena_free(&arena);
 }
 
+// A sharp lobe seen through a beam is as wide as one of that roughness, for values, densities and
+// samples; the diffuse lobe and wider lobes stay as they are.
+static void beams_see_no_sharper_lobes(void **state) {
+    (void)state;
+    static const char *const models[] = {
+        "phong",           "ward",       "roughconductor", "roughplastic",
+        "roughdielectric", "principled", "principledthin"};
+    const float LEAST = 0.2f, SHARP = 0.05f, WIDE = 0.4f;
+    for (size_t i = 0; i < sizeof models / sizeof *models; i++) {
+        struct arena arena = {0};
+        // The roughness of principled models is the root of what their facets have.
+        const bool root = strncmp(models[i], "principled", 10) == 0;
+        struct brdf b = {.model = brdf_find(models[i]),
+                         .diffuse = rgb_grey(0.5f),
+                         .specular = rgb_grey(0.5f),
+                         .transmittance = rgb_grey(0.5f),
+                         .ior = 1.5f,
+                         .metallic = 0.2f,
+                         .spec_trans = 0.5f,
+                         .distribution = BRDF_GGX};
+        const float alpha[3] = {SHARP, LEAST, WIDE};
+        struct brdf at[3];
+        assert_int_equal(brdf_prepare(&b, &arena), SATIN_OK);
+        for (int k = 0; k < 3; k++) {
+            at[k] = b;
+            at[k].alpha_u = at[k].alpha_v = root ? sqrtf(alpha[k]) : alpha[k];
+            at[k].exponent = 2.0f / (alpha[k] * alpha[k]) - 2.0f;
+        }
+        struct brdf sharp = at[0], wide = at[2];
+        sharp.alpha_least = wide.alpha_least = LEAST;
+        int differ = 0;
+        for (int k = 0; k < 8; k++) {
+            const vec3 wo = view(angles[k % 4], (float)k);
+            const vec3 wi = v3_unit(v3(0.1f - wo.x, -wo.y, wo.z));
+            const float want = brdf_eval(&at[1], wo, wi, BRDF_GLOSSY).g;
+            differ += fabsf(brdf_eval(&at[0], wo, wi, BRDF_GLOSSY).g - want) > 0.1f * want;
+            assert_true(fabsf(brdf_eval(&sharp, wo, wi, BRDF_GLOSSY).g - want) <= 1e-4f * want);
+            assert_true(brdf_eval(&sharp, wo, wi, BRDF_DIFFUSE).g ==
+                        brdf_eval(&at[0], wo, wi, BRDF_DIFFUSE).g);
+            assert_true(brdf_eval(&wide, wo, wi, BRDF_GLOSSY).g ==
+                        brdf_eval(&at[2], wo, wi, BRDF_GLOSSY).g);
+            struct brdf_sample s, as;
+            const bool found =
+                brdf_sample(&sharp, wo, 0.5f, 0.3f, 0.7f, BRDF_GLOSSY, BRDF_RADIANCE, &s);
+            assert_int_equal(
+                found, brdf_sample(&at[1], wo, 0.5f, 0.3f, 0.7f, BRDF_GLOSSY, BRDF_RADIANCE, &as));
+            assert_true(!found || (v3_dist2(s.wi, as.wi) < 1e-8f &&
+                                   fabsf(s.pdf_w - as.pdf_w) <= 1e-3f * as.pdf_w));
+        }
+        assert_true(differ >= 4);
+        arena_free(&arena);
+    }
+}
+
 static void unusual_input_does_no_harm(void **state) {
     (void)state;
     struct arena arena = {0};
@@ -439,6 +493,7 @@ int main(void) {
         cmocka_unit_test(delta_lobes_divide_the_light),
         cmocka_unit_test(refraction_is_reversible),
         cmocka_unit_test(albedo_follows_textures),
+        cmocka_unit_test(beams_see_no_sharper_lobes),
         cmocka_unit_test(unusual_input_does_no_harm),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -102,6 +102,51 @@ static void radiance_at(const struct fixture *f, const struct gather_layout *lay
     gather_hemisphere_radiance(&f->g, &h, out);
 }
 
+// Mean and deviation over streams of the irradiance by 400 rays below polished walls.
+static double polished_irradiance(struct fixture *f, double *deviation) {
+    enum { MANY = 256 };
+    struct gather_layout *layout = gather_layout_new(400, SATIN_HSH, 0);
+    struct gather_scratch *scratch = gather_scratch_new(gather_layout_rays(layout));
+    double sum = 0.0, square = 0.0;
+    for (uint64_t i = 0; i < MANY; i++) {
+        const double E = (double)irradiance_at(f, layout, scratch, floor_site(0.3f, 0.2f, i)).E.g;
+        sum += E;
+        square += E * E;
+    }
+    gather_scratch_free(scratch);
+    gather_layout_free(layout);
+    *deviation = sqrt(square / MANY - sum * sum / MANY / MANY);
+    return sum / MANY;
+}
+
+// The image of a point light in polished walls is narrower than the rays' strata: one record in
+// many meets it and is far too bright, unless rays see lobes as wide as what they stand for.
+static void polished_walls_are_seen_through_beams(void **state) {
+    (void)state;
+    struct fixture f;
+    test_scene_init(&f.scene);
+    const uint32_t polished = test_material(&f.scene, "phong", rgb_grey(0.0f), rgb_grey(0.5f));
+    struct material *m = &f.scene.scene.material[polished];
+    m->front.base.exponent = m->back.base.exponent = 20000.0f;
+    test_cube(&f.scene, mat4_identity(), true, polished);
+    test_light(&f.scene,
+               (struct light){
+                   .kind = LIGHT_POINT, .position = v3(0.5f, 0.4f, 0.1f), .value = rgb_grey(1.0f)});
+    test_scene_finish(&f.scene);
+    start(&f);
+    double beams, rays;
+    f.options.texture_filter = false;
+    const double by_rays = polished_irradiance(&f, &rays);
+    f.options.texture_filter = true;
+    const double by_beams = polished_irradiance(&f, &beams);
+    print_message("by rays %.4f, deviation %.4f; by beams %.4f, deviation %.4f\n", by_rays, rays,
+                  by_beams, beams);
+    assert_true(beams < 0.25 * rays);
+    // Five standard errors, and what light the beams bend past edges.
+    assert_true(fabs(by_beams - by_rays) < 5.0 * rays / sqrt(256.0) + 0.02 * by_rays);
+    test_scene_free(&f.scene);
+}
+
 static void irradiance_gradients_match_differences(void **state) {
     (void)state;
     struct fixture f;
@@ -219,6 +264,7 @@ static void constant_radiance_has_one_coefficient(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_furnace_has_no_gradients),
+        cmocka_unit_test(polished_walls_are_seen_through_beams),
         cmocka_unit_test(irradiance_gradients_match_differences),
         cmocka_unit_test(rotation_gradient_matches_a_tilt),
         cmocka_unit_test(radiance_gradients_match_differences),
