@@ -33,6 +33,8 @@ struct light_face {
     float area, length_u, length_v;
     bool right_angled;
     uint32_t vertex[6];  // of the triangle s + t <= 1: corner, +u, +v; of the other: far, +v, +u
+    float grid;          // fraction of the samples that is drawn by the texture; 0: none
+    const float *row_cdf, *column_cdf;  // of its cells (light_texels.c)
 };
 
 struct light {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Area lights: uniform radiance, or a texture over uv, leaving the front side of a shape. Meshes of
-// few flat faces are sampled face by face (light_face.c), other meshes by a distribution over
-// triangles, spheres by the cone they fill, disks and cylinders by area. Conventions are Mitsuba
-// 3's but for one: the geometric normal decides which side is the front, so that what is emitted is
-// pi L A.
+// few flat faces are sampled face by face (light_face.c, light_texels.c), other meshes by a
+// distribution over triangles, spheres by the cone they fill, disks and cylinders by area.
+// Conventions are Mitsuba 3's but for one: the geometric normal decides which side is the front, so
+// that what is emitted is pi L A.
 #include "base/sampling.h"
 #include "light/light_kinds.h"
 
@@ -98,12 +98,8 @@ static struct light_point triangle_point(const struct light *light, const struct
 static rgb face_radiance(const struct light *light, const struct mesh *mesh,
                          const struct light_face *face, vec3 q) {
     if (!light->texture) return light->value;
-    // q = corner + s edge_u + t edge_v, by the dual basis of the edges.
-    vec3 d = v3_sub(q, face->corner), normal = v3_cross(face->edge_u, face->edge_v);
-    float scale = 1.0f / v3_len2(normal);
-    float s = v3_dot(v3_cross(d, face->edge_v), normal) * scale;
-    float t = v3_dot(v3_cross(face->edge_u, d), normal) * scale;
-    return area_radiance(light, texture_at(light_face_uv(face, mesh, s, t)));
+    const vec2 st = light_face_coordinates(face, q);
+    return area_radiance(light, texture_at(light_face_uv(face, mesh, st.x, st.y)));
 }
 
 struct light_point light_area_point(const struct satin_scene *scene, const struct light *light,
@@ -117,10 +113,18 @@ struct light_point light_area_point(const struct satin_scene *scene, const struc
     uint32_t i = 0;
     while (i + 1 < light->face_count && x >= light->face[i].area) x -= light->face[i++].area;
     const struct light_face *face = &light->face[i];
-    u = clampf(x / face->area, 0.0f, 1.0f);
-    vec3 q = v3_mad(v3_mad(face->corner, u, face->edge_u), v, face->edge_v);
+    vec2 st = {clampf(x / face->area, 0.0f, 1.0f), v};
+    float density = 1.0f;
+    if (face->grid > 0.0f) {
+        if (st.x < face->grid)
+            st = light_texels_sample(face, st.x / face->grid, v);
+        else
+            st.x = (st.x - face->grid) / (1.0f - face->grid);
+        density = lerpf(1.0f, light_texels_density(face, st), face->grid);
+    }
+    vec3 q = v3_mad(v3_mad(face->corner, st.x, face->edge_u), st.y, face->edge_v);
     return (struct light_point){q, face->n, face_radiance(light, &shape->mesh, face, q),
-                                1.0f / shape->area};
+                                density / shape->area};
 }
 
 // ---- Preparation ------------------------------------------------------------------------------
@@ -137,8 +141,13 @@ static satin_status prepare_mesh(struct satin_scene *scene, struct light *light)
             light->face = face;
             light->face_count = pairs;
             shape->area = 0.0f;
-            for (uint32_t i = 0; i < pairs; i++) shape->area += face[i].area;
-            return SATIN_OK;
+            satin_status status = SATIN_OK;
+            for (uint32_t i = 0; i < pairs; i++) {
+                shape->area += face[i].area;
+                if (light->texture && status == SATIN_OK)
+                    status = light_texels_build(scene, light, &face[i]);
+            }
+            return status;
         }
     }
     float *area = arena_array(&scene->arena, (size_t)n + 1, sizeof *area);

@@ -138,9 +138,9 @@ static float area_pdf(const struct light_face *face, vec3 p, vec3 q) {
     return cosine > 0.0f ? d2 / (face->area * cosine) : 0.0f;
 }
 
-bool light_face_sample(const struct light_face *face, vec3 p, float u, float v, vec3 *q,
-                       float *pdf_w) {
-    if (!(v3_dot(v3_sub(p, face->corner), face->n) > 0.0f)) return false;
+// Without regard to the texture, as is plain_pdf.
+static bool plain_sample(const struct light_face *face, vec3 p, float u, float v, vec3 *q,
+                         float *pdf_w) {
     struct rectangle_view w;
     if (!rectangle_view_make(face, p, &w)) {
         *q = v3_mad(v3_mad(face->corner, u, face->edge_u), v, face->edge_v);
@@ -163,10 +163,46 @@ bool light_face_sample(const struct light_face *face, vec3 p, float u, float v, 
     return true;
 }
 
-float light_face_pdf(const struct light_face *face, vec3 p, vec3 q) {
-    if (!(v3_dot(v3_sub(p, face->corner), face->n) > 0.0f)) return 0.0f;
+static float plain_pdf(const struct light_face *face, vec3 p, vec3 q) {
     struct rectangle_view view;
     return rectangle_view_make(face, p, &view) ? 1.0f / view.solid_angle : area_pdf(face, p, q);
+}
+
+// The density of plain samples and of those by the texture's grid together.
+static float face_mixed_pdf(const struct light_face *face, vec3 p, vec3 q, vec2 st, float plain) {
+    const float by_grid = area_pdf(face, p, q) * light_texels_density(face, st);
+    return lerpf(plain, by_grid, face->grid);
+}
+
+bool light_face_sample(const struct light_face *face, vec3 p, float u, float v, vec3 *q,
+                       float *pdf_w) {
+    if (!(v3_dot(v3_sub(p, face->corner), face->n) > 0.0f)) return false;
+    if (!(face->grid > 0.0f)) return plain_sample(face, p, u, v, q, pdf_w);
+    if (u < face->grid) {
+        const vec2 st = light_texels_sample(face, u / face->grid, v);
+        *q = v3_mad(v3_mad(face->corner, st.x, face->edge_u), st.y, face->edge_v);
+        *pdf_w = face_mixed_pdf(face, p, *q, st, plain_pdf(face, p, *q));
+    } else {
+        if (!plain_sample(face, p, (u - face->grid) / (1.0f - face->grid), v, q, pdf_w))
+            return false;
+        *pdf_w = face_mixed_pdf(face, p, *q, light_face_coordinates(face, *q), *pdf_w);
+    }
+    return *pdf_w > 0.0f && isfinite(*pdf_w);
+}
+
+float light_face_pdf(const struct light_face *face, vec3 p, vec3 q) {
+    if (!(v3_dot(v3_sub(p, face->corner), face->n) > 0.0f)) return 0.0f;
+    const float plain = plain_pdf(face, p, q);
+    if (!(face->grid > 0.0f)) return plain;
+    return face_mixed_pdf(face, p, q, light_face_coordinates(face, q), plain);
+}
+
+vec2 light_face_coordinates(const struct light_face *face, vec3 q) {
+    // By the dual basis of the edges.
+    vec3 d = v3_sub(q, face->corner), normal = v3_cross(face->edge_u, face->edge_v);
+    float scale = 1.0f / v3_len2(normal);
+    return (vec2){v3_dot(v3_cross(d, face->edge_v), normal) * scale,
+                  v3_dot(v3_cross(face->edge_u, d), normal) * scale};
 }
 
 vec2 light_face_uv(const struct light_face *face, const struct mesh *mesh, float s, float t) {

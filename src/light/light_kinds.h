@@ -43,6 +43,17 @@ float light_face_pdf(const struct light_face *face, vec3 p, vec3 q);
 float light_face_estimate(const struct light_face *face, vec3 p);
 // Texture coordinates at corner + s * edge_u + t * edge_v.
 vec2 light_face_uv(const struct light_face *face, const struct mesh *mesh, float s, float t);
+// The s and t of q = corner + s * edge_u + t * edge_v.
+vec2 light_face_coordinates(const struct light_face *face, vec3 q);
+
+// ---- Textured faces (light_texels.c) ----------------------------------------------------------
+
+// Sets the grid of a face of a textured light. SATIN_ERROR_MEMORY.
+satin_status light_texels_build(struct satin_scene *scene, const struct light *light,
+                                struct light_face *face);
+// Draws s and t by the grid, and the density over the unit square of drawing them so.
+vec2 light_texels_sample(const struct light_face *face, float u, float v);
+float light_texels_density(const struct light_face *face, vec2 st);
 
 // ---- Environments (light_environment.c) -------------------------------------------------------
 

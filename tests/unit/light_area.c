@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Area lights of any size: products of lengths neither overflow nor vanish.
+// Area lights of any size: products of lengths neither overflow nor vanish. Textured ones are drawn
+// by what they emit.
+#include "base/sampling.h"
 #include "light/light_kinds.h"
 
 #include "test_scene.h"
@@ -52,8 +54,103 @@ static void triangles_of_any_size(void **state) {
     }
 }
 
+// ---- A rectangle with one bright texel --------------------------------------------------------
+
+enum { TEXELS = 16, BRIGHT = 5 * TEXELS + 11, DRAWS = 256, FINE = 512 };
+
+struct textured {
+    struct test_scene t;
+    float texel[TEXELS * TEXELS];
+    struct image image;
+    struct texture texture;
+};
+
+static void make_textured(struct textured *l) {
+    for (int i = 0; i < TEXELS * TEXELS; i++) l->texel[i] = i == BRIGHT ? 100.0f : 0.1f;
+    l->image = (struct image){TEXELS, TEXELS, 1, l->texel};
+    l->texture = (struct texture){.kind = TEXTURE_BITMAP,
+                                  .to_uv = {1, 0, 0, 0, 1, 0},
+                                  .image = &l->image,
+                                  .mean = rgb_grey(0.1f + 99.9f / (TEXELS * TEXELS))};
+    test_scene_init(&l->t);
+    uint32_t shape = test_rectangle(&l->t, mat4_identity(), test_diffuse(&l->t, 0, 0, 0));
+    l->t.scene.light[test_area_light(&l->t, shape, rgb_grey(1.0f))].texture = &l->texture;
+    test_scene_finish(&l->t);
+}
+
+// Its irradiance at p, which faces it, by a fine grid.
+static double irradiance(const struct textured *l, vec3 p) {
+    double sum = 0.0;
+    for (int i = 0; i < FINE * FINE; i++) {
+        const float u = ((float)(i % FINE) + 0.5f) / FINE, v = ((float)(i / FINE) + 0.5f) / FINE;
+        const struct ray down = {v3(2 * u - 1, 2 * v - 1, 1), 0.0f, v3(0, 0, -1), INFINITY};
+        struct interaction hit;
+        assert_true(scene_intersect(&l->t.scene, &down, &hit));
+        const float L = light_emitted(&l->t.scene, &hit, v3(0, 0, 1)).r;
+        const float d2 = v3_dist2(p, hit.p);
+        sum += (double)(L * p.z * p.z / (d2 * d2)) * 4.0 / (FINE * FINE);
+    }
+    return sum;
+}
+
+// Random samples, which by area would be 160 % off, as one in 256 finds the texel that brings four
+// fifths of the light. MIS asks for the density that is drawn.
+static void a_bright_texel_is_found(void **state) {
+    (void)state;
+    enum { RUNS = 64, FEW = 64 };
+    static const vec3 place[] = {{0.5f, -0.2f, 0.3f}, {-0.4f, 0.7f, 5.0f}};
+    struct textured l;
+    make_textured(&l);
+    for (int k = 0; k < 2 * RUNS; k++) {
+        const vec3 p = place[k % 2];
+        static double squares[2], expected[2];
+        struct rng rng = rng_make(3, RNG_TEST, (uint64_t)k);
+        if (k < 2) expected[k] = irradiance(&l, p);
+        double sum = 0.0;
+        for (int i = 0; i < FEW; i++) {
+            const float u = rng_float(&rng), v = rng_float(&rng);
+            struct light_sample s;
+            assert_true(light_sample(&l.t.scene, 0, p, u, v, &s));
+            sum += (double)(s.L.r * -s.wi.z / s.pdf_w) / FEW;
+            const struct ray ray = {p, 0.0f, s.wi, INFINITY};
+            struct interaction hit;
+            assert_true(scene_intersect(&l.t.scene, &ray, &hit));
+            // In float a sample at the boundary of two cells may be found in the other.
+            const float x = 32.0f * (hit.p.x + 1.0f), y = 32.0f * (hit.p.y + 1.0f);
+            const float pdf = light_pdf(&l.t.scene, p, s.wi, &hit);
+            if (fabsf(x - roundf(x)) > 1e-3f && fabsf(y - roundf(y)) > 1e-3f)
+                assert_true(fabsf(pdf - s.pdf_w) <= 1e-3f * pdf);
+        }
+        squares[k % 2] += pow(sum / expected[k % 2] - 1.0, 2) / RUNS;
+        if (k >= 2 * RUNS - 2) assert_true(sqrt(squares[k % 2]) < 0.15);  // .076 and .042
+    }
+    test_scene_free(&l.t);
+}
+
+// The photons' mean power is the light's, and none is far above it.
+static void photons_leave_a_bright_texel(void **state) {
+    (void)state;
+    struct textured l;
+    make_textured(&l);
+    const double power = 4.0 * M_PI * (0.1 + 99.9 / (TEXELS * TEXELS));
+    double sum = 0.0, most = 0.0;
+    for (uint32_t i = 0; i < DRAWS; i++) {
+        struct sampler sampler = {i, 5, 0};
+        const vec2 a = sampler_2d(&sampler), b = sampler_2d(&sampler);
+        const float u[4] = {a.x, a.y, b.x, b.y};
+        struct light_ray photon;
+        assert_true(light_emit(&l.t.scene, 0, NULL, u, &photon));
+        sum += (double)photon.power.r / DRAWS;
+        most = fmax(most, (double)photon.power.r);
+    }
+    assert_true(fabs(sum / power - 1.0) < 0.05);
+    assert_true(most < 3.0 * power);
+    test_scene_free(&l.t);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(rectangles_of_any_size),
-                                       cmocka_unit_test(triangles_of_any_size)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rectangles_of_any_size), cmocka_unit_test(triangles_of_any_size),
+        cmocka_unit_test(a_bright_texel_is_found), cmocka_unit_test(photons_leave_a_bright_texel)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
