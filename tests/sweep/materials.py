@@ -16,7 +16,7 @@ def write_files(folder):
     """What bump maps, normal maps and measured BRDFs read, in the folder of the scenes."""
     size = 32
     angle = [2 * math.pi * k / size for k in range(size)]
-    heights = [round(127 + 60 * math.sin(x) + 60 * math.cos(2 * y)) for y in turn for x in turn]
+    heights = [round(127 + 60 * math.sin(x) + 60 * math.cos(2 * y)) for y in angle for x in angle]
     (folder / WAVES).write_text(f"P2 {size} {size} 255\n" + " ".join(map(str, heights)) + "\n",
                                 encoding="ascii")
     angles, azimuths = (0, 20, 40, 60, 80), (0, 60, 120, 180)
