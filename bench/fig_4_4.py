@@ -55,7 +55,7 @@ def teapot():
 
 
 # Records are few and placed alike for every kind, so that the gradients make the difference.
-PLACING = ["adaptive-cache=off", "{}-gradient-clamp=off", "{}-neighbours=off", "{}-rays=4096"]
+PLACING = ["adaptive-cache=off", "{}-gradient-clamp=off", "{}-neighbour-clamp=off", "{}-rays=4096"]
 DIFFUSE = ["irradiance-a=0.15", "irradiance-widen=1", "irradiance-min-pixels=0"]
 GLOSSY = ["radiance-a=0.3", "radiance-widen=1.4", "radiance-max-pixels=15"]
 DIFFUSE_REFERENCE = ["irradiance-cache=off", "irradiance-rays=10000"]
@@ -72,8 +72,8 @@ FIGURES = {
 
 
 def render(options, path, out, settings):
-    settings = ["spp=16", "adaptive=off", "photons=1000", "caustic-photons=0", "light-samples=1",
-                "first-pass=none", *settings]
+    settings = ["spp=16", "adaptive-sampling=off", "photons=1000", "caustic-photons=0",
+                "light-samples=1", "first-pass=none", *settings]
     flags = [word for setting in settings for word in ("--set", setting)]
     return runs.render(options, path, out, "--width", str(options.size), "--height",
                        str(options.size), "-D", "filter=box", *flags)

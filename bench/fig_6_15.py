@@ -45,7 +45,7 @@ def main():
             image, stats = runs.render(options, SCENE, f"{name}-{fill}", "-D", "alpha=" + alpha,
                                        "--set", "adaptive-cache=" + switch, "--set",
                                        "material-cache=floor=on", "--spp", "64", "--set",
-                                       "adaptive=off")
+                                       "adaptive-sampling=off")
             relmse, _ = runs.error(options, image, name)
             cells += [f"{stats['records.radiance']:.0f}", f"{1e4 * relmse:.2f}"]
         print("| " + " | ".join(cells) + " |", flush=True)

@@ -24,8 +24,8 @@ def main():
     placing.Placing(options, "steps", "irradiance", "indirect_diffuse", ("irradiance-cache=off",),
                     ("adaptive-cache=off", "irradiance-widen=1"),
                     (slice(int(TOP * n), int(BOTTOM * n)), slice(int(LEFT * n), int(RIGHT * n))),
-                    ).compare(options.a, "irradiance-neighbours=on", "irradiance-neighbours=off",
-                              0.01)
+                    ).compare(options.a, "irradiance-neighbour-clamp=on",
+                              "irradiance-neighbour-clamp=off", 0.01)
 
 
 if __name__ == "__main__":

@@ -71,7 +71,7 @@ class Placing:
     def render(self, out, seed, *args):
         return runs.render(self.options, runs.scene_file("figures", self.name),
                            f"{self.name}-{out}", *self.size, "--seed", str(seed), *args,
-                           *sets("adaptive=off"))
+                           *sets("adaptive-sampling=off"))
 
     def reference(self, seed):
         path = os.path.join(self.options.dir, f"{self.name}-brute{seed}.exr")

@@ -58,10 +58,11 @@ typedef struct satin_options {
     satin_integrator integrator;
     satin_quality quality;
     satin_first_pass first_pass;
-    int spp;            // samples per pixel; 0: the scene's for path, the preset's for the others
-    bool adaptive;      // spp is a mean: pixels that need it get more; path takes spp everywhere
-    bool denoise;       // the light that no record carries; needs Open Image Denoise
-    int width, height;  // film size in pixels; 0: the scene's
+    int spp;  // samples per pixel; 0: the scene's for path, the preset's for the others
+    bool adaptive_sampling;  // spp is a mean: pixels that need it get more; path takes spp
+                             // everywhere
+    bool denoise;            // the light that no record carries; needs Open Image Denoise
+    int width, height;       // film size in pixels; 0: the scene's
     uint64_t seed;
     int threads;        // 0: one per core
     double time;        // wall seconds for the whole render; 0: no limit
@@ -81,11 +82,11 @@ typedef struct satin_options {
     bool photon_area;         // divide by the area that is really there
 
     // Gathering.
-    bool gather_bounce;   // hits nearer than the lookup radius go on one more bounce
-    bool gather_shadow;   // direct light at gather hits by a shadow ray instead of photons
-    bool gather_guide;    // more gather rays towards clusters of photons
-    bool light_guide;     // direct light is sampled by what is visible of the lights
-    bool texture_filter;  // bitmaps are averaged over a ray's footprint
+    bool gather_near;       // hits nearer than the lookup radius go on one more bounce
+    bool gather_direct;     // direct light at gather hits by a shadow ray instead of photons
+    bool guide_clusters;    // more gather rays towards clusters of photons
+    bool guide_visibility;  // direct light is sampled by what is visible of the lights
+    bool texture_filter;    // bitmaps are averaged over a ray's footprint
 
     // Irradiance cache (diffuse surfaces).
     bool irradiance_cache;
@@ -96,10 +97,11 @@ typedef struct satin_options {
     float irradiance_a;      // accuracy a at which the cache is filled
     float irradiance_widen;  // the image pass interpolates with a times this, 1 to 2
     satin_radius irradiance_radius;
-    bool irradiance_gradient_clamp;  // R is at most where E would change by itself [K05 6.5.1]
-    bool irradiance_neighbours;   // R of neighbours differs by their distance at most [K05 6.5.2]
-    float irradiance_min_pixels;  // least record radius a R, in projected pixels
-    float irradiance_max_pixels;  // largest
+    bool irradiance_gradient_clamp;   // R is at most where E would change by itself [K05 6.5.1]
+    bool irradiance_neighbour_clamp;  // R of neighbours differs by their distance at most
+                                      // [K05 6.5.2]
+    float irradiance_min_pixels;      // least record radius a R, in projected pixels
+    float irradiance_max_pixels;      // largest
 
     // Radiance cache (glossy surfaces).
     bool radiance_cache;
@@ -116,7 +118,7 @@ typedef struct satin_options {
     float radiance_widen;
     satin_radius radiance_radius;  // not by the Hessian
     bool radiance_gradient_clamp;
-    bool radiance_neighbours;
+    bool radiance_neighbour_clamp;
     float radiance_min_pixels;
     float radiance_max_pixels;
 
@@ -144,8 +146,8 @@ SATIN_API void satin_options_preset(satin_options *options, satin_quality qualit
 
 // Sets one option from text, by the name of its field (`-` and `_` are the same); `quality` applies
 // its preset; `material.NAME.cache` = on or off adds to material_cache. SATIN_ERROR_INPUT, with one
-// logged line that names the nearest option or the range, if the name or the value is wrong; then
-// nothing changes. `log` may be NULL; it is called on this thread.
+// logged line that names the nearest option, or what an option is called now, or the range, if the
+// name or the value is wrong; then nothing changes. `log` may be NULL; it is called on this thread.
 SATIN_API satin_status satin_options_set(satin_options *options, const char *name,
                                          const char *value, satin_log_fn log, void *log_user);
 

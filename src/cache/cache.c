@@ -36,7 +36,7 @@ struct cache_options cache_options_of(const satin_options *o, enum cache_kind ki
                                       .gradients = o->irradiance_gradients,
                                       .radius = o->irradiance_radius,
                                       .gradient_clamp = o->irradiance_gradient_clamp,
-                                      .neighbours = o->irradiance_neighbours,
+                                      .neighbour_clamp = o->irradiance_neighbour_clamp,
                                       .min_pixels = o->irradiance_min_pixels,
                                       .max_pixels = o->irradiance_max_pixels,
                                       .max_radius = o->record_max_radius};
@@ -48,7 +48,7 @@ struct cache_options cache_options_of(const satin_options *o, enum cache_kind ki
                                   .gradients = o->radiance_gradients,
                                   .radius = o->radiance_radius,
                                   .gradient_clamp = o->radiance_gradient_clamp,
-                                  .neighbours = o->radiance_neighbours,
+                                  .neighbour_clamp = o->radiance_neighbour_clamp,
                                   .min_pixels = o->radiance_min_pixels,
                                   .max_pixels = o->radiance_max_pixels,
                                   .max_radius = o->record_max_radius};

@@ -7,7 +7,7 @@
 // mean distance, clamped), E irradiance [W m^-2], L radiance [W m^-2 sr^-1], Lambda harmonic
 // coefficients of incident radiance.
 //
-// Threads: cache_fill, cache_converge, cache_limit_* and cache_load change the cache and are
+// Threads: cache_fill, cache_adapt, cache_limit_* and cache_load change the cache and are
 // called by one thread at a time, while no other uses it; they use the pool themselves. All
 // functions that take a const cache may be called by any number of threads at once.
 #ifndef CACHE_CACHE_H
@@ -42,7 +42,7 @@ struct cache_site {
     uint64_t stream;         // random stream, unique to the site
     uint8_t wants;           // kinds of records that the surface reads: a mask of 1 << cache_kind
     struct cache_view view;  // all zero: the eye does not see the site
-    // What only cache_converge asks for:
+    // What only cache_adapt asks for:
     vec3 shading_p;  // the point that the eye sees; p is this one, moved off an edge
     rgb diffuse;     // BRDF of the diffuse lobe [sr^-1]
     rgb specular;    // factor of the glossy lobes
@@ -125,13 +125,13 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_l
 // alike.
 bool cache_has_record_near(const struct cache *cache, vec3 p, vec3 n, float radius);
 
-// ---- Adaptive caching [K05 6.3] (cache_converge.c) ----------------------------------------------
+// ---- Adaptive caching [K05 6.3] (cache_adapt.c) ----------------------------------------------
 
 // Adapts the records of a kind to the sites of a fill that is done: where records that are read at
 // accuracy read_a disagree visibly, the scales of the farthest are lowered, and new ones fill the
 // gaps, until none disagree. Status as of cache_fill.
-satin_status cache_converge(struct cache *cache, enum cache_kind kind,
-                            const struct cache_fill *fill, float read_a);
+satin_status cache_adapt(struct cache *cache, enum cache_kind kind, const struct cache_fill *fill,
+                         float read_a);
 
 // ---- Files of records (cache_file.c, docs/formats.md) -------------------------------------------
 

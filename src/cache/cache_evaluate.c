@@ -2,7 +2,7 @@
 // The criterion of adaptive caching [K05 6.3.1, 6.4]: whether the light that the records give to a
 // point differs visibly, by Weber's law over direct and indirect light and beyond their noise; and
 // which of them give way.
-#include "cache/cache_converge.h"
+#include "cache/cache_adapt.h"
 
 // The relative difference that is visible by Weber's law, as is widely used in computer graphics
 // [K05 6.4].
@@ -13,7 +13,7 @@ static const float VISIBLE = 0.02f;
 // grows.
 static const float DEVIATIONS = 2.5f;
 
-void cache_update_point(const struct cache_convergence *c, const struct cache_site *s,
+void cache_update_point(const struct cache_adaptation *c, const struct cache_site *s,
                         struct cache_point *p) {
     int kept = 0;
     for (int i = 0; i < p->count; i++) {
@@ -51,7 +51,7 @@ static cache_reflected_fn *const reflected[CACHE_KINDS] = {
 };
 
 // Computes the luminances that are not yet known.
-static void find_luminances(const struct cache_convergence *c, const struct cache_site *s,
+static void find_luminances(const struct cache_adaptation *c, const struct cache_site *s,
                             struct cache_point *p) {
     const struct cache_lookup at = {s->shading_p, s->frame.n, s->frame, 0.0f};
     struct cache_surface surface;
@@ -85,8 +85,7 @@ static float noise_of(const struct cache_point *p) {
 }
 
 // Whether a record may end before this point: it must not become smaller than the least radius.
-static bool may_end(const struct cache_convergence *c, const struct cache_site *s,
-                    uint32_t record) {
+static bool may_end(const struct cache_adaptation *c, const struct cache_site *s, uint32_t record) {
     const struct cache_options *o = &c->cache->side[c->kind].options;
     const float least = o->a * cache_least_radius(o, s->pixel);
     return v3_dist2(c->tree->head[record].p, s->p) > least * least;
@@ -128,7 +127,7 @@ static unsigned to_blame(const struct cache_site *s, const struct cache_point *p
 // While contributions disagree, the one of least weight gives way [K05 figure 6.2]. Deviation: so
 // do those that may err as it does; else a point whose records all err alike keeps the nearest of
 // them.
-void cache_evaluate_point(const struct cache_convergence *c, const struct cache_site *s,
+void cache_evaluate_point(const struct cache_adaptation *c, const struct cache_site *s,
                           struct cache_point *p) {
     p->gives_way = 0;
     if (p->count < 2) return;

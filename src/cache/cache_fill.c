@@ -249,8 +249,8 @@ static float first_scale(const struct cache_tree *tree, const struct cache_site 
 // Limits a new record and its neighbours by each other, if the options say so.
 static void clamp_extent(struct cache_side *side, const struct cache_site *s,
                          struct cache_extent *x) {
-    if (!side->options.neighbours) return;
-    x->R = cache_clamp_neighbours(&side->tree, s->p, s->frame.n, x->R);
+    if (!side->options.neighbour_clamp) return;
+    x->R = cache_neighbour_clamp(&side->tree, s->p, s->frame.n, x->R);
     x->R = fmaxf(x->R, cache_least_radius(&side->options, s->pixel));
     x->across = fminf(x->across, x->R);
 }

@@ -45,7 +45,7 @@ struct cache_options {
     satin_basis basis;
     satin_gradients gradients;
     satin_radius radius;
-    bool gradient_clamp, neighbours;
+    bool gradient_clamp, neighbour_clamp;
     float min_pixels, max_pixels;
     float max_radius;  // in scene units; 0: none
 };
@@ -107,9 +107,9 @@ struct cache_extent cache_extent_radiance(const struct cache *cache, const struc
                                           struct gather_radiance *value);
 // The least R of records where a pixel is so wide: the options' least radius in pixels, over a.
 float cache_least_radius(const struct cache_options *options, float pixel);
-// Neighbour clamping [K05 6.5.2] (cache_clamp.c): limits R of a new record at (p, n) by its
-// neighbours in the tree and returns it, and limits theirs by the new one.
-float cache_clamp_neighbours(struct cache_tree *tree, vec3 p, vec3 n, float R);
+// Neighbour clamping [K05 6.5.2] (cache_neighbour_clamp.c): limits R of a new record at (p, n) by
+// its neighbours in the tree and returns it, and limits theirs by the new one.
+float cache_neighbour_clamp(struct cache_tree *tree, vec3 p, vec3 n, float R);
 
 // ---- Rays of a new record (cache_rays.c) --------------------------------------------------------
 

@@ -145,7 +145,7 @@ static void arrive(struct path *path, struct path_vertex *v, struct gather_estim
         E = rgb_add(E, *estimate.direct);
         v->L = rgb_add(v->L, sample_glossy_direct(path, v, by_glossy));
     } else {
-        const bool shadow = !estimate.reliable || g->options->gather_shadow;
+        const bool shadow = !estimate.reliable || g->options->gather_direct;
         const struct gather_mis mis = {2 + v->bounce,
                                        {{shadow ? diffuse : 0u, by_diffuse.probability},
                                         {glossy, by_glossy.probability},
@@ -204,7 +204,7 @@ static struct gather_estimate estimate_at(const struct gather *g, struct path_ve
     const rgb E =
         photon_irradiance(g->maps, g->scene, z->y->interaction.p, z->y->ng, &radius, &entry);
     return (struct gather_estimate){within_depth(g, z->bounce, 2) ? E : none.E,
-                                    !(g->options->gather_bounce && radius > g->lookup_max),
+                                    !(g->options->gather_near && radius > g->lookup_max),
                                     gather_direct_known(g, entry)};
 }
 

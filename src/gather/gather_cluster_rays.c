@@ -10,7 +10,7 @@ size_t gather_cluster_rays_add(const struct gather *g, const struct gather_layou
     const size_t stratified = gather_layout_rays(layout);
     const struct guide_eye eye = {site->p, site->frame.n, site->ng};
     *out = (struct gather_cluster_rays){.near.p = site->p};
-    if (!g->options->gather_guide) return 0;
+    if (!g->options->guide_clusters) return 0;
     out->near.found = -1;
     if (!g->clusters) return 0;
     float *expected = &out->near.expected, radius, density;

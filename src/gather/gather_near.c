@@ -58,7 +58,7 @@ void gather_near_look(const struct gather *g, const struct gather_hits *hits, si
                       struct gather_near *near) {
     size_t probe[GUIDE_PROBES];
     near->count = 0;
-    if (near->found == 0 || !g->options->gather_bounce) return;
+    if (near->found == 0 || !g->options->gather_near) return;
     const int probes = choose_probes(hits, count, probe);
     if (probes == 0) return;
     if (near->found < 0)

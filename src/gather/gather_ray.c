@@ -90,7 +90,7 @@ static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t 
         const struct gather_hit *hit = &hits->hit[i];
         const float radius = hits->radius[i];
         const bool close = hit->point.interaction.t < radius;
-        const bool follow = g->options->gather_bounce && (close || radius > g->lookup_max);
+        const bool follow = g->options->gather_near && (close || radius > g->lookup_max);
         const struct gather_estimate estimate = {hits->E[i], !follow,
                                                  gather_direct_known(g, hits->entry[i])};
         const struct gather_near *near = close ? bundle->near : NULL;

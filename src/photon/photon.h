@@ -30,7 +30,7 @@ void photon_maps_free(struct photon_maps *maps);  // NULL is allowed
 
 // The first-pass estimate at a surface point: incident irradiance on the side of n (unit), by the
 // nearest photon on that side whose irradiance was precomputed. *radius gets the radius of its
-// density estimate. E includes direct light unless options->gather_shadow was set when the maps
+// density estimate. E includes direct light unless options->gather_direct was set when the maps
 // were built. Black and radius INFINITY where no photon is near that faces as n does and is not
 // behind a wall.
 rgb photon_irradiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
@@ -48,7 +48,7 @@ rgb photon_irradiance_at(const struct photon_maps *maps, size_t entry);
 // near to each other as those around it [square of the unit of length].
 float photon_irradiance_area(const struct photon_maps *maps, size_t entry);
 // Luminance of the direct photons that came down on that area: their power's sum [W] and the sum of
-// its squares. None unless options->gather_shadow was set when the maps were built.
+// its squares. None unless options->gather_direct was set when the maps were built.
 struct photon_direct {
     float power, power2;
 };

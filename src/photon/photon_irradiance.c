@@ -215,7 +215,7 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
     if (status == SATIN_OK && !index_rows(what, pool, &r))
         status = parallel_stopped(pool) ? SATIN_CANCELLED : SATIN_ERROR_MEMORY;
     parallel_begin_part(pool, "smooth");
-    if (status == SATIN_OK && what->smooth) status = photon_smooth(what, pool, &r);
+    if (status == SATIN_OK && what->smooth) status = photon_caustic_smooth(what, pool, &r);
     if (status == SATIN_ERROR_MEMORY) log_fail(log, status, "not enough memory for irradiance");
     if (status != SATIN_OK)
         photon_irradiance_free(&r);

@@ -201,7 +201,7 @@ struct photon_precompute {
     int k;          // photons of an estimate
     enum photon_kernel kernel;
     bool area;    // estimates divide by the area that is there
-    bool smooth;  // by photon_smooth
+    bool smooth;  // by photon_caustic_smooth
     bool ends;    // light has borders, as caustics have: where no photons are near, there is none
 };
 
@@ -209,10 +209,10 @@ struct photon_precompute {
 // SATIN_CANCELLED or SATIN_ERROR_MEMORY.
 satin_status photon_irradiance_build(const struct photon_precompute *what, struct parallel *pool,
                                      struct log log, struct photon_irradiance *out);
-// Takes noise off the irradiance of all entries (photon_smooth.c). SATIN_CANCELLED or
+// Takes noise off the irradiance of all entries (photon_caustic_smooth.c). SATIN_CANCELLED or
 // SATIN_ERROR_MEMORY; then some entries may be changed.
-satin_status photon_smooth(const struct photon_precompute *what, struct parallel *pool,
-                           struct photon_irradiance *irradiance);
+satin_status photon_caustic_smooth(const struct photon_precompute *what, struct parallel *pool,
+                                   struct photon_irradiance *irradiance);
 void photon_irradiance_free(struct photon_irradiance *irradiance);
 size_t photon_irradiance_bytes(const struct photon_irradiance *irradiance);
 // The entry that answers for p on the side of n, or -1.

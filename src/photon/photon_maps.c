@@ -85,7 +85,7 @@ static satin_status precompute_map(const struct photon_pass *pass,
 }
 
 static uint64_t cluster_paths(const satin_options *o) {
-    if (!o->gather_guide || o->integrator != SATIN_TWO_PASS) return 0;
+    if (!o->guide_clusters || o->integrator != SATIN_TWO_PASS) return 0;
     const uint64_t paths = o->photons > 0 ? (uint64_t)o->photons / CLUSTER_DIVISOR : 0;
     return paths < CLUSTER_LEAST ? CLUSTER_LEAST : paths > CLUSTER_MOST ? CLUSTER_MOST : paths;
 }
@@ -93,7 +93,7 @@ static uint64_t cluster_paths(const satin_options *o) {
 // Paths whose direct photons show where light comes down between the entries of irradiance.
 static uint64_t direct_paths(const satin_options *o) {
     const bool read = o->integrator == SATIN_TWO_PASS && o->first_pass == SATIN_FIRST_PRECOMPUTED &&
-                      o->gather_shadow;
+                      o->gather_direct;
     return read && o->photons > 0 ? (uint64_t)o->photons / DIRECT_DIVISOR : 0;
 }
 
@@ -129,7 +129,7 @@ static satin_status build_clusters(const struct photon_pass *pass, const struct 
 static satin_status trace_global(const struct photon_pass *pass, struct photon_maps *maps,
                                  struct photon_trace *direct) {
     const satin_options *o = pass->options;
-    const bool seen = o->integrator == SATIN_PHOTONS, bounced = o->gather_shadow && !seen;
+    const bool seen = o->integrator == SATIN_PHOTONS, bounced = o->gather_direct && !seen;
     const struct photon_tracing tracing = {
         .scene = pass->scene,
         .seed = o->seed,

@@ -4,7 +4,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "photon/photon_smooth.h"
+#include "photon/photon_caustic_smooth.h"
 
 enum {
     NEIGHBOURS = 24,  // of a site,

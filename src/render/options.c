@@ -15,7 +15,7 @@
 // What quality decides is as options_budget.c has it for `preview`.
 const satin_options satin_options_default = {
     .quality = SATIN_PREVIEW,
-    .adaptive = true,
+    .adaptive_sampling = true,
     .max_depth = -2,
     .hide_emitters = -1,
     .light_samples = 4,
@@ -28,17 +28,17 @@ const satin_options satin_options_default = {
     .photon_area = true,
     .recursive_bounces = 3,
     .texture_filter = true,
-    .gather_bounce = true,
-    .gather_shadow = true,
-    .gather_guide = true,
-    .light_guide = true,
+    .gather_near = true,
+    .gather_direct = true,
+    .guide_clusters = true,
+    .guide_visibility = true,
     .irradiance_cache = true,
     .irradiance_gradients = SATIN_GRADIENTS_STRATIFIED,
     .irradiance_rays = 600,
     .irradiance_a = 0.2f,
     .irradiance_widen = 2.0f,
     .irradiance_gradient_clamp = true,
-    .irradiance_neighbours = true,
+    .irradiance_neighbour_clamp = true,
     .irradiance_min_pixels = 3.0f,
     .irradiance_max_pixels = 100000.0f,
     .radiance_cache = true,
@@ -76,6 +76,11 @@ static satin_status refuse_option(struct log log, struct log_place place, const 
 static satin_status refuse_option_name(struct log log, struct log_place place, const char *name) {
     struct text_nearest search = {.word = name};
     char text[256];
+    const char *now = options_renamed(name);
+    if (now) {
+        snprintf(text, sizeof text, "option '%.80s' is now called '%s'", name, now);
+        return refuse_option(log, place, text);
+    }
     for (int i = 0; i < options_table_count; i++) text_nearest_try(&search, options_table[i].name);
     int n = snprintf(text, sizeof text, "unknown option '%.80s'", name);
     if (search.best)

@@ -26,7 +26,7 @@ const struct option options_table[] = {
     {"spp", OPTION_INT, AT(spp), false, "0..1048576",
      "Samples per pixel; 0: as many as a time limit allows; without one the scene's for path, else "
      "9, 16 or 36 by the quality."},
-    {"adaptive", OPTION_BOOL, AT(adaptive), false, "off|on",
+    {"adaptive-sampling", OPTION_BOOL, AT(adaptive_sampling), false, "off|on",
      "spp is the mean: three quarters of the samples go where the image is noisy; off, and with "
      "path, or where the film's filter is negative somewhere, always: the same number to every "
      "pixel."},
@@ -56,7 +56,8 @@ const struct option options_table[] = {
      "1: emitters seen directly are black; 0: they are not; -1: the scene's, else 0."},
     {"light-samples", OPTION_INT, AT(light_samples), true, "1..1024",
      "Light samples at the first hit of each of a pixel's first samples; later ones take 2 to 16, "
-     "as many as cost least by the noise of lights and of all else. With adaptive off all take "
+     "as many as cost least by the noise of lights and of all else. With adaptive-sampling off all "
+     "take "
      "these."},
     {"glossy-samples", OPTION_INT, AT(glossy_samples), true, "1..256",
      "Gather rays per pixel sample for glossy reflection that is not cached."},
@@ -79,15 +80,15 @@ const struct option options_table[] = {
     {"photon-area", OPTION_BOOL, AT(photon_area), false, "off|on",
      "Divide density estimates by the surface that is really there, not by the whole disc."},
 
-    {"gather-bounce", OPTION_BOOL, AT(gather_bounce), false, "off|on",
+    {"gather-near", OPTION_BOOL, AT(gather_near), false, "off|on",
      "Gather rays that hit nearer than the photon lookup radius go on for one more bounce."},
-    {"gather-shadow", OPTION_BOOL, AT(gather_shadow), false, "off|on",
+    {"gather-direct", OPTION_BOOL, AT(gather_direct), false, "off|on",
      "Direct light at gather hits by light samples, there or where photons' irradiance is "
      "precomputed; off: by photons."},
-    {"gather-guide", OPTION_BOOL, AT(gather_guide), false, "off|on",
+    {"guide-clusters", OPTION_BOOL, AT(guide_clusters), false, "off|on",
      "Hemispheres get more rays, up to half as many again, towards clusters of photons, where "
      "light comes down densely."},
-    {"light-guide", OPTION_BOOL, AT(light_guide), false, "off|on",
+    {"guide-visibility", OPTION_BOOL, AT(guide_visibility), false, "off|on",
      "Direct light is sampled by what is visible of the lights around a point, as of the sky "
      "through windows; with integrator two-pass."},
     {"texture-filter", OPTION_BOOL, AT(texture_filter), false, "off|on",
@@ -119,7 +120,7 @@ const struct option options_table[] = {
      "rays hit, the least without grazing rays, or from the Hessian of its irradiance, elliptic."},
     {"irradiance-gradient-clamp", OPTION_BOOL, AT(irradiance_gradient_clamp), false, "off|on",
      "The radius of a record is limited to where its gradient holds."},
-    {"irradiance-neighbours", OPTION_BOOL, AT(irradiance_neighbours), false, "off|on",
+    {"irradiance-neighbour-clamp", OPTION_BOOL, AT(irradiance_neighbour_clamp), false, "off|on",
      "Radii of neighbouring records differ by no more than their distance."},
     {"irradiance-min-pixels", OPTION_FLOAT, AT(irradiance_min_pixels), true, "0..1000",
      "Least radius of an irradiance record in projected pixels; where it is more than the largest "
@@ -156,7 +157,7 @@ const struct option options_table[] = {
      "How the radius of a record is found, as for irradiance-radius."},
     {"radiance-gradient-clamp", OPTION_BOOL, AT(radiance_gradient_clamp), false, "off|on",
      "The radius of a record is limited to where its gradient holds."},
-    {"radiance-neighbours", OPTION_BOOL, AT(radiance_neighbours), false, "off|on",
+    {"radiance-neighbour-clamp", OPTION_BOOL, AT(radiance_neighbour_clamp), false, "off|on",
      "Radii of neighbouring records differ by no more than their distance."},
     {"radiance-min-pixels", OPTION_FLOAT, AT(radiance_min_pixels), true, "0..1000",
      "Least radius of a radiance record in projected pixels; where it is more than the largest or "
@@ -188,6 +189,27 @@ const int options_table_count = sizeof options_table / sizeof *options_table;
 const struct option *options_find(const char *name) {
     for (int i = 0; i < options_table_count; i++)
         if (text_same_name(options_table[i].name, name)) return &options_table[i];
+    return NULL;
+}
+
+// Names that options had in earlier versions, and those that they have now.
+static const struct {
+    const char *before, *now;
+} renamed[] = {
+    {"adaptive", "adaptive-sampling"},
+    {"gather-bounce", "gather-near"},
+    {"gather-guide", "guide-clusters"},
+    {"gather-shadow", "gather-direct"},
+    {"irradiance-neighbours", "irradiance-neighbour-clamp"},
+    {"light-guide", "guide-visibility"},
+    {"radiance-neighbours", "radiance-neighbour-clamp"},
+    {"radiance-turn", "radiance-rotation"},
+    {"recursive-levels", "recursive-bounces"},
+};
+
+const char *options_renamed(const char *name) {
+    for (size_t i = 0; i < sizeof renamed / sizeof *renamed; i++)
+        if (text_same_name(renamed[i].before, name)) return renamed[i].now;
     return NULL;
 }
 

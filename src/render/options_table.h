@@ -37,6 +37,8 @@ extern const int options_table_count;
 
 // The option of this name ('-' and '_' are the same), or NULL.
 const struct option *options_find(const char *name);
+// The name that an option has now which was called `name` in earlier versions, or NULL.
+const char *options_renamed(const char *name);
 // Sets the option's field from text; false, and nothing changed, if the value is not in its range.
 bool option_parse(const struct option *option, const char *value, satin_options *options);
 // The highest value of a number; INFINITY: there is none.

@@ -14,7 +14,7 @@ static const size_t BYTES_MAX = (size_t)1 << 38;
 
 // Options that decide no record, but for where records are wanted.
 static const char *const free_options[] = {
-    "quality",   "integrator",      "spp",           "adaptive",
+    "quality",   "integrator",      "spp",           "adaptive-sampling",
     "width",     "height",          "seed",          "threads",
     "time",      "hide-emitters",   "light-samples", "glossy-samples",
     "caustic-k", "caustic-photons", "record-maps",   "denoise",

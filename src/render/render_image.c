@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The image pass: samples summed per pixel, tile by tile. A pixel's samples are added in the order
 // of their numbers, by one worker, so sums do not depend on threads. A few samples are spread
-// evenly, the others where the image needs them (render_adapt.c). The first are taken coarse to
-// fine, so that an image that is cut short can be filled from what is there (render_film.c).
+// evenly, the others where the image needs them (render_adaptive_sampling.c). The first are taken
+// coarse to fine, so that an image that is cut short can be filled from what is there
+// (render_film.c).
 #include "render/render_image.h"
 
 #include <stdlib.h>
@@ -128,7 +129,7 @@ static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
 // Samples per pixel that are spread evenly.
 static uint32_t even_samples(const struct render *r) {
     uint32_t spp = (uint32_t)r->options.spp;
-    if (!r->options.adaptive || r->options.integrator == SATIN_PATH) return spp;
+    if (!r->options.adaptive_sampling || r->options.integrator == SATIN_PATH) return spp;
     if (spp < 2 * EVEN_LEAST) return spp;
     if (r->options.time > 0.0) return EVEN_LEAST;
     return spp / EVEN_FRACTION > EVEN_LEAST ? spp / EVEN_FRACTION : EVEN_LEAST;
@@ -204,7 +205,7 @@ static void plan_samples(struct image_pass *pass, int workers) {
     parallel_begin_part(r->pool, "plan");
     r->image->adapt.pool = r->pool;
     adapt_compare(&r->image->adapt);
-    if (r->options.integrator != SATIN_TWO_PASS || !r->options.adaptive) return;
+    if (r->options.integrator != SATIN_TWO_PASS || !r->options.adaptive_sampling) return;
     const struct shade_counts counts = sum_counts(pass->worker, workers);
     adapt_lights(&r->image->adapt, sample_cost(&counts));
 }

@@ -78,7 +78,7 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
     // be wasteful for two passes.
     int scene_spp = o->integrator == SATIN_PATH ? hints->spp : 0;
     // Samples that count negatively are not few where the image is smooth.
-    if (film_filter_has_lobes(&scene->film)) o->adaptive = false;
+    if (film_filter_has_lobes(&scene->film)) o->adaptive_sampling = false;
     if (o->spp == 0 && o->time > 0.0) o->spp = TIMED_SPP;
     r->first_pass.wanted = o->photons;
     r->first_pass.chosen_by_user = !options_budget_chooses_photons(o);

@@ -21,12 +21,12 @@ static bool reads_photons(const satin_options *o) {
 }
 
 static satin_status build_visibility(struct render *r) {
-    if (!r->options.light_guide || r->options.integrator != SATIN_TWO_PASS) return SATIN_OK;
+    if (!r->options.guide_visibility || r->options.integrator != SATIN_TWO_PASS) return SATIN_OK;
     const double start = stats_wall();
     parallel_begin_part(r->pool, "visibility");
     satin_status status =
         guide_visibility_build(&r->scene, &r->options, r->pool, &r->first_pass.visibility);
-    stats_add(&r->stats, "photons.seen_s", stats_wall() - start);
+    stats_add(&r->stats, "photons.visibility_s", stats_wall() - start);
     return status;
 }
 
@@ -68,11 +68,11 @@ static double starved(const struct render *r, double fraction) {
 // In place of the maps that are there; what was learned of the lights serves on.
 static satin_status build_again(struct render *r, struct stats before, double fraction,
                                 double more) {
-    const double look = stats_get(&r->stats, "photons.seen_s");
+    const double look = stats_get(&r->stats, "photons.visibility_s");
     photon_maps_free(r->first_pass.maps);
     r->first_pass.maps = NULL;
     r->stats = before;
-    stats_set(&r->stats, "photons.seen_s", look);
+    stats_set(&r->stats, "photons.visibility_s", look);
     return build(r, fraction, more);
 }
 
@@ -129,7 +129,7 @@ satin_status render_photons(struct render *r) {
 satin_status render_direct(struct render *r) {
     const satin_options *o = &r->options;
     const bool read = o->integrator == SATIN_TWO_PASS && o->first_pass == SATIN_FIRST_PRECOMPUTED &&
-                      o->gather_shadow;
+                      o->gather_direct;
     if (!read || !r->first_pass.maps) return SATIN_OK;
     const double start = stats_wall();
     parallel_begin_part(r->pool, "direct");

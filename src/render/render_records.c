@@ -196,7 +196,7 @@ satin_status render_records(struct render *r) {
     if (status == SATIN_OK && !whole && !timed)
         status = fill_levels(&f, (struct widths){{1.0f, 1.0f}}, false, 0.0, 1.0);
     if (status == SATIN_OK && !whole && !timed && r->options.adaptive_cache)
-        status = render_converge(r);
+        status = render_adaptive_cache(r);
     if (status == SATIN_OK) r->outcome.saved = render_cache_save(r);
     render_sites_free(&f.sites);
     cache_statistics(r->second_pass.cache, &r->stats);

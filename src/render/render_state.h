@@ -4,7 +4,7 @@
 #define RENDER_STATE_H
 
 #include "film/film.h"
-#include "render/render_adapt.h"
+#include "render/render_adaptive_sampling.h"
 #include "render/render_budget.h"
 #include "satin/render.h"
 #include "shade/shade.h"
@@ -162,15 +162,15 @@ struct render_sites {
     size_t count, capacity;
 };
 // Replaces the sites by those that the eye sees in `count` pixels, in their order; `adaptive`: with
-// what cache_converge asks of them. SATIN_CANCELLED, SATIN_ERROR_MEMORY.
+// what cache_adapt asks of them. SATIN_CANCELLED, SATIN_ERROR_MEMORY.
 satin_status render_find_sites(struct render *r, const uint32_t *pixel, size_t count, bool adaptive,
                                struct render_sites *sites);
 void render_sites_free(struct render_sites *sites);
 
-// ---- render_converge.c
+// ---- render_adaptive_cache.c
 // Adapts the records to the points that the eye sees [K05 6.3], for reading them at the accuracies
 // that the options name.
-satin_status render_converge(struct render *r);
+satin_status render_adaptive_cache(struct render *r);
 
 // ---- render_image.c
 struct render_image *render_image_new(const struct satin_scene *scene,

@@ -107,7 +107,7 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
 rgb shade_emission(const struct shade *shade, int x, int y, uint32_t index, float *weight);
 
 // The surface points where an eye ray of pixel (x, y) may need records; `adaptive`: with what
-// cache_converge asks of them. Returns how many, at most `max`. (shade_sites.c)
+// cache_adapt asks of them. Returns how many, at most `max`. (shade_sites.c)
 int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct cache_site *out,
                 int max);
 // A site of indirect bounce `bounce`: the end of a walk of that many bounces from pixel (x, y).

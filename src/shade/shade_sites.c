@@ -25,7 +25,7 @@ static void add_view(const struct shade *shade, const struct gather_point *p,
     view->wo = base_wo(p);
 }
 
-// What cache_converge asks of a site; direct light by a few samples of lights alone.
+// What cache_adapt asks of a site; direct light by a few samples of lights alone.
 static void add_light(const struct shade *shade, const struct gather_point *bumpy,
                       struct sampler sampler, struct cache_site *site) {
     static const struct gather_mis lights_alone = {1, {{BRDF_SMOOTH, 0.0f}}};

@@ -26,7 +26,7 @@ SCENARIOS = {
     "reload": Scenario([*RENDER, "--load-cache", "in.cache", "--save-cache", "out.cache"],
                        [[*RENDER, "--save-cache", "in.cache"]], 4),
     "recursive": Scenario([*RENDER, "-D", "pass=recursive", "--set", "recursive-bounces=2"], [], 8),
-    "images": Scenario([*RENDER, "-D", "floor=paper.xml", "--set", "light-guide=off"], [], 8),
+    "images": Scenario([*RENDER, "-D", "floor=paper.xml", "--set", "guide-visibility=off"], [], 8),
 }
 
 FILES = {"small.png": "bitmap", "small.hdr": "bitmap", "text.ply": "ply", "smooth.obj": "obj",

@@ -80,7 +80,7 @@ static void say(void *user, satin_log_level level, const char *message) {
 // The scene's picture in two passes; NULL if it fails, which was said.
 static satin_film *render(const struct folders *in, const char *name, const satin_define *defines,
                           size_t define_count) {
-    static const satin_setting setting[] = {{"spp", "64"}, {"adaptive", "off"}};
+    static const satin_setting setting[] = {{"spp", "64"}, {"adaptive-sampling", "off"}};
     char path[4096];
     snprintf(path, sizeof path, "%s/%s.xml", in->scenes, name);
     satin_scene *scene = NULL;

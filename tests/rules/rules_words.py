@@ -44,8 +44,8 @@ RETIRED = {
     "|fixed walls": "stratum boundary",
     "max_depth edges|path edges": "path segments",
 }
-# Where a retired word is the right one.
-ALLOWED = re.compile(r"\b(in|by) turns?\b")
+# Where a retired word is the right one; the last is the name that an option had.
+ALLOWED = re.compile(r"\b(in|by) turns?\b|\bradiance[-_]turn\b")
 # What stands between two words of a term at the end of a line, in a comment or a text.
 LINE_END = re.compile(r"[ \t]*\n[ \t]*(?:// ?|# )?|\"\s*\n\s*\"")
 # Ways to begin a comment that cannot be read alone.

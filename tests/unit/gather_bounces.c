@@ -87,9 +87,9 @@ static void bounces_end_with_the_longest_path(void **state) {
     assert_true(fabs(sum - 1.0) < 5.0 * 0.354 / sqrt(PATHS));
     // A reliable estimate is read instead: E / pi times the albedo, without the direct light in it.
     struct gather_estimate estimate = {rgb_grey(2.0f * PI_F), true, NULL};
-    options.gather_shadow = false;
+    options.gather_direct = false;
     assert_true(fabsf(gather_bounces(&g, &y, estimate, NULL, sampler).g - 2.0f * ALBEDO) < 1e-6f);
-    options.gather_shadow = true;
+    options.gather_direct = true;
     assert_true(fabsf(gather_bounces(&g, &y, estimate, NULL, sampler).g - 3.0f * ALBEDO) < 1e-4f);
     // Known direct light stands for that of the lamp.
     const rgb direct = rgb_grey(4.0f * PI_F);

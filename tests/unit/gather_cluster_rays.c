@@ -108,7 +108,7 @@ static void check_irradiance(float half_angle, double tolerance) {
     assert_true(gradient < 0.05 * (double)v3_len(moved));
     assert_true(rotation < 0.05);
     // Without them one hemisphere in nine meets the spot at all.
-    f.options.gather_guide = false;
+    f.options.guide_clusters = false;
     int dark = 0;
     for (uint64_t i = 0; i < STREAMS; i++) {
         const struct gather_site site = floor_site(i);

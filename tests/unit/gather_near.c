@@ -90,7 +90,7 @@ struct errors {
 
 static struct errors errors_of(struct fixture *f, bool guided, double E) {
     struct errors e = {0};
-    f->options.gather_guide = guided;
+    f->options.guide_clusters = guided;
     for (uint64_t i = 0; i < STREAMS; i++) {
         const struct gather_site site = ceiling_site(i);
         struct gather_irradiance value;

@@ -69,7 +69,7 @@ static void values_are_checked(void **state) {
         {"irradiance-a", "nan"},
         {"irradiance_a", "0"},
         {"integrator", "paths"},
-        {"gather-bounce", "maybe"},
+        {"gather-near", "maybe"},
         {"hide-emitters", "2"},
         {"radiance-order", "15"},
         {"time", "-1"},
@@ -111,6 +111,31 @@ static void messages_help(void **state) {
     assert_string_equal(message.text, "unknown option 'whatever-it-is'");
     satin_options_set(&o, "radiance_order", "15", keep, &message);
     assert_string_equal(message.text, "option radiance-order: '15' is not in 1..14");
+}
+
+// An option that had another name is refused with the name that it has, by every spelling; the new
+// name is one of the table, the earlier one is not.
+static void renamed_options_are_named(void **state) {
+    (void)state;
+    static const char *const before[] = {
+        "adaptive",      "gather-bounce",        "gather-guide",  "gather-shadow",
+        "light-guide",   "radiance-neighbours",  "radiance-turn", "recursive-levels",
+        "radiance_turn", "irradiance-neighbours"};
+    satin_options o = satin_options_default;
+    struct message message = {0};
+    for (size_t i = 0; i < sizeof before / sizeof *before; i++) {
+        const char *now = options_renamed(before[i]);
+        assert_non_null(now);
+        assert_non_null(options_find(now));
+        assert_null(options_find(before[i]));
+        assert_int_equal(satin_options_set(&o, before[i], "1", keep, &message), SATIN_ERROR_INPUT);
+        assert_non_null(strstr(message.text, now));
+        assert_true(same_fields(&o, &satin_options_default));
+    }
+    assert_string_equal(
+        message.text, "option 'irradiance-neighbours' is now called 'irradiance-neighbour-clamp'");
+    for (int i = 0; i < options_table_count; i++)
+        assert_null(options_renamed(options_table[i].name));
 }
 
 // Every field of the struct has a row: setting all rows changes every byte that padding leaves.
@@ -170,9 +195,13 @@ static void layers_in_order(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(presets_set_what_they_decide), cmocka_unit_test(presets_are_in_range),
-        cmocka_unit_test(values_are_checked),           cmocka_unit_test(messages_help),
-        cmocka_unit_test(table_covers_the_struct),      cmocka_unit_test(layers_in_order),
+        cmocka_unit_test(presets_set_what_they_decide),
+        cmocka_unit_test(presets_are_in_range),
+        cmocka_unit_test(values_are_checked),
+        cmocka_unit_test(messages_help),
+        cmocka_unit_test(renamed_options_are_named),
+        cmocka_unit_test(table_covers_the_struct),
+        cmocka_unit_test(layers_in_order),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

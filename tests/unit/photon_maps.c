@@ -31,7 +31,7 @@ static satin_options options(int64_t photons, int64_t caustic_photons) {
     satin_options o = satin_options_default;
     o.photons = photons;
     o.caustic_photons = caustic_photons;
-    o.gather_shadow = false;
+    o.gather_direct = false;
     return o;
 }
 

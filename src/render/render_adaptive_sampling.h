@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Private to render/: spreading the samples of an image over its pixels.
-#ifndef RENDER_ADAPT_H
-#define RENDER_ADAPT_H
+#ifndef RENDER_ADAPTIVE_SAMPLING_H
+#define RENDER_ADAPTIVE_SAMPLING_H
 
 #include <stdint.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Private to photon/: values at sites on surfaces and the planes through them.
-#ifndef PHOTON_SMOOTH_H
-#define PHOTON_SMOOTH_H
+#ifndef PHOTON_CAUSTIC_SMOOTH_H
+#define PHOTON_CAUSTIC_SMOOTH_H
 
 #include "photon/photon_map.h"
 

@@ -9,7 +9,7 @@
 
 #include "base/array.h"
 #include "base/stats.h"
-#include "cache/cache_converge.h"
+#include "cache/cache_adapt.h"
 
 enum {
     PASSES_MAX = 11,  // the thesis never needed more
@@ -20,7 +20,7 @@ enum {
 static const float SHORT_OF = 1e-4f;
 
 static void evaluate_points(void *ctx, size_t begin, size_t end, int worker) {
-    struct cache_convergence *c = ctx;
+    struct cache_adaptation *c = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         struct cache_point *p = &c->point[i];
@@ -31,7 +31,7 @@ static void evaluate_points(void *ctx, size_t begin, size_t end, int worker) {
 }
 
 // Ends records before the points to which they give way.
-static void shrink(struct cache_convergence *c) {
+static void shrink(struct cache_adaptation *c) {
     for (size_t i = 0; i < c->count; i++) {
         struct cache_point *p = &c->point[i];
         if (!p->queued || !p->gives_way) continue;
@@ -44,7 +44,7 @@ static void shrink(struct cache_convergence *c) {
 }
 
 // Adds a record to the contributions of a point, in place of the worst one if there are too many.
-static void contribute(struct cache_convergence *c, const struct cache_site *s,
+static void contribute(struct cache_adaptation *c, const struct cache_site *s,
                        struct cache_point *p, uint32_t record) {
     struct cache_contribution x = {record, c->change[record],
                                    cache_tree_error(&c->tree->head[record], s->p, s->frame.n),
@@ -63,7 +63,7 @@ static void contribute(struct cache_convergence *c, const struct cache_site *s,
 
 // Queues the points at which records were added or shrunk, and gives them the new records.
 static void queue_points(void *ctx, size_t begin, size_t end, int worker) {
-    struct cache_convergence *c = ctx;
+    struct cache_adaptation *c = ctx;
     (void)worker;
     struct cache_near near[CACHE_NEAR_MAX];
     for (size_t i = begin; i < end; i++) {
@@ -82,7 +82,7 @@ static void queue_points(void *ctx, size_t begin, size_t end, int worker) {
 
 // Notes the radii and scales of all records. Those that were added or shrunk since the last call
 // get trees of their own. False without memory.
-static bool note_changes(struct cache_convergence *c) {
+static bool note_changes(struct cache_adaptation *c) {
     const size_t before = c->records, now = c->tree->head_count;
     const struct satin_scene *scene = c->cache->g->scene;
     cache_tree_free(&c->news);
@@ -115,7 +115,7 @@ static bool note_changes(struct cache_convergence *c) {
 }
 
 // Makes new records where points have lost their last one.
-static satin_status fill_gaps(struct cache_convergence *c) {
+static satin_status fill_gaps(struct cache_adaptation *c) {
     size_t gaps = 0;
     for (size_t i = 0; i < c->count; i++) {
         struct cache_point *p = &c->point[i];
@@ -140,7 +140,7 @@ static satin_status fill_gaps(struct cache_convergence *c) {
     return status;
 }
 
-static satin_status converge(struct cache_convergence *c) {
+static satin_status converge(struct cache_adaptation *c) {
     struct parallel *pool = c->cache->pool;
     int pass = 0;
     // In the first pass all records are new to all points.
@@ -169,20 +169,20 @@ static satin_status converge(struct cache_convergence *c) {
     return SATIN_OK;
 }
 
-satin_status cache_converge(struct cache *cache, enum cache_kind kind,
-                            const struct cache_fill *fill, float read_a) {
-    struct cache_convergence c = {.cache = cache,
-                                  .fill = fill,
-                                  .kind = kind,
-                                  .tree = &cache->side[kind].tree,
-                                  .read_a = read_a};
+satin_status cache_adapt(struct cache *cache, enum cache_kind kind, const struct cache_fill *fill,
+                         float read_a) {
+    struct cache_adaptation c = {.cache = cache,
+                                 .fill = fill,
+                                 .kind = kind,
+                                 .tree = &cache->side[kind].tree,
+                                 .read_a = read_a};
     c.site = array_new(fill->count, sizeof(struct cache_site *));
     c.point = array_new(fill->count, sizeof *c.point);
     satin_status status = SATIN_ERROR_MEMORY;
     if (c.site && c.point) {
         for (size_t i = 0; i < fill->count; i++)
             if (fill->site[i].wants >> kind & 1u) c.site[c.count++] = &fill->site[i];
-        const char *part = parallel_begin_part(cache->pool, "converge");
+        const char *part = parallel_begin_part(cache->pool, "adapt");
         status = c.count ? converge(&c) : SATIN_OK;
         parallel_begin_part(cache->pool, part);
     }

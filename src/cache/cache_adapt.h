@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Private to cache/: the shading points of adaptive caching, and the criterion by which their
 // records are evaluated [K05 6.3].
-#ifndef CACHE_CONVERGE_H
-#define CACHE_CONVERGE_H
+#ifndef CACHE_ADAPT_H
+#define CACHE_ADAPT_H
 
 #include "cache/cache_records.h"
 
@@ -26,7 +26,7 @@ struct cache_point {
 };
 
 // The work on one kind of records. Arrays by point or by record.
-struct cache_convergence {
+struct cache_adaptation {
     struct cache *cache;
     const struct cache_fill *fill;  // its sites are the shading points
     enum cache_kind kind;
@@ -44,10 +44,10 @@ struct cache_convergence {
 
 // Drops contributions of records that have shrunk and no longer serve at the point, and sets
 // `bare`.
-void cache_update_point(const struct cache_convergence *c, const struct cache_site *site,
+void cache_update_point(const struct cache_adaptation *c, const struct cache_site *site,
                         struct cache_point *point);
 // Decides by the criterion which contributions give way.
-void cache_evaluate_point(const struct cache_convergence *c, const struct cache_site *site,
+void cache_evaluate_point(const struct cache_adaptation *c, const struct cache_site *site,
                           struct cache_point *point);
 
 #endif

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Adaptive sampling of an image whose noise is known: where the samples go, how many, and that the
 // error falls.
-#include "render/render_adapt.h"
+#include "render/render_adaptive_sampling.h"
 
 #include <math.h>
 #include <setjmp.h>

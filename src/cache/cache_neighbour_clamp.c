@@ -27,7 +27,7 @@ static void clamp_one(void *ctx, uint32_t record) {
         s->R = fminf(s->R, h->R + d);
 }
 
-float cache_clamp_neighbours(struct cache_tree *tree, vec3 p, vec3 n, float R) {
+float cache_neighbour_clamp(struct cache_tree *tree, vec3 p, vec3 n, float R) {
     struct neighbours s = {tree, p, n, R, false};
     cache_tree_visit(tree, p, NEIGHBOURS * R, clamp_one, &s);
     s.lower = true;

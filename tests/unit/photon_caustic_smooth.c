@@ -208,7 +208,7 @@ static void wild_values_stay(void **state) {
     for (size_t i = 0; i < r.count; i++) r.E[i] = rgb_grey(1e34f);
     struct parallel *pool = parallel_new(1);
     const struct photon_precompute what = {&map, &t.scene, 1, K, KERNEL_PARABOLA, true, true, true};
-    assert_int_equal(photon_smooth(&what, pool, &r), SATIN_OK);
+    assert_int_equal(photon_caustic_smooth(&what, pool, &r), SATIN_OK);
     for (size_t i = 0; i < r.count; i++) assert_true(r.E[i].r == 1e34f);
     parallel_free(pool);
     photon_irradiance_free(&r);

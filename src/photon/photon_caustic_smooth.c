@@ -15,7 +15,7 @@
 
 #include "base/array.h"
 #include "base/rng.h"
-#include "photon/photon_smooth.h"
+#include "photon/photon_caustic_smooth.h"
 
 enum {
     STRIDE = 16,       // entries per site, and
@@ -178,8 +178,8 @@ end:
     return status;
 }
 
-satin_status photon_smooth(const struct photon_precompute *what, struct parallel *pool,
-                           struct photon_irradiance *irradiance) {
+satin_status photon_caustic_smooth(const struct photon_precompute *what, struct parallel *pool,
+                                   struct photon_irradiance *irradiance) {
     const size_t count = irradiance->count / STRIDE;
     if (count < SITES_LEAST) return SATIN_OK;
     struct photon_sites sites;

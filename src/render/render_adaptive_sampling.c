@@ -8,7 +8,7 @@
 // With well-spread points the variance of a mean of n samples falls as n^-GAIN, GAIN between 1 and
 // 2: that of a pixel cut by an edge as n^-1.5. The sum of v_i n_i^-GAIN is least at a given sum of
 // n_i where n_i is in proportion to v_i^(1 / (1 + GAIN)).
-#include "render/render_adapt.h"
+#include "render/render_adaptive_sampling.h"
 
 #include <float.h>
 #include <math.h>

@@ -9,7 +9,7 @@ enum {
     STRIDE_LEAST = 2
 };
 
-satin_status render_converge(struct render *r) {
+satin_status render_adaptive_cache(struct render *r) {
     int stride = STRIDE_LEAST;
     while ((int64_t)r->options.width * r->options.height / stride / stride > POINTS_MOST) stride++;
     size_t pixels;
@@ -26,7 +26,7 @@ satin_status render_converge(struct render *r) {
                                         .a = a[k],
                                         .widest = render_widest(r),
                                         .spacing = 1.5f};
-        status = cache_converge(r->second_pass.cache, k, &fill, a[k] * widen[k]);
+        status = cache_adapt(r->second_pass.cache, k, &fill, a[k] * widen[k]);
     }
     render_sites_free(&sites);
     return status;

@@ -49,7 +49,7 @@ static size_t run(struct cache_case *f, float light) {
         f->site[i].direct = light;
     }
     size_t before = cache_count(f->cache, CACHE_IRRADIANCE);
-    assert_int_equal(cache_converge(f->cache, CACHE_IRRADIANCE, &fill, 1.5f * fill.a), SATIN_OK);
+    assert_int_equal(cache_adapt(f->cache, CACHE_IRRADIANCE, &fill, 1.5f * fill.a), SATIN_OK);
     return cache_count(f->cache, CACHE_IRRADIANCE) - before;
 }
 
