@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Checks that the documentation is true where a program can check it: commands in ```sh blocks use
-arguments, options and scripts that exist, ```xml scenes load, links lead to files.
+arguments, options and scripts that exist, ```xml scenes load, links lead to files, and all
+statistics that the source names have a row in docs/formats.md.
 
 Usage: rules_docs.py TREE SATIN
 """
@@ -95,6 +96,16 @@ class Checker:
             if "://" not in link and not (path.parent / link).exists():
                 self.note(path, [f"the link to {link} leads nowhere"])
 
+    def statistics(self, path):
+        rows = path.read_text(encoding="utf-8")
+        called = re.compile(r'stats_(?:set|add)\([^"]*"(\w+\.[\w.]+)"')
+        seconds = re.compile(r'"(time\.\w+)"')
+        for source in sorted((self.tree / "src").rglob("*.c")):
+            text = source.read_text(encoding="utf-8")
+            for name in called.findall(text) + seconds.findall(text):
+                if f"`{name}`" not in rows:
+                    self.note(path, [f"says nothing of the statistic {name}"])
+
     def note(self, path, what):
         self.wrong += [f"{path.relative_to(self.tree)}: {w}" for w in what]
 
@@ -106,6 +117,7 @@ def main():
              tree / "tests/fuzz/README.md"]
     for path in pages:
         checker.page(path)
+    checker.statistics(tree / "docs/formats.md")
     print("\n".join(checker.wrong))
     return 1 if checker.wrong else 0
 

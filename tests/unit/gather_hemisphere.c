@@ -142,7 +142,7 @@ static void polished_walls_are_seen_through_beams(void **state) {
     print_message("by rays %.4f, deviation %.4f; by beams %.4f, deviation %.4f\n", by_rays, rays,
                   by_beams, beams);
     assert_true(beams < 0.25 * rays);
-    // Five standard errors, and what light the beams bend past edges.
+    // Five standard errors, and the light that wider lobes send elsewhere.
     assert_true(fabs(by_beams - by_rays) < 5.0 * rays / sqrt(256.0) + 0.02 * by_rays);
     test_scene_free(&f.scene);
 }
