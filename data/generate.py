@@ -124,7 +124,7 @@ def sphere_on_floor():
                    real("alpha_v", 0.15), rgb("diffuse_reflectance", 0, 0, 0),
                    rgb("specular_reflectance", 0.9, 0.9, 0.9), id="floor")
     return scene(
-        "A diffuse sphere on a Ward floor (rho_s 0.9, alpha 0.15, no diffuse part) between\n"
+        "A diffuse sphere on a Ward floor (rho_s 0.9, alpha 0.15, no diffuse lobe) between\n"
         "     coloured walls.",
         sensor((0, 1.35, 4.6), (0, 0.72, -0.2), 32),
         floor, diffuse("ball", 0.72, 0.45, 0.16), diffuse("wall", 0.62, 0.6, 0.56),

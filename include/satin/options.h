@@ -70,7 +70,7 @@ typedef struct satin_options {
     int rr_depth;       // path depth at which Russian roulette starts; 0: the scene's, else 5
     int hide_emitters;  // 1: directly seen emitters are black; 0: not; -1: the scene's, else 0
     int light_samples;  // light samples per pixel sample at the first hit
-    int glossy_samples;  // gather rays per pixel sample for glossy parts that are not cached
+    int glossy_samples;  // gather rays per pixel sample for glossy lobes that are not cached
 
     // First pass.
     int64_t photons;          // photon paths emitted for the global map
@@ -126,8 +126,8 @@ typedef struct satin_options {
     bool adaptive_cache;      // records are shrunk where they disagree visibly [K05 6.3]
     bool origin_shift;        // records are made off the edges of triangles [K05 6.5.3]
     float record_max_radius;  // largest R in scene units, over those in pixels; 0: no limit
-    // Where the R that records should have is less than this part of the least that pixels allow,
-    // the image pass gathers.
+    // Where the R that records should have is less than this fraction of the least that pixels
+    // allow, the image pass gathers.
     float gather_room;
     bool leak_test;    // records do not serve points that a wall hides from them
     bool record_maps;  // the film gets channels that show the records

@@ -185,7 +185,7 @@ static void print_slow(const struct materials *m) {
         printf("  %" PRIu32 " lights: one is chosen for each shadow ray\n", scene->light_count);
     if (scene->environment >= 0)
         printf("  the environment's photons are spread over the whole scene\n");
-    if (camera->aperture > 0.0f) printf("  depth of field: blurred places take samples\n");
+    if (camera->aperture > 0.0f) printf("  depth of field: blurred regions take samples\n");
 }
 
 static void print_lights(const struct satin_scene *scene) {

@@ -45,7 +45,7 @@ static const char *cut_folder(char *path, const char **folder) {
 }
 
 // Two names that lead to no file: the same if one file would appear.
-static bool same_place(const char *a, const char *b) {
+static bool same_entry(const char *a, const char *b) {
     char *path[2] = {fileio_follow(a), fileio_follow(b)};
     bool same = false;
     if (path[0] && path[1]) {
@@ -64,6 +64,6 @@ bool fileio_same(const char *a, const char *b) {
     struct stat st[2];
     const bool there[2] = {stat(a, &st[0]) == 0, stat(b, &st[1]) == 0};
     if (there[0] != there[1]) return false;
-    if (!there[0]) return same_place(a, b);
+    if (!there[0]) return same_entry(a, b);
     return same_inode(&st[0], &st[1]) && !S_ISCHR(st[0].st_mode);
 }

@@ -23,8 +23,8 @@ bool fileio_files_add(struct fileio_files *files, const char *path);
 bool fileio_files_have(const struct fileio_files *files, const char *path);
 void fileio_files_free(struct fileio_files *files);
 
-// Whether two names lead to one file, or to the place of one that is not there yet. Character
-// devices, which nothing is lost on, are never the same.
+// Whether two names lead to one file, or to the directory entry of one that is not there yet.
+// Character devices, which nothing is lost on, are never the same.
 bool fileio_same(const char *a, const char *b);
 
 #endif

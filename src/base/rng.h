@@ -24,7 +24,7 @@ enum rng_stage {
     RNG_BOUNCE,
     RNG_ALLOCATION,
     RNG_CELL,
-    RNG_SEEN,
+    RNG_VISIBILITY,
     RNG_SMOOTH,
     RNG_RIM
 };

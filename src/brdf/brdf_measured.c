@@ -31,7 +31,7 @@ struct grid_position {
     float f;
 };
 
-static struct grid_position place_even(float x, int n, bool wraps) {
+static struct grid_position position_even(float x, int n, bool wraps) {
     float i = floorf(x), f = x - i;
     int lo = (int)i;
     if (wraps) return (struct grid_position){{((lo % n) + n) % n, (((lo + 1) % n) + n) % n}, f};
@@ -41,7 +41,7 @@ static struct grid_position place_even(float x, int n, bool wraps) {
 }
 
 // The position of x among nodes at[0 .. n - 1]; `period` may be 0.
-static struct grid_position place_among(float x, const float *at, int n, float period) {
+static struct grid_position position_among(float x, const float *at, int n, float period) {
     if (n == 1) return (struct grid_position){{0, 0}, 0.0f};
     if (period > 0.0f) x = at[0] + (x - at[0]) - period * floorf((x - at[0]) / period);
     if (x >= at[n - 1]) {
@@ -95,33 +95,34 @@ static rgb value_half(const struct brdf_grid *g, vec3 wo, vec3 wi) {
     }
     const float quarter = 0.5f * PI_F;
     const struct grid_position at[3] = {
-        place_even(sqrtf(theta_h / quarter) * (float)g->size[0] - 0.5f, g->size[0], false),
-        place_even(theta_d / quarter * (float)g->size[1] - 0.5f, g->size[1], false),
-        place_even(phi / PI_F * (float)g->size[2] - 0.5f, g->size[2], true)};
+        position_even(sqrtf(theta_h / quarter) * (float)g->size[0] - 0.5f, g->size[0], false),
+        position_even(theta_d / quarter * (float)g->size[1] - 0.5f, g->size[1], false),
+        position_even(phi / PI_F * (float)g->size[2] - 0.5f, g->size[2], true)};
     return blend(g, at, 3);
 }
 
-static rgb value_one_way(const struct brdf_grid *g, vec3 wo, vec3 wi) {
+static rgb value_one_direction(const struct brdf_grid *g, vec3 wo, vec3 wi) {
     float theta_o = acosf(minf(wo.z, 1.0f)), theta_i = acosf(minf(wi.z, 1.0f));
     float phi_o = atan2f(wo.y, wo.x), phi = atan2f(wi.y, wi.x) - phi_o;
     const bool isotropic = g->size[1] == 1;
     if (isotropic) phi = fabsf(remainderf(phi, 2.0f * PI_F));
     const struct grid_position at[4] = {
-        place_among(theta_o, g->at[0], g->size[0], 0.0f),
-        place_among(phi_o, g->at[1], g->size[1], 2.0f * PI_F),
-        place_among(theta_i, g->at[2], g->size[2], 0.0f),
-        place_among(phi, g->at[3], g->size[3], isotropic ? 0.0f : 2.0f * PI_F)};
+        position_among(theta_o, g->at[0], g->size[0], 0.0f),
+        position_among(phi_o, g->at[1], g->size[1], 2.0f * PI_F),
+        position_among(theta_i, g->at[2], g->size[2], 0.0f),
+        position_among(phi, g->at[3], g->size[3], isotropic ? 0.0f : 2.0f * PI_F)};
     return blend(g, at, 4);
 }
 
 // Reciprocal whatever the data: the mean of both directions.
 static rgb value(const struct measured *m, vec3 wo, vec3 wi) {
     if (m->grid.kind == BRDF_GRID_HALF) return value_half(&m->grid, wo, wi);
-    return rgb_scale(rgb_add(value_one_way(&m->grid, wo, wi), value_one_way(&m->grid, wi, wo)),
-                     0.5f);
+    return rgb_scale(
+        rgb_add(value_one_direction(&m->grid, wo, wi), value_one_direction(&m->grid, wi, wo)),
+        0.5f);
 }
 
-static rgb diffuse_part(const struct measured *m, rgb f) {
+static rgb diffuse_component(const struct measured *m, rgb f) {
     return rgb_make(minf(f.r, m->least.r), minf(f.g, m->least.g), minf(f.b, m->least.b));
 }
 
@@ -144,11 +145,11 @@ static rgb find_least(const struct measured *m) {
     return least;
 }
 
-static float theta_edge(int i) { return 0.5f * PI_F * sqrf((float)i / THETA); }
+static float theta_boundary(int i) { return 0.5f * PI_F * sqrf((float)i / THETA); }
 
 // Brightness of facets in a cell of half vectors: pairs that they mirror, without the diffuse lobe.
 static float cell_weight(const struct measured *m, int i, int j) {
-    float theta = 0.5f * (theta_edge(i) + theta_edge(i + 1));
+    float theta = 0.5f * (theta_boundary(i) + theta_boundary(i + 1));
     float phi = 2.0f * PI_F * ((float)j + 0.5f) / PHI, sum = 0.0f;
     vec3 h = direction_of_angles(theta, phi);
     for (int k = 0; k < PAIRS; k++) {
@@ -161,10 +162,10 @@ static float cell_weight(const struct measured *m, int i, int j) {
         vec3 wi = v3_mad(v3_mul(h, cosf(tilt)), -sinf(tilt), side);
         if (!(wo.z > 0.02f && wi.z > 0.02f)) continue;
         rgb f = value(m, wo, wi);
-        sum += rgb_mean(rgb_sub(f, diffuse_part(m, f))) * cosf(tilt);
+        sum += rgb_mean(rgb_sub(f, diffuse_component(m, f))) * cosf(tilt);
     }
     // Times the solid angle of the cell and the cosine, as D is normalised.
-    return sum * (cosf(theta_edge(i)) - cosf(theta_edge(i + 1))) * h.z;
+    return sum * (cosf(theta_boundary(i)) - cosf(theta_boundary(i + 1))) * h.z;
 }
 
 static void find_albedo(struct measured *m) {
@@ -176,7 +177,8 @@ static void find_albedo(struct measured *m) {
         for (uint32_t k = 0; k < POINTS; k++) {
             vec2 u = sample_sobol2(k, 6);
             vec3 wi = sample_cosine_hemisphere(u.x, u.y);
-            m->albedo[i] = rgb_mad(m->albedo[i], diffuse_part(m, value(m, wo, wi)), PI_F / POINTS);
+            m->albedo[i] =
+                rgb_mad(m->albedo[i], diffuse_component(m, value(m, wo, wi)), PI_F / POINTS);
         }
     }
 }
@@ -204,7 +206,7 @@ satin_status brdf_measured_set(struct brdf *b, struct arena *arena, const struct
 static void measured_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
     const struct measured *m = b->tables;
     rgb f = value(m, wo, wi);
-    *diffuse = diffuse_part(m, f);
+    *diffuse = diffuse_component(m, f);
     *glossy = rgb_mul(rgb_sub(f, *diffuse), b->specular);
 }
 
@@ -215,7 +217,7 @@ static float half_density(const struct measured *m, vec3 h) {
     i = i < THETA ? i : THETA - 1;
     j = j < PHI ? j : PHI - 1;
     float p = m->cdf[i * PHI + j + 1] - m->cdf[i * PHI + j];
-    return p * PHI / (2.0f * PI_F * (cosf(theta_edge(i)) - cosf(theta_edge(i + 1))));
+    return p * PHI / (2.0f * PI_F * (cosf(theta_boundary(i)) - cosf(theta_boundary(i + 1))));
 }
 
 static void measured_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, float *diffuse,
@@ -237,7 +239,8 @@ static bool measured_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 
     float rest;
     size_t cell = sample_cdf(m->cdf, THETA * PHI, u.y, &rest);
     int i = (int)(cell / PHI), j = (int)(cell % PHI);
-    float z = lerpf(cosf(theta_edge(i)), cosf(theta_edge(i + 1)), rest), s = safe_sqrtf(1 - z * z);
+    float z = lerpf(cosf(theta_boundary(i)), cosf(theta_boundary(i + 1)), rest),
+          s = safe_sqrtf(1 - z * z);
     float phi = 2.0f * PI_F * sample_stratum(j, u.z, PHI);
     vec3 h = v3(s * cosf(phi), s * sinf(phi), z);
     float c = v3_dot(wo, h);

@@ -87,8 +87,8 @@ struct cache_extent cache_extent_irradiance(const struct cache *cache,
     const float Ec[3] = {value->E.r, value->E.g, value->E.b};
     for (int c = 0; c < 3; c++) {
         float change = x.room * v3_len(value->grad_t[c]) * o->a * o->widen * x.R;
-        float part = change > Ec[c] ? x.room * Ec[c] / change : x.room;
-        value->grad_t[c] = v3_mul(value->grad_t[c], part);
+        float factor = change > Ec[c] ? x.room * Ec[c] / change : x.room;
+        value->grad_t[c] = v3_mul(value->grad_t[c], factor);
     }
     return x;
 }
@@ -122,10 +122,11 @@ struct cache_extent cache_extent_radiance(const struct cache *cache, const struc
     clamp_radii(&x, cache_least_radius(o, site->pixel), o->max_pixels * site->pixel / o->a);
     for (int c = 0; c < 3; c++) {
         float change = x.room * sqrtf(slope2[c]) * o->a * o->widen * x.R;
-        float length = sqrtf(size2[c]), part = change > length ? x.room * length / change : x.room;
-        for (int k = c * n2; part < 1.0f && k < (c + 1) * n2; k++) {
-            value->dx[k] *= part;
-            value->dy[k] *= part;
+        float length = sqrtf(size2[c]),
+              factor = change > length ? x.room * length / change : x.room;
+        for (int k = c * n2; factor < 1.0f && k < (c + 1) * n2; k++) {
+            value->dx[k] *= factor;
+            value->dy[k] *= factor;
         }
     }
     return x;

@@ -52,7 +52,7 @@ struct batch {
     // Sites that are not covered yet, or not yet known to be: those from `next` to `last`.
     const struct cache_site **waiting;
     size_t next, last;
-    const struct cache_site **window;  // those that are tested
+    const struct cache_site **tested;  // those that are tested
     bool covered[WINDOW];              // what was found
 };
 
@@ -81,7 +81,7 @@ static void test_coverage(void *ctx, size_t begin, size_t end, int worker) {
     struct batch *b = ctx;
     struct cache_near near[CACHE_NEAR_MAX];
     for (size_t i = begin; i < end; i++) {
-        const struct cache_site *s = b->window[i];
+        const struct cache_site *s = b->tested[i];
         b->covered[i] =
             cache_find(b->cache, &b->side->tree, s->p, s->frame.n, b->fill->a, near) > 0;
     }
@@ -116,7 +116,7 @@ static bool choose_batch(struct batch *b) {
     b->count = 0;
     while (i < b->last && b->count < b->size) {
         const size_t n = b->last - i < WINDOW ? b->last - i : WINDOW;
-        b->window = b->waiting + i;
+        b->tested = b->waiting + i;
         if (!parallel_for(b->cache->pool, n, 64, test_coverage, b)) return false;
         for (size_t j = 0; j < n && b->count < b->size; j++, i++) {
             const struct cache_site *site = b->waiting[i];

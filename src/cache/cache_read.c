@@ -230,17 +230,17 @@ float cache_radiance_reflected(const struct cache *cache, uint32_t record,
         .C = cache->cosine, .order = cache->cosine_order, .channels = 1};
     struct taylor t;
     rgb L = rgb_grey(0.0f);
-    float part = 0.0f;
+    float factor = 0.0f;
     *noise = 0.0f;
     if (surface->lobe.order) {
-        t = radiance_of(cache, record, at, a, surface->lobe, &part);
+        t = radiance_of(cache, record, at, a, surface->lobe, &factor);
         L = rgb_mul(surface->specular, value_alone(&t));
-        *noise += part * rgb_luminance(surface->specular);
+        *noise += factor * rgb_luminance(surface->specular);
     }
     if (!rgb_black(surface->diffuse)) {
-        t = radiance_of(cache, record, at, a, cosine, &part);
+        t = radiance_of(cache, record, at, a, cosine, &factor);
         L = rgb_fma(L, surface->diffuse, value_alone(&t));
-        *noise += part * rgb_luminance(surface->diffuse);
+        *noise += factor * rgb_luminance(surface->diffuse);
     }
     return rgb_luminance(L);
 }

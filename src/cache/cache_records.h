@@ -144,7 +144,7 @@ int cache_find(const struct cache *cache, const struct cache_tree *tree, vec3 p,
 // ---- One record's value (cache_read.c) ----------------------------------------------------------
 
 // What reflects at a point: L = specular * (lobe . Lambda) + diffuse * E. C of the lobe may point
-// into `coefficients`; order 0: no glossy part.
+// into `coefficients`; order 0: no glossy lobe.
 struct cache_surface {
     rgb specular, diffuse;
     struct cache_lobe lobe;

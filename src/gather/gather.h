@@ -41,7 +41,7 @@ struct gather {
     const satin_options *options;  // max_depth and rr_depth resolved: max_depth < 0 means no limit
     const struct photon_maps *maps;
     const struct guide_clusters *clusters;      // of the maps; may be NULL
-    const struct guide_visibility *visibility;  // of lights; NULL: all is seen
+    const struct guide_visibility *visibility;  // of lights; NULL: all are visible
     bool wide_lights;                          // lights so large that light sampling alone is noisy
     const struct gather_direct_table *direct;  // NULL: there is none
     float lookup_max;                          // photon lookups of a larger radius are not reliable
@@ -166,7 +166,7 @@ struct gather_ray {
 struct gather_scratch;
 struct gather_scratch *gather_scratch_new(size_t capacity);  // NULL without memory
 void gather_scratch_free(struct gather_scratch *scratch);    // NULL is allowed
-// Room for `capacity` rays, which gather_rays may be given; it belongs to the scratch.
+// Memory for `capacity` rays, which gather_rays may be given; it belongs to the scratch.
 struct gather_ray *gather_scratch_rays(struct gather_scratch *scratch);
 // Many rays are left off where the loop that this worker is in is cancelled, which parallel_stopped
 // reports; then what the rays found is to be dropped.

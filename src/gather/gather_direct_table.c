@@ -15,7 +15,7 @@ enum {
     CHUNK = 64    // entries
 };
 
-// What direct light may differ by among the entries around one: a part of all light there, and
+// What direct light may differ by among the entries around one: a fraction of all light there, and
 // standard deviations of its samples' noise. Without the test the mean of case `spot` is 25 % off.
 static const float DIFFERS = 0.5f, DEVIATIONS = 2.0f;
 

@@ -13,9 +13,9 @@ static const float GUIDED = 0.5f;
 // Fraction of the light at y, below which a cluster is left to chance.
 static const float FAINT = 0.002f;
 
-// A cluster that no probe sees may still be seen from other hits: its least weight over that of one
-// in full view.
-static const float SEEN_LEAST = 0.05f;
+// A cluster that no probe sees may still be visible from other hits: its least weight over that of
+// one in full view.
+static const float VISIBLE_LEAST = 0.05f;
 
 // Least fraction of a cone in which light is expected: where more is missed, it hardly is a cone.
 static const float FILLED_LEAST = 0.01f;
@@ -51,7 +51,7 @@ static float probe_cone(const struct gather *g, const struct gather_hits *hits, 
         clear += guide_cone_visible(g->clusters, g->scene, &cone, &eye, (size_t)i);
         matters++;
     }
-    return matters ? fmaxf((float)clear / (float)matters, SEEN_LEAST) : 0.0f;
+    return matters ? fmaxf((float)clear / (float)matters, VISIBLE_LEAST) : 0.0f;
 }
 
 void gather_near_look(const struct gather *g, const struct gather_hits *hits, size_t count,
@@ -65,11 +65,11 @@ void gather_near_look(const struct gather *g, const struct gather_hits *hits, si
         near->found = guide_cones_around(g->clusters, near->p, near->expected, near->cone);
     for (int c = 0; c < near->found; c++) {
         const struct guide_cone cone = near->cone[c];
-        const float seen = probe_cone(g, hits, probe, probes, cone);
-        if (!(seen > 0.0f)) continue;
+        const float visible = probe_cone(g, hits, probe, probes, cone);
+        if (!(visible > 0.0f)) continue;
         near->cone[c] = near->cone[near->count];
         near->cone[near->count] = cone;
-        near->seen[near->count++] = seen;
+        near->visible[near->count++] = visible;
     }
 }
 
@@ -90,7 +90,7 @@ static void look_from(const struct gather_near *near, const struct gather_point 
         if (!guide_cone_move(cone, y->interaction.p, y->frame.n) || !(cone->E > 0.0f)) continue;
         // Least variance: in proportion to the deviation of one ray into the cone.
         const float deviation = cone->E / sqrtf(clampf(cone->filled, FILLED_LEAST, 1.0f));
-        out->weight[out->count] = near->seen[c] * deviation;
+        out->weight[out->count] = near->visible[c] * deviation;
         out->all += out->weight[out->count++];
     }
 }

@@ -10,9 +10,9 @@ struct gather_near {
     vec3 p;          // the site,
     float expected;  // and roughly its irradiance [W m^-2]
     struct guide_cone cone[GUIDE_CONES];
-    float seen[GUIDE_CONES];  // fraction of the near hits that see it, never 0
-    int found;                // cones around the site; negative: not yet looked for
-    int count;                // of them, first in `cone`, those that matter to the hits
+    float visible[GUIDE_CONES];  // fraction of the near hits from which it is visible, never 0
+    int found;                   // cones around the site; negative: not yet looked for
+    int count;                   // of them, first in `cone`, those that matter to the hits
 };
 
 // Finds the clusters around the site that matter to those of the first `count` hits that are near

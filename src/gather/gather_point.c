@@ -27,7 +27,7 @@ void gather_point_of(const struct satin_scene *scene, const struct material_side
     out->interaction = *s;
     out->ng = v3_dot(s->ng, wo) < 0.0f ? v3_neg(s->ng) : s->ng;
     out->side = side;
-    out->base = scene_part_frame(scene, side, s, wo);
+    out->base = scene_component_frame(scene, side, s, wo);
     if (scene_component_brdf(scene, side, s, wo, &out->brdf, &out->frame)) {
         out->lobes = brdf_lobes(&out->brdf);
     } else {

@@ -19,13 +19,13 @@ static const float STEP = 0.005f;
 enum { BLOCK = 16 };  // rays whose derivatives are accumulated at once
 
 // A ray's hit as its derivatives need it.
-struct seen {
+struct ray_hit {
     vec3 w, n;   // local
     float c, r;  // c = -n . w, whose sign is that of the side that n is on
 };
 
 // False if nothing is known of how the light of ray i changes.
-static bool see(const struct gather_hemisphere *h, size_t i, struct seen *out) {
+static bool ray_hit_of(const struct gather_hemisphere *h, size_t i, struct ray_hit *out) {
     const struct gather_first *first = &h->ray[i].first;
     if (!(first->r > 0.0f) || !isfinite(first->r)) return false;
     out->w = v3(h->x[i], h->y[i], h->z[i]);
@@ -36,8 +36,8 @@ static bool see(const struct gather_hemisphere *h, size_t i, struct seen *out) {
 }
 
 // What a move by `step` r along `axis` makes of a ray: returns its new length over r; *w gets its
-// direction, *omega its solid angle over the old one.
-static float displace(const struct seen *at, vec3 axis, float step, vec3 *w, float *omega) {
+// direction, *omega its solid angle over the one before.
+static float displace(const struct ray_hit *at, vec3 axis, float step, vec3 *w, float *omega) {
     vec3 v = v3_mad(at->w, -step, axis);
     float length = v3_len(v), scale = 1.0f / length;
     *w = v3_mul(v, scale);
@@ -45,7 +45,7 @@ static float displace(const struct seen *at, vec3 axis, float step, vec3 *w, flo
     return length;
 }
 
-static float cosine_difference(const struct seen *at, vec3 axis) {
+static float cosine_difference(const struct ray_hit *at, vec3 axis) {
     float change = 0.0f;
     for (int side = -1; side <= 1; side += 2) {
         vec3 w;
@@ -61,8 +61,8 @@ void gather_solid_angle_irradiance(const struct gather_hemisphere *h, bool diffe
     const float weight = PI_F / (float)h->stratified;
     const size_t count = h->count;
     for (size_t i = first; i < count; i++) {
-        struct seen at;
-        if (!see(h, i, &at)) continue;
+        struct ray_hit at;
+        if (!ray_hit_of(h, i, &at)) continue;
         vec3 change;
         if (differences) {
             change =
@@ -79,7 +79,8 @@ void gather_solid_angle_irradiance(const struct gather_hemisphere *h, bool diffe
 }
 
 // Derivatives of Omega H / Omega by x and y for one ray [K05 (4.3)-(4.8)].
-static void derive(const struct gather_layout *l, const struct seen *at, float *by_x, float *by_y) {
+static void derive(const struct gather_layout *l, const struct ray_hit *at, float *by_x,
+                   float *by_y) {
     const int n2 = l->order * l->order;
     float H[RSH_MAX_COEFFICIENTS], dtheta[RSH_MAX_COEFFICIENTS], dphi[RSH_MAX_COEFFICIENTS];
     const float w[3] = {at->w.x, at->w.y, at->w.z};
@@ -106,8 +107,8 @@ static void differentiate(const struct gather_hemisphere *h, size_t first, float
         memset(by_x, 0, sizeof *by_x * n * n2);
         memset(by_y, 0, sizeof *by_y * n * n2);
         for (size_t k = 0; k < n; k++) {
-            struct seen at;
-            if (see(h, i + k, &at)) derive(h->layout, &at, by_x + k * n2, by_y + k * n2);
+            struct ray_hit at;
+            if (ray_hit_of(h, i + k, &at)) derive(h->layout, &at, by_x + k * n2, by_y + k * n2);
         }
         rsh_accumulate(n, n2, by_x, h->r + i, h->g + i, h->b + i, dx);
         rsh_accumulate(n, n2, by_y, h->r + i, h->g + i, h->b + i, dy);
@@ -123,10 +124,10 @@ static void add_difference(const struct gather_hemisphere *h, size_t first, vec3
     float *x = h->work, *y = x + count, *z = y + count, *r = z + count, *g = r + count,
           *b = g + count;
     for (size_t i = first; i < count; i++) {
-        struct seen at;
+        struct ray_hit at;
         vec3 w = v3(0.0f, 0.0f, 1.0f);
         float omega = 0.0f, value = 0.0f;
-        if (see(h, i, &at)) {
+        if (ray_hit_of(h, i, &at)) {
             displace(&at, axis, side * STEP, &w, &omega);
             value = side * omega / (2.0f * STEP * at.r);
         }

@@ -75,7 +75,7 @@ const struct light_aim *guide_emission_aim(const struct guide_emission *emission
 
 // ---- Visibility of lights (guide_visibility.c) ------------------------------------------------
 
-// What is seen of the lights from points along paths from the eye, kept in cells of a tree.
+// What is visible of the lights from points along paths from the eye, kept in cells of a tree.
 struct guide_visibility;
 // *out is NULL where nothing is to learn: a single light that is no environment, more lights than
 // are weighed, or nothing that paths from the eye meet. SATIN_CANCELLED or SATIN_ERROR_MEMORY.
@@ -83,7 +83,7 @@ satin_status guide_visibility_build(const struct satin_scene *scene, const satin
                                     struct parallel *pool, struct guide_visibility **out);
 void guide_visibility_free(struct guide_visibility *visibility);  // NULL is allowed
 size_t guide_visibility_bytes(const struct guide_visibility *visibility);
-// What is seen of the lights around p, for sampling direct light; NULL: all.
+// What is visible of the lights around p, for sampling direct light; NULL: all.
 struct light_visibility guide_visibility_at(const struct guide_visibility *visibility, vec3 p);
 
 // ---- Photon clusters (guide_clusters.c) -------------------------------------------------------
@@ -111,7 +111,7 @@ struct guide_eye {
     vec3 p, n, ng;  // hemisphere about n; geometric normal on the same side
 };
 
-// The sphere of a cluster, and the directions in which it is seen.
+// The sphere of a cluster, and the directions in which it appears.
 struct guide_cluster;
 struct guide_cone {
     const struct guide_cluster *cluster;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // How many of the photons each light gets. Allocated by power all photons weigh alike. But power
-// may go where nothing is seen of it, as that of the sky around a closed room, and what is left for
-// the lamp inside is too few to represent its light. So one half is allocated by power, the other
-// by what a few paths from the eye find: they go on as light's paths to the gather rays' hits
+// may go where nothing of it is visible, as that of the sky around a closed room, and what is left
+// for the lamp inside is too few to represent its light. So one half is allocated by power, the
+// other by what a few paths from the eye find: they go on as light's paths to the gather rays' hits
 // would, backwards, and sample the lights where they go. The first half serves light that comes in
 // ways that they have missed.
 #include "guide/guide.h"

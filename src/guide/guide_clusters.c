@@ -98,7 +98,7 @@ static void make_leaves_of_parts(void *ctx, size_t begin, size_t end, int worker
         part->leaves = make_leaves(b->photon, b->point + part->begin, part->count, part->leaf);
 }
 
-// make_leaves of all photons, on all threads; `b->leaf` has place for 2 count / LEAF + 1, and
+// make_leaves of all photons, on all threads; `b->leaf` has space for 2 count / LEAF + 1, and
 // `b->part` for 2 count / PART + 1. 0 if the pool was cancelled.
 static size_t make_all_leaves(struct tree_building *b, size_t count, struct parallel *pool) {
     size_t parts = 1, leaves = 0;

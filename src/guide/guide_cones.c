@@ -68,7 +68,7 @@ static struct view cluster_view(const struct guide_cluster *node, const struct g
     return view;
 }
 
-// False if nothing of the node is seen or comes.
+// False if nothing of the node is visible or comes.
 static bool make_cone(const struct guide_clusters *clusters, const struct satin_scene *scene,
                       const struct guide_eye *eye, const struct guide_cluster *node,
                       struct guide_cone *out) {

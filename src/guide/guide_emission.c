@@ -24,8 +24,8 @@ enum {
 // The cells of one light: a grid over the unit hypercube.
 struct light_cells {
     uint32_t split[4];  // cells along each number
-    uint32_t total, seen;
-    uint32_t *cell;  // a permutation: the `seen` ones first, each group ascending
+    uint32_t total, kept;
+    uint32_t *cell;  // a permutation: the `kept` ones first, each group ascending
     uint64_t paths;
 };
 
@@ -143,34 +143,34 @@ static bool near_met(const struct light_cells *cells, const uint8_t *met, uint32
 }
 
 static void sort_cells(struct light_cells *cells, const uint8_t *met) {
-    cells->seen = 0;
+    cells->kept = 0;
     for (uint32_t c = 0; c < cells->total; c++)
-        if (near_met(cells, met, c)) cells->cell[cells->seen++] = c;
-    uint32_t n = cells->seen;
+        if (near_met(cells, met, c)) cells->cell[cells->kept++] = c;
+    uint32_t n = cells->kept;
     for (uint32_t c = 0; c < cells->total; c++)
         if (!near_met(cells, met, c)) cells->cell[n++] = c;
 }
 
-// Fraction of a light's paths that start in the cells that were seen.
-static float seen_fraction(const struct light_cells *cells) {
-    if (cells->seen == 0) return 0.0f;
-    return cells->seen == cells->total ? 1.0f : 1.0f - BLIND_FRACTION;
+// Fraction of a light's paths that start in the cells that were kept.
+static float kept_fraction(const struct light_cells *cells) {
+    if (cells->kept == 0) return 0.0f;
+    return cells->kept == cells->total ? 1.0f : 1.0f - BLIND_FRACTION;
 }
 
-// Allocates the paths to the lights by the power that leaves their seen cells, and a tenth by
+// Allocates the paths to the lights by the power that leaves their kept cells, and a tenth by
 // power.
 static void allocate_caustic_paths(const struct satin_scene *scene, uint64_t paths,
                                    struct guide_emission *emission) {
-    double seen = 0.0, all = 0.0;
+    double kept = 0.0, all = 0.0;
     for (uint32_t i = 0; i < emission->light_count; i++) {
         const struct light_cells *cells = &emission->light[i];
-        seen += (double)scene->light[i].power * cells->seen / cells->total;
+        kept += (double)scene->light[i].power * cells->kept / cells->total;
         all += (double)scene->light[i].power;
     }
     for (uint32_t i = 0; i < emission->light_count; i++) {
         struct light_cells *cells = &emission->light[i];
         double power = scene->light[i].power, fraction = power / all;
-        if (seen > 0.0) fraction = 0.9 * power * cells->seen / cells->total / seen + 0.1 * fraction;
+        if (kept > 0.0) fraction = 0.9 * power * cells->kept / cells->total / kept + 0.1 * fraction;
         uint64_t n = (uint64_t)llround(fraction * (double)paths);
         cells->paths = n > 16 ? n : 16;  // so that both kinds of cells get some
     }
@@ -249,17 +249,17 @@ const struct light_aim *guide_emission_aim(const struct guide_emission *emission
     return &emission->aim;
 }
 
-// The first paths go to the seen cells, the others to the rest, in the order of the cells: x runs
-// over them evenly, its whole part names the cell and its fraction is the place along the cell's
+// The first paths go to the kept cells, the others to the rest, in the order of the cells: x runs
+// over them evenly, its whole part names the cell and its fraction is the position along the cell's
 // first number, so that with the other numbers of the sequence every cell is filled by a net.
 float guide_emission_warp(const struct guide_emission *emission, uint32_t light, uint64_t index,
                           float u[4]) {
     const struct light_cells *cells = &emission->light[light];
-    uint64_t to_seen = (uint64_t)llround((double)seen_fraction(cells) * (double)cells->paths);
-    bool seen = index < to_seen;
-    uint64_t n = seen ? to_seen : cells->paths - to_seen, j = seen ? index : index - to_seen;
-    uint32_t first = seen ? 0 : cells->seen,
-             count = seen ? cells->seen : cells->total - cells->seen;
+    uint64_t to_kept = (uint64_t)llround((double)kept_fraction(cells) * (double)cells->paths);
+    bool kept = index < to_kept;
+    uint64_t n = kept ? to_kept : cells->paths - to_kept, j = kept ? index : index - to_kept;
+    uint32_t first = kept ? 0 : cells->kept,
+             count = kept ? cells->kept : cells->total - cells->kept;
     double x = ((double)j + (double)u[0]) * (double)count / (double)n;
     uint32_t i = x < (double)count ? (uint32_t)x : count - 1;
     u[0] = (float)(x - (double)i);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What of the lights is seen from where. Through a window the environment is a small part of all
+// What of the lights is visible from where. Through a window the environment is a small part of all
 // directions, and a lamp in the next room is none at all; samples that know nothing of walls mostly
 // end at them. Rays from the points of each cell find in which bins of directions the environment
-// is seen there, and how much of each light arrives; direct light is sampled by both.
+// is visible there, and how much of each light arrives; direct light is sampled by both.
 #include "guide/guide_visibility.h"
 
 #include <limits.h>
@@ -22,14 +22,14 @@ enum {
     LIGHT_RAYS = 32
 };
 
-// A bin beside one where the environment is seen gets this fraction of its weight: rays are few.
+// A bin beside one where the environment is visible gets this fraction of its weight: rays are few.
 #define BESIDE 0.1f
 // Fraction of the samples that bins get: a constant sky has nothing to draw by, and an image draws
-// well where all of it is seen.
+// well where all of it is visible.
 #define FRACTION_CONSTANT 0.9f
 #define FRACTION_IMAGE 0.75f
 // A light that no ray has found may yet arrive.
-#define UNSEEN 0.1f
+#define UNFOUND 0.1f
 
 struct learning {
     const struct satin_scene *scene;
@@ -38,13 +38,14 @@ struct learning {
     struct guide_visibility *visibility;
 };
 
-// ---- Windows ----------------------------------------------------------------------------------
+// ---- Environment
+// ----------------------------------------------------------------------------------
 
 // What rays from a cell find of the environment: the square root of its luminance, as the peaks are
 // the own sampling's.
 struct sky_tally {
     float weight[LIGHT_HISTOGRAM_BINS];  // mean of a bin
-    float seen, facing;                  // sums: what is seen, and were without walls
+    float visible, facing;               // sums: what is visible, and were without walls
 };
 
 static void ask(const struct learning *l, const struct guide_cell *cell, int bin, struct rng *rng,
@@ -64,7 +65,7 @@ static void ask(const struct learning *l, const struct guide_cell *cell, int bin
         struct light_sample sample = {.wi = w, .dist = INFINITY, .L = rgb_grey(1.0f)};
         if (light_arrives(l->scene, p->p, p->ng, INT_MAX, &sample)) sum += L;
     }
-    tally->seen += sum;
+    tally->visible += sum;
     tally->weight[bin] = asked ? sum / (float)asked : 0.0f;
 }
 
@@ -84,19 +85,19 @@ static float brightest_beside(const struct sky_tally *tally, int bin) {
 
 static void learn_histogram(const struct learning *l, size_t i, struct rng *rng) {
     const struct light *light = &l->scene->light[l->scene->environment];
-    struct sky_tally tally = {.seen = 0.0f};
+    struct sky_tally tally = {.visible = 0.0f};
     float weight[LIGHT_HISTOGRAM_BINS];
     for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++)
         ask(l, &l->visibility->cells.cell[i], bin, rng, &tally);
-    if (!(tally.seen > 0.0f)) return;  // its fraction stays 0
+    if (!(tally.visible > 0.0f)) return;  // its fraction stays 0
     for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++)
         weight[bin] = fmaxf(tally.weight[bin], BESIDE * brightest_beside(&tally, bin));
     sample_cdf_build(weight, LIGHT_HISTOGRAM_BINS, l->visibility->cdf[i]);
     sample_cuts_build(l->visibility->cdf[i], LIGHT_HISTOGRAM_BINS, LIGHT_HISTOGRAM_CUTS,
                       l->visibility->cut[i]);
-    const float unseen = 1.0f - tally.seen / tally.facing;
+    const float hidden = 1.0f - tally.visible / tally.facing;
     l->visibility->histogram[i] = (struct light_histogram){
-        light->kind == LIGHT_CONSTANT ? FRACTION_CONSTANT : FRACTION_IMAGE * unseen,
+        light->kind == LIGHT_CONSTANT ? FRACTION_CONSTANT : FRACTION_IMAGE * hidden,
         l->visibility->cdf[i], l->visibility->cut[i]};
 }
 
@@ -129,7 +130,7 @@ static void learn_choice(const struct learning *l, size_t i, struct rng *rng) {
             E += arrives(l->scene, light, visibility, p, rng);
         }
         const float visible = E / expected;
-        l->visibility->visible[i][light] = isfinite(visible) ? fmaxf(visible, UNSEEN) : 1.0f;
+        l->visibility->visible[i][light] = isfinite(visible) ? fmaxf(visible, UNFOUND) : 1.0f;
     }
 }
 
@@ -139,7 +140,7 @@ static void learn(void *ctx, size_t begin, size_t end, int worker) {
     const struct learning *l = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        struct rng rng = rng_make(l->seed, RNG_SEEN, i);
+        struct rng rng = rng_make(l->seed, RNG_VISIBILITY, i);
         if (l->visibility->sky) learn_histogram(l, i, &rng);
         if (l->visibility->choice) learn_choice(l, i, &rng);
     }

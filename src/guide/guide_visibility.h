@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to guide/: what is seen of the lights from cells of points (guide_visibility.c), and the
-// cells (guide_cells.c).
+// Private to guide/: what is visible of the lights from cells of points (guide_visibility.c), and
+// the cells (guide_cells.c).
 #ifndef GUIDE_VISIBILITY_H
 #define GUIDE_VISIBILITY_H
 
@@ -40,7 +40,8 @@ bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, struct gui
 // The cell that p falls into.
 size_t guide_cells_find(const struct guide_cells *cells, vec3 p);
 
-// ---- What is seen -----------------------------------------------------------------------------
+// ---- What is visible
+// -----------------------------------------------------------------------------
 
 // What was learned in each cell.
 struct guide_visibility {

@@ -7,7 +7,7 @@
 // Probability of a choice among all lights alike. The estimates know neither shadows nor facing, or
 // know them from around the point only.
 #define UNIFORM 0.25f
-#define UNIFORM_SEEN 0.1f
+#define UNIFORM_VISIBILITY 0.1f
 
 satin_status light_prepare(struct satin_scene *scene, struct log log) {
     scene->light_cdf = NULL;
@@ -81,7 +81,7 @@ void light_choose_weigh(const struct satin_scene *scene, vec3 p, struct light_vi
         sum += probability[i];
         lit += probability[i] > 0.0f;
     }
-    const float uniform = fraction ? UNIFORM_SEEN : UNIFORM;
+    const float uniform = fraction ? UNIFORM_VISIBILITY : UNIFORM;
     float least = lit ? uniform / (float)lit : 0.0f;
     float scale = (1.0f - uniform) / sum;
     if (!(sum > 0.0f) || !isfinite(scale)) {  // nothing reaches p: any choice will do

@@ -23,9 +23,9 @@ static bool is_parallel(vec3 a, vec3 b) { return v3_dist2(a, b) < PARALLEL * PAR
 // which rays pass by chance.
 static bool may_be_pane(const struct satin_scene *scene, const struct interaction *s, vec3 wo) {
     if (s->light >= 0) return false;
-    struct scene_component part[MATERIAL_COMPONENTS_MAX];
-    if (scene_components(scene, s, wo, part) != 1) return false;
-    if (part[0].side->base.model->thin) return true;
+    struct scene_component component[MATERIAL_COMPONENTS_MAX];
+    if (scene_components(scene, s, wo, component) != 1) return false;
+    if (component[0].side->base.model->thin) return true;
     const enum shape_kind kind = scene->shape[s->shape].kind;
     return kind == SHAPE_DISK || (kind == SHAPE_MESH && is_parallel(s->frame.n, s->ng));
 }

@@ -107,7 +107,7 @@ struct tree_build {
     struct split_point *point;      // the middle of each light's box
 };
 
-// Splits lights at the median of their places, those infinitely far off from the others first.
+// Splits lights at the median of their positions, those infinitely far off from the others first.
 // Returns how many of them the first child gets.
 static uint32_t split_lights(const struct tree_build *b, struct split_point *point,
                              uint32_t count) {

@@ -12,7 +12,7 @@
 
 // Where the module is, seen from the folder of the program or library that holds this code:
 // installed beside the library, installed from the program, in the build tree.
-static const char *const module_places[] = {
+static const char *const module_paths[] = {
     "satin/satin_oiio.so",          "../" SATIN_LIBDIR "/satin/satin_oiio.so",
     "src/load/satin_oiio.so",       "../src/load/satin_oiio.so",
     "load/satin_oiio.so",           "../load/satin_oiio.so",
@@ -23,7 +23,7 @@ static const char *const module_places[] = {
 // threads that unloading would pull the code from under.
 static const struct image_reader *open_module(struct log log, struct log_place place) {
     char path[PATH_MAX];
-    if (!library_find(module_places, sizeof module_places / sizeof *module_places, path)) {
+    if (!library_find(module_paths, sizeof module_paths / sizeof *module_paths, path)) {
         log_error_at(log, place, "the image module satin_oiio.so is not installed");
         return NULL;
     }

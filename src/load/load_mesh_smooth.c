@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // max_smooth_angle: normals are made smooth only over edges that are flatter than an angle,
-// whatever the file says. Triangles get corners of their own; around each place, a corner's normal
-// is the mean of those faces there whose normals are within the angle of its own face's, weighted
-// by their angle at the corner.
+// whatever the file says. Triangles get corners of their own; around each position, a corner's
+// normal is the mean of those faces there whose normals are within the angle of its own face's,
+// weighted by their angle at the corner.
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,13 +10,13 @@
 #include "base/rng.h"
 #include "load/load_mesh.h"
 
-// At most this many faces around one place are looked at for each corner: a hostile file has all
+// At most this many faces around one position are looked at for each corner: a hostile file has all
 // corners in one.
 enum { FAN_MAX = 1024 };
 
-// A corner of the mesh, in the order of its place.
+// A corner of the mesh, in the order of its position.
 struct smooth_corner {
-    uint64_t place;   // of its position's bits
+    uint64_t key;     // of its position's bits
     uint32_t number;  // 3 * triangle + 0, 1, 2
 };
 
@@ -32,9 +32,9 @@ static uint64_t position_key(vec3 p) {
     return rng_mix(rng_mix(bits[0] | (uint64_t)bits[1] << 32) + bits[2]);
 }
 
-static int by_place(const void *a, const void *b) {
+static int by_position(const void *a, const void *b) {
     const struct smooth_corner *x = a, *y = b;
-    if (x->place != y->place) return x->place < y->place ? -1 : 1;
+    if (x->key != y->key) return x->key < y->key ? -1 : 1;
     return (x->number > y->number) - (x->number < y->number);
 }
 
@@ -54,7 +54,7 @@ static float smooth_corner_angle(const struct mesh_parts *parts, uint32_t corner
     return 2.0f * atan2f(v3_len(v3_sub(a, b)), v3_len(v3_add(a, b)));
 }
 
-// The normals of the corners fan[0 .. count - 1], which are at one place.
+// The normals of the corners fan[0 .. count - 1], which are at one position.
 static void smooth_fan(const struct mesh_parts *parts, const struct smooth_corner *fan,
                        size_t count, float cosine, float *normal) {
     size_t most = count < FAN_MAX ? count : FAN_MAX;
@@ -76,9 +76,9 @@ static void smooth_corners(const struct mesh_parts *parts, struct smooth_corner 
     for (size_t i = 0; i < count; i++)
         corner[i] =
             (struct smooth_corner){position_key(corner_position(parts, (uint32_t)i)), (uint32_t)i};
-    qsort(corner, count, sizeof *corner, by_place);
+    qsort(corner, count, sizeof *corner, by_position);
     for (size_t first = 0, end; first < count; first = end) {
-        for (end = first + 1; end < count && corner[end].place == corner[first].place;) end++;
+        for (end = first + 1; end < count && corner[end].key == corner[first].key;) end++;
         smooth_fan(parts, corner + first, end - first, cosine, normal);
     }
 }

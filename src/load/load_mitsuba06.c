@@ -163,7 +163,7 @@ static satin_status respell_blackbody(struct arena *arena, struct xml_node *node
     return SATIN_OK;
 }
 
-static bool is_place_in_uv(const char *name) {
+static bool is_uv_transform(const char *name) {
     return strcmp(name, "uscale") == 0 || strcmp(name, "vscale") == 0 ||
            strcmp(name, "uoffset") == 0 || strcmp(name, "voffset") == 0 ||
            strcmp(name, "uvscale") == 0;
@@ -177,7 +177,7 @@ static satin_status respell_value(struct log log, struct arena *arena, struct xm
         return SATIN_OK;
     }
     if (is_element(parent, XML_TEXTURE, NULL) && node->tag == XML_FLOAT &&
-        is_place_in_uv(node->name)) {
+        is_uv_transform(node->name)) {
         *keep = false;
         return move_to_uv(arena, parent, node);
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // <shape>s made of shapes: merge puts them into the scene; a shapegroup keeps them back, and
-// each instance shows a group at another place. Names and rules are Mitsuba 3's: groups hold no
+// each instance shows a group by another transform. Names and rules are Mitsuba 3's: groups hold no
 // lights, and no instances.
 #include <string.h>
 
@@ -19,7 +19,7 @@ const struct plugin_spec load_group_plugins[] = {
     {XML_SHAPE, "merge", "several shapes as one", NULL, 1u << XML_SHAPE, NULL, false},
     {XML_SHAPE, "shapegroup", "shapes for instances, unseen by themselves", NULL, 1u << XML_SHAPE,
      NULL, false},
-    {XML_SHAPE, "instance", "a shapegroup, at a place", instance_params, 1u << XML_SHAPE, NULL,
+    {XML_SHAPE, "instance", "a shapegroup, by a transform", instance_params, 1u << XML_SHAPE, NULL,
      false},
     {0}};
 
@@ -68,7 +68,7 @@ static satin_status add_instance(struct load_state *loader, const struct params 
     satin_status status = group->group ? SATIN_OK : load_shape_add(loader, group);
     if (status != SATIN_OK) return status;
     struct shape shape = {.kind = SHAPE_INSTANCE, .instance_of = group->group - 1, .light = -1};
-    if (!scene_shape_place(&shape, &param(p, "to_world")->m))
+    if (!scene_shape_transform(&shape, &param(p, "to_world")->m))
         return load_refuse(loader, p, "to_world is singular");
     if (group->group == GROUP_EMPTY) return SATIN_OK;
     shape.name = load_keep_text(loader, p->node->id ? p->node->id : p->plugin->name);

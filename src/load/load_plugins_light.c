@@ -293,8 +293,8 @@ static bool is_environment(const struct light *light) {
 }
 
 // Whether the light fits where it stands.
-static satin_status check_place(struct load_state *loader, const struct params *p,
-                                const struct light *light, bool in_shape) {
+static satin_status check_parent(struct load_state *loader, const struct params *p,
+                                 const struct light *light, bool in_shape) {
     bool area = light->kind == LIGHT_AREA || light->kind == LIGHT_BEAM;
     if (in_shape && !area)
         return load_refuse(loader, p, "it cannot be part of a shape; area lights are");
@@ -313,7 +313,7 @@ satin_status load_emitter_add(struct load_state *loader, struct xml_node *node, 
     if (status == SATIN_OK && load_file_missing(loader, &p, "the light is left out"))
         return SATIN_OK;
     if (status == SATIN_OK) status = p.plugin->build(loader, &p, &light);
-    if (status == SATIN_OK) status = check_place(loader, &p, &light, shape >= 0);
+    if (status == SATIN_OK) status = check_parent(loader, &p, &light, shape >= 0);
     if (status != SATIN_OK) return status;
     // An area light outside of a shape is there to be referred to by its id.
     bool waits = shape < 0 && (light.kind == LIGHT_AREA || light.kind == LIGHT_BEAM);

@@ -122,11 +122,11 @@ static satin_status join_sides(struct load_state *loader, const struct params *p
         *out = *a;
         return SATIN_OK;
     }
-    struct material_side *part = arena_array(&loader->scene->arena, 2, sizeof *part);
-    if (!part) return load_no_memory(loader);
-    part[0] = *a;
-    part[1] = *b;
-    *out = (struct material_side){.component = {&part[0], &part[1]},
+    struct material_side *component = arena_array(&loader->scene->arena, 2, sizeof *component);
+    if (!component) return load_no_memory(loader);
+    component[0] = *a;
+    component[1] = *b;
+    *out = (struct material_side){.component = {&component[0], &component[1]},
                                   .blend = weight->texture,
                                   .weight = weight->value,
                                   .holes = a->holes || b->holes};
@@ -136,26 +136,27 @@ static satin_status join_sides(struct load_state *loader, const struct params *p
 
 static satin_status build_blend(struct load_state *loader, const struct params *p,
                                 struct material *out) {
-    struct material part[2];
+    struct material component[2];
     struct blend_weight_value weight;
     int count;
-    satin_status status = build_nested(loader, p, 2, 2, part, &count);
+    satin_status status = build_nested(loader, p, 2, 2, component, &count);
     if (status == SATIN_OK)
         status = find_weight(loader, param(p, "weight"), param(p, "weight")->f, &weight);
     if (status != SATIN_OK) return status;
-    out->two_sided = part[0].two_sided || part[1].two_sided;
-    out->tangent = part[0].tangent || part[1].tangent;
+    out->two_sided = component[0].two_sided || component[1].two_sided;
+    out->tangent = component[0].tangent || component[1].tangent;
     for (int i = 0; i < 2 && out->two_sided && status == SATIN_OK; i++) {
-        if (part[i].two_sided) continue;
-        part[i].back = part[i].front;
-        status = change_leaves(loader, p, &part[i].back, make_one_sided, NULL);
+        if (component[i].two_sided) continue;
+        component[i].back = component[i].front;
+        status = change_leaves(loader, p, &component[i].back, make_one_sided, NULL);
     }
     if (status == SATIN_OK)
-        status = join_sides(loader, p, &part[0].front, &part[1].front, &weight, &out->front);
+        status =
+            join_sides(loader, p, &component[0].front, &component[1].front, &weight, &out->front);
     if (status != SATIN_OK) return status;
     out->back = out->front;
     if (!out->two_sided) return SATIN_OK;
-    return join_sides(loader, p, &part[0].back, &part[1].back, &weight, &out->back);
+    return join_sides(loader, p, &component[0].back, &component[1].back, &weight, &out->back);
 }
 
 // ---- mask ---------------------------------------------------------------------------------------

@@ -135,9 +135,10 @@ static satin_status build_cube(struct load_state *loader, const struct params *p
     return make_mesh(loader, p, object, load_mesh_cube);
 }
 
-static satin_status place_shape(struct load_state *loader, const struct params *p,
-                                struct shape *shape, const struct mat4 *m) {
-    return scene_shape_place(shape, m) ? SATIN_OK : load_refuse(loader, p, "to_world is singular");
+static satin_status transform_shape(struct load_state *loader, const struct params *p,
+                                    struct shape *shape, const struct mat4 *m) {
+    return scene_shape_transform(shape, m) ? SATIN_OK
+                                           : load_refuse(loader, p, "to_world is singular");
 }
 
 static vec3 column(const struct mat4 *m, int j) { return v3(m->m[0][j], m->m[1][j], m->m[2][j]); }
@@ -161,7 +162,7 @@ static satin_status build_sphere(struct load_state *loader, const struct params 
     shape->kind = SHAPE_SPHERE;
     if (!is_similarity(&m))
         return load_refuse(loader, p, "to_world stretches or shears it, but it must stay round");
-    satin_status status = place_shape(loader, p, shape, &m);
+    satin_status status = transform_shape(loader, p, shape, &m);
     if (status != SATIN_OK) return status;
     if (!(shape->radius > 0.0f) || !isfinite(shape->radius) || !v3_finite(shape->center))
         return load_refuse(loader, p, "it is too small or too large");
@@ -171,7 +172,7 @@ static satin_status build_sphere(struct load_state *loader, const struct params 
 static satin_status build_disk(struct load_state *loader, const struct params *p, void *object) {
     struct shape *shape = object;
     shape->kind = SHAPE_DISK;
-    return place_shape(loader, p, shape, &param(p, "to_world")->m);
+    return transform_shape(loader, p, shape, &param(p, "to_world")->m);
 }
 
 static satin_status build_cylinder(struct load_state *loader, const struct params *p,
@@ -189,7 +190,7 @@ static satin_status build_cylinder(struct load_state *loader, const struct param
     struct mat4 scale = mat4_scale(v3(r, r, length));
     struct mat4 m = mat4_mul(&axes, &scale);
     m = mat4_mul(&param(p, "to_world")->m, &m);
-    return place_shape(loader, p, shape, &m);
+    return transform_shape(loader, p, shape, &m);
 }
 
 static satin_status build_curves(struct load_state *loader, const struct params *p,

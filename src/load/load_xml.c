@@ -196,8 +196,7 @@ static satin_status open_element(struct file *file, const char *name, const char
     struct xml_reader *reader = file->reader;
     struct log_place place = here(file);
     if (reader->depth == XML_DEPTH_MAX) {
-        log_error_at(reader->log, place, "elements are nested deeper than %d levels",
-                     XML_DEPTH_MAX);
+        log_error_at(reader->log, place, "elements are nested more than %d deep", XML_DEPTH_MAX);
         return SATIN_ERROR_INPUT;
     }
     struct xml_node *node = arena_alloc(&reader->xml->arena, sizeof *node);

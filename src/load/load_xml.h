@@ -15,7 +15,7 @@
 
 // Bounds that keep a short hostile file from asking for all memory or time.
 enum {
-    XML_DEPTH_MAX = 64,           // levels of nesting, over includes
+    XML_DEPTH_MAX = 64,           // of nested elements, over includes
     XML_INCLUDE_DEPTH_MAX = 15,   // as in Mitsuba
     XML_FILES_MAX = 1000,         // files read in all
     XML_SEARCH_MAX = 64,          // folders of <path>

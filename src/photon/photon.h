@@ -40,7 +40,7 @@ rgb photon_irradiance(const struct photon_maps *maps, const struct satin_scene *
 void photon_irradiance_many(const struct photon_maps *maps, const struct satin_scene *scene,
                             size_t count, const vec3 *p, const vec3 *n, rgb *E, float *radius,
                             int *entry);
-// Where irradiance was precomputed: the number of entries, and the place and unit normal of one.
+// Where irradiance was precomputed: the number of entries, and the position and unit normal of one.
 size_t photon_irradiance_count(const struct photon_maps *maps);
 void photon_irradiance_position(const struct photon_maps *maps, size_t entry, vec3 *p, vec3 *n);
 rgb photon_irradiance_at(const struct photon_maps *maps, size_t entry);

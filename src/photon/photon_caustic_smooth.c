@@ -57,7 +57,7 @@ struct estimating {
 };
 
 // A position on the surface around an entry that sees it; false if there is none.
-static bool find_place(const struct estimating *job, size_t site, vec3 *p, vec3 *n) {
+static bool find_position(const struct estimating *job, size_t site, vec3 *p, vec3 *n) {
     const struct photon_irradiance *r = job->irradiance;
     const struct satin_scene *scene = job->what->scene;
     const size_t entry = site * STRIDE;
@@ -84,7 +84,7 @@ static void estimate_site(const struct estimating *job, size_t site, int *row, f
     struct photon_sites *sites = job->sites;
     vec3 p, n;
     sites->noise[site] = -1.0f;
-    if (!find_place(job, site, &p, &n)) return;
+    if (!find_position(job, site, &p, &n)) return;
     const struct photon_query query = {what->map,
                                        what->scene,
                                        p,

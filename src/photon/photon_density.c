@@ -53,7 +53,7 @@ static bool edge_near(const struct photon_disc *disc) {
     return known == 0;
 }
 
-static uint64_t place_key(vec3 p) {
+static uint64_t point_key(vec3 p) {
     union {
         float f[3];
         uint32_t u[3];
@@ -79,7 +79,7 @@ void photon_disc_make(const struct photon_query *query, const int *row, const fl
     bool measure = query->correction == AREA_MEASURED ||
                    (query->correction == AREA_IF_NEEDED && edge_near(out));
     if (measure) {
-        photon_area_make(query->scene, query->p, query->n, out->r, place_key(query->p), &out->area);
+        photon_area_make(query->scene, query->p, query->n, out->r, point_key(query->p), &out->area);
         out->corrected = !out->area.open;
         // In the tightest cracks nearly nothing is there, and a single photon would shine.
         if (out->corrected)

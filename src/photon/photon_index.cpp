@@ -248,7 +248,7 @@ struct Box {
 // Places for the nodes of the top of the tree, whose cells' trees are there, from top node `at` on;
 // sets the top nodes, and returns the bounds of what is below. *next is the next free node.
 template <size_t N>
-Box place(Building &b, const photon_curve_tree &top, size_t at, size_t *cell, size_t *next) {
+Box lay_out(Building &b, const photon_curve_tree &top, size_t at, size_t *cell, size_t *next) {
     const photon_curve_node &node = top.node[at];
     Box box;
     if (node.column < 0) {
@@ -260,11 +260,11 @@ Box place(Building &b, const photon_curve_tree &top, size_t at, size_t *cell, si
         return box;
     }
     Node &out = b.index->node[(*next)++];
-    box = place<N>(b, top, at + 1, cell, next);
+    box = lay_out<N>(b, top, at + 1, cell, next);
     out.column = node.column;
     out.low = box.high[node.column];
     out.second = static_cast<uint32_t>(*next);
-    const Box other = place<N>(b, top, node.second, cell, next);
+    const Box other = lay_out<N>(b, top, node.second, cell, next);
     out.high = other.low[node.column];
     for (size_t k = 0; k < N; k++) {
         box.low[k] = std::min(box.low[k], other.low[k]);
@@ -293,7 +293,7 @@ bool build(photon_index &index, const float *data, const photon_curve_tree &top,
     index.data = allocate<float>(index.rows * N);
     if (!index.node || !index.row || !index.data) return false;
     size_t cell = 0, next = 0;
-    const Box box = place<N>(b, top, 0, &cell, &next);
+    const Box box = lay_out<N>(b, top, 0, &cell, &next);
     std::copy(box.low, box.low + N, index.low);
     std::copy(box.high, box.high + N, index.high);
     return parallel_for(pool, b.cell.size(), 1, join_cells<N>, &b);
@@ -334,7 +334,7 @@ class NearestK {
     float worst() const { return count_ == k_ ? distance2_[0] : far2_; }
 
    private:
-    // Puts an entry at place i or below it.
+    // Puts an entry at index i or below it.
     void sink(int i, float dist, int row) {
         for (int child; (child = 2 * i + 1) < k_; i = child) {
             if (child + 1 < k_ && distance2_[child + 1] > distance2_[child]) child++;

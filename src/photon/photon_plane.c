@@ -8,7 +8,7 @@
 
 enum {
     NEIGHBOURS = 24,  // of a site,
-    FIT_LEAST = 8,    // that are seen from it, for a fit
+    FIT_LEAST = 8,    // that are visible from it, for a fit
     MIXED = 5         // sites that a value is read from; the farthest has no weight
 };
 #define FACING 0.8f    // least cosine between the normals of one surface

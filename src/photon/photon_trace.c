@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pass 1a: photons leave the lights, scatter and are kept where a smooth lobe could reflect them.
-// Paths are allocated to the lights, by power or by what is seen of it (guide_allocation.c), in one
-// run of path indices each, so that well-spread numbers make the emission of every light even and
-// no choice of a light adds noise. A consumer of fewer photons keeps those of the first paths of
-// each run, which are well spread too. Scattering ends by Russian roulette at the albedo, which
+// Paths are allocated to the lights, by power or by what is visible of it (guide_allocation.c), in
+// one run of path indices each, so that well-spread numbers make the emission of every light even
+// and no choice of a light adds noise. A consumer of fewer photons keeps those of the first paths
+// of each run, which are well spread too. Scattering ends by Russian roulette at the albedo, which
 // keeps the photons' powers alike [Jensen 2001]; shading normals get the factor of the adjoint BSDF
 // [Veach 1997, 5.3.2].
 #include <limits.h>

@@ -140,12 +140,12 @@ static void set_number(satin_options *options, const struct option *o, double va
 // ---- The curve ----------------------------------------------------------------------------------
 
 // The preset at or below the effort, and how far it is from there to the next one, in [0, 1).
-static int find_preset(double effort, double *way) {
+static int find_preset(double effort, double *fraction) {
     int i = 0;
-    *way = 0.0;
+    *fraction = 0.0;
     while (i + 1 < PRESETS && effort >= preset[i + 1].effort) i++;
     if (i + 1 < PRESETS && effort > preset[i].effort)
-        *way = log(effort / preset[i].effort) / log(preset[i + 1].effort / preset[i].effort);
+        *fraction = log(effort / preset[i].effort) / log(preset[i + 1].effort / preset[i].effort);
     return i;
 }
 
@@ -160,14 +160,14 @@ static void set_beyond(satin_options *options, const struct option *o, double ti
 }
 
 static void set_by_effort(satin_options *options, const struct option *o, double effort) {
-    double way;
-    const int i = find_preset(effort, &way);
+    double fraction;
+    const int i = find_preset(effort, &fraction);
     copy(options, &preset[i].options, o);
     if (i == PRESETS - 1) set_beyond(options, o, effort / preset[i].effort);
-    if (way == 0.0) return;
+    if (fraction == 0.0) return;
     const double from = log(number(&preset[i].options, o));
     const double to = log(number(&preset[i + 1].options, o));
-    set_number(options, o, exp(from + way * (to - from)));
+    set_number(options, o, exp(from + fraction * (to - from)));
 }
 
 void options_budget_preset(satin_options *options, satin_quality quality) {

@@ -114,7 +114,7 @@ static satin_status make_bounce(struct render *r, int index, struct walks *walks
     return status;
 }
 
-// Bounces that the longest path has room for: the shortest path that uses a record of the first
+// Bounces that the longest path can hold: the shortest path that uses a record of the first
 // bounce made here has four segments, from the eye to the light.
 static int bounces_wanted(const satin_options *o) {
     if (o->first_pass != SATIN_FIRST_RECURSIVE) return 0;

@@ -19,7 +19,7 @@ struct asked {
     bool stopped;
 };
 
-bool render_denoise_room(struct render_image *image) {
+bool render_denoise_memory(struct render_image *image) {
     const size_t pixels = (size_t)image->width * (size_t)image->height;
     image->uncached = array_new(pixels, sizeof *image->uncached);
     image->planes = array_new(pixels, 4 * sizeof *image->planes);

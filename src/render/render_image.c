@@ -41,7 +41,7 @@ struct render_image *render_image_new(const struct satin_scene *scene,
     image->aov = array_new(pixels, image->sums * sizeof *image->aov);
     image->film = render_film_new(width, height, aovs, options);
     bool ok = image->pixel && image->film && (image->aov || !aovs->values);
-    if (ok && options->denoise) ok = render_denoise_room(image);
+    if (ok && options->denoise) ok = render_denoise_memory(image);
     if (ok && adapt_make(&image->adapt, width, height, options->light_samples)) return image;
     render_image_free(image);
     return NULL;

@@ -44,8 +44,8 @@ const struct image_pixel *render_image_source(const struct render_image *image, 
 // What makes means of a pixel's weighted sums.
 float render_image_scale(const struct image_pixel *pixel);
 
-// Room for denoising, freed with the image; false without memory (render_denoise.c).
-bool render_denoise_room(struct render_image *image);
+// Memory for denoising, freed with the image; false without memory (render_denoise.c).
+bool render_denoise_memory(struct render_image *image);
 
 // Takes further eye rays for emitted light alone where it varies from pixel to pixel, once per
 // pixel, when the image has its even samples. *whole: it was not cut short.

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The first pass within a time limit. How long a photon takes varies a hundredfold between scenes:
 // a sixteenth of the photons shows it, and serves itself if there is no time for many more. Where
-// not even that fits, as among thousands of surfaces in one place, the image is traced by paths.
+// not even that fits, as among thousands of surfaces at one position, the image is traced by paths.
 #include "render/render_image.h"
 
 enum {
-    PILOT = 16,    // part of the photons that is tried first
+    PILOT = 16,    // fraction of the photons that is tried first
     MORE_MOST = 8  // times the photons where few of them are kept
 };
 

@@ -48,8 +48,8 @@ static double mean_square_indirect(const struct image_pilot *pilot) {
     for (size_t i = 0; i < n; i++) {
         const struct adapt_pixel *p = &pilot->adapt.pixel[i];
         float all = rgb_luminance(p->sum), indirect = rgb_luminance(pilot->indirect[i]);
-        float part = all > 0.0f ? fminf(indirect / all, 1.0f) : 0.0f;
-        q += (double)(part * part) / (double)n;
+        float fraction = all > 0.0f ? fminf(indirect / all, 1.0f) : 0.0f;
+        q += (double)(fraction * fraction) / (double)n;
     }
     return q;
 }

@@ -18,7 +18,7 @@ enum {
 // .0119 to .0049 of the lamp; the time of a draft at 400x400 changes by less than its runs differ.
 static const double RAYS_MEAN = 2.0;
 
-// Emission that varies by less than this part is smooth, as a sky's.
+// Emission that varies by less than this fraction is smooth, as a sky's.
 static const float SMOOTH = 0.1f;
 
 struct rims {

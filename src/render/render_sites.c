@@ -16,10 +16,10 @@ struct site_search {
     const struct render *r;
     const uint32_t *pixel;
     bool adaptive;
-    struct cache_site *slot;   // SITES_PER_PIXEL for each pixel of a round
-    uint8_t *count;            // of them that are filled
-    struct cache_site *place;  // where the sites of the round go
-    size_t *first;             // of each pixel, among them
+    struct cache_site *slot;  // SITES_PER_PIXEL for each pixel of a round
+    uint8_t *count;           // of them that are filled
+    struct cache_site *site;  // where the sites of the round go
+    size_t *first;            // of each pixel, among them
 };
 
 uint32_t *render_grid(const struct render *r, int stride, bool finer, size_t *count) {
@@ -59,8 +59,7 @@ static void copy_sites(void *ctx, size_t begin, size_t end, int worker) {
     const struct site_search *s = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++)
-        memcpy(s->place + s->first[i], s->slot + i * SITES_PER_PIXEL,
-               s->count[i] * sizeof *s->slot);
+        memcpy(s->site + s->first[i], s->slot + i * SITES_PER_PIXEL, s->count[i] * sizeof *s->slot);
 }
 
 // Appends the sites of a round of `pixels`, in order.
@@ -73,7 +72,7 @@ static satin_status append_sites(struct site_search *s, size_t pixels, struct re
     if (more == 0) return SATIN_OK;
     if (!array_reserve((void **)&out->site, &out->capacity, out->count + more, sizeof *out->site))
         return SATIN_ERROR_MEMORY;
-    s->place = out->site + out->count;
+    s->site = out->site + out->count;
     out->count += more;
     return parallel_for(s->r->pool, pixels, 64, copy_sites, s) ? SATIN_OK : SATIN_CANCELLED;
 }

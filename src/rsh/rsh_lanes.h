@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sixteen lanes in one AVX-512 register or two AVX2 registers, with the permutations that rotation
-// needs. A place is 0 .. 15; the low half is lanes 0 .. 7.
+// needs. An index is 0 .. 15; the low half is lanes 0 .. 7.
 #ifndef RSH_LANES_H
 #define RSH_LANES_H
 
@@ -62,26 +62,28 @@ LANES_INLINE void eight_store_last(float *p, int count, __m256 v) {
     _mm256_mask_storeu_ps(p, (__mmask8)~_bzhi_u32(0xff, (unsigned)(8 - count)), v);
 }
 
-typedef __m512i places;
-LANES_INLINE places places_load(const int32_t *p) { return _mm512_loadu_si512(p); }
+typedef __m512i indices;
+LANES_INLINE indices indices_load(const int32_t *p) { return _mm512_loadu_si512(p); }
 // The compiler is kept from reading memory again.
-LANES_INLINE places places_held(places p) {
+LANES_INLINE indices indices_held(indices p) {
     __asm__("" : "+v"(p));
     return p;
 }
-LANES_INLINE places places_next(places p) { return _mm512_add_epi32(p, _mm512_set1_epi32(1)); }
+LANES_INLINE indices indices_next(indices p) { return _mm512_add_epi32(p, _mm512_set1_epi32(1)); }
 
-// Lane i gets lane place[i] of v: within its half (places count round there), from the other half,
+// Lane i gets lane index[i] of v: within its half (indices count round there), from the other half,
 // or from either.
-LANES_INLINE lanes lanes_within(lanes v, places p) { return _mm512_permutexvar_ps(p, v); }
-LANES_INLINE lanes lanes_across(lanes v, places p) { return _mm512_permutexvar_ps(p, v); }
-LANES_INLINE lanes lanes_any(lanes v, places p) { return _mm512_permutexvar_ps(p, v); }
-// Of the halves exchanged: lane i gets lane place[i] + 8 or - 8, places counting as for `within`
+LANES_INLINE lanes lanes_within(lanes v, indices p) { return _mm512_permutexvar_ps(p, v); }
+LANES_INLINE lanes lanes_across(lanes v, indices p) { return _mm512_permutexvar_ps(p, v); }
+LANES_INLINE lanes lanes_any(lanes v, indices p) { return _mm512_permutexvar_ps(p, v); }
+// Of the halves exchanged: lane i gets lane index[i] + 8 or - 8, indices counting as for `within`
 // before they were made those of the opposite half.
-LANES_INLINE places places_opposite(places p) { return _mm512_xor_si512(p, _mm512_set1_epi32(8)); }
-LANES_INLINE lanes lanes_opposite(lanes v, places p) { return _mm512_permutexvar_ps(p, v); }
+LANES_INLINE indices indices_opposite(indices p) {
+    return _mm512_xor_si512(p, _mm512_set1_epi32(8));
+}
+LANES_INLINE lanes lanes_opposite(lanes v, indices p) { return _mm512_permutexvar_ps(p, v); }
 
-// Lane i gets in[place[i]], or 0 where place[i] >= count; count <= 32, place < 32.
+// Lane i gets in[index[i]], or 0 where index[i] >= count; count <= 32, index < 32.
 struct lanes_source {
     __m512 low, high;
 };
@@ -90,17 +92,17 @@ LANES_INLINE struct lanes_source lanes_source(const float *in, int count) {
     return (struct lanes_source){_mm512_maskz_loadu_ps((__mmask16)mask, in),
                                  _mm512_maskz_loadu_ps((__mmask16)(mask >> 16), in + 16)};
 }
-LANES_INLINE lanes lanes_gather(struct lanes_source s, places p) {
+LANES_INLINE lanes lanes_gather(struct lanes_source s, indices p) {
     return _mm512_permutex2var_ps(s.low, p, s.high);
 }
 
-// out[k] = lane place[k] of a, or lane place[k] - 16 of b, for k < count <= 32.
-LANES_INLINE void lanes_scatter(lanes a, lanes b, const int32_t *place, int count, float *out) {
+// out[k] = lane index[k] of a, or lane index[k] - 16 of b, for k < count <= 32.
+LANES_INLINE void lanes_scatter(lanes a, lanes b, const int32_t *index, int count, float *out) {
     unsigned mask = _bzhi_u32(~0u, (unsigned)count);
     _mm512_mask_storeu_ps(out, (__mmask16)mask,
-                          _mm512_permutex2var_ps(a, _mm512_loadu_si512(place), b));
+                          _mm512_permutex2var_ps(a, _mm512_loadu_si512(index), b));
     _mm512_mask_storeu_ps(out + 16, (__mmask16)(mask >> 16),
-                          _mm512_permutex2var_ps(a, _mm512_loadu_si512(place + 16), b));
+                          _mm512_permutex2var_ps(a, _mm512_loadu_si512(index + 16), b));
 }
 
 #else
@@ -178,37 +180,37 @@ LANES_INLINE lanes lanes_twice(const float *p) {
     return (lanes){_mm256_loadu_ps(p), _mm256_loadu_ps(p)};
 }
 
-typedef struct places {
+typedef struct indices {
     __m256i lo, hi;
-} places;
-LANES_INLINE __m256i eight_places(const int32_t *p) {
+} indices;
+LANES_INLINE __m256i eight_indices(const int32_t *p) {
     return _mm256_loadu_si256((const __m256i *)(const void *)p);
 }
-LANES_INLINE places places_load(const int32_t *p) {
-    return (places){eight_places(p), eight_places(p + 8)};
+LANES_INLINE indices indices_load(const int32_t *p) {
+    return (indices){eight_indices(p), eight_indices(p + 8)};
 }
 // There are too few registers to hold tables in.
-LANES_INLINE places places_held(places p) { return p; }
-LANES_INLINE places places_next(places p) {
+LANES_INLINE indices indices_held(indices p) { return p; }
+LANES_INLINE indices indices_next(indices p) {
     const __m256i one = _mm256_set1_epi32(1);
-    return (places){_mm256_add_epi32(p.lo, one), _mm256_add_epi32(p.hi, one)};
+    return (indices){_mm256_add_epi32(p.lo, one), _mm256_add_epi32(p.hi, one)};
 }
 
-// The instruction looks at the low three bits of a place only.
-LANES_INLINE lanes lanes_within(lanes v, places p) {
+// The instruction looks at the low three bits of an index only.
+LANES_INLINE lanes lanes_within(lanes v, indices p) {
     return (lanes){_mm256_permutevar8x32_ps(v.lo, p.lo), _mm256_permutevar8x32_ps(v.hi, p.hi)};
 }
-LANES_INLINE places places_opposite(places p) { return p; }
-LANES_INLINE lanes lanes_opposite(lanes v, places p) {
+LANES_INLINE indices indices_opposite(indices p) { return p; }
+LANES_INLINE lanes lanes_opposite(lanes v, indices p) {
     return lanes_within((lanes){v.hi, v.lo}, p);
 }
-LANES_INLINE lanes lanes_across(lanes v, places p) { return lanes_opposite(v, p); }
-LANES_INLINE __m256 either(lanes v, __m256i place) {
-    __m256 high = _mm256_castsi256_ps(_mm256_slli_epi32(place, 28));
-    return _mm256_blendv_ps(_mm256_permutevar8x32_ps(v.lo, place),
-                            _mm256_permutevar8x32_ps(v.hi, place), high);
+LANES_INLINE lanes lanes_across(lanes v, indices p) { return lanes_opposite(v, p); }
+LANES_INLINE __m256 either(lanes v, __m256i index) {
+    __m256 high = _mm256_castsi256_ps(_mm256_slli_epi32(index, 28));
+    return _mm256_blendv_ps(_mm256_permutevar8x32_ps(v.lo, index),
+                            _mm256_permutevar8x32_ps(v.hi, index), high);
 }
-LANES_INLINE lanes lanes_any(lanes v, places p) {
+LANES_INLINE lanes lanes_any(lanes v, indices p) {
     return (lanes){either(v, p.lo), either(v, p.hi)};
 }
 
@@ -219,21 +221,21 @@ struct lanes_source {
 LANES_INLINE struct lanes_source lanes_source(const float *in, int count) {
     return (struct lanes_source){in, _mm256_set1_epi32(count)};
 }
-LANES_INLINE __m256 gather8(struct lanes_source s, __m256i place) {
-    __m256 mask = _mm256_castsi256_ps(_mm256_cmpgt_epi32(s.count, place));
-    return _mm256_mask_i32gather_ps(_mm256_setzero_ps(), s.in, place, mask, 4);
+LANES_INLINE __m256 gather8(struct lanes_source s, __m256i index) {
+    __m256 mask = _mm256_castsi256_ps(_mm256_cmpgt_epi32(s.count, index));
+    return _mm256_mask_i32gather_ps(_mm256_setzero_ps(), s.in, index, mask, 4);
 }
-LANES_INLINE lanes lanes_gather(struct lanes_source s, places p) {
+LANES_INLINE lanes lanes_gather(struct lanes_source s, indices p) {
     return (lanes){gather8(s, p.lo), gather8(s, p.hi)};
 }
 
-LANES_INLINE void lanes_scatter(lanes a, lanes b, const int32_t *place, int count, float *out) {
+LANES_INLINE void lanes_scatter(lanes a, lanes b, const int32_t *index, int count, float *out) {
     float from[32];
     _mm256_storeu_ps(from, a.lo);
     _mm256_storeu_ps(from + 8, a.hi);
     _mm256_storeu_ps(from + 16, b.lo);
     _mm256_storeu_ps(from + 24, b.hi);
-    for (int k = 0; k < count; k++) out[k] = from[place[k]];
+    for (int k = 0; k < count; k++) out[k] = from[index[k]];
 }
 
 #endif

@@ -58,7 +58,7 @@ static void plain_rotate_z(int order, float cosine, float sine, float *v) {
 }
 
 // Exchanges y and z: v is left with the parity in x, and the parities in y (m < 0) and z (l + m)
-// change places. So row a has entries in columns b of one sign and every second b only.
+// are exchanged. So row a has entries in columns b of one sign and every second b only.
 static void plain_exchange(int order, float *v) {
     const float *matrix = rsh_swap;
     for (int l = 0; l < order; l++) {

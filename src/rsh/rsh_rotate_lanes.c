@@ -57,7 +57,7 @@ INLINE void rotate_parts(struct multiple_angle t, lanes *even, lanes *odd) {
 }
 
 // What of a group is known where it is used: its coefficients, the steps of its exchange and the
-// place of the first.
+// instead of the first.
 struct lane_span {
     int first, end, steps, offset;
 };
@@ -66,7 +66,7 @@ struct lane_span {
 INLINE void exchange_lanes(const struct rsh_lane_group *g, struct lane_span span, int direction,
                            int block, lanes *even, lanes *odd) {
     const struct rsh_lane_step *step = rsh_lane_steps + span.offset;
-    places source = places_load(g->source[direction]), other = places_opposite(source);
+    indices source = indices_load(g->source[direction]), other = indices_opposite(source);
     lanes a[BLOCK], b[BLOCK], p = lanes_load(step->factor[direction][0]),
                               q = lanes_load(step->factor[direction][1]);
     for (int c = 0; c < block; c++) {
@@ -74,7 +74,7 @@ INLINE void exchange_lanes(const struct rsh_lane_group *g, struct lane_span span
         b[c] = lanes_mul(lanes_opposite(odd[c], other), q);
     }
     for (int i = 1; i < span.steps; i++) {
-        source = places_next(source), other = places_next(other);
+        source = indices_next(source), other = indices_next(other);
         p = lanes_load(step[i].factor[direction][0]), q = lanes_load(step[i].factor[direction][1]);
         for (int c = 0; c < block; c++) {
             a[c] = lanes_mad(lanes_within(even[c], source), p, a[c]);
@@ -90,8 +90,8 @@ INLINE void exchange_lanes(const struct rsh_lane_group *g, struct lane_span span
 // D, the derivative of the rotation about y: what `other` gives to the even (0) or odd (1) part.
 INLINE lanes lane_derivative(const struct rsh_lane_group *g, int part, lanes other) {
     lanes down =
-        lanes_mul(lanes_across(other, places_load(g->down)), lanes_load(g->from_down[part]));
-    return lanes_mad(lanes_across(other, places_load(g->up)), lanes_load(g->from_up[part]), down);
+        lanes_mul(lanes_across(other, indices_load(g->down)), lanes_load(g->from_down[part]));
+    return lanes_mad(lanes_across(other, indices_load(g->up)), lanes_load(g->from_up[part]), down);
 }
 
 // About y, by the series.
@@ -112,9 +112,9 @@ INLINE void rotate_lane_series(const struct rsh_lane_group *g, const struct rsh_
 }
 
 // The multiples where the group's lanes want them, in the outer (0) or the inner (1) layout.
-INLINE struct multiple_angle place_lanes(const struct rsh_lane_group *g, int inner,
-                                         struct multiple_angle a) {
-    const places p = places_load(g->power[inner]);
+INLINE struct multiple_angle lane_multiples(const struct rsh_lane_group *g, int inner,
+                                            struct multiple_angle a) {
+    const indices p = indices_load(g->power[inner]);
     if (inner) return (struct multiple_angle){lanes_any(a.cosine, p), lanes_any(a.sine, p)};
     return (struct multiple_angle){lanes_within(a.cosine, p), lanes_within(a.sine, p)};
 }
@@ -130,16 +130,16 @@ INLINE void rotate_group(const struct rsh_lane_group *g, struct lane_span span,
     const int count = (n < span.end ? n : span.end) - span.first;
     in += span.first;
     out += span.first;
-    struct multiple_angle gamma = place_lanes(g, 0, angles->gamma);
+    struct multiple_angle gamma = lane_multiples(g, 0, angles->gamma);
     lanes even[BLOCK], odd[BLOCK];
     for (int c = 0; c < block; c++) {
         struct lanes_source source = lanes_source(in + c * n, count);
-        even[c] = lanes_gather(source, places_load(g->even));
-        odd[c] = lanes_gather(source, places_load(g->odd));
+        even[c] = lanes_gather(source, indices_load(g->even));
+        odd[c] = lanes_gather(source, indices_load(g->odd));
         rotate_parts(gamma, &even[c], &odd[c]);
     }
     if (t->method == RSH_METHOD_EXACT) {
-        struct multiple_angle beta = place_lanes(g, 1, angles->beta);
+        struct multiple_angle beta = lane_multiples(g, 1, angles->beta);
         exchange_lanes(g, span, 0, block, even, odd);
         for (int c = 0; c < block; c++) rotate_parts(beta, &even[c], &odd[c]);
         exchange_lanes(g, span, 1, block, even, odd);
@@ -147,7 +147,7 @@ INLINE void rotate_group(const struct rsh_lane_group *g, struct lane_span span,
         for (int c = 0; c < block; c++) rotate_lane_series(g, t, &even[c], &odd[c]);
     }
     if (t->method != RSH_METHOD_Z) {
-        struct multiple_angle alpha = place_lanes(g, 0, angles->alpha);
+        struct multiple_angle alpha = lane_multiples(g, 0, angles->alpha);
         for (int c = 0; c < block; c++) rotate_parts(alpha, &even[c], &odd[c]);
     }
     for (int c = 0; c < block; c++) lanes_scatter(even[c], odd[c], g->natural, count, out + c * n);

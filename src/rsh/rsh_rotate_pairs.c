@@ -5,7 +5,7 @@
 // Lanes stand in pairs +m, -m, so that a rotation about z is a product of complex numbers.
 //
 // What the time goes into here is loads, of which the processor does one vector per cycle, and
-// waiting: so both vectors go side by side, and places that are used twice are held in registers.
+// waiting: so both vectors go side by side, and indices that are used twice are held in registers.
 // The factors are not, lest others go to the stack.
 #include "rsh/rsh_lanes.h"
 #include "rsh/rsh_rotate_lanes.h"
@@ -30,7 +30,7 @@ struct spin {
 
 // The exchange of y and z.
 struct pair_exchange {
-    places source[MOST_VECTORS][MOST_STEPS];
+    indices source[MOST_VECTORS][MOST_STEPS];
     lanes factor[MOST_VECTORS][MOST_STEPS];
 };
 
@@ -56,7 +56,7 @@ INLINE void multiply(const struct rsh_rotation *t, int group, struct spin *spins
     s = lanes_mul(s, lanes_choose_of(RSH_PAIR_ODD, s1, lanes_mul(c1, s1)));
     for (int a = GAMMA; a >= ALPHA; a--)
         for (int i = 0; i < VECTORS(group); i++) {
-            const places p = places_load(rsh_pair_groups[group].lanes[i].multiple[a]);
+            const indices p = indices_load(rsh_pair_groups[group].lanes[i].multiple[a]);
             spins[a].cosine[i] = lanes_any(c, p);
             spins[a].sine[i] = lanes_any(s, p);
         }
@@ -74,7 +74,7 @@ INLINE struct pair_exchange load_exchange(int group) {
     for (int k = 0; k < STEPS(group); k++)
         for (int i = 0; i < VECTORS(group); i++) {
             const struct rsh_pair_lanes *p = &rsh_pair_groups[group].lanes[i];
-            e.source[i][k] = places_held(places_load(p->source[k]));
+            e.source[i][k] = indices_held(indices_load(p->source[k]));
             e.factor[i][k] = lanes_load(p->factor[k]);
         }
     return e;
@@ -92,8 +92,8 @@ INLINE void swap(const struct pair_exchange *e, int group, lanes *v) {
 
 // D, the derivative of the rotation about y.
 INLINE lanes pair_derivative(const struct rsh_pair_lanes *p, lanes v) {
-    const lanes down = lanes_mul(lanes_any(v, places_load(p->down)), lanes_load(p->from_down));
-    return lanes_mad(lanes_any(v, places_load(p->up)), lanes_load(p->from_up), down);
+    const lanes down = lanes_mul(lanes_any(v, indices_load(p->down)), lanes_load(p->from_down));
+    return lanes_mad(lanes_any(v, indices_load(p->up)), lanes_load(p->from_up), down);
 }
 
 // About y, by the series.
@@ -151,7 +151,7 @@ INLINE void rotate_pairs(const struct rsh_rotation *t, int group, int order, int
         const struct lanes_source source = lanes_source(in + FIRST(group), count);
         lanes v[MOST_VECTORS];
         for (int i = 0; i < VECTORS(group); i++)
-            v[i] = lanes_gather(source, places_load(g->lanes[i].place));
+            v[i] = lanes_gather(source, indices_load(g->lanes[i].index));
         rotate_vectors(t, spins, group, v);
         if (group > 0) rotate_head(t, in, out);
         lanes_scatter(v[0], v[group], g->natural, count, out + FIRST(group));

@@ -84,7 +84,7 @@ struct rsh_lane_group {
     _Alignas(64) int32_t even[RSH_LANES];
     int32_t odd[RSH_LANES];
     int32_t natural[2 * RSH_LANES];          // lane of coefficient first + k, + 16 if in odd
-    int32_t power[2][RSH_LANES];             // place of m among 0 2 .. 14 1 3 .. 15: outer, inner
+    int32_t power[2][RSH_LANES];             // index of m among 0 2 .. 14 1 3 .. 15: outer, inner
     int32_t source[2][RSH_LANES];            // lane at step 0: outer to inner, inner to outer
     int32_t down[RSH_LANES], up[RSH_LANES];  // lane of |m| - 1 and |m| + 1
     float from_down[2][RSH_LANES], from_up[2][RSH_LANES];  // entries of D, into even and odd
@@ -107,8 +107,8 @@ extern const struct rsh_lane_step rsh_lane_steps[];
 // Lanes 2 i and 2 i + 1 have the coefficients +m and -m of a band, the last lanes those of m = 0.
 enum { RSH_PAIR_STEPS = 3 };
 struct rsh_pair_lanes {
-    _Alignas(64) int32_t place[RSH_LANES];      // coefficient, less that of the group's first
-    int32_t multiple[3][RSH_LANES];             // place in rsh_pair_multiples: alpha, beta, gamma
+    _Alignas(64) int32_t index[RSH_LANES];      // coefficient, less that of the group's first
+    int32_t multiple[3][RSH_LANES];             // index in rsh_pair_multiples: alpha, beta, gamma
     int32_t source[RSH_PAIR_STEPS][RSH_LANES];  // the exchange of y and z: lanes and factors
     float factor[RSH_PAIR_STEPS][RSH_LANES];
     int32_t down[RSH_LANES], up[RSH_LANES];          // lane of m - 1 and m + 1

@@ -214,7 +214,7 @@ struct shape_group {
 // centre, radius and ends included): sets to_world, to_object, center and radius. A mirrored sphere
 // has its other side as the front, as in Mitsuba: flip_normals, set before, is toggled. False if
 // the transform has no inverse.
-bool scene_shape_place(struct shape *shape, const struct mat4 *to_world);
+bool scene_shape_transform(struct shape *shape, const struct mat4 *to_world);
 // World-space area of a shape.
 float scene_shape_area(const struct shape *shape);
 // The corners of a world-space box around a shape; lo is above hi if the shape has no points.
@@ -364,12 +364,13 @@ const struct material_side *scene_component(const struct satin_scene *scene,
 bool scene_component_brdf(const struct satin_scene *scene, const struct material_side *side,
                           const struct interaction *s, vec3 wo, struct brdf *brdf,
                           struct frame *frame);
-// That of scene_part.
+// That of scene_component.
 bool scene_brdf(const struct satin_scene *scene, const struct interaction *s, vec3 wo,
                 struct brdf *brdf, struct frame *frame);
 // The frame without bumps, on the side that scene_component_brdf takes.
-struct frame scene_part_frame(const struct satin_scene *scene, const struct material_side *side,
-                              const struct interaction *s, vec3 wo);
+struct frame scene_component_frame(const struct satin_scene *scene,
+                                   const struct material_side *side, const struct interaction *s,
+                                   vec3 wo);
 
 // ---- Camera (scene_camera.c) ------------------------------------------------------------------
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Private to scene/: shapes that lie exactly where an earlier one does. A ray meets all surfaces of
-// one place, so that n of them cost n tests per ray, and shows one; the first of the file is as
+// one position, so that n of them cost n tests per ray, and shows one; the first of the file is as
 // good as any other, and alone it costs one test.
 #ifndef SCENE_COINCIDE_H
 #define SCENE_COINCIDE_H

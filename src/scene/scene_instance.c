@@ -35,7 +35,8 @@ float instance_margin(const struct satin_scene *scene, const struct shape *shape
     return 4.0f * interaction_offset(scene, p) * longest_column(&shape->to_object);
 }
 
-void instance_place(const struct shape *shape, bool tangent, bool partials, struct interaction *s) {
+void instance_to_world(const struct shape *shape, bool tangent, bool partials,
+                       struct interaction *s) {
     vec3 u = mat4_vector(&shape->to_world, s->frame.u);
     if (partials) {
         s->dp_du = mat4_vector(&shape->to_world, s->dp_du);

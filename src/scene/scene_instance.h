@@ -14,6 +14,7 @@ struct ray instance_ray(const struct shape *shape, const struct ray *ray);
 float instance_margin(const struct satin_scene *scene, const struct shape *shape, vec3 p);
 // Moves a surface interaction from the group's space to the world, with dp_du and dp_dv if it has
 // these `partials`. Its frame follows dp/du if `tangent`.
-void instance_place(const struct shape *shape, bool tangent, bool partials, struct interaction *s);
+void instance_to_world(const struct shape *shape, bool tangent, bool partials,
+                       struct interaction *s);
 
 #endif

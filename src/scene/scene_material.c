@@ -52,16 +52,17 @@ unsigned material_lobes(const struct material *m, bool holes) {
     return all.lobes;
 }
 
-// ---- Parts of a blend ---------------------------------------------------------------------------
+// ---- Components of a blend
+// ---------------------------------------------------------------------------
 
-static bool is_seen_from_back(const struct interaction *s, vec3 wo) {
+static bool is_from_behind(const struct interaction *s, vec3 wo) {
     return v3_dot(wo, s->frame.n) < 0.0f;
 }
 
-static const struct material_side *side_seen(const struct satin_scene *scene,
-                                             const struct interaction *s, vec3 wo) {
+static const struct material_side *side_towards(const struct satin_scene *scene,
+                                                const struct interaction *s, vec3 wo) {
     const struct material *m = &scene->material[s->material];
-    return m->two_sided && is_seen_from_back(s, wo) ? &m->back : &m->front;
+    return m->two_sided && is_from_behind(s, wo) ? &m->back : &m->front;
 }
 
 static bool side_is_hole(const struct material_side *side) {
@@ -97,7 +98,7 @@ static int list_components(const struct satin_scene *scene, const struct materia
 
 int scene_components(const struct satin_scene *scene, const struct interaction *s, vec3 wo,
                      struct scene_component out[MATERIAL_COMPONENTS_MAX]) {
-    return list_components(scene, side_seen(scene, s, wo), s, 1.0f, out, 0);
+    return list_components(scene, side_towards(scene, s, wo), s, 1.0f, out, 0);
 }
 
 // A number in [0, 1) that depends on the point and the direction.
@@ -112,7 +113,7 @@ static float draw(const struct interaction *s, vec3 wo) {
 
 const struct material_side *scene_component(const struct satin_scene *scene,
                                             const struct interaction *s, vec3 wo) {
-    const struct material_side *side = side_seen(scene, s, wo);
+    const struct material_side *side = side_towards(scene, s, wo);
     if (!side->component[0]) return side;
     float u = draw(s, wo);
     while (side->component[0]) {
@@ -149,12 +150,13 @@ static void set_brdf_values(const struct material_side *side, const struct textu
 // Seen from behind as if that were the front: two-sided, or a thin sheet, which is alike from both.
 static bool is_flipped(const struct satin_scene *scene, const struct material_side *side,
                        const struct interaction *s, vec3 wo) {
-    if (!is_seen_from_back(s, wo)) return false;
+    if (!is_from_behind(s, wo)) return false;
     return side->base.model->thin || (scene->material[s->material].two_sided && !side->one_sided);
 }
 
-struct frame scene_part_frame(const struct satin_scene *scene, const struct material_side *side,
-                              const struct interaction *s, vec3 wo) {
+struct frame scene_component_frame(const struct satin_scene *scene,
+                                   const struct material_side *side, const struct interaction *s,
+                                   vec3 wo) {
     return is_flipped(scene, side, s, wo) ? frame_flip(s->frame) : s->frame;
 }
 
@@ -213,7 +215,7 @@ bool scene_component_brdf(const struct satin_scene *scene, const struct material
                           const struct interaction *s, vec3 wo, struct brdf *brdf,
                           struct frame *frame) {
     const bool flipped = is_flipped(scene, side, s, wo);
-    if (is_seen_from_back(s, wo) && !flipped && !brdf_transmits(&side->base)) return false;
+    if (is_from_behind(s, wo) && !flipped && !brdf_transmits(&side->base)) return false;
     *brdf = side->base;
     struct texture_lookup at = interaction_texture_lookup(scene, s);
     set_brdf_values(side, &at, brdf);

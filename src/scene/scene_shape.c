@@ -4,7 +4,7 @@
 
 // ---- Spheres, disks, cylinders ------------------------------------------------------------------
 
-bool scene_shape_place(struct shape *shape, const struct mat4 *to_world) {
+bool scene_shape_transform(struct shape *shape, const struct mat4 *to_world) {
     struct mat4 to_object;
     if (!mat4_inverse(to_world, &to_object)) return false;
     shape->to_world = *to_world;

@@ -200,7 +200,7 @@ static bool find_hit(const struct satin_scene *scene, const struct ray *ray, boo
         float margin = instance_margin(scene, shape, v3_mad(ray->o, hit.ray.tfar, ray->d));
         interaction_of(scene, &trace->group[shape->instance_of], &hit, &local, margin, out);
         bool tangent = scene->material[out->material].tangent;
-        instance_place(shape, tangent, tangent || scene->hints.aovs.partials, out);
+        instance_to_world(shape, tangent, tangent || scene->hints.aovs.partials, out);
     }
     out->t = hit.ray.tfar;
     out->footprint = 0.0f;

@@ -70,7 +70,7 @@ static void light_channels(const struct shade *shade, struct shade_sample *out) 
 }
 
 // The photon map seen directly: all light at the point, emitted and mirrored light apart.
-static void photons_seen(struct shade_job *job) {
+static void add_photon_radiance(struct shade_job *job) {
     const struct gather *g = job->shade->g;
     const struct gather_point *p = &job->vertex->point;
     float radius;
@@ -115,7 +115,7 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
         struct shade_job job = {shade,  &eye.vertex[i],         worker, own,
                                 lights, rng_mix(pixel + index), pixel,  out};
         if (integrator == SATIN_PHOTONS)
-            photons_seen(&job);
+            add_photon_radiance(&job);
         else
             shade_vertex_two_pass(&job);
     }

@@ -19,7 +19,7 @@ struct shade_tables {
 satin_status shade_tables_build(const struct satin_scene *scene, const satin_options *options,
                                 struct parallel *pool, struct log log, struct shade_tables *out);
 void shade_tables_free(struct shade_tables *tables);
-// Whether textures change more of a side's glossy part than its factor.
+// Whether textures change more of a side's glossy lobe than its factor.
 bool shade_shape_textured(const struct material_side *side);
 
 // The parts of the image, each carried once (the path table in docs/tour.md).

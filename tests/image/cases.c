@@ -160,9 +160,9 @@ static struct errors measure(const satin_film *film, const satin_film *reference
                 worst = fmax(worst, fabs(around(x, r, i)));
         }
     }
-    double level = sum_r / count;
-    return (struct errors){fabs(sum_x / sum_r - 1.0), sqrt(fmax(squares / count, 0.0)) / level,
-                           worst / level};
+    double mean = sum_r / count;
+    return (struct errors){fabs(sum_x / sum_r - 1.0), sqrt(fmax(squares / count, 0.0)) / mean,
+                           worst / mean};
 }
 
 static bool evaluate(const char *scene, const struct region *region, struct errors e,
@@ -226,7 +226,7 @@ static bool run_bump(const struct folders *in) {
 }
 
 // Where waves are so steep that radiance records do not serve, the floor has irradiance records for
-// the diffuse part: hardly a point is left without.
+// the diffuse lobe: hardly a point is left without.
 static bool run_steep(const struct folders *in) {
     static const satin_define steep[] = {{"filter", "box"}, {"waves", "0.5"}};
     satin_film *film = render(in, "bump", steep, 2);

@@ -14,14 +14,14 @@ import mitsuba as mi
 
 
 class TwoLobes(mi.BSDF):
-    """A diffuse and a glossy part; a subclass gives the latter's value, density and sample."""
+    """A diffuse and a glossy lobe; a subclass gives the latter's value, density and sample."""
 
     def __init__(self, props, anisotropic=False):
         mi.BSDF.__init__(self, props)
         self.diffuse = self.texture(props, "diffuse_reflectance", 0.5)
         self.specular = self.texture(props, "specular_reflectance", 0.2)
         d, s = self.diffuse.mean(), self.specular.mean()
-        self.probability = s / dr.maximum(d + s, 1e-6)  # probability of sampling the glossy part
+        self.probability = s / dr.maximum(d + s, 1e-6)  # probability of sampling the glossy lobe
         front = mi.BSDFFlags.FrontSide
         glossy = mi.BSDFFlags.GlossyReflection | front
         if anisotropic:
@@ -46,7 +46,7 @@ class TwoLobes(mi.BSDF):
                 ctx.is_enabled(mi.BSDFFlags.GlossyReflection, 1))
 
     def probability(self, ctx):
-        """Of sampling the glossy part, among the lobes that ctx asks for."""
+        """Of sampling the glossy lobe, among the lobes that ctx asks for."""
         diffuse, glossy = self.lobes(ctx)
         return self.probability if diffuse and glossy else mi.Float(1.0 if glossy else 0.0)
 

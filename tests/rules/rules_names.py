@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Checks that names are defined once in include, src and bench: static functions and tags of
-structs, unions and enums name one thing, so that a search or a back-trace leads to one definition.
+structs, unions and enums name one thing, so that a search or a back-trace leads to one definition;
+and that an option has one name, that of its field in satin_options, in the table of options, in
+docs/options.md and in the glossary.
 
 Usage: rules_names.py TREE
 """
@@ -41,6 +43,32 @@ def recurring(tree):
     return {name: paths for name, paths in places.items() if len(paths) > 1}
 
 
+def wrong_options(tree):
+    """Options whose name is not their field's, and where options and pages disagree."""
+    text = (tree / "src/render/options_table.c").read_text(encoding="utf-8")
+    rows = re.findall(r'^    \{"([\w-]+)", OPTION_\w+, AT\((\w+)\)', text, re.MULTILINE)
+    options = {name for name, _ in rows}
+    header = (tree / "include/satin/options.h").read_text(encoding="utf-8")
+    body = re.search(r"typedef struct satin_options \{(.*?)\n\} satin_options;", header,
+                     re.DOTALL).group(1)
+    fields = set(re.findall(r"(\w+)(?:\[\d+\])?[;,]", re.sub(r"//[^\n]*", "", body)))
+    page = (tree / "docs/options.md").read_text(encoding="utf-8")
+    documented = set(re.findall(r"^\| ([\w-]+) \| (?!range)", page, re.MULTILINE))
+    glossary = (tree / "docs/glossary.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"\b[Oo]ptions?\s+`([\w-]+)`", glossary))
+    for name, field in rows:
+        if name.replace("-", "_") != field:
+            yield f"option {name} sets the field {field}"
+    for field in sorted(fields ^ {field for _, field in rows}):
+        yield f"{field} is not both a field of satin_options and a row of options_table"
+    for name in sorted(options ^ documented):
+        yield f"{name} is not both a row of options_table and of docs/options.md"
+    for name in sorted(named - options):
+        yield f"docs/glossary.md: there is no option {name}"
+    if len(rows) < 50:
+        yield "options_table.c: its rows are not found"
+
+
 def main():
     tree = pathlib.Path(sys.argv[1]).resolve()
     found = recurring(tree)
@@ -48,6 +76,7 @@ def main():
              for name, paths in sorted(found.items()) if name not in TO_DO]
     wrong += [f"{name} no longer recurs: take it off TO_DO"
               for name in sorted(TO_DO - found.keys())]
+    wrong += wrong_options(tree)
     print("\n".join(wrong))
     return 1 if wrong else 0
 

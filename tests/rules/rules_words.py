@@ -42,10 +42,34 @@ RETIRED = {
     "trust|trusts|trusted": "maximum lookup radius; reliable",
     "put_wall|wall_change|wall_[uv]|walls? of (?:the )?strat(?:a|um)|walls? between (?:two )?cells"
     "|fixed walls": "stratum boundary",
-    "max_depth edges|path edges": "path segments",
+    "max_depth edges|path edges|struct edge|next_edge|edge_count": "path segments",
+    "places_(?:load|held|next|opposite)|eight_places|place_lanes": "indices",
+    "place_(?:even|among|key|rungs|shape)|(?:by|check|find|same|instance|shape|module)_places?"
+    "|cache_site \\*place": "position, index or transform; a place is a line of a file",
+    "room for|room_for|denoise_room": "memory or space for; room is a record's",
+    "(?:rng|uniform|near|cells|tally|side|photons)(?:_|->)seen|is_seen_from"
+    "|seen_(?:s|least|fraction)|struct seen"
+    "|seen of (?:the lights|(?:each|a|its|their) light)":
+        "visible, visibility",
+    "(?:deeper than|beyond|more than) (?:%d|64) levels|levels? of nesting|nesting levels?":
+        "nested",
+    "(?:double|float) \\*?level|level of light|find_levels": "brightness, mean",
+    "light[-_]guide|gather[-_]guide": "guide-visibility, guide-clusters",
+    "gather[-_]shadow|gather[-_]bounce": "gather-direct, gather-near",
+    "radiance[-_]neighbours|cache_clamp": "neighbour clamp",
+    "cache_converge|render_converge|cache_convergence|render_adapt":
+        "cache_adapt, render_adaptive_cache, render_adaptive_sampling",
+    "photon_smooth": "photon_caustic_smooth",
+    "(?:diffuse|glossy|specular)[_ ]parts?|scene_part|part of (?:a|the) blend":
+        "component, lobe",
+    "(?:double|float|int|const char) \\*?way|one_way|find_way": "direction, fraction, lobe",
+    "(?:bright|sky|lit)_windows?|window_bins|struct window|->window": "visibility, histogram",
+    "old_(?:scene|file|format|version|mitsuba)|mitsuba_old|char old\\[\\]": "mitsuba06, previous",
 }
-# Where a retired word is the right one; the last is the name that an option had.
-ALLOWED = re.compile(r"\b(in|by) turns?\b|\bradiance[-_]turn\b")
+# Where a retired word is the right one; the last are names that options had, where they are quoted.
+ALLOWED = re.compile(r"""\b(in|by)\ turns?\b | ["'`](ir)?radiance[-_](turn|neighbours)["'`]
+                     | ["'`](light-guide|gather-(bounce|guide|shadow))["'`] | `photons\.seen_s`
+                     """, re.VERBOSE)
 # What stands between two words of a term at the end of a line, in a comment or a text.
 LINE_END = re.compile(r"[ \t]*\n[ \t]*(?:// ?|# )?|\"\s*\n\s*\"")
 # Ways to begin a comment that cannot be read alone.
@@ -80,14 +104,18 @@ def glossary_terms(text):
 
 
 def wrong_glossary(tree):
-    """Terms of the glossary that nothing uses, or that are not in their order."""
-    terms = glossary_terms((tree / "docs/glossary.md").read_text(encoding="utf-8"))
+    """Terms of the glossary that nothing uses, files that are not there, and a wrong order."""
+    page = (tree / "docs/glossary.md").read_text(encoding="utf-8")
+    terms = glossary_terms(page)
     code = " ".join(p.read_text(encoding="utf-8").lower() for folder in ("src", "include")
                     for p in (tree / folder).rglob("*") if p.suffix in TEXT and p.is_file())
     code = re.sub(r"[\s/]+|_", " ", code)
     for term in terms:
         if not re.search(rf"\b{re.escape(term.lower())}", code):
             yield f"docs/glossary.md: nothing in src or include is called '{term}'"
+    for name in re.findall(r"`([\w/]+\.(?:c|cpp|h|py))`", page):
+        if not any((tree / top / name).is_file() for top in ("src", ".")):
+            yield f"docs/glossary.md: there is no {name}"
     if terms != sorted(terms, key=str.lower) or len(terms) < 10:
         yield "docs/glossary.md: its terms are not in alphabetical order"
 

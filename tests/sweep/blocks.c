@@ -32,7 +32,7 @@ static double trimmed_mean(double *value, int count) {
     return sum / (count - 2 * BLOCK_TRIM);
 }
 
-// What the steps below have in common: `residual` is r; `row` and `all` have room for the numbers
+// What the steps below have in common: `residual` is r; `row` and `all` have space for the numbers
 // that a quantile is of, over the seeds and over all blocks.
 struct work {
     const struct block_stack *stack;
@@ -77,11 +77,11 @@ static void centre_block(const struct work *w, int block) {
     w->out->usual[block] = median(w->row, seeds);
 }
 
-static void find_levels(const struct work *w) {
+static void find_brightness(const struct work *w) {
     double sum = 0.0;
     for (int b = 0; b < w->out->count; b++) sum += fabs(w->out->usual[b]);
     for (int b = 0; b < w->out->count; b++)
-        w->out->level[b] = fmax(fabs(w->out->usual[b]), 0.1 * sum / w->out->count);
+        w->out->brightness[b] = fmax(fabs(w->out->usual[b]), 0.1 * sum / w->out->count);
 }
 
 // The scale of the residuals of the other seeds at the block.
@@ -98,10 +98,10 @@ static double scale_around(const struct work *w, int seed, int block) {
     int n = 0;
     for (int i = 0; i < 9; i++) {
         int x = block % columns + i % 3 - 1, y = block / columns + i / 3 - 1, b = y * columns + x;
-        if (x < 0 || x >= columns || y < 0 || y >= rows || !(w->out->level[b] > 0.0)) continue;
+        if (x < 0 || x >= columns || y < 0 || y >= rows || !(w->out->brightness[b] > 0.0)) continue;
         for (int s = 0; s < w->stack->seeds; s++)
             if (s != seed)
-                w->row[n++] = fabs(w->residual[s * w->out->count + b]) / w->out->level[b];
+                w->row[n++] = fabs(w->residual[s * w->out->count + b]) / w->out->brightness[b];
     }
     return quantile(w->row, n, 0.9) / 1.645;
 }
@@ -119,8 +119,8 @@ static void find_scores(const struct work *w) {
     const double picture = scale_of_picture(w);
     for (int i = 0; i < w->out->count * w->stack->seeds; i++) {
         const int block = i % w->out->count;
-        const double level = w->out->level[block], r = w->residual[i];
-        const double around = hypot(w->out->score[i], picture) * level;
+        const double brightness = w->out->brightness[block], r = w->residual[i];
+        const double around = hypot(w->out->score[i], picture) * brightness;
         const double floor = w->stack->floor ? w->stack->floor[block] : 0.0;
         const double sigma = hypot(hypot(scale_here(w, i / w->out->count, block), around), floor);
         w->out->score[i] = r == 0.0 ? 0.0 : r / sigma;
@@ -128,7 +128,7 @@ static void find_scores(const struct work *w) {
 }
 
 void block_scores_free(struct block_scores *scores) {
-    free(scores->level);
+    free(scores->brightness);
     free(scores->mean);
     free(scores->usual);
     free(scores->score);
@@ -141,7 +141,7 @@ static void score_all(const struct work *w) {
     for (int s = 0; s < w->stack->seeds; s++)
         for (int b = 0; b < w->out->count; b++) measure_block(w, s, b);
     for (int b = 0; b < w->out->count; b++) centre_block(w, b);
-    find_levels(w);
+    find_brightness(w);
     find_scores(w);
 }
 
@@ -157,7 +157,7 @@ bool block_scores_make(const struct block_stack *stack, struct block_scores *out
                      .all = numbers(all),
                      .row = numbers((size_t)stack->seeds * 9),
                      .columns = columns};
-    const bool good = out->level && out->mean && out->usual && out->score && w.centre &&
+    const bool good = out->brightness && out->mean && out->usual && out->score && w.centre &&
                       w.residual && w.all && w.row;
     if (good) {
         find_centres(&w);

@@ -41,11 +41,11 @@ struct block_stack {
 };
 
 struct block_scores {
-    int count;      // blocks, row by row from the top
-    double *level;  // D per block
-    double *mean;   // per seed and block: the plain mean of its pixels
-    double *usual;  // per block: median of these over the seeds
-    double *score;  // per seed and block
+    int count;           // blocks, row by row from the top
+    double *brightness;  // D per block
+    double *mean;        // per seed and block: the plain mean of its pixels
+    double *usual;       // per block: median of these over the seeds
+    double *score;       // per seed and block
 };
 
 // Fills *out, which block_scores_free frees. False if memory runs out; then *out is empty.

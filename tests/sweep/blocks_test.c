@@ -33,9 +33,9 @@ static void make_noise(uint64_t trial) {
             }
         }
         for (int p = 0; p < SIZE * SIZE; p++) {
-            const float level = powf(10.0f, -(float)(p % SIZE) / SIZE);
+            const float brightness = powf(10.0f, -(float)(p % SIZE) / SIZE);
             const float e = logf(fmaxf(1.0f - rng_float(&rng), 1e-7f));
-            picture[s][p] = level * (1.0f + patch[p] + 0.1f * e * e);
+            picture[s][p] = brightness * (1.0f + patch[p] + 0.1f * e * e);
         }
     }
 }

@@ -81,8 +81,8 @@ static void report_peak(struct work *w, const struct layer *layer, int i, const 
 static void fill_floor(const struct layer *layer, const struct block_scores *plain,
                        const struct block_scores *beauty, double *floor) {
     for (int b = 0; b < plain->count; b++) {
-        floor[b] = own_floor * (strcmp(layer->name, "normal") == 0 ? 1.0 : plain->level[b]);
-        if (layer->light) floor[b] = fmax(floor[b], beauty_floor * beauty->level[b]);
+        floor[b] = own_floor * (strcmp(layer->name, "normal") == 0 ? 1.0 : plain->brightness[b]);
+        if (layer->light) floor[b] = fmax(floor[b], beauty_floor * beauty->brightness[b]);
     }
 }
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The shell of a random room for rooms.py: dice, where things go, walls, windows and the sky.
+"""The shell of a random room of rooms.py: dice, where things go, walls, windows and the sky.
 
 Lengths are metres before the room's unit `k`; a light that has intensity, not radiance, grows with
 k^2, so the picture does not depend on it.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Quadrature of the glossy part against the harmonics, compared with a plain fine grid.
+// Quadrature of the glossy lobe against the harmonics, compared with a plain fine grid.
 #include "brdf/brdf_project.h"
 
 #include <setjmp.h>

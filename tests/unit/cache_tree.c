@@ -84,11 +84,11 @@ static void rejects_points_in_front(void **state) {
     cache_tree_free(&tree);
 }
 
-struct seen {
+struct visited {
     bool in[RECORDS];
 };
 
-static void see(void *ctx, uint32_t record) { ((struct seen *)ctx)->in[record] = true; }
+static void visit(void *ctx, uint32_t record) { ((struct visited *)ctx)->in[record] = true; }
 
 static void visits_every_sphere_that_meets_the_ball(void **state) {
     (void)state;
@@ -102,10 +102,10 @@ static void visits_every_sphere_that_meets_the_ball(void **state) {
     for (int q = 0; q < 200; q++) {
         vec3 p = random_point(&rng);
         float radius = 0.2f * rng_float(&rng);
-        struct seen seen = {{false}};
-        cache_tree_visit(&tree, p, radius, see, &seen);
+        struct visited visited = {{false}};
+        cache_tree_visit(&tree, p, radius, visit, &visited);
         for (int i = 0; i < RECORDS; i++)
-            if (v3_dist2(tree.head[i].p, p) < radius * radius) assert_true(seen.in[i]);
+            if (v3_dist2(tree.head[i].p, p) < radius * radius) assert_true(visited.in[i]);
     }
     cache_tree_free(&tree);
 }

@@ -21,10 +21,10 @@ static rgb light[PIXELS], albedo[PIXELS], normal[PIXELS], denoised[PIXELS];
 
 static float random01(uint64_t i) { return (float)(rng_mix(i) >> 40) * 0x1p-24f; }
 
-// A grey noisy image of mean `level`, two colours of albedo, one normal.
-static struct film_noisy noisy(int width, int height, float level) {
+// A grey noisy image of mean `brightness`, two colours of albedo, one normal.
+static struct film_noisy noisy(int width, int height, float brightness) {
     for (int i = 0; i < width * height; i++) {
-        const float value = 2.0f * level * random01((uint64_t)i);
+        const float value = 2.0f * brightness * random01((uint64_t)i);
         light[i] = rgb_make(value, value, value);
         albedo[i] = rgb_make(i % width < width / 2 ? 0.5f : 1.0f, 0.25f, 0.25f);
         normal[i] = rgb_make(0.0f, 0.0f, 1.0f);
@@ -63,12 +63,12 @@ static void it_is_opened_and_tried(void **state) {
 }
 
 // The fake refuses values over 2^26.
-static void any_level_of_light_is_taken(void **state) {
+static void any_brightness_of_light_is_taken(void **state) {
     (void)state;
     struct film_denoiser *d = open_fake("");
-    const float level[] = {1e-35f, 1e-12f, 1.0f, 1e12f, 1e35f};
-    for (size_t k = 0; k < sizeof level / sizeof *level; k++) {
-        const struct film_noisy image = noisy(WIDTH, HEIGHT, level[k]);
+    const float brightness[] = {1e-35f, 1e-12f, 1.0f, 1e12f, 1e35f};
+    for (size_t k = 0; k < sizeof brightness / sizeof *brightness; k++) {
+        const struct film_noisy image = noisy(WIDTH, HEIGHT, brightness[k]);
         assert_int_equal(denoise(d, &image), SATIN_OK);
         for (int i = 0; i < PIXELS; i++)
             assert_true(fabs((double)denoised[i].r / mean(light, PIXELS) - 1.0) < 1e-6);
@@ -87,8 +87,8 @@ static void what_it_cannot_hold_stays(void **state) {
     assert_int_equal(denoise(d, &image), SATIN_OK);
     assert_float_equal(denoised[7].g, denoised[6].g - 3.0f, denoised[6].g * 1e-6f);
     assert_float_equal(denoised[9].g / 1e30f, 1.0f, 1e-6f);
-    // What was held of the bright pixel is spread over all: 2^24 times the level, which is a power
-    // of two near 1.
+    // What was held of the bright pixel is spread over all: 2^24 times the brightness, which is a
+    // power of two near 1.
     assert_true(denoised[6].g < 0x1p26f / PIXELS);
     film_denoiser_free(d);
 }
@@ -115,7 +115,7 @@ static void guides_are_passed_on(void **state) {
     (void)state;
     struct film_denoiser *d = open_fake("guides");
     struct film_noisy image = noisy(WIDTH, HEIGHT, 1.0f);
-    for (int i = 0; i < PIXELS; i++) light[i] = rgb_grey(1.0f);  // its level is 1
+    for (int i = 0; i < PIXELS; i++) light[i] = rgb_grey(1.0f);  // its brightness is 1
     for (int clean = 0; clean < 2; clean++) {
         const float factor = clean ? 2.0f : 1.0f;
         image.clean = clean;
@@ -186,7 +186,7 @@ static void a_library_that_does_not_serve_is_refused(void **state) {
     refuse(getenv("FAKE_OIDN_LIBRARY"), "device", "the fake has no device");
 }
 
-// Relative root mean square error against a flat image of the level 1.
+// Relative root mean square error against a flat image of the brightness 1.
 static double error_of(const rgb *image) {
     double sum = 0.0;
     for (int i = 0; i < PIXELS; i++) {
@@ -224,7 +224,7 @@ static void the_real_one_denoises(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(it_is_opened_and_tried),
-        cmocka_unit_test(any_level_of_light_is_taken),
+        cmocka_unit_test(any_brightness_of_light_is_taken),
         cmocka_unit_test(what_it_cannot_hold_stays),
         cmocka_unit_test(black_stays_black),
         cmocka_unit_test(one_pixel_is_an_image),

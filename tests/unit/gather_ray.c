@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Gather rays that look for lights: what they meet is weighed against the light samples of the very
-// point that they leave, though they begin off its surface and cells of what is seen may end there.
+// point that they leave, though they begin off its surface and cells of what is visible may end
+// there.
 #include "gather/gather.h"
 
 #include <setjmp.h>
@@ -28,15 +29,15 @@ static void scene_of(struct test_scene *t) {
 
 // Two cells that meet at `height`: the lower one hardly sees the sky, the upper one not the lamp.
 static struct guide_visibility *cells_at(float height) {
-    struct guide_visibility *seen = calloc(1, sizeof *seen);
-    assert_non_null(seen);
-    seen->choice = true;
-    seen->cells.depth = 1;
-    seen->cells.split[0] = (struct split_plane){v3(0, 0, 1), height};
+    struct guide_visibility *visibility = calloc(1, sizeof *visibility);
+    assert_non_null(visibility);
+    visibility->choice = true;
+    visibility->cells.depth = 1;
+    visibility->cells.split[0] = (struct split_plane){v3(0, 0, 1), height};
     for (int cell = 0; cell < 2; cell++)
         for (int light = 0; light < 2; light++)
-            seen->visible[cell][light] = cell == light ? .02f : 1;
-    return seen;
+            visibility->visible[cell][light] = cell == light ? .02f : 1;
+    return visibility;
 }
 
 static void light_is_weighed_at_the_point_that_rays_leave(void **state) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Photons go to the lights by what is seen of their light: a lamp in a closed room, in a bright
+// Photons go to the lights by what is visible of their light: a lamp in a closed room, in a bright
 // sky.
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is seen of the lights: in a room with a hole in its wall, directions of the sky that are
+// What is visible of the lights: in a room with a hole in its wall, directions of the sky that are
 // drawn there mostly go through the hole, and bring the light that all of them do; a lamp behind a
 // wall is hardly chosen.
 #include <setjmp.h>
@@ -61,7 +61,7 @@ static struct tally sample(const struct test_scene *t, const struct light_histog
     return tally;
 }
 
-// Learns what is seen by that many threads.
+// Learns what is visible by that many threads.
 static struct guide_visibility *look(struct test_scene *t, int threads) {
     satin_options options = satin_options_default;
     struct parallel *pool = parallel_new(threads);

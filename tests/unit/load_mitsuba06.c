@@ -7,7 +7,7 @@
 #include "load/load_params.h"
 #include "scene_case.h"
 
-static const char old[] =
+static const char mitsuba06[] =
     "<scene version='0.6.0'><integrator type='path'><integer name='maxDepth' value='7'/>"
     "<boolean name='hideEmitters' value='true'/></integrator>"
     "<sensor type='thinlens'><float name='fov' value='40'/><string name='fovAxis' value='y'/>"
@@ -22,9 +22,9 @@ static const char old[] =
 static void translates(void **state) {
     (void)state;
     struct scene_case c;
-    assert_null(scene_case_load(&c, old));  // the colour's '#'
+    assert_null(scene_case_load(&c, mitsuba06));  // the colour's '#'
     char text[2048];
-    snprintf(text, sizeof text, "%s", old);
+    snprintf(text, sizeof text, "%s", mitsuba06);
     memcpy(strchr(text, '#'), "1", 1);
     satin_scene *scene = scene_case_load(&c, text);
     assert_non_null(scene);

@@ -173,7 +173,7 @@ static void includes_files(void **state) {
     assert_int_equal(c.errors, 1);
 }
 
-// Includes that branch three ways at every level stop at the bound on files.
+// Includes that branch three times in every file stop at the bound on files.
 static void includes_are_bounded(void **state) {
     (void)state;
     struct scene_case c;
@@ -268,7 +268,7 @@ static void nesting_is_bounded(void **state) {
     struct load_xml xml;
     assert_int_equal(read_text(&c, text, &xml), SATIN_ERROR_INPUT);
     free(text);
-    assert_string_equal(c.error, "scene.xml:1:1410: elements are nested deeper than 64 levels");
+    assert_string_equal(c.error, "scene.xml:1:1410: elements are nested more than 64 deep");
     assert_int_equal(c.errors, 1);
 }
 

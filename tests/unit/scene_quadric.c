@@ -9,7 +9,7 @@
 static struct quadric make(enum shape_kind kind, struct mat4 m, bool flip) {
     struct shape shape = {.kind = kind, .flip_normals = flip};
     struct quadric q;
-    assert_true(scene_shape_place(&shape, &m));
+    assert_true(scene_shape_transform(&shape, &m));
     assert_true(quadric_make(&shape, 3, &q));
     assert_int_equal(q.shape, 3);
     return q;
@@ -97,7 +97,7 @@ static void refuses_flat_transforms(void **state) {
     struct shape shape = {.kind = SHAPE_SPHERE};
     struct mat4 flat = mat4_scale(v3(1, 1, 0));
     struct quadric q;
-    assert_false(scene_shape_place(&shape, &flat));
+    assert_false(scene_shape_transform(&shape, &flat));
     shape.to_world = mat4_identity();
     assert_false(quadric_make(&shape, 0, &q));  // no radius
     shape.kind = SHAPE_DISK;

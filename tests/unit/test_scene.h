@@ -95,7 +95,7 @@ static inline uint32_t test_cube(struct test_scene *t, struct mat4 m, bool insid
 static inline uint32_t test_quadric(struct test_scene *t, enum shape_kind kind, struct mat4 m,
                                     bool inside, uint32_t material) {
     struct shape s = {.kind = kind, .material = material, .flip_normals = inside};
-    assert_true(scene_shape_place(&s, &m));
+    assert_true(scene_shape_transform(&s, &m));
     return test_add_shape(t, s);
 }
 
