@@ -16,8 +16,10 @@
 //            is treated as the horizon under it. All H with m != 0 vanish at the horizon.
 //   norm     Both bases are orthonormal over their domain; integral L F = dot(Lambda, Phi).
 //   channels Vectors of several channels lie one after another: out[channel * n * n + index].
-//   units    Directions are unit vectors, angles radians. A direction that is not unit, zero or NaN
-//            gives values without meaning and does no other harm.
+//   units    Directions are unit vectors without unit, angles [rad]; coefficients have the unit of
+//            the function, so that rsh_dot3 of radiance and a BRDF in harmonics is radiance. A
+//            direction that is not unit, zero or NaN gives values without meaning and does no other
+//            harm.
 //
 // Functions that take an order return false, and write nothing, if it is not 1 .. RSH_MAX_ORDER; so
 // do those that take a basis, if it is neither of the two.
@@ -120,13 +122,13 @@ RSH_API bool rsh_import(const rsh_convention *from, int order, int channels, con
 // A matrix, a frame or an angle with a NaN or an entry beyond 1e9: false, nothing is written. One
 // that is not orthonormal gives finite values without meaning.
 
-// About z by `angle` [K05 D].
+// About z by `angle` [rad] [K05 D].
 RSH_API bool rsh_rotate_z(int order, int channels, float angle, const float *in, float *out);
-// About y by `angle`, exact to rounding.
+// About y by `angle` [rad], exact to rounding.
 RSH_API bool rsh_rotate_y(int order, int channels, float angle, const float *in, float *out);
 
-// Truncations of the rotation about y at small angles [K05 5.3]: the series to first order; with
-// the diagonal of the second ("1.5th"); to second order.
+// Truncations of the rotation about y at small angles [rad] [K05 5.3]: the series to first order;
+// with the diagonal of the second ("1.5th"); to second order.
 typedef enum rsh_taylor { RSH_TAYLOR_1 = 0, RSH_TAYLOR_1_5, RSH_TAYLOR_2 } rsh_taylor;
 RSH_API bool rsh_rotate_y_taylor(rsh_taylor kind, int order, int channels, float angle,
                                  const float *in, float *out);
@@ -138,7 +140,7 @@ RSH_API bool rsh_rotate(int order, int channels, const float r[9], const float *
 typedef struct rsh_zyz {
     float alpha, beta, gamma;
 } rsh_zyz;
-// beta is 0 .. pi. Where it is 0 up to rounding, alpha is 0.
+// All angles are in [rad]; beta is 0 .. pi. Where it is 0 up to rounding, alpha is 0.
 RSH_API rsh_zyz rsh_zyz_of_matrix(const float r[9]);
 RSH_API bool rsh_rotate_zyz(int order, int channels, rsh_zyz angles, const float *in, float *out);
 
@@ -164,8 +166,9 @@ RSH_API bool rsh_rotate_ivanic(int order, int channels, const float r[9], const 
 #define RSH_MAX_BLOCKS (RSH_MAX_ORDER * (2 * RSH_MAX_ORDER - 1) * (2 * RSH_MAX_ORDER + 1) / 3)
 RSH_API int rsh_blocks_size(int order);
 RSH_API bool rsh_rotation_blocks(int order, const float r[9], float *blocks);
-// Derivatives 0 .. highest by beta of the rotation about y, at beta, one after another in
-// blocks[(highest + 1) * rsh_blocks_size(order)] [K05 C]. Their rounding grows as order^highest.
+// Derivatives 0 .. highest by beta [rad^-1 each] of the rotation about y, at beta [rad], one after
+// another in blocks[(highest + 1) * rsh_blocks_size(order)] [K05 C]. Their rounding grows as
+// order^highest.
 RSH_API bool rsh_rotation_y_derivatives(int order, float beta, int highest, float *blocks);
 RSH_API bool rsh_apply_blocks(int order, int channels, const float *blocks, const float *in,
                               float *out);
@@ -180,8 +183,8 @@ RSH_API bool rsh_rotate_stretched(int order, int channels, const float r[9], con
 
 // Coefficients given in frame `from`, re-expressed in frame `to`; frames are rows u, v, n of one
 // right-handed orthonormal basis each. Costs a copy when the frames agree and a rotation about z
-// when the normals do. Up to the angle `beta_limit` between the normals the fast form is used,
-// beyond it the true one; beta_limit 0, or a NaN, is always true, 4 never.
+// when the normals do. Up to the angle `beta_limit` [rad] between the normals the fast form is
+// used, beyond it the true one; beta_limit 0, or a NaN, is always true, 4 never.
 //   sphere      fast: the second-order series, which adds an error of 1 % of radiance at 10 degrees
 //               and 5 % at 15 for order 10, and saves a quarter of the time or less. True: the
 //               exact rotation.
@@ -211,7 +214,7 @@ typedef struct rsh_reflection {
     float beta_limit;          // as for rsh_align
     const float *value;        // [3 * n * n]
     const float *d_dx, *d_dy;  // the same size; NULL: none
-    float x, y;                // displacement in the record's frame
+    float x, y;                // displacement in the record's frame, in the derivatives' length
     const float *brdf;         // [brdf_channels * n * n]
     int brdf_channels;         // 3, or 1 for all colours
 } rsh_reflection;
@@ -220,7 +223,8 @@ RSH_API bool rsh_reflect(const rsh_reflection *reflection, float out[3]);
 // Rotation and alignment of `count` records at once, as structures of arrays: coefficient k of
 // channel c of record i is in[(c * n * n + k) * count + i], entry e of its matrix or frame is
 // r[e][i]. out == in is allowed. A record's result does not depend on the others. Blocks of 16 to
-// 64 records stay in the first cache. These calls take up to 256 kB of stack.
+// 64 records stay in the first cache. These calls take up to 256 kB of stack
+// of the calling thread.
 RSH_API bool rsh_rotate_many(int order, int channels, size_t count, const float *const r[9],
                              const float *in, float *out);
 RSH_API bool rsh_rotate_taylor_many(rsh_taylor kind, int order, int channels, size_t count,

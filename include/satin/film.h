@@ -10,14 +10,15 @@
 extern "C" {
 #endif
 
-// Reads an OpenEXR file (scanline or tiled, first part, any pixel type). `log` may be NULL; it is
+// Reads an OpenEXR file (scanline or tiled, first part, any pixel type); values stay in the file's
+// units. `path` and `film` must not be NULL. `log` may be NULL; it is
 // called on this thread. The caller frees *film with satin_film_free; on failure it is untouched.
 // SATIN_ERROR_INPUT: it cannot be read, is no such file, or of a kind that is not supported;
 // SATIN_ERROR_MEMORY. Thread-safe.
 SATIN_API satin_status satin_film_read(const char *path, satin_log_fn log, void *log_user,
                                        satin_film **film);
 // Frees the film, and with it its channels, names and statistics. NULL is allowed. No other thread
-// may use the film then.
+// may use the film then, but other films may be freed at the same time.
 SATIN_API void satin_film_free(satin_film *film);
 
 // The film's size [pixels], of the crop window if the scene has one. Neither pointer may be NULL.
@@ -36,8 +37,10 @@ SATIN_API const float *satin_film_channel(const satin_film *film, const char *na
 // Writes all channels and attributes as OpenEXR (float, ZIP), or the beauty as 8-bit sRGB PNG. The
 // file appears whole or not at all, and replaces one of that name. `log` may be NULL; it is called
 // on this thread. SATIN_ERROR_IO, logged, if it cannot be written; SATIN_ERROR_ARGUMENT, logged, if
-// it has no channels, or for PNG no R, G and B; SATIN_ERROR_MEMORY. Thread-safe, but for two calls
-// that write one path: the last one to end wins.
+// it has no channels, or for PNG no R, G and B; SATIN_ERROR_MEMORY; SATIN_ERROR_INTERNAL: libpng
+// failed. Neither `film` nor `path` may be NULL; the film stays the caller's. Values are written in
+// their units, and to PNG clamped to [0, 1]. Thread-safe, but for two calls that write one path:
+// the last one to end wins.
 SATIN_API satin_status satin_film_write_exr(const satin_film *film, const char *path,
                                             satin_log_fn log, void *log_user);
 SATIN_API satin_status satin_film_write_png(const satin_film *film, const char *path,

@@ -141,13 +141,15 @@ typedef struct satin_options {
 extern SATIN_API const satin_options satin_options_default;
 
 // Sets every field that a quality preset decides; the others stay. `options` must not be NULL and
-// `quality` be one of the enum.
+// `quality` be one of the enum. Thread-safe, where no other thread uses *options.
 SATIN_API void satin_options_preset(satin_options *options, satin_quality quality);
 
 // Sets one option from text, by the name of its field (`-` and `_` are the same); `quality` applies
 // its preset; `material.NAME.cache` = on or off adds to material_cache. SATIN_ERROR_INPUT, with one
 // logged line that names the nearest option, or what an option is called now, or the range, if the
-// name or the value is wrong; then nothing changes. `log` may be NULL; it is called on this thread.
+// name or the value is wrong; then nothing changes. Units are the field's, angles
+// radians and times seconds. The texts are read during the call only and must not be NULL. `log`
+// may be NULL; it is called on this thread. Thread-safe, where no other thread uses *options.
 SATIN_API satin_status satin_options_set(satin_options *options, const char *name,
                                          const char *value, satin_log_fn log, void *log_user);
 
@@ -160,14 +162,16 @@ typedef struct satin_setting {
 // quality (the last one in `settings`, else the scene's, else preview), the options of the scene's
 // `<integrator type="satin">`, then `settings` in order (`count` of them, may be NULL). Without a
 // scene (NULL) it checks the settings. SATIN_ERROR_INPUT with one logged line if one is wrong; then
-// *out is untouched.
+// *out is untouched. `out` must not be NULL; `log` may be; it is called on this thread. The texts
+// are read during the call only. Thread-safe; the scene may be in use by others.
 SATIN_API satin_status satin_options_resolve(const satin_scene *scene,
                                              const satin_setting *settings, size_t count,
                                              satin_log_fn log, void *log_user, satin_options *out);
 
 // Describes option `index` (from 0): name, value as text in `options`, range and documentation,
 // with units where it has some. The texts are static, but for `value`, which is a copy. False, and
-// *out is untouched, beyond the last.
+// *out is untouched, below 0 and beyond the last. Neither pointer may be NULL. Thread-safe, where
+// no other thread changes *options.
 typedef struct satin_option_info {
     const char *name, *range, *doc;
     char value[256];

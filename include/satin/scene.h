@@ -49,11 +49,11 @@ SATIN_API satin_status satin_scene_load_with(const char *path, const satin_defin
 SATIN_API void satin_scene_free(satin_scene *scene);
 
 // A 64-bit hash of everything that was read: the same scene in the same files gives the same value.
-// Thread-safe.
+// `scene` must not be NULL. Thread-safe.
 SATIN_API uint64_t satin_scene_hash(const satin_scene *scene);
 
 // The film size that the scene asks for [pixels], of the crop window if it has one.
-// Neither pointer may be NULL. Thread-safe.
+// No pointer may be NULL. Thread-safe.
 SATIN_API void satin_scene_film_size(const satin_scene *scene, int *width, int *height);
 
 #ifdef __cplusplus
