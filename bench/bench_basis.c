@@ -69,7 +69,7 @@ static bool gather_light(const struct gather *g, float u, float v, struct incide
     struct gather_scratch *scratch = gather_scratch_new(RAYS);
     float lambda[3 * N2];
     for (uint64_t layer = 0; layer < LAYERS; layer++) {
-        const struct gather_site site = {s.p, n, frame_from_normal(n), layer};
+        const struct gather_site site = {s.p, n, frame_from_normal(n), layer, true};
         const struct gather_hemisphere h = gather_hemisphere_trace(g, layout, &site, scratch);
         gather_hemisphere_radiance(g, &h, &(struct gather_radiance){.lambda = lambda});
         for (size_t i = 0, k = layer * RAYS; i < RAYS; i++, k++) {

@@ -224,7 +224,7 @@ static void gather_jobs(void *ctx, size_t begin, size_t end, int worker) {
         const struct cache_site *s = job->site;
         const struct gather_layout *layout =
             cache_rays_layout(c, b->kind, s, b->fill->a * b->fill->widest);
-        struct gather_site site = {s->p, s->ng, s->frame, s->stream};
+        struct gather_site site = {s->p, s->ng, s->frame, s->stream, true};
         for (int attempt = 0; attempt < ATTEMPTS && !job->valid; attempt++) {
             const struct gathered from = {gather_hemisphere_trace(c->g, layout, &site, scratch),
                                           site, scratch, hessian};

@@ -148,9 +148,9 @@ rgb gather_path_eye(const struct gather *g, struct ray ray, struct sampler *samp
 // A gather ray, which the caller fills, and what it found, which gather_rays fills.
 struct gather_ray {
     struct ray ray;
-    uint32_t item;    // numbers the random decisions behind the hit
-    float spread;     // width per distance of what it stands for, for textures and
-                      // sharp lobes; 0: a point
+    uint32_t item;      // numbers the random decisions behind the hit
+    float spread;       // width per distance of what it stands for, for textures; 0: a point
+    float alpha_least;  // roughness that lobes at its hit have at least
     const vec3 *lit;  // the point whose light it looks for, to which gather_direct brings the rest:
                       // fill Le, light_pdf and Le_specular; NULL: leave these 0
     // Found:
@@ -188,6 +188,8 @@ struct gather_site {
     vec3 p, ng;          // the surface point and its geometric normal
     struct frame frame;  // hemisphere about frame.n
     uint64_t stream;     // random stream of this site
+    bool record;         // it stands alone: rays see sharp lobes as wide as what they stand for.
+                         // Else it is averaged with others of its pixel
 };
 
 // Constants of a stratified hemisphere of about `rays` rays: uniform for harmonics of `order`, or

@@ -24,10 +24,12 @@ size_t gather_cluster_rays_add(const struct gather *g, const struct gather_layou
         scratch->x[i] = local.x;
         scratch->y[i] = local.y;
         scratch->z[i] = local.z;
+        const float spread = g->options->texture_filter ? sqrtf(1.0f / density) : 0.0f;
         scratch->rays[i] = (struct gather_ray){
             .ray = scene_spawn(g->scene, site->p, site->ng, w),
             .item = (uint32_t)i,
-            .spread = g->options->texture_filter ? sqrtf(1.0f / density) : 0.0f,
+            .spread = spread,
+            .alpha_least = gather_alpha_least(site, spread),
         };
     }
     return (size_t)draw.drawn;

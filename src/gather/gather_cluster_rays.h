@@ -22,4 +22,8 @@ void gather_cluster_rays_weigh(const struct gather_cluster_rays *clusters,
                                const struct gather_layout *layout, struct gather_scratch *scratch,
                                size_t count);
 
+// Roughness that a site's rays see lobes to have at least, by the width of the directions for which
+// a ray stands (gather_hemisphere.c).
+float gather_alpha_least(const struct gather_site *site, float spread);
+
 #endif

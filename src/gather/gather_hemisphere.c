@@ -8,6 +8,17 @@
 #include "gather/gather_gradients.h"
 #include "rsh/rsh.h"
 
+// A lobe that is sharper than the directions for which a ray stands shows in few of its neighbours,
+// and there outweighs the whole hemisphere, as the lamp's image in a polished ceiling. For records
+// it is seen as if it were as wide, facets of roughness alpha spreading light by about 2 alpha to
+// each side [after Kaplanyan and Dachsbacher 2013]; that ends as rays become many. At most this: 20
+// rays and fewer.
+static const float ALPHA_LEAST_MOST = 0.3f;
+
+float gather_alpha_least(const struct gather_site *site, float spread) {
+    return site->record ? minf(0.5f * spread, ALPHA_LEAST_MOST) : 0.0f;
+}
+
 // One jittered ray per cell, row by row.
 static void make_stratified_rays(const struct gather *g, const struct gather_layout *l,
                                  struct gather_scratch *scratch, const struct gather_site *site) {
@@ -28,6 +39,7 @@ static void make_stratified_rays(const struct gather *g, const struct gather_lay
             out->ray = scene_spawn(g->scene, site->p, site->ng, frame_to_world(&site->frame, w));
             out->item = (uint32_t)i;
             out->spread = spread;
+            out->alpha_least = gather_alpha_least(site, spread);
             out->lit = NULL;
         }
 }

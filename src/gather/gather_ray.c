@@ -101,7 +101,8 @@ static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t 
 // Traces one ray. True if its hit is left in *hit for shade_hits.
 static bool trace_ray(const struct gather *g, struct gather_ray *ray, uint32_t seed,
                       struct gather_hit *hit) {
-    const struct gather_segment_start start = {ray->ray, ray->spread, ray->lit, 1};
+    const struct gather_segment_start start = {ray->ray, ray->spread, ray->alpha_least, ray->lit,
+                                               1};
     struct gather_segment segment = {.first = GATHER_NOTHING};
     const satin_first_pass first_pass = g->options->first_pass;
     const struct sampler sampler = {ray->item, seed, 0};

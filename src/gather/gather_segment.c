@@ -10,12 +10,6 @@ enum { DELTA_SURE = 32 };  // ideal specular surfaces in a row, after which chan
 // some hundred.
 static const float DELTA_SURVIVE = 0.98f;
 
-// A lobe that is sharper than the directions for which a ray stands shows in few of its neighbours,
-// and there outweighs the whole hemisphere, as the lamp's image in a polished ceiling: it is seen
-// as if it were as wide, facets of roughness alpha spreading light by about 2 alpha to each side
-// [after Kaplanyan and Dachsbacher 2013]. It ends with the number of rays: 1 at 2 pi / 4 of them.
-static const float ALPHA_LEAST_MOST = 0.5f;
-
 // Adds the emitted light that the segment meets at `hit`, or beyond all surfaces if that is NULL.
 static void add_met_light(const struct gather *g, const struct gather_segment_start *start,
                           const struct light_chain *chain, vec3 d, const struct interaction *hit,
@@ -64,7 +58,7 @@ bool gather_segment_trace(const struct gather *g, const struct gather_segment_st
         const float stop = end_probability(end), u = stop < 1.0f ? sampler_1d(sampler) : 0.0f;
         if (u < stop) {
             out->T = rgb_scale(out->T, 1.0f / stop);
-            end->brdf.alpha_least = minf(0.5f * start->spread, ALPHA_LEAST_MOST);
+            end->brdf.alpha_least = start->alpha_least;
             return true;
         }
         out->first.ng = GATHER_NOTHING.ng;

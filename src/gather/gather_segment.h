@@ -8,8 +8,8 @@
 // Where a segment starts.
 struct gather_segment_start {
     struct ray ray;
-    float spread;     // width per distance of what the ray stands for, for textures and
-                      // sharp lobes; 0: a point
+    float spread;       // width per distance of what the ray stands for, for textures; 0: a point
+    float alpha_least;  // roughness that lobes at its end have at least
     const vec3 *lit;  // the surface point that the ray leaves, whose light samples emitted light is
                       // weighed against; NULL: do not look for emitted light
     int depth;        // segments between the eye and that point

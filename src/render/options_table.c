@@ -92,10 +92,9 @@ const struct option options_table[] = {
      "Direct light is sampled by what is visible of the lights around a point, as of the sky "
      "through windows; with integrator two-pass."},
     {"texture-filter", OPTION_BOOL, AT(texture_filter), false, "off|on",
-     "Colours from bitmaps are averaged over the footprint of an eye ray or gather ray, and a "
-     "gather "
-     "ray sees glossy lobes as at least as wide as the directions for which it stands; integrator "
-     "path takes both as they are."},
+     "Colours from bitmaps are averaged over the footprint of an eye ray or gather ray, and rays "
+     "of records see glossy lobes as at least as wide as the directions for which they stand; "
+     "integrator path takes both as they are."},
 
     {"irradiance-cache", OPTION_BOOL, AT(irradiance_cache), false, "off|on",
      "Interpolate diffuse indirect light between records; off: gather at every sample."},

@@ -22,7 +22,7 @@ static void add_uncached(struct shade_job *job, enum shade_layer layer, rgb L) {
 
 static struct gather_site site_of(const struct shade_job *job) {
     const struct gather_point *p = &job->vertex->point;
-    return (struct gather_site){p->interaction.p, p->interaction.ng, p->base, job->stream};
+    return (struct gather_site){p->interaction.p, p->interaction.ng, p->base, job->stream, false};
 }
 
 // E on a facet that a bump map has rotated, as cache_irradiance computes it.
@@ -111,6 +111,7 @@ static int draw_rays(struct shade_job *job, unsigned lobes, int count, struct ga
         vec3 d = frame_to_world(&p->frame, b.wi);
         ray[rays].ray = scene_spawn(job->shade->g->scene, p->interaction.p, p->interaction.ng, d);
         ray[rays].item = u.index;
+        ray[rays].alpha_least = 0.0f;
         ray[rays].lit = &p->interaction.p;
         ray[rays].spread = sharp ? 0.0f : fminf(1.0f / sqrtf(b.pdf_w * (float)count), SPREAD_MAX);
         weight[rays] = b.weight;

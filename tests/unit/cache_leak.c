@@ -35,7 +35,7 @@ static void start(struct fixture *f) {
     f->cache = (struct cache){.g = &f->g};
 
     const vec3 up = v3(0, 0, 1);
-    struct gather_site site = {v3(0.2f, 0, 0), up, frame_from_tangent(up, v3(1, 0, 0)), 7};
+    struct gather_site site = {v3(0.2f, 0, 0), up, frame_from_tangent(up, v3(1, 0, 0)), 7, true};
     struct gather_layout *layout = gather_layout_new(600, SATIN_HSH, 0);
     struct gather_scratch *scratch = gather_scratch_new(gather_layout_rays(layout));
     struct gather_irradiance value;

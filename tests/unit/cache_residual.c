@@ -68,7 +68,7 @@ static rgb reflected(const struct fixture *f) {
 // What the rays of the same record say of it.
 static rgb by_rays(const struct fixture *f) {
     const struct cache_site *s = &f->c.site[0];
-    const struct gather_site site = {s->p, s->ng, s->frame, s->stream};
+    const struct gather_site site = {s->p, s->ng, s->frame, s->stream, true};
     const struct brdf brdf = shiny();
     float lambda[3 * ORDER * ORDER];
     struct gather_radiance radiance = {.lambda = lambda};

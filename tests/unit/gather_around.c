@@ -64,7 +64,8 @@ static void stop(struct fixture *f) {
 static double irradiance(struct fixture *f, float x, float z, uint64_t stream,
                          struct gather_around *around) {
     vec3 n = v3(0, 1, 0);
-    struct gather_site site = {v3(x, -1.0f, z), n, frame_from_tangent(n, v3(1, 0, 0)), stream};
+    struct gather_site site = {v3(x, -1.0f, z), n, frame_from_tangent(n, v3(1, 0, 0)), stream,
+                               true};
     struct gather_irradiance value;
     const struct gather_hemisphere hemisphere =
         gather_hemisphere_trace(&f->g, f->layout, &site, f->scratch);

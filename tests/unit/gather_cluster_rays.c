@@ -64,7 +64,7 @@ static void stop(struct fixture *f) {
 
 static struct gather_site floor_site(uint64_t stream) {
     vec3 n = v3(0, 1, 0);
-    return (struct gather_site){v3(-0.3f, -1.0f, 0.4f), n, frame_from_normal(n), stream};
+    return (struct gather_site){v3(-0.3f, -1.0f, 0.4f), n, frame_from_normal(n), stream, true};
 }
 
 // The flux into the spot, reflected, comes to p from one direction: E over the cosine at p.

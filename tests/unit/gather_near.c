@@ -61,7 +61,7 @@ static void stop(struct fixture *f) {
 
 static struct gather_site ceiling_site(uint64_t stream) {
     const vec3 n = v3(0, -1, 0);
-    return (struct gather_site){v3(0.9f, 1.0f, 0.3f), n, frame_from_normal(n), stream};
+    return (struct gather_site){v3(0.9f, 1.0f, 0.3f), n, frame_from_normal(n), stream, true};
 }
 
 // Irradiance at the site: the flux into the spot is reflected to y as from a point, then to the
