@@ -30,9 +30,10 @@ void photon_maps_free(struct photon_maps *maps);  // NULL is allowed
 
 // The first-pass estimate at a surface point: incident irradiance on the side of n (unit), by the
 // nearest photon on that side whose irradiance was precomputed. *radius gets the radius of its
-// density estimate. E includes direct light unless options->gather_direct was set when the maps
-// were built. Black and radius INFINITY where no photon is near that faces as n does and is not
-// behind a wall.
+// density estimate, by the photons around those of the estimate: what is decided by the radius does
+// not depend on the estimate's noise. E includes direct light unless options->gather_direct was set
+// when the maps were built. Black and radius INFINITY where no photon is near that faces as n does
+// and is not behind a wall.
 rgb photon_irradiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
                       vec3 n, float *radius, int *entry);
 // For many points; arrays of `count`. `entry` gets the number of the precomputed entry that

@@ -53,6 +53,46 @@ static bool edge_near(const struct photon_disc *disc) {
     return known == 0;
 }
 
+// Moves the k smallest of n distances to the front, with their rows [Hoare 1961].
+static void move_nearest(int *row, float *distance2, int n, int k) {
+    int lo = 0, hi = n - 1;
+    while (lo < hi) {
+        const float pivot = distance2[lo + (hi - lo) / 2];
+        int i = lo, j = hi;
+        while (i <= j) {
+            while (distance2[i] < pivot) i++;
+            while (distance2[j] > pivot) j--;
+            if (i > j) break;
+            const float d2 = distance2[i];
+            const int at = row[i];
+            distance2[i] = distance2[j];
+            row[i++] = row[j];
+            distance2[j] = d2;
+            row[j--] = at;
+        }
+        if (k - 1 <= j)
+            hi = j;
+        else if (k - 1 >= i)
+            lo = i;
+        else
+            return;
+    }
+}
+
+static float largest(const float *distance2, int n) {
+    float most = 0.0f;
+    for (int i = 0; i < n; i++) most = fmaxf(most, distance2[i]);
+    return most;
+}
+
+float photon_ring_radius(int *row, float *distance2, int k) {
+    for (int i = 0; i < 2 * k; i++)
+        if (row[i] < 0) distance2[i] = INFINITY;
+    move_nearest(row, distance2, 2 * k, k);
+    const float inner2 = largest(distance2, k), outer2 = largest(distance2 + k, k);
+    return sqrtf(isfinite(outer2) ? outer2 - inner2 : inner2);
+}
+
 static uint64_t point_key(vec3 p) {
     union {
         float f[3];

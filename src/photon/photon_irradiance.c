@@ -12,6 +12,11 @@
 // over photons. Lookups are not even over photons, though: an entry in a gap answers for more area
 // than one in a cluster, and its estimate is lower. Over area the two cancel (measured in a
 // furnace: within .3 % for k of 20 to 200, 4 % too bright at 10).
+//
+// Gather rays go on where an entry's estimate is too wide. The radius of the estimate's own disc
+// would not do for that: it is the smaller, the brighter the estimate came out, so that bright ones
+// would be read and dark ones would not. A room lit through a door was .7 % too bright with 100,000
+// photons. Lookups give the radius that as many photons have around the disc.
 #include "photon/photon_map.h"
 
 #include <math.h>
@@ -102,7 +107,7 @@ static void precompute_chunk(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
     struct precompute_job *job = ctx;
     const struct photon_precompute *what = job->what;
-    size_t k = (size_t)what->k;
+    const size_t k = 2 * (size_t)what->k;
     int *row = malloc(GROUP * k * sizeof *row);
     float *distance2 = malloc(GROUP * k * sizeof *distance2);
     if (!row || !distance2) atomic_store(&job->failed, true);
@@ -115,8 +120,10 @@ static void precompute_chunk(void *ctx, size_t begin, size_t end, int worker) {
             query[3 * i + 1] = p.y;
             query[3 * i + 2] = p.z;
         }
-        photon_index_nearest(what->map->index, query, n, what->k, photon_map_far2(what->map), row,
+        photon_index_nearest(what->map->index, query, n, (int)k, photon_map_far2(what->map), row,
                              distance2);
+        for (size_t i = 0; i < n; i++)
+            job->out->ring[at + i] = photon_ring_radius(row + i * k, distance2 + i * k, what->k);
         struct clearing clearing =
             find_clearing(what, at + middle, row + middle * k, distance2 + middle * k);
         for (size_t i = 0; i < n; i++)
@@ -201,8 +208,9 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
     r.position.row = array_new_unset(6 * r.count, sizeof *r.position.row);
     r.E = array_new(r.count, sizeof *r.E);
     r.radius = array_new(r.count, sizeof *r.radius);
+    r.ring = array_new(r.count, sizeof *r.ring);
     r.position.clear = array_new(r.count, sizeof *r.position.clear);
-    if (map->open && r.position.row && r.E && r.radius && r.position.clear) {
+    if (map->open && r.position.row && r.E && r.radius && r.ring && r.position.clear) {
         struct precompute_job job = {.what = what, .out = &r};
         atomic_init(&job.failed, false);
         atomic_init(&job.refused, 0);
@@ -229,12 +237,13 @@ void photon_irradiance_free(struct photon_irradiance *irradiance) {
     free(irradiance->position.row);
     free(irradiance->E);
     free(irradiance->radius);
+    free(irradiance->ring);
     free(irradiance->position.clear);
     *irradiance = (struct photon_irradiance){0};
 }
 
 size_t photon_irradiance_bytes(const struct photon_irradiance *irradiance) {
-    return irradiance->count * (6 * sizeof(float) + sizeof(rgb) + 2 * sizeof(float)) +
+    return irradiance->count * (6 * sizeof(float) + sizeof(rgb) + 3 * sizeof(float)) +
            photon_index_bytes(irradiance->index);
 }
 
@@ -343,7 +352,7 @@ static void look_up_photons(const struct photon_irradiance *r, const struct sati
                 row[i] =
                     is_far(r, row[i], p[j]) ? -1 : search_facing(r, query + 6 * i, n[j], scene);
             E[j] = photon_irradiance_value(r, row[i], p[j]);
-            radius[j] = row[i] >= 0 ? r->radius[row[i]] : INFINITY;
+            radius[j] = row[i] >= 0 ? r->ring[row[i]] : INFINITY;
             if (entry) entry[j] = row[i] >= 0 && stands_within(r, row[i], p[j]) ? row[i] : -1;
         }
     }

@@ -151,6 +151,11 @@ struct photon_query {
     enum photon_correction { AREA_WHOLE = 0, AREA_IF_NEEDED, AREA_MEASURED } correction;
 };
 
+// Of the 2 k photons nearest to a point, moves the k nearest to the front. Returns the radius of a
+// disc as large as the ring in which the others lie: as the k in it are others than those of the
+// estimate, it says how wide the estimate is without regard to whether it came out bright or dark.
+// The radius of the disc itself if there are no 2 k photons.
+float photon_ring_radius(int *row, float *distance2, int k);
 // Sets up the disc of the k rows that photon_index_nearest found for the query.
 void photon_disc_make(const struct photon_query *query, const int *row, const float *distance2,
                       struct photon_disc *out);
@@ -187,6 +192,7 @@ struct photon_irradiance {
     struct photon_positions position;
     rgb *E;            // by entry [W m^-2]
     float *radius;     // by entry, of its estimate; INFINITY: the map has too few photons
+    float *ring;       // by entry, of the photons around those of its estimate: photon_ring_radius
     float influence2;  // squared influence radius of an entry, in units of its squared radius
     bool ends;         // nothing is left of it at three times its influence radius
     float far2;        // squared distance of rows beyond which no entry answers
