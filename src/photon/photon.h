@@ -36,6 +36,12 @@ void photon_maps_free(struct photon_maps *maps);  // NULL is allowed
 // and is not behind a wall.
 rgb photon_irradiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
                       vec3 n, float *radius, int *entry);
+// photon_irradiance where the path from the eye has `bounces` segments more than to the hit of a
+// gather ray: without photons that have bounced so often that the whole path would be longer than
+// the longest. For more than one the part of the light that is left out is taken to be the same of
+// each.
+rgb photon_irradiance_behind(const struct photon_maps *maps, const struct satin_scene *scene,
+                             vec3 p, vec3 n, int bounces, float *radius, int *entry);
 // For many points; arrays of `count`. `entry` gets the number of the precomputed entry that
 // answered for the point's surroundings, or -1 if there is none as near as photons stand around it.
 void photon_irradiance_many(const struct photon_maps *maps, const struct satin_scene *scene,

@@ -147,6 +147,16 @@ rgb photon_disc_irradiance(const struct photon_disc *disc) {
     return E;
 }
 
+rgb photon_disc_last(const struct photon_disc *disc) {
+    rgb E = rgb_grey(0.0f);
+    for (int i = 0; i < disc->count; i++) {
+        const float weight = photon_disc_weight(disc, i);
+        if (!(weight > 0.0f) || !disc->map->photon[disc->row[i]].last) continue;
+        E = rgb_mad(E, disc->map->photon[disc->row[i]].power, weight);
+    }
+    return E;
+}
+
 float photon_disc_clear(const struct photon_disc *disc) {
     float inverse = 1.0f;
     for (int i = 0; disc->corrected && i < AREA_SECTORS; i++)

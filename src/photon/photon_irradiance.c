@@ -99,6 +99,7 @@ static void precompute_one(struct precompute_job *job, size_t entry,
     const bool valid = rgb_finite(E) && disc.r >= 0.0f;
     if (!valid) atomic_fetch_add(&job->refused, 1);
     job->out->E[entry] = valid ? E : rgb_grey(0.0f);
+    if (job->out->last) job->out->last[entry] = valid ? photon_disc_last(&disc) : rgb_grey(0.0f);
     job->out->radius[entry] = valid ? disc.r : INFINITY;
     job->out->position.clear[entry] = photon_disc_clear(&disc);
 }
@@ -208,9 +209,11 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
     r.position.row = array_new_unset(6 * r.count, sizeof *r.position.row);
     r.E = array_new(r.count, sizeof *r.E);
     r.radius = array_new(r.count, sizeof *r.radius);
+    if (map->limited) r.last = array_new(r.count, sizeof *r.last);
     r.ring = array_new(r.count, sizeof *r.ring);
     r.position.clear = array_new(r.count, sizeof *r.position.clear);
-    if (map->open && r.position.row && r.E && r.radius && r.ring && r.position.clear) {
+    if (map->open && r.position.row && r.E && r.radius && r.ring && r.position.clear &&
+        (r.last || !map->limited)) {
         struct precompute_job job = {.what = what, .out = &r};
         atomic_init(&job.failed, false);
         atomic_init(&job.refused, 0);
@@ -238,12 +241,14 @@ void photon_irradiance_free(struct photon_irradiance *irradiance) {
     free(irradiance->E);
     free(irradiance->radius);
     free(irradiance->ring);
+    free(irradiance->last);
     free(irradiance->position.clear);
     *irradiance = (struct photon_irradiance){0};
 }
 
 size_t photon_irradiance_bytes(const struct photon_irradiance *irradiance) {
     return irradiance->count * (6 * sizeof(float) + sizeof(rgb) + 3 * sizeof(float)) +
+           (irradiance->last ? irradiance->count * sizeof(rgb) : 0) +
            photon_index_bytes(irradiance->index);
 }
 
@@ -331,9 +336,21 @@ static bool stands_within(const struct photon_irradiance *r, int row, vec3 p) {
     return d2 <= r->influence2 * sqrf(r->radius[row]);
 }
 
+// The part of an entry's light that may bounce so often more, by colour.
+static rgb part_within(const struct photon_irradiance *r, int row, int bounces) {
+    rgb part = rgb_grey(1.0f);
+    if (!r->last || row < 0) return part;
+    const rgb E = r->E[row], last = r->last[row];
+    for (int i = 0; i < bounces; i++)
+        part = rgb_make(E.r > 0.0f ? part.r * fmaxf(1.0f - last.r / E.r, 0.0f) : 0.0f,
+                        E.g > 0.0f ? part.g * fmaxf(1.0f - last.g / E.g, 0.0f) : 0.0f,
+                        E.b > 0.0f ? part.b * fmaxf(1.0f - last.b / E.b, 0.0f) : 0.0f);
+    return part;
+}
+
 static void look_up_photons(const struct photon_irradiance *r, const struct satin_scene *scene,
-                            size_t count, const vec3 *p, const vec3 *n, rgb *E, float *radius,
-                            int *entry) {
+                            size_t count, const vec3 *p, const vec3 *n, int bounces, rgb *E,
+                            float *radius, int *entry) {
     float query[6 * BATCH], distance2[BATCH];
     int row[BATCH];
     for (size_t at = 0; at < count; at += BATCH) {
@@ -351,7 +368,8 @@ static void look_up_photons(const struct photon_irradiance *r, const struct sati
                 // Where even that is far, paths go on sooner than a search ends.
                 row[i] =
                     is_far(r, row[i], p[j]) ? -1 : search_facing(r, query + 6 * i, n[j], scene);
-            E[j] = photon_irradiance_value(r, row[i], p[j]);
+            E[j] =
+                rgb_mul(photon_irradiance_value(r, row[i], p[j]), part_within(r, row[i], bounces));
             radius[j] = row[i] >= 0 ? r->ring[row[i]] : INFINITY;
             if (entry) entry[j] = row[i] >= 0 && stands_within(r, row[i], p[j]) ? row[i] : -1;
         }
@@ -361,7 +379,7 @@ static void look_up_photons(const struct photon_irradiance *r, const struct sati
 void photon_irradiance_many(const struct photon_maps *maps, const struct satin_scene *scene,
                             size_t count, const vec3 *p, const vec3 *n, rgb *E, float *radius,
                             int *entry) {
-    look_up_photons(&maps->irradiance, scene, count, p, n, E, radius, entry);
+    look_up_photons(&maps->irradiance, scene, count, p, n, 0, E, radius, entry);
 }
 
 size_t photon_irradiance_count(const struct photon_maps *maps) { return maps->irradiance.count; }
@@ -392,8 +410,13 @@ void photon_irradiance_around(const struct photon_maps *maps, size_t entry,
 
 rgb photon_irradiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
                       vec3 n, float *radius, int *entry) {
+    return photon_irradiance_behind(maps, scene, p, n, 0, radius, entry);
+}
+
+rgb photon_irradiance_behind(const struct photon_maps *maps, const struct satin_scene *scene,
+                             vec3 p, vec3 n, int bounces, float *radius, int *entry) {
     rgb E;
-    look_up_photons(&maps->irradiance, scene, 1, &p, &n, &E, radius, entry);
+    look_up_photons(&maps->irradiance, scene, 1, &p, &n, bounces, &E, radius, entry);
     return E;
 }
 
@@ -401,6 +424,6 @@ rgb photon_caustic_irradiance(const struct photon_maps *maps, const struct satin
                               vec3 p, vec3 n) {
     rgb E;
     float radius;
-    look_up_photons(&maps->caustic_irradiance, scene, 1, &p, &n, &E, &radius, NULL);
+    look_up_photons(&maps->caustic_irradiance, scene, 1, &p, &n, 0, &E, &radius, NULL);
     return E;
 }

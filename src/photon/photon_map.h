@@ -20,12 +20,14 @@ struct photon_hit {
     vec3 p;
     rgb power;       // [W]
     uint32_t wi, n;  // packed directions: to where it came from; geometric normal on that side
+    bool last;       // it has bounced as often as photons may
 };
 
 // A photon in a map, where the positions stand apart for the search.
 struct photon {
     rgb power;
     uint32_t wi, n;
+    bool last;  // as of photon_hit
 };
 
 // Unit vectors in 32 bits, by the octahedral map [Cigolle et al. 2014]; off by at most 7e-5 rad.
@@ -76,6 +78,7 @@ struct photon_map {
     struct photon_index *index;
     uint8_t *open;  // every stride-th photon: nothing cuts its disc
     size_t stride;
+    bool limited;               // photons may bounce so and so often
     float radius_max;           // of an estimate
     struct photon_curve curve;  // along which the photons are sorted
 };
@@ -163,6 +166,8 @@ void photon_disc_make(const struct photon_query *query, const int *row, const fl
 float photon_disc_weight(const struct photon_disc *disc, int i);
 // Irradiance [W m^-2]: the weighted sum of the photons' power.
 rgb photon_disc_irradiance(const struct photon_disc *disc);
+// As much of it as photons bring that have bounced as often as they may.
+rgb photon_disc_last(const struct photon_disc *disc);
 // The variance of that sum over all channels: the sum of the squares.
 float photon_disc_variance(const struct photon_disc *disc);
 // The least distance from the centre at which a wall or an edge may be, by the sectors of the disc.
@@ -191,6 +196,7 @@ struct photon_irradiance {
     size_t refused;  // estimates that were not finite
     struct photon_positions position;
     rgb *E;            // by entry [W m^-2]
+    rgb *last;         // by entry, of E by photon_disc_last; NULL: photons may bounce at will
     float *radius;     // by entry, of its estimate; INFINITY: the map has too few photons
     float *ring;       // by entry, of the photons around those of its estimate: photon_ring_radius
     float influence2;  // squared influence radius of an entry, in units of its squared radius

@@ -155,6 +155,7 @@ static satin_status trace_global(const struct photon_pass *pass, struct photon_m
 
 static satin_status build_irradiance(const struct photon_pass *pass, struct photon_maps *maps) {
     maps->global.radius_max = INFINITY;
+    maps->global.limited = pass->options->max_depth >= 0;
     // Who sees the photons themselves only asks whether an edge is near, which a few photons of
     // each estimate know.
     size_t stride = PHOTON_STRIDE;

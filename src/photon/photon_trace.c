@@ -53,6 +53,7 @@ struct run {
 struct flight {
     struct ray ray;
     rgb power;
+    bool last;                           // it has bounced as often as it may
     enum photon_class class;             // direct: unless a chain deflects it, see class_of
     struct light_chain chain;            // of a direct photon
     unsigned classes[PHOTON_CONSUMERS];  // classes that each consumer gets of this path
@@ -87,7 +88,8 @@ static bool keep_hit(const struct satin_scene *scene, struct chunk *chunk,
     const struct material *material = &scene->material[s->material];
     const float opacity = s->light < 0 ? material_opacity(material, &at) : 1.0f;
     const enum photon_class class = class_of(f);
-    struct photon_hit hit = {.p = s->p, .wi = photon_pack(wi), .n = photon_pack(n)};
+    struct photon_hit hit = {
+        .p = s->p, .wi = photon_pack(wi), .n = photon_pack(n), .last = f->last};
     for (int i = 0; i < PHOTON_CONSUMERS; i++) {
         if (!(f->classes[i] >> class & 1u)) continue;
         hit.power = rgb_scale(f->power, f->factor[i]);
@@ -158,6 +160,7 @@ static void follow_photon(const struct photon_tracing *tracing, struct flight f,
     for (int bounce = 0; bounce <= most; bounce++) {
         struct interaction s;
         if (!scene_intersect(scene, &f.ray, &s)) return;
+        f.last = bounce == tracing->bounces;
         const unsigned wanted = f.classes[0] | f.classes[1] | f.classes[2];
         if (wanted >> class_of(&f) & 1u && keeps_photons(scene, &s, v3_neg(f.ray.d)) &&
             !keep_hit(scene, chunk, &s, &f))

@@ -98,10 +98,50 @@ static void bounces_end_with_the_longest_path(void **state) {
     test_scene_free(&t);
 }
 
+// The longest path holds for light that photons bring to the end of a bounce, too: in the sphere
+// the light of all bounces up to it adds up to a sum that is known. With one bounce more it would
+// be 27 % more.
+static void photons_are_within_the_longest_path(void **state) {
+    (void)state;
+    enum { PATHS = 4000, DEPTH = 5 };
+    const float ALBEDO = 0.9f;
+    struct test_scene t;
+    test_scene_init(&t);
+    test_quadric(&t, SHAPE_SPHERE, mat4_identity(), true, test_diffuse(&t, ALBEDO, ALBEDO, ALBEDO));
+    test_light(&t, (struct light){.kind = LIGHT_POINT, .value = rgb_grey(PI_F)});
+    test_scene_finish(&t);
+    satin_options options = satin_options_default;
+    options.max_depth = DEPTH;
+    options.photons = 100000;
+    options.caustic_photons = 0;
+    struct photon_maps *maps = NULL;
+    struct stats stats = {0};
+    struct parallel *pool = parallel_new(1);
+    assert_int_equal(photon_maps_build(&t.scene, &options, pool, (struct log){0}, &stats, &maps),
+                     SATIN_OK);
+    struct gather g = gather_make(&t.scene, &options, maps);
+    g.lookup_max = INFINITY;
+    struct gather_first first;
+    struct gather_point y;
+    struct sampler sampler = {0, 5, 0};
+    const struct ray ray = {v3(0.1f, 0, 0), 0.0f, v3(1, 0, 0), INFINITY};
+    assert_true(gather_follow(&g, ray, &sampler, &first, &y));
+    const struct gather_estimate none = {rgb_grey(0.0f), false, NULL};
+    double sum = 0.0, expected = 0.0;
+    for (uint32_t i = 0; i < PATHS; i++)
+        sum += (double)gather_bounces(&g, &y, none, NULL, (struct sampler){i, 7, 0}).g / PATHS;
+    for (int k = 1; k <= DEPTH - 2; k++) expected += pow((double)ALBEDO, k);
+    assert_true(fabs(sum / expected - 1.0) < 0.02);
+    photon_maps_free(maps);
+    parallel_free(pool);
+    test_scene_free(&t);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(paths_over_two_lobes_are_unbiased),
         cmocka_unit_test(bounces_end_with_the_longest_path),
+        cmocka_unit_test(photons_are_within_the_longest_path),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
