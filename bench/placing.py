@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Two ways to place records on one scene: at equal number, and how many records the plain way needs
+"""Two placings of records on one scene: at equal number, and how many records the plain one needs
 to be as good.
 
 One layer of the picture counts, against pictures without the cache that have the same first pass
@@ -57,7 +57,7 @@ class Placing:
     kind: str       # of the records: irradiance or radiance
     layer: str      # of the picture
     brute: tuple    # options of pictures without the cache
-    both: tuple     # options of both ways
+    both: tuple     # options of both placings
     part: tuple = (slice(None), slice(None))  # rows and columns that count
 
     def __post_init__(self):
@@ -79,11 +79,11 @@ class Placing:
             self.render(f"brute{seed}", seed, "--spp", "16", *sets(*self.brute))
         return path
 
-    def measure(self, a, *ways):
+    def measure(self, a, *placing):
         images = []
         for seed in SEEDS:
             path, stats = self.render(seed, seed, "--spp", "4", *sets(
-                *self.both, *ways, f"{self.kind}-a={a:.4f}"))
+                *self.both, *placing, f"{self.kind}-a={a:.4f}"))
             images.append(channels(path, self.layer + "."))
         systematic = [((x - self.truth[0]) * (y - self.truth[1]) * self.weight)[self.part].mean()
                       for x, y in itertools.permutations(images, 2)]
@@ -95,7 +95,7 @@ class Placing:
                      numpy.mean(random), numpy.mean(seen))
 
     def search(self, plain, enough, low, high):
-        """The largest accuracy of the plain way that gives `enough`, or the last one tried."""
+        """The largest accuracy of the plain placing that gives `enough`, or the last one tried."""
         best = None
         for _ in range(STEPS):
             a = (low * high) ** 0.5
@@ -114,7 +114,7 @@ class Placing:
               f"{found.random:.1e} | {found.seen:.2%} |", flush=True)
 
     def compare(self, a, better, plain, low):
-        """Prints rows of a table under HEAD; low bounds the accuracy that the plain way needs."""
+        """Prints rows of a table under HEAD; `low` bounds the accuracy of the plain placing."""
         best = self.measure(a, better)
         self.row(better, best)
         self.row(plain, self.search(plain, lambda f: f.records > best.records, low, 2 * a))

@@ -21,7 +21,7 @@ import sys
 import runs
 import unbiased
 
-WAYS = [("two passes", []), ("path", ["--integrator", "path"])]
+METHODS = [("two passes", []), ("path", ["--integrator", "path"])]
 
 
 def rooms(folder):
@@ -51,13 +51,13 @@ def main():
     p = runs.parser(__doc__)
     p.add_argument("--limits", type=float, nargs="+", default=[10, 30], help="wall seconds")
     p.add_argument("--seeds", type=int, default=2)
-    p.add_argument("--denoise", action="store_true", help="both ways again with --denoise")
+    p.add_argument("--denoise", action="store_true", help="both methods again with --denoise")
     # The folder of rooms comes first.
     if len(sys.argv) < 2 or not os.path.isdir(sys.argv[1]):
         sys.exit("skipped: give a folder of rooms, and one for images\n\n" + __doc__)
     folder = sys.argv.pop(1)
     options = p.parse_args()
-    print("| room | seconds | way | error | relMSE | mean | samples per pixel |\n"
+    print("| room | seconds | method | error | relMSE | mean | samples per pixel |\n"
           "|---|---|---|---|---|---|---|")
     for name, scene, reference, (width, height) in rooms(folder):
         size = ["--width", width, "--height", height]
@@ -67,16 +67,16 @@ def main():
             results = {}
             for seed in range(options.seeds):
                 for denoise in [[], ["--denoise"]] if options.denoise else [[]]:
-                    for way, arguments in WAYS:
+                    for method, arguments in METHODS:
                         image, stats = runs.render(
-                            options, scene, f"{name}-{way[:4]}", *size, "--time", str(limit),
+                            options, scene, f"{name}-{method[:4]}", *size, "--time", str(limit),
                             "--seed", str(seed), *arguments, *denoise)
                         row = (exact_error(image, reference, traced),
                                *error(options, image, reference), stats["image.spp"])
-                        results.setdefault(" ".join([way, *denoise]), []).append(row)
-            for way, rows in results.items():
+                        results.setdefault(" ".join([method, *denoise]), []).append(row)
+            for method, rows in results.items():
                 exact, relmse, mean, spp = (statistics.mean(column) for column in zip(*rows))
-                print(f"| {name} | {limit:g} | {way} | {exact:.4f} | {relmse:.4f} | "
+                print(f"| {name} | {limit:g} | {method} | {exact:.4f} | {relmse:.4f} | "
                       f"{100 * mean:+.2f} % | {spp:.1f} |", flush=True)
 
 

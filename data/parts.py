@@ -175,8 +175,8 @@ def sweep(spine, sides, steps):
 
 def curtain(plan, foot, top, rows, steps):
     """An upright sheet over a curve through points of (x, z), between heights that `foot` and `top`
-    give for the part of the way in [0, 1]: a binary PLY with smooth normals, which point to the
-    right of the curve's way."""
+    give for the fraction of the curve in [0, 1]: a binary PLY with smooth normals, which point to
+    the right of the curve's direction."""
     vertices = []
     curve = catmull_rom(plan, steps)
     for i in range(rows + 1):

@@ -20,7 +20,7 @@ static vec3 leaning_axis(vec3 d) {
     return v3(n[0], n[1], n[2]);
 }
 
-// Puts the middle one in the order of keys to its place, lesser ones before it [Hoare 1961].
+// Puts the middle one in the order of keys to its index, lesser ones before it [Hoare 1961].
 static void select_middle(struct split_point *points, size_t count) {
     const ptrdiff_t middle = (ptrdiff_t)(count / 2);
     ptrdiff_t lo = 0, hi = (ptrdiff_t)count - 1;

@@ -94,12 +94,12 @@ static void *helper_main(void *arg) {
     flush_denormals();
     pthread_mutex_lock(&pool->mutex);
     int worker = pool->next_worker++;
-    uint64_t seen = 0;
+    uint64_t last = 0;
     for (;;) {
-        while (!pool->quit && pool->generation == seen)
+        while (!pool->quit && pool->generation == last)
             pthread_cond_wait(&pool->wake, &pool->mutex);
         if (pool->quit) break;
-        seen = pool->generation;
+        last = pool->generation;
         pthread_mutex_unlock(&pool->mutex);
         run_chunks(pool, worker);
         pthread_mutex_lock(&pool->mutex);

@@ -50,8 +50,8 @@ struct brdf {
     float ior;               // interior over exterior index of a dielectric
     float alpha_u, alpha_v;  // roughness along x and y; the principled models' own roughness
     float exponent;          // of phong
-    float alpha_least;       // roughness of glossy lobes seen through a beam of this width over 2:
-                             // sharper ones are as rough; 0: seen along a ray. Not of lafortune or
+    float alpha_least;       // roughness of glossy lobes met by a beam of this width over 2:
+                             // sharper ones are as rough; 0: by a ray. Not of lafortune or
                              // measured models, which have no roughness.
     // Of the principled models, as [Burley 2012, 2015] name them.
     float metallic, anisotropic, spec_trans, spec_tint, sheen, sheen_tint, flatness, clearcoat,

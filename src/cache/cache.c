@@ -151,9 +151,9 @@ void cache_statistics(const struct cache *cache, struct stats *stats) {
                   (double)(cache->irradiance_capacity * sizeof *cache->irradiance) +
                   (double)(cache->radiance_capacity * sizeof *cache->radiance) +
                   (double)cache->radiance_arena.bytes);
-    if (!cache->converged.passes) return;
-    stats_set(stats, "cache.passes", (double)cache->converged.passes);
-    stats_set(stats, "cache.points", (double)cache->converged.points);
-    stats_set(stats, "cache.shrunk", (double)cache->converged.shrunk);
-    stats_set(stats, "cache.overhead_s", cache->converged.seconds);
+    if (!cache->adapted.passes) return;
+    stats_set(stats, "cache.passes", (double)cache->adapted.passes);
+    stats_set(stats, "cache.points", (double)cache->adapted.points);
+    stats_set(stats, "cache.shrunk", (double)cache->adapted.shrunk);
+    stats_set(stats, "cache.overhead_s", cache->adapted.seconds);
 }

@@ -102,7 +102,7 @@ static bool note_changes(struct cache_adaptation *c) {
             before_it.scale = c->scale[i];
             if (!cache_tree_insert(&c->shrunk, &before_it)) return false;
             c->change[i]++;
-            c->cache->converged.shrunk++;
+            c->cache->adapted.shrunk++;
         }
         if (fresh) {
             if (!cache_tree_insert(&c->news, &h)) return false;
@@ -140,7 +140,7 @@ static satin_status fill_gaps(struct cache_adaptation *c) {
     return status;
 }
 
-static satin_status converge(struct cache_adaptation *c) {
+static satin_status adapt_records(struct cache_adaptation *c) {
     struct parallel *pool = c->cache->pool;
     int pass = 0;
     // In the first pass all records are new to all points.
@@ -153,7 +153,7 @@ static satin_status converge(struct cache_adaptation *c) {
         size_t queued = 0;
         for (size_t i = 0; i < c->count; i++) queued += c->point[i].queued;
         if (queued == 0) break;
-        c->cache->converged.points += queued;
+        c->cache->adapted.points += queued;
         if (!parallel_for(pool, c->count, CHUNK_POINTS, evaluate_points, c)) return SATIN_CANCELLED;
         shrink(c);
         for (size_t i = 0; i < c->records; i++)  // so that the points notice
@@ -163,9 +163,9 @@ static satin_status converge(struct cache_adaptation *c) {
         if (status != SATIN_OK) return status;
         double note = stats_wall();
         if (!note_changes(c)) return SATIN_ERROR_MEMORY;
-        c->cache->converged.seconds += gather - start + (stats_wall() - note);
+        c->cache->adapted.seconds += gather - start + (stats_wall() - note);
     }
-    if (c->cache->converged.passes < pass) c->cache->converged.passes = pass;
+    if (c->cache->adapted.passes < pass) c->cache->adapted.passes = pass;
     return SATIN_OK;
 }
 
@@ -183,7 +183,7 @@ satin_status cache_adapt(struct cache *cache, enum cache_kind kind, const struct
         for (size_t i = 0; i < fill->count; i++)
             if (fill->site[i].wants >> kind & 1u) c.site[c.count++] = &fill->site[i];
         const char *part = parallel_begin_part(cache->pool, "adapt");
-        status = c.count ? converge(&c) : SATIN_OK;
+        status = c.count ? adapt_records(&c) : SATIN_OK;
         parallel_begin_part(cache->pool, part);
     }
     free(c.site);

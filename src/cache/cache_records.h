@@ -84,7 +84,7 @@ struct cache {
         int passes;               // of the cache that took more
         uint64_t points, shrunk;  // points that were evaluated, records whose scale was lowered
         double seconds;           // without gathering
-    } converged;
+    } adapted;
 };
 
 // ---- The area of a new record (cache_extent.c) --------------------------------------------------

@@ -100,7 +100,7 @@ static float light_scale(const rgb *light, size_t pixels) {
     return ldexpf(1.0f, (int)fmin(fmax(round(sum / (double)count), -100.0), 100.0));
 }
 
-static void clamp_guides(const struct film_noisy *image, size_t pixels) {
+static void clamp_auxiliary(const struct film_noisy *image, size_t pixels) {
     for (size_t i = 0; i < pixels; i++) {
         rgb *normal = &image->normal[i];
         image->albedo[i] = clamp_color(image->albedo[i], 1.0f);
@@ -118,7 +118,7 @@ satin_status film_denoise(struct film_denoiser *denoiser, const struct film_nois
                                  ? rgb_scale(clamp_color(image->light[i], most), 1.0f / scale)
                                  : image->light[i];
     if (!(scale > 0.0f)) return SATIN_OK;
-    clamp_guides(image, pixels);
+    clamp_auxiliary(image, pixels);
     const satin_status status =
         run_filter(denoiser, image, goes_on, user, SATIN_ERROR_INTERNAL, log);
     if (status != SATIN_OK) return status;

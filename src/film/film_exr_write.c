@@ -13,7 +13,7 @@
 
 enum {
     BATCH = 64,          // compressed chunks held in memory at once
-    ZIP_LEVEL = 4,       // fixed, as defaults differ; noisy floats: 1 to 9 differ by 1.5 % in size
+    ZIP_EFFORT = 4,      // fixed, as defaults differ; noisy floats: 1 to 9 differ by 1.5 % in size
     SHORT_NAME_MAX = 31  // longer names need a flag that readers before OpenEXR 1.7 refuse
 };
 
@@ -161,7 +161,7 @@ static exr_result_t write_header(struct writer *w) {
 static exr_result_t write_file(struct writer *w, struct parallel *pool, size_t *dropped) {
     exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
     init.error_handler_fn = be_silent;
-    init.zip_level = ZIP_LEVEL;
+    init.zip_level = ZIP_EFFORT;
     init.write_fn = write_bytes;
     init.user_data = &w->file;
     exr_result_t r = exr_start_write(&w->exr, w->file.temporary, EXR_WRITE_FILE_DIRECTLY, &init);

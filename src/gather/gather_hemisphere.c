@@ -10,7 +10,7 @@
 
 // A lobe that is sharper than the directions for which a ray stands shows in few of its neighbours,
 // and there outweighs the whole hemisphere, as the lamp's image in a polished ceiling. For records
-// it is seen as if it were as wide, facets of roughness alpha spreading light by about 2 alpha to
+// it is met as if it were as wide, facets of roughness alpha spreading light by about 2 alpha to
 // each side [after Kaplanyan and Dachsbacher 2013]; that ends as rays become many. At most this: 20
 // rays and fewer.
 static const float ALPHA_LEAST_MOST = 0.3f;

@@ -74,7 +74,7 @@ static void direction(double theta, double phi, double out[3]) {
     out[2] = cos(theta);
 }
 
-// Boundaries run with the azimuth, and from the horizon to the pole, as seen with the cell before
+// Boundaries run with the azimuth, and from the horizon to the pole, as met with the stratum before
 // them on the left.
 static void hessian_rows(struct gather_layout *l) {
     const double half = 3.14159265358979323846 / l->N;

@@ -9,7 +9,7 @@
 #include "gather/gather_gradients.h"
 #include "rsh/rsh.h"
 
-// Areas seen at less than this cosine would add most of the variance and little of the gradient.
+// Areas met at less than this cosine would add most of the variance and little of the gradient.
 static const float GRAZING = 0.01f;
 
 // Half the step of finite differences, in distances r of each ray: harmonics of order 14 change

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stratification-based gradients [K05 4.3]: when the centre moves, the boundaries between strata
-// sweep over what is seen, at a rate that the nearer side decides; so changes of occlusion count.
-// Sample directions are jittered per cell; the weights are taken at the fixed boundaries, which is
-// what makes the gradients converge (docs/equations.md, erratum 1).
+// sweep over what is visible, at a rate that the nearer side decides; so changes of occlusion
+// count. Sample directions are jittered per cell; the weights are taken at the fixed boundaries,
+// which is what makes the gradients converge (docs/equations.md, erratum 1).
 //
 // Deviation: where the two sides of a boundary hit one surface, it is their mean distance that
 // counts, not the lesser. The lesser is too short by half of what the surface recedes from cell to

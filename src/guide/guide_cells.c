@@ -37,16 +37,16 @@ static size_t add_path(const struct satin_scene *scene, uint64_t seed, uint32_t 
 
 // Points [first, first + count) of a node, which median splits take down to its cells.
 static void split_cells(struct guide_cells *cells, struct split_point *point, size_t first,
-                        size_t count, size_t node, int level) {
-    if (level == cells->depth) {
+                        size_t count, size_t node, int depth) {
+    if (depth == cells->depth) {
         cells->cell[node + 1 - guide_cells_count(cells)] =
             (struct guide_cell){cells->point + first, count};
         return;
     }
     const size_t left = count / 2;
     cells->split[node] = median_split(point + first, count);
-    split_cells(cells, point, first, left, 2 * node + 1, level + 1);
-    split_cells(cells, point, first + left, count - left, 2 * node + 2, level + 1);
+    split_cells(cells, point, first, left, 2 * node + 1, depth + 1);
+    split_cells(cells, point, first + left, count - left, 2 * node + 2, depth + 1);
 }
 
 bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, struct guide_cells *out) {
@@ -73,7 +73,7 @@ bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, struct gui
 
 size_t guide_cells_find(const struct guide_cells *cells, vec3 p) {
     size_t node = 0;
-    for (int level = 0; level < cells->depth; level++) {
+    for (int depth = 0; depth < cells->depth; depth++) {
         const struct split_plane *border = &cells->split[node];
         node = 2 * node + (v3_dot(border->n, p) < border->at ? 1 : 2);
     }

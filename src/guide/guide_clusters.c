@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Places where light comes down densely: photons of a fraction of all paths are split into leaves
+// Clusters, where photons come down densely: those of a fraction of all paths are split into leaves
 // of equal numbers, and these are gathered into a hierarchy of spheres that keeps what is bright
 // and small together. guide_cones.c looks at it.
 #include <stdlib.h>
@@ -12,7 +12,7 @@
 enum {
     LEAF = 32,  // photons of a leaf
     BINS = 16,  // positions where a node may be split along an axis
-    // Work of one thread; what is larger is split level by level, all parts of a level at once.
+    // Work of one thread; what is larger is split depth by depth, all parts of a depth at once.
     PART = 2048,        // photons
     PART_LEAVES = 128,  // and leaves
     CHUNK = 4096
@@ -262,7 +262,7 @@ static void run_tasks(void *ctx, size_t begin, size_t end, int worker) {
             make_nodes(b, t);
 }
 
-// All nodes, on all threads: large ones level by level. False if the pool was cancelled.
+// All nodes, on all threads: large ones depth by depth. False if the pool was cancelled.
 static bool make_all_nodes(struct tree_building *b, size_t leaves, struct parallel *pool) {
     struct task *all = b->task;
     size_t tasks = 1;

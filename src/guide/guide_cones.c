@@ -33,8 +33,8 @@ static void aim(struct guide_cone *cone, vec3 p) {
     cone->versine = sqrf(sine) / (1.0f + safe_sqrtf(1.0f - sqrf(sine)));
 }
 
-// E and filled of an aimed cone at `distance` from its centre, which is seen at `cosine` from the
-// normal.
+// E and filled of an aimed cone at `distance` from its centre, which is visible at `cosine` from
+// the normal.
 static void estimate_cone(struct guide_cone *cone, float distance, float cosine) {
     const struct guide_cluster *node = cone->cluster;
     const float diverging = 1.0f - v3_len(node->normal);
@@ -48,7 +48,7 @@ struct view {
     const struct guide_cluster *node;
     float most;   // irradiance that may come from it at most; 0: it does not matter
     bool narrow;  // it has a cone
-    bool coarse;  // its children would be seen better
+    bool coarse;  // its children would be met better
 };
 
 static struct view cluster_view(const struct guide_cluster *node, const struct guide_eye *eye,

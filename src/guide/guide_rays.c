@@ -37,10 +37,10 @@ void guide_rays_allocate(struct guide_rays *rays, float expected, size_t stratif
         total += rays->rays[i];
     }
     // No more than half as many as there are without.
-    int halvings = 0;
-    while (total >> halvings > (int)(stratified / 2)) halvings++;
+    int shift = 0;
+    while (total >> shift > (int)(stratified / 2)) shift++;
     for (int i = 0; i < rays->count; i++) {
-        const int n = rays->rays[i] >> halvings;
+        const int n = rays->rays[i] >> shift;
         if (n == 0) continue;
         rays->cone[kept] = rays->cone[i];
         rays->rays[kept] = n;

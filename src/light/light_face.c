@@ -23,7 +23,7 @@ static struct angle angle_difference(struct angle a, struct angle b) {
     return (struct angle){a.c * b.c + a.s * b.s, a.s * b.c - a.c * b.s};
 }
 
-// A right-angled face seen from a point, whose frame is along the face's x, y and n.
+// A right-angled face as a point meets it, whose frame is along the face's x, y and n.
 struct rectangle_view {
     float x0, x1, y0, y1, z0;  // z0 < 0
     float b0, b1, solid_angle;

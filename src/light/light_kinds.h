@@ -60,8 +60,7 @@ float light_texels_density(const struct light_face *face, vec2 st);
 // Builds the distribution of an envmap; sets strength and power. SATIN_ERROR_MEMORY.
 satin_status light_environment_prepare(struct satin_scene *scene, struct light *light);
 
-// ---- Windows (light_histogram.c)
-// -----------------------------------------------------------------
+// ---- Histograms (light_histogram.c) -----------------------------------------------------------
 
 // A direction by the bins, and the density over solid angle of drawing it so.
 vec3 light_histogram_sample(const struct light_histogram *histogram, float u, float v);

@@ -180,8 +180,8 @@ static bool march_to(struct march *m, struct interaction s, vec3 d, const struct
     return false;
 }
 
-// A sample at a point. Behind panes the light is seen as if from beside p, by as much as they shift
-// the ray: the sample is drawn again from there.
+// A sample at a point. Behind panes the light is visible as if from beside p, by as much as they
+// shift the ray: the sample is drawn again from there.
 static bool arrives_from_point(const struct satin_scene *scene, vec3 p, vec3 ng, int panes,
                                struct interaction first, struct light_sample *s) {
     struct ray ray = light_shadow_ray(scene, p, ng, s);

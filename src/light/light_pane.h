@@ -28,7 +28,7 @@ struct light_chain {
     float sagittal_rate, tangential_rate;  // by which they grow per length where the chain is now
 };
 struct light_chain light_chain_begin(vec3 d);
-// Goes `length` to the next surface, and passes s by `next`: seen from wo, in the BRDF's frame
+// Goes `length` to the next surface, and passes s by `next`: as from wo, in the BRDF's frame
 // wo_l.
 void light_chain_advance(struct light_chain *chain, float length);
 void light_chain_pass(struct light_chain *chain, const struct satin_scene *scene,
@@ -37,12 +37,12 @@ void light_chain_pass(struct light_chain *chain, const struct satin_scene *scene
 // Whether light along the chain that goes on along d is direct light.
 bool light_chain_straight(const struct light_chain *chain, vec3 d);
 // Radiance of the emitter that the chain meets, going on along d: `hit` is the surface interaction
-// on it, NULL for the environment, which is seen along the first direction of a straight chain, as
+// on it, NULL for the environment, which is met along the first direction of a straight chain, as
 // light samples see it.
 rgb light_chain_emitted(const struct light_chain *chain, const struct satin_scene *scene,
                         const struct interaction *hit, vec3 d);
-// From where the point q at the chain's end would be seen along chain->d without panes, beside the
-// point p where it began.
+// From where the point q at the chain's end would be visible along chain->d without panes, beside
+// the point p where it began.
 vec3 light_chain_beside(const struct light_chain *chain, vec3 p, vec3 q);
 // The density over solid angle at p of drawing q, over the density at that point, at distance
 // `dist` from q.

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The area that is really there. A density estimate divides the photons in a disc by its area, but
 // the disc may hang over an edge or go on into a wall. Here the disc is cut to what is surface of
-// the same facing and seen from just above its centre: by direction, a ray along the surface finds
-// the wall and a ray down the end of the surface. Extents are interpolated in their inverse, which
-// is exact for a straight wall, and a photon counts only inside the cut disc, so the area and the
-// photons belong together even where the outline is rough, and photons behind a thin wall do not
-// leak under it.
+// the same facing and visible from just above its centre: by direction, a ray along the surface
+// finds the wall and a ray down the end of the surface. Extents are interpolated in their inverse,
+// which is exact for a straight wall, and a photon counts only inside the cut disc, so the area and
+// the photons belong together even where the outline is rough, and photons behind a thin wall do
+// not leak under it.
 #include "base/sampling.h"
 #include "photon/photon_map.h"
 

@@ -212,7 +212,7 @@ void build_cells(void *ctx, size_t begin, size_t end, int) {
     }
 }
 
-// Copies the trees of cells to their places.
+// Copies the trees of cells to their offsets.
 template <size_t N>
 void join_cells(void *ctx, size_t begin, size_t end, int) {
     Building &b = *static_cast<Building *>(ctx);
@@ -245,8 +245,8 @@ struct Box {
     float low[COLUMNS_MAX], high[COLUMNS_MAX];
 };
 
-// Places for the nodes of the top of the tree, whose cells' trees are there, from top node `at` on;
-// sets the top nodes, and returns the bounds of what is below. *next is the next free node.
+// Offsets for the nodes of the top of the tree, whose cells' trees are there, from top node `at`
+// on; sets the top nodes, and returns the bounds of what is below. *next is the next free node.
 template <size_t N>
 Box lay_out(Building &b, const photon_curve_tree &top, size_t at, size_t *cell, size_t *next) {
     const photon_curve_node &node = top.node[at];

@@ -104,7 +104,7 @@ static inline vec3 photon_position(const struct photon_map *map, size_t i) {
 enum { AREA_SECTORS = 16 };
 
 // The area of a disc of radius r around a surface point where there is surface of the same facing,
-// as seen from just above the point: its extent by direction.
+// as rays from just above the point meet it: its extent by direction.
 struct photon_area {
     struct frame frame;
     float rotation;               // of the first sector, radians

@@ -27,7 +27,7 @@ enum {
 struct kept {
     struct photon_hit *hit;
     size_t count, capacity;
-    size_t first;  // place of the first of them among those of all chunks
+    size_t first;  // index of the first of them among those of all chunks
     uint64_t stored[PHOTON_CLASSES];
 };
 
@@ -274,7 +274,7 @@ struct joining {
     struct photon_hit *hit;
 };
 
-// Puts the photons of some chunks to their places and gives their memory back.
+// Moves the photons of some chunks to their indices and gives their memory back.
 static void copy_chunks(void *ctx, size_t begin, size_t end, int worker) {
     const struct joining *j = ctx;
     (void)worker;

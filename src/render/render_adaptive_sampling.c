@@ -285,7 +285,7 @@ static void set_lights(void *ctx, size_t begin, size_t end, int worker) {
         if (!(light[i] > 0.0f)) continue;  // nothing is known, or there is no noise of lights
         const float m = powf(light[i] * job->factor / fmaxf(rest[i], 1e-30f), 1.0f / (1.0f + GAIN));
         p->lights = (uint32_t)clampf(m, 1.0f, LIGHTS_MOST);
-        if (p->lights < 2) p->lights = 2;  // or the next judgement knows nothing
+        if (p->lights < 2) p->lights = 2;  // or the next estimate has nothing
     }
 }
 

@@ -18,8 +18,8 @@
 // Of the time limit. A pilot of photons that takes longer than PILOT_UNTIL is given up.
 static const double PILOT_UNTIL = 0.5, PHOTONS_UNTIL = 0.3, TABLES_UNTIL = 0.45;
 // Of the time that the pilot foretells for photons, what is used; and the number of times the
-// pilot's photons from which on they are worth another pass.
-static const double PHOTONS_CAUTION = 0.9, PHOTONS_WORTH = 3.0;
+// pilot's photons from which on another pass gains more than it costs.
+static const double PHOTONS_CAUTION = 0.9, PHOTONS_AGAIN = 3.0;
 // Of the time that is left.
 static const double BOUNCES_FRACTION = 0.3, RECORDS_FRACTION = 0.5;
 // Of the time of records, what their first round is to take, so that all pixels have some.
@@ -139,7 +139,7 @@ bool render_time_remains(const struct render *r) { return render_elapsed(r) < r-
 double render_budget_photons(const struct render *r, double pilot_seconds) {
     const double left = PHOTONS_UNTIL * time_limit(r) - render_elapsed(r);
     const double times = PHOTONS_CAUTION * left / pilot_seconds;
-    return times < PHOTONS_WORTH ? 0.0 : times;
+    return times < PHOTONS_AGAIN ? 0.0 : times;
 }
 
 double render_budget_first_round(const struct render *r) {

@@ -12,7 +12,7 @@ enum {
 // Photons of indirect light per path: .5 to 2 in closed rooms; .07 in a room lit by the sky, where
 // ten times the paths brought gather rays that read the map in place of going on as paths: a tenth
 // less time in all, and half of the error of indirect light.
-static const double KEPT_LEAST = 0.5, WORTH_STARVED = 1.5;
+static const double KEPT_LEAST = 0.5, AGAIN_FACTOR = 1.5;
 
 // Whether the global map is looked at.
 static bool reads_photons(const satin_options *o) {
@@ -111,7 +111,7 @@ satin_status render_photons(struct render *r) {
     if (!(r->options.time > 0.0)) {
         satin_status status = build(r, 1.0, 1.0);
         const double more = status == SATIN_OK ? starved(r, 1.0) : 1.0;
-        return more < WORTH_STARVED ? status : build_again(r, before, 1.0, more);
+        return more < AGAIN_FACTOR ? status : build_again(r, before, 1.0, more);
     }
     bool given_up;
     satin_status status = build_pilot(r, &given_up);

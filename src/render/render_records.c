@@ -49,9 +49,9 @@ static double count_records(const struct render *r) {
 }
 
 // With a time limit the image is to be covered by the first round, in a part of the time that
-// records have, however many that takes: in furnished rooms some thousand. Rays are shared so that
-// the noise of all pixels is least, in proportion to the root of the area that a record serves: to
-// the stride of its level.
+// records have, however many that takes: in furnished rooms some thousand. Rays are allocated so
+// that the noise of all pixels is least, in proportion to the root of the area that a record
+// serves: to the stride of its level.
 static float fraction_of_rays(const struct filling *f, int stride) {
     const float least = RAYS_LEAST / (float)f->r->options.irradiance_rays;
     return fminf(fmaxf(f->rays * (float)stride / COARSEST, least), 1.0f);

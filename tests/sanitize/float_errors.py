@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Renders small scenes with a build that reports floating-point divisions by zero and conversions
-to integers out of range, and compares the places with those that are allowed.
+to integers out of range, and compares the lines with those that are allowed.
 
   tests/sanitize/float_errors.py SOURCE BUILD
 
 SOURCE is the tree; BUILD a folder for the instrumented build, made if it is missing and kept, so
 that the next run only compiles what changed. allowed.txt beside this file has a line for each
-place that may divide by zero: `FILE: TEXT OF THE LINE  # why it is sound`. The exit status is 1 if
-another place does, or if an allowed line is in its file no more.
+line that may divide by zero: `FILE: TEXT OF THE LINE  # why it is sound`. The exit status is 1 if
+another line does, or if an allowed line is in its file no more.
 """
 import pathlib
 import re
@@ -58,7 +58,7 @@ def read_allowed(source):
     return allowed, stale
 
 
-def places(source, satin, scene, arguments, folder):
+def errors(source, satin, scene, arguments, folder):
     done = subprocess.run([satin, "render", scene, "-o", folder / "image.exr", *SIZE, *arguments],
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     if done.returncode != 0:
@@ -76,12 +76,12 @@ def main():
     seen = set()
     cases = sorted((source / "data/scenes/cases").glob("*.xml"))
     for name, *arguments in RENDERS + [[str(case)] for case in cases]:
-        for file, text, number, what in places(source, satin, source / "data/scenes" / name,
+        for file, text, number, what in errors(source, satin, source / "data/scenes" / name,
                                                arguments, folder):
             if (file, text) not in allowed and (file, number) not in seen:
                 wrong.append(f"{file}:{number}: {what}: {text}  ({pathlib.Path(name).name})")
             seen.add((file, number))
-    print(f"{len(RENDERS) + len(cases)} renders, {len(seen)} places divide by zero or overflow")
+    print(f"{len(RENDERS) + len(cases)} renders, {len(seen)} lines divide by zero or overflow")
     print("\n".join(wrong))
     sys.exit(1 if wrong else 0)
 

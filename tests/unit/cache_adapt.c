@@ -59,7 +59,7 @@ static void records_are_added_where_they_disagree(void **state) {
     start(&f, 1);
     size_t added = run(&f, 0.0f);
     assert_true(added > 0);
-    assert_true(f.cache->converged.passes >= 2 && f.cache->converged.passes <= 11);
+    assert_true(f.cache->adapted.passes >= 2 && f.cache->adapted.passes <= 11);
     bool smaller = false;
     for (size_t i = 0; i < f.cache->side[CACHE_IRRADIANCE].tree.head_count; i++)
         smaller = smaller || f.cache->side[CACHE_IRRADIANCE].tree.head[i].scale < 1.0f;
@@ -77,7 +77,7 @@ static void direct_light_hides_differences(void **state) {
     struct cache_case f;
     start(&f, 1);
     assert_int_equal(run(&f, 1000.0f), 0);
-    assert_int_equal(f.cache->converged.shrunk, 0);
+    assert_int_equal(f.cache->adapted.shrunk, 0);
     cache_case_free(&f);
 }
 

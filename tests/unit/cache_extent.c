@@ -78,7 +78,7 @@ static void scene_units_win_over_pixels(void **state) {
                        1e-6f);
 }
 
-// A record that reaches farther than its rays said keeps that in mind; one that is cut does not.
+// A record whose radius is larger than its rays said keeps that in mind; one that is cut does not.
 static void room_records_what_was_wanted(void **state) {
     (void)state;
     struct fixture f;

@@ -63,7 +63,7 @@ static void the_ends_are_four_times_off(void **state) {
         size_t off = 0;
         for (size_t i = 0; i < count; i++) {
             const uint32_t rays = rays_of(&f, kind, i);
-            const bool plain = near_to(rays, RAYS);  // where no record reached
+            const bool plain = near_to(rays, RAYS);  // where no record served
             if (i < coarse) assert_true(plain);
             assert_true(plain || near_to(rays, RAYS * times[k / 2]));
             off += near_to(rays, RAYS * times[k / 2]);

@@ -80,7 +80,7 @@ static void parabolas_are_kept(void **state) {
     struct cache_lookup at = place(0.15f);
     assert_int_equal(cache_irradiance(&f.cache, &at, 0.4f, &E).count, 2);
     assert_true(near(E.r, 1.0f + 0.15f + 0.15f * 0.15f));
-    // Elsewhere the error is the square of the mean shift: weights 3/4 and 1/2, ways .1 and -.2.
+    // Elsewhere the error is the square of the mean shift: weights 3/4 and 1/2, offsets .1 and -.2.
     at = place(0.1f);
     assert_int_equal(cache_irradiance(&f.cache, &at, 0.4f, &E).count, 2);
     const float shift = (0.75f * 0.1f - 0.5f * 0.2f) / (0.75f + 0.5f);

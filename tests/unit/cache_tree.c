@@ -120,7 +120,7 @@ static void an_empty_tree_covers_nothing(void **state) {
     cache_tree_free(&tree);
 }
 
-// An elliptic record reaches R along, and less across; its scale lowers both.
+// An elliptic record has the radius R along, and less across; its scale lowers both.
 static void an_ellipse_and_a_scale_shorten_the_radius(void **state) {
     (void)state;
     struct cache_tree tree;
@@ -140,7 +140,7 @@ static void an_ellipse_and_a_scale_shorten_the_radius(void **state) {
     cache_tree_free(&tree);
 }
 
-// A record that reaches beyond all of the scene is found everywhere in it.
+// A record whose radius is larger than the scene is found everywhere in it.
 static void a_radius_beyond_the_scene_is_found(void **state) {
     (void)state;
     struct cache_tree tree;

@@ -76,9 +76,9 @@ static double expected(const struct fixture *f) {
         const struct ray ray = scene_spawn(&f->scene.scene, site.p, site.ng, d);
         struct interaction y;
         assert_true(scene_intersect(&f->scene.scene, &ray, &y));
-        const vec3 way = v3_sub(v3(LAMP.x, 1.0f, LAMP.z), y.p);
-        const float cosine = fabsf(v3_dot(way, y.ng)), r2 = v3_len2(way);
-        sum += (double)(cosine * way.y / (r2 * r2)) / POINTS;
+        const vec3 offset = v3_sub(v3(LAMP.x, 1.0f, LAMP.z), y.p);
+        const float cosine = fabsf(v3_dot(offset, y.ng)), r2 = v3_len2(offset);
+        sum += (double)(cosine * offset.y / (r2 * r2)) / POINTS;
     }
     const double diffuse = (double)ALBEDO / 3.14159265358979;
     return 3.14159265358979 * diffuse * diffuse * flux * sum;
@@ -159,8 +159,9 @@ static void weights_are_unbiased(void **state) {
             sum += (double)next.weight.g / POINTS;
             if (w.y > 0.0f && v3_dist2(at, spot) < r * r) hits += (double)next.weight.g / POINTS;
         }
-        const vec3 way = v3_sub(spot, y.interaction.p);
-        const double r2 = (double)v3_len2(way), cosines = (double)(way.y * v3_dot(way, y.frame.n));
+        const vec3 offset = v3_sub(spot, y.interaction.p);
+        const double r2 = (double)v3_len2(offset),
+                     cosines = (double)(offset.y * v3_dot(offset, y.frame.n));
         const double wanted = (double)(ALBEDO * r * r) * cosines / (r2 * r2);
         print_message("%.4f of %.4f, %.3e of %.3e\n", sum, (double)ALBEDO, hits, wanted);
         assert_true(fabs(sum / (double)ALBEDO - 1.0) < 0.01);
