@@ -8,9 +8,9 @@
 
 #include "film/film.h"
 
-static void print_reason(void *user, satin_log_level level, const char *message) {
+static void print_reason(void *user, satin_log_severity severity, const char *message) {
     (void)user;
-    (void)level;
+    (void)severity;
     fprintf(stderr, "%s\n", message);
 }
 

@@ -43,9 +43,9 @@ struct incident {
 
 static float x[COUNT], y[COUNT], z[COUNT];  // directions, the same at every point
 
-static void print_error(void *user, satin_log_level level, const char *message) {
+static void print_error(void *user, satin_log_severity severity, const char *message) {
     (void)user;
-    if (level == SATIN_LOG_ERROR) fprintf(stderr, "%s\n", message);
+    if (severity == SATIN_LOG_ERROR) fprintf(stderr, "%s\n", message);
 }
 
 static void project_light(const float *value, float out[BASES][N2]) {

@@ -16,9 +16,9 @@
 #include "film/film.h"
 #include "satin/render.h"
 
-static void print_only_error(void *user, satin_log_level level, const char *message) {
+static void print_only_error(void *user, satin_log_severity severity, const char *message) {
     (void)user;
-    if (level == SATIN_LOG_ERROR) fprintf(stderr, "%s\n", message);
+    if (severity == SATIN_LOG_ERROR) fprintf(stderr, "%s\n", message);
 }
 
 static const char *const color[] = {"R", "G", "B"};

@@ -18,9 +18,9 @@ enum { IMAGES_MOST = 12 };
 
 static const float ENLARGED = 10.0f;
 
-static void print_any_message(void *user, satin_log_level level, const char *message) {
+static void print_any_message(void *user, satin_log_severity severity, const char *message) {
     (void)user;
-    (void)level;
+    (void)severity;
     fprintf(stderr, "%s\n", message);
 }
 

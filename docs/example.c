@@ -10,9 +10,9 @@ struct session {
     double limit;  // seconds after which the user loses patience
 };
 
-static void on_message(void *user, satin_log_level level, const char *message) {
+static void on_message(void *user, satin_log_severity severity, const char *message) {
     (void)user;
-    fprintf(stderr, "%s%s\n", level == SATIN_LOG_ERROR ? "" : "note: ", message);
+    fprintf(stderr, "%s%s\n", severity == SATIN_LOG_ERROR ? "" : "note: ", message);
 }
 
 // Called about ten times a second; returning true cancels.

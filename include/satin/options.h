@@ -128,7 +128,7 @@ typedef struct satin_options {
     float record_max_radius;  // largest R in scene units, over those in pixels; 0: no limit
     // Where the R that records should have is less than this fraction of the least that pixels
     // allow, the image pass gathers.
-    float gather_room;
+    float gather_radius_ratio;
     bool leak_test;    // records do not serve points that a wall hides from them
     bool record_maps;  // the film gets channels that show the records
 

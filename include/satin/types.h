@@ -35,18 +35,18 @@ typedef enum satin_status {
 // storage, which the caller does not free. Thread-safe: any thread may call it at any time.
 SATIN_API const char *satin_status_text(satin_status status);
 
-typedef enum satin_log_level {
+typedef enum satin_log_severity {
     SATIN_LOG_ERROR = 0,
     SATIN_LOG_WARNING,
     SATIN_LOG_INFO
-} satin_log_level;
+} satin_log_severity;
 
 // Receives one message, a single line without a newline, in UTF-8 if the names of files are; errors
 // of a file read `file:line:column: text`. It is called on the thread that made the call into satin
 // only, during that call, so it needs no lock unless calls on several threads use one `user`.
 // `message` belongs to satin and is valid until the function returns. It must not call satin_*_free
 // on what the call under way uses.
-typedef void (*satin_log_fn)(void *user, satin_log_level level, const char *message);
+typedef void (*satin_log_fn)(void *user, satin_log_severity severity, const char *message);
 
 // A loaded scene, ready to render. It does not change, so threads may use one at the same time.
 typedef struct satin_scene satin_scene;

@@ -137,8 +137,8 @@ void app_progress_end(struct app_progress *progress);
 
 // satin_log_fns; `user` is a struct app_progress or NULL. The first is for messages that begin with
 // their file and prints errors as they are; the second prefixes `satin: error: `.
-void app_log_file(void *user, satin_log_level level, const char *message);
-void app_log(void *user, satin_log_level level, const char *message);
+void app_log_file(void *user, satin_log_severity severity, const char *message);
+void app_log(void *user, satin_log_severity severity, const char *message);
 
 // From here on SIGINT, SIGTERM and SIGHUP ask for a stop; one that comes more than a second after
 // the first ends the process at once. SIGHUP stays ignored if it was, as under nohup. A reader of

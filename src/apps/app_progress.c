@@ -66,19 +66,19 @@ static void print(struct app_progress *progress, const char *prefix, const char 
     fflush(stderr);
 }
 
-void app_log_file(void *user, satin_log_level level, const char *message) {
+void app_log_file(void *user, satin_log_severity severity, const char *message) {
     struct app_progress *progress = user;
-    if (level == SATIN_LOG_ERROR)
+    if (severity == SATIN_LOG_ERROR)
         print(progress, "", message);
-    else if (level == SATIN_LOG_WARNING && !(progress && progress->quiet))
+    else if (severity == SATIN_LOG_WARNING && !(progress && progress->quiet))
         print(progress, "satin: warning: ", message);
 }
 
-void app_log(void *user, satin_log_level level, const char *message) {
-    if (level == SATIN_LOG_ERROR)
+void app_log(void *user, satin_log_severity severity, const char *message) {
+    if (severity == SATIN_LOG_ERROR)
         print(user, "satin: error: ", message);
     else
-        app_log_file(user, level, message);
+        app_log_file(user, severity, message);
 }
 
 // A positive number with three digits and a prefix: 12.3 M.

@@ -7,23 +7,23 @@
 
 enum { LOG_BYTES = 1024 };
 
-static void deliver(struct log log, satin_log_level level, char *text) {
+static void deliver(struct log log, satin_log_severity severity, char *text) {
     for (unsigned char *c = (unsigned char *)text; *c; c++)
         if (*c < 32 || *c == 127) *c = '?';
-    log.fn(log.user, level, text);
+    log.fn(log.user, severity, text);
 }
 
-void log_message(struct log log, satin_log_level level, const char *format, ...) {
+void log_message(struct log log, satin_log_severity severity, const char *format, ...) {
     if (!log.fn) return;
     char text[LOG_BYTES];
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    deliver(log, level, text);
+    deliver(log, severity, text);
 }
 
-static void log_at(struct log log, satin_log_level level, struct log_place place,
+static void log_at(struct log log, satin_log_severity severity, struct log_place place,
                    const char *format, va_list args) {
     char text[LOG_BYTES];
     int n = 0;
@@ -37,7 +37,7 @@ static void log_at(struct log log, satin_log_level level, struct log_place place
     if (n < 0) n = 0;
     if (n > LOG_BYTES / 2) n = LOG_BYTES / 2;
     vsnprintf(text + n, sizeof text - (size_t)n, format, args);
-    deliver(log, level, text);
+    deliver(log, severity, text);
 }
 
 void log_error_at(struct log log, struct log_place place, const char *format, ...) {

@@ -17,7 +17,7 @@ struct log_place {
 };
 
 // Formats one line (cut at 1023 bytes, control characters shown as '?') and passes it on.
-void log_message(struct log log, satin_log_level level, const char *format, ...)
+void log_message(struct log log, satin_log_severity severity, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
 // log_message at SATIN_LOG_ERROR with `file:line:column: ` before it; parts that are unknown are

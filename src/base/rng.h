@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Random numbers from a counter: (seed, stage, item, dimension) -> number. The state is a value on
+// Random numbers from a counter: (seed, stream, item, dimension) -> number. The state is a value on
 // the stack, so an item's numbers depend on nothing but its index, on any thread.
 #ifndef BASE_RNG_H
 #define BASE_RNG_H
 
 #include <stdint.h>
 
-// One per consumer, so that no two stages have the same numbers.
-enum rng_stage {
+// One per consumer, so that no two streams have the same numbers.
+enum rng_stream {
     RNG_PHOTON = 1,
     RNG_GATHER,
     RNG_GATHER_HIT,
@@ -42,8 +42,8 @@ static inline uint64_t rng_mix(uint64_t x) {
     return x ^ (x >> 31);
 }
 
-static inline struct rng rng_make(uint64_t seed, enum rng_stage stage, uint64_t item) {
-    uint64_t k = rng_mix(seed + 0x9e3779b97f4a7c15ull * (uint64_t)stage);
+static inline struct rng rng_make(uint64_t seed, enum rng_stream stream, uint64_t item) {
+    uint64_t k = rng_mix(seed + 0x9e3779b97f4a7c15ull * (uint64_t)stream);
     return (struct rng){rng_mix(k ^ rng_mix(item + 0x632be59bd9b4e019ull)), 0};
 }
 

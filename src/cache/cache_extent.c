@@ -50,12 +50,12 @@ float cache_least_radius(const struct cache_options *o, float pixel) {
 }
 
 // Keeps R of both axes between `lo` and `hi`. Where that makes a record larger than it should be,
-// its gradient would extrapolate too far, and is scaled by `room`.
+// its gradient would extrapolate too far, and is scaled by `radius_ratio`.
 static void clamp_radii(struct cache_extent *x, float lo, float hi) {
     const float wanted = x->R;
     x->R = fmaxf(fminf(x->R, hi), lo);
     x->across = fmaxf(fminf(x->across, x->R), lo);
-    x->room = fminf(wanted / x->R, 1.0f);
+    x->radius_ratio = fminf(wanted / x->R, 1.0f);
 }
 
 static void limit(struct cache_extent *x, float R) {
@@ -86,8 +86,8 @@ struct cache_extent cache_extent_irradiance(const struct cache *cache,
     // The gradient must not extrapolate E below 0.
     const float Ec[3] = {value->E.r, value->E.g, value->E.b};
     for (int c = 0; c < 3; c++) {
-        float change = x.room * v3_len(value->grad_t[c]) * o->a * o->widen * x.R;
-        float factor = change > Ec[c] ? x.room * Ec[c] / change : x.room;
+        float change = x.radius_ratio * v3_len(value->grad_t[c]) * o->a * o->widen * x.R;
+        float factor = change > Ec[c] ? x.radius_ratio * Ec[c] / change : x.radius_ratio;
         value->grad_t[c] = v3_mul(value->grad_t[c], factor);
     }
     return x;
@@ -121,9 +121,9 @@ struct cache_extent cache_extent_radiance(const struct cache *cache, const struc
     if (o->gradient_clamp && slope * x.R > size && size > 0.0f) limit(&x, size / slope);
     clamp_radii(&x, cache_least_radius(o, site->pixel), o->max_pixels * site->pixel / o->a);
     for (int c = 0; c < 3; c++) {
-        float change = x.room * sqrtf(slope2[c]) * o->a * o->widen * x.R;
+        float change = x.radius_ratio * sqrtf(slope2[c]) * o->a * o->widen * x.R;
         float length = sqrtf(size2[c]),
-              factor = change > length ? x.room * length / change : x.room;
+              factor = change > length ? x.radius_ratio * length / change : x.radius_ratio;
         for (int k = c * n2; factor < 1.0f && k < (c + 1) * n2; k++) {
             value->dx[k] *= factor;
             value->dy[k] *= factor;

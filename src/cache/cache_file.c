@@ -29,12 +29,12 @@ static void put_irradiance(const struct cache *cache, size_t i, float *out) {
     for (int c = 0; c < 3; c++) out = put_vec3(out, v->grad_t[c]);
     for (int c = 0; c < 3; c++) out = put_vec3(out, v->grad_r[c]);
     *out++ = record->deviation;
-    *out++ = record->room;
+    *out++ = record->radius_ratio;
     memcpy(out, &v->rays, sizeof v->rays);
 }
 
 static bool get_irradiance(struct cache *cache, size_t i, const float *in) {
-    struct cache_irradiance_record r = {.deviation = in[21], .room = in[22]};
+    struct cache_irradiance_record r = {.deviation = in[21], .radius_ratio = in[22]};
     r.value.E = rgb_make(in[0], in[1], in[2]);
     for (int c = 0; c < 3; c++) {
         r.value.grad_t[c] = v3(in[3 + 3 * c], in[4 + 3 * c], in[5 + 3 * c]);
@@ -52,7 +52,7 @@ static void put_radiance(const struct cache *cache, size_t i, float *out) {
     const struct cache_radiance_record *record = &cache->radiance[i];
     const int order = cache->side[CACHE_RADIANCE].order;
     out = put_vec3(put_vec3(put_vec3(out, record->frame.u), record->frame.v), record->frame.n);
-    *out++ = record->room;
+    *out++ = record->radius_ratio;
     const struct cache_residual *residual = &record->residual;
     out = put_vec3(out, residual->mirror);
     out = put3(out, residual->L.r, residual->L.g, residual->L.b);
@@ -69,7 +69,7 @@ static void put_radiance(const struct cache *cache, size_t i, float *out) {
 static bool get_radiance(struct cache *cache, size_t i, const float *in) {
     const int n2 = cache->side[CACHE_RADIANCE].order * cache->side[CACHE_RADIANCE].order;
     float *value = arena_array(&cache->radiance_arena, (size_t)(n2 * CACHE_LANES), sizeof *value);
-    struct cache_radiance_record r = {.value = value, .room = in[9]};
+    struct cache_radiance_record r = {.value = value, .radius_ratio = in[9]};
     r.frame =
         (struct frame){v3(in[0], in[1], in[2]), v3(in[3], in[4], in[5]), v3(in[6], in[7], in[8])};
     r.residual.mirror = v3(in[10], in[11], in[12]);

@@ -71,15 +71,16 @@ static satin_status check_heads(const struct cache_file *f, const char *name, st
 
 static bool is_irradiance(const float *row, uint32_t order) {
     (void)order;
-    const float deviation = row[21], room = row[22];
+    const float deviation = row[21], radius_ratio = row[22];
     return cache_valid_numbers(row, IRRADIANCE_WORDS - 1) &&
-           fminf(row[0], fminf(row[1], row[2])) >= 0.0f && deviation >= 0.0f && room >= 0.0f &&
-           room <= 1.0f;
+           fminf(row[0], fminf(row[1], row[2])) >= 0.0f && deviation >= 0.0f &&
+           radius_ratio >= 0.0f && radius_ratio <= 1.0f;
 }
 
 static bool is_radiance(const float *row, uint32_t order) {
-    const float room = row[9];
-    return cache_valid_numbers(row, RADIANCE_WORDS - 2) && room >= 0.0f && room <= 1.0f &&
+    const float radius_ratio = row[9];
+    return cache_valid_numbers(row, RADIANCE_WORDS - 2) && radius_ratio >= 0.0f &&
+           radius_ratio <= 1.0f &&
            cache_valid_numbers(row + RADIANCE_WORDS, (size_t)COEFFICIENT_WORDS * order * order);
 }
 

@@ -286,7 +286,7 @@ static bool insert_irradiance(struct batch *b, struct job *job) {
     struct cache_extent x = job->extent;
     clamp_extent(b->side, job->site, &x);
     c->irradiance[next] =
-        (struct cache_irradiance_record){job->irradiance, job->around.deviation, x.room};
+        (struct cache_irradiance_record){job->irradiance, job->around.deviation, x.radius_ratio};
     c->rays += job->irradiance.rays;
     return insert_head(b, job, &x);
 }
@@ -298,7 +298,7 @@ static bool insert_radiance(struct batch *b, struct job *job) {
         return false;
     struct cache_extent x = job->extent;
     clamp_extent(b->side, job->site, &x);
-    c->radiance[next] = (struct cache_radiance_record){job->site->frame, job->value, x.room,
+    c->radiance[next] = (struct cache_radiance_record){job->site->frame, job->value, x.radius_ratio,
                                                        job->radiance.rays, job->residual};
     c->rays += job->radiance.rays;
     return insert_head(b, job, &x);

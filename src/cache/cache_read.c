@@ -86,22 +86,22 @@ static struct taylor irradiance_of(const struct cache *cache, uint32_t record,
 }
 
 // See cache_extent.
-typedef float room_fn(const struct cache *cache, uint32_t record);
-static float irradiance_room(const struct cache *cache, uint32_t record) {
-    return cache->irradiance[record].room;
+typedef float ratio_fn(const struct cache *cache, uint32_t record);
+static float irradiance_ratio(const struct cache *cache, uint32_t record) {
+    return cache->irradiance[record].radius_ratio;
 }
-static float radiance_room(const struct cache *cache, uint32_t record) {
-    return cache->radiance[record].room;
+static float radiance_ratio(const struct cache *cache, uint32_t record) {
+    return cache->radiance[record].radius_ratio;
 }
 
 // Whether most of the weight is of records that are much larger than they should be, as near
 // contacts, where the least radius keeps records from being dense enough.
-static bool crowded(const struct cache *cache, room_fn *room, const struct cache_near *near,
+static bool crowded(const struct cache *cache, ratio_fn *ratio, const struct cache_near *near,
                     int count) {
-    const float least = cache->g->options->gather_room;
+    const float least = cache->g->options->gather_radius_ratio;
     float sum = 0.0f, weights = 0.0f;
     for (int i = 0; i < count; i++) {
-        if (room(cache, near[i].record) < least) sum += near[i].weight;
+        if (ratio(cache, near[i].record) < least) sum += near[i].weight;
         weights += near[i].weight;
     }
     return sum > 0.5f * weights;
@@ -121,7 +121,7 @@ struct cache_used cache_irradiance(const struct cache *cache, const struct cache
     struct cache_near near[CACHE_NEAR_MAX];
     struct cache_used used = {0};
     const int count = find_or_nearest(cache, tree, at, a, near);
-    if (count == 0 || crowded(cache, irradiance_room, near, count)) return used;
+    if (count == 0 || crowded(cache, irradiance_ratio, near, count)) return used;
     struct taylor sum = {0};
     for (int i = 0; i < count; i++) {
         const uint32_t record = near[i].record;
@@ -186,7 +186,7 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_l
     struct cache_near near[CACHE_NEAR_MAX];
     struct cache_used used = {0};
     const int count = find_or_nearest(cache, tree, at, a, near);
-    if (count == 0 || crowded(cache, radiance_room, near, count)) return used;
+    if (count == 0 || crowded(cache, radiance_ratio, near, count)) return used;
     const struct cache_lobe cosine = {
         .C = cache->cosine, .order = cache->cosine_order, .channels = 1};
     struct taylor shine = {0}, diffuse = {0};

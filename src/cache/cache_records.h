@@ -24,16 +24,16 @@ struct cache_residual {
 
 struct cache_radiance_record {
     struct frame frame;
-    float *value;  // order^2 * CACHE_LANES, in the cache's arena
-    float room;    // see cache_extent
+    float *value;        // order^2 * CACHE_LANES, in the cache's arena
+    float radius_ratio;  // see cache_extent
     uint32_t rays;
     struct cache_residual residual;
 };
 
 struct cache_irradiance_record {
     struct gather_irradiance value;
-    float deviation;  // standard deviation of E over E
-    float room;       // see cache_extent
+    float deviation;     // standard deviation of E over E
+    float radius_ratio;  // see cache_extent
 };
 
 // The options of one kind of records; satin_options has them as irradiance_a, radiance_a and so on,
@@ -91,10 +91,10 @@ struct cache {
 
 // An ellipse in the tangent plane, before neighbour clamping; a circle if both radii are equal.
 struct cache_extent {
-    float R;       // the larger radius
-    float across;  // the smaller one, along `axis`; at most R
-    vec3 axis;     // unit, in world space; 0 for a circle
-    float room;    // R that was wanted over R; below 1 where the least radius is larger
+    float R;             // the larger radius
+    float across;        // the smaller one, along `axis`; at most R
+    vec3 axis;           // unit, in world space; 0 for a circle
+    float radius_ratio;  // R that was wanted over R; below 1 where the least radius is larger
 };
 // The area by what the record's rays found around it [K05 3.3, 6.5.1]. Scales the gradients of
 // *value down where R is larger than they can carry.

@@ -18,7 +18,8 @@
 
 struct gather_point;
 
-// First pass `recursive`: the records of the next indirect bounce, made before by a later stage.
+// First pass `recursive`: the records of the next indirect bounce, made before by the functions of
+// a later folder.
 struct gather_records {
     // Adds to *L the indirect light that y reflects by the lobes which the records cover; returns
     // these lobes, smooth ones.
@@ -199,8 +200,8 @@ struct gather_layout *gather_layout_new(int rays, satin_basis basis, int order);
 void gather_layout_free(struct gather_layout *layout);          // NULL is allowed
 size_t gather_layout_rays(const struct gather_layout *layout);  // exactly, M * N
 
-// A hemisphere of gather rays and what they found. The stratified rays come first: cell (j, k) of
-// the layout is ray j * N + k; guided rays follow. The arrays have `count` entries unless said
+// A hemisphere of gather rays and what they found. The stratified rays come first: stratum (j, k)
+// of the layout is ray j * N + k; guided rays follow. The arrays have `count` entries unless said
 // otherwise. They belong to the scratch that the rays were traced with, and hold until that is used
 // again.
 struct gather_hemisphere {
@@ -234,8 +235,8 @@ struct gather_irradiance {
 // NULL.
 struct gather_radiance {
     float *lambda, *dx, *dy;
-    // order^2, or NULL: luminance projected with alternating signs of the cells. Its product with a
-    // lobe has the standard deviation of what the lobe reflects of lambda.
+    // order^2, or NULL: luminance projected with alternating signs of the strata. Its product with
+    // a lobe has the standard deviation of what the lobe reflects of lambda.
     float *noise;
     uint32_t rays;  // that it was made from
 };

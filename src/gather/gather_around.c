@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the rays of a hemisphere found around a record: distances, by which its influence radius is
 // chosen; the noise of E; and the Hessian of E. It is the occlusion Hessian of Schwarzhaupt et al.
-// [2012], written for the cells of the stratified hemisphere: the boundary between two cells stands
-// at the nearer of their hits, where an occluder's edge would be, so E is a sum of polygons under
-// the cosine law. The second derivative of such a polygon's edge is a constant of the boundary over
-// the squared distance.
+// [2012], written for the strata of the stratified hemisphere: the boundary between two strata
+// stands at the nearer of their hits, where an occluder's edge would be, so E is a sum of polygons
+// under the cosine law. The second derivative of such a polygon's edge is a constant of the
+// boundary over the squared distance.
 #include "gather/gather_layout.h"
 
 // Rays that leave and arrive more grazing than this say little of near geometry [Tabellion and

@@ -19,7 +19,7 @@ float gather_alpha_least(const struct gather_site *site, float spread) {
     return site->record ? minf(0.5f * spread, ALPHA_LEAST_MOST) : 0.0f;
 }
 
-// One jittered ray per cell, row by row.
+// One jittered ray per stratum, row by row.
 static void make_stratified_rays(const struct gather *g, const struct gather_layout *l,
                                  struct gather_scratch *scratch, const struct gather_site *site) {
     struct rng rng = rng_make(g->options->seed, RNG_GATHER, site->stream);
@@ -132,7 +132,7 @@ static void project(const struct gather_hemisphere *h, const float *r, const flo
                 h->y, h->z, r, g, b, lambda);
 }
 
-// What is projected when every second cell counts negatively: signal cancels, noise does not.
+// What is projected when every second stratum counts negatively: signal cancels, noise does not.
 static void project_noise(const struct gather_hemisphere *h, float *noise) {
     const struct gather_layout *l = h->layout;
     const float weight = 2.0f * PI_F / (float)h->stratified;

@@ -137,7 +137,7 @@ static bool radiance_rows(struct gather_layout *l) {
 struct gather_layout *gather_layout_new(int rays, satin_basis basis, int order) {
     struct gather_layout *l = calloc(1, sizeof *l);
     if (!l) return NULL;
-    // Square-ish cells: N / M near pi for projected, near 4 for uniform solid angle [K05 4.3.1].
+    // Square-ish strata: N / M near pi for projected, near 4 for uniform solid angle [K05 4.3.1].
     double ratio = order ? 4.0 : 3.14159265358979323846;
     l->order = order;
     l->basis = basis;

@@ -15,7 +15,7 @@ struct gather_layout {
     float *boundary_u;  // M: d phi cos^2(theta_j-) sin(theta_j-), 0 for j = 0
     float *boundary_v;  // M: sin(theta_j+) - sin(theta_j-)
     float *boundary_h;  // M: (theta_j+ - theta_j-) cos(their mean), which [K05 4.3.2] has for it
-    float *rotation;    // M: integral of sin^2(theta) over the cell
+    float *rotation;    // M: integral of sin^2(theta) over the stratum
     // Second derivatives of the cosine law over a boundary at distance 1, xx xy yy
     // (gather_around.c): of the boundary below row j at its column's azimuth 0, and of that before
     // a column there.

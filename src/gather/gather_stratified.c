@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stratification-based gradients [K05 4.3]: when the centre moves, the boundaries between strata
 // sweep over what is visible, at a rate that the nearer side decides; so changes of occlusion
-// count. Sample directions are jittered per cell; the weights are taken at the fixed boundaries,
+// count. Sample directions are jittered per stratum; the weights are taken at the fixed boundaries,
 // which is what makes the gradients converge (docs/equations.md, erratum 1).
 //
 // Deviation: where the two sides of a boundary hit one surface, it is their mean distance that
-// counts, not the lesser. The lesser is too short by half of what the surface recedes from cell to
-// cell, which was most of the error where nothing is hidden: 6 % fell to 2 % for irradiance of 4096
-// rays.
+// counts, not the lesser. The lesser is too short by half of what the surface recedes from one
+// stratum to the next, which was most of the error where nothing is hidden: 6 % fell to 2 % for
+// irradiance of 4096 rays.
 #include <string.h>
 
 #include "gather/gather_gradients.h"
@@ -24,7 +24,7 @@ static bool one_surface(const struct gather_ray *a, const struct gather_ray *b) 
     return fmaxf(out_a * out_a, out_b * out_b) < ALONG * v3_len2(offset);
 }
 
-// (L_jk - L_neighbour) / r: how fast the boundary between two cells carries light across, r the
+// (L_jk - L_neighbour) / r: how fast the boundary between two strata carries light across, r the
 // distance of what it sweeps over there: the nearer side's if that hides the other, or always if
 // `nearer`.
 static rgb boundary_change(const struct gather_ray *a, const struct gather_ray *b, bool nearer) {

@@ -159,7 +159,7 @@ satin_status params_read(struct param_source source, const struct plugin_spec *p
                          load_plugin_noun(plugin->tag), plugin->name, spec->name);
             return SATIN_ERROR_INPUT;
         }
-        if (!spec->fallback) continue;
+        if (!spec->default_text) continue;
         satin_status status = param_read_default(source.log, spec, &out->value[i]);
         if (status != SATIN_OK) return status;
     }

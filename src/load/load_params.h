@@ -18,7 +18,7 @@ enum param_kind {
     PARAM_TRANSFORM,
     PARAM_COLOR,  // <rgb>, <spectrum> or <float>; in a spectrum also <vector>
     PARAM_LIGHT,  // the same for light: a constant <spectrum> is equal energy, not white
-    PARAM_IOR     // <float> or the name of a preset
+    PARAM_IOR     // <float> or the name of a medium
 };
 
 // RANGE_MODEST is 0 to 10^6: numbers whose squares and products must stay far from overflow.
@@ -39,7 +39,7 @@ enum param_flag { PARAM_REQUIRED = 1, PARAM_TEXTURE = 2 };  // PARAM_TEXTURE: a 
 struct param_spec {
     const char *name;
     enum param_kind kind;
-    const char *fallback;  // the default as one would write it; NULL: none
+    const char *default_text;  // the default as one would write it; NULL: none
     enum param_range range;
     unsigned flags;
     const char *const *choices;  // NULL-ended
@@ -153,7 +153,7 @@ extern const struct plugin_spec load_bsdf_plugins[], load_texture_plugins[], loa
     load_integrator_plugins[], load_spectrum_plugins[],
     load_sun_plugins[];  // the last for files of version 0.6 alone
 
-// IOR presets (load_presets.c). False if the name is unknown; the names are listed by
+// Named indices of refraction (load_ior.c). False if the name is unknown; the names are listed by
 // index, NULL beyond the last.
 bool load_ior_find(const char *name, float *ior);
 const char *load_ior_name(int index);

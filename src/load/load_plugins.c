@@ -185,7 +185,7 @@ bool load_param_describe(int plugin_index, int index, struct load_param_info *ou
         if (!plugin->params[i]) return false;
     const struct param_spec *spec = plugin->params[index];
     *out = (struct load_param_info){.name = spec->name,
-                                    .value = spec->fallback,
+                                    .value = spec->default_text,
                                     .range = ranges[spec->range],
                                     .required = (spec->flags & PARAM_REQUIRED) != 0,
                                     .doc = spec->doc};

@@ -36,7 +36,7 @@ static const struct param_spec glass_ior = {"int_ior",
                                             RANGE_POSITIVE,
                                             0,
                                             NULL,
-                                            "index of refraction inside, or the name of a preset"};
+                                            "index of refraction inside, or the name of a medium"};
 static const struct param_spec plastic_ior = {
     "int_ior",
     PARAM_IOR,
@@ -44,14 +44,14 @@ static const struct param_spec plastic_ior = {
     RANGE_POSITIVE,
     0,
     NULL,
-    "index of refraction inside, or the name of a preset"};
+    "index of refraction inside, or the name of a medium"};
 static const struct param_spec ext_ior = {"ext_ior",
                                           PARAM_IOR,
                                           "air",
                                           RANGE_POSITIVE,
                                           0,
                                           NULL,
-                                          "index of refraction outside, or the name of a preset"};
+                                          "index of refraction outside, or the name of a medium"};
 static const struct param_spec nonlinear = {
     "nonlinear", PARAM_BOOLEAN, "false", 0, 0, NULL, "colour shifts by scattering inside"};
 static const struct param_spec metal = {
@@ -67,7 +67,7 @@ static const struct param_spec metal_ext_eta = {
     RANGE_POSITIVE,
     0,
     NULL,
-    "index of refraction outside, or the name of a preset; eta and k are divided by it"};
+    "index of refraction outside, or the name of a medium; eta and k are divided by it"};
 static const struct param_spec distribution = {
     "distribution", PARAM_CHOICE, "beckmann", 0, 0, distributions, "of the facets' normals"};
 static const struct param_spec alpha = {"alpha",       PARAM_FLOAT, ".1",       RANGE_MODEST,

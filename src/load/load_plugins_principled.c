@@ -4,8 +4,8 @@
 
 #include "load/load_plugins_bsdf.h"
 
-#define NUMBER(name, fallback, doc) \
-    { #name, PARAM_FLOAT, fallback, RANGE_UNIT, PARAM_TEXTURE, NULL, doc }
+#define NUMBER(name, default_text, doc) \
+    { #name, PARAM_FLOAT, default_text, RANGE_UNIT, PARAM_TEXTURE, NULL, doc }
 
 static const struct param_spec base_color = {"base_color",  PARAM_COLOR, ".5",    RANGE_UNIT,
                                              PARAM_TEXTURE, NULL,        "of all"};

@@ -240,17 +240,17 @@ satin_status param_read_default(struct log log, const struct param_spec *spec,
             value->m = mat4_identity();
             return SATIN_OK;
         case PARAM_POINT:
-            if (!param_numbers(log, value->place, spec->fallback, 3, d))
+            if (!param_numbers(log, value->place, spec->default_text, 3, d))
                 return SATIN_ERROR_INTERNAL;
             value->v = v3((float)d[0], (float)d[1], (float)d[2]);
             return SATIN_OK;
         case PARAM_COLOR:
         case PARAM_LIGHT:
-            if (!param_numbers(log, value->place, spec->fallback, 1, d))
+            if (!param_numbers(log, value->place, spec->default_text, 1, d))
                 return SATIN_ERROR_INTERNAL;
             value->color = rgb_grey((float)d[0]);
             return SATIN_OK;
         default:
-            return read_text(log, spec, XML_STRING, spec->fallback, value);
+            return read_text(log, spec, XML_STRING, spec->default_text, value);
     }
 }

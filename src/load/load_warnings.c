@@ -27,11 +27,11 @@ static void find_warning_kind(const char *message, char kind[TEXT_BYTES]) {
 }
 
 static void log_counted(struct load_warnings *warnings, const char *text, int count) {
-    const satin_log_level level = warnings->strict ? SATIN_LOG_ERROR : SATIN_LOG_WARNING;
+    const satin_log_severity severity = warnings->strict ? SATIN_LOG_ERROR : SATIN_LOG_WARNING;
     if (count > 1)
-        log_message(warnings->to, level, "%s (and %d more like it)", text, count - 1);
+        log_message(warnings->to, severity, "%s (and %d more like it)", text, count - 1);
     else
-        log_message(warnings->to, level, "%s", text);
+        log_message(warnings->to, severity, "%s", text);
 }
 
 static void copy_message(char to[TEXT_BYTES], const char *from) {
@@ -78,20 +78,20 @@ void load_warnings_report(struct load_warnings *warnings) {
     warnings->count = warnings->capacity = 0;
 }
 
-static void on_message(void *user, satin_log_level level, const char *message) {
+static void on_message(void *user, satin_log_severity severity, const char *message) {
     struct load_warnings *warnings = user;
-    if (level == SATIN_LOG_WARNING) {
+    if (severity == SATIN_LOG_WARNING) {
         store_warning(warnings, message);
         return;
     }
     load_warnings_report(warnings);
-    log_message(warnings->to, level, "%s", message);
+    log_message(warnings->to, severity, "%s", message);
 }
 
-static void on_each(void *user, satin_log_level level, const char *message) {
+static void on_each(void *user, satin_log_severity severity, const char *message) {
     struct load_warnings *warnings = user;
     warnings->failed = warnings->failed || warnings->strict;
-    (void)level;
+    (void)severity;
     log_counted(warnings, message, 1);
 }
 

@@ -172,7 +172,7 @@ const struct option options_table[] = {
     {"record-max-radius", OPTION_FLOAT, AT(record_max_radius), false, "0..1e30",
      "Largest R of a record of either cache, in scene units, whatever the radii in pixels; 0: no "
      "limit."},
-    {"gather-room", OPTION_FLOAT, AT(gather_room), false, "0..1",
+    {"gather-radius-ratio", OPTION_FLOAT, AT(gather_radius_ratio), false, "0..1",
      "Where the radius that records should have is below this fraction of the least radius, as "
      "near contacts, the image pass gathers instead of interpolating; 0: nowhere."},
     {"leak-test", OPTION_BOOL, AT(leak_test), false, "off|on",
@@ -195,15 +195,11 @@ const struct option *options_find(const char *name) {
 static const struct {
     const char *before, *now;
 } renamed[] = {
-    {"adaptive", "adaptive-sampling"},
-    {"gather-bounce", "gather-near"},
-    {"gather-guide", "guide-clusters"},
-    {"gather-shadow", "gather-direct"},
-    {"irradiance-neighbours", "irradiance-neighbour-clamp"},
-    {"light-guide", "guide-visibility"},
-    {"radiance-neighbours", "radiance-neighbour-clamp"},
-    {"radiance-turn", "radiance-rotation"},
-    {"recursive-levels", "recursive-bounces"},
+    {"adaptive", "adaptive-sampling"},      {"gather-bounce", "gather-near"},
+    {"gather-guide", "guide-clusters"},     {"gather-room", "gather-radius-ratio"},
+    {"gather-shadow", "gather-direct"},     {"irradiance-neighbours", "irradiance-neighbour-clamp"},
+    {"light-guide", "guide-visibility"},    {"radiance-neighbours", "radiance-neighbour-clamp"},
+    {"radiance-turn", "radiance-rotation"}, {"recursive-levels", "recursive-bounces"},
 };
 
 const char *options_renamed(const char *name) {

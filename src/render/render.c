@@ -16,10 +16,10 @@ static bool needs_photons(const struct render *r) {
 }
 
 // Passes messages on to the caller's log, and notes whether one of them was an error.
-static void log_through(void *user, satin_log_level level, const char *message) {
+static void log_through(void *user, satin_log_severity severity, const char *message) {
     struct render *r = user;
-    if (level == SATIN_LOG_ERROR) r->outcome.error_logged = true;
-    if (r->callbacks.log) r->callbacks.log(r->callbacks.log_user, level, message);
+    if (severity == SATIN_LOG_ERROR) r->outcome.error_logged = true;
+    if (r->callbacks.log) r->callbacks.log(r->callbacks.log_user, severity, message);
 }
 
 static struct render *render_new(const satin_callbacks *callbacks) {

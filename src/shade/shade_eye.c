@@ -19,9 +19,9 @@ struct branch {
 };
 
 struct sampler shade_eye_sampler(const struct gather *g, int x, int y, uint32_t index,
-                                 enum rng_stage stage) {
+                                 enum rng_stream stream) {
     uint64_t pixel = (uint64_t)(uint32_t)y << 32 | (uint32_t)x;
-    uint64_t key = rng_mix(pixel ^ (rng_mix(g->options->seed) + (uint64_t)stage));
+    uint64_t key = rng_mix(pixel ^ (rng_mix(g->options->seed) + (uint64_t)stream));
     return (struct sampler){index, (uint32_t)(key >> 32), 0};
 }
 

@@ -41,7 +41,7 @@ struct ray shade_eye_ray(const struct shade *shade, int x, int y, struct sampler
                          struct shade_camera_sample *camera);
 // The sampler of a sample: its numbers depend on the seed, the pixel and the index alone.
 struct sampler shade_eye_sampler(const struct gather *g, int x, int y, uint32_t index,
-                                 enum rng_stage stage);
+                                 enum rng_stream stream);
 // The table for the point's material and side, and its colour channels; or NULL.
 const struct brdf_range *shade_table(const struct shade *shade, const struct gather_point *p,
                                      int *channels);

@@ -27,9 +27,9 @@ static inline void fuzz_fail(int line, const char *text) {
 }
 
 // A satin_log_fn: counts the errors in the int at `user`.
-static inline void fuzz_count(void *user, satin_log_level level, const char *text) {
+static inline void fuzz_count(void *user, satin_log_severity severity, const char *text) {
     (void)text;
-    if (level == SATIN_LOG_ERROR) ++*(int *)user;
+    if (severity == SATIN_LOG_ERROR) ++*(int *)user;
 }
 
 // The bytes as a file that lives as long as the descriptor that is returned.

@@ -71,9 +71,9 @@ struct folders {
     const char *scenes, *references;
 };
 
-static void say(void *user, satin_log_level level, const char *message) {
+static void say(void *user, satin_log_severity severity, const char *message) {
     (void)user;
-    (void)level;
+    (void)severity;
     fprintf(stderr, "cases: %s\n", message);
 }
 

@@ -48,9 +48,9 @@ struct parts {
     double *sum[CHANNELS], *squares[CHANNELS];
 };
 
-static void say(void *user, satin_log_level level, const char *message) {
+static void say(void *user, satin_log_severity severity, const char *message) {
     (void)user;
-    (void)level;
+    (void)severity;
     fprintf(stderr, "z_test: %s\n", message);
 }
 

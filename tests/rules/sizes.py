@@ -10,7 +10,7 @@ import statistics
 import sys
 
 sys.dont_write_bytecode = True
-from rules_sources import CODE, STAGES, function_lengths  # pylint: disable=wrong-import-position
+from rules_sources import CODE, ORDER, function_lengths  # pylint: disable=wrong-import-position
 
 
 def summary(lengths):
@@ -26,9 +26,9 @@ def main():
     tree = pathlib.Path(sys.argv[1]).resolve()
     files, functions = [], []
     print("| folder | files | lines |\n|---|---|---|")
-    for stage in STAGES:
+    for folder in ORDER:
         count = total = 0
-        for path in sorted((tree / "src" / stage).iterdir()):
+        for path in sorted((tree / "src" / folder).iterdir()):
             if path.suffix not in CODE:
                 continue
             lines = path.read_text(encoding="utf-8").splitlines()
@@ -36,7 +36,7 @@ def main():
             files.append((len(lines), name))
             functions += [(length, f"{name}:{at}") for at, length in function_lengths(lines)]
             count, total = count + 1, total + len(lines)
-        print(f"| {stage} | {count} | {total:,} |")
+        print(f"| {folder} | {count} | {total:,} |")
     print(f"\nfiles: {summary(files)}\nfunctions: {summary(functions)}")
 
 

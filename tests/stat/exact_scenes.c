@@ -42,9 +42,9 @@ static const struct scene_case cases[] = {
 
 enum { SIZE = 16 };
 
-static void print_message(void *user, satin_log_level level, const char *message) {
+static void print_message(void *user, satin_log_severity severity, const char *message) {
     (void)user;
-    (void)level;
+    (void)severity;
     fprintf(stderr, "%s\n", message);
 }
 

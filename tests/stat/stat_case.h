@@ -8,9 +8,9 @@
 
 #include "satin/render.h"
 
-static inline void stat_say(void *user, satin_log_level level, const char *message) {
+static inline void stat_say(void *user, satin_log_severity severity, const char *message) {
     (void)user;
-    (void)level;
+    (void)severity;
     fprintf(stderr, "%s\n", message);
 }
 

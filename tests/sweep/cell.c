@@ -15,9 +15,9 @@
 // sums over the samples of a pixel.
 static const double sum_error = 1e-4;
 
-static void note(void *user, satin_log_level level, const char *message) {
+static void note(void *user, satin_log_severity severity, const char *message) {
     struct work *w = user;
-    if (level == SATIN_LOG_ERROR) snprintf(w->message, sizeof w->message, "%s", message);
+    if (severity == SATIN_LOG_ERROR) snprintf(w->message, sizeof w->message, "%s", message);
 }
 
 void cell_flag(const struct cell *cell, const char *kind, int seed, FILE *out) {

@@ -108,7 +108,7 @@ static void the_hessian_matches_second_differences(void **state) {
     (void)state;
     struct fixture f;
     start_box(&f, 60000);
-    // The sum over cells is good to the first order in their size, 1 / 140; most of this is noise
+    // The sum over strata is good to the first order in their size, 1 / 140; most of this is noise
     // of the differences.
     assert_true(hessian_error(&f, -0.3f, 0.2f, 0.2f) < 0.05);
     stop(&f);

@@ -23,7 +23,7 @@ static const double SLOPE = 0.75 * 3.14159265358979323846;
 
 static const struct frame FRAME = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
-// One jittered ray per cell; L = 1 + a . w in red, green twice and blue three times that.
+// One jittered ray per stratum; L = 1 + a . w in red, green twice and blue three times that.
 static void look(struct gather_scratch *s, const struct gather_layout *l, vec3 a) {
     struct rng rng = rng_make(7, RNG_GATHER, 1);
     for (int j = 0; j < l->M; j++)

@@ -15,9 +15,9 @@
 
 static char error[512];
 
-static void keep(void *user, satin_log_level level, const char *message) {
+static void keep(void *user, satin_log_severity severity, const char *message) {
     (void)user;
-    if (level == SATIN_LOG_ERROR) snprintf(error, sizeof error, "%s", message);
+    if (severity == SATIN_LOG_ERROR) snprintf(error, sizeof error, "%s", message);
 }
 
 typedef satin_status (*reader)(const struct load_source *source, struct brdf_grid *out);

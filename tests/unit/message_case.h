@@ -12,9 +12,9 @@ struct message {
     char text[256];
 };
 
-static void keep(void *user, satin_log_level level, const char *text) {
+static void keep(void *user, satin_log_severity severity, const char *text) {
     struct message *message = user;
-    (void)level;
+    (void)severity;
     message->count++;
     strncpy(message->text, text, sizeof message->text - 1);
 }

@@ -29,9 +29,9 @@ struct watch {
     char message[256];
 };
 
-static void note_message(void *user, satin_log_level level, const char *message) {
+static void note_message(void *user, satin_log_severity severity, const char *message) {
     struct watch *watch = user;
-    (void)level;
+    (void)severity;
     snprintf(watch->message, sizeof watch->message, "%s", message);
 }
 

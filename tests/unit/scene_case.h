@@ -22,10 +22,10 @@ struct scene_case {
     char error[1024], warning[1024];  // the last of each
 };
 
-static inline void scene_case_log(void *user, satin_log_level level, const char *message) {
+static inline void scene_case_log(void *user, satin_log_severity severity, const char *message) {
     struct scene_case *c = user;
-    char *last = level == SATIN_LOG_ERROR ? c->error : c->warning;
-    if (level == SATIN_LOG_ERROR)
+    char *last = severity == SATIN_LOG_ERROR ? c->error : c->warning;
+    if (severity == SATIN_LOG_ERROR)
         c->errors++;
     else
         c->warnings++;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// IOR presets: named indices of refraction of dielectrics, and of metals as linear sRGB. The
+// Named indices of refraction of dielectrics, and of metals as linear sRGB. The
 // numbers are what Mitsuba 3.9 uses under these names in its RGB mode, read from its parameters.
 #include <string.h>
 
