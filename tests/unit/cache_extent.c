@@ -87,9 +87,11 @@ static void room_records_what_was_wanted(void **state) {
     const struct cache_site site = {.frame = frame_from_normal(v3(0, 0, 1)), .pixel = PIXEL};
     struct gather_around around = {.harmonic = 0.03f};
     struct gather_irradiance E = {.E = rgb_grey(1.0f)};
-    assert_float_equal(cache_extent_irradiance(&f.cache, &site, &around, &E).room, 0.5f, 1e-5f);
+    assert_float_equal(cache_extent_irradiance(&f.cache, &site, &around, &E).radius_ratio, 0.5f,
+                       1e-5f);
     around.harmonic = 5.0f;
-    assert_float_equal(cache_extent_irradiance(&f.cache, &site, &around, &E).room, 1.0f, 1e-5f);
+    assert_float_equal(cache_extent_irradiance(&f.cache, &site, &around, &E).radius_ratio, 1.0f,
+                       1e-5f);
 }
 
 int main(void) {

@@ -77,7 +77,7 @@ static void make(struct fixture *f) {
         for (int k = 0; k < 3; k++) e->value.grad_r[k] = draw(&rng);
         e->value.rays = 100 + i;
         e->deviation = rng_float(&rng);
-        e->room = rng_float(&rng);
+        e->radius_ratio = rng_float(&rng);
         struct cache_head h = head(&rng);
         assert_true(cache_tree_insert(&c->side[CACHE_IRRADIANCE].tree, &h));
         float *value = arena_array(&c->radiance_arena, CACHE_LANES * ORDER * ORDER, sizeof *value);
@@ -86,7 +86,7 @@ static void make(struct fixture *f) {
         c->radiance[i] = (struct cache_radiance_record){
             .frame = frame_from_normal(v3(0, 0, 1)),
             .value = value,
-            .room = rng_float(&rng),
+            .radius_ratio = rng_float(&rng),
             .rays = 1000 + i,
             .residual = {i, draw(&rng), rgb_make(rng_float(&rng), -rng_float(&rng), 0.0f)}};
         h = head(&rng);
@@ -247,9 +247,9 @@ static void values_without_a_number_are_refused(void **state) {
     refuse_value(&f, &E->value.grad_t[2].y, INFINITY);
     refuse_value(&f, &E->value.grad_r[1].x, NAN);
     refuse_value(&f, &E->deviation, -1.0f);
-    refuse_value(&f, &E->room, 1.5f);
+    refuse_value(&f, &E->radius_ratio, 1.5f);
     struct cache_radiance_record *Lambda = &f.cache.radiance[7];
-    refuse_value(&f, &Lambda->room, NAN);
+    refuse_value(&f, &Lambda->radius_ratio, NAN);
     refuse_value(&f, &Lambda->frame.u.x, NAN);
     for (int i = 0; i < ORDER * ORDER * CACHE_LANES; i++)
         if (i % CACHE_LANES % 4 != 3 || i % CACHE_LANES == 3)
