@@ -275,6 +275,7 @@ void parallel_for_all(struct parallel *pool, size_t n, size_t chunk_size, parall
         pool->progress = progress;
         return;
     }
+    if (chunk_size == 0) chunk_size = 1;
     for (size_t begin = 0; begin < n; begin += chunk_size)
         fn(ctx, begin, n - begin > chunk_size ? begin + chunk_size : n, 0);
 }

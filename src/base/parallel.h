@@ -28,8 +28,9 @@ int parallel_threads(const struct parallel *pool);
 // Sets the function that is asked between chunks; NULL for none.
 void parallel_set_progress(struct parallel *pool, parallel_progress_fn fn, void *user);
 
-// Runs fn over [0, n) in chunks of `chunk_size` (>= 1) items. True if all chunks ran, false if
-// cancelled: then chunks that started have returned and the others have not begun. Not reentrant.
+// Runs fn over [0, n) in chunks of `chunk_size` items; 0 means 1. True if all chunks ran, false
+// if cancelled: then chunks that started have returned and the others have not begun. Not
+// reentrant.
 bool parallel_for(struct parallel *pool, size_t n, size_t chunk_size, parallel_fn fn, void *ctx);
 
 // Runs all chunks without asking the progress function: for what is short and must be whole. A NULL

@@ -34,6 +34,18 @@ static void every_item_once(void **state) {
     }
 }
 
+// A chunk size of 0 means 1, with a pool and without.
+static void chunks_are_never_empty(void **state) {
+    (void)state;
+    static atomic_int seen[ITEMS];
+    struct parallel *pool = parallel_new(1);
+    assert_true(parallel_for(pool, ITEMS, 0, count_items, seen));
+    parallel_for_all(pool, ITEMS, 0, count_items, seen);
+    parallel_for_all(NULL, ITEMS, 0, count_items, seen);
+    for (int i = 0; i < ITEMS; i++) assert_int_equal(atomic_load(&seen[i]), 3);
+    parallel_free(pool);
+}
+
 struct endless {
     struct parallel *pool;
     atomic_int begun, ended;  // chunks
@@ -131,6 +143,7 @@ static void parts_know_what_is_serial(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_item_once),
+        cmocka_unit_test(chunks_are_never_empty),
         cmocka_unit_test(cancellation_ends_long_chunks),
         cmocka_unit_test(parts_know_what_is_serial),
     };
