@@ -68,9 +68,7 @@ static rgb shown_light(const struct shade_sample *s) {
 
 // False if the sample was not finite and was dropped.
 static bool add_sample(struct image_pixel *pixel, const struct shade_sample *s) {
-    bool finite = rgb_finite(s->beauty) && rgb_finite(s->uncached);
-    for (int i = 0; i < SHADE_LAYERS; i++) finite = finite && rgb_finite(s->layer[i]);
-    if (!finite) {
+    if (!shade_sample_finite(s)) {
         pixel->dropped++;
         return false;
     }

@@ -32,10 +32,10 @@ static void sample_pixels(void *ctx, size_t begin, size_t end, int worker) {
                 &pilot->r->second_pass.shade, &pilot->worker[worker], x, y, pixel->count,
                 (struct gather_lights){o->light_samples, (uint32_t)o->light_samples * pixel->count},
                 &s);
-            bool finite = rgb_finite(s.beauty);
+            const bool finite = shade_sample_finite(&s);
             rgb light = finite ? rgb_sub(s.beauty, s.layer[SHADE_EMISSION]) : rgb_grey(0.0f);
             rgb indirect = rgb_add(s.layer[SHADE_INDIRECT_DIFFUSE], s.layer[SHADE_INDIRECT_GLOSSY]);
-            adapt_add(pixel, light, s.light_variance);
+            adapt_add(pixel, light, finite ? s.light_variance : 0.0f);
             if (finite) pilot->indirect[i] = rgb_add(pilot->indirect[i], indirect);
         }
     }

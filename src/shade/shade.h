@@ -46,6 +46,13 @@ struct shade_sample {
     float aov[AOV_VALUES];    // as the scene asks for them, 0 if there is no surface
 };
 
+// Whether all light of a sample is finite; one that is not is dropped.
+static inline bool shade_sample_finite(const struct shade_sample *s) {
+    bool finite = rgb_finite(s->beauty) && rgb_finite(s->uncached);
+    for (int i = 0; i < SHADE_LAYERS; i++) finite = finite && rgb_finite(s->layer[i]);
+    return finite;
+}
+
 // Constants of an image pass and a worker's scratch.
 struct shade {
     const struct gather *g;
