@@ -5,13 +5,15 @@
 // varies get many of them, once, and the emission layer is the mean of all. What is so small that
 // the first samples miss it is found after later ones.
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/array.h"
 #include "render/render_image.h"
 
 enum {
     RAYS_MOST = 128,  // of one pixel, a power of two: whole nets
-    CHUNK = 64        // pixels that a worker takes at a time
+    CHUNK = 64,       // pixels that a worker takes at a time
+    CHUNK_ROWS = 8    // and rows, where it searches
 };
 
 // Rays per pixel of the whole image. Measured with 2: at 128x128 the rms error of rims falls from
@@ -24,6 +26,7 @@ static const float SMOOTH = 0.1f;
 struct rims {
     struct render *r;
     uint32_t *pixel;  // y * width + x
+    uint32_t *found;  // how many are in each row
     size_t count;
 };
 
@@ -45,12 +48,28 @@ static bool on_rim(const struct render_image *image, int x, int y) {
     return most - least > SMOOTH * most;
 }
 
+// Puts those of each row where the row begins.
+static void search_rows(void *ctx, size_t begin, size_t end, int worker) {
+    const struct rims *rims = ctx;
+    const struct render_image *image = rims->r->image;
+    const size_t width = (size_t)image->width;
+    (void)worker;
+    for (size_t y = begin; y < end; y++)
+        for (size_t at = y * width; at < (y + 1) * width; at++)
+            if (!(image->pixel[at].rim_weight > 0.0f) &&
+                on_rim(image, (int)(at - y * width), (int)y))
+                rims->pixel[y * width + rims->found[y]++] = (uint32_t)at;
+}
+
 static void find_rims(struct rims *rims) {
     const struct render_image *image = rims->r->image;
-    for (int y = 0; y < image->height; y++)
-        for (int x = 0; x < image->width; x++)
-            if (!(image->pixel[y * image->width + x].rim_weight > 0.0f) && on_rim(image, x, y))
-                rims->pixel[rims->count++] = (uint32_t)y * (uint32_t)image->width + (uint32_t)x;
+    const size_t width = (size_t)image->width, height = (size_t)image->height;
+    parallel_for_all(rims->r->pool, height, CHUNK_ROWS, search_rows, rims);
+    for (size_t y = 0; y < height; y++) {
+        memmove(rims->pixel + rims->count, rims->pixel + y * width,
+                rims->found[y] * sizeof *rims->pixel);
+        rims->count += rims->found[y];
+    }
 }
 
 static void trace_rims(void *ctx, size_t begin, size_t end, int worker) {
@@ -75,16 +94,22 @@ satin_status render_rims(struct render *r, bool *whole) {
     struct rims rims = {.r = r};
     struct render_image *image = r->image;
     const size_t pixels = (size_t)image->width * (size_t)image->height;
-    rims.pixel = array_new(pixels, sizeof *rims.pixel);
-    if (!rims.pixel) return SATIN_ERROR_MEMORY;
+    parallel_begin_part(r->pool, "rims");
+    rims.pixel = array_new_unset(pixels, sizeof *rims.pixel);
+    rims.found = array_new((size_t)image->height, sizeof *rims.found);
+    if (!rims.pixel || !rims.found) {
+        free(rims.pixel);
+        free(rims.found);
+        return SATIN_ERROR_MEMORY;
+    }
     find_rims(&rims);
     if (image->rim_rays == 0 && rims.count > 0) {
         const double most = RAYS_MEAN * (double)pixels / (double)rims.count;
         for (image->rim_rays = RAYS_MOST; image->rim_rays > most; image->rim_rays /= 2) continue;
     }
-    parallel_begin_part(r->pool, "rims");
     *whole = parallel_for(r->pool, image->rim_rays ? rims.count : 0, CHUNK, trace_rims, &rims);
     stats_add(&r->stats, "image.rim_pixels", (double)rims.count);
     free(rims.pixel);
+    free(rims.found);
     return SATIN_OK;
 }
