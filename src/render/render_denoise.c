@@ -13,6 +13,8 @@
 // .0265 at 8 and .0073 at 76, in three times the time.
 static const double CLEAN_SAMPLES = 4.0;
 
+enum { CHUNK = 16 };  // rows
+
 // The one that is asked by the filter whether it should go on.
 struct asked {
     struct render *r;
@@ -39,13 +41,15 @@ satin_status render_denoiser(struct render *r) {
     return film_denoiser_open(parallel_threads(r->pool), r->log, &r->denoiser);
 }
 
-static void fill_planes(struct render_image *image) {
+static void fill_plane_rows(void *ctx, size_t begin, size_t end, int worker) {
+    const struct render_image *image = ctx;
     const struct film_noisy *noisy = &image->noisy;
     rgb *light = image->planes;
-    for (int y = 0; y < image->height; y++)
+    (void)worker;
+    for (size_t y = begin; y < end; y++)
         for (int x = 0; x < image->width; x++) {
-            const size_t at = (size_t)y * (size_t)image->width + (size_t)x;
-            const struct image_pixel *pixel = render_image_source(image, x, y);
+            const size_t at = y * (size_t)image->width + (size_t)x;
+            const struct image_pixel *pixel = render_image_source(image, x, (int)y);
             if (!pixel) continue;
             const float scale = render_image_scale(pixel);
             light[at] = rgb_scale(image->uncached[pixel - image->pixel], scale);
@@ -63,7 +67,8 @@ static bool goes_on(void *user, double done) {
 void render_denoise(struct render *r) {
     struct render_image *image = r->image;
     struct asked asked = {r, false};
-    fill_planes(image);
+    parallel_begin_part(r->pool, "denoise");
+    parallel_for_all(r->pool, (size_t)image->height, CHUNK, fill_plane_rows, image);
     // A first look has samples of a few pixels, of which the others are copies.
     if (r->progress.look != LOOK_WHOLE || !render_budget_denoises(r)) {
         log_message(r->log, SATIN_LOG_WARNING, "cancelled: the image is not denoised");
