@@ -57,6 +57,7 @@ struct flight {
     enum photon_class class;             // direct: unless a chain deflects it, see class_of
     struct light_chain chain;            // of a direct photon
     unsigned classes[PHOTON_CONSUMERS];  // classes that each consumer gets of this path
+    unsigned wanted;                     // classes that any of them gets
     float factor[PHOTON_CONSUMERS];      // of its power, for each consumer
 };
 
@@ -161,8 +162,7 @@ static void follow_photon(const struct photon_tracing *tracing, struct flight f,
         struct interaction s;
         if (!scene_intersect(scene, &f.ray, &s)) return;
         f.last = bounce == tracing->bounces;
-        const unsigned wanted = f.classes[0] | f.classes[1] | f.classes[2];
-        if (wanted >> class_of(&f) & 1u && keeps_photons(scene, &s, v3_neg(f.ray.d)) &&
+        if (f.wanted >> class_of(&f) & 1u && keeps_photons(scene, &s, v3_neg(f.ray.d)) &&
             !keep_hit(scene, chunk, &s, &f))
             return;
         if (!scatter(scene, &s, lobes, rng, &f, &chunk->refused)) return;
@@ -239,6 +239,7 @@ static bool launch(const struct run *run, uint32_t light, uint64_t index, struct
     for (int k = 0; k < PHOTON_CONSUMERS; k++) {
         if (index >= run->paths[k][light]) continue;
         f->classes[k] = tracing->consumer[k].classes;
+        f->wanted |= f->classes[k];
         f->factor[k] = paths / (float)run->paths[k][light];
     }
     if (!rgb_finite(f->power)) ++*refused;
