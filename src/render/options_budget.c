@@ -70,9 +70,8 @@ enum { PRESETS = sizeof preset / sizeof *preset };
 // records become finer in rounds as long as there is time (render_records.c), and the image takes
 // the samples that fit. By renders of 64x64, relative squared errors of cornell-glossy and of
 // indirect-room:
-// - Twice the rays at 16 times the effort: .86 and .84 times. At 4 times the effort, where time
-// does
-//   not yet suffice for all rounds, 1.4 times the rays: 1.3 and 1.4 times. So rays begin later.
+// - Twice the rays at 16 times the effort: .86 and .84 times. At 4 times the effort, where time is
+//   short of all rounds, 1.4 times the rays: 1.3 and 1.4 times. So rays begin later.
 // - Photons: 2.4 times as many changed the error by -11 and +4 %. Their power is small for memory:
 //   600 s of 64 cores ask for 8 million, 600 s of 2 cores for 2.5 million, which take some .6 GB.
 static const struct {

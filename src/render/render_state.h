@@ -22,12 +22,11 @@ enum render_stage {
     STAGE_FILM
 };
 
-// What becomes of the image.
+// What becomes of the image. A caller who cancels before it gets one coarse look.
 enum render_look {
     LOOK_WHOLE,         // as many samples as the options ask for
-    LOOK_WITH_RECORDS,  // the caller cancelled before the image: one coarse look with what is
-                        // there,
-    LOOK_DIRECT         // or with direct light alone
+    LOOK_WITH_RECORDS,  // a coarse look with the records that are there
+    LOOK_DIRECT         // a coarse look with direct light alone
 };
 
 // Where the render stands.
