@@ -15,12 +15,15 @@
 
 // What the eye sees of the scene. Boxes hold all, nine tenths and half of the points.
 enum { GUIDE_VIEW_BOXES = LIGHT_SPOTS / 2, GUIDE_VIEW_PATHS = 1024 };
+enum { GUIDE_VIEW_CHUNK = 16 };  // paths that a worker takes at a time
 struct guide_view {
     float ray_length;                // median of gather rays; INFINITY if they meet nothing
     int seen_count, specular_count;  // points; 0: no boxes
     struct light_target seen[GUIDE_VIEW_BOXES], specular[GUIDE_VIEW_BOXES];
 };
-void guide_view_make(const struct satin_scene *scene, uint64_t seed, struct guide_view *out);
+// On all threads of the pool; a NULL pool is one thread. The same for any number of them.
+void guide_view_make(const struct satin_scene *scene, uint64_t seed, struct parallel *pool,
+                     struct guide_view *out);
 // Follows the ray through ideal specular surfaces to one with a smooth lobe, with normal *n; false
 // if there is none. *ray becomes its last segment; *chain gets the surfaces, not the lengths.
 bool guide_view_follow(const struct satin_scene *scene, struct ray *ray, struct rng *rng,
@@ -45,8 +48,8 @@ struct guide_allocation {
     bool by_power;                            // `fraction` is not set
     float fraction[GUIDE_ALLOCATION_LIGHTS];  // of all paths, by light
 };
-// By what each light brings to what is seen.
-void guide_allocation_make(const struct satin_scene *scene, uint64_t seed,
+// By what each light brings to what is seen; threads as of guide_view_make.
+void guide_allocation_make(const struct satin_scene *scene, uint64_t seed, struct parallel *pool,
                            struct guide_allocation *out);
 
 // ---- Aim of emission (guide_emission.c) -------------------------------------------------------

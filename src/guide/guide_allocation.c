@@ -13,16 +13,30 @@
 
 enum { BOUNCES = 3 };  // of a path: behind the first one is what gather rays ask photons for
 
-// Irradiance that each light brings to the paths' vertices.
+// Irradiance that lights bring to the vertices of one path, in their order.
 struct light_tally {
-    const struct satin_scene *scene;
-    double light[GUIDE_ALLOCATION_LIGHTS];
+    int count;
+    struct {
+        uint32_t light;
+        float E;
+    } found[2 * BOUNCES];  // at each vertex one met and one sampled
 };
 
+struct light_paths {
+    const struct satin_scene *scene;
+    uint64_t seed;
+    struct light_tally path[GUIDE_VIEW_PATHS];
+};
+
+static void add_arrival(struct light_tally *tally, uint32_t light, float E) {
+    if (!isfinite(E)) return;
+    tally->found[tally->count].light = light;
+    tally->found[tally->count++].E = E;
+}
+
 // What comes from one light at s, chosen by chance.
-static void add_direct(struct light_tally *tally, const struct interaction *s, vec3 n, float T,
-                       struct rng *rng) {
-    const struct satin_scene *scene = tally->scene;
+static void add_direct(struct light_tally *tally, const struct satin_scene *scene,
+                       const struct interaction *s, vec3 n, float T, struct rng *rng) {
     const float u_choose = rng_float(rng), u = rng_float(rng), v = rng_float(rng);
     float choice;
     struct light_sample sample;
@@ -31,23 +45,20 @@ static void add_direct(struct light_tally *tally, const struct interaction *s, v
     const float cosine = v3_dot(sample.wi, n);
     if (!(cosine > 0.0f)) return;
     if (!light_arrives(scene, s->p, s->ng, INT_MAX, &sample)) return;
-    const float E = T * cosine * rgb_luminance(sample.L) / (sample.pdf_w * choice);
-    if (isfinite(E)) tally->light[light] += (double)E;
+    add_arrival(tally, light, T * cosine * rgb_luminance(sample.L) / (sample.pdf_w * choice));
 }
 
 // A light that the last ray has met behind ideal specular surfaces that are no panes, where no
 // sample finds it.
-static void add_met(struct light_tally *tally, const struct ray *ray, const struct interaction *hit,
-                    float T) {
-    const struct satin_scene *scene = tally->scene;
+static void add_met(struct light_tally *tally, const struct satin_scene *scene,
+                    const struct ray *ray, const struct interaction *hit, float T) {
     const int light = hit ? hit->light : scene->environment;
     if (light < 0) return;
-    const float E = T * PI_F * rgb_luminance(light_met(scene, hit, ray->d));
-    if (isfinite(E)) tally->light[light] += (double)E;
+    add_arrival(tally, (uint32_t)light, T * PI_F * rgb_luminance(light_met(scene, hit, ray->d)));
 }
 
-static void walk_path(struct light_tally *tally, struct interaction s, vec3 n, struct rng *rng) {
-    const struct satin_scene *scene = tally->scene;
+static void walk_path(struct light_tally *tally, const struct satin_scene *scene,
+                      struct interaction s, vec3 n, struct rng *rng) {
     float T = 1.0f;
     for (int i = 0; i < BOUNCES; i++) {
         const struct frame frame = frame_from_normal(n);
@@ -56,9 +67,9 @@ static void walk_path(struct light_tally *tally, struct interaction s, vec3 n, s
         struct ray ray = scene_spawn(scene, s.p, s.ng, d);
         struct light_chain chain;
         const bool found = guide_view_follow(scene, &ray, rng, &s, &n, &chain);
-        if (!light_chain_straight(&chain, ray.d)) add_met(tally, &ray, found ? &s : NULL, T);
+        if (!light_chain_straight(&chain, ray.d)) add_met(tally, scene, &ray, found ? &s : NULL, T);
         if (!found) return;
-        add_direct(tally, &s, n, T, rng);
+        add_direct(tally, scene, &s, n, T, rng);
         struct brdf b;
         struct frame local;
         const vec3 wo = v3_neg(ray.d);
@@ -67,23 +78,33 @@ static void walk_path(struct light_tally *tally, struct interaction s, vec3 n, s
     }
 }
 
-void guide_allocation_make(const struct satin_scene *scene, uint64_t seed,
+static void trace_allocation(void *ctx, size_t begin, size_t end, int worker) {
+    struct light_paths *paths = ctx;
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        struct rng rng = rng_make(paths->seed, RNG_ALLOCATION, i);
+        struct interaction s;
+        vec3 n;
+        if (guide_view_eye(paths->scene, (uint32_t)i, &rng, &s, &n))
+            walk_path(&paths->path[i], paths->scene, s, n, &rng);
+    }
+}
+
+void guide_allocation_make(const struct satin_scene *scene, uint64_t seed, struct parallel *pool,
                            struct guide_allocation *out) {
-    struct light_tally tally = {.scene = scene};
-    double sum = 0.0;
+    struct light_paths paths = {.scene = scene, .seed = seed};
+    double light[GUIDE_ALLOCATION_LIGHTS] = {0.0}, sum = 0.0;
     out->by_power = true;
     // Among more lights than this, chance would allocate.
     if (scene->light_count < 2 || scene->light_count > GUIDE_ALLOCATION_LIGHTS) return;
-    for (uint32_t i = 0; i < GUIDE_VIEW_PATHS; i++) {
-        struct rng rng = rng_make(seed, RNG_ALLOCATION, i);
-        struct interaction s;
-        vec3 n;
-        if (guide_view_eye(scene, i, &rng, &s, &n)) walk_path(&tally, s, n, &rng);
-    }
-    for (uint32_t i = 0; i < scene->light_count; i++) sum += tally.light[i];
+    parallel_for_all(pool, GUIDE_VIEW_PATHS, GUIDE_VIEW_CHUNK, trace_allocation, &paths);
+    for (int i = 0; i < GUIDE_VIEW_PATHS; i++)
+        for (int k = 0; k < paths.path[i].count; k++)
+            light[paths.path[i].found[k].light] += (double)paths.path[i].found[k].E;
+    for (uint32_t i = 0; i < scene->light_count; i++) sum += light[i];
     if (!(sum > 0.0)) return;
     out->by_power = false;
     for (uint32_t i = 0; i < scene->light_count; i++)
-        out->fraction[i] = 0.5f * (scene->light_cdf[i + 1] - scene->light_cdf[i]) +
-                           0.5f * (float)(tally.light[i] / sum);
+        out->fraction[i] =
+            0.5f * (scene->light_cdf[i + 1] - scene->light_cdf[i]) + 0.5f * (float)(light[i] / sum);
 }

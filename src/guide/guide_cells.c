@@ -10,7 +10,8 @@
 enum {
     PATHS = 4 * GUIDE_VIEW_PATHS,
     BOUNCES = 2,  // of a path: gather rays sample direct light behind the first one
-    POINTS = PATHS * (1 + BOUNCES),
+    POINTS_PATH = 1 + BOUNCES,
+    POINTS = PATHS * POINTS_PATH,
     LEAST = 8  // points of a cell, in the mean
 };
 
@@ -35,6 +36,32 @@ static size_t add_path(const struct satin_scene *scene, uint64_t seed, uint32_t 
     return count;
 }
 
+struct cell_paths {
+    const struct satin_scene *scene;
+    uint64_t seed;
+    struct guide_cell_point *point;  // those of path i from POINTS_PATH i on,
+    size_t count[PATHS];             // and how many
+};
+
+static void trace_cells(void *ctx, size_t begin, size_t end, int worker) {
+    struct cell_paths *paths = ctx;
+    (void)worker;
+    for (size_t i = begin; i < end; i++)
+        paths->count[i] =
+            add_path(paths->scene, paths->seed, (uint32_t)i, paths->point + i * POINTS_PATH);
+}
+
+// Puts the points of all paths into `point`, in the order of the paths; returns how many.
+static size_t find_points(const struct satin_scene *scene, uint64_t seed, struct parallel *pool,
+                          struct guide_cell_point *point) {
+    struct cell_paths paths = {.scene = scene, .seed = seed, .point = point};
+    size_t count = 0;
+    parallel_for_all(pool, PATHS, GUIDE_VIEW_CHUNK, trace_cells, &paths);
+    for (size_t i = 0; i < PATHS; i++)
+        for (size_t k = 0; k < paths.count[i]; k++) point[count++] = point[i * POINTS_PATH + k];
+    return count;
+}
+
 // Points [first, first + count) of a node, which median splits take down to its cells.
 static void split_cells(struct guide_cells *cells, struct split_point *point, size_t first,
                         size_t count, size_t node, int depth) {
@@ -49,14 +76,14 @@ static void split_cells(struct guide_cells *cells, struct split_point *point, si
     split_cells(cells, point, first + left, count - left, 2 * node + 2, depth + 1);
 }
 
-bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, struct guide_cells *out) {
+bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, struct parallel *pool,
+                      struct guide_cells *out) {
     struct guide_cell_point *found = array_new(POINTS, sizeof *found);
     struct split_point *point = array_new(POINTS, sizeof *point);
     out->point = array_new(POINTS, sizeof *out->point);
     const bool made = found && point && out->point;
     if (made) {
-        size_t count = 0;
-        for (uint32_t i = 0; i < PATHS; i++) count += add_path(scene, seed, i, found + count);
+        const size_t count = find_points(scene, seed, pool, found);
         out->depth = 0;
         while (out->depth < GUIDE_CELLS_DEPTH && count >> (out->depth + 1) >= LEAST) out->depth++;
         for (size_t i = 0; i < count; i++)

@@ -119,23 +119,55 @@ bool guide_view_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng
     return guide_view_follow(scene, &ray, rng, s, n, &chain);
 }
 
-void guide_view_make(const struct satin_scene *scene, uint64_t seed, struct guide_view *out) {
+// What a path met.
+struct view_path {
+    bool seen, hit, specular;  // x; a surface behind it; an ideal specular one
+    vec3 x, end;               // where
+    float length;              // between them
+};
+
+struct view_paths {
+    const struct satin_scene *scene;
+    uint64_t seed;
+    struct view_path path[GUIDE_VIEW_PATHS];
+};
+
+static void trace_view(void *ctx, size_t begin, size_t end, int worker) {
+    struct view_paths *paths = ctx;
+    const struct satin_scene *scene = paths->scene;
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        struct rng rng = rng_make(paths->seed, RNG_VIEW, i);
+        const vec2 direction = sample_sobol2((uint32_t)i, 1);
+        struct view_path *path = &paths->path[i];
+        struct interaction s;
+        vec3 n = v3(0, 0, 1);
+        *path = (struct view_path){.seen = guide_view_eye(scene, (uint32_t)i, &rng, &s, &n)};
+        if (!path->seen) continue;
+        path->x = s.p;
+        const struct frame frame = frame_from_normal(n);
+        const vec3 d = frame_to_world(&frame, sample_cosine_hemisphere(direction.x, direction.y));
+        struct ray ray = scene_spawn(scene, s.p, s.ng, d);
+        path->hit = scene_intersect(scene, &ray, &s);
+        if (!path->hit) continue;
+        path->end = s.p;
+        path->length = s.t;
+        path->specular = shape_has_delta(scene, s.shape);
+    }
+}
+
+void guide_view_make(const struct satin_scene *scene, uint64_t seed, struct parallel *pool,
+                     struct guide_view *out) {
+    struct view_paths paths = {.scene = scene, .seed = seed};
     struct cloud seen = {.count = 0}, specular = {.count = 0};
     float length[GUIDE_VIEW_PATHS];
     int hits = 0;
-    for (uint32_t i = 0; i < GUIDE_VIEW_PATHS; i++) {
-        struct rng rng = rng_make(seed, RNG_VIEW, i);
-        vec2 direction = sample_sobol2(i, 1);
-        struct interaction s;
-        vec3 n = v3(0, 0, 1);
-        if (!guide_view_eye(scene, i, &rng, &s, &n)) continue;
-        add(&seen, s.p);
-        struct frame frame = frame_from_normal(n);
-        vec3 d = frame_to_world(&frame, sample_cosine_hemisphere(direction.x, direction.y));
-        struct ray ray = scene_spawn(scene, s.p, s.ng, d);
-        if (!scene_intersect(scene, &ray, &s)) continue;
-        length[hits++] = s.t;
-        if (shape_has_delta(scene, s.shape)) add(&specular, s.p);
+    parallel_for_all(pool, GUIDE_VIEW_PATHS, GUIDE_VIEW_CHUNK, trace_view, &paths);
+    for (int i = 0; i < GUIDE_VIEW_PATHS; i++) {
+        const struct view_path *path = &paths.path[i];
+        if (path->seen) add(&seen, path->x);
+        if (path->hit) length[hits++] = path->length;
+        if (path->specular) add(&specular, path->end);
     }
     *out = (struct guide_view){
         .ray_length = INFINITY, .seen_count = seen.count, .specular_count = specular.count};

@@ -159,7 +159,7 @@ satin_status guide_visibility_build(const struct satin_scene *scene, const satin
     *out = NULL;
     if (!sky && !choice) return SATIN_OK;
     struct guide_visibility *visibility = calloc(1, sizeof *visibility);
-    if (!visibility || !guide_cells_make(scene, options->seed, &visibility->cells)) {
+    if (!visibility || !guide_cells_make(scene, options->seed, pool, &visibility->cells)) {
         free(visibility);
         return SATIN_ERROR_MEMORY;
     }

@@ -35,8 +35,9 @@ static inline size_t guide_cells_count(const struct guide_cells *cells) {
     return (size_t)1 << cells->depth;
 }
 // Makes the cells; without points if paths from the eye meet nothing. False without memory. The
-// caller frees `point`.
-bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, struct guide_cells *out);
+// caller frees `point`. Threads as of guide_view_make.
+bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, struct parallel *pool,
+                      struct guide_cells *out);
 // The cell that p falls into.
 size_t guide_cells_find(const struct guide_cells *cells, vec3 p);
 

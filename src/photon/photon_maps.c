@@ -247,8 +247,9 @@ satin_status photon_maps_build(const struct satin_scene *scene, const satin_opti
     maps->smooth = options->caustic_smooth;
     struct photon_pass pass = {
         .scene = scene, .options = options, .pool = pool, .log = log, .stats = stats};
-    guide_view_make(scene, options->seed, &pass.view);
-    guide_allocation_make(scene, options->seed, &pass.allocation);
+    parallel_begin_part(pool, "view");
+    guide_view_make(scene, options->seed, pool, &pass.view);
+    guide_allocation_make(scene, options->seed, pool, &pass.allocation);
     maps->lookup_max = LOOKUP_FRACTION * pass.view.ray_length;
     satin_status status = build_global(&pass, maps);
     if (status == SATIN_OK) status = build_caustic(&pass, maps);
