@@ -46,21 +46,25 @@ typedef enum rsh_basis { RSH_SPHERE = 0, RSH_HEMISPHERE } rsh_basis;
 
 // y[n * n]: all basis functions in direction w, right to 1e-6 of each function's largest value
 // (1e-7 measured) where |w| is 1 but for the rounding of floats.
+// Thread-safe.
 RSH_API bool rsh_eval(rsh_basis basis, int order, const float w[3], float *y);
 
 // rsh_eval with the derivatives by theta and phi; all three are arrays of n * n. At the pole phi
 // counts as 0. The hemisphere's d/dtheta grows as 1 / sqrt(cos theta) towards the horizon and is
 // held below cos theta = 1e-6.
+// Thread-safe.
 RSH_API bool rsh_eval_derivatives(rsh_basis basis, int order, const float w[3], float *y,
                                   float *dtheta, float *dphi);
 
 // All basis functions in `count` directions, given as three arrays: out[k * count + i] is function
 // k in direction i. Right to 1e-6 of each function's largest value, as rsh_eval.
+// Thread-safe.
 RSH_API bool rsh_eval_many(rsh_basis basis, int order, size_t count, const float *x, const float *y,
                            const float *z, float *out);
 
 // Adds sum_i value_i H(w_i) to out[3 * n * n] for the values r, g and b [each count], weights
 // included. With g and b both NULL there is one channel: r, out[n * n].
+// Thread-safe.
 RSH_API bool rsh_project(rsh_basis basis, int order, size_t count, const float *x, const float *y,
                          const float *z, const float *r, const float *g, const float *b,
                          float *out);
@@ -68,23 +72,28 @@ RSH_API bool rsh_project(rsh_basis basis, int order, size_t count, const float *
 // rsh_project for a basis that is given as a constant matrix: out[c * coefficients + k] +=
 // sum_i matrix[i * coefficients + k] * value_c[i], c = r, g, b. With g and b NULL: one channel.
 // Any number of coefficients.
+// Thread-safe.
 RSH_API void rsh_accumulate(size_t count, size_t coefficients, const float *matrix, const float *r,
                             const float *g, const float *b, float *out);
 
 // out[c] = a_c . b_c for three channels of b[3 * n * n]; a has `a_channels` channels: 3, or 1 that
 // serves all.
+// Thread-safe.
 RSH_API bool rsh_dot3(int order, int a_channels, const float *a, const float *b, float out[3]);
 
 // out[channels]: the function's value in direction w.
+// Thread-safe.
 RSH_API bool rsh_value(rsh_basis basis, int order, int channels, const float *in, const float w[3],
                        float *out);
 
 // Convolves a function on the sphere with a kernel that is symmetric about an axis, given by its
 // coefficients zonal[order] at m = 0 when the axis is z. out == in is allowed here and below.
+// Thread-safe.
 RSH_API bool rsh_convolve(int order, int channels, const float *zonal, const float *in, float *out);
 
 // Between this library's convention and that with the Condon-Shortley phase, either way: negates
 // the coefficients of odd m.
+// Thread-safe.
 RSH_API bool rsh_flip_phase(int order, int channels, const float *in, float *out);
 
 // Other conventions. Their harmonics are ours times a factor, so coefficients change by its
@@ -108,11 +117,14 @@ typedef struct rsh_convention {
     rsh_layout layout;
 } rsh_convention;
 // Numbers per channel in a layout; 0 for orders out of range.
+// Thread-safe.
 RSH_API int rsh_convention_size(int order, rsh_layout layout);
 // From ours to theirs and back; in and out must not overlap. Functions are real: of complex
 // coefficients those of m >= 0 are read. False also for a convention that is none of these.
+// Thread-safe.
 RSH_API bool rsh_export(const rsh_convention *to, int order, int channels, const float *in,
                         float *out);
+// Thread-safe.
 RSH_API bool rsh_import(const rsh_convention *from, int order, int channels, const float *in,
                         float *out);
 
@@ -123,17 +135,21 @@ RSH_API bool rsh_import(const rsh_convention *from, int order, int channels, con
 // that is not orthonormal gives finite values without meaning.
 
 // About z by `angle` [rad] [K05 D].
+// Thread-safe.
 RSH_API bool rsh_rotate_z(int order, int channels, float angle, const float *in, float *out);
 // About y by `angle` [rad], exact to rounding.
+// Thread-safe.
 RSH_API bool rsh_rotate_y(int order, int channels, float angle, const float *in, float *out);
 
 // Truncations of the rotation about y at small angles [rad] [K05 5.3]: the series to first order;
 // with the diagonal of the second ("1.5th"); to second order.
 typedef enum rsh_taylor { RSH_TAYLOR_1 = 0, RSH_TAYLOR_1_5, RSH_TAYLOR_2 } rsh_taylor;
+// Thread-safe.
 RSH_API bool rsh_rotate_y_taylor(rsh_taylor kind, int order, int channels, float angle,
                                  const float *in, float *out);
 
 // By any rotation, exact to rounding, in the fastest form: rsh_rotate_pinchon_hoggan.
+// Thread-safe.
 RSH_API bool rsh_rotate(int order, int channels, const float r[9], const float *in, float *out);
 
 // A rotation as rotations about z by gamma, then y by beta, then z by alpha [rad].
@@ -141,22 +157,28 @@ typedef struct rsh_zyz {
     float alpha, beta, gamma;
 } rsh_zyz;
 // All angles are in [rad]; beta is 0 .. pi. Where it is 0 up to rounding, alpha is 0.
+// Thread-safe.
 RSH_API rsh_zyz rsh_zyz_of_matrix(const float r[9]);
+// Thread-safe.
 RSH_API bool rsh_rotate_zyz(int order, int channels, rsh_zyz angles, const float *in, float *out);
 
 // The forms by name, all for any r; products are per channel.
 // z, y, z with the series about y [K05 5.3]: for small beta only; 9 n^2 products.
+// Thread-safe.
 RSH_API bool rsh_rotate_taylor(rsh_taylor kind, int order, int channels, const float r[9],
                                const float *in, float *out);
 // z, y, z with the rotation about y as one about z between two exchanges of y and z, constant
 // symmetric blocks [Pinchon and Hoggan 2007]: 2 n^3 / 3 + 6 n^2 products.
+// Thread-safe.
 RSH_API bool rsh_rotate_pinchon_hoggan(int order, int channels, const float r[9], const float *in,
                                        float *out);
 // As above, between two rotations about x by 90 degrees [Kautz et al. 2002], in plain C.
+// Thread-safe.
 RSH_API bool rsh_rotate_zxzxz(int order, int channels, const float r[9], const float *in,
                               float *out);
 // Matrices band by band from r itself [Ivanic and Ruedenberg 1996, corrected 1998], in plain C:
 // 4 n^3 / 3 products to apply them, several times that to make them.
+// Thread-safe.
 RSH_API bool rsh_rotate_ivanic(int order, int channels, const float r[9], const float *in,
                                float *out);
 
@@ -164,12 +186,16 @@ RSH_API bool rsh_rotate_ivanic(int order, int channels, const float r[9], const 
 // at l (2 l - 1) (2 l + 1) / 3; rsh_blocks_size(n) = n (2 n - 1) (2 n + 1) / 3 numbers in all, 0
 // for orders out of range.
 #define RSH_MAX_BLOCKS (RSH_MAX_ORDER * (2 * RSH_MAX_ORDER - 1) * (2 * RSH_MAX_ORDER + 1) / 3)
+// Thread-safe.
 RSH_API int rsh_blocks_size(int order);
+// Thread-safe.
 RSH_API bool rsh_rotation_blocks(int order, const float r[9], float *blocks);
 // Derivatives 0 .. highest by beta [rad^-1 each] of the rotation about y, at beta [rad], one after
 // another in blocks[(highest + 1) * rsh_blocks_size(order)] [K05 C]. Their rounding grows as
 // order^highest.
+// Thread-safe.
 RSH_API bool rsh_rotation_y_derivatives(int order, float beta, int highest, float *blocks);
+// Thread-safe.
 RSH_API bool rsh_apply_blocks(int order, int channels, const float *blocks, const float *in,
                               float *out);
 
@@ -178,6 +204,7 @@ RSH_API bool rsh_apply_blocks(int order, int channels, const float *blocks, cons
 // see rsh_align. The horizon stays where it is, so what is 60 degrees from the pole rotates by 7.8
 // when the pole rotates by 10, and what is 80 degrees by 4.8; near the horizon it can be worse than
 // no rotation. Angles from 90 degrees on count as 90.
+// Thread-safe.
 RSH_API bool rsh_rotate_stretched(int order, int channels, const float r[9], const float *in,
                                   float *out);
 
@@ -193,6 +220,7 @@ RSH_API bool rsh_rotate_stretched(int order, int channels, const float r[9], con
 //               1.3 % at 3 degrees, 2 % at 6, 3 % at 10 (without alignment 4, 7 and 12 %).
 //               True: through the sphere, see below: .7 %, .8 %, 1 % (of which .7 % is what the
 //               order 10 of that test cannot hold).
+// Thread-safe.
 RSH_API bool rsh_align(rsh_basis basis, int order, int channels, const float from[9],
                        const float to[9], float beta_limit, const float *in, float *out);
 
@@ -201,6 +229,7 @@ RSH_API bool rsh_align(rsh_basis basis, int order, int channels, const float fro
 // the frame of each record instead of each record with its derivatives and colours. With a limit of
 // pi or more this fails as normals come to be opposed: the axis of the series is then a matter of
 // rounding.
+// Thread-safe.
 RSH_API bool rsh_align_transposed(rsh_basis basis, int order, int channels, const float from[9],
                                   const float to[9], float beta_limit, const float *in, float *out);
 
@@ -218,6 +247,7 @@ typedef struct rsh_reflection {
     const float *brdf;         // [brdf_channels * n * n]
     int brdf_channels;         // 3, or 1 for all colours
 } rsh_reflection;
+// Thread-safe.
 RSH_API bool rsh_reflect(const rsh_reflection *reflection, float out[3]);
 
 // Rotation and alignment of `count` records at once, as structures of arrays: coefficient k of
@@ -225,13 +255,17 @@ RSH_API bool rsh_reflect(const rsh_reflection *reflection, float out[3]);
 // r[e][i]. out == in is allowed. A record's result does not depend on the others. Blocks of 16 to
 // 64 records stay in the first cache. These calls take up to 256 kB of stack
 // of the calling thread.
+// Thread-safe.
 RSH_API bool rsh_rotate_many(int order, int channels, size_t count, const float *const r[9],
                              const float *in, float *out);
+// Thread-safe.
 RSH_API bool rsh_rotate_taylor_many(rsh_taylor kind, int order, int channels, size_t count,
                                     const float *const r[9], const float *in, float *out);
+// Thread-safe.
 RSH_API bool rsh_align_many(rsh_basis basis, int order, int channels, size_t count,
                             const float *const from[9], const float *const to[9], float beta_limit,
                             const float *in, float *out);
+// Thread-safe.
 RSH_API bool rsh_align_transposed_many(rsh_basis basis, int order, int channels, size_t count,
                                        const float *const from[9], const float *const to[9],
                                        float beta_limit, const float *in, float *out);
@@ -243,10 +277,15 @@ RSH_API bool rsh_align_transposed_many(rsh_basis basis, int order, int channels,
 // product: dot(c, restrict(R extend(lambda))) = dot(R^-1 restrict_transposed(c), extend(lambda)).
 // So a caller with one c and many records, or one record and many c, converts each once and rotates
 // on the sphere. `order` is that of the hemisphere; in and out must not overlap.
+// Thread-safe.
 RSH_API int rsh_sphere_order(int order);
+// Thread-safe.
 RSH_API bool rsh_hemi_extend(int order, int channels, const float *in, float *out);
+// Thread-safe.
 RSH_API bool rsh_hemi_restrict(int order, int channels, const float *in, float *out);
+// Thread-safe.
 RSH_API bool rsh_hemi_extend_transposed(int order, int channels, const float *in, float *out);
+// Thread-safe.
 RSH_API bool rsh_hemi_restrict_transposed(int order, int channels, const float *in, float *out);
 
 #ifdef __cplusplus

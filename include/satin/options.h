@@ -100,8 +100,8 @@ typedef struct satin_options {
     bool irradiance_gradient_clamp;   // R is at most where E would change by itself [K05 6.5.1]
     bool irradiance_neighbour_clamp;  // R of neighbours differs by their distance at most
                                       // [K05 6.5.2]
-    float irradiance_min_pixels;      // least record radius a R, in projected pixels
-    float irradiance_max_pixels;      // largest
+    float irradiance_min_pixels;      // least record radius a R, in projected pixels, 0 to 1000
+    float irradiance_max_pixels;      // largest, in projected pixels, 1 to 100000
 
     // Radiance cache (glossy surfaces).
     bool radiance_cache;
@@ -112,15 +112,15 @@ typedef struct satin_options {
     float radiance_error;  // largest relative rms error of radiance by a BRDF in harmonics
     float
         radiance_rotation;  // largest angle [rad] of normals for the fast rotation, 0 to 4; 0: none
-    int radiance_rays;
-    float radiance_noise;  // the same of the coefficients' vector
-    float radiance_a;
-    float radiance_widen;
-    satin_radius radiance_radius;  // not by the Hessian
-    bool radiance_gradient_clamp;
-    bool radiance_neighbour_clamp;
-    float radiance_min_pixels;
-    float radiance_max_pixels;
+    int radiance_rays;      // gather rays per record, 4 to 1048576
+    float radiance_noise;   // the same of the coefficients' vector
+    float radiance_a;       // accuracy a at which the cache is filled, no unit, .01 to 2
+    float radiance_widen;   // the image pass interpolates with a times this, 1 to 2
+    satin_radius radiance_radius;   // not by the Hessian
+    bool radiance_gradient_clamp;   // R is at most where the gradient holds [K05 6.5.1]
+    bool radiance_neighbour_clamp;  // R of neighbours differs by their distance at most [K05 6.5.2]
+    float radiance_min_pixels;      // least record radius a R, in projected pixels, 0 to 1000
+    float radiance_max_pixels;      // largest, in projected pixels, 1 to 100000
 
     // Both caches.
     bool adaptive_cache;      // records are shrunk where they disagree visibly [K05 6.3]

@@ -6,7 +6,7 @@
 #include "base/text.h"
 
 enum { FLAG_MARKDOWN, FLAG_HELP };
-enum { COLUMNS = 88 };  // of running text
+enum { HELP_COLUMNS = 88 };  // of running text
 
 const struct app_flag app_help_flags[] = {
     {"--markdown", NULL, NULL, "Prints all options, or plugins, as Markdown tables."},
@@ -23,7 +23,7 @@ void app_print_wrapped(int at, int indent, const char *text) {
     at = indent;
     while (*text) {
         int n = (int)strcspn(text, " ");
-        if (at > indent && at + 1 + n > COLUMNS) {
+        if (at > indent && at + 1 + n > HELP_COLUMNS) {
             printf("\n%*s", indent, "");
             at = indent;
         } else if (at > indent) {

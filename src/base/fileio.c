@@ -88,11 +88,11 @@ uint64_t fileio_hash(uint64_t hash, const void *data, size_t size) {
 }
 
 uint64_t fileio_hash_large(uint64_t hash, const void *data, size_t size) {
-    enum { LANES = 4, STEP = LANES * sizeof(uint64_t) };
+    enum { LANES = 4, HASH_STEP = LANES * sizeof(uint64_t) };
     uint64_t lane[LANES] = {1, 2, 3, 4}, word[LANES];
     const unsigned char *bytes = data;
-    for (; size >= STEP; bytes += STEP, size -= STEP) {
-        memcpy(word, bytes, STEP);
+    for (; size >= HASH_STEP; bytes += HASH_STEP, size -= HASH_STEP) {
+        memcpy(word, bytes, HASH_STEP);
         // The shift brings high bits down, where multiplication does not.
         for (int i = 0; i < LANES; i++) {
             lane[i] = (lane[i] ^ word[i]) * 0x9e3779b97f4a7c15ull;

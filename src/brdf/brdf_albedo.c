@@ -6,8 +6,8 @@
 #include "brdf/brdf_models.h"
 
 enum {
-    NODES = 33,    // along the radius of the parabolic map, centre to rim
-    AZIMUTHS = 5,  // over a quadrant, if the model is anisotropic
+    ALBEDO_NODES = 33,    // along the radius of the parabolic map, centre to rim
+    ALBEDO_AZIMUTHS = 5,  // over a quadrant, if the model is anisotropic
     BUILD_POINTS = 256,
     LOOKUP_POINTS = 32
 };
@@ -15,9 +15,9 @@ enum {
 // Albedo of the glossy lobe with `specular` 1, and of BRDF_THROUGH with `transmittance` 1.
 struct brdf_glossy {
     struct brdf brdf;  // the tables hold for its shape
-    int azimuths;      // AZIMUTHS, or 1 if isotropic
+    int azimuths;      // ALBEDO_AZIMUTHS, or 1 if isotropic
     struct nodes {
-        rgb node[AZIMUTHS][NODES];
+        rgb node[ALBEDO_AZIMUTHS][ALBEDO_NODES];
     } side[2][2];  // by lobe; for wo above, below
 };
 
@@ -36,10 +36,10 @@ static rgb sample_mean(const struct brdf *b, vec3 wo, unsigned lobe, uint32_t po
 static void fill_nodes(const struct brdf *white, int azimuths, unsigned lobe, bool below,
                        struct nodes *out) {
     for (int j = 0; j < azimuths; j++)
-        for (int i = 0; i < NODES; i++) {
+        for (int i = 0; i < ALBEDO_NODES; i++) {
             // Just above the rim, where some models are infinite.
-            float r = minf((float)i / (NODES - 1), 0.995f), scale = 1.0f / (1.0f + r * r);
-            float phi = 0.5f * PI_F * (float)j / (AZIMUTHS - 1);
+            float r = minf((float)i / (ALBEDO_NODES - 1), 0.995f), scale = 1.0f / (1.0f + r * r);
+            float phi = 0.5f * PI_F * (float)j / (ALBEDO_AZIMUTHS - 1);
             vec3 wo = v3(2.0f * r * scale * cosf(phi), 2.0f * r * scale * sinf(phi),
                          (below ? r * r - 1.0f : 1.0f - r * r) * scale);
             out->node[j][i] = sample_mean(white, wo, lobe, BUILD_POINTS);
@@ -53,7 +53,7 @@ satin_status brdf_albedo_prepare(struct brdf *b, struct arena *arena) {
     struct brdf white = *b;
     white.specular = white.transmittance = rgb_grey(1.0f);
     g->brdf = *b;
-    g->azimuths = brdf_isotropic(b) ? 1 : AZIMUTHS;
+    g->azimuths = brdf_isotropic(b) ? 1 : ALBEDO_AZIMUTHS;
     for (int below = 0; below < (brdf_transmits(b) ? 2 : 1); below++) {
         fill_nodes(&white, g->azimuths, BRDF_GLOSSY, below, &g->side[0][below]);
         if (b->model->lobes & BRDF_THROUGH)
@@ -64,7 +64,7 @@ satin_status brdf_albedo_prepare(struct brdf *b, struct arena *arena) {
 }
 
 static rgb lerp_nodes(const rgb *node, float x) {
-    int i = x < (float)(NODES - 2) ? (int)x : NODES - 2;
+    int i = x < (float)(ALBEDO_NODES - 2) ? (int)x : ALBEDO_NODES - 2;
     float t = x - (float)i;
     return rgb_mad(rgb_scale(node[i], 1.0f - t), node[i + 1], t);
 }
@@ -77,11 +77,11 @@ static rgb glossy_albedo(const struct brdf *b, vec3 wo, unsigned lobe) {
                                          : sample_mean(b, wo, lobe, LOOKUP_POINTS);
     const struct nodes *nodes = &g->side[lobe == BRDF_THROUGH][wo.z < 0.0f];
     rgb factor = lobe == BRDF_THROUGH ? b->transmittance : b->specular;
-    float x = sqrtf(wo.x * wo.x + wo.y * wo.y) / (1.0f + fabsf(wo.z)) * (float)(NODES - 1);
-    x = minf(x, (float)(NODES - 1));
+    float x = sqrtf(wo.x * wo.x + wo.y * wo.y) / (1.0f + fabsf(wo.z)) * (float)(ALBEDO_NODES - 1);
+    x = minf(x, (float)(ALBEDO_NODES - 1));
     if (g->azimuths == 1) return rgb_mul(lerp_nodes(nodes->node[0], x), factor);
-    float y = atan2f(fabsf(wo.y), fabsf(wo.x)) * (2.0f / PI_F) * (float)(AZIMUTHS - 1);
-    int j = y < (float)(AZIMUTHS - 2) ? (int)y : AZIMUTHS - 2;
+    float y = atan2f(fabsf(wo.y), fabsf(wo.x)) * (2.0f / PI_F) * (float)(ALBEDO_AZIMUTHS - 1);
+    int j = y < (float)(ALBEDO_AZIMUTHS - 2) ? (int)y : ALBEDO_AZIMUTHS - 2;
     rgb a = lerp_nodes(nodes->node[j], x), next = lerp_nodes(nodes->node[j + 1], x);
     a = rgb_mad(a, rgb_sub(next, a), y - (float)j);
     return rgb_mul(a, factor);

@@ -10,13 +10,14 @@
 #include "brdf/brdf_models.h"
 #include "brdf/brdf_quadrature.h"
 
-enum { SIZE = 33, AZIMUTHS = 32, NODES = 24 };
+enum { BURLEY_SIZE = 33, AZIMUTHS = 32, NODES = 24 };
 
 // Means over the hemisphere weighted by the cosine, for cosines 0 to 1, evenly spaced. The names
 // say what: c, c^2, F = Fi, G = 1 - Fi, w = 1 / (cos_o + cos_i) - 1/2, and the sheen's Schlick
 // weight.
 struct burley {
-    float c[SIZE], cF[SIZE], c2F[SIZE], wG[SIZE], wcF[SIZE], wcG[SIZE], wc2F[SIZE], sheen[SIZE];
+    float c[BURLEY_SIZE], cF[BURLEY_SIZE], c2F[BURLEY_SIZE], wG[BURLEY_SIZE], wcF[BURLEY_SIZE],
+        wcG[BURLEY_SIZE], wc2F[BURLEY_SIZE], sheen[BURLEY_SIZE];
 };
 
 satin_status burley_prepare(struct brdf *b, struct arena *arena) {
@@ -24,8 +25,8 @@ satin_status burley_prepare(struct brdf *b, struct arena *arena) {
     if (!t) return SATIN_ERROR_MEMORY;
     struct quadrature rule;
     quadrature_gauss(&rule, NODES);
-    for (int i = 0; i < SIZE; i++) {
-        float mu = maxf((float)i / (SIZE - 1), 1e-3f), s = safe_sqrtf(1.0f - mu * mu);
+    for (int i = 0; i < BURLEY_SIZE; i++) {
+        float mu = maxf((float)i / (BURLEY_SIZE - 1), 1e-3f), s = safe_sqrtf(1.0f - mu * mu);
         double sum[8] = {0};
         for (int j = 0; j < NODES; j++)
             for (int k = 0; k < AZIMUTHS; k++) {
@@ -72,8 +73,9 @@ rgb burley_diffuse(const struct brdf *b, vec3 wo, vec3 wi, float base, float she
 
 rgb burley_diffuse_albedo(const struct brdf *b, float cosine, float base, float sheen) {
     const struct burley *t = b->tables;
-    float x = cosine * (float)(SIZE - 1), r = b->alpha_u, F = burley_weight(cosine), G = 1.0f - F;
-    int i = x < (float)(SIZE - 2) ? (int)x : SIZE - 2;
+    float x = cosine * (float)(BURLEY_SIZE - 1), r = b->alpha_u, F = burley_weight(cosine),
+          G = 1.0f - F;
+    int i = x < (float)(BURLEY_SIZE - 2) ? (int)x : BURLEY_SIZE - 2;
     x -= (float)i;
 #define AT(name) lerpf(t->name[i], t->name[i + 1], x)
     // The mean of 1 - Fi / 2 is 41 / 42.

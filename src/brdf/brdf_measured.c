@@ -169,16 +169,16 @@ static float cell_weight(const struct measured *m, int i, int j) {
 }
 
 static void find_albedo(struct measured *m) {
-    enum { POINTS = 512 };
+    enum { MEASURED_POINTS = 512 };
     for (int i = 0; i < ALBEDO; i++) {
         float z = maxf((float)i / (ALBEDO - 1), 1e-3f);
         vec3 wo = v3(safe_sqrtf(1.0f - z * z), 0.0f, z);
         m->albedo[i] = rgb_grey(0.0f);
-        for (uint32_t k = 0; k < POINTS; k++) {
+        for (uint32_t k = 0; k < MEASURED_POINTS; k++) {
             vec2 u = sample_sobol2(k, 6);
             vec3 wi = sample_cosine_hemisphere(u.x, u.y);
-            m->albedo[i] =
-                rgb_mad(m->albedo[i], diffuse_component(m, value(m, wo, wi)), PI_F / POINTS);
+            m->albedo[i] = rgb_mad(m->albedo[i], diffuse_component(m, value(m, wo, wi)),
+                                   PI_F / MEASURED_POINTS);
         }
     }
 }

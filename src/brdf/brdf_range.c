@@ -11,8 +11,8 @@
 
 enum { RUNGS_MAX = 14 };
 
-#define STEP 1.2f    // from rung to rung, of roughness; of exponents its square
-#define LEAST 0.02f  // no smoother lobe has harmonics of the orders that there are
+#define RANGE_STEP 1.2f    // from rung to rung, of roughness; of exponents its square
+#define RANGE_LEAST 0.02f  // no smoother lobe has harmonics of the orders that there are
 
 struct brdf_range {
     enum brdf_slot slot;  // BRDF_SLOT_COUNT: one table serves
@@ -24,8 +24,8 @@ struct brdf_range {
 // Spreads the rungs from lo to hi.
 static void spread_rungs(struct brdf_range *r, const struct brdf_roughness *over) {
     const bool exponent = over->slot == BRDF_SLOT_EXPONENT;
-    float lo = maxf(over->lo, exponent ? 1.0f : LEAST), hi = maxf(over->hi, lo);
-    float span = logf(hi / lo), step = logf(exponent ? STEP * STEP : STEP);
+    float lo = maxf(over->lo, exponent ? 1.0f : RANGE_LEAST), hi = maxf(over->hi, lo);
+    float span = logf(hi / lo), step = logf(exponent ? RANGE_STEP * RANGE_STEP : RANGE_STEP);
     int steps = (int)ceilf(span / step - 1e-3f);
     r->slot = over->slot;
     r->count = 1 + (steps < RUNGS_MAX ? steps : RUNGS_MAX - 1);

@@ -11,18 +11,18 @@
 
 // Projection of cos(theta) over the hemisphere by the midpoint rule: E is then Lambda . cosine.
 static void project_cosine(float *out, satin_basis basis, int order) {
-    enum { ROWS = 4096 };
+    enum { CACHE_ROWS = 4096 };
     float y[RSH_MAX_ORDER * RSH_MAX_ORDER];
     memset(out, 0, sizeof *out * (size_t)(order * order));
     for (int l = 0; l < order; l++) {
         double sum = 0.0;
-        for (int j = 0; j < ROWS; j++) {
-            double z = (j + 0.5) / ROWS;
+        for (int j = 0; j < CACHE_ROWS; j++) {
+            double z = (j + 0.5) / CACHE_ROWS;
             float w[3] = {(float)sqrt(1.0 - z * z), 0.0f, (float)z};
             rsh_eval(basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, order, w, y);
             sum += z * (double)y[l * (l + 1)];
         }
-        out[l * (l + 1)] = (float)(2.0 * 3.14159265358979323846 * sum / ROWS);
+        out[l * (l + 1)] = (float)(2.0 * 3.14159265358979323846 * sum / CACHE_ROWS);
     }
 }
 

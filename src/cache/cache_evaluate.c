@@ -11,7 +11,7 @@ static const float VISIBLE = 0.02f;
 // A difference of up to so many standard deviations may be noise. The thesis has one, which over
 // all points and pairs of records is often exceeded by chance; and where records shrink noise
 // grows.
-static const float DEVIATIONS = 2.5f;
+static const float VISIBLE_DEVIATIONS = 2.5f;
 
 void cache_update_point(const struct cache_adaptation *c, const struct cache_site *s,
                         struct cache_point *p) {
@@ -81,7 +81,7 @@ static float mean_luminance(const struct cache_point *p, unsigned mask) {
 static float noise_of(const struct cache_point *p) {
     float square = 0.0f;
     for (int i = 0; i < p->count; i++) square += p->with[i].noise * p->with[i].noise;
-    return DEVIATIONS * sqrtf(square / (float)p->count);
+    return VISIBLE_DEVIATIONS * sqrtf(square / (float)p->count);
 }
 
 // Whether a record may end before this point: it must not become smaller than the least radius.

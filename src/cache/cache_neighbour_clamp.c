@@ -4,10 +4,10 @@
 #include "cache/cache_records.h"
 
 // Only records whose normals differ by less than about 25 degrees limit each other.
-static const float ALIKE = 0.9f;
+static const float CLAMP_ALIKE = 0.9f;
 
 // Records farther away than this fraction of R limit it through those in between.
-static const float NEIGHBOURS = 0.4f;
+static const float CLAMP_NEIGHBOURS = 0.4f;
 
 struct neighbours {
     struct cache_tree *tree;
@@ -19,7 +19,7 @@ struct neighbours {
 static void clamp_one(void *ctx, uint32_t record) {
     struct neighbours *s = ctx;
     struct cache_head *h = &s->tree->head[record];
-    if (v3_dot(h->n, s->n) < ALIKE) return;
+    if (v3_dot(h->n, s->n) < CLAMP_ALIKE) return;
     float d = sqrtf(v3_dist2(h->p, s->p));
     if (s->lower)
         h->R = fminf(h->R, s->R + d);
@@ -29,8 +29,8 @@ static void clamp_one(void *ctx, uint32_t record) {
 
 float cache_neighbour_clamp(struct cache_tree *tree, vec3 p, vec3 n, float R) {
     struct neighbours s = {tree, p, n, R, false};
-    cache_tree_visit(tree, p, NEIGHBOURS * R, clamp_one, &s);
+    cache_tree_visit(tree, p, CLAMP_NEIGHBOURS * R, clamp_one, &s);
     s.lower = true;
-    cache_tree_visit(tree, p, NEIGHBOURS * s.R, clamp_one, &s);
+    cache_tree_visit(tree, p, CLAMP_NEIGHBOURS * s.R, clamp_one, &s);
     return s.R;
 }

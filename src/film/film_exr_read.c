@@ -14,8 +14,8 @@
 static const size_t FILE_MAX = (size_t)4 << 30;
 static const int64_t VALUES_MAX = (int64_t)1 << 31;  // 8 GB of floats
 enum {
-    HEADER_MAX = 1 << 20,  // the library sorts attributes by insertion, in quadratic time
-    ATTRIBUTES_MAX = 256,  // kept; more are passed over
+    HEADER_MAX = 1 << 20,      // the library sorts attributes by insertion, in quadratic time
+    EXR_ATTRIBUTES_MAX = 256,  // kept; more are passed over
     CHANNELS_MAX = 1024,
     WIDTH_MAX = 1 << 28,  // the library counts the bytes of a line in int32
     RATIO_MAX = 2048      // above what any method reaches: PXR24 over zlib comes to 1376
@@ -145,7 +145,7 @@ static satin_status read_attributes(struct reader *r) {
     int32_t count = 0;
     bool memory = true;
     exr_get_attribute_count(r->exr, 0, &count);
-    for (int32_t i = 0; memory && i < count && r->film->attribute_count < ATTRIBUTES_MAX; i++) {
+    for (int32_t i = 0; memory && i < count && r->film->attribute_count < EXR_ATTRIBUTES_MAX; i++) {
         const exr_attribute_t *a = NULL;
         if (exr_get_attribute_by_index(r->exr, 0, EXR_ATTR_LIST_FILE_ORDER, i, &a) !=
                 EXR_ERR_SUCCESS ||

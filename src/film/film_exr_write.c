@@ -12,7 +12,7 @@
 #include "film/film.h"
 
 enum {
-    BATCH = 64,          // compressed chunks held in memory at once
+    EXR_BATCH = 64,      // compressed chunks held in memory at once
     ZIP_EFFORT = 4,      // fixed, as defaults differ; noisy floats: 1 to 9 differ by 1.5 % in size
     SHORT_NAME_MAX = 31  // longer names need a flag that readers before OpenEXR 1.7 refuse
 };
@@ -29,7 +29,7 @@ struct writer {
     struct fileio_output file;
     exr_context_t exr;
     int lines, first;  // lines per chunk; number of the batch's first chunk
-    struct exr_chunk chunk[BATCH];
+    struct exr_chunk chunk[EXR_BATCH];
 };
 
 static void be_silent(exr_const_context_t exr, exr_result_t code, const char *message) {
@@ -171,9 +171,9 @@ static exr_result_t write_file(struct writer *w, struct parallel *pool, size_t *
     if (r == EXR_ERR_SUCCESS) r = exr_get_chunk_count(w->exr, 0, &chunks);
     if (r == EXR_ERR_SUCCESS) r = exr_get_scanlines_per_chunk(w->exr, 0, &lines);
     w->lines = lines;
-    for (w->first = 0; r == EXR_ERR_SUCCESS && w->first < chunks; w->first += BATCH) {
+    for (w->first = 0; r == EXR_ERR_SUCCESS && w->first < chunks; w->first += EXR_BATCH) {
         int rest = chunks - w->first;
-        r = write_batch(w, rest < BATCH ? rest : BATCH, pool, dropped);
+        r = write_batch(w, rest < EXR_BATCH ? rest : EXR_BATCH, pool, dropped);
     }
     exr_result_t closed = exr_finish(&w->exr);
     return r == EXR_ERR_SUCCESS ? closed : r;

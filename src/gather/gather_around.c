@@ -9,7 +9,7 @@
 
 // Rays that leave and arrive more grazing than this say little of near geometry [Tabellion and
 // Lamorlette 2004].
-static const float GRAZING = 0.2f;
+static const float RAY_GRAZING = 0.2f;
 
 static void distances(const struct gather_hemisphere *h, struct gather_around *out) {
     double sum = 0.0;
@@ -18,7 +18,7 @@ static void distances(const struct gather_hemisphere *h, struct gather_around *o
         float r = ray->first.r;
         sum += 1.0 / (double)r;  // a miss adds 0
         out->least = fminf(out->least, r);
-        if (h->z[i] > GRAZING || fabsf(v3_dot(ray->ray.d, ray->first.ng)) > GRAZING)
+        if (h->z[i] > RAY_GRAZING || fabsf(v3_dot(ray->ray.d, ray->first.ng)) > RAY_GRAZING)
             out->least_upright = fminf(out->least_upright, r);
     }
     if (sum > 0.0) out->harmonic = (float)((double)h->stratified / sum);
@@ -116,7 +116,7 @@ static void add_point(const struct gather_hemisphere *h, size_t i, float weight,
     const vec3 w = v3(h->x[i], h->y[i], h->z[i]);
     const vec3 n = frame_to_local(&h->frame, ray->first.ng);
     const float c = -v3_dot(n, w);
-    if (!(isfinite(r) && r > 0.0f && fabsf(c) > GRAZING)) return;
+    if (!(isfinite(r) && r > 0.0f && fabsf(c) > RAY_GRAZING)) return;
     const float value = weight * rgb_luminance(ray->L) / (r * r);
     const float gx = n.x / c + 4.0f * w.x, gy = n.y / c + 4.0f * w.y;
     out[0] += value * (gx * gx - n.x * n.x / (c * c) + 8.0f * w.x * w.x - 4.0f);

@@ -20,7 +20,7 @@
 #include "gather/gather_segment.h"
 
 enum {
-    GLOSSY_MAX = 6,     // glossy bounces behind y; the tail is taken as diffuse
+    GLOSSY_BOUNCES_MAX = 6,  // glossy bounces behind y; the tail is taken as diffuse
     THROUGH_MAX = 32,   // glossy bounces inside rough glass, where no photon describes the tail
     DIFFUSE_MAX = 64,   // bounces where there are no photons; the tail is lost
     RECURSIVE_MAX = 8,  // most that option recursive-bounces allows
@@ -70,7 +70,7 @@ static bool within_depth(const struct gather *g, int bounce, int more) {
 // Probability that the glossy lobes, of this albedo, are followed: faint ones, as of a coat, are
 // followed now and then; on long paths all are by what they reflect.
 static float glossy_probability(rgb albedo, int bounce) {
-    if (bounce >= GLOSSY_MAX) return clampf(rgb_max(albedo), 0.1f, 0.95f);
+    if (bounce >= GLOSSY_BOUNCES_MAX) return clampf(rgb_max(albedo), 0.1f, 0.95f);
     return clampf(4.0f * rgb_max(albedo), 0.1f, 1.0f);
 }
 
@@ -85,7 +85,7 @@ static float diffuse_probability(const struct gather_point *y, int bounce) {
 // Number of bounces over which glossy lobes are followed; the tail is diffuse where E describes it.
 static int glossy_bounces(const struct gather *g, unsigned glossy, bool reliable) {
     if (!reliable && !has_records(g)) return DIFFUSE_MAX;
-    return glossy & BRDF_THROUGH || has_records(g) ? THROUGH_MAX : GLOSSY_MAX;
+    return glossy & BRDF_THROUGH || has_records(g) ? THROUGH_MAX : GLOSSY_BOUNCES_MAX;
 }
 
 // Makes the probabilities of two branches such that their sum is the larger of them.

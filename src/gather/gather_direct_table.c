@@ -10,14 +10,14 @@
 #include "gather/gather.h"
 
 enum {
-    SAMPLES = 8,  // of the lights at an entry: with 4, means of single images were .5 % off in a
-                  // room lit through a door; 16 gain nothing
-    CHUNK = 64    // entries
+    ENTRY_SAMPLES = 8,  // of the lights at an entry: with 4, means of single images were .5 % off
+                        // in a room lit through a door; 16 gain nothing
+    CHUNK = 64          // entries
 };
 
 // What direct light may differ by among the entries around one: a fraction of all light there, and
 // standard deviations of its samples' noise. Without the test the mean of case `spot` is 25 % off.
-static const float DIFFERS = 0.5f, DEVIATIONS = 2.0f;
+static const float DIFFERS = 0.5f, EVEN_DEVIATIONS = 2.0f;
 
 // Direct photons show light between the entries: more of them around one than so many times what
 // the direct light of its neighbours brings there, and more than so many standard deviations.
@@ -53,12 +53,12 @@ static void light_entries(void *ctx, size_t begin, size_t end, int worker) {
         photon_irradiance_position(g->maps, i, &p, &n);
         const struct gather_point point = white_point(diffuse, p, n);
         const struct gather_mis alone = {2, {{BRDF_DIFFUSE, 0.0f}}};
-        const struct gather_lights lights = {SAMPLES, (uint32_t)i * SAMPLES};
+        const struct gather_lights lights = {ENTRY_SAMPLES, (uint32_t)i * ENTRY_SAMPLES};
         const struct sampler sampler = {0, seed, 0};
         float variance;
         const rgb L = gather_direct(g, &point, alone, lights, sampler, &variance);
         job->table->E[i] = rgb_scale(L, PI_F);
-        job->noise2[i] = sqrf(PI_F) * variance / SAMPLES;
+        job->noise2[i] = sqrf(PI_F) * variance / ENTRY_SAMPLES;
     }
 }
 
@@ -92,7 +92,7 @@ static bool is_even(const struct direct_job *job, size_t i) {
     const float indirect = rgb_luminance(photon_irradiance_at(job->g->maps, i));
     const float mean = 0.5f * (least + most) + indirect;
     if (is_brighter(job, i, others > 0 ? sum / (float)others : 0.0f)) return false;
-    return most - least <= DIFFERS * mean + DEVIATIONS * sqrtf(2.0f * noise2);
+    return most - least <= DIFFERS * mean + EVEN_DEVIATIONS * sqrtf(2.0f * noise2);
 }
 
 static void compare_entries(void *ctx, size_t begin, size_t end, int worker) {

@@ -11,7 +11,7 @@
 static const float GUIDED = 0.5f;
 
 // Fraction of the light at y, below which a cluster is left to chance.
-static const float FAINT = 0.002f;
+static const float NEAR_FAINT = 0.002f;
 
 // A cluster that no probe sees may still be visible from other hits: its least weight over that of
 // one in full view.
@@ -46,7 +46,7 @@ static float probe_cone(const struct gather *g, const struct gather_hits *hits, 
         const struct gather_point *y = &hits->hit[probe[i]].point;
         const float rest = rgb_luminance(hits->E[probe[i]]);
         if (!guide_cone_move(&cone, y->interaction.p, y->frame.n)) continue;
-        if (!(cone.E > FAINT * (cone.E + rest))) continue;
+        if (!(cone.E > NEAR_FAINT * (cone.E + rest))) continue;
         const struct guide_eye eye = {y->interaction.p, y->frame.n, y->ng};
         clear += guide_cone_visible(g->clusters, g->scene, &cone, &eye, (size_t)i);
         matters++;

@@ -10,13 +10,13 @@
 #include "rsh/rsh.h"
 
 // Areas met at less than this cosine would add most of the variance and little of the gradient.
-static const float GRAZING = 0.01f;
+static const float AREA_GRAZING = 0.01f;
 
 // Half the step of finite differences, in distances r of each ray: harmonics of order 14 change
 // linearly over it to .1 %, and float differences keep four digits.
-static const float STEP = 0.005f;
+static const float DIFFERENCE_STEP = 0.005f;
 
-enum { BLOCK = 16 };  // rays whose derivatives are accumulated at once
+enum { RAY_BLOCK = 16 };  // rays whose derivatives are accumulated at once
 
 // A ray's hit as its derivatives need it.
 struct ray_hit {
@@ -32,7 +32,7 @@ static bool ray_hit_of(const struct gather_hemisphere *h, size_t i, struct ray_h
     out->n = frame_to_local(&h->frame, first->ng);
     out->c = -v3_dot(out->n, out->w);
     out->r = first->r;
-    return fabsf(out->c) > GRAZING;
+    return fabsf(out->c) > AREA_GRAZING;
 }
 
 // What a move by `step` r along `axis` makes of a ray: returns its new length over r; *w gets its
@@ -49,10 +49,10 @@ static float cosine_difference(const struct ray_hit *at, vec3 axis) {
     float change = 0.0f;
     for (int side = -1; side <= 1; side += 2) {
         vec3 w;
-        float omega, length = displace(at, axis, (float)side * STEP, &w, &omega);
+        float omega, length = displace(at, axis, (float)side * DIFFERENCE_STEP, &w, &omega);
         change += (float)side * omega / length;  // of cos(theta) Omega
     }
-    return change / (2.0f * STEP * at->r);
+    return change / (2.0f * DIFFERENCE_STEP * at->r);
 }
 
 // Rays are dense as the cosine, so cos(theta) Omega is pi / count for each of them [K05 4.2.3].
@@ -101,9 +101,9 @@ static void derive(const struct gather_layout *l, const struct ray_hit *at, floa
 static void differentiate(const struct gather_hemisphere *h, size_t first, float *dx, float *dy) {
     const size_t count = h->count;
     const size_t n2 = (size_t)(h->layout->order * h->layout->order);
-    float by_x[BLOCK * RSH_MAX_COEFFICIENTS], by_y[BLOCK * RSH_MAX_COEFFICIENTS];
-    for (size_t i = first; i < count; i += BLOCK) {
-        size_t n = count - i < BLOCK ? count - i : BLOCK;
+    float by_x[RAY_BLOCK * RSH_MAX_COEFFICIENTS], by_y[RAY_BLOCK * RSH_MAX_COEFFICIENTS];
+    for (size_t i = first; i < count; i += RAY_BLOCK) {
+        size_t n = count - i < RAY_BLOCK ? count - i : RAY_BLOCK;
         memset(by_x, 0, sizeof *by_x * n * n2);
         memset(by_y, 0, sizeof *by_y * n * n2);
         for (size_t k = 0; k < n; k++) {
@@ -128,8 +128,8 @@ static void add_difference(const struct gather_hemisphere *h, size_t first, vec3
         vec3 w = v3(0.0f, 0.0f, 1.0f);
         float omega = 0.0f, value = 0.0f;
         if (ray_hit_of(h, i, &at)) {
-            displace(&at, axis, side * STEP, &w, &omega);
-            value = side * omega / (2.0f * STEP * at.r);
+            displace(&at, axis, side * DIFFERENCE_STEP, &w, &omega);
+            value = side * omega / (2.0f * DIFFERENCE_STEP * at.r);
         }
         x[i] = w.x, y[i] = w.y, z[i] = w.z;
         r[i] = h->r[i] * value, g[i] = h->g[i] * value, b[i] = h->b[i] * value;

@@ -11,7 +11,9 @@
 
 #include "base/sampling.h"
 
-enum { BOUNCES = 3 };  // of a path: behind the first one is what gather rays ask photons for
+enum {
+    ALLOCATION_BOUNCES = 3
+};  // of a path: behind the first one is what gather rays ask photons for
 
 // Irradiance that lights bring to the vertices of one path, in their order.
 struct light_tally {
@@ -19,7 +21,7 @@ struct light_tally {
     struct {
         uint32_t light;
         float E;
-    } found[2 * BOUNCES];  // at each vertex one met and one sampled
+    } found[2 * ALLOCATION_BOUNCES];  // at each vertex one met and one sampled
 };
 
 struct light_paths {
@@ -60,7 +62,7 @@ static void add_met(struct light_tally *tally, const struct satin_scene *scene,
 static void walk_path(struct light_tally *tally, const struct satin_scene *scene,
                       struct interaction s, vec3 n, struct rng *rng) {
     float T = 1.0f;
-    for (int i = 0; i < BOUNCES; i++) {
+    for (int i = 0; i < ALLOCATION_BOUNCES; i++) {
         const struct frame frame = frame_from_normal(n);
         const float u = rng_float(rng), v = rng_float(rng);
         const vec3 d = frame_to_world(&frame, sample_cosine_hemisphere(u, v));

@@ -9,10 +9,10 @@
 
 enum {
     PATHS = 4 * GUIDE_VIEW_PATHS,
-    BOUNCES = 2,  // of a path: gather rays sample direct light behind the first one
-    POINTS_PATH = 1 + BOUNCES,
-    POINTS = PATHS * POINTS_PATH,
-    LEAST = 8  // points of a cell, in the mean
+    CELL_BOUNCES = 2,  // of a path: gather rays sample direct light behind the first one
+    POINTS_PATH = 1 + CELL_BOUNCES,
+    CELL_POINTS = PATHS * POINTS_PATH,
+    CELL_LEAST = 8  // points of a cell, in the mean
 };
 
 static size_t add_path(const struct satin_scene *scene, uint64_t seed, uint32_t i,
@@ -25,7 +25,7 @@ static size_t add_path(const struct satin_scene *scene, uint64_t seed, uint32_t 
     while (found) {
         bool through = material_transmits(&scene->material[s.material], s.light >= 0);
         out[count] = (struct guide_cell_point){s.p, s.ng, n, through};
-        if (count++ == BOUNCES) break;
+        if (count++ == CELL_BOUNCES) break;
         const struct frame frame = frame_from_normal(n);
         const float u = rng_float(&rng), v = rng_float(&rng);
         struct ray ray =
@@ -78,14 +78,15 @@ static void split_cells(struct guide_cells *cells, struct split_point *point, si
 
 bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, struct parallel *pool,
                       struct guide_cells *out) {
-    struct guide_cell_point *found = array_new(POINTS, sizeof *found);
-    struct split_point *point = array_new(POINTS, sizeof *point);
-    out->point = array_new(POINTS, sizeof *out->point);
+    struct guide_cell_point *found = array_new(CELL_POINTS, sizeof *found);
+    struct split_point *point = array_new(CELL_POINTS, sizeof *point);
+    out->point = array_new(CELL_POINTS, sizeof *out->point);
     const bool made = found && point && out->point;
     if (made) {
         const size_t count = find_points(scene, seed, pool, found);
         out->depth = 0;
-        while (out->depth < GUIDE_CELLS_DEPTH && count >> (out->depth + 1) >= LEAST) out->depth++;
+        while (out->depth < GUIDE_CELLS_DEPTH && count >> (out->depth + 1) >= CELL_LEAST)
+            out->depth++;
         for (size_t i = 0; i < count; i++)
             point[i] = (struct split_point){.p = found[i].p, .item = (uint32_t)i};
         if (count > 0) split_cells(out, point, 0, count, 0, 0);

@@ -15,7 +15,7 @@ enum {
     // Work of one thread; what is larger is split depth by depth, all parts of a depth at once.
     PART = 2048,        // photons
     PART_LEAVES = 128,  // and leaves
-    CHUNK = 4096
+    CLUSTER_CHUNK = 4096
 };
 #define CLEARLY 1.001f  // more than rounding
 
@@ -103,7 +103,7 @@ static void make_leaves_of_parts(void *ctx, size_t begin, size_t end, int worker
 static size_t make_all_leaves(struct tree_building *b, size_t count, struct parallel *pool) {
     size_t parts = 1, leaves = 0;
     b->part[0] = (struct part){.count = count};
-    bool whole = parallel_for(pool, count, CHUNK, fill_points, b);
+    bool whole = parallel_for(pool, count, CLUSTER_CHUNK, fill_points, b);
     for (; whole && b->part[parts - 1].count > PART; parts *= 2) {  // the largest
         whole = parallel_for(pool, parts, 1, split_parts, b);
         for (size_t i = parts; i-- > 0;) {

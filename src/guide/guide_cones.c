@@ -5,13 +5,13 @@
 // sees as small, and that no wall hides [Jensen 1995 guides by the photons themselves].
 #include "guide/guide_clusters.h"
 
-#define DENSE 16.0f       // irradiance of a dense cluster over what is expected at the point
-#define FAINT 0.0002f     // of what is expected: what comes from less is left to chance
-#define SINE_LEAST 1e-4f  // of half an angle: directions are floats
-#define NARROW 0.35f      // sine of a cone's largest half angle
-#define SINE_MOVED 0.5f   // the same when it is moved
-#define EVEN 0.4f         // mean irradiance by area over that by power, of a cluster that is one
-#define FILLED 0.2f       // of a sphere's disc that its leaves should fill
+#define DENSE 16.0f         // irradiance of a dense cluster over what is expected at the point
+#define CONE_FAINT 0.0002f  // of what is expected: what comes from less is left to chance
+#define SINE_LEAST 1e-4f    // of half an angle: directions are floats
+#define NARROW 0.35f        // sine of a cone's largest half angle
+#define SINE_MOVED 0.5f     // the same when it is moved
+#define EVEN 0.4f           // mean irradiance by area over that by power, of a cluster that is one
+#define FILLED 0.2f         // of a sphere's disc that its leaves should fill
 
 // Whether p sees photon i of some of the node's photons.
 static bool sees_photon(const struct guide_clusters *clusters, const struct satin_scene *scene,
@@ -58,7 +58,7 @@ static struct view cluster_view(const struct guide_cluster *node, const struct g
     const float distance = v3_len(d), nearest = fmaxf(distance - node->radius, 0.0f);
     if (v3_dot(d, eye->n) < -node->radius) return view;  // below the horizon
     if (node->dense < DENSE * expected) return view;
-    if (node->power < FAINT * expected * PI_F * sqrf(nearest)) return view;
+    if (node->power < CONE_FAINT * expected * PI_F * sqrf(nearest)) return view;
     view.narrow = node->radius < NARROW * distance;
     const bool sparse = node->area < FILLED * PI_F * sqrf(node->radius);
     const bool uneven = node->power < EVEN * node->common * node->area;

@@ -14,15 +14,15 @@ static const float LUCK = 0.01f;
 // cluster, over its own mean.
 static const float AIM = 0.01f, SPREAD = 0.5f;
 
-enum { LEAST = 8, MOST = 256 };  // rays of one cone, powers of 2: whole nets
+enum { CONE_RAYS_LEAST = 8, CONE_RAYS_MOST = 256 };  // rays of one cone, powers of 2: whole nets
 
 // Number of rays to a cluster that sends a `fraction` of the light.
 static int count_rays(const struct guide_cone *cone, float fraction, size_t stratified) {
     if (!(fraction > LUCK * sqrtf((float)stratified * cone->chance))) return 0;
     const float missed = 1.0f / clampf(cone->filled, 0.01f, 1.0f) - 1.0f;
     const float wanted = sqrf(fraction / AIM) * (sqrf(SPREAD) + missed);
-    int rays = LEAST;
-    while (rays < MOST && (float)rays < wanted) rays *= 2;
+    int rays = CONE_RAYS_LEAST;
+    while (rays < CONE_RAYS_MOST && (float)rays < wanted) rays *= 2;
     return rays;
 }
 

@@ -7,7 +7,7 @@
 // sunsky: luminance is 683 lm/W times the integral of y, 73 kcd/m^2, for 1.
 #include "light/light.h"
 
-enum { COLUMNS = 512, ROWS = 257 };  // an odd number of rows: one is the horizon
+enum { SKY_COLUMNS = 512, SKY_ROWS = 257 };  // an odd number of rows: one is the horizon
 
 // kcd/m^2 of luminance 1.
 static const double unit = 683.0 * 106.7502594 * 1e-3;
@@ -70,22 +70,23 @@ static rgb sky_at(const struct dome d[3], double cosine, double gamma) {
 }
 
 bool sky_image(struct arena *arena, const struct sky *sky, struct image *out) {
-    float *texel = arena_array(arena, (size_t)COLUMNS * ROWS * 3, sizeof *texel);
+    float *texel = arena_array(arena, (size_t)SKY_COLUMNS * SKY_ROWS * 3, sizeof *texel);
     if (!texel) return false;
     struct dome dome[3];
     domes((double)sky->turbidity, acos((double)clampf(sky->sun.y, 0.0f, 1.0f)), dome);
-    for (int row = 0; row < ROWS; row++)
-        for (int column = 0; column < COLUMNS; column++) {
-            float *t = texel + 3 * (row * COLUMNS + column);
-            double theta = M_PI * row / (ROWS - 1), phi = 2.0 * M_PI * (column + 0.5) / COLUMNS;
+    for (int row = 0; row < SKY_ROWS; row++)
+        for (int column = 0; column < SKY_COLUMNS; column++) {
+            float *t = texel + 3 * (row * SKY_COLUMNS + column);
+            double theta = M_PI * row / (SKY_ROWS - 1),
+                   phi = 2.0 * M_PI * (column + 0.5) / SKY_COLUMNS;
             vec3 w = v3((float)(sin(theta) * sin(phi)), (float)cos(theta),
                         (float)(-sin(theta) * cos(phi)));
             rgb c = rgb_grey(0.0f);
             double gamma = 2.0 * asin(fmin(0.5 * (double)v3_len(v3_sub(w, sky->sun)), 1.0));
-            if (row <= ROWS / 2) c = sky_at(dome, cos(theta), gamma);
+            if (row <= SKY_ROWS / 2) c = sky_at(dome, cos(theta), gamma);
             t[0] = c.r, t[1] = c.g, t[2] = c.b;
         }
-    *out = (struct image){COLUMNS, ROWS, 3, texel};
+    *out = (struct image){SKY_COLUMNS, SKY_ROWS, 3, texel};
     return true;
 }
 

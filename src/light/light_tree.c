@@ -13,7 +13,7 @@
 #include "base/sampling.h"
 
 // Fraction of each decision that goes by strength alone, since the bounds say nothing of shadows.
-#define BLIND_FRACTION 0.1f
+#define TREE_BLIND_FRACTION 0.1f
 // The least cosine that a cone is believed to leave.
 #define COSINE_MIN 0.02f
 
@@ -207,7 +207,7 @@ static float second_probability(const struct light_tree *tree, const struct ligh
     float ra = node_estimate(a, p), rb = node_estimate(b, p), informed = rb / (ra + rb);
     if (!isfinite(informed)) informed = blind;
     if (!isfinite(blind)) return 0.5f;
-    return informed + BLIND_FRACTION * (blind - informed);
+    return informed + TREE_BLIND_FRACTION * (blind - informed);
 }
 
 // What a leaf's lights are weighed by; their sum. Lights that bring nothing have no weight, unless
@@ -223,10 +223,10 @@ static float weigh_leaf(const struct satin_scene *scene, const struct light_node
         lit += weight[i] > 0.0f;
     }
     bool good = sum > 0.0f && isfinite(sum);
-    float least = good ? sum * (BLIND_FRACTION / (float)lit) : 0.0f;
+    float least = good ? sum * (TREE_BLIND_FRACTION / (float)lit) : 0.0f;
     for (uint32_t i = 0; i < leaf->count; i++) {
         if (!good) weight[i] = 1.0f;
-        if (good && weight[i] > 0.0f) weight[i] = weight[i] * (1.0f - BLIND_FRACTION) + least;
+        if (good && weight[i] > 0.0f) weight[i] = weight[i] * (1.0f - TREE_BLIND_FRACTION) + least;
     }
     return good ? sum : (float)leaf->count;
 }

@@ -12,7 +12,7 @@
 #include "load/load_measured.h"
 #include "load/load_mesh_text.h"
 
-enum { NODES_MAX = 3600, VALUES_MAX = 1 << 28 };
+enum { NODES_MAX = 3600, TEXT_VALUES_MAX = 1 << 28 };
 
 struct measured_reader {
     const struct load_source *source;
@@ -74,7 +74,7 @@ static satin_status read_angles(struct measured_reader *r, const char *name, dou
 static satin_status read_values(struct measured_reader *r, struct brdf_grid *g) {
     uint64_t n = (uint64_t)g->channels;
     for (int i = 0; i < 4; i++) n *= (uint64_t)g->size[i];  // below 2^50
-    if (n > VALUES_MAX) return measured_error(r, "there are too many values");
+    if (n > TEXT_VALUES_MAX) return measured_error(r, "there are too many values");
     // A value takes two bytes at least, so a short file cannot ask for much.
     if (n > (uint64_t)(r->text.end - r->text.at))
         return measured_error(r, "there are too few values");

@@ -27,7 +27,7 @@ enum {
     FLAG_COLORS = 8,
     FLAG_DOUBLE = 0x2000,
     NAME_MAX_BYTES = 65536,
-    STEP = 1 << 16  // numbers inflated at a time
+    INFLATE_STEP = 1 << 16  // numbers inflated at a time
 };
 
 struct packed {
@@ -84,12 +84,12 @@ static uint32_t decode_word(const unsigned char *byte, size_t size) {
 // Inflates `count` numbers of `size` bytes into a malloc'ed array of 4-byte ones that grows as they
 // come, so that a lie about the count costs no memory. NULL `out` drops them.
 static satin_status inflate_words(struct packed *packed, size_t count, size_t size, void **out) {
-    unsigned char *chunk = malloc((size_t)STEP * size);
+    unsigned char *chunk = malloc((size_t)INFLATE_STEP * size);
     uint32_t *word = NULL;
     size_t done = 0, capacity = 0;
     satin_status status = chunk ? SATIN_OK : mesh_no_memory(packed->source);
     while (status == SATIN_OK && done < count) {
-        size_t n = count - done < STEP ? count - done : STEP;
+        size_t n = count - done < INFLATE_STEP ? count - done : INFLATE_STEP;
         if (!inflate_bytes(packed, chunk, n * size)) {
             status = inflate_failed(packed);
         } else if (out && !array_reserve((void **)&word, &capacity, done + n, sizeof *word)) {

@@ -4,7 +4,7 @@
 #include "load/load_state.h"
 
 // Bounds of the film: a side, so that products stay far from overflow; and its pixels.
-enum { FILM_SIDE_MAX = 1 << 20, FILM_PIXELS_MAX = 1 << 28 };
+enum { FILM_SIDE_MAX = 1 << 20, SCENE_PIXELS_MAX = 1 << 28 };
 
 static const struct param_spec width = {"width", PARAM_INTEGER, "768",   RANGE_POSITIVE,
                                         0,       NULL,          "pixels"};
@@ -95,7 +95,7 @@ static satin_status build_film(struct load_state *loader, const struct params *p
     if (film->crop_x + film->crop_width > film->width ||
         film->crop_y + film->crop_height > film->height)
         return load_refuse(loader, p, "its crop window is not inside of it");
-    if ((int64_t)film->crop_width * film->crop_height > FILM_PIXELS_MAX)
+    if ((int64_t)film->crop_width * film->crop_height > SCENE_PIXELS_MAX)
         return load_refuse(loader, p, "it has too many pixels");
     return SATIN_OK;
 }

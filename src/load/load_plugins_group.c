@@ -7,7 +7,7 @@
 #include "base/array.h"
 #include "load/load_state.h"
 
-enum { NESTING_MAX = 16 };
+enum { GROUP_NESTING_MAX = 16 };
 #define GROUP_EMPTY UINT32_MAX  // in place of 1 + the index of a group: it has no shapes
 
 static const struct param_spec to_world = {
@@ -24,7 +24,7 @@ const struct plugin_spec load_group_plugins[] = {
     {0}};
 
 static satin_status add_parts(struct load_state *loader, const struct params *p) {
-    if (loader->shape_depth == NESTING_MAX)
+    if (loader->shape_depth == GROUP_NESTING_MAX)
         return load_refuse(loader, p, "shapes are nested too deep, or in a circle");
     loader->shape_depth++;
     satin_status status = SATIN_OK;

@@ -60,7 +60,7 @@ param_list bsdf_principledthin_params = {
     &flatness,   &diff_trans, &rate[2],     &rate[3],    &rate[4],  &rate[5],   NULL};
 
 // Its reflectance head on is .08 of it; from 12.5 on that would be all of the light.
-#define SPECULAR_MAX 12.0f
+#define PRINCIPLED_SPECULAR_MAX 12.0f
 
 struct slot_name {
     const char *name;
@@ -100,9 +100,9 @@ satin_status bsdf_principled_build(struct load_state *loader, const struct param
         log_error_at(loader->log, p->node->place, "the reflectance is either eta or specular");
         return SATIN_ERROR_INPUT;
     }
-    if (reflects->f > SPECULAR_MAX) {
+    if (reflects->f > PRINCIPLED_SPECULAR_MAX) {
         log_error_at(loader->log, reflects->place, "specular is %g, but must be in [0, %g]",
-                     (double)reflects->f, (double)SPECULAR_MAX);
+                     (double)reflects->f, (double)PRINCIPLED_SPECULAR_MAX);
         return SATIN_ERROR_INPUT;
     }
     if (index->given && !bsdf_ior_valid(loader, index->place, "eta", index->f))

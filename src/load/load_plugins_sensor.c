@@ -195,15 +195,15 @@ static satin_status build_thinlens(struct load_state *loader, const struct param
     return status;
 }
 
-#define PARTS (1u << XML_FILM | 1u << XML_SAMPLER)
+#define SENSOR_PARTS (1u << XML_FILM | 1u << XML_SAMPLER)
 
 const struct plugin_spec load_sensor_plugins[] = {
-    {XML_SENSOR, "perspective", "a pinhole camera", perspective_params, PARTS, build_perspective,
-     false},
-    {XML_SENSOR, "thinlens", "a camera with depth of field", thinlens_params, PARTS, build_thinlens,
-     false},
+    {XML_SENSOR, "perspective", "a pinhole camera", perspective_params, SENSOR_PARTS,
+     build_perspective, false},
+    {XML_SENSOR, "thinlens", "a camera with depth of field", thinlens_params, SENSOR_PARTS,
+     build_thinlens, false},
     {XML_SENSOR, "orthographic", "parallel rays; the film is 2 wide before to_world scales it",
-     orthographic_params, PARTS, build_orthographic, false},
+     orthographic_params, SENSOR_PARTS, build_orthographic, false},
     {0}};
 
 // Reads the only child of a tag, if there is one, into `object`.

@@ -15,7 +15,7 @@
 #define FACING 0.5f      // least cosine between the normals of one surface
 #define EXTENT_MIN .02f  // bounds 1 / extent
 #define SECTOR (2.0f * PI_F / AREA_SECTORS)
-enum { BISECTIONS = 5, STEPS = 4 };
+enum { BISECTIONS = 5, AREA_STEPS = 4 };
 
 struct probe {
     const struct satin_scene *scene;
@@ -108,10 +108,11 @@ bool photon_area_has(const struct photon_area *area, vec3 d, float r) {
 float photon_area_fraction(const struct photon_area *area, enum photon_kernel kernel) {
     if (area->open) return 1.0f;
     float sum = 0.0f;
-    for (int i = 0; i < AREA_SECTORS * STEPS; i++) {
-        float e = fminf(1.0f / inverse_extent(area, ((float)i + 0.5f) / STEPS), 1.0f), q = e * e;
+    for (int i = 0; i < AREA_SECTORS * AREA_STEPS; i++) {
+        float e = fminf(1.0f / inverse_extent(area, ((float)i + 0.5f) / AREA_STEPS), 1.0f),
+              q = e * e;
         // The integral of weight(t^2) 2 t from 0 to e.
         sum += kernel == KERNEL_FLAT ? q : q * (2.0f - q);
     }
-    return sum / (AREA_SECTORS * STEPS);
+    return sum / (AREA_SECTORS * AREA_STEPS);
 }

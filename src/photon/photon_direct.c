@@ -7,7 +7,7 @@
 #include "base/array.h"
 #include "photon/photon_map.h"
 
-enum { CHUNK = 1024 };  // photons
+enum { DIRECT_CHUNK = 1024 };  // photons
 
 struct direct_lookup {
     const struct photon_irradiance *irradiance;
@@ -36,7 +36,7 @@ satin_status photon_direct_build(const struct photon_irradiance *irradiance,
     satin_status status = SATIN_OK;
     if (!sum || !entry)
         status = log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for direct photons");
-    else if (!parallel_for(pool, direct->count, CHUNK, find_entries, &lookup))
+    else if (!parallel_for(pool, direct->count, DIRECT_CHUNK, find_entries, &lookup))
         status = SATIN_CANCELLED;
     for (size_t i = 0; i < direct->count && status == SATIN_OK; i++) {
         if (entry[i] < 0) continue;

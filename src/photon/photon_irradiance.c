@@ -26,11 +26,11 @@
 #include "base/array.h"
 
 enum {
-    CHUNK = 256,    // entries of a chunk
-    GROUP = 8,      // of them are searched and evaluated together
-    BATCH = 512,    // lookups of one call
-    RETRY_K = 16,   // neighbours searched if the nearest one faces elsewhere,
-    RETRY_ENDS = 4  // and of caustics, which mostly are elsewhere then
+    IRRADIANCE_CHUNK = 256,  // entries of a chunk
+    GROUP = 8,               // of them are searched and evaluated together
+    IRRADIANCE_BATCH = 512,  // lookups of one call
+    RETRY_K = 16,            // neighbours searched if the nearest one faces elsewhere,
+    RETRY_ENDS = 4           // and of caustics, which mostly are elsewhere then
 };
 #define FACING 0.5f
 // Nothing is left of light that ends beyond this times the squared distance where it begins to
@@ -188,7 +188,7 @@ static bool index_rows(const struct photon_precompute *what, struct parallel *po
     parallel_begin_part(pool, "index");
     r->position.scale = normal_scale(r, what->scene);
     r->far2 = far_of(what, r);
-    if (!parallel_for(pool, r->count, CHUNK, fill_rows, &job)) return false;
+    if (!parallel_for(pool, r->count, IRRADIANCE_CHUNK, fill_rows, &job)) return false;
     r->index = photon_index_new(r->position.row, r->count, 6, &what->map->curve, pool);
     return r->index != NULL;
 }
@@ -217,7 +217,7 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
         struct precompute_job job = {.what = what, .out = &r};
         atomic_init(&job.failed, false);
         atomic_init(&job.refused, 0);
-        if (!parallel_for(pool, r.count, CHUNK, precompute_chunk, &job))
+        if (!parallel_for(pool, r.count, IRRADIANCE_CHUNK, precompute_chunk, &job))
             status = SATIN_CANCELLED;
         else if (!atomic_load(&job.failed))
             status = SATIN_OK;
@@ -351,10 +351,10 @@ static rgb part_within(const struct photon_irradiance *r, int row, int bounces) 
 static void look_up_photons(const struct photon_irradiance *r, const struct satin_scene *scene,
                             size_t count, const vec3 *p, const vec3 *n, int bounces, rgb *E,
                             float *radius, int *entry) {
-    float query[6 * BATCH], distance2[BATCH];
-    int row[BATCH];
-    for (size_t at = 0; at < count; at += BATCH) {
-        size_t batch = count - at < BATCH ? count - at : BATCH;
+    float query[6 * IRRADIANCE_BATCH], distance2[IRRADIANCE_BATCH];
+    int row[IRRADIANCE_BATCH];
+    for (size_t at = 0; at < count; at += IRRADIANCE_BATCH) {
+        size_t batch = count - at < IRRADIANCE_BATCH ? count - at : IRRADIANCE_BATCH;
         for (size_t i = 0; i < batch; i++) {
             row[i] = -1;
             set_row(query + 6 * i, p[at + i], n[at + i], r->position.scale);

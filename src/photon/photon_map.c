@@ -7,7 +7,7 @@
 
 #include "base/array.h"
 
-enum { CHUNK = 4096 };  // photons
+enum { MAP_CHUNK = 4096 };  // photons
 
 struct map_building {
     struct photon_map *map;
@@ -42,9 +42,9 @@ static bool sort_photons(struct map_building *b, struct parallel *pool) {
     const size_t count = b->map->count;
     struct photon_keyed *key = array_new_unset(2 * count, sizeof *key);
     b->key = key;
-    bool sorted = key && parallel_for(pool, count, CHUNK, find_keys, b);
+    bool sorted = key && parallel_for(pool, count, MAP_CHUNK, find_keys, b);
     if (sorted) b->key = photon_curve_sort(key, key + count, count, pool);
-    sorted = sorted && b->key && parallel_for(pool, count, CHUNK, fill_photons, b);
+    sorted = sorted && b->key && parallel_for(pool, count, MAP_CHUNK, fill_photons, b);
     free(key);
     return sorted;
 }

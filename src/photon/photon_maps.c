@@ -39,7 +39,7 @@ struct photon_pass {
 static const float LOOKUP_FRACTION = 0.25f;
 
 // Caustics are faint below this fraction of the mean irradiance.
-static const float FAINT = 0.01f;
+static const float MAP_FAINT = 0.01f;
 
 // An estimate leaves out its outermost photon, so it takes two to see light.
 static int clamp_k(int k) { return k < 2 ? 2 : k > PHOTON_K_MAX ? PHOTON_K_MAX : k; }
@@ -188,7 +188,7 @@ static float faint_radius(const struct photon_maps *maps) {
     double power = 0.0;
     for (size_t i = 0; i < map->count; i++) power += (double)rgb_luminance(map->photon[i].power);
     const double mean = power / (double)map->count;
-    const double least = (double)(FAINT * mean_irradiance(&maps->irradiance));
+    const double least = (double)(MAP_FAINT * mean_irradiance(&maps->irradiance));
     return least > 0.0 ? (float)sqrt(maps->caustic_k * mean / (M_PI * least)) : INFINITY;
 }
 

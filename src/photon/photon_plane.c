@@ -7,17 +7,17 @@
 #include "photon/photon_caustic_smooth.h"
 
 enum {
-    NEIGHBOURS = 24,  // of a site,
-    FIT_LEAST = 8,    // that are visible from it, for a fit
-    MIXED = 5         // sites that a value is read from; the farthest has no weight
+    PLANE_NEIGHBOURS = 24,  // of a site,
+    FIT_LEAST = 8,          // that are visible from it, for a fit
+    MIXED = 5               // sites that a value is read from; the farthest has no weight
 };
-#define FACING 0.8f    // least cosine between the normals of one surface
-#define RESIDUAL 0.6f  // of noise, what is left beside a plane: discs of neighbours overlap
+#define PLANE_FACING 0.8f  // least cosine between the normals of one surface
+#define RESIDUAL 0.6f      // of noise, what is left beside a plane: discs of neighbours overlap
 // Mean squared differences in units of that: from the first on they are kept more and more, beyond
 // the other it does not matter how large they are.
 #define KEPT_FROM 1.5f
 #define DIFFERS_MOST 3.0f
-#define DEVIATIONS 4.0f  // beyond which a value is no noise
+#define PLANE_DEVIATIONS 4.0f  // beyond which a value is no noise
 
 // Squared difference in units of the squared values that noise is relative to: as many times too
 // high is as much as too low.
@@ -40,18 +40,18 @@ struct neighbour {
 // Those that a site's plane is fitted to: near ones that face as it does and that it sees.
 static int find_neighbours(const struct photon_fitting *job, size_t site, struct neighbour *out) {
     const struct photon_sites *sites = job->sites;
-    int row[NEIGHBOURS], count = 0;
-    float distance2[NEIGHBOURS], far2 = 0.0f;
-    photon_index_nearest(sites->index, sites->position.row + 6 * site, 1, NEIGHBOURS, INFINITY, row,
-                         distance2);
-    for (int i = 0; i < NEIGHBOURS; i++)
+    int row[PLANE_NEIGHBOURS], count = 0;
+    float distance2[PLANE_NEIGHBOURS], far2 = 0.0f;
+    photon_index_nearest(sites->index, sites->position.row + 6 * site, 1, PLANE_NEIGHBOURS,
+                         INFINITY, row, distance2);
+    for (int i = 0; i < PLANE_NEIGHBOURS; i++)
         if (row[i] >= 0) far2 = fmaxf(far2, distance2[i]);
     const vec3 p = photon_entry_position(&sites->position, site), n = normal_at(sites, site);
     const struct frame frame = frame_from_normal(n);
-    for (int i = 0; i < NEIGHBOURS; i++) {
+    for (int i = 0; i < PLANE_NEIGHBOURS; i++) {
         if (row[i] < 0 || !(distance2[i] < far2)) continue;
         const size_t at = (size_t)row[i];
-        if (v3_dot(normal_at(sites, at), n) < FACING) continue;
+        if (v3_dot(normal_at(sites, at), n) < PLANE_FACING) continue;
         if (at != site && photon_entry_position_hidden(&sites->position, job->scene, at, p, n))
             continue;
         const vec3 d = v3_sub(photon_entry_position(&sites->position, at), p);
@@ -97,7 +97,7 @@ static rgb plane_at(rgb value, const struct slope *slope, float x, float y) {
 
 static void fit_site(const struct photon_fitting *job, size_t i) {
     struct photon_sites *sites = job->sites;
-    struct neighbour near[NEIGHBOURS];
+    struct neighbour near[PLANE_NEIGHBOURS];
     const int count = find_neighbours(job, i, near);
     job->plane[i] = sites->value[i];
     sites->slope[i] = (struct slope){.differs = DIFFERS_MOST};
@@ -117,7 +117,7 @@ static void fit_site(const struct photon_fitting *job, size_t i) {
 // A few neighbours differ by more than noise now and then: the mean over neighbouring planes
 // decides.
 static void evaluate_site(const struct photon_fitting *job, size_t i) {
-    struct neighbour near[NEIGHBOURS];
+    struct neighbour near[PLANE_NEIGHBOURS];
     const int count = find_neighbours(job, i, near);
     float differs = 0.0f, sum = 0.0f;
     for (int k = 0; k < count; k++) {
@@ -167,7 +167,7 @@ static rgb read_value(const struct photon_reading *job, size_t i) {
     }
     if (!(sum > 0.0f)) return job->value[i];
     plane = rgb_scale(plane, 1.0f / sum);
-    const float most = DEVIATIONS * DEVIATIONS * noise / sum;
+    const float most = PLANE_DEVIATIONS * PLANE_DEVIATIONS * noise / sum;
     const float differs = fmaxf(difference(job->value[i], plane), FLT_MIN);
     kept = fmaxf(kept / sum, 1.0f - most / differs);
     if (!(kept < 1.0f)) return job->value[i];

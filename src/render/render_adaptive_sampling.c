@@ -22,11 +22,12 @@
 // Light samples of a sample at most: beyond, they are a sample's cost, and well spread.
 #define LIGHTS_MOST 16.0f
 enum {
-    GROWTH = 4,    // at most so many times its samples does a pixel get in one pass by its noise
+    ADAPT_GROWTH =
+        4,         // at most so many times its samples does a pixel get in one pass by its noise
     MULTIPLE = 2,  // samples are added in pairs, which are stratified among themselves
-    CHUNK = 4096,  // pixels
-    ROWS = 8,
-    COLUMNS = 16  // of floats, a line of the processor's cache
+    ADAPT_CHUNK = 4096,  // pixels
+    ADAPT_ROWS = 8,
+    ADAPT_COLUMNS = 16  // of floats, a line of the processor's cache
 };
 
 bool adapt_make(struct adapt *adapt, int width, int height, int lights) {
@@ -34,7 +35,7 @@ bool adapt_make(struct adapt *adapt, int width, int height, int lights) {
     *adapt = (struct adapt){.width = width, .height = height};
     adapt->pixel = array_new(n, sizeof *adapt->pixel);
     adapt->scratch = array_new(4 * n, sizeof *adapt->scratch);
-    adapt->sum = array_new(n / CHUNK + 1, sizeof *adapt->sum);
+    adapt->sum = array_new(n / ADAPT_CHUNK + 1, sizeof *adapt->sum);
     if (adapt->pixel && adapt->scratch && adapt->sum) {
         for (size_t i = 0; i < n; i++)
             adapt->pixel[i] = (struct adapt_pixel){.spread = -1.0f, .lights = (uint32_t)lights};
@@ -65,14 +66,14 @@ struct adapting {
 };
 
 static void each_chunk(const struct adapt *adapt, parallel_fn fn, struct adapting *job) {
-    parallel_for_all(adapt->pool, pixels(adapt), CHUNK, fn, job);
+    parallel_for_all(adapt->pool, pixels(adapt), ADAPT_CHUNK, fn, job);
 }
 
 // The sum of what fn leaves for each chunk, in their order.
 static double sum_chunks(const struct adapt *adapt, parallel_fn fn, struct adapting *job) {
     double sum = 0.0;
     each_chunk(adapt, fn, job);
-    for (size_t i = 0; i * CHUNK < pixels(adapt); i++) sum += adapt->sum[i];
+    for (size_t i = 0; i * ADAPT_CHUNK < pixels(adapt); i++) sum += adapt->sum[i];
     return sum;
 }
 
@@ -84,7 +85,7 @@ static void sum_luminances(void *ctx, size_t begin, size_t end, int worker) {
         const struct adapt_pixel *p = &job->adapt->pixel[i];
         if (p->count) sum += (double)rgb_luminance(p->sum) / p->count;
     }
-    job->adapt->sum[begin / CHUNK] = sum;
+    job->adapt->sum[begin / ADAPT_CHUNK] = sum;
 }
 
 // The square of what is dark in this image.
@@ -167,9 +168,9 @@ static void blur_columns(void *ctx, size_t begin, size_t end, int worker) {
 
 static void blur_image(const struct adapt *adapt, float *a, float *b) {
     struct adapting job = {.adapt = adapt, .from = a, .to = b};
-    parallel_for_all(adapt->pool, (size_t)adapt->height, ROWS, blur_rows, &job);
+    parallel_for_all(adapt->pool, (size_t)adapt->height, ADAPT_ROWS, blur_rows, &job);
     job = (struct adapting){.adapt = adapt, .from = b, .to = a};
-    parallel_for_all(adapt->pool, (size_t)adapt->width, COLUMNS, blur_columns, &job);
+    parallel_for_all(adapt->pool, (size_t)adapt->width, ADAPT_COLUMNS, blur_columns, &job);
 }
 
 static void copy_spread(void *ctx, size_t begin, size_t end, int worker) {
@@ -201,9 +202,9 @@ static void sum_more(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         const float count = (float)job->adapt->pixel[i].count;
-        sum += (double)(clampf(job->factor * job->from[i], count, GROWTH * count) - count);
+        sum += (double)(clampf(job->factor * job->from[i], count, ADAPT_GROWTH * count) - count);
     }
-    job->adapt->sum[begin / CHUNK] = sum;
+    job->adapt->sum[begin / ADAPT_CHUNK] = sum;
 }
 
 static double more(const struct adapt *adapt, const float *want, float factor) {
@@ -248,7 +249,7 @@ void adapt_spread(struct adapt *adapt, uint64_t samples) {
     for (size_t i = 0; i < pixels(adapt); i++) {
         struct adapt_pixel *p = &adapt->pixel[i];
         const float count = (float)p->count;
-        owed += (double)(clampf(factor * want[i], count, GROWTH * count) - count) + even;
+        owed += (double)(clampf(factor * want[i], count, ADAPT_GROWTH * count) - count) + even;
         const double groups = fmax(floor(owed / MULTIPLE + 0.5), 0.0);
         p->target = p->count + MULTIPLE * (uint32_t)groups;
         owed -= MULTIPLE * groups;

@@ -18,7 +18,7 @@ enum {
 // every bounce: per bounce, the error a grows by the first factor and the number of rays falls by
 // the second.
 static const float COARSER = 1.25f, FEWER = 0.6f;
-static const float RAYS_LEAST = 64.0f;
+static const float BOUNCE_RAYS_LEAST = 64.0f;
 
 // Sites of a batch lie apart by so many least radii.
 static const float SPACING = 2.0f;
@@ -40,7 +40,8 @@ struct walks {
 };
 
 static int fewer(int rays, int bounce) {
-    return (int)fmaxf(fminf(RAYS_LEAST, (float)rays), (float)rays * powf(FEWER, (float)bounce));
+    return (int)fmaxf(fminf(BOUNCE_RAYS_LEAST, (float)rays),
+                      (float)rays * powf(FEWER, (float)bounce));
 }
 
 static satin_options bounce_options(const satin_options *image, int bounce) {

@@ -13,7 +13,7 @@
 // .0265 at 8 and .0073 at 76, in three times the time.
 static const double CLEAN_SAMPLES = 4.0;
 
-enum { CHUNK = 16 };  // rows
+enum { DENOISE_CHUNK = 16 };  // rows
 
 // The one that is asked by the filter whether it should go on.
 struct asked {
@@ -68,7 +68,7 @@ void render_denoise(struct render *r) {
     struct render_image *image = r->image;
     struct asked asked = {r, false};
     parallel_begin_part(r->pool, "denoise");
-    parallel_for_all(r->pool, (size_t)image->height, CHUNK, fill_plane_rows, image);
+    parallel_for_all(r->pool, (size_t)image->height, DENOISE_CHUNK, fill_plane_rows, image);
     // A first look has samples of a few pixels, of which the others are copies.
     if (r->progress.look != LOOK_WHOLE || !render_budget_denoises(r)) {
         log_message(r->log, SATIN_LOG_WARNING, "cancelled: the image is not denoised");

@@ -27,13 +27,13 @@ enum {
     CHANNEL_MAPS,                      // four, of records, if they are asked for
     CHANNEL_NOISY = CHANNEL_MAPS + 4,  // if the image is to be denoised
     CHANNEL_UNCACHED = CHANNEL_NOISY + 3,
-    CHANNELS = CHANNEL_UNCACHED + 3
+    FILM_CHANNELS = CHANNEL_UNCACHED + 3
 };
 
 static const struct {
     const char *name;
     unsigned by;
-} channels[CHANNELS] = {
+} channels[FILM_CHANNELS] = {
     {"R", ANY},
     {"G", ANY},
     {"B", ANY},
@@ -75,7 +75,7 @@ static const struct {
 
 // The values of the channels; NULL: the film has no such channel.
 struct planes {
-    float *of[CHANNELS];
+    float *of[FILM_CHANNELS];
 };
 
 static void put(const struct planes *planes, int channel, size_t at, float value) {
@@ -162,9 +162,9 @@ static bool is_aov(const struct scene_aovs *aovs, const char *name) {
 
 struct satin_film *render_film_new(int width, int height, const struct scene_aovs *aovs,
                                    const satin_options *options) {
-    const char *name[CHANNELS + AOV_CHANNELS_MAX];
+    const char *name[FILM_CHANNELS + AOV_CHANNELS_MAX];
     int count = 0;
-    for (int i = 0; i < CHANNELS; i++) {
+    for (int i = 0; i < FILM_CHANNELS; i++) {
         if (i >= CHANNEL_MAPS && i < CHANNEL_NOISY && !options->record_maps) continue;
         if (i >= CHANNEL_NOISY && !options->denoise) continue;
         if (channels[i].by & 1u << options->integrator && !is_aov(aovs, channels[i].name))
@@ -211,7 +211,8 @@ void render_image_film(struct render *r, bool *any) {
     atomic_init(&f.samples, 0);
     atomic_init(&f.dropped, 0);
     atomic_init(&f.filled, 0);
-    for (int i = 0; i < CHANNELS; i++) f.planes.of[i] = film_channel(image->film, channels[i].name);
+    for (int i = 0; i < FILM_CHANNELS; i++)
+        f.planes.of[i] = film_channel(image->film, channels[i].name);
     for (int i = 0; i < image->aovs->count; i++)
         f.aov[i] = film_channel(image->film, image->aovs->channel[i].name);
     // A render that was cancelled has a film, too.

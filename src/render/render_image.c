@@ -12,11 +12,11 @@
 
 enum {
     TILE = 16,
-    EVEN_LEAST = 2,     // samples per pixel that are spread evenly, at least;
-    EVEN_FRACTION = 4,  // where there are many, one of so many
-    COARSEST = 16,      // pixels between the very first samples, or more,
-    LOOK_MOST = 256,    // so that these are no more
-    ASK_SAMPLES = 32    // after so many a worker asks whether it should go on
+    EVEN_LEAST = 2,       // samples per pixel that are spread evenly, at least;
+    EVEN_FRACTION = 4,    // where there are many, one of so many
+    IMAGE_COARSEST = 16,  // pixels between the very first samples, or more,
+    LOOK_MOST = 256,      // so that these are no more
+    ASK_SAMPLES = 32      // after so many a worker asks whether it should go on
 };
 
 struct image_pass {
@@ -32,8 +32,8 @@ struct render_image *render_image_new(const struct satin_scene *scene,
     const size_t pixels = (size_t)width * (size_t)height;
     struct render_image *image = calloc(1, sizeof *image);
     if (!image) return NULL;
-    *image =
-        (struct render_image){.width = width, .height = height, .aovs = aovs, .coarsest = COARSEST};
+    *image = (struct render_image){
+        .width = width, .height = height, .aovs = aovs, .coarsest = IMAGE_COARSEST};
     while ((width / image->coarsest) * (height / image->coarsest) > LOOK_MOST) image->coarsest *= 2;
     // By calloc, whose pages the system gives to the threads that first use them.
     image->pixel = calloc(pixels, sizeof *image->pixel);

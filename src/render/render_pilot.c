@@ -7,7 +7,7 @@
 #include "base/array.h"
 #include "render/render_state.h"
 
-enum { SIDE = 64, SAMPLES = 4 };
+enum { SIDE = 64, PILOT_SAMPLES = 4 };
 
 struct image_pilot {
     struct render *r;
@@ -82,14 +82,14 @@ satin_status render_pilot(struct render *r, struct render_pace *pace) {
     const size_t pixels = (size_t)pilot.columns * (size_t)pilot.rows;
     const double start = stats_wall(), limit = render_limit_lift(r);
     bool whole = true;
-    for (uint32_t n = SAMPLES / 2; whole && n <= SAMPLES; n += SAMPLES / 2) {
+    for (uint32_t n = PILOT_SAMPLES / 2; whole && n <= PILOT_SAMPLES; n += PILOT_SAMPLES / 2) {
         adapt_even(&pilot.adapt, n);
         whole = parallel_for(r->pool, pixels, 16, sample_pixels, &pilot);
         adapt_compare(&pilot.adapt);
     }
     render_limit_restore(r, limit);
     if (whole) {
-        pace->samples = SAMPLES * (double)pixels / fmax(stats_wall() - start, 1e-9);
+        pace->samples = PILOT_SAMPLES * (double)pixels / fmax(stats_wall() - start, 1e-9);
         pace->variance = adapt_variance(&pilot.adapt);
         pace->indirect2 = mean_square_indirect(&pilot);
     }

@@ -8,8 +8,8 @@
 #include "render/render_state.h"
 
 enum {
-    COARSEST = 32,         // pixels
-    BLOCK_PIXELS = 65536,  // whose sites are held at a time
+    RECORDS_COARSEST = 32,  // pixels
+    BLOCK_PIXELS = 65536,   // whose sites are held at a time
 };
 
 // A level makes more records than the one before it, by a factor that falls towards 1: 2.1, 3.1,
@@ -54,14 +54,14 @@ static double count_records(const struct render *r) {
 // serves: to the stride of its level.
 static float fraction_of_rays(const struct filling *f, int stride) {
     const float least = RAYS_LEAST / (float)f->r->options.irradiance_rays;
-    return fminf(fmaxf(f->rays * (float)stride / COARSEST, least), 1.0f);
+    return fminf(fmaxf(f->rays * (float)stride / RECORDS_COARSEST, least), 1.0f);
 }
 
 // After a level that made `made` records in `seconds`, `left` levels before the last.
 static void pace(struct filling *f, int left, double made, double seconds) {
     const struct render *r = f->r;
     double growth = clampf((float)(made / fmax(f->records, 1.0)), GROWTH_LEAST, 4.0f);
-    double next[LEVELS], lo = 0.0, hi = COARSEST;
+    double next[LEVELS], lo = 0.0, hi = RECORDS_COARSEST;
     f->records = made;
     f->seconds += seconds;
     f->full += made * (double)fraction_of_rays(f, f->stride);
@@ -97,7 +97,7 @@ static satin_status fill_levels(struct filling *f, struct widths widen, bool cov
     struct cache *cache = r->second_pass.cache;
     const float a[CACHE_KINDS] = {r->options.irradiance_a, r->options.radiance_a};
     satin_status status = SATIN_OK;
-    f->stride = COARSEST;
+    f->stride = RECORDS_COARSEST;
     for (int level = 0; level < LEVELS && status == SATIN_OK; level++, f->stride /= 2) {
         const double start = stats_wall(), before = count_records(r);
         render_stage_part(r, done + span * level / LEVELS, span / LEVELS);
@@ -187,7 +187,7 @@ static satin_status fill_timed(struct filling *f) {
 }
 
 satin_status render_records(struct render *r) {
-    struct filling f = {.r = r, .rays = COARSEST};
+    struct filling f = {.r = r, .rays = RECORDS_COARSEST};
     const bool timed = r->options.time > 0.0;
     bool whole;
     render_stage_begin(r, STAGE_RECORDS, 0.0);

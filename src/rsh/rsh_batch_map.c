@@ -7,7 +7,7 @@
 #include "rsh/rsh_batch.h"
 #include "rsh/rsh_vector.h"
 
-#define PI 3.14159265f
+#define PI_SINGLE 3.14159265f
 
 // Choices below are between values, never branches, so that the loops over lanes become vectors.
 INLINE float select_if(bool yes, float a, float b) { return yes ? a : b; }
@@ -37,7 +37,7 @@ INLINE void angles_of(const float s[W], const float c[W], float angle[W]) {
     }
     for (int i = 0; i < W && large; i++)
         angle[i] = select_if(s[i] * s[i] >= 0.09f, angle_of(s[i], fabsf(c[i])), angle[i]);
-    for (int i = 0; i < W; i++) angle[i] = select_if(c[i] < 0.0f, PI - angle[i], angle[i]);
+    for (int i = 0; i < W; i++) angle[i] = select_if(c[i] < 0.0f, PI_SINGLE - angle[i], angle[i]);
 }
 
 // 1 / sqrt(x), 0 for 0; near 1 by a step of Newton's iteration as in rsh_rotation_of_matrix.

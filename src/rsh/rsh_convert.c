@@ -12,7 +12,7 @@
 #define INLINE static inline __attribute__((always_inline))
 
 // Outputs computed at once; they use the same loads of the inputs.
-enum { BLOCK = 4 };
+enum { CONVERT_BLOCK = 4 };
 
 // The row of m = base .. base + 7 of the band whose middle is `middle`; 0 beyond l.
 INLINE lanes load_row(const float *middle, int l, int base) {
@@ -31,7 +31,7 @@ INLINE void store_row(lanes v, float *middle, int l, int base) {
 // Outputs o .. o + block - 1 of the inputs from `base` on, whose factors begin at f.
 INLINE void convert_rows(int block, const float *f, const ptrdiff_t strides[2], int base,
                          int inputs, const lanes *row, int o, float *out) {
-    lanes sum[BLOCK];
+    lanes sum[CONVERT_BLOCK];
     for (int k = 0; k < block; k++) sum[k] = lanes_zero();
     int i = base;
     do {
@@ -48,8 +48,8 @@ INLINE void convert_part(const float *factor, const ptrdiff_t strides[2], int ba
     lanes row[RSH_MAX_ORDER];
     for (int i = base; i < bands[1]; i++) row[i] = load_row(in + i * (i + 1), i, base);
     int o = base;
-    for (; o + BLOCK <= bands[0]; o += BLOCK, factor += BLOCK * strides[0])
-        convert_rows(BLOCK, factor, strides, base, bands[1], row, o, out);
+    for (; o + CONVERT_BLOCK <= bands[0]; o += CONVERT_BLOCK, factor += CONVERT_BLOCK * strides[0])
+        convert_rows(CONVERT_BLOCK, factor, strides, base, bands[1], row, o, out);
     if (o + 3 == bands[0]) convert_rows(3, factor, strides, base, bands[1], row, o, out);
     if (o + 2 == bands[0]) convert_rows(2, factor, strides, base, bands[1], row, o, out);
     if (o + 1 == bands[0]) convert_rows(1, factor, strides, base, bands[1], row, o, out);

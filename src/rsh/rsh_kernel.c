@@ -37,15 +37,15 @@ INLINE void accumulate_columns(int vectors, int channels, size_t count, size_t r
 }
 
 // The widest block whose sums of three channels stay in registers: 24 of 32, or 12 of 16.
-enum { BLOCK = RSH_WIDTH == 16 ? 8 : 4 };
+enum { KERNEL_BLOCK = RSH_WIDTH == 16 ? 8 : 4 };
 
 INLINE void accumulate_channels(int channels, size_t count, size_t coefficients,
                                 const float *matrix, const float *const value[3], float *out) {
     size_t k = 0;
     while (k < coefficients) {
         size_t left = coefficients - k, vectors = (left + W - 1) / W, skip = 0;
-        if (vectors > BLOCK)
-            vectors = BLOCK;
+        if (vectors > KERNEL_BLOCK)
+            vectors = KERNEL_BLOCK;
         else
             skip = vectors * W - left;
         const float *m = matrix + k;

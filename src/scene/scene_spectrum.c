@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { STEPS = 1000 };
+enum { SPECTRUM_STEPS = 1000 };
 // The integral of y over wavelength, so that light of one unit at all of them has luminance 1; and
 // what D65 is divided by so that the luminance of white in it is 1.
 static const double y_integral = 106.7502593994140625, d65_scale = 98.99741751876255;
@@ -44,7 +44,7 @@ static double planck(double nanometres, double kelvin) {
     return 1e-9 * 2.0 * h * c * c / (pow(l, 5.0) * expm1(h * c / (l * k * kelvin)));
 }
 
-// Of an integral by STEPS steps, or as it is.
+// Of an integral by SPECTRUM_STEPS steps, or as it is.
 static rgb xyz_to_rgb(const double xyz[3], double scale) {
     static const double m[3][3] = {{3.240479, -1.537150, -0.498535},
                                    {-0.969256, 1.875991, 0.041556},
@@ -59,19 +59,19 @@ static rgb xyz_to_rgb(const double xyz[3], double scale) {
 
 static double step_wavelength(int i) {
     const double range = SPECTRUM_CIE_STEP * (SPECTRUM_CIE_ROWS - 1);
-    return SPECTRUM_CIE_FIRST + range * i / (STEPS - 1);
+    return SPECTRUM_CIE_FIRST + range * i / (SPECTRUM_STEPS - 1);
 }
 
 // A step of the integral over that of y.
 static double step_fraction(void) {
     const double range = SPECTRUM_CIE_STEP * (SPECTRUM_CIE_ROWS - 1);
-    return range / STEPS / y_integral;
+    return range / SPECTRUM_STEPS / y_integral;
 }
 
 rgb spectrum_to_rgb(const struct spectrum *spectrum, bool light) {
     double xyz[3] = {0.0, 0.0, 0.0}, row[4];
     size_t at = 0;
-    for (int i = 0; i < STEPS; i++) {
+    for (int i = 0; i < SPECTRUM_STEPS; i++) {
         double wavelength = step_wavelength(i), y = spectrum_value_at(spectrum, wavelength, &at);
         observer_at(wavelength, row);
         if (!light) y *= row[3] / d65_scale;
@@ -83,7 +83,7 @@ rgb spectrum_to_rgb(const struct spectrum *spectrum, bool light) {
 rgb spectrum_filtered(double kelvin, double (*transmitted)(const void *ctx, double nanometres),
                       const void *ctx) {
     double xyz[3] = {0.0, 0.0, 0.0}, row[4];
-    for (int i = 0; i < STEPS; i++) {
+    for (int i = 0; i < SPECTRUM_STEPS; i++) {
         double wavelength = step_wavelength(i), passed = transmitted(ctx, wavelength);
         observer_at(wavelength, row);
         for (int k = 0; k < 3; k++) xyz[k] += row[k] * planck(wavelength, kelvin) * passed;

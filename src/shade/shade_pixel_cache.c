@@ -3,7 +3,7 @@
 #include "shade/shade_pixel_cache.h"
 
 // Directions alike: within 3.6 degrees.
-#define ALIKE 0.998f
+#define PIXEL_ALIKE 0.998f
 #define ROUGH 0.02f  // difference of roughness, relative
 #define NEAR 2.0f    // pixels
 
@@ -14,7 +14,7 @@ struct shade_pixel_entry *shade_pixel_cache_find(struct shade_pixel_cache *cache
         struct shade_pixel_entry *e = &cache->entry[i];
         if (e->side == p->side && fabsf(e->alpha - p->brdf.alpha_u) < ROUGH * e->alpha &&
             fabsf(e->exponent - p->brdf.exponent) <= 2.0f * ROUGH * e->exponent &&
-            v3_dot(e->n, p->frame.n) > ALIKE && v3_dot(e->wo, wo) > ALIKE &&
+            v3_dot(e->n, p->frame.n) > PIXEL_ALIKE && v3_dot(e->wo, wo) > PIXEL_ALIKE &&
             v3_dist2(e->p, p->interaction.p) < sqrf(NEAR * pixel))
             return e;
     }

@@ -93,7 +93,7 @@ static bool indirect_cached(struct shade_job *job, const struct shade_plan *plan
 // Widest footprint of a drawn ray, per distance.
 #define SPREAD_MAX 0.2f
 
-enum { GLOSSY_MAX = 256 };  // rays of one sample; the range of the option glossy_samples
+enum { GLOSSY_SAMPLES_MAX = 256 };  // rays of one sample; the range of the option glossy_samples
 
 // Draws gather rays from `lobes`; returns how many did not fail, with their weights and densities.
 static int draw_rays(struct shade_job *job, unsigned lobes, int count, struct gather_ray *ray,
@@ -126,8 +126,8 @@ static int draw_rays(struct shade_job *job, unsigned lobes, int count, struct ga
 static void sample_lobes(struct shade_job *job, unsigned lobes, float ratio) {
     const struct gather *g = job->shade->g;
     const int count = g->options->glossy_samples;
-    rgb weight[GLOSSY_MAX];
-    float pdf[GLOSSY_MAX];
+    rgb weight[GLOSSY_SAMPLES_MAX];
+    float pdf[GLOSSY_SAMPLES_MAX];
     struct gather_ray *ray = gather_scratch_rays(job->worker->scratch);
     const int rays = draw_rays(job, lobes, count, ray, weight, pdf);
     job->worker->counts.rays += (uint64_t)rays;

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks that names are defined once in include, src and bench: static functions and tags of
 structs, unions and enums name one thing, so that a search or a back-trace leads to one definition;
-and that an option has one name, that of its field in satin_options, in the table of options, in
-docs/options.md and in the glossary.
+that constants of one name have one value in all files of src; and that an option has one name, that
+of its field in satin_options, in the table of options, in docs/options.md and in the glossary.
 
 Usage: rules_names.py TREE
 """
@@ -24,6 +24,36 @@ FUNCTION = re.compile(r"^static (?:inline )?(?:_Noreturn )?[\w \*]*?\b(\w+)\([^;
                       re.MULTILINE)
 INLINE_FUNCTION = re.compile(r"^INLINE [\w \*]*?\b(\w+)\([^;{}]*?\)\s*\{", re.MULTILINE)
 TAG = re.compile(r"^(?:typedef )?(?:struct|union|enum) (\w+) \{", re.MULTILINE)
+
+CONSTANTS = re.compile(r"^(?:    )?(?:static )?const (?:float|double|int|size_t|u?int\d+_t) "
+                       r"([^;]*);"
+                       r"|^(?:    )?(?:static )?(?:const )?enum(?: \w+)? \{(.*?)\}",
+                       re.MULTILINE | re.DOTALL)
+CONSTANT = re.compile(r"\b([A-Z][A-Z0-9_]*[A-Z0-9])(?:\[\w*\])? ?=\s*([^,;{}]+|\{[^}]*\})")
+MACRO = re.compile(r"^#define ([A-Z][A-Z0-9_]*) (?!\\)(\S[^\n]*)", re.MULTILINE)
+
+
+def constants(path):
+    """Names and values of a file's constants, enumerators and macros without arguments."""
+    text = re.sub(r"//[^\n]*", "", path.read_text(encoding="utf-8"))
+    for found in CONSTANTS.finditer(text):
+        yield from CONSTANT.findall(found.group(1) or found.group(2))
+    yield from MACRO.findall(text)
+
+
+def wrong_constants(tree):
+    """Constants of one name whose values in two files have none in common."""
+    values = collections.defaultdict(lambda: collections.defaultdict(set))
+    for path in sorted(p for p in (tree / "src").rglob("*") if p.suffix in CODE):
+        for name, value in constants(path):
+            values[name][path.name].add(" ".join(value.split()))
+    for name, files in sorted(values.items()):
+        differing = [(a, b) for a in files for b in files if a < b and not files[a] & files[b]]
+        if differing:
+            a, b = differing[0]
+            yield f"{name} is {min(files[a])} in {a} and {min(files[b])} in {b}"
+    if len(values) < 300:
+        yield "constants are not found"
 
 
 def definitions(path):
@@ -77,6 +107,7 @@ def main():
     wrong += [f"{name} no longer recurs: take it off TO_DO"
               for name in sorted(TO_DO - found.keys())]
     wrong += wrong_options(tree)
+    wrong += wrong_constants(tree)
     print("\n".join(wrong))
     return 1 if wrong else 0
 
