@@ -21,7 +21,7 @@ SKIPPED = {"seeds", "references", "results", "spectra", "meshes", "__pycache__",
 RETIRED = {
     "deal|deals|dealt|dealer": "allocate, distribute",
     "mend|mends|mended": "fix",
-    "parted|halve|halved|halving": "separate, split; median split",
+    "parted|halve|halved|halvings?": "separate, split; median split",
     "share|shares": "fraction or probability; have in common",
     "tell|tells|told": "report, indicate, describe",
     "bend|bends|bent": "curvature, Hessian",
@@ -33,7 +33,7 @@ RETIRED = {
     "behind the image": "indirect bounce n",
     "grain|grains": "epsilon, noise, or chunk size",
     "memo|memos": "per-pixel cache",
-    "judge|judges|judged": "evaluate",
+    r"judge\w*": "evaluate",
     "keeper|keepers": "consumer",
     "substance|substances": "IOR preset",
     "without a word": "silently",
@@ -60,6 +60,13 @@ RETIRED = {
     "cache_converge|render_converge|cache_convergence|render_adapt":
         "cache_adapt, render_adaptive_cache, render_adaptive_sampling",
     "photon_smooth": "photon_caustic_smooth",
+    "photons_worth|worth_starved": "photons_again, again_factor",
+    "clamp_guides": "auxiliary images",
+    "satin_log_level": "satin_log_severity",
+    "gather[-_]room|room_fn|(?:irradiance|radiance)_room": "radius ratio",
+    "rng_stage": "rng_stream",
+    "rays are shared": "allocated",
+    "(?:vec3|int|struct \\w+) ways?": "direction, method",
     "(?:diffuse|glossy|specular)[_ ]parts?|scene_part|part of (?:a|the) blend":
         "component, lobe",
     "(?:double|float|int|const char) \\*?way|one_way|find_way": "direction, fraction, lobe",
@@ -68,7 +75,7 @@ RETIRED = {
 }
 # Where a retired word is the right one; the last are names that options had, where they are quoted.
 ALLOWED = re.compile(r"""\b(in|by)\ turns?\b | ["'`](ir)?radiance[-_](turn|neighbours)["'`]
-                     | ["'`](light-guide|gather-(bounce|guide|shadow))["'`] | `photons\.seen_s`
+                     | ["'`](light-guide|gather-(bounce|guide|room|shadow))["'`] | `photons\.seen_s`
                      """, re.VERBOSE)
 # What stands between two words of a term at the end of a line, in a comment or a text.
 LINE_END = re.compile(r"[ \t]*\n[ \t]*(?:// ?|# )?|\"\s*\n\s*\"")
