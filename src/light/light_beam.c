@@ -13,13 +13,9 @@ static bool locate(const struct light *light, const struct shape *shape, vec3 q,
         return r <= 1.0f;
     }
     const struct light_face *face = light->face;
-    // q = corner + s edge_u + t edge_v, by the dual basis of the edges.
-    vec3 d = v3_sub(q, face->corner), normal = v3_cross(face->edge_u, face->edge_v);
-    float scale = 1.0f / v3_len2(normal);
-    float s = v3_dot(v3_cross(d, face->edge_v), normal) * scale;
-    float t = v3_dot(v3_cross(face->edge_u, d), normal) * scale;
-    if (!(s >= 0.0f && s <= 1.0f && t >= 0.0f && t <= 1.0f)) return false;
-    if (light->texture) *uv = light_face_uv(face, &shape->mesh, s, t);
+    const vec2 st = light_face_coordinates(face, q);
+    if (!(st.x >= 0.0f && st.x <= 1.0f && st.y >= 0.0f && st.y <= 1.0f)) return false;
+    if (light->texture) *uv = light_face_uv(face, &shape->mesh, st.x, st.y);
     return true;
 }
 
