@@ -7,9 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-// Embree drops triangles beyond 1.8e18 and aborts on rays from there.
-static const float COORDINATE_MAX = 1e18f;
-
 satin_status mesh_error(const struct load_source *source, int line, const char *format, ...) {
     char text[512];
     va_list args;
@@ -201,7 +198,7 @@ satin_status mesh_finish(const struct load_source *source, const struct mesh_req
                               i / 3, parts->index[i], parts->vertex_count);
     for (uint32_t i = 0; i < parts->vertex_count; i++) {
         vec3 p = mat4_point(&request->to_world, vertex_at(parts->position, i));
-        if (!(v3_finite(p) && v3_max_abs(p) <= COORDINATE_MAX))
+        if (!(v3_finite(p) && v3_max_abs(p) <= SCENE_COORDINATE_MAX))
             return mesh_error(source, 0, "vertex %u is not finite or too far away", i);
         set_vertex(parts->position, i, p);
     }

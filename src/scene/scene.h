@@ -286,6 +286,10 @@ struct satin_scene {
 
 // ---- Rays (scene_trace.c) ---------------------------------------------------------------------
 
+// Embree drops triangles with coordinates beyond 1.8e18 and aborts the process on rays from there,
+// so neither is given to it beyond this.
+#define SCENE_COORDINATE_MAX 1e18f
+
 struct ray {
     vec3 o;
     float tnear;

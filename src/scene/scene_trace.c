@@ -10,9 +10,6 @@
 #include "scene/scene_curve.h"
 #include "scene/scene_instance.h"
 
-// Embree aborts the process on rays beyond these, so they are looked at first.
-static const float COORDINATE_MAX = 1e18f;
-
 struct trace {
     RTCDevice device;
     struct accel top;
@@ -127,7 +124,8 @@ void scene_trace_free(struct trace *trace) {
 static bool ray_load(const struct ray *ray, struct RTCRay *out) {
     float origin = fabsf(ray->o.x) + fabsf(ray->o.y) + fabsf(ray->o.z);
     float length = fabsf(ray->d.x) + fabsf(ray->d.y) + fabsf(ray->d.z);
-    if (!(origin < COORDINATE_MAX && length < COORDINATE_MAX && length > 0.0f)) return false;
+    if (!(origin < SCENE_COORDINATE_MAX && length < SCENE_COORDINATE_MAX && length > 0.0f))
+        return false;
     if (!(ray->tnear >= 0.0f && ray->tfar > ray->tnear)) return false;
     out->org_x = ray->o.x;
     out->org_y = ray->o.y;
