@@ -5,11 +5,10 @@
 #include "base/median_split.h"
 
 #define LEAN (1.0f / 1024.0f)  // much more than rounding
-#define CLEARLY 1.001f
 
 // The longer axis of a box with sides d; a if both are alike, whatever the last digit says.
 static int longer(vec3 d, int a, int b) {
-    return v3_along(d, b) > CLEARLY * v3_along(d, a) ? b : a;
+    return v3_along(d, b) > SPLIT_CLEARLY * v3_along(d, a) ? b : a;
 }
 
 static vec3 leaning_axis(vec3 d) {

@@ -20,6 +20,9 @@ struct split_plane {
     float at;
 };
 
+// One split is chosen over another where it is better by this factor: by more than rounding.
+#define SPLIT_CLEARLY 1.001f
+
 // Reorders points[0 .. count): the first count / 2 are below a plane through points[count / 2], and
 // the others on it or above; those on it, but for that one, may be on either side. count >= 1. The
 // order depends on the points alone. Safe for threads that split different points.

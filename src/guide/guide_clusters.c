@@ -17,7 +17,6 @@ enum {
     PART_LEAVES = 128,  // and leaves
     CLUSTER_CHUNK = 4096
 };
-#define CLEARLY 1.001f  // more than rounding
 
 struct leaf {
     const struct split_point *point;
@@ -173,7 +172,8 @@ static size_t split_leaves(struct leaf *leaf, size_t count) {
         for (int b = BINS - 1; b > 0; b--) {
             span_add(&side, bin[b].lo, bin[b].hi, bin[b].power);
             float cost = span_cost(&left[b - 1]) + span_cost(&side);
-            if (!(side.power > 0.0f && left[b - 1].power > 0.0f && CLEARLY * cost < best)) continue;
+            if (!(side.power > 0.0f && left[b - 1].power > 0.0f && SPLIT_CLEARLY * cost < best))
+                continue;
             best = cost;
             best_axis = axis;
             best_bin = b;
