@@ -12,7 +12,6 @@
 // In units of the disc's radius r.
 #define HEIGHT 0.1f      // of the rays along the surface: over ripples, under what stands there
 #define DEPTH 0.35f      // how far below the tangent plane the surface may curve away
-#define FACING 0.5f      // least cosine between the normals of one surface
 #define EXTENT_MIN .02f  // bounds 1 / extent
 #define SECTOR (2.0f * PI_F / AREA_SECTORS)
 enum { BISECTIONS = 5, AREA_STEPS = 4 };
@@ -34,7 +33,7 @@ static bool surface_below(const struct probe *probe, vec3 w, float t) {
                       probe->height + DEPTH * probe->r};
     struct interaction s;
     if (!scene_intersect_whole(probe->scene, &ray, &s)) return false;
-    return fabsf(v3_dot(s.ng, probe->n)) > FACING;
+    return fabsf(v3_dot(s.ng, probe->n)) > PHOTON_FACING;
 }
 
 // How far the surface goes along w, in units of r; beyond 1 it is the distance to a wall.

@@ -6,7 +6,6 @@
 // the density without bias, while k over it is too bright by 1 / (k - 1).
 #include "photon/photon_map.h"
 
-#define FACING 0.5f  // as in photon_area.c
 #define LAYER 0.35f
 #define RATIO_MOST 2.0f  // of smoothed light to what is estimated at the point
 
@@ -14,7 +13,7 @@
 static bool belongs(const struct photon_disc *disc, int i) {
     const struct photon_map *map = disc->map;
     size_t at = (size_t)disc->row[i];
-    if (v3_dot(photon_unpack(map->photon[at].n), disc->n) < FACING) return false;
+    if (v3_dot(photon_unpack(map->photon[at].n), disc->n) < PHOTON_FACING) return false;
     float height = v3_dot(v3_sub(photon_position(map, at), disc->p), disc->n);
     return fabsf(height) <= LAYER * disc->r;
 }

@@ -34,6 +34,9 @@ struct photon {
 uint32_t photon_pack(vec3 w);
 vec3 photon_unpack(uint32_t packed);
 
+// Least cosine between normals of one surface, within a density estimate's disc.
+#define PHOTON_FACING 0.5f
+
 // ---- Tracing (photon_trace.c) -----------------------------------------------------------------
 
 // Photons that a tracing pass leaves to one consumer. By malloc; free with photon_trace_free.
