@@ -54,6 +54,11 @@ rgb photon_irradiance_at(const struct photon_maps *maps, size_t entry);
 // The area around an entry where points are nearer to it than to others: the mean of entries as
 // near to each other as those around it [square of the unit of length].
 float photon_irradiance_area(const struct photon_maps *maps, size_t entry);
+// Whether gather rays read direct light that is precomputed at the entries.
+static inline bool photon_precomputes_direct(const satin_options *o) {
+    return o->integrator == SATIN_TWO_PASS && o->first_pass == SATIN_FIRST_PRECOMPUTED &&
+           o->gather_direct;
+}
 // Luminance of the direct photons that came down on that area: their power's sum [W] and the sum of
 // its squares. None unless options->gather_direct was set when the maps were built.
 struct photon_direct {

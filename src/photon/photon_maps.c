@@ -92,9 +92,8 @@ static uint64_t cluster_paths(const satin_options *o) {
 
 // Paths whose direct photons show where light comes down between the entries of irradiance.
 static uint64_t direct_paths(const satin_options *o) {
-    const bool read = o->integrator == SATIN_TWO_PASS && o->first_pass == SATIN_FIRST_PRECOMPUTED &&
-                      o->gather_direct;
-    return read && o->photons > 0 ? (uint64_t)o->photons / DIRECT_DIVISOR : 0;
+    return photon_precomputes_direct(o) && o->photons > 0 ? (uint64_t)o->photons / DIRECT_DIVISOR
+                                                          : 0;
 }
 
 struct conversion {

@@ -127,10 +127,7 @@ satin_status render_photons(struct render *r) {
 }
 
 satin_status render_direct(struct render *r) {
-    const satin_options *o = &r->options;
-    const bool read = o->integrator == SATIN_TWO_PASS && o->first_pass == SATIN_FIRST_PRECOMPUTED &&
-                      o->gather_direct;
-    if (!read || !r->first_pass.maps) return SATIN_OK;
+    if (!photon_precomputes_direct(&r->options) || !r->first_pass.maps) return SATIN_OK;
     const double start = stats_wall();
     parallel_begin_part(r->pool, "direct");
     satin_status status =
