@@ -73,6 +73,11 @@ void gather_point_make(const struct satin_scene *scene, const struct interaction
 void gather_point_of(const struct satin_scene *scene, const struct material_side *side,
                      const struct interaction *s, vec3 d, struct gather_point *out);
 
+// Whether indirect light is gathered: its paths have three segments at least.
+static inline bool gather_indirect(const satin_options *o) {
+    return o->integrator == SATIN_TWO_PASS && (o->max_depth < 0 || o->max_depth > 2);
+}
+
 // ---- Direct light (gather_direct.c) ------------------------------------------------------------
 
 // How direct light is split between BRDF sampling and light sampling: for each component of the

@@ -11,8 +11,7 @@
 static bool is_two_pass(const struct render *r) { return r->options.integrator == SATIN_TWO_PASS; }
 
 static bool needs_photons(const struct render *r) {
-    if (r->options.integrator == SATIN_PHOTONS) return true;
-    return is_two_pass(r) && (r->options.max_depth < 0 || r->options.max_depth > 2);
+    return r->options.integrator == SATIN_PHOTONS || gather_indirect(&r->options);
 }
 
 // Passes messages on to the caller's log, and notes whether one of them was an error.

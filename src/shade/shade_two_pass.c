@@ -180,7 +180,7 @@ void shade_vertex_two_pass(struct shade_job *job) {
     const struct gather *g = job->shade->g;
     const struct gather_point *p = &job->vertex->point;
     const satin_options *o = g->options;
-    const bool indirect = o->integrator == SATIN_TWO_PASS && (o->max_depth < 0 || o->max_depth > 2);
+    const bool indirect = gather_indirect(o);
     struct shade_plan plan;
     shade_plan_make(job->shade, p, &plan);
     struct shade_pixel_entry *entry =
