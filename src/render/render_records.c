@@ -8,8 +8,9 @@
 #include "render/render_state.h"
 
 enum {
-    RECORDS_COARSEST = 32,  // pixels
-    BLOCK_PIXELS = 65536,   // whose sites are held at a time
+    LEVELS = 6,
+    RECORDS_COARSEST = 1 << (LEVELS - 1),  // pixels; the last level has every one
+    BLOCK_PIXELS = 65536,                  // whose sites are held at a time
 };
 
 // A level makes more records than the one before it, by a factor that falls towards 1: 2.1, 3.1,
@@ -26,7 +27,7 @@ static const float RAYS_LEAST = 32.0f;
 // wide.
 static const float TIMED_WIDEN[] = {2.5f, 1.6f, 1.0f, 0.75f, 0.55f};
 static const float TIMED_FINER = 0.75f, FLOOR_PIXELS = 0.5f;
-enum { TIMED_GIVEN = 5, LEVELS = 6 };
+enum { TIMED_GIVEN = sizeof TIMED_WIDEN / sizeof *TIMED_WIDEN };
 
 // The filling under way.
 struct filling {
