@@ -21,7 +21,7 @@ SKIPPED = {"seeds", "references", "results", "spectra", "meshes", "__pycache__",
 RETIRED = {
     "deal|deals|dealt|dealer": "allocate, distribute",
     "mend|mends|mended": "fix",
-    "parted|halve|halved|halvings?": "separate, split; median split",
+    "part(?:ed|ing)|halve|halved|halvings?": "separate, split; median split",
     "share|shares": "fraction or probability; have in common",
     "tell|tells|told": "report, indicate, describe",
     "bend|bends|bent": "curvature, Hessian",

@@ -50,6 +50,23 @@ static void paths_over_two_lobes_are_unbiased(void **state) {
     test_scene_free(&t);
 }
 
+// The unit sphere, diffuse, around a point light that brings an irradiance of pi.
+static void lit_sphere(struct test_scene *t, float albedo) {
+    test_scene_init(t);
+    test_quadric(t, SHAPE_SPHERE, mat4_identity(), true, test_diffuse(t, albedo, albedo, albedo));
+    test_light(t, (struct light){.kind = LIGHT_POINT, .value = rgb_grey(PI_F)});
+    test_scene_finish(t);
+}
+
+// What a ray from near its middle hits.
+static struct gather_point sphere_point(const struct gather *g, struct sampler *sampler) {
+    struct gather_first first;
+    struct gather_point y;
+    const struct ray ray = {v3(0.1f, 0, 0), 0.0f, v3(1, 0, 0), INFINITY};
+    assert_true(gather_follow(g, ray, sampler, &first, &y));
+    return y;
+}
+
 // Inside a diffuse sphere with a lamp in its middle every bounce brings its albedo times the light
 // of the one before, wherever it leads. The first bounce is always made; whether the others are is
 // decided by the albedo, so their number G has P(G >= k) = ALBEDO^k.
@@ -58,18 +75,12 @@ static void bounces_end_with_the_longest_path(void **state) {
     enum { PATHS = 20000 };
     const float ALBEDO = 0.5f;
     struct test_scene t;
-    test_scene_init(&t);
-    test_quadric(&t, SHAPE_SPHERE, mat4_identity(), true, test_diffuse(&t, ALBEDO, ALBEDO, ALBEDO));
-    test_light(&t, (struct light){.kind = LIGHT_POINT, .value = rgb_grey(PI_F)});
-    test_scene_finish(&t);
+    lit_sphere(&t, ALBEDO);
     satin_options options = satin_options_default;
     const struct photon_maps maps = {.area = true};
     const struct gather g = gather_make(&t.scene, &options, &maps);
-    struct gather_first first;
-    struct gather_point y;
     struct sampler sampler = {0, 5, 0};
-    const struct ray ray = {v3(0.1f, 0, 0), 0.0f, v3(1, 0, 0), INFINITY};
-    assert_true(gather_follow(&g, ray, &sampler, &first, &y));
+    const struct gather_point y = sphere_point(&g, &sampler);
     const struct gather_estimate none = {rgb_grey(0.0f), false, NULL};
     // Three segments: the lamp lights y, and no bounce is kept; four: one is.
     const float expected[] = {ALBEDO, ALBEDO * (1.0f + ALBEDO)};
@@ -106,10 +117,7 @@ static void photons_are_within_the_longest_path(void **state) {
     enum { PATHS = 4000, DEPTH = 5 };
     const float ALBEDO = 0.9f;
     struct test_scene t;
-    test_scene_init(&t);
-    test_quadric(&t, SHAPE_SPHERE, mat4_identity(), true, test_diffuse(&t, ALBEDO, ALBEDO, ALBEDO));
-    test_light(&t, (struct light){.kind = LIGHT_POINT, .value = rgb_grey(PI_F)});
-    test_scene_finish(&t);
+    lit_sphere(&t, ALBEDO);
     satin_options options = satin_options_default;
     options.max_depth = DEPTH;
     options.photons = 100000;
@@ -121,11 +129,8 @@ static void photons_are_within_the_longest_path(void **state) {
                      SATIN_OK);
     struct gather g = gather_make(&t.scene, &options, maps);
     g.lookup_max = INFINITY;
-    struct gather_first first;
-    struct gather_point y;
     struct sampler sampler = {0, 5, 0};
-    const struct ray ray = {v3(0.1f, 0, 0), 0.0f, v3(1, 0, 0), INFINITY};
-    assert_true(gather_follow(&g, ray, &sampler, &first, &y));
+    const struct gather_point y = sphere_point(&g, &sampler);
     const struct gather_estimate none = {rgb_grey(0.0f), false, NULL};
     double sum = 0.0, expected = 0.0;
     for (uint32_t i = 0; i < PATHS; i++)

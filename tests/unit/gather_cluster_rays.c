@@ -4,62 +4,22 @@
 // hundred rays have, without them most hemispheres miss the spot.
 #include "gather/gather_cluster_rays.h"
 
-#include <math.h>
-
 #include "rsh/rsh.h"
-#include "test_scene.h"
+#include "spot_room.h"
 
 enum { ORDER = 6, N2 = ORDER * ORDER, STREAMS = 32, RAYS = 600 };
 
-static const vec3 LAMP = {0.2f, 0.0f, 0.1f};
-static const float ALBEDO = 0.5f;
-
 struct fixture {
     float half_angle;  // of the beam that makes the spot
-    struct test_scene scene;
-    satin_options options;
-    struct parallel *pool;
-    struct photon_maps *maps;
-    struct gather g;
-    struct gather_layout *layout;
-    struct gather_scratch *scratch;
+    struct spot_room room;
 };
 
 static void start(struct fixture *f, int order, float half_angle) {
+    satin_options options = satin_options_default;
+    options.first_pass = SATIN_FIRST_NONE;
+    options.max_depth = -1;
     f->half_angle = half_angle;
-    test_scene_init(&f->scene);
-    test_cube(&f->scene, mat4_identity(), true, test_diffuse(&f->scene, ALBEDO, ALBEDO, ALBEDO));
-    struct light spot = {.kind = LIGHT_SPOT,
-                         .position = LAMP,
-                         .direction = v3(0, 1, 0),
-                         .to_world = mat4_translate(LAMP),
-                         .value = rgb_grey(1.0f)};
-    spot.cos_cutoff = cosf(half_angle);
-    spot.cos_beam = cosf(0.999f * half_angle);
-    test_light(&f->scene, spot);
-    test_scene_finish(&f->scene);
-    f->options = satin_options_default;
-    f->options.first_pass = SATIN_FIRST_NONE;
-    f->options.photons = f->options.caustic_photons = 0;
-    f->options.max_depth = -1;
-    f->pool = parallel_new(2);
-    assert_non_null(f->pool);
-    struct stats stats = {0};
-    assert_int_equal(
-        photon_maps_build(&f->scene.scene, &f->options, f->pool, (struct log){0}, &stats, &f->maps),
-        SATIN_OK);
-    f->g = gather_make(&f->scene.scene, &f->options, f->maps);
-    f->layout = gather_layout_new(RAYS, SATIN_HSH, order);
-    f->scratch = gather_scratch_new(gather_layout_rays(f->layout));
-    assert_true(f->layout && f->scratch);
-}
-
-static void stop(struct fixture *f) {
-    gather_scratch_free(f->scratch);
-    gather_layout_free(f->layout);
-    photon_maps_free(f->maps);
-    parallel_free(f->pool);
-    test_scene_free(&f->scene);
+    spot_room_make(&f->room, half_angle, options, RAYS, order);
 }
 
 static struct gather_site floor_site(uint64_t stream) {
@@ -88,10 +48,7 @@ static void check_irradiance(float half_angle, double tolerance) {
     double sum = 0.0, square = 0.0, gradient = 0.0, rotation = 0.0;
     for (uint64_t i = 0; i < STREAMS; i++) {
         const struct gather_site site = floor_site(i);
-        struct gather_irradiance value;
-        const struct gather_hemisphere h =
-            gather_hemisphere_trace(&f.g, f.layout, &site, f.scratch);
-        gather_hemisphere_irradiance(&f.g, &h, &value);
+        const struct gather_irradiance value = spot_room_irradiance(&f.room, &site);
         assert_true(value.rays > RAYS && value.rays <= RAYS * 3 / 2 + 3);
         const double x = (double)value.E.g / E;
         sum += x / STREAMS;
@@ -108,19 +65,16 @@ static void check_irradiance(float half_angle, double tolerance) {
     assert_true(gradient < 0.05 * (double)v3_len(moved));
     assert_true(rotation < 0.05);
     // Without them one hemisphere in nine meets the spot at all.
-    f.options.guide_clusters = false;
+    f.room.options.guide_clusters = false;
     int dark = 0;
     for (uint64_t i = 0; i < STREAMS; i++) {
         const struct gather_site site = floor_site(i);
-        struct gather_irradiance value;
-        const struct gather_hemisphere h =
-            gather_hemisphere_trace(&f.g, f.layout, &site, f.scratch);
-        gather_hemisphere_irradiance(&f.g, &h, &value);
-        assert_int_equal(value.rays, gather_layout_rays(f.layout));
+        const struct gather_irradiance value = spot_room_irradiance(&f.room, &site);
+        assert_int_equal(value.rays, gather_layout_rays(f.room.layout));
         dark += value.E.g == 0.0f;
     }
     assert_true(dark > STREAMS / 2);
-    stop(&f);
+    spot_room_free(&f.room);
 }
 
 // Down to a spot that is seen under ten minutes of arc.
@@ -142,8 +96,8 @@ static void radiance_is_right(void **state) {
         struct gather_radiance out = {.lambda = lambda, .dx = dx, .dy = dy, .noise = noise};
         site.stream = i;
         const struct gather_hemisphere h =
-            gather_hemisphere_trace(&f.g, f.layout, &site, f.scratch);
-        gather_hemisphere_radiance(&f.g, &h, &out);
+            gather_hemisphere_trace(&f.room.g, f.room.layout, &site, f.room.scratch);
+        gather_hemisphere_radiance(&f.room.g, &h, &out);
         for (int k = 0; k < N2; k++) {
             sum[0][k] += (double)lambda[N2 + k] / STREAMS;
             sum[1][k] += (double)dx[N2 + k] / STREAMS;
@@ -171,7 +125,7 @@ static void radiance_is_right(void **state) {
         }
         assert_true(sqrt(error[axis] / size[axis]) < 0.02);
     }
-    stop(&f);
+    spot_room_free(&f.room);
 }
 
 int main(void) {

@@ -4,59 +4,16 @@
 // the walls and the floor, which do.
 #include "gather/gather_near.h"
 
-#include <math.h>
-
-#include "gather/gather_cluster_rays.h"
-#include "test_scene.h"
+#include "spot_room.h"
 
 enum { STREAMS = 64, RAYS = 600, POINTS = 1 << 16 };
 
-static const vec3 LAMP = {0.2f, 0.0f, 0.1f};
-static const float ALBEDO = 0.5f, HALF_ANGLE = 0.02f;
+static const float HALF_ANGLE = 0.02f;
 
-struct fixture {
-    struct test_scene scene;
-    satin_options options;
-    struct parallel *pool;
-    struct photon_maps *maps;
-    struct gather g;
-    struct gather_layout *layout;
-    struct gather_scratch *scratch;
-};
-
-static void start(struct fixture *f) {
-    test_scene_init(&f->scene);
-    test_cube(&f->scene, mat4_identity(), true, test_diffuse(&f->scene, ALBEDO, ALBEDO, ALBEDO));
-    struct light spot = {.kind = LIGHT_SPOT,
-                         .position = LAMP,
-                         .direction = v3(0, 1, 0),
-                         .to_world = mat4_translate(LAMP),
-                         .value = rgb_grey(1.0f)};
-    spot.cos_cutoff = cosf(HALF_ANGLE);
-    spot.cos_beam = cosf(0.999f * HALF_ANGLE);
-    test_light(&f->scene, spot);
-    test_scene_finish(&f->scene);
-    f->options = satin_options_default;
-    f->options.photons = f->options.caustic_photons = 0;  // so every hit is near
-    f->options.max_depth = 4;  // the eye, the site, a wall, the spot of light, the lamp
-    f->pool = parallel_new(2);
-    assert_non_null(f->pool);
-    struct stats stats = {0};
-    assert_int_equal(
-        photon_maps_build(&f->scene.scene, &f->options, f->pool, (struct log){0}, &stats, &f->maps),
-        SATIN_OK);
-    f->g = gather_make(&f->scene.scene, &f->options, f->maps);
-    f->layout = gather_layout_new(RAYS, SATIN_HSH, 0);
-    f->scratch = gather_scratch_new(gather_layout_rays(f->layout));
-    assert_true(f->layout && f->scratch);
-}
-
-static void stop(struct fixture *f) {
-    gather_scratch_free(f->scratch);
-    gather_layout_free(f->layout);
-    photon_maps_free(f->maps);
-    parallel_free(f->pool);
-    test_scene_free(&f->scene);
+static void start(struct spot_room *f) {
+    satin_options options = satin_options_default;
+    options.max_depth = 4;  // the eye, the site, a wall, the spot of light, the lamp
+    spot_room_make(f, HALF_ANGLE, options, RAYS, 0);  // without photons every hit is near
 }
 
 static struct gather_site ceiling_site(uint64_t stream) {
@@ -66,7 +23,7 @@ static struct gather_site ceiling_site(uint64_t stream) {
 
 // Irradiance at the site: the flux into the spot is reflected to y as from a point, then to the
 // site.
-static double expected(const struct fixture *f) {
+static double expected(const struct spot_room *f) {
     const struct gather_site site = ceiling_site(0);
     const double flux = 2.0 * 3.14159265358979 * (1.0 - (double)cosf(HALF_ANGLE));
     double sum = 0.0;
@@ -88,7 +45,7 @@ struct errors {
     double mean, rms, most;  // relative
 };
 
-static struct errors errors_of(struct fixture *f, bool guided, double E) {
+static struct errors errors_of(struct spot_room *f, bool guided, double E) {
     struct errors e = {0};
     f->options.guide_clusters = guided;
     for (uint64_t i = 0; i < STREAMS; i++) {
@@ -109,7 +66,7 @@ static struct errors errors_of(struct fixture *f, bool guided, double E) {
 
 static void places_that_the_site_does_not_see_are_sampled(void **state) {
     (void)state;
-    struct fixture f;
+    struct spot_room f;
     start(&f);
     const double E = expected(&f);
     const struct errors with = errors_of(&f, true, E);
@@ -117,14 +74,14 @@ static void places_that_the_site_does_not_see_are_sampled(void **state) {
     assert_true(fabs(with.mean) < 4.0 * with.rms / sqrt(STREAMS));
     assert_true(with.rms < 0.15);
     assert_true(errors_of(&f, false, E).rms > 1.0);
-    stop(&f);
+    spot_room_free(&f);
 }
 
 // The mean weight is that by the BRDF alone: over all directions the albedo, over those to the spot
 // what they are of it.
 static void weights_are_unbiased(void **state) {
     (void)state;
-    struct fixture f;
+    struct spot_room f;
     start(&f);
     const struct gather_site site = ceiling_site(0);
     struct gather_cluster_rays clusters;
@@ -167,7 +124,7 @@ static void weights_are_unbiased(void **state) {
         assert_true(fabs(sum / (double)ALBEDO - 1.0) < 0.01);
         assert_true(fabs(hits / wanted - 1.0) < 0.02);
     }
-    stop(&f);
+    spot_room_free(&f);
 }
 
 int main(void) {
