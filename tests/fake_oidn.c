@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A library in the place of Open Image Denoise 2: every pixel becomes the mean of its image. The
+// A replacement for Open Image Denoise 2: every pixel becomes the mean of its image. The
 // environment variable FAKE_OIDN makes it fail, once it has been tried out on a black image.
 #include <math.h>
 #include <stdbool.h>

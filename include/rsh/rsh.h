@@ -199,7 +199,7 @@ RSH_API bool rsh_rotation_y_derivatives(int order, float beta, int highest, floa
 RSH_API bool rsh_apply_blocks(int order, int channels, const float *blocks, const float *in,
                               float *out);
 
-// Hemispherical harmonics by r with beta' = arccos(2 cos beta - 1) in place of the angle beta of
+// Hemispherical harmonics by r with beta' = arccos(2 cos beta - 1) instead of the angle beta of
 // the zyz decomposition, otherwise exact [K05 5.4; Gautron et al. 2004]: right at the pole only,
 // see rsh_align. The horizon stays where it is, so what is 60 degrees from the pole rotates by 7.8
 // when the pole rotates by 10, and what is 80 degrees by 4.8; near the horizon it can be worse than
@@ -234,8 +234,8 @@ RSH_API bool rsh_align_transposed(rsh_basis basis, int order, int channels, cons
                                   const float to[9], float beta_limit, const float *in, float *out);
 
 // What a BRDF in frame `to` reflects of a record in frame `from`: out[c] = dot(BRDF, align(value +
-// x d_dx + y d_dy)), c = r, g, b. The BRDF is rotated, not the record: one channel, or three, in
-// place of the record's nine. False also for a number of channels that is neither 1 nor 3.
+// x d_dx + y d_dy)), c = r, g, b. The BRDF is rotated, not the record: one channel, or three,
+// instead of the record's nine. False also if the number of channels is neither 1 nor 3.
 typedef struct rsh_reflection {
     rsh_basis basis;
     int order;
@@ -270,8 +270,8 @@ RSH_API bool rsh_align_transposed_many(rsh_basis basis, int order, int channels,
                                        const float *const from[9], const float *const to[9],
                                        float beta_limit, const float *in, float *out);
 
-// Hemispherical harmonics are not closed under rotation: what rises above the horizon was never
-// seen. `extend` continues a function over the whole sphere, as spherical harmonics of order
+// Hemispherical harmonics are not closed under rotation: what rises above the horizon is unknown.
+// `extend` continues a function over the whole sphere, as spherical harmonics of order
 // rsh_sphere_order(n) = n + 2 (at most 16), close to its mirror image below the horizon; those
 // rotate exactly; `restrict` takes them back to order n. The transposes serve the other side of a
 // product: dot(c, restrict(R extend(lambda))) = dot(R^-1 restrict_transposed(c), extend(lambda)).

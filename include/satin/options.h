@@ -35,8 +35,8 @@ typedef enum satin_first_pass {
 
 typedef enum satin_basis { SATIN_HSH = 0, SATIN_SH } satin_basis;
 
-// Translational gradients of records. Irradiance takes all of them, radiance all but the last, in
-// whose place it takes stratified ones.
+// Translational gradients of records. Irradiance records have all of them; radiance records have
+// stratified gradients instead of the last.
 typedef enum satin_gradients {
     SATIN_GRADIENTS_NONE = 0,     // interpolate without
     SATIN_GRADIENTS_STRATIFIED,   // by what crosses the boundaries of strata [K05 4.3]

@@ -45,8 +45,9 @@ bool fileio_output_append(struct fileio_output *out, const void *data, size_t si
 bool fileio_output_write_at(struct fileio_output *out, const void *data, size_t size,
                             uint64_t offset);
 
-// Flushes the file to disk and gives it its name, in the place of a regular file or of nothing.
-// If this or a write before has failed: logs, removes the new file, returns SATIN_ERROR_IO.
+// Flushes the file to disk and renames it to its final name, which may be that of a regular file
+// but of nothing else. If this or an earlier write fails: logs, removes the new file, returns
+// SATIN_ERROR_IO.
 satin_status fileio_output_commit(struct log log, struct fileio_output *out);
 // Removes the new file instead. What went to a device or pipe stays there.
 void fileio_output_discard(struct fileio_output *out);

@@ -7,8 +7,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-// Looks for the first of `count` paths, seen from the folder of the library and then of the program
-// that holds this code, that can be read. False if none can; then `path` says nothing.
+// Finds the first of `count` paths that can be read, relative to the folder of the library and then
+// to that of the program that holds this code. False if none can; then `path` is undefined.
 bool library_find(const char *const *paths, size_t count, char path[PATH_MAX]);
 
 // Opens it for the life of the process: what it starts threads in must not be unloaded under them.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// parallel_for over an index range: the one place where threads start, progress is reported and a
-// cancellation is noticed. Chunks depend on n and chunk_size, never on the number of threads; which
-// worker runs a chunk must not matter to the result.
+// parallel_for over an index range. Threads are started, progress is reported and cancellation is
+// checked only here. Chunks depend on n and chunk_size, never on the number of threads; the result
+// must not depend on which worker runs a chunk.
 #ifndef BASE_PARALLEL_H
 #define BASE_PARALLEL_H
 

@@ -25,9 +25,10 @@ static inline float fresnel_dielectric(float cos_i, float ior, float *cos_t) {
 // cosine cos_i >= 0.
 rgb fresnel_conductor(float cos_i, rgb eta, rgb k);
 
-// Cosine-weighted hemispherical mean of the dielectric reflectance, seen from the side where the
-// relative index (beyond over before) is eta: the fits of Egan and Hilgeman 1973 for eta < 1 and of
-// d'Eon and Irving 2011 for eta > 1, good to 0.6 % for indices below 2.
+// Cosine-weighted hemispherical mean of the dielectric reflectance for light that comes from the
+// side where the relative IOR (of the other side over this one) is eta: the fits of Egan and
+// Hilgeman 1973 for eta < 1 and of d'Eon and Irving 2011 for eta > 1, accurate to 0.6 % for indices
+// below 2.
 float fresnel_diffuse_mean(float eta);
 
 #endif

@@ -26,7 +26,7 @@ static double inverse_erf(double y) {
     return x - step / (1.0 + x * step);
 }
 
-// The slope along the view of a visible Beckmann facet of roughness 1, seen under an angle of
+// The slope along the view of a visible Beckmann facet of roughness 1, viewed under an angle of
 // cosine c and sine s to the normal. Its density is (c - s x) exp(-x^2) up to x = c / s, so its
 // distribution is closed, and inverted by Halley's method kept inside a bracket: two steps on
 // average, from a blend of the solutions for c = 1 and c = 0. Good to 1e-8 in u.

@@ -7,7 +7,8 @@
 
 #include "brdf/brdf_microfacet.h"
 
-// The boundary as seen from wo's side: eta is the index beyond over the index before.
+// A boundary for light that leaves on wo's side: eta is the IOR of the other side over that of
+// wo's.
 struct refraction {
     struct microfacet facets;
     float eta;

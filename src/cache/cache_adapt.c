@@ -43,7 +43,7 @@ static void shrink(struct cache_adaptation *c) {
     }
 }
 
-// Adds a record to the contributions of a point, in place of the worst one if there are too many.
+// Adds a record to the contributions of a point. If the list is full, it replaces the worst one.
 static void contribute(struct cache_adaptation *c, const struct cache_site *s,
                        struct cache_point *p, uint32_t record) {
     struct cache_contribution x = {record, c->change[record],

@@ -137,7 +137,7 @@ void cache_file_free(struct cache_file *file) {
     free(file);
 }
 
-// The first word of `a` that is not in its place in `b`.
+// The first word of `a` that differs from the word of `b` at the same position.
 static const char *first_difference(const char *a, const char *b) {
     while (*a && *b) {
         const size_t n = strcspn(a, " "), m = strcspn(b, " ");

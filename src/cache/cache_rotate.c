@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Aligning the frames of a record and a point [K05 3.3, 5.4]. Deviation: the BRDF's coefficients
-// are rotated into the record's frame, which is one vector in place of the record's value and
-// gradients.
+// Aligns the frames of a record and a point [K05 3.3, 5.4]. Deviation: the coefficients of the
+// point's BRDF are rotated into the record's frame, because that is one vector, while the record's
+// value and gradients are nine.
 #include <string.h>
 
 #include "cache/cache_records.h"

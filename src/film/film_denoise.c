@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Denoising by Open Image Denoise's filter for ray-traced images, guided by albedo and normal, on
+// Denoising by Open Image Denoise's filter for ray-traced images, with albedo and normal, on
 // the CPU: its result there does not depend on the number of threads (docs/experiments.md).
 #include <math.h>
 #include <stdio.h>

@@ -13,8 +13,8 @@
 
 // ---- The library ------------------------------------------------------------------------------
 
-// Where `./bootstrap denoiser` puts it, seen from the command and from the library in their build
-// folders. The library finds its others in a folder of this name.
+// Where `./bootstrap denoiser` installs it, relative to the command and to the library in their
+// build folders. Open Image Denoise finds the libraries that it loads itself beside it.
 static const char *const oidn_paths[] = {
     "../../denoiser/lib/libOpenImageDenoise.so.2",
     "../denoiser/lib/libOpenImageDenoise.so.2",

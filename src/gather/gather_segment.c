@@ -6,7 +6,7 @@
 
 enum { DELTA_SURE = 32 };  // ideal specular surfaces in a row, after which chance may end a segment
 
-// Probability of going on at each further one: light that is guided along a sheet of glass meets
+// Probability of going on at each further one: light that is trapped in a sheet of glass meets
 // some hundred.
 static const float DELTA_SURVIVE = 0.98f;
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What of the lights is visible from where. Through a window the environment is a small part of all
-// directions, and a lamp in the next room is none at all; samples that know nothing of walls mostly
-// end at them. Rays from the points of each cell find in which bins of directions the environment
-// is visible there, and how much of each light arrives; direct light is sampled by both.
+// Measures which lights are visible from which cells. The environment is visible through a window
+// in a small fraction of all directions, and a lamp in the next room not at all, so that most
+// samples of direct light would be occluded. Rays from the points of each cell measure in which
+// bins of directions the environment is visible and which fraction of each light arrives. Direct
+// light is sampled by both.
 #include "guide/guide_visibility.h"
 
 #include <limits.h>
@@ -11,11 +12,12 @@
 #include "base/sampling.h"
 
 enum {
-    BIN_RAYS = 8,  // per bin at most,
-    // and one for each so many photons, as who wants few has little time: up to FEW_RAYS soon, as
-    // with one of them some lights are missed where they matter (draft of case window: blocks 30 %
-    // off); then slowly, as eight in place of three gain nothing at preview and at --time 10 take a
-    // sixth of the image's samples.
+    BIN_RAYS = 8,  // largest number of rays per bin
+    // The number of rays grows with the option `photons`, as few photons mean little time: up to
+    // FEW_RAYS by one per FEW_PER photons, as with one ray some lights are missed where they matter
+    // (draft of case window: blocks 30 % off), then by one per BIN_PER photons, as eight rays
+    // instead of three gain nothing at preview and at --time 10 take a sixth of the image's
+    // samples.
     FEW_PER = 30000,
     FEW_RAYS = 3,
     BIN_PER = 100000,

@@ -41,8 +41,9 @@ static bool slide_uv(const struct light *light, vec3 d, vec2 *uv) {
     return d.z > 0.0f && uv->x >= 0.0f && uv->x <= 1.0f && uv->y >= 0.0f && uv->y <= 1.0f;
 }
 
-// The slide's irradiance is that of a plane at unit distance in light space, times pi; seen under
-// the angle theta from the axis that takes an intensity of 1 / cos^3. Its factor; 0: beside it.
+// A plane at unit distance in light space gets pi times the slide's value as irradiance, which
+// needs an intensity in proportion to 1 / cos^3 of the angle to the axis. Returns the intensity
+// over the slide's value for direction d, and in *uv the slide's point; 0 if d misses the slide.
 static float projector_factor(const struct light *light, vec3 d, vec2 *uv) {
     vec3 axis = mat4_vector(&light->to_world, v3(0, 0, 1)), l = mat4_vector(&light->to_local, d);
     if (!slide_uv(light, l, uv)) return 0.0f;

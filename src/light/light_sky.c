@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The daylight of [Preetham, Shirley and Smits 1999]: the sky's luminance and chromaticity as a
 // product of two exponentials [Perez et al. 1993], whose coefficients are linear in the turbidity;
-// the sun as a black body seen through the air. Where the paper has tables over wavelength there
-// are formulas here: Planck's law for the sun, a Gaussian for the absorption of ozone; what water
-// vapour and mixed gases absorb lies beyond the red and is left out. Units are those of Mitsuba 3's
-// sunsky: luminance is 683 lm/W times the integral of y, 73 kcd/m^2, for 1.
+// the sun as a black body behind the absorbing air. Deviation: the paper has tables over
+// wavelength; here Planck's law gives the sun's spectrum and a Gaussian the absorption of ozone.
+// Absorption by water vapour and mixed gases is left out, as it lies beyond the red. Units are
+// those of Mitsuba 3's sunsky: a value of 1 is a luminance of 683 lm/W times the integral of y,
+// which is 73 kcd/m^2.
 #include "light/light.h"
 
 enum { SKY_COLUMNS = 512, SKY_ROWS = 257 };  // an odd number of rows: one is the horizon

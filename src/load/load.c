@@ -105,8 +105,8 @@ static satin_status build_objects(struct load_state *loader) {
     return status;
 }
 
-// Materials and textures that nothing refers to are built and dropped, so that errors in them are
-// seen.
+// Builds and drops the materials and textures that nothing refers to, so that errors in them are
+// reported.
 static satin_status check_unused(struct load_state *loader) {
     satin_status status = SATIN_OK;
     for (struct xml_node *node = loader->xml.root->child; node && status == SATIN_OK;

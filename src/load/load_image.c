@@ -10,8 +10,8 @@
 
 // ---- The module ---------------------------------------------------------------------------------
 
-// Where the module is, seen from the folder of the program or library that holds this code:
-// installed beside the library, installed from the program, in the build tree.
+// Where the module is, relative to the folder of the program or library that holds this code:
+// installed beside the library, installed with the program, in the build tree.
 static const char *const module_paths[] = {
     "satin/satin_oiio.so",          "../" SATIN_LIBDIR "/satin/satin_oiio.so",
     "src/load/satin_oiio.so",       "../src/load/satin_oiio.so",

@@ -145,8 +145,8 @@ static enum reader_result read_png(struct opened_image *image, float *texel, cha
     struct png_input *input = image->input;
     const size_t row = input->width * input->channels, count = row * input->height;
     const size_t bytes = (size_t)input->bits / 8;
-    // The values as they are packed stand at the end of the texels, which take their place from the
-    // front: a texel overwrites only values before the one that it is made of, and that one.
+    // The packed values are read into the end of the array and are converted from its front. A
+    // texel overwrites only the value from which it is made and values before that.
     const unsigned char *from = (unsigned char *)texel + count * (sizeof *texel - bytes);
     if (!read_rows(input, (unsigned char *)from, row * bytes)) return report(input, error, size);
     for (size_t i = 0; i < count; i++, from += bytes)

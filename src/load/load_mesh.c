@@ -73,7 +73,7 @@ static void smooth_normals(const struct mesh_parts *parts, const bool *wanted, f
     for (uint32_t i = 0; i < parts->vertex_count; i++) {
         if (wanted && !wanted[i]) continue;
         vec3 n = v3_unit(vertex_at(normal, i));
-        // A vertex that only degenerate faces use is never seen.
+        // No ray hits a vertex that only degenerate faces use, so its normal is arbitrary.
         set_vertex(normal, i, v3_len2(n) > 0.5f ? n : v3(1, 0, 0));
     }
 }

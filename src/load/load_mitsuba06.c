@@ -59,7 +59,7 @@ static bool is_element(const struct xml_node *node, enum xml_tag tag, const char
     return node && node->tag == tag && (!type || strcmp(node->type, type) == 0);
 }
 
-// Parameters that never changed what is seen, or only how it was stored.
+// Whether a parameter never changed the image, or only how its file was written.
 static bool has_no_effect(const struct xml_node *parent, const char *name) {
     static const char *const film[] = {"banner",         "attach_log", "gamma", "exposure",
                                        "tonemap_method", "key",        "burn",  NULL};

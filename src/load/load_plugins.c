@@ -59,7 +59,7 @@ static bool is_unread(const struct xml_node *node) {
     return false;
 }
 
-// What there is in place of an unread plugin, to end a sentence.
+// What replaces a plugin that was not read, as the end of a message.
 static const char *substitute(const struct xml_node *node) {
     bool sky = node->tag == XML_EMITTER && (strstr(node->type, "sky") || strstr(node->type, "sun"));
     return sky ? "; 'preethamsky' is a sky by formulas, which looks a little different" : "";

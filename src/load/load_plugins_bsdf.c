@@ -55,7 +55,7 @@ static const struct param_spec ext_ior = {"ext_ior",
 static const struct param_spec nonlinear = {
     "nonlinear", PARAM_BOOLEAN, "false", 0, 0, NULL, "colour shifts by scattering inside"};
 static const struct param_spec metal = {
-    "material", PARAM_STRING, NULL, 0, 0, NULL, "name of a metal, in place of eta and k"};
+    "material", PARAM_STRING, NULL, 0, 0, NULL, "name of a metal, instead of eta and k"};
 static const struct param_spec metal_eta = {
     "eta", PARAM_COLOR, "0", RANGE_MODEST, PARAM_TEXTURE, NULL, "index of refraction, real part"};
 static const struct param_spec metal_k = {

@@ -8,7 +8,7 @@
 #include "load/load_state.h"
 
 enum { GROUP_NESTING_MAX = 16 };
-#define GROUP_EMPTY UINT32_MAX  // in place of 1 + the index of a group: it has no shapes
+#define GROUP_EMPTY UINT32_MAX  // instead of 1 + the index of a group: it has no shapes
 
 static const struct param_spec to_world = {
     "to_world", PARAM_TRANSFORM, "1", 0, 0, NULL, "the group's space to world space"};

@@ -74,7 +74,7 @@ static const struct param_spec fov = {
 static const struct param_spec fov_axis = {
     "fov_axis", PARAM_CHOICE, "x", 0, 0, load_fov_axes, "the side that fov refers to"};
 static const struct param_spec focal_length = {
-    "focal_length", PARAM_STRING, "50mm", 0, 0, NULL, "in place of fov, for 35 mm film"};
+    "focal_length", PARAM_STRING, "50mm", 0, 0, NULL, "instead of fov, for 35 mm film"};
 
 static const struct param_spec haze = {
     "turbidity", PARAM_FLOAT, "3", RANGE_POSITIVE, 0, NULL, "haze: 2 very clear, 10 hazy"};

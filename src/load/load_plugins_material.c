@@ -266,7 +266,7 @@ static satin_status default_material(struct load_state *loader, bool emits, stru
     return SATIN_OK;
 }
 
-// In place of an unknown BRDF: the one that it wraps, or grey.
+// Builds a replacement for an unknown BRDF: the BRDF that it contains, or a grey diffuse one.
 static satin_status build_stand_in(struct load_state *loader, struct xml_node *node,
                                    struct material *out) {
     struct xml_node *at = NULL, *inner = params_child(&loader->xml, node, XML_BSDF, &at);

@@ -25,7 +25,7 @@ static const struct param_spec specular = {"specular",
                                            RANGE_NOT_NEGATIVE,
                                            0,
                                            NULL,
-                                           "reflectance in place of eta, at most 12"};
+                                           "reflectance instead of eta, at most 12"};
 static const struct param_spec spec_tint =
     NUMBER(spec_tint, "0", "tint of the dielectric reflection by the base colour");
 static const struct param_spec sheen = NUMBER(sheen, "0", "grazing reflection, as of cloth");

@@ -22,7 +22,7 @@ static const struct param_spec focal_length = {
     0,
     0,
     NULL,
-    "in place of fov: focal length for 35 mm film, millimetres"};
+    "instead of fov: focal length for 35 mm film, millimetres"};
 static const struct param_spec near_clip = {
     "near_clip", PARAM_FLOAT, ".01", RANGE_POSITIVE, 0, NULL, "nothing nearer is seen"};
 static const struct param_spec far_clip = {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// <emitter>: daylight of version 0.6, `sunsky`, `sky` and `sun`, whose sun stands where a date and
-// a place say. Its sky is another model; ours is the one of `preethamsky`, in the same units.
+// <emitter>: daylight of version 0.6: `sunsky`, `sky` and `sun`. The direction of the sun follows
+// from a date, a time, a longitude and a latitude. Deviation: version 0.6 has another model of the
+// sky; here it is that of `preethamsky`, in the same units.
 #include "load/load_state.h"
 
 #define NUMBER(id, text, value, in, about) \
@@ -10,7 +11,7 @@
 
 NUMBER(haze, "turbidity", "3", RANGE_POSITIVE, "haze: 2 very clear, 10 hazy");
 static const struct param_spec direction = {
-    "sun_direction", PARAM_POINT, NULL, 0, 0, NULL, "where the sun is, in place of date and time"};
+    "sun_direction", PARAM_POINT, NULL, 0, 0, NULL, "where the sun is, instead of date and time"};
 NUMBER(latitude, "latitude", "35.6894", 0, "degrees, north positive");
 NUMBER(longitude, "longitude", "139.6917", 0, "degrees, east positive");
 NUMBER(timezone, "timezone", "9", 0, "hours that local time is ahead");
@@ -75,7 +76,7 @@ static satin_status build_sun(struct load_state *loader, const struct params *p,
 }
 
 const struct plugin_spec load_sun_plugins[] = {
-    {XML_EMITTER, "sunsky", "in files of version 0.6: daylight at a date and place", daylight, 0,
+    {XML_EMITTER, "sunsky", "in files of version 0.6: daylight by date and position", daylight, 0,
      build_sunsky, false},
     {XML_EMITTER, "sky", "in files of version 0.6: the same without the sun", daylight, 0,
      build_sky_alone, false},

@@ -21,9 +21,9 @@ static const struct param_spec filter_type = {
 static const struct param_spec wrap_mode = {
     "wrap_mode", PARAM_CHOICE, "repeat", 0, 0, wraps, "what is outside of [0, 1]"};
 static const struct param_spec wrap_mode_u = {
-    "wrap_mode_u", PARAM_CHOICE, NULL, 0, 0, wraps, "along u alone, in place of wrap_mode"};
+    "wrap_mode_u", PARAM_CHOICE, NULL, 0, 0, wraps, "along u alone, instead of wrap_mode"};
 static const struct param_spec wrap_mode_v = {
-    "wrap_mode_v", PARAM_CHOICE, NULL, 0, 0, wraps, "along v alone, in place of wrap_mode"};
+    "wrap_mode_v", PARAM_CHOICE, NULL, 0, 0, wraps, "along v alone, instead of wrap_mode"};
 static const struct param_spec raw = {
     "raw", PARAM_BOOLEAN, "false", 0, 0, NULL, "numbers, not colours: no sRGB decoding"};
 static const struct param_spec to_uv = {
@@ -247,7 +247,8 @@ const struct plugin_spec load_texture_plugins[] = {
      build_constant_texture, false},
     {0}};
 
-// Builds what the element describes; in its place a grey one, if the loader is lenient.
+// Builds the texture that the element describes. If it cannot be read and the loader is lenient,
+// a grey texture is built instead.
 static satin_status build_texture(struct load_state *loader, struct xml_node *node,
                                   struct texture *texture) {
     static const char grey[] = "the texture is grey";

@@ -14,7 +14,8 @@ struct load_warning {
     char kind[TEXT_BYTES], text[TEXT_BYTES], last[TEXT_BYTES];  // of all, the first, the last
 };
 
-// The message without its place, what is in quotes, and digits.
+// Copies to `kind` the message without its place, quoted text and digits. Messages of one kind are
+// counted together.
 static void find_warning_kind(const char *message, char kind[TEXT_BYTES]) {
     const char *after = strstr(message, ": ");
     size_t n = 0;
@@ -40,7 +41,8 @@ static void copy_message(char to[TEXT_BYTES], const char *from) {
     to[n] = 0;
 }
 
-// What is read twice at one place is one warning.
+// Counts a warning of a known kind, unless the last message was the same: a file that is read twice
+// gives its warnings once.
 static void count_again(struct load_warning *warning, const char *message) {
     if (strncmp(warning->last, message, TEXT_BYTES - 1) == 0) return;
     warning->count++;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to load/: a scene file as a tree of elements. Parameters are substituted, includes are
-// in their place, aliases resolved; which element may stand where, and with which attributes, is
-// checked. What the elements mean is left to the builders.
+// Private to load/: a scene file as a tree of elements. Parameters are substituted, included files
+// are inserted, aliases are resolved, and it is checked that each element may stand in its parent
+// and has valid attributes. The functions that build objects interpret the elements.
 #ifndef LOAD_XML_H
 #define LOAD_XML_H
 

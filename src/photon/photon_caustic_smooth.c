@@ -147,7 +147,7 @@ static bool thin(const struct photon_sites *sites, struct photon_sites *out) {
     return true;
 }
 
-// ---- Levels -------------------------------------------------------------------------------------
+// ---- Smoothing ----------------------------------------------------------------------------------
 
 // Replaces `count` values by what the sites, every few of their positions, give.
 static satin_status smooth(const struct satin_scene *scene, struct parallel *pool,

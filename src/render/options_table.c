@@ -31,7 +31,7 @@ const struct option options_table[] = {
      "path, or where the film's filter is negative somewhere, always: the same number to every "
      "pixel."},
     {"denoise", OPTION_BOOL, AT(denoise), false, "off|on",
-     "Denoises the light that no record carries, guided by albedo and normal: direct light, "
+     "Denoises the light that no record carries, with the help of albedo and normal: direct light, "
      "caustics, gloss that is not cached, gathering without records; with path all that is "
      "reflected. Interpolated light and emitters that are seen stay as they are; the noisy image "
      "stays as channels. It needs Open Image Denoise 2: `./bootstrap denoiser` gets it, or the "
@@ -134,7 +134,7 @@ const struct option options_table[] = {
      "Gradients by which radiance records are interpolated, as for irradiance-gradients; "
      "stratified ones include changes in occlusion."},
     {"radiance-diffuse", OPTION_BOOL, AT(radiance_diffuse), false, "off|on",
-     "Diffuse surfaces use radiance records too, in place of irradiance records; for comparison."},
+     "Diffuse surfaces use radiance records too, instead of irradiance records; for comparison."},
     {"radiance-basis", OPTION_CHOICE, AT(radiance_basis), false, "hsh|sh",
      "Harmonics of radiance records: on the hemisphere or on the sphere."},
     {"radiance-order", OPTION_INT, AT(radiance_order), true, "1..14",

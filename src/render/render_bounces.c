@@ -52,7 +52,7 @@ static satin_options bounce_options(const satin_options *image, int bounce) {
     const float coarser = powf(COARSER, (float)bounce);
     o.irradiance_a *= coarser;
     o.radiance_a *= coarser;
-    // Sites come with their least radius in place of a pixel's width.
+    // The sites hold their least radius instead of a pixel's width.
     o.irradiance_min_pixels = o.radiance_min_pixels = 1.0f;
     o.irradiance_max_pixels = o.radiance_max_pixels = INFINITY;
     return o;

@@ -37,8 +37,8 @@ void render_limit_look(struct render *r);  // after a cancellation, also without
 // Nothing ends the next loops, which are short, until the limit before is set again.
 double render_limit_lift(struct render *r);
 void render_limit_restore(struct render *r, double before);
-// Nothing ends the next loops. Gives SATIN_OK in place of the SATIN_CANCELLED of a loop that the
-// limit ended; what the caller cancelled stays so.
+// Ends the time limit, so that it does not stop later loops. Returns SATIN_OK instead of the
+// SATIN_CANCELLED of a loop that the limit stopped, but a cancellation by the caller as it is.
 satin_status render_limit_end(struct render *r, satin_status status);
 // Whether the limit is not over.
 bool render_time_remains(const struct render *r);

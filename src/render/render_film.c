@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The film of an image: means of the pixels' samples by channel. Where an image was cut short
-// before a pixel had its first sample, it shows a neighbour's. What an integrator does not compute
-// has no channel; a channel that the scene asks for by the name of one of these takes its place.
+// The film of an image: the means of the pixels' samples in each channel. A pixel that had no
+// sample when the render was cancelled gets the value of a neighbour. There are no channels of
+// quantities that the integrator does not compute. A channel that the scene asks for replaces the
+// channel of satin's of the same name.
 #include <stdatomic.h>
 #include <string.h>
 

@@ -10,7 +10,7 @@ enum {
 };
 
 // Photons of indirect light per path: .5 to 2 in closed rooms; .07 in a room lit by the sky, where
-// ten times the paths brought gather rays that read the map in place of going on as paths: a tenth
+// ten times the paths made gather rays read the map instead of continuing as paths: a tenth
 // less time in all, and half of the error of indirect light.
 static const double KEPT_LEAST = 0.5, AGAIN_FACTOR = 1.5;
 
@@ -65,7 +65,7 @@ static double starved(const struct render *r, double fraction) {
     return fmin(fmax(KEPT_LEAST * fraction * (double)o->photons / kept, 1.0), MORE_MOST);
 }
 
-// In place of the maps that are there; what was learned of the lights serves on.
+// Replaces the photon maps by new ones. The visibility of the lights is kept.
 static satin_status build_again(struct render *r, struct stats before, double fraction,
                                 double more) {
     const double look = stats_get(&r->stats, "photons.visibility_s");

@@ -9,7 +9,7 @@
 #include "rsh/rsh.h"
 #include "rsh/rsh_vector.h"
 
-// Channels rotated at once, sharing what depends on the angles only.
+// Channels rotated at once, so that values that depend only on the angles are computed once.
 enum { CHANNELS = 3 };
 
 // cos(m a) and sin(m a), a record per lane.

@@ -51,7 +51,7 @@ bool rsh_hemi_restrict_transposed(int order, int channels, const float *in, floa
 
 static void align_through_sphere(const struct rsh_rotation *t, bool transposed, int order,
                                  int channels, const float *in, float *out) {
-    // Rotated in place, a band's loads would wait for the masked stores of the band before.
+    // Not in place: the loads of a band would wait for the masked stores of the band before it.
     float sphere[BLOCK * RSH_MAX_COEFFICIENTS], rotated[BLOCK * RSH_MAX_COEFFICIENTS];
     int n = order * order, larger = rsh_sphere_order(order);
     for (int c = 0; c < channels; c += BLOCK) {

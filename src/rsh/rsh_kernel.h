@@ -61,8 +61,8 @@ struct rsh_kernels {
     // Records as structures of arrays, `width` at once: coefficient k of a channel of record i is
     // [k * stride + i], and channels follow each other.
     int width;
-    // The rotations of the matrices r[entry][record]; with `stretch`, beta' in place of beta. The
-    // method is left to the caller.
+    // The rotations of the matrices r[entry][record]; with `stretch`, by beta' instead of beta. The
+    // caller sets their method.
     void (*angles)(const float r[9][RSH_MAX_WIDTH], bool stretch, struct rsh_rotations *t);
     void (*rotate_many)(const struct rsh_rotations *t, int order, int channels, size_t stride,
                         const float *in, float *out);

@@ -205,15 +205,15 @@ struct shape {
     const float *area_cdf;  // mesh with a light: triangle_count + 1; else NULL
 };
 
-// Shapes `first` to `first + count - 1`, which are seen only where instances put them.
+// Shapes `first` to `first + count - 1`. Rays hit them only through the instances of the group.
 struct shape_group {
     uint32_t first, count;
 };
 
-// Places a sphere, disk or cylinder by the transform of its object space (a sphere's or cylinder's
-// centre, radius and ends included): sets to_world, to_object, center and radius. A mirrored sphere
-// has its other side as the front, as in Mitsuba: flip_normals, set before, is toggled. False if
-// the transform has no inverse.
+// Sets the transform of a sphere, disk or cylinder from its object space, with the centre, radius
+// and ends of a sphere or cylinder included: sets to_world, to_object, center and radius. If the
+// transform mirrors a sphere, flip_normals is toggled, as the front is then inside, as in Mitsuba.
+// False if the transform has no inverse.
 bool scene_shape_transform(struct shape *shape, const struct mat4 *to_world);
 // World-space area of a shape.
 float scene_shape_area(const struct shape *shape);
@@ -349,7 +349,8 @@ static inline struct texture_lookup interaction_texture_lookup(const struct sati
 
 // ---- Shading (scene_material.c) ---------------------------------------------------------------
 
-// One BRDF of those that are blended at s, seen from wo (world, unit, away from the surface).
+// One of the BRDFs that are blended at s, for the direction wo (world, unit, away from the
+// surface).
 struct scene_component {
     const struct material_side *side;
     float weight;

@@ -65,7 +65,7 @@ static void mesh_nearest(const struct RTCFilterFunctionNArguments *args) {
     mesh_hit(args, INFINITY);
 }
 
-// Tubes are seen from outside only, as in Mitsuba: one looks through an open end.
+// Rays hit curves from outside only, as in Mitsuba: a ray passes through an open end.
 static void curve_any(const struct RTCFilterFunctionNArguments *args) {
     const struct RTCRay *ray = (const struct RTCRay *)args->ray;
     const struct RTCHit *hit = (const struct RTCHit *)args->hit;

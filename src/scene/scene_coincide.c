@@ -84,7 +84,7 @@ struct keyed_shape {
 static int by_hash(const void *a, const void *b) {
     const struct keyed_shape *x = a, *y = b;
     if (x->hash != y->hash) return x->hash < y->hash ? -1 : 1;
-    if (x->dark != y->dark) return x->dark ? 1 : -1;  // what shines is seen
+    if (x->dark != y->dark) return x->dark ? 1 : -1;  // of coincident shapes, the light is kept
     return x->shape < y->shape ? -1 : x->shape > y->shape;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Instances: a group of shapes seen through a transform, for scene_trace.c.
+// Instances: groups of shapes that rays hit through a transform, for scene_trace.c.
 #include "scene/scene_instance.h"
 
 #include "scene/scene_interaction.h"

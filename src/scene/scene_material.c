@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a surface point to the BRDF there: which side is seen, which component of a blend, textures
+// From a surface point to the BRDF there: which side it is, which component of a blend, textures
 // looked up, the frame set. The side is that of the shading normal, as the BRDF's own cosines are.
 //
 // A blend is never evaluated as a sum: one component is drawn for each point and direction, or
@@ -147,7 +147,8 @@ static void set_brdf_values(const struct material_side *side, const struct textu
     }
 }
 
-// Seen from behind as if that were the front: two-sided, or a thin sheet, which is alike from both.
+// Whether wo is behind a surface that is two-sided or a thin sheet, which reflects there as from
+// the front.
 static bool is_flipped(const struct satin_scene *scene, const struct material_side *side,
                        const struct interaction *s, vec3 wo) {
     if (!is_from_behind(s, wo)) return false;

@@ -13,7 +13,7 @@
 // the other side's estimate corrects that; the price is a little power. t is taken as Student's
 // with the reference's degrees of freedom, and the two-sided p-values are corrected for their
 // number after Sidak: with a right renderer one test in a hundred or less fails. Measured on
-// Mitsuba's own images in place of ours, 200 tests for each scene: see docs/experiments.md.
+// Mitsuba's own images instead of ours, 200 tests for each scene: see docs/experiments.md.
 //
 // The mean over the image may differ by 0.3 % and 3.3 of its standard deviations (p = 0.001).
 // On failure z_test-NAME.exr in the working folder holds the image and its z.

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Keeps retired words out of names, comments, messages and docs, so that one thing has one name,
-the field's; and keeps docs/glossary.md true.
+the field's; keeps six words to the one meaning that docs/glossary.md gives them; and keeps that
+page true.
 
 Usage: rules_words.py TREE
 
@@ -23,6 +24,7 @@ RETIRED = {
     "mend|mends|mended": "fix",
     "part(?:ed|ing)|halve|halved|halvings?": "separate, split; median split",
     "share|shares": "fraction or probability; have in common",
+    "in (?:the )?place of": "instead of",
     "tell|tells|told": "report, indicate, describe",
     "bend|bends|bent": "curvature, Hessian",
     "turn|turns|turned|turning": "rotate, rotation",
@@ -46,7 +48,7 @@ RETIRED = {
     "places_(?:load|held|next|opposite)|eight_places|place_lanes": "indices",
     "place_(?:even|among|key|rungs|shape)|(?:by|check|find|same|instance|shape|module)_places?"
     "|cache_site \\*place": "position, index or transform; a place is a line of a file",
-    "room for|room_for|denoise_room": "memory or space for; room is a record's",
+    "room for|room_for|denoise_room": "memory or space for",
     "(?:rng|uniform|near|cells|tally|side|photons)(?:_|->)seen|is_seen_from"
     "|seen_(?:s|least|fraction)|struct seen"
     "|seen of (?:the lights|(?:each|a|its|their) light)":
@@ -77,6 +79,25 @@ RETIRED = {
 ALLOWED = re.compile(r"""\b(in|by)\ turns?\b | ["'`](ir)?radiance[-_](turn|neighbours)["'`]
                      | ["'`](light-guide|gather-(bounce|guide|room|shadow))["'`] | `photons\.seen_s`
                      """, re.VERBOSE)
+# Words that mean one thing in src and include, as docs/glossary.md defines it: a pattern, the files
+# that use the word in this meaning, and what may stand in other files.
+ONE_MEANING = {
+    "Place": ("places?", r"src/load/|src/base/(?:fileio|log|status)\.|src/render/options\.c"
+              r"|include/satin/types\.h", r"log_place(?: \*?place)?|\bin place\b(?! of)"),
+    "Room": (r"\w+_rooms?|rooms?_\w+|(?:no|enough|more|leaves?|makes?) room|room (?:for|to|left)",
+             "", "gather-room"),
+    "Seen": ("seen", r"src/(?:guide|photon|gather|shade|render)/|src/(?:film/film|cache/cache)\.h"
+             r"|src/scene/scene_camera|src/load/load_plugins_(?:integrator|sensor|shape)\.c"
+             r"|include/satin/options\.h", ""),
+    "Level": ("levels?", r"src/cache/cache_(?:tree|fill)|src/load/load_(?:image_levels|build)"
+              r"|src/load/load_plugins_texture\.c|src/scene/scene(?:_texture\.c|\.h)"
+              r"|src/render/render_records\.c|src/film/film_exr_read\.c"
+              r"|src/apps/app_info_scene\.c", r"zip_level\b|recursive-levels"),
+    "Guide": ("guid(?:es?|ed|ing)", r"src/(?:guide|gather|photon|render)/",
+              r"guide/guide\.h|\bguide_(?:clusters|visibility)\b|RNG_GUIDE"),
+    # Never a fraction.
+    "Shared": (r"shar(?:es?|ing)", "", ""),
+}
 # What stands between two words of a term at the end of a line, in a comment or a text.
 LINE_END = re.compile(r"[ \t]*\n[ \t]*(?:// ?|# )?|\"\s*\n\s*\"")
 # Ways to begin a comment that cannot be read alone.
@@ -105,6 +126,22 @@ def wrong_words(path, name):
         yield f"{name}: '{CUT.search(path.read_text(encoding='utf-8')).group(1)}' begins a comment"
 
 
+def wrong_meanings(path, name, terms):
+    """Words of one meaning in a file that has another subject."""
+    if not name.startswith(("src/", "include/")) or path.suffix not in {".c", ".h", ".cpp"}:
+        return
+    text = LINE_END.sub(" ", path.read_text(encoding="utf-8"))
+    for term, (words, subject, elsewhere) in ONE_MEANING.items():
+        if term not in terms:
+            yield f"docs/glossary.md: it does not define '{term}'"
+        if subject and re.match(subject, name):
+            continue
+        rest = re.sub(elsewhere, "", text, flags=re.IGNORECASE) if elsewhere else text
+        found = re.findall(rf"(?<![A-Za-z])(?:{words})(?![A-Za-z])", rest, re.IGNORECASE)
+        if found:
+            yield f"{name}: '{found[0]}' is not what docs/glossary.md calls {term}"
+
+
 def glossary_terms(text):
     """The terms that the glossary defines: bold at the beginning of a line."""
     return re.findall(r"^\*\*([^*]+)\*\*", text, re.MULTILINE)
@@ -130,6 +167,9 @@ def wrong_glossary(tree):
 def main():
     tree = pathlib.Path(sys.argv[1]).resolve()
     wrong = [w for path in files(tree) for w in wrong_words(path, path.relative_to(tree))]
+    terms = glossary_terms((tree / "docs/glossary.md").read_text(encoding="utf-8"))
+    wrong += [w for path in files(tree)
+              for w in wrong_meanings(path, path.relative_to(tree).as_posix(), terms)]
     wrong += wrong_glossary(tree)
     print("\n".join(wrong))
     return 1 if wrong else 0

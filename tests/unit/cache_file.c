@@ -226,7 +226,7 @@ static void lies_are_refused(void **state) {
     stop(&f);
 }
 
-// Checks that a file with `wrong` in place of *word is refused for its values.
+// Checks that a file with `wrong` instead of *word is refused for its values.
 static void refuse_value(struct fixture *f, float *word, float wrong) {
     size_t size;
     const float kept = *word;

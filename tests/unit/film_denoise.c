@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Denoising: by a library in the place of Open Image Denoise (tests/fake_oidn.c), which makes every
+// Denoising: by a replacement for Open Image Denoise (tests/fake_oidn.c), which makes every
 // pixel the mean and checks what it is given; and by the real one, where it is found.
 #include <math.h>
 #include <setjmp.h>

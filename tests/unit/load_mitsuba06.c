@@ -168,7 +168,7 @@ static void refuses_the_rest(void **state) {
     }
 }
 
-// What files of that version have beside what they mean, and what satin has in place of it.
+// What files of that version have beside what they mean, and what satin has instead.
 static void reads_what_others_wrote(void **state) {
     (void)state;
     struct scene_case c;
