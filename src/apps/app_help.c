@@ -105,9 +105,9 @@ static void print_options_markdown(void) {
     satin_option_info info;
     printf(
         "# Options\n\n"
-        "Set by `satin render --set NAME=VALUE`, by\n"
-        "`<integrator type=\"satin\">` in a scene, or by `satin_options_set`. The preset of the\n"
-        "quality comes first, the scene's options go over it, the command line's over both.\n"
+        "Options are set by `satin render --set NAME=VALUE`, by `<integrator type=\"satin\">` in\n"
+        "a scene, or by `satin_options_set`. Options in the scene override the preset of the\n"
+        "quality, and options of the command line override both.\n"
         "\nThis page is printed by `satin help options --markdown`.\n\n"
         "| option | range | draft | preview | production | meaning |\n"
         "|---|---|---|---|---|---|\n");

@@ -88,11 +88,12 @@ void app_help_plugins_markdown(void) {
     const char *element = "";
     printf(
         "# Plugins of scene files\n\n"
-        "What may stand in a scene, by element; [language.md](language.md) has the rest. Names "
-        "and\n"
-        "meanings are Mitsuba 3's where it has the plugin. Anything else is an error at its line.\n"
-        "\nThis page is printed by `satin help plugins --markdown`; `satin help NAME` prints "
-        "one.\n");
+        "These are the plugins that a scene file may hold, by element;\n"
+        "[language.md](language.md) describes the rest of the language. Plugins of Mitsuba 3 have\n"
+        "the names and parameters that they have there. Any other plugin or parameter is an\n"
+        "error, which is reported with its line.\n"
+        "\nThis page is printed by `satin help plugins --markdown`. `satin help NAME` prints one\n"
+        "plugin.\n");
     for (int i = 0; load_plugin_describe(i, &plugin); i++) {
         if (strcmp(element, plugin.element) != 0) printf("\n## %s\n", plugin.element);
         element = plugin.element;
@@ -100,8 +101,9 @@ void app_help_plugins_markdown(void) {
     }
     printf(
         "\n## Refused\n\n"
-        "Mitsuba has these; here they are errors that say so. So are media, volumes and phase\n"
-        "functions, and all that needs wavelengths or polarisation.\n\n");
+        "Mitsuba has these plugins, but satin does not support them: they are errors that say so.\n"
+        "The same holds for media, volumes and phase functions, and for everything that needs\n"
+        "wavelengths or polarisation.\n\n");
     element = "";
     for (int i = 0; load_unread_describe(i, &plugin); i++) {
         if (strcmp(element, plugin.element) != 0) printf("%s- %s:", i ? "\n" : "", plugin.element);

@@ -8,35 +8,36 @@
 static const char *const distributions[] = {"beckmann", "ggx", NULL};  // enum brdf_distribution
 static const char *const variants[] = {"ward", "ward-duer", "balanced", NULL};  // enum brdf_variant
 
-static const struct param_spec reflectance = {"reflectance", PARAM_COLOR, ".5",    RANGE_UNIT,
-                                              PARAM_TEXTURE, NULL,        "albedo"};
+static const struct param_spec reflectance = {"reflectance", PARAM_COLOR, ".5",         RANGE_UNIT,
+                                              PARAM_TEXTURE, NULL,        "The albedo."};
 const struct param_spec bsdf_diffuse_reflectance = {"diffuse_reflectance",
                                                     PARAM_COLOR,
                                                     ".5",
                                                     RANGE_UNIT,
                                                     PARAM_TEXTURE,
                                                     NULL,
-                                                    "factor of the diffuse reflection"};
+                                                    "A factor of the diffuse reflection."};
 const struct param_spec bsdf_specular_reflectance = {"specular_reflectance",
                                                      PARAM_COLOR,
                                                      "1",
                                                      RANGE_UNIT,
                                                      PARAM_TEXTURE,
                                                      NULL,
-                                                     "factor of the specular reflection"};
+                                                     "A factor of the specular reflection."};
 static const struct param_spec lobe_reflectance = {
-    "specular_reflectance",     PARAM_COLOR, ".2", RANGE_UNIT, PARAM_TEXTURE, NULL,
-    "factor of the glossy lobe"};
+    "specular_reflectance",        PARAM_COLOR, ".2", RANGE_UNIT, PARAM_TEXTURE, NULL,
+    "A factor of the glossy lobe."};
 static const struct param_spec specular_transmittance = {
-    "specular_transmittance",    PARAM_COLOR, "1", RANGE_UNIT, PARAM_TEXTURE, NULL,
-    "factor of the transmission"};
-static const struct param_spec glass_ior = {"int_ior",
-                                            PARAM_IOR,
-                                            "bk7",
-                                            RANGE_POSITIVE,
-                                            0,
-                                            NULL,
-                                            "index of refraction inside, or the name of a medium"};
+    "specular_transmittance",       PARAM_COLOR, "1", RANGE_UNIT, PARAM_TEXTURE, NULL,
+    "A factor of the transmission."};
+static const struct param_spec glass_ior = {
+    "int_ior",
+    PARAM_IOR,
+    "bk7",
+    RANGE_POSITIVE,
+    0,
+    NULL,
+    "The index of refraction inside, or the name of a medium."};
 static const struct param_spec plastic_ior = {
     "int_ior",
     PARAM_IOR,
@@ -44,22 +45,40 @@ static const struct param_spec plastic_ior = {
     RANGE_POSITIVE,
     0,
     NULL,
-    "index of refraction inside, or the name of a medium"};
-static const struct param_spec ext_ior = {"ext_ior",
-                                          PARAM_IOR,
-                                          "air",
-                                          RANGE_POSITIVE,
-                                          0,
-                                          NULL,
-                                          "index of refraction outside, or the name of a medium"};
-static const struct param_spec nonlinear = {
-    "nonlinear", PARAM_BOOLEAN, "false", 0, 0, NULL, "colour shifts by scattering inside"};
+    "The index of refraction inside, or the name of a medium."};
+static const struct param_spec ext_ior = {
+    "ext_ior",
+    PARAM_IOR,
+    "air",
+    RANGE_POSITIVE,
+    0,
+    NULL,
+    "The index of refraction outside, or the name of a medium."};
+static const struct param_spec nonlinear = {"nonlinear",
+                                            PARAM_BOOLEAN,
+                                            "false",
+                                            0,
+                                            0,
+                                            NULL,
+                                            "If true, light that scatters several times inside is "
+                                            "coloured by the diffuse reflectance each time."};
 static const struct param_spec metal = {
-    "material", PARAM_STRING, NULL, 0, 0, NULL, "name of a metal, instead of eta and k"};
-static const struct param_spec metal_eta = {
-    "eta", PARAM_COLOR, "0", RANGE_MODEST, PARAM_TEXTURE, NULL, "index of refraction, real part"};
+    "material", PARAM_STRING, NULL, 0, 0, NULL, "The name of a metal, instead of `eta` and `k`."};
+static const struct param_spec metal_eta = {"eta",
+                                            PARAM_COLOR,
+                                            "0",
+                                            RANGE_MODEST,
+                                            PARAM_TEXTURE,
+                                            NULL,
+                                            "The real part of the index of refraction."};
 static const struct param_spec metal_k = {
-    "k", PARAM_COLOR, "1", RANGE_MODEST, PARAM_TEXTURE, NULL, "index of refraction, absorption"};
+    "k",
+    PARAM_COLOR,
+    "1",
+    RANGE_MODEST,
+    PARAM_TEXTURE,
+    NULL,
+    "The imaginary part of the index of refraction, which describes absorption."};
 static const struct param_spec metal_ext_eta = {
     "ext_eta",
     PARAM_IOR,
@@ -67,37 +86,58 @@ static const struct param_spec metal_ext_eta = {
     RANGE_POSITIVE,
     0,
     NULL,
-    "index of refraction outside, or the name of a medium; eta and k are divided by it"};
-static const struct param_spec distribution = {
-    "distribution", PARAM_CHOICE, "beckmann", 0, 0, distributions, "of the facets' normals"};
-static const struct param_spec alpha = {"alpha",       PARAM_FLOAT, ".1",       RANGE_MODEST,
-                                        PARAM_TEXTURE, NULL,        "roughness"};
-static const struct param_spec plastic_alpha = {"alpha", PARAM_FLOAT, ".1",       RANGE_MODEST,
-                                                0,       NULL,        "roughness"};
+    "The index of refraction outside, or the name of a medium. `eta` and `k` are divided by it."};
+static const struct param_spec distribution = {"distribution",
+                                               PARAM_CHOICE,
+                                               "beckmann",
+                                               0,
+                                               0,
+                                               distributions,
+                                               "The distribution of the microfacets' normals."};
+static const struct param_spec alpha = {"alpha",
+                                        PARAM_FLOAT,
+                                        ".1",
+                                        RANGE_MODEST,
+                                        PARAM_TEXTURE,
+                                        NULL,
+                                        "The roughness alpha of the microfacets."};
+static const struct param_spec plastic_alpha = {
+    "alpha", PARAM_FLOAT, ".1", RANGE_MODEST, 0, NULL, "The roughness alpha of the microfacets."};
 static const struct param_spec alpha_u = {
-    "alpha_u", PARAM_FLOAT, NULL, RANGE_MODEST, PARAM_TEXTURE, NULL, "roughness along u"};
+    "alpha_u", PARAM_FLOAT, NULL, RANGE_MODEST, PARAM_TEXTURE, NULL, "The roughness along u."};
 static const struct param_spec alpha_v = {
-    "alpha_v", PARAM_FLOAT, NULL, RANGE_MODEST, PARAM_TEXTURE, NULL, "roughness along v"};
+    "alpha_v", PARAM_FLOAT, NULL, RANGE_MODEST, PARAM_TEXTURE, NULL, "The roughness along v."};
 static const struct param_spec ward_alpha_u = {
-    "alpha_u", PARAM_FLOAT, ".1", RANGE_MODEST, PARAM_TEXTURE, NULL, "roughness along u"};
+    "alpha_u", PARAM_FLOAT, ".1", RANGE_MODEST, PARAM_TEXTURE, NULL, "The roughness along u."};
 static const struct param_spec ward_alpha_v = {
-    "alpha_v", PARAM_FLOAT, ".1", RANGE_MODEST, PARAM_TEXTURE, NULL, "roughness along v"};
-static const struct param_spec sample_visible = {
-    "sample_visible", PARAM_BOOLEAN, "true", 0, 0, NULL, "sampling in Mitsuba; has no effect"};
-static const struct param_spec exponent = {
-    "exponent", PARAM_FLOAT, "30", RANGE_MODEST, PARAM_TEXTURE, NULL, "of the lobe's cosine"};
+    "alpha_v", PARAM_FLOAT, ".1", RANGE_MODEST, PARAM_TEXTURE, NULL, "The roughness along v."};
+static const struct param_spec sample_visible = {"sample_visible",
+                                                 PARAM_BOOLEAN,
+                                                 "true",
+                                                 0,
+                                                 0,
+                                                 NULL,
+                                                 "It has no effect: Mitsuba uses it for sampling."};
+static const struct param_spec exponent = {"exponent",
+                                           PARAM_FLOAT,
+                                           "30",
+                                           RANGE_MODEST,
+                                           PARAM_TEXTURE,
+                                           NULL,
+                                           "The exponent of the lobe's cosine."};
 static const struct param_spec variant = {
-    "variant", PARAM_CHOICE, "balanced", 0, 0, variants, "normalisation of the lobe"};
+    "variant", PARAM_CHOICE, "balanced", 0, 0, variants, "The normalisation of the lobe."};
 
-static const struct param_spec weight = {"weight",
-                                         PARAM_FLOAT,
-                                         NULL,
-                                         RANGE_CLAMPED,
-                                         PARAM_REQUIRED | PARAM_TEXTURE,
-                                         NULL,
-                                         "of the second; below 0 as 0, over 1 as 1"};
+static const struct param_spec weight = {
+    "weight",
+    PARAM_FLOAT,
+    NULL,
+    RANGE_CLAMPED,
+    PARAM_REQUIRED | PARAM_TEXTURE,
+    NULL,
+    "The weight of the second BRDF. Values of a texture are clamped to [0, 1]."};
 static const struct param_spec bump_scale = {
-    "scale", PARAM_FLOAT, "1", RANGE_ANY, 0, NULL, "factor of the heights"};
+    "scale", PARAM_FLOAT, "1", RANGE_ANY, 0, NULL, "A factor of the heights."};
 static const struct param_spec normal_map = {
     "normalmap",
     PARAM_COLOR,
@@ -105,29 +145,33 @@ static const struct param_spec normal_map = {
     0,
     PARAM_REQUIRED | PARAM_TEXTURE,
     NULL,
-    "x, y, z of the normal in the surface's frame, from -1 to 1 as 0 to 1"};
-static const struct param_spec flip_invalid = {"flip_invalid_normals",
-                                               PARAM_BOOLEAN,
-                                               "true",
-                                               0,
-                                               0,
-                                               NULL,
-                                               "mirror normals that point away from the viewer"};
-static const struct param_spec use_shadowing = {"use_shadowing_function",
-                                                PARAM_BOOLEAN,
-                                                "true",
-                                                0,
-                                                0,
-                                                NULL,
-                                                "slopes shadow light that comes in flat"};
+    "The components x, y, z of the normal in the surface's frame; values from 0 to 1 stand for -1 "
+    "to 1."};
+static const struct param_spec flip_invalid = {
+    "flip_invalid_normals",
+    PARAM_BOOLEAN,
+    "true",
+    0,
+    0,
+    NULL,
+    "If true, normals that point away from the viewer are mirrored."};
+static const struct param_spec use_shadowing = {
+    "use_shadowing_function",
+    PARAM_BOOLEAN,
+    "true",
+    0,
+    0,
+    NULL,
+    "If true, slopes of the map shadow light at grazing angles."};
 
-static const struct param_spec opacity = {"opacity",
-                                          PARAM_COLOR,
-                                          ".5",
-                                          RANGE_CLAMPED,
-                                          PARAM_TEXTURE,
-                                          NULL,
-                                          "fraction that is there; below 0 as 0, over 1 as 1"};
+static const struct param_spec opacity = {
+    "opacity",
+    PARAM_COLOR,
+    ".5",
+    RANGE_CLAMPED,
+    PARAM_TEXTURE,
+    NULL,
+    "The opacity. Values of a texture are clamped to [0, 1]."};
 static param_list mask_params = {&opacity, NULL};
 static param_list blend_params = {&weight, NULL};
 static param_list bump_params = {&bump_scale, &flip_invalid, &use_shadowing, NULL};
@@ -397,15 +441,16 @@ static satin_status build_ward(struct load_state *loader, const struct params *p
 const struct plugin_spec load_bsdf_plugins[] = {
     {XML_BSDF, "diffuse", "Lambertian reflection", diffuse_params, 0, build_diffuse, false},
     {XML_BSDF, "conductor", "a polished metal", conductor_params, 0, build_conductor, false},
-    {XML_BSDF, "roughconductor", "a rough metal, microfacets", roughconductor_params, 0,
+    {XML_BSDF, "roughconductor", "a rough metal with microfacets", roughconductor_params, 0,
      build_roughconductor, false},
     {XML_BSDF, "dielectric", "a smooth boundary, as of glass or water", dielectric_params, 0,
      build_dielectric, false},
-    {XML_BSDF, "thindielectric", "a thin pane, without refraction", dielectric_params, 0,
+    {XML_BSDF, "thindielectric",
+     "a thin pane, which does not change the direction of transmitted light", dielectric_params, 0,
      build_dielectric, false},
-    {XML_BSDF, "roughdielectric", "a rough boundary, as of ground glass, microfacets",
+    {XML_BSDF, "roughdielectric", "a rough boundary with microfacets, as of ground glass",
      roughdielectric_params, 0, build_roughdielectric, false},
-    {XML_BSDF, "null", "a boundary that is not there", NULL, 0, build_null, false},
+    {XML_BSDF, "null", "a boundary that does not change light", NULL, 0, build_null, false},
     {XML_BSDF, "plastic", "a diffuse base under a smooth coat", plastic_params, 0, build_plastic,
      false},
     {XML_BSDF, "roughplastic", "a diffuse base under a rough coat", roughplastic_params, 0,
@@ -420,15 +465,17 @@ const struct plugin_spec load_bsdf_plugins[] = {
      bsdf_merl_build, false},
     {XML_BSDF, "tabulated", "a measured BRDF in satin's text form", bsdf_measured_params, 0,
      bsdf_tabulated_build, false},
-    {XML_BSDF, "principled", "diffuse, metal, coat, sheen and refraction by a few numbers",
+    {XML_BSDF, "principled",
+     "a mixture of diffuse, metallic, transmitted, sheen and clear-coat components",
      bsdf_principled_params, 0, bsdf_principled_build, false},
-    {XML_BSDF, "principledthin", "the same for a thin sheet", bsdf_principledthin_params, 0,
-     bsdf_principledthin_build, false},
-    {XML_BSDF, "twosided", "one BRDF for both sides, or two, front and back", NULL, 1u << XML_BSDF,
-     NULL, false},
-    {XML_BSDF, "blendbsdf", "a mixture of two BRDFs", blend_params, 1u << XML_BSDF, NULL, false},
+    {XML_BSDF, "principledthin", "the principled BRDF of a thin sheet", bsdf_principledthin_params,
+     0, bsdf_principledthin_build, false},
+    {XML_BSDF, "twosided", "one BRDF for both sides, or two for front and back", NULL,
+     1u << XML_BSDF, NULL, false},
+    {XML_BSDF, "blendbsdf", "a weighted mean of two BRDFs", blend_params, 1u << XML_BSDF, NULL,
+     false},
     {XML_BSDF, "mask", "a BRDF with holes", mask_params, 1u << XML_BSDF, NULL, false},
-    {XML_BSDF, "bumpmap", "a BRDF whose normal follows a map of heights, its <texture>",
+    {XML_BSDF, "bumpmap", "a BRDF whose normal follows a height map, the <texture> inside",
      bump_params, 1u << XML_BSDF | 1u << XML_TEXTURE, NULL, false},
     {XML_BSDF, "normalmap", "a BRDF whose normal is read from a map", normal_params, 1u << XML_BSDF,
      NULL, false},

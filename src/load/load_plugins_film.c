@@ -6,54 +6,121 @@
 // Bounds of the film: a side, so that products stay far from overflow; and its pixels.
 enum { FILM_SIDE_MAX = 1 << 20, SCENE_PIXELS_MAX = 1 << 28 };
 
-static const struct param_spec width = {"width", PARAM_INTEGER, "768",   RANGE_POSITIVE,
-                                        0,       NULL,          "pixels"};
-static const struct param_spec height = {"height", PARAM_INTEGER, "576",   RANGE_POSITIVE,
-                                         0,        NULL,          "pixels"};
-static const struct param_spec crop_offset_x = {
-    "crop_offset_x", PARAM_INTEGER, "0", RANGE_NOT_NEGATIVE, 0, NULL, "left of what is rendered"};
-static const struct param_spec crop_offset_y = {
-    "crop_offset_y", PARAM_INTEGER, "0", RANGE_NOT_NEGATIVE, 0, NULL, "top of what is rendered"};
-static const struct param_spec crop_width = {
-    "crop_width", PARAM_INTEGER, NULL, RANGE_POSITIVE, 0, NULL, "all of the width if not given"};
-static const struct param_spec crop_height = {
-    "crop_height", PARAM_INTEGER, NULL, RANGE_POSITIVE, 0, NULL, "all of the height if not given"};
-static const struct param_spec file_format = {
-    "file_format", PARAM_STRING, "openexr", 0, 0, NULL, "has no effect: the output's name decides"};
-static const struct param_spec pixel_format = {
-    "pixel_format", PARAM_STRING, "rgb", 0, 0, NULL, "has no effect: images are RGB"};
-static const struct param_spec component_format = {
-    "component_format", PARAM_STRING, "float16", 0, 0, NULL, "has no effect: channels are float"};
-static const struct param_spec sample_border = {"sample_border",
-                                                PARAM_BOOLEAN,
-                                                "false",
-                                                0,
+static const struct param_spec width = {"width",
+                                        PARAM_INTEGER,
+                                        "768",
+                                        RANGE_POSITIVE,
+                                        0,
+                                        NULL,
+                                        "The width of the whole film, in pixels."};
+static const struct param_spec height = {"height",
+                                         PARAM_INTEGER,
+                                         "576",
+                                         RANGE_POSITIVE,
+                                         0,
+                                         NULL,
+                                         "The height of the whole film, in pixels."};
+static const struct param_spec crop_offset_x = {"crop_offset_x",
+                                                PARAM_INTEGER,
+                                                "0",
+                                                RANGE_NOT_NEGATIVE,
                                                 0,
                                                 NULL,
-                                                "has no effect: filters end at the image's border"};
+                                                "The first column that is rendered."};
+static const struct param_spec crop_offset_y = {"crop_offset_y",
+                                                PARAM_INTEGER,
+                                                "0",
+                                                RANGE_NOT_NEGATIVE,
+                                                0,
+                                                NULL,
+                                                "The first row that is rendered."};
+static const struct param_spec crop_width = {
+    "crop_width",
+    PARAM_INTEGER,
+    NULL,
+    RANGE_POSITIVE,
+    0,
+    NULL,
+    "The width of what is rendered, in pixels. If it is not given, it is the whole width."};
+static const struct param_spec crop_height = {
+    "crop_height",
+    PARAM_INTEGER,
+    NULL,
+    RANGE_POSITIVE,
+    0,
+    NULL,
+    "The height of what is rendered, in pixels. If it is not given, it is the whole height."};
+static const struct param_spec file_format = {
+    "file_format",
+    PARAM_STRING,
+    "openexr",
+    0,
+    0,
+    NULL,
+    "It has no effect: the name of the output file chooses the format."};
+static const struct param_spec pixel_format = {
+    "pixel_format", PARAM_STRING, "rgb", 0, 0, NULL, "It has no effect: images are RGB."};
+static const struct param_spec component_format = {"component_format",
+                                                   PARAM_STRING,
+                                                   "float16",
+                                                   0,
+                                                   0,
+                                                   NULL,
+                                                   "It has no effect: channels are 32-bit floats."};
+static const struct param_spec sample_border = {
+    "sample_border",
+    PARAM_BOOLEAN,
+    "false",
+    0,
+    0,
+    NULL,
+    "It has no effect: filters end at the image's border."};
 static const struct param_spec compensate = {
-    "compensate", PARAM_BOOLEAN, "false", 0, 0, NULL, "has no effect: sums are exact enough"};
+    "compensate",
+    PARAM_BOOLEAN,
+    "false",
+    0,
+    0,
+    NULL,
+    "It has no effect: sums are accurate enough without it."};
 
 static const struct param_spec tent_radius = {
-    "radius", PARAM_FLOAT, "1", RANGE_POSITIVE, 0, NULL, "where it becomes zero, pixels"};
+    "radius", PARAM_FLOAT, "1", RANGE_POSITIVE, 0, NULL, "The radius, in pixels."};
 static const struct param_spec stddev = {
-    "stddev", PARAM_FLOAT, ".5", RANGE_POSITIVE, 0, NULL, "standard deviation, pixels"};
+    "stddev", PARAM_FLOAT, ".5", RANGE_POSITIVE, 0, NULL, "The standard deviation, in pixels."};
 
-static const struct param_spec cubic_b = {"B", PARAM_FLOAT, "0.3333333", RANGE_UNIT,
-                                          0,   NULL,        "blur"};
-static const struct param_spec cubic_c = {"C", PARAM_FLOAT, "0.3333333", RANGE_UNIT,
-                                          0,   NULL,        "ringing"};
+static const struct param_spec cubic_b = {
+    "B",
+    PARAM_FLOAT,
+    "0.3333333",
+    RANGE_UNIT,
+    0,
+    NULL,
+    "The parameter B of Mitchell and Netravali: more is blurrier."};
+static const struct param_spec cubic_c = {
+    "C",
+    PARAM_FLOAT,
+    "0.3333333",
+    RANGE_UNIT,
+    0,
+    NULL,
+    "The parameter C of Mitchell and Netravali: more rings more."};
 static const struct param_spec lobes = {
-    "lobes", PARAM_FLOAT, "3", RANGE_POSITIVE, 0, NULL, "where it ends, pixels"};
+    "lobes", PARAM_FLOAT, "3", RANGE_POSITIVE, 0, NULL, "The radius, in pixels."};
 
-static const struct param_spec sample_count = {
-    "sample_count", PARAM_INTEGER, "4", RANGE_POSITIVE, 0, NULL, "samples per pixel"};
+static const struct param_spec sample_count = {"sample_count",
+                                               PARAM_INTEGER,
+                                               "4",
+                                               RANGE_POSITIVE,
+                                               0,
+                                               NULL,
+                                               "The number of samples per pixel."};
 static const struct param_spec seed = {
-    "seed", PARAM_INTEGER, "0", 0, 0, NULL, "has no effect: see the option seed"};
+    "seed", PARAM_INTEGER, "0", 0, 0, NULL, "It has no effect: see the option `seed`."};
 static const struct param_spec jitter = {
-    "jitter", PARAM_BOOLEAN, "true", 0, 0, NULL, "sampling in Mitsuba; has no effect"};
+    "jitter", PARAM_BOOLEAN, "true", 0, 0, NULL, "It has no effect: Mitsuba uses it for sampling."};
 static const struct param_spec strength = {
-    "strength", PARAM_INTEGER, "2", 0, 0, NULL, "sampling in Mitsuba; has no effect"};
+    "strength", PARAM_INTEGER, "2", 0, 0, NULL, "It has no effect: Mitsuba uses it for sampling."};
 
 typedef const struct param_spec *const param_list[];
 static param_list film_params = {
@@ -168,19 +235,27 @@ static satin_status build_sampler(struct load_state *loader, const struct params
 }
 
 const struct plugin_spec load_film_plugins[] = {
-    {XML_FILM, "hdrfilm", "the image", film_params, 1u << XML_RFILTER, build_film, false},
-    {XML_RFILTER, "box", "the pixel's square", NULL, 0, build_box, false},
-    {XML_RFILTER, "tent", "a linear slope to all sides", tent_params, 0, build_tent, false},
-    {XML_RFILTER, "gaussian", "cut off at four standard deviations", gaussian_params, 0,
-     build_gaussian, false},
-    {XML_RFILTER, "mitchell", "a cubic with negative lobes: sharper, and noisier", mitchell_params,
-     0, build_mitchell, false},
-    {XML_RFILTER, "catmullrom", "the same, still sharper", NULL, 0, build_catmullrom, false},
-    {XML_RFILTER, "lanczos", "a windowed sinc, which rings", lanczos_params, 0, build_lanczos,
+    {XML_FILM, "hdrfilm", "the size and the crop of the image", film_params, 1u << XML_RFILTER,
+     build_film, false},
+    {XML_RFILTER, "box", "a box filter of one pixel", NULL, 0, build_box, false},
+    {XML_RFILTER, "tent", "a filter that falls linearly to zero", tent_params, 0, build_tent,
      false},
-    {XML_SAMPLER, "independent", "samples per pixel", random_params, 0, build_sampler, false},
-    {XML_SAMPLER, "stratified", "samples per pixel", jitter_params, 0, build_sampler, false},
-    {XML_SAMPLER, "multijitter", "samples per pixel", jitter_params, 0, build_sampler, false},
-    {XML_SAMPLER, "orthogonal", "samples per pixel", orthogonal_params, 0, build_sampler, false},
-    {XML_SAMPLER, "ldsampler", "samples per pixel", random_params, 0, build_sampler, false},
+    {XML_RFILTER, "gaussian", "a Gaussian, cut off at four standard deviations", gaussian_params, 0,
+     build_gaussian, false},
+    {XML_RFILTER, "mitchell", "a cubic filter with negative lobes, which is sharper and noisier",
+     mitchell_params, 0, build_mitchell, false},
+    {XML_RFILTER, "catmullrom", "a cubic filter that is sharper than `mitchell`", NULL, 0,
+     build_catmullrom, false},
+    {XML_RFILTER, "lanczos", "a windowed sinc, which may ring", lanczos_params, 0, build_lanczos,
+     false},
+    {XML_SAMPLER, "independent", "The number of samples per pixel.", random_params, 0,
+     build_sampler, false},
+    {XML_SAMPLER, "stratified", "The number of samples per pixel.", jitter_params, 0, build_sampler,
+     false},
+    {XML_SAMPLER, "multijitter", "The number of samples per pixel.", jitter_params, 0,
+     build_sampler, false},
+    {XML_SAMPLER, "orthogonal", "The number of samples per pixel.", orthogonal_params, 0,
+     build_sampler, false},
+    {XML_SAMPLER, "ldsampler", "The number of samples per pixel.", random_params, 0, build_sampler,
+     false},
     {0}};

@@ -10,17 +10,22 @@
 enum { GROUP_NESTING_MAX = 16 };
 #define GROUP_EMPTY UINT32_MAX  // instead of 1 + the index of a group: it has no shapes
 
-static const struct param_spec to_world = {
-    "to_world", PARAM_TRANSFORM, "1", 0, 0, NULL, "the group's space to world space"};
+static const struct param_spec to_world = {"to_world",
+                                           PARAM_TRANSFORM,
+                                           "1",
+                                           0,
+                                           0,
+                                           NULL,
+                                           "The transform from the group's space to world space."};
 
 static const struct param_spec *const instance_params[] = {&to_world, NULL};
 
 const struct plugin_spec load_group_plugins[] = {
-    {XML_SHAPE, "merge", "several shapes as one", NULL, 1u << XML_SHAPE, NULL, false},
-    {XML_SHAPE, "shapegroup", "shapes for instances, unseen by themselves", NULL, 1u << XML_SHAPE,
+    {XML_SHAPE, "merge", "several shapes that form one", NULL, 1u << XML_SHAPE, NULL, false},
+    {XML_SHAPE, "shapegroup", "shapes that are visible through instances only", NULL,
+     1u << XML_SHAPE, NULL, false},
+    {XML_SHAPE, "instance", "a shapegroup, placed by a transform", instance_params, 1u << XML_SHAPE,
      NULL, false},
-    {XML_SHAPE, "instance", "a shapegroup, by a transform", instance_params, 1u << XML_SHAPE, NULL,
-     false},
     {0}};
 
 static satin_status add_parts(struct load_state *loader, const struct params *p) {

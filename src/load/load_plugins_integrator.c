@@ -9,11 +9,28 @@
 enum { NESTING_MAX = 8 };
 
 static const struct param_spec max_depth = {
-    "max_depth", PARAM_INTEGER, "-1", 0, 0, NULL, "longest path, in segments; -1: no bound"};
-static const struct param_spec rr_depth = {
-    "rr_depth", PARAM_INTEGER, "5", RANGE_POSITIVE, 0, NULL, "depth where Russian roulette starts"};
+    "max_depth",
+    PARAM_INTEGER,
+    "-1",
+    0,
+    0,
+    NULL,
+    "The length of the longest path, in segments; -1 is no limit."};
+static const struct param_spec rr_depth = {"rr_depth",
+                                           PARAM_INTEGER,
+                                           "5",
+                                           RANGE_POSITIVE,
+                                           0,
+                                           NULL,
+                                           "The path depth at which Russian roulette starts."};
 static const struct param_spec hide_emitters = {
-    "hide_emitters", PARAM_BOOLEAN, "false", 0, 0, NULL, "emitters seen directly are black"};
+    "hide_emitters",
+    PARAM_BOOLEAN,
+    "false",
+    0,
+    0,
+    NULL,
+    "If true, emitters that are seen directly are black."};
 
 static const struct param_spec aovs = {"aovs",
                                        PARAM_STRING,
@@ -21,7 +38,7 @@ static const struct param_spec aovs = {"aovs",
                                        0,
                                        PARAM_REQUIRED,
                                        NULL,
-                                       "pairs `name:type` separated by commas or blanks"};
+                                       "Pairs `name:type`, separated by commas or blanks."};
 
 static const struct param_spec *const path_params[] = {&max_depth, &rr_depth, &hide_emitters, NULL};
 static const struct param_spec *const aov_params[] = {&aovs, &hide_emitters, NULL};
@@ -51,24 +68,27 @@ const char *const load_transport[] = {"direct",
                                       NULL};
 
 const struct plugin_spec load_integrator_plugins[] = {
-    {XML_INTEGRATOR, "satin", "takes every option of `satin help options` by its name", NULL, 0,
-     NULL, false},
+    {XML_INTEGRATOR, "satin",
+     "the integrator of satin, which takes every option of `satin help options` by its name", NULL,
+     0, NULL, false},
     {XML_INTEGRATOR, "path",
-     "and `direct`, `volpath`, `ptracer`, `prb` and all others of light transport: satin chooses "
-     "its own method, within these bounds",
+     "any integrator of light transport: `direct`, `volpath`, `ptracer`, `prb` and others are read "
+     "alike. satin chooses its own method within these limits",
      path_params, 1u << XML_INTEGRATOR, NULL, true},
     {XML_INTEGRATOR, "aov",
-     "values of the surface that the eye ray meets first, as channels beside the image of the "
-     "integrator inside: `albedo` (`name.R .G .B`: diffuse reflectance), `depth` (`.T`), "
-     "`position` (`.X .Y .Z`), `uv` (`.U .V`), `geo_normal`, `sh_normal` (before bumps), `dp_du`, "
-     "`dp_dv` (`.X .Y .Z`), `duv_dx`, `duv_dy` (`.U .V`: over the width of a sample's part of the "
-     "pixel), `prim_index`, `shape_index` (`.I`: shapes count from 1, as they stand in the file)",
+     "the image of the integrator inside, with additional channels that describe the first surface "
+     "that the eye ray meets: `albedo` (channels `name.R .G .B`: the diffuse reflectance), `depth` "
+     "(`.T`), `position` (`.X .Y .Z`), `uv` (`.U .V`), `geo_normal` and `sh_normal` (`.X .Y .Z`; "
+     "the latter without bump and normal maps), `dp_du`, `dp_dv` (`.X .Y .Z`), `duv_dx`, `duv_dy` "
+     "(`.U .V`: the change over a pixel's width divided by the square root of the samples per "
+     "pixel), `prim_index`, `shape_index` (`.I`: shapes are numbered from 1 in the order of the "
+     "file)",
      aov_params, 1u << XML_INTEGRATOR, NULL, true},
     {XML_INTEGRATOR, "moment",
-     "the image of the integrator inside; its light (`NAME.X .Y .Z`: CIE XYZ, NAME being that of "
-     "the "
-     "element inside) and its channels (`NAME.` before theirs), and the second moments of all of "
-     "these, means of their samples' squares, as `m2_NAME.X` and so on",
+     "the image of the integrator inside, with additional channels: its light in CIE XYZ (`NAME.X "
+     ".Y .Z`, where NAME is the name of the element inside), its channels (with the prefix "
+     "`NAME.`), and the second moments of all of these, which are the means of the squares of "
+     "their samples (`m2_NAME.X` and so on)",
      moment_params, 1u << XML_INTEGRATOR, NULL, true},
     {0}};
 

@@ -6,29 +6,63 @@
 #include "base/array.h"
 #include "load/load_state.h"
 
-static const struct param_spec area_radiance = {
-    "radiance", PARAM_LIGHT, "1", RANGE_NOT_NEGATIVE, PARAM_TEXTURE, NULL, "radiance"};
-static const struct param_spec radiance = {"radiance", PARAM_LIGHT, "1",       RANGE_NOT_NEGATIVE,
-                                           0,          NULL,        "radiance"};
+static const struct param_spec area_radiance = {"radiance",
+                                                PARAM_LIGHT,
+                                                "1",
+                                                RANGE_NOT_NEGATIVE,
+                                                PARAM_TEXTURE,
+                                                NULL,
+                                                "The radiance [W m^-2 sr^-1]."};
+static const struct param_spec radiance = {
+    "radiance", PARAM_LIGHT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "The radiance [W m^-2 sr^-1]."};
 static const struct param_spec intensity = {
-    "intensity", PARAM_LIGHT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "radiant intensity"};
-static const struct param_spec irradiance = {"irradiance",
-                                             PARAM_LIGHT,
-                                             "1",
-                                             RANGE_NOT_NEGATIVE,
-                                             0,
-                                             NULL,
-                                             "irradiance of a surface that faces the light"};
-static const struct param_spec position = {
-    "position", PARAM_POINT, NULL, 0, 0, NULL, "where it is; or use to_world"};
+    "intensity", PARAM_LIGHT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "The radiant intensity [W sr^-1]."};
+static const struct param_spec irradiance = {
+    "irradiance",
+    PARAM_LIGHT,
+    "1",
+    RANGE_NOT_NEGATIVE,
+    0,
+    NULL,
+    "The irradiance of a surface that faces the light [W m^-2]."};
+static const struct param_spec position = {"position",
+                                           PARAM_POINT,
+                                           NULL,
+                                           0,
+                                           0,
+                                           NULL,
+                                           "The position in world space, instead of `to_world`."};
 static const struct param_spec direction = {
-    "direction", PARAM_POINT, NULL, 0, 0, NULL, "where the light goes; or use to_world"};
+    "direction",
+    PARAM_POINT,
+    NULL,
+    0,
+    0,
+    NULL,
+    "The direction in which the light travels, instead of `to_world`."};
 static const struct param_spec to_world = {
-    "to_world", PARAM_TRANSFORM, "1", 0, 0, NULL, "light space to world space; light goes along z"};
+    "to_world",
+    PARAM_TRANSFORM,
+    "1",
+    0,
+    0,
+    NULL,
+    "The transform from light space to world space. The light faces +z."};
 static const struct param_spec sky_to_world = {
-    "to_world", PARAM_TRANSFORM, "1", 0, 0, NULL, "its own space to world space; y is up"};
-static const struct param_spec cutoff_angle = {
-    "cutoff_angle", PARAM_FLOAT, "20", RANGE_POSITIVE, 0, NULL, "half angle of the cone, degrees"};
+    "to_world",
+    PARAM_TRANSFORM,
+    "1",
+    0,
+    0,
+    NULL,
+    "The transform from the image's space, where y is up, to world space."};
+static const struct param_spec cutoff_angle = {"cutoff_angle",
+                                               PARAM_FLOAT,
+                                               "20",
+                                               RANGE_POSITIVE,
+                                               0,
+                                               NULL,
+                                               "The half angle of the cone, in degrees."};
 static const struct param_spec beam_width = {
     "beam_width",
     PARAM_FLOAT,
@@ -36,21 +70,31 @@ static const struct param_spec beam_width = {
     RANGE_NOT_NEGATIVE,
     0,
     NULL,
-    "half angle of full intensity, degrees; 3/4 of the cone if not given"};
-static const struct param_spec filename = {
-    "filename", PARAM_STRING, NULL, 0, PARAM_REQUIRED, NULL, "latitude-longitude image"};
-static const struct param_spec scale = {"scale", PARAM_FLOAT,          "1", RANGE_NOT_NEGATIVE, 0,
-                                        NULL,    "factor of the image"};
-static const struct param_spec compensation = {
-    "mis_compensation", PARAM_BOOLEAN, "false", 0, 0, NULL, "sampling in Mitsuba; has no effect"};
-static const struct param_spec sampling_weight = {
-    "sampling_weight",
-    PARAM_FLOAT,
-    "1",
-    RANGE_NOT_NEGATIVE,
-    0,
-    NULL,
-    "sampling in Mitsuba; has no effect: lights are chosen by power"};
+    "The half angle of the inner cone of full intensity, in degrees. If it is not given, it is 3/4 "
+    "of `cutoff_angle`."};
+static const struct param_spec filename = {"filename",
+                                           PARAM_STRING,
+                                           NULL,
+                                           0,
+                                           PARAM_REQUIRED,
+                                           NULL,
+                                           "The image, in latitude and longitude."};
+static const struct param_spec scale = {
+    "scale", PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "A factor of the image."};
+static const struct param_spec compensation = {"mis_compensation",
+                                               PARAM_BOOLEAN,
+                                               "false",
+                                               0,
+                                               0,
+                                               NULL,
+                                               "It has no effect: Mitsuba uses it for sampling."};
+static const struct param_spec sampling_weight = {"sampling_weight",
+                                                  PARAM_FLOAT,
+                                                  "1",
+                                                  RANGE_NOT_NEGATIVE,
+                                                  0,
+                                                  NULL,
+                                                  "It has no effect: lights are chosen by power."};
 
 static const struct param_spec spot_texture = {
     "texture",
@@ -59,31 +103,52 @@ static const struct param_spec spot_texture = {
     RANGE_NOT_NEGATIVE,
     PARAM_TEXTURE,
     NULL,
-    "factor of the intensity over the square around the cone"};
+    "A factor of the intensity, as an image on the square around the cone."};
 static const struct param_spec slide = {"irradiance",
                                         PARAM_LIGHT,
                                         "1",
                                         RANGE_NOT_NEGATIVE,
                                         PARAM_TEXTURE,
                                         NULL,
-                                        "what it throws; over pi, at unit distance"};
+                                        "The irradiance of a plane at unit distance, over pi."};
 static const struct param_spec slide_scale = {
-    "scale", PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "factor of the irradiance"};
-static const struct param_spec fov = {
-    "fov", PARAM_FLOAT, NULL, RANGE_POSITIVE, 0, NULL, "angle of the slide, degrees"};
-static const struct param_spec fov_axis = {
-    "fov_axis", PARAM_CHOICE, "x", 0, 0, load_fov_axes, "the side that fov refers to"};
+    "scale", PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "A factor of the irradiance."};
+static const struct param_spec fov = {"fov",
+                                      PARAM_FLOAT,
+                                      NULL,
+                                      RANGE_POSITIVE,
+                                      0,
+                                      NULL,
+                                      "The angle that the slide subtends, in degrees."};
+static const struct param_spec fov_axis = {"fov_axis",
+                                           PARAM_CHOICE,
+                                           "x",
+                                           0,
+                                           0,
+                                           load_fov_axes,
+                                           "The side of the slide to which `fov` refers."};
 static const struct param_spec focal_length = {
-    "focal_length", PARAM_STRING, "50mm", 0, 0, NULL, "instead of fov, for 35 mm film"};
+    "focal_length",
+    PARAM_STRING,
+    "50mm",
+    0,
+    0,
+    NULL,
+    "The focal length for 35 mm film, in millimetres, instead of `fov`."};
 
-static const struct param_spec haze = {
-    "turbidity", PARAM_FLOAT, "3", RANGE_POSITIVE, 0, NULL, "haze: 2 very clear, 10 hazy"};
+static const struct param_spec haze = {"turbidity",
+                                       PARAM_FLOAT,
+                                       "3",
+                                       RANGE_POSITIVE,
+                                       0,
+                                       NULL,
+                                       "The turbidity of the air: 2 is very clear, 10 hazy."};
 static const struct param_spec sun_direction = {
-    "sun_direction", PARAM_POINT, "1 1 1", 0, 0, NULL, "where the sun is, in world space"};
+    "sun_direction", PARAM_POINT, "1 1 1", 0, 0, NULL, "The direction to the sun in world space."};
 static const struct param_spec sky_scale = {
-    "sky_scale", PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "factor of the sky"};
+    "sky_scale", PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "A factor of the sky."};
 static const struct param_spec sun_scale = {
-    "sun_scale", PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "factor of the sun"};
+    "sun_scale", PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "A factor of the sun."};
 static const struct param_spec sun_aperture = {
     "sun_aperture",
     PARAM_FLOAT,
@@ -91,7 +156,7 @@ static const struct param_spec sun_aperture = {
     RANGE_POSITIVE,
     0,
     NULL,
-    "angle that the sun fills, degrees; a wider one is dimmer"};
+    "The angle that the sun subtends, in degrees. Its power does not depend on it."};
 
 typedef const struct param_spec *const param_list[];
 static param_list area_params = {&area_radiance, &sampling_weight, NULL};
@@ -275,16 +340,17 @@ const struct plugin_spec load_emitter_plugins[] = {
     {XML_EMITTER, "area", "light from the surface of a shape", area_params, 0, build_area, false},
     {XML_EMITTER, "directionalarea", "parallel light from a rectangle or disk", area_params, 0,
      build_beam, false},
-    {XML_EMITTER, "point", "light from a point, to all sides", point_params, 0, build_point, false},
+    {XML_EMITTER, "point", "light from a point in all directions", point_params, 0, build_point,
+     false},
     {XML_EMITTER, "spot", "light from a point into a cone", spot_params, 0, build_spot, false},
-    {XML_EMITTER, "projector", "light from a point through a slide", projector_params, 0,
+    {XML_EMITTER, "projector", "light from a point that projects an image", projector_params, 0,
      build_projector, false},
     {XML_EMITTER, "directional", "parallel light", directional_params, 0, build_directional, false},
-    {XML_EMITTER, "constant", "the same light from all sides", constant_params, 0,
+    {XML_EMITTER, "constant", "the same light from all directions", constant_params, 0,
      build_constant_light, false},
-    {XML_EMITTER, "envmap", "light from an image of the surroundings", envmap_params, 0,
+    {XML_EMITTER, "envmap", "light from an image of the environment", envmap_params, 0,
      build_envmap, false},
-    {XML_EMITTER, "preethamsky", "daylight: a clear sky and its sun", sky_params, 0,
+    {XML_EMITTER, "preethamsky", "daylight: a clear sky and the sun", sky_params, 0,
      build_sky_light, false},
     {0}};
 

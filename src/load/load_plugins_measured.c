@@ -5,8 +5,8 @@
 #include "load/load_measured.h"
 #include "load/load_plugins_bsdf.h"
 
-static const struct param_spec filename = {"filename",     PARAM_STRING, NULL,  0,
-                                           PARAM_REQUIRED, NULL,         "file"};
+static const struct param_spec filename = {
+    "filename", PARAM_STRING, NULL, 0, PARAM_REQUIRED, NULL, "The file of the measured BRDF."};
 static const struct param_spec lobes = {
     "lobes",
     PARAM_STRING,
@@ -14,7 +14,7 @@ static const struct param_spec lobes = {
     0,
     PARAM_REQUIRED,
     NULL,
-    "seven numbers for each: cx, cy, cz, exponent, red, green, blue"};
+    "A list of seven numbers for each lobe: cx, cy, cz, exponent, red, green, blue."};
 
 param_list bsdf_lafortune_params = {&bsdf_diffuse_reflectance, &bsdf_specular_reflectance, &lobes,
                                     NULL};

@@ -7,45 +7,70 @@
 #define NUMBER(name, default_text, doc) \
     { #name, PARAM_FLOAT, default_text, RANGE_UNIT, PARAM_TEXTURE, NULL, doc }
 
-static const struct param_spec base_color = {"base_color",  PARAM_COLOR, ".5",    RANGE_UNIT,
-                                             PARAM_TEXTURE, NULL,        "of all"};
-static const struct param_spec roughness = NUMBER(roughness, ".5", "of the facets, perceived");
-static const struct param_spec anisotropic =
-    NUMBER(anisotropic, "0", "how far highlights are drawn out along u");
-static const struct param_spec metallic = NUMBER(metallic, "0", "fraction of metal");
-static const struct param_spec spec_trans =
-    NUMBER(spec_trans, "0", "fraction of light that is refracted, not scattered diffusely");
-static const struct param_spec eta = {
-    "eta", PARAM_FLOAT, NULL, RANGE_POSITIVE, 0, NULL, "relative index of refraction"};
-static const struct param_spec thin_eta = {
-    "eta", PARAM_FLOAT, "1.5", RANGE_POSITIVE, PARAM_TEXTURE, NULL, "relative index of refraction"};
-static const struct param_spec specular = {"specular",
-                                           PARAM_FLOAT,
-                                           ".5",
-                                           RANGE_NOT_NEGATIVE,
-                                           0,
-                                           NULL,
-                                           "reflectance instead of eta, at most 12"};
-static const struct param_spec spec_tint =
-    NUMBER(spec_tint, "0", "tint of the dielectric reflection by the base colour");
-static const struct param_spec sheen = NUMBER(sheen, "0", "grazing reflection, as of cloth");
-static const struct param_spec sheen_tint =
-    NUMBER(sheen_tint, "0", "tint of the sheen by the base colour");
-static const struct param_spec flatness =
-    NUMBER(flatness, "0", "from diffuse reflection to that of skin or wax");
-static const struct param_spec clearcoat = NUMBER(clearcoat, "0", "a second, clear coat");
-static const struct param_spec clearcoat_gloss = NUMBER(clearcoat_gloss, "0", "its gloss");
-static const struct param_spec diff_trans = {"diff_trans",
-                                             PARAM_FLOAT,
-                                             "0",
-                                             RANGE_NOT_NEGATIVE,
+static const struct param_spec base_color = {"base_color",
+                                             PARAM_COLOR,
+                                             ".5",
+                                             RANGE_UNIT,
                                              PARAM_TEXTURE,
                                              NULL,
-                                             "diffuse transmission; 2: no diffuse reflection"};
+                                             "The colour of all components."};
+static const struct param_spec roughness = NUMBER(
+    roughness, ".5", "The perceived roughness of the microfacets; their alpha is its square.");
+static const struct param_spec anisotropic =
+    NUMBER(anisotropic, "0", "How much highlights are elongated along u: 0 is isotropic.");
+static const struct param_spec metallic =
+    NUMBER(metallic, "0", "The weight of the metallic component.");
+static const struct param_spec spec_trans =
+    NUMBER(spec_trans, "0",
+           "The fraction of the light below the surface that is transmitted; the rest is reflected "
+           "diffusely.");
+static const struct param_spec eta = {
+    "eta", PARAM_FLOAT, NULL, RANGE_POSITIVE, 0, NULL, "The relative index of refraction."};
+static const struct param_spec thin_eta = {"eta",
+                                           PARAM_FLOAT,
+                                           "1.5",
+                                           RANGE_POSITIVE,
+                                           PARAM_TEXTURE,
+                                           NULL,
+                                           "The relative index of refraction."};
+static const struct param_spec specular = {
+    "specular",
+    PARAM_FLOAT,
+    ".5",
+    RANGE_NOT_NEGATIVE,
+    0,
+    NULL,
+    "The reflectance at normal incidence in units of 8 %, instead of `eta`, at most 12."};
+static const struct param_spec spec_tint =
+    NUMBER(spec_tint, "0", "How much the base colour tints the dielectric reflection.");
+static const struct param_spec sheen =
+    NUMBER(sheen, "0", "The weight of sheen, a reflection at grazing angles, as of cloth.");
+static const struct param_spec sheen_tint =
+    NUMBER(sheen_tint, "0", "How much the base colour tints the sheen.");
+static const struct param_spec flatness =
+    NUMBER(flatness, "0",
+           "A blend from diffuse reflection, at 0, to an approximation of subsurface scattering, "
+           "as of skin or wax, at 1.");
+static const struct param_spec clearcoat =
+    NUMBER(clearcoat, "0", "The weight of a second specular lobe, that of a clear coat.");
+static const struct param_spec clearcoat_gloss =
+    NUMBER(clearcoat_gloss, "0", "The gloss of the clear coat: 0 is satin, 1 is glossy.");
+static const struct param_spec diff_trans = {
+    "diff_trans",
+    PARAM_FLOAT,
+    "0",
+    RANGE_NOT_NEGATIVE,
+    PARAM_TEXTURE,
+    NULL,
+    "The diffuse transmission, at most 2: at 0 all diffuse light is reflected, at 2 all is "
+    "transmitted."};
 
 // How often Mitsuba samples its lobes.
-#define RATE(name) \
-    { #name, PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "sampling in Mitsuba; has no effect" }
+#define RATE(name)                                            \
+    {                                                         \
+#name, PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, \
+            "It has no effect: Mitsuba uses it for sampling." \
+    }
 static const struct param_spec rate[] = {
     RATE(main_specular_sampling_rate),          RATE(clearcoat_sampling_rate),
     RATE(diffuse_reflectance_sampling_rate),    RATE(specular_reflectance_sampling_rate),

@@ -10,11 +10,22 @@ enum fov_axis { AXIS_X = 0, AXIS_Y, AXIS_DIAGONAL, AXIS_SMALLER, AXIS_LARGER };
 const char *const load_fov_axes[] = {"x", "y", "diagonal", "smaller", "larger", NULL};
 
 static const struct param_spec to_world = {
-    "to_world", PARAM_TRANSFORM, "1", 0, 0, NULL, "camera space to world space; it looks along z"};
+    "to_world",
+    PARAM_TRANSFORM,
+    "1",
+    0,
+    0,
+    NULL,
+    "The transform from camera space to world space. The camera faces +z."};
 static const struct param_spec fov = {
-    "fov", PARAM_FLOAT, NULL, RANGE_POSITIVE, 0, NULL, "angle of view, degrees"};
-static const struct param_spec fov_axis = {
-    "fov_axis", PARAM_CHOICE, "x", 0, 0, load_fov_axes, "the side of the film that fov refers to"};
+    "fov", PARAM_FLOAT, NULL, RANGE_POSITIVE, 0, NULL, "The field of view, in degrees."};
+static const struct param_spec fov_axis = {"fov_axis",
+                                           PARAM_CHOICE,
+                                           "x",
+                                           0,
+                                           0,
+                                           load_fov_axes,
+                                           "The side of the film to which `fov` refers."};
 static const struct param_spec focal_length = {
     "focal_length",
     PARAM_STRING,
@@ -22,18 +33,46 @@ static const struct param_spec focal_length = {
     0,
     0,
     NULL,
-    "instead of fov: focal length for 35 mm film, millimetres"};
+    "The focal length for 35 mm film, in millimetres, instead of `fov`."};
 static const struct param_spec near_clip = {
-    "near_clip", PARAM_FLOAT, ".01", RANGE_POSITIVE, 0, NULL, "nothing nearer is seen"};
+    "near_clip",
+    PARAM_FLOAT,
+    ".01",
+    RANGE_POSITIVE,
+    0,
+    NULL,
+    "The distance of the near plane along the optical axis: nothing nearer is seen."};
 static const struct param_spec far_clip = {
-    "far_clip", PARAM_FLOAT, "10000", RANGE_POSITIVE, 0, NULL, "nothing farther is seen"};
+    "far_clip",
+    PARAM_FLOAT,
+    "10000",
+    RANGE_POSITIVE,
+    0,
+    NULL,
+    "The distance of the far plane along the optical axis: nothing farther is seen."};
 static const struct param_spec shift_x = {
-    "principal_point_offset_x", PARAM_FLOAT, "0", 0, 0, NULL, "in film widths"};
-static const struct param_spec shift_y = {"principal_point_offset_y", PARAM_FLOAT, "0", 0, 0, NULL,
-                                          "in film heights"};
-static const struct param_spec aperture_radius = {"aperture_radius",   PARAM_FLOAT,    NULL,
-                                                  RANGE_NOT_NEGATIVE,  PARAM_REQUIRED, NULL,
-                                                  "radius of the lens"};
+    "principal_point_offset_x",
+    PARAM_FLOAT,
+    "0",
+    0,
+    0,
+    NULL,
+    "The horizontal offset of the principal point, in film widths."};
+static const struct param_spec shift_y = {
+    "principal_point_offset_y",
+    PARAM_FLOAT,
+    "0",
+    0,
+    0,
+    NULL,
+    "The vertical offset of the principal point, in film heights."};
+static const struct param_spec aperture_radius = {"aperture_radius",
+                                                  PARAM_FLOAT,
+                                                  NULL,
+                                                  RANGE_NOT_NEGATIVE,
+                                                  PARAM_REQUIRED,
+                                                  NULL,
+                                                  "The radius of the lens, in scene units."};
 static const struct param_spec focus_distance = {
     "focus_distance",
     PARAM_FLOAT,
@@ -41,13 +80,18 @@ static const struct param_spec focus_distance = {
     RANGE_POSITIVE,
     0,
     NULL,
-    "distance of the plane in focus; far_clip if not given"};
-static const struct param_spec idle_focus_distance = {
-    "focus_distance", PARAM_FLOAT, NULL, RANGE_POSITIVE, 0, NULL, "has no effect: all is in focus"};
+    "The distance of the plane in focus. If it is not given, it is `far_clip`."};
+static const struct param_spec idle_focus_distance = {"focus_distance",
+                                                      PARAM_FLOAT,
+                                                      NULL,
+                                                      RANGE_POSITIVE,
+                                                      0,
+                                                      NULL,
+                                                      "It has no effect: everything is in focus."};
 static const struct param_spec shutter_open = {
-    "shutter_open", PARAM_FLOAT, "0", 0, 0, NULL, "has no effect: nothing moves"};
+    "shutter_open", PARAM_FLOAT, "0", 0, 0, NULL, "It has no effect: nothing moves."};
 static const struct param_spec shutter_close = {
-    "shutter_close", PARAM_FLOAT, "0", 0, 0, NULL, "has no effect: nothing moves"};
+    "shutter_close", PARAM_FLOAT, "0", 0, 0, NULL, "It has no effect: nothing moves."};
 
 typedef const struct param_spec *const param_list[];
 static param_list perspective_params = {&to_world,     &fov,           &fov_axis,

@@ -11,23 +11,45 @@
 // The least area of an emitter: cubes of its size stay in the range of float.
 #define EMITTER_AREA_MIN 1e-24f
 
-static const struct param_spec to_world = {
-    "to_world", PARAM_TRANSFORM, "1", 0, 0, NULL, "object space to world space"};
+static const struct param_spec to_world = {"to_world",
+                                           PARAM_TRANSFORM,
+                                           "1",
+                                           0,
+                                           0,
+                                           NULL,
+                                           "The transform from object space to world space."};
 static const struct param_spec flip_normals = {
-    "flip_normals", PARAM_BOOLEAN, "false", 0, 0, NULL, "make the other side the front"};
+    "flip_normals",
+    PARAM_BOOLEAN,
+    "false",
+    0,
+    0,
+    NULL,
+    "If true, normals are flipped, so that the other side is the front."};
 static const struct param_spec silhouette = {"silhouette_sampling_weight",
                                              PARAM_FLOAT,
                                              "1",
                                              0,
                                              0,
                                              NULL,
-                                             "for derivatives in Mitsuba; has no effect"};
-static const struct param_spec filename = {"filename",     PARAM_STRING, NULL,       0,
-                                           PARAM_REQUIRED, NULL,         "mesh file"};
-static const struct param_spec shape_index = {
-    "shape_index", PARAM_INTEGER, "0", RANGE_NOT_NEGATIVE, 0, NULL, "which mesh of the file"};
+                                             "It has no effect: Mitsuba uses it for derivatives."};
+static const struct param_spec filename = {"filename", PARAM_STRING,    NULL, 0, PARAM_REQUIRED,
+                                           NULL,       "The mesh file."};
+static const struct param_spec shape_index = {"shape_index",
+                                              PARAM_INTEGER,
+                                              "0",
+                                              RANGE_NOT_NEGATIVE,
+                                              0,
+                                              NULL,
+                                              "The index of the mesh in the file, from 0."};
 static const struct param_spec face_normals = {
-    "face_normals", PARAM_BOOLEAN, "false", 0, 0, NULL, "facets: no smooth normals"};
+    "face_normals",
+    PARAM_BOOLEAN,
+    "false",
+    0,
+    0,
+    NULL,
+    "If true, the mesh has facets: its vertex normals are ignored."};
 static const struct param_spec smooth_angle = {
     "max_smooth_angle",
     PARAM_FLOAT,
@@ -35,19 +57,30 @@ static const struct param_spec smooth_angle = {
     RANGE_POSITIVE,
     0,
     NULL,
-    "normals made anew, smooth over edges flatter than this, degrees; as in Mitsuba 0.6"};
-static const struct param_spec flip_v = {"flip_tex_coords", PARAM_BOOLEAN, "true", 0, 0, NULL,
-                                         "v becomes 1 - v"};
-static const struct param_spec keep_v = {"flip_tex_coords", PARAM_BOOLEAN, "false", 0, 0, NULL,
-                                         "v becomes 1 - v"};
+    "If given, new vertex normals are computed, which are smooth across edges whose angle is less "
+    "than this, in degrees, as in Mitsuba 0.6."};
+static const struct param_spec flip_v = {"flip_tex_coords",
+                                         PARAM_BOOLEAN,
+                                         "true",
+                                         0,
+                                         0,
+                                         NULL,
+                                         "If true, texture coordinate v becomes 1 - v."};
+static const struct param_spec keep_v = {"flip_tex_coords",
+                                         PARAM_BOOLEAN,
+                                         "false",
+                                         0,
+                                         0,
+                                         NULL,
+                                         "If true, texture coordinate v becomes 1 - v."};
 static const struct param_spec center = {
-    "center", PARAM_POINT, "0 0 0", 0, 0, NULL, "centre in object space"};
+    "center", PARAM_POINT, "0 0 0", 0, 0, NULL, "The centre in object space."};
 static const struct param_spec radius = {
-    "radius", PARAM_FLOAT, "1", RANGE_POSITIVE, 0, NULL, "radius in object space"};
-static const struct param_spec axis_start = {"p0", PARAM_POINT,        "0 0 0", 0, 0,
-                                             NULL, "start of the axis"};
-static const struct param_spec axis_end = {"p1", PARAM_POINT, "0 0 1",          0,
-                                           0,    NULL,        "end of the axis"};
+    "radius", PARAM_FLOAT, "1", RANGE_POSITIVE, 0, NULL, "The radius in object space."};
+static const struct param_spec axis_start = {
+    "p0", PARAM_POINT, "0 0 0", 0, 0, NULL, "The start of the axis in object space."};
+static const struct param_spec axis_end = {
+    "p1", PARAM_POINT, "0 0 1", 0, 0, NULL, "The end of the axis in object space."};
 
 enum { SHAPES_MAX = 1 << 20 };  // each costs some kilobytes, whatever it is
 
@@ -71,7 +104,8 @@ static const struct param_spec curve_file = {"filename",
                                              0,
                                              PARAM_REQUIRED,
                                              NULL,
-                                             "lines `x y z radius`; blank ones separate curves"};
+                                             "The file of curves. Each line `x y z radius` is a "
+                                             "control point; blank lines separate curves."};
 static param_list curve_params = {&curve_file, &to_world, &flip_normals, &silhouette, NULL};
 
 typedef satin_status (*mesh_reader)(const struct load_source *, const struct mesh_request *,
@@ -218,7 +252,7 @@ static satin_status build_line(struct load_state *loader, const struct params *p
 const struct plugin_spec load_shape_plugins[] = {
     {XML_SHAPE, "obj", "a Wavefront OBJ mesh", obj_params, SHAPE_PARTS, build_obj, false},
     {XML_SHAPE, "ply", "a PLY mesh, text or binary", ply_params, SHAPE_PARTS, build_ply, false},
-    {XML_SHAPE, "serialized", "a mesh in Mitsuba's own format", serialized_params, SHAPE_PARTS,
+    {XML_SHAPE, "serialized", "a mesh in Mitsuba's binary format", serialized_params, SHAPE_PARTS,
      build_serialized, false},
     {XML_SHAPE, "rectangle", "[-1, 1]^2 in the xy plane, facing +z", flat_params, SHAPE_PARTS,
      build_rectangle, false},

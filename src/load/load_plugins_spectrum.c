@@ -7,39 +7,78 @@
 #include "load/load_params.h"
 #include "load/load_spectrum.h"
 
-static const struct param_spec temperature = {
-    "temperature", PARAM_FLOAT, NULL, RANGE_POSITIVE, PARAM_REQUIRED, NULL, "of the body, kelvin"};
-static const struct param_spec first = {
-    "wavelength_min", PARAM_FLOAT, "360", RANGE_NOT_NEGATIVE, 0, NULL, "none below, nm"};
-static const struct param_spec last = {
-    "wavelength_max", PARAM_FLOAT, "830", RANGE_NOT_NEGATIVE, 0, NULL, "none above, nm"};
-static const struct param_spec from = {"wavelength_min",        PARAM_FLOAT,    NULL,
-                                       RANGE_NOT_NEGATIVE,      PARAM_REQUIRED, NULL,
-                                       "of the first value, nm"};
-static const struct param_spec to = {"wavelength_max",       PARAM_FLOAT,    NULL,
-                                     RANGE_NOT_NEGATIVE,     PARAM_REQUIRED, NULL,
-                                     "of the last value, nm"};
-static const struct param_spec scale = {"scale", PARAM_FLOAT, "1",     RANGE_NOT_NEGATIVE,
-                                        0,       NULL,        "factor"};
-static const struct param_spec color = {"color", PARAM_COLOR,       "1", RANGE_NOT_NEGATIVE, 0,
-                                        NULL,    "colour under D65"};
+static const struct param_spec temperature = {"temperature",
+                                              PARAM_FLOAT,
+                                              NULL,
+                                              RANGE_POSITIVE,
+                                              PARAM_REQUIRED,
+                                              NULL,
+                                              "The temperature of the body, in kelvin."};
+static const struct param_spec first = {"wavelength_min",
+                                        PARAM_FLOAT,
+                                        "360",
+                                        RANGE_NOT_NEGATIVE,
+                                        0,
+                                        NULL,
+                                        "The shortest wavelength that is emitted, in nm."};
+static const struct param_spec last = {"wavelength_max",
+                                       PARAM_FLOAT,
+                                       "830",
+                                       RANGE_NOT_NEGATIVE,
+                                       0,
+                                       NULL,
+                                       "The longest wavelength that is emitted, in nm."};
+static const struct param_spec from = {"wavelength_min",
+                                       PARAM_FLOAT,
+                                       NULL,
+                                       RANGE_NOT_NEGATIVE,
+                                       PARAM_REQUIRED,
+                                       NULL,
+                                       "The wavelength of the first value, in nm."};
+static const struct param_spec to = {"wavelength_max",
+                                     PARAM_FLOAT,
+                                     NULL,
+                                     RANGE_NOT_NEGATIVE,
+                                     PARAM_REQUIRED,
+                                     NULL,
+                                     "The wavelength of the last value, in nm."};
+static const struct param_spec scale = {"scale", PARAM_FLOAT, "1",        RANGE_NOT_NEGATIVE,
+                                        0,       NULL,        "A factor."};
+static const struct param_spec color = {
+    "color", PARAM_COLOR, "1", RANGE_NOT_NEGATIVE, 0, NULL, "The colour of a surface lit by D65."};
 static const struct param_spec number = {"value",
                                          PARAM_FLOAT,
                                          NULL,
                                          RANGE_NOT_NEGATIVE,
                                          PARAM_REQUIRED,
                                          NULL,
-                                         "the same for red, green and blue"};
-static const struct param_spec linear = {
-    "value", PARAM_COLOR, NULL, RANGE_NOT_NEGATIVE, PARAM_REQUIRED, NULL, "linear sRGB"};
-static const struct param_spec linear_color = {
-    "color", PARAM_COLOR, NULL, RANGE_NOT_NEGATIVE, PARAM_REQUIRED, NULL, "linear sRGB"};
+                                         "The value of red, green and blue."};
+static const struct param_spec linear = {"value",
+                                         PARAM_COLOR,
+                                         NULL,
+                                         RANGE_NOT_NEGATIVE,
+                                         PARAM_REQUIRED,
+                                         NULL,
+                                         "The colour in linear sRGB."};
+static const struct param_spec linear_color = {"color",
+                                               PARAM_COLOR,
+                                               NULL,
+                                               RANGE_NOT_NEGATIVE,
+                                               PARAM_REQUIRED,
+                                               NULL,
+                                               "The colour in linear sRGB."};
 static const struct param_spec unbounded = {
-    "unbounded", PARAM_BOOLEAN, "false", 0, 0, NULL, "has no effect: the parameter has a range"};
-static const struct param_spec values = {"values", PARAM_STRING,     NULL, 0, PARAM_REQUIRED,
-                                         NULL,     "list of numbers"};
+    "unbounded",
+    PARAM_BOOLEAN,
+    "false",
+    0,
+    0,
+    NULL,
+    "It has no effect: the range is that of the parameter."};
+static const struct param_spec values = {"values", PARAM_STRING,        NULL, 0, PARAM_REQUIRED,
+                                         NULL,     "A list of numbers."};
 static const struct param_spec wavelengths = {
-    "wavelengths", PARAM_STRING, NULL, 0, PARAM_REQUIRED, NULL, "list of wavelengths, nm"};
+    "wavelengths", PARAM_STRING, NULL, 0, PARAM_REQUIRED, NULL, "A list of wavelengths, in nm."};
 
 typedef const struct param_spec *const param_list[];
 static param_list blackbody_params = {&temperature, &first, &last, &scale, NULL};
@@ -51,12 +90,14 @@ static param_list rgb_params = {&linear, NULL};
 static param_list srgb_params = {&linear_color, &unbounded, NULL};
 
 const struct plugin_spec load_spectrum_plugins[] = {
-    {XML_SPECTRUM, "blackbody", "the glow of a black body, W/(m2 sr nm)", blackbody_params, 0, NULL,
+    {XML_SPECTRUM, "blackbody", "the emission of a black body [W m^-2 sr^-1 nm^-1]",
+     blackbody_params, 0, NULL, false},
+    {XML_SPECTRUM, "d65", "daylight, scaled to white of luminance 1", d65_params, 0, NULL, false},
+    {XML_SPECTRUM, "regular", "a spectrum sampled at equal distances", regular_params, 0, NULL,
      false},
-    {XML_SPECTRUM, "d65", "daylight; scaled to white of luminance 1", d65_params, 0, NULL, false},
-    {XML_SPECTRUM, "regular", "samples at equal distances", regular_params, 0, NULL, false},
-    {XML_SPECTRUM, "irregular", "samples at any wavelengths", irregular_params, 0, NULL, false},
-    {XML_SPECTRUM, "uniform", "a grey", uniform_params, 0, NULL, false},
+    {XML_SPECTRUM, "irregular", "a spectrum sampled at any wavelengths", irregular_params, 0, NULL,
+     false},
+    {XML_SPECTRUM, "uniform", "a grey value", uniform_params, 0, NULL, false},
     {XML_SPECTRUM, "rgb", "a colour", rgb_params, 0, NULL, false},
     {XML_SPECTRUM, "srgb", "a colour", srgb_params, 0, NULL, false},
     {0}};

@@ -9,25 +9,37 @@
 #define WHOLE(id, text, value, about) \
     static const struct param_spec id = {text, PARAM_INTEGER, value, RANGE_POSITIVE, 0, NULL, about}
 
-NUMBER(haze, "turbidity", "3", RANGE_POSITIVE, "haze: 2 very clear, 10 hazy");
+NUMBER(haze, "turbidity", "3", RANGE_POSITIVE,
+       "The turbidity of the air: 2 is very clear, 10 hazy.");
 static const struct param_spec direction = {
-    "sun_direction", PARAM_POINT, NULL, 0, 0, NULL, "where the sun is, instead of date and time"};
-NUMBER(latitude, "latitude", "35.6894", 0, "degrees, north positive");
-NUMBER(longitude, "longitude", "139.6917", 0, "degrees, east positive");
-NUMBER(timezone, "timezone", "9", 0, "hours that local time is ahead");
-WHOLE(year, "year", "2010", "of the date");
-WHOLE(month, "month", "7", "1 to 12");
-WHOLE(day, "day", "10", "1 to 31");
-NUMBER(hour, "hour", "15", RANGE_NOT_NEGATIVE, "of local time");
-NUMBER(minute, "minute", "0", RANGE_NOT_NEGATIVE, "0 to 60");
-NUMBER(second, "second", "0", RANGE_NOT_NEGATIVE, "0 to 60");
-NUMBER(scale, "scale", "1", RANGE_NOT_NEGATIVE, "factor of all");
-NUMBER(sky_scale, "sky_scale", "1", RANGE_NOT_NEGATIVE, "factor of the sky");
-NUMBER(sun_scale, "sun_scale", "1", RANGE_NOT_NEGATIVE, "factor of the sun");
+    "sun_direction",
+    PARAM_POINT,
+    NULL,
+    0,
+    0,
+    NULL,
+    "The direction to the sun, instead of date, time and position."};
+NUMBER(latitude, "latitude", "35.6894", 0, "The latitude in degrees, positive to the north.");
+NUMBER(longitude, "longitude", "139.6917", 0, "The longitude in degrees, positive to the east.");
+NUMBER(timezone, "timezone", "9", 0, "The hours that local time is ahead of UTC.");
+WHOLE(year, "year", "2010", "The year of the date.");
+WHOLE(month, "month", "7", "The month, 1 to 12.");
+WHOLE(day, "day", "10", "The day, 1 to 31.");
+NUMBER(hour, "hour", "15", RANGE_NOT_NEGATIVE, "The hour of local time.");
+NUMBER(minute, "minute", "0", RANGE_NOT_NEGATIVE, "The minute of local time, 0 to 60.");
+NUMBER(second, "second", "0", RANGE_NOT_NEGATIVE, "The second of local time, 0 to 60.");
+NUMBER(scale, "scale", "1", RANGE_NOT_NEGATIVE, "A factor of the sky and the sun.");
+NUMBER(sky_scale, "sky_scale", "1", RANGE_NOT_NEGATIVE, "A factor of the sky.");
+NUMBER(sun_scale, "sun_scale", "1", RANGE_NOT_NEGATIVE, "A factor of the sun.");
 NUMBER(sun_radius, "sun_radius_scale", "1", RANGE_POSITIVE,
-       "factor of its radius; a wider one is dimmer");
-static const struct param_spec to_world = {"to_world", PARAM_TRANSFORM,    "1", 0, 0,
-                                           NULL,       "y is up before it"};
+       "A factor of the sun's radius. Its power does not depend on it.");
+static const struct param_spec to_world = {"to_world",
+                                           PARAM_TRANSFORM,
+                                           "1",
+                                           0,
+                                           0,
+                                           NULL,
+                                           "The transform of the sky, before which y is up."};
 
 static const struct param_spec *const daylight[] = {
     &haze,   &direction, &latitude, &longitude, &timezone,  &year,       &month,    &day, &hour,
@@ -76,10 +88,10 @@ static satin_status build_sun(struct load_state *loader, const struct params *p,
 }
 
 const struct plugin_spec load_sun_plugins[] = {
-    {XML_EMITTER, "sunsky", "in files of version 0.6: daylight by date and position", daylight, 0,
+    {XML_EMITTER, "sunsky", "in files of version 0.6, daylight by date and position", daylight, 0,
      build_sunsky, false},
-    {XML_EMITTER, "sky", "in files of version 0.6: the same without the sun", daylight, 0,
+    {XML_EMITTER, "sky", "in files of version 0.6, the sky of `sunsky` alone", daylight, 0,
      build_sky_alone, false},
-    {XML_EMITTER, "sun", "in files of version 0.6: the same without the sky", daylight, 0,
+    {XML_EMITTER, "sun", "in files of version 0.6, the sun of `sunsky` alone", daylight, 0,
      build_sun, false},
     {0}};

@@ -14,42 +14,105 @@ static const char *const filters[] = {"bilinear", "nearest", NULL};
 static const char *const wraps[] = {"repeat", "mirror", "clamp", NULL};
 static const char *const formats[] = {"auto", "variant", "fp16", NULL};
 
-static const struct param_spec filename = {"filename",     PARAM_STRING, NULL,        0,
-                                           PARAM_REQUIRED, NULL,         "image file"};
+static const struct param_spec filename = {"filename", PARAM_STRING,     NULL, 0, PARAM_REQUIRED,
+                                           NULL,       "The image file."};
 static const struct param_spec filter_type = {
-    "filter_type", PARAM_CHOICE, "bilinear", 0, 0, filters, "interpolation of texels"};
+    "filter_type", PARAM_CHOICE, "bilinear", 0, 0, filters, "The interpolation between texels."};
 static const struct param_spec wrap_mode = {
-    "wrap_mode", PARAM_CHOICE, "repeat", 0, 0, wraps, "what is outside of [0, 1]"};
+    "wrap_mode",
+    PARAM_CHOICE,
+    "repeat",
+    0,
+    0,
+    wraps,
+    "How the texture continues where u or v is outside [0, 1]."};
 static const struct param_spec wrap_mode_u = {
-    "wrap_mode_u", PARAM_CHOICE, NULL, 0, 0, wraps, "along u alone, instead of wrap_mode"};
+    "wrap_mode_u",
+    PARAM_CHOICE,
+    NULL,
+    0,
+    0,
+    wraps,
+    "As `wrap_mode`, for u alone; it overrides `wrap_mode`."};
 static const struct param_spec wrap_mode_v = {
-    "wrap_mode_v", PARAM_CHOICE, NULL, 0, 0, wraps, "along v alone, instead of wrap_mode"};
+    "wrap_mode_v",
+    PARAM_CHOICE,
+    NULL,
+    0,
+    0,
+    wraps,
+    "As `wrap_mode`, for v alone; it overrides `wrap_mode`."};
 static const struct param_spec raw = {
-    "raw", PARAM_BOOLEAN, "false", 0, 0, NULL, "numbers, not colours: no sRGB decoding"};
+    "raw",
+    PARAM_BOOLEAN,
+    "false",
+    0,
+    0,
+    NULL,
+    "If true, texels are plain numbers, which are not decoded from sRGB."};
 static const struct param_spec to_uv = {
-    "to_uv", PARAM_TRANSFORM, "1", 0, 0, NULL, "applied to texture coordinates first"};
-static const struct param_spec format = {
-    "format", PARAM_CHOICE, "auto", 0, 0, formats, "storage in Mitsuba; has no effect"};
+    "to_uv",
+    PARAM_TRANSFORM,
+    "1",
+    0,
+    0,
+    NULL,
+    "A transform of the texture coordinates before the lookup."};
+static const struct param_spec format = {"format",
+                                         PARAM_CHOICE,
+                                         "auto",
+                                         0,
+                                         0,
+                                         formats,
+                                         "It has no effect: Mitsuba uses it for storage."};
 static const struct param_spec accel = {
-    "accel", PARAM_BOOLEAN, "true", 0, 0, NULL, "hardware in Mitsuba; has no effect"};
+    "accel",
+    PARAM_BOOLEAN,
+    "true",
+    0,
+    0,
+    NULL,
+    "It has no effect: Mitsuba uses it for hardware acceleration."};
 static const struct param_spec color0 = {
-    "color0", PARAM_COLOR, ".4", RANGE_TEXEL, PARAM_TEXTURE, NULL, "colour of the first checks"};
-static const struct param_spec color1 = {
-    "color1", PARAM_COLOR, ".2", RANGE_TEXEL, PARAM_TEXTURE, NULL, "colour of the others"};
+    "color0",
+    PARAM_COLOR,
+    ".4",
+    RANGE_TEXEL,
+    PARAM_TEXTURE,
+    NULL,
+    "The colour of the squares at (0, 0) and diagonally from it."};
+static const struct param_spec color1 = {"color1",
+                                         PARAM_COLOR,
+                                         ".2",
+                                         RANGE_TEXEL,
+                                         PARAM_TEXTURE,
+                                         NULL,
+                                         "The colour of the other squares."};
 
 static const struct param_spec grid_color0 = {
-    "color0", PARAM_COLOR, ".2", RANGE_TEXEL, PARAM_TEXTURE, NULL, "colour between the lines"};
+    "color0", PARAM_COLOR, ".2", RANGE_TEXEL, PARAM_TEXTURE, NULL, "The colour between the lines."};
 static const struct param_spec grid_color1 = {
-    "color1", PARAM_COLOR, ".4", RANGE_TEXEL, PARAM_TEXTURE, NULL, "colour of the lines"};
-static const struct param_spec line_width = {
-    "line_width", PARAM_FLOAT, ".01", RANGE_NOT_NEGATIVE, 0, NULL, "half a line's width, in uv"};
+    "color1", PARAM_COLOR, ".4", RANGE_TEXEL, PARAM_TEXTURE, NULL, "The colour of the lines."};
+static const struct param_spec line_width = {"line_width",
+                                             PARAM_FLOAT,
+                                             ".01",
+                                             RANGE_NOT_NEGATIVE,
+                                             0,
+                                             NULL,
+                                             "Half the width of a line, in texture coordinates."};
 static const struct param_spec scaling = {
-    "scale", PARAM_COLOR, "1", RANGE_MODEST, 0, NULL, "factor, a number or a colour"};
+    "scale", PARAM_COLOR, "1", RANGE_MODEST, 0, NULL, "The factor, a number or a colour."};
 
 static const struct param_spec attribute = {
-    "name", PARAM_STRING, NULL, 0, PARAM_REQUIRED, NULL, "attribute: vertex_... or face_..."};
-static const struct param_spec factor = {"scale", PARAM_FLOAT,           "1", RANGE_NOT_NEGATIVE, 0,
-                                         NULL,    "factor of its values"};
+    "name",
+    PARAM_STRING,
+    NULL,
+    0,
+    PARAM_REQUIRED,
+    NULL,
+    "The name of the attribute, which begins with `vertex_` or `face_`."};
+static const struct param_spec factor = {
+    "scale", PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "A factor of the values."};
 
 static const struct param_spec *const bitmap_params[] = {
     &filename, &filter_type, &wrap_mode, &wrap_mode_u, &wrap_mode_v,
@@ -221,8 +284,13 @@ static satin_status build_attribute(struct load_state *loader, const struct para
     return texture->attribute ? SATIN_OK : load_no_memory(loader);
 }
 
-static const struct param_spec raw_value = {
-    "value", PARAM_COLOR, NULL, RANGE_MODEST, PARAM_REQUIRED, NULL, "a number, or three"};
+static const struct param_spec raw_value = {"value",
+                                            PARAM_COLOR,
+                                            NULL,
+                                            RANGE_MODEST,
+                                            PARAM_REQUIRED,
+                                            NULL,
+                                            "The value, one number or three."};
 static const struct param_spec *const constant_params[] = {&raw_value, NULL};
 
 static satin_status build_constant_texture(struct load_state *loader, const struct params *p,
@@ -235,13 +303,13 @@ static satin_status build_constant_texture(struct load_state *loader, const stru
 
 const struct plugin_spec load_texture_plugins[] = {
     {XML_TEXTURE, "bitmap", "an image", bitmap_params, 0, build_bitmap, false},
-    {XML_TEXTURE, "scale", "the one texture inside times a factor, as in Mitsuba 0.6", scale_params,
+    {XML_TEXTURE, "scale", "a texture times a factor, as in Mitsuba 0.6", scale_params,
      1u << XML_TEXTURE, build_scale, false},
-    {XML_TEXTURE, "gridtexture", "lines between squares of one unit, as in Mitsuba 0.6",
-     grid_params, 0, build_grid, false},
-    {XML_TEXTURE, "checkerboard", "two colours, or textures, in checks of half a unit",
+    {XML_TEXTURE, "gridtexture", "lines around squares of one unit, as in Mitsuba 0.6", grid_params,
+     0, build_grid, false},
+    {XML_TEXTURE, "checkerboard", "two colours or textures in squares of half a unit",
      checkerboard_params, 0, build_checkerboard, false},
-    {XML_TEXTURE, "mesh_attribute", "numbers or colours of a mesh's vertices or faces",
+    {XML_TEXTURE, "mesh_attribute", "numbers or colours at a mesh's vertices or faces",
      attribute_params, 0, build_attribute, false},
     {XML_TEXTURE, "rawconstant", "the same value everywhere", constant_params, 0,
      build_constant_texture, false},

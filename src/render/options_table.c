@@ -14,174 +14,184 @@
 
 const struct option options_table[] = {
     {"quality", OPTION_CHOICE, AT(quality), false, "draft|preview|production",
-     "Preset of samples, photons and accuracies; every single option overrides it. A time limit "
-     "chooses them itself, along the curve of which the presets are points."},
+     "Preset of samples, photons and accuracies, which every single option overrides. A time limit "
+     "chooses these values itself, on a curve on which the presets are points."},
     {"integrator", OPTION_CHOICE, AT(integrator), false, "two-pass|path|direct|photons",
-     "Photon map and cached final gathering; path tracing, the reference; emitted and direct light "
-     "alone; the photon map seen directly."},
+     "The algorithm: photon maps and cached final gathering (two-pass), path tracing as the "
+     "reference (path), emitted and direct light alone (direct), or a direct view of the photon "
+     "map (photons)."},
     {"first-pass", OPTION_CHOICE, AT(first_pass), false, "precomputed|photons|path|none|recursive",
-     "What a gather ray reads where it hits: irradiance precomputed at photons, a density estimate "
-     "there, path tracing from there, direct light alone, or direct light and records of the next "
-     "bounce."},
+     "The radiance that a gather ray reads at its hit: from irradiance precomputed at photons "
+     "(precomputed), by a density estimate (photons), by path tracing from the hit (path), direct "
+     "light alone (none), or direct light and the records of the next bounce (recursive)."},
     {"spp", OPTION_INT, AT(spp), false, "0..1048576",
-     "Samples per pixel; 0: as many as a time limit allows; without one the scene's for path, else "
-     "9, 16 or 36 by the quality."},
+     "Samples per pixel. With 0 a time limit decides; without a time limit, integrator path takes "
+     "the scene's number, and the others take 9, 16 or 36 by the quality."},
     {"adaptive-sampling", OPTION_BOOL, AT(adaptive_sampling), false, "off|on",
-     "spp is the mean: three quarters of the samples go where the image is noisy; off, and with "
-     "path, or where the film's filter is negative somewhere, always: the same number to every "
-     "pixel."},
+     "Three quarters of the samples go to noisy pixels, so that spp is the mean. If off, with "
+     "integrator path, or with a film filter that has negative values, every pixel gets spp "
+     "samples."},
     {"denoise", OPTION_BOOL, AT(denoise), false, "off|on",
-     "Denoises the light that no record carries, with the help of albedo and normal: direct light, "
-     "caustics, gloss that is not cached, gathering without records; with path all that is "
-     "reflected. Interpolated light and emitters that are seen stay as they are; the noisy image "
-     "stays as channels. It needs Open Image Denoise 2: `./bootstrap denoiser` gets it, or the "
-     "environment variable SATIN_OIDN names the file. Of a time limit it gets half at most."},
-    {"width", OPTION_INT, AT(width), false, "0..65536", "Film width in pixels; 0: the scene's."},
-    {"height", OPTION_INT, AT(height), false, "0..65536", "Film height in pixels; 0: the scene's."},
+     "Denoises the light that no record carries, with albedo and normals as auxiliary images: "
+     "direct light, caustics, gloss that is not cached, and gathering without records; with "
+     "integrator path, all reflected light. Interpolated light and emitters that are seen are not "
+     "changed, and the noisy image is kept in channels of its own. It needs Open Image Denoise 2: "
+     "`./bootstrap denoiser` installs it, or the environment variable SATIN_OIDN names its file. "
+     "It gets at most half of a time limit."},
+    {"width", OPTION_INT, AT(width), false, "0..65536", "Film width in pixels; 0 is the scene's."},
+    {"height", OPTION_INT, AT(height), false, "0..65536",
+     "Film height in pixels; 0 is the scene's."},
     {"seed", OPTION_SEED, AT(seed), false, "0..18446744073709551615",
-     "Seed of all random numbers; another seed gives an independent image."},
+     "Seed of all random numbers. Another seed gives an image with independent noise."},
     {"threads", OPTION_INT, AT(threads), false, "0..1024",
-     "Threads; 0: one per core. The image does not depend on it."},
+     "Number of threads; 0 is one per core. The image does not depend on it."},
     {"time", OPTION_DOUBLE, AT(time), false, "0..1e9",
-     "Wall seconds for the whole render, which then ends with the best image so far, pixels "
-     "without a sample filled from their neighbours; 0: no limit. A first look and the writing are "
-     "never left out: they take .2 s, and .5 s more per million pixels. Where a sixteenth of the "
-     "photons takes more than half of it, the image is path-traced, with a warning."},
+     "Time limit in wall seconds for the whole render, which then ends with the best image so far; "
+     "0 is no limit. Pixels without a sample get the values of their neighbours. A coarse "
+     "first image and writing are never left out: they take .2 s, and .5 s more per million "
+     "pixels. If a sixteenth of the photons takes more than half of the limit, the image is "
+     "path-traced, with a warning."},
     {"max-depth", OPTION_INT, AT(max_depth), false, "-2..1000000",
-     "Longest light path in path segments, 1: emission alone, 0: black; -1: no limit; -2: the "
-     "scene's, else no limit."},
+     "Length of the longest light path in segments: 0 is a black image, 1 emitted light alone, 2 "
+     "direct light too. -1 is no limit, and -2 the scene's limit, if it has one."},
     {"rr-depth", OPTION_INT, AT(rr_depth), false, "0..1000000",
-     "Path depth at which Russian roulette starts; 0: the scene's, else 5."},
+     "Path depth at which Russian roulette starts; 0 is the scene's, or 5 if it has none."},
     {"hide-emitters", OPTION_INT, AT(hide_emitters), false, "-1..1",
-     "1: emitters seen directly are black; 0: they are not; -1: the scene's, else 0."},
+     "Whether emitters that are seen directly are black: 1 is yes, 0 is no, and -1 is as the scene "
+     "has it, or no."},
     {"light-samples", OPTION_INT, AT(light_samples), true, "1..1024",
-     "Light samples at the first hit of each of a pixel's first samples; later ones take 2 to 16, "
-     "as many as cost least by the noise of lights and of all else. With adaptive-sampling off all "
-     "take "
-     "these."},
+     "Light samples at the first hit of an eye ray, for the first samples of each pixel. Later "
+     "samples take 2 to 16, the number with the least noise for its cost. If adaptive-sampling is "
+     "off, all samples take this number."},
     {"glossy-samples", OPTION_INT, AT(glossy_samples), true, "1..256",
      "Gather rays per pixel sample for glossy reflection that is not cached."},
 
     {"photons", OPTION_COUNT, AT(photons), true, "0..1000000000000",
-     "Photon paths emitted for the global map; the number of a quality, not another, grows up to "
-     "eightfold where few photons of indirect light are kept."},
+     "Photon paths for the global map. A number that a quality sets grows up to eightfold if few "
+     "photons of indirect light are stored; a number that the user sets does not."},
     {"caustic-photons", OPTION_COUNT, AT(caustic_photons), true, "0..1000000000000",
-     "Photon paths emitted for the caustic map; 0: no caustics."},
+     "Photon paths for the caustic map; 0 is no caustics."},
     {"photon-k", OPTION_INT, AT(photon_k), false, "1..10000",
-     "Photons in one density estimate of the global map."},
+     "Number of photons in a density estimate of the global map."},
     {"caustic-k", OPTION_INT, AT(caustic_k), false, "1..10000",
-     "Photons in one density estimate of the caustic map."},
+     "Number of photons in a density estimate of the caustic map."},
     {"caustic-smooth", OPTION_BOOL, AT(caustic_smooth), false, "off|on",
-     "Estimates of the caustic map that differ by no more than noise are averaged over a wider "
-     "neighbourhood."},
+     "Averages estimates of the caustic map over a wider neighbourhood where they differ by no "
+     "more than their noise."},
     {"recursive-bounces", OPTION_INT, AT(recursive_bounces), false, "1..8",
-     "Indirect bounces that first pass recursive keeps records for, counted from the image; from "
-     "the last of them on it traces paths."},
+     "Number of indirect bounces for which first pass recursive makes records, counted from the "
+     "eye. Beyond the last of them it traces paths."},
     {"photon-area", OPTION_BOOL, AT(photon_area), false, "off|on",
-     "Divide density estimates by the surface that is really there, not by the whole disc."},
+     "Divides density estimates by the area of the surface that lies inside the disc, not by the "
+     "area of the disc."},
 
     {"gather-near", OPTION_BOOL, AT(gather_near), false, "off|on",
-     "Gather rays that hit nearer than the photon lookup radius go on for one more bounce."},
+     "Gather rays whose hit is nearer than the photon lookup radius continue for one more bounce."},
     {"gather-direct", OPTION_BOOL, AT(gather_direct), false, "off|on",
-     "Direct light at gather hits by light samples, there or where photons' irradiance is "
-     "precomputed; off: by photons."},
+     "Direct light at the hits of gather rays comes from light samples, drawn there or where "
+     "irradiance is precomputed. If off, it comes from photons."},
     {"guide-clusters", OPTION_BOOL, AT(guide_clusters), false, "off|on",
-     "Hemispheres get more rays, up to half as many again, towards clusters of photons, where "
-     "light comes down densely."},
+     "Adds gather rays, at most half as many as a hemisphere has, towards clusters of photons, "
+     "which are small and brightly lit areas."},
     {"guide-visibility", OPTION_BOOL, AT(guide_visibility), false, "off|on",
-     "Direct light is sampled by what is visible of the lights around a point, as of the sky "
-     "through windows; with integrator two-pass."},
+     "Samples direct light by the fraction of each light that is visible near the point, for "
+     "example of the sky through windows. It has an effect with integrator two-pass."},
     {"texture-filter", OPTION_BOOL, AT(texture_filter), false, "off|on",
-     "Colours from bitmaps are averaged over the footprint of an eye ray or gather ray, and rays "
-     "of records see glossy lobes as at least as wide as the directions for which they stand; "
-     "integrator path takes both as they are."},
+     "Averages bitmaps over the footprint of an eye ray or gather ray, and widens glossy lobes at "
+     "the hits of a record's rays to the solid angle for which the ray stands. Integrator path "
+     "does neither."},
 
     {"irradiance-cache", OPTION_BOOL, AT(irradiance_cache), false, "off|on",
-     "Interpolate diffuse indirect light between records; off: gather at every sample."},
+     "Interpolates diffuse indirect light between records. If off, every sample gathers."},
     {"irradiance-gradients", OPTION_CHOICE, AT(irradiance_gradients), false,
      "none|stratified|solid-angle|differences|ward-heckbert",
-     "Gradients by which irradiance records are interpolated: none; by the light that crosses the "
-     "boundaries of strata; by how the solid angles of what was hit change, in closed form or by "
-     "finite differences; or by strata as Ward and Heckbert weigh them."},
+     "Translational gradients of irradiance records: none, from the light that crosses the "
+     "boundaries of strata (stratified), from the change of the solid angles of the hit surfaces "
+     "in closed form (solid-angle) or by finite differences (differences), or from strata with the "
+     "weights of Ward and Heckbert (ward-heckbert)."},
     {"irradiance-rays", OPTION_INT, AT(irradiance_rays), true, "4..1048576",
-     "Gather rays per irradiance record."},
+     "Number of gather rays of an irradiance record."},
     {"irradiance-noise", OPTION_FLOAT, AT(irradiance_noise), false, "0..1",
-     "Noise of a record, as standard deviation over E, for which it gets rays: from a quarter of "
-     "irradiance-rays to four times as many, by the variance that the records around it have "
-     "measured; 0: all get irradiance-rays."},
+     "Target noise of a record: the standard deviation over the irradiance. A record gets between "
+     "a quarter of irradiance-rays and four times as many, by the variance measured at the records "
+     "around it. With 0 all records get irradiance-rays."},
     {"irradiance-a", OPTION_FLOAT, AT(irradiance_a), true, "0.01..2",
-     "Error a at which the irradiance cache is filled; less means more records."},
+     "Accuracy a with which the irradiance cache is filled; a smaller a means more records."},
     {"irradiance-widen", OPTION_FLOAT, AT(irradiance_widen), true, "1..2",
-     "The image pass interpolates irradiance with the error a times this."},
+     "The image pass interpolates irradiance with this factor times the accuracy a."},
     {"irradiance-radius", OPTION_CHOICE, AT(irradiance_radius), false,
      "harmonic|least|tabellion|hessian",
-     "How the radius of a record is found: the harmonic mean or the least distance of what its "
-     "rays hit, the least without grazing rays, or from the Hessian of its irradiance, elliptic."},
+     "How the influence radius of a record is computed: as the harmonic mean of the distances of "
+     "its hits (harmonic), as the least distance (least), as the least without grazing rays "
+     "(tabellion), or as an ellipse from the Hessian of the irradiance (hessian)."},
     {"irradiance-gradient-clamp", OPTION_BOOL, AT(irradiance_gradient_clamp), false, "off|on",
-     "The radius of a record is limited to where its gradient holds."},
+     "Limits the influence radius of a record to the distance at which its gradient is valid."},
     {"irradiance-neighbour-clamp", OPTION_BOOL, AT(irradiance_neighbour_clamp), false, "off|on",
-     "Radii of neighbouring records differ by no more than their distance."},
+     "Limits the difference between the influence radii of two records to their distance."},
     {"irradiance-min-pixels", OPTION_FLOAT, AT(irradiance_min_pixels), true, "0..1000",
-     "Least radius of an irradiance record in projected pixels; where it is more than the largest "
-     "or than record-max-radius allows, those hold."},
+     "Least influence radius of an irradiance record in projected pixels. irradiance-max-pixels "
+     "and record-max-radius take precedence."},
     {"irradiance-max-pixels", OPTION_FLOAT, AT(irradiance_max_pixels), false, "1..100000",
-     "Largest radius of an irradiance record in projected pixels."},
+     "Largest influence radius of an irradiance record in projected pixels."},
 
     {"radiance-cache", OPTION_BOOL, AT(radiance_cache), false, "off|on",
-     "Interpolate glossy indirect light between records; off: gather at every sample."},
+     "Interpolates glossy indirect light between records. If off, every sample gathers."},
     {"radiance-gradients", OPTION_CHOICE, AT(radiance_gradients), false,
      "none|stratified|solid-angle|differences",
-     "Gradients by which radiance records are interpolated, as for irradiance-gradients; "
-     "stratified ones include changes in occlusion."},
+     "Translational gradients of radiance records, as irradiance-gradients. Stratified gradients "
+     "include changes of occlusion."},
     {"radiance-diffuse", OPTION_BOOL, AT(radiance_diffuse), false, "off|on",
-     "Diffuse surfaces use radiance records too, instead of irradiance records; for comparison."},
+     "Uses radiance records instead of irradiance records on diffuse surfaces too, for "
+     "comparison."},
     {"radiance-basis", OPTION_CHOICE, AT(radiance_basis), false, "hsh|sh",
-     "Harmonics of radiance records: on the hemisphere or on the sphere."},
+     "Harmonics of radiance records: hemispherical (hsh) or spherical (sh)."},
     {"radiance-order", OPTION_INT, AT(radiance_order), true, "1..14",
-     "Largest order n of a radiance record, which then has n * n coefficients."},
+     "Largest order n of a radiance record. Order n has n * n coefficients."},
     {"radiance-error", OPTION_FLOAT, AT(radiance_error), false, "0.0001..1",
-     "Largest relative error of what a BRDF reflects in harmonics, expected of the light of "
-     "rooms; glossier ones are sampled instead."},
+     "Largest relative error of the radiance that a BRDF in harmonics reflects, under light as it "
+     "is in rooms. BRDFs with a larger error are sampled instead."},
     {"radiance-rotation", OPTION_FLOAT, AT(radiance_rotation), false, "0..4",
-     "Angle of normals [rad] up to which records are aligned by the fast rotation; 0: none."},
+     "Angle between normals [rad] up to which records are aligned by the fast approximate "
+     "rotation; 0 is never."},
     {"radiance-rays", OPTION_INT, AT(radiance_rays), true, "4..1048576",
-     "Gather rays per radiance record."},
+     "Number of gather rays of a radiance record."},
     {"radiance-noise", OPTION_FLOAT, AT(radiance_noise), false, "0..1",
-     "As irradiance-noise, for radiance records and the vector of their coefficients."},
+     "Target noise of a radiance record, as irradiance-noise, for the vector of its coefficients."},
     {"radiance-a", OPTION_FLOAT, AT(radiance_a), true, "0.01..2",
-     "Error a at which the radiance cache is filled; less means more records."},
+     "Accuracy a with which the radiance cache is filled; a smaller a means more records."},
     {"radiance-widen", OPTION_FLOAT, AT(radiance_widen), true, "1..2",
-     "The image pass interpolates radiance with the error a times this."},
+     "The image pass interpolates radiance with this factor times the accuracy a."},
     {"radiance-radius", OPTION_CHOICE, AT(radiance_radius), false, "harmonic|least|tabellion",
-     "How the radius of a record is found, as for irradiance-radius."},
+     "How the influence radius of a record is computed, as irradiance-radius."},
     {"radiance-gradient-clamp", OPTION_BOOL, AT(radiance_gradient_clamp), false, "off|on",
-     "The radius of a record is limited to where its gradient holds."},
+     "Limits the influence radius of a record to the distance at which its gradient is valid."},
     {"radiance-neighbour-clamp", OPTION_BOOL, AT(radiance_neighbour_clamp), false, "off|on",
-     "Radii of neighbouring records differ by no more than their distance."},
+     "Limits the difference between the influence radii of two records to their distance."},
     {"radiance-min-pixels", OPTION_FLOAT, AT(radiance_min_pixels), true, "0..1000",
-     "Least radius of a radiance record in projected pixels; where it is more than the largest or "
-     "than record-max-radius allows, those hold."},
+     "Least influence radius of a radiance record in projected pixels. radiance-max-pixels and "
+     "record-max-radius take precedence."},
     {"radiance-max-pixels", OPTION_FLOAT, AT(radiance_max_pixels), false, "1..100000",
-     "Largest radius of a radiance record in projected pixels."},
+     "Largest influence radius of a radiance record in projected pixels."},
 
     {"adaptive-cache", OPTION_BOOL, AT(adaptive_cache), false, "off|on",
-     "Records are shrunk and added until no two disagree visibly at a point that the eye sees. A "
-     "render with a time limit refines them in rounds instead."},
+     "Shrinks and adds records until no two of them disagree visibly at a point that is seen. A "
+     "render with a time limit refines records in rounds instead."},
     {"origin-shift", OPTION_BOOL, AT(origin_shift), false, "off|on",
-     "Records are made off the edges of triangles, by half a pixel at most."},
+     "Moves the positions of records away from the edges of triangles, by at most half a pixel."},
     {"record-max-radius", OPTION_FLOAT, AT(record_max_radius), false, "0..1e30",
-     "Largest R of a record of either cache, in scene units, whatever the radii in pixels; 0: no "
-     "limit."},
+     "Largest influence radius R of all records, in scene units. It takes precedence over radii in "
+     "pixels; 0 is no limit."},
     {"gather-radius-ratio", OPTION_FLOAT, AT(gather_radius_ratio), false, "0..1",
-     "Where the radius that records should have is below this fraction of the least radius, as "
-     "near contacts, the image pass gathers instead of interpolating; 0: nowhere."},
+     "The image pass gathers instead of interpolating where the radius that records should have is "
+     "below this fraction of the least radius, as near contacts of surfaces; 0 is nowhere."},
     {"leak-test", OPTION_BOOL, AT(leak_test), false, "off|on",
-     "Records do not serve points that a wall hides from them."},
+     "Records do not contribute to points from which a wall separates them."},
     {"record-maps", OPTION_BOOL, AT(record_maps), false, "off|on",
-     "The image gets channels that show the records, for `satin maps`."},
+     "Adds channels to the image that show the records, for `satin maps`."},
     {"material-cache", OPTION_TEXT, AT(material_cache), false, "NAME=on|off,...",
-     "Materials, by the ids of their BRDFs, whose gloss is cached whatever its error, or sampled; "
-     "material.NAME.cache=on|off adds one."},
+     "Materials, by the ids of their BRDFs, whose gloss is always cached (on) or always sampled "
+     "(off), whatever radiance-error is. The name material.NAME.cache, with value on or off, adds "
+     "one material."},
 };
 const int options_table_count = sizeof options_table / sizeof *options_table;
 
