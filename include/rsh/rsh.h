@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Real spherical and hemispherical harmonics: evaluation, projection, products, rotation. A library
-// of its own: it needs nothing but this header, allocates nothing and keeps no state, so every
-// function may be called from any thread at any time. Arrays are the caller's; none is kept.
+// Real spherical and hemispherical harmonics: evaluation, projection, products, rotation. This
+// library is independent: it needs nothing but this header, allocates no memory and keeps no state,
+// so every function may be called from any thread at any time. All arrays are the caller's.
 //
 // Conventions, said once
 //   order    n = number of bands, 1 to RSH_MAX_ORDER; a vector has n * n coefficients
@@ -44,26 +44,26 @@ extern "C" {
 
 typedef enum rsh_basis { RSH_SPHERE = 0, RSH_HEMISPHERE } rsh_basis;
 
-// y[n * n]: all basis functions in direction w, right to 1e-6 of each function's largest value
-// (1e-7 measured) where |w| is 1 but for the rounding of floats.
+// y[n * n]: all basis functions in direction w, accurate to 1e-6 of each function's largest value
+// (1e-7 measured) if |w| is 1 up to the rounding of floats.
 // Thread-safe.
 RSH_API bool rsh_eval(rsh_basis basis, int order, const float w[3], float *y);
 
-// rsh_eval with the derivatives by theta and phi; all three are arrays of n * n. At the pole phi
-// counts as 0. The hemisphere's d/dtheta grows as 1 / sqrt(cos theta) towards the horizon and is
-// held below cos theta = 1e-6.
+// rsh_eval with the derivatives by theta and phi; all three arrays have n * n entries. At the pole
+// phi counts as 0. The hemisphere's d/dtheta grows as 1 / sqrt(cos theta) towards the horizon and
+// is constant below cos theta = 1e-6.
 // Thread-safe.
 RSH_API bool rsh_eval_derivatives(rsh_basis basis, int order, const float w[3], float *y,
                                   float *dtheta, float *dphi);
 
 // All basis functions in `count` directions, given as three arrays: out[k * count + i] is function
-// k in direction i. Right to 1e-6 of each function's largest value, as rsh_eval.
+// k in direction i, with the accuracy of rsh_eval.
 // Thread-safe.
 RSH_API bool rsh_eval_many(rsh_basis basis, int order, size_t count, const float *x, const float *y,
                            const float *z, float *out);
 
-// Adds sum_i value_i H(w_i) to out[3 * n * n] for the values r, g and b [each count], weights
-// included. With g and b both NULL there is one channel: r, out[n * n].
+// Adds sum_i value_i H(w_i) to out[3 * n * n] for the values r, g and b [count each], which include
+// the samples' weights. If g and b are both NULL, there is one channel: r, out[n * n].
 // Thread-safe.
 RSH_API bool rsh_project(rsh_basis basis, int order, size_t count, const float *x, const float *y,
                          const float *z, const float *r, const float *g, const float *b,
@@ -76,8 +76,8 @@ RSH_API bool rsh_project(rsh_basis basis, int order, size_t count, const float *
 RSH_API void rsh_accumulate(size_t count, size_t coefficients, const float *matrix, const float *r,
                             const float *g, const float *b, float *out);
 
-// out[c] = a_c . b_c for three channels of b[3 * n * n]; a has `a_channels` channels: 3, or 1 that
-// serves all.
+// out[c] = a_c . b_c for three channels of b[3 * n * n]. a has `a_channels` channels: 3, or 1 for
+// all.
 // Thread-safe.
 RSH_API bool rsh_dot3(int order, int a_channels, const float *a, const float *b, float out[3]);
 
@@ -91,24 +91,25 @@ RSH_API bool rsh_value(rsh_basis basis, int order, int channels, const float *in
 // Thread-safe.
 RSH_API bool rsh_convolve(int order, int channels, const float *zonal, const float *in, float *out);
 
-// Between this library's convention and that with the Condon-Shortley phase, either way: negates
-// the coefficients of odd m.
+// Converts between this library's convention and that with the Condon-Shortley phase, in both
+// directions: negates the coefficients of odd m.
 // Thread-safe.
 RSH_API bool rsh_flip_phase(int order, int channels, const float *in, float *out);
 
-// Other conventions. Their harmonics are ours times a factor, so coefficients change by its
-// inverse.
+// Other conventions. Their harmonics are those of this library times a factor, so coefficients are
+// multiplied by its inverse.
 typedef enum rsh_normalisation {
-    RSH_ORTHONORMAL = 0,  // integral of Y^2 over the sphere is 1 (ours)
+    RSH_ORTHONORMAL = 0,  // integral of Y^2 over the sphere is 1 (this library's)
     RSH_FOUR_PI,          // it is 4 pi: "N3D", geodesy
     RSH_SCHMIDT,          // it is 4 pi / (2 l + 1): "SN3D", magnetics, ambisonics
-    RSH_UNNORMALISED      // P_l^|m|(cos theta) cos(m phi) or sin(|m| phi) as they are
+    RSH_UNNORMALISED      // P_l^|m|(cos theta) cos(m phi) or sin(|m| phi)
 } rsh_normalisation;
-// Complex harmonics have exp(i m phi); that of -m is the conjugate of that of m, with phase times
-// (-1)^m.
+// Complex harmonics have exp(i m phi). That of -m is the conjugate of that of m, times (-1)^m if
+// there is a phase.
 typedef enum rsh_layout {
     RSH_BY_DEGREE = 0,  // n * n numbers, l (l + 1) + m (ours; "ACN")
-    RSH_COSINE_SINE,    // [2][n][n]: [0][l][m] of cos(m phi), [1][l][m] of sin(m phi), as pyshtools
+    RSH_COSINE_SINE,    // [2][n][n]: [0][l][m] of cos(m phi), [1][l][m] of sin(m phi), as in
+                        // pyshtools
     RSH_COMPLEX         // n * n pairs of real and imaginary part, l (l + 1) + m
 } rsh_layout;
 typedef struct rsh_convention {
@@ -119,8 +120,9 @@ typedef struct rsh_convention {
 // Numbers per channel in a layout; 0 for orders out of range.
 // Thread-safe.
 RSH_API int rsh_convention_size(int order, rsh_layout layout);
-// From ours to theirs and back; in and out must not overlap. Functions are real: of complex
-// coefficients those of m >= 0 are read. False also for a convention that is none of these.
+// Converts from this library's convention to another one, and back; in and out must not overlap.
+// Functions are real: only the complex coefficients of m >= 0 are read. False also if the
+// convention is invalid.
 // Thread-safe.
 RSH_API bool rsh_export(const rsh_convention *to, int order, int channels, const float *in,
                         float *out);
@@ -129,10 +131,10 @@ RSH_API bool rsh_import(const rsh_convention *from, int order, int channels, con
                         float *out);
 
 // Rotations of functions on the sphere. Rotating L by R gives the function L(R^-1 w); R is a proper
-// orthonormal matrix, rows first. Every call below allows out == in, and takes any number of
-// channels at once: a record with two derivative vectors of three colours is 9 channels.
-// A matrix, a frame or an angle with a NaN or an entry beyond 1e9: false, nothing is written. One
-// that is not orthonormal gives finite values without meaning.
+// orthonormal matrix in row-major order. Every call below allows out == in, and takes any number of
+// channels at once: a record with two derivative vectors of three colours has 9 channels. If a
+// matrix, a frame or an angle has a NaN or an entry beyond 1e9, false is returned and nothing is
+// written. A matrix that is not orthonormal gives finite values without meaning.
 
 // About z by `angle` [rad] [K05 D].
 // Thread-safe.
@@ -141,14 +143,14 @@ RSH_API bool rsh_rotate_z(int order, int channels, float angle, const float *in,
 // Thread-safe.
 RSH_API bool rsh_rotate_y(int order, int channels, float angle, const float *in, float *out);
 
-// Truncations of the rotation about y at small angles [rad] [K05 5.3]: the series to first order;
-// with the diagonal of the second ("1.5th"); to second order.
+// Truncations of the rotation about y at small angles [rad] [K05 5.3]: the series to first order,
+// with the diagonal of the second order ("1.5th"), and to second order.
 typedef enum rsh_taylor { RSH_TAYLOR_1 = 0, RSH_TAYLOR_1_5, RSH_TAYLOR_2 } rsh_taylor;
 // Thread-safe.
 RSH_API bool rsh_rotate_y_taylor(rsh_taylor kind, int order, int channels, float angle,
                                  const float *in, float *out);
 
-// By any rotation, exact to rounding, in the fastest form: rsh_rotate_pinchon_hoggan.
+// Rotates by any rotation, exact to rounding, with the fastest form: rsh_rotate_pinchon_hoggan.
 // Thread-safe.
 RSH_API bool rsh_rotate(int order, int channels, const float r[9], const float *in, float *out);
 
@@ -156,42 +158,43 @@ RSH_API bool rsh_rotate(int order, int channels, const float r[9], const float *
 typedef struct rsh_zyz {
     float alpha, beta, gamma;
 } rsh_zyz;
-// All angles are in [rad]; beta is 0 .. pi. Where it is 0 up to rounding, alpha is 0.
+// All angles are in [rad]; beta is 0 .. pi. If beta is 0 up to rounding, alpha is 0.
 // Thread-safe.
 RSH_API rsh_zyz rsh_zyz_of_matrix(const float r[9]);
 // Thread-safe.
 RSH_API bool rsh_rotate_zyz(int order, int channels, rsh_zyz angles, const float *in, float *out);
 
-// The forms by name, all for any r; products are per channel.
-// z, y, z with the series about y [K05 5.3]: for small beta only; 9 n^2 products.
+// The forms by name, all for any r; numbers of products are per channel. This one is z, y, z with
+// the series about y [K05 5.3], for small beta only: 9 n^2 products.
 // Thread-safe.
 RSH_API bool rsh_rotate_taylor(rsh_taylor kind, int order, int channels, const float r[9],
                                const float *in, float *out);
-// z, y, z with the rotation about y as one about z between two exchanges of y and z, constant
-// symmetric blocks [Pinchon and Hoggan 2007]: 2 n^3 / 3 + 6 n^2 products.
+// z, y, z with the rotation about y as one about z between two exchanges of y and z, which are
+// constant symmetric blocks [Pinchon and Hoggan 2007]: 2 n^3 / 3 + 6 n^2 products.
 // Thread-safe.
 RSH_API bool rsh_rotate_pinchon_hoggan(int order, int channels, const float r[9], const float *in,
                                        float *out);
-// As above, between two rotations about x by 90 degrees [Kautz et al. 2002], in plain C.
+// z, y, z with the rotation about y as one about z between two rotations about x by 90 degrees
+// [Kautz et al. 2002], in plain C.
 // Thread-safe.
 RSH_API bool rsh_rotate_zxzxz(int order, int channels, const float r[9], const float *in,
                               float *out);
 // Matrices band by band from r itself [Ivanic and Ruedenberg 1996, corrected 1998], in plain C:
-// 4 n^3 / 3 products to apply them, several times that to make them.
+// 4 n^3 / 3 products to apply them, and several times as many to compute them.
 // Thread-safe.
 RSH_API bool rsh_rotate_ivanic(int order, int channels, const float r[9], const float *in,
                                float *out);
 
-// Rotation matrices as blocks: band l is (2 l + 1) x (2 l + 1), rows first, m = -l .. l, and begins
-// at l (2 l - 1) (2 l + 1) / 3; rsh_blocks_size(n) = n (2 n - 1) (2 n + 1) / 3 numbers in all, 0
-// for orders out of range.
+// Rotation matrices as blocks: the block of band l is (2 l + 1) x (2 l + 1) in row-major order,
+// m = -l .. l, and begins at l (2 l - 1) (2 l + 1) / 3. All blocks have rsh_blocks_size(n) =
+// n (2 n - 1) (2 n + 1) / 3 numbers, or 0 if the order is out of range.
 #define RSH_MAX_BLOCKS (RSH_MAX_ORDER * (2 * RSH_MAX_ORDER - 1) * (2 * RSH_MAX_ORDER + 1) / 3)
 // Thread-safe.
 RSH_API int rsh_blocks_size(int order);
 // Thread-safe.
 RSH_API bool rsh_rotation_blocks(int order, const float r[9], float *blocks);
 // Derivatives 0 .. highest by beta [rad^-1 each] of the rotation about y, at beta [rad], one after
-// another in blocks[(highest + 1) * rsh_blocks_size(order)] [K05 C]. Their rounding grows as
+// another in blocks[(highest + 1) * rsh_blocks_size(order)] [K05 C]. Their rounding errors grow as
 // order^highest.
 // Thread-safe.
 RSH_API bool rsh_rotation_y_derivatives(int order, float beta, int highest, float *blocks);
@@ -199,36 +202,36 @@ RSH_API bool rsh_rotation_y_derivatives(int order, float beta, int highest, floa
 RSH_API bool rsh_apply_blocks(int order, int channels, const float *blocks, const float *in,
                               float *out);
 
-// Hemispherical harmonics by r with beta' = arccos(2 cos beta - 1) instead of the angle beta of
-// the zyz decomposition, otherwise exact [K05 5.4; Gautron et al. 2004]: right at the pole only,
-// see rsh_align. The horizon stays where it is, so what is 60 degrees from the pole rotates by 7.8
-// when the pole rotates by 10, and what is 80 degrees by 4.8; near the horizon it can be worse than
-// no rotation. Angles from 90 degrees on count as 90.
+// Rotates hemispherical harmonics by r with beta' = arccos(2 cos beta - 1) instead of the angle
+// beta of the zyz decomposition, which is correct at the pole only [K05 5.4; Gautron et al. 2004];
+// see rsh_align. The horizon stays where it is: if the pole rotates by 10 degrees, what is 60
+// degrees from it rotates by 7.8 and what is 80 degrees from it by 4.8. Near the horizon the error
+// can be larger than without rotation. Angles from 90 degrees on count as 90.
 // Thread-safe.
 RSH_API bool rsh_rotate_stretched(int order, int channels, const float r[9], const float *in,
                                   float *out);
 
-// Coefficients given in frame `from`, re-expressed in frame `to`; frames are rows u, v, n of one
-// right-handed orthonormal basis each. Costs a copy when the frames agree and a rotation about z
-// when the normals do. Up to the angle `beta_limit` [rad] between the normals the fast form is
-// used, beyond it the true one; beta_limit 0, or a NaN, is always true, 4 never.
+// Coefficients given in frame `from`, re-expressed in frame `to`; a frame is the rows u, v, n of a
+// right-handed orthonormal basis. It is a copy if the frames agree and a rotation about z if the
+// normals do. Up to the angle `beta_limit` [rad] between the normals the fast form is used, beyond
+// it the exact one. With a beta_limit of 0 or NaN the form is always exact, with 4 never.
 //   sphere      fast: the second-order series, which adds an error of 1 % of radiance at 10 degrees
-//               and 5 % at 15 for order 10, and saves a quarter of the time or less. True: the
-//               exact rotation.
+//               and 5 % at 15 for order 10, and saves a quarter of the time or less. Exact:
+//               rsh_rotate.
 //   hemisphere  fast: rotation by beta' = arccos(2 cos beta - 1), as a series [K05 5.4]. It is
-//               right at the pole only: radiance reflected by lobes up to 75 degrees is wrong by
+//               correct at the pole only: radiance reflected by lobes up to 75 degrees is wrong by
 //               1.3 % at 3 degrees, 2 % at 6, 3 % at 10 (without alignment 4, 7 and 12 %).
-//               True: through the sphere, see below: .7 %, .8 %, 1 % (of which .7 % is what the
-//               order 10 of that test cannot hold).
+//               Exact: through the sphere, see below; the errors are .7 %, .8 % and 1 %, of which
+//               .7 % is due to the order, 10 in this test.
 // Thread-safe.
 RSH_API bool rsh_align(rsh_basis basis, int order, int channels, const float from[9],
                        const float to[9], float beta_limit, const float *in, float *out);
 
-// The transpose of rsh_align(basis, order, ., from, to, beta_limit, ...), applied to the vector of
-// the other side: dot(c, align(lambda)) = dot(align_transposed(c), lambda). Rotates one BRDF into
-// the frame of each record instead of each record with its derivatives and colours. With a limit of
-// pi or more this fails as normals come to be opposed: the axis of the series is then a matter of
-// rounding.
+// The transpose of rsh_align(basis, order, ., from, to, beta_limit, ...), applied to the other
+// vector of a product: dot(c, align(lambda)) = dot(align_transposed(c), lambda). It rotates one
+// BRDF into the frame of each record, instead of each record with its derivatives and colours. With
+// a limit of pi or more it fails for nearly opposite normals, where rounding determines the axis of
+// the series.
 // Thread-safe.
 RSH_API bool rsh_align_transposed(rsh_basis basis, int order, int channels, const float from[9],
                                   const float to[9], float beta_limit, const float *in, float *out);
@@ -253,8 +256,7 @@ RSH_API bool rsh_reflect(const rsh_reflection *reflection, float out[3]);
 // Rotation and alignment of `count` records at once, as structures of arrays: coefficient k of
 // channel c of record i is in[(c * n * n + k) * count + i], entry e of its matrix or frame is
 // r[e][i]. out == in is allowed. A record's result does not depend on the others. Blocks of 16 to
-// 64 records stay in the first cache. These calls take up to 256 kB of stack
-// of the calling thread.
+// 64 records stay in the first cache. These calls use up to 256 kB of the calling thread's stack.
 // Thread-safe.
 RSH_API bool rsh_rotate_many(int order, int channels, size_t count, const float *const r[9],
                              const float *in, float *out);
@@ -272,11 +274,11 @@ RSH_API bool rsh_align_transposed_many(rsh_basis basis, int order, int channels,
 
 // Hemispherical harmonics are not closed under rotation: what rises above the horizon is unknown.
 // `extend` continues a function over the whole sphere, as spherical harmonics of order
-// rsh_sphere_order(n) = n + 2 (at most 16), close to its mirror image below the horizon; those
-// rotate exactly; `restrict` takes them back to order n. The transposes serve the other side of a
-// product: dot(c, restrict(R extend(lambda))) = dot(R^-1 restrict_transposed(c), extend(lambda)).
-// So a caller with one c and many records, or one record and many c, converts each once and rotates
-// on the sphere. `order` is that of the hemisphere; in and out must not overlap.
+// rsh_sphere_order(n) = n + 2 (at most 16), close to its mirror image below the horizon. These
+// rotate exactly, and `restrict` converts them back to order n. The transposes are for the other
+// vector of a product: dot(c, restrict(R extend(lambda))) = dot(R^-1 restrict_transposed(c),
+// extend(lambda)). So a caller with one c and many records, or one record and many c, converts each
+// once and rotates on the sphere. `order` is that of the hemisphere; in and out must not overlap.
 // Thread-safe.
 RSH_API int rsh_sphere_order(int order);
 // Thread-safe.

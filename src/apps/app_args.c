@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arguments by a table of flags: `--name VALUE`, `--name=VALUE`, `-n VALUE`, `-nVALUE`.
+// Parses arguments by a table of flags: `--name VALUE`, `--name=VALUE`, `-n VALUE`, `-nVALUE`.
 #include <stdarg.h>
 #include <string.h>
 
@@ -35,7 +35,8 @@ int app_no_memory(void) {
     return APP_FAILED;
 }
 
-// Whether `argument` gives this flag; *attached gets what is attached to it, or NULL.
+// Whether `argument` is this flag. *attached is set to the value that is attached to it, or to
+// NULL.
 static bool matches(const struct app_flag *flag, char *argument, char **attached) {
     size_t n = strlen(flag->name);
     *attached = NULL;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// satin compare: the distance of an image from a reference, in words or as JSON.
+// satin compare: the difference between an image and a reference, in words or as JSON.
 #include <inttypes.h>
 #include <math.h>
 

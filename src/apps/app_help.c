@@ -6,7 +6,7 @@
 #include "base/text.h"
 
 enum { FLAG_MARKDOWN, FLAG_HELP };
-enum { HELP_COLUMNS = 88 };  // of running text
+enum { HELP_COLUMNS = 88 };  // columns of wrapped text
 
 const struct app_flag app_help_flags[] = {
     {"--markdown", NULL, NULL, "Prints all options, or plugins, as Markdown tables."},
@@ -68,7 +68,7 @@ static void print_command(const struct app_command *command) {
 
 // ---- Options ------------------------------------------------------------------------------------
 
-// The value of option `index` at a quality.
+// Describes option `index` with the value that it has at a quality.
 static satin_option_info option_at(int index, satin_quality quality) {
     satin_options options = satin_options_default;
     satin_option_info info;
@@ -94,7 +94,7 @@ static void print_options(void) {
     for (int i = 0; satin_options_describe(&satin_options_default, i, &info); i++) print_option(i);
 }
 
-// A cell of a Markdown table, where a bar would end it.
+// Prints a cell of a Markdown table, in which a vertical bar must be escaped.
 static void print_cell(const char *text) {
     printf(" ");
     for (; *text; text++) printf(*text == '|' ? "\\%c" : "%c", *text);
@@ -144,7 +144,7 @@ static int help_name(const char *element, const char *topic) {
         print_command(c);
         return APP_DONE;
     }
-    // An option, a plugin and an element may have one name.
+    // An option, a plugin and an element may have the same name, so all are printed.
     bool option = !element && help_option(topic, &search);
     bool plugin = app_help_plugin(element, topic, &search);
     bool list = !element && app_help_element(topic);
@@ -153,7 +153,7 @@ static int help_name(const char *element, const char *topic) {
     return app_wrong("no help on '%s'; `satin help` lists what there is", topic);
 }
 
-// `second` is NULL, or a plugin of the element `topic`.
+// `second` is NULL, or the name of a plugin of the element `topic`.
 static int help_topic(const char *topic, const char *second, bool markdown) {
     bool options = strcmp(topic, "options") == 0, plugins = strcmp(topic, "plugins") == 0;
     if (markdown && !options && !plugins)

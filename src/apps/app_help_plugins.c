@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// satin help plugins: what scene files may hold, printed from the tables that read them;
-// docs/scene.md is the same as Markdown.
+// satin help plugins: the plugins of scene files, printed from the tables by which they are read.
+// docs/scene.md has the same as Markdown.
 #include <string.h>
 
 #include "apps/app.h"
@@ -20,7 +20,7 @@ void app_help_plugins(void) {
     }
 }
 
-// Whether a topic names an element, or more than one: `shape`, `shapes`.
+// Whether a topic is the name of an element, in the singular or plural: `shape`, `shapes`.
 static bool names_element(const char *topic, const char *element) {
     size_t n = strlen(element);
     return strncmp(topic, element, n) == 0 && (!topic[n] || strcmp(topic + n, "s") == 0);

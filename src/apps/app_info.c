@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// satin info: what a scene, an image or a file of cache records holds, in words.
+// satin info: describes a scene, an image or a file of cache records in words.
 #include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
@@ -22,7 +22,7 @@ const struct app_flag app_info_flags[] = {
 bool app_info_starts(const char *path, const char *magic) {
     char head[16];
     const size_t size = strlen(magic);
-    // Non-blocking, lest it wait for the other end of a named pipe.
+    // Non-blocking, so that it does not wait for the other end of a named pipe.
     int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     bool same = file >= 0 && read(file, head, size) == (ssize_t)size && !memcmp(head, magic, size);
     if (file >= 0) close(file);
@@ -66,7 +66,8 @@ static satin_status describe_image(const char *path) {
 
 static bool starts_as_image(const char *path) {
     size_t length = strlen(path);
-    // The name decides for a file that cannot be an image by its content, so that the message fits.
+    // A file that does not begin as an OpenEXR image counts as one if its name says so, so that the
+    // error message is about images.
     if (length > 4 && strcmp(path + length - 4, ".exr") == 0) return true;
     if (length > 4 && strcmp(path + length - 4, ".xml") == 0) return false;
     return app_info_starts(path, "\x76\x2f\x31\x01");

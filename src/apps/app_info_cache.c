@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// satin info: what a file of cache records holds.
+// satin info: describes a file of cache records.
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -24,7 +24,7 @@ static void print_quantiles(const char *name, float *value, size_t count, double
     printf("\n");
 }
 
-// The number after ` NAME=` in the file's text; NAN if it is not there.
+// The number after ` NAME=` in the text of options in the file; NAN if there is none.
 static double option_number(const char *options, const char *key) {
     const char *at = strstr(options, key);
     return at ? strtod(at + strlen(key), NULL) : NAN;

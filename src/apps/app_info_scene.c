@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// satin info of a scene: what it holds, how its light will be carried, what will be slow.
+// satin info of a scene: its contents, how its materials are cached, and what will be slow.
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -89,13 +89,14 @@ static void print_textures(const struct satin_scene *scene) {
 
 // ---- Materials ----------------------------------------------------------------------------------
 
-// What printing a material needs, and what it notes.
+// State for printing materials, with counts for the advice at the end.
 struct materials {
     const struct satin_scene *scene;
     const satin_options *options;
     const struct shade_tables *tables;
-    uint32_t sampled, delta, bright;    // materials whose lobes are gathered, ideal; or over 80 %
-    const struct material_side *front;  // of the material, once it was printed
+    uint32_t sampled, delta, bright;  // numbers of materials whose glossy lobe is sampled, that are
+                                      // ideal specular, and that reflect over 80 %
+    const struct material_side *front;  // the front of the material, once it was printed
 };
 
 static void print_glossy(const struct materials *m, const struct material_side *side) {
@@ -115,7 +116,7 @@ static void print_side(void *ctx, const struct material_side *side) {
     if (side->holes) return;
     unsigned lobes = brdf_lobes(&side->base);
     bool cached = side->index < m->tables->count && m->tables->table[side->index];
-    if (m->front && m->front->index == side->index) return;  // the same on the back
+    if (m->front && m->front->index == side->index) return;  // the back has the same material
     printf("    %s%s", m->front ? "and " : "", side->base.model->name);
     if (lobes & BRDF_DIFFUSE)
         printf(", diffuse by %s",
@@ -163,7 +164,7 @@ static void print_materials(struct materials *m) {
     }
 }
 
-// What takes time, and what there is to do about it.
+// Prints what will take time, and how to reduce it.
 static void print_slow(const struct materials *m) {
     const struct satin_scene *scene = m->scene;
     const struct camera *camera = &scene->camera;
@@ -210,7 +211,7 @@ static void print_lights(const struct satin_scene *scene) {
     if (scene->light_count > SHOWN) printf("  and %" PRIu32 " more\n", scene->light_count - SHOWN);
 }
 
-// The tables that a render would build show what is cached.
+// Builds the tables that a render would build, as they decide what is cached.
 static satin_status describe_materials(const struct satin_scene *scene) {
     satin_options options;
     struct log log = {app_log_file, NULL};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// satin maps: pictures of an image's records, from the channels that the option record-maps gives
-// it.
+// satin maps: pictures of the cache records of an image, made from the channels that the option
+// record-maps adds to it.
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -46,7 +46,7 @@ static satin_status write_map(const satin_film *film, const struct map *map, con
     return SATIN_OK;
 }
 
-// DIR/FILE; malloc.
+// The path DIR/FILE of a picture, from malloc.
 static char *map_path(const char *folder, const struct map *map) {
     const size_t n = strlen(folder) + strlen(map->file) + 2;
     char *path = malloc(n);
@@ -54,7 +54,8 @@ static char *map_path(const char *folder, const struct map *map) {
     return path;
 }
 
-// Writes the pictures if none of them is the image itself and all can be written.
+// Writes the pictures, after checking that none of them is the image itself and that all can be
+// written.
 static int write_paths(const satin_film *film, const char *image, char *const path[MAPS]) {
     const struct app_input input[] = {{image, "the image"}, {NULL, NULL}};
     struct app_output output[MAPS];

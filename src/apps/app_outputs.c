@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a command writes is looked at before it does its work: nothing that it reads may be
-// overwritten, no two outputs may be one file, and all must be possible.
+// Checks the outputs of a command before it begins: none may overwrite a file that it reads, no two
+// may be the same file, and all must be writable.
 #include "apps/app.h"
 
 static int check_inputs(const struct app_output *output, const struct app_input *input) {

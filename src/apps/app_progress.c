@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Messages and progress on stderr: on a terminal a bar that is redrawn in place, elsewhere a line
-// per finished stage. Signals end a render through the same function that shows its progress.
+// per finished stage. The function that prints the progress also ends a render after a signal.
 #include <errno.h>
 #include <math.h>
 #include <signal.h>
@@ -17,11 +17,13 @@
 static const double REDRAW_SECONDS = 0.1;
 enum { LINE_MAX_BYTES = 512, BAR_MAX = 40 };
 
-// `timeout` signals a process and then its group, a terminal that is closed the group and then its
-// foreground: what comes so soon after the first signal is the same wish.
+// `timeout` sends a signal to a process and then to its group; a closing terminal sends one to the
+// group and then to its foreground. Signals within this time after the first one, in ns, count as
+// one.
 static const long long SAME_WISH_NS = 1000000000;
 
-// When the first signal came, on the monotonic clock; 0: none did. All that a handler can access.
+// The time of the first signal on the monotonic clock, in ns; 0 if there was none. It is the only
+// state that a signal handler may access.
 static atomic_llong first_signal;
 
 static void on_signal(int number) {
@@ -43,11 +45,12 @@ void app_catch_signals(void) {
     struct sigaction before, action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
     sigemptyset(&action.sa_mask);
     for (size_t i = 0; i < sizeof stop / sizeof *stop; i++) {
-        // Under nohup a terminal that is closed does not matter.
+        // Under nohup, SIGHUP from a closing terminal is ignored.
         const bool ignored = sigaction(stop[i], NULL, &before) == 0 && before.sa_handler == SIG_IGN;
         if (stop[i] != SIGHUP || !ignored) sigaction(stop[i], &action, NULL);
     }
-    // A reader of messages that has gone, and a file over a size limit, are errors of the write.
+    // A write to a closed pipe, or beyond a file size limit, then fails instead of ending the
+    // process.
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
 }
@@ -81,7 +84,7 @@ void app_log(void *user, satin_log_severity severity, const char *message) {
         app_log_file(user, severity, message);
 }
 
-// A positive number with three digits and a prefix: 12.3 M.
+// Formats a positive number with three digits and a prefix: 12.3 M.
 static void print_rate(char *out, size_t bytes, double rate) {
     static const char *const prefix[] = {"", " k", " M", " G", " T"};
     int i = 0;
@@ -107,8 +110,8 @@ static int terminal_columns(void) {
     return 80;
 }
 
-// `stage [####----] 45 %  1.2 M rays/s  0:12 left`, cut to one column less than the terminal has:
-// writing the last column would wrap.
+// Prints `stage [####----] 45 %  1.2 M rays/s  0:12 left`, cut to one column less than the terminal
+// has, because writing to the last column would wrap.
 static void draw_bar(struct app_progress *p, const satin_progress *now, double elapsed) {
     char tail[128], rate[32], left[32], line[LINE_MAX_BYTES];
     double done = fmin(fmax(now->done, 0.0), 1.0);
@@ -117,7 +120,7 @@ static void draw_bar(struct app_progress *p, const satin_progress *now, double e
         print_rate(rate, sizeof rate, now->rate);
         n += snprintf(tail + n, sizeof tail - (size_t)n, "  %s %.24s/s", rate, now->unit);
     }
-    // A forecast from the first hundredth says nothing.
+    // The remaining time is not predicted from the first hundredth of the work.
     if (done > 0.01 && elapsed > 0.5) {
         print_time(left, sizeof left, elapsed * (1.0 - done) / done);
         snprintf(tail + n, sizeof tail - (size_t)n, "  %s left", left);
@@ -153,7 +156,7 @@ static void finish_stage(struct app_progress *p) {
 }
 
 void app_progress_start(struct app_progress *progress, bool quiet) {
-    // A terminal that cannot move the cursor gets lines.
+    // A terminal that cannot move the cursor gets lines instead of a bar.
     const char *kind = getenv("TERM");
     bool dumb = kind && strcmp(kind, "dumb") == 0;
     *progress =
@@ -163,7 +166,7 @@ void app_progress_start(struct app_progress *progress, bool quiet) {
 bool app_progress_update(void *user, const satin_progress *now) {
     struct app_progress *p = user;
     double time = stats_wall();
-    // A stage ends with its last report; the next one may be silent for a while.
+    // A change of the stage ends the line of the stage before.
     if (!p->stage || strcmp(p->stage, now->stage) != 0) {
         finish_stage(p);
         p->stage = now->stage;

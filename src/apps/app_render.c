@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// satin render: arguments -> scene and options -> film -> files. All that can be wrong with the
-// arguments is found before the scene is read, and all output names before anything is rendered.
+// satin render: arguments -> scene and options -> film -> files. Errors in the arguments are found
+// before the scene is read, and errors in the names of outputs before anything is rendered.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +12,7 @@
 #include "film/film.h"
 #include "scene/scene.h"
 
-// Of a time limit, what a scene that takes long to read leaves for the render.
+// The least fraction of a time limit that is left for the render if loading the scene takes long.
 static const double LOAD_LEAVES = 0.2;
 
 enum {
@@ -27,7 +27,8 @@ enum {
     FLAG_LENIENT,
     FLAG_QUIET,
     FLAG_HELP,
-    FLAG_FIRST_OPTION  // from here on --name is the option of that name; on if it has no value
+    FLAG_FIRST_OPTION  // from here on --name is the option of that name; a Boolean without a value
+                       // is on
 };
 
 const struct app_flag app_render_flags[] = {
@@ -67,7 +68,7 @@ struct request {
     satin_define *define;
     satin_setting *setting;
     size_t define_count, setting_count;
-    char *png_beside;  // owned name of a PNG that was asked for without a name
+    char *png_beside;  // name of a PNG that was asked for without a name; owned
 };
 
 static int take_flag(struct request *r, int flag, char *value) {
@@ -124,7 +125,8 @@ static bool ends_in(const char *name, const char *suffix) {
     return n >= m && strcasecmp(name + n - m, suffix) == 0;
 }
 
-// Whether a name is that of an image, be it of a kind that is not written: what follows --png.
+// Whether a name has the ending of an image format, even of one that is not written. Decides
+// whether the argument after --png is its value.
 static bool is_image(const char *name) {
     static const char *const ending[] = {".png", ".exr",  ".jpg", ".jpeg", ".tif", ".tiff",
                                          ".hdr", ".webp", ".bmp", ".pfm",  ".tga"};
@@ -157,7 +159,7 @@ static int read_render_arguments(int argc, char **argv, struct request *r) {
         satin_options_resolve(NULL, r->setting, r->setting_count, app_log, NULL, &checked));
 }
 
-// What is written follows from the ending of its name.
+// The ending of an output's name chooses its format.
 static int check_format(const struct request *r) {
     if (!ends_in(r->output, ".exr") && !ends_in(r->output, ".png"))
         return app_wrong("%s: an image is written as .exr or .png, by the end of its name",
@@ -166,7 +168,7 @@ static int check_format(const struct request *r) {
     return APP_DONE;
 }
 
-// OUT.exr -> OUT.png; malloc.
+// OUT.exr -> OUT.png; from malloc.
 static char *png_name(const char *output) {
     size_t n = strlen(output);
     if (ends_in(output, ".exr")) n -= 4;
@@ -175,14 +177,15 @@ static char *png_name(const char *output) {
     return name;
 }
 
-// All outputs; those that were not asked for have no path.
+// All outputs; the path of an output that was not asked for is NULL.
 enum { OUTPUTS = 4 };
 static void list_outputs(const struct request *r, struct app_output output[OUTPUTS]) {
     const bool png = ends_in(r->output, ".png");
     output[0] = (struct app_output){r->output, png ? FILEIO_APPEND : FILEIO_SEEK, NULL};
     output[1] = (struct app_output){r->png, FILEIO_APPEND, NULL};
     output[2] = (struct app_output){r->stats, FILEIO_APPEND, NULL};
-    // A cache is read whole before anything is made, so it may be saved to where it came from.
+    // A cache is read whole before anything is written, so it may be saved to the file it came
+    // from.
     output[3] = (struct app_output){r->save, FILEIO_APPEND, r->load};
 }
 
@@ -200,7 +203,7 @@ static int check_outputs(struct request *r) {
     return status == APP_DONE ? check_format(r) : status;
 }
 
-// The film's statistics, and those of its writing.
+// Writes the statistics of the film and those of writing it.
 static satin_status write_stats(const struct request *r, const satin_film *film,
                                 const struct stats *written, struct log log) {
     const char *stats = satin_film_stats(film);
@@ -225,7 +228,7 @@ static satin_status write_outputs(const struct request *r, const satin_film *fil
         if (pool) stats_set_parts(&written, pool);
         parallel_free(pool);
     }
-    // What can be written is, whatever became of the others.
+    // Each output is written, even if another one failed.
     satin_status png = SATIN_OK, json = SATIN_OK;
     if (r->png) png = satin_film_write_png(film, r->png, log.fn, log.user);
     if (r->stats) json = write_stats(r, film, &written, log);
@@ -247,11 +250,11 @@ static satin_status render_scene(const struct request *r, const satin_scene *sce
                                  struct app_progress *progress, double start) {
     struct log file_log = {app_log_file, progress};
     satin_options options;
-    // What the user set has been checked; only the scene's options can be wrong here.
+    // The user's options were checked before, so an error here is in the scene's options.
     satin_status status = satin_options_resolve(scene, r->setting, r->setting_count, app_log_file,
                                                 progress, &options);
     if (status != SATIN_OK) return status;
-    // The limit is the user's: reading the scene is part of it.
+    // The time limit includes the time for reading the scene.
     if (options.time > 0.0)
         options.time = fmax(options.time - (stats_wall() - start), LOAD_LEAVES * options.time);
     satin_callbacks callbacks = {app_log,  progress, app_progress_update,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The `satin` command: hands the arguments to the subcommand that they name.
+// The `satin` command: passes the arguments to the subcommand that they name.
 #include <string.h>
 
 #include "apps/app.h"
@@ -27,7 +27,8 @@ static int unknown_command(const char *name) {
     return app_wrong("unknown command '%s'; `satin help` lists them", name);
 }
 
-// What was printed may still fail to arrive, on a full disk for example.
+// Flushes standard output. Output that was printed may still fail to be written, for example on a
+// full disk.
 static int finish_output(int result) {
     if (fflush(stdout) == 0 && !ferror(stdout)) return result;
     app_log(NULL, SATIN_LOG_ERROR, "cannot write to standard output");

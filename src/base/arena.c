@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bump allocator.
+// The bump allocator.
 #include "base/arena.h"
 
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-// A test makes blocks as small as can be, so that every piece is an allocation of its own.
+// A test sets a small block size, so that every allocation needs a block of its own.
 #ifndef ARENA_BLOCK_BYTES
 #define ARENA_BLOCK_BYTES (1 << 20)
 #endif

@@ -6,15 +6,16 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-// Grows *items to `count` elements of `size` bytes in *items (from malloc or NULL), of which
-// *capacity fit now; by half at least. False, with all unchanged, if there is no memory.
+// Grows *items, from malloc or NULL, to at least `count` elements of `size` bytes. *capacity is the
+// number of elements that fit; it grows by half at least. False, with everything unchanged, if
+// there is no memory.
 bool array_reserve(void **items, size_t *capacity, size_t count, size_t size);
 
-// `count` zeroed elements of `size` bytes, aligned to 64, to be freed with free(); NULL on overflow
-// or lack of memory.
+// `count` zeroed elements of `size` bytes, aligned to 64 bytes; the caller frees them with free().
+// NULL on overflow or lack of memory.
 void *array_new(size_t count, size_t size);
-// As array_new, but not zeroed: for large arrays that all threads fill, so that the system's work
-// for each new page is done on all of them too.
+// As array_new, but not zeroed. For large arrays that all threads fill, so that the system's work
+// for each new page is distributed over the threads too.
 void *array_new_unset(size_t count, size_t size);
 
 // For qsort of floats, none of them NaN, in ascending order.

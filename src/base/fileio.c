@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole files in and out, names of files beside others, hashes.
+// Reads and writes whole files, resolves names relative to other files, and computes hashes.
 #include "base/fileio.h"
 
 #include <errno.h>
@@ -34,7 +34,7 @@ static bool read_all(int fd, char *buffer, size_t size) {
 
 satin_status fileio_read(struct log log, struct log_place place, const char *path, size_t max_bytes,
                          char **data, size_t *size) {
-    // Non-blocking, so that a named pipe without a writer is refused below and does not hang.
+    // Non-blocking, so that a named pipe without a writer does not hang but is refused below.
     int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (fd < 0) return read_failed(log, place, path, strerror(errno));
     struct stat st;
@@ -93,7 +93,7 @@ uint64_t fileio_hash_large(uint64_t hash, const void *data, size_t size) {
     const unsigned char *bytes = data;
     for (; size >= HASH_STEP; bytes += HASH_STEP, size -= HASH_STEP) {
         memcpy(word, bytes, HASH_STEP);
-        // The shift brings high bits down, where multiplication does not.
+        // Multiplication moves no information from high bits to low ones; the shift does.
         for (int i = 0; i < LANES; i++) {
             lane[i] = (lane[i] ^ word[i]) * 0x9e3779b97f4a7c15ull;
             lane[i] ^= lane[i] >> 32;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which file is which, whatever its name.
+// Identifies files whatever their names are.
 #include "base/fileio_files.h"
 
 #include <stdlib.h>
@@ -36,7 +36,7 @@ static bool same_inode(const struct stat *a, const struct stat *b) {
     return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
 }
 
-// Cuts a path in two, in place: returns the last name, *folder is where it would be.
+// Splits a path, in place: returns the last name and sets *folder to the folder that holds it.
 static const char *cut_folder(char *path, const char **folder) {
     char *slash = strrchr(path, '/');
     *folder = !slash ? "." : slash == path ? "/" : path;
@@ -44,7 +44,8 @@ static const char *cut_folder(char *path, const char **folder) {
     return slash ? slash + 1 : path;
 }
 
-// Two names that lead to no file: the same if one file would appear.
+// Compares two names of files that do not exist: they are the same if writing to either would make
+// the same file.
 static bool same_entry(const char *a, const char *b) {
     char *path[2] = {fileio_follow(a), fileio_follow(b)};
     bool same = false;

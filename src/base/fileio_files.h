@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which file is which, whatever its name: by device and inode, so that other spellings of a path,
-// symbolic links and hard links are found out. What was read must not be written to.
+// Identifies files by device and inode, whatever their names are, so that other spellings of a
+// path, symbolic links and hard links are recognised. A file that was read must not be written to.
 #ifndef BASE_FILEIO_FILES_H
 #define BASE_FILEIO_FILES_H
 
@@ -8,7 +8,7 @@
 #include <stddef.h>
 #include <sys/types.h>
 
-// Files that were read; a zero struct holds none.
+// The files that were read; a zero struct holds none.
 struct fileio_files {
     struct fileio_id {
         dev_t device;
@@ -17,14 +17,14 @@ struct fileio_files {
     size_t count, capacity;
 };
 
-// Adds the file of that name, if there is one; false without memory.
+// Adds the file of that name, if it exists. False if there is no memory.
 bool fileio_files_add(struct fileio_files *files, const char *path);
 // Whether the name leads to one of the files.
 bool fileio_files_have(const struct fileio_files *files, const char *path);
 void fileio_files_free(struct fileio_files *files);
 
-// Whether two names lead to one file, or to the directory entry of one that is not there yet.
-// Character devices, which nothing is lost on, are never the same.
+// Whether two names lead to one file or, if it does not exist, to the same directory entry. Never
+// true of character devices, as writing to them loses no data.
 bool fileio_same(const char *a, const char *b);
 
 #endif

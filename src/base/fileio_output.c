@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files written: symbolic links followed, a new name opened with O_EXCL, a rename at the end.
+// Output files: symbolic links are followed, a new name is opened with O_EXCL and renamed at the
+// end.
 #include "base/fileio_output.h"
 
 #include <errno.h>
@@ -15,8 +16,8 @@
 #include "base/fileio.h"
 
 enum {
-    LINKS_MAX = 40,  // as the kernel follows
-    TRIES = 16,      // of names, each a random number of 64 bits
+    LINKS_MAX = 40,  // the kernel's own limit
+    TRIES = 16,      // attempts at a new name with a random number of 64 bits
     SUFFIX_MAX = 24  // bytes of `.tmp` and a number
 };
 
@@ -24,7 +25,7 @@ static const char not_regular[] = "it is not a regular file";
 
 // ---- The target ---------------------------------------------------------------------------------
 
-// The number of the open file that a name stands for, or -1.
+// The number of the open file that a name such as /dev/fd/3 stands for, or -1.
 static int open_file_number(const char *name) {
     int number;
     char rest;
@@ -38,7 +39,7 @@ char *fileio_follow(const char *path) {
     char *name = strdup(path);
     for (int links = 0; name && open_file_number(name) < 0; links++) {
         const ssize_t n = readlink(name, to, sizeof to - 1);
-        if (n < 0 && (errno == EINVAL || errno == ENOENT)) break;  // not a link, or not there
+        if (n < 0 && (errno == EINVAL || errno == ENOENT)) break;  // not a link, or missing
         if (n >= 0 && links == LINKS_MAX) errno = ELOOP;
         if (n < 0 || links == LINKS_MAX) {
             free(name);
@@ -54,7 +55,8 @@ char *fileio_follow(const char *path) {
 
 // ---- The new file -------------------------------------------------------------------------------
 
-// `.tmp` and a random number after the target's name, which is cut where it would become too long.
+// The target's name followed by `.tmp` and a random number. A name that would become too long is
+// shortened.
 static char *temporary_name(const char *target) {
     uint64_t number;
     if (getrandom(&number, sizeof number, 0) != (ssize_t)sizeof number) return NULL;
@@ -67,7 +69,7 @@ static char *temporary_name(const char *target) {
     return name;
 }
 
-// Opens a file that was not there before; NULL or what went wrong.
+// Opens a file that did not exist before. Returns NULL or what went wrong.
 static const char *create(struct fileio_output *out) {
     errno = EEXIST;
     for (int i = 0; i < TRIES && out->fd < 0 && errno == EEXIST; i++) {
@@ -83,8 +85,8 @@ static const char *create(struct fileio_output *out) {
     return problem;
 }
 
-// An open file is written to where it stands, which also serves what cannot be opened by name, such
-// as a socket that is standard output.
+// Writes to a duplicate of an open file, at its current offset. This also works for files that
+// cannot be opened by name, such as a socket that is standard output.
 static const char *duplicate(int number, struct fileio_output *out) {
     const int flags = fcntl(number, F_GETFL);
     if (flags < 0) return strerror(errno);
@@ -93,24 +95,25 @@ static const char *duplicate(int number, struct fileio_output *out) {
     return out->fd < 0 ? strerror(errno) : NULL;
 }
 
-// What is there keeps its permissions; one that may not be written to is not replaced.
+// Makes the new file with the permissions of the file that it will replace. A file without write
+// permission is not replaced.
 static const char *create_over(const struct stat *st, struct fileio_output *out) {
     if (access(out->target, W_OK) != 0) return strerror(errno);
     const char *problem = create(out);
-    // A file system without permissions refuses them, and needs none.
+    // A file system without permissions fails here, which does not matter.
     if (!problem && fchmod(out->fd, st->st_mode & 0777) != 0) errno = 0;
     return problem;
 }
 
-// Opens *out, whose path is set; NULL or what went wrong. With `probe` devices and pipes are not
-// opened.
+// Opens *out, whose path is set. Returns NULL or what went wrong. With `probe` devices and pipes
+// are not opened.
 static const char *open_output(struct fileio_output *out, enum fileio_need need, bool probe) {
     struct stat st;
     out->target = fileio_follow(out->path);
     if (!out->target) return strerror(errno);
     const int number = open_file_number(out->target);
     if (number >= 0) return need == FILEIO_SEEK ? not_regular : duplicate(number, out);
-    // The name of a file: not empty.
+    // The name of a file must not be empty.
     if (!*out->target) return strerror(ENOENT);
     if (lstat(out->target, &st) != 0) return errno == ENOENT ? create(out) : strerror(errno);
     if (S_ISREG(st.st_mode)) return create_over(&st, out);
@@ -172,7 +175,7 @@ bool fileio_output_write_at(struct fileio_output *out, const void *data, size_t 
 
 // ---- The end ------------------------------------------------------------------------------------
 
-// Whether the target is what a rename may replace; what stands there may have changed.
+// Checks again that a rename may replace the target, which may have changed since it was opened.
 static const char *replaceable(const char *target) {
     struct stat st;
     if (lstat(target, &st) != 0) return errno == ENOENT ? NULL : strerror(errno);

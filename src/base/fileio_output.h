@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files written. A regular file is written under a new name in its folder and renamed when all of
-// it is on the disk, so it appears whole or not at all. Symbolic links are followed: the link stays
-// and the file that it leads to is replaced, or made. A character device, a named pipe and an open
+// Output files. A regular file is written under a new name in its folder and renamed when all of it
+// is on the disk, so it appears whole or not at all. A symbolic link is followed: the link stays,
+// and the file that it leads to is replaced or made. A character device, a named pipe and an open
 // file (/dev/stdout, /dev/fd/3) are written to directly. Everything else is refused.
 #ifndef BASE_FILEIO_OUTPUT_H
 #define BASE_FILEIO_OUTPUT_H
@@ -12,31 +12,31 @@
 
 #include "base/log.h"
 
-// A file that is being written; its fields are private, but for `temporary`.
+// An output that is being written; all fields but `temporary` are private.
 struct fileio_output {
-    const char *path;  // as the caller names it, not owned
+    const char *path;  // the caller's name of it, not owned
     char *target;      // the name that its symbolic links lead to
-    char *temporary;   // the new name; NULL: the target is written to directly
+    char *temporary;   // the new name, or NULL if the target is written to directly
     int fd;
     int error;  // errno of the first write that failed, or 0
 };
 
-// The name that the symbolic links of `path` lead to, which need not exist; malloc, the caller
-// frees; NULL with errno.
+// The path to which the symbolic links of `path` lead, which need not exist. From malloc, the
+// caller frees it; NULL with errno set on failure.
 char *fileio_follow(const char *path);
 
-// What an output must be able to do.
+// The operations that an output must support.
 enum fileio_need {
     FILEIO_APPEND,  // take bytes in order
     FILEIO_SEEK     // take bytes at any offset: a regular file
 };
 
-// Opens an output; `path` must live as long as *out. SATIN_ERROR_IO with one logged line if nothing
-// can be written there. A named pipe waits for its reader.
+// Opens an output; `path` must stay valid as long as *out. SATIN_ERROR_IO, with one logged line, if
+// it cannot be written. Opening a named pipe waits for its reader.
 satin_status fileio_output_open(struct log log, const char *path, enum fileio_need need,
                                 struct fileio_output *out);
-// Whether fileio_output_open would succeed, found out by making the new file and removing it;
-// devices and pipes are not opened. SATIN_ERROR_INPUT with one logged line if not, or
+// Checks whether fileio_output_open would succeed, by making the new file and removing it; devices
+// and pipes are not opened. If not, returns SATIN_ERROR_INPUT with one logged line, or
 // SATIN_ERROR_MEMORY.
 satin_status fileio_output_check(struct log log, const char *path, enum fileio_need need);
 
@@ -49,7 +49,7 @@ bool fileio_output_write_at(struct fileio_output *out, const void *data, size_t 
 // but of nothing else. If this or an earlier write fails: logs, removes the new file, returns
 // SATIN_ERROR_IO.
 satin_status fileio_output_commit(struct log log, struct fileio_output *out);
-// Removes the new file instead. What went to a device or pipe stays there.
+// Removes the new file instead. Data that was written to a device or a pipe stays there.
 void fileio_output_discard(struct fileio_output *out);
 
 #endif

@@ -9,8 +9,8 @@ struct frame {
     vec3 u, v, n;
 };
 
-// The frame of a unit normal alone, by Duff et al. 2017, "Building an orthonormal basis,
-// revisited": equal normals give equal frames, so records on a flat surface need no rotation.
+// A frame that depends on a unit normal alone, by Duff et al. 2017, "Building an orthonormal basis,
+// revisited". Equal normals give equal frames, so records on a flat surface need no rotation.
 static inline struct frame frame_from_normal(vec3 n) {
     float s = copysignf(1.0f, n.z);
     float a = -1.0f / (s + n.z);
@@ -19,8 +19,8 @@ static inline struct frame frame_from_normal(vec3 n) {
                           v3(b, s + n.y * n.y * a, -n.y), n};
 }
 
-// The frame of a unit normal whose u follows `tangent` (any length; nearly parallel to n: as
-// above).
+// The frame of a unit normal whose u is the projection of `tangent`, of any length. If `tangent` is
+// nearly parallel to n, the frame is frame_from_normal(n).
 static inline struct frame frame_from_tangent(vec3 n, vec3 tangent) {
     vec3 u = v3_mad(tangent, -v3_dot(n, tangent), n);
     float l2 = v3_len2(u);
@@ -39,7 +39,7 @@ static inline vec3 frame_to_world(const struct frame *f, vec3 l) {
               l.x * f->u.z + l.y * f->v.z + l.z * f->n.z);
 }
 
-// The frame of the other side: rotated about u by 180 degrees.
+// The frame of the other side of the surface: rotated about u by 180 degrees.
 static inline struct frame frame_flip(struct frame f) {
     return (struct frame){f.u, v3_neg(f.v), v3_neg(f.n)};
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shared libraries that are opened when they are first needed: what lies beside the program.
+// Shared libraries that are opened when they are first needed, from folders relative to the
+// program.
 #include "base/library.h"
 
 #include <dlfcn.h>
@@ -8,14 +9,14 @@
 #include <string.h>
 #include <unistd.h>
 
-// Cuts a path after its last slash; false if it has none.
+// Cuts a path after its last slash. False if it has none.
 static bool cut_to_folder(char *path) {
     char *slash = strrchr(path, '/');
     if (slash) slash[1] = 0;
     return slash;
 }
 
-// The folder of the library or program that holds this code, ended by a slash.
+// The folder of the program, or of the library that holds this code, with a final slash.
 static bool own_folder(bool program, char folder[PATH_MAX]) {
     static const char here = 0;
     if (program) {

@@ -11,8 +11,8 @@
 // to that of the program that holds this code. False if none can; then `path` is undefined.
 bool library_find(const char *const *paths, size_t count, char path[PATH_MAX]);
 
-// Opens it for the life of the process: what it starts threads in must not be unloaded under them.
-// NULL if that fails; dlerror() says why.
+// Opens a library and never closes it, as threads that it started could still run its code. NULL on
+// failure; dlerror() returns the reason.
 void *library_open(const char *path);
 
 #endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages to the caller's log function. Passed by value; a zero struct drops messages.
+// Messages to the caller's log function. `struct log` is passed by value; a zero struct drops
+// messages.
 #ifndef BASE_LOG_H
 #define BASE_LOG_H
 
@@ -20,12 +21,12 @@ struct log_place {
 void log_message(struct log log, satin_log_severity severity, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-// log_message at SATIN_LOG_ERROR with `file:line:column: ` before it; parts that are unknown are
-// left out.
+// log_message at SATIN_LOG_ERROR with the prefix `file:line:column: `, without the numbers that are
+// unknown.
 void log_error_at(struct log log, struct log_place place, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-// log_error_at, at SATIN_LOG_WARNING.
+// As log_error_at, at SATIN_LOG_WARNING.
 void log_warning_at(struct log log, struct log_place place, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 

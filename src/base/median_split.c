@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Splits points at the median across the longest axis of their box. Where many points lie in a
-// plane across that axis their order would be rounding; so the axis leans a little towards the
-// second longest, along which the plane is cut into pieces.
+// Splits points at the median along the longest axis of their box. If many points lie in one plane
+// across that axis, rounding would decide their order. Therefore the axis is tilted a little
+// towards the second longest axis, which separates these points.
 #include "base/median_split.h"
 
-#define LEAN (1.0f / 1024.0f)  // much more than rounding
+#define LEAN (1.0f / 1024.0f)  // much larger than rounding errors
 
-// The longer axis of a box with sides d; a if both are alike, whatever the last digit says.
+// The longer of the axes a and b of a box with sides d. a if they agree but for rounding.
 static int longer(vec3 d, int a, int b) {
     return v3_along(d, b) > SPLIT_CLEARLY * v3_along(d, a) ? b : a;
 }
@@ -19,7 +19,8 @@ static vec3 leaning_axis(vec3 d) {
     return v3(n[0], n[1], n[2]);
 }
 
-// Puts the middle one in the order of keys to its index, lesser ones before it [Hoare 1961].
+// Quickselect: moves the point with the median key to the middle, with lesser keys before it [Hoare
+// 1961].
 static void select_middle(struct split_point *points, size_t count) {
     const ptrdiff_t middle = (ptrdiff_t)(count / 2);
     ptrdiff_t lo = 0, hi = (ptrdiff_t)count - 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Median splits of points, of which trees over photons, cells and lights are built.
+// Median splits of points, for building trees over photons, cells and lights.
 #ifndef BASE_MEDIAN_SPLIT_H
 #define BASE_MEDIAN_SPLIT_H
 
@@ -10,22 +10,22 @@
 
 struct split_point {
     vec3 p;
-    uint32_t item;  // the caller's number of what is there
+    uint32_t item;  // the caller's index of the item at this point
     float key;      // overwritten by median_split
 };
 
-// A plane; points with v3_dot(n, p) < at are below it.
+// A plane. Points with v3_dot(n, p) < at are below it.
 struct split_plane {
     vec3 n;
     float at;
 };
 
-// One split is chosen over another where it is better by this factor: by more than rounding.
+// A split is preferred to another only if it is better by this factor, which is more than rounding.
 #define SPLIT_CLEARLY 1.001f
 
 // Reorders points[0 .. count): the first count / 2 are below a plane through points[count / 2], and
-// the others on it or above; those on it, but for that one, may be on either side. count >= 1. The
-// order depends on the points alone. Safe for threads that split different points.
+// the others are above it or on it; apart from that one, points on the plane may be on either side.
+// count >= 1. The order depends on the points alone. Threads may split different points at once.
 struct split_plane median_split(struct split_point *points, size_t count);
 
 #endif

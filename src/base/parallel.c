@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A thread pool on pthreads: workers sleep between loops and take chunks from an atomic counter.
-// The CPU time of every chunk is measured, by a call of about .2 us, and from the times of a loop's
-// chunks the time that many threads would take: a list schedule, as they too take chunks in order.
+// The CPU time of every chunk is measured, by a call of about .2 us. From the times of a loop's
+// chunks the time is computed that many threads would need, by a list schedule, as they too take
+// chunks in order.
 #include "base/parallel.h"
 
 #include <pthread.h>
@@ -19,19 +20,20 @@
 
 enum {
     THREADS_MAX = 1024,
-    CHUNKS_NOTED = 4096  // chunks of a loop whose times are noted; more are even enough
+    CHUNKS_NOTED = 4096  // chunks of a loop whose times are kept; a loop of more chunks is balanced
+                         // anyway
 };
 
 struct parallel {
     int threads;
-    int started;  // helper threads that run; at most threads - 1
+    int started;  // number of helper threads that run; at most threads - 1
     pthread_t *helpers;
     pthread_mutex_t mutex;
     pthread_cond_t wake, done;
-    uint64_t generation;  // guarded by mutex: counts loops
+    uint64_t generation;  // guarded by mutex: number of loops so far
     int busy;             // guarded by mutex: helpers still in the current loop
     bool quit;            // guarded by mutex
-    int next_worker;      // guarded by mutex: hands out worker numbers at start
+    int next_worker;      // guarded by mutex: next worker number to assign at start
 
     parallel_fn fn;
     void *ctx;
@@ -41,15 +43,15 @@ struct parallel {
     parallel_progress_fn progress;
     void *progress_user;
 
-    double *worker_spent;       // CPU seconds of the workers in the loop under way
-    float spent[CHUNKS_NOTED];  // and of its first chunks
+    double *worker_spent;       // CPU seconds of each worker in the current loop
+    float spent[CHUNKS_NOTED];  // CPU seconds of its first chunks
     struct parallel_part part[PARALLEL_PARTS];
-    int parts, current;  // of `part`
-    double wall, cpu;    // clocks up to which the current part is accounted for
+    int parts, current;  // number of parts, and index of the current one in `part`
+    double wall, cpu;    // times of the two clocks up to which the current part is accounted for
 };
 
-// Denormals cost hundreds of cycles each and Embree asks for FTZ and DAZ on every thread that
-// traces.
+// Sets FTZ and DAZ: denormals cost hundreds of cycles each, and Embree asks for both flags on every
+// thread that traces rays.
 static void flush_denormals(void) {
 #if defined(__SSE__)
     _mm_setcsr(_mm_getcsr() | 0x8040);
@@ -175,18 +177,18 @@ void parallel_set_progress(struct parallel *pool, parallel_progress_fn fn, void 
 
 // ---- Parts ------------------------------------------------------------------------------------
 
-// Adds what the calling thread did since the last call to the current part.
+// Adds to the current part the time that the calling thread has spent since the last call.
 static void account_serial(struct parallel *pool) {
     struct parallel_part *part = &pool->part[pool->current];
     const double wall = stats_wall(), cpu = stats_thread();
     part->wall_s += wall - pool->wall;
-    if (cpu > pool->cpu) part->serial_s += cpu - pool->cpu;  // else it is another thread
+    if (cpu > pool->cpu) part->serial_s += cpu - pool->cpu;  // otherwise it is another thread
     pool->wall = wall;
     pool->cpu = cpu;
 }
 
-// Seconds that PARALLEL_MODEL threads take for chunks of these times, of which each is taken in
-// order by the thread that is free first.
+// Seconds that PARALLEL_MODEL threads need for chunks of these times, if each chunk in turn is
+// taken by the thread that becomes free first.
 static double schedule(const float *spent, size_t chunks) {
     double busy[PARALLEL_MODEL] = {0.0}, last = 0.0;
     for (size_t i = 0; i < chunks; i++) {
@@ -199,7 +201,7 @@ static double schedule(const float *spent, size_t chunks) {
     return last;
 }
 
-// Adds the loop that has ended.
+// Adds the times of the loop that has ended to the current part.
 static void account_loop(struct parallel *pool) {
     struct parallel_part *part = &pool->part[pool->current];
     const size_t noted = noted_chunks(pool);

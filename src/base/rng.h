@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Random numbers from a counter: (seed, stream, item, dimension) -> number. The state is a value on
-// the stack, so an item's numbers depend on nothing but its index, on any thread.
+// the stack, so the numbers of an item depend on its index alone, on any thread.
 #ifndef BASE_RNG_H
 #define BASE_RNG_H
 
 #include <stdint.h>
 
-// One per consumer, so that no two streams have the same numbers.
+// Each consumer has its own stream, so that no two of them use the same numbers.
 enum rng_stream {
     RNG_PHOTON = 1,
     RNG_GATHER,

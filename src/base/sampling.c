@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sampling maps that are too long for the header; see there.
+// The sampling maps that are too long to be inline.
 #include "base/sampling.h"
 
 vec2 sample_disk(float u, float v) {
@@ -44,17 +44,17 @@ double sample_cdf_build(const float *weight, size_t n, float *cdf) {
         run += sum > 0.0 ? (weight[i] > 0.0f ? (double)weight[i] / sum : 0.0) : 1.0 / (double)n;
         cdf[i + 1] = (float)(run < 1.0 ? run : 1.0);
     }
-    // The last item that can be drawn ends at exactly 1, so that rounding makes no unreachable
-    // tail.
+    // The cdf is exactly 1 from the last item with a weight on, so that rounding leaves no interval
+    // of u without an item.
     size_t last = n;
     while (last > 1 && sum > 0.0 && !(weight[last - 1] > 0.0f)) last--;
     for (size_t i = last; i <= n; i++) cdf[i] = 1.0f;
     return sum;
 }
 
-// The last of the items [lo, lo + count) that begins at or below u, or lo.
+// The last of the items [lo, lo + count) whose cdf value is at most u, or lo.
 static size_t find_item(const float *cdf, size_t lo, size_t count, float u) {
-    // Without branches: which way a step goes is by chance, and half of the guesses would be wrong.
+    // Without branches, because the outcome is random and half of the predictions would be wrong.
     while (count > 1) {
         const size_t half = count / 2;
         lo += cdf[lo + half] <= u ? half : 0;

@@ -9,8 +9,8 @@
 
 #include "base/vec.h"
 
-// A number of stratum j of n >= 1 in [0, 1): (j + u) / n for u in [0, 1), never 1, to which the
-// last stratum rounds once in some ten thousand samples.
+// A number in stratum j of n >= 1 strata of [0, 1): (j + u) / n for u in [0, 1), but never 1, to
+// which the last stratum would round once in some ten thousand samples.
 static inline float sample_stratum(int j, float u, int n) {
     return minf(((float)j + u) / (float)n, 0x1.fffffep-1f);
 }
@@ -47,15 +47,16 @@ vec2 sample_disk_inverse(vec2 p);
 // Barycentric coordinates (b1, b2), uniform over a triangle.
 vec2 sample_triangle(float u, float v);
 
-// A discrete distribution over n >= 1 items: cdf[n + 1] ascending from 0 to 1.
-// Fills `cdf` from weights (negative and NaN count as 0; all zero: uniform); returns the weights'
-// sum.
+// A discrete distribution over n >= 1 items: cdf[n + 1] ascends from 0 to 1. Fills `cdf` from
+// weights (negative ones and NaN count as 0; if all are zero, the distribution is uniform) and
+// returns the sum of the weights.
 double sample_cdf_build(const float *weight, size_t n, float *cdf);
-// Index i with cdf[i] <= u < cdf[i + 1], never one of probability 0; *u_rest (may be NULL) is u
-// stretched back to [0, 1).
+// The index i with cdf[i] <= u < cdf[i + 1], whose probability is never 0. *u_rest (may be NULL) is
+// set to u rescaled to [0, 1) within the item.
 size_t sample_cdf(const float *cdf, size_t n, float u, float *u_rest);
-// Long distributions are searched in few steps by the items that are drawn at i / cuts, cut[cuts +
-// 1] of them; cuts is a power of two. sample_cdf_cut returns what sample_cdf does.
+// For long distributions: cut[i] is the item that is drawn at i / cuts, which shortens the search.
+// `cut` has cuts + 1 entries; cuts is a power of two. sample_cdf_cut returns what sample_cdf
+// returns.
 void sample_cuts_build(const float *cdf, size_t n, size_t cuts, uint32_t *cut);
 size_t sample_cdf_cut(const float *cdf, const uint32_t *cut, size_t cuts, float u, float *u_rest);
 
@@ -71,13 +72,13 @@ static inline float mis_power(float a, float b) {
 // Burley's 2020 constants), its order shuffled, all by `seed`. Any aligned run of 2^k points is a
 // (0, k, 2)-net; different seeds give independent sequences. Both coordinates are in [0, 1).
 vec2 sample_sobol2(uint32_t index, uint32_t seed);
-// Such a point in dimensions 0 to 3, for paths; a little slower. Aligned runs are nets of quality t
-// = 3.
+// As sample_sobol2 in dimensions 0 to 3, for paths, which is a little slower. Aligned runs are nets
+// of quality t = 3.
 void sample_sobol4(uint32_t index, uint32_t seed, float u[4]);
-// Such a number in one dimension.
+// As sample_sobol2, in one dimension.
 float sample_sobol1(uint32_t index, uint32_t seed);
 
-// A stream of such points for one sample of one pixel (or record): each call is a new pair of
+// A stream of such points for one sample of one pixel or record. Each call uses a new pair of
 // dimensions, padded from 2-D sequences, so every pair is stratified over the samples of the pixel.
 struct sampler {
     uint32_t index;      // number of the sample

@@ -120,9 +120,9 @@ char *stats_json_append(const char *json, const struct stats *stats) {
     char *text = more ? malloc(kept + strlen(more) + 1) : NULL;
     if (text && kept > 1) {
         memcpy(text, json, kept);
-        text[kept - 1] = ',';  // the newline before the brace
+        text[kept - 1] = ',';  // removes the newline before the brace
         strcpy(text + kept, more + 1);
-    } else if (text) {  // not one of stats_json
+    } else if (text) {  // it is not from stats_json
         strcpy(text, more);
     }
     free(more);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a render counted and how long its stages took; printed as JSON.
+// Counters of a render and times of its stages, printed as JSON.
 #ifndef BASE_STATS_H
 #define BASE_STATS_H
 
@@ -19,13 +19,13 @@ struct stats {
     int count;
 };
 
-// Sets a value, or replaces it; entries beyond STATS_ENTRIES are dropped. Names of STATS_NAME
+// Sets or replaces a value. Entries beyond STATS_ENTRIES are dropped, and names of STATS_NAME
 // characters or more are cut.
 void stats_set(struct stats *stats, const char *name, double value);
 void stats_add(struct stats *stats, const char *name, double value);
 double stats_get(const struct stats *stats, const char *name);  // 0 if absent
 
-// Sets entries "parts.NAME..." for each part of the pool's work (base/parallel.h).
+// Sets entries "parts.NAME..." for each part of the work of a pool (base/parallel.h).
 struct parallel;
 void stats_set_parts(struct stats *stats, struct parallel *pool);
 
@@ -34,10 +34,10 @@ struct stats_span {
     double wall_s, thread_s, process_s;
 };
 struct stats_span stats_span_begin(void);
-// The time since it began, on the same thread.
+// The span since `begin`, on the same thread.
 struct stats_span stats_span_since(struct stats_span begin);
-// Sets entries "parts.NAME..." of a span in which threads of a library may have helped: what they
-// did is parallel, what this thread did is serial.
+// Sets entries "parts.NAME..." of a span in which threads of a library may have run: their CPU time
+// counts as parallel, that of this thread as serial.
 void stats_set_span(struct stats *stats, const char *name, struct stats_span span);
 
 // Seconds of a clock that never runs backwards, and CPU seconds of the process and of the thread.
@@ -47,11 +47,11 @@ double stats_thread(void);
 // Peak resident memory of the process in bytes.
 double stats_peak_memory(void);
 
-// The entries as one JSON object, in the order of their first setting, names as keys; malloc, the
-// caller frees; NULL without memory.
+// The entries as one JSON object, in the order in which they were first set. From malloc, the
+// caller frees it; NULL if there is no memory.
 char *stats_json(const struct stats *stats);
-// The entries appended to an object that stats_json made; malloc, the caller frees; NULL without
-// memory.
+// An object that stats_json made, with further entries appended. From malloc, the caller frees it;
+// NULL if there is no memory.
 char *stats_json_append(const char *json, const struct stats *stats);
 
 #endif

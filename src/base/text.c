@@ -7,10 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WORD_MAX = 48 };  // longer words are not compared: nobody misspells those
+enum { WORD_MAX = 48 };  // longer words are not compared, as they are not misspelt names
 
 bool text_double(const char *text, double *out) {
-    // strtod would also take blanks, hexadecimal, inf and nan.
+    // strtod also accepts blanks, hexadecimal numbers, inf and nan, which are not allowed.
     if (!text[0] || strspn(text, "+-.0123456789eE") != strlen(text)) return false;
     locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (plain == (locale_t)0) return false;
@@ -58,7 +58,7 @@ void text_nearest_try(struct text_nearest *search, const char *candidate) {
     size_t nw = strlen(search->word), nc = strlen(candidate);
     if (nw > WORD_MAX || nc > WORD_MAX) return;
     int edits = edit_distance(search->word, (int)nw, candidate, (int)nc);
-    // A slip changes a letter in three at most; more is another word.
+    // At most a third of the letters may differ: beyond that it is another word.
     if (3 * edits > (int)(nw > nc ? nw : nc) || (search->best && edits >= search->edits)) return;
     search->best = candidate;
     search->edits = edits;

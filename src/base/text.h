@@ -5,16 +5,16 @@
 
 #include <stdbool.h>
 
-// The whole of `text` as one finite decimal number with a point, whatever the locale; false, and
-// *out untouched, if it is anything else. Surrounding blanks are not allowed.
+// Reads all of `text` as one finite decimal number with a point, whatever the locale. False, with
+// *out unchanged, if it is anything else. Surrounding blanks are not allowed.
 bool text_double(const char *text, double *out);
 
 // Whether two names are the same, where '-' equals '_' and letter case does not matter.
 bool text_same_name(const char *a, const char *b);
 
 // Searches the candidate with the fewest edits (insert, delete, replace, swap of neighbours) to
-// `word`. Start with {word}; after trying all, `best` is the first nearest one, or NULL if none is
-// near enough to be what was meant (edits <= 1 + a third of its letters).
+// `word`. Start with {word}. After all candidates were tried, `best` is the first of the nearest
+// ones, or NULL if none is near enough (edits <= 1 + a third of its letters).
 struct text_nearest {
     const char *word;
     const char *best;

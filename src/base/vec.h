@@ -21,7 +21,7 @@ typedef struct rgb {
 
 #define PI_F 3.14159265358979323846f
 
-// One instruction each, where fminf and fmaxf are calls; if either is a NaN, b is the result.
+// One instruction each, while fminf and fmaxf are calls. If either is NaN, the result is b.
 static inline float minf(float a, float b) { return a < b ? a : b; }
 static inline float maxf(float a, float b) { return a > b ? a : b; }
 
@@ -42,26 +42,26 @@ static inline vec3 v3_cross(vec3 a, vec3 b) {
 }
 static inline float v3_len2(vec3 a) { return v3_dot(a, a); }
 static inline float v3_len(vec3 a) { return sqrtf(v3_len2(a)); }
-// The length of a vector whose square may leave the range of float.
+// The length of a vector whose squared length may overflow or underflow.
 static inline float v3_len_wide(vec3 a) {
     double x = a.x, y = a.y, z = a.z;
     return (float)sqrt(x * x + y * y + z * z);
 }
 static inline float v3_dist2(vec3 a, vec3 b) { return v3_len2(v3_sub(a, b)); }
-// a / |a|; a zero vector stays zero.
+// a / |a|. A zero vector stays zero.
 static inline vec3 v3_unit(vec3 a) {
     float l = v3_len(a);
     return l > 0.0f ? v3_mul(a, 1.0f / l) : a;
 }
-// v3_unit for an `a` whose square leaves the range of float: the cross product of long or short
-// edges.
+// v3_unit for a vector whose squared length may overflow or underflow, such as the cross product of
+// long or short edges.
 static inline vec3 v3_unit_wide(vec3 a) {
     float l = v3_len_wide(a);
     return l > 0.0f ? v3_mul(a, 1.0f / l) : a;
 }
 static inline bool v3_finite(vec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
 static inline float v3_max_abs(vec3 a) { return fmaxf(fabsf(a.x), fmaxf(fabsf(a.y), fabsf(a.z))); }
-// By coordinate; where b has a NaN, that of a.
+// The minimum by coordinate. If b has a NaN, the coordinate of a.
 static inline vec3 v3_min(vec3 a, vec3 b) {
     return v3(minf(b.x, a.x), minf(b.y, a.y), minf(b.z, a.z));
 }
@@ -91,16 +91,16 @@ static inline float rgb_luminance(rgb a) {
 static inline bool rgb_black(rgb a) { return a.r == 0.0f && a.g == 0.0f && a.b == 0.0f; }
 static inline bool rgb_finite(rgb a) { return isfinite(a.r) && isfinite(a.g) && isfinite(a.b); }
 
-// A NaN becomes lo.
+// x clamped to [lo, hi]. A NaN becomes lo.
 static inline float clampf(float x, float lo, float hi) { return minf(maxf(x, lo), hi); }
 static inline float lerpf(float a, float b, float t) { return a + (b - a) * t; }
 static inline float sqrf(float x) { return x * x; }
-// x, but no less than lo; a NaN remains one, so that whoever checks the result can find it.
+// The larger of x and lo. A NaN stays a NaN, so that a later check finds it.
 static inline float at_least(float x, float lo) { return maxf(lo, x); }
 static inline rgb rgb_at_least(rgb a, float lo) {
     return rgb_make(at_least(a.r, lo), at_least(a.g, lo), at_least(a.b, lo));
 }
-// Square root that takes a rounding error below zero as zero; a NaN remains one.
+// The square root, where values below zero, from rounding, count as zero. A NaN stays a NaN.
 static inline float safe_sqrtf(float x) { return sqrtf(at_least(x, 0.0f)); }
 
 #endif

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rotation of RSH_WIDTH records at once, a record per lane, one source for every instruction set;
-// of width 1 it is the rotation of a single record where lanes cannot be permuted.
+// Rotation of RSH_WIDTH records at once, a record per lane; one source for every instruction set.
+// At width 1 it rotates a single record, for instruction sets that cannot permute lanes.
 //
-// Nothing is permuted here: bands are taken one by one, three channels use the same angles and the
-// constants. A rotation about z costs four operations per pair (m, -m), the exchange of y and z one
-// fused multiply-add per entry that parity leaves. The series: rsh_batch_series.h, and of a single
-// record rsh_batch_one.h.
+// No lanes are permuted here. Bands are rotated one after another, and three channels use the same
+// angles and constants. A rotation about z costs four operations per pair (m, -m). The exchange of
+// y and z costs one fused multiply-add per entry that does not vanish by parity. The series about y
+// is in rsh_batch_series.h, and in rsh_batch_one.h for a single record.
 #include "rsh/rsh_batch.h"
 
 #include <stddef.h>
@@ -17,7 +17,8 @@
 #endif
 #include "rsh/rsh_rotate_lanes.h"
 
-// Pairs of rows summed at once for three channels and for one; their sums stay in registers.
+// Pairs of rows that are summed at once, for three channels and for one, so that their sums stay in
+// registers.
 enum { SIZE = 2 * RSH_MAX_ORDER - 1 };
 enum { PAIRS_OF_THREE = RSH_WIDTH == 16 ? 3 : 2, PAIRS_OF_ONE = 4 };
 
@@ -25,7 +26,7 @@ struct lane_rotations {
     struct band_powers alpha, beta, gamma;
 };
 
-// The pair (m, -m) of all channels, rotated about z.
+// Loads the pair (m, -m) of all channels and rotates it about z.
 INLINE void load_pair(struct band b, int channels, const struct band_powers *p, int m, vf *plus,
                       vf *minus) {
     vf cosine = p->cosine[m], sine = p->sine[m];
@@ -47,15 +48,15 @@ INLINE void store_pair(struct band b, int channels, const struct band_powers *p,
     }
 }
 
-// The part of an exchange of y and z that rows of one sign and one parity take: every second column
-// of one sign, from the first on.
+// The inputs of an exchange of y and z for rows of one sign and one parity: every second column of
+// one sign, from the first one on.
 struct side {
-    const float *matrix;  // the first entry that row 0 of the band would have
-    const vf *in;         // the first coefficient, its channels side by side
+    const float *matrix;  // where the first entry of row 0 of the band would be
+    const vf *in;         // the first coefficient; its channels are consecutive
     int columns;
 };
 
-// All rows m of one parity, and the rotation about z that follows.
+// The exchange of all rows m of one parity, followed by a rotation about z.
 struct batch_exchange {
     int l;
     struct side plus, minus;
@@ -71,7 +72,7 @@ INLINE struct side side_of(int l, int channels, int m, const vf *in) {
     return (struct side){matrix + first, in + first * channels, (end - first + 1) / 2};
 }
 
-// sum[r] = row m + r step of the exchange. No row is empty for l > 0.
+// Computes sum[r], row m + r step of the exchange. No row is empty for l > 0.
 INLINE void exchange_rows(int rows, int channels, int l, const struct side *side, int m, int step,
                           vf (*sum)[CHANNELS]) {
     const ptrdiff_t size = 2 * l + 1, row = step * size;
@@ -95,7 +96,7 @@ INLINE void exchange_rows(int rows, int channels, int l, const struct side *side
     } while (--left > 0);
 }
 
-// Rows m, m + 2 ... of `pairs` pairs, rotated about z.
+// Computes rows m, m + 2 ... of `pairs` pairs and rotates them about z.
 INLINE void exchange_pairs(int pairs, int channels, const struct batch_exchange *e, int m) {
     vf plus[PAIRS_OF_ONE][CHANNELS], minus[PAIRS_OF_ONE][CHANNELS];
     exchange_rows(pairs, channels, e->l, &e->plus, m, 2, plus);
@@ -104,7 +105,7 @@ INLINE void exchange_pairs(int pairs, int channels, const struct batch_exchange 
         store_pair(e->out, channels, e->p, m + 2 * r, plus[r], minus[r]);
 }
 
-// A function of its own per shape: inlined together they leave too few registers.
+// One function per shape: inlined into one function, they would leave too few registers.
 #define SHAPE(name, pairs, channels)                                                               \
     static __attribute__((noinline)) void exchange_##name(const struct batch_exchange *e, int m) { \
         exchange_pairs(pairs, channels, e, m);                                                     \
@@ -146,7 +147,8 @@ INLINE void exchange(int l, int channels, const struct band_powers *p, const vf 
         }
         while (m <= l) {
             int left = (l - m) / 2 + 1;
-            // What is over the most goes in two halves: few sums at once wait for each other.
+            // Rows beyond `most` are split into two equal runs, because a run of few sums waits for
+            // latency.
             int pairs = left <= most ? left : left < 2 * most ? (left + 1) / 2 : most;
             exchange_some(pairs, channels, &e, m);
             m += 2 * pairs;
@@ -165,13 +167,13 @@ INLINE void exact_band(int l, int channels, const struct lane_rotations *t, stru
     exchange(l, channels, &t->alpha, u, out);
 }
 
-// `offsets` as in series_band, or 0 for the exact form.
+// `offsets` as in series_band, or 0 for the exact rotation.
 INLINE void rotate_bands(int offsets, const struct lane_rotations *t, const struct slants *s,
                          int order, int channels, size_t stride, const float *in, float *out) {
     ptrdiff_t step = (ptrdiff_t)stride, channel = order * order * step;
     for (int c = 0; c < channels; c++) store(out + c * channel, load(in + c * channel));
     for (int l = 1; l < order; l++) {
-        // `in` is only read.
+        // `in` is read but never written, so the cast is safe.
         const struct band from = {(float *)(uintptr_t)in + l * (l + 1) * step, step, channel};
         const struct band to = {out + l * (l + 1) * step, step, channel};
         if (offsets == 0)
@@ -207,7 +209,8 @@ void GLUE(rsh_rotate_many_, RSH_NAME)(const struct rsh_rotations *angles, int or
     struct lane_rotations t;
     powers_of(angles->cos_gamma, angles->sin_gamma, order, &t.gamma);
     powers_of(angles->cos_alpha, angles->sin_alpha, order, &t.alpha);
-    // The exchange reverses the sense: y by beta is z by -beta between two exchanges.
+    // The exchange reverses the sense: a rotation about y by beta is one about z by -beta between
+    // two exchanges.
     powers_of(angles->cos_beta, angles->sin_beta, order, &t.beta);
     for (int m = 0; m < order; m++) t.beta.sine[m] = -t.beta.sine[m];
     rotate_batch_channels(0, &t, NULL, order, channels, stride, in, out);

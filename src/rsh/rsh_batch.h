@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels that take a vector's width at once, one declaration per instruction set;
-// rsh_kernel.h says what they do.
+// The kernels that process as many records or directions at once as a vector has lanes, with one
+// declaration per instruction set. rsh_kernel.h describes them.
 #ifndef RSH_BATCH_H
 #define RSH_BATCH_H
 

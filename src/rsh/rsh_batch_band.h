@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is common to the forms of rotation of many records: bands of records, multiples of angles.
+// Common to all rotations of many records: bands of records, and multiples of angles.
 #ifndef RSH_BATCH_BAND_H
 #define RSH_BATCH_BAND_H
 
@@ -9,7 +9,8 @@
 #include "rsh/rsh.h"
 #include "rsh/rsh_vector.h"
 
-// Channels rotated at once, so that values that depend only on the angles are computed once.
+// Channels that are rotated at once, so that values that depend only on the angles are computed
+// once.
 enum { CHANNELS = 3 };
 
 // cos(m a) and sin(m a), a record per lane.

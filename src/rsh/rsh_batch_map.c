@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What goes around the rotation of many records: the angles of their matrices, and the conversion
-// between hemisphere and sphere, a record per lane.
+// Steps before and after the rotation of many records, a record per lane: the angles of their
+// matrices, and the conversion between hemisphere and sphere.
 #include <math.h>
 #include <stddef.h>
 
@@ -9,11 +9,11 @@
 
 #define PI_SINGLE 3.14159265f
 
-// Choices below are between values, never branches, so that the loops over lanes become vectors.
+// Selections below are between values and never branches, so that loops over lanes are vectorised.
 INLINE float select_if(bool yes, float a, float b) { return yes ? a : b; }
 
-// atan2(s, c) for s, c >= 0, s^2 + c^2 = 1: the series of 8 atan(tan(angle / 8)), whose argument is
-// at most .2; the first term left out is below the rounding of floats.
+// atan2(s, c) for s, c >= 0 with s^2 + c^2 = 1: the series of 8 atan(tan(angle / 8)), whose
+// argument is at most .2. The first omitted term is below the rounding of floats.
 INLINE float angle_of(float s, float c) {
     float half = s / (1.0f + c), quarter = half / (1.0f + sqrtf(1.0f + half * half));
     float t = quarter / (1.0f + sqrtf(1.0f + quarter * quarter)), u = t * t;
@@ -23,11 +23,11 @@ INLINE float angle_of(float s, float c) {
     return 8.0f * t * (1.0f - u * sum);
 }
 
-// Roots and quotients take longer than all the rest, so what small angles and true rotations do not
-// need is left out where all lanes are such. Each lane's result is the same either way.
+// Square roots and divisions take most of the time. Those that small angles or exact rotations do
+// not need are left out if no lane needs them, which does not change the result of any lane.
 
-// As rsh_rotation_angle. Above 90 degrees it is the supplement that is found, which loses nothing
-// where the cosine is -1 to rounding or exactly.
+// As rsh_rotation_angle. Above 90 degrees the supplement is computed, which is accurate even if the
+// cosine is nearly or exactly -1.
 INLINE void angles_of(const float s[W], const float c[W], float angle[W]) {
     int large = 0;
     for (int i = 0; i < W; i++) {
@@ -40,7 +40,7 @@ INLINE void angles_of(const float s[W], const float c[W], float angle[W]) {
     for (int i = 0; i < W; i++) angle[i] = select_if(c[i] < 0.0f, PI_SINGLE - angle[i], angle[i]);
 }
 
-// 1 / sqrt(x), 0 for 0; near 1 by a step of Newton's iteration as in rsh_rotation_of_matrix.
+// 1 / sqrt(x), or 0 for 0. Near 1 by a step of Newton's iteration, as in rsh_rotation_of_matrix.
 INLINE void inverse_lengths(const float x[W], float inverse[W]) {
     int far = 0;
     for (int i = 0; i < W; i++) {
@@ -64,9 +64,9 @@ INLINE void stretch_angles(float cosine[W], float sine[W]) {
     }
 }
 
-// What rsh_rotation_of_matrix does, from the same entries, but alpha from column y of r
-// R_z(-gamma). Where there is no rotation about y, or one by 180 degrees, alpha is 0 and gamma
-// takes its angle. The series depends on which of the two has it.
+// As rsh_rotation_of_matrix, from the same entries, but alpha is from column y of r R_z(-gamma). If
+// there is no rotation about y, or one by 180 degrees, alpha is 0 and gamma has the whole angle.
+// The series depends on which of the two has it.
 void GLUE(rsh_angles_, RSH_NAME)(const float r[9][RSH_MAX_WIDTH], bool stretch,
                                  struct rsh_rotations *t) {
     float ca[W], sa[W], cb[W], sb[W], cg[W], sg[W], beta[W], square[W], unit[W], length[W];
@@ -108,9 +108,9 @@ void GLUE(rsh_angles_, RSH_NAME)(const float r[9][RSH_MAX_WIDTH], bool stretch,
     memcpy(t->beta, beta, sizeof beta);
 }
 
-// The rows (o, +-m) of a conversion, for the outputs o from m on and the inputs i from m on.
+// The rows (o, +-m) of a conversion, for outputs o and inputs i from m on.
 struct map {
-    const float *factor;  // of output and input m
+    const float *factor;  // the factor of output and input m
     ptrdiff_t output, input;
     int m, inputs;
     const float *in;  // coefficient 0
@@ -118,7 +118,7 @@ struct map {
     ptrdiff_t in_stride, out_stride;
 };
 
-// Outputs o .. o + block - 1, which use the same loads of the inputs.
+// Outputs o .. o + block - 1, computed together because they load the same inputs.
 INLINE void convert_map_rows(int block, const struct map *a, int o) {
     vf plus[4], minus[4];
     for (int k = 0; k < block; k++) plus[k] = minus[k] = (vf){0};

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The series about y for one record, a number at a time: rsh_batch_series.h where there are no
-// lanes. Here processors wait for the number of instructions, not for arithmetic. So every band is
-// a function of its own, unrolled, in which the window along the band and what vanishes at its ends
-// cost nothing; channels are taken one by one, which leaves the window in registers.
+// The series about y for one record, in scalars: rsh_batch_series.h for instruction sets that
+// cannot permute lanes. The time is limited by the number of instructions, not by arithmetic.
+// Therefore every band is an unrolled function of its own, in which moving the window along the
+// band and the zeros at its ends cost nothing. Channels are processed one after another, so that
+// the window stays in registers.
 #ifndef RSH_BATCH_ONE_H
 #define RSH_BATCH_ONE_H
 
@@ -15,7 +16,7 @@ INLINE void load_one(const float *in, const vf *tangent, int m, vf *plus, vf *mi
     *minus = v + tangent[m] * u;
 }
 
-// As series_row with offsets 1: at[1] is the coefficient, and what is 0 beside it is left out.
+// As series_row with offsets 1. at[1] is the coefficient; neighbours that are 0 are left out.
 INLINE vf one_row(bool down, bool up, const struct factors *f, vf own, const vf at[3]) {
     vf sum = own * at[1];
     if (down) sum += f->down * at[0];
@@ -23,8 +24,8 @@ INLINE vf one_row(bool down, bool up, const struct factors *f, vf own, const vf 
     return sum;
 }
 
-// As series_band with offsets 1; `in` and `out` are coefficient (l, 0) of the first of `channels`,
-// and `n` coefficients on is that of the next.
+// As series_band with offsets 1. `in` and `out` point to coefficient (l, 0) of the first of
+// `channels`; channels are `n` coefficients apart.
 INLINE void one_band(int l, int channels, int n, const struct slants *s, const float *in,
                      float *out) {
     struct factors f[RSH_MAX_ORDER];

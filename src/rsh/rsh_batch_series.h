@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The rotation of many records by the series about y, a record per lane.
 //
-// A rotation about z by a takes (p, q) of (m, -m) to c (p - t q, q + t p), c and t the cosine and
-// the tangent of m a. The cosines of both rotations go into the factors of the series between them,
-// so that a rotation costs one multiply-add per coefficient and the series three. A cosine of 0
-// counts as tiny: what the tangent enlarges, the cosine takes back.
+// A rotation about z by a maps (p, q) of (m, -m) to c (p - t q, q + t p), with c and t the cosine
+// and the tangent of m a. The cosines of both rotations are multiplied into the factors of the
+// series between them, so that a rotation costs one multiply-add per coefficient and the series
+// three. A cosine of 0 is replaced by a tiny one: the large tangent is multiplied by it again.
 #ifndef RSH_BATCH_SERIES_H
 #define RSH_BATCH_SERIES_H
 
@@ -14,14 +14,15 @@
 #include "rsh/rsh_kernel.h"
 #include "rsh/rsh_tables.h"
 
-// Tangents, and what coefficient m of the result has of m, m -+ 1 and m -+ 2 but for the entries of
-// the series' matrices: beta^k / k! times the cosines of that m times gamma and of m times alpha.
+// Tangents, and the factors of m, m -+ 1 and m -+ 2 in coefficient m of the result, without the
+// entries of the series' matrices: beta^k / k! times the cosine of the input's multiple of gamma
+// and of m alpha.
 struct slants {
     vf gamma[RSH_MAX_ORDER], alpha[RSH_MAX_ORDER], own[RSH_MAX_ORDER], curve[RSH_MAX_ORDER];
     vf down[RSH_MAX_ORDER], up[RSH_MAX_ORDER], down2[RSH_MAX_ORDER], up2[RSH_MAX_ORDER];
 };
 
-// Below the rounding of 1 by far, with an inverse far from overflow.
+// Far below the rounding of 1, while its inverse is far from overflow.
 #define NO_COSINE 1e-12f
 
 // cos(m a) and sin(m a).
@@ -39,7 +40,7 @@ INLINE void slants_of(int offsets, const struct rsh_rotations *t, int order, str
     const struct lane_angle none = {splat(1.0f), zero};
     const struct lane_angle alpha1 = {load(t->cos_alpha), load(t->sin_alpha)};
     const struct lane_angle gamma1 = {load(t->cos_gamma), load(t->sin_gamma)};
-    // Gamma runs ahead: sines of m .. m + 2, cosines of m - 2 .. m + 2.
+    // Gamma is ahead of alpha: sines of m .. m + 2 and cosines of m - 2 .. m + 2 are needed.
     struct lane_angle alpha = none, gamma = add_lane_angles(gamma1, gamma1);
     vf c[5] = {zero, zero, none.c, lanes_at_least(gamma1.c, NO_COSINE),
                lanes_at_least(gamma.c, NO_COSINE)};
@@ -65,7 +66,7 @@ INLINE void slants_of(int offsets, const struct rsh_rotations *t, int order, str
     }
 }
 
-// The pair (m, -m) of all channels, rotated by gamma but for the cosine.
+// Loads the pair (m, -m) of all channels, rotated by gamma except for the cosine.
 INLINE void load_slanted(struct band b, int channels, vf tangent, int m, vf *plus, vf *minus) {
     for (int c = 0; c < channels; c++) {
         const float *in = b.p + c * b.channel;
@@ -84,17 +85,17 @@ INLINE void store_slanted(struct band b, int channels, vf tangent, int m, const 
     }
 }
 
-// What row m has of its own coefficient and of the neighbours. D is antisymmetric and D(-m, -m - 1)
-// = -D(m + 1, m), so the row of -m has the factors of that of m; where it would include m = 0, its
-// window has 0.
+// The factors of row m for its own coefficient and its neighbours. D is antisymmetric and D(-m, -m
+// - 1) = -D(m + 1, m), so row -m has the factors of row m. Its window has 0 where it would include
+// m = 0.
 struct factors {
     vf own, down, up, down2, up2;
 };
 
-// `offsets` is 1 without and 2 with the entries of the second order two off the diagonal.
+// `offsets` is 1 without and 2 with the second-order entries two off the diagonal.
 INLINE struct factors factors_of(int offsets, int l, int m, const struct slants *s) {
     const float *slope = rsh_slope + l * (l + 1) + m;
-    // Beyond l the slope counts as 0; the table has the next band's there.
+    // Beyond l the slope is 0; the table has that of the next band there.
     const float up = m < l ? slope[1] : 0.0f;
     struct factors f = {.own = s->own[m] + rsh_curve[l * (l + 1) + m] * s->curve[m]};
     f.down = m > 0 ? slope[0] * s->down[m] : (vf){0};
@@ -115,7 +116,7 @@ INLINE void series_row(int offsets, int channels, const struct factors *f, vf (*
     }
 }
 
-// A window of five coefficients of each sign moves along the band.
+// Moves a window of five coefficients of each sign along the band.
 INLINE void series_band(int offsets, int l, int channels, const struct slants *s, struct band in,
                         struct band out) {
     vf plus[5][CHANNELS], minus[5][CHANNELS], a[CHANNELS], b[CHANNELS];

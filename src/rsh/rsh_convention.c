@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From this library's convention to others and back: phase, normalisation, and the order of the
+// Conversion between this library's convention and others: phase, normalisation, and order of the
 // coefficients.
 #include <math.h>
 #include <stdlib.h>
@@ -13,7 +13,7 @@ static bool known(int order, const rsh_convention *c) {
            (unsigned)c->layout <= RSH_COMPLEX;
 }
 
-// What a coefficient of this library is multiplied by: the inverse of what its harmonic is.
+// The factor of a coefficient in the other convention: the inverse of that of its harmonic.
 static double factor_of(const rsh_convention *convention, int l, int m) {
     double factor = convention->phase && m % 2 ? -1.0 : 1.0;
     switch (convention->norm) {
@@ -39,8 +39,8 @@ int rsh_convention_size(int order, rsh_layout layout) {
     return layout == RSH_BY_DEGREE ? order * order : 2 * order * order;
 }
 
-// The complex coefficient of m > 0 is that of cos minus i that of sin, over sqrt 2; -m has its
-// conjugate, with the sign of the phase.
+// The complex coefficient of m > 0 is the coefficient of cos minus i times that of sin, over sqrt
+// 2. That of -m is its conjugate times the sign of the phase.
 static void export_pair(const rsh_convention *convention, int order, int l, int m, double cosine,
                         double sine, float *out) {
     int n = order * order, i = l * (l + 1);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Conversion between bases on lanes, one source for AVX2 and AVX-512: the build defines RSH_NAME,
+// Conversion between bases on lanes; one source for AVX2 and AVX-512: the build defines RSH_NAME,
 // the suffix. Lanes 0 to 7 hold the coefficients of +m and lanes 8 to 15 those of -m, of one band:
-// the low row for m = 0 .. 7 and, for bands from 8 on, the high row for m = 8 .. 15.
+// the low row for m = 0 .. 7, and for bands from 8 on also the high row for m = 8 .. 15.
 #include <stddef.h>
 
 #include "rsh/rsh_lanes.h"
@@ -11,10 +11,10 @@
 #define GLUE(a, b) GLUE2(a, b)
 #define INLINE static inline __attribute__((always_inline))
 
-// Outputs computed at once; they use the same loads of the inputs.
+// Outputs computed at once; they load the same inputs.
 enum { CONVERT_BLOCK = 4 };
 
-// The row of m = base .. base + 7 of the band whose middle is `middle`; 0 beyond l.
+// Loads m = base .. base + 7 of the band whose m = 0 is at `middle`, with 0 beyond l.
 INLINE lanes load_row(const float *middle, int l, int base) {
     int count = l + 1 - base < 8 ? l + 1 - base : 8;
     return lanes_pair(eight_first(middle + base, count),
@@ -23,12 +23,12 @@ INLINE lanes load_row(const float *middle, int l, int base) {
 
 INLINE void store_row(lanes v, float *middle, int l, int base) {
     int count = l + 1 - base < 8 ? l + 1 - base : 8;
-    // m = 0 is stored last, from plus.
+    // m = 0 is in both halves; the value of `plus` is stored last.
     eight_store_last(middle - base - 7, count, eight_reverse(lanes_high(v)));
     eight_store_first(middle + base, count, lanes_low(v));
 }
 
-// Outputs o .. o + block - 1 of the inputs from `base` on, whose factors begin at f.
+// Computes outputs o .. o + block - 1 from the inputs from `base` on, whose factors begin at f.
 INLINE void convert_rows(int block, const float *f, const ptrdiff_t strides[2], int base,
                          int inputs, const lanes *row, int o, float *out) {
     lanes sum[CONVERT_BLOCK];
@@ -42,7 +42,8 @@ INLINE void convert_rows(int block, const float *f, const ptrdiff_t strides[2], 
     for (int k = 0; k < block; k++) store_row(sum[k], out + (o + k) * (o + k + 1), o + k, base);
 }
 
-// One part, low or high: `factor` has eight per (output, input), at the given strides.
+// Converts the low or the high rows: `factor` has eight numbers per (output, input), at the given
+// strides.
 INLINE void convert_part(const float *factor, const ptrdiff_t strides[2], int base,
                          const int bands[2], const float *in, float *out) {
     lanes row[RSH_MAX_ORDER];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vectors of directions and of what belongs to them, for the kernels that take many.
+// Vectors of directions and of values that belong to them, for the kernels that process many.
 #ifndef RSH_DIRECTIONS_H
 #define RSH_DIRECTIONS_H
 
@@ -12,7 +12,7 @@ struct directions {
     vf x, y, z;
 };
 
-// `keep` lanes are real, the others get the pole.
+// Loads `keep` directions; the other lanes get the pole.
 INLINE struct directions load_directions(const float *const d[3], size_t first, size_t keep) {
     float tail[3][W];
     if (keep >= W)
@@ -23,7 +23,7 @@ INLINE struct directions load_directions(const float *const d[3], size_t first, 
     return (struct directions){load(tail[0]), load(tail[1]), load(tail[2])};
 }
 
-// The lanes that are not real get 0.
+// Loads `keep` values; the other lanes get 0.
 INLINE vf load_values(const float *value, size_t first, size_t keep) {
     if (keep >= W) return load(value + first);
     float tail[W] = {0};
@@ -31,8 +31,8 @@ INLINE vf load_values(const float *value, size_t first, size_t keep) {
     return load(tail);
 }
 
-// 0 .. 1, and 2 sqrt(z / (1 + z)), which scales the hemisphere's x and y to the sphere's as in
-// rsh_eval.
+// Clamps the height to [0, 1] and maps it to 2 z - 1. Returns 2 sqrt(z / (1 + z)), which scales the
+// hemisphere's x and y to the sphere's, as in rsh_eval.
 INLINE vf stretch_height(vf *height) {
     float z[W], s[W];
     store(z, *height);
@@ -56,13 +56,13 @@ INLINE struct azimuth azimuth_add(struct azimuth a, struct azimuth b) {
     return (struct azimuth){a.c * b.c - a.s * b.s, a.c * b.s + a.s * b.c};
 }
 
-// The difference of squares is more right than the product of difference and sum, and m times as
-// much of its error shows in the functions.
+// The difference of squares is more accurate than the product of sum and difference, and the
+// functions show m times its error.
 INLINE struct azimuth azimuth_double(struct azimuth a) {
     return (struct azimuth){a.c * a.c - a.s * a.s, (a.c + a.c) * a.s};
 }
 
-// Functions (l, -m) and (l, m): the Legendre function p times the parts of the azimuth.
+// Stores functions (l, -m) and (l, m): the Legendre function p times the components of the azimuth.
 INLINE void put_pair(float *out, size_t shift, vf p, struct azimuth a) {
     if (shift) store(out - shift, p * a.s);
     store(out + shift, p * a.c);

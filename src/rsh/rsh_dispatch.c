@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses the instruction set. The only state is one pointer to constant data, which every thread
-// finds alike, so a race is harmless.
+// Chooses the instruction set. The only state is one pointer to constant data. Every thread
+// computes the same value for it, so a race is harmless.
 #include <stdatomic.h>
 
 #include "rsh/rsh_kernel.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Evaluation of the harmonics in one direction, which defines them, and the calls for many.
+// Evaluation of the harmonics in one direction, which defines them, and the calls for many
+// directions.
 #include "rsh/rsh.h"
 
 #include <math.h>
@@ -7,9 +8,9 @@
 #include "rsh/rsh_kernel.h"
 #include "rsh/rsh_tables.h"
 
-// The direction at which spherical harmonics take a hemispherical harmonic's value, but for the
-// factor sqrt 2: cos theta' = 2 cos theta - 1 at the same phi. As sin theta' / sin theta =
-// 2 sqrt(cos theta / (1 + cos theta)), nothing is singular at the pole.
+// Maps a direction to the one at which a spherical harmonic has the hemispherical harmonic's value,
+// but for the factor sqrt 2: cos theta' = 2 cos theta - 1 at the same phi. As sin theta' / sin
+// theta = 2 sqrt(cos theta / (1 + cos theta)), nothing is singular at the pole.
 static void stretch_direction(double w[3]) {
     double z = w[2] > 0.0 ? fmin(w[2], 1.0) : 0.0, s = 2.0 * sqrt(z / (1.0 + z));
     w[0] *= s;
@@ -17,8 +18,9 @@ static void stretch_direction(double w[3]) {
     w[2] = 2.0 * z - 1.0;
 }
 
-// In double: near the poles degree l enlarges an error of z by l (l + 1) / 2, also that of a length
-// which is 1 up to the rounding of floats only; one step of Newton's iteration takes that away.
+// In double: near the poles degree l multiplies an error of z by l (l + 1) / 2. Such an error also
+// comes from a length that is 1 only to the rounding of floats; a step of Newton's iteration
+// removes it.
 bool rsh_eval(rsh_basis basis, int order, const float w[3], float *y) {
     if (!rsh_basis_ok(basis) || !rsh_order_ok(order)) return false;
     double d[3] = {(double)w[0], (double)w[1], (double)w[2]}, c = 1.0, s = 0.0;

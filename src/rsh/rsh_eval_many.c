@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 // Evaluation of all harmonics in many directions, RSH_WIDTH directions per vector.
 //
-// Up to order RSH_GENTLE: the Legendre functions of one m are polynomials in z^2, those of odd l -
-// m times z, and are found as products of their roots' factors; z is multiplied to the azimuth once
-// per m. So a pair of functions (l, +-m) costs two products and one per root, the differences go to
-// adders that are idle otherwise, and no function waits for another. The factors of large roots
-// take z^2 - 1, which near the poles, where functions are steep, is exact to rounding. Higher
-// orders: rsh_eval_steep.h.
+// Orders up to RSH_GENTLE: the Legendre functions of one m are polynomials in z^2, times z for odd
+// l - m, and are computed as products of the factors of their roots. z is multiplied to the azimuth
+// once per m. So a pair of functions (l, +-m) costs two products and one per root, the differences
+// use adders that are otherwise idle, and no function depends on another. The factors of large
+// roots are computed from z^2 - 1, which is exact to rounding near the poles, where functions are
+// steep. Higher orders: rsh_eval_steep.h.
 #include "rsh/rsh_batch.h"
 #include "rsh/rsh_directions.h"
 #include "rsh/rsh_eval_steep.h"
 #include "rsh/rsh_tables.h"
 
-// x, y and z of the sphere, of unit length; t = z^2 and u = z^2 - 1, either right to rounding where
-// it is small.
+// x, y and z on the sphere, of unit length; t = z^2 and u = z^2 - 1, each accurate to rounding
+// where it is small.
 struct eval_point {
     vf x, y, z, t, u;
 };
 
-// 2 sqrt(z / (1 + z)) as by `stretch`, and what its rounded value lacks in relation to itself, z
-// being short by `off` of itself.
+// 2 sqrt(z / (1 + z)) as `stretch`, and the relative error of its rounded value, if z has the
+// relative error `off`.
 struct eval_scale {
     vf size, lack;
 };
@@ -34,7 +34,8 @@ INLINE struct eval_scale scale_of(vf *height, vf off) {
     }
     const vf h = load(z), y = load(inverse), s = (h + h) * y;
     vf square = s * s;
-    RSH_KEEP(square);  // so that the next line is fused, where it can be, and gives its rounding
+    RSH_KEEP(square);  // so that the next line is fused where that is possible, which gives the
+                       // rounding of `square`
     const vf lost = s * s - square, more = off * h;
     const vf rest =
         (((4.0f * h - square) - square * h) - (lost + lost * h)) + more * (4.0f - square);
@@ -42,8 +43,8 @@ INLINE struct eval_scale scale_of(vf *height, vf off) {
     return (struct eval_scale){s, rest * (0.125f + 0.125f * h) * (y * y)};
 }
 
-// `off` is what the length lacks of 1, `rest` what z lacks: m times the one and l (l + 1) / 2 times
-// the other show in the functions.
+// `off` is the error of the length and `rest` that of z: the functions show m times the first and l
+// (l + 1) / 2 times the second.
 INLINE struct eval_point eval_point_of(rsh_basis basis, struct directions v) {
     vf off = (1.0f - v.z) * (1.0f + v.z);
     off = 0.5f * ((off - v.x * v.x) - v.y * v.y);
@@ -68,7 +69,7 @@ INLINE struct eval_point eval_point_of(rsh_basis basis, struct directions v) {
     return p;
 }
 
-// Vectors evaluated side by side, which use the same constants, where there are registers for two.
+// Vectors that are evaluated together with the same constants, if there are registers for two.
 enum { PAIR = RSH_WIDTH == 16 ? 2 : 1 };
 
 // (x + i y)^m of `vectors` vectors.
@@ -84,7 +85,7 @@ INLINE struct eval_powers power_sum(int vectors, const struct eval_powers *a,
     return sum;
 }
 
-// Functions l = m .. order - 1 of one m, whose azimuth is given.
+// Computes functions l = m .. order - 1 of one m, whose azimuth is given.
 INLINE void eval_column(const float *norm, int order, int m, int vectors,
                         const struct eval_point *v, const struct eval_powers *even, size_t count,
                         float *out) {
@@ -114,8 +115,9 @@ INLINE void eval_column(const float *norm, int order, int m, int vectors,
     }
 }
 
-// All functions of one vector of directions or two; a function of its own per order, which leaves
-// nothing to branch on. Directions are prepared here, not ahead: stores take longer than all else.
+// Computes all functions of one vector of directions or two. There is one function per order, so
+// that nothing branches. Directions are prepared here and not ahead, because stores take longer
+// than everything else.
 INLINE void eval_gentle(rsh_basis basis, int order, int vectors, const float *const d[3],
                         size_t count, float *out) {
     const bool hemisphere = basis == RSH_HEMISPHERE;
@@ -177,7 +179,7 @@ EVAL(pair_10, 10, 2)
 #endif
 #undef EVAL
 
-// One vector of directions, or PAIR of them.
+// Evaluates one vector of directions, or PAIR of them.
 INLINE void eval_vectors(rsh_basis basis, int order, int vectors, const float *const d[3],
                          size_t count, float *out) {
     static evaluation *const gentle[PAIR][RSH_GENTLE] = {
@@ -196,7 +198,7 @@ INLINE void eval_vectors(rsh_basis basis, int order, int vectors, const float *c
     }
 }
 
-// Fewer directions than a vector holds.
+// Evaluates fewer directions than a vector holds.
 static void eval_few(rsh_basis basis, int order, size_t count, const float *const d[3],
                      float *out) {
     float few[RSH_MAX_COEFFICIENTS * W], padded[3][W];
@@ -217,7 +219,7 @@ void GLUE(rsh_eval_many_, RSH_NAME)(rsh_basis basis, int order, size_t count, co
         return;
     }
     for (size_t first = 0; first < count;) {
-        // The last vector may begin among directions that are done already.
+        // The last vector may overlap directions that are already done.
         const int vectors = count - first >= PAIR * W ? PAIR : 1;
         if (count - first < W) first = count - W;
         const float *const d[3] = {x + first, y + first, z + first};

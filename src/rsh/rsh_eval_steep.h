@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Evaluation at orders where functions are so steep near the poles that the rounding of z itself
-// shows: the recurrences run on u = 1 - |z|, which is found in double, for m < RSH_STEEP by
-// differences.
+// Evaluation at orders whose functions are so steep near the poles that the rounding of z itself is
+// visible. The recurrences use u = 1 - |z|, which is computed in double; for m < RSH_STEEP they are
+// recurrences of differences.
 #ifndef RSH_EVAL_STEEP_H
 #define RSH_EVAL_STEEP_H
 
 #include "rsh/rsh_directions.h"
 #include "rsh/rsh_tables.h"
 
-// Where to evaluate: the direction as given, u = 1 - |z| and the sign of z once it is the sphere's,
-// and the factor that makes x and y the sphere's: size (1 + grow), grow being tiny.
+// A point of evaluation: the direction as given, u = 1 - |z| and the sign of z on the sphere, and
+// the factor that maps x and y to the sphere: size (1 + grow), where grow is tiny.
 struct steep_point {
     vf x, y, u, sign, size, grow;
 };
@@ -19,8 +19,8 @@ INLINE struct azimuth next_azimuth(struct azimuth a, const struct steep_point *v
                             v->size * (v->x * a.s + v->y * a.c)};
 }
 
-// In double, because degree l makes l (l + 1) / 2 times as much of the error of u and m times as
-// much of that of the factor. Lengths are set right as in rsh_eval.
+// In double, because degree l multiplies the error of u by l (l + 1) / 2 and that of the factor by
+// m. Lengths are corrected as in rsh_eval.
 INLINE struct steep_point steep_point_of(rsh_basis basis, struct directions v) {
     float x[W], y[W], z[W], u[W], sign[W], size[W], grow[W];
     store(x, v.x);
@@ -37,7 +37,7 @@ INLINE struct steep_point steep_point_of(rsh_basis basis, struct directions v) {
         size[i] = 1.0f;
         grow[i] = (float)off;
         if (basis == RSH_HEMISPHERE) {
-            // 2 sqrt(z / (1 + z)), and how far its square is off.
+            // 2 sqrt(z / (1 + z)), and the error of its square.
             size[i] = 2.0f * sqrtf(z[i] / (1.0f + z[i]));
             double square = (double)size[i] * (double)size[i];
             grow[i] += (float)(4.0 * c - square * (1.0 + c)) / (8.0f * z[i] + 1e-30f);
@@ -49,8 +49,8 @@ INLINE struct steep_point steep_point_of(rsh_basis basis, struct directions v) {
     return (struct steep_point){v.x, v.y, load(u), load(sign), load(size), load(grow)};
 }
 
-// The two factors of functions (l, +-m) that belong to m, for even and for odd l - m: what follows
-// is of |z|.
+// The two factors of functions (l, +-m) that depend on m alone, for even and for odd l - m.
+// Everything below is a function of |z|.
 struct sides {
     struct azimuth of[2];
 };
@@ -62,8 +62,8 @@ INLINE struct sides sides_of(struct azimuth a, int m, const struct steep_point *
     return (struct sides){{a, {a.c * v->sign, a.s * v->sign}}};
 }
 
-// One m: l = m .. order - 1. As |z| = 1 - u, the recurrence is p - u p - b p1, which near the pole
-// loses nothing of u.
+// Computes l = m .. order - 1 for one m. As |z| = 1 - u, the recurrence is p - u p - b p1, which
+// keeps the accuracy of u near the pole.
 INLINE void steep_column(int order, int m, vf u, struct sides a, size_t count, float *out) {
     const float *norm = rsh_norm + m * RSH_MAX_ORDER, *b = rsh_recurrence + m * RSH_MAX_ORDER;
     const size_t shift = (size_t)m * count, two = 2 * count;
@@ -81,7 +81,7 @@ INLINE void steep_column(int order, int m, vf u, struct sides a, size_t count, f
     }
 }
 
-// All m < RSH_STEEP side by side, by differences of u.
+// Computes all m < RSH_STEEP together, by differences in u.
 INLINE void steep_small(int order, vf u, const struct sides *a, size_t count, float *out) {
     vf q[RSH_STEEP], d[RSH_STEEP];
     for (int m = 0; m < RSH_STEEP; m++) {
@@ -100,7 +100,7 @@ INLINE void steep_small(int order, vf u, const struct sides *a, size_t count, fl
         }
 }
 
-// All functions of one vector of directions.
+// Computes all functions of one vector of directions.
 INLINE void steep_vector(rsh_basis basis, int order, const struct steep_point *v, size_t count,
                          float *out) {
     struct azimuth a = {splat(basis == RSH_HEMISPHERE ? sqrtf(2.0f) : 1.0f), {0}};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is done with a function once it has coefficients: its value, its convolution, the change to
-// the convention with the Condon-Shortley phase.
+// Operations on a function in harmonics: its value, its convolution, and conversion to the
+// convention with the Condon-Shortley phase.
 #include <math.h>
 
 #include "rsh/rsh_kernel.h"

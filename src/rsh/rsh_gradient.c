@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Derivatives of the harmonics by the angles of the direction [K05 A; errata 3], in a form without
-// singularity at the pole: along a meridian band l changes as under rotation about y, which couples
-// |m| with its neighbours only.
+// a singularity at the pole: along a meridian band l changes as under a rotation about y, which
+// couples only neighbouring |m|.
 #include <math.h>
 
 #include "rsh/rsh_kernel.h"
 #include "rsh/rsh_tables.h"
 
-// Below this cosine the derivative of the stretched angle, sqrt((1 + c) / c), is held.
+// Below this cosine the derivative of the stretched angle, sqrt((1 + c) / c), is constant.
 #define RSH_LEAST_COSINE 1e-6
 
 // sK P_l^m(cosine) for all l and m >= 0, indexed l (l + 1) + m. In double, as rsh_eval.

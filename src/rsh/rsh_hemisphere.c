@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Alignment of frames for both bases, and the conversion from the hemisphere to the sphere and
-// back.
+// Alignment of frames for both bases, and conversion between hemisphere and sphere.
 //
-// Rotating hemispherical harmonics through the sphere replaces matrices of reprojection tabulated
-// over the angle: with the mirror image as the continuation below the horizon it has their error,
-// needs no table over the angle and costs two small constant maps more than a rotation.
+// Hemispherical harmonics are rotated on the sphere, not by reprojection matrices tabulated over
+// the angle. With the mirror image as the continuation below the horizon, the error is that of
+// these matrices. It needs no table over the angle, and costs two small constant maps more than a
+// rotation.
 #include <math.h>
 #include <string.h>
 
 #include "rsh/rsh_kernel.h"
 
-// Channels converted at once, as many as the rotation kernels take together.
+// Channels that are converted at once, as many as the rotation kernels process together.
 enum { BLOCK = 3 };
 
 int rsh_sphere_order(int order) { return order + 2 < RSH_MAX_ORDER ? order + 2 : RSH_MAX_ORDER; }
 
-// Channels of orders bands[1] to orders bands[0].
+// Converts channels of orders bands[1] to orders bands[0].
 static bool convert(const struct rsh_rows *rows, bool transposed, const int bands[2], int channels,
                     const float *in, float *out) {
     const struct rsh_kernels *k = rsh_kernels_best();
@@ -76,7 +76,7 @@ bool rsh_rotate_stretched(int order, int channels, const float r[9], const float
     return true;
 }
 
-// The rotation of coordinates from frame a to frame b.
+// Computes the rotation of coordinates from frame a to frame b.
 static void change_of_frame(const float a[9], const float b[9], float r[9]) {
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
@@ -84,8 +84,9 @@ static void change_of_frame(const float a[9], const float b[9], float r[9]) {
                 b[3 * i] * a[3 * j] + b[3 * i + 1] * a[3 * j + 1] + b[3 * i + 2] * a[3 * j + 2];
 }
 
-// Every form but the one through the sphere is z(alpha) Y(beta) z(gamma) with orthogonal z and
-// Y(beta)^T = Y(-beta), the series included, so its transpose is the same form of the inverse.
+// All forms but the one through the sphere are z(alpha) Y(beta) z(gamma), with orthogonal z and
+// Y(beta)^T = Y(-beta), which also holds for the series. So the transpose is the same form with the
+// inverse rotation.
 static bool align(bool transposed, rsh_basis basis, int order, int channels, const float from[9],
                   const float to[9], float beta_limit, const float *in, float *out) {
     if (!rsh_basis_ok(basis) || !rsh_order_ok(order)) return false;

@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rotation matrices band by band from the 3 x 3 matrix [Ivanic and Ruedenberg 1996, with the
 // corrections of 1998], and the derivatives of the rotation about y by the same recurrence with the
-// product rule [K05 C; errata 4 for its missing cases]. Kept as an independent form and for
+// product rule [K05 C; errata 4 for its missing cases]. Kept as an independent form, and for
 // derivatives of any order; rsh_rotate needs no matrices.
 #include <math.h>
 #include <string.h>
 
 #include "rsh/rsh_kernel.h"
 
-// Matrices of band l begin at block(l), rows and columns m = -l .. l.
+// The index at which the matrix of band l begins; its rows and columns are m = -l .. l.
 static int block(int l) { return l * (2 * l - 1) * (2 * l + 1) / 3; }
 
 int rsh_blocks_size(int order) { return rsh_order_ok(order) ? block(order) : 0; }
 
-// One term of a row: factor times R^1_i. times row m of band l - 1.
+// One term of a row: factor times row i of R^1 times row m of band l - 1.
 struct term {
     float factor;
     int i, m;
 };
 
-// The terms of row m of band l, the functions U, V and W of the papers with their coefficients. A
-// term whose factor is 0 is left out: its row may lie outside the block.
+// The terms of row m of band l: the functions U, V and W of the papers with their coefficients. A
+// term whose factor is 0 is left out, as its row may be outside the block.
 static int terms_of(int l, int m, struct term *t) {
     const float *f = rsh_ivanic_row[l * (l + 1) + m], v = f[1], w = f[2];
     int count = 0;
@@ -41,8 +41,8 @@ static int terms_of(int l, int m, struct term *t) {
     return count;
 }
 
-// Adds factor times P of the papers, for all columns of row: first is row i of R^1 and last the row
-// of R^(l-1), each at its column 0.
+// Adds factor times P of the papers to all columns of `row`. `first` is row i of R^1 and `last` the
+// row of R^(l-1), each at its column 0.
 static void add_term(int l, float factor, const float *first, const float *last, float *row) {
     float center = factor * first[0], right = factor * first[1], left = factor * first[-1];
     for (int m = 1 - l; m < l; m++) row[m] += center * last[m];
@@ -50,8 +50,9 @@ static void add_term(int l, float factor, const float *first, const float *last,
     row[-l] += right * last[1 - l] + left * last[l - 1];
 }
 
-// Fills bands 2 .. order - 1 of derivatives 0 .. highest; bands 0 and 1 stand. The k-th derivative
-// of a product is the sum over p of k! / p! (k - p)! times the p-th and the (k - p)-th [K05 C, dT].
+// Fills bands 2 .. order - 1 of derivatives 0 .. highest; bands 0 and 1 are given. The k-th
+// derivative of a product is the sum over p of k! / p! (k - p)! times the p-th derivative of one
+// factor and the (k - p)-th of the other [K05 C, dT].
 static void build_blocks(int order, int highest, float *blocks) {
     const ptrdiff_t step = block(order);
     for (int l = 2; l < order; l++) {
@@ -80,7 +81,8 @@ static void build_blocks(int order, int highest, float *blocks) {
 bool rsh_rotation_blocks(int order, const float r[9], float *blocks) {
     if (!rsh_order_ok(order) || !rsh_in_range(r, 9)) return false;
     blocks[0] = 1.0f;
-    // Band 1 is (y, z, x). Entries beyond 1, which no rotation has, would overflow in high bands.
+    // Band 1 is (y, z, x). Entries are clamped to [-1, 1]: larger ones are from no rotation and
+    // would overflow in high bands.
     static const int axis[3] = {1, 2, 0};
     for (int i = 0; i < 9 && order > 1; i++)
         blocks[1 + i] = fminf(fmaxf(r[3 * axis[i / 3] + axis[i % 3]], -1.0f), 1.0f);

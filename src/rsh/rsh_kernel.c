@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The products with vectors of the native width and the table of an instruction set: one source for
-// every set.
+// The products with vectors of the native width, and the table of an instruction set; one source
+// for every instruction set.
 #include "rsh/rsh_kernel.h"
 
 #include "rsh/rsh_batch.h"
@@ -8,8 +8,8 @@
 #include "rsh/rsh_tables.h"
 #include "rsh/rsh_vector.h"
 
-// One pass over all rows for `vectors` vectors of coefficients, begun at `matrix`; the last vector
-// adds its lanes from `skip` on (it may overlap the one before).
+// One pass over all rows for `vectors` vectors of coefficients that begin at `matrix`. Of the last
+// vector only the lanes from `skip` on are added, as it may overlap the one before.
 INLINE void accumulate_columns(int vectors, int channels, size_t count, size_t row,
                                const float *matrix, const float *const value[3], size_t skip,
                                float *out) {
@@ -36,7 +36,7 @@ INLINE void accumulate_columns(int vectors, int channels, size_t count, size_t r
     }
 }
 
-// The widest block whose sums of three channels stay in registers: 24 of 32, or 12 of 16.
+// The widest block whose sums of three channels stay in registers: 24 of 32 registers, or 12 of 16.
 enum { KERNEL_BLOCK = RSH_WIDTH == 16 ? 8 : 4 };
 
 INLINE void accumulate_channels(int channels, size_t count, size_t coefficients,
@@ -71,7 +71,7 @@ INLINE void accumulate_channels(int channels, size_t count, size_t coefficients,
     }
 }
 
-// Who takes rows shorter than a vector.
+// The instruction set that processes rows shorter than a vector.
 #define NARROWER_avx512 rsh_kernels_avx2
 #define NARROWER_avx2 rsh_kernels_sse2
 #define NARROWER_sse2 rsh_kernels_plain
@@ -87,7 +87,7 @@ static void kernel_accumulate(size_t count, size_t coefficients, const float *ma
         accumulate_channels(1, count, coefficients, matrix, value, out);
 }
 
-// The last n % W terms come with the last vector, whose other lanes are masked out.
+// The last n % W terms are in the last vector, whose other lanes are masked out.
 static void kernel_dot3(int n, int step, const float *a, const float *b, float out[3]) {
     static const float zeros_ones[2 * W] = {[W... 2 * W - 1] = 1.0f};
     if (n < W) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sixteen lanes in one AVX-512 register or two AVX2 registers, with the permutations that rotation
-// needs. An index is 0 .. 15; the low half is lanes 0 .. 7.
+// Sixteen lanes, in one AVX-512 register or two AVX2 registers, with the permutations that rotation
+// needs. A lane's index is 0 .. 15; the low half is lanes 0 .. 7.
 #ifndef RSH_LANES_H
 #define RSH_LANES_H
 
@@ -22,23 +22,23 @@ LANES_INLINE lanes lanes_splat(float x) { return _mm512_set1_ps(x); }
 LANES_INLINE lanes lanes_zero(void) { return _mm512_setzero_ps(); }
 LANES_INLINE lanes lanes_add(lanes a, lanes b) { return _mm512_add_ps(a, b); }
 LANES_INLINE lanes lanes_mul(lanes a, lanes b) { return _mm512_mul_ps(a, b); }
-// a b + c, c - a b
+// a b + c, and c - a b.
 LANES_INLINE lanes lanes_mad(lanes a, lanes b, lanes c) { return _mm512_fmadd_ps(a, b, c); }
 LANES_INLINE lanes lanes_nmad(lanes a, lanes b, lanes c) { return _mm512_fnmadd_ps(a, b, c); }
 
-// The low half of a with the high half of b.
+// The low half of a and the high half of b.
 LANES_INLINE lanes lanes_halves(lanes a, lanes b) { return _mm512_mask_mov_ps(a, 0xff00, b); }
 // a in the lanes of the constant mask, b elsewhere.
 #define lanes_choose(mask, a, b) \
     _mm512_mask_mov_ps(_mm512_set1_ps(b), (__mmask16)(mask), _mm512_set1_ps(a))
 
-// lanes_choose for vectors.
+// As lanes_choose, for vectors.
 #define lanes_choose_of(mask, a, b) _mm512_mask_mov_ps(b, (__mmask16)(mask), a)
-// Lanes 2 i and 2 i + 1 exchanged; a b + c in odd lanes, a b - c in even ones.
+// Exchanges lanes 2 i and 2 i + 1. The next one is a b + c in odd lanes and a b - c in even ones.
 LANES_INLINE lanes lanes_swap_pairs(lanes v) { return _mm512_permute_ps(v, 0xb1); }
 LANES_INLINE lanes lanes_mad_sub(lanes a, lanes b, lanes c) { return _mm512_fmaddsub_ps(a, b, c); }
 
-// Halves as registers of eight, and eight numbers in both halves.
+// Halves as registers of eight lanes, and eight numbers copied to both halves.
 LANES_INLINE lanes lanes_pair(__m256 low, __m256 high) {
     return _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
 }
@@ -48,7 +48,8 @@ LANES_INLINE lanes lanes_twice(const float *p) {
     return _mm512_broadcast_f32x8(_mm256_loadu_ps(p));
 }
 
-// The first or the last `count` of eight numbers, 0 elsewhere; and their stores.
+// Loads the first or the last `count` of eight numbers, with 0 elsewhere. The stores write the same
+// lanes.
 LANES_INLINE __m256 eight_first(const float *p, int count) {
     return _mm256_maskz_loadu_ps((__mmask8)_bzhi_u32(0xff, (unsigned)count), p);
 }
@@ -64,26 +65,26 @@ LANES_INLINE void eight_store_last(float *p, int count, __m256 v) {
 
 typedef __m512i indices;
 LANES_INLINE indices indices_load(const int32_t *p) { return _mm512_loadu_si512(p); }
-// The compiler is kept from reading memory again.
+// Keeps the compiler from reading the indices from memory again.
 LANES_INLINE indices indices_held(indices p) {
     __asm__("" : "+v"(p));
     return p;
 }
 LANES_INLINE indices indices_next(indices p) { return _mm512_add_epi32(p, _mm512_set1_epi32(1)); }
 
-// Lane i gets lane index[i] of v: within its half (indices count round there), from the other half,
-// or from either.
+// Lane i gets lane index[i] of v: within its own half (indices are modulo 8), from the other half,
+// or from any lane.
 LANES_INLINE lanes lanes_within(lanes v, indices p) { return _mm512_permutexvar_ps(p, v); }
 LANES_INLINE lanes lanes_across(lanes v, indices p) { return _mm512_permutexvar_ps(p, v); }
 LANES_INLINE lanes lanes_any(lanes v, indices p) { return _mm512_permutexvar_ps(p, v); }
-// Of the halves exchanged: lane i gets lane index[i] + 8 or - 8, indices counting as for `within`
-// before they were made those of the opposite half.
+// For a permutation of exchanged halves: lane i gets lane index[i] + 8 or - 8. These indices count
+// as for `within` before they are converted to those of the opposite half.
 LANES_INLINE indices indices_opposite(indices p) {
     return _mm512_xor_si512(p, _mm512_set1_epi32(8));
 }
 LANES_INLINE lanes lanes_opposite(lanes v, indices p) { return _mm512_permutexvar_ps(p, v); }
 
-// Lane i gets in[index[i]], or 0 where index[i] >= count; count <= 32, index < 32.
+// Lane i gets in[index[i]], or 0 if index[i] >= count; count <= 32, index < 32.
 struct lanes_source {
     __m512 low, high;
 };
@@ -159,7 +160,7 @@ LANES_INLINE __m256 eight_first(const float *p, int count) {
 LANES_INLINE __m256 eight_last(const float *p, int count) {
     return _mm256_maskload_ps(p, last_mask(count));
 }
-// Masked stores are slow on some processors, so whole rows go without.
+// Masked stores are slow on some processors, so whole rows are stored without a mask.
 LANES_INLINE void eight_store_first(float *p, int count, __m256 v) {
     if (count == 8)
         _mm256_storeu_ps(p, v);
@@ -189,14 +190,14 @@ LANES_INLINE __m256i eight_indices(const int32_t *p) {
 LANES_INLINE indices indices_load(const int32_t *p) {
     return (indices){eight_indices(p), eight_indices(p + 8)};
 }
-// There are too few registers to hold tables in.
+// AVX2 has too few registers to hold tables.
 LANES_INLINE indices indices_held(indices p) { return p; }
 LANES_INLINE indices indices_next(indices p) {
     const __m256i one = _mm256_set1_epi32(1);
     return (indices){_mm256_add_epi32(p.lo, one), _mm256_add_epi32(p.hi, one)};
 }
 
-// The instruction looks at the low three bits of an index only.
+// The instruction uses only the low three bits of an index.
 LANES_INLINE lanes lanes_within(lanes v, indices p) {
     return (lanes){_mm256_permutevar8x32_ps(v.lo, p.lo), _mm256_permutevar8x32_ps(v.hi, p.hi)};
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rotation and alignment of many records, given as structures of arrays. Records go to the kernels
-// in vectors of its width; what is left at the end is padded in scratch, so that each record's
-// result is the same wherever it stands.
+// Rotation and alignment of many records, given as structures of arrays. Kernels get vectors of
+// records; the last vector is padded in scratch, so that the result of a record does not depend on
+// its index.
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
@@ -10,20 +10,21 @@
 
 #define INLINE static inline __attribute__((always_inline))
 
-// Channels rotated at once, as many as the kernels take together.
+// Channels that are rotated at once, as many as the kernels process together.
 enum { BLOCK = 3, SCRATCH = BLOCK * RSH_MAX_COEFFICIENTS * RSH_MAX_WIDTH };
 
-// What one call does to every record.
+// The operation that one call applies to every record.
 struct many_job {
     const struct rsh_kernels *kernels;
     rsh_basis basis;
     int order, channels;
-    enum rsh_method method;  // of every record; EXACT with beta_limit > 0: of those beyond it
+    enum rsh_method method;  // of every record; if EXACT with beta_limit > 0, that of records
+                             // beyond the limit
     float beta_limit;
     bool transposed;
 };
 
-// A vector of records: `channels` up to BLOCK, records `stride` apart.
+// A vector of records with up to BLOCK `channels`; its coefficients are `stride` apart.
 struct channel_part {
     int channels;
     size_t stride;
@@ -58,7 +59,7 @@ static void rotate_exactly(const struct many_job *j, const struct rsh_rotations 
         j->kernels->rotate_many(t, j->order, p->channels, p->stride, p->in, p->out);
 }
 
-// Both forms, and of each record the one that its angle asks for.
+// Computes both forms and selects for each record the one that its angle requires.
 static void rotate_mixed(const struct many_job *j, const struct rsh_rotations rotations[2],
                          const bool *fast, const struct channel_part *p) {
     float exact[SCRATCH];
@@ -73,10 +74,10 @@ static void rotate_mixed(const struct many_job *j, const struct rsh_rotations ro
             p->out[k * p->stride + i] = fast[i] ? padded[k * width + i] : exact[k * width + i];
 }
 
-// One vector of records of all channels, with their matrices.
+// Rotates one vector of records in all channels, by their matrices.
 static void rotate_vector(const struct many_job *j, const float r[9][RSH_MAX_WIDTH], size_t stride,
                           const float *in, float *out) {
-    struct rsh_rotations rotations[2];  // of the true and of the fast form
+    struct rsh_rotations rotations[2];  // by the exact and by the fast method
     bool fast[RSH_MAX_WIDTH];
     int width = j->kernels->width, count = 0;
     j->kernels->angles(r, false, &rotations[0]);
@@ -100,7 +101,8 @@ static void rotate_vector(const struct many_job *j, const float r[9][RSH_MAX_WID
     }
 }
 
-// The last records, fewer than a vector: `tail` of `count`, padded with what the first of them has.
+// Rotates the last `tail` of `count` records, fewer than a vector, padded with copies of the first
+// of them.
 static void rotate_tail(const struct many_job *j, const float r[9][RSH_MAX_WIDTH], size_t tail,
                         size_t count, const float *in, float *out) {
     float padded[SCRATCH];
@@ -119,7 +121,8 @@ static void rotate_tail(const struct many_job *j, const float r[9][RSH_MAX_WIDTH
     }
 }
 
-// Entries of `count` records from `first` on, the first of them again in the lanes beyond.
+// Loads the entries of `count` records from `first` on, and those of the first of them into further
+// lanes.
 INLINE void load_entries(int lanes, const float *const a[9], size_t first, size_t count,
                          float f[9][RSH_MAX_WIDTH]) {
     for (int e = 0; e < 9; e++) {
@@ -131,8 +134,8 @@ INLINE void load_entries(int lanes, const float *const a[9], size_t first, size_
     }
 }
 
-// Frames that are the same number for number have no rotation between them, however orthonormal, as
-// in rsh_align.
+// Frames that are equal in all numbers have no rotation between them, even if they are not
+// orthonormal, as in rsh_align.
 INLINE void leave_out_equal(int lanes, const float f[9][RSH_MAX_WIDTH],
                             const float g[9][RSH_MAX_WIDTH], float r[9][RSH_MAX_WIDTH]) {
     int32_t differ[RSH_MAX_WIDTH] = {0}, equal = 0;
@@ -143,8 +146,8 @@ INLINE void leave_out_equal(int lanes, const float f[9][RSH_MAX_WIDTH],
         for (int e = 0; e < 9 && !differ[i]; e++) r[e][i] = e % 4 == 0 ? 1.0f : 0.0f;
 }
 
-// The rotations of coordinates from frames a to frames b, or r = a itself where b is NULL, in the
-// lanes of a vector. Sums are rounded as in rsh_align: where an angle is uncertain, it is the same.
+// The rotations of coordinates from frames a to frames b, or r = a if b is NULL, a record per lane.
+// Sums are rounded as in rsh_align, so that angles that depend on rounding are the same.
 INLINE void load_matrices(int lanes, const float *const a[9], const float *const *b, size_t first,
                           size_t count, float r[9][RSH_MAX_WIDTH]) {
     float f[9][RSH_MAX_WIDTH], g[9][RSH_MAX_WIDTH];
@@ -162,7 +165,7 @@ INLINE void load_matrices(int lanes, const float *const a[9], const float *const
     leave_out_equal(lanes, f, g, r);
 }
 
-// A function per width, so that loops over lanes become vectors.
+// One function per width, so that loops over lanes are vectorised.
 #define LOAD(lanes)                                                                             \
     static void load_rotations_##lanes(const float *const a[9], const float *const *b,          \
                                        size_t first, size_t count, float r[9][RSH_MAX_WIDTH]) { \
@@ -223,8 +226,8 @@ bool rsh_rotate_taylor_many(rsh_taylor kind, int order, int channels, size_t cou
     return rsh_method_of_taylor(kind, &j.method) && run_many(&j, count, r, NULL, in, out);
 }
 
-// Without a limit only hemispherical records that agree in their normals take the fast form: they
-// are spared the conversion through the sphere.
+// With a limit of 0 only hemispherical records whose normals agree use the fast form, which saves
+// the conversion through the sphere.
 static struct many_job align_job(rsh_basis basis, int order, int channels, float beta_limit) {
     struct many_job j = {.basis = basis, .order = order, .channels = channels};
     j.method = RSH_METHOD_EXACT;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The hot functions in plain C: the definition of each, which the vector forms are tested against.
+// The functions of the kernel table in plain C. They define each function, and the vector forms are
+// tested against them.
 #include <math.h>
 #include <string.h>
 
@@ -42,7 +43,7 @@ static void plain_dot3(int n, int step, const float *a, const float *b, float ou
     }
 }
 
-// About z: the pair (m, -m) rotates by m times the angle.
+// Rotates about z: the pair (m, -m) rotates by m times the angle.
 static void plain_rotate_z(int order, float cosine, float sine, float *v) {
     float c = 1.0f, s = 0.0f;
     for (int m = 1; m < order; m++) {
@@ -57,8 +58,8 @@ static void plain_rotate_z(int order, float cosine, float sine, float *v) {
     }
 }
 
-// Exchanges y and z: v is left with the parity in x, and the parities in y (m < 0) and z (l + m)
-// are exchanged. So row a has entries in columns b of one sign and every second b only.
+// Exchanges y and z, which keeps the parity in x and exchanges the parities in y (m < 0) and z
+// (l + m). So row a has entries only in every second column of one sign.
 static void plain_exchange(int order, float *v) {
     const float *matrix = rsh_swap;
     for (int l = 0; l < order; l++) {
@@ -75,7 +76,7 @@ static void plain_exchange(int order, float *v) {
     }
 }
 
-// About y by the series I + beta D + beta^2 / 2 (nothing, the diagonal of D^2, or D^2).
+// Rotates about y by the series I + beta D + beta^2 / 2 times nothing, the diagonal of D^2, or D^2.
 static void rotate_taylor(enum rsh_method method, float beta, int n, float *v) {
     float d1[RSH_MAX_COEFFICIENTS], d2[RSH_MAX_COEFFICIENTS] = {0};
     const float *s = rsh_slope;
@@ -95,7 +96,8 @@ void rsh_plain_rotate(const struct rsh_rotation *t, int order, int channels, con
         memcpy(v, in, (size_t)n * sizeof *v);
         plain_rotate_z(order, t->cos_gamma, t->sin_gamma, v);
         if (t->method == RSH_METHOD_EXACT) {
-            // The exchange reverses the sense: y by beta is z by -beta between two exchanges.
+            // The exchange reverses the sense: a rotation about y by beta is one about z by -beta
+            // between two exchanges.
             plain_exchange(order, v);
             plain_rotate_z(order, t->cos_beta, -t->sin_beta, v);
             plain_exchange(order, v);

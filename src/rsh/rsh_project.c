@@ -1,31 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
 // Projection of weighted samples onto the harmonics, RSH_WIDTH samples per vector.
 //
-// The sums are not those of the harmonics but of f_k(z) Re, Im (x + i y)^m with one set of f_k for
-// all m, so that f_k times the values is found once per k and every sum costs one multiply-add, for
-// m = 0 one addition. A triangular matrix per m makes the sums those of Y_(m+k)^m at the end
-// (rsh_mix). The f_k are Gegenbauer's polynomials, scaled so that a step of their recurrence is one
-// multiply-add; those of Chebyshev's second kind stand between the Legendre functions of m = 0 and
-// of m = 1, which keeps the entries of the matrices small: sums enlarge their rounding by 7 at most
-// up to order 10. Beyond it small and large m have sets of their own, and it is 5.
+// The sums are not those of the harmonics, but of f_k(z) Re, Im (x + i y)^m with one set of f_k for
+// all m. So f_k times the values is computed once per k, and every sum costs one multiply-add, or
+// one addition for m = 0. At the end a triangular matrix per m converts the sums to those of
+// Y_(m+k)^m (rsh_mix). The f_k are Gegenbauer polynomials, scaled so that a step of their
+// recurrence is one multiply-add. Those of Chebyshev's second kind are between the Legendre
+// functions of m = 0 and of m = 1, which keeps the entries of the matrices small: they multiply the
+// rounding of the sums by 7 at most up to order 10. Beyond that order small and large m have
+// different sets, and the factor is 5.
 #include "rsh/rsh_directions.h"
 #include "rsh/rsh_kernel.h"
 #include "rsh/rsh_tables.h"
 
-// Vectors of samples in one pass over the sums; cosine and sine; channels.
+// Vectors of samples per pass over the sums; cosine and sine; channels.
 enum { RUN = 4, PARTS = 2, MOST = 3 };
-// Orders up to here take one set for all m; the others have the second from m = SECOND on.
+// Up to order ONE_SET all m have one set of functions; larger orders use the second set from m =
+// SECOND on.
 enum { ONE_SET = 10, SECOND = 3 };
-// Holds the PARTS * MOST sums of one k and m, and two more.
+// The stride of the sums of one k and m: PARTS * MOST, and two unused.
 enum { SPACE = 8 };
 typedef float sextet __attribute__((vector_size(4 * SPACE)));
 
-// Re, Im (x + i y)^m of RUN vectors of samples.
+// Re and Im (x + i y)^m of RUN vectors of samples.
 struct phases {
     vf c[RUN], s[RUN];
 };
 
-// RUN vectors of samples: z counts twice; the values are the caller's, or a padded copy.
+// RUN vectors of samples with 2 z. The values are the caller's arrays or a padded copy.
 struct project_run {
     struct phases phase[RSH_MAX_ORDER];
     vf z[RUN];
@@ -61,8 +63,8 @@ INLINE vf *add_zonal(int channels, vf g[MOST][RUN], vf *sum) {
     return sum + channels;
 }
 
-// Adds g times cosine and sine to the sums of one m. The run is added up before the sums are
-// touched: they come and go by the adders, which work beside the products.
+// Adds g times cosine and sine to the sums of one m. The run is added up before it is added to the
+// sums, because these adders work at the same time as the products.
 INLINE vf *add_phase(int channels, const struct phases *t, vf g[MOST][RUN], vf *sum) {
     vf total[MOST][PARTS];
     for (int i = 0; i < RUN; i++) {
@@ -78,7 +80,7 @@ INLINE vf *add_phase(int channels, const struct phases *t, vf g[MOST][RUN], vf *
     return sum + PARTS * channels;
 }
 
-// (x + i y)^m from smaller powers.
+// Computes (x + i y)^m from smaller powers.
 INLINE void next_phase(int m, struct phases *phase) {
     const struct phases *half = phase + m / 2, *other = phase + (m + 1) / 2;
     for (int i = 0; i < RUN; i++) {
@@ -89,8 +91,8 @@ INLINE void next_phase(int m, struct phases *phase) {
     }
 }
 
-// Adds to the sums of m = first .. end - 1, by k, then m, then channel, and returns the next sum.
-// Set 0, which begins at m = 0, also finds the powers of x + i y.
+// Adds to the sums of m = first .. end - 1, ordered by k, then m, then channel, and returns the
+// next sum. Set 0, which begins at m = 0, also computes the powers of x + i y.
 INLINE vf *project_set(int order, int channels, int set, int first, int end, struct project_run *r,
                        vf *sum) {
     vf f[RUN], f1[RUN], g[MOST][RUN];
@@ -117,7 +119,8 @@ INLINE vf *project_set(int order, int channels, int set, int first, int end, str
     return sum;
 }
 
-// From the sums of one set, each a number now, to `out`; returns the sums of the next set.
+// Converts the sums of one set, now one number each, and adds them to `out`. Returns the sums of
+// the next set.
 INLINE const float *mix_set(float scale, int order, int channels, int set, int first, int end,
                             const float *sum, float *out) {
     const float *row[RSH_MAX_ORDER];
@@ -146,7 +149,7 @@ INLINE const float *mix_set(float scale, int order, int channels, int set, int f
     return sum;
 }
 
-// Adds the lanes of all sums and what they amount to.
+// Adds the lanes of all sums and converts them.
 INLINE void mix_sums(rsh_basis basis, int order, int channels, int second, const vf *sums,
                      float *out) {
     float sum[MOST * RSH_MAX_COEFFICIENTS + SPACE];
@@ -160,7 +163,7 @@ INLINE void mix_sums(rsh_basis basis, int order, int channels, int second, const
     if (second < order) mix_set(scale, order, channels, 1, second, order, next, out);
 }
 
-// A function of its own per shape: inlined together they leave too few registers.
+// One function per shape: inlined into one function, they would leave too few registers.
 #define SHAPE(name, channels, set)                                                      \
     static __attribute__((noinline))                                                    \
     vf *project_##name(int order, int first, int end, struct project_run *r, vf *sum) { \

@@ -2,8 +2,8 @@
 // Reflected radiance of one record: the dot product of its vector, displaced along its derivatives,
 // with a BRDF in another frame [K05 (3.2), (3.3)].
 //
-// Only the products are wanted, so the BRDF is rotated into the record's frame: one channel, or
-// three, where the record has three and with its derivatives nine.
+// As only the product is needed, the BRDF is rotated into the record's frame. It has one channel or
+// three, while the record has nine with its derivatives.
 #include "rsh/rsh_kernel.h"
 
 bool rsh_reflect(const rsh_reflection *r, float out[3]) {

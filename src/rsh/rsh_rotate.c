@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rotation of spherical harmonics: from angles and matrices to the rotations about z, y and z that
-// the kernels apply. [K05 5.3, C, D; Pinchon and Hoggan 2007 for the exchange of y and z.]
+// Rotation of spherical harmonics: converts angles and matrices to the rotations about z, y and z
+// that the kernels apply [K05 5.3, C, D; Pinchon and Hoggan 2007 for the exchange of y and z].
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
@@ -8,8 +8,8 @@
 #include "rsh/rsh_kernel.h"
 
 bool rsh_in_range(const float *v, int count) {
-    // As integers magnitudes have the same order, and what is no number comes last; a difference
-    // below 0 shows in the sign of all differences together.
+    // As integers, magnitudes have the same order and NaN is largest. Any negative difference shows
+    // in the sign bit of all differences combined.
     const float most = RSH_MAX_ENTRY;
     int32_t limit, bits, left = 0;
     memcpy(&limit, &most, sizeof limit);
@@ -24,17 +24,17 @@ void rsh_copy(int order, int channels, const float *in, float *out) {
     if (in != out) memmove(out, in, (size_t)(order * order * channels) * sizeof *in);
 }
 
-// 1 / sqrt(x). Of a rotation x is 1 up to rounding, where a step of Newton's iteration is exact and
-// waits for no root; 0 stays 0.
+// 1 / sqrt(x), or 0 for 0. For a rotation x is 1 up to rounding, where one step of Newton's
+// iteration is exact and faster than a square root.
 static float inverse_length(float x) {
     if (fabsf(x - 1.0f) < 1e-3f) return 1.5f - 0.5f * x;
     return x > 0.0f ? 1.0f / sqrtf(x) : 0.0f;
 }
 
-// The rotations whose product is r. Gamma, with which a rotation begins, follows from the third
-// row. The upper left quarter of r gives alpha + gamma, which does not suffer when beta is nearly 0
-// and gamma is uncertain, or, where beta is above 90 degrees, gamma - alpha: sums and differences
-// of its entries are 1 + |cos beta| times cosine and sine.
+// The rotations whose product is r. Gamma, the first rotation, follows from the third row. The
+// upper left 2x2 block gives alpha + gamma, which is accurate even if beta is nearly 0 and gamma
+// uncertain, or gamma - alpha if beta is above 90 degrees: the sums and differences of its entries
+// are 1 + |cos beta| times cosine and sine.
 struct rsh_rotation rsh_rotation_of_matrix(const float r[9]) {
     struct rsh_rotation t = {.method = RSH_METHOD_EXACT, .cos_alpha = 1.0f};
     const float side = copysignf(1.0f, r[8]);
@@ -51,7 +51,8 @@ struct rsh_rotation rsh_rotation_of_matrix(const float r[9]) {
     cosine = length > 0.0f ? cosine / length : 1.0f;
     sine = length > 0.0f ? sine / length : 0.0f;
     if (s > RSH_NO_ANGLE) {
-        // Alpha's length has the rounding of gamma's, and is to have its inverse.
+        // The length of (cosine, sine) of alpha is to be the inverse of the rounding error of
+        // gamma's.
         const float inverse = 2.0f - (t.cos_gamma * t.cos_gamma + t.sin_gamma * t.sin_gamma);
         t.cos_alpha = inverse * (cosine * t.cos_gamma + sine * t.sin_gamma);
         t.sin_alpha = inverse * side * (sine * t.cos_gamma - cosine * t.sin_gamma);
@@ -65,8 +66,8 @@ struct rsh_rotation rsh_rotation_of_matrix(const float r[9]) {
 }
 
 // cos beta' = 2 cos beta - 1. Both 1 - cos beta' = 2 (1 - cos beta) and 1 + cos beta' = 2 cos beta
-// are found without cancellation, so that beta' is right near 0 and near pi, where it stays from 90
-// degrees on.
+// are computed without cancellation, so that beta' is accurate near 0 and near pi. From 90 degrees
+// on it stays pi.
 void rsh_rotation_stretch(struct rsh_rotation *t) {
     const float above = fmaxf(t->cos_beta, 0.0f);
     float lift = above > 0.0f ? 2.0f * t->sin_beta * t->sin_beta / (1.0f + above) : 2.0f;
@@ -75,7 +76,7 @@ void rsh_rotation_stretch(struct rsh_rotation *t) {
     t->sin_beta = sqrtf(2.0f * above * lift);
 }
 
-// Small angles by the series of the arcsine, whose next term is below the rounding of floats.
+// Small angles are by the series of the arcsine, whose next term is below the rounding of floats.
 float rsh_rotation_angle(const struct rsh_rotation *t) {
     float s = t->sin_beta, u = s * s;
     if (!(u < 0.09f) || t->cos_beta < 0.0f) return atan2f(s, t->cos_beta);

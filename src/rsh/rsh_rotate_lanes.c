@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rotation on lanes, one source for AVX2 and AVX-512: the build defines RSH_NAME, the suffix.
+// Rotation on lanes; one source for AVX2 and AVX-512: the build defines RSH_NAME, the suffix.
 // Orders up to 6 are in rsh_rotate_pairs.c. rsh_tables.h describes the layout. A group of bands is
-// loaded, rotated about z, y and z, and stored; what depends on the angles only is computed once
-// for all channels.
+// loaded, rotated about z, y and z, and stored. Values that depend only on the angles are computed
+// once for all channels.
 #include "rsh/rsh_rotate_lanes.h"
 
 #include "rsh/rsh_lanes.h"
@@ -12,7 +12,7 @@
 #define GLUE(a, b) GLUE2(a, b)
 #define INLINE static inline __attribute__((always_inline))
 
-// Channels rotated at once: what the registers hold. They use the same loads of the tables.
+// Channels that are rotated at once, as many as the registers hold. They load the same tables.
 #if defined(__AVX512F__)
 enum { BLOCK = 3 };
 #else
@@ -33,8 +33,8 @@ INLINE struct multiple_angle add_multiples(struct multiple_angle a, struct multi
 #define ANGLE_IN(mask, c, s) \
     ((struct multiple_angle){lanes_choose(mask, c, 1.0f), lanes_choose(mask, s, 0.0f)})
 
-// cos(m a) and (-1)^m sin(m a) for m = 0 2 4 .. 14 1 3 .. 15: lane by lane the sum of the angle's
-// multiples by 1, 2, 4 and, where m > 7 is asked for, 8 that make up m.
+// cos(m a) and (-1)^m sin(m a) for m = 0 2 4 .. 14 1 3 .. 15. In each lane the multiples 1, 2, 4
+// and, if m > 7 is needed, 8 that make up m are added.
 INLINE struct multiple_angle multiples(float c1, float s1, bool wide) {
     float c2 = c1 * c1 - s1 * s1, s2 = 2.0f * c1 * s1;
     float c4 = c2 * c2 - s2 * s2, s4 = 2.0f * c2 * s2;
@@ -49,20 +49,20 @@ INLINE struct multiple_angle multiples(float c1, float s1, bool wide) {
     return m;
 }
 
-// About z.
+// Rotates about z.
 INLINE void rotate_parts(struct multiple_angle t, lanes *even, lanes *odd) {
     lanes a = *even, b = *odd;
     *even = lanes_nmad(t.sine, b, lanes_mul(t.cosine, a));
     *odd = lanes_mad(t.sine, a, lanes_mul(t.cosine, b));
 }
 
-// What of a group is known where it is used: its coefficients, the steps of its exchange and the
-// instead of the first.
+// Constants of a group at the point of use: its number of coefficients, the steps of its exchange,
+// and the steps after the first.
 struct lane_span {
     int first, end, steps, offset;
 };
 
-// Exchanges y and z of `block` channels; direction 0 leads to the inner layout, 1 back.
+// Exchanges y and z of `block` channels. Direction 0 is from the outer to the inner layout, 1 back.
 INLINE void exchange_lanes(const struct rsh_lane_group *g, struct lane_span span, int direction,
                            int block, lanes *even, lanes *odd) {
     const struct rsh_lane_step *step = rsh_lane_steps + span.offset;
@@ -87,14 +87,15 @@ INLINE void exchange_lanes(const struct rsh_lane_group *g, struct lane_span span
     }
 }
 
-// D, the derivative of the rotation about y: what `other` gives to the even (0) or odd (1) part.
+// D, the derivative of the rotation about y: the contribution of `other` to the even (0) or odd (1)
+// component.
 INLINE lanes lane_derivative(const struct rsh_lane_group *g, int part, lanes other) {
     lanes down =
         lanes_mul(lanes_across(other, indices_load(g->down)), lanes_load(g->from_down[part]));
     return lanes_mad(lanes_across(other, indices_load(g->up)), lanes_load(g->from_up[part]), down);
 }
 
-// About y, by the series.
+// Rotates about y by the series.
 INLINE void rotate_lane_series(const struct rsh_lane_group *g, const struct rsh_rotation *t,
                                lanes *even, lanes *odd) {
     lanes a = lane_derivative(g, 0, *odd), b = lane_derivative(g, 1, *even),
@@ -111,7 +112,7 @@ INLINE void rotate_lane_series(const struct rsh_lane_group *g, const struct rsh_
     *odd = lanes_mad(beta, b, *odd);
 }
 
-// The multiples where the group's lanes want them, in the outer (0) or the inner (1) layout.
+// Permutes the multiples to the lanes of the group, in the outer (0) or the inner (1) layout.
 INLINE struct multiple_angle lane_multiples(const struct rsh_lane_group *g, int inner,
                                             struct multiple_angle a) {
     const indices p = indices_load(g->power[inner]);
@@ -123,7 +124,7 @@ struct angles {
     struct multiple_angle alpha, beta, gamma;
 };
 
-// `in` and `out` are the first of `block` channels of n coefficients each.
+// Rotates one group. `in` and `out` are the first of `block` channels of n coefficients each.
 INLINE void rotate_group(const struct rsh_lane_group *g, struct lane_span span,
                          const struct rsh_rotation *t, const struct angles *angles, int block,
                          int n, const float *in, float *out) {
@@ -153,7 +154,8 @@ INLINE void rotate_group(const struct rsh_lane_group *g, struct lane_span span,
     for (int c = 0; c < block; c++) lanes_scatter(even[c], odd[c], g->natural, count, out + c * n);
 }
 
-// The first two groups, which all these orders have, with what the tables say of them.
+// Rotates the first two groups, which all these orders have, with constant spans, and then the
+// others.
 INLINE void rotate_lane_channels(const struct rsh_rotation *t, const struct angles *angles,
                                  int order, int block, const float *in, float *out) {
     const struct rsh_lane_group *g = rsh_lane_groups, *end = g + RSH_LANE_GROUPS;
@@ -178,7 +180,8 @@ void GLUE(rsh_rotate_lanes_, RSH_NAME)(const struct rsh_rotation *t, int order, 
     struct angles a;
     a.alpha = a.beta = a.gamma = multiples(t->cos_gamma, t->sin_gamma, wide);
     if (t->method != RSH_METHOD_Z) a.alpha = multiples(t->cos_alpha, t->sin_alpha, wide);
-    // The exchange reverses the sense: y by beta is z by -beta between two exchanges.
+    // The exchange reverses the sense: a rotation about y by beta is one about z by -beta between
+    // two exchanges.
     if (t->method == RSH_METHOD_EXACT) a.beta = multiples(t->cos_beta, -t->sin_beta, wide);
     for (; channels >= BLOCK; channels -= BLOCK, in += BLOCK * n, out += BLOCK * n)
         rotate_lane_channels(t, &a, order, BLOCK, in, out);

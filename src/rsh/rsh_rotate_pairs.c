@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rotation of orders up to 6 on lanes, one source for AVX2 and AVX-512: the build defines RSH_NAME,
+// Rotation of orders up to 6 on lanes; one source for AVX2 and AVX-512: the build defines RSH_NAME,
 // the suffix. rsh_tables.h describes the layout, which leaves no lane empty: orders up to 4 fill
-// one vector, the bands 2 to 5 of order 6 two, while bands 0 and 1 are rotated number by number.
-// Lanes stand in pairs +m, -m, so that a rotation about z is a product of complex numbers.
+// one vector, and bands 2 to 5 of order 6 fill two, while bands 0 and 1 are rotated in scalars.
+// Lanes are pairs +m, -m, so that a rotation about z is a product of complex numbers.
 //
-// What the time goes into here is loads, of which the processor does one vector per cycle, and
-// waiting: so both vectors go side by side, and indices that are used twice are held in registers.
-// The factors are not, lest others go to the stack.
+// The time is limited by loads, of which the processor does one vector per cycle, and by latency.
+// Therefore both vectors are rotated side by side, and indices that are used twice are held in
+// registers. The factors are not, because other values would be spilled to the stack.
 #include "rsh/rsh_lanes.h"
 #include "rsh/rsh_rotate_lanes.h"
 #include "rsh/rsh_tables.h"
@@ -15,7 +15,7 @@
 #define GLUE(a, b) GLUE2(a, b)
 #define INLINE static inline __attribute__((always_inline))
 
-// Group 0 serves orders up to 4, group 1 orders 5 and 6.
+// Group 0 is for orders up to 4, group 1 for orders 5 and 6.
 #define VECTORS(group) (1 + (group))
 #define STEPS(group) (2 + (group))
 #define FIRST(group) (4 * (group))
@@ -23,7 +23,7 @@ enum { MOST_VECTORS = 2, MOST_STEPS = 3 };
 
 enum { ALPHA, BETA, GAMMA, ANGLES };
 
-// A rotation about z: cosine and sine of the multiple that each lane wants.
+// A rotation about z: cosine and sine of the multiple of the angle in each lane.
 struct spin {
     lanes cosine[MOST_VECTORS], sine[MOST_VECTORS];
 };
@@ -34,14 +34,15 @@ struct pair_exchange {
     lanes factor[MOST_VECTORS][MOST_STEPS];
 };
 
-// A number of each angle in the lanes of rsh_pair_multiples.
+// One value for each angle, in the lanes of rsh_pair_multiples.
 INLINE lanes three(float alpha, float beta, float gamma) {
     return lanes_choose_of(RSH_PAIR_ALPHA, lanes_splat(alpha),
                            lanes_choose_of(RSH_PAIR_BETA, lanes_splat(beta), lanes_splat(gamma)));
 }
 
-// The multiples of all angles at once, then where the lanes want them. The exchange reverses the
-// sense: y by beta is z by -beta between two exchanges.
+// Computes the multiples of all angles at once and permutes them to the lanes that use them. The
+// exchange reverses the sense: a rotation about y by beta is one about z by -beta between two
+// exchanges.
 INLINE void multiply(const struct rsh_rotation *t, int group, struct spin *spins) {
     const struct rsh_pair_multiples *m = &rsh_pair_multiples;
     const lanes c1 = three(t->cos_alpha, t->cos_beta, t->cos_gamma);
@@ -96,7 +97,7 @@ INLINE lanes pair_derivative(const struct rsh_pair_lanes *p, lanes v) {
     return lanes_mad(lanes_any(v, indices_load(p->up)), lanes_load(p->from_up), down);
 }
 
-// About y, by the series.
+// Rotates about y by the series.
 INLINE lanes rotate_pair_series(const struct rsh_pair_lanes *p, const struct rsh_rotation *t,
                                 lanes v) {
     const lanes half = lanes_splat(0.5f * t->beta);
@@ -124,7 +125,7 @@ INLINE void rotate_vectors(const struct rsh_rotation *t, const struct spin *spin
     rotate_pairs_z(&spins[ALPHA], group, v);
 }
 
-// Bands 0 and 1, the second of which is y, z, x.
+// Rotates bands 0 and 1; band 1 is (y, z, x).
 INLINE void rotate_head(const struct rsh_rotation *t, const float *in, float *out) {
     const float y = in[1], z = in[2], x = in[3];
     float c = t->cos_beta, s = t->sin_beta;
@@ -158,7 +159,7 @@ INLINE void rotate_pairs(const struct rsh_rotation *t, int group, int order, int
     }
 }
 
-// Of order 6 exactly there is a form without a branch; the others are one function each.
+// Order 6 has a form without branches; the others have one function each.
 static __attribute__((noinline)) void rotate_four(const struct rsh_rotation *t, int order,
                                                   int channels, const float *in, float *out) {
     rotate_pairs(t, 0, order, channels, in, out);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vectors of the native width for the kernels: the build defines RSH_WIDTH, the lanes of a vector,
-// and RSH_NAME, the suffix of what a set defines.
+// Vectors of the native width for the kernels. The build defines RSH_WIDTH, the number of lanes,
+// and RSH_NAME, the suffix of all names of an instruction set.
 #ifndef RSH_VECTOR_H
 #define RSH_VECTOR_H
 
@@ -45,7 +45,7 @@ INLINE vf magnitude(vf v) { return (vf)((vi)v & INT32_MAX); }
 INLINE vf with_sign(vf v, vf s) { return (vf)((vi)v | ((vi)s & INT32_MIN)); }
 #endif
 
-// v, but no smaller in magnitude than `least`.
+// v, with its magnitude raised to `least` if it is smaller.
 INLINE vf lanes_at_least(vf v, float least) {
 #if RSH_WIDTH == 1
     return v > least || v < -least ? v : least;
@@ -56,14 +56,14 @@ INLINE vf lanes_at_least(vf v, float least) {
 #endif
 }
 
-// Keeps v in a register where the compiler would rather read memory at every use.
+// Keeps v in a register, although the compiler would read it from memory at every use.
 #if defined(__x86_64__)
 #define RSH_KEEP(v) __asm__("" : "+v"(v))
 #else
 #define RSH_KEEP(v) (void)(v)
 #endif
 
-// Halves are added lane by lane: the order depends on the width alone.
+// Adds halves lane by lane: the order of the sum depends on the width alone.
 INLINE float sum_lanes(vf v) {
 #if RSH_WIDTH == 16
     typedef float eight __attribute__((vector_size(32)));
@@ -95,7 +95,7 @@ INLINE quartet load_quartet(const float *p) {
     return v;
 }
 
-// Lane i is the sum of the lanes of v[i], i < 4, added as by sum_lanes.
+// Lane i is the sum of the lanes of v[i], i < 4, in the order of sum_lanes.
 INLINE quartet sum_four(const vf *v) {
     quartet t[4];
     for (int i = 0; i < 4; i++) {

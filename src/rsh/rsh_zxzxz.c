@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rotation as z, x, z, x, z [Kautz et al. 2002; K05 5.2]: the rotation about y is one about z
-// between two rotations about x by 90 degrees, whose matrices are constant and three quarters
-// empty. Kept for comparison, in plain C: rsh_rotate does the same work without an index per entry.
+// between two rotations about x by 90 degrees, whose matrices are constant and have three zeros in
+// four entries. It is kept for comparison, in plain C; rsh_rotate does the same without an index
+// per entry.
 #include <string.h>
 
 #include "rsh/rsh_kernel.h"
 #include "rsh/rsh_multiples.h"
 
-// By the rotation about x by 90 degrees, or back by its transpose.
+// Rotates about x by 90 degrees, or back by the transpose.
 static void rotate_about_x(int order, const float *value, const float *in, float *out) {
     for (int l = 0, k = 0; l < order; l++)
         for (int row = l * l; row < (l + 1) * (l + 1); row++) {
