@@ -16,8 +16,12 @@
 enum {
     KEEP_ALL = 1 << PHOTON_DIRECT | 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT,
     KEEP_BOUNCED = 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT,
-    CLUSTER_LEAST = 1 << 15,  // paths that look for photon clusters:
-    CLUSTER_MOST = 1 << 18,   // a fraction of those of the global map, within bounds
+    // Paths that look for photon clusters, a sample of where photons come down: a fraction of those
+    // of the global map, within bounds. On any machine more show nothing new: at 3 million photons
+    // 2^15 to 2^20 of these paths left the same error in a room with a spot, and in one lit through
+    // a window, as did different seeds.
+    CLUSTER_LEAST = 1 << 15,
+    CLUSTER_MOST = 1 << 18,
     CLUSTER_DIVISOR = 3,
     CONVERT_CHUNK = 4096,  // photons
     DIRECT_DIVISOR = 2     // paths of the global map whose direct photons are added up

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The curve from effort to options: a table of three presets, each at the effort that it takes on
 // the data scenes, and between them power laws, straight lines over the logarithm of effort. With
-// less time than the first takes its records are coarser (render_records.c). Beyond the last the
-// curve goes on by powers of effort, so that many cores or much time are spent where that lowers
-// the error. The time and the error of the presets, and of 16 times the effort of the last, are in
-// docs/experiments.md.
+// less time than the first takes its records are coarser (render_budget_records.c). Beyond the last
+// the curve goes on by powers of effort, so that many cores or much time are spent where that
+// lowers the error. The time and the error of the presets, and of 16 times the effort of the last,
+// are in docs/experiments.md.
 #include "render/options_budget.h"
 
 #include <math.h>
@@ -67,8 +67,8 @@ static const struct preset {
 enum { PRESETS = sizeof preset / sizeof *preset };
 
 // Beyond the last preset: its options times powers of effort over its effort. The others stay:
-// records become finer in rounds as long as there is time (render_records.c), and the image takes
-// the samples that fit. By renders of 64x64, relative squared errors of cornell-glossy and of
+// records become finer in rounds as long as there is time (render_budget_records.c), and the image
+// takes the samples that fit. By renders of 64x64, relative squared errors of cornell-glossy and of
 // indirect-room:
 // - Twice the rays at 16 times the effort: .86 and .84 times. At 4 times the effort, where time is
 //   short of all rounds, 1.4 times the rays: 1.3 and 1.4 times. So rays begin later.

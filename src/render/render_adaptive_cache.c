@@ -4,14 +4,8 @@
 
 #include "render/render_state.h"
 
-enum {
-    POINTS_MOST = 1 << 18,  // pixels asked; a larger image is asked at every so many
-    STRIDE_LEAST = 2
-};
-
 satin_status render_adaptive_cache(struct render *r) {
-    int stride = STRIDE_LEAST;
-    while ((int64_t)r->options.width * r->options.height / stride / stride > POINTS_MOST) stride++;
+    const int stride = render_budget_adaptive_stride(r->options.width, r->options.height);
     size_t pixels;
     uint32_t *pixel = render_grid(r, stride, false, &pixels);
     struct render_sites sites = {0};
@@ -24,7 +18,7 @@ satin_status render_adaptive_cache(struct render *r) {
         const struct cache_fill fill = {.site = sites.site,
                                         .count = sites.count,
                                         .a = a[k],
-                                        .widest = render_widest(r),
+                                        .widest = render_budget_widest(&r->options),
                                         .spacing = 1.5f};
         status = cache_adapt(r->second_pass.cache, k, &fill, a[k] * widen[k]);
     }

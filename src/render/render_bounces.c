@@ -9,10 +9,7 @@
 #include "base/array.h"
 #include "render/render_state.h"
 
-enum {
-    WALKS = 32768,  // per bounce
-    FIRST = 512     // walks of the first block of sites; each further block doubles their number
-};
+enum { FIRST = 512 };  // walks of the first block of sites; each further block doubles their number
 
 // What one gather ray among hundreds reads may be coarser than what the eye sees, and more so with
 // every bounce: per bounce, the error a grows by the first factor and the number of rays falls by
@@ -71,13 +68,14 @@ static void follow_walks(void *ctx, size_t begin, size_t end, int worker) {
 
 static satin_status fill_from_walks(struct render *r, struct render_bounce *bounce,
                                     struct walks *walks) {
-    if (!parallel_for(r->pool, WALKS, 64, follow_walks, walks)) return SATIN_CANCELLED;
+    if (!parallel_for(r->pool, RENDER_WALKS, 64, follow_walks, walks)) return SATIN_CANCELLED;
     const satin_options *o = &bounce->options;
     const float a[CACHE_KINDS] = {o->irradiance_a, o->radiance_a};
     struct cache_fill fill = {.widest = fmaxf(o->irradiance_widen, o->radiance_widen),
                               .spacing = SPACING};
     satin_status status = SATIN_OK;
-    for (size_t i = 0, next = FIRST; i < WALKS && status == SATIN_OK; i = next, next = 2 * i) {
+    for (size_t i = 0, next = FIRST; i < RENDER_WALKS && status == SATIN_OK;
+         i = next, next = 2 * i) {
         struct cache_site *site = walks->site + i;
         size_t count = 0;
         for (size_t k = i; k < next; k++)
@@ -128,8 +126,8 @@ satin_status render_bounces(struct render *r) {
     if (count <= 0) return SATIN_OK;
     render_stage_begin(r, STAGE_BOUNCES, 0.0);
     struct walks walks = {.image = &r->options};
-    walks.site = array_new(WALKS, sizeof *walks.site);
-    walks.found = array_new(WALKS, sizeof *walks.found);
+    walks.site = array_new(RENDER_WALKS, sizeof *walks.site);
+    walks.found = array_new(RENDER_WALKS, sizeof *walks.found);
     r->second_pass.bounces = calloc((size_t)count, sizeof *r->second_pass.bounces);
     satin_status status = SATIN_ERROR_MEMORY;
     if (walks.site && walks.found && r->second_pass.bounces) status = SATIN_OK;

@@ -35,7 +35,7 @@ static char *deciding_options(const struct render *r) {
     if (!out) return NULL;
     for (int i = 0; satin_options_describe(&r->options, i, &info); i++)
         if (decides(info.name)) fprintf(out, "%s=%s ", info.name, info.value);
-    fprintf(out, "widest=%g", (double)render_widest(r));
+    fprintf(out, "widest=%g", (double)render_budget_widest(&r->options));
     if (fclose(out) == 0) return text;
     free(text);
     return NULL;

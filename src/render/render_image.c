@@ -12,11 +12,7 @@
 
 enum {
     TILE = 16,
-    EVEN_LEAST = 2,       // samples per pixel that are spread evenly, at least;
-    EVEN_FRACTION = 4,    // where there are many, one of so many
-    IMAGE_COARSEST = 16,  // pixels between the very first samples, or more,
-    LOOK_MOST = 256,      // so that these are no more
-    ASK_SAMPLES = 32      // after so many a worker asks whether it should go on
+    ASK_SAMPLES = 32  // after so many a worker asks whether it should go on
 };
 
 struct image_pass {
@@ -32,9 +28,10 @@ struct render_image *render_image_new(const struct satin_scene *scene,
     const size_t pixels = (size_t)width * (size_t)height;
     struct render_image *image = calloc(1, sizeof *image);
     if (!image) return NULL;
-    *image = (struct render_image){
-        .width = width, .height = height, .aovs = aovs, .coarsest = IMAGE_COARSEST};
-    while ((width / image->coarsest) * (height / image->coarsest) > LOOK_MOST) image->coarsest *= 2;
+    *image = (struct render_image){.width = width,
+                                   .height = height,
+                                   .aovs = aovs,
+                                   .coarsest = render_budget_first_stride(width, height)};
     // By calloc, whose pages the system gives to the threads that first use them.
     image->pixel = calloc(pixels, sizeof *image->pixel);
     image->sums = (size_t)aovs->values * (aovs->moment ? 2 : 1);
@@ -124,42 +121,18 @@ static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-// Samples per pixel that are spread evenly.
-static uint32_t even_samples(const struct render *r) {
-    uint32_t spp = (uint32_t)r->options.spp;
-    if (!r->options.adaptive_sampling || r->options.integrator == SATIN_PATH) return spp;
-    if (spp < 2 * EVEN_LEAST) return spp;
-    if (r->options.time > 0.0) return EVEN_LEAST;
-    return spp / EVEN_FRACTION > EVEN_LEAST ? spp / EVEN_FRACTION : EVEN_LEAST;
-}
-
-// Sets the targets of the next pass, which takes *samples in all; false: the image is done. A pass
-// doubles the samples, as far as the time goes.
+// Sets the targets of the next pass, which takes *samples in all; false: the image is done.
 static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
     struct render_image *image = r->image;
     parallel_begin_part(r->pool, "plan");
     const uint64_t pixels = (uint64_t)image->width * (uint64_t)image->height;
-    const uint64_t done = image->taken, limit = (uint64_t)r->options.spp * pixels;
-    const uint64_t all = limit > done ? limit : done;
-    const uint64_t even = even_samples(r) * pixels;
-    if (all == done) return false;
-    uint64_t want = done ? done : pixels;
-    if (want > all - done) want = all - done;
-    if (done < even && want > even - done) want = even - done;
-    if (done) {
-        const double fit = render_budget_pass(r, per_sample);
-        if (fit == 0.0) return false;
-        if (fit < (double)want) want = (uint64_t)fit;
-    }
-    if (done < even) {
-        want -= want % pixels;
-        if (want == 0) return false;
-        adapt_even(&image->adapt, (uint32_t)((done + want) / pixels));
-    } else {
-        adapt_spread(&image->adapt, want);
-    }
-    *samples = want;
-    return want > 0;
+    *samples = render_budget_pass(r, image->taken, per_sample);
+    if (*samples == 0) return false;
+    if (image->taken < render_budget_even_samples(&r->options) * pixels)
+        adapt_even(&image->adapt, (uint32_t)((image->taken + *samples) / pixels));
+    else
+        adapt_spread(&image->adapt, *samples);
+    return true;
 }
 
 // What a sample costs without its light samples, over one of these: about four for the eye ray and
@@ -259,8 +232,8 @@ satin_status render_image_fill(struct render *r) {
         per_sample = (stats_wall() - start) / (double)image->taken;
         plan_samples(&pass, workers);
     }
-    const uint64_t even =
-        (uint64_t)even_samples(r) * (uint64_t)image->width * (uint64_t)image->height;
+    const uint64_t even = (uint64_t)render_budget_even_samples(&r->options) *
+                          (uint64_t)image->width * (uint64_t)image->height;
     satin_status status = SATIN_OK;
     while (status == SATIN_OK && whole && r->progress.look == LOOK_WHOLE &&
            next_pass(r, per_sample, &samples)) {

@@ -1,18 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The first pass within a time limit. How long a photon takes varies a hundredfold between scenes:
-// a sixteenth of the photons shows it, and serves itself if there is no time for many more. Where
-// not even that fits, as among thousands of surfaces at one position, the image is traced by paths.
+// The first pass: photons, as many as render_budget.h allows. Where not even the first of them fit
+// into a time limit, as among thousands of surfaces at one position, the image is traced by paths.
 #include "render/render_image.h"
-
-enum {
-    PILOT = 16,    // fraction of the photons that is tried first
-    MORE_MOST = 8  // times the photons where few of them are kept
-};
-
-// Photons of indirect light per path: .5 to 2 in closed rooms; .07 in a room lit by the sky, where
-// ten times the paths made gather rays read the map instead of continuing as paths: a tenth
-// less time in all, and half of the error of indirect light.
-static const double KEPT_LEAST = 0.5, AGAIN_FACTOR = 1.5;
 
 // Whether the global map is looked at.
 static bool reads_photons(const satin_options *o) {
@@ -37,10 +26,10 @@ static void free_maps(struct render *r) {
     r->first_pass.visibility = NULL;
 }
 
-// From this fraction of the photons, and `more` times as many of the global map.
-static satin_status build(struct render *r, double fraction, double more) {
+// From this fraction of the photons, and `global` times as many of the global map.
+static satin_status build(struct render *r, double fraction, double global) {
     satin_options o = r->options;
-    o.photons = (int64_t)ceil((double)o.photons * fraction * more);
+    o.photons = (int64_t)ceil((double)o.photons * fraction * global);
     o.caustic_photons = (int64_t)ceil((double)o.caustic_photons * fraction);
     if (!reads_photons(&o)) o.photons = 0;
     r->first_pass.made =
@@ -61,19 +50,19 @@ static double starved(const struct render *r, double fraction) {
     const satin_options *o = &r->options;
     if (r->first_pass.chosen_by_user || !reads_photons(o) || o->integrator != SATIN_TWO_PASS)
         return 1.0;
-    const double kept = fmax(stats_get(&r->stats, "photons.stored_indirect"), 1.0);
-    return fmin(fmax(KEPT_LEAST * fraction * (double)o->photons / kept, 1.0), MORE_MOST);
+    return render_budget_starved(fraction * (double)o->photons,
+                                 stats_get(&r->stats, "photons.stored_indirect"));
 }
 
 // Replaces the photon maps by new ones. The visibility of the lights is kept.
-static satin_status build_again(struct render *r, struct stats before, double fraction,
-                                double more) {
+static satin_status build_again(struct render *r, struct stats before,
+                                struct render_more_photons more) {
     const double look = stats_get(&r->stats, "photons.visibility_s");
     photon_maps_free(r->first_pass.maps);
     r->first_pass.maps = NULL;
     r->stats = before;
     stats_set(&r->stats, "photons.visibility_s", look);
-    return build(r, fraction, more);
+    return build(r, more.fraction, more.global);
 }
 
 // What grows with the photons.
@@ -88,10 +77,10 @@ static bool paths_will_do(const struct render *r) {
     return r->options.integrator == SATIN_TWO_PASS && !c->save_cache && !c->load_cache;
 }
 
-// Builds from a sixteenth of the photons; *given_up: there was no time for it.
-static satin_status build_pilot(struct render *r, bool *given_up) {
+// Builds from the first photons; *given_up: there was no time for them.
+static satin_status build_first(struct render *r, double fraction, bool *given_up) {
     if (paths_will_do(r)) render_limit_pilot(r);
-    const satin_status status = build(r, 1.0 / PILOT, 1.0);
+    const satin_status status = build(r, fraction, 1.0);
     *given_up = status == SATIN_CANCELLED && !render_cancelled(r);
     return render_limit_end(r, status);
 }
@@ -108,22 +97,17 @@ static satin_status trace_paths(struct render *r) {
 
 satin_status render_photons(struct render *r) {
     const struct stats before = r->stats;
-    if (!(r->options.time > 0.0)) {
-        satin_status status = build(r, 1.0, 1.0);
-        const double more = status == SATIN_OK ? starved(r, 1.0) : 1.0;
-        return more < AGAIN_FACTOR ? status : build_again(r, before, 1.0, more);
-    }
+    const double first = render_budget_first_photons(r);
     bool given_up;
-    satin_status status = build_pilot(r, &given_up);
+    satin_status status = build_first(r, first, &given_up);
     if (given_up) {
         r->stats = before;
         return trace_paths(r);
     }
     if (status != SATIN_OK) return status;
-    const double fit = render_budget_photons(r, photon_seconds(&r->stats)) / PILOT;
-    if (fit == 0.0) return SATIN_OK;
-    const double more = fmin(starved(r, 1.0 / PILOT), fmax(fit, 1.0));
-    return build_again(r, before, fmin(fit, 1.0), more);
+    const struct render_more_photons more =
+        render_budget_photons(r, photon_seconds(&r->stats), starved(r, first));
+    return more.fraction > 0.0 ? build_again(r, before, more) : SATIN_OK;
 }
 
 satin_status render_direct(struct render *r) {

@@ -7,6 +7,9 @@
 #include "base/array.h"
 #include "render/render_state.h"
 
+// A sample of an estimate, and no budget: so many pixels show V within 5 % and q within .2 % from
+// seed to seed (cornell-glossy and indirect-room; 1024 pixels: V within 20 %), and take .02 to .04
+// core seconds of either scene. Two halves of two samples are the least that adapt_compare takes.
 enum { SIDE = 64, PILOT_SAMPLES = 4 };
 
 struct image_pilot {

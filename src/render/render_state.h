@@ -148,8 +148,6 @@ void render_cache_free(struct render *r);
 // Final gathering: fills the cache over the image's shading points, coarse to fine, or from the
 // file that the caller named; then adapts it, and saves it if the caller wants that.
 satin_status render_records(struct render *r);
-// The factor of a over which no record is read: what the image pass may use.
-float render_widest(const struct render *r);
 
 // ---- render_sites.c: where records may be needed
 // The pixels y * width + x of a grid of that stride, without those of the grid twice as coarse if

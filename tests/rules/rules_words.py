@@ -91,7 +91,7 @@ ONE_MEANING = {
              r"|include/satin/options\.h", ""),
     "Level": ("levels?", r"src/cache/cache_(?:tree|fill)|src/load/load_(?:image_levels|build)"
               r"|src/load/load_plugins_texture\.c|src/scene/scene(?:_texture\.c|\.h)"
-              r"|src/render/render_records\.c|src/film/film_exr_read\.c"
+              r"|src/render/render_(?:budget|records)|src/film/film_exr_read\.c"
               r"|src/apps/app_info_scene\.c", r"zip_level\b|recursive-levels"),
     "Guide": ("guid(?:es?|ed|ing)", r"src/(?:guide|gather|photon|render)/",
               r"guide/guide\.h|\bguide_(?:clusters|visibility)\b|RNG_GUIDE"),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a time limit is divided into: nothing without a limit, steps in their order with one, and
-// records as much as the measured paces ask for.
+// records as much as the measured paces ask for. How many photons, samples and rays there are.
 #include "render/render_budget.h"
 
 #include <setjmp.h>
@@ -14,7 +14,11 @@
 
 // A render of 100x100 pixels that began now, so that all but milliseconds of its time are left.
 static struct render make(double time) {
-    struct render r = {.options = {.time = time, .width = 100, .height = 100}};
+    struct render r = {.options = {.time = time,
+                                   .width = 100,
+                                   .height = 100,
+                                   .spp = time > 0.0 ? 1 << 20 : 36,
+                                   .adaptive_sampling = true}};
     r.budget = (struct render_budget){.start = stats_wall(), .stop_at = INFINITY};
     r.pool = parallel_new(1);
     assert_non_null(r.pool);
@@ -39,7 +43,6 @@ static void no_limit_ends_nothing(void **state) {
     assert_true(render_time_remains(&r));
     assert_true(isinf(image_limit(&r)));
     assert_true(isinf(render_time_left(&r)));
-    assert_true(isinf(render_budget_pass(&r, 1.0)));
     render_limit_look(&r);
     assert_true(isfinite(r.budget.stop_at));
     parallel_free(r.pool);
@@ -72,9 +75,29 @@ static void a_limit_that_is_over_is_no_cancellation(void **state) {
 static void photons_fit_or_are_left(void **state) {
     (void)state;
     const struct render r = make(1000.0);
-    const double few = render_budget_photons(&r, 10.0), many = render_budget_photons(&r, 1.0);
-    assert_true(few > 3.0 && many > 9.0 * few && many < 300.0);
-    assert_true(render_budget_photons(&r, 1000.0) == 0.0);
+    const double first = render_budget_first_photons(&r);
+    assert_true(first > 0.0 && first < 0.1);
+    struct render_more_photons few = render_budget_photons(&r, 30.0, 4.0);
+    assert_true(few.fraction > first && few.fraction < 1.0 && few.global == 1.0);
+    // Time for twice the photons, and for ten times as many.
+    assert_true(render_budget_photons(&r, 8.4, 4.0).fraction == 1.0);
+    assert_true(fabs(render_budget_photons(&r, 8.4, 4.0).global - 2.0) < 0.1);
+    assert_true(render_budget_photons(&r, 1.7, 4.0).global == 4.0);
+    assert_true(render_budget_photons(&r, 1000.0, 4.0).fraction == 0.0);
+    parallel_free(r.pool);
+}
+
+static void starved_maps_alone_are_made_again(void **state) {
+    (void)state;
+    const struct render r = make(0.0);
+    assert_true(render_budget_first_photons(&r) == 1.0);
+    assert_true(render_budget_starved(1000.0, 500.0) == 1.0);
+    assert_true(render_budget_starved(1000.0, 2000.0) == 1.0);
+    assert_true(render_budget_starved(1000.0, 125.0) == 4.0);
+    assert_true(render_budget_starved(1000.0, 0.0) == 8.0);
+    assert_true(render_budget_photons(&r, 1.0, 1.2).fraction == 0.0);
+    assert_true(render_budget_photons(&r, 1.0, 4.0).fraction == 1.0);
+    assert_true(render_budget_photons(&r, 1.0, 4.0).global == 4.0);
     parallel_free(r.pool);
 }
 
@@ -106,13 +129,69 @@ static void records_get_what_the_paces_ask_for(void **state) {
 static void passes_grow_until_little_is_left(void **state) {
     (void)state;
     struct render r = make(1000.0);
-    const double pixels = 1e4, fit = 999.0;
-    assert_true(render_budget_pass(&r, 1.0) == 0.0);  // less than a tenth of a sample per pixel
-    const double few = render_budget_pass(&r, 0.5);
-    assert_true(few > fit && few < 2.0 * pixels);
-    const double many = render_budget_pass(&r, 0.001);
-    assert_true(many > 0.49e3 * fit && many < 0.51e3 * 1000.0);
+    const uint64_t pixels = 10000, done = 64 * pixels;
+    assert_int_equal(render_budget_pass(&r, done, 1.0), 0);  // a tenth of a sample per pixel
+    const uint64_t few = render_budget_pass(&r, done, 0.5);
+    assert_true(few > 999 && few < 2 * pixels);
+    const uint64_t many = render_budget_pass(&r, done, 0.001);
+    assert_true(many > 490000 && many < 501000);
+    assert_int_equal(render_budget_pass(&r, done, 1e-9), done);
+    // All pixels get their equal samples, or none.
+    assert_int_equal(render_budget_pass(&r, pixels, 0.06), pixels);
+    assert_int_equal(render_budget_pass(&r, pixels, 0.5), 0);
     parallel_free(r.pool);
+}
+
+// Samples of all passes of a render without a time limit, whose equal samples come first.
+static void check_passes(const struct render *r, uint64_t equal) {
+    const uint64_t pixels = 10000, all = (uint64_t)r->options.spp * pixels;
+    uint64_t done = 0, more;
+    assert_int_equal(render_budget_even_samples(&r->options), equal);
+    while ((more = render_budget_pass(r, done, 1e9)) > 0) {
+        assert_true(more <= (done > pixels ? done : pixels));
+        if (done < equal * pixels) assert_true(more % pixels == 0 && done + more <= equal * pixels);
+        done += more;
+    }
+    assert_int_equal(done, all);
+}
+
+static void passes_take_what_the_options_say(void **state) {
+    (void)state;
+    struct render r = make(0.0);
+    check_passes(&r, 9);
+    r.options.spp = 6;
+    check_passes(&r, 2);
+    r.options.spp = 3;
+    check_passes(&r, 3);
+    r.options.spp = 36;
+    r.options.adaptive_sampling = false;
+    check_passes(&r, 36);
+    r.options.adaptive_sampling = true;
+    r.options.integrator = SATIN_PATH;
+    check_passes(&r, 36);
+    parallel_free(r.pool);
+}
+
+static void first_samples_are_few(void **state) {
+    (void)state;
+    for (int width = 1; width < 100000; width *= 3)
+        for (int height = 1; height < 20000; height *= 3) {
+            const int stride = render_budget_first_stride(width, height);
+            assert_true(stride >= 16 && (stride & (stride - 1)) == 0);
+            assert_true((width / stride) * (height / stride) <= 256);
+            assert_true(stride == 16 || (2 * width / stride) * (2 * height / stride) > 256);
+        }
+}
+
+static void rays_at_rims_are_a_part_of_the_image(void **state) {
+    (void)state;
+    const size_t pixels = 160000;
+    for (size_t rims = 1; rims <= pixels; rims *= 2) {
+        const uint32_t rays = render_budget_rim_rays(pixels, rims);
+        assert_true(rays >= 1 && rays <= 128 && (rays & (rays - 1)) == 0);
+        assert_true(rays * rims <= 2 * pixels);
+        assert_true(rays == 128 || 2 * rays * rims > 2 * pixels);
+    }
 }
 
 int main(void) {
@@ -121,8 +200,12 @@ int main(void) {
         cmocka_unit_test(steps_end_in_their_order),
         cmocka_unit_test(a_limit_that_is_over_is_no_cancellation),
         cmocka_unit_test(photons_fit_or_are_left),
+        cmocka_unit_test(starved_maps_alone_are_made_again),
         cmocka_unit_test(records_get_what_the_paces_ask_for),
         cmocka_unit_test(passes_grow_until_little_is_left),
+        cmocka_unit_test(passes_take_what_the_options_say),
+        cmocka_unit_test(first_samples_are_few),
+        cmocka_unit_test(rays_at_rims_are_a_part_of_the_image),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
