@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lights as the integrators see them: choosing one for a point, sampling a direction towards it,
-// and the densities that multiple importance sampling needs. Units and parameters are Mitsuba 3's.
+// Lights for the integrators: choosing one for a point, sampling a direction towards it, and the
+// densities that multiple importance sampling needs. Units and parameters are Mitsuba 3's.
 #include "base/sampling.h"
 #include "light/light_tree.h"
 
-// Probability of a choice among all lights alike. The estimates know neither shadows nor facing, or
+// The fraction of choices that is uniform over all lights, because the estimates ignore shadows and
+// facing, or know the visibility only approximately.
 // know them from around the point only.
 #define UNIFORM 0.25f
 #define UNIFORM_VISIBILITY 0.1f
@@ -84,7 +85,8 @@ void light_choose_weigh(const struct satin_scene *scene, vec3 p, struct light_vi
     const float uniform = fraction ? UNIFORM_VISIBILITY : UNIFORM;
     float least = lit ? uniform / (float)lit : 0.0f;
     float scale = (1.0f - uniform) / sum;
-    if (!(sum > 0.0f) || !isfinite(scale)) {  // nothing reaches p: any choice will do
+    if (!(sum > 0.0f) || !isfinite(scale)) {  // no light contributes at p, so the choice does not
+                                              // matter
         for (uint32_t i = 0; i < n; i++) probability[i] = 1.0f / (float)n;
         return;
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Emitters: what they are, how points on them and directions to them are drawn, how they emit
-// photons. A scene is immutable after light_prepare, so every other function here may be called
-// from any thread.
+// Lights: their data, sampling of points on them and directions to them, and emission of photons. A
+// scene is immutable after light_prepare, so every other function here may be called from any
+// thread.
 #ifndef LIGHT_LIGHT_H
 #define LIGHT_LIGHT_H
 
@@ -24,43 +24,45 @@ enum light_kind {
     LIGHT_ENVMAP
 };
 
-// Two triangles of a mesh that make a parallelogram: corner + s * edge_u + t * edge_v, s and t in
+// Two triangles of a mesh that form a parallelogram: corner + s * edge_u + t * edge_v, s and t in
 // [0, 1].
 struct light_face {
     vec3 corner, edge_u, edge_v;
     vec3 x, y;  // unit, along the edges
-    vec3 n;     // the side that emits
+    vec3 n;     // on the side that emits
     float area, length_u, length_v;
     bool right_angled;
-    uint32_t vertex[6];  // of the triangle s + t <= 1: corner, +u, +v; of the other: far, +v, +u
-    float grid;          // fraction of the samples that is drawn by the texture; 0: none
-    const float *row_cdf, *column_cdf;  // of its cells (light_texels.c)
+    uint32_t vertex[6];  // of triangle s + t <= 1: corner, +u, +v; of the other one: far corner,
+                         // +v, +u
+    float grid;          // fraction of the samples that is drawn from the texture's grid; 0: none
+    const float *row_cdf, *column_cdf;  // of the grid's cells (light_texels.c)
 };
 
 struct light {
     enum light_kind kind;
     rgb value;                      // radiance, intensity or irradiance, by kind; envmap: scale
-    const struct texture *texture;  // area: radiance over uv; spot, projector: their slide; or NULL
+    const struct texture *texture;  // area: radiance over uv; spot, projector: the slide; NULL:
+                                    // none
     uint32_t shape;                 // area, beam
     struct mat4 to_world, to_local;
-    vec3 position, direction;    // point, spot; spot and directional: where the light goes
+    vec3 position, direction;    // spot and directional: the direction in which light travels
     float cos_cutoff, cos_beam;  // spot
     float tan_x, tan_y;          // projector: half extents of its slide at unit distance
     const struct image *image;   // envmap: latitude-longitude, 3 channels
-    vec3 sun;                    // envmap: towards the middle of a disc of uniform light, unit
-    rgb sun_value;               // its radiance; black: there is none
-    float sun_chord;             // of the angle from its middle to its rim
-    // The rest is filled by light_prepare.
+    vec3 sun;                    // envmap: direction to the centre of the sun's uniform disc, unit
+    rgb sun_value;               // radiance of the sun; black: there is none
+    float sun_chord;             // chord of the angle between the sun's centre and rim
+    // light_prepare fills the rest.
     const float *row_cdf,
         *column_cdf;  // envmap, cells between texels: rows + 1; rows * (width + 1)
-    const uint32_t *row_cut, *column_cut;  // envmap: by which they are searched
+    const uint32_t *row_cut, *column_cut;  // envmap: start indices of searches in the cdfs
     uint32_t row_cuts, column_cuts;
-    const float *row_weight;        // envmap: of the rows of texels in the density, rows + 1
-    const struct light_face *face;  // area: set if all triangles pair into few faces, else NULL
+    const float *row_weight;  // envmap: factors of the rows of texels in the density, rows + 1
+    const struct light_face *face;  // area: set if all triangles pair into a few faces, else NULL
     uint32_t face_count;
-    vec3 center;         // area: of its bounds
-    float strength;      // luminance of radiance * area, intensity or irradiance, by kind
-    float sun_fraction;  // of the samples, for the disc
+    vec3 center;         // area: centre of its bounds
+    float strength;      // luminance of radiance * area, of intensity or of irradiance, by kind
+    float sun_fraction;  // fraction of the samples that goes to the sun
     float power;         // luminance of the emitted power [W], > 0
 };
 
@@ -70,38 +72,41 @@ struct light_sample {
     vec3 wi;      // from the point to the light
     vec3 p;       // point on the light (area, point, spot)
     vec3 n;       // its normal; zero if it has none
-    float dist;   // INFINITY for directional light and environments
+    float dist;   // INFINITY for directional lights and environments
     rgb L;        // radiance, or for delta lights intensity / dist^2 or irradiance
-    float pdf_w;  // solid angle; 1 for delta lights. Without the probability of choosing the light
+    float pdf_w;  // density over solid angle, without the probability of choosing the light; delta
+                  // lights: 1
     bool delta;
-    uint32_t light;  // which light, drawn by which numbers
+    uint32_t light;  // index of the light, and the numbers by which it was drawn
     float u, v;
 };
 
-// Fills light_cdf, powers, image distributions and the shapes' area_cdf. After scene_trace_build.
+// Sets light_cdf, powers, distributions over images, and the shapes' area_cdf. To be called after
+// scene_trace_build.
 satin_status light_prepare(struct satin_scene *scene, struct log log);
 
-// A direction towards light i; false if none contributes. Does not test visibility.
+// Draws a direction towards light i. False if the light cannot contribute. Visibility is not
+// tested.
 bool light_sample(const struct satin_scene *scene, uint32_t i, vec3 p, float u, float v,
                   struct light_sample *out);
-// Density over solid angle at p with which light_sample of s's light draws s.
+// The density over solid angle at p with which light_sample of the light at s draws s.
 float light_pdf(const struct satin_scene *scene, vec3 p, vec3 wi, const struct interaction *s);
-// Radiance that s emits towards w (world, away from the surface); black if s is no light.
+// The radiance that s emits towards w (world, away from the surface); black if s is not on a light.
 rgb light_emitted(const struct satin_scene *scene, const struct interaction *s, vec3 w);
-// Radiance of the environment along w (world, away from the eye); black without one.
+// The radiance of the environment along w (world, away from the eye); black if there is none.
 rgb light_environment(const struct satin_scene *scene, vec3 w);
-// Radiance that a ray along d brings from what it meets: emitted at `hit`, or by the environment if
-// that is NULL; black if that emits nothing.
+// The emitted radiance at the end of a ray along d: that of `hit`, or that of the environment if
+// `hit` is NULL.
 rgb light_met(const struct satin_scene *scene, const struct interaction *hit, vec3 d);
-// Shadow ray of a light sample from a surface point.
+// The shadow ray of a light sample from a surface point.
 struct ray light_shadow_ray(const struct satin_scene *scene, vec3 p, vec3 ng,
                             const struct light_sample *s);
 
-// Draws a photon that leaves light i, in proportion to its power: position by u[0], u[1], direction
-// by u[2], u[3], each in [0, 1). The light's power is the mean of `power` over uniform u; false:
-// the photon carries none. Equal power for all u but on textured, environment and wide spot lights.
-// `aim` says what matters; NULL: all does. The density of photons then is higher there, and their
-// power lower, than elsewhere.
+// Draws a photon that leaves light i, in proportion to its power: its position by u[0] and u[1],
+// its direction by u[2] and u[3], each in [0, 1). The light's power is the mean of `power` over
+// uniform u. False if the photon carries no power. The power is the same for all u, except for
+// textured, environment and wide spot lights. Towards the boxes of `aim` the density of photons is
+// higher, and their power lower, than elsewhere; NULL is without aim.
 struct light_ray {
     struct ray ray;
     rgb power;  // [W]
@@ -111,11 +116,11 @@ struct light_target {
 };
 enum { LIGHT_SPOTS = 6 };
 struct light_aim {
-    struct light_target all;  // light from infinitely far that passes it by is left out
-    int count;                // of the boxes in it, or before it, that matter most
+    struct light_target all;  // a box around all targets; distant light that misses it is left out
+    int count;                // number of boxes to aim at, in or in front of `all`
     struct light_target spot[LIGHT_SPOTS];
 };
-#define LIGHT_UNAIMED 0.25f  // fraction of photons that are not aimed at a spot, if there is one
+#define LIGHT_UNAIMED 0.25f  // fraction of photons that are not aimed at a box, if there is any
 bool light_emit(const struct satin_scene *scene, uint32_t i, const struct light_aim *aim,
                 const float u[4], struct light_ray *out);
 

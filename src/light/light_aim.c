@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Aimed emission: most photons of a light start towards boxes that matter, each by the light's own
-// distribution narrowed to the box. The density of a photon is the mixture's, whichever target drew
-// it, so its power is exact, and at most 1 / LIGHT_UNAIMED times that without aim [the balance
-// heuristic of Veach 1997, 9.2.2].
+// Aimed emission: most photons of a light are emitted towards boxes, each by the light's own
+// distribution restricted to the box. The density of a photon is that of the mixture, whichever
+// target drew it, so its power is exact, and at most 1 / LIGHT_UNAIMED times that without aim [the
+// balance heuristic of Veach 1997, 9.2.2].
 #include "base/sampling.h"
 #include "light/light_kinds.h"
 
-// A cone narrower than this about the axis is opened to it: floats resolve no less.
+// The least half angle of a cone: floats do not resolve a narrower one.
 #define CONE_LEAST 4e-6f
 
 static float spot_probability(const struct light_aim *aim) {
@@ -27,7 +27,7 @@ int light_aim_choose(const struct light_aim *aim, float *u) {
 
 // ---- Light from infinitely far: rays through boxes --------------------------------------------
 
-// Along one axis: clips [*near, *far] to where o + t d is within [lo, hi].
+// Clips [*near, *far] to where o + t d is within [lo, hi] along one axis.
 static void clip_slab(float o, float d, float lo, float hi, float *near, float *far) {
     float a = (lo - o) / d, b = (hi - o) / d;
     if (d == 0.0f) {
@@ -71,7 +71,7 @@ struct target_cone {
     float cos_max;
 };
 
-// The cone about the box's bounding sphere; false if p is so near that it would be wide.
+// The cone around the box's bounding sphere. False if p is so near that the cone would be wide.
 static bool cone_to(const struct light_target *box, vec3 p, struct target_cone *out) {
     vec3 center = v3_mul(v3_add(box->lo, box->hi), 0.5f), d = v3_sub(center, p);
     float r2 = 0.25f * v3_dist2(box->lo, box->hi), d2 = v3_len2(d);
@@ -95,7 +95,7 @@ float light_aim_weight(const struct light_aim *aim, vec3 p, vec3 d, float pdf_w)
     float sum = LIGHT_UNAIMED * pdf_w;
     for (int i = 0; i < aim->count; i++) {
         struct target_cone cone;
-        float pdf = pdf_w;  // too near: it is drawn as the light does
+        float pdf = pdf_w;  // too near the box: the light's own density
         if (cone_to(&aim->spot[i], p, &cone))
             pdf = v3_dot(d, cone.axis) >= cone.cos_max
                       ? 1.0f / (2.0f * PI_F * (1.0f - cone.cos_max))

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Area lights: uniform radiance, or a texture over uv, leaving the front side of a shape. Meshes of
+// Area lights: uniform radiance, or a texture over uv, leaves the front side of a shape. Meshes of
 // few flat faces are sampled face by face (light_face.c, light_texels.c), other meshes by a
-// distribution over triangles, spheres by the cone they fill, disks and cylinders by area.
-// Conventions are Mitsuba 3's but for one: the geometric normal decides which side is the front, so
-// that what is emitted is pi L A.
+// distribution over triangles, spheres by their cone, disks and cylinders by area. Conventions are
+// Mitsuba 3's with one deviation: the geometric normal decides which side is the front, so that the
+// emitted power is pi L A.
 #include "base/sampling.h"
 #include "light/light_kinds.h"
 
@@ -23,7 +23,7 @@ static rgb area_radiance(const struct light *light, struct texture_lookup at) {
 // ---- Shapes -----------------------------------------------------------------------------------
 
 struct triangle {
-    vec3 a, ab, ac, n;  // n not normalised: twice the area long, front side
+    vec3 a, ab, ac, n;  // n is not normalised: its length is twice the area; front side
 };
 
 static struct triangle triangle_get(const struct shape *shape, uint32_t i) {
@@ -132,7 +132,7 @@ struct light_point light_area_point(const struct satin_scene *scene, const struc
 static satin_status prepare_mesh(struct satin_scene *scene, struct light *light) {
     struct shape *shape = &scene->shape[light->shape];
     uint32_t n = shape->mesh.triangle_count, pairs = n / 2;
-    // Without coordinates a texture goes by each triangle, as one of attributes does.
+    // Without texture coordinates, or with an attribute, a texture is defined per triangle.
     bool plain = !attribute_used(light->texture) && (!light->texture || shape->mesh.uv);
     if (n == 2 * pairs && pairs > 0 && pairs <= FACES_MAX && plain) {
         struct light_face *face = arena_array(&scene->arena, pairs, sizeof *face);
@@ -200,7 +200,8 @@ float light_area_estimate(const struct satin_scene *scene, const struct light *l
     return light->strength / (v3_dist2(p, light->center) + (0.5f / PI_F) * shape->area);
 }
 
-// Chooses a face by its estimate; *probability is that of the face `wanted` if it is not negative.
+// Chooses a face by its estimate. *probability is that of the face `wanted`, or of the chosen one
+// if `wanted` is negative.
 static uint32_t choose_face(const struct light *light, vec3 p, float *u, int64_t wanted,
                             float *probability) {
     *probability = 1.0f;
@@ -228,7 +229,7 @@ static bool finish(const struct light_point *at, vec3 p, float pdf_w, struct lig
     return true;
 }
 
-// 1 - cos of the half angle of the cone that the sphere fills.
+// 1 - cos of the half angle of the cone that the sphere subtends.
 static float sphere_cone(const struct shape *shape, float d2) {
     float sin2 = fminf(shape->radius * shape->radius / d2, 1.0f);
     return sin2 / (1.0f + safe_sqrtf(1.0f - sin2));
@@ -242,7 +243,7 @@ static bool sphere_sample(const struct light *light, const struct shape *shape, 
     if (inside != shape->flip_normals) return false;
     vec3 w;
     float t, pdf_w;
-    if (inside) {  // every direction meets the sphere once
+    if (inside) {  // every direction hits the sphere once
         w = sample_uniform_sphere(u, v);
         float b = v3_dot(to_center, w);
         t = b + safe_sqrtf(b * b + (r * r - d2));

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Beams: light that leaves a rectangle or a disk along its normal alone, so that it brings the same
-// irradiance at any distance to what lies before the shape, and nothing to the rest. No ray meets
-// it by chance: a point's foot on the shape is its light sample.
+// Beams: light that leaves a rectangle or a disk only along its normal. So it gives the same
+// irradiance at any distance in front of the shape, and none elsewhere. Rays do not hit it by
+// chance: the light sample of a point is its projection onto the shape.
 #include "light/light_kinds.h"
 
-// The texture coordinates of q in the shape's plane; false if it is outside of the shape.
+// The texture coordinates of q in the shape's plane. False if q is outside of the shape.
 static bool locate(const struct light *light, const struct shape *shape, vec3 q, vec2 *uv) {
     if (shape->kind == SHAPE_DISK) {
         vec3 l = mat4_point(&shape->to_object, q);
@@ -50,7 +50,7 @@ satin_status light_beam_prepare(struct satin_scene *scene, struct light *light) 
     struct light_point point = light_area_point(scene, light, 0.5f, 0.5f);
     light->position = point.p;
     light->direction = point.n;
-    light->power = light->strength;  // what the area sends per steradian goes in one direction
+    light->power = light->strength;  // all the light travels in one direction
     light->strength = light->power / shape->area;
     return SATIN_OK;
 }

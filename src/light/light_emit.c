@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Photons leave the lights: area lights by area and cosine, lights at a point by their
-// intensity (light_point.c), directional lights and environments through the sides of the
-// scene's bounding box that face them, which wastes less than a disk around the bounding sphere and
-// is as exact. All of them may be aimed (light_aim.c).
+// Emission of photons: from area lights by area and cosine, from lights at a point by their
+// intensity (light_point.c), from directional lights and environments through those sides of the
+// scene's bounding box that face them. The latter wastes fewer photons than a disk around the
+// bounding sphere and is as exact. All of them can be aimed (light_aim.c).
 #include "base/sampling.h"
 #include "light/light_kinds.h"
 
@@ -10,7 +10,7 @@ static struct light_target scene_bounds(const struct satin_scene *scene) {
     return (struct light_target){scene->bounds_lo, scene->bounds_hi};
 }
 
-// What the box's sides across x, y and z show in direction d.
+// The areas of the box's sides across x, y and z, projected along d.
 static vec3 box_sides(const struct light_target *box, vec3 d) {
     vec3 s = v3_sub(box->hi, box->lo);
     return v3(s.y * s.z * fabsf(d.x), s.x * s.z * fabsf(d.y), s.x * s.y * fabsf(d.z));
@@ -31,7 +31,7 @@ float light_bounds_area(const struct satin_scene *scene) {
     return 2.0f * (s.x * s.y + s.y * s.z + s.z * s.x);
 }
 
-// A ray into the box along d, uniform over the area that the box shows; that area goes to *shadow.
+// A ray along d into the box, uniform over its projected area, which is returned in *shadow.
 static bool box_ray(const struct satin_scene *scene, const struct light_target *box, vec3 d,
                     const float u[2], struct ray *ray, float *shadow) {
     vec3 side = box_sides(box, d), lo = box->lo, hi = box->hi, size = v3_sub(hi, lo), p;
@@ -47,18 +47,19 @@ static bool box_ray(const struct satin_scene *scene, const struct light_target *
         x = fminf((x - side.x - side.y) / side.z, 1.0f);
         p = v3(lo.x + size.x * x, lo.y + size.y * v, d.z > 0.0f ? lo.z : hi.z);
     }
-    // The box lies in the scene's bounds, so this is outside of everything.
+    // The box is within the scene's bounds, so this is outside of all surfaces.
     *ray = (struct ray){v3_mad(p, -2.1f * scene->radius, d), 0.0f, d, INFINITY};
     return true;
 }
 
 // ---- Light from a point -----------------------------------------------------------------------
 
-// The direction of a photon that leaves p: towards what matters, or as the light draws it.
+// The choice of the direction of a photon that leaves p: towards a box of the aim, or as the light
+// draws it.
 struct departure {
     vec3 d;
-    bool aimed;  // d is set
-    float u, v;  // for the light otherwise
+    bool aimed;  // whether d is set
+    float u, v;  // numbers for the light's own sampling
 };
 
 static struct departure depart(const struct light_aim *aim, vec3 p, const float u[2]) {
@@ -104,7 +105,7 @@ static bool emit_position(const struct light *light, const struct light_aim *aim
 
 // ---- Light from infinitely far ----------------------------------------------------------------
 
-// A ray along d through one of the aim's boxes; *area gets 1 over its density.
+// A ray along d through one of the aim's boxes. *area is set to 1 over its density.
 static bool aim_ray(const struct satin_scene *scene, const struct light_aim *aim, vec3 d,
                     const float u[2], struct ray *ray, float *area) {
     float u2[2] = {u[0], u[1]}, shadow;

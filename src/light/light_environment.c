@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Environments: a constant radiance, or a latitude-longitude image looked up bilinearly where
-// Mitsuba 3.9 puts its texels (measured): the direction (sin phi sin theta, cos theta, -cos phi sin
-// theta) of the light's own space lies at x = width phi / 2 pi - 1/2, wrapped, and y = (height - 1)
-// theta / pi. Directions are drawn in proportion to the interpolated luminance times sin theta: a
-// cell between four texels by its mean, then a point of the cell by bilinear interpolation. A sun
-// is a disc of light on top of the image, which gets a fraction of the samples.
+// Environments: a constant radiance, or a latitude-longitude image with bilinear lookup. Texels are
+// where Mitsuba 3.9 has them (measured): the direction (sin phi sin theta, cos theta, -cos phi sin
+// theta) in light space is at x = width phi / 2 pi - 1/2, wrapped, and y = (height - 1) theta / pi.
+// Directions are drawn in proportion to the interpolated luminance times sin theta: first a cell
+// between four texels by its mean, then a point of the cell by bilinear interpolation. A sun is a
+// disc of light on top of the image, which gets a fraction of the samples.
 #include "base/sampling.h"
 #include "light/light_kinds.h"
 
-// A point between four texels: column and row of the first, and the weights of the next ones.
+// A point between four texels: column and row of the first one, and the weights of the next column
+// and row.
 struct texel_lookup {
     int column, row;
     float fx, fy;
@@ -49,15 +50,15 @@ static rgb interpolate(const struct light *light, const struct texel_lookup *at)
     return rgb_mul(c, light->value);
 }
 
-// What a row of texels counts by. Poles get an eighth of their neighbours' sine instead of 0, so
-// that the light of an image of two rows has a density too.
+// The factor of a row of texels in the density. The poles have an eighth of their neighbours' sine
+// instead of 0, so that the light of an image of two rows has a density too.
 static float row_weight(const struct image *image, int row) {
     float step = PI_F / (float)cell_rows(image);
     return fmaxf(sinf(step * (float)row), sinf(0.125f * step));
 }
 
 struct cell {
-    float w00, w10, w01, w11;  // sampling weights of the corners
+    float w00, w10, w01, w11;  // sampling weights of the four texels
 };
 
 static struct cell cell_of(const struct light *light, int column, int row) {
@@ -78,13 +79,13 @@ static float cell_density(const struct cell *c, float fx, float fy) {
     return lerpf(low, high, fy) / mean;
 }
 
-// x in [0, 1] with density linear from a to b.
+// Draws x in [0, 1] with a density that is linear from a to b.
 static float sample_linear(float u, float a, float b) {
     float root = a + sqrtf(lerpf(a * a, b * b, u));
     return root > 0.0f ? fminf(u * (a + b) / root, 1.0f) : u;
 }
 
-// The density of the cell over the unit square of the image, not counting its inside.
+// The probability density of drawing the cell, over the unit square of the image.
 static float cell_probability(const struct light *light, int column, int row) {
     const struct image *image = light->image;
     const float *columns = light->column_cdf + (size_t)row * (size_t)(image->width + 1);
@@ -113,7 +114,7 @@ static bool in_sun(const struct light *light, vec3 w) {
 
 static float sun_solid_angle(const struct light *light) { return PI_F * sqrf(light->sun_chord); }
 
-// Neither the sun nor the sky is left to few samples, whichever brings more.
+// Limits of the fraction of samples for the sun, so that neither sun nor sky gets too few.
 #define SUN_FRACTION_MIN 0.2f
 #define SUN_FRACTION_MAX 0.7f
 
@@ -137,7 +138,7 @@ static vec3 sun_direction(const struct light *light, float u, float v) {
 
 // ---- The light ----------------------------------------------------------------------------------
 
-// A power of two: about eight items in a range.
+// A power of two such that a range between two cuts has about eight items.
 static size_t cuts_of(size_t items) {
     size_t cuts = 1;
     while (cuts * 16 <= items) cuts *= 2;
@@ -182,7 +183,7 @@ static satin_status prepare_image(struct satin_scene *scene, struct light *light
     light->row_cdf = row_cdf;
     light->column_cdf = column_cdf;
     float scale = rgb_luminance(light->value);
-    light->strength = 0.25f * scale * (float)flux;  // mean irradiance over all facings
+    light->strength = 0.25f * scale * (float)flux;  // mean irradiance over all orientations
     light->power = scale * (float)power;
     add_sun(scene, light);
     return SATIN_OK;
@@ -195,7 +196,7 @@ satin_status light_environment_prepare(struct satin_scene *scene, struct light *
     return SATIN_OK;
 }
 
-// The density of drawing a direction, in the sun or not, from that of drawing it for the radiance.
+// The density of drawing a direction, in the sun or not, given its density by radiance.
 static float mixed_pdf(const struct light *light, const struct light_histogram *histogram, vec3 wi,
                        bool sun, float pdf_w) {
     if (histogram) pdf_w = lerpf(pdf_w, light_histogram_pdf(histogram, wi), histogram->fraction);
@@ -203,7 +204,7 @@ static float mixed_pdf(const struct light *light, const struct light_histogram *
     return sun ? pdf_w + light->sun_fraction / sun_solid_angle(light) : pdf_w;
 }
 
-// The density of drawing a direction by the radiance. *L, if not NULL, gets the radiance there.
+// The density of drawing a direction by radiance. *L, if not NULL, is set to the radiance there.
 static float radiance_pdf(const struct light *light, vec3 wi, rgb *L) {
     if (light->kind == LIGHT_CONSTANT) {
         if (L) *L = light->value;
@@ -215,7 +216,7 @@ static float radiance_pdf(const struct light *light, vec3 wi, rgb *L) {
     return texel_pdf(light, &at, &cell);
 }
 
-// Whether u < probability; u is then stretched to [0, 1) again, in either case.
+// Whether u < probability. In both cases u is then rescaled to [0, 1).
 static bool takes(float probability, float *u) {
     const bool yes = *u < probability;
     *u = yes ? *u / probability : fminf((*u - probability) / (1.0f - probability), 0x1.fffffep-1f);
@@ -229,7 +230,7 @@ static rgb sky_radiance(const struct light *light, vec3 w) {
     return interpolate(light, &at);
 }
 
-// A direction by the radiance, its density and the radiance there.
+// Draws a direction by radiance; sets its density and radiance.
 static vec3 sample_radiance(const struct light *light, float u, float v, float *pdf_w, rgb *L) {
     if (light->kind == LIGHT_CONSTANT) {
         *pdf_w = 0.25f / PI_F;
@@ -252,8 +253,8 @@ static vec3 sample_radiance(const struct light *light, float u, float v, float *
     return direction_at(light, ((float)column + at.fx + 0.5f) / (float)image->width, y);
 }
 
-// Where texels of next to no light are interpolated the density may be so small that nothing can be
-// divided by it, and what is lost is as small.
+// Near texels that are almost black the interpolated density can be too small to divide by. Below
+// this such a sample is dropped; its contribution is as small.
 #define PDF_LEAST 1e-18f
 
 bool light_environment_sample(const struct satin_scene *scene,
@@ -268,7 +269,7 @@ bool light_environment_sample(const struct satin_scene *scene,
     } else {
         out->wi = sample_radiance(light, u, v, &out->pdf_w, &out->L);
     }
-    sun = sun || in_sun(light, out->wi);  // drawn at its rim it may be off by a digit
+    sun = sun || in_sun(light, out->wi);  // at the rim of the sun, rounding may move it outside
     if (sun) out->L = rgb_add(out->L, light->sun_value);
     out->pdf_w = mixed_pdf(light, histogram, out->wi, sun, out->pdf_w);
     return out->pdf_w > PDF_LEAST && !rgb_black(out->L);

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Faces of area lights: rectangles and parallelograms, sampled as a whole so that well-spread
-// numbers stay well spread. A right-angled face is sampled by the solid angle it covers [Urena et
-// al. 2013, "An area-preserving parametrization for spherical rectangles"], which takes the
-// 1 / d^2 peaks out of points near an emitting wall. Deviation: the corner angles are kept as
-// complex numbers, whose error in float stays near 1e-7 where the paper's arccosines lose half the
-// digits; sums of angles are products, and one arctangent is left.
+// Faces of area lights: rectangles and parallelograms, sampled as a whole so that the
+// stratification of the random numbers is kept. A right-angled face is sampled by solid angle
+// [Urena et al. 2013, "An area-preserving parametrization for spherical rectangles"], which avoids
+// the 1 / d^2 peaks at points near an emitting wall. Deviation: the corner angles are complex
+// numbers, whose error in float stays near 1e-7, while the paper's arccosines lose half the digits.
+// Sums of angles are products, and only one arctangent is left.
 #include "base/sampling.h"
 #include "light/light_kinds.h"
 
-// Below this solid angle a face looks flat: area sampling is as good, and cheaper.
+// Below this solid angle area sampling is as good, and faster.
 #define SOLID_ANGLE_MIN 0.15f
 
-// An angle as the complex number c + i s, of any length.
+// An angle as the argument of the complex number c + i s, of any length.
 struct angle {
     float c, s;
 };
@@ -23,7 +23,7 @@ static struct angle angle_difference(struct angle a, struct angle b) {
     return (struct angle){a.c * b.c + a.s * b.s, a.s * b.c - a.c * b.s};
 }
 
-// A right-angled face as a point meets it, whose frame is along the face's x, y and n.
+// A right-angled face relative to a point, in a frame along the face's x, y and n.
 struct rectangle_view {
     float x0, x1, y0, y1, z0;  // z0 < 0
     float b0, b1, solid_angle;
@@ -48,7 +48,8 @@ float light_mesh_side(const struct shape *shape, const uint32_t index[3], vec3 n
 
 static bool same_point(vec3 a, vec3 b, float scale2) { return v3_dist2(a, b) <= 1e-12f * scale2; }
 
-// Finds the edge (a[1], a[2]) that triangle b has too, in rotated order, and the far corner.
+// Finds the edge (a[1], a[2]) that triangle b has in common, with the vertices in cyclic order, and
+// the opposite corner.
 static bool face_pair(const struct mesh *mesh, uint32_t first, struct light_face *face) {
     const uint32_t *a = mesh->index + 3 * (size_t)first, *b = a + 3;
     for (int i = 0; i < 3; i++)
@@ -94,21 +95,22 @@ float light_face_estimate(const struct light_face *face, vec3 p) {
     float h = v3_dot(d, face->n);
     if (!(h > 0.0f)) return 0.0f;
     d = v3_mad(v3_mad(d, -0.5f, face->edge_u), -0.5f, face->edge_v);
-    // Beside a light's plane the cosine to its centre says little about its near part, hence the
-    // quarter of its size; points of the face itself (h = 0 but for rounding) get next to nothing.
+    // Beside the light's plane the cosine to its centre is a poor estimate for its near part, hence
+    // a quarter of its size is added. Points on the face itself (h = 0 up to rounding) get almost
+    // nothing.
     float size = sqrtf(face->area), q = v3_len2(d) + face->area * (0.5f / PI_F);
     float height = (h + 0.25f * size) * h / (h + 1e-4f * size);
     return face->area * height / (q * sqrtf(q));
 }
 
-// The angle whose tangent is x y / (-z r): the part of the solid angle between the axes and a
-// corner. It is divided by r^2, as products of four lengths leave the range of float.
+// The angle whose tangent is x y / (-z r), which is the solid angle between the axes and a corner.
+// It is divided by r^2, as products of four lengths leave the range of float.
 static struct angle corner_angle(float x, float y, float z) {
     float r2 = x * x + y * y + z * z, r = sqrtf(r2);
     return (struct angle){-z / r, x * y / r2};
 }
 
-// False if the face is to be sampled by area from p.
+// False if the face must be sampled by area from p.
 static bool rectangle_view_make(const struct light_face *face, vec3 p,
                                 struct rectangle_view *view) {
     if (!face->right_angled || light_face_estimate(face, p) < 0.5f * SOLID_ANGLE_MIN) return false;
@@ -131,14 +133,14 @@ static bool rectangle_view_make(const struct light_face *face, vec3 p,
     return view->solid_angle > SOLID_ANGLE_MIN;
 }
 
-// The density over solid angle at p of drawing q by area.
+// The density over solid angle at p of drawing q uniformly by area.
 static float area_pdf(const struct light_face *face, vec3 p, vec3 q) {
     vec3 d = v3_sub(p, q);
     float d2 = v3_len2(d), cosine = v3_dot(d, face->n) / sqrtf(d2);
     return cosine > 0.0f ? d2 / (face->area * cosine) : 0.0f;
 }
 
-// Without regard to the texture, as is plain_pdf.
+// As plain_pdf, without the texture.
 static bool plain_sample(const struct light_face *face, vec3 p, float u, float v, vec3 *q,
                          float *pdf_w) {
     struct rectangle_view w;
@@ -147,13 +149,14 @@ static bool plain_sample(const struct light_face *face, vec3 p, float u, float v
         *pdf_w = area_pdf(face, p, *q);
         return *pdf_w > 0.0f && isfinite(*pdf_w);
     }
-    // The plane x = xu through the point's y axis that cuts the fraction u off the solid angle, ...
+    // The plane x = xu through the point's y axis below which lies the fraction u of the solid
+    // angle.
     float cut = u * w.solid_angle;
     struct angle phi = angle_sum((struct angle){cosf(cut), sinf(cut)}, w.k);
     float f = (phi.c * w.b0 - w.b1) / phi.s;
     float c = clampf(copysignf(1.0f, f) / sqrtf(f * f + w.b0 * w.b0), -1.0f, 1.0f);
     float xu = clampf(-c * w.z0 / safe_sqrtf(1.0f - c * c), w.x0, w.x1);
-    // ... and the height along it, uniform in its sine.
+    // The height in that plane, uniform in its sine.
     float d2 = xu * xu + w.z0 * w.z0;
     float h0 = w.y0 / sqrtf(d2 + w.y0 * w.y0), h1 = w.y1 / sqrtf(d2 + w.y1 * w.y1);
     float h = h0 + v * (h1 - h0), rest = 1.0f - h * h;
@@ -168,7 +171,7 @@ static float plain_pdf(const struct light_face *face, vec3 p, vec3 q) {
     return rectangle_view_make(face, p, &view) ? 1.0f / view.solid_angle : area_pdf(face, p, q);
 }
 
-// The density of plain samples and of those by the texture's grid together.
+// The density of the mixture of plain samples and of those by the texture's grid.
 static float face_mixed_pdf(const struct light_face *face, vec3 p, vec3 q, vec2 st, float plain) {
     const float by_grid = area_pdf(face, p, q) * light_texels_density(face, st);
     return lerpf(plain, by_grid, face->grid);
@@ -209,7 +212,7 @@ vec2 light_face_uv(const struct light_face *face, const struct mesh *mesh, float
     bool far = s + t > 1.0f;
     const uint32_t *vertex = face->vertex + (far ? 3 : 0);
     float b1 = far ? 1.0f - s : s, b2 = far ? 1.0f - t : t;
-    // The far triangle lists +v before +u: 1 - s is the weight of +v, 1 - t that of +u.
+    // The far triangle has +v before +u: 1 - s is the weight of +v, and 1 - t that of +u.
     float b0 = 1.0f - b1 - b2;
     const float *uv = mesh->uv;
     const float *p = uv + 2 * (size_t)vertex[0], *q = uv + 2 * (size_t)vertex[1],

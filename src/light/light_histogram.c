@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Visible-environment histograms: directions by bins of equal solid angle, drawn where some cell of
+// Visible-environment histograms: directions in bins of equal solid angle, drawn where a cell of
 // the scene has found the environment visible.
 #include "base/sampling.h"
 #include "light/light_kinds.h"

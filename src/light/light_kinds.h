@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to light/: the kinds of lights, as light.c calls them.
+// Private to light/: functions for each kind of light, which light.c calls.
 #ifndef LIGHT_KINDS_H
 #define LIGHT_KINDS_H
 
@@ -8,16 +8,16 @@
 // ---- Area lights (light_area.c) ---------------------------------------------------------------
 
 // Pairs the triangles of an emitting mesh into faces, or builds its area_cdf; sets area, center,
-// strength and power. SATIN_ERROR_MEMORY.
+// strength and power. Fails with SATIN_ERROR_MEMORY.
 satin_status light_area_prepare(struct satin_scene *scene, struct light *light);
-// An estimate of the irradiance (luminance) that the light can bring to p; 0 only if it brings
-// none.
+// An estimate of the irradiance (luminance) from the light at p, which is 0 only if the light
+// contributes none.
 float light_area_estimate(const struct satin_scene *scene, const struct light *light, vec3 p);
 bool light_area_sample(const struct satin_scene *scene, const struct light *light, vec3 p, float u,
                        float v, struct light_sample *out);
 float light_area_pdf(const struct satin_scene *scene, const struct light *light, vec3 p, vec3 wi,
                      const struct interaction *s);
-// A point uniform by area, its emitting side's normal and its radiance.
+// A point drawn uniformly by area, the normal of its emitting side and its radiance.
 struct light_point {
     vec3 p, n;
     rgb L;
@@ -28,47 +28,47 @@ struct light_point light_area_point(const struct satin_scene *scene, const struc
 
 // ---- Faces (light_face.c) ---------------------------------------------------------------------
 
-// 1 or -1: times n, a triangle's normal by its winding, it gives the front side, as scene_intersect
-// reports it.
+// 1 or -1, the factor by which a triangle's normal n, from the order of its vertices, is on the
+// front side, as scene_intersect returns it.
 float light_mesh_side(const struct shape *shape, const uint32_t index[3], vec3 n);
-// Pairs triangles 2 i and 2 i + 1 into parallelograms; false if one pair is none.
+// Pairs triangles 2 i and 2 i + 1 into parallelograms. False if a pair does not form one.
 bool light_faces_build(const struct shape *shape, struct light_face *face, uint32_t count);
 // Draws a point of the face for p in front of it: by solid angle if the face is right-angled and
-// not tiny from p, else by area. False if p is behind.
+// its solid angle is not tiny, else by area. False if p is behind.
 bool light_face_sample(const struct light_face *face, vec3 p, float u, float v, vec3 *q,
                        float *pdf_w);
 // The density over solid angle at p of drawing q.
 float light_face_pdf(const struct light_face *face, vec3 p, vec3 q);
 // An estimate of the solid angle of the face from p; 0 if p is behind.
 float light_face_estimate(const struct light_face *face, vec3 p);
-// Texture coordinates at corner + s * edge_u + t * edge_v.
+// The texture coordinates at corner + s * edge_u + t * edge_v.
 vec2 light_face_uv(const struct light_face *face, const struct mesh *mesh, float s, float t);
-// The s and t of q = corner + s * edge_u + t * edge_v.
+// The coordinates s and t of q = corner + s * edge_u + t * edge_v.
 vec2 light_face_coordinates(const struct light_face *face, vec3 q);
 
 // ---- Textured faces (light_texels.c) ----------------------------------------------------------
 
-// Sets the grid of a face of a textured light. SATIN_ERROR_MEMORY.
+// Sets the grid of a face of a textured light. Fails with SATIN_ERROR_MEMORY.
 satin_status light_texels_build(struct satin_scene *scene, const struct light *light,
                                 struct light_face *face);
-// Draws s and t by the grid, and the density over the unit square of drawing them so.
+// Draw s and t by the grid, and return the density of that over the unit square.
 vec2 light_texels_sample(const struct light_face *face, float u, float v);
 float light_texels_density(const struct light_face *face, vec2 st);
 
 // ---- Environments (light_environment.c) -------------------------------------------------------
 
-// Builds the distribution of an envmap; sets strength and power. SATIN_ERROR_MEMORY.
+// Builds the distribution of an envmap; sets strength and power. Fails with SATIN_ERROR_MEMORY.
 satin_status light_environment_prepare(struct satin_scene *scene, struct light *light);
 
 // ---- Histograms (light_histogram.c) -----------------------------------------------------------
 
-// A direction by the bins, and the density over solid angle of drawing it so.
+// Draw a direction by the bins, and return the density of that over solid angle.
 vec3 light_histogram_sample(const struct light_histogram *histogram, float u, float v);
 float light_histogram_pdf(const struct light_histogram *histogram, vec3 w);
 
 // ---- Beams (light_beam.c) ---------------------------------------------------------------------
 
-// Sets position, direction, strength and power. SATIN_ERROR_MEMORY.
+// Sets position, direction, strength and power. Fails with SATIN_ERROR_MEMORY.
 satin_status light_beam_prepare(struct satin_scene *scene, struct light *light);
 float light_beam_estimate(const struct satin_scene *scene, const struct light *light, vec3 p);
 bool light_beam_sample(const struct satin_scene *scene, const struct light *light, vec3 p,
@@ -76,9 +76,9 @@ bool light_beam_sample(const struct satin_scene *scene, const struct light *ligh
 
 // ---- Emission (light_emit.c) ------------------------------------------------------------------
 
-// The area that a box shows in direction d.
+// The area of a box, projected along d.
 float light_box_shadow(const struct light_target *box, vec3 d);
-// The area that the scene's bounds show in direction d, and the area of their surface.
+// The area of the scene's bounds, projected along d, and the area of their surface.
 float light_bounds_shadow(const struct satin_scene *scene, vec3 d);
 float light_bounds_area(const struct satin_scene *scene);
 
@@ -88,27 +88,29 @@ float light_bounds_area(const struct satin_scene *scene);
 void light_point_prepare(struct light *light);
 float light_point_estimate(const struct light *light, vec3 p);
 bool light_point_sample(const struct light *light, vec3 p, struct light_sample *out);
-// A direction of emission; and what is sent along d over the density *pdf_w [1 / sr] of that: color
-// times the result; 0: nothing, or d was never drawn.
+// Draws a direction of emission. The second function returns the emitted light along d over the
+// density *pdf_w [sr^-1] of that draw: it is color times the returned value, which is 0 if nothing
+// is emitted or d is never drawn.
 vec3 light_point_direction(const struct light *light, float u, float v);
 float light_point_power(const struct light *light, vec3 d, rgb *color, float *pdf_w);
-// Fraction of the intensity that a spot light sends at `cos_theta` from its axis.
+// The fraction of its intensity that a spot light emits at `cos_theta` from its axis.
 float light_spot_falloff(const struct light *light, float cos_theta);
-// The integrals of the falloff over the full-intensity cone and over its penumbra [sr].
+// The integrals of the falloff over the cone of full intensity and over the penumbra [sr].
 void light_spot_solid_angles(const struct light *light, float *beam, float *penumbra);
 
 // ---- Aim (light_aim.c) ------------------------------------------------------------------------
 
-// Chooses a spot of the aim by *u, which is stretched back to [0, 1); -1: unaimed.
+// Chooses a box of the aim by *u, which is then rescaled to [0, 1); -1: unaimed.
 int light_aim_choose(const struct light_aim *aim, float *u);
-// The factor of a photon's power: the density with which the ray, drawn by spot `chosen` or -1,
-// would be drawn uniformly through aim->all, over that of the mixture. 0: it passes that box by.
+// The factor of a photon's power: the density with which the ray, drawn by box `chosen` or -1,
+// would be drawn uniformly through aim->all, over the density of the mixture. 0: it misses
+// aim->all.
 float light_aim_weight_ray(const struct satin_scene *scene, const struct light_aim *aim, int chosen,
                            const struct ray *ray);
-// A direction from p towards the chosen spot; false: draw it as the light does.
+// Draws a direction from p towards the chosen box. False: the light must draw it.
 bool light_aim_direction(const struct light_aim *aim, int chosen, vec3 p, float u, float v,
                          vec3 *d);
-// The factor of the power of a photon that leaves p along d, which the light draws with pdf_w.
+// The factor of the power of a photon that leaves p along d, where pdf_w is the light's density.
 float light_aim_weight(const struct light_aim *aim, vec3 p, vec3 d, float pdf_w);
 
 #endif

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light through panes: which specular chains leave the direction of light as it was, and shadow
-// rays that follow such chains. A shadow ray towards a direction, as of the sky, is refracted at
-// each surface as any ray is; one towards a point is aimed again, until it meets the point.
+// Light through panes: which specular chains preserve the direction of light, and shadow rays that
+// follow such chains. A shadow ray towards a direction, such as the sky's, is refracted at each
+// surface like any ray; a shadow ray towards a point is aimed again until it hits the point.
 #include "light/light.h"
 
 enum {
-    PANES_MAX = 32,  // surfaces that a shadow ray passes
-    AIMS = 3         // each divides the miss by the distance over a pane's shift, some hundred
+    PANES_MAX = 32,  // largest number of surfaces that a shadow ray passes
+    AIMS = 3  // each reduces the miss by a factor of distance over the pane's shift, some hundred
 };
-// A shadow ray that misses by less than this much of its length is good: that is a tenth of what
+// A shadow ray that misses by less than this fraction of its length is accepted: a tenth of what
 // counts as parallel.
 static const float AIMED = 1e-4f;
 
@@ -19,8 +19,8 @@ static const float PARALLEL = 1e-3f;
 
 static bool is_parallel(vec3 a, vec3 b) { return v3_dist2(a, b) < PARALLEL * PARALLEL; }
 
-// Whether the surface may be a pane's: flat, or a thin sheet of any form; not blended with others,
-// which rays pass by chance.
+// Whether the surface may belong to a pane: it is flat, or a thin sheet of any form, and not
+// blended with other BRDFs, which rays pass at random.
 static bool may_be_pane(const struct satin_scene *scene, const struct interaction *s, vec3 wo) {
     if (s->light >= 0) return false;
     struct scene_component component[MATERIAL_COMPONENTS_MAX];
@@ -30,8 +30,8 @@ static bool may_be_pane(const struct satin_scene *scene, const struct interactio
     return kind == SHAPE_DISK || (kind == SHAPE_MESH && is_parallel(s->frame.n, s->ng));
 }
 
-// Whether some triangle of the mesh is flat: its shading normals do not vary. Those of glasses and
-// lenses do, so that shadow rays need not ask what they hit there.
+// Whether the shading normals of some triangle of the mesh do not vary. Those of drinking glasses
+// and lenses vary, so that shadow rays need not test what they hit there.
 static bool has_flat(const struct mesh *mesh) {
     if (!mesh->normal) return mesh->triangle_count > 0;
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
@@ -72,7 +72,7 @@ void light_chain_advance(struct light_chain *chain, float length) {
     chain->tangential += chain->tangential_rate * length;
 }
 
-// By Snell's law sin(theta) / eta is carried on; its derivative gives the tangential rate.
+// By Snell's law sin(theta) / eta is preserved; its derivative gives the tangential rate.
 static void pass_pane(struct light_chain *chain, vec3 wo_l, const struct brdf_sample *next) {
     chain->crossed++;
     chain->sagittal_rate /= next->eta;
@@ -108,16 +108,17 @@ float light_chain_density(const struct light_chain *chain, float dist) {
 
 // ---- Shadow rays --------------------------------------------------------------------------------
 
-// A shadow ray that passes through panes.
+// The state of a shadow ray that passes through panes.
 struct march {
     const struct satin_scene *scene;
-    int panes;  // surfaces that it may pass
+    int panes;  // number of surfaces that it may still pass
     struct light_chain chain;
     rgb T;
     vec3 p, ng;  // the last surface
 };
 
-// Passes the surface s that a ray along d has hit; *d gets the direction beyond. False: it stops.
+// Passes the surface s that a ray along d has hit, and sets *d to the direction behind it. False if
+// the ray is stopped.
 static bool go_through(struct march *m, const struct interaction *s, vec3 *d) {
     const vec3 wo = v3_neg(*d);
     struct brdf b;
@@ -146,8 +147,8 @@ static struct march march_begin(const struct satin_scene *scene, int panes, vec3
         .scene = scene, .panes = panes, .chain = light_chain_begin(d), .T = rgb_grey(1.0f)};
 }
 
-// Goes on from the hit s of a ray along d to the first surface that is no pane's, in *s, or to
-// where there is none: *hit. False: it stops before that.
+// Continues from the hit s of a ray along d to the first surface that is not of a pane, in *s; *hit
+// is false if there is none. Returns false if the ray is stopped before that.
 static bool march_on(struct march *m, struct interaction *s, vec3 *d, bool *hit) {
     for (*hit = true; *hit;) {
         if (s->light >= 0) break;
@@ -158,8 +159,9 @@ static bool march_on(struct march *m, struct interaction *s, vec3 *d, bool *hit)
     return is_parallel(m->chain.d, *d);
 }
 
-// Towards a sample's point, behind the pane that s is of. *miss gets how far the end of the path
-// lies beside it; the path may end on another point of the same light. False: it stops before.
+// Follows a ray towards a sample's point, behind the pane of which s is a surface. *miss is set to
+// the distance by which the end of the path misses the point; the path may end on another point of
+// the same light. False if the ray is stopped before.
 static bool march_to(struct march *m, struct interaction s, vec3 d, const struct light_sample *to,
                      vec3 *miss) {
     while (go_through(m, &s, &d)) {
@@ -180,8 +182,8 @@ static bool march_to(struct march *m, struct interaction s, vec3 d, const struct
     return false;
 }
 
-// A sample at a point. Behind panes the light is visible as if from beside p, by as much as they
-// shift the ray: the sample is drawn again from there.
+// Tests a light sample at a point. Panes shift the light, as if it were visible from beside p: the
+// sample is drawn again from there.
 static bool arrives_from_point(const struct satin_scene *scene, vec3 p, vec3 ng, int panes,
                                struct interaction first, struct light_sample *s) {
     struct ray ray = light_shadow_ray(scene, p, ng, s);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lights at a point: the same to all sides, into a cone (spot), through a slide (projector). Units
-// and texture coordinates were measured on Mitsuba 3.9.
+// Lights at a point: uniform in all directions, in a cone (spot), or through a slide (projector).
+// Units and texture coordinates were measured on Mitsuba 3.9.
 #include "base/sampling.h"
 #include "light/light_kinds.h"
 
@@ -34,7 +34,7 @@ static rgb spot_color(const struct light *light, vec3 d) {
     return slide(light, (vec2){0.5f + l.x * scale, 0.5f + l.y * scale});
 }
 
-// Where d (light space) meets the projector's slide; false if it passes beside it.
+// The point at which d (light space) meets the projector's slide. False if it misses the slide.
 static bool slide_uv(const struct light *light, vec3 d, vec2 *uv) {
     *uv =
         (vec2){0.5f - 0.5f * d.x / (d.z * light->tan_x), 0.5f - 0.5f * d.y / (d.z * light->tan_y)};
@@ -51,7 +51,7 @@ static float projector_factor(const struct light *light, vec3 d, vec2 *uv) {
 }
 
 // The power of a slide of irradiance 1: intensity times solid angle is pi times the slide's area,
-// by the length of the light's z axis for one unit of the world.
+// over the length of the light's z axis in world units.
 static float slide_power(const struct light *light) {
     float length = v3_len(mat4_vector(&light->to_world, v3(0, 0, 1)));
     return 4.0f * light->tan_x * light->tan_y * PI_F * length;
@@ -98,7 +98,8 @@ bool light_point_sample(const struct light *light, vec3 p, struct light_sample *
 
 // ---- Emission -----------------------------------------------------------------------------------
 
-// The beam uniformly; the penumbra by an angle whose density falls linearly, as the intensity does.
+// Draws a direction: uniformly in the cone of full intensity, and in the penumbra by an angle whose
+// density falls linearly, as the intensity does.
 static vec3 spot_direction(const struct light *light, float u, float v) {
     float beam, penumbra;
     light_spot_solid_angles(light, &beam, &penumbra);
@@ -110,7 +111,7 @@ static vec3 spot_direction(const struct light *light, float u, float v) {
     return v3(s * cosf(phi), s * sinf(phi), cosf(theta));
 }
 
-// The intensity, relative to the light's color, over the density of spot_direction.
+// The intensity, relative to the light's colour, over the density of spot_direction.
 static float spot_power(const struct light *light, float cos_theta) {
     float beam, penumbra;
     light_spot_solid_angles(light, &beam, &penumbra);
@@ -127,7 +128,7 @@ vec3 light_point_direction(const struct light *light, float u, float v) {
         return frame_to_world(&frame, spot_direction(light, u, v));
     }
     if (light->kind != LIGHT_PROJECTOR) return sample_uniform_sphere(u, v);
-    // The irradiance is even over the slide, so that points on it are chosen uniformly.
+    // The irradiance is uniform over the slide, so points on it are drawn uniformly.
     vec3 l = v3(light->tan_x * (1.0f - 2.0f * u), light->tan_y * (1.0f - 2.0f * v), 1.0f);
     return v3_unit(mat4_vector(&light->to_world, l));
 }
@@ -153,7 +154,7 @@ float light_point_power(const struct light *light, vec3 d, rgb *color, float *pd
 
 // ---- Preparation --------------------------------------------------------------------------------
 
-// The mean power of what is emitted, over a grid of its numbers.
+// The mean emitted power over a grid of the random numbers.
 static float mean_power(const struct light *light) {
     enum { GRID = 64 };
     double sum = 0.0;

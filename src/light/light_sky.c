@@ -10,15 +10,16 @@
 
 enum { SKY_COLUMNS = 512, SKY_ROWS = 257 };  // an odd number of rows: one is the horizon
 
-// kcd/m^2 of luminance 1.
+// The luminance, in kcd/m^2, of a value of 1.
 static const double unit = 683.0 * 106.7502594 * 1e-3;
 
-// A quantity over the dome: Y, x or y.
+// One of the quantities Y, x or y over the sky.
 struct dome {
     double zenith, c[5], at_zenith;
 };
 
-// The distribution over the angle from the zenith (by its cosine) and that from the sun.
+// The distribution over the angle to the zenith, given by its cosine, and the angle gamma to the
+// sun.
 static double perez(const double c[5], double cosine, double gamma) {
     double cos_gamma = cos(gamma);
     return (1.0 + c[0] * exp(c[1] / fmax(cosine, 1e-4))) *
@@ -37,7 +38,7 @@ static double dome_at(const struct dome *d, double cosine, double gamma) {
     return d->zenith * perez(d->c, cosine, gamma) / d->at_zenith;
 }
 
-// Chromaticity of the zenith: a cubic in the sun's angle from it, quadratic in turbidity.
+// The chromaticity of the zenith: cubic in the sun's zenith angle and quadratic in the turbidity.
 static double zenith_chromaticity(double turbidity, double t, const double m[3][4]) {
     const double power[3] = {turbidity * turbidity, turbidity, 1.0};
     double sum = 0.0;
@@ -46,7 +47,7 @@ static double zenith_chromaticity(double turbidity, double t, const double m[3][
     return sum;
 }
 
-// Y, x and y [Preetham et al. 1999, appendix A.2].
+// The distributions of Y, x and y [Preetham et al. 1999, appendix A.2].
 static void domes(double turbidity, double theta, struct dome out[3]) {
     static const double fit[3][5][2] = {
         {{.1787, -1.4630}, {-.3554, .4275}, {-.0227, 5.3251}, {.1206, -2.5771}, {-.0670, .3703}},
@@ -94,11 +95,11 @@ bool sky_image(struct arena *arena, const struct sky *sky, struct image *out) {
 // ---- The sun ------------------------------------------------------------------------------------
 
 struct air {
-    double mass;         // of the air that light passes, 1 from the zenith
+    double mass;         // relative mass of the air along the ray; 1 from the zenith
     double haze, ozone;  // Angstrom's coefficient; cm at normal pressure
 };
 
-// The fraction of light that comes through [Preetham et al. 1999, appendix A.1].
+// The fraction of sunlight that the air transmits [Preetham et al. 1999, appendix A.1].
 static double transmitted(const void *ctx, double nanometres) {
     const struct air *air = ctx;
     double um = 1e-3 * nanometres, band = (nanometres - 600.0) / 52.0;

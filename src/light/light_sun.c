@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sun's position by the formulas of Blanco-Muriel et al. (Computing the solar vector, 2001),
-// which Mitsuba 0.6 uses and which are good to half a minute of arc from 1999 to 2015.
+// The position of the sun by the formulas of Blanco-Muriel et al. (Computing the solar vector,
+// 2001), which Mitsuba 0.6 uses. They are accurate to half a minute of arc from 1999 to 2015.
 #include "light/light_sun.h"
 
 static const double RADIANS = 3.14159265358979323846 / 180.0;
 static const double EARTH_RADIUS = 6371.01, SUN_DISTANCE = 149597890.0;  // km
 
-// Days since noon of the first of January 2000, and the hours of the day, universal time.
+// Days since noon of 1 January 2000, where `hours` are those of the day in universal time.
 static double days_since_2000(const struct sun_time *t, double hours) {
     const long shift = (t->month - 14) / 12;
     const long day = 1461L * (t->year + 4800 + shift) / 4 +

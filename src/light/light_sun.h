@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Part of light.h: where the sun stands at a time and a point of the earth.
+// Part of light.h: the direction to the sun at a time and a point of the earth.
 #ifndef LIGHT_SUN_H
 #define LIGHT_SUN_H
 
@@ -8,10 +8,10 @@
 struct sun_time {
     int year, month, day;
     float hour, minute, second;           // local time
-    float latitude, longitude, timezone;  // degrees, east positive; hours
+    float latitude, longitude, timezone;  // degrees, positive to the north and east; hours
 };
 
-// Unit vector towards it as Mitsuba 0.6 has it: y up, z to the south and x to the east.
+// The unit vector to the sun as in Mitsuba 0.6: y is up, z to the south and x to the east.
 vec3 sun_toward(const struct sun_time *time);
 
 #endif

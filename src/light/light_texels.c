@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Textured faces of area lights are drawn by what each cell of a grid over them emits, mixed with
-// what the face does without a texture. One bright texel in a thousand, drawn by area, is noise
-// that a few samples do not show, and adaptive sampling is led astray by what they miss.
+// Samples textured faces of area lights by the emission of the cells of a grid over them, mixed
+// with sampling without the texture. If one texel in a thousand is bright, sampling by area gives
+// noise that a few samples do not reveal, which misleads adaptive sampling.
 #include "base/sampling.h"
 #include "light/light_kinds.h"
 
 enum {
-    GRID = 64,  // cells along an edge
-    LOOKS = 8   // along the edge of a cell: finds each texel of images up to 512 wide
+    GRID = 64,  // cells per side of the face
+    LOOKS = 8   // texture lookups per side of a cell, which hit each texel of images up to 512 wide
 };
-// Fraction of the samples that the grid gets at most: cells may emit what its looks have missed.
+// The largest fraction of samples by the grid: its lookups may have missed emission of a cell.
 #define GRID_MOST 0.9f
 
 static float cell_luminance(const struct light *light, const struct mesh *mesh,
@@ -24,7 +24,7 @@ static float cell_luminance(const struct light *light, const struct mesh *mesh,
     return sum / (LOOKS * LOOKS);
 }
 
-// The fraction of the variance of samples by area that the grid takes away.
+// The fraction of the variance of sampling by area that the grid removes.
 static float contrast(const float *cell) {
     double sum = 0.0, squares = 0.0;
     for (int i = 0; i < GRID * GRID; i++) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Many lights are chosen through a tree: every node holds a box around its lights, the cone of
-// their directions and the sum of their strengths, which bound what can arrive at a point [Conty
-// Estevez and Kulla 2018, "Importance sampling of many lights with adaptive tree splitting"]. A
-// choice goes down with the bounds of its two children; in a leaf the lights' own estimates decide.
-// Deviations: the receiver's normal is not known here, nodes split at the median, and lights from
-// infinitely far have a tree of their own beside the root's.
+// Many lights are chosen through a tree: every node has a box around its lights, the cone of their
+// directions and the sum of their strengths, which bound the light at a point [Conty Estevez and
+// Kulla 2018, "Importance sampling of many lights with adaptive tree splitting"]. A choice descends
+// by the bounds of the two children; in a leaf the lights' own estimates decide. Deviations: the
+// receiver's normal is not used, nodes are split at the median, and lights at infinity have a
+// separate tree under the root.
 #include "light/light_tree.h"
 
 #include <stdlib.h>
@@ -12,12 +12,12 @@
 #include "base/median_split.h"
 #include "base/sampling.h"
 
-// Fraction of each decision that goes by strength alone, since the bounds say nothing of shadows.
+// The fraction of each decision that is by strength alone, because the bounds ignore shadows.
 #define TREE_BLIND_FRACTION 0.1f
-// The least cosine that a cone is believed to leave.
+// The least cosine that the bounds assume.
 #define COSINE_MIN 0.02f
 
-// Directions that light goes: within `spread` of the normals, which are within `open` of the axis.
+// Directions of emission: within `spread` of the normals, which are within `open` of the axis.
 struct emission_cone {
     vec3 axis;
     float open, spread;
@@ -27,16 +27,16 @@ struct light_node {
     vec3 lo, hi;
     struct emission_cone cone;
     float strength;
-    bool far;               // infinitely, so that lo and hi mean nothing
-    uint32_t first, count;  // leaf: lights of light_tree.order
-    uint32_t child;         // the first of two; 0: a leaf
+    bool far;               // whether lights are at infinity, where lo and hi have no meaning
+    uint32_t first, count;  // leaf: range of lights in light_tree.order
+    uint32_t child;         // index of the first of two children; 0: a leaf
 };
 
 struct light_tree {
     struct light_node *node;
     uint32_t node_count;
     uint32_t *order;
-    uint32_t *path;  // light -> which child to take, from the lowest bit on
+    uint32_t *path;  // of each light: the child to take at each node, from the lowest bit on
 };
 
 // ---- Bounds -------------------------------------------------------------------------------------
@@ -49,7 +49,7 @@ static float angle_between(vec3 a, vec3 b) {
     return 2.0f * atan2f(v3_len(v3_sub(a, b)), v3_len(v3_add(a, b)));
 }
 
-// A cone around both: the axis rotates towards the narrower one.
+// A cone around both: the axis is rotated towards that of the narrower one.
 static struct emission_cone cone_union(struct emission_cone a, struct emission_cone b) {
     if (b.open > a.open) {
         struct emission_cone swap = a;
@@ -103,12 +103,12 @@ static struct light_node node_union(const struct light_node *a, const struct lig
 
 struct tree_build {
     struct light_tree *tree;
-    const struct light_node *leaf;  // of each light
-    struct split_point *point;      // the middle of each light's box
+    const struct light_node *leaf;  // of each light, as a node of its own
+    struct split_point *point;      // the centre of each light's box
 };
 
-// Splits lights at the median of their positions, those infinitely far off from the others first.
-// Returns how many of them the first child gets.
+// Splits lights at the median of their positions, after separating those at infinity. Returns the
+// number of lights of the first child.
 static uint32_t split_lights(const struct tree_build *b, struct split_point *point,
                              uint32_t count) {
     uint32_t near = 0;
@@ -156,7 +156,7 @@ satin_status light_tree_build(struct satin_scene *scene) {
     struct light_tree *tree = arena_alloc(arena, sizeof *tree);
     struct light_node *leaf = malloc((size_t)n * sizeof *leaf);
     struct split_point *point = malloc((size_t)n * sizeof *point);
-    // At least one light for each leaf.
+    // At most as many leaves as lights.
     if (tree) {
         tree->node = arena_array(arena, 2 * (size_t)n, sizeof *tree->node);
         tree->order = arena_array(arena, n, sizeof *tree->order);
@@ -183,7 +183,7 @@ satin_status light_tree_build(struct satin_scene *scene) {
 
 // ---- Choice -------------------------------------------------------------------------------------
 
-// A bound, but for COSINE_MIN, of the irradiance that the node's lights bring to p.
+// A bound, except for COSINE_MIN, of the irradiance at p from the lights of the node.
 static float node_estimate(const struct light_node *node, vec3 p) {
     if (node->far) return node->strength;
     vec3 centre = v3_mul(v3_add(node->lo, node->hi), 0.5f), d = v3_sub(p, centre);
@@ -199,7 +199,7 @@ static float node_estimate(const struct light_node *node, vec3 p) {
     return node->strength * cosine / d2;
 }
 
-// The probability of the second child of an inner node.
+// The probability of choosing the second child of an inner node.
 static float second_probability(const struct light_tree *tree, const struct light_node *node,
                                 vec3 p) {
     const struct light_node *a = &tree->node[node->child], *b = a + 1;
@@ -210,8 +210,8 @@ static float second_probability(const struct light_tree *tree, const struct ligh
     return informed + TREE_BLIND_FRACTION * (blind - informed);
 }
 
-// What a leaf's lights are weighed by; their sum. Lights that bring nothing have no weight, unless
-// all are such.
+// The weights of a leaf's lights, and their sum. Lights that contribute nothing have weight 0,
+// unless all do.
 static float weigh_leaf(const struct satin_scene *scene, const struct light_node *leaf, vec3 p,
                         float weight[LIGHT_LEAF_MAX]) {
     float sum = 0.0f;
@@ -246,7 +246,9 @@ uint32_t light_tree_choose(const struct satin_scene *scene, vec3 p, float u, flo
     uint32_t i = 0;
     for (x *= (double)sum; i + 1 < node->count && x >= (double)weight[i]; i++)
         x -= (double)weight[i];
-    while (!(weight[i] > 0.0f) && i > 0) i--;  // past the last one by rounding
+    while (!(weight[i] > 0.0f) && i > 0)
+        i--;  // rounding may have passed the last light with a
+              // weight
     *probability = (float)(chosen * (double)(weight[i] / sum));
     return tree->order[node->first + i];
 }

@@ -5,10 +5,11 @@
 
 #include "light/light_kinds.h"
 
-// Lights of a leaf, and the most that are chosen without a tree.
+// The largest number of lights of a leaf, and of lights that are chosen without a tree.
 enum { LIGHT_LEAF_MAX = 8 };
 
-// Builds scene->light_tree in the scene's arena, after all lights are prepared. SATIN_ERROR_MEMORY.
+// Builds scene->light_tree in the scene's arena, after all lights are prepared. Fails with
+// SATIN_ERROR_MEMORY.
 satin_status light_tree_build(struct satin_scene *scene);
 // As light_choose and light_choose_probability.
 uint32_t light_tree_choose(const struct satin_scene *scene, vec3 p, float u, float *probability);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Part of light.h: how lights are drawn around a point that sees but some of them. Of the samples
-// of an environment that its sun leaves, a fraction goes to bins of equal solid angle, the others
-// to where it is bright.
+// Part of light.h: sampling of lights around a point from which only some of them are visible.
+// Samples of an environment that do not go to its sun are divided: a fraction goes to bins of equal
+// solid angle, the others go by radiance.
 #ifndef LIGHT_VISIBILITY_H
 #define LIGHT_VISIBILITY_H
 
@@ -22,40 +22,41 @@ enum {
 // The visible-environment histogram: directions of the world in which the environment is visible.
 struct light_histogram {
     float fraction;       // of the samples, in [0, 1)
-    const float *cdf;     // of the bins, row by row, as sample_cdf_build has it
-    const uint32_t *cut;  // LIGHT_HISTOGRAM_CUTS + 1, as sample_cuts_build has them
+    const float *cdf;     // of the bins, row by row, as by sample_cdf_build
+    const uint32_t *cut;  // LIGHT_HISTOGRAM_CUTS + 1 indices, as by sample_cuts_build
 };
 
-// Up to this many lights are weighed for each point; beyond, they are chosen through a tree.
+// Up to this many lights are weighted individually at each point; more are chosen by a tree.
 enum { LIGHT_WEIGHED_MAX = 16 };
-// What is visible of the lights from around a point; NULL: all.
+// The visibility of the lights around a point. A NULL member means that all is visible.
 struct light_visibility {
     const struct light_histogram *histogram;  // of the environment
-    const float *fraction;                    // of each light, of what light_estimate expects; > 0
+    const float *fraction;  // of each light: the visible fraction of light_estimate, > 0
 };
 #define LIGHT_ALL_VISIBLE ((struct light_visibility){NULL, NULL})
 
-// An estimate of the irradiance (luminance) at p; 0 only if the light brings none (light.c).
+// An estimate of the irradiance (luminance) at p, which is 0 only if the light contributes none
+// (light.c).
 float light_estimate(const struct satin_scene *scene, const struct light *light, vec3 p);
-// Chooses a light for direct lighting at p; *probability > 0. Needs light_count > 0. Fractions are
-// for scenes of up to LIGHT_WEIGHED_MAX lights.
+// Chooses a light for direct lighting at p; *probability > 0. light_count must be > 0. Fractions
+// are for scenes of up to LIGHT_WEIGHED_MAX lights.
 uint32_t light_choose(const struct satin_scene *scene, vec3 p, struct light_visibility visibility,
                       float u, float *probability);
 float light_choose_probability(const struct satin_scene *scene, vec3 p,
                                struct light_visibility visibility, uint32_t light);
-// The probabilities of all lights, where there are up to LIGHT_WEIGHED_MAX.
+// The probabilities of all lights, of which there must be at most LIGHT_WEIGHED_MAX.
 void light_choose_weigh(const struct satin_scene *scene, vec3 p, struct light_visibility visibility,
                         float probability[LIGHT_WEIGHED_MAX]);
-// As light_sample, which draws as if all of the light were visible.
+// As light_sample, but with regard to the visibility.
 bool light_sample_visible(const struct satin_scene *scene, uint32_t i,
                           struct light_visibility visibility, vec3 p, float u, float v,
                           struct light_sample *out);
 
-// The direction (world) of u, v in [0, 1) within a bin; rows and columns run by u and v of
-// sample_uniform_sphere.
+// The direction (world) of u, v in [0, 1) within a bin. Rows and columns of bins are along u and v
+// of sample_uniform_sphere.
 vec3 light_histogram_direction(int bin, float u, float v);
-// As light_sample and light_pdf for the environment, which must be there. NULL: all of it is
-// visible.
+// As light_sample and light_pdf for the environment, which must exist. A NULL histogram means that
+// all of it is visible.
 bool light_environment_sample(const struct satin_scene *scene,
                               const struct light_histogram *histogram, float u, float v,
                               struct light_sample *out);

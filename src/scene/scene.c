@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A loaded scene as the library's users have it.
+// The public functions of a loaded scene.
 #include "scene/scene.h"
 
 #include <stdlib.h>

@@ -28,69 +28,73 @@ enum texture_kind {
     TEXTURE_BITMAP,
     TEXTURE_CHECKERBOARD,
     TEXTURE_ATTRIBUTE,
-    TEXTURE_GRID,   // lines around the integers of u and v
+    TEXTURE_GRID,   // lines where u or v is an integer
     TEXTURE_SCALED  // check[0] times `value`
 };
 
-// Linear texels; `channels` 1 or 3. Owned by the scene's arena.
+// An image of linear texels with 1 or 3 channels, owned by the scene's arena.
 struct image {
     int width, height, channels;
     const float *texel;  // row by row from the top
 };
 
-// A file of texels, with the smaller copies that wide lookups take.
+// An image that was read from a file, with smaller copies for lookups over a footprint.
 struct image_file {
     const char *path;
-    const struct image *image, *level;  // level: half its size, a quarter, ...; NULL if raw
+    const struct image *image, *level;  // level: copies of half the size, a quarter, ...; NULL if
+                                        // raw
     int levels;
     bool raw;
 };
 
 struct texture {
     enum texture_kind kind;
-    rgb value;                          // constant; scaled: the factor
-    const struct texture *check[2];     // checkerboard: what it changes between; grid: lines second
-    int nesting;                        // of checkerboards and the like in it
-    float to_uv[6];                     // uv' = (a b c; d e f) (u v 1)
-    const struct image *image, *level;  // level: half its size, a quarter, ...; or NULL
+    rgb value;                       // constant; scaled: the factor
+    const struct texture *check[2];  // checkerboard: its two textures; grid: between the lines, and
+                                     // the lines
+    int nesting;                     // depth of nested checkerboards, grids and scales in it
+    float to_uv[6];                  // uv' = (a b c; d e f) (u v 1)
+    const struct image *image, *level;  // level: copies of half the size, a quarter, ...; or NULL
     int levels;
-    bool filtered;                   // it, or what is nested in it, can be averaged over a width
-    float texels;                    // of the image along a unit of uv, the mean of both directions
+    bool filtered;  // whether it, or a texture nested in it, can be averaged over a footprint
+    float texels;   // number of the image's texels along a unit of uv, averaged over u and v
     enum texture_wrap wrap, wrap_v;  // along u and v
     bool nearest;                    // filter_type nearest; else bilinear
-    const char *attribute;           // name of a mesh attribute, the same pointer for the same name
-    float scale;                     // of the attribute; grid: half a line's width
-    rgb mean;                        // average colour, for photon roulette and the like
+    const char *attribute;           // name of a mesh attribute; equal names have the same pointer
+    float scale;                     // factor of the attribute; grid: half a line's width
+    rgb mean;                        // average colour, for Russian roulette of photons among others
 };
 
-// Where a texture is looked up: a point of a surface.
+// The point of a surface at which a texture is looked up.
 struct mesh;
 struct texture_lookup {
     vec2 uv;
-    const struct mesh *mesh;  // whose attributes there are; NULL: none
+    const struct mesh *mesh;  // the mesh that has the attributes, or NULL
     uint32_t prim;
     vec2 bary;    // weights of the triangle's second and third corner
-    float width;  // of the area to average over, in uv; 0: a point
+    float width;  // width of the area to average over, in uv; 0: a point
 };
 static inline struct texture_lookup texture_at(vec2 uv) {
     return (struct texture_lookup){.uv = uv};
 }
 
 rgb texture_eval(const struct texture *texture, const struct texture_lookup *at);
-// A texture that gives a number: an image's luminance, a colour's mean. A checkerboard then begins
-// with color1, as in Mitsuba 3.9, which exchanges its colours where it asks for a number.
+// The value of a texture that gives a number: the luminance of an image, the mean of a colour. Here
+// a checkerboard begins with color1, because Mitsuba 3.9 exchanges its colours where it asks for a
+// number.
 float texture_number(const struct texture *texture, const struct texture_lookup *at);
-// The least and the largest number that it gives; false if that is not known.
+// The least and the largest number of the texture. False if they are unknown.
 bool texture_range(const struct texture *texture, float *lo, float *hi);
-// The gradient of its number by u and v; of a bitmap with bilinear filter, else 0.
+// The gradient of the texture's number with respect to u and v: that of a bitmap with bilinear
+// filter, 0 of other textures.
 vec2 texture_gradient(const struct texture *texture, vec2 uv);
 
-// What is in it once its factors are taken off; NULL of NULL.
+// The texture inside of all `scale` textures around it; NULL for NULL.
 static inline const struct texture *texture_unscaled(const struct texture *texture) {
     while (texture && texture->kind == TEXTURE_SCALED) texture = texture->check[0];
     return texture;
 }
-// The part of the plane that the lines of a grid cover.
+// The fraction of the plane that the lines of a grid cover.
 static inline float texture_lines(const struct texture *grid) {
     const float between = fmaxf(1.0f - 2.0f * grid->scale, 0.0f);
     return 1.0f - between * between;
@@ -98,52 +102,55 @@ static inline float texture_lines(const struct texture *grid) {
 
 // ---- Materials --------------------------------------------------------------------------------
 
-// Rotates the frame of a BRDF by a height map or by a map of normals in the surface's frame; one of
-// both is NULL, or both.
+// A height map, or a map of normals in the surface's frame, that rotates the frame of a BRDF. At
+// least one of the two is NULL.
 struct material_bump {
     const struct texture *height, *normal;
-    float scale;   // of the bumps
+    float scale;   // factor of the heights
     bool upright;  // normals that point away from the viewer are mirrored [Schuessler et al. 2017]
-    bool shadows;  // slopes shadow light that comes in flat
-    bool outside;  // of twosided: the back shows the bumps from below, else its own
+    bool shadows;  // whether slopes shadow light at grazing angles
+    bool outside;  // twosided around it: the back shows the front's bumps from below, else its own
 };
 static inline bool bump_used(const struct material_bump *r) { return r->height || r->normal; }
 
 // A side of a surface: a BRDF with constants in `base`, and textures (or NULL) that replace slots
-// of it; or, if component[0] is set, a blend of two sides. Where one of them is nothing (a null
-// BRDF) it is a mask: the surface has holes. At least one leaf of a tree is not nothing, unless it
-// is the only one.
+// of it. If component[0] is set, it is a blend of two sides instead. If one of them is a null BRDF,
+// it is a mask: the surface has holes. At least one leaf of a tree is not null, unless there is
+// only one leaf.
 struct material_side {
     struct brdf base;
     const struct texture *slot[BRDF_SLOT_COUNT];
-    struct material_bump bump[BRDF_BUMPS_MAX];  // the outermost first
-    bool one_sided;  // at the back of a blend that is two-sided in other components only
-    uint32_t index;  // of the scene's sides that are no blends; a back may have the front's
+    struct material_bump bump[BRDF_BUMPS_MAX];  // the outermost is first
+    bool one_sided;  // black from behind, in the back of a blend of which only other components are
+                     // two-sided
+    uint32_t index;  // among the scene's sides that are not blends; a back may have that of the
+                     // front
     const struct material_side *component[2];
-    const struct texture *blend;  // weight of component[1]; NULL: constant
+    const struct texture *blend;  // weight of component[1]; NULL: a constant weight
     float weight;
-    bool holes;  // it is nothing; or a leaf of it is
+    bool holes;  // whether it, or a leaf of it, is null
 };
 
-// No more BRDFs may be blended on one side.
+// The largest number of BRDFs that are blended on one side.
 enum { MATERIAL_COMPONENTS_MAX = 16 };
 
 struct material {
     const char *name;                  // the id of its bsdf element, or its model's name
-    struct material_side front, back;  // with the same holes
-    bool two_sided;  // the back reflects too (with `back`); else it is black unless it transmits
-    bool tangent;    // frames follow dp/du
-    bool filtered;   // colours come from bitmaps that can be averaged
+    struct material_side front, back;  // both have the same holes
+    bool two_sided;  // whether the back reflects (with `back`); else it is black unless it
+                     // transmits
+    bool tangent;    // whether frames follow dp/du
+    bool filtered;   // whether it has bitmaps that can be averaged over a footprint
 };
 
-// The fraction of rays that are stopped there, in [0, 1] (scene_opacity.c).
+// The fraction of rays that the surface stops there, in [0, 1] (scene_opacity.c).
 float material_opacity(const struct material *m, const struct texture_lookup *at);
-// Calls fn for every side of m that is no blend; those of the back if it is two-sided.
+// Calls fn for every side of m that is not a blend, and for those of the back if m is two-sided.
 void material_visit(const struct material *m,
                     void (*fn)(void *ctx, const struct material_side *side), void *ctx);
-// Whether light passes through one of them; holes count if asked for.
+// Whether a side of m transmits light. Holes count only if `holes` is true.
 bool material_transmits(const struct material *m, bool holes);
-// The lobes of their models, a mask of brdf_lobe; likewise.
+// The lobes of the models of all sides, a mask of brdf_lobe. Holes count as in material_transmits.
 unsigned material_lobes(const struct material *m, bool holes);
 
 // ---- Shapes -----------------------------------------------------------------------------------
@@ -154,22 +161,22 @@ enum shape_kind {
     SHAPE_DISK,
     SHAPE_CYLINDER,
     SHAPE_CURVES,
-    SHAPE_INSTANCE  // a group of shapes, moved by a transform
+    SHAPE_INSTANCE  // a group of shapes with a transform
 };
 
-// Round tubes along curves, in world space or that of a group.
+// Round tubes along curves, in world space or in that of a group.
 struct curves {
     uint32_t points, segments;
     const float *point;     // 4 per control point: x, y, z, radius
-    const uint32_t *first;  // first control point of each segment, which takes 2 or 4
-    const uint8_t *flags;   // 1: a segment goes before this one in its curve; 2: one comes after
+    const uint32_t *first;  // first control point of each segment; a segment has 2 or 4
+    const uint8_t *flags;   // 1: a segment of the same curve precedes this one; 2: one follows
     bool linear;            // straight segments; else cubic B-splines
 };
 
-// Numbers or colours at the vertices of a mesh, interpolated between them, or one for each
+// Numbers or colours of a mesh: at the vertices, and interpolated between them, or one per
 // triangle.
 struct mesh_attribute {
-    const char *name;  // as textures have it
+    const char *name;  // name by which textures refer to it
     bool per_triangle;
     int channels;  // 1 or 3
     const float *value;
@@ -181,7 +188,7 @@ struct mesh {
     const float *normal;    // 3 per vertex, unit, world space; NULL: face normals
     const float *uv;        // 2 per vertex; NULL: barycentric
     const uint32_t *index;  // 3 per triangle
-    const struct mesh_attribute *attribute;  // those that textures ask for
+    const struct mesh_attribute *attribute;  // those that textures refer to
     int attribute_count;
 };
 
@@ -191,13 +198,13 @@ struct shape {
     struct mesh mesh;  // SHAPE_MESH (rectangle and cube too)
     struct curves curves;
     struct mat4 to_world,
-        to_object;   // the others: object space as in Mitsuba (unit sphere, disk, cylinder)
+        to_object;   // other kinds: object space as in Mitsuba (unit sphere, disk, cylinder)
     vec3 center;     // sphere: world
-    float radius;    // sphere: world; instance: what it adds to the scene's epsilon
-    uint32_t group;  // 1 + index of the group that it is a part of, in whose space it is; 0: none
+    float radius;    // sphere: world; instance: its contribution to the scene's epsilon
+    uint32_t group;  // 1 + index of the group to which it belongs, in whose space it is; 0: none
     uint32_t instance_of;  // instance: index of its group
     vec3 lo, hi;           // instance (by scene_trace_build) and curves: bounds
-    bool flip_normals;     // already applied to a mesh's vertex normals and to surface interactions
+    bool flip_normals;     // already applied to the normals of meshes and of surface interactions
     bool face_normals;
     uint32_t material;
     int32_t light;          // index of its area light or -1
@@ -217,15 +224,15 @@ struct shape_group {
 bool scene_shape_transform(struct shape *shape, const struct mat4 *to_world);
 // World-space area of a shape.
 float scene_shape_area(const struct shape *shape);
-// The corners of a world-space box around a shape; lo is above hi if the shape has no points.
-// Instances: after scene_trace_build.
+// The corners of a world-space box around a shape. If the shape has no points, lo is above hi. For
+// instances, call it after scene_trace_build.
 void scene_shape_bounds(const struct shape *shape, vec3 *lo, vec3 *hi);
-// A box around tubes.
+// Computes a box around curves.
 void scene_curves_bound(const struct curves *curves, vec3 *lo, vec3 *hi);
 
-// The mean of a texture, where it is an attribute over the surface of the mesh.
+// The mean of a texture that is an attribute, over the surface of the mesh.
 rgb attribute_mean(const struct mesh *mesh, const struct texture *texture);
-// Whether the texture, or one nested in it, is an attribute of a mesh; NULL: no texture.
+// Whether the texture, or one nested in it, is an attribute of a mesh. False for NULL.
 bool attribute_used(const struct texture *texture);
 
 // ---- Camera and film --------------------------------------------------------------------------
@@ -250,9 +257,9 @@ struct film_spec {
     float b, c;            // cubic: its parameters
 };
 
-struct light;  // of light.h, as is the next
+struct light;  // defined in folder light, as light_tree
 struct light_tree;
-struct trace;  // the Embree scene; scene_trace.c alone knows it
+struct trace;  // the Embree scene; only scene_trace.c accesses it
 
 struct satin_scene {
     struct arena arena;  // owns every array below
@@ -261,7 +268,8 @@ struct satin_scene {
     struct shape_group *group;
     uint32_t group_count;
     struct material *material;
-    uint32_t material_count, side_count;  // the latter: numbers of sides, see material_side
+    uint32_t material_count, side_count;  // side_count: number of indices of sides, see
+                                          // material_side
     struct image_file *image;             // of bitmap textures
     uint32_t image_count, texture_count;
     struct light *light;
@@ -269,25 +277,26 @@ struct satin_scene {
     const float *light_cdf;         // light_count + 1, by power; NULL without lights
     struct light_tree *light_tree;  // of many lights (light_tree.c), else NULL
     int32_t environment;            // index of the constant or envmap light, or -1
-    bool panes;                     // some surface may be a pane's (light_pane.c)
+    bool panes;                     // whether some surface may be a pane (light_pane.c)
     struct camera camera;
     struct film_spec film;
     struct scene_hints hints;
     struct trace *trace;
     vec3 bounds_lo, bounds_hi;  // of all surfaces; equal for an empty scene
-    float radius;               // of the sphere around the bounds, > 0
-    float epsilon;              // a length: coordinates are good to some ulp of it at least
+    float radius;               // radius of a sphere around the bounds, > 0
+    float epsilon;              // a length; coordinates are accurate to some ulp of it at best
     uint64_t triangle_count;
-    uint64_t hash;             // of everything that was read
-    uint64_t world;            // the same without how it is looked at: sensor and integrator
-    struct fileio_files read;  // every file of which something was read
-    struct stats_span load_span, bvh_span;  // reading it; building the BVH, a part of that
+    uint64_t hash;                          // hash of everything that was read
+    uint64_t world;                         // hash without sensor and integrator
+    struct fileio_files read;               // every file that was read, wholly or in part
+    struct stats_span load_span, bvh_span;  // times of reading the scene, and of building the BVH,
+                                            // which is within it
 };
 
 // ---- Rays (scene_trace.c) ---------------------------------------------------------------------
 
-// Embree drops triangles with coordinates beyond 1.8e18 and aborts the process on rays from there,
-// so neither is given to it beyond this.
+// Embree drops triangles with coordinates beyond 1.8e18, and aborts the process on rays that begin
+// there. Therefore neither is passed to Embree beyond this limit.
 #define SCENE_COORDINATE_MAX 1e18f
 
 struct ray {
@@ -299,47 +308,48 @@ struct ray {
 
 // A surface point that a ray hit.
 struct interaction {
-    vec3 p;              // on the surface to a few ulp
-    vec3 ng;             // geometric normal, unit; the front side, with flip_normals applied
+    vec3 p;              // on the surface within a few ulp
+    vec3 ng;             // geometric normal, unit, on the front side, with flip_normals applied
     struct frame frame;  // shading frame; n on the side of ng
     vec2 uv;
     vec2 bary;          // triangles: weights of the second and third corner
-    vec3 dp_du, dp_dv;  // of meshes only if the material's frames follow dp/du or AOVs ask for it
+    vec3 dp_du, dp_dv;  // of meshes only if the material's frames follow dp/du or an AOV needs them
     float t;
-    float uv_rate;    // uv per length if the material is `filtered`, else 0
+    float uv_rate;    // change of uv per length if the material is `filtered`, else 0
     float footprint;  // width of the area that the ray stands for, for textures; 0: a point
     uint32_t shape, prim, material;
     int32_t light;  // area light of the shape, or -1
 };
 
-// Builds the Embree scene over scene->shape and sets bounds, radius and triangle_count.
+// Builds the Embree scene of scene->shape and sets bounds, radius and triangle_count.
 satin_status scene_trace_build(struct satin_scene *scene, struct log log);
 void scene_trace_free(struct trace *trace);
 
-// The nearest hit in (tnear, tfar), or false; footprint 0. A ray that is not finite, or has no
-// direction, hits nothing.
+// Finds the nearest hit in (tnear, tfar), with a footprint of 0. False if there is none. A ray that
+// is not finite, or whose direction is zero, hits nothing.
 bool scene_intersect(const struct satin_scene *scene, const struct ray *ray,
                      struct interaction *out);
-// scene_intersect for a ray to which masked surfaces are whole.
+// As scene_intersect, for a ray that ignores the holes of masked surfaces.
 bool scene_intersect_whole(const struct satin_scene *scene, const struct ray *ray,
                            struct interaction *out);
-// Only the distance: INFINITY if there is no hit. Cheaper than scene_intersect.
+// The distance of the nearest hit, or INFINITY if there is none. Faster than scene_intersect.
 float scene_distance(const struct satin_scene *scene, const struct ray *ray);
 bool scene_occluded(const struct satin_scene *scene, const struct ray *ray);
 
-// A surface point moved off the edges of its triangle by `margin` where it is nearer, or as far
-// towards the triangle's centre, by no more than `margin`. Points of other shapes stay.
+// Moves a surface point at least `margin` away from the edges of its triangle, or towards the
+// centre of a triangle that is too small for that, by no more than `margin`. Points of other shapes
+// are not moved.
 vec3 scene_off_edges(const struct satin_scene *scene, const struct interaction *s, float margin);
 
-// A ray that leaves a surface point in direction d: its origin is moved off the surface, to the
-// side that d points to, by a bound of the rounding error there, so that it does not hit the
-// surface it leaves.
+// A ray that leaves a surface point in direction d. Its origin is moved off the surface, to the
+// side of d, by a bound of the rounding error there, so that it does not hit the surface that it
+// leaves.
 struct ray scene_spawn(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d);
-// A ray as scene_spawn makes it, towards the point q; it ends just before q. Normal nq of the
-// surface at q, or zero if q is free.
+// A ray as by scene_spawn towards the point q, which ends just before q. nq is the normal of the
+// surface at q, or zero if q is not on a surface.
 struct ray scene_spawn_to(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 q, vec3 nq);
 
-// Where textures are looked up at s.
+// The point at which textures are looked up for the surface interaction s.
 static inline struct texture_lookup interaction_texture_lookup(const struct satin_scene *scene,
                                                                const struct interaction *s) {
     const struct mesh *mesh = &scene->shape[s->shape].mesh;
@@ -356,58 +366,60 @@ struct scene_component {
     float weight;
 };
 
-// All of them: at most MATERIAL_PARTS_MAX; weights over 0 that sum to 1. Rays have passed the holes
-// of s, so these are no components, but where it emits.
+// All components at s: at most MATERIAL_COMPONENTS_MAX, with weights over 0 that sum to 1. Holes
+// are not among them, because rays have passed them, unless the surface emits light.
 int scene_components(const struct satin_scene *scene, const struct interaction *s, vec3 wo,
                      struct scene_component out[MATERIAL_COMPONENTS_MAX]);
-// One, drawn with its weight as the probability, by s and wo alone.
+// One of the components, drawn with its weight as the probability. The draw depends on s and wo
+// alone.
 const struct material_side *scene_component(const struct satin_scene *scene,
                                             const struct interaction *s, vec3 wo);
-// The BRDF of a component, with its textures looked up, and the frame that its local directions
-// refer to: n on wo's side for a two-sided material, else the surface interaction's, rotated by
-// bump and normal maps. False if the component reflects nothing.
+// The BRDF of a component, with its textures looked up, and the frame of its local directions. n of
+// that frame is on wo's side for a two-sided material, else that of the surface interaction,
+// rotated by bump and normal maps. False if the component reflects nothing.
 bool scene_component_brdf(const struct satin_scene *scene, const struct material_side *side,
                           const struct interaction *s, vec3 wo, struct brdf *brdf,
                           struct frame *frame);
-// That of scene_component.
+// As scene_component_brdf, for the component that scene_component draws.
 bool scene_brdf(const struct satin_scene *scene, const struct interaction *s, vec3 wo,
                 struct brdf *brdf, struct frame *frame);
-// The frame without bumps, on the side that scene_component_brdf takes.
+// The frame without bump and normal maps, on the side that scene_component_brdf uses.
 struct frame scene_component_frame(const struct satin_scene *scene,
                                    const struct material_side *side, const struct interaction *s,
                                    vec3 wo);
 
 // ---- Camera (scene_camera.c) ------------------------------------------------------------------
 
-// The eye ray through film position (x, y) in pixels of the full film, y down; lens point from (u,
-// v). `spread` gets the ray's width per distance: a pixel's footprint at distance t is t * spread
-// wide.
+// The eye ray through film position (x, y), in pixels of the full film with y down. (u, v) in [0,
+// 1)^2 choose the point on the lens. *spread is the ray's width over distance: the footprint of a
+// pixel at distance t is t * spread wide.
 struct ray camera_ray(const struct satin_scene *scene, float x, float y, float u, float v,
                       float *spread);
-// Logs a warning, with its reason, if the camera sees no shape, and no environment or one in whose
-// light the clip planes alone hide all shapes (scene_camera_check.c).
+// Logs a warning, with its reason, if the camera sees no shape. There is no warning if the
+// environment is visible, unless it is only the clip planes that hide all shapes
+// (scene_camera_check.c).
 void camera_check(const struct satin_scene *scene, struct log log);
 
 // ---- Filter (scene_filter.c) -------------------------------------------------------------------
 
-// Offset from a pixel's centre drawn by u from the film's filter, one without negative lobes,
-// truncated so that the position stays inside [lo, hi) (the crop window), as a renormalised filter
-// at the border does.
+// Draws an offset from a pixel's centre by u from a film filter without negative lobes, truncated
+// so that the position stays inside [lo, hi), the crop window. At the border that equals a
+// renormalised filter.
 float film_filter_sample(const struct film_spec *film, float centre, float lo, float hi, float u);
 
-// film_filter_sample from tables, for every filter. The sample counts `weight` times: 1, or where
-// lobes of the filter are negative on average 1, and less than 0 in the lobes.
+// film_filter_sample by tables, for every filter. A sample counts `weight` times. That is 1 for a
+// filter without negative lobes; otherwise it is 1 on average and negative in the lobes.
 enum { FILM_FILTER_STEPS = 1024 };
 struct film_filter {
     const struct film_spec *film;
     float inverse[FILM_FILTER_STEPS + 2];  // offset at u = i / FILM_FILTER_STEPS
-    // With negative lobes: integrals from the left end, of the filter and of its absolute value.
+    // With negative lobes: the integrals from the left end of the filter and of its absolute value.
     float sum[FILM_FILTER_STEPS + 1], size[FILM_FILTER_STEPS + 1];
 };
 struct film_offset {
     float x, weight;
 };
-// Whether it is negative somewhere.
+// Whether the filter has negative values.
 bool film_filter_has_lobes(const struct film_spec *film);
 void film_filter_make(const struct film_spec *film, struct film_filter *out);
 struct film_offset film_filter_offset(const struct film_filter *filter, float centre, float lo,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shapes into Embree: triangle meshes lend it their arrays; spheres, disks and cylinders are
-// one user geometry over scene_quadric.c; instances are Embree's own. ROBUST traversal, so that no
-// ray passes between two triangles of a shared edge.
+// Passes shapes to Embree: triangle meshes as shared arrays; spheres, disks and cylinders as one
+// user geometry on scene_quadric.c; instances as Embree's own. Traversal is ROBUST, so that no ray
+// passes between two triangles of a shared edge.
 #include "scene/scene_accel.h"
 
 #include <stdlib.h>
@@ -12,8 +12,8 @@
 
 // ---- Callbacks ----------------------------------------------------------------------------------
 
-// A hit whose plane is farther from both ends of the ray than Embree's rounding is real; a nearer
-// one is looked at again in double.
+// A hit is accepted if both ends of the ray are farther from its plane than Embree's rounding. A
+// nearer hit is tested again in double.
 static bool guard_accepts(const struct guard *guard, const struct RTCRay *ray,
                           const struct RTCHit *hit, float end) {
     vec3 n = v3(hit->Ng_x, hit->Ng_y, hit->Ng_z), d = v3(ray->dir_x, ray->dir_y, ray->dir_z);
@@ -58,8 +58,7 @@ static void mesh_any(const struct RTCFilterFunctionNArguments *args) {
 }
 
 static void mesh_nearest(const struct RTCFilterFunctionNArguments *args) {
-    // The surface interaction will want the corners: their indices come while the traversal goes
-    // on.
+    // The surface interaction will read the corners: prefetches their indices during the traversal.
     const struct guard *guard = args->geometryUserPtr;
     __builtin_prefetch(guard->mesh->index + (size_t)((const struct RTCHit *)args->hit)->primID * 3);
     mesh_hit(args, INFINITY);
@@ -191,12 +190,13 @@ static void attach_instance(RTCDevice device, struct accel *accel, const struct 
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
     if (!geometry) return;
     rtcSetGeometryInstancedScene(geometry, group->scene);
-    // The rows of the matrix but the last.
+    // The matrix without its last row.
     rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, shape->to_world.m);
     attach(accel, geometry, id);
 }
 
-// Which shapes are left out because others lie there; the caller frees it, NULL without memory.
+// Finds the shapes that are left out because they coincide with others. The caller frees the
+// result; NULL if there is no memory.
 static bool *find_hidden(const struct satin_scene *scene, uint32_t first, uint32_t count,
                          uint32_t group, struct accel *accel) {
     bool *hidden = array_new((size_t)count + 1, sizeof *hidden);

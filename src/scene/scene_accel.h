@@ -8,7 +8,7 @@
 #include "scene/scene_interaction.h"
 #include "scene/scene_quadric.h"
 
-// A mesh as its filter sees it.
+// The data of a mesh for its intersection filter.
 struct guard {
     const struct mesh *mesh;
     const struct material *mask;  // NULL if rays cannot pass
@@ -17,23 +17,24 @@ struct guard {
 
 struct accel {
     RTCScene scene;
-    uint32_t geometry_count;   // of all but the quadrics; ids of instances come after theirs
-    uint32_t *geometry_shape;  // geometry id -> shape; the entry of quadric_id is not used
-    struct guard *guard;       // geometry id -> its filter's data
+    uint32_t geometry_count;   // number of geometries without the quadrics; ids of instances follow
+    uint32_t *geometry_shape;  // geometry id -> shape; the entry of quadric_id is unused
+    struct guard *guard;       // geometry id -> data of its filter
     uint32_t quadric_id, quadric_count;
     struct quadric *quadric;
-    uint32_t hidden_count, hidden_first;  // shapes that lie where others do, and one of them
+    uint32_t hidden_count, hidden_first;  // number of shapes that coincide with others, and one of
+                                          // them
 };
 
-// Builds over the shapes `first` to `first + count - 1` that belong to `group` (0: to none). The
-// groups' own structures, for its instances, are built before. On failure *accel is to be freed
-// too.
+// Builds a structure over those of shapes `first` to `first + count - 1` that belong to `group` (0:
+// to none). The structures of the groups that have instances in it must be built before. On failure
+// *accel must be freed too.
 satin_status accel_build(RTCDevice device, const struct satin_scene *scene, uint32_t first,
                          uint32_t count, uint32_t group, const struct accel *groups, struct log log,
                          struct accel *accel);
 void accel_free(struct accel *accel);
 
-// A status for what Embree reports, logged.
+// Converts Embree's error to a status, and logs it.
 satin_status accel_status(RTCDevice device, struct log log);
 
 #endif

@@ -5,6 +5,7 @@
 
 #include "scene/scene.h"
 
-// The attribute of that name (the pointer counts) at a lookup; black if the mesh has none.
+// The value at a lookup of the attribute whose name is the same pointer; black if the mesh has
+// none.
 rgb attribute_eval(const char *name, const struct texture_lookup *at);
 #endif

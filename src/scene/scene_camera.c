@@ -3,8 +3,8 @@
 #include "base/sampling.h"
 #include "scene/scene.h"
 
-// Parallel rays from the near plane. Their width is the same everywhere, so that per distance it is
-// right in the middle of the scene.
+// Parallel rays from the near plane. Their width is constant, so that the width over distance is
+// correct only at the middle of the scene.
 static struct ray parallel_ray(const struct satin_scene *scene, vec3 plane, float *spread) {
     const struct camera *camera = &scene->camera;
     vec3 o = mat4_point(&camera->to_world, v3(plane.x, plane.y, camera->near_clip));
@@ -20,13 +20,14 @@ struct ray camera_ray(const struct satin_scene *scene, float x, float y, float u
                       float *spread) {
     const struct camera *camera = &scene->camera;
     const struct film_spec *film = &scene->film;
-    // Where the film position lies on the plane z = 1; x goes to the left there, y up.
+    // The film position on the plane z = 1, where x points left and y up.
     float s = x / (float)film->width + camera->shift.x;
     float t = y / (float)film->height + camera->shift.y;
     vec3 plane = v3(camera->tan_x * (1.0f - 2.0f * s), camera->tan_y * (1.0f - 2.0f * t), 1.0f);
     if (camera->orthographic) return parallel_ray(scene, plane, spread);
     vec3 origin = v3(0, 0, 0), d = v3_unit(plane);
-    // A pixel's width on that plane, seen from the eye: the root of its solid angle, w^2 cos^3.
+    // A pixel's width on that plane, as the eye sees it: the square root of its solid angle, w^2
+    // cos^3.
     float width = 2.0f * camera->tan_x / (float)film->width;
     if (spread) *spread = width * d.z * sqrtf(d.z);
     if (camera->aperture > 0.0f) {

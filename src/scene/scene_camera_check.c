@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera that sees nothing makes a black image, which nobody wants: a few rays find that out and
-// why it is, before the render.
+// Before the render, a few rays check whether the camera sees anything, and if not, why: otherwise
+// the image would be black without explanation.
 #include "base/sampling.h"
 #include "scene/scene.h"
 
 enum { RAYS = 1024 };
 
-// What the rays meet, with and without the clip planes.
+// What the rays hit, with and without the clip planes.
 struct camera_look {
     int seen, there;
-    float first, last;  // depths of what is there, as the clip planes count it
+    float first, last;  // least and largest depth of the hits, measured as for the clip planes
 };
 
 static struct camera_look look_around(const struct satin_scene *scene) {
@@ -22,7 +22,7 @@ static struct camera_look look_around(const struct satin_scene *scene) {
             camera_ray(scene, (float)film->crop_x + at.x * (float)film->crop_width,
                        (float)film->crop_y + at.y * (float)film->crop_height, 0.5f, 0.5f, NULL);
         if (scene_occluded(scene, &ray)) out.seen++;
-        // Depth per distance along the ray, and that of the ray's origin.
+        // Depth per distance along the ray, and depth of the ray's origin.
         float rate = camera->near_clip / ray.tnear, start = 0.0f;
         if (camera->orthographic) {
             start = camera->near_clip;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shapes that lie exactly where an earlier one does, found by sorting hashes of their geometry.
+// Finds shapes that coincide with an earlier one, by sorting hashes of their geometry.
 #include "scene/scene_coincide.h"
 
 #include <stdlib.h>
@@ -11,7 +11,7 @@
 
 enum { ARRAYS_MAX = 4 };
 
-// All that decides where a surface is: a few arrays of bytes.
+// The data that determines the position of a surface: a few arrays of bytes.
 struct geometry {
     int count;
     struct {
@@ -77,7 +77,7 @@ static bool equal(const struct geometry *a, const struct geometry *b) {
 
 struct keyed_shape {
     uint64_t hash;
-    bool dark;  // emits no light
+    bool dark;  // it emits no light
     uint32_t shape;
 };
 
@@ -104,8 +104,8 @@ bool coincide_find(const struct satin_scene *scene, uint32_t first, uint32_t cou
         key[n++] = (struct keyed_shape){hash_of(&g), shape->light < 0, i};
     }
     qsort(key, n, sizeof *key, by_hash);
-    // Each is compared with the first of its hash alone: of two geometries with one hash, which
-    // nobody will ever meet, both stay.
+    // Each shape is compared only with the first one of its hash. If two different geometries ever
+    // had the same hash, both would be kept.
     for (size_t i = 1, head = 0; i < n; i++) {
         if (key[i].hash != key[head].hash) {
             head = i;

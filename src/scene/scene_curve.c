@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Curves: the surface at a hit. v runs along all segments of a shape from 0 to 1, as
-// in Mitsuba; u around the tube, from an axis of our own.
+// Curves: the surface at a hit. v grows from 0 to 1 along all segments of a shape, as in Mitsuba; u
+// goes around the tube, from another axis than in Mitsuba.
 #include "scene/scene_curve.h"
 
-// Fraction of the radius that hits are moved outwards by: above the error with which Embree finds
-// round curves (up to some 1e-4 where they curve), and too little to be visible.
+// Hits are moved outwards by this fraction of the radius: more than the error of Embree's round
+// curves (up to some 1e-4 where they are curved), and too little to be visible.
 #define OUTSIDE 1e-3f
 
 void scene_curves_bound(const struct curves *curves, vec3 *lo, vec3 *hi) {
@@ -20,7 +20,8 @@ void scene_curves_bound(const struct curves *curves, vec3 *lo, vec3 *hi) {
 
 // ---- The surface --------------------------------------------------------------------------------
 
-// Weights of a segment's points at u, and their derivatives by u; the number of points.
+// Sets the weights of a segment's points at u and their derivatives by u. Returns the number of
+// points.
 static int basis(bool linear, float u, float w[4], float d[4]) {
     float v = 1.0f - u;
     if (linear) {

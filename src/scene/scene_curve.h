@@ -9,12 +9,12 @@
 struct curve_hit {
     uint32_t segment;
     float u;  // along the segment, 0 to 1
-    vec3 p;   // as the ray finds it
+    vec3 p;   // as the ray tracer computed it
     vec3 n;   // normal, any length
     bool flip;
 };
-// Fills p, ng, frame, uv and dp_du, dp_dv. The point is put a little off the tube, to the outside:
-// the tracer finds tubes with errors that grow with their radius.
+// Fills p, ng, frame, uv, dp_du and dp_dv. The point is moved a little outwards off the tube,
+// because the errors of traced tubes grow with their radius.
 void curve_interaction(const struct curves *curves, const struct curve_hit *hit, bool tangent,
                        struct interaction *out);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Embree 3 and 4 behind one set of calls. The two differ in the folder of their headers and in how
-// a query passes its options: version 3 wants a context that is always there, version 4 takes
-// optional arguments. Types, geometry calls and callbacks that satin uses are the same in both.
-// Private to scene_trace.c.
+// Embree 3 and 4 behind one set of calls; private to scene_trace.c. The versions differ in the
+// folder of their headers and in how options are passed to a query: version 3 needs a context in
+// every call, version 4 takes optional arguments. The types, geometry calls and callbacks that
+// satin uses are the same in both.
 #ifndef SCENE_EMBREE_H
 #define SCENE_EMBREE_H
 
@@ -17,8 +17,8 @@ typedef struct RTCRayQueryContext embree_context;
 typedef struct RTCIntersectContext embree_context;
 #endif
 
-// What the callbacks of embree_occluded find behind the context in their arguments. To them a ray
-// ends at the hit that they are asked about.
+// Data for the callbacks of embree_occluded, behind the context in their arguments. In a callback,
+// tfar of the ray is the distance of the hit that is tested.
 struct embree_occlusion {
     embree_context context;
     float end;  // tfar of the ray
@@ -35,7 +35,7 @@ static inline void embree_intersect(RTCScene scene, struct RTCRayHit *ray_hit) {
 #endif
 }
 
-// Whether anything is hit; the ray is spent.
+// Whether anything is hit. The ray is overwritten.
 static inline bool embree_occluded(RTCScene scene, struct RTCRay *ray) {
     struct embree_occlusion query = {.end = ray->tfar};
 #if SATIN_EMBREE == 4
@@ -48,7 +48,7 @@ static inline bool embree_occluded(RTCScene scene, struct RTCRay *ray) {
     rtcInitIntersectContext(&query.context);
     rtcOccluded1(scene, &query.context, ray);
 #endif
-    return ray->tfar < 0.0f;  // set to -infinity by a hit
+    return ray->tfar < 0.0f;  // a hit sets it to -infinity
 }
 
 #endif

@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// The film's filter, by importance: a sample's offset from the pixel's centre is drawn from it, so
-// that every sample belongs to one pixel and counts the same. A filter with negative lobes is drawn
-// from by its absolute value, and samples in the lobes count negatively; their mean weight is 1.
+// Importance sampling of the film's filter: the offset of a sample from the pixel's centre is drawn
+// from the filter, so that every sample belongs to one pixel and has the same weight. A filter with
+// negative lobes is sampled by its absolute value, and samples in the lobes have negative weight;
+// the mean weight is 1.
 #include "base/sampling.h"
 #include "scene/scene.h"
 
 // ---- Filters that are nowhere negative ----------------------------------------------------------
 
-// The filter's integral from -radius to x, up to a factor; and its value, by the same factor.
+// The filter's integral from -radius to x, and below its value, both up to the same factor.
 static double filter_integral(const struct film_spec *film, double x) {
     double r = (double)film->radius, sigma = (double)film->stddev;
     switch (film->filter) {
         case FILTER_TENT:
             return x < 0.0 ? 0.5 * (r + x) * (r + x) : r * r - 0.5 * (r - x) * (r - x);
         case FILTER_GAUSSIAN:
-            // Lowered to be zero at the radius.
+            // The Gaussian minus its value at the radius.
             return sigma * sqrt(0.5 * 3.14159265358979323846) *
                        (erf(x / (sigma * sqrt(2.0))) + erf(r / (sigma * sqrt(2.0)))) -
                    (x + r) * exp(-0.5 * r * r / (sigma * sigma));
@@ -35,7 +36,7 @@ static double filter_value(const struct film_spec *film, double x) {
     }
 }
 
-// Rounding must not move the position out of [lo, hi).
+// Keeps rounding from moving the position out of [lo, hi).
 static float keep_inside(float centre, float lo, float hi, float offset) {
     if (centre + offset >= hi) offset = nextafterf(hi, -INFINITY) - centre;
     return centre + offset < lo ? lo - centre : offset;
@@ -47,8 +48,8 @@ float film_filter_sample(const struct film_spec *film, float centre, float lo, f
     if (!(a < b)) return 0.0f;
     double from = filter_integral(film, a), to = filter_integral(film, b);
     double wanted = from + (double)u * (to - from);
-    // Newton's method; where it leaves the bracket, bisection. The integral only grows, so the
-    // bracket closes.
+    // Newton's method, with bisection where it leaves the bracket. The integral is monotonic, so
+    // the bracket shrinks to a point.
     double left = a, right = b, x = 0.5 * (a + b);
     for (int i = 0; i < 40; i++) {
         double error = filter_integral(film, x) - wanted;
@@ -70,7 +71,7 @@ bool film_filter_has_lobes(const struct film_spec *film) {
     return film->filter == FILTER_CUBIC || film->filter == FILTER_LANCZOS;
 }
 
-// The two-parameter family of [Mitchell and Netravali 1988, (8)].
+// The two-parameter cubic of [Mitchell and Netravali 1988, (8)].
 static double cubic(double b, double c, double x) {
     if (x >= 2.0) return 0.0;
     if (x >= 1.0)
@@ -91,7 +92,7 @@ static double lobes_value(const struct film_spec *film, double x) {
 
 // Tabulates the integrals of the filter and of its absolute value.
 static void make_lobes(struct film_filter *filter) {
-    enum { FINE = 8 };  // points of each step
+    enum { FINE = 8 };  // points per step
     const double r = (double)filter->film->radius, step = 2.0 * r / FILM_FILTER_STEPS;
     double sum = 0.0, size = 0.0;
     filter->sum[0] = filter->size[0] = 0.0f;
@@ -111,7 +112,7 @@ static float table_at(const float table[FILM_FILTER_STEPS + 1], float at) {
     return lerpf(table[i], table[i + 1], at - (float)i);
 }
 
-// Where the table has a value, in steps.
+// The position in an ascending table at which it has a value, in steps.
 static float table_find(const float table[FILM_FILTER_STEPS + 1], float value) {
     int low = 0, high = FILM_FILTER_STEPS;
     while (high - low > 1) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Part of scene.h: what the scene's integrator and sampler elements ask for.
+// Part of scene.h: settings of the scene's integrator and sampler elements.
 #ifndef SCENE_HINTS_H
 #define SCENE_HINTS_H
 
@@ -8,13 +8,13 @@
 
 #include "base/log.h"
 
-// An option of <integrator type="satin">, not yet checked.
+// An option of <integrator type="satin">, which is not checked yet.
 struct scene_option {
     const char *name, *value;
     struct log_place place;
 };
 
-// Values of the first surface that an `aov` integrator asks for beside the image (load_aov.c).
+// Quantities of the first surface that an `aov` integrator outputs beside the image (load_aov.c).
 enum aov_kind {
     AOV_ALBEDO,
     AOV_DEPTH,
@@ -28,34 +28,34 @@ enum aov_kind {
     AOV_DUV_DY,
     AOV_PRIM_INDEX,
     AOV_SHAPE_INDEX,
-    AOV_LIGHT,  // the radiance of the sample in CIE XYZ, whatever it hits; of `moment`
+    AOV_LIGHT,  // of `moment`: the radiance of the sample in CIE XYZ, whatever it hits
     AOV_KINDS
 };
 enum {
-    AOV_VALUES = 30,        // of one sample at most: 1 to 3 of each kind
-    AOV_CHANNELS_MAX = 192  // each costs memory per pixel
+    AOV_VALUES = 30,        // largest number of values of one sample: 1 to 3 of each kind
+    AOV_CHANNELS_MAX = 192  // each channel costs memory per pixel
 };
 
 struct scene_aov {
-    const char *name;  // of a channel, each once: "normals.X"
-    int value;         // what it shows, of a sample's values
-    bool squared;      // or of their squares
+    const char *name;  // unique name of the channel, such as "normals.X"
+    int value;         // index among the values of a sample
+    bool squared;      // whether it is the mean of squares
 };
 
 struct scene_aovs {
     struct scene_aov *channel;
     int count;
-    int values;            // of a sample, those of each kind once
-    int first[AOV_KINDS];  // where those of a kind begin; -1: not asked for
-    bool partials;         // some are of dp/du and dp/dv
-    bool aov, moment;      // such an integrator was read; moment: squares are summed too
+    int values;            // number of values of a sample, with each kind once
+    int first[AOV_KINDS];  // index of the first value of each kind; -1: not needed
+    bool partials;         // whether dp/du or dp/dv is among them
+    bool aov, moment;      // which integrators were read; moment: squares are summed too
 };
 
 // See satin_options for the meaning.
 struct scene_hints {
-    const char *integrator;                       // its plugin name, or NULL
+    const char *integrator;                       // name of its plugin, or NULL
     int max_depth, rr_depth, hide_emitters, spp;  // -2, 0, -1, 0 when absent
-    // <integrator type="satin">: its options in order, for satin_options_resolve.
+    // The options of <integrator type="satin"> in order, for satin_options_resolve.
     const struct scene_option *option;
     size_t option_count;
     struct scene_aovs aovs;

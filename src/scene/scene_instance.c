@@ -4,7 +4,8 @@
 
 #include "scene/scene_interaction.h"
 
-// The longest and the shortest a unit vector can about become: by columns, which serves for bounds.
+// About the largest and the least length of a transformed unit vector. They are lengths of columns,
+// which is accurate enough for bounds.
 static float longest_column(const struct mat4 *m) {
     float l2 = 0.0f;
     for (int j = 0; j < 3; j++) l2 = fmaxf(l2, v3_len2(v3(m->m[0][j], m->m[1][j], m->m[2][j])));
@@ -20,7 +21,7 @@ void instance_bound(struct shape *shape, vec3 lo, vec3 hi) {
         shape->lo = v3_min(shape->lo, p);
         shape->hi = v3_max(shape->hi, p);
     }
-    // A ray is rounded in the group's space, relative to what is added up there.
+    // The rounding of a ray in the group's space is relative to the terms of its origin there.
     vec3 back = v3(shape->to_object.m[0][3], shape->to_object.m[1][3], shape->to_object.m[2][3]);
     float extent = fmaxf(v3_max_abs(lo), v3_max_abs(hi)) + v3_max_abs(back);
     shape->radius = longest_column(&shape->to_world) * extent;

@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to scene/: between the world and the space of an instance's group.
+// Private to scene/: conversion between world space and the space of an instance's group.
 #ifndef SCENE_INSTANCE_H
 #define SCENE_INSTANCE_H
 
 #include "scene/scene.h"
 
-// Sets an instance's bounds and what it adds to the scene's epsilon from the bounds of its group.
+// Sets an instance's bounds, and its contribution to the scene's epsilon, from the bounds of its
+// group.
 void instance_bound(struct shape *shape, vec3 lo, vec3 hi);
 
-// A world ray in the group's space, with the same distances: its direction is not unit.
+// Transforms a world ray to the group's space. Distances stay the same, so the direction is not
+// unit.
 struct ray instance_ray(const struct shape *shape, const struct ray *ray);
-// How far off the edges of a triangle to keep a hit at p (world), in the group's space.
+// The least distance from the edges of its triangle for a hit at p (world), in the group's space.
 float instance_margin(const struct satin_scene *scene, const struct shape *shape, vec3 p);
-// Moves a surface interaction from the group's space to the world, with dp_du and dp_dv if it has
-// these `partials`. Its frame follows dp/du if `tangent`.
+// Transforms a surface interaction from the group's space to the world, including dp_du and dp_dv
+// if `partials`. Its frame follows dp/du if `tangent`.
 void instance_to_world(const struct shape *shape, bool tangent, bool partials,
                        struct interaction *s);
 

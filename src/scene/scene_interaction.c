@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // The surface at a triangle hit, and the spawning of rays from surfaces.
 //
-// Self-intersection is kept out by three measures that need no tolerance in world units:
-// - a hit point is combined in double and rounded once, so it lies within half an ulp of the plane;
-// - scene_spawn moves the origin off by a few ulp of the position, which exceeds that half ulp;
-// - the filter of scene_accel.c asks interaction_crosses, in double, before it believes a hit that
-// is
-//   nearer than what the float intersector can resolve on a large or thin triangle; so too where a
-//   ray ends on the surface that it leads to.
-// Leaks at edges are kept out by pulling hits a few ulp into their triangle: next to an edge a
-// rounded position can lie beyond the neighbouring face.
+// Three measures prevent self-intersection without a tolerance in world units:
+//- A hit point is interpolated in double and rounded once, so it is within half an ulp of the
+//plane.
+//- scene_spawn moves the origin off the surface by a few ulp of the position, which is more than
+//  that half ulp.
+//- The filter of scene_accel.c tests a hit by interaction_crosses, in double, if it is nearer than
+//  the float intersector can resolve on a large or thin triangle. It does the same for a hit near
+//  the end of a ray that ends on a surface.
+// Light leaks at edges are prevented by moving hits a few ulp into their triangle: next to an edge,
+// a rounded position could be beyond the neighbouring face.
 #include "scene/scene_interaction.h"
 
 struct surface_triangle {
@@ -49,7 +50,7 @@ bool interaction_crosses(const struct mesh *mesh, uint32_t prim, vec3 o, vec3 d,
 
 struct interaction_error interaction_error(const struct mesh *mesh) {
     const double ulps = 64.0 * 0x1p-24;
-    double edge2 = 0.0, aspect = 0.0;  // the longest edge; the largest edge^2 / |n|
+    double edge2 = 0.0, aspect = 0.0;  // largest edge^2; largest edge^2 / |n|
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
         struct surface_triangle t;
         surface_triangle_get(mesh, i, &t);
@@ -62,8 +63,9 @@ struct interaction_error interaction_error(const struct mesh *mesh) {
     return (struct interaction_error){ulps * edge2 * sqrt(edge2), ulps * aspect * sqrt(aspect)};
 }
 
-// Keeps the barycentric coordinates b off the edges by `margin` in world units, or at the centre of
-// a triangle that is smaller than that. False if they are that far off already.
+// Moves the barycentric coordinates b to a distance of at least `margin` (world units) from the
+// edges, or to the centre of a triangle that is too small for that. False if they already have that
+// distance.
 static bool pull_inside(const struct surface_triangle *t, double margin, double b[3]) {
     const double e3[3] = {t->e2[0] - t->e1[0], t->e2[1] - t->e1[1], t->e2[2] - t->e1[2]};
     const double *edge[3] = {e3, t->e2, t->e1};  // opposite to each vertex
@@ -82,9 +84,9 @@ static bool pull_inside(const struct surface_triangle *t, double margin, double 
     return true;
 }
 
-// dp/du and dp/dv of the texture coordinates, or without them of the barycentric ones, which grow
-// along the first two edges. Texture coordinates that do not span the triangle have none: then they
-// are the axes of the frame of ng.
+// dp/du and dp/dv of the texture coordinates or, if there are none, of the barycentric coordinates,
+// which grow along the first two edges. If the texture coordinates are degenerate, they are the
+// axes of the frame of ng.
 static void triangle_tangents(const struct mesh *mesh, const uint32_t *index,
                               const struct surface_triangle *t, vec3 ng, vec3 *dp_du, vec3 *dp_dv) {
     double du[3] = {t->e1[0], t->e1[1], t->e1[2]}, dv[3] = {t->e2[0], t->e2[1], t->e2[2]};
@@ -113,7 +115,7 @@ static vec3 blend_corners(const struct surface_triangle *t, const double b[3]) {
               (float)(b[0] * t->p[0][2] + b[1] * t->p[1][2] + b[2] * t->p[2][2]));
 }
 
-// In float: a shading normal needs no more.
+// In float, which is accurate enough for a shading normal.
 static vec3 blend_normals(const float *normal, const uint32_t *index, const double b[3]) {
     const float *p = normal + (size_t)index[0] * 3, *q = normal + (size_t)index[1] * 3,
                 *r = normal + (size_t)index[2] * 3;
@@ -144,7 +146,7 @@ void interaction_triangle(const struct satin_scene *scene, const struct shape *s
     }
     out->ng = ng;
     out->uv = out->bary = (vec2){(float)b[1], (float)b[2]};
-    double spanned = 1.0;  // by the triangle in uv, twice over
+    double spanned = 1.0;  // twice the triangle's area in uv
     if (mesh->uv) {
         const float *a = mesh->uv + (size_t)index[0] * 2, *c = mesh->uv + (size_t)index[1] * 2,
                     *d = mesh->uv + (size_t)index[2] * 2;
@@ -181,13 +183,13 @@ struct ray scene_spawn(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 d)
 
 struct ray scene_spawn_to(const struct satin_scene *scene, vec3 p, vec3 ng, vec3 q, vec3 nq) {
     vec3 d = v3_sub(q, p);
-    // At the far end the direction's own rounding counts too, in proportion to the distance.
+    // At the far end the rounding of the direction counts too, in proportion to the distance.
     float end_offset = fmaxf(interaction_offset(scene, q), 8.0f * 0x1p-24f * v3_max_abs(d));
     vec3 o = leave_surface(p, ng, d, interaction_offset(scene, p));
     vec3 end = leave_surface(q, nq, v3_neg(d), end_offset);
     d = v3_sub(end, o);
     float distance = v3_len(d);
     if (!(distance > 0.0f)) return (struct ray){o, 0.0f, v3(0, 0, 0), 0.0f};
-    // Just before the end: the length and the unit direction are each off by an ulp or so.
+    // Ends just before q: the length and the unit direction have errors of about an ulp each.
     return (struct ray){o, 0.0f, v3_mul(d, 1.0f / distance), distance * (1.0f - 0x1p-21f)};
 }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a surface point to the BRDF there: which side it is, which component of a blend, textures
-// looked up, the frame set. The side is that of the shading normal, as the BRDF's own cosines are.
+// From a surface point to the BRDF there: chooses the side and the component of a blend, looks up
+// textures and sets the frame. The side is that of the shading normal, as in the cosines of the
+// BRDF.
 //
-// A blend is never evaluated as a sum: one component is drawn for each point and direction, or
-// where the image would show the noise all components are taken in turn. So every component has its
-// own way of being cached or sampled.
+// A blend is not evaluated as a sum: one component is drawn for each point and direction. Where the
+// noise of that would be visible, all components are evaluated in turn. So each component is cached
+// or sampled in its own way.
 #include <string.h>
 
 #include "base/rng.h"
@@ -26,9 +27,9 @@ void material_visit(const struct material *m,
     if (m->two_sided) visit(&m->back, fn, ctx);
 }
 
-// What the sides of a material have together.
+// Properties of all sides of a material together.
 struct union_of {
-    bool holes;  // count
+    bool holes;  // whether holes count
     bool transmits;
     unsigned lobes;
 };
@@ -69,7 +70,7 @@ static bool side_is_hole(const struct material_side *side) {
     return side->holes && !side->component[0];
 }
 
-// The weight of component[1]; among the components that are there, where rays pass the holes.
+// The weight of component[1]. If rays pass the holes, it is the weight among the other components.
 static float blend_weight(const struct satin_scene *scene, const struct material_side *side,
                           const struct interaction *s) {
     const struct material_side *first = side->component[0], *second = side->component[1];
@@ -80,7 +81,7 @@ static float blend_weight(const struct satin_scene *scene, const struct material
     float weight = side_weight(side, &at);
     if (!passed) return weight;
     float a = (1.0f - weight) * side_opacity(first, &at), b = weight * side_opacity(second, &at);
-    return a + b > 0.0f ? b / (a + b) : weight;  // rounded uv may be where nothing is
+    return a + b > 0.0f ? b / (a + b) : weight;  // 0 where rounded uv are in a hole
 }
 
 static int list_components(const struct satin_scene *scene, const struct material_side *side,
@@ -101,7 +102,7 @@ int scene_components(const struct satin_scene *scene, const struct interaction *
     return list_components(scene, side_towards(scene, s, wo), s, 1.0f, out, 0);
 }
 
-// A number in [0, 1) that depends on the point and the direction.
+// A number in [0, 1) that is a function of the point and the direction.
 static float draw(const struct interaction *s, vec3 wo) {
     const float f[6] = {s->p.x, s->p.y, s->p.z, wo.x, wo.y, wo.z};
     uint32_t bits[6];
@@ -127,12 +128,12 @@ const struct material_side *scene_component(const struct satin_scene *scene,
 
 // ---- The BRDF of a component --------------------------------------------------------------------
 
-// What of a texture's number a model can stand.
+// Clamps a texture's number to the valid range of a slot.
 static float keep_number(enum brdf_slot slot, float x) {
     return slot == BRDF_SLOT_IOR ? clampf(x, BRDF_IOR_MIN, BRDF_IOR_MAX) : clampf(x, 0.0f, 1e6f);
 }
 
-// Replaces the constants of `b` that are textured; colours are averaged over the footprint.
+// Sets the values of `b` that are textured; colours are averaged over the footprint.
 static void set_brdf_values(const struct material_side *side, const struct texture_lookup *at,
                             struct brdf *b) {
     const struct texture *const *slot = side->slot;
@@ -161,7 +162,7 @@ struct frame scene_component_frame(const struct satin_scene *scene,
     return is_flipped(scene, side, s, wo) ? frame_flip(s->frame) : s->frame;
 }
 
-// The normal of the bump or normal map in the frame that it rotates, any length.
+// The normal of a bump or normal map, of any length, in the frame that it rotates.
 static vec3 bump_normal(const struct satin_scene *scene, const struct material_bump *bump,
                         const struct interaction *s, const struct frame *frame) {
     if (bump->normal) {
@@ -178,8 +179,8 @@ static vec3 bump_normal(const struct satin_scene *scene, const struct material_b
     return frame_to_local(frame, v3_dot(n, s->ng) < 0.0f ? v3_neg(n) : n);
 }
 
-// Rotates `frame` by a bump or normal map whose normal is n for a view from wo; false if it stays.
-// *shadows gets the alpha^2 of its slopes.
+// Rotates `frame` by a bump or normal map whose normal is n for direction wo. False if the frame
+// stays as it is. *shadows is set to the alpha^2 of its slopes.
 static bool rotate_frame(const struct material_bump *bump, vec3 n, vec3 wo, bool flipped,
                          struct frame *frame, float *shadows) {
     vec3 w = frame_to_local(frame, wo);
@@ -196,8 +197,8 @@ static bool rotate_frame(const struct material_bump *bump, vec3 n, vec3 wo, bool
     return true;
 }
 
-// Rotates `frame` by the bump and normal maps of a side, the outermost first, and records in the
-// BRDF what its shadowing needs.
+// Rotates `frame` by the bump and normal maps of a side, the outermost first, and stores in the
+// BRDF what their shadowing needs.
 static void apply_bumps(const struct satin_scene *scene, const struct material_side *side,
                         const struct interaction *s, vec3 wo, struct frame *frame, struct brdf *b) {
     const bool flipped = is_flipped(scene, side, s, wo);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surfaces with holes; see the header.
+// Surfaces with holes; scene_opacity.h describes them.
 #include "scene/scene_opacity.h"
 
 #include <string.h>

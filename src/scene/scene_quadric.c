@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spheres, disks and cylinders: where a ray meets them, and the surface there. scene_trace.c calls
-// this from Embree's traversal. All in double: the roots of a quadratic lose half their digits, and
-// with 53 bits what is left is finer than a float position, so a ray whose origin was moved off the
-// surface by some float ulp can never meet it again. Parameterisation as in Mitsuba 3.
+// Spheres, disks and cylinders: ray intersection, and the surface at a hit. scene_trace.c calls
+// this during Embree's traversal. Everything is in double: the roots of a quadratic lose half their
+// digits, but of 53 bits enough are left to be finer than a float position, so a ray whose origin
+// was moved off the surface by some float ulp never hits it again. The parameterisation is Mitsuba
+// 3's.
 #include "scene/scene_quadric.h"
 
 #include <float.h>
@@ -29,7 +30,7 @@ static double dot(struct quadric_point a, struct quadric_point b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-// The inverse of an affine map by cofactors; false if it has none.
+// The inverse of an affine map by cofactors. False if it has none.
 static bool invert(const double m[3][4], double out[3][4]) {
     double c[3][3];
     for (int i = 0; i < 3; i++)
@@ -82,8 +83,8 @@ void quadric_bounds(const struct quadric *q, float lo[3], float hi[3]) {
     }
 }
 
-// The real roots of a t^2 + 2 b t + c around the vertex of the parabola, ascending; false if none.
-// `rest` is c - b^2 / a, computed without cancellation by the caller.
+// The real roots of a t^2 + 2 b t + c, ascending, computed around the vertex of the parabola. False
+// if there are none. `rest` is c - b^2 / a, which the caller computes without cancellation.
 static bool roots(double a, double b, double c, double rest, double t[2]) {
     if (!(a > 0.0) || !(rest <= 0.0)) return false;
     double s = sqrt(-rest * a), q = b < 0.0 ? -b + s : -b - s;
@@ -110,7 +111,8 @@ static int crossings(const struct quadric *q, struct quadric_point o, struct qua
     if (q->kind == SHAPE_DISK) {
         t[0] = -o.z / d.z;
         struct quadric_point p = along(o, t[0], d);
-        return p.x * p.x + p.y * p.y <= 1.0 ? 1 : 0;  // false for a ray in the plane: NaN
+        return p.x * p.x + p.y * p.y <= 1.0 ? 1 : 0;  // false for a ray in the plane, where p is
+                                                      // NaN
     }
     double a = d.x * d.x + d.y * d.y, b = o.x * d.x + o.y * d.y;
     double x = o.x - b / a * d.x, y = o.y - b / a * d.y, both[2];
@@ -144,7 +146,7 @@ static float azimuth_fraction(double y, double x) {
     return (float)(u < 0.0 ? u + 1.0 : u);
 }
 
-// n, unit, by the transposed inverse.
+// Transforms n by the transposed inverse and normalises it.
 static struct quadric_point normal_to_world(const struct quadric *q, struct quadric_point n) {
     const double(*m)[4] = q->to_object;
     struct quadric_point w = {m[0][0] * n.x + m[1][0] * n.y + m[2][0] * n.z,
@@ -153,7 +155,7 @@ static struct quadric_point normal_to_world(const struct quadric *q, struct quad
     return scaled(w, 1.0 / sqrt(dot(w, w)));
 }
 
-// Position, normal (front side outwards or +z), uv, dp/du and dp/dv in world space.
+// Position, normal (on the front side: outwards or +z), uv, dp/du and dp/dv in world space.
 struct spot {
     struct quadric_point p, n, du, dv;
     vec2 uv;

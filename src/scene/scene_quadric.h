@@ -5,26 +5,26 @@
 
 #include "scene/scene.h"
 
-// Object space as in Mitsuba: the unit disk at z = 0 facing +z; the cylinder of radius 1 around z
-// from 0 to 1, open at its ends. A sphere is kept by its centre and radius in world space.
+// A quadric in object space as in Mitsuba: the unit disk at z = 0 facing +z; the cylinder of radius
+// 1 around z from 0 to 1, open at its ends. A sphere has its centre and radius in world space.
 struct quadric {
     enum shape_kind kind;
     uint32_t shape;               // index in the scene
     const struct material *mask;  // NULL if rays cannot pass
-    bool flip;                    // the front side is the inside, or -z
+    bool flip;                    // whether the front side is the inside, or -z
     double to_world[3][4], to_object[3][4];
     double center[3], radius;  // sphere
 };
 
-// False if the shape's transform has no inverse, or the sphere no radius.
+// False if the transform of the shape has no inverse, or if the radius of a sphere is 0.
 bool quadric_make(const struct shape *shape, uint32_t index, struct quadric *out);
 // A box around the surface, rounded outwards.
 void quadric_bounds(const struct quadric *quadric, float lo[3], float hi[3]);
 // The nearest crossing in (tnear, tfar) along o + t d.
 bool quadric_intersect(const struct quadric *quadric, vec3 o, vec3 d, float tnear, float tfar,
                        float *t);
-// Fills p (put back onto the surface), ng, frame and uv of the hit at distance t. The frame follows
-// dp/du if `tangent`.
+// Fills p (projected onto the surface), ng, frame and uv of the hit at distance t. The frame
+// follows dp/du if `tangent`.
 void quadric_interaction(const struct quadric *quadric, const struct ray *ray, float t,
                          bool tangent, struct interaction *out);
 

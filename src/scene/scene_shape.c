@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where shapes are, and the area and bounds of every kind of them.
+// Transform, area and bounds of every kind of shape.
 #include "scene/scene.h"
 
 // ---- Spheres, disks, cylinders ------------------------------------------------------------------
@@ -61,7 +61,7 @@ float scene_shape_area(const struct shape *shape) {
         case SHAPE_DISK:
             return (float)(M_PI * column_area(&shape->to_world, 0, 1));
         case SHAPE_CYLINDER:
-            // Exact for equal scales across the axis; Mitsuba allows no others.
+            // Exact if the scales across the axis are equal; Mitsuba allows no others.
             return (float)(2.0 * M_PI * column_length(&shape->to_world, 0) *
                            column_length(&shape->to_world, 2));
     }
@@ -97,7 +97,7 @@ void scene_shape_bounds(const struct shape *shape, vec3 *lo, vec3 *hi) {
             *hi = v3_add(shape->center, r);
             return;
         case SHAPE_DISK:
-        case SHAPE_CYLINDER:  // around the corners of the box that holds it before the transform
+        case SHAPE_CYLINDER:  // a box around the transformed corners of its box
             for (int i = 0; i < 8; i++)
                 add_corner(
                     mat4_point(&shape->to_world, v3(i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f,

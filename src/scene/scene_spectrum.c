@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spectra integrated against the standard observer. The steps of the integral and its scale are
-// those of Mitsuba 3 (measured on its RGB mode), so that colours agree to the last digits and not
-// just in principle.
+// Integrates spectra against the standard observer. The steps and the scale of the integral are
+// those of Mitsuba 3, measured on its RGB mode, so that colours agree to the last digits.
 #include "scene/scene_spectrum.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 enum { SPECTRUM_STEPS = 1000 };
-// The integral of y over wavelength, so that light of one unit at all of them has luminance 1; and
-// what D65 is divided by so that the luminance of white in it is 1.
+// The integral of y over wavelength, by which a constant spectrum of 1 has luminance 1; and the
+// divisor of D65 by which white under it has luminance 1.
 static const double y_integral = 106.7502593994140625, d65_scale = 98.99741751876255;
 
 void spectrum_free(struct spectrum *spectrum) {
@@ -18,7 +17,7 @@ void spectrum_free(struct spectrum *spectrum) {
     *spectrum = (struct spectrum){0};
 }
 
-// Row of the CIE's table at a wavelength inside of it.
+// Interpolates the CIE's table at a wavelength within its range.
 static void observer_at(double wavelength, double out[4]) {
     double at = (wavelength - SPECTRUM_CIE_FIRST) / SPECTRUM_CIE_STEP;
     int i = (int)fmin(fmax(at, 0.0), SPECTRUM_CIE_ROWS - 2);
@@ -44,7 +43,7 @@ static double planck(double nanometres, double kelvin) {
     return 1e-9 * 2.0 * h * c * c / (pow(l, 5.0) * expm1(h * c / (l * k * kelvin)));
 }
 
-// Of an integral by SPECTRUM_STEPS steps, or as it is.
+// `scale` is the step of an integral, or 1.
 static rgb xyz_to_rgb(const double xyz[3], double scale) {
     static const double m[3][3] = {{3.240479, -1.537150, -0.498535},
                                    {-0.969256, 1.875991, 0.041556},
@@ -62,7 +61,7 @@ static double step_wavelength(int i) {
     return SPECTRUM_CIE_FIRST + range * i / (SPECTRUM_STEPS - 1);
 }
 
-// A step of the integral over that of y.
+// The step of an integral by SPECTRUM_STEPS steps over the integral of y.
 static double step_fraction(void) {
     const double range = SPECTRUM_CIE_STEP * (SPECTRUM_CIE_ROWS - 1);
     return range / SPECTRUM_STEPS / y_integral;
@@ -91,7 +90,7 @@ rgb spectrum_filtered(double kelvin, double (*transmitted)(const void *ctx, doub
     return xyz_to_rgb(xyz, step_fraction());
 }
 
-// Nothing outside of two wavelengths.
+// A filter that passes only the light between two wavelengths.
 static double between(const void *ctx, double wavelength) {
     const double *range = ctx;
     return wavelength >= range[0] && wavelength <= range[1] ? 1.0 : 0.0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Part of scene.h: spectra over wavelength, and the linear sRGB that Mitsuba 3's RGB mode makes
-// of them.
+// Part of scene.h: spectra over wavelength, and their conversion to linear sRGB as in Mitsuba 3's
+// RGB mode.
 #ifndef SCENE_SPECTRUM_H
 #define SCENE_SPECTRUM_H
 
@@ -13,23 +13,25 @@ enum { SPECTRUM_CIE_FIRST = 360, SPECTRUM_CIE_STEP = 5, SPECTRUM_CIE_ROWS = 95 }
 // x, y, z of the observer and D65 (scene_spectrum_cie.c).
 extern const float scene_spectrum_cie[SPECTRUM_CIE_ROWS][4];
 
-// A piecewise linear spectrum, 0 outside of its wavelengths [nm], which ascend. Arrays from malloc.
+// A piecewise linear spectrum, 0 outside of its wavelengths [nm], which ascend. Arrays are from
+// malloc.
 struct spectrum {
     double *wavelength, *value;
     size_t count;
 };
 void spectrum_free(struct spectrum *spectrum);
 
-// Linear sRGB of a spectrum: of light, or, lit by D65, of a reflectance. What lies outside of the
-// gamut is cut at 0.
+// The linear sRGB of a spectrum of light or, under D65, of a reflectance. Negative values, outside
+// of the gamut, become 0.
 rgb spectrum_to_rgb(const struct spectrum *spectrum, bool light);
 // Linear sRGB of a black body's radiance [W m^-2 sr^-1 nm^-1] between two wavelengths [nm].
 rgb spectrum_blackbody(double kelvin, double first, double last);
 
-// Such a spectrum through a filter: `transmitted` is the fraction that passes at a wavelength.
+// The linear sRGB of a black body's radiance behind a filter: `transmitted` returns the fraction
+// that passes at a wavelength.
 rgb spectrum_filtered(double kelvin, double (*transmitted)(const void *ctx, double nanometres),
                       const void *ctx);
-// Linear sRGB of the CIE's chromaticity x, y and a luminance; cut at 0.
+// The linear sRGB of a CIE chromaticity x, y with a luminance. Negative values become 0.
 rgb spectrum_chromaticity(double x, double y, double luminance);
 
 #endif

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Looking a texture up at surface coordinates, with Mitsuba 3's conventions: v = 0 is the image's
-// top row; texel (0, 0) has its centre at (0.5 / width, 0.5 / height); a checkerboard's cell is
-// half a unit wide and the first one has color0.
+// Looks textures up at surface coordinates, with Mitsuba 3's conventions: v = 0 is the top row of
+// the image; texel (0, 0) has its centre at (0.5 / width, 0.5 / height); a cell of a checkerboard
+// is half a unit wide, and the first one has color0.
 #include "scene/scene_attribute.h"
 
 // The texel index in [0, n) for position i outside or inside the image.
@@ -66,7 +66,8 @@ static rgb bitmap(const struct texture *texture, float u, float v, float width) 
     float texels = width * texture->texels;
     if (!(texels > 1.0f) || !texture->levels)
         return interpolate_texels(texture, texture->image, u, v);
-    // Between the level whose texels are that wide at most and the next [Williams 1983].
+    // Interpolates between the level whose texels are just narrower than the footprint and the next
+    // one [Williams 1983].
     float height = fminf(log2f(texels), (float)texture->levels);
     int low = (int)height, high = low < texture->levels ? low + 1 : low;
     rgb fine = interpolate_texels(texture, texture_level(texture, low), u, v);
@@ -74,8 +75,8 @@ static rgb bitmap(const struct texture *texture, float u, float v, float width) 
     return rgb_mad(rgb_scale(fine, (float)(low + 1) - height), coarse, height - (float)low);
 }
 
-// Coordinates in the texture; false if they are not finite, or so large that a float no longer
-// resolves a texel.
+// Transforms uv to texture coordinates. False if these are not finite, or so large that floats do
+// not resolve a texel.
 static bool to_texture(const struct texture *texture, vec2 uv, float *u, float *v) {
     const float *m = texture->to_uv;
     *u = m[0] * uv.x + m[1] * uv.y + m[2];
@@ -83,8 +84,8 @@ static bool to_texture(const struct texture *texture, vec2 uv, float *u, float *
     return fabsf(*u) < 1e7f && fabsf(*v) < 1e7f;
 }
 
-// What checkerboards show at uv, which nested textures take as it is; `exchanged`: they begin with
-// the second.
+// Which of its two textures a checkerboard or grid shows at uv, which nested textures use
+// unchanged. If `exchanged`, a checkerboard begins with the second.
 static int which(const struct texture *texture, vec2 uv, bool exchanged) {
     float u, v;
     if (texture->kind == TEXTURE_SCALED) return 0;
@@ -96,7 +97,7 @@ static int which(const struct texture *texture, vec2 uv, bool exchanged) {
     return second != exchanged;
 }
 
-// What is there in the end, a texture that chooses between no others, and *factor of it.
+// The texture at uv after all checkerboards, grids and scales, and the factor of the scales.
 static const struct texture *find_check(const struct texture *texture, vec2 uv, bool exchanged,
                                         rgb *factor) {
     *factor = rgb_grey(1.0f);
@@ -170,7 +171,8 @@ bool texture_range(const struct texture *texture, float *lo, float *hi) {
             *lo = minf(*lo, lo_1), *hi = maxf(*hi, hi_1);
             return true;
         case TEXTURE_SCALED:
-            // Of a coloured factor the range is that of another weighted sum.
+            // The range of a texture times a colour would be that of another weighted sum of its
+            // channels.
             if (texture->value.r != texture->value.g || texture->value.r != texture->value.b)
                 return false;
             if (!texture_range(texture->check[0], lo, hi)) return false;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ray tracing over Embree, which this file and scene_accel.c alone know: the scene as an
-// acceleration structure, groups of shapes as structures below it, and the queries. Hits become
-// surface interactions in scene_interaction.c, scene_quadric.c and, where they are instances',
-// scene_instance.c.
+// Ray tracing on Embree, which only this file and scene_accel.c use: the scene as an acceleration
+// structure, groups of shapes as structures below it, and the queries. Hits become surface
+// interactions in scene_interaction.c, scene_quadric.c and, for instances, scene_instance.c.
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -32,7 +31,8 @@ static satin_status build_structures(struct trace *trace, struct satin_scene *sc
     trace->group = array_new(scene->group_count, sizeof *trace->group);
     if (!trace->group)
         return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for the ray tracing structure");
-    // On all cores: the trees of 1, 2 and 8 threads answered alike where several triangles tie.
+    // Built by all cores: trees built by 1, 2 and 8 threads gave the same hits where several
+    // triangles tie.
     trace->device = rtcNewDevice(NULL);
     if (!trace->device) return accel_status(NULL, log);
     trace->group_count = scene->group_count;
@@ -76,7 +76,7 @@ static void set_bounds(struct satin_scene *scene, const struct trace *trace) {
     }
 }
 
-// Who duplicates a shape seldom means to: one sees the first of them, whatever the others are.
+// Coincident shapes are usually a mistake in the scene: only the first of them is visible.
 static void warn_of_hidden(const struct satin_scene *scene, const struct trace *trace,
                            struct log log) {
     uint32_t hidden = trace->top.hidden_count;
@@ -120,7 +120,7 @@ void scene_trace_free(struct trace *trace) {
 
 // ---- Queries ------------------------------------------------------------------------------------
 
-// Copies the ray for Embree; false if it is none that can hit. Comparisons are false for NaN.
+// Copies the ray for Embree. False if the ray cannot hit anything; comparisons are false for NaN.
 static bool ray_load(const struct ray *ray, struct RTCRay *out) {
     float origin = fabsf(ray->o.x) + fabsf(ray->o.y) + fabsf(ray->o.z);
     float length = fabsf(ray->d.x) + fabsf(ray->d.y) + fabsf(ray->d.z);
@@ -152,7 +152,7 @@ static void interaction_of_curve(const struct shape *shape, const struct RTCRayH
     curve_interaction(&shape->curves, &at, tangent, out);
 }
 
-// Fills a surface interaction but for t; ray and result are in the accel's own space.
+// Fills a surface interaction except t; ray and result are in the accel's own space.
 static void interaction_of(const struct satin_scene *scene, const struct accel *accel,
                            const struct RTCRayHit *hit, const struct ray *ray, float margin,
                            struct interaction *out) {
@@ -185,7 +185,7 @@ static bool find_hit(const struct satin_scene *scene, const struct ray *ray, boo
                      struct interaction *out) {
     struct RTCRayHit hit;
     if (!ray_load(ray, &hit.ray)) return false;
-    hit.ray.id = whole;  // for the masks
+    hit.ray.id = whole;  // read by the masks
     hit.hit.geomID = hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     const struct trace *trace = scene->trace;
     embree_intersect(trace->top.scene, &hit);
