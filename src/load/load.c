@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loading a scene: the file becomes a tree, the tree's elements become shapes, materials, lights
-// and a camera, and these get their ray tracing structure and sampling tables.
+// Loads a scene: reads the file into a tree, builds shapes, materials, lights and a camera from the
+// tree's elements, and then the ray tracing structure and the sampling tables.
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -86,7 +86,8 @@ static satin_status build_sensor(struct load_state *loader, struct xml_node *nod
     return load_params(loader, node, &p);
 }
 
-// Shapes, lights, camera and integrator. Materials and textures follow where they are used.
+// Builds shapes, lights, camera and integrator. Materials and textures are built when they are
+// referred to.
 static satin_status build_objects(struct load_state *loader) {
     int sensors = 0;
     int32_t light;
@@ -128,7 +129,7 @@ static void *keep_array(struct load_state *loader, const void *items, size_t cou
     return copy;
 }
 
-// Moves the loader's arrays into the scene.
+// Moves the arrays of the loader to the scene.
 static satin_status keep_objects(struct load_state *loader) {
     struct satin_scene *scene = loader->scene;
     if (loader->light_count > INT32_MAX)
@@ -149,7 +150,7 @@ static satin_status keep_objects(struct load_state *loader) {
     return SATIN_OK;
 }
 
-// Sums over lights must stay finite, else nothing can be chosen by power.
+// Checks that the total power of the lights is finite, because lights are chosen by power.
 static satin_status check_power(const struct load_state *loader) {
     float sum = 0.0f;
     for (uint32_t i = 0; i < loader->scene->light_count; i++) sum += loader->scene->light[i].power;
@@ -158,7 +159,7 @@ static satin_status check_power(const struct load_state *loader) {
                     loader->path);
 }
 
-// Continues the hash over an element and what it holds, but for sensors and integrators.
+// Continues the hash over an element and its children, without sensors and integrators.
 static uint64_t hash_world(uint64_t hash, const struct xml_node *node) {
     if (node->tag == XML_SENSOR || node->tag == XML_INTEGRATOR) return hash;
     const unsigned char head[3] = {(unsigned char)node->tag, node->mitsuba06, node->encoded};
@@ -206,7 +207,7 @@ satin_status satin_scene_load_with(const char *path, const satin_define *defines
     loader.scene->hints = (struct scene_hints){.max_depth = -2, .hide_emitters = -1};
     satin_status status =
         load_xml_read(loader.log, path, defines, define_count, &loader.scene->hash, &loader.xml);
-    // What the files hold goes into the world's hash as they are read.
+    // The contents of further files are added to the world's hash when they are read.
     if (status == SATIN_OK) {
         loader.scene->world = hash_world(FILEIO_HASH, loader.xml.root);
         status = load_all(&loader);

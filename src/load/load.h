@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading scene files and all that they name. satin_scene_load (satin/scene.h) is the entry; here
-// is how the plugins of scene files are described (load_plugins.c). Thread-safe.
+// Descriptions of the plugins of scene files (load_plugins.c). Scene files and the files that they
+// name are read by satin_scene_load (satin/scene.h). Thread-safe.
 #ifndef LOAD_LOAD_H
 #define LOAD_LOAD_H
 
@@ -12,18 +12,19 @@ struct load_plugin_info {
 
 struct load_param_info {
     const char *name;
-    char kind[64];      // the element that gives it, or the values to choose from
+    char kind[64];      // name of the element, or the choices
     const char *value;  // the default, or NULL
-    const char *range;  // of numbers and colours, or ""
+    const char *range;  // of numbers and colours; else ""
     bool required;
     const char *doc;
 };
 
-// Describe plugin `index`, and its parameter `index`, counting from 0; false beyond the last.
+// Describe plugin `index`, and parameter `index` of a plugin, counted from 0. False beyond the last
+// one.
 bool load_plugin_describe(int index, struct load_plugin_info *out);
 bool load_param_describe(int plugin, int index, struct load_param_info *out);
-// Name `index`, counting from 0, of what Mitsuba knows and satin refuses, without a doc; false
-// beyond the last.
+// Names plugin `index`, counted from 0, of those that Mitsuba has and satin refuses; it has no doc.
+// False beyond the last one.
 bool load_unread_describe(int index, struct load_plugin_info *out);
 
 #endif

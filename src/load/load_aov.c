@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an `aov` integrator asks for: pairs of a channel's name and what it holds, as Mitsuba 3
-// writes them; and what `moment` adds, the light and the squares of all that is in it.
+// Channels of an `aov` integrator: pairs of a channel's name and its kind, in Mitsuba 3's notation.
+// Also those that `moment` adds: the light, and the squares of all channels in it.
 #include <stdio.h>
 #include <string.h>
 
 #include "base/text.h"
 #include "load/load_state.h"
 
-// Letters of a name: EXR files end names at 255.
+// Longest name of a channel: names in EXR files end at 255 bytes.
 enum { NAME_MAX = 200 };
 
 static const struct {
@@ -25,10 +25,10 @@ static const struct {
     [AOV_DUV_DY] = {"duv_dy", "UV"},
     [AOV_PRIM_INDEX] = {"prim_index", "I"},
     [AOV_SHAPE_INDEX] = {"shape_index", "I"},
-    [AOV_LIGHT] = {"", "XYZ"},  // no `aov` names it
+    [AOV_LIGHT] = {"", "XYZ"},  // not available to `aov`
 };
 
-// Logs what an item is not, and which kinds there are.
+// Finds a kind by its name. If there is none, logs an error with the nearest name.
 static bool find_aov_kind(struct log log, struct log_place place, const char *type,
                           enum aov_kind *kind) {
     struct text_nearest nearest = {.word = type};
@@ -44,7 +44,7 @@ static bool find_aov_kind(struct log log, struct log_place place, const char *ty
     return false;
 }
 
-// Allocates an empty one; false without memory.
+// Allocates an empty list. False if there is no memory.
 static bool begin(struct load_state *loader, struct scene_aovs *aovs) {
     if (aovs->channel) return true;
     aovs->channel = arena_array(&loader->scene->arena, AOV_CHANNELS_MAX, sizeof *aovs->channel);
@@ -52,7 +52,7 @@ static bool begin(struct load_state *loader, struct scene_aovs *aovs) {
     return aovs->channel != NULL;
 }
 
-// Adds `channel`, whose name is copied. Logs its failures.
+// Adds `channel` and copies its name. Logs failures.
 static satin_status add_aov_channel(struct load_state *loader, struct log_place place,
                                     struct scene_aov channel, struct scene_aovs *aovs) {
     if (strlen(channel.name) > NAME_MAX + 2 || aovs->count == AOV_CHANNELS_MAX) {
@@ -71,7 +71,7 @@ static satin_status add_aov_channel(struct load_state *loader, struct log_place 
     return channel.name ? SATIN_OK : load_no_memory(loader);
 }
 
-// Adds the channels of a kind, called `name` and a letter each. Logs its failures.
+// Adds the channels of a kind: `name` with each of the kind's letters. Logs failures.
 static satin_status add_kind(struct load_state *loader, struct log_place place, const char *name,
                              enum aov_kind kind, struct scene_aovs *aovs) {
     const char *letter = kinds[kind].letters;
@@ -90,7 +90,7 @@ static satin_status add_kind(struct load_state *loader, struct log_place place, 
     return status;
 }
 
-// Adds the channels of a pair, which it cuts in two. Logs its failures.
+// Adds the channels of a pair `name:type`, which is split in place. Logs failures.
 static satin_status add_aov(struct load_state *loader, struct log_place place, char *pair,
                             struct scene_aovs *aovs) {
     const struct log log = loader->log;
@@ -137,7 +137,7 @@ satin_status load_aovs_moment(struct load_state *loader, const struct xml_node *
     }
     if (!begin(loader, &aovs)) return load_no_memory(loader);
     aovs.moment = true;
-    // Those in it get its name before theirs.
+    // The channels inside of `moment` get its name as a prefix.
     const int end = aovs.count;
     satin_status status = SATIN_OK;
     aovs.count = first;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which attributes of meshes the textures of a shape ask for.
+// Finds the mesh attributes that the textures of a shape refer to.
 #include "load/load_attribute.h"
 
 bool attribute_want(struct attribute_names *names, const struct texture *texture) {

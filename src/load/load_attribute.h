@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to load/: which attributes a mesh keeps: those that the textures of its own material and
-// emitter ask for.
+// Private to load/: the attributes that a mesh keeps, which are those that the textures of its own
+// material and emitter refer to.
 #ifndef LOAD_ATTRIBUTE_H
 #define LOAD_ATTRIBUTE_H
 
 #include "load/load_build.h"
 
-// Adds the names that the texture, or one nested in it, asks for; NULL: no texture. False if there
-// are more than ATTRIBUTES_MAX.
+// Adds the attributes to which the texture, or one nested in it, refers; NULL is no texture. False
+// if there are more than ATTRIBUTES_MAX.
 bool attribute_want(struct attribute_names *names, const struct texture *texture);
-// Names of attributes that all textures of a material want.
+// As attribute_want, for all textures of a material.
 bool attribute_want_all(struct attribute_names *names, const struct material *m);
-// The first of the names that the mesh has not; NULL: it has all.
+// The first of the names that the mesh does not have, or NULL if it has all.
 const char *attribute_missing(const struct attribute_names *names, const struct mesh *mesh);
 
 #endif

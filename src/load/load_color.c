@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colours: <rgb> as one number (grey), three (linear sRGB) or #rrggbb (encoded sRGB); <spectrum>
-// as a constant, a list of samples, a file or by a type; <float>; <vector>. Conversions are those
-// of Mitsuba 3 in its RGB mode.
+// Colours: <rgb> with one number (grey), three (linear sRGB) or #rrggbb (encoded sRGB); <spectrum>
+// with a constant, a list of samples, a file or a type; <float>; <vector>. Conversions are those of
+// Mitsuba 3's RGB mode.
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,7 +10,8 @@
 #include "load/load_params.h"
 #include "load/load_spectrum.h"
 
-// Linear sRGB of light of equal energy at all wavelengths, luminance 1, as Mitsuba integrates it.
+// The linear sRGB of light with equal energy at all wavelengths and luminance 1, by Mitsuba's
+// integration.
 static const rgb equal_energy = {1.204794f, 0.948291f, 0.908916f};
 
 static int hex_digit(char c) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading curves from Mitsuba's text files.
+// Reads curves from Mitsuba's text files.
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,8 +14,8 @@ struct curve_reader {
     float *point;
     uint32_t *first;
     size_t points, point_capacity, segments, first_capacity;
-    size_t start;   // of the curve that is being read
-    size_t needed;  // points of a segment
+    size_t start;   // first point of the curve that is being read
+    size_t needed;  // number of points of a segment
 };
 
 static satin_status read_point(struct curve_reader *r) {
@@ -35,7 +35,7 @@ static satin_status read_point(struct curve_reader *r) {
     return SATIN_OK;
 }
 
-// Ends a curve: its segments start at every point that has enough after it.
+// Ends a curve: a segment starts at every point that has enough points after it.
 static satin_status end_curve(struct curve_reader *r) {
     size_t count = r->points - r->start;
     if (!count) return SATIN_OK;
@@ -67,7 +67,7 @@ static satin_status read_curve_lines(struct curve_reader *r) {
     return status;
 }
 
-// One bit per neighbour that a segment has in its curve, as Embree wants them.
+// Sets a bit for each neighbour that a segment has in its curve, as Embree needs.
 static uint8_t *neighbour_flags(struct arena *arena, const struct curve_reader *r) {
     uint8_t *flags = arena_array(arena, r->segments, 1);
     for (size_t i = 0; flags && i < r->segments; i++) {

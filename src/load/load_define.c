@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parameters of a scene file and their substitution, by Mitsuba 3's rules: the longest name wins,
-// a value is not searched for further parameters, a backslash makes a dollar sign a plain one.
+// Parameters of a scene file and their substitution, by Mitsuba 3's rules: the longest matching
+// name is used, values are not searched for further parameters, and a backslash before a dollar
+// sign makes it literal.
 #include "load/load_define.h"
 
 #include <string.h>
@@ -27,7 +28,7 @@ static struct load_define *longest_match(struct load_defines *defines, const cha
     return best;
 }
 
-// Appends to `buffer` unless it would overflow; *used only grows then.
+// Appends to `buffer`. If that would overflow, only *used grows.
 static bool append_text(char *buffer, size_t *used, const char *text, size_t length) {
     if (length > LOAD_ATTRIBUTE_MAX - *used) return false;
     memcpy(buffer + *used, text, length);

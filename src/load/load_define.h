@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to load/: the parameters of a scene file, `<default name="spp" value="16"/>` and
-// `-D spp=64`, and their use as `$spp` in attributes.
+// Private to load/: the parameters of a scene file, from `<default name="spp" value="16"/>` and `-D
+// spp=64`, and their use as `$spp` in attributes.
 #ifndef LOAD_DEFINE_H
 #define LOAD_DEFINE_H
 
@@ -12,12 +12,13 @@
 
 enum {
     LOAD_DEFINE_MAX = 256,      // parameters; each `$` is compared with all of them
-    LOAD_ATTRIBUTE_MAX = 65536  // bytes of an attribute after substitution, which could explode
+    LOAD_ATTRIBUTE_MAX = 65536  // bytes of an attribute after substitution, which might grow
+                                // exponentially
 };
 
 struct load_define {
     const char *name, *value;
-    bool given;  // by the caller: a <default> does not replace it, and it must be used
+    bool given;  // set by the caller: a <default> does not replace it, and it must be used
     bool used;
 };
 
@@ -26,13 +27,13 @@ struct load_defines {
     int count;
 };
 
-// Adds a parameter unless there is one of that name. False if the table is full. Keeps the
-// pointers.
+// Adds a parameter, unless there is one of that name. False if the table is full. The pointers are
+// kept.
 bool load_define_add(struct load_defines *defines, const char *name, const char *value, bool given);
 
-// Copies `text` into the arena with every `$name` replaced by the longest parameter name that fits
-// and `\$` by a dollar sign. SATIN_ERROR_INPUT if a parameter is not defined or the text grows too
-// long: then *problem is the text from the failing `$` on, or NULL for length.
+// Copies `text` to the arena, with every `$name` replaced by the longest parameter name that
+// matches, and `\$` by a dollar sign. SATIN_ERROR_INPUT if a parameter is undefined or the text
+// becomes too long: then *problem is the text from the failing `$` on, or NULL if it is too long.
 satin_status load_define_expand(struct load_defines *defines, struct arena *arena, const char *text,
                                 const char **out, const char **problem);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ids of a scene file: collected while it is read, then sorted, checked and looked up.
+// The ids of a scene file, which are collected while it is read, then sorted, checked and looked
+// up.
 #include <stdlib.h>
 #include <string.h>
 
@@ -37,7 +38,7 @@ static struct xml_id *find_id(const struct load_xml *xml, const char *id) {
 
 enum { ALIAS_STEPS_MAX = 16 };
 
-// Follows an alias to its object. Every step goes back in the file, so there are no cycles.
+// Follows an alias to its object. An alias refers to an earlier id, so there are no cycles.
 static struct xml_node *resolve_alias(const struct load_xml *xml, struct log log,
                                       struct xml_id *alias) {
     struct xml_id *step = alias;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Images for textures and environments as linear floats: PNG files through libpng, all others
-// through the module around OpenImageIO, which is found and opened here.
+// Reads images for textures and environments as linear floats: PNG files by libpng, all others by
+// the module on OpenImageIO, which is found and opened here.
 #include <dlfcn.h>
 #include <stdlib.h>
 
@@ -19,8 +19,8 @@ static const char *const module_paths[] = {
     "../../src/load/satin_oiio.so",
 };
 
-// Opens the module, or finds it open. It stays open for the life of the process: OpenImageIO keeps
-// threads that unloading would pull the code from under.
+// Opens the module on the first call. It is never closed, because threads of OpenImageIO could
+// still run its code.
 static const struct image_reader *open_module(struct log log, struct log_place place) {
     char path[PATH_MAX];
     if (!library_find(module_paths, sizeof module_paths / sizeof *module_paths, path)) {
@@ -35,7 +35,7 @@ static const struct image_reader *open_module(struct log log, struct log_place p
 
 // ---- Texels -------------------------------------------------------------------------------------
 
-// Sums of as many texels as there may be are finite.
+// The largest texel, such that sums over all texels are finite.
 #define TEXEL_LIMIT 1e25f
 
 static void finish_texels(const struct load_source *source, float *texel, size_t count,
@@ -59,8 +59,9 @@ static satin_status image_error(const struct load_source *source, const char *pr
     return no_memory ? SATIN_ERROR_MEMORY : SATIN_ERROR_INPUT;
 }
 
-// Images of this many pixels may come out of any file; larger ones need a byte for so many pixels:
-// no compression of a real format does better (deflate shrinks 8 pixels of a bit by 1032).
+// Images of up to PIXELS_FREE pixels are always read. Larger ones must have a byte per
+// PIXELS_PER_BYTE pixels: no real format compresses better (deflate compresses 8 one-bit pixels by
+// 1032).
 enum { PIXELS_FREE = 1 << 22, PIXELS_PER_BYTE = 10000 };
 
 static satin_status check_size(const struct load_source *source, const struct opened_image *opened,

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Smaller copies of an image, each half the size of the one before, for lookups that stand for an
-// area. A texel of a copy is the mean of what it covers, also where a side is odd.
+// Smaller copies of an image, each half the size of the one before, for lookups over an area. A
+// texel of a copy is the mean of the area that it covers, even if the number of texels is odd.
 #include "load/load_build.h"
 
 static int half(int n) { return n > 1 ? n / 2 : 1; }
 
-// The texels from * n / m to (from + 1) * n / m of a line of n, by the fraction of each; returns
-// their sum.
+// Texels from * n / m to (from + 1) * n / m of n, each with the fraction that is covered. The
+// function returns the sum of these fractions.
 struct texel_span {
     int first, count;
     float fraction[3];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The module around OpenImageIO: C functions over its C++ classes. Built as a shared module of its
-// own, so that the libraries behind OpenImageIO load only when a scene has an image.
+// The module on OpenImageIO: C functions for its C++ classes. It is a separate shared library, so
+// that the libraries of OpenImageIO are loaded only when a scene has an image.
 #include "load/load_image_reader.h"
 
 #include <OpenImageIO/imageio.h>
@@ -13,13 +13,14 @@
 
 namespace {
 
-// The first line of the text. Without memory: it is called where that ran out.
+// Copies the first line of the text. It allocates nothing, as it may be called when memory has run
+// out.
 reader_result fail(char *error, size_t size, const char *text) {
     std::snprintf(error, size, "%.*s", static_cast<int>(std::strcspn(text, "\r\n")), text);
     return READER_FAILED;
 }
 
-// Calls f and makes a message of whatever it throws.
+// Calls f and converts exceptions to messages.
 template <typename F>
 reader_result guarded(char *error, size_t size, F f) noexcept {
     try {
@@ -34,7 +35,7 @@ reader_result guarded(char *error, size_t size, F f) noexcept {
     }
 }
 
-// Integers are taken as encoded unless the file says that they are linear, floats as linear unless
+// Integers count as encoded unless the file says that they are linear, and floats as linear unless
 // it says that they are not. The names of colour spaces changed from OpenImageIO 2 to 3.
 bool is_srgb(const OIIO::ImageSpec &spec) {
     std::string space = OIIO::Strutil::lower(spec.get_string_attribute("oiio:ColorSpace"));
@@ -66,8 +67,8 @@ reader_result read(struct opened_image *image, float *texel, char *error, size_t
     return guarded(error, size, [&] {
         auto *input = static_cast<OIIO::ImageInput *>(image->input);
         bool done = input->read_image(0, 0, 0, image->channels, OIIO::TypeDesc::FLOAT, texel);
-        // Readers complain of files that are cut short and still say that they read them; but also
-        // of JPEGs with a few bytes too many, which are common and harmless.
+        // Readers report truncated files and still claim success. But they also report JPEGs with a
+        // few bytes too many, which are common and harmless.
         std::string complaint = input->geterror();
         if (done && (complaint.empty() || complaint.find("extraneous") != std::string::npos))
             return READER_DONE;

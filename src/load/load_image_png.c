@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// PNG files through libpng, which reports what is wrong in one message of ours instead of lines on
-// standard error. Files are data of others: every checksum counts, chunks that no texel depends on
-// are skipped unread, so that none can unpack to more than the image, and libpng's own bounds hold
-// (a million pixels a side).
+// Reads PNG files by libpng, whose errors become one message instead of lines on standard error.
+// The files are untrusted: every checksum is checked; chunks that no texel depends on are skipped,
+// so that none can unpack to more than the image; and libpng's own limits apply (a million pixels a
+// side).
 #include <limits.h>
 #include <png.h>
 #include <setjmp.h>
@@ -16,9 +16,9 @@
 struct png_input {
     png_structp png;
     png_infop info;
-    const unsigned char *at, *end;  // bytes of the file that libpng has not asked for yet
+    const unsigned char *at, *end;  // the part of the file that libpng has not read yet
     size_t width, height, channels;
-    int bits;  // of a value, 8 or 16
+    int bits;  // bits per value, 8 or 16
     bool no_memory;
     char problem[128];
     jmp_buf failed;
@@ -32,7 +32,7 @@ _Noreturn static void on_error(png_structp png, png_const_charp message) {
     longjmp(input->failed, 1);
 }
 
-// What libpng can read past changes no texel.
+// Ignores warnings: libpng can read the file in spite of them, and they change no texel.
 static void on_warning(png_structp png, png_const_charp message) { (void)png, (void)message; }
 
 static png_voidp on_allocate(png_structp png, png_alloc_size_t size) {
@@ -69,8 +69,8 @@ static void free_input(struct png_input *input) {
     free(input);
 }
 
-// Values that are linear say so by an exponent of 1, to the hundredth; all others are taken as
-// encoded by the sRGB curve, as OpenImageIO has them.
+// Whether values are encoded by the sRGB curve, as OpenImageIO assumes, unless the file says by a
+// gamma of 1 (to the hundredth) that they are linear.
 static bool is_encoded(const struct png_input *input) {
     int intent;
     double exponent;
@@ -79,12 +79,12 @@ static bool is_encoded(const struct png_input *input) {
            !(exponent > 1.0 / 1.005 && exponent < 1.0 / 0.995);
 }
 
-// Reads the header; false if libpng reports an error.
+// Reads the header. False if libpng reports an error.
 static bool read_png_header(struct png_input *input) {
     if (setjmp(input->failed)) return false;
     png_structp png = input->png;
     png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
-    // A negative count is all chunks but those of the pixels, palette and transparency.
+    // A negative count stands for all chunks except pixels, palette and transparency.
     png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, NULL, -1);
     png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_AS_DEFAULT, (png_const_bytep) "gAMA\0sRGB",
                                 2);
@@ -96,7 +96,7 @@ static bool read_png_header(struct png_input *input) {
     input->height = png_get_image_height(png, input->info);
     input->channels = color & PNG_COLOR_MASK_COLOR ? 3 : 1;
     input->bits = png_get_bit_depth(png, input->info) == 16 ? 16 : 8;
-    png_set_expand(png);  // palettes to colours, fewer bits than 8 to 8
+    png_set_expand(png);  // palettes to colours, less than 8 bits to 8
     png_set_strip_alpha(png);
     return true;
 }
@@ -125,8 +125,8 @@ static enum reader_result open_png(const struct image_data *file, struct opened_
     return READER_DONE;
 }
 
-// Reads all rows as the file has them, one after another from `rows` on; false if libpng reports an
-// error. What follows the pixels is read too, so that a file that is cut short there is refused.
+// Reads all rows in the format of the file, one after another from `rows` on. False if libpng
+// reports an error. The chunks after the pixels are read too, so that a truncated file is refused.
 static bool read_rows(struct png_input *input, unsigned char *rows, size_t row_bytes) {
     if (setjmp(input->failed)) return false;
     const int passes = png_set_interlace_handling(input->png);

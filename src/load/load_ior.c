@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Named indices of refraction of dielectrics, and of metals as linear sRGB. The
-// numbers are what Mitsuba 3.9 uses under these names in its RGB mode, read from its parameters.
+// Named indices of refraction of dielectrics, and of metals in linear sRGB. The numbers are those
+// that Mitsuba 3.9 uses under these names in its RGB mode, read from its parameters.
 #include <string.h>
 
 #include "base/text.h"
@@ -26,7 +26,7 @@ struct metal {
     rgb eta, k;
 };
 
-// Names that Mitsuba lists with and without "_palik" and that mean the same stand here without.
+// Mitsuba has some names with and without "_palik" for the same metal; here they are without it.
 static const struct metal metals[] = {
     {"a-C", {2.94405f, 2.22714f, 1.96816f}, {0.887465f, 0.799299f, 0.81529f}},
     {"Ag", {0.155276f, 0.116728f, 0.138388f}, {4.82835f, 3.12222f, 2.1469f}},

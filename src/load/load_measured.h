@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to load/: files of measured BRDFs (docs/formats.md). The grid's arrays live in the
+// Private to load/: files of measured BRDFs (docs/formats.md). The arrays of the grid are in the
 // arena.
 #ifndef LOAD_MEASURED_H
 #define LOAD_MEASURED_H

@@ -22,7 +22,7 @@ static satin_status fill_grid(const struct load_source *source, const char *data
         for (size_t i = 0; i < CELLS; i++) {
             double v;
             memcpy(&v, data + HEADER + 8 * (c * CELLS + i), sizeof v);
-            // Also refuses what is not a number.
+            // NaN becomes 0 too.
             value[3 * i + c] = v > 0.0 && v < 1e9 ? (float)v * scale[c] : 0.0f;
         }
     *out = (struct brdf_grid){.kind = BRDF_GRID_HALF,

@@ -52,7 +52,7 @@ static bool count(struct measured_reader *r, int most, int *out) {
     return true;
 }
 
-// One list of angles, in [0, most] degrees.
+// Reads one list of angles, in [0, most] degrees.
 static satin_status read_angles(struct measured_reader *r, const char *name, double most, int *size,
                                 const float **out) {
     char text[64];
@@ -75,7 +75,7 @@ static satin_status read_values(struct measured_reader *r, struct brdf_grid *g) 
     uint64_t n = (uint64_t)g->channels;
     for (int i = 0; i < 4; i++) n *= (uint64_t)g->size[i];  // below 2^50
     if (n > TEXT_VALUES_MAX) return measured_error(r, "there are too many values");
-    // A value takes two bytes at least, so a short file cannot ask for much.
+    // A value takes at least two bytes, so a short file cannot allocate much.
     if (n > (uint64_t)(r->text.end - r->text.at))
         return measured_error(r, "there are too few values");
     float *value = arena_array(r->source->arena, (size_t)n, sizeof *value);

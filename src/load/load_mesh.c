@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every mesh goes through after its file was parsed: checks, the transform into world space,
-// vertex normals and the winding of triangles. Conventions as in Mitsuba 3.
+// Processing of every mesh after its file is parsed: checks, the transform to world space, vertex
+// normals and the winding of triangles. Conventions are Mitsuba 3's.
 #include "load/load_mesh.h"
 
 #include <stdarg.h>
@@ -48,13 +48,13 @@ static void set_vertex(float *values, uint32_t i, vec3 v) {
     values[(size_t)i * 3 + 2] = v.z;
 }
 
-// The angle between unit vectors, accurate for small and flat angles.
+// The angle between unit vectors, accurate near 0 and pi.
 static float angle_of_edges(vec3 a, vec3 b) {
     return 2.0f * atan2f(v3_len(v3_sub(a, b)), v3_len(v3_add(a, b)));
 }
 
-// Sums into `normal` the face normals around each vertex for which `wanted` is set (NULL: all),
-// weighted by the angle of the face there [Thuermer and Wuethrich 1998], and normalises.
+// Sums the face normals around each vertex that has `wanted` set (NULL: all), weighted by the angle
+// of the face there [Thuermer and Wuethrich 1998], and normalises the sum to `normal`.
 static void smooth_normals(const struct mesh_parts *parts, const bool *wanted, float *normal) {
     for (uint32_t t = 0; t < parts->triangle_count; t++) {
         const uint32_t *index = parts->index + (size_t)t * 3;
@@ -78,8 +78,8 @@ static void smooth_normals(const struct mesh_parts *parts, const bool *wanted, f
     }
 }
 
-// Transforms the file's normals by the transposed inverse, written as the matrix of cofactors so
-// that it serves for flattening transforms too.
+// Transforms the file's normals by the transposed inverse, computed as the matrix of cofactors,
+// which also exists for singular transforms.
 static void transform_normals(const struct mat4 *m, struct mesh_parts *parts) {
     double c[3][3];
     for (int i = 0; i < 3; i++)
@@ -100,7 +100,7 @@ static void transform_normals(const struct mat4 *m, struct mesh_parts *parts) {
     }
 }
 
-// Makes normals where the file has none: zero ones.
+// Computes the normals of vertices that have none in the file, where they are zero.
 static satin_status complete_normals(const struct load_source *source, struct mesh_parts *parts) {
     bool *wanted = NULL;
     for (uint32_t i = 0; i < parts->vertex_count; i++) {
@@ -114,8 +114,9 @@ static satin_status complete_normals(const struct load_source *source, struct me
     return SATIN_OK;
 }
 
-// Winds every triangle so that its front side is that of its vertex normals: Mitsuba shades by
-// those alone. It matters for mirroring transforms and for files that disagree with themselves.
+// Orders the vertices of every triangle so that its front side is that of its vertex normals,
+// because Mitsuba shades by these alone. This matters for mirroring transforms and for inconsistent
+// files.
 static void wind_by_normals(struct mesh_parts *parts) {
     for (uint32_t t = 0; t < parts->triangle_count; t++) {
         uint32_t *index = parts->index + (size_t)t * 3;
@@ -174,8 +175,8 @@ void mesh_attribute_check(const struct load_source *source, const char *name, fl
 
 // ---- Finishing ----------------------------------------------------------------------------------
 
-// Makes points of triangles without area. By its rounding the tracer would find them, and they have
-// no normal; a point is never hit.
+// Collapses triangles without area to points. Rounding could make the ray tracer hit such a
+// triangle, which has no normal; a point is never hit.
 static void collapse_flat(struct mesh_parts *parts) {
     for (size_t t = 0; t < parts->triangle_count; t++) {
         uint32_t *index = parts->index + 3 * t;

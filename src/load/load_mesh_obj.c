@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Wavefront OBJ: v, vt, vn and f; groups, materials and everything else is passed over, so that a
-// file is one mesh. Polygons become fans. A vertex is a distinct triple of position, texture
-// coordinate and normal, as in Mitsuba: smooth normals made by us do not cross seams of texture
-// coordinates.
+// Reads Wavefront OBJ: v, vt, vn and f. Groups, materials and everything else are ignored, so that
+// a file is one mesh. Polygons become fans of triangles. A vertex is a distinct triple of position,
+// texture coordinate and normal, as in Mitsuba, so that normals that are computed are not smooth
+// across seams of texture coordinates.
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,7 +11,7 @@
 #include "load/load_mesh.h"
 #include "load/load_mesh_text.h"
 
-// Indices of one corner of a face, from 0; -1: absent.
+// Indices of one corner of a face, from 0; -1 is absent.
 struct obj_corner {
     int32_t position, uv, normal;
 };
@@ -25,11 +25,11 @@ struct obj {
     const struct load_source *source;
     struct mesh_text text;
     struct floats position, uv, normal;  // as in the file: 3, 2 and 3 per item
-    struct obj_corner *corner;           // the mesh's vertices, in order of first use
+    struct obj_corner *corner;           // the vertices of the mesh, in order of first use
     size_t corner_count, corner_capacity;
     uint32_t *index;
     size_t index_count, index_capacity;
-    uint32_t *slot;  // hash table over corners: vertex + 1, 0 for empty; a power of two long
+    uint32_t *slot;  // hash table of corners: vertex + 1, or 0 if empty; its size is a power of two
     size_t slot_count;
 };
 
@@ -52,7 +52,7 @@ static bool line_ended(const struct mesh_text *text) {
 
 // ---- Vertices -----------------------------------------------------------------------------------
 
-// Reads `least` to `most` numbers of the line; the ones that are missing are 0.
+// Reads `least` to `most` numbers of the line. Missing ones are 0.
 static satin_status read_obj_item(struct obj *obj, struct floats *items, int least, int most) {
     if (!array_reserve((void **)&items->value, &items->capacity, items->count + (size_t)most,
                        sizeof(float)))
@@ -75,7 +75,7 @@ static size_t corner_hash(struct obj_corner c) {
     return (size_t)rng_mix(key ^ rng_mix((uint32_t)c.normal));
 }
 
-// The slot that holds the corner, or the empty one where it belongs.
+// The slot of the corner in the hash table, or the empty slot where it is to be inserted.
 static size_t find_slot(const struct obj *obj, struct obj_corner c) {
     size_t i = corner_hash(c) & (obj->slot_count - 1);
     while (obj->slot[i]) {
@@ -113,7 +113,7 @@ static satin_status corner_vertex(struct obj *obj, struct obj_corner c, uint32_t
     return SATIN_OK;
 }
 
-// Reads an index: from 1, or from -1 backwards.
+// Reads an index, which counts from 1, or backwards from -1.
 static satin_status read_index(struct obj *obj, size_t count, const char *what, int32_t *out) {
     int64_t i;
     if (!mesh_text_integer(&obj->text, &i))
@@ -133,7 +133,7 @@ static bool take_slash(struct mesh_text *text) {
     return true;
 }
 
-// p, p/t, p//n or p/t/n.
+// Reads a corner: p, p/t, p//n or p/t/n.
 static satin_status read_corner(struct obj *obj, struct obj_corner *out) {
     struct obj_corner c = {-1, -1, -1};
     satin_status status = read_index(obj, obj->position.count / 3, "vertex", &c.position);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// PLY, text and binary of both byte orders: positions, normals (nx ny nz) and texture coordinates
-// (u v or s t) of the element `vertex`, the polygons of the element `face`, which become fans, and
-// attributes of both. Other elements and properties are passed over. The header's own reader has
-// checked the counts against the size of the file, so memory stays in proportion to it.
+// Reads PLY, text and binary of both byte orders: positions, normals (nx ny nz) and texture
+// coordinates (u v or s t) of the element `vertex`, the polygons of the element `face`, which
+// become fans of triangles, and attributes of both. Other elements and properties are ignored. The
+// header's reader has checked the counts against the size of the file, so the memory is
+// proportional to it.
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,10 +12,10 @@
 
 struct ply {
     const struct load_source *source;
-    struct mesh_text text;  // the cursor of a binary body too; then its line is not used
+    struct mesh_text text;  // the cursor in a binary body too, where its line is not used
     struct ply_header header;
     struct mesh_parts parts;
-    uint32_t *index;  // in the arena while it holds only triangles; then from malloc
+    uint32_t *index;  // in the arena while all faces are triangles, then from malloc
     size_t index_count, index_capacity;
     bool grown;
     struct ply_attributes attributes;
@@ -53,7 +54,7 @@ static double decode(enum ply_type type, uint64_t bits) {
     }
 }
 
-// Reads one number; false if the file ends or, in text, if there is none.
+// Reads one number. False at the end of the file or, in text, if there is no number.
 static bool read_ply_number(struct ply *ply, enum ply_type type, double *out) {
     if (ply->header.text) {
         mesh_text_skip_space(&ply->text);
@@ -70,7 +71,7 @@ static bool read_ply_number(struct ply *ply, enum ply_type type, double *out) {
     return true;
 }
 
-// Reads the length of a list that fits into what is left of the file.
+// Reads the length of a list and checks that the list fits into the rest of the file.
 static bool read_length(struct ply *ply, const struct ply_property *property, uint64_t *out) {
     double length;
     if (!read_ply_number(ply, property->count_type, &length)) return false;
@@ -81,7 +82,7 @@ static bool read_length(struct ply *ply, const struct ply_property *property, ui
     return (double)*out == length;
 }
 
-// Passes a property over, but for an attribute's.
+// Skips a property, or stores it if it belongs to an attribute.
 static bool read_other(struct ply *ply, const struct ply_property *property) {
     double number;
     if (property->target) {
@@ -128,7 +129,7 @@ static satin_status read_vertex(struct ply *ply, const struct ply_element *eleme
     return SATIN_OK;
 }
 
-// More triangles than faces: leaves the arena's array for one that grows.
+// There are more triangles than faces: moves the indices from the arena to an array that grows.
 static bool grow_index(struct ply *ply) {
     void *items = ply->grown ? ply->index : NULL;
     size_t capacity = ply->grown ? ply->index_capacity : 0;
@@ -200,7 +201,7 @@ static satin_status read_body(struct ply *ply) {
     if (status == SATIN_OK && !ply->index) return mesh_no_memory(ply->source);
     for (int e = 0; e < header->element_count && status == SATIN_OK; e++) {
         const struct ply_element *element = &header->element[e];
-        // An item without properties takes no bytes, so that its count is not bounded.
+        // Elements without properties take no bytes, so their count is not checked.
         if (!element->properties) continue;
         for (uint64_t i = 0; i < element->count && status == SATIN_OK; i++)
             status = read_ply_item(ply, element, i);

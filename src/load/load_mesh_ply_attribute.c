@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Attributes in PLY files, named as Mitsuba 3.9 names them (measured): `color` is r, g, b (or red,
-// green, blue); any other one is a run of 1 or 3 properties PREFIX_x, _y, _z, or _0, _1, _2, or _1,
-// _2, _3, and is called PREFIX, or PREFIX_r, _g, _b, called PREFIX_color. vertex_ or face_ goes
-// before. Bytes count as they are; other integers as fractions of their largest value in sRGB.
+// Attributes in PLY files, with the names of Mitsuba 3.9 (measured): `color` is r, g, b (or red,
+// green, blue). Any other attribute is a run of 1 or 3 properties: PREFIX_x, _y, _z, or _0, _1, _2,
+// or _1, _2, _3 with the name PREFIX, or PREFIX_r, _g, _b with the name PREFIX_color. The name is
+// preceded by vertex_ or face_. Bytes have their value as it is; other integers are fractions of
+// their largest value, in sRGB.
 #include <stdlib.h>
 #include <string.h>
 
@@ -36,7 +37,7 @@ static int find_color(const struct ply_header *header, const struct ply_element 
     return 0;
 }
 
-// The last letter of a property PREFIX_?; 0 if it is no such one.
+// The last letter of a property PREFIX_?; 0 if it has another form.
 static char ending(const struct ply_property *property, const char *prefix, size_t length) {
     if (property->count_type || property->role != PLY_OTHER || property->length != length + 2 ||
         memcmp(property->name, prefix, length) != 0 || property->name[length] != '_')

@@ -10,7 +10,7 @@ size_t ply_type_size(enum ply_type type) {
     return size[type];
 }
 
-// One line of the header as words.
+// One line of the header, split into words.
 struct words {
     const char *word[6];
     size_t length[6];
@@ -21,7 +21,7 @@ static bool word_is(const struct words *words, int i, const char *name) {
     return i < words->count && mesh_text_is(words->word[i], words->length[i], name);
 }
 
-// Splits the line at the cursor and goes to the next one.
+// Splits the line at the cursor into words and advances to the next line.
 static struct words read_line(struct mesh_text *text) {
     struct words words = {.count = 0};
     const char *end = memchr(text->at, '\n', (size_t)(text->end - text->at));
@@ -69,7 +69,7 @@ static enum ply_role vertex_role(const struct words *words) {
 
 static satin_status ply_header_error(const struct load_source *source, const struct mesh_text *text,
                                      const char *what) {
-    return mesh_error(source, text->line - 1, "%s", what);  // the cursor is past the line
+    return mesh_error(source, text->line - 1, "%s", what);  // the cursor is after the line
 }
 
 static satin_status read_element(const struct load_source *source, struct mesh_text *text,
@@ -124,7 +124,7 @@ static satin_status read_property(const struct load_source *source, struct mesh_
     return SATIN_OK;
 }
 
-// Bytes that one item of the element takes at least: a digit and a blank per number in text.
+// The least number of bytes of one item of the element: in text, a digit and a blank per number.
 static uint64_t least_bytes(const struct ply_header *header, const struct ply_element *element) {
     uint64_t bytes = 0;
     for (int i = element->first; i < element->first + element->properties; i++) {
@@ -143,7 +143,8 @@ static satin_status check_header(const struct load_source *source, const struct 
         corners = corners || header->property[i].role == PLY_CORNERS;
     if (!corners || !header->face_count)
         return mesh_error(source, 0, "there is no face with a list of vertices in it");
-    uint64_t left = (uint64_t)(text->end - text->at) + 1;  // the last number may end the file
+    uint64_t left = (uint64_t)(text->end - text->at) + 1;  // 1 more, as the last number may end the
+                                                           // file
     for (int i = 0; i < header->element_count; i++) {
         const struct ply_element *element = &header->element[i];
         uint64_t least = least_bytes(header, element);

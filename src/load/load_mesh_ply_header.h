@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to load_mesh_ply.c: what the header of a PLY file declares, and attributes.
+// Private to load_mesh_ply.c: the declarations in the header of a PLY file, and attributes.
 #ifndef LOAD_MESH_PLY_HEADER_H
 #define LOAD_MESH_PLY_HEADER_H
 
@@ -20,7 +20,7 @@ enum ply_type {
     PLY_DOUBLE
 };
 
-// What a property means to us.
+// The meaning of a property.
 enum ply_role {
     PLY_X = 0,
     PLY_Y,
@@ -37,7 +37,7 @@ enum ply_role {
 
 struct ply_property {
     enum ply_type type;
-    enum ply_type count_type;  // of a list's length; PLY_NONE: a scalar
+    enum ply_type count_type;  // type of a list's length; PLY_NONE: a scalar
     enum ply_role role;
     const char *name;  // in the file
     size_t length;
@@ -63,13 +63,13 @@ struct ply_header {
 
 size_t ply_type_size(enum ply_type type);
 
-// Reads up to the line after end_header, where `text` is left. Checks that there are vertices with
-// x, y and z and faces with a list of vertices, and that the declared counts fit into what is left
+// Reads the header and leaves `text` at the line after end_header. Checks that there are vertices
+// with x, y and z and faces with a list of vertices, and that the declared counts fit into the rest
 // of the file.
 satin_status ply_header_read(const struct load_source *source, struct mesh_text *text,
                              struct ply_header *out);
 
-// Properties that make an attribute of the mesh (load_mesh_ply_attribute.c).
+// Properties that form an attribute of the mesh (load_mesh_ply_attribute.c).
 struct ply_attribute {
     const char *name;
     bool per_face;
@@ -81,20 +81,20 @@ struct ply_attribute {
 struct ply_attributes {
     int count;
     struct ply_attribute attribute[ATTRIBUTES_MAX];
-    float read[3 * ATTRIBUTES_MAX];  // of the vertex or face that is being read
+    float read[3 * ATTRIBUTES_MAX];  // values of the vertex or face that is being read
 };
 
-// Finds those that have a name in `names`, marks their properties and allocates their values.
+// Finds the attributes with a name in `names`, marks their properties and allocates their values.
 satin_status ply_attributes_find(const struct load_source *source,
                                  const struct attribute_names *names, struct ply_header *header,
                                  struct ply_attributes *out);
-// The value that a number in the file stands for.
+// The attribute value of a number in the file.
 float ply_attribute_decode(enum ply_type type, double number);
-// Stores what was read for a vertex; and for a face, after which there are so many triangles: false
-// without memory.
+// Store the values that were read for a vertex, and for a face, after which there are `triangles`
+// triangles. The second returns false if there is no memory.
 void ply_attributes_vertex(struct ply_attributes *attributes, uint64_t vertex);
 bool ply_attributes_face(struct ply_attributes *attributes, size_t triangles);
-// Moves them into the arena.
+// Moves the attributes to the arena.
 satin_status ply_attributes_keep(const struct load_source *source,
                                  const struct ply_attributes *attributes, struct mesh_parts *parts);
 void ply_attributes_free(struct ply_attributes *attributes);

@@ -27,18 +27,18 @@ enum {
     FLAG_COLORS = 8,
     FLAG_DOUBLE = 0x2000,
     NAME_MAX_BYTES = 65536,
-    INFLATE_STEP = 1 << 16  // numbers inflated at a time
+    INFLATE_STEP = 1 << 16  // numbers that are inflated at a time
 };
 
 struct packed {
     const struct load_source *source;
-    const char *color;  // name of the attribute that colours become; NULL: they are not wanted
+    const char *color;  // name of the attribute for colours; NULL: colours are not needed
     z_stream stream;
-    bool no_memory;  // zlib found none: what it could not unpack is not wrong
+    bool no_memory;  // whether zlib had no memory, which is no error of the file
     unsigned version;
 };
 
-// Inflates exactly `size` bytes; false if there are less.
+// Inflates exactly `size` bytes. False if there are fewer.
 static bool inflate_bytes(struct packed *packed, void *data, size_t size) {
     packed->stream.next_out = data;
     packed->stream.avail_out = (uInt)size;
@@ -69,7 +69,7 @@ static bool inflate_integer(struct packed *packed, size_t size, uint64_t *out) {
     return true;
 }
 
-// A number of `size` bytes (8: double, 4: float or uint32) as 4 bytes.
+// Converts a number of `size` bytes (8: double, 4: float or uint32) to 4 bytes.
 static uint32_t decode_word(const unsigned char *byte, size_t size) {
     uint64_t bits = little_endian(byte, size);
     if (size == 4) return (uint32_t)bits;
@@ -81,8 +81,8 @@ static uint32_t decode_word(const unsigned char *byte, size_t size) {
     return word;
 }
 
-// Inflates `count` numbers of `size` bytes into a malloc'ed array of 4-byte ones that grows as they
-// come, so that a lie about the count costs no memory. NULL `out` drops them.
+// Inflates `count` numbers of `size` bytes to a malloc'ed array of 4-byte numbers. The array grows
+// with the data, so that a false count takes no memory. If `out` is NULL, the numbers are dropped.
 static satin_status inflate_words(struct packed *packed, size_t count, size_t size, void **out) {
     unsigned char *chunk = malloc((size_t)INFLATE_STEP * size);
     uint32_t *word = NULL;
@@ -135,7 +135,7 @@ static satin_status read_packed_header(struct packed *packed, struct packed_head
         ok = i < NAME_MAX_BYTES && inflate_integer(packed, 1, &c);
     ok = ok && inflate_integer(packed, 8, &vertices) && inflate_integer(packed, 8, &triangles);
     if (!ok) return inflate_failed(packed);
-    // Deflate shrinks by 1032 at most, and a vertex takes 12 bytes at least.
+    // Deflate compresses by 1032 at most, and a vertex takes at least 12 bytes.
     uint64_t most = (uint64_t)LOAD_FILE_MAX * 1032 / 12;
     if (vertices == 0 || triangles == 0 || vertices > UINT32_MAX || triangles > UINT32_MAX ||
         vertices > most || triangles > most)
@@ -145,7 +145,7 @@ static satin_status read_packed_header(struct packed *packed, struct packed_head
     return SATIN_OK;
 }
 
-// The arrays as they come out of the file, from malloc.
+// The arrays of the file, from malloc.
 struct arrays {
     float *position, *normal, *uv, *color;
     void *index;
@@ -167,7 +167,7 @@ static satin_status read_arrays(struct packed *packed, const struct packed_heade
     return status;
 }
 
-// Keeps the colours as an attribute.
+// Stores the colours as an attribute.
 static satin_status keep_color(const struct packed *packed, const float *color,
                                struct mesh_parts *parts) {
     size_t n = (size_t)parts->vertex_count * 3;
@@ -219,7 +219,7 @@ static satin_status read_packed_mesh(struct packed *packed, struct mesh_parts *o
 
 // ---- The file -----------------------------------------------------------------------------------
 
-// Where mesh `index` starts, from the table at the end of the file.
+// Finds the offset of mesh `index` in the table at the end of the file.
 static satin_status find_mesh(const struct load_source *source, const unsigned char *data,
                               size_t size, unsigned version, int index, size_t *start) {
     *start = 0;
@@ -236,7 +236,7 @@ static satin_status find_mesh(const struct load_source *source, const unsigned c
     return SATIN_OK;
 }
 
-// The version of the mesh that starts at `at`; 0 if none does.
+// The version of the mesh that starts at offset `at`; 0 if there is none.
 static unsigned version_at(const unsigned char *data, size_t size, size_t at) {
     if (size < 4 || at > size - 4 || little_endian(data + at, 2) != MESH_MAGIC) return 0;
     unsigned version = (unsigned)little_endian(data + at + 2, 2);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes that need no file: the rectangle and the cube, with vertices, triangles and texture
-// coordinates as Mitsuba 3 has them.
+// Meshes without a file: the rectangle and the cube, with vertices, triangles and texture
+// coordinates as in Mitsuba 3.
 #include <string.h>
 
 #include "load/load_mesh.h"
@@ -14,7 +14,7 @@ static satin_status make(struct arena *arena, const struct mesh_request *request
     if (status != SATIN_OK) return status;
     memcpy(parts.position, position, vertices * sizeof *position);
     memcpy(parts.uv, uv, vertices * sizeof *uv);
-    // Every four vertices are a face with one normal, cut along its diagonal.
+    // Every four vertices are a face with one normal, split along its diagonal.
     parts.triangle_count = vertices / 2;
     parts.index = arena_array(arena, (size_t)parts.triangle_count * 3, sizeof(uint32_t));
     if (!parts.index) return SATIN_ERROR_MEMORY;

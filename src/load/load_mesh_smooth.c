@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// max_smooth_angle: normals are made smooth only over edges that are flatter than an angle,
-// whatever the file says. Triangles get corners of their own; around each position, a corner's
-// normal is the mean of those faces there whose normals are within the angle of its own face's,
-// weighted by their angle at the corner.
+// max_smooth_angle: computes normals that are smooth only across edges below an angle, whatever
+// normals the file has. Triangles get vertices of their own. The normal of a corner is the mean of
+// those faces at its position whose normals are within the angle of that of its own face, weighted
+// by the angles of the faces there.
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,13 +10,13 @@
 #include "base/rng.h"
 #include "load/load_mesh.h"
 
-// At most this many faces around one position are looked at for each corner: a hostile file has all
-// corners in one.
+// The largest number of faces at one position that are compared for each corner: in a hostile file
+// all corners may be at one position.
 enum { FAN_MAX = 1024 };
 
-// A corner of the mesh, in the order of its position.
+// A corner of the mesh, for sorting by position.
 struct smooth_corner {
-    uint64_t key;     // of its position's bits
+    uint64_t key;     // hash of the bits of its position
     uint32_t number;  // 3 * triangle + 0, 1, 2
 };
 
@@ -26,7 +26,7 @@ static vec3 corner_position(const struct mesh_parts *parts, uint32_t corner) {
 }
 
 static uint64_t position_key(vec3 p) {
-    float c[3] = {p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};  // -0 is 0
+    float c[3] = {p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};  // -0 becomes 0
     uint32_t bits[3];
     memcpy(bits, c, sizeof bits);
     return rng_mix(rng_mix(bits[0] | (uint64_t)bits[1] << 32) + bits[2]);
@@ -54,7 +54,7 @@ static float smooth_corner_angle(const struct mesh_parts *parts, uint32_t corner
     return 2.0f * atan2f(v3_len(v3_sub(a, b)), v3_len(v3_add(a, b)));
 }
 
-// The normals of the corners fan[0 .. count - 1], which are at one position.
+// Computes the normals of the corners fan[0 .. count - 1], which are at one position.
 static void smooth_fan(const struct mesh_parts *parts, const struct smooth_corner *fan,
                        size_t count, float cosine, float *normal) {
     size_t most = count < FAN_MAX ? count : FAN_MAX;
@@ -83,7 +83,7 @@ static void smooth_corners(const struct mesh_parts *parts, struct smooth_corner 
     }
 }
 
-// The attributes of corners, each of which is a vertex now.
+// Copies the attributes to the corners, which are vertices now.
 static satin_status spread_attributes(const struct load_source *source,
                                       const struct mesh_parts *parts, size_t corners,
                                       struct mesh_parts *out) {

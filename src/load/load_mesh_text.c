@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers and words of text meshes. A mesh has millions of numbers, which strtod reads five times
-// slower than this, and by the user's locale.
+// Numbers and words of text meshes. A mesh has millions of numbers; strtod reads them five times
+// slower, and depends on the locale.
 #include "load/load_mesh_text.h"
 
 #include <math.h>
@@ -51,7 +51,7 @@ bool mesh_text_is(const char *word, size_t length, const char *name) {
     return strlen(name) == length && memcmp(word, name, length) == 0;
 }
 
-// 10^exponent * mantissa.
+// Computes 10^exponent * mantissa.
 static double scale_decimal(uint64_t mantissa, int exponent) {
     static const double power[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                    1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
@@ -62,7 +62,7 @@ static double scale_decimal(uint64_t mantissa, int exponent) {
     return mantissa ? m * pow(10.0, exponent) : 0.0;
 }
 
-// An exponent: e, sign, digits. Stops before an `e` without digits.
+// Reads an exponent: e, sign, digits. An `e` without digits is not read.
 static const char *read_exponent(const char *at, const char *end, int *exponent) {
     if (at >= end || (*at != 'e' && *at != 'E')) return at;
     const char *p = at + 1;
@@ -93,7 +93,7 @@ bool mesh_text_number(struct mesh_text *text, double *out) {
             mantissa = mantissa * 10 + (uint64_t)(*p - '0');
             if (point) exponent--;
         } else if (!point) {
-            exponent++;  // a digit beyond what a double holds
+            exponent++;  // a digit beyond the precision of a double
         }
         if (digits > 100000) return false;
     }

@@ -9,26 +9,26 @@
 
 struct mesh_text {
     const char *at, *end;
-    int line;  // of `at`, from 1
+    int line;  // line number of `at`, from 1
 };
 
-// Skips spaces, tabs and carriage returns; a backslash at the end of a line joins the next one.
+// Skips spaces, tabs and carriage returns, and a line end after a backslash.
 void mesh_text_skip_blanks(struct mesh_text *text);
 // Skips line ends too.
 void mesh_text_skip_space(struct mesh_text *text);
-// Goes to the start of the next line, or to the end.
+// Advances to the start of the next line, or to the end.
 void mesh_text_next_line(struct mesh_text *text);
 
-// Reads the word at the cursor, up to a blank or line end; its length, 0 if there is none.
+// Reads the word at the cursor, up to a blank or line end. Returns its length, 0 if there is none.
 size_t mesh_text_word(struct mesh_text *text, const char **word);
 // Whether a word is `name`.
 bool mesh_text_is(const char *word, size_t length, const char *name);
 
-// Reads a decimal number at the cursor, rounded to within an ulp or so of a double; too large ones
-// give infinity. Something must end it: a blank, a line end, '#' or the end. False, with the cursor
-// where it was, if there is none.
+// Reads a decimal number at the cursor, accurate to about an ulp of a double. A number that is too
+// large gives infinity. A number must be followed by a blank, a line end, '#' or the end of the
+// text. False, with the cursor unchanged, if there is none.
 bool mesh_text_number(struct mesh_text *text, double *out);
-// Reads decimal digits with an optional sign, up to whatever follows; saturates far beyond 2^32.
+// Reads decimal digits with an optional sign. Saturates far beyond 2^32.
 bool mesh_text_integer(struct mesh_text *text, int64_t *out);
 
 #endif

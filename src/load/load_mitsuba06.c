@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scene files of versions 0.4 to 0.6: `toWorld` is `to_world`, `intIOR` is `int_ior`, and some
-// names differ by more than their spelling. Only what means the same is translated; the rest meets
-// the tables of version 3 and is refused there by its name.
+// names differ by more than their spelling. Only elements of the same meaning are translated; all
+// others are left for the tables of version 3, by which they are refused.
 #include "load/load_mitsuba06.h"
 
 #include <ctype.h>
@@ -31,7 +31,8 @@ bool load_mitsuba06_attribute(const char *name) {
 
 // ---- Names --------------------------------------------------------------------------------------
 
-// Capitals become small letters, the first of a run after a small letter with an underscore.
+// Converts a name to snake case: capitals become small letters, and a capital after a small letter
+// gets an underscore before it.
 static const char *snake_case(struct arena *arena, const char *name) {
     char *out = arena_alloc(arena, 2 * strlen(name) + 1);
     if (!out) return NULL;
@@ -46,7 +47,7 @@ static const char *snake_case(struct arena *arena, const char *name) {
     return out;
 }
 
-// Plugins that are the same thing under another name.
+// The name in version 3 of a plugin that was renamed.
 static const char *plugin_name(const struct xml_node *node) {
     static const struct pair films[] = {{"ldrfilm", "hdrfilm"}, {NULL, NULL}};
     static const struct pair samplers[] = {
@@ -186,7 +187,7 @@ static satin_status respell_value(struct log log, struct arena *arena, struct xm
     if (is_element(parent, XML_TEXTURE, "bitmap") && strcmp(node->name, "gamma") == 0 &&
         text_double(text, &gamma) && (gamma == 1.0 || gamma == -1.0 || gamma == 2.2)) {
         if (gamma == 2.2) log_warning_at(log, node->place, "a gamma of 2.2 is read as sRGB's");
-        node->tag = XML_BOOLEAN;  // 1: numbers, else as the file says
+        node->tag = XML_BOOLEAN;  // 1: plain numbers; else as the file says
         node->name = "raw";
         return set_attribute(arena, node, "value", gamma == 1.0 ? "true" : "false");
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading the parameters of an element against its plugin's table.
+// Reads the parameters of an element by its plugin's table.
 #include "load/load_params.h"
 
 #include <assert.h>
@@ -8,7 +8,7 @@
 
 #include "base/text.h"
 
-// Which elements give a parameter: bits 1 << xml_tag.
+// The elements by which a parameter may be given, as bits 1 << xml_tag.
 static unsigned accepted_tags(const struct plugin_spec *plugin, const struct param_spec *spec) {
     const unsigned number = 1u << XML_FLOAT | 1u << XML_INTEGER;
     const unsigned color = 1u << XML_RGB | 1u << XML_SPECTRUM;
@@ -42,8 +42,8 @@ static int find_spec(const struct plugin_spec *plugin, const char *name) {
     return -1;
 }
 
-// A slip of a known name is an error; what is far from all of them, or is a parameter of another
-// plugin of its kind, cannot change the image.
+// A misspelt parameter is an error. One that is far from all known names, or belongs to another
+// plugin of the same element, does not change the image and is a warning.
 static satin_status unknown_parameter(struct log log, const struct plugin_spec *plugin,
                                       const struct xml_node *child) {
     struct text_nearest nearest = {.word = child->name};
@@ -60,7 +60,8 @@ static satin_status unknown_parameter(struct log log, const struct plugin_spec *
     return SATIN_OK;
 }
 
-// A child that is an object: a texture for a parameter, or what the plugin takes besides.
+// Reads a child that is an object: a texture for a parameter, or another object that the plugin
+// takes.
 static satin_status read_object(struct log log, struct params *out, const struct xml_node *child,
                                 struct xml_node *target) {
     const struct plugin_spec *plugin = out->plugin;
@@ -88,9 +89,9 @@ static satin_status read_object(struct log log, struct params *out, const struct
     return SATIN_ERROR_INPUT;
 }
 
-enum { TAG_LIST = 64 };  // at most four names of elements
+enum { TAG_LIST = 64 };  // enough for four names of elements
 
-// "<integer> or <float>"
+// Lists the accepted elements: "<integer> or <float>".
 static void list_tags(unsigned accepted, char text[TAG_LIST]) {
     size_t length = 0;
     for (int tag = 0; accepted && length < TAG_LIST; tag++) {
@@ -102,7 +103,7 @@ static void list_tags(unsigned accepted, char text[TAG_LIST]) {
     }
 }
 
-// A child that gives a value, or (`child`) refers to one (`target`).
+// Reads a child that gives a value, or that (`child`) refers to one (`target`).
 static satin_status read_child(struct param_source source, struct params *out,
                                const struct xml_node *child, struct xml_node *target) {
     struct log log = source.log;
@@ -143,7 +144,7 @@ satin_status params_read(struct param_source source, const struct plugin_spec *p
     for (struct xml_node *child = node->child; child; child = child->next) {
         struct xml_node *target = load_xml_target(source.xml, source.log, child);
         if (!target) return SATIN_ERROR_INPUT;
-        // A colour that is only there to be referred to.
+        // A colour that is only defined for references.
         if (plugin->tag == XML_SCENE && target->id && !xml_is_object(target->tag)) continue;
         satin_status status = xml_is_object(target->tag)
                                   ? read_object(source.log, out, child, target)

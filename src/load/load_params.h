@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to load/: plugins and their parameters. A table per plugin says what it takes; reading
-// an element against its table gives typed, checked values. The same tables are the documentation.
+// Private to load/: plugins and their parameters. A table per plugin defines its parameters;
+// reading an element by its table gives typed, checked values. The documentation is printed from
+// the same tables.
 #ifndef LOAD_PARAMS_H
 #define LOAD_PARAMS_H
 
@@ -13,17 +14,17 @@ enum param_kind {
     PARAM_INTEGER,
     PARAM_FLOAT,
     PARAM_STRING,
-    PARAM_CHOICE,  // one of `choices`, letter case aside
+    PARAM_CHOICE,  // one of `choices`; letter case does not matter
     PARAM_POINT,   // <point> or <vector>
     PARAM_TRANSFORM,
     PARAM_COLOR,  // <rgb>, <spectrum> or <float>; in a spectrum also <vector>
-    PARAM_LIGHT,  // the same for light: a constant <spectrum> is equal energy, not white
+    PARAM_LIGHT,  // as PARAM_COLOR, for light: a constant <spectrum> is equal energy, not white
     PARAM_IOR     // <float> or the name of a medium
 };
 
-// RANGE_MODEST is 0 to 10^6: numbers whose squares and products must stay far from overflow.
-// RANGE_TEXEL: a number as RANGE_MODEST, a colour as RANGE_UNIT. RANGE_CLAMPED: what is outside of
-// [0, 1] counts as the nearer end, with a warning.
+// RANGE_MODEST is 0 to 10^6: numbers whose squares and products must be far from overflow.
+// RANGE_TEXEL: a number as RANGE_MODEST, a colour as RANGE_UNIT. RANGE_CLAMPED: values outside [0,
+// 1] are clamped, with a warning.
 enum param_range {
     RANGE_ANY = 0,
     RANGE_POSITIVE,
@@ -34,28 +35,32 @@ enum param_range {
     RANGE_CLAMPED
 };
 
-enum param_flag { PARAM_REQUIRED = 1, PARAM_TEXTURE = 2 };  // PARAM_TEXTURE: a <texture> will do
+enum param_flag {
+    PARAM_REQUIRED = 1,
+    PARAM_TEXTURE = 2
+};  // PARAM_TEXTURE: a <texture> is
+    // accepted
 
 struct param_spec {
     const char *name;
     enum param_kind kind;
-    const char *default_text;  // the default as one would write it; NULL: none
+    const char *default_text;  // the default in the notation of the file; NULL: none
     enum param_range range;
     unsigned flags;
     const char *const *choices;  // NULL-ended
     const char *doc;
 };
 
-enum { PARAM_MAX = 24 };  // parameters of one plugin
+enum { PARAM_MAX = 24 };  // largest number of parameters of a plugin
 
 struct param_value {
-    bool given;                // in the file; else the default, if there is one
-    struct log_place place;    // of the value, or of the plugin
-    struct xml_node *texture;  // given by a <texture>; then the value is not set
+    bool given;              // whether it is in the file; else it has the default, if there is one
+    struct log_place place;  // of the value, or of the plugin
+    struct xml_node *texture;  // set if it is given by a <texture>; then there is no value
     bool b;
     int i;  // PARAM_CHOICE: index
     float f;
-    const char *s;  // lives as long as the tree
+    const char *s;  // valid as long as the tree
     vec3 v;
     rgb color;
     struct mat4 m;
@@ -64,9 +69,9 @@ struct param_value {
 struct load_state;
 struct params;
 
-// Builds what an element describes. `object` is, by element: <bsdf> struct material_side, <shape>
-// struct shape, <emitter> struct light, <texture> struct texture, <sensor> struct camera, <film>
-// and <rfilter> struct film_spec; else NULL.
+// Builds the object that an element describes. `object` is, by element: <bsdf> struct
+// material_side, <shape> struct shape, <emitter> struct light, <texture> struct texture, <sensor>
+// struct camera, <film> and <rfilter> struct film_spec; else NULL.
 typedef satin_status (*plugin_build)(struct load_state *loader, const struct params *params,
                                      void *object);
 
@@ -75,10 +80,10 @@ struct plugin_spec {
     const char *name;  // NULL ends a table
     const char *doc;
     const struct param_spec *const *params;  // NULL-ended; NULL: none
-    unsigned children;                       // what it takes besides parameters: bits 1 << xml_tag
+    unsigned children;                       // other objects that it takes: bits 1 << xml_tag
     plugin_build build;
-    // Stands for the names of load_transport too, and other parameters have no effect, which is a
-    // warning, not an error.
+    // The plugin is also read under the names of load_transport, and other parameters have no
+    // effect, which is a warning and not an error.
     bool lenient;
 };
 
@@ -88,15 +93,15 @@ struct params {
     struct param_value value[PARAM_MAX];
 };
 
-// What reading needs to know.
+// Context for reading parameters.
 struct param_source {
     struct log log;
     const struct load_xml *xml;
-    uint64_t *hash;  // continued over the files of spectra; NULL: not
+    uint64_t *hash;  // continued over the files of spectra; may be NULL
 };
 
-// Reads all parameters of an element. A parameter that is not in the table, is of another kind,
-// stands twice, is out of range or missing is one logged error.
+// Reads all parameters of an element. A parameter that is unknown, of another kind, given twice,
+// out of range or missing is an error, of which one is logged.
 satin_status params_read(struct param_source source, const struct plugin_spec *plugin,
                          struct xml_node *node, struct params *out);
 
@@ -105,24 +110,24 @@ bool params_has(const struct params *params, const char *name);
 // A parameter by its name, which must be in the table.
 const struct param_value *param(const struct params *params, const char *name);
 
-// The next child of an element, `after` being the one before (NULL: the first), that is, or refers
-// to, an object of that tag. NULL at the end.
+// The next child of an element after `after` (NULL: the first child) that is, or refers to, an
+// object of that tag. NULL at the end.
 struct xml_node *params_child(const struct load_xml *xml, const struct xml_node *node,
                               enum xml_tag tag, struct xml_node **after);
 
-// Values from text; each logs what is wrong at `place`. Numbers are finite; lists are separated by
+// Read values from text; each logs an error at `place`. Numbers are finite; lists are separated by
 // blanks or commas.
 bool param_numbers(struct log log, struct log_place place, const char *text, int count,
                    double *out);
-// Cuts the next number off a list; logs if it is none.
+// Reads the next number of a list and advances *text. Logs an error if it is not a number.
 bool param_number(struct log log, struct log_place place, const char **text, double *out);
-// How many words `text` has.
+// The number of words of `text`.
 int param_words(const char *text);
-// The x, y and z, or the value, of an element; what is absent becomes `missing`, or is an error if
-// that is NaN.
+// Reads x, y and z, or the value, of an element. Absent coordinates are `missing`; if that is NaN,
+// they are an error.
 bool param_xyz(struct log log, const struct xml_node *node, float missing, vec3 *out);
 
-// Reads the value that an element gives for a parameter; or the default, from its own text.
+// Reads the value of a parameter from an element, or its default.
 satin_status param_read(struct param_source source, const struct param_spec *spec,
                         struct xml_node *node, struct param_value *value);
 satin_status param_read_default(struct log log, const struct param_spec *spec,
@@ -132,29 +137,29 @@ satin_status param_read_default(struct log log, const struct param_spec *spec,
 satin_status load_transform(struct log log, const struct xml_node *node, struct mat4 *out);
 // A colour from <rgb>, <spectrum> or <float> (load_color.c).
 satin_status load_color(struct param_source source, struct xml_node *node, bool light, rgb *out);
-// Whether a type is that of a <spectrum> (load_plugins_spectrum.c).
+// Whether this is a type of <spectrum> (load_plugins_spectrum.c).
 bool load_spectrum_named(const char *type);
 // A colour from a <spectrum> with a type.
 satin_status load_spectrum_of(struct param_source source, struct xml_node *node, bool light,
                               rgb *out);
 
-// All plugins (load_plugins.c). Finds the one of an element; logs, with the nearest name, and
-// returns NULL if there is none.
+// All plugins (load_plugins.c). Finds the plugin of an element. If there is none, logs an error
+// with the nearest name and returns NULL.
 const struct plugin_spec *load_plugin_find(struct log log, const struct xml_node *node);
 // Whether some plugin of an element has a parameter of that name.
 bool load_param_known(enum xml_tag tag, const char *name);
-// Integrators that are read as `path` is (load_plugins_integrator.c), NULL-ended.
+// Integrators that are read like `path` (load_plugins_integrator.c), NULL-ended.
 extern const char *const load_transport[];
-// How messages call an object: BRDF, shape, ...
+// The word for an object in messages: BRDF, shape, ...
 const char *load_plugin_noun(enum xml_tag tag);
 
 extern const struct plugin_spec load_bsdf_plugins[], load_texture_plugins[], load_shape_plugins[],
     load_group_plugins[], load_emitter_plugins[], load_sensor_plugins[], load_film_plugins[],
     load_integrator_plugins[], load_spectrum_plugins[],
-    load_sun_plugins[];  // the last for files of version 0.6 alone
+    load_sun_plugins[];  // the last is for files of version 0.6 only
 
-// Named indices of refraction (load_ior.c). False if the name is unknown; the names are listed by
-// index, NULL beyond the last.
+// Named indices of refraction (load_ior.c). False if the name is unknown. The names can be listed
+// by index; NULL beyond the last.
 bool load_ior_find(const char *name, float *ior);
 const char *load_ior_name(int index);
 bool load_metal_find(const char *name, rgb *eta, rgb *k);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the files are that a scene names: folders of <path>, the order of the search,
-// and reading them.
+// Finds and reads the files that a scene names: folders of <path> and the order of the search.
 #include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,7 +14,7 @@
 char *load_xml_resolve(const struct load_xml *xml, struct log_place place, const char *name) {
     char *first = fileio_beside(place.file, name);
     if (!first || access(first, F_OK) == 0) return first;
-    // The folders from the last one on, then that of the main file.
+    // The folders of <path> from the last to the first, then that of the main file.
     for (int i = xml->search_count - 1; i >= -1; i--) {
         char *path = fileio_beside(i < 0 ? xml->path : xml->search[i], name);
         if (!path || access(path, F_OK) == 0) {
@@ -27,8 +26,8 @@ char *load_xml_resolve(const struct load_xml *xml, struct log_place place, const
     return first;
 }
 
-// Replaces name, the `length` bytes of a folder's path that follow its first `start`, by what is in
-// the folder under it but for the case of letters.
+// Replaces the name of `length` bytes that begins at `start` in a path by that of an existing file
+// or folder which differs only in the case of letters.
 static bool find_any_case(char *path, size_t start, size_t length) {
     char *folder = start ? strndup(path, start) : strdup("."),
          *name = strndup(path + start, length);
@@ -73,7 +72,7 @@ satin_status load_path_add(struct load_xml *xml, struct log log, const struct xm
     if (!path) return SATIN_ERROR_MEMORY;
     struct stat info;
     bool folder = stat(path, &info) == 0 && S_ISDIR(info.st_mode);
-    // With a slash at its end, so that files are beside it.
+    // With a slash at the end, so that files are relative to the folder.
     size_t n = strlen(path);
     char *copy = arena_alloc(&xml->arena, n + 2);
     if (copy) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// All plugins of a scene file: lookup by name, and their description for the documentation.
+// All plugins of scene files: lookup by name, and their description for the documentation.
 #include <stdio.h>
 #include <string.h>
 
@@ -19,7 +19,7 @@ static const struct plugin_spec *const tables[] = {load_shape_plugins,
                                                    load_sun_plugins,
                                                    NULL};
 
-// What Mitsuba 3 knows and satin does not read.
+// Plugins that Mitsuba 3 has and satin does not read.
 struct unread {
     enum xml_tag tag;
     const char *const *name;
@@ -72,7 +72,7 @@ static bool is_named(const struct plugin_spec *plugin, const char *type) {
     return false;
 }
 
-// What a misspelt name may have meant.
+// The known name that is nearest to a misspelt one.
 static const char *nearest_name(const struct xml_node *node) {
     struct text_nearest nearest = {.word = node->type};
     for (int t = 0; tables[t]; t++)
@@ -85,8 +85,8 @@ static const char *nearest_name(const struct xml_node *node) {
     return nearest.best;
 }
 
-// How an image is computed and stored decides little of what it shows: what is unknown there is
-// read as the plainest of its kind.
+// An unknown sampler, film, filter or integrator hardly changes the image, so it is read as the
+// plainest plugin of its kind.
 static const char *stand_in(enum xml_tag tag) {
     switch (tag) {
         case XML_INTEGRATOR:
@@ -156,7 +156,7 @@ bool load_plugin_describe(int index, struct load_plugin_info *out) {
     return true;
 }
 
-// What one writes for a parameter: an element, or its choices.
+// How a parameter is written: its elements, or its choices.
 static void describe_kind(const struct param_spec *spec, char *text, size_t size) {
     static const char *const elements[] = {[PARAM_BOOLEAN] = "boolean",
                                            [PARAM_INTEGER] = "integer",

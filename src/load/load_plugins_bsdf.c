@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// <bsdf>: materials. Names, parameters and defaults are those of Mitsuba 3; phong and ward are
-// those of Mitsuba 0.6 with its parameters spelt as in version 3.
+// <bsdf>: materials. Names, parameters and defaults are those of Mitsuba 3. phong and ward are
+// those of Mitsuba 0.6, with the spelling of version 3.
 #include "load/load_plugins_bsdf.h"
 #include "base/array.h"
 #include "base/text.h"
@@ -214,9 +214,9 @@ static param_list phong_params = {&bsdf_diffuse_reflectance, &lobe_reflectance, 
 static param_list ward_params = {
     &bsdf_diffuse_reflectance, &lobe_reflectance, &variant, &ward_alpha_u, &ward_alpha_v, NULL};
 
-// Below this the distributions degenerate in single precision; Mitsuba's bound too.
+// Smaller roughnesses degenerate in single precision; it is also Mitsuba's limit.
 #define ALPHA_MIN 1e-4f
-// What a sum of reflectances over 1 becomes, as in Mitsuba 0.6.
+// A sum of reflectances over 1 is scaled to this, as in Mitsuba 0.6.
 #define ALBEDO_MOST 0.99f
 
 satin_status bsdf_set_color(struct load_state *loader, const struct param_value *value,
@@ -229,7 +229,7 @@ satin_status bsdf_set_color(struct load_state *loader, const struct param_value 
     return status;
 }
 
-// What a number of the file means.
+// The roughness that is used for a value in the file.
 static float roughness(struct load_state *loader, const struct param_value *value) {
     if (value->given && value->f < ALPHA_MIN)
         log_warning_at(loader->log, value->place, "a roughness of %g counts as %g",
@@ -251,7 +251,7 @@ satin_status bsdf_set_number(struct load_state *loader, const struct param_value
     return SATIN_OK;
 }
 
-// alpha, or alpha_u and alpha_v.
+// Reads alpha, or alpha_u and alpha_v.
 static satin_status set_alpha(struct load_state *loader, const struct params *p,
                               struct material_side *side) {
     const struct param_value *u = param(p, "alpha_u"), *v = param(p, "alpha_v");
@@ -272,7 +272,7 @@ static satin_status set_metal(struct load_state *loader, const struct params *p,
     if (!material->given) {
         satin_status status = bsdf_set_color(loader, eta, side, BRDF_SLOT_ETA);
         if (status == SATIN_OK) status = bsdf_set_color(loader, k, side, BRDF_SLOT_K);
-        // What is not given is a perfect mirror's, in version 0.6 copper's.
+        // The default is a perfect mirror, in version 0.6 copper.
         rgb n, absorption;
         if (status == SATIN_OK && p->node->mitsuba06 && load_metal_find("Cu", &n, &absorption)) {
             if (!eta->given) side->base.eta = n;
@@ -311,7 +311,7 @@ static satin_status set_ior(struct load_state *loader, const struct params *p,
                : SATIN_ERROR_INPUT;
 }
 
-// What surrounds a metal.
+// Reads ext_eta, the index of the medium outside of a metal.
 static satin_status set_outside(struct load_state *loader, const struct params *p,
                                 struct material_side *side) {
     const struct param_value *outside = param(p, "ext_eta");
@@ -326,8 +326,8 @@ static satin_status set_outside(struct load_state *loader, const struct params *
     return SATIN_OK;
 }
 
-// No path may gain light: paths of any length would not end. Without textures the sum is
-// brought below 1, with Mitsuba 0.6's margin.
+// Checks that no path gains light, because such paths would not end. Without textures the sum of
+// the reflectances is scaled below 1, with Mitsuba 0.6's margin.
 static satin_status check_glossy_albedo(struct load_state *loader, const struct params *p,
                                         struct material_side *side) {
     float most = rgb_max(rgb_add(side->base.diffuse, side->base.specular));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to load/: what is common to the files that build BRDFs.
+// Private to load/: common to the files that build BRDFs.
 #ifndef LOAD_PLUGINS_BSDF_H
 #define LOAD_PLUGINS_BSDF_H
 
@@ -7,17 +7,17 @@
 
 typedef const struct param_spec *const param_list[];
 
-// Sets a colour's or a number's slot from a parameter: its value, or its texture and, as a constant
-// for estimates, the texture's mean.
+// Sets the slot of a colour or a number from a parameter: its value, or its texture and, as a
+// constant for estimates, the texture's mean.
 satin_status bsdf_set_color(struct load_state *loader, const struct param_value *value,
                             struct material_side *side, enum brdf_slot slot);
 satin_status bsdf_set_number(struct load_state *loader, const struct param_value *value,
                              struct material_side *side, enum brdf_slot slot);
 
-// Whether an index of refraction, called `name`, can be used; else logs it.
+// Whether an index of refraction, called `name`, is in range; else logs an error.
 bool bsdf_ior_valid(struct load_state *loader, struct log_place place, const char *name, float ior);
 
-// The diffuse and the specular factor that many have: their rows, and setting both.
+// The diffuse and the specular factor that many BRDFs have: their table rows, and setting both.
 extern const struct param_spec bsdf_diffuse_reflectance, bsdf_specular_reflectance;
 satin_status bsdf_set_reflectances(struct load_state *loader, const struct params *p,
                                    struct material_side *side);

@@ -3,7 +3,7 @@
 // and defaults are Mitsuba 3's.
 #include "load/load_state.h"
 
-// Bounds of the film: a side, so that products stay far from overflow; and its pixels.
+// Limits of the film: its width and height, so that products are far from overflow, and its pixels.
 enum { FILM_SIDE_MAX = 1 << 20, SCENE_PIXELS_MAX = 1 << 28 };
 
 static const struct param_spec width = {"width",
@@ -134,7 +134,7 @@ static param_list random_params = {&sample_count, &seed, NULL};
 static param_list jitter_params = {&sample_count, &seed, &jitter, NULL};
 static param_list orthogonal_params = {&sample_count, &seed, &jitter, &strength, NULL};
 
-// A side of the film or of its crop window.
+// Checks a width, height or offset of the film or its crop window.
 static satin_status check_side(struct load_state *loader, const struct params *p,
                                const char *name) {
     const struct param_value *value = param(p, name);
@@ -175,7 +175,7 @@ static satin_status build_box(struct load_state *loader, const struct params *p,
     return SATIN_OK;
 }
 
-// Filters wider than this would cover the whole image.
+// Larger filters would cover the whole image.
 #define FILTER_RADIUS_MAX 100.0f
 
 static satin_status check_radius(struct load_state *loader, const struct params *p,

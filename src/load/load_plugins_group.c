@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// <shape>s made of shapes: merge puts them into the scene; a shapegroup keeps them back, and
-// each instance shows a group by another transform. Names and rules are Mitsuba 3's: groups hold no
-// lights, and no instances.
+// <shape>s of shapes: merge adds them to the scene; a shapegroup does not, but each instance shows
+// a group by a transform. Names and rules are Mitsuba 3's: groups contain no lights and no
+// instances.
 #include <string.h>
 
 #include "base/array.h"
@@ -40,7 +40,7 @@ static satin_status add_parts(struct load_state *loader, const struct params *p)
     return status;
 }
 
-// A group is built once, where it is met first.
+// Builds a group at the first reference to it.
 static satin_status add_group(struct load_state *loader, const struct params *p) {
     if (p->node->group) return SATIN_OK;
     if (loader->open_group) return load_refuse(loader, p, "it cannot be part of another group");

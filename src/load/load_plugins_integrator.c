@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// <integrator>: hints for the render. `satin` passes its options on by their names; `aov` asks for
-// channels; of any other one, the depth and the visibility of emitters are kept; `direct` has a
-// depth by its meaning.
+// <integrator>: hints for the render. `satin` passes its options on by name; `aov` requests
+// channels. Of every other integrator the depths and the visibility of emitters are read; `direct`
+// has a fixed depth.
 #include <string.h>
 
 #include "load/load_state.h"
@@ -44,7 +44,7 @@ static const struct param_spec *const path_params[] = {&max_depth, &rr_depth, &h
 static const struct param_spec *const aov_params[] = {&aovs, &hide_emitters, NULL};
 static const struct param_spec *const moment_params[] = {&hide_emitters, NULL};
 
-// Light transport by other methods, of Mitsuba 3 and of version 0.6.
+// Integrators of light transport of Mitsuba 3 and 0.6 that are read like `path`.
 const char *const load_transport[] = {"direct",
                                       "direct_projective",
                                       "prb",
@@ -92,7 +92,7 @@ const struct plugin_spec load_integrator_plugins[] = {
      moment_params, 1u << XML_INTEGRATOR, NULL, true},
     {0}};
 
-// The options of `satin`, checked when they are applied.
+// Reads the options of `satin`, which are checked when they are applied.
 static satin_status read_options(struct load_state *loader, const struct xml_node *node) {
     size_t count = 0;
     for (const struct xml_node *child = node->child; child; child = child->next) count++;
@@ -120,14 +120,15 @@ static satin_status read_options(struct load_state *loader, const struct xml_nod
 
 static satin_status read_bounds(struct load_state *loader, struct xml_node *node, int depth);
 
-// If node is a `moment`, the channels of what `inner` names in it, which begin at `first`.
+// If node is a `moment`, adds the channels for the integrator `inner` in it, whose own channels
+// begin at `first`.
 static satin_status read_moment(struct load_state *loader, const struct xml_node *node,
                                 const struct xml_node *inner, int first, satin_status status) {
     if (status != SATIN_OK || strcmp(node->type, "moment") != 0) return status;
     return load_aovs_moment(loader, inner, first, &loader->scene->hints.aovs);
 }
 
-// Reads the integrator inside of another one, as `aov` has one, if it is there.
+// Reads the integrator inside of another one, such as `aov`, if there is one.
 static satin_status read_inner(struct load_state *loader, struct xml_node *node, int depth) {
     const int first = loader->scene->hints.aovs.count;
     struct xml_node *at = NULL, *inner = params_child(&loader->xml, node, XML_INTEGRATOR, &at);
@@ -145,7 +146,7 @@ static satin_status read_inner(struct load_state *loader, struct xml_node *node,
     return SATIN_ERROR_INPUT;
 }
 
-// Reads the bounds; what an integrator inside of this one says holds before it.
+// Reads depths and visibility. Values of an integrator inside take precedence.
 static satin_status read_bounds(struct load_state *loader, struct xml_node *node, int depth) {
     struct params p;
     satin_status status = load_params(loader, node, &p);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // <emitter>: area lights of shapes, point, spot and directional lights, environments. Units and
-// defaults are Mitsuba 3's. A black light is left out.
+// defaults are Mitsuba 3's. Black lights are left out.
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -173,7 +173,7 @@ static param_list envmap_params = {&filename,     &scale,           &sky_to_worl
 static param_list sky_params = {&haze,         &sun_direction, &sky_scale,       &sun_scale,
                                 &sun_aperture, &sky_to_world,  &sampling_weight, NULL};
 
-// Takes to_world and what follows from it: position, direction, inverse.
+// Reads to_world, and sets position, direction and inverse.
 static satin_status set_light_position(struct load_state *loader, const struct params *p,
                                        struct light *light) {
     light->to_world = param(p, "to_world")->m;
@@ -215,7 +215,7 @@ static satin_status build_point(struct load_state *loader, const struct params *
     return status;
 }
 
-// A textured factor of light->value.
+// Sets a textured factor of light->value.
 static satin_status set_texture(struct load_state *loader, const struct param_value *value,
                                 struct light *light) {
     if (value->texture) return load_texture_of(loader, value->texture, &light->texture);
@@ -231,7 +231,7 @@ static satin_status build_projector(struct load_state *loader, const struct para
     satin_status status = set_texture(loader, param(p, "irradiance"), light);
     if (status == SATIN_OK) status = set_light_position(loader, p, light);
     if (status != SATIN_OK) return status;
-    // The slide has the shape of its image.
+    // The aspect ratio of the slide is that of its image.
     const struct texture *shown = texture_unscaled(light->texture);
     const struct image *image = shown ? shown->image : NULL;
     double aspect = image ? (double)image->width / image->height : 1.0;
@@ -315,7 +315,7 @@ satin_status load_daylight_build(struct load_state *loader, const struct params 
         return load_refuse(loader, p, "its sun_direction does not point above the horizon");
     if (!(aperture < 0.5f * PI_F))
         return load_refuse(loader, p, "its sun_aperture is not below 90 degrees");
-    // A wider sun is dimmer.
+    // The power of the sun does not depend on its size.
     const float natural = SKY_SUN_APERTURE * (PI_F / 180.0f);
     light->sun_chord = 2.0f * sinf(0.25f * aperture);
     float shrink = sqrf(2.0f * sinf(0.25f * natural) / light->sun_chord);
@@ -358,7 +358,7 @@ static bool is_environment(const struct light *light) {
     return light->kind == LIGHT_CONSTANT || light->kind == LIGHT_ENVMAP;
 }
 
-// Whether the light fits where it stands.
+// Checks that only area lights are in shapes, and that there is only one environment.
 static satin_status check_parent(struct load_state *loader, const struct params *p,
                                  const struct light *light, bool in_shape) {
     bool area = light->kind == LIGHT_AREA || light->kind == LIGHT_BEAM;
@@ -381,7 +381,7 @@ satin_status load_emitter_add(struct load_state *loader, struct xml_node *node, 
     if (status == SATIN_OK) status = p.plugin->build(loader, &p, &light);
     if (status == SATIN_OK) status = check_parent(loader, &p, &light, shape >= 0);
     if (status != SATIN_OK) return status;
-    // An area light outside of a shape is there to be referred to by its id.
+    // An area light outside of a shape is only defined for references.
     bool waits = shape < 0 && (light.kind == LIGHT_AREA || light.kind == LIGHT_BEAM);
     if (waits && !xml_get(node, "id")) return load_refuse(loader, &p, "it must be part of a shape");
     if (waits || (rgb_black(light.value) && rgb_black(light.sun_value))) return SATIN_OK;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Materials from <bsdf>s: those that wrap others (twosided, blendbsdf, mask, bumpmap, normalmap),
-// which may nest in any order, and the list of the scene's materials. A material is a tree of sides
+// Materials from <bsdf>s: those that contain others (twosided, blendbsdf, mask, bumpmap, normalmap)
+// and may nest in any order, and the list of the scene's materials. A material is a tree of sides
 // for the front and one for the back, whose leaves are BRDFs.
 #include <string.h>
 
 #include "base/array.h"
 #include "load/load_state.h"
 
-enum { BSDF_DEPTH_MAX = 32 };  // of nested <bsdf>s; deeper ones refer to themselves
+enum { BSDF_DEPTH_MAX = 32 };  // of nested <bsdf>s; a deeper nesting is a reference to itself
 
 static satin_status material_error(struct load_state *loader, const struct params *p,
                                    const char *text) {
@@ -15,7 +15,7 @@ static satin_status material_error(struct load_state *loader, const struct param
     return SATIN_ERROR_INPUT;
 }
 
-// Builds the nested <bsdf>s, of which there must be `least` to `most`; *count is how many.
+// Builds the nested <bsdf>s, of which there must be `least` to `most`. *count is their number.
 static satin_status build_nested(struct load_state *loader, const struct params *p, int least,
                                  int most, struct material *out, int *count) {
     struct xml_node *at = NULL, *child;
@@ -44,7 +44,7 @@ static int count_components(const struct material_side *side) {
 typedef satin_status (*leaf_fn)(struct load_state *loader, const struct params *p,
                                 struct material_side *leaf, const void *ctx);
 
-// Copies the tree, changed by fn at its leaves.
+// Copies the tree, with its leaves changed by fn.
 static satin_status change_leaves(struct load_state *loader, const struct params *p,
                                   struct material_side *side, leaf_fn fn, const void *ctx) {
     if (!side->component[0]) return fn(loader, p, side, ctx);
@@ -61,8 +61,9 @@ static satin_status change_leaves(struct load_state *loader, const struct params
 
 // ---- twosided -----------------------------------------------------------------------------------
 
-// Whatever transmits is refused; the bump or normal map of a back is its own. Of a material that is
-// two-sided already, the front is what either side would see, as in Mitsuba.
+// Makes a leaf one side of a two-sided material. BRDFs that transmit are refused; the bump or
+// normal map of a back is its own. If a material is two-sided already, its front is used for either
+// side, as in Mitsuba.
 static satin_status make_side(struct load_state *loader, const struct params *p,
                               struct material_side *leaf, const void *ctx) {
     (void)ctx;
@@ -114,7 +115,7 @@ static satin_status find_weight(struct load_state *loader, const struct param_va
 
 static bool is_hole(const struct material_side *side) { return side->holes && !side->component[0]; }
 
-// Joins a and b under one node, which may be one of them.
+// Blends a and b in one node, which may be a or b.
 static satin_status join_sides(struct load_state *loader, const struct params *p,
                                const struct material_side *a, const struct material_side *b,
                                const struct blend_weight_value *weight, struct material_side *out) {
@@ -161,7 +162,7 @@ static satin_status build_blend(struct load_state *loader, const struct params *
 
 // ---- mask ---------------------------------------------------------------------------------------
 
-// A blend of nothing with the nested BRDF.
+// Builds a blend of a null BRDF and the nested BRDF.
 static satin_status build_mask(struct load_state *loader, const struct params *p,
                                struct material *out) {
     const struct param_value *opacity = param(p, "opacity");
@@ -254,7 +255,7 @@ static void see_bitmaps(void *ctx, const struct material_side *side) {
         *found = *found || (side->slot[i] && side->slot[i]->filtered);
 }
 
-// What a shape without a <bsdf> is made of; one that emits is black, as in Mitsuba.
+// The material of a shape without a <bsdf>. If the shape emits light, it is black, as in Mitsuba.
 static satin_status default_material(struct load_state *loader, bool emits, struct material *out) {
     *out = (struct material){.name = emits ? "black" : "default"};
     out->front.index = loader->scene->side_count++;
@@ -307,7 +308,7 @@ satin_status load_material_build(struct load_state *loader, struct xml_node *nod
     return status;
 }
 
-// Adds it to the scene's; *known gets 1 + its index.
+// Adds a material to the scene. *known is set to 1 + its index.
 static satin_status add_material(struct load_state *loader, const struct material *material,
                                  uint32_t *known) {
     void *items = loader->material;

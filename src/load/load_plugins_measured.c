@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// <bsdf type="lafortune">, "merl" and "tabulated": BRDFs from numbers.
+// <bsdf type="lafortune">, "merl" and "tabulated": BRDFs that are given by numbers.
 #include <stdlib.h>
 
 #include "load/load_measured.h"
@@ -20,7 +20,7 @@ param_list bsdf_lafortune_params = {&bsdf_diffuse_reflectance, &bsdf_specular_re
                                     NULL};
 param_list bsdf_measured_params = {&filename, NULL};
 
-// No path may gain light; checked for a few directions.
+// Checks, for a few directions, that the BRDF does not reflect more light than it gets.
 static satin_status check_measured_albedo(struct load_state *loader, const struct params *p,
                                           const struct brdf *b) {
     for (int i = 0; i < 24; i++) {

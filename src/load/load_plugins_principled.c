@@ -65,7 +65,7 @@ static const struct param_spec diff_trans = {
     "The diffuse transmission, at most 2: at 0 all diffuse light is reflected, at 2 all is "
     "transmitted."};
 
-// How often Mitsuba samples its lobes.
+// The sampling rate that Mitsuba has for a lobe.
 #define RATE(name)                                            \
     {                                                         \
 #name, PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, \
@@ -84,7 +84,7 @@ param_list bsdf_principledthin_params = {
     &base_color, &roughness,  &anisotropic, &spec_trans, &thin_eta, &spec_tint, &sheen, &sheen_tint,
     &flatness,   &diff_trans, &rate[2],     &rate[3],    &rate[4],  &rate[5],   NULL};
 
-// Its reflectance head on is .08 of it; from 12.5 on that would be all of the light.
+// The reflectance at normal incidence is .08 times `specular`, which would be 1 at 12.5.
 #define PRINCIPLED_SPECULAR_MAX 12.0f
 
 struct slot_name {
@@ -92,7 +92,7 @@ struct slot_name {
     enum brdf_slot slot;
 };
 
-// A list that ends with a NULL name.
+// `list` ends with a NULL name.
 static satin_status set_numbers(struct load_state *loader, const struct params *p,
                                 struct material_side *side, const struct slot_name *list) {
     satin_status status = SATIN_OK;
@@ -135,7 +135,7 @@ satin_status bsdf_principled_build(struct load_state *loader, const struct param
     satin_status status = set_common(loader, p, side);
     if (status == SATIN_OK) status = set_numbers(loader, p, side, numbers);
     side->base.opaque = !side->slot[BRDF_SLOT_SPEC_TRANS] && side->base.spec_trans == 0.0f;
-    // Without a boundary nothing refracts: as Mitsuba does, a little of one is left.
+    // Light that is transmitted needs a boundary: as in Mitsuba, its IOR is then never exactly 1.
     float least = side->base.opaque ? 0.0f : 1e-3f;
     side->base.ior = 2.0f / (1.0f - sqrtf(0.08f * fmaxf(reflects->f, least))) - 1.0f;
     if (index->given) side->base.ior = index->f == 1.0f && !side->base.opaque ? 1.001f : index->f;

@@ -105,13 +105,13 @@ static param_list thinlens_params = {
 static param_list orthographic_params = {
     &to_world, &near_clip, &far_clip, &shutter_open, &shutter_close, &idle_focus_distance, NULL};
 
-// Of a smaller angle, degrees, the rays to both ends are one in single precision.
+// At a smaller angle, in degrees, the rays to both ends are equal in single precision.
 #define FOV_MIN 1e-5f
 
 // Half the diagonal of 35 mm film, 36 x 24 mm.
 #define HALF_DIAGONAL_35MM 21.633307652783937
 
-// The tangent of half the angle that fov or focal_length gives, and the axis it refers to.
+// The tangent of half the angle that fov or focal_length gives, and the axis to which it refers.
 static satin_status field_of_view(struct load_state *loader, const struct params *p,
                                   double *tangent, enum fov_axis *axis) {
     const struct param_value *angle = param(p, "fov"), *focal = param(p, "focal_length");
@@ -170,7 +170,7 @@ static satin_status set_view(struct load_state *loader, const struct params *p,
     return SATIN_OK;
 }
 
-// Rotation and mirroring are allowed, scale is not; the bound is Mitsuba's.
+// The transform may rotate and mirror but not scale; the tolerance is Mitsuba's.
 static satin_status set_sensor_transform(struct load_state *loader, const struct params *p,
                                          struct camera *camera) {
     const struct mat4 *m = &param(p, "to_world")->m;
@@ -202,7 +202,7 @@ static satin_status build_camera(struct load_state *loader, const struct params 
     return status == SATIN_OK ? set_view(loader, p, camera) : status;
 }
 
-// The film spans -1 to 1 across, and as its shape wants it up and down; to_world scales it.
+// The film is 2 wide and has the height of its aspect ratio; to_world scales it.
 static satin_status build_orthographic(struct load_state *loader, const struct params *p,
                                        void *object) {
     struct camera *camera = object;
@@ -250,7 +250,7 @@ const struct plugin_spec load_sensor_plugins[] = {
      orthographic_params, SENSOR_PARTS, build_orthographic, false},
     {0}};
 
-// Reads the only child of a tag, if there is one, into `object`.
+// Reads the only child of a tag, if there is one, to `object`.
 static satin_status read_part(struct load_state *loader, const struct params *parent,
                               enum xml_tag tag, void *object, struct params *out) {
     struct xml_node *at = NULL, *node = params_child(&loader->xml, parent->node, tag, &at);

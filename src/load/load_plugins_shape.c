@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// <shape>: meshes from files, rectangle and cube as meshes, sphere, disk and cylinder as they are.
-// Frames, orientation and texture coordinates are Mitsuba 3's.
+// <shape>: meshes from files, rectangles and cubes as meshes, spheres, disks and cylinders as exact
+// surfaces. Frames, orientation and texture coordinates are Mitsuba 3's.
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,7 +8,7 @@
 #include "load/load_attribute.h"
 #include "load/load_state.h"
 
-// The least area of an emitter: cubes of its size stay in the range of float.
+// The least area of an emitter: the cube of its size is in the range of float.
 #define EMITTER_AREA_MIN 1e-24f
 
 static const struct param_spec to_world = {"to_world",
@@ -82,7 +82,7 @@ static const struct param_spec axis_start = {
 static const struct param_spec axis_end = {
     "p1", PARAM_POINT, "0 0 1", 0, 0, NULL, "The end of the axis in object space."};
 
-enum { SHAPES_MAX = 1 << 20 };  // each costs some kilobytes, whatever it is
+enum { SHAPES_MAX = 1 << 20 };  // each shape takes some kilobytes, whatever it is
 
 typedef const struct param_spec *const param_list[];
 static param_list obj_params = {&filename, &face_normals, &smooth_angle, &flip_v,
@@ -291,7 +291,7 @@ satin_status load_shape_reserve(struct load_state *loader, const struct params *
     return SATIN_OK;
 }
 
-// Collects the attributes of meshes that the shape's textures look up.
+// Collects the mesh attributes to which the shape's textures refer.
 static satin_status want_attributes(struct load_state *loader, const struct params *p,
                                     const struct shape *shape) {
     const struct texture *radiance = shape->light >= 0 ? loader->light[shape->light].texture : NULL;
@@ -320,7 +320,7 @@ satin_status load_shape_add(struct load_state *loader, struct xml_node *node) {
     satin_status status = load_params(loader, node, &p);
     if (status != SATIN_OK) return status;
     if (load_file_missing(loader, &p, "the shape is left out")) return SATIN_OK;
-    // A shape in shapes in shapes could be met without end, and add nothing.
+    // Nested references to shapes that add nothing could multiply without end.
     if (loader->shape_elements++ == SHAPES_MAX)
         return load_refuse(loader, &p, "the scene has too many shapes");
     if (!p.plugin->build) return load_group_add(loader, &p);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// <spectrum type="...">: spectra by name. Names and parameters are Mitsuba 3's; blackbody, regular
-// and irregular, which its RGB mode does not take, become what the same samples written as a list
-// become, at the scale of its spectral mode.
+// <spectrum type="...">: spectra by name, with the names and parameters of Mitsuba 3. Its RGB mode
+// does not support blackbody, regular and irregular; here they are converted as a list of the same
+// samples is, with the scale of its spectral mode.
 #include <string.h>
 
 #include "load/load_params.h"
@@ -108,7 +108,8 @@ bool load_spectrum_named(const char *type) {
     return false;
 }
 
-// Allocates `spectrum` by reading `values`; `at` gives wavelengths, or NULL: evenly spread.
+// Reads `values` to a new spectrum. `at` has the wavelengths; if it is NULL, they are at equal
+// distances between `ends`.
 static satin_status read_samples(struct log log, const struct params *p, const double ends[2],
                                  struct spectrum *spectrum) {
     const struct param_value *value = param(p, "values");

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// <texture>: bitmap, checkerboard, attributes of meshes, and of version 0.6 scale and grid. A
-// texture is built once, an image is read once, however often they are used; textures within
-// textures count as often as they are met.
+// <texture>: bitmap, checkerboard, attributes of meshes and, from version 0.6, scale and
+// gridtexture. A texture is built once and an image is read once, however often they are used. A
+// texture within textures is counted at every reference.
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/array.h"
 #include "load/load_state.h"
 
-enum { NESTING_MAX = 8 };  // of checkerboards: what goes over the parts of one takes 2^8 steps
+enum { NESTING_MAX = 8 };  // of checkerboards: visiting all textures in one takes 2^8 steps
 
 static const char *const filters[] = {"bilinear", "nearest", NULL};
 static const char *const wraps[] = {"repeat", "mirror", "clamp", NULL};
@@ -204,7 +204,7 @@ static satin_status make_check(struct load_state *loader, const struct param_val
     return SATIN_OK;
 }
 
-// Those of color0 and color1, of which `second` is the part that the other has.
+// Builds the textures of color0 and color1; `second` is the fraction of the area with color1.
 static satin_status make_checks(struct load_state *loader, const struct params *p, float second,
                                 struct texture *texture) {
     for (int i = 0; i < 2; i++) {
@@ -254,7 +254,7 @@ static satin_status build_scale(struct load_state *loader, const struct params *
     return status;
 }
 
-// The one copy of a name, so that equal names are equal pointers; NULL without memory.
+// The only copy of a name, so that equal names have equal pointers. NULL if there is no memory.
 static const char *attribute_name(struct load_state *loader, const char *text) {
     for (size_t i = 0; i < loader->attribute_count; i++)
         if (strcmp(loader->attribute[i], text) == 0) return loader->attribute[i];

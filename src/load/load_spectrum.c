@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spectra of scene files, read from text and from .spd files.
+// Reads spectra from text and from .spd files.
 #include "load/load_spectrum.h"
 
 #include <math.h>
@@ -22,7 +22,7 @@ satin_status spectrum_add(struct log log, struct log_place place, struct spectru
                      n);
         return SATIN_ERROR_INPUT;
     }
-    // Capacity for a power of two samples: the arrays grow when their count is one.
+    // The capacity is a power of two: the arrays grow when their count is one.
     bool full = (n & (n - 1)) == 0;
     size_t enough = n ? 2 * n : 1;
     if (full &&
@@ -36,7 +36,8 @@ satin_status spectrum_add(struct log log, struct log_place place, struct spectru
     return SATIN_OK;
 }
 
-// Cuts the next word off `*text`; false if there is none, or it is longer than a number.
+// Reads the next number and advances *text. False if there is none, or if the word is too long for
+// a number.
 static bool next_number(const char **text, const char *ends, double *out) {
     char word[64];
     size_t n = strcspn(*text, ends);

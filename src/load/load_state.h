@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to load/: the state of one run of satin_scene_load, and the builders that fill it, one
-// file per kind of element.
+// Private to load/: the state of one call of satin_scene_load, and the functions that build
+// objects, one file per kind of element.
 #ifndef LOAD_STATE_H
 #define LOAD_STATE_H
 
@@ -12,74 +12,75 @@
 struct load_state {
     struct log log;
     const char *path;  // of the main file
-    bool lenient;      // what is missing or unknown is left out, with a warning
-    struct log each;   // for those warnings, which are not counted but reported one by one
+    bool lenient;      // missing or unknown objects are left out, with a warning
+    struct log each;   // log for those warnings, which are not counted but passed on at once
     struct load_xml xml;
-    struct satin_scene *scene;  // what is built; its arrays are these, until the end
+    struct satin_scene *scene;  // the scene that is built; the arrays below become its arrays at
+                                // the end
     struct shape *shape;
     struct material *material;
     struct light *light;
     struct image_file *image;
     struct shape_group *group;
-    const char **attribute;  // names that textures ask for, each once
+    const char **attribute;  // names of attributes to which textures refer, each once
     size_t shape_count, material_count, light_count, image_count, group_count, attribute_count;
     size_t shape_capacity, material_capacity, light_capacity, image_capacity, group_capacity,
         attribute_capacity;
-    size_t shape_elements;  // looked at, counting references
+    size_t shape_elements;  // number of shape elements, with references counted
     uint32_t open_group;    // 1 + index of the <shape type="shapegroup"> that is being read, or 0
-    int shape_depth;        // of shapes within shapes
-    uint32_t plain[2];      // 1 + index of the materials of shapes without one: [emits]
-    int bsdf_depth;         // of nested <bsdf>s being built
-    int texture_depth;      // of nested <texture>s being built
-    struct attribute_names wanted;  // by the textures of the shape that is being built
+    int shape_depth;        // depth of shapes within shapes
+    uint32_t plain[2];      // 1 + index of the default materials of shapes: [emits]
+    int bsdf_depth;         // depth of nested <bsdf>s
+    int texture_depth;      // depth of nested <texture>s
+    struct attribute_names wanted;  // attributes for the textures of the current shape
 };
 
 // Logs lack of memory and returns its status.
 satin_status load_no_memory(struct load_state *loader);
-// Logs why a plugin cannot be taken, at the place of its element.
+// Logs why a plugin is refused, at the place of its element.
 satin_status load_refuse(struct load_state *loader, const struct params *p, const char *why);
 // Copies text into the scene's arena; NULL without memory.
 const char *load_keep_text(struct load_state *loader, const char *text);
 // params_read for the plugin that the element names.
 satin_status load_params(struct load_state *loader, struct xml_node *node, struct params *out);
-// The source of a file that a parameter names: beside the file with the parameter, or else beside
-// the main file. The caller frees source->path.
+// The source of a file that a parameter names: relative to the file with the parameter, else to the
+// main file. The caller frees source->path.
 satin_status load_file_source(struct load_state *loader, const struct param_value *name,
                               struct load_source *out);
 
-// Whether the type of an element is unknown, or the file that it names is missing, and the loader
-// is lenient: logs that, and what is done `instead`.
+// Whether the loader is lenient and the element has an unknown type or names a missing file. If so,
+// logs that, and what is done `instead`.
 bool load_left_out(struct load_state *loader, const struct xml_node *node, const char *instead);
 bool load_file_missing(struct load_state *loader, const struct params *p, const char *instead);
 
 // The texture of a textured parameter, built on its first use (load_plugins_texture.c).
 satin_status load_texture_of(struct load_state *loader, struct xml_node *node,
                              const struct texture **out);
-// A texture that is `inner` times a factor (load_plugins_texture.c).
+// Makes a texture that is `inner` times a factor (load_plugins_texture.c).
 void load_texture_scale(const struct texture *inner, rgb by, struct texture *out);
-// Builds one side of a surface from the parameters of a <bsdf> that wraps no other
+// Builds one side of a surface from the parameters of a <bsdf> that contains no other
 // (load_plugins_bsdf.c).
 satin_status load_side_build(struct load_state *loader, const struct params *p,
                              struct material_side *side);
 // Builds a material, without adding it to the scene (load_plugins_material.c).
 satin_status load_material_build(struct load_state *loader, struct xml_node *node,
                                  struct material *out);
-// The index of the material of a <bsdf>, added on its first use; NULL: the default of a shape that
-// emits or not.
+// Sets *index to that of the material of a <bsdf>, which is added at the first reference. A NULL
+// node is the default for shapes that emit or do not.
 satin_status load_material_of(struct load_state *loader, struct xml_node *node, bool emits,
                               uint32_t *index);
-// Adds a shape, with its material and light, or the shapes that it is made of
+// Adds a shape with its material and light, or the shapes of which it consists
 // (load_plugins_shape.c).
 satin_status load_shape_add(struct load_state *loader, struct xml_node *node);
-// Allocates one more shape. Logs its failures.
+// Allocates one more shape. Logs failures.
 satin_status load_shape_reserve(struct load_state *loader, const struct params *p);
-// Adds a shape made of others: merge, shapegroup, instance (load_plugins_group.c).
+// Adds a shape of shapes: merge, shapegroup, instance (load_plugins_group.c).
 satin_status load_group_add(struct load_state *loader, const struct params *p);
-// Adds an <emitter> of shape `shape`, or one without a shape if that is negative; *index is its
-// number, or -1 if it is black (load_plugins_light.c).
+// Adds an <emitter> of shape `shape`, or one without a shape if that is negative. *index is its
+// index, or -1 if it is black (load_plugins_light.c).
 satin_status load_emitter_add(struct load_state *loader, struct xml_node *node, int64_t shape,
                               int32_t *index);
-// An environment of daylight; `sun` is in world space, the aperture in degrees
+// An environment of daylight. `sun` is in world space, the aperture in degrees
 // (load_plugins_light.c).
 struct load_daylight {
     float turbidity;
@@ -88,20 +89,21 @@ struct load_daylight {
 };
 satin_status load_daylight_build(struct load_state *loader, const struct params *p,
                                  const struct load_daylight *daylight, struct light *light);
-// Camera, film and samples per pixel of the scene (load_plugins_sensor.c).
+// Reads the camera, the film and the samples per pixel of the scene (load_plugins_sensor.c).
 satin_status load_sensor(struct load_state *loader, struct xml_node *node);
-// Half extents at unit distance of what the parameters fov, fov_axis and focal_length ask for, of
-// width / height `aspect`; and the choices of fov_axis.
+// Computes the half extents at unit distance from the parameters fov, fov_axis and focal_length,
+// for an aspect ratio width / height. Below are the choices of fov_axis.
 satin_status load_view(struct load_state *loader, const struct params *p, double aspect,
                        float tan[2]);
 extern const char *const load_fov_axes[];
-// The `name:type` pairs of an `aov` integrator (load_aov.c).
+// Reads the `name:type` pairs of an `aov` integrator (load_aov.c).
 satin_status load_aovs(struct load_state *loader, const struct param_value *text,
                        struct scene_aovs *out);
-// What `moment` makes of the integrator `inner` in it, whose channels are those from `first` on.
+// Adds the channels of `moment` for the integrator `inner` in it, whose own channels begin at
+// `first`.
 satin_status load_aovs_moment(struct load_state *loader, const struct xml_node *inner, int first,
                               struct scene_aovs *out);
-// What the <integrator> asks for (load_plugins_integrator.c).
+// Reads the <integrator> (load_plugins_integrator.c).
 satin_status load_integrator(struct load_state *loader, struct xml_node *node);
 
 #endif

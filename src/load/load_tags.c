@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The elements of a scene file: names, attributes, and what may stand in what. After Mitsuba 3.
+// The elements of a scene file: names, attributes, and which elements may be children of which, as
+// in Mitsuba 3.
 #include <stdlib.h>
 #include <string.h>
 
@@ -43,7 +44,7 @@ static const struct tag_info tags[XML_TAG_COUNT] = {
     [XML_PATH] = {"path", {"value"}, {NULL}},
 };
 
-// What Mitsuba knows and satin does not read.
+// Elements that Mitsuba has and satin does not read.
 static const char *const unread[] = {"medium", "phase", "volume", "field", NULL};
 
 const char *xml_tag_name(enum xml_tag tag) { return tags[tag].name; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// <transform>: its steps apply to the object in the order in which they are written, so each one
-// multiplies from the left. The product is kept in double precision until the end.
+// <transform>: its steps are applied to the object in the order in which they are written, so each
+// one multiplies from the left. The product is in double precision until the end.
 #include "base/frame.h"
 #include "load/load_params.h"
 
@@ -70,7 +70,8 @@ static satin_status read_lookat(struct log log, const struct xml_node *step, str
     if (!read_triple(log, step, "origin", &origin) || !read_triple(log, step, "target", &target) ||
         !read_triple(log, step, "up", &up))
         return SATIN_ERROR_INPUT;
-    // Without an up vector, or along it, any will do; this is the one that Mitsuba takes without.
+    // If the up vector is missing or parallel to the direction, any one is valid; this is the one
+    // that Mitsuba takes if it is missing.
     vec3 d = v3_unit(v3_sub(target, origin));
     struct mat4 m;
     if (v3_max_abs(up) == 0.0f || !mat4_look_at(origin, target, up, &m)) {
@@ -85,7 +86,7 @@ static satin_status read_lookat(struct log log, const struct xml_node *step, str
     return SATIN_OK;
 }
 
-// 16 numbers by rows, or 9 for the upper 3x3 block.
+// Reads 16 numbers by rows, or 9 for the upper left 3x3 block.
 static satin_status read_matrix(struct log log, const struct xml_node *step, struct matrix *out) {
     const char *text = xml_get(step, "value");
     double d[16];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Values of parameters from text: numbers, lists, names, colours, with their ranges.
+// Reads values of parameters from text: numbers, lists, names and colours, with their ranges.
 #include <string.h>
 
 #include "base/text.h"
@@ -24,7 +24,7 @@ bool param_number(struct log log, struct log_place place, const char **text, dou
         memcpy(word, *text, n);
         word[n] = 0;
     }
-    // Larger than any float is as good as infinite.
+    // A number that is larger than any float counts as infinite.
     if (n >= sizeof word || !text_double(word, out) || fabs(*out) > 3e38) {
         log_error_at(log, place, "'%.*s' is not a number", n < 60 ? (int)n : 60, *text);
         return false;
@@ -153,7 +153,7 @@ static satin_status read_boolean(struct log log, const struct param_spec *spec, 
     return SATIN_ERROR_INPUT;
 }
 
-// A number that a texture could give, from a colour: the mean.
+// Reads a number that may be textured from a colour: the mean.
 static satin_status read_mean(struct param_source source, const struct param_spec *spec,
                               struct xml_node *node, struct param_value *value) {
     satin_status status = load_color(source, node, false, &value->color);
@@ -162,7 +162,7 @@ static satin_status read_mean(struct param_source source, const struct param_spe
     return check_range(source.log, spec, value->place, value->f);
 }
 
-// Reads a value that is written as one text; `tag` is that of the element it stands in.
+// Reads a value that is written as text; `tag` is that of its element.
 static satin_status read_text(struct log log, const struct param_spec *spec, enum xml_tag tag,
                               const char *text, struct param_value *value) {
     switch (spec->kind) {
@@ -181,7 +181,8 @@ static satin_status read_text(struct log log, const struct param_spec *spec, enu
     }
 }
 
-// Samples of a real surface may leave the gamut of sRGB, which is no error.
+// Whether a colour is from samples of a spectrum, which may be outside the gamut of sRGB without
+// being wrong.
 static bool is_sampled(const struct xml_node *node) {
     if (node->tag != XML_SPECTRUM) return false;
     if (node->type) return strcmp(node->type, "uniform") != 0 && !strstr(node->type, "rgb");
@@ -207,7 +208,7 @@ static satin_status read_color(struct param_source source, const struct param_sp
     for (int i = 0; i < 3 && status == SATIN_OK; i++) {
         if (value_in_range(range, c[i])) continue;
         status = check_in(log, spec, range, node->place, c[i]);
-        if (range == RANGE_CLAMPED) break;  // one warning
+        if (range == RANGE_CLAMPED) break;  // one warning is enough
     }
     return status;
 }

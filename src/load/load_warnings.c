@@ -7,11 +7,12 @@
 
 #include "base/array.h"
 
-enum { KINDS_MAX = 256, TEXT_BYTES = 1024 };  // further kinds are passed on as they come
+enum { KINDS_MAX = 256, TEXT_BYTES = 1024 };  // further kinds are passed on at once
 
 struct load_warning {
     int count;
-    char kind[TEXT_BYTES], text[TEXT_BYTES], last[TEXT_BYTES];  // of all, the first, the last
+    char kind[TEXT_BYTES], text[TEXT_BYTES], last[TEXT_BYTES];  // its kind, the first and the last
+                                                                // message
 };
 
 // Copies to `kind` the message without its place, quoted text and digits. Messages of one kind are

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scene files through expat to a tree of elements. Parameters, includes and aliases take effect
-// in the order of reading, as Mitsuba 3 does: a <default> holds for what follows it, also beyond
-// the end of the file that it stands in. Text between elements has no meaning: a warning.
+// Reads scene files by expat to a tree of elements. Parameters, includes and aliases take effect in
+// the order of reading, as in Mitsuba 3: a <default> is valid for everything after it, even beyond
+// the end of its file. Text between elements has no meaning and gives a warning.
 #include "load/load_xml.h"
 
 #include <errno.h>
@@ -17,29 +17,29 @@
 #include "load/load_mitsuba06.h"
 #include "load/load_params.h"
 
-// One run over the main file and its includes.
+// State for reading the main file and its includes.
 struct xml_reader {
     struct log log;
     struct load_xml *xml;
     struct load_defines defines;
     uint64_t *hash;
-    satin_status status;  // the first failure; parsing stops
+    satin_status status;  // the first failure, which stops parsing
     int files;
     size_t nodes;
     struct xml_node *open[XML_DEPTH_MAX];  // elements that are not closed yet
     int depth;
 };
 
-// One file that is being read.
+// A file that is being read.
 struct file {
     struct xml_reader *reader;
     XML_Parser parser;
     const char *path;
-    char *real;                 // canonical path, to see cycles; NULL if it is unknown
-    const struct file *parent;  // that includes it
-    const char *name;           // of the <include>, for its root element; or NULL
+    char *real;                 // canonical path, to detect cycles; NULL if it is unknown
+    const struct file *parent;  // the file that includes it
+    const char *name;           // of the <include>, for the root element of this file; or NULL
     int base_depth;
-    bool mitsuba06;  // spelt as version 0.6
+    bool mitsuba06;  // whether it has the names of version 0.6
 };
 
 static satin_status read_xml_file(struct xml_reader *reader, const struct file *parent,
@@ -57,7 +57,7 @@ static void stop(struct file *file, satin_status status) {
     XML_StopParser(file->parser, XML_FALSE);
 }
 
-// Copies an attribute's text, parameters substituted. Logs its failures but lack of memory.
+// Copies the text of an attribute with parameters substituted. Logs failures except lack of memory.
 static satin_status copy_text(struct file *file, const char *text, const char **out) {
     struct xml_reader *reader = file->reader;
     struct arena *arena = &reader->xml->arena;
@@ -83,7 +83,8 @@ static satin_status copy_text(struct file *file, const char *text, const char **
     return status;
 }
 
-// Those that the element has: values that an ATTLIST declares for others come after them.
+// Copies the attributes that the element has. Default values of an ATTLIST, which come after them,
+// are not copied.
 static satin_status copy_attributes(struct file *file, const char **from, struct xml_node *node) {
     const size_t count = (size_t)XML_GetSpecifiedAttributeCount(file->parser);
     const char **copy = arena_array(&file->reader->xml->arena, count + 1, sizeof *copy);
@@ -96,13 +97,13 @@ static satin_status copy_attributes(struct file *file, const char **from, struct
     node->type = xml_get(node, "type");
     node->id = xml_get(node, "id");
     node->name = xml_get(node, "name");
-    // Mitsuba's own writer has <texture> for both.
+    // Mitsuba's own writer uses <texture> for spectra too.
     if (node->tag == XML_TEXTURE && node->type && load_spectrum_named(node->type))
         node->tag = XML_SPECTRUM;
     return SATIN_OK;
 }
 
-// Whether the element may stand where it does; else logs why not.
+// Whether the element may stand in its parent; else logs why not.
 static bool placed_well(const struct file *file, const struct xml_node *node) {
     const struct xml_reader *reader = file->reader;
     bool root = reader->depth == file->base_depth;
@@ -154,7 +155,7 @@ static void append_child(struct xml_node *parent, struct xml_node *child) {
     parent->last = child;
 }
 
-// Puts an element where it belongs: into the tree, or into the tables of ids and parameters.
+// Adds an element to the tree, or to the tables of ids and parameters.
 static satin_status take_element(struct file *file, struct xml_node *node) {
     struct xml_reader *reader = file->reader;
     struct xml_id id = {node->id, node, NULL, node->place, node->number};
@@ -185,7 +186,7 @@ static bool is_mitsuba06(const char **attributes) {
     return false;
 }
 
-// The names of an element of version 0.6 become those of version 3.
+// Converts an element of version 0.6 to the names of version 3.
 static satin_status respell(struct file *file, struct xml_node *node, bool *keep) {
     struct xml_reader *reader = file->reader;
     struct xml_node *parent = reader->depth ? reader->open[reader->depth - 1] : NULL;
@@ -216,7 +217,7 @@ static satin_status open_element(struct file *file, const char *name, const char
     const bool included = root && file->parent && node->tag == XML_SCENE;
     struct xml_node *parent = reader->depth ? reader->open[reader->depth - 1] : NULL;
     if (included || (file->mitsuba06 && load_mitsuba06_dissolves(parent, node))) {
-        node = parent;  // to which belongs what it contains
+        node = parent;  // its children become those of the parent
     } else if (status == SATIN_OK && keep) {
         if (root && file->parent) node->name = file->name;
         status = take_element(file, node);
@@ -238,7 +239,7 @@ static void XMLCALL on_end(void *user, const char *name) {
     if (file->reader->status == SATIN_OK) file->reader->depth--;
 }
 
-// Expat cuts text at line breaks, and within a line seldom.
+// Expat splits text at line breaks, and seldom within a line.
 static void XMLCALL on_text(void *user, const char *text, int length) {
     struct file *file = user;
     int first = 0;
@@ -248,7 +249,7 @@ static void XMLCALL on_text(void *user, const char *text, int length) {
                    length - first < 40 ? length - first : 40, text + first);
 }
 
-// What is declared in other files, of the document's type or of parameter entities, is not read.
+// Declarations in other files, of the document type or of parameter entities, are not read.
 static int XMLCALL on_outer_declarations(void *user) {
     const struct file *file = user;
     log_warning_at(
@@ -267,8 +268,8 @@ static int XMLCALL on_external_entity(XML_Parser parser, const char *context, co
     return XML_STATUS_ERROR;
 }
 
-// Expat replaces the entities that the file declares, and bounds their growth by itself: to 8 MiB,
-// or to 100 times the file.
+// Expat replaces the entities that the file declares, and limits their growth: to 8 MiB, or to 100
+// times the file.
 static satin_status parse(struct file *file, const char *data, size_t size) {
     struct xml_reader *reader = file->reader;
     XML_SetUserData(file->parser, file);
@@ -286,7 +287,7 @@ static satin_status parse(struct file *file, const char *data, size_t size) {
     return SATIN_ERROR_INPUT;
 }
 
-// Whether the file is not one of those that are being read; else logs it.
+// Whether the file is not being read already; else logs an error.
 static bool includes_well(const struct file *file, struct log_place place) {
     struct log log = file->reader->log;
     int depth = 0;
@@ -319,7 +320,8 @@ static satin_status read_xml_file(struct xml_reader *reader, const struct file *
     const int real_error = errno;
     struct file file = {reader, XML_ParserCreate(NULL), path, real, parent,
                         name,   reader->depth,          false};
-    // What has no name in the file system, as a pipe, has no real path and includes nothing twice.
+    // A file without a name in the file system, such as a pipe, has no canonical path and cannot
+    // include itself.
     if (!file.parser || (!file.real && real_error == ENOMEM))
         status = log_fail(reader->log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
     else if (!includes_well(&file, place))
@@ -332,7 +334,7 @@ static satin_status read_xml_file(struct xml_reader *reader, const struct file *
     return reader->status = status;
 }
 
-// A define that nothing uses is most likely misspelt.
+// A define that nothing uses is probably misspelt.
 static satin_status check_defines(const struct xml_reader *reader, const char *path) {
     const struct load_defines *defines = &reader->defines;
     for (int i = 0; i < defines->count; i++) {
