@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is common to all models: the table of models, and evaluation and sampling of a choice of
-// lobes. Sampling picks a lobe by the model's probabilities, restricted to the lobes asked for; the
+// Functions for all models: the table of models, and evaluation and sampling of selected lobes.
+// Sampling chooses a lobe by the model's probabilities, restricted to the selected lobes; the
 // density of a direction is that of the mixture of the smooth lobes among them.
 //
-// Where a bump or normal map has rotated the frame, directions must be on one side of both the
-// rotated and the true surface, and light that comes in flat on the true one is shadowed by the
-// slopes [Estevez et al. 2019].
+// If a bump or normal map has rotated the frame, directions must be on the same side of the rotated
+// and of the true surface, and light at grazing angles to the true surface is shadowed by the
+// slopes of the map [Estevez et al. 2019].
 #include "brdf/brdf.h"
 
 #include <string.h>
@@ -66,12 +66,12 @@ unsigned brdf_lobes(const struct brdf *b) {
     return lobes;
 }
 
-// Probabilities of choosing a lobe; `glossy` is what sample_glossy draws.
+// The probabilities of choosing a lobe; `glossy` is that of all lobes that sample_glossy draws.
 struct lobe_probability {
     float diffuse, glossy, delta;
 };
 
-// False if none of the lobes asked for scatters light of wo.
+// False if none of the selected lobes scatters light to wo.
 static bool find_probabilities(const struct brdf *b, vec3 wo, unsigned lobes,
                                struct lobe_probability *out) {
     lobes &= brdf_lobes(b);
@@ -87,7 +87,7 @@ static bool find_probabilities(const struct brdf *b, vec3 wo, unsigned lobes,
     return true;
 }
 
-// The lobes of `lobes` that smoothly scatter light from wi to wo, by the sides of the two.
+// The smooth lobes among `lobes` that scatter light from wi to wo, given the sides of the two.
 static unsigned smooth_lobes(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes) {
     float sides = wo.z * wi.z;
     lobes &= b->model->lobes & BRDF_SMOOTH;
@@ -96,13 +96,13 @@ static unsigned smooth_lobes(const struct brdf *b, vec3 wo, vec3 wi, unsigned lo
     return sides < 0.0f && !b->opaque ? lobes & BRDF_THROUGH : 0;
 }
 
-// Whether map i rotated the frame.
+// Whether bump or normal map i has rotated the frame.
 static bool is_rotated(const struct brdf *b, int i) {
     return b->base[i].x != 0.0f || b->base[i].y != 0.0f || b->base[i].z != 0.0f;
 }
 
-// What is left of light from `light` when w is the other direction, or light itself, at a rotated
-// frame. Both are local.
+// The fraction of light from direction `light` that bump shadowing leaves, where w is the other
+// direction or `light` itself. Both are local to the rotated frame.
 static float bump_shadowing(const struct brdf *b, vec3 w, vec3 light) {
     float left = 1.0f;
     for (int i = 0; i < BRDF_BUMPS_MAX && is_rotated(b, i); i++) {
@@ -116,7 +116,8 @@ static float bump_shadowing(const struct brdf *b, vec3 w, vec3 light) {
 
 static bool has_bump(const struct brdf *b) { return is_rotated(b, 0); }
 
-// A fit to the cosine-weighted mean, good to 0.2 %; of two maps the product of theirs.
+// A fit of the cosine-weighted mean, accurate to 0.2 %. With two maps it is the product of their
+// means.
 float brdf_bump_diffuse(const struct brdf *b) {
     float mean = 1.0f;
     for (int i = 0; i < BRDF_BUMPS_MAX; i++) {
@@ -131,7 +132,7 @@ float brdf_bump_glossy(const struct brdf *b, vec3 wo) {
     return has_bump(b) ? bump_shadowing(b, mirror, mirror) : 1.0f;
 }
 
-// `lobes` from smooth_lobes, not 0.
+// Evaluates `lobes`, from smooth_lobes and not 0.
 static rgb eval_smooth(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes,
                        enum brdf_mode mode) {
     if (lobes & BRDF_THROUGH) return b->model->through(b, wo, wi, mode);
@@ -163,7 +164,8 @@ float brdf_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes) {
     return pdf_smooth(b, wo, wi, lobes, s);
 }
 
-// One delta lobe, chosen by u in [0, 1); `chosen` is the probability that it was chosen.
+// Draws one delta lobe by u in [0, 1). `chosen` is the probability with which delta lobes were
+// chosen.
 static bool sample_delta(const struct brdf *b, vec3 wo, float u, float chosen, enum brdf_mode mode,
                          struct brdf_sample *out) {
     struct brdf_sample lobe[2];
@@ -175,7 +177,7 @@ static bool sample_delta(const struct brdf *b, vec3 wo, float u, float chosen, e
     return true;
 }
 
-// Index of refraction beyond over before for light that leaves to the other side of wo.
+// The IOR of the other side over that of wo's side, for light that is transmitted.
 static float index_through(const struct brdf *b, vec3 wo) {
     if (b->model->thin) return 1.0f;
     return wo.z > 0.0f ? b->ior : 1.0f / b->ior;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Directional albedo: closed for delta and diffuse lobes; for the glossy lobe, which has no closed
-// form, from a small table over outgoing directions that is made with the material. Where roughness
-// is textured the table does not hold, and a few samples do instead.
+// Directional albedo: in closed form for delta and diffuse lobes. The glossy lobe has no closed
+// form; its albedo is from a small table over outgoing directions that is made with the material
+// or, if roughness is textured, from a few samples.
 #include "base/sampling.h"
 #include "brdf/brdf_models.h"
 
@@ -12,16 +12,16 @@ enum {
     LOOKUP_POINTS = 32
 };
 
-// Albedo of the glossy lobe with `specular` 1, and of BRDF_THROUGH with `transmittance` 1.
+// The albedo of the glossy lobe with `specular` 1, and of BRDF_THROUGH with `transmittance` 1.
 struct brdf_glossy {
-    struct brdf brdf;  // the tables hold for its shape
+    struct brdf brdf;  // the tables are valid for a BRDF of the same shape
     int azimuths;      // ALBEDO_AZIMUTHS, or 1 if isotropic
     struct nodes {
         rgb node[ALBEDO_AZIMUTHS][ALBEDO_NODES];
-    } side[2][2];  // by lobe; for wo above, below
+    } side[2][2];  // by lobe; for wo above and below
 };
 
-// By the lobe's own sampler on one fixed set of well-spread points.
+// The mean over the lobe's own samples from one fixed set of low-discrepancy points.
 static rgb sample_mean(const struct brdf *b, vec3 wo, unsigned lobe, uint32_t points) {
     rgb sum = rgb_grey(0.0f);
     for (uint32_t i = 0; i < points; i++) {
@@ -69,7 +69,7 @@ static rgb lerp_nodes(const rgb *node, float x) {
     return rgb_mad(rgb_scale(node[i], 1.0f - t), node[i + 1], t);
 }
 
-// Of BRDF_GLOSSY or BRDF_THROUGH.
+// The albedo of BRDF_GLOSSY or BRDF_THROUGH.
 static rgb glossy_albedo(const struct brdf *b, vec3 wo, unsigned lobe) {
     const struct brdf_glossy *g = b->glossy;
     if (!g || !brdf_same_shape(&g->brdf, b))

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The diffuse lobe of the principled models; see the header. With F = (1 - cos)^5 at both
-// directions, c = cos^2 of half the angle between them, r the roughness, R = 2 r c:
+// The diffuse lobe of the principled models, see brdf_burley.h. With F = (1 - cos)^5 at both
+// directions, c = cos^2 of half the angle between them, r the roughness and R = 2 r c:
 //   diffuse (1 - Fo/2) (1 - Fi/2), retroreflection R (Fo + Fi + Fo Fi (R - 1)),
 //   flattened 1.25 (S (1 / (cos_o + cos_i) - 1/2) + 1/2), S = (1 + (r c - 1) Fo) (1 + (r c - 1)
 //   Fi).
@@ -12,9 +12,9 @@
 
 enum { BURLEY_SIZE = 33, AZIMUTHS = 32, NODES = 24 };
 
-// Means over the hemisphere weighted by the cosine, for cosines 0 to 1, evenly spaced. The names
-// say what: c, c^2, F = Fi, G = 1 - Fi, w = 1 / (cos_o + cos_i) - 1/2, and the sheen's Schlick
-// weight.
+// Cosine-weighted means over the hemisphere, for cosines 0 to 1 at equal distances. They are named
+// after their integrands: c, c^2, F = Fi, G = 1 - Fi, w = 1 / (cos_o + cos_i) - 1/2, and the
+// Schlick weight of the sheen.
 struct burley {
     float c[BURLEY_SIZE], cF[BURLEY_SIZE], c2F[BURLEY_SIZE], wG[BURLEY_SIZE], wcF[BURLEY_SIZE],
         wcG[BURLEY_SIZE], wc2F[BURLEY_SIZE], sheen[BURLEY_SIZE];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Metals: the ideal mirror and microfacets of it [Walter et al. 2007], with complex indices of
+// Metals: the ideal mirror and its microfacet model [Walter et al. 2007], with complex indices of
 // refraction per channel; `specular` is a factor.
 #include "brdf/brdf_fresnel.h"
 #include "brdf/brdf_microfacet.h"
@@ -18,7 +18,7 @@ static struct microfacet conductor_facets(const struct brdf *b) {
 }
 
 static void conductor_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {
-    float cos_d = minf(0.5f * v3_len(v3_add(wo, wi)), 1.0f);  // to the facet's normal
+    float cos_d = minf(0.5f * v3_len(v3_add(wo, wi)), 1.0f);  // cosine to the facet's normal
     rgb f = rgb_mul(b->specular, fresnel_conductor(cos_d, b->eta, b->k));
     *diffuse = rgb_grey(0.0f);
     *glossy = rgb_scale(f, microfacet_reflection(conductor_facets(b), wo, wi));

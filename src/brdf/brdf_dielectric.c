@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Smooth glass: a boundary between two media, and a thin pane with both its boundaries at once; and
-// a surface that is not there. wo may lie on either side. All are delta lobes only.
+// Smooth glass: a boundary between two media, and a thin pane with both its boundaries at once;
+// also the null BRDF. wo may be on either side. All have only delta lobes.
 #include "brdf/brdf_fresnel.h"
 #include "brdf/brdf_models.h"
 
-// Fills reflection and transmission with their samples in proportion to `f` and 1 - f (physical
-// fractions, so that colours do not move them); a probability of 0 is left out.
+// Fills reflection and transmission with probabilities f and 1 - f, which are the physical
+// fractions without colours. A lobe of probability 0 is left out.
 static int split_delta(float f, struct brdf_sample reflected, struct brdf_sample transmitted,
                        struct brdf_sample out[2]) {
     int n = 0;
@@ -21,7 +21,7 @@ static int glass_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode,
     if (wo.z == 0.0f) return 0;
     float cos_t, f = fresnel_dielectric(wo.z, b->ior, &cos_t);
     float eta = wo.z > 0.0f ? b->ior : 1.0f / b->ior;
-    // Radiance is compressed into a smaller solid angle on the denser side.
+    // Radiance is compressed to a smaller solid angle on the denser side.
     float t = (1.0f - f) / (mode == BRDF_RADIANCE ? eta * eta : 1.0f);
     struct brdf_sample transmitted = {.wi = v3(-wo.x / eta, -wo.y / eta, cos_t),
                                       .weight = rgb_scale(b->transmittance, t),
@@ -30,7 +30,8 @@ static int glass_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode,
     return split_delta(f, brdf_mirror(wo, rgb_scale(b->specular, f)), transmitted, out);
 }
 
-// Light bounces between the two boundaries: the series R + T R T + T R^3 T + ... = 2 R / (1 + R).
+// Light is reflected between the two boundaries: the series R + T R T + T R^3 T + ... = 2 R / (1 +
+// R).
 static int pane_delta(const struct brdf *b, vec3 wo, enum brdf_mode mode,
                       struct brdf_sample out[2]) {
     (void)mode;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lambertian reflection, diffuse / pi, and what is common to every model with such a lobe.
+// Lambertian reflection, diffuse / pi, and functions for all models with such a lobe.
 #include "brdf/brdf_models.h"
 
 static void diffuse_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb *glossy) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fresnel terms that are too long for the header; see there.
+// The Fresnel terms that are too long to be inline, see brdf_fresnel.h.
 #include "brdf/brdf_fresnel.h"
 
-// With eta + i k and s = sin^2: the boundary acts like one of real index a + i b normal to it,
-// where (a + i b)^2 = (eta + i k)^2 - s. The four lanes of the arrays make one vector; lane 3
-// idles.
+// With eta + i k and s = sin^2: the boundary has the reflectance of one of real index a + i b
+// normal to it, where (a + i b)^2 = (eta + i k)^2 - s. The arrays have four lanes to fill a vector;
+// lane 3 is unused.
 rgb fresnel_conductor(float cos_i, rgb eta, rgb k) {
     const float n[4] = {eta.r, eta.g, eta.b, 1.0f}, kk[4] = {k.r, k.g, k.b, 0.0f};
     const float c2 = cos_i * cos_i, s2 = 1.0f - c2, s4 = s2 * s2;

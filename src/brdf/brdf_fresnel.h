@@ -5,10 +5,10 @@
 
 #include "base/vec.h"
 
-// Fraction that a boundary between dielectrics reflects, [Born and Wolf, 1.5.2]. `cos_i` is the
-// signed cosine to the normal, negative inside; `ior` interior over exterior index. *cos_t (may be
-// NULL) gets the cosine of the refracted direction to the normal, its sign opposite to cos_i; 0
-// under total reflection.
+// The fraction that a boundary between dielectrics reflects [Born and Wolf, 1.5.2]. `cos_i` is the
+// signed cosine to the normal, negative inside; `ior` is that of the inside over that of the
+// outside. *cos_t (may be NULL) is set to the cosine of the refracted direction to the normal,
+// whose sign is opposite to that of cos_i, or to 0 for total reflection.
 static inline float fresnel_dielectric(float cos_i, float ior, float *cos_t) {
     float eta = cos_i >= 0.0f ? ior : 1.0f / ior;
     float ci = fabsf(cos_i), eta2 = eta * eta;

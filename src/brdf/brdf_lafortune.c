@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Generalised cosine lobes [Lafortune et al. 1997]: f = diffuse / pi + sum of colour * c^n with
-// c = cx xo xi + cy yo yi + cz zo zi, where positive. With cx = cy = -1 and cz = 1 a lobe is
-// Phong's, unnormalised; cx other than cy makes it anisotropic, cz above the others off-specular.
+// Generalised cosine lobes [Lafortune et al. 1997]: f = diffuse / pi + sum of colour * c^n with c =
+// cx xo xi + cy yo yi + cz zo zi where that is positive. With cx = cy = -1 and cz = 1 a lobe is an
+// unnormalised Phong lobe. It is anisotropic if cx and cy differ, and off-specular if cz is larger
+// than the others.
 #include "base/frame.h"
 #include "brdf/brdf_models.h"
 
@@ -24,7 +25,7 @@ satin_status brdf_lafortune_set(struct brdf *b, struct arena *arena,
     return SATIN_OK;
 }
 
-// The axis of a lobe, not unit: c is its product with wi.
+// The axis of a lobe, not a unit vector: c is its dot product with wi.
 static vec3 axis_of(const struct brdf_cosine_lobe *l, vec3 wo) {
     return v3(l->c.x * wo.x, l->c.y * wo.y, l->c.z * wo.z);
 }
@@ -40,7 +41,7 @@ static void lafortune_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse,
     *glossy = rgb_mul(*glossy, b->specular);
 }
 
-// Probabilities by the lobes' integrals over the sphere; false if none reflects.
+// Probabilities by the lobes' integrals over the sphere. False if none reflects.
 static bool lobe_probabilities(const struct lobes *l, vec3 wo,
                                float probability[BRDF_COSINE_LOBES_MAX]) {
     float sum = 0.0f;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measured BRDFs: values in a grid, by half and difference angles as the MERL database keeps them
-// [Matusik et al. 2003], or by the angles of both directions. They are interpolated linearly.
+// Measured BRDFs: values in a grid, by half and difference angles as in the MERL database [Matusik
+// et al. 2003], or by the angles of both directions, with linear interpolation.
 //
-// A grid has no lobes of its own. What it reflects in all directions alike, up to the least value
-// away from grazing ones, is called diffuse, the rest glossy. The rest is sampled by half vectors,
-// whose distribution is tabulated from mirror-like pairs, with a fraction of cosine-distributed
-// directions for what that misses.
+// A grid is not separated into lobes. The part of it that is equal in all directions, the least
+// value away from grazing directions, counts as diffuse, the rest as glossy. The glossy lobe is
+// sampled by half vectors, whose distribution is tabulated from mirrored pairs, and by a fraction
+// of cosine-distributed directions for the light that this misses.
 #include <string.h>
 
 #include "base/sampling.h"
@@ -13,19 +13,19 @@
 
 enum { THETA = 64, PHI = 16, ALBEDO = 33, PAIRS = 5 };
 
-#define COSINE_FRACTION 0.2f  // of the samples
+#define COSINE_FRACTION 0.2f  // fraction of the samples
 
 struct measured {
     struct brdf_grid grid;
-    rgb least;           // of f [sr^-1]
+    rgb least;           // least value of f [sr^-1]
     rgb albedo[ALBEDO];  // of the diffuse lobe, by the cosine
     float cdf[THETA * PHI + 1];
 };
 
 // ---- Values -------------------------------------------------------------------------------------
 
-// Position x among n ascending nodes, evenly spaced from `first` by `step`; periodic if `period`
-// nodes make a full circle. Outside it is clamped.
+// The position x among n ascending nodes at equal distances, from `first` by `step`. It is periodic
+// if `period` nodes are a full circle; otherwise it is clamped.
 struct grid_position {
     int i[2];
     float f;
@@ -65,8 +65,7 @@ static rgb grid_value(const struct brdf_grid *g, size_t i) {
     return g->channels == 1 ? rgb_grey(v[0]) : rgb_make(v[0], v[1], v[2]);
 }
 
-// The mean over all corners of the cell in `dimensions` coordinates, of which the last varies
-// fastest.
+// The interpolated value of a cell in `dimensions` coordinates, of which the last varies fastest.
 static rgb blend(const struct brdf_grid *g, const struct grid_position *at, int dimensions) {
     rgb sum = rgb_grey(0.0f);
     for (int corner = 0; corner < 1 << dimensions; corner++) {
@@ -85,7 +84,7 @@ static rgb blend(const struct brdf_grid *g, const struct grid_position *at, int 
 static rgb value_half(const struct brdf_grid *g, vec3 wo, vec3 wi) {
     vec3 h = v3_unit(v3_add(wo, wi));
     float theta_h = acosf(minf(h.z, 1.0f)), theta_d = acosf(clampf(v3_dot(h, wo), 0.0f, 1.0f));
-    // The azimuth of wi about h, from the plane of h and the normal; alike for wi and wo.
+    // The azimuth of wi about h, from the plane of h and the normal; it is the same for wi and wo.
     float s = sqrtf(h.x * h.x + h.y * h.y), phi = 0.0f;
     if (s > 1e-6f) {
         float c = h.x / s, d = h.y / s;
@@ -114,7 +113,7 @@ static rgb value_one_direction(const struct brdf_grid *g, vec3 wo, vec3 wi) {
     return blend(g, at, 4);
 }
 
-// Reciprocal whatever the data: the mean of both directions.
+// The mean of both directions of light, so that it is reciprocal for any data.
 static rgb value(const struct measured *m, vec3 wo, vec3 wi) {
     if (m->grid.kind == BRDF_GRID_HALF) return value_half(&m->grid, wo, wi);
     return rgb_scale(
@@ -147,13 +146,14 @@ static rgb find_least(const struct measured *m) {
 
 static float theta_boundary(int i) { return 0.5f * PI_F * sqrf((float)i / THETA); }
 
-// Brightness of facets in a cell of half vectors: pairs that they mirror, without the diffuse lobe.
+// The brightness of facets in a cell of half vectors: the mean over pairs that they mirror, without
+// the diffuse lobe.
 static float cell_weight(const struct measured *m, int i, int j) {
     float theta = 0.5f * (theta_boundary(i) + theta_boundary(i + 1));
     float phi = 2.0f * PI_F * ((float)j + 0.5f) / PHI, sum = 0.0f;
     vec3 h = direction_of_angles(theta, phi);
     for (int k = 0; k < PAIRS; k++) {
-        // At 0 to 64 degrees from h, about it.
+        // At 0 to 64 degrees from h, with different azimuths.
         float tilt = 0.28f * (float)k, about = 2.4f * (float)k + phi;
         vec3 u = v3_unit(v3_cross(fabsf(h.z) > 0.9f ? v3(1, 0, 0) : v3(0, 0, 1), h));
         vec3 v = v3_cross(h, u);
@@ -164,7 +164,7 @@ static float cell_weight(const struct measured *m, int i, int j) {
         rgb f = value(m, wo, wi);
         sum += rgb_mean(rgb_sub(f, diffuse_component(m, f))) * cosf(tilt);
     }
-    // Times the solid angle of the cell and the cosine, as D is normalised.
+    // Times the solid angle of the cell and the cosine, for the normalisation of D.
     return sum * (cosf(theta_boundary(i)) - cosf(theta_boundary(i + 1))) * h.z;
 }
 
@@ -210,7 +210,7 @@ static void measured_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, 
     *glossy = rgb_mul(rgb_sub(f, *diffuse), b->specular);
 }
 
-// Density over solid angle of the half vector.
+// The density of the half vector over solid angle.
 static float half_density(const struct measured *m, vec3 h) {
     float theta = acosf(minf(h.z, 1.0f)), phi = atan2f(h.y, h.x) * (0.5f / PI_F);
     int i = (int)(sqrtf(theta * (2.0f / PI_F)) * THETA), j = (int)((phi < 0 ? phi + 1 : phi) * PHI);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sampling of visible normals: stretch the view so that the facets become isotropic with roughness
-// 1, draw a visible slope there, shrink back [Heitz 2014].
+// Sampling of visible normals: stretches the view so that the facets are isotropic with roughness
+// 1, draws a visible slope there, and shrinks it back [Heitz 2014].
 #include "brdf/brdf_microfacet.h"
 
 #include "base/sampling.h"
@@ -8,28 +8,28 @@
 float microfacet_g1_exact(struct microfacet m, vec3 v) {
     float t2 = microfacet_stretch2(m, v);
     if (m.kind == BRDF_GGX) return 2.0f * v.z / (v.z + sqrtf(v.z * v.z + t2));
-    if (v.z * v.z >= 25.0f * t2) return 1.0f;  // 1 - 1e-13
+    if (v.z * v.z >= 25.0f * t2) return 1.0f;  // the error is 1e-13
     float a = v.z / sqrtf(t2);
     return 2.0f * a / (a * (1.0f + erff(a)) + expf(-a * a) * (1.0f / 1.7724538509f));
 }
 
-// Inverse error function: Winitzki's closed form, off by up to 5e-3.
+// Inverse error function by Winitzki's closed form, with errors up to 5e-3.
 static double inverse_erf_roughly(double y) {
     double l = log1p(-y * y), b = 2.0 / (M_PI * 0.147) + 0.5 * l;
     return copysign(sqrt(sqrt(b * b - l / 0.147) - b), y);
 }
 
-// One step of Halley's method, with erf'' = -2 x erf', leaves 4e-7.
+// One step of Halley's method, with erf'' = -2 x erf', reduces the error to 4e-7.
 static double inverse_erf(double y) {
     y = fmin(fmax(y, -1.0 + 1e-8), 1.0 - 1e-8);
     double x = inverse_erf_roughly(y), step = (erf(x) - y) * exp(x * x) / M_2_SQRTPI;
     return x - step / (1.0 + x * step);
 }
 
-// The slope along the view of a visible Beckmann facet of roughness 1, viewed under an angle of
-// cosine c and sine s to the normal. Its density is (c - s x) exp(-x^2) up to x = c / s, so its
-// distribution is closed, and inverted by Halley's method kept inside a bracket: two steps on
-// average, from a blend of the solutions for c = 1 and c = 0. Good to 1e-8 in u.
+// The slope along the view of a visible Beckmann facet of roughness 1, viewed at an angle of cosine
+// c and sine s to the normal. Its density is (c - s x) exp(-x^2) up to x = c / s, so the
+// distribution function has a closed form. It is inverted by Halley's method within a bracket, in
+// two steps on average, from a blend of the solutions for c = 1 and c = 0. Accurate to 1e-8 in u.
 static double beckmann_slope(double c, double s, double u) {
     const double q = 0.25 * M_2_SQRTPI;  // 1 / (2 sqrt(pi))
     double lo = -5.0, hi = s > 0.2 * c ? c / s : 5.0;
@@ -47,7 +47,7 @@ static double beckmann_slope(double c, double s, double u) {
         double step = excess / (2.0 * q * e * facing);
         double next = x - step / (1.0 + step * (x + 0.5 * s / facing));
         if (!(next > lo && next < hi)) next = 0.5 * (lo + hi);
-        if (fabs(next - x) < 1e-3) return next;  // the step cubes the error
+        if (fabs(next - x) < 1e-3) return next;  // a step cubes the error
         x = next;
     }
     return x;
@@ -63,7 +63,7 @@ static vec2 ggx_slope(float c, float s, float u, float v) {
     return (vec2){(c * p.y - s * z) * scale, p.x * scale};
 }
 
-// What the view gives once stretched: cosine and sine to the normal, and its azimuth.
+// The view after stretching: cosine and sine to the normal, and its azimuth.
 struct stretched_view {
     float c, s, cos_phi, sin_phi;
 };
@@ -89,8 +89,8 @@ vec3 microfacet_sample(struct microfacet m, vec3 w, float u, float v) {
     return shrink_slope(m, view, slope);
 }
 
-// Both maps from (u, v) to slopes are mirrored by u -> 1 - u, so half of the rule does. Beckmann's
-// are separable, which leaves one root to find per node instead of one per pair.
+// u -> 1 - u mirrors both maps from (u, v) to slopes, so half of the rule is enough. Beckmann's map
+// is separable, so a root is needed per node, not per pair of nodes.
 double microfacet_visible_mean(struct microfacet m, float cosine, const struct quadrature *rule,
                                float (*fn)(const void *ctx, vec3 n), const void *ctx) {
     struct stretched_view view =

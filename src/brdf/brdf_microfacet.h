@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Distributions of microfacet normals, their Smith shadowing, and sampling of the normals that are
-// visible. Private to brdf/. Sources: [Walter et al. 2007] for D and G, [Heitz 2014] for the
-// anisotropic forms, [Heitz 2018] and [Jakob 2014] for sampling.
+// Private to brdf/: distributions of microfacet normals, their Smith shadowing, and sampling of
+// visible normals. Sources: [Walter et al. 2007] for D and G, [Heitz 2014] for the anisotropic
+// forms, [Heitz 2018] and [Jakob 2014] for sampling.
 //
-// Deviation: evaluation takes Walter's rational fit (0.35 %) for the shadowing of Beckmann facets,
-// as is custom; the density of sampling takes the exact form, which the sampler follows.
+// Deviation: the shadowing of Beckmann facets is evaluated by Walter's rational fit (0.35 %), as is
+// usual, but densities of sampling are by the exact form, which the sampler follows.
 #ifndef BRDF_MICROFACET_H
 #define BRDF_MICROFACET_H
 
@@ -23,12 +23,12 @@ static inline struct microfacet microfacet_make(enum brdf_distribution kind, flo
     return (struct microfacet){kind, maxf(au, least), maxf(av, least)};
 }
 
-// |(au v.x, av v.y)|^2: squared tangent of v after stretching, times v.z^2.
+//(au v.x, av v.y)|^2: the squared tangent of v after stretching, times v.z^2.
 static inline float microfacet_stretch2(struct microfacet m, vec3 v) {
     return sqrf(m.au * v.x) + sqrf(m.av * v.y);
 }
 
-// Density of facets [sr^-1] with normal h / |h|; h need not be unit, h.z > 0.
+// The density of facets with normal h / |h| [sr^-1]; h need not be unit, h.z > 0.
 static inline float microfacet_d(struct microfacet m, vec3 h) {
     float h2 = v3_len2(h), e = sqrf(h.x / m.au) + sqrf(h.y / m.av), z2 = h.z * h.z;
     float scale = h2 * h2 / (PI_F * m.au * m.av);
@@ -36,7 +36,8 @@ static inline float microfacet_d(struct microfacet m, vec3 h) {
     return scale * expf(-e / z2) / (z2 * z2);
 }
 
-// Masking of direction v (v.z > 0): the fraction of facets facing v that v sees; the rational fit.
+// The masking of direction v (v.z > 0), by the rational fit: the fraction of the facets facing v
+// that is visible from v.
 static inline float microfacet_g1(struct microfacet m, vec3 v) {
     float t2 = microfacet_stretch2(m, v);
     if (m.kind == BRDF_GGX) return 2.0f * v.z / (v.z + sqrtf(v.z * v.z + t2));
@@ -45,10 +46,10 @@ static inline float microfacet_g1(struct microfacet m, vec3 v) {
     return a * (3.535f + 2.181f * a) / (1.0f + a * (2.276f + 2.577f * a));
 }
 
-// Exact masking of v (v.z > 0), which normalises the visible normals.
+// The exact masking of v (v.z > 0), which normalises the distribution of visible normals.
 float microfacet_g1_exact(struct microfacet m, vec3 v);
 
-// D G / (4 cos cos) of reflection from wo to wi, both above [sr^-1].
+// D G / (4 cos cos) for reflection from wo to wi, both above [sr^-1].
 static inline float microfacet_reflection(struct microfacet m, vec3 wo, vec3 wi) {
     float d = microfacet_d(m, v3_add(wo, wi));
     if (m.kind == BRDF_GGX) {
@@ -59,20 +60,21 @@ static inline float microfacet_reflection(struct microfacet m, vec3 wo, vec3 wi)
     return d * microfacet_g1(m, wo) * microfacet_g1(m, wi) / (4.0f * wo.z * wi.z);
 }
 
-// Density over the solid angle of wi with which reflection of wo at a visible normal draws wi.
+// The density over the solid angle of wi with which reflection of wo at a visible normal draws wi.
 static inline float microfacet_reflection_pdf(struct microfacet m, vec3 wo, vec3 wi) {
     return microfacet_d(m, v3_add(wo, wi)) * microfacet_g1_exact(m, wo) / (4.0f * wo.z);
 }
 
-// Draws a unit normal visible from w (w.z > 0), with density D G1 (w . m) / w.z.
+// Draws a unit normal that is visible from w (w.z > 0), with density D G1 (w . m) / w.z.
 vec3 microfacet_sample(struct microfacet m, vec3 w, float u, float v);
 
-// Mean of fn over the normals visible under `cosine` from the azimuth 0, for isotropic facets and a
-// function that is even in y: a product Gauss rule over the square of microfacet_sample.
+// The mean of fn over the normals that are visible at `cosine` from the azimuth 0, for isotropic
+// facets and a function that is even in y: a product Gauss rule over the unit square of
+// microfacet_sample.
 double microfacet_visible_mean(struct microfacet m, float cosine, const struct quadrature *rule,
                                float (*fn)(const void *ctx, vec3 n), const void *ctx);
 
-// Reflects wo at a visible normal; false if the result is not above.
+// Reflects wo at a visible normal. False if the result is not above.
 bool microfacet_reflect(struct microfacet m, vec3 wo, float u, float v, vec3 *wi);
 
 #endif

@@ -5,7 +5,7 @@
 #include "base/frame.h"
 #include "brdf/brdf_models.h"
 
-// x^n for 0 <= x <= 1 and n >= 0; whole exponents, the common case, by squaring.
+// x^n for 0 <= x <= 1 and n >= 0. Integer exponents, the usual case, by squaring.
 static float power(float x, float n) {
     int whole = n <= 1024.0f ? (int)n : -1;
     if ((float)whole != n) return powf(x, n);
@@ -15,8 +15,8 @@ static float power(float x, float n) {
     return r;
 }
 
-// Of the lobe. Facets of roughness alpha spread light as this one by 2 / alpha^2 - 2 [Walter et al.
-// 2007].
+// The exponent of the lobe, limited by alpha_least: facets of roughness alpha spread light like an
+// exponent of 2 / alpha^2 - 2 [Walter et al. 2007].
 static float exponent(const struct brdf *b) {
     if (!(b->alpha_least > 0.0f)) return b->exponent;
     return minf(b->exponent, 2.0f / sqrf(b->alpha_least) - 2.0f);
@@ -41,7 +41,7 @@ static void phong_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, fl
     *glossy = (exponent(b) + 1.0f) * (0.5f / PI_F) * lobe(b, wo, wi);
 }
 
-// cos^n about the mirror direction; what falls below the surface is lost.
+// Draws by cos^n around the mirror direction. Samples below the surface fail.
 static bool phong_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u, vec3 *wi) {
     (void)lobes;
     float l = logf(maxf(1.0f - u.y, 0x1p-25f)) / (exponent(b) + 1.0f);

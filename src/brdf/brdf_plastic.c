@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plastics: a diffuse base under a smooth or rough dielectric coat. Light that enters is dimmed by
-// the coat on its way in and out and, between, reflected back from inside the coat (the sum over
-// all internal bounces is closed). With `nonlinear` each of them takes the base's colour once more.
-// The coat's lobe is specular * Fresnel; the base's
+// Plastics: a diffuse base under a smooth or rough dielectric coat. The coat attenuates light on
+// its way in and out, and reflects light back to the base from inside (the sum over all internal
+// reflections is closed). With `nonlinear`, each reflection is multiplied by the base's colour. The
+// coat's lobe is specular * Fresnel; the base's is
 //   f = diffuse T(wo) T(wi) / (pi ior^2 (1 - R_in)),  R_in times diffuse if nonlinear,
-// where T is what the coat lets through and R_in its mean reflectance from inside, both as Mitsuba
-// tabulates them for the rough coat: single scattering, so light masked by other facets is lost.
+// where T is the transmittance of the coat and R_in its mean reflectance from inside, both as
+// Mitsuba tabulates them for the rough coat: single scattering, so that light that other facets
+// mask is lost.
 #include "base/sampling.h"
 #include "brdf/brdf_fresnel.h"
 #include "brdf/brdf_microfacet.h"
@@ -13,9 +14,9 @@
 #include "brdf/brdf_quadrature.h"
 
 enum {
-    TRANSMITTANCE_SIZE = 64,  // cosines 0 to 1, evenly spaced
+    TRANSMITTANCE_SIZE = 64,  // cosines 0 to 1 at equal distances
     OUTSIDE_NODES = 32,       // per dimension, where the reflectance is smooth
-    INSIDE_NODES = 128        // where total reflection cuts in
+    INSIDE_NODES = 128        // where total reflection begins
 };
 
 struct plastic_coat {
@@ -97,10 +98,10 @@ static float transmittance(const struct plastic_coat *c, float cosine) {
 struct boundary {
     struct microfacet facets;
     vec3 wo;
-    float eta;  // index beyond over index before
+    float eta;  // IOR of the other side over that of this one
 };
 
-// What a facet of normal n reflects, and what leaves unmasked of it.
+// The fraction of light that a facet of normal n reflects and that is not masked.
 static float facet_reflects(const void *ctx, vec3 n) {
     const struct boundary *b = ctx;
     float c = v3_dot(b->wo, n);
@@ -109,11 +110,15 @@ static float facet_reflects(const void *ctx, vec3 n) {
     return fresnel_dielectric(c, b->eta, NULL) * microfacet_g1(b->facets, wi);
 }
 
-// What it lets through, unmasked on the other side.
+// The fraction that the facet transmits and that is not masked on the other side.
 static float facet_transmits(const void *ctx, vec3 n) {
     const struct boundary *b = ctx;
     float cos_t, c = v3_dot(b->wo, n), f = fresnel_dielectric(c, b->eta, &cos_t);
-    vec3 inward = v3_mad(v3_mul(b->wo, 1.0f / b->eta), -(c / b->eta + cos_t), n);  // reversed
+    vec3 inward = v3_mad(v3_mul(b->wo, 1.0f / b->eta), -(c / b->eta + cos_t), n);  // direction of
+                                                                                   // the
+                                                                                   // transmitted
+                                                                                   // light,
+                                                                                   // reversed
     if (inward.z <= 0.0f) return 0.0f;
     return (1.0f - f) * microfacet_g1(b->facets, inward);
 }

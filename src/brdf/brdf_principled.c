@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The principled model [Burley 2012, 2015] as Mitsuba 3 has it: a diffuse lobe (brdf_burley.c), GGX
-// facets with a Fresnel factor between dielectric and metal, a clear coat of GTR1 facets, and
-// refraction through the same GGX facets. `diffuse` is the base colour, `ior` the relative index,
-// `alpha_u` the roughness. Light reflects inside only where it can enter (spec_trans).
+// The principled model [Burley 2012, 2015] as in Mitsuba 3: a diffuse lobe (brdf_burley.c), GGX
+// facets with a Fresnel factor between those of a dielectric and a metal, a clear coat of GTR1
+// facets, and refraction through the same GGX facets. `diffuse` is the base colour, `ior` the
+// relative IOR, `alpha_u` the roughness. There is reflection inside only if light can enter
+// (spec_trans).
 #include "brdf/brdf_burley.h"
 #include "brdf/brdf_fresnel.h"
 #include "brdf/brdf_models.h"
 #include "brdf/brdf_refraction.h"
 
-// Fractions of the base: what is diffuse and what refracts.
+// The fractions of the base that are diffuse and that refract.
 static float diffuse_fraction(const struct brdf *b) {
     return (1.0f - b->metallic) * (1.0f - b->spec_trans);
 }
@@ -16,7 +17,7 @@ static float refracting_fraction(const struct brdf *b) {
     return (1.0f - b->metallic) * b->spec_trans;
 }
 
-// The facets' reflectance outside, at the cosine c to them.
+// The reflectance of the facets from outside, at the cosine c to them.
 static rgb reflectance(const struct brdf *b, float c) {
     float dielectric = (1.0f - b->metallic) * (1.0f - b->spec_tint);
     rgb f = rgb_grey(dielectric * fresnel_dielectric(c, b->ior, NULL));
@@ -33,7 +34,7 @@ static float coat_alpha2(const struct brdf *b) {
     return sqrf(maxf(lerpf(0.1f, 0.001f, b->clearcoat_gloss), b->alpha_least));
 }
 
-// Density of GTR1 facets whose normal has cosine z.
+// The density of GTR1 facets whose normal has cosine z.
 static float coat_d(float alpha2, float z) {
     return (alpha2 - 1.0f) / (PI_F * logf(alpha2) * (1.0f + (alpha2 - 1.0f) * z * z));
 }
@@ -61,7 +62,7 @@ static bool coat_sample(const struct brdf *b, vec3 wo, vec3 u, vec3 *wi) {
     return c > 0.0f && wi->z > 0.0f;
 }
 
-// How likely sample_glossy takes the coat.
+// The probability that sample_glossy draws from the clear coat.
 static float coat_probability(const struct brdf *b, bool inside, unsigned lobes) {
     if (inside || !(lobes & BRDF_GLOSSY)) return 0.0f;
     return 0.25f * b->clearcoat / (1.0f + 0.25f * b->clearcoat);
@@ -96,7 +97,7 @@ static rgb principled_transmission(const struct brdf *b, vec3 wo, vec3 wi, enum 
     return rgb_mul(rgb_scale(root, f), b->transmittance);
 }
 
-// How likely a facet with reflectance f refracts.
+// The probability that a facet of reflectance f refracts.
 static float refracts(const struct brdf *b, bool inside, unsigned lobes, float f) {
     if (!(lobes & BRDF_THROUGH)) return 0.0f;
     if (!(lobes & BRDF_GLOSSY)) return 1.0f;
@@ -141,7 +142,7 @@ static rgb principled_diffuse_albedo(const struct brdf *b, vec3 wo) {
     return burley_diffuse_albedo(b, wo.z, diffuse_fraction(b), 1.0f - b->metallic);
 }
 
-// By the reflectance of facets that lie flat.
+// Estimated by the reflectance of facets whose normal is that of the surface.
 static rgb principled_glossy_estimate(const struct brdf *b, vec3 wo, unsigned lobe) {
     float c = maxf(fabsf(wo.z), 0.05f), f = fresnel_dielectric(copysignf(c, wo.z), b->ior, NULL);
     if (lobe == BRDF_THROUGH) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The principled model for thin sheets [Burley 2015] as Mitsuba 3 has it: a diffuse lobe on both
-// sides, GGX facets that reflect, and the same ones narrowed by the index that let light through
-// unbent. Both sides are alike, so everything is computed with wo above. `diffuse` is the base
-// colour, `ior` the index of the sheet, `alpha_u` the roughness.
+// The principled model for thin sheets [Burley 2015] as in Mitsuba 3: a diffuse lobe on both sides,
+// GGX facets that reflect, and GGX facets, made narrower by the IOR, that transmit light without
+// changing its direction. Both sides are the same, so everything is computed with wo above.
+// `diffuse` is the base colour, `ior` the IOR of the sheet, `alpha_u` the roughness.
 #include "base/sampling.h"
 #include "brdf/brdf_burley.h"
 #include "brdf/brdf_fresnel.h"
@@ -45,8 +45,8 @@ static void thin_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, rgb 
 
 static vec3 mirrored(vec3 w) { return v3(w.x, w.y, -w.z); }
 
-// Whether the facet that mirrors wo into the mirrored wi has light come from behind. Mitsuba does
-// not ask the same of the eye, so this, unlike all else, is not reciprocal.
+// Whether light comes from behind the facet that reflects wo to the mirrored wi. Mitsuba does not
+// test the same for wo, so this is the only function that is not reciprocal.
 static bool lit_from_behind(vec3 wo, vec3 wi) {
     return v3_dot(wi, v3_add(wo, mirrored(wi))) < 0.0f;
 }
@@ -63,7 +63,8 @@ static rgb thin_transmission(const struct brdf *b, vec3 wo, vec3 wi, enum brdf_m
     return rgb_mul(rgb_scale(b->diffuse, f), b->transmittance);
 }
 
-// How likely sample_glossy reflects and passes at facets; else it passes diffusely.
+// The probabilities that sample_glossy reflects and transmits at facets; otherwise it transmits
+// diffusely.
 static void thin_choose(const struct brdf *b, unsigned lobes, float *reflect, float *pass) {
     *reflect = lobes & BRDF_GLOSSY ? 0.5f * b->spec_trans : 0.0f;
     *pass = lobes & BRDF_THROUGH ? 0.5f * b->spec_trans : 0.0f;

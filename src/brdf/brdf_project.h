@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The harmonics of a BRDF's glossy lobe for one outgoing direction. Private to brdf/.
+// Private to brdf/: the harmonics of a BRDF's glossy lobe for one outgoing direction.
 #ifndef BRDF_PROJECT_H
 #define BRDF_PROJECT_H
 
@@ -8,8 +8,9 @@
 #include "rsh/rsh.h"
 
 enum {
-    PROJECT_PANELS = 5,    // each half as long as the next, the shortest at the mirror direction
-    PROJECT_NODES = 12,    // of Gauss' rule in each panel
+    PROJECT_PANELS = 5,    // each is half as long as the next one; the shortest is at the mirror
+                           // direction
+    PROJECT_NODES = 12,    // nodes of Gauss' rule in each panel
     PROJECT_AZIMUTHS = 40  // over 180 degrees
 };
 
@@ -20,7 +21,7 @@ struct project_rule {
 
 void project_rule_make(struct project_rule *rule);
 
-// Directions and values of one projection; scratch.
+// Directions and values of one projection, for use as scratch.
 struct project_points {
     size_t count;
     float x[2 * PROJECT_AZIMUTHS * PROJECT_PANELS * PROJECT_NODES];
@@ -30,10 +31,10 @@ struct project_points {
 };
 
 // Adds to c[channels * order^2] the integrals of f_r cos(theta_i) H over the hemisphere, for b's
-// glossy lobe with `specular` as it stands, and returns the integral of (f_r cos(theta_i))^2,
-// summed over channels. wo.z > 0. With `half`, the lobe is taken to be even in y (wo.y = 0, an
-// isotropic model or one with its axes along x and y), which takes half the work and leaves c of m
-// < 0 without meaning.
+// glossy lobe including `specular`. Returns the integral of (f_r cos(theta_i))^2, summed over
+// channels. wo.z > 0. With `half`, the lobe is assumed to be even in y (wo.y = 0, and an isotropic
+// model or one with its axes along x and y), which takes half the time and leaves c of m < 0
+// without meaning.
 double project_glossy(const struct brdf *b, vec3 wo, bool half, rsh_basis basis, int order,
                       int channels, const struct project_rule *rule, struct project_points *points,
                       float *c);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gauss-Legendre rules over [0, 1]. Private to brdf/.
+// Private to brdf/: Gauss-Legendre rules over [0, 1].
 #ifndef BRDF_QUADRATURE_H
 #define BRDF_QUADRATURE_H
 
@@ -10,7 +10,8 @@ struct quadrature {
     double x[QUADRATURE_MAX], weight[QUADRATURE_MAX];  // ascending; the weights sum to 1
 };
 
-// The rule of `count` nodes, 1 to QUADRATURE_MAX; exact for polynomials of degree 2 count - 1.
+// Computes the rule of `count` nodes, 1 to QUADRATURE_MAX, which is exact for polynomials of degree
+// 2 count - 1.
 void quadrature_gauss(struct quadrature *rule, int count);
 
 #endif

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Harmonics of a BRDF whose roughness is textured: tables at rungs of roughness, evenly spaced in
-// its logarithm, between which coefficients are interpolated. A roughness is represented where the
-// tables of both rungs around it meet the error bound, so one material may be cached where it is
-// rough and sampled where it is smooth.
+// Harmonics of a BRDF whose roughness is textured: tables at values of roughness at equal distances
+// in its logarithm, called rungs, between which coefficients are interpolated. A roughness is
+// represented if the tables of both rungs around it meet the error bound, so one material may be
+// cached where it is rough and sampled where it is smooth.
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -11,17 +11,17 @@
 
 enum { RUNGS_MAX = 14 };
 
-#define RANGE_STEP 1.2f    // from rung to rung, of roughness; of exponents its square
-#define RANGE_LEAST 0.02f  // no smoother lobe has harmonics of the orders that there are
+#define RANGE_STEP 1.2f    // ratio of the roughness of two rungs; for exponents its square
+#define RANGE_LEAST 0.02f  // smoother lobes cannot be represented with the available orders
 
 struct brdf_range {
-    enum brdf_slot slot;  // BRDF_SLOT_COUNT: one table serves
+    enum brdf_slot slot;  // BRDF_SLOT_COUNT: one table for all
     int count, channels;
     float first, log_step;
     struct brdf_table *rung[RUNGS_MAX];
 };
 
-// Spreads the rungs from lo to hi.
+// Distributes the rungs from lo to hi.
 static void spread_rungs(struct brdf_range *r, const struct brdf_roughness *over) {
     const bool exponent = over->slot == BRDF_SLOT_EXPONENT;
     float lo = maxf(over->lo, exponent ? 1.0f : RANGE_LEAST), hi = maxf(over->hi, lo);
@@ -67,7 +67,8 @@ void brdf_range_free(struct brdf_range *range) {
     free(range);
 }
 
-// The rung below b's roughness and the distance to the next; false if b lies outside of all.
+// The rung below b's roughness, and the position between it and the next. False if b is outside the
+// range.
 static bool find_rung(const struct brdf_range *r, const struct brdf *b, int *rung, float *rest) {
     *rung = 0;
     *rest = 0.0f;
@@ -93,7 +94,7 @@ int brdf_range_order(const struct brdf_range *r, const struct brdf *b, vec3 wo) 
     return next == 0 ? 0 : next > order ? next : order;
 }
 
-// Adds `weight` times the coefficients of a table to c, of `order` and `channels`.
+// Adds `weight` times the coefficients of a table, for an order and a number of channels, to c.
 static void add_table(const struct brdf_table *table, vec3 wo, float weight, int order,
                       int channels, float *c) {
     float own[3 * RSH_MAX_COEFFICIENTS];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Refraction at facets; see the header.
+// Refraction at facets, see brdf_refraction.h.
 #include "brdf/brdf_refraction.h"
 
 #include "brdf/brdf_fresnel.h"
@@ -11,7 +11,8 @@ struct refraction refraction_at(struct microfacet facets, float ior, vec3 *wo, v
     return (struct refraction){facets, 1.0f / ior};
 }
 
-// The facet that refracts wo into wi, and its cosines to both, co > 0 > ci; false if there is none.
+// The normal of the facet that refracts wo to wi, and its cosines to both, co > 0 > ci. False if
+// there is none.
 static bool find_facet(const struct refraction *at, vec3 wo, vec3 wi, vec3 *n, float *co,
                        float *ci) {
     vec3 h = v3_mad(wo, at->eta, wi);
@@ -23,7 +24,7 @@ static bool find_facet(const struct refraction *at, vec3 wo, vec3 wi, vec3 *n, f
     return *co > 0.0f && *ci < 0.0f && n->z > 0.0f;
 }
 
-// Solid angle of facets per solid angle of refracted light.
+// The solid angle of facets per solid angle of refracted light.
 static float jacobian(const struct refraction *at, float co, float ci) {
     return -sqrf(at->eta) * ci / sqrf(co + at->eta * ci);
 }
@@ -35,7 +36,7 @@ float refraction_value(const struct refraction *at, vec3 wo, vec3 wi, enum brdf_
     float t = (1.0f - fresnel_dielectric(co, at->eta, NULL)) * microfacet_d(at->facets, n);
     t *= microfacet_g1(at->facets, wo) * microfacet_g1(at->facets, v3(wi.x, wi.y, -wi.z));
     t *= jacobian(at, co, ci) * co / (wo.z * -wi.z);
-    // Radiance is compressed into a smaller solid angle on the denser side.
+    // Radiance is compressed to a smaller solid angle on the denser side.
     return mode == BRDF_RADIANCE ? t / sqrf(at->eta) : t;
 }
 

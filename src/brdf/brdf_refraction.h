@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rough dielectric boundaries [Walter et al. 2007]: facets that reflect and refract. What holds
-// above the surface holds below it with the inverse index, so everything is computed with wo above.
-// Private to brdf/.
+// Private to brdf/: rough dielectric boundaries [Walter et al. 2007], whose facets reflect and
+// refract. The formulas are the same above and below the surface, with the inverse IOR, so
+// everything is computed with wo above.
 #ifndef BRDF_REFRACTION_H
 #define BRDF_REFRACTION_H
 
@@ -14,15 +14,15 @@ struct refraction {
     float eta;
 };
 
-// Mirrors both directions at the surface if wo is below; `ior` is the index below over that above.
+// Mirrors both directions at the surface if wo is below. `ior` is that below over that above.
 struct refraction refraction_at(struct microfacet facets, float ior, vec3 *wo, vec3 *wi);
 
 // f_t [sr^-1] without colour, for wo above and wi below.
 float refraction_value(const struct refraction *at, vec3 wo, vec3 wi, enum brdf_mode mode);
-// Density with which refraction at a visible facet draws wi; *f gets the facet's reflectance. 0 if
-// no facet refracts wo into wi.
+// The density with which refraction at a visible facet draws wi; *f is set to the reflectance of
+// the facet. 0 if no facet refracts wo to wi.
 float refraction_pdf(const struct refraction *at, vec3 wo, vec3 wi, float *f);
-// Refracts or reflects wo at the facet n; false if the light does not arrive on the right side.
+// Refracts or reflects wo at the facet n. False if the result is on the wrong side.
 bool refraction_follow(const struct refraction *at, vec3 wo, vec3 n, bool refract, vec3 *wi);
 
 #endif

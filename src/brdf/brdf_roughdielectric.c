@@ -39,7 +39,8 @@ static void roughdielectric_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned
     }
 }
 
-// A visible facet, then reflection or refraction there in proportion to its Fresnel reflectance.
+// Draws a visible facet, then reflection or refraction there in proportion to its Fresnel
+// reflectance.
 static bool roughdielectric_sample(const struct brdf *b, vec3 wo, unsigned lobes, vec3 u,
                                    vec3 *wi) {
     const bool below = wo.z < 0.0f;

@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// Harmonics of a BRDF's glossy lobe over all outgoing directions [K05 2.5, 3.4]: coefficients of
-// f_r cos(theta_i) at the nodes of a parabolic map, each with the least order that meets the error
-// bound, interpolated linearly.
+// Harmonics of a BRDF's glossy lobe over all outgoing directions [K05 2.5, 3.4]: the coefficients
+// of f_r cos(theta_i) at the nodes of a parabolic map, each with the least order that meets the
+// error bound, interpolated linearly.
 //
-// The map takes wo to (x, y) / (1 + z), the unit disk. Symmetry shrinks it:
-// - isotropic: one radius (phi = 0) serves all; the lobe there is even in y, so only m >= 0 is
-//   kept, and the lobe of another phi is that one rotated about z;
-// - anisotropic: one quadrant serves all, as our models are symmetric about the x and the y axis;
-//   mirroring a lobe changes signs of coefficients. Nodes beyond the disk repeat its rim.
+// The map takes wo to (x, y) / (1 + z) in the unit disk. Symmetry reduces it:
+//- Isotropic: one radius (phi = 0) is enough. The lobe there is even in y, so only m >= 0 is
+//stored,
+//  and the lobe of another phi is that one rotated about z.
+//- Anisotropic: one quadrant is enough, as these models are symmetric about the x and the y axis.
+//  Mirroring a lobe changes the signs of coefficients. Nodes beyond the disk repeat its rim.
 //
-// Deviation from [K05 (3.4)]: the order follows the error of what is reflected, not that of the
-// BRDF. The power of light in a coefficient of band l falls as (l + 1)^-3 in both bases, as that of
-// any function with edges (measured: to a factor of about two). So the expected squared error
-// is the power of the bands left out over (l + 1)^3, relative to the same sum over all bands. It
-// gives the error to a factor of 1.5; a bound on the BRDF's own error refuses lobes that end at
-// the horizon and would be served as well (docs/experiments.md).
+// Deviation from [K05 (3.4)]: the order follows from the error of the reflected radiance, not from
+// that of the BRDF. The power of light in a coefficient of band l falls as (l + 1)^-3 in both
+// bases, as for any function with edges (measured: within a factor of about two). So the expected
+// squared error is the power of the omitted bands over (l + 1)^3, relative to the same sum over all
+// bands. This predicts the error within a factor of 1.5. A bound on the error of the BRDF itself
+// would refuse lobes that end at the horizon, although they are represented as well
+// (docs/experiments.md).
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -22,7 +24,7 @@
 #include "brdf/brdf_project.h"
 
 enum {
-    RADIUS_NODES = 256,   // isotropic; a node every half degree at normal view
+    RADIUS_NODES = 256,   // isotropic: a node every half degree at normal view
     QUADRANT_NODES = 65,  // anisotropic, per side
     ORDER_MAX = 14
 };
@@ -35,16 +37,16 @@ struct brdf_table {
     size_t nodes;    // side or side^2
     size_t stride;   // coefficients of one channel of one node
     float *c;        // [nodes][channels][stride]
-    uint8_t *order;  // [nodes]; 0: over the bound
+    uint8_t *order;  // [nodes]; 0: the error exceeds the bound
 };
 
 // ---- Building ----------------------------------------------------------------------------------
 
-// Nodes are evenly spaced from the centre; the last lies half a step before the rim, where some
-// models are infinite.
+// The distance of nodes. They begin at the centre, and the last one is half a step before the rim,
+// where some models are infinite.
 static float node_step(const struct brdf_table *t) { return 1.0f / ((float)t->side - 0.5f); }
 
-// Whether some cell that touches the disk has this node as a corner.
+// Whether a cell that touches the disk has this node as a corner.
 static bool node_in_use(const struct brdf_table *t, size_t node) {
     if (t->isotropic) return true;
     size_t i = node % (size_t)t->side, j = node / (size_t)t->side;
@@ -63,11 +65,11 @@ static vec3 node_direction(const struct brdf_table *t, size_t node) {
     return v3(2.0f * p * scale, 2.0f * q * scale, (1.0f - r * r) * scale);
 }
 
-// Power of light in a coefficient of band l, relative to band 0.
+// The power of light in a coefficient of band l, relative to band 0.
 static double light_power(int l) { return 1.0 / ((l + 1.0) * (l + 1.0) * (l + 1.0)); }
 
-// The least order whose bands hold enough of what is reflected; 0 if none does. What no order holds
-// of the squared norm is taken to be in the next band.
+// The least order with a small enough error of the reflected radiance; 0 if there is none. The part
+// of the squared norm that is in no band is assumed to be in the next one.
 static int least_order(int max_order, int channels, const float *c, double norm, double max_error) {
     double band[ORDER_MAX], rest = norm, all = 0.0, missing;
     if (!(norm > 0.0)) return 0;
@@ -94,7 +96,7 @@ struct table_build {
     struct brdf_table *table;
     double max_error;
     struct project_rule rule;
-    struct project_points *points;  // one per worker
+    struct project_points *points;  // one for each worker
 };
 
 static void build_nodes(void *ctx, size_t begin, size_t end, int worker) {
@@ -121,7 +123,7 @@ static void build_nodes(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-// Whether the glossy lobe is the same in all channels once `specular` is 1.
+// Whether the glossy lobe with `specular` 1 is the same in all channels.
 static bool is_grey(const struct brdf *b) {
     for (int i = 0; i < 3; i++) {
         vec3 w = v3(sqrtf(1.0f - sqrf(1.0f - 0.4f * (float)i)), 0.0f, 1.0f - 0.4f * (float)i);
@@ -186,7 +188,7 @@ struct corners {
     float weight[4];
 };
 
-// Cell and position in it along one axis.
+// The cell and the position in it along one axis.
 static int table_cell(const struct brdf_table *t, float position, float *fraction) {
     float x = position / node_step(t), last = (float)(t->side - 1);
     x = x > 0.0f ? minf(x, last) : 0.0f;
@@ -208,7 +210,7 @@ static struct corners find_corners(const struct brdf_table *t, vec3 wo) {
                             {(1.0f - p) * (1.0f - q), p * (1.0f - q), (1.0f - p) * q, p * q}};
 }
 
-// The largest order of the nodes, or 0 if one of them is over the bound.
+// The largest order of the nodes, or 0 if the error at one of them exceeds the bound.
 static int corners_order(const struct brdf_table *t, const struct corners *at) {
     int order = 0;
     for (int i = 0; i < at->count; i++) {
@@ -248,8 +250,8 @@ static void rotate_lobe(const struct brdf_table *t, const struct corners *at, ve
     }
 }
 
-// The lobe of the first quadrant, mirrored into that of wo: y -> -y changes the sign of sin(m phi),
-// x -> -x that of cos(m phi) for odd m and of sin(m phi) for even m.
+// The lobe of the first quadrant, mirrored to that of wo: y -> -y changes the sign of sin(m phi), x
+// -> -x that of cos(m phi) for odd m and of sin(m phi) for even m.
 static void mirror_lobe(const struct brdf_table *t, const struct corners *at, vec3 wo, int order,
                         float *out) {
     float sign[2 * ORDER_MAX - 1], *middle = sign + ORDER_MAX - 1;
