@@ -26,7 +26,7 @@ void gather_near_look(const struct gather *g, const struct gather_hits *hits, si
 bool gather_near_bounce(const struct gather_near *near, const struct gather_point *y, float E,
                         float u_lobe, vec2 u, struct brdf_sample *out);
 
-// As gather_rays; bounces from hits near the site of `near` are guided.
+// As gather_rays; bounces from hits near the site of `near` are guided. NULL: none are.
 void gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
                         struct gather_ray *rays, size_t count, uint64_t stream,
                         struct gather_near *near);

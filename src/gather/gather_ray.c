@@ -74,18 +74,11 @@ static void look_up_hits(const struct gather *g, struct gather_hits *hits, size_
                                hits->entry);
 }
 
-// Rays that are traced together.
-struct bundle {
-    struct gather_ray *rays;
-    struct gather_near *near;  // guides the bounces near their site; NULL: they are not guided
-    uint32_t seed;
-};
-
 // First passes `photons` and `precomputed`: what the hits reflect.
 static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t count,
-                       const struct bundle *bundle) {
+                       struct gather_near *near) {
     look_up_hits(g, hits, count);
-    if (bundle->near) gather_near_look(g, hits, count, bundle->near);
+    if (near) gather_near_look(g, hits, count, near);
     for (size_t i = 0; i < count; i++) {
         const struct gather_hit *hit = &hits->hit[i];
         const float radius = hits->radius[i];
@@ -93,8 +86,8 @@ static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t 
         const bool follow = g->options->gather_near && (close || radius > g->lookup_max);
         const struct gather_estimate estimate = {hits->E[i], !follow,
                                                  gather_direct_known(g, hits->entry[i])};
-        const struct gather_near *near = close ? bundle->near : NULL;
-        hit->ray->L = rgb_mul(hit->T, gather_bounces(g, &hit->point, estimate, near, hit->sampler));
+        const rgb L = gather_bounces(g, &hit->point, estimate, close ? near : NULL, hit->sampler);
+        hit->ray->L = rgb_mul(hit->T, L);
     }
 }
 
@@ -134,43 +127,35 @@ static bool trace_ray(const struct gather *g, struct gather_ray *ray, uint32_t s
     return false;
 }
 
-static void trace_ray_chunk(const struct gather *g, struct gather_hits *hits,
-                            const struct bundle *bundle, size_t begin, size_t end) {
-    size_t count = 0;
-    for (size_t i = begin; i < end; i++)
-        count += trace_ray(g, &bundle->rays[i], bundle->seed, &hits->hit[count]);
-    shade_hits(g, hits, count, bundle);
-}
-
 // Rays that are left off have found nothing.
-static void forget(struct gather_ray *rays, size_t begin, size_t end) {
-    for (size_t i = begin; i < end; i++) {
+static void forget(struct gather_ray *rays, size_t count) {
+    for (size_t i = 0; i < count; i++) {
         rays[i].L = rays[i].Le = rays[i].Le_specular = rgb_grey(0.0f);
         rays[i].light_pdf = 0.0f;
         rays[i].first = GATHER_NOTHING;
     }
 }
 
-static void trace_rays(const struct gather *g, struct gather_scratch *scratch, struct bundle bundle,
-                       size_t count, uint64_t stream) {
-    bundle.seed = (uint32_t)rng_mix(stream ^ rng_mix(g->options->seed + RNG_GATHER_HIT));
-    for (size_t begin = 0; begin < count; begin += GATHER_CHUNK) {
-        size_t end = count - begin > GATHER_CHUNK ? begin + GATHER_CHUNK : count;
-        // Of a million rays the rest would take seconds.
-        if (begin > 0 && scratch->pool && parallel_cancelled(scratch->pool, scratch->worker))
-            forget(bundle.rays, begin, end);
-        else
-            trace_ray_chunk(g, &scratch->hits, &bundle, begin, end);
-    }
-}
-
 void gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
                         struct gather_ray *rays, size_t count, uint64_t stream,
                         struct gather_near *near) {
-    trace_rays(g, scratch, (struct bundle){.rays = rays, .near = near}, count, stream);
+    struct gather_hits *hits = &scratch->hits;
+    const uint32_t seed = (uint32_t)rng_mix(stream ^ rng_mix(g->options->seed + RNG_GATHER_HIT));
+    for (size_t begin = 0; begin < count; begin += GATHER_CHUNK) {
+        const size_t end = count - begin > GATHER_CHUNK ? begin + GATHER_CHUNK : count;
+        // Of a million rays the rest would take seconds.
+        if (begin > 0 && scratch->pool && parallel_cancelled(scratch->pool, scratch->worker)) {
+            forget(rays + begin, count - begin);
+            return;
+        }
+        size_t found = 0;
+        for (size_t i = begin; i < end; i++)
+            found += trace_ray(g, &rays[i], seed, &hits->hit[found]);
+        shade_hits(g, hits, found, near);
+    }
 }
 
 void gather_rays(const struct gather *g, struct gather_scratch *scratch, struct gather_ray *rays,
                  size_t count, uint64_t stream) {
-    trace_rays(g, scratch, (struct bundle){.rays = rays}, count, stream);
+    gather_rays_guided(g, scratch, rays, count, stream, NULL);
 }

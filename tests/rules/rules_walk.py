@@ -7,6 +7,8 @@ most CALLS_MAX calls; no step calls one before it; and of two that one function 
 it names first comes first. Calls are read from the text: a function calls what its body names, and
 what is in the tables of functions that it names.
 
+A record's first ray is at most RAY_CALLS_MAX calls below satin_render, and the tour names each.
+
 Usage: rules_walk.py TREE
 """
 import pathlib
@@ -14,6 +16,8 @@ import re
 import sys
 
 STEPS_MAX, CALLS_MAX = 15, 6
+RAY_CALLS_MAX = 8
+NUMBERS = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight"]
 MAIN = "satin_render"
 TABLE = "[]"  # ends the name of a table of functions
 WALKS = {"One photon", "One pixel"}
@@ -106,6 +110,22 @@ def wrong_order(graph, title, names, others):
             yield f"{title}: {name} is called before {names[at - 1]}"
 
 
+def wrong_ray(graph, text):
+    """What is wrong with the tour's list of the calls that lead to a record's first ray."""
+    found = re.search(r"From `satin_render` to `trace_ray`,[^:]* (\w+) calls: ([^.]*) itself\.",
+                      text)
+    names = re.findall(r"`(\w+)`", found.group(2)) if found else []
+    if not names or names[-1] != "trace_ray":
+        yield "the calls from satin_render to trace_ray are not listed"
+        return
+    for caller, called in zip([MAIN, *names], names):
+        calls = chain(graph, caller, called)
+        if not calls or count_calls(calls) != 1:
+            yield f"{caller} does not call {called}"
+    if len(names) > RAY_CALLS_MAX or NUMBERS[len(names)] != found.group(1):
+        yield f"{len(names)} calls to trace_ray are not {found.group(1)}, or are too many"
+
+
 def walks(text):
     """Title to steps (number, function, file) of each section of the third level that has any."""
     sections = re.split(r"^### ", text, flags=re.MULTILINE)[1:]
@@ -140,8 +160,10 @@ def wrong_steps(tree, title, steps):
 def main():
     tree = pathlib.Path(sys.argv[1]).resolve()
     graph = call_graph(tree)
-    found = walks((tree / "docs/tour.md").read_text(encoding="utf-8"))
-    wrong = [f"docs/tour.md has no walk '{title}'" for title in sorted(WALKS - found.keys())]
+    text = (tree / "docs/tour.md").read_text(encoding="utf-8")
+    found = walks(text)
+    wrong = [f"docs/tour.md: {w}" for w in wrong_ray(graph, text)]
+    wrong += [f"docs/tour.md has no walk '{title}'" for title in sorted(WALKS - found.keys())]
     for title, steps in found.items():
         wrong += [f"docs/tour.md: {w}" for w in wrong_steps(tree, title, steps)]
         others = [name for other in found if other != title for _, name, _ in found[other]]
