@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many of the photons each light gets. Allocated by power all photons weigh alike. But power
-// may go where nothing of it is visible, as that of the sky around a closed room, and what is left
-// for the lamp inside is too few to represent its light. So one half is allocated by power, the
-// other by what a few paths from the eye find: they go on as light's paths to the gather rays' hits
-// would, backwards, and sample the lights where they go. The first half serves light that comes in
-// ways that they have missed.
+// Allocates photon paths to the lights. Allocated by power alone, all photons would have the same
+// power. But much of the power may be invisible, such as that of the sky around a closed room, and
+// too few photons would be left for a lamp inside. So one half is allocated by power, and the other
+// half by what a few paths from the eye find: they continue as light paths to the hits of gather
+// rays would, in reverse, and sample the lights at their vertices. The first half represents light
+// that these paths have missed.
 #include "guide/guide.h"
 
 #include <limits.h>
@@ -13,15 +13,16 @@
 
 enum {
     ALLOCATION_BOUNCES = 3
-};  // of a path: behind the first one is what gather rays ask photons for
+};  // bounces of a path; gather rays read photons from the second vertex on
 
-// Irradiance that lights bring to the vertices of one path, in their order.
+// The irradiance from the lights at the vertices of one path, in their order.
 struct light_tally {
     int count;
     struct {
         uint32_t light;
         float E;
-    } found[2 * ALLOCATION_BOUNCES];  // at each vertex one met and one sampled
+    } found[2 * ALLOCATION_BOUNCES];  // at each vertex one light that was hit and one that was
+                                      // sampled
 };
 
 struct light_paths {
@@ -36,7 +37,7 @@ static void add_arrival(struct light_tally *tally, uint32_t light, float E) {
     tally->found[tally->count++].E = E;
 }
 
-// What comes from one light at s, chosen by chance.
+// Adds the irradiance at s from one light, chosen at random.
 static void add_direct(struct light_tally *tally, const struct satin_scene *scene,
                        const struct interaction *s, vec3 n, float T, struct rng *rng) {
     const float u_choose = rng_float(rng), u = rng_float(rng), v = rng_float(rng);
@@ -50,8 +51,8 @@ static void add_direct(struct light_tally *tally, const struct satin_scene *scen
     add_arrival(tally, light, T * cosine * rgb_luminance(sample.L) / (sample.pdf_w * choice));
 }
 
-// A light that the last ray has met behind ideal specular surfaces that are no panes, where no
-// sample finds it.
+// Adds a light that the last ray has hit behind ideal specular surfaces other than panes, where
+// light samples cannot find it.
 static void add_met(struct light_tally *tally, const struct satin_scene *scene,
                     const struct ray *ray, const struct interaction *hit, float T) {
     const int light = hit ? hit->light : scene->environment;
@@ -97,7 +98,7 @@ void guide_allocation_make(const struct satin_scene *scene, uint64_t seed, struc
     struct light_paths paths = {.scene = scene, .seed = seed};
     double light[GUIDE_ALLOCATION_LIGHTS] = {0.0}, sum = 0.0;
     out->by_power = true;
-    // Among more lights than this, chance would allocate.
+    // With more lights than this the allocation would be mostly noise.
     if (scene->light_count < 2 || scene->light_count > GUIDE_ALLOCATION_LIGHTS) return;
     parallel_for_all(pool, GUIDE_VIEW_PATHS, GUIDE_VIEW_CHUNK, trace_allocation, &paths);
     for (int i = 0; i < GUIDE_VIEW_PATHS; i++)

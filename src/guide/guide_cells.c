@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cells of points that matter: points on paths from the eye, and on their bounces, split by a tree
-// into cells of equal numbers. What is learned in a cell serves all points that fall into it.
+// Cells of points on paths from the eye and on their bounces, split by a tree into cells of equal
+// numbers of points. What is measured in a cell is used at all points in it.
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -9,10 +9,11 @@
 
 enum {
     PATHS = 4 * GUIDE_VIEW_PATHS,
-    CELL_BOUNCES = 2,  // of a path: gather rays sample direct light behind the first one
+    CELL_BOUNCES = 2,  // bounces of a path: gather rays sample direct light from the second vertex
+                       // on
     POINTS_PATH = 1 + CELL_BOUNCES,
     CELL_POINTS = PATHS * POINTS_PATH,
-    CELL_LEAST = 8  // points of a cell, in the mean
+    CELL_LEAST = 8  // mean number of points of a cell
 };
 
 static size_t add_path(const struct satin_scene *scene, uint64_t seed, uint32_t i,
@@ -39,8 +40,8 @@ static size_t add_path(const struct satin_scene *scene, uint64_t seed, uint32_t 
 struct cell_paths {
     const struct satin_scene *scene;
     uint64_t seed;
-    struct guide_cell_point *point;  // those of path i from POINTS_PATH i on,
-    size_t count[PATHS];             // and how many
+    struct guide_cell_point *point;  // those of path i begin at POINTS_PATH i
+    size_t count[PATHS];             // number of points of each path
 };
 
 static void trace_cells(void *ctx, size_t begin, size_t end, int worker) {
@@ -51,7 +52,7 @@ static void trace_cells(void *ctx, size_t begin, size_t end, int worker) {
             add_path(paths->scene, paths->seed, (uint32_t)i, paths->point + i * POINTS_PATH);
 }
 
-// Puts the points of all paths into `point`, in the order of the paths; returns how many.
+// Stores the points of all paths in `point`, in the order of the paths. Returns their number.
 static size_t find_points(const struct satin_scene *scene, uint64_t seed, struct parallel *pool,
                           struct guide_cell_point *point) {
     struct cell_paths paths = {.scene = scene, .seed = seed, .point = point};
@@ -62,7 +63,7 @@ static size_t find_points(const struct satin_scene *scene, uint64_t seed, struct
     return count;
 }
 
-// Points [first, first + count) of a node, which median splits take down to its cells.
+// Splits points [first, first + count) of a node down to its cells.
 static void split_cells(struct guide_cells *cells, struct split_point *point, size_t first,
                         size_t count, size_t node, int depth) {
     if (depth == cells->depth) {

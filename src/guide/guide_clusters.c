@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clusters, where photons come down densely: those of a fraction of all paths are split into leaves
-// of equal numbers, and these are gathered into a hierarchy of spheres that keeps what is bright
-// and small together. guide_cones.c looks at it.
+// Clusters of densely stored photons: the photons of a fraction of all paths are split into leaves
+// of equal numbers, and these are combined into a hierarchy of spheres that keeps leaves together
+// which are bright and small. guide_cones.c traverses it.
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,9 +10,9 @@
 #include "guide/guide_clusters.h"
 
 enum {
-    LEAF = 32,  // photons of a leaf
-    BINS = 16,  // positions where a node may be split along an axis
-    // Work of one thread; what is larger is split depth by depth, all parts of a depth at once.
+    LEAF = 32,  // largest number of photons of a leaf
+    BINS = 16,  // positions along an axis at which a node may be split
+    // Work of one thread. Larger nodes are split depth by depth, with all nodes of a depth at once.
     PART = 2048,        // photons
     PART_LEAVES = 128,  // and leaves
     CLUSTER_CHUNK = 4096
@@ -47,8 +47,8 @@ static struct leaf make_leaf(const struct guide_photon *photon, const struct spl
     return leaf;
 }
 
-// Splits the photons at the median until leaves are left; returns how many. A leaf has LEAF / 2
-// photons at least.
+// Splits the photons at the median into leaves of at least LEAF / 2 photons, and returns the number
+// of leaves.
 static size_t make_leaves(const struct guide_photon *photon, struct split_point *point,
                           size_t count, struct leaf *out) {
     if (count <= LEAF) {
@@ -60,7 +60,7 @@ static size_t make_leaves(const struct guide_photon *photon, struct split_point 
     return leaves + make_leaves(photon, point + left, count - left, out + leaves);
 }
 
-// Photons that become leaves on one thread, and these.
+// Photons that one thread splits into leaves, and these leaves.
 struct part {
     size_t begin, count;
     struct leaf *leaf;
@@ -97,13 +97,13 @@ static void make_leaves_of_parts(void *ctx, size_t begin, size_t end, int worker
         part->leaves = make_leaves(b->photon, b->point + part->begin, part->count, part->leaf);
 }
 
-// make_leaves of all photons, on all threads; `b->leaf` has space for 2 count / LEAF + 1, and
-// `b->part` for 2 count / PART + 1. 0 if the pool was cancelled.
+// make_leaves of all photons, on all threads. `b->leaf` has space for 2 count / LEAF + 1, and
+// `b->part` for 2 count / PART + 1. Returns 0 if the pool was cancelled.
 static size_t make_all_leaves(struct tree_building *b, size_t count, struct parallel *pool) {
     size_t parts = 1, leaves = 0;
     b->part[0] = (struct part){.count = count};
     bool whole = parallel_for(pool, count, CLUSTER_CHUNK, fill_points, b);
-    for (; whole && b->part[parts - 1].count > PART; parts *= 2) {  // the largest
+    for (; whole && b->part[parts - 1].count > PART; parts *= 2) {  // the first is the largest
         whole = parallel_for(pool, parts, 1, split_parts, b);
         for (size_t i = parts; i-- > 0;) {
             const struct part part = b->part[i];
@@ -124,7 +124,7 @@ static size_t make_all_leaves(struct tree_building *b, size_t count, struct para
 
 // ---- The hierarchy ----------------------------------------------------------------------------
 
-// What some of the leaves are together.
+// The sum of some leaves.
 struct span {
     vec3 lo, hi;
     float power;
@@ -138,7 +138,7 @@ static void span_add(struct span *span, vec3 lo, vec3 hi, float power) {
     span->power += power;
 }
 
-// Power times the square of the extent: low for leaves that are bright and small.
+// Power times squared extent, which is low for leaves that are bright and small.
 static float span_cost(const struct span *span) {
     return span->power > 0.0f ? span->power * v3_dist2(span->lo, span->hi) : 0.0f;
 }
@@ -150,7 +150,7 @@ static int bin_of(const struct leaf *leaf, int axis, vec3 lo, vec3 hi) {
     return bin < BINS ? bin : BINS - 1;
 }
 
-// Splits the leaves where the cost of both sides is least; returns how many are on the first side.
+// Splits the leaves where the sum of both costs is least. Returns the number on the first side.
 static size_t split_leaves(struct leaf *leaf, size_t count) {
     struct span all = NO_SPAN;
     for (size_t i = 0; i < count; i++) span_add(&all, leaf[i].center, leaf[i].center, 0.0f);
@@ -209,11 +209,11 @@ static void bound(const struct leaf *leaf, size_t count, struct guide_cluster *n
             fmaxf(node->radius, sqrtf(v3_dist2(leaf[i].center, node->center)) + leaf[i].radius);
 }
 
-// A node and all below it: 2 count - 1 nodes from number `node` on.
+// A node and its whole subtree: 2 count - 1 nodes from index `node` on.
 struct task {
     size_t node;
     size_t leaf, count;
-    size_t placed;  // points of the leaves before
+    size_t placed;  // number of points of the leaves before
     size_t left;    // leaves of the first child, which is the next node; 0: the node is a leaf
 };
 
@@ -223,7 +223,7 @@ static size_t count_points(const struct leaf *leaf, size_t count) {
     return points;
 }
 
-// Makes the node alone.
+// Makes the node without its subtree.
 static void make_node(const struct tree_building *b, struct task *t) {
     struct guide_clusters *out = b->out;
     struct guide_cluster *node = &out->node[t->node];
@@ -262,7 +262,7 @@ static void run_tasks(void *ctx, size_t begin, size_t end, int worker) {
             make_nodes(b, t);
 }
 
-// All nodes, on all threads: large ones depth by depth. False if the pool was cancelled.
+// Makes all nodes on all threads, large ones depth by depth. False if the pool was cancelled.
 static bool make_all_nodes(struct tree_building *b, size_t leaves, struct parallel *pool) {
     struct task *all = b->task;
     size_t tasks = 1;
@@ -285,7 +285,7 @@ static bool make_all_nodes(struct tree_building *b, size_t leaves, struct parall
     return true;
 }
 
-// SATIN_CANCELLED or SATIN_ERROR_MEMORY.
+// Makes the leaves and the nodes. SATIN_CANCELLED or SATIN_ERROR_MEMORY.
 static satin_status make_tree(struct tree_building *b, size_t count, struct parallel *pool) {
     const size_t leaves = make_all_leaves(b, count, pool);
     if (leaves == 0) return SATIN_CANCELLED;

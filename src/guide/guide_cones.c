@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where to look for light: what a spot or the sun through a window lights, or a caustic, is to the
-// rest of a room a small bright source, which the stratified rays of a hemisphere meet by luck. A
-// point takes the clusters of the hierarchy that are much brighter than what it expects, that it
-// sees as small, and that no wall hides [Jensen 1995 guides by the photons themselves].
+// Cones towards photon clusters. An area that is lit by a spot, by the sun through a window or by a
+// caustic is a small bright source for the rest of a room, which the stratified rays of a
+// hemisphere hit only by chance. A point selects those clusters of the hierarchy that are much
+// brighter than what it expects, that are small from there, and that are visible. Deviation:
+// [Jensen 1995] guides by the photons themselves.
 #include "guide/guide_clusters.h"
 
-#define DENSE 16.0f         // irradiance of a dense cluster over what is expected at the point
-#define CONE_FAINT 0.0002f  // of what is expected: what comes from less is left to chance
-#define SINE_LEAST 1e-4f    // of half an angle: directions are floats
+#define DENSE 16.0f         // irradiance of a dense cluster over that expected at the point
+#define CONE_FAINT 0.0002f  // of the expected irradiance: clusters that contribute less get no rays
+#define SINE_LEAST 1e-4f    // of half the angle, as directions are floats
 #define NARROW 0.35f        // sine of a cone's largest half angle
-#define SINE_MOVED 0.5f     // the same when it is moved
-#define EVEN 0.4f           // mean irradiance by area over that by power, of a cluster that is one
-#define FILLED 0.2f         // of a sphere's disc that its leaves should fill
+#define SINE_MOVED 0.5f     // as NARROW, for a cone that is moved
+// Least mean irradiance by area over that by power, for a cluster that is not split further.
+#define EVEN 0.4f
+#define FILLED 0.2f  // fraction of a sphere's disc that its leaves should fill
 
-// Whether p sees photon i of some of the node's photons.
+// Whether photon i of the node's sample of photons is visible from the eye.
 static bool sees_photon(const struct guide_clusters *clusters, const struct satin_scene *scene,
                         const struct guide_cluster *node, const struct guide_eye *eye, size_t i) {
     vec3 position =
@@ -33,7 +35,7 @@ static void aim(struct guide_cone *cone, vec3 p) {
     cone->versine = sqrf(sine) / (1.0f + safe_sqrtf(1.0f - sqrf(sine)));
 }
 
-// E and filled of an aimed cone at `distance` from its centre, which is visible at `cosine` from
+// Sets E and filled of a cone whose axis is set, at `distance` from its centre and with `cosine` to
 // the normal.
 static void estimate_cone(struct guide_cone *cone, float distance, float cosine) {
     const struct guide_cluster *node = cone->cluster;
@@ -43,12 +45,12 @@ static void estimate_cone(struct guide_cone *cone, float distance, float cosine)
     cone->filled = facing * node->area / (2.0f * PI_F * cone->versine * sqrf(distance));
 }
 
-// A node as the point sees it.
+// A node as it appears from the point.
 struct view {
     const struct guide_cluster *node;
-    float most;   // irradiance that may come from it at most; 0: it does not matter
-    bool narrow;  // it has a cone
-    bool coarse;  // its children would be met better
+    float most;   // bound of the irradiance from it; 0: it is ignored
+    bool narrow;  // whether it has a cone
+    bool coarse;  // whether its children would be better targets
 };
 
 static struct view cluster_view(const struct guide_cluster *node, const struct guide_eye *eye,
@@ -68,7 +70,7 @@ static struct view cluster_view(const struct guide_cluster *node, const struct g
     return view;
 }
 
-// False if nothing of the node is visible or comes.
+// Makes the cone of a node. False if no probe of the node is visible, or if it contributes nothing.
 static bool make_cone(const struct guide_clusters *clusters, const struct satin_scene *scene,
                       const struct guide_eye *eye, const struct guide_cluster *node,
                       struct guide_cone *out) {
@@ -85,8 +87,8 @@ static bool make_cone(const struct guide_clusters *clusters, const struct satin_
     return out->E > 0.0f;
 }
 
-// Replaces the view that may send most, of those that are coarse, by views of the node's children,
-// as long as they fit.
+// Replaces, as long as they fit, that of the coarse views with the largest bound by views of the
+// node's children.
 static int refine(const struct guide_clusters *clusters, const struct guide_eye *eye,
                   float expected, struct view view[GUIDE_CONES]) {
     int count = 1;
@@ -123,7 +125,7 @@ int guide_cones_from(const struct guide_clusters *clusters, const struct satin_s
 int guide_cones_around(const struct guide_clusters *clusters, vec3 p, float expected,
                        struct guide_cone out[GUIDE_CONES]) {
     if (!clusters) return 0;
-    const struct guide_eye eye = {.p = p};  // no normal: nothing is below the horizon
+    const struct guide_eye eye = {.p = p};  // without a normal nothing is below the horizon
     struct view view[GUIDE_CONES];
     const int views = refine(clusters, &eye, expected > 0.0f ? expected : clusters->spread, view);
     int count = 0;

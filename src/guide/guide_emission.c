@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass 1b: where caustic paths start. A caustic path meets a surface with a delta lobe first, and
-// not panes alone, so a pilot divides each light's unit hypercube of emission into cells, sends a
-// few single rays from each and keeps the cells where one met such a surface, and their neighbours.
-// The caustic pass starts most of its paths there, evenly, so that its photons have equal power;
-// the other cells get some too, which keeps the estimate unbiased. Light from infinitely far is
-// aimed at the box of the surfaces with delta lobes, which loses nothing; and where that is large,
-// as a pane of glass over all that is seen, light is aimed at what is seen (guide_view.c).
+// Selects where caustic paths start. The first surface of a caustic path has a delta lobe and is
+// not a pane. A pilot divides each light's unit hypercube of emission into cells, traces a few
+// single rays from each and selects the cells where one hit such a surface, and their neighbours.
+// The caustic pass starts most of its paths there, with uniform density, so that its photons have
+// equal power. The other cells get some paths too, which keeps the estimate unbiased. Light from
+// infinity is aimed at the box of the surfaces with delta lobes, which misses none of them. If that
+// box is large, as with a pane of glass in front of everything that is seen, light is aimed at what
+// is seen (guide_view.c).
 #include <stdlib.h>
 
 #include "base/sampling.h"
@@ -16,29 +17,30 @@ enum {
     CELLS_MAX = 1 << 18,  // of all lights together
     LIGHT_CELLS_MAX = 1 << 12
 };
-// Fraction of a light's paths that start in cells where the pilot met nothing. The power of a
-// photon from there is (1 - fraction) / fraction * (other cells / kept cells) of that of the common
-// ones: with a much smaller fraction a caustic that the pilot missed is a rash of bright dots.
+// Fraction of a light's paths that start in cells in which the pilot hit nothing. The power of
+// their photons is (1 - fraction) / fraction * (other cells / kept cells) times that of the others:
+// with a much smaller fraction, a caustic that the pilot missed would be a few very bright dots.
 #define BLIND_FRACTION 0.2f
 
 // The cells of one light: a grid over the unit hypercube.
 struct light_cells {
-    uint32_t split[4];  // cells along each number
+    uint32_t split[4];  // number of cells along each random number
     uint32_t total, kept;
-    uint32_t *cell;  // a permutation: the `kept` ones first, each group ascending
+    uint32_t *cell;  // a permutation: first the `kept` cells, then the others, each in ascending
+                     // order
     uint64_t paths;
 };
 
 struct guide_emission {
     uint32_t light_count;
     struct light_cells *light;
-    uint32_t *cells;  // of all lights
+    uint32_t *cells;  // cells of all lights
     struct light_aim aim;
 };
 
 // ---- The target box ---------------------------------------------------------------------------
 
-// Whether some of a shape, or of the group that it is an instance of, has a delta lobe.
+// Whether a shape, or a shape of the group of which it is an instance, has a delta lobe.
 static bool some_has_delta(const struct satin_scene *scene, uint32_t shape) {
     if (scene->shape[shape].kind != SHAPE_INSTANCE) return shape_has_delta(scene, shape);
     const struct shape_group *group = &scene->group[scene->shape[shape].instance_of];
@@ -47,7 +49,7 @@ static bool some_has_delta(const struct satin_scene *scene, uint32_t shape) {
     return false;
 }
 
-// The box of all surfaces with delta lobes; false if there is none.
+// The box of all surfaces with delta lobes. False if there are none.
 static bool find_target(const struct satin_scene *scene, struct light_target *out) {
     struct light_target box = {v3(INFINITY, INFINITY, INFINITY),
                                v3(-INFINITY, -INFINITY, -INFINITY)};
@@ -60,7 +62,7 @@ static bool find_target(const struct satin_scene *scene, struct light_target *ou
         box = (struct light_target){v3_min(box.lo, lo), v3_max(box.hi, hi)};
         found = true;
     }
-    // The scene's bounds come from the ray tracer; nothing is outside of them.
+    // No hit is outside of the scene's bounds, which come from the ray tracer.
     *out =
         (struct light_target){v3_max(box.lo, scene->bounds_lo), v3_min(box.hi, scene->bounds_hi)};
     return found;
@@ -68,14 +70,15 @@ static bool find_target(const struct satin_scene *scene, struct light_target *ou
 
 // ---- Cells ------------------------------------------------------------------------------------
 
-// The grid of a light in at most `budget` cells: fine along the numbers that it uses.
+// Divides the emission of a light into at most `budget` cells, which are finer along the numbers
+// that matter most.
 static void split_light(const struct light *light, uint32_t budget, struct light_cells *cells) {
     bool position =
         light->kind != LIGHT_POINT && light->kind != LIGHT_SPOT && light->kind != LIGHT_PROJECTOR;
     bool direction = light->kind != LIGHT_DIRECTIONAL && light->kind != LIGHT_BEAM;
     for (int k = 0; k < 4; k++) cells->split[k] = 1;
     cells->total = 1;
-    // Doubles one number after the other; directions of an area light first.
+    // Doubles the numbers of cells in turn, beginning with the directions of an area light.
     for (int step = 0;; step = (step + 1) % 8) {
         static const int order[2][8] = {{2, 3, 2, 3, 0, 1, 2, 3}, {0, 1, 2, 3, 0, 1, 2, 3}};
         int k = order[light->kind != LIGHT_AREA][step];
@@ -120,7 +123,7 @@ static void probe_cells(void *ctx, size_t begin, size_t end, int worker) {
     for (size_t c = begin; c < end; c++) {
         struct rng rng = rng_make(pilot->seed, RNG_GUIDE, (uint64_t)pilot->light << 32 | c);
         for (int i = 0; i < PILOT_RAYS && !pilot->met[c]; i++) {
-            // Latin strata along the first number of each pair.
+            // Latin hypercube strata along the first number of each pair.
             float u[4] = {sample_stratum(i, rng_float(&rng), PILOT_RAYS), rng_float(&rng),
                           sample_stratum(i * 7 % PILOT_RAYS, rng_float(&rng), PILOT_RAYS),
                           rng_float(&rng)};
@@ -151,14 +154,14 @@ static void sort_cells(struct light_cells *cells, const uint8_t *met) {
         if (!near_met(cells, met, c)) cells->cell[n++] = c;
 }
 
-// Fraction of a light's paths that start in the cells that were kept.
+// The fraction of a light's paths that start in the kept cells.
 static float kept_fraction(const struct light_cells *cells) {
     if (cells->kept == 0) return 0.0f;
     return cells->kept == cells->total ? 1.0f : 1.0f - BLIND_FRACTION;
 }
 
-// Allocates the paths to the lights by the power that leaves their kept cells, and a tenth by
-// power.
+// Allocates the paths to the lights by the power that leaves their kept cells, and a tenth of them
+// by power.
 static void allocate_caustic_paths(const struct satin_scene *scene, uint64_t paths,
                                    struct guide_emission *emission) {
     double kept = 0.0, all = 0.0;
@@ -172,7 +175,7 @@ static void allocate_caustic_paths(const struct satin_scene *scene, uint64_t pat
         double power = scene->light[i].power, fraction = power / all;
         if (kept > 0.0) fraction = 0.9 * power * cells->kept / cells->total / kept + 0.1 * fraction;
         uint64_t n = (uint64_t)llround(fraction * (double)paths);
-        cells->paths = n > 16 ? n : 16;  // so that both kinds of cells get some
+        cells->paths = n > 16 ? n : 16;  // so that both groups of cells get paths
     }
 }
 
@@ -249,9 +252,9 @@ const struct light_aim *guide_emission_aim(const struct guide_emission *emission
     return &emission->aim;
 }
 
-// The first paths go to the kept cells, the others to the rest, in the order of the cells: x runs
-// over them evenly, its whole part names the cell and its fraction is the position along the cell's
-// first number, so that with the other numbers of the sequence every cell is filled by a net.
+// The first paths go to the kept cells and the others to the rest, in the order of the cells. x
+// runs uniformly over them: its integer part is the cell and its fraction the position along the
+// cell's first number. Together with the other numbers of the sequence, a net fills each cell.
 float guide_emission_warp(const struct guide_emission *emission, uint32_t light, uint64_t index,
                           float u[4]) {
     const struct light_cells *cells = &emission->light[light];

@@ -1,22 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which rays of a hemisphere go to photon clusters: its stratified rays meet a small bright cluster
-// by luck; some more rays go to each one that the point sees. Together they are one estimate by the
-// balance heuristic [Veach and Guibas 1995]: every ray, however it was drawn, counts by the density
-// of the stratified rays over that of all, so nothing is counted twice and no light is left out
-// where a cluster was not guessed.
+// Rays of a hemisphere to photon clusters. Its stratified rays hit a small bright cluster only by
+// chance, so additional rays are drawn to each cluster that is visible. All rays are one estimate
+// by the balance heuristic [Veach and Guibas 1995]: every ray, however it was drawn, is weighted by
+// the density of the stratified rays over that of all rays. So nothing counts twice, and no light
+// is missed where there is no cone.
 #include "base/rng.h"
 #include "base/sampling.h"
 #include "guide/guide.h"
 
-// The deviation of what comes from one cluster over all light, below which luck is good enough.
+// Standard deviation of a cluster's contribution over all light, below which it gets no rays.
 static const float LUCK = 0.01f;
-// The deviation, over all light, that guided rays aim at; and that of one of them that meets its
-// cluster, over its own mean.
+// Target of that deviation with guided rays, and the deviation of the radiance of a guided ray that
+// hits its cluster, over its mean.
 static const float AIM = 0.01f, SPREAD = 0.5f;
 
-enum { CONE_RAYS_LEAST = 8, CONE_RAYS_MOST = 256 };  // rays of one cone, powers of 2: whole nets
+enum {
+    CONE_RAYS_LEAST = 8,
+    CONE_RAYS_MOST = 256
+};  // of one cone, powers of 2, so that points
+    // form whole nets
 
-// Number of rays to a cluster that sends a `fraction` of the light.
+// The number of rays to a cluster that contributes a `fraction` of the light.
 static int count_rays(const struct guide_cone *cone, float fraction, size_t stratified) {
     if (!(fraction > LUCK * sqrtf((float)stratified * cone->chance))) return 0;
     const float missed = 1.0f / clampf(cone->filled, 0.01f, 1.0f) - 1.0f;
@@ -36,7 +40,7 @@ void guide_rays_allocate(struct guide_rays *rays, float expected, size_t stratif
         rays->rays[i] = count_rays(&rays->cone[i], rays->cone[i].E / all, stratified);
         total += rays->rays[i];
     }
-    // No more than half as many as there are without.
+    // At most half as many as there are stratified rays.
     int shift = 0;
     while (total >> shift > (int)(stratified / 2)) shift++;
     for (int i = 0; i < rays->count; i++) {
@@ -58,14 +62,14 @@ void guide_rays_make(const struct guide_clusters *clusters, const struct satin_s
 }
 
 vec3 guide_cone_sample(const struct guide_cone *cone, vec2 u) {
-    // As sample_uniform_cone, which has no digits left for the narrowest.
+    // As sample_uniform_cone, which is not accurate for the narrowest cones.
     const struct frame frame = frame_from_normal(cone->axis);
     const float away = u.x * cone->versine, sine = safe_sqrtf(away * (2.0f - away));
     const float phi = 2.0f * PI_F * u.y;
     return frame_to_world(&frame, v3(sine * cosf(phi), sine * sinf(phi), 1.0f - away));
 }
 
-// Whether a direction is in the cone: |w - axis|^2 = 2 (1 - cosine) keeps the digits.
+// By |w - axis|^2 = 2 (1 - cosine), which is accurate for narrow cones.
 bool guide_cone_holds(const struct guide_cone *cone, vec3 w) {
     return v3_dist2(w, cone->axis) <= 2.0f * cone->versine;
 }
@@ -86,7 +90,7 @@ bool guide_rays_draw(struct guide_rays *rays, struct guide_draw *draw, vec3 *w, 
     return false;
 }
 
-// The cone that a ray was drawn from, whatever the last digit says; -1 for a stratified ray.
+// The cone from which a ray was drawn, even if rounding moved it outside; -1 for a stratified ray.
 static int find_own(const struct guide_rays *rays, int drawn) {
     int own = -1;
     while (own + 1 < rays->count && drawn >= rays->first[own + 1]) own++;

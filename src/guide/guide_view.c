@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What of the scene matters to the image, by a few paths: from the eye to x, the first surface that
-// is not ideal specular, and on by a ray as a gather ray would go. Their median length limits how
-// wide a photon lookup may be; boxes of the points x, and of the ideal specular surfaces that the
-// rays meet, show where caustics are worth photons. A box holds a fraction of the points that lie
-// nearest to their middle, so a few that are far, as on a ground seen to the horizon, do not widen
-// all.
+// Finds the visible region of the scene by a few paths: from the eye to x, the first surface that
+// is not ideal specular, and from there along a direction of a gather ray. The median length of
+// these rays limits the radius of photon lookups. Boxes around the points x, and around the ideal
+// specular surfaces that the rays hit, show where caustic photons are useful. A box holds the
+// fraction of the points that is nearest to their median, so that a few distant points, as on a
+// ground that extends to the horizon, do not enlarge all boxes.
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -15,12 +15,12 @@ enum { SPECULAR_MAX = 16 };
 
 static const double QUANTILE[GUIDE_VIEW_BOXES] = {1.0, 0.9, 0.5};
 
-// A spot must be smaller than what is around it by this much to be worth photons of its own.
+// A box is a target only if its surface is less than this fraction of that around it.
 #define SMALLER 0.25f
 
 struct point {
     vec3 p;
-    float distance;  // from the middle
+    float distance;  // from the median
 };
 
 struct cloud {
@@ -57,7 +57,7 @@ static void make_boxes(struct cloud *cloud, struct light_target *box) {
             lo = v3_min(lo, cloud->point[i].p);
             hi = v3_max(hi, cloud->point[i].p);
         }
-        // A tenth more on all sides: the points are a few of many.
+        // Larger by a tenth on all sides, as the points are only a sample.
         vec3 more = v3_mul(v3_sub(hi, lo), 0.1f);
         box[k] = (struct light_target){v3_sub(lo, more), v3_add(hi, more)};
     }
@@ -68,7 +68,7 @@ static float surface(const struct light_target *box) {
     return s.x * s.y + s.y * s.z + s.z * s.x;
 }
 
-// Makes spots of the boxes, which become smaller, that are small against what is around them.
+// Adds those boxes, of descending size, that are small compared to the one before.
 static void add_spots(const struct light_target *box, struct light_aim *aim) {
     float around = surface(&aim->all);
     for (int k = 0; k < GUIDE_VIEW_BOXES; k++) {
@@ -119,11 +119,12 @@ bool guide_view_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng
     return guide_view_follow(scene, &ray, rng, s, n, &chain);
 }
 
-// What a path met.
+// The hits of a path.
 struct view_path {
-    bool seen, hit, specular;  // x; a surface behind it; an ideal specular one
-    vec3 x, end;               // where
-    float length;              // between them
+    bool seen, hit, specular;  // whether x was found, a surface behind it, and whether that is
+                               // ideal specular
+    vec3 x, end;               // positions of x and of that surface
+    float length;              // distance between them
 };
 
 struct view_paths {

@@ -24,30 +24,31 @@ enum {
     LIGHT_RAYS = 32
 };
 
-// A bin beside one where the environment is visible gets this fraction of its weight: rays are few.
+// The weight of a bin beside one where the environment is visible, as a fraction of that one's,
+// because rays are few.
 #define BESIDE 0.1f
-// Fraction of the samples that bins get: a constant sky has nothing to draw by, and an image draws
-// well where all of it is visible.
+// Fraction of the samples that is drawn by bins. Sampling by radiance is useless for a constant
+// sky, and good for an image where all of it is visible.
 #define FRACTION_CONSTANT 0.9f
 #define FRACTION_IMAGE 0.75f
-// A light that no ray has found may yet arrive.
+// The least fraction of a light, because a light that no ray has found may be visible.
 #define UNFOUND 0.1f
 
 struct learning {
     const struct satin_scene *scene;
     uint64_t seed;
-    int rays;  // per bin
+    int rays;  // rays per bin
     struct guide_visibility *visibility;
 };
 
 // ---- Environment
 // ----------------------------------------------------------------------------------
 
-// What rays from a cell find of the environment: the square root of its luminance, as the peaks are
-// the own sampling's.
+// What the rays of a cell find of the environment: the square root of its luminance, because its
+// peaks are sampled by radiance.
 struct sky_tally {
-    float weight[LIGHT_HISTOGRAM_BINS];  // mean of a bin
-    float visible, facing;               // sums: what is visible, and were without walls
+    float weight[LIGHT_HISTOGRAM_BINS];  // mean weight of a bin
+    float visible, facing;               // sums: visible radiance, and radiance without occlusion
 };
 
 static void ask(const struct learning *l, const struct guide_cell *cell, int bin, struct rng *rng,
@@ -71,7 +72,7 @@ static void ask(const struct learning *l, const struct guide_cell *cell, int bin
     tally->weight[bin] = asked ? sum / (float)asked : 0.0f;
 }
 
-// Rows end at the poles, columns meet.
+// Rows end at the poles, columns wrap around.
 static float brightest_beside(const struct sky_tally *tally, int bin) {
     const int row = bin / LIGHT_HISTOGRAM_SIDE, column = bin % LIGHT_HISTOGRAM_SIDE;
     float most = 0.0f;
@@ -91,7 +92,7 @@ static void learn_histogram(const struct learning *l, size_t i, struct rng *rng)
     float weight[LIGHT_HISTOGRAM_BINS];
     for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++)
         ask(l, &l->visibility->cells.cell[i], bin, rng, &tally);
-    if (!(tally.visible > 0.0f)) return;  // its fraction stays 0
+    if (!(tally.visible > 0.0f)) return;  // the fraction stays 0
     for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++)
         weight[bin] = fmaxf(tally.weight[bin], BESIDE * brightest_beside(&tally, bin));
     sample_cdf_build(weight, LIGHT_HISTOGRAM_BINS, l->visibility->cdf[i]);
@@ -105,7 +106,7 @@ static void learn_histogram(const struct learning *l, size_t i, struct rng *rng)
 
 // ---- Lights -----------------------------------------------------------------------------------
 
-// Irradiance of one light at a point by one sample.
+// The irradiance from one light at a point, by one sample.
 static float arrives(const struct satin_scene *scene, uint32_t light,
                      struct light_visibility visibility, const struct guide_cell_point *p,
                      struct rng *rng) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to guide/: what is visible of the lights from cells of points (guide_visibility.c), and
+// Private to guide/: the visibility of the lights from cells of points (guide_visibility.c), and
 // the cells (guide_cells.c).
 #ifndef GUIDE_VISIBILITY_H
 #define GUIDE_VISIBILITY_H
@@ -14,7 +14,7 @@ enum { GUIDE_CELLS_DEPTH = 10, GUIDE_CELLS_MAX = 1 << GUIDE_CELLS_DEPTH };
 // A point on a path from the eye.
 struct guide_cell_point {
     vec3 p, ng, n;  // geometric and shading normal
-    bool both;      // lit from behind as well
+    bool both;      // whether it is also lit from behind
 };
 
 // The points of one cell.
@@ -23,35 +23,37 @@ struct guide_cell {
     size_t count;
 };
 
-// The tree of cells. A leaf is a cell.
+// The tree of cells; its leaves are the cells.
 struct guide_cells {
-    int depth;                                  // of the tree; the cells are its leaves
-    struct split_plane split[GUIDE_CELLS_MAX];  // of node i; 2 i + 1 is below it, 2 i + 2 above
+    int depth;                                  // depth of the tree
+    struct split_plane split[GUIDE_CELLS_MAX];  // of node i, whose children are 2 i + 1 below and 2
+                                                // i + 2 above it
     struct guide_cell cell[GUIDE_CELLS_MAX];
-    struct guide_cell_point *point;  // by malloc
+    struct guide_cell_point *point;  // from malloc
 };
 
 static inline size_t guide_cells_count(const struct guide_cells *cells) {
     return (size_t)1 << cells->depth;
 }
-// Makes the cells; without points if paths from the eye meet nothing. False without memory. The
-// caller frees `point`. Threads as of guide_view_make.
+// Makes the cells, which have no points if paths from the eye hit nothing. False if there is no
+// memory. The caller frees `point`. Threads as for guide_view_make.
 bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, struct parallel *pool,
                       struct guide_cells *out);
-// The cell that p falls into.
+// The index of the cell of p.
 size_t guide_cells_find(const struct guide_cells *cells, vec3 p);
 
 // ---- What is visible
 // -----------------------------------------------------------------------------
 
-// What was learned in each cell.
+// What was measured in each cell.
 struct guide_visibility {
     struct guide_cells cells;
-    bool sky, choice;  // whether histograms, or fractions of the lights, were learned
+    bool sky, choice;  // whether histograms, and whether fractions of the lights, were measured
     struct light_histogram histogram[GUIDE_CELLS_MAX];
     float cdf[GUIDE_CELLS_MAX][LIGHT_HISTOGRAM_BINS + 1];
     uint32_t cut[GUIDE_CELLS_MAX][LIGHT_HISTOGRAM_CUTS + 1];
-    float visible[GUIDE_CELLS_MAX][LIGHT_WEIGHED_MAX];  // of each light, over what is expected; > 0
+    float visible[GUIDE_CELLS_MAX][LIGHT_WEIGHED_MAX];  // visible fraction of each light's
+                                                        // estimate; > 0
 };
 
 #endif

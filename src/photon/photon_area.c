@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// The area that is really there. A density estimate divides the photons in a disc by its area, but
-// the disc may hang over an edge or go on into a wall. Here the disc is cut to what is surface of
-// the same facing and visible from just above its centre: by direction, a ray along the surface
-// finds the wall and a ray down the end of the surface. Extents are interpolated in their inverse,
-// which is exact for a straight wall, and a photon counts only inside the cut disc, so the area and
-// the photons belong together even where the outline is rough, and photons behind a thin wall do
-// not leak under it.
+// The area of the surface inside the disc of a density estimate. An estimate divides the photons in
+// a disc by its area, but the disc may extend beyond an edge or into a wall. Here the disc is cut
+// to the surface of the same orientation that is visible from just above its centre. In each of
+// several directions, a ray along the surface finds a wall, and a ray downwards finds the end of
+// the surface. Extents are interpolated in their inverse, which is exact for a straight wall. A
+// photon counts only inside the cut disc, so the area and the photons agree even if the outline is
+// approximate, and photons behind a thin wall do not leak.
 #include "base/sampling.h"
 #include "photon/photon_map.h"
 
 // In units of the disc's radius r.
-#define HEIGHT 0.1f      // of the rays along the surface: over ripples, under what stands there
-#define DEPTH 0.35f      // how far below the tangent plane the surface may curve away
-#define EXTENT_MIN .02f  // bounds 1 / extent
+// Of the rays along the surface: above ripples, and below objects that stand on it.
+#define HEIGHT 0.1f
+#define DEPTH 0.35f      // how far the surface may curve below the tangent plane
+#define EXTENT_MIN .02f  // limits 1 / extent
 #define SECTOR (2.0f * PI_F / AREA_SECTORS)
 enum { BISECTIONS = 5, AREA_STEPS = 4 };
 
@@ -27,7 +28,7 @@ static float clear_distance(const struct satin_scene *scene, vec3 o, vec3 d, flo
     return fminf(scene_distance(scene, &ray), most);
 }
 
-// Whether a surface of the same facing lies under the point `t` along w.
+// Whether a surface of the same orientation is below the point `t` along w.
 static bool surface_below(const struct probe *probe, vec3 w, float t) {
     struct ray ray = {v3_mad(probe->origin, t, w), 0.0f, v3_neg(probe->n),
                       probe->height + DEPTH * probe->r};
@@ -36,10 +37,10 @@ static bool surface_below(const struct probe *probe, vec3 w, float t) {
     return fabsf(v3_dot(s.ng, probe->n)) > PHOTON_FACING;
 }
 
-// How far the surface goes along w, in units of r; beyond 1 it is the distance to a wall.
+// How far the surface extends along w, in units of r; beyond 1 it is the distance to a wall.
 static float extent(const struct probe *probe, vec3 w) {
     float wall = clear_distance(probe->scene, probe->origin, w, 1.5f * probe->r);
-    // A little before the wall or the rim, where the ray down must not meet the wall itself.
+    // A little before the wall or the rim, so that the ray downwards does not hit the wall itself.
     float hi = 0.98f * fminf(wall, probe->r), lo = 0.0f;
     if (surface_below(probe, w, hi)) return wall / probe->r;
     for (int i = 0; i < BISECTIONS; i++) {
@@ -54,7 +55,7 @@ static float extent(const struct probe *probe, vec3 w) {
 
 static struct probe probe_make(const struct satin_scene *scene, vec3 p, vec3 n, float r) {
     struct ray up = scene_spawn(scene, p, n, n);
-    // In a gap lower than the rays' height they run half way up.
+    // In a gap lower than that, rays are at half its height.
     float height = HEIGHT * r, clearance = clear_distance(scene, up.o, n, 2.0f * height);
     if (clearance < 2.0f * height) height = 0.5f * clearance;
     return (struct probe){scene, v3_mad(up.o, height, n), n, height, r};
@@ -79,7 +80,7 @@ bool photon_area_clear(const struct satin_scene *scene, vec3 p, vec3 n, float r)
     struct frame frame = frame_from_normal(n);
     struct probe probe = probe_make(scene, p, n, r);
     for (int i = 0; i < AREA_SECTORS; i++) {
-        // Far apart first: an edge is found soon.
+        // Directions far apart first, so that an edge is found soon.
         float phi = (float)(i * 7 % AREA_SECTORS) * SECTOR;
         vec3 w = frame_to_world(&frame, v3(cosf(phi), sinf(phi), 0.0f));
         if (clear_distance(scene, probe.origin, w, r) < r || !surface_below(&probe, w, 0.98f * r))
@@ -88,7 +89,7 @@ bool photon_area_clear(const struct satin_scene *scene, vec3 p, vec3 n, float r)
     return true;
 }
 
-// 1 / extent at `sector`, a real number in [0, AREA_SECTORS].
+// 1 / extent at a real number `sector` in [0, AREA_SECTORS].
 static float inverse_extent(const struct photon_area *area, float sector) {
     int i = (int)sector;
     float f = sector - (float)i;

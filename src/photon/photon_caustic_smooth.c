@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Caustics without the noise of their photons. Where the estimates around a position differ from a
-// plane hardly more than their variance explains, the plane is what is seen; where they differ much
-// more, they stay as they are, and in between a part of the difference is kept. Planes are fitted
-// by least squares at sites, and what a site stands for is smoothed in the same way over ever wider
-// surroundings, as long as these are a plane too.
+// Removes the noise of photons from caustics. Where the estimates around a position differ from a
+// plane little more than their variance explains, they are replaced by the plane; where they differ
+// much more, they stay; in between a fraction of the difference is kept. Planes are fitted by least
+// squares at sites. The values at sites are smoothed in the same way over ever wider surroundings,
+// as long as these are a plane too.
 //
-// A site lies at random beside a photon, so far that its estimate does not hold it: at photons an
-// estimate is too high, and without the photon it would be too low, as photons are spread more
-// evenly than at random.
+// A site is at a random position beside a photon, so far that its estimate does not contain it:
+// estimates at photons are too high, and without the photon they would be too low, as photons are
+// distributed more uniformly than at random.
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -18,15 +18,17 @@
 #include "photon/photon_caustic_smooth.h"
 
 enum {
-    STRIDE = 16,       // entries per site, and
-    STRIDE_WIDER = 4,  // sites per site of wider surroundings
+    STRIDE = 16,       // entries per site
+    STRIDE_WIDER = 4,  // sites per site of the next wider surroundings
     SITES_LEAST = 128,
     CHUNK = 64
 };
 #define ASIDE 1.2f  // least distance of a site from its photon, in radii of its disc
 #define ASIDE_MOST 1.7f
-#define HEIGHT 0.1f       // above the surface, of that distance, where a site is looked for
-#define NOISE_LEFT 0.16f  // in a plane, of the variance of the values, whose discs overlap
+// Above the surface, in units of that distance, from where the site is searched.
+#define HEIGHT 0.1f
+// Fraction of the variance left in a plane; small, but not 1 / n, as discs overlap.
+#define NOISE_LEFT 0.16f
 
 static void sites_free(struct photon_sites *sites) {
     photon_index_free(sites->index);
@@ -56,7 +58,7 @@ struct estimating {
     atomic_bool failed;
 };
 
-// A position on the surface around an entry that sees it; false if there is none.
+// Finds a position on the surface around an entry and visible from it. False if there is none.
 static bool find_position(const struct estimating *job, size_t site, vec3 *p, vec3 *n) {
     const struct photon_irradiance *r = job->irradiance;
     const struct satin_scene *scene = job->what->scene;
@@ -78,7 +80,7 @@ static bool find_position(const struct estimating *job, size_t site, vec3 *p, ve
     return photon_irradiance_sees(r, scene, (int)entry, *p, *n);
 }
 
-// Sets a site; its noise is negative if there is none.
+// Computes the value of a site; its noise is negative if there is no site.
 static void estimate_site(const struct estimating *job, size_t site, int *row, float *distance2) {
     const struct photon_precompute *what = job->what;
     struct photon_sites *sites = job->sites;
@@ -118,7 +120,7 @@ static void estimate_sites(void *ctx, size_t begin, size_t end, int worker) {
     free(distance2);
 }
 
-// Drops the sites that are none.
+// Removes invalid sites.
 static void compact(struct photon_sites *sites) {
     size_t kept = 0;
     for (size_t i = 0; i < sites->count; i++) {
@@ -132,7 +134,7 @@ static void compact(struct photon_sites *sites) {
     sites->count = kept;
 }
 
-// Every STRIDE_WIDER-th site of which the planes are known.
+// Selects every STRIDE_WIDER-th of the sites that have planes.
 static bool thin(const struct photon_sites *sites, struct photon_sites *out) {
     if (!sites_make((sites->count + STRIDE_WIDER - 1) / STRIDE_WIDER, sites->position.scale, out))
         return false;
@@ -149,7 +151,7 @@ static bool thin(const struct photon_sites *sites, struct photon_sites *out) {
 
 // ---- Smoothing ----------------------------------------------------------------------------------
 
-// Replaces `count` values by what the sites, every few of their positions, give.
+// Replaces `count` values by those that the sites, one for every few of their positions, give.
 static satin_status smooth(const struct satin_scene *scene, struct parallel *pool,
                            struct photon_sites *sites, const struct photon_positions *position,
                            size_t count, rgb *value) {

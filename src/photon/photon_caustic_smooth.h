@@ -1,49 +1,49 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to photon/: values at sites on surfaces and the planes through them.
+// Private to photon/: values at sites on surfaces, and planes fitted to them.
 #ifndef PHOTON_CAUSTIC_SMOOTH_H
 #define PHOTON_CAUSTIC_SMOOTH_H
 
 #include "photon/photon_map.h"
 
-// Values over positions on surfaces, and the planes through them.
+// Values at positions on surfaces, and the planes fitted to them.
 struct photon_sites {
     size_t count;
     struct photon_positions position;
-    rgb *value;    // first that of the position, then what its plane has there
+    rgb *value;    // first that of the position, later that of its plane
     float *noise;  // variance of a value over its square
     struct slope {
-        rgb u, v;       // of the plane along the frame of the normal
-        float differs;  // mean square of the values' differences from it, in units of noise
-        float kept;     // of such differences
+        rgb u, v;       // slopes of the plane along u and v of the normal's frame
+        float differs;  // mean squared difference of the values from it, in units of noise
+        float kept;     // fraction of such differences that is kept
     } * slope;
     struct photon_index *index;
 };
 
 static inline float rgb_square(rgb c) { return c.r * c.r + c.g * c.g + c.b * c.b; }
 
-// The next three functions are chunk functions of parallel_for, to be run one after the other; the
-// sites must have an index.
+// The next three are chunk functions for parallel_for, to be run one after another. The sites must
+// have an index.
 
-// Context of the first two.
+// Context of photon_fit_planes and photon_evaluate_planes.
 struct photon_fitting {
     const struct satin_scene *scene;
-    struct photon_sites *sites;  // of which `slope` is filled
+    struct photon_sites *sites;  // `slope` is set by these functions
     rgb *plane;                  // value of each site's plane at the site
 };
 // Fits a plane at each site.
 void photon_fit_planes(void *fitting, size_t begin, size_t end, int worker);
-// Decides at each site how much of the differences from its plane is kept.
+// Computes at each site the fraction of the differences from its plane that is kept.
 void photon_evaluate_planes(void *fitting, size_t begin, size_t end, int worker);
 
 // Context of photon_read_planes.
 struct photon_reading {
     const struct satin_scene *scene;
-    const struct photon_sites *sites;         // with their planes' values
-    const struct photon_positions *position;  // of the values
+    const struct photon_sites *sites;         // whose values are those of their planes
+    const struct photon_positions *position;  // positions of the values
     rgb *value;
 };
-// Replaces values by the mean of the planes around, and of the values themselves as far as they are
-// no noise.
+// Replaces values by the mean of the planes around them, plus the fraction of the difference that
+// is not noise.
 void photon_read_planes(void *reading, size_t begin, size_t end, int worker);
 
 #endif

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Morton curve, and a stable radix sort along it on all threads: each chunk of the items counts
-// its digits; from the counts follows where each chunk puts its items of each digit.
+// The Morton curve, and a stable radix sort along it on all threads: each chunk of items counts its
+// digits, and the counts give the offsets to which each chunk writes its items of each digit.
 #include "photon/photon_curve.h"
 
 #include <stdlib.h>
@@ -10,8 +10,8 @@
 enum {
     DIGIT_BITS = 10,
     DIGITS = 1 << DIGIT_BITS,
-    CHUNK_LEAST = 4096,  // items, some times as many as there are digits
-    CHUNKS_MOST = 128    // whose counts are summed on one thread: .1 ms
+    CHUNK_LEAST = 4096,  // least number of items: some times the number of digits
+    CHUNKS_MOST = 128    // largest number: one thread adds their counts in .1 ms
 };
 
 static uint32_t spread_bits(uint32_t x) {  // 10 bits to every third of 30
@@ -31,8 +31,8 @@ uint32_t photon_curve_key(const struct photon_curve *curve, vec3 p) {
 struct sorting {
     const struct photon_keyed *from;
     struct photon_keyed *to;
-    size_t chunk;             // items
-    size_t (*start)[DIGITS];  // by chunk: first counts, then where its items go
+    size_t chunk;             // number of items of a chunk
+    size_t (*start)[DIGITS];  // by chunk: first counts, then the offsets of its items
     int shift;
 };
 
@@ -93,7 +93,7 @@ static uint32_t key_at(const struct splitting *s, size_t i) {
     return photon_curve_key(s->curve, v3(p[0], p[1], p[2]));
 }
 
-// The first of the points whose key has the bit.
+// The first of the points whose key has the bit set.
 static size_t find_bit(const struct splitting *s, size_t begin, size_t end, uint32_t bit) {
     while (begin < end) {
         const size_t middle = begin + (end - begin) / 2;

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Density estimates from the k nearest photons [Jensen 2001, ch. 7]. Photons of the other side of
-// the surface, of a surface of another facing or of another layer do not count; the disc is divided
-// by the area that is there (photon_area.c). The radius is that of the outermost photon, which is
-// left out of the sum: the k - 1 others lie evenly in the disc, so their number over its area is
-// the density without bias, while k over it is too bright by 1 / (k - 1).
+// Density estimates from the k nearest photons [Jensen 2001, ch. 7]. Photons on the other side of
+// the surface, or on a surface of another orientation or layer, are not counted, and the disc is
+// divided by the area of the surface in it (photon_area.c). The radius is that of the outermost
+// photon, which is not counted: the k - 1 others are uniform in the disc, so their number over its
+// area is an unbiased density, while k over the area is too high by 1 / (k - 1).
 #include "photon/photon_map.h"
 
 #define LAYER 0.35f
-#define RATIO_MOST 2.0f  // of smoothed light to what is estimated at the point
-
-// Whether the photon is one of the disc's surface: its facing and its distance from the plane.
+// Limit of smoothed irradiance over that estimated at the point, and of its inverse Whether photon
+// i is on the surface of the disc, by its normal and its distance from the plane.
+#define RATIO_MOST 2.0f
 static bool belongs(const struct photon_disc *disc, int i) {
     const struct photon_map *map = disc->map;
     size_t at = (size_t)disc->row[i];
@@ -22,8 +22,8 @@ static bool counts(const struct photon_disc *disc, int i) {
     return disc->row[i] >= 0 && disc->distance2[i] < disc->r2;
 }
 
-// The radius squared: the outermost of k photons, or the map's bound if that is nearer; with fewer
-// photons in the map than asked for, the bound.
+// The squared radius: that of the outermost of k photons, or the map's limit if that is smaller or
+// if the map has fewer photons.
 static float disc_radius2(const struct photon_query *query, const int *row,
                           const float *distance2) {
     float far2 = 0.0f;
@@ -38,7 +38,7 @@ static float disc_radius2(const struct photon_query *query, const int *row,
     return full ? fminf(far2, most * most) : most * most;
 }
 
-// Whether a photon of the disc knows that something cuts the surroundings, or none knows anything.
+// Whether a photon of the disc has found an edge near it, or none of them was tested.
 static bool edge_near(const struct photon_disc *disc) {
     const struct photon_map *map = disc->map;
     if (!map->open) return true;
@@ -120,7 +120,7 @@ void photon_disc_make(const struct photon_query *query, const int *row, const fl
     if (measure) {
         photon_area_make(query->scene, query->p, query->n, out->r, point_key(query->p), &out->area);
         out->corrected = !out->area.open;
-        // In the tightest cracks nearly nothing is there, and a single photon would shine.
+        // In the narrowest cracks the area is nearly 0, and a single photon would be very bright.
         if (out->corrected)
             fraction = fmaxf(photon_area_fraction(&out->area, query->kernel), 0.02f);
     }
@@ -176,7 +176,7 @@ float photon_disc_variance(const struct photon_disc *disc) {
 
 // ---- Reflected radiance -----------------------------------------------------------------------
 
-// A surface point as the estimates of reflected radiance need it.
+// A surface point for estimates of reflected radiance.
 struct reflection {
     const struct frame *frame;
     const struct brdf *brdf;
@@ -184,7 +184,7 @@ struct reflection {
     unsigned lobes;
 };
 
-// Photons carry flux per geometric area; reflection is by the shading normal's cosine.
+// Photons carry flux per geometric area, while reflection is by the cosine to the shading normal.
 static rgb reflect(const struct photon_disc *disc, const struct reflection *at) {
     rgb L = rgb_grey(0.0f);
     for (int i = 0; i < disc->count; i++) {
@@ -195,14 +195,14 @@ static rgb reflect(const struct photon_disc *disc, const struct reflection *at) 
         float cosine = v3_dot(wi, photon_unpack(photon->n));
         if (!(local.z > 0.0f) || !(cosine > 0.0f)) continue;
         rgb f = brdf_eval(at->brdf, at->wo, local, at->lobes);
-        // Bounded, as photons at grazing angles are few and this would make them bright.
+        // Limited, because the few photons at grazing angles would be very bright.
         weight *= fminf(local.z / cosine, 4.0f);
         L = rgb_mad(L, rgb_mul(f, photon->power), weight);
     }
     return L;
 }
 
-// What the photons around reflect, and if E is not NULL their irradiance.
+// The radiance reflected from the photons around the point and, if E is not NULL, their irradiance.
 static rgb estimate(const struct photon_query *query, const struct reflection *at, float *radius,
                     rgb *E) {
     int row[PHOTON_K_MAX];
@@ -233,7 +233,7 @@ rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *sc
     return estimate(&query, &at, radius, NULL);
 }
 
-// Of the caustic map, what was precomputed nearby, but not through a wall; false if there is none.
+// Reads the precomputed irradiance of the caustic map. False if the nearest entry is behind a wall.
 static bool precomputed(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
                         vec3 ng, rgb *E) {
     const struct photon_irradiance *r = &maps->caustic_irradiance;
@@ -245,14 +245,14 @@ static bool precomputed(const struct photon_maps *maps, const struct satin_scene
     return true;
 }
 
-// The factor that removes the noise of an estimate: of the irradiance that was smoothed over that
-// which is estimated at the point. A channel without light stays so.
+// The factor that removes the noise of an estimate: the smoothed irradiance over that estimated at
+// the point. A channel without light stays black.
 static float smoothing_factor(float smoothed, float estimated) {
     return estimated > 0.0f ? clampf(smoothed / estimated, 1.0f / RATIO_MOST, RATIO_MOST) : 0.0f;
 }
 
-// Probability that a caustic is looked at which, by its irradiance, is this fraction of the light
-// beside it: a low-frequency lobe reflects some ten times as much at most.
+// The probability of looking up a caustic whose irradiance is this fraction of the light beside it.
+// A low-frequency lobe reflects at most some ten times as much of one as of the other.
 static float chance_of(float fraction) { return clampf(50.0f * fraction, 0.1f, 1.0f); }
 
 rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p, vec3 ng,

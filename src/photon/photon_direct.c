@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where lights send their photons at first hand. What direct light there is at the entries of
-// irradiance says nothing of what comes down between them, as the patch of a spot or of the sun
-// that is smaller than their spacing; the photons on their way to the map pass there.
+// Direct photons at the entries of irradiance. Direct light that is sampled at the entries misses
+// lit patches between them, such as that of a spot or of the sun, if they are smaller than the
+// entries' spacing; direct photons show them.
 #include <stdlib.h>
 
 #include "base/array.h"
 #include "photon/photon_map.h"
 
-enum { DIRECT_CHUNK = 1024 };  // photons
+enum { DIRECT_CHUNK = 1024 };  // photons per chunk
 
 struct direct_lookup {
     const struct photon_irradiance *irradiance;
     const struct photon_trace *direct;
-    int *entry;  // by photon
+    int *entry;  // of each photon
 };
 
 static void find_entries(void *ctx, size_t begin, size_t end, int worker) {

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kd-tree of photons: the only file on FLANN, which builds the tree. Its archive interface then
-// hands the nodes over into an array of half their size, over a copy of the rows in the tree's
-// order, and FLANN's memory goes back. Photons that stand along a curve fall into cells first, of
-// which FLANN builds a tree each, on all threads; they are joined below the planes between the
-// cells. The search is FLANN's own, step by step, so it finds the
-// same rows in the same order; but FLANN allocates in every query, and its C functions open a team
-// of threads besides, and a query that can fail would have to be asked for its failure wherever
-// light is looked up. Here nothing is allocated after the tree is built.
+// The kd-tree of photons, in the only file that uses FLANN, which builds the tree. The nodes are
+// then copied through FLANN's archive interface to an array of half their size, above a copy of the
+// rows in the tree's order, and FLANN's memory is freed. Photons along a curve are split into cells
+// first; FLANN builds a tree for each cell, on all threads, and these are joined below the planes
+// between the cells. The search has the same steps as FLANN's, so it finds the same rows in the
+// same order. FLANN's own search is not used, because it allocates in every query, so that every
+// lookup of light could fail, and its C functions start threads. Here nothing is allocated after
+// the tree is built.
 //
-// FLANN is used within what was found to hold: one exact tree, no random seed, queries that are not
-// finite kept out.
+// FLANN is used only as was tested: one exact tree, no random seed, and no queries that are not
+// finite.
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -27,8 +27,8 @@ extern "C" {
 #include "photon/photon_index.h"
 }
 
-// FLANN's pool, a header too, writes to what malloc returns without a look. Here malloc throws, and
-// FLANN lets that pass as it does its own std::bad_alloc.
+// FLANN's pool, which is in a header too, does not check the result of malloc. Here malloc throws
+// std::bad_alloc, which FLANN passes on like its own.
 static void *malloc_or_throw(size_t bytes) {
     void *memory = malloc(bytes);
     if (!memory) throw std::bad_alloc();
@@ -44,23 +44,24 @@ namespace {
 enum {
     LEAF_ROWS = 16,
     COLUMNS_MAX = 6,
-    // At most, where photons stand along a curve: some hundred cells of 200 thousand photons keep
-    // 64 threads busy, and the planes between them cost a query nothing that can be measured.
+    // Largest number of rows of a cell for photons along a curve: some hundred cells of 200
+    // thousand photons keep 64 threads busy, and the planes between them do not measurably slow
+    // down queries.
     CELL_ROWS = 2048
 };
 
-// Nodes stand in the order in which the tree is written down: first themselves, then their first
-// child with all below it, then the second.
+// Nodes are in the order in which FLANN writes the tree: a node, the subtree of its first child,
+// that of the second.
 struct Node {
-    int32_t column;   // that separates the children; -1: a leaf
-    uint32_t second;  // node of the second child
+    int32_t column;   // axis that separates the children; -1: a leaf
+    uint32_t second;  // index of the second child
     union {
-        float low;      // where the first child ends
-        int32_t begin;  // of a leaf's rows
+        float low;      // upper limit of the first child
+        int32_t begin;  // of a leaf: first row
     };
     union {
-        float high;   // where the second child begins
-        int32_t end;  // of a leaf's rows
+        float high;   // lower limit of the second child
+        int32_t end;  // of a leaf: end of its rows
     };
 };
 
@@ -78,7 +79,7 @@ struct photon_index {
     size_t nodes, rows;
     Node *node;
     int *row;     // in the tree's order
-    float *data;  // the same
+    float *data;  // the rows in the tree's order
 
     ~photon_index() {
         free(node);
@@ -89,7 +90,7 @@ struct photon_index {
 
 namespace {
 
-// What FLANN asks of a distance, of which building takes the types alone.
+// FLANN's interface of a distance; only its types are used in building.
 template <size_t N>
 struct Squared {
     typedef bool is_kdtree_distance;
@@ -106,9 +107,9 @@ struct Squared {
     float accum_dist(float a, float b, int) const { return (a - b) * (a - b); }
 };
 
-// Receives the tree as FLANN writes it: whether rows are copied, rows of a leaf, the bounds, the
-// rows' order, then per node the ends of its rows, its column, its two limits, and whether it is a
-// leaf.
+// Receives the tree as FLANN writes it: whether rows are copied, the rows of a leaf, the bounds,
+// the order of the rows; then for each node the range of its rows, its column, its two limits, and
+// whether it is a leaf.
 class Reader final : public flann::serialization::OutputArchive<Reader> {
    public:
     explicit Reader(Tree &tree) : tree_(tree) {}
@@ -118,7 +119,7 @@ class Reader final : public flann::serialization::OutputArchive<Reader> {
         flann::serialization::Serializer<T>::save(*this, value);
         return *this;
     }
-    // The rows themselves and the parameters are known.
+    // The rows and the parameters are known already.
     template <typename D>
     Reader &operator&(const flann::NNIndex<D> &) {
         return *this;
@@ -151,13 +152,13 @@ class Reader final : public flann::serialization::OutputArchive<Reader> {
     void add(bool leaf);
 
     Tree &tree_;
-    std::vector<uint32_t> open_;  // nodes whose second child is to come
+    std::vector<uint32_t> open_;  // nodes whose second child is still to come
     int bounds_ = 0, numbers_ = 0, limits_ = 0;
     int number_[3];
     float limit_[2];
 };
 
-// The node is complete. After a leaf comes the second child of the last node that lacks one.
+// Ends a node. After a leaf comes the second child of the last node that lacks one.
 void Reader::add(bool leaf) {
     const uint32_t at = static_cast<uint32_t>(tree_.node.size());
     if (at > 0 && tree_.node.back().column < 0) {
@@ -185,7 +186,7 @@ void build_tree(const float *data, size_t rows, Tree &out) {
     tree.serialize(reader);
 }
 
-// A cell of the rows, and where its tree goes.
+// A cell of the rows, and the offset of its tree.
 struct Cell {
     size_t begin, end;  // rows
     size_t first_node;
@@ -207,7 +208,7 @@ void build_cells(void *ctx, size_t begin, size_t end, int) {
             Cell &cell = b.cell[i];
             build_tree<N>(b.data + cell.begin * N, cell.end - cell.begin, cell.tree);
         }
-    } catch (...) {  // lack of memory: FLANN throws nothing else here
+    } catch (...) {  // no memory: FLANN throws nothing else here
         b.failed = true;
     }
 }
@@ -245,8 +246,9 @@ struct Box {
     float low[COLUMNS_MAX], high[COLUMNS_MAX];
 };
 
-// Offsets for the nodes of the top of the tree, whose cells' trees are there, from top node `at`
-// on; sets the top nodes, and returns the bounds of what is below. *next is the next free node.
+// Assigns offsets to the nodes of the top of the tree, from top node `at` on, above the finished
+// trees of the cells. Sets the top nodes and returns the bounds of the subtree. *next is the next
+// free node.
 template <size_t N>
 Box lay_out(Building &b, const photon_curve_tree &top, size_t at, size_t *cell, size_t *next) {
     const photon_curve_node &node = top.node[at];
@@ -278,7 +280,7 @@ T *allocate(size_t count) {
     return static_cast<T *>(array_new_unset(count, sizeof(T)));
 }
 
-// False without memory or if the pool was cancelled.
+// Builds the whole tree. False if there is no memory or the pool was cancelled.
 template <size_t N>
 bool build(photon_index &index, const float *data, const photon_curve_tree &top,
            struct parallel *pool) {
@@ -299,7 +301,7 @@ bool build(photon_index &index, const float *data, const photon_curve_tree &top,
     return parallel_for(pool, b.cell.size(), 1, join_cells<N>, &b);
 }
 
-// The nearest row.
+// The result of a search for the nearest row.
 struct Nearest {
     int row = -1;
     float distance2;
@@ -314,8 +316,8 @@ struct Nearest {
     float worst() const { return distance2; }
 };
 
-// The k nearest rows in the caller's arrays: first they fill, then they are a heap with the
-// farthest on top.
+// The result of a search for the k nearest rows, in the caller's arrays. Once they are full, they
+// are a heap with the farthest row on top.
 class NearestK {
    public:
     NearestK(int k, float far2, int *row, float *distance2)
@@ -334,7 +336,7 @@ class NearestK {
     float worst() const { return count_ == k_ ? distance2_[0] : far2_; }
 
    private:
-    // Puts an entry at index i or below it.
+    // Inserts an entry at index i or below it.
     void sink(int i, float dist, int row) {
         for (int child; (child = 2 * i + 1) < k_; i = child) {
             if (child + 1 < k_ && distance2_[child + 1] > distance2_[child]) child++;
@@ -354,14 +356,14 @@ class NearestK {
 
 float square(float x) { return x * x; }
 
-// One search.
+// The state of one search.
 template <size_t N, typename Found>
 struct Search {
     const photon_index &index;
     const float *query;
     Found &found;
-    float along2[N];  // by column, the terms of the squared distance from the box of the node under
-                      // way
+    float along2[N];  // by column, the terms of the squared distance from the box of the current
+                      // node
 };
 
 template <size_t N, typename Found>
@@ -375,7 +377,7 @@ void visit_leaf(Search<N, Found> &s, const Node &leaf) {
     }
 }
 
-// `distance2` is that of the query from the node's box.
+// Visits a subtree. `distance2` is the squared distance of the query from the node's box.
 template <size_t N, typename Found>
 void visit(Search<N, Found> &s, uint32_t at, float distance2) {
     const Node &node = s.index.node[at];
@@ -446,7 +448,7 @@ struct photon_index *photon_index_new(const float *data, size_t rows, int column
         if (built)
             built = columns == 3 ? build<3>(*index, data, above, pool)
                                  : build<6>(*index, data, above, pool);
-    } catch (...) {  // lack of memory
+    } catch (...) {  // no memory
         built = false;
     }
     free(top.node);

@@ -1,22 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass 2: irradiance precomputed at every 8th photon [Christensen 1999, who takes every
-// 4th: here that costs more time than it saves error], so that a gather hit costs one
-// nearest-neighbour query. The query is in six dimensions, position and scaled normal: the
-// nearest photon of the right facing is then the nearest point of the index. The scale is twice the
-// median radius of the density estimates, about three times the spacing of the entries: photons of
-// a wall at right angles seem further than any neighbour on the own wall, while on curved surfaces
-// the neighbours stay near as long as the surface's normal changes little within an estimate's
-// disc.
+// Irradiance precomputed at every 8th photon [Christensen 1999, who takes every 4th: here that
+// costs more time than it saves error], so that a gather hit costs one nearest-neighbour query. The
+// query is in six dimensions, position and scaled normal: the nearest photon of the right
+// orientation is then the nearest point of the index. The scale is twice the median radius of the
+// density estimates, about three times the spacing of the entries. So photons on a wall at right
+// angles are farther away than any neighbour on the same wall, while on curved surfaces neighbours
+// stay near as long as the normal changes little within the disc of an estimate.
 //
-// An entry's photon counts in its own estimate, which makes it too bright by 1 / (k - 1) on average
-// over photons. Lookups are not even over photons, though: an entry in a gap answers for more area
-// than one in a cluster, and its estimate is lower. Over area the two cancel (measured in a
-// furnace: within .3 % for k of 20 to 200, 4 % too bright at 10).
+// The photon of an entry counts in its own estimate, which makes estimates too bright by 1 / (k -
+// 1) on average over photons. But lookups are not uniform over photons: an entry in a gap is read
+// from a larger area than one in a cluster, and its estimate is lower. Over the area the two
+// effects cancel (measured in a furnace: within .3 % for k of 20 to 200, 4 % too bright at 10).
 //
-// Gather rays go on where an entry's estimate is too wide. The radius of the estimate's own disc
-// would not do for that: it is the smaller, the brighter the estimate came out, so that bright ones
+// Gather rays continue where the estimate of an entry is too wide. The radius of the estimate's own
+// disc cannot decide that: it is smaller for estimates that came out brighter, so that bright ones
 // would be read and dark ones would not. A room lit through a door was .7 % too bright with 100,000
-// photons. Lookups give the radius that as many photons have around the disc.
+// photons. Instead, lookups return the radius of an equal number of photons around the disc.
 #include "photon/photon_map.h"
 
 #include <math.h>
@@ -27,19 +26,19 @@
 
 enum {
     IRRADIANCE_CHUNK = 256,  // entries of a chunk
-    GROUP = 8,               // of them are searched and evaluated together
+    GROUP = 8,               // of these, entries that are searched and evaluated together
     IRRADIANCE_BATCH = 512,  // lookups of one call
-    RETRY_K = 16,            // neighbours searched if the nearest one faces elsewhere,
-    RETRY_ENDS = 4           // and of caustics, which mostly are elsewhere then
+    RETRY_K = 16,   // neighbours that are searched if the nearest one has another orientation,
+    RETRY_ENDS = 4  // and in caustics, where entries are mostly on other surfaces then
 };
 #define FACING 0.5f
-// Nothing is left of light that ends beyond this times the squared distance where it begins to
-// fade.
+// Light that ends is 0 beyond this times the squared distance at which it begins to fade.
 #define FAR 9.0f
-// The nearest of evenly spread entries is further than the root of INFLUENCE / (pi density) once in
-// e^INFLUENCE positions. Where it is, no light came down in between, and its irradiance fades.
+// The nearest of randomly distributed entries is farther than the root of INFLUENCE / (pi density)
+// at one in e^INFLUENCE positions. Where it is farther, no light arrived, and the entry's
+// irradiance fades.
 #define INFLUENCE 6.0f
-// A ray towards an entry runs so much of its length above the surface.
+// The height of the end of a ray towards an entry above the surface, over the length of the ray.
 #define LIFT 0.1f
 #define CLEARING 2.5f  // radius of a clearing over that of a disc
 
@@ -61,14 +60,14 @@ static struct photon_query query_of(const struct photon_precompute *what, size_t
                                  AREA_WHOLE};
 }
 
-// A position around which the surface is known to be whole up to a distance; 0: not known.
+// A position around which there is no edge or wall up to a distance; 0: not known.
 struct clearing {
     vec3 p, n;
     float radius;
 };
 
-// Far from edges one clearing serves a group of entries, which are neighbours on the Morton
-// curve, and saves them the rays.
+// Far from edges, one clearing is found for a group of entries, which are neighbours on the Morton
+// curve, and saves their rays.
 static struct clearing find_clearing(const struct photon_precompute *what, size_t entry,
                                      const int *row, const float *distance2) {
     struct photon_query query = query_of(what, entry);
@@ -95,7 +94,7 @@ static void precompute_one(struct precompute_job *job, size_t entry,
     }
     what->map->open[entry] = !disc.corrected;
     const rgb E = photon_disc_irradiance(&disc);
-    // A map of fewer than k photons gives an infinite radius: not reliable.
+    // If the map has fewer than k photons, the radius is infinite and the estimate not reliable.
     const bool valid = rgb_finite(E) && disc.r >= 0.0f;
     if (!valid) atomic_fetch_add(&job->refused, 1);
     job->out->E[entry] = valid ? E : rgb_grey(0.0f);
@@ -134,7 +133,7 @@ static void precompute_chunk(void *ctx, size_t begin, size_t end, int worker) {
     free(distance2);
 }
 
-// The median of a sample of the radii.
+// The median radius of a sample of the entries.
 static float median_radius(const struct photon_irradiance *irradiance) {
     enum { SAMPLE = 1023 };
     float sample[SAMPLE];
@@ -157,21 +156,22 @@ void photon_entry_position_set(struct photon_positions *positions, size_t i, vec
     set_row(positions->row + 6 * i, p, n, positions->scale);
 }
 
-// Positive and finite, so that normals can be read from the rows. The median radius may be 0, where
-// most photons lie in a few points, or INFINITY, where they are fewer than an estimate takes.
+// The scale of normals in the rows, which is positive and finite, so that normals can be read from
+// the rows. The median radius may be 0, if most photons are at a few points, or INFINITY, if they
+// are fewer than an estimate needs.
 static float normal_scale(const struct photon_irradiance *r, const struct satin_scene *scene) {
     const float scale = 2.0f * median_radius(r);
     return scale > 0.0f && isfinite(scale) ? scale : scene->radius;
 }
 
-// Where light ends no entry answers farther than this, squared, in the space of the rows: an entry
-// that faces as the query does has a normal that differs by less than the scale.
+// The squared distance of rows beyond which no entry of light that ends is used: the normal of an
+// entry with the orientation of the query differs by less than the scale.
 static float far_of(const struct photon_precompute *what, const struct photon_irradiance *r) {
     if (!r->ends) return INFINITY;
     return FAR * r->influence2 * photon_map_far2(what->map) + sqrf(r->position.scale);
 }
 
-// The rows of the index, their scale known by now.
+// Computes the rows of the index, once their scale is known.
 static void fill_rows(void *ctx, size_t begin, size_t end, int worker) {
     struct precompute_job *job = ctx;
     (void)worker;
@@ -181,7 +181,7 @@ static void fill_rows(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-// The index of the rows; false without memory or if the pool was cancelled.
+// Builds the index of the rows. False if there is no memory or the pool was cancelled.
 static bool index_rows(const struct photon_precompute *what, struct parallel *pool,
                        struct photon_irradiance *r) {
     struct precompute_job job = {.what = what, .out = r};
@@ -259,7 +259,7 @@ static bool faces(const struct photon_irradiance *r, int row, vec3 n) {
     return m[0] * n.x + m[1] * n.y + m[2] * n.z >= FACING * r->position.scale;
 }
 
-// Whether nothing stands between p and the position, a little above the surface.
+// Whether the position is visible from p, along a ray a little above the surface.
 static bool is_visible(vec3 position, const struct satin_scene *scene, vec3 p, vec3 n) {
     vec3 d = v3_sub(position, p);
     float distance = v3_len(d);
@@ -283,15 +283,15 @@ bool photon_entry_position_hidden(const struct photon_positions *positions,
     return v3_dist2(position, p) > clear * clear && !is_visible(position, scene, p, n);
 }
 
-// Whether p is far from the row for the density of photons there.
+// Whether p is far from the row, in comparison with the spacing of photons there.
 static bool is_far(const struct photon_irradiance *r, int row, vec3 p) {
     const float d2 = v3_dist2(p, photon_entry_position(&r->position, (size_t)row));
     const float influence2 = r->influence2 * sqrf(r->radius[row]);
     return influence2 > 0.0f && d2 > FAR * influence2;
 }
 
-// The nearest entry that faces as n does, among a few, and of which no wall hides p; -1 if there is
-// none. `scene` NULL: walls do not matter.
+// The nearest of a few entries that has the orientation of n and is not behind a wall; -1 if there
+// is none. If `scene` is NULL, walls are ignored.
 static int search_facing(const struct photon_irradiance *r, const float *query, vec3 n,
                          const struct satin_scene *scene) {
     const vec3 p = v3(query[0], query[1], query[2]);
@@ -330,13 +330,13 @@ rgb photon_irradiance_value(const struct photon_irradiance *r, int entry, vec3 p
     return rgb_scale(r->E[entry], left / far);
 }
 
-// Whether light comes down between p and the row: p is as near as photons stand around the row.
+// Whether light arrives at p: p is as near to the row as the photons around it are.
 static bool stands_within(const struct photon_irradiance *r, int row, vec3 p) {
     const float d2 = v3_dist2(p, photon_entry_position(&r->position, (size_t)row));
     return d2 <= r->influence2 * sqrf(r->radius[row]);
 }
 
-// The part of an entry's light that may bounce so often more, by colour.
+// The fraction of an entry's light, by colour, whose photons may bounce `bounces` times more.
 static rgb part_within(const struct photon_irradiance *r, int row, int bounces) {
     rgb part = rgb_grey(1.0f);
     if (!r->last || row < 0) return part;
@@ -365,7 +365,7 @@ static void look_up_photons(const struct photon_irradiance *r, const struct sati
             if (row[i] >= 0 &&
                 (!faces(r, row[i], n[j]) ||
                  photon_entry_position_hidden(&r->position, scene, (size_t)row[i], p[j], n[j])))
-                // Where even that is far, paths go on sooner than a search ends.
+                // If that entry is far, continuing paths is faster than a longer search.
                 row[i] =
                     is_far(r, row[i], p[j]) ? -1 : search_facing(r, query + 6 * i, n[j], scene);
             E[j] =

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The photon map. Photons are sorted along a Morton curve first, so that neighbours are neighbours
-// in memory too, and every 8th of them is an even choice.
+// The photon map. Photons are sorted along a Morton curve, so that neighbours are neighbours in
+// memory too, and every 8th of them is a uniform selection.
 #include "photon/photon_map.h"
 
 #include <stdlib.h>
 
 #include "base/array.h"
 
-enum { MAP_CHUNK = 4096 };  // photons
+enum { MAP_CHUNK = 4096 };  // photons per chunk
 
 struct map_building {
     struct photon_map *map;
@@ -36,7 +36,7 @@ static void fill_photons(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-// Copies the hits into the map's arrays in the order of the curve; false without memory or if the
+// Copies the hits to the map's arrays in the order of the curve. False if there is no memory or the
 // pool was cancelled.
 static bool sort_photons(struct map_building *b, struct parallel *pool) {
     const size_t count = b->map->count;

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The first pass from end to end: trace, sort into the global and the caustic map, precompute.
+// The first pass from beginning to end: traces photons, sorts them into the global and the caustic
+// map, and precomputes irradiance.
 //
-// Which photons the global map keeps follows from who reads it. The photons integrator sees it
-// directly and needs all. A gather ray that finds direct light by a shadow ray needs the caustic
-// and the indirect ones; one that does not needs all. The caustic map is seen directly at the first
-// hit; its photons come from a pass of their own, aimed at what can cause caustics. What looks for
-// photon clusters needs all, but fewer, allocated by power so that they weigh alike; the pass of
-// the global map brings them too.
+// The classes that the global map stores depend on what reads it. Integrator photons shows it
+// directly and needs all classes. A gather ray that samples direct light needs the caustic and the
+// indirect photons; one that does not needs all. The caustic map is read at the first hit of eye
+// rays; its photons are from a separate pass, which is aimed at surfaces that can cause caustics.
+// The search for photon clusters needs all classes, but fewer photons, allocated by power so that
+// they have equal power; they are from the pass of the global map too.
 #include <math.h>
 #include <stdlib.h>
 
@@ -16,18 +17,19 @@
 enum {
     KEEP_ALL = 1 << PHOTON_DIRECT | 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT,
     KEEP_BOUNCED = 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT,
-    // Paths that look for photon clusters, a sample of where photons come down: a fraction of those
-    // of the global map, within bounds. On any machine more show nothing new: at 3 million photons
-    // 2^15 to 2^20 of these paths left the same error in a room with a spot, and in one lit through
+    // The number of paths for photon clusters, a sample of all photons: a fraction of those of the
+    // global map, within limits. More of them show nothing new on any machine: at 3 million photons
+    // 2^15 to 2^20 of these paths left the same error in a room with a spot and in one lit through
     // a window, as did different seeds.
     CLUSTER_LEAST = 1 << 15,
     CLUSTER_MOST = 1 << 18,
     CLUSTER_DIVISOR = 3,
-    CONVERT_CHUNK = 4096,  // photons
-    DIRECT_DIVISOR = 2     // paths of the global map whose direct photons are added up
+    CONVERT_CHUNK = 4096,  // photons per chunk
+    DIRECT_DIVISOR = 2     // fraction of the paths whose direct photons are summed: one in
+                           // DIRECT_DIVISOR
 };
 
-// What all steps of the first pass need.
+// Context of all steps of the first pass.
 struct photon_pass {
     const struct satin_scene *scene;
     const satin_options *options;
@@ -38,17 +40,17 @@ struct photon_pass {
     struct guide_allocation allocation;
 };
 
-// The maximum lookup radius, over the median length of gather rays: a wider lookup blurs over a
-// good part of what is seen.
+// The maximum lookup radius over the median length of gather rays: a wider lookup blurs a large
+// part of the visible scene.
 static const float LOOKUP_FRACTION = 0.25f;
 
-// Caustics are faint below this fraction of the mean irradiance.
+// Caustics count as faint below this fraction of the mean irradiance.
 static const float MAP_FAINT = 0.01f;
 
-// An estimate leaves out its outermost photon, so it takes two to see light.
+// The outermost photon is not counted, so an estimate needs at least two.
 static int clamp_k(int k) { return k < 2 ? 2 : k > PHOTON_K_MAX ? PHOTON_K_MAX : k; }
 
-// Traces, and sorts the first consumer's photons into the map.
+// Traces the consumers' photons and builds the map from those of the first consumer.
 static satin_status trace_into(const struct photon_pass *pass, const struct photon_tracing *tracing,
                                struct photon_map *map,
                                struct photon_trace trace[PHOTON_CONSUMERS]) {
@@ -70,8 +72,9 @@ static satin_status trace_into(const struct photon_pass *pass, const struct phot
     return status;
 }
 
-// Bounces after which a photon still fits a path of max_depth segments, `behind` of which follow
-// the surface where it is kept; one segment leads from the light to the first.
+// The number of bounces after which a photon still fits into a path of max_depth segments. `behind`
+// segments follow the surface where it is stored; one segment is from the light to the first
+// surface.
 static int bounces_left(const satin_options *o, int behind) {
     if (o->max_depth < 0) return -1;
     return o->max_depth > behind + 1 ? o->max_depth - behind - 1 : 0;
@@ -94,7 +97,7 @@ static uint64_t cluster_paths(const satin_options *o) {
     return paths < CLUSTER_LEAST ? CLUSTER_LEAST : paths > CLUSTER_MOST ? CLUSTER_MOST : paths;
 }
 
-// Paths whose direct photons show where light comes down between the entries of irradiance.
+// The number of paths whose direct photons show lit patches between the entries of irradiance.
 static uint64_t direct_paths(const satin_options *o) {
     return photon_precomputes_direct(o) && o->photons > 0 ? (uint64_t)o->photons / DIRECT_DIVISOR
                                                           : 0;
@@ -113,7 +116,7 @@ static void convert_photons(void *ctx, size_t begin, size_t end, int worker) {
                                              rgb_luminance(c->hit[i].power)};
 }
 
-// The clusters of the photons that were traced for them.
+// Builds the clusters from the photons that were traced for them.
 static satin_status build_clusters(const struct photon_pass *pass, const struct photon_trace *trace,
                                    struct photon_maps *maps) {
     struct guide_photon *photon = array_new_unset(trace->count, sizeof *photon);
@@ -128,7 +131,8 @@ static satin_status build_clusters(const struct photon_pass *pass, const struct 
     return status;
 }
 
-// The global map, the photon clusters, and the direct photons, which the caller frees.
+// Builds the global map and the photon clusters; sets *direct to the direct photons, which the
+// caller frees.
 static satin_status trace_global(const struct photon_pass *pass, struct photon_maps *maps,
                                  struct photon_trace *direct) {
     const satin_options *o = pass->options;
@@ -143,7 +147,7 @@ static satin_status trace_global(const struct photon_pass *pass, struct photon_m
                      {.paths = direct_paths(o),
                       .classes = 1 << PHOTON_DIRECT,
                       .allocation = &pass->allocation}},
-        // Seen by the eye, or by the eye through a gather ray.
+        // The eye sees the surface directly, or through a gather ray.
         .bounces = bounces_left(o, seen ? 1 : 2)};
     struct photon_trace trace[PHOTON_CONSUMERS] = {0};
     satin_status status = trace_into(pass, &tracing, &maps->global, trace);
@@ -159,8 +163,7 @@ static satin_status trace_global(const struct photon_pass *pass, struct photon_m
 static satin_status build_irradiance(const struct photon_pass *pass, struct photon_maps *maps) {
     maps->global.radius_max = INFINITY;
     maps->global.limited = pass->options->max_depth >= 0;
-    // Who sees the photons themselves only asks whether an edge is near, which a few photons of
-    // each estimate know.
+    // Integrator photons needs only the flags of edges, which a few photons of each estimate have.
     size_t stride = PHOTON_STRIDE;
     if (pass->options->integrator == SATIN_PHOTONS && maps->photon_k > 8 * PHOTON_STRIDE)
         stride = (size_t)maps->photon_k / 8;
@@ -171,8 +174,8 @@ static satin_status build_irradiance(const struct photon_pass *pass, struct phot
         &maps->irradiance);
 }
 
-// Mean luminance of the irradiance over the surfaces that photons came down on: an entry stands for
-// an area in proportion to that of its estimate.
+// The mean luminance of the irradiance over lit surfaces: an entry represents an area in proportion
+// to that of its estimate.
 static float mean_irradiance(const struct photon_irradiance *r) {
     double sum = 0.0, area = 0.0;
     for (size_t i = 0; i < r->count; i++) {
@@ -184,8 +187,8 @@ static float mean_irradiance(const struct photon_irradiance *r) {
     return area > 0.0 ? (float)(sum / area) : 0.0f;
 }
 
-// The radius in which the photons of a caustic's estimate would be so faint: a wider search would
-// take long, and nobody could see what it finds.
+// The radius at which a caustic estimate from all its photons would be faint: a wider search would
+// take long for an invisible result.
 static float faint_radius(const struct photon_maps *maps) {
     const struct photon_map *map = &maps->caustic;
     double power = 0.0;
@@ -210,7 +213,7 @@ static satin_status build_global(const struct photon_pass *pass, struct photon_m
 
 static satin_status build_caustic(const struct photon_pass *pass, struct photon_maps *maps) {
     const satin_options *o = pass->options;
-    // The photons integrator has the caustics in the global map.
+    // With integrator photons, caustics are in the global map.
     if (o->caustic_photons <= 0 || o->integrator == SATIN_PHOTONS) return SATIN_OK;
     struct guide_emission *emission = NULL;
     double start = stats_wall();

@@ -1,26 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-// Planes through values at sites, by weighted least squares over their neighbours, and what is read
-// from them: the planes where the values differ by no more than noise.
+// Fits planes to values at sites, by weighted least squares over their neighbours, and replaces
+// values by the planes where they differ by no more than noise.
 #include <float.h>
 #include <math.h>
 
 #include "photon/photon_caustic_smooth.h"
 
 enum {
-    PLANE_NEIGHBOURS = 24,  // of a site,
-    FIT_LEAST = 8,          // that are visible from it, for a fit
-    MIXED = 5               // sites that a value is read from; the farthest has no weight
+    PLANE_NEIGHBOURS = 24,  // largest number of neighbours of a site,
+    FIT_LEAST = 8,          // and least number that must be visible from it for a fit
+    MIXED = 5               // sites from which a value is read; the farthest has no weight
 };
 #define PLANE_FACING 0.8f  // least cosine between the normals of one surface
-#define RESIDUAL 0.6f      // of noise, what is left beside a plane: discs of neighbours overlap
-// Mean squared differences in units of that: from the first on they are kept more and more, beyond
-// the other it does not matter how large they are.
+// Fraction of the noise that remains in the difference from a plane, as discs of neighbours
+// overlap.
+#define RESIDUAL 0.6f
+// Mean squared differences in units of that noise: from KEPT_FROM on an increasing fraction is
+// kept; beyond DIFFERS_MOST larger ones count the same.
 #define KEPT_FROM 1.5f
 #define DIFFERS_MOST 3.0f
-#define PLANE_DEVIATIONS 4.0f  // beyond which a value is no noise
+#define PLANE_DEVIATIONS 4.0f  // beyond which a difference is not noise
 
-// Squared difference in units of the squared values that noise is relative to: as many times too
-// high is as much as too low.
+// The squared difference in units of the squared values to which noise is relative. A factor too
+// high counts like the same factor too low.
 static float difference(rgb a, rgb b) {
     return rgb_square(rgb_sub(a, b)) / fmaxf(sqrtf(rgb_square(a) * rgb_square(b)), FLT_MIN);
 }
@@ -37,7 +39,8 @@ struct neighbour {
     uint32_t site;
 };
 
-// Those that a site's plane is fitted to: near ones that face as it does and that it sees.
+// Finds the values to which a site's plane is fitted: near ones of its orientation that are visible
+// from it.
 static int find_neighbours(const struct photon_fitting *job, size_t site, struct neighbour *out) {
     const struct photon_sites *sites = job->sites;
     int row[PLANE_NEIGHBOURS], count = 0;
@@ -62,7 +65,7 @@ static int find_neighbours(const struct photon_fitting *job, size_t site, struct
     return count;
 }
 
-// The plane through values by weighted least squares, of two unknowns less where they are in a row.
+// The plane through values by weighted least squares, with fewer unknowns if they are on a line.
 // Returns its value at the site.
 static rgb fit_plane(const struct photon_sites *sites, const struct neighbour *near, int count,
                      struct slope *out) {
@@ -77,7 +80,7 @@ static rgb fit_plane(const struct photon_sites *sites, const struct neighbour *n
         cx = rgb_mad(cx, value, near[i].x);
         cy = rgb_mad(cy, value, near[i].y);
     }
-    // The adjugate of the symmetric matrix of the normal equations.
+    // By the adjugate of the symmetric matrix of the normal equations.
     const double a = xx * yy - xy * xy, b = xy * y - x * yy, d = x * xy - xx * y;
     const double e = s * yy - y * y, g = x * y - s * xy, h = s * xx - x * x;
     const double det = s * a + x * b + y * d;
@@ -114,7 +117,7 @@ static void fit_site(const struct photon_fitting *job, size_t i) {
     sites->slope[i].differs = differs < DIFFERS_MOST ? differs : DIFFERS_MOST;
 }
 
-// A few neighbours differ by more than noise now and then: the mean over neighbouring planes
+// A few neighbours may differ by more than noise at random, so the mean over neighbouring planes
 // decides.
 static void evaluate_site(const struct photon_fitting *job, size_t i) {
     struct neighbour near[PLANE_NEIGHBOURS];
@@ -139,7 +142,7 @@ void photon_evaluate_planes(void *fitting, size_t begin, size_t end, int worker)
 
 // ---- Reading ------------------------------------------------------------------------------------
 
-// The value at a position, from the planes of the sites around.
+// The value at a position, from the planes of the sites around it.
 static rgb read_value(const struct photon_reading *job, size_t i) {
     const struct photon_sites *sites = job->sites;
     const vec3 p = photon_entry_position(job->position, i);

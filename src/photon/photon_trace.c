@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pass 1a: photons leave the lights, scatter and are kept where a smooth lobe could reflect them.
-// Paths are allocated to the lights, by power or by what is visible of it (guide_allocation.c), in
-// one run of path indices each, so that well-spread numbers make the emission of every light even
-// and no choice of a light adds noise. A consumer of fewer photons keeps those of the first paths
-// of each run, which are well spread too. Scattering ends by Russian roulette at the albedo, which
-// keeps the photons' powers alike [Jensen 2001]; shading normals get the factor of the adjoint BSDF
-// [Veach 1997, 5.3.2].
+// Traces photons: they leave the lights, scatter, and are stored where a smooth lobe could reflect
+// them. Paths are allocated to the lights, by power or by visibility (guide_allocation.c), as one
+// range of path indices each, so that the emission of every light is stratified and the choice of a
+// light adds no noise. A consumer of fewer photons gets those of the first paths of each range,
+// which are stratified too. Scattering ends by Russian roulette with the albedo, which keeps the
+// photons' powers equal [Jensen 2001]. Shading normals have the factor of the adjoint BSDF [Veach
+// 1997, 5.3.2].
 #include <limits.h>
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -16,14 +16,15 @@
 #include "photon/photon_map.h"
 
 enum {
-    CHUNK_PATHS = 2048,    // at least; large passes have
-    CHUNKS_MAX = 1 << 16,  // no more chunks than this; then a chunk can take minutes,
-    ASK_PATHS = 256,       // and after so many paths asks whether it should go on
-    JOIN_CHUNKS = 4,       // of photons, that are joined at a time
-    BOUNCES_MAX = 1000     // ends paths that a mirror with albedo 1 would keep for ever
+    CHUNK_PATHS = 2048,    // least number of paths of a chunk
+    CHUNKS_MAX = 1 << 16,  // largest number of chunks of a large pass, in which a chunk can take
+                           // minutes
+    ASK_PATHS = 256,       // paths after which a chunk checks for cancellation
+    JOIN_CHUNKS = 4,       // chunks of photons that are joined at a time
+    BOUNCES_MAX = 1000     // ends paths that a mirror with albedo 1 would continue for ever
 };
 
-// Photons that one chunk of paths leaves to one consumer.
+// The photons of one chunk of paths for one consumer.
 struct kept {
     struct photon_hit *hit;
     size_t count, capacity;
@@ -33,18 +34,19 @@ struct kept {
 
 struct chunk {
     struct kept kept[PHOTON_CONSUMERS];
-    uint64_t refused;  // photons that are not finite
-    bool failed;       // no memory
+    uint64_t refused;  // number of photons that are not finite
+    bool failed;       // whether memory ran out
 };
 
 struct run {
     const struct photon_tracing *tracing;
     uint64_t *first;                    // light_count + 1: the first path of each light
-    uint64_t *paths[PHOTON_CONSUMERS];  // by light: its first ones, of which photons are kept
+    uint64_t *paths[PHOTON_CONSUMERS];  // by light: number of its first paths whose photons are
+                                        // stored
     struct parallel *pool;
     struct chunk *chunk;
-    size_t chunk_paths;   // paths of a chunk
-    atomic_size_t count;  // photons kept so far
+    size_t chunk_paths;   // number of paths of a chunk
+    atomic_size_t count;  // number of photons stored so far
     atomic_bool failed;
 };
 
@@ -53,12 +55,12 @@ struct run {
 struct flight {
     struct ray ray;
     rgb power;
-    bool last;                           // it has bounced as often as it may
-    enum photon_class class;             // direct: unless a chain deflects it, see class_of
+    bool last;                           // whether it has bounced as often as it may
+    enum photon_class class;             // direct, unless a chain deflects it: see class_of
     struct light_chain chain;            // of a direct photon
-    unsigned classes[PHOTON_CONSUMERS];  // classes that each consumer gets of this path
+    unsigned classes[PHOTON_CONSUMERS];  // classes that each consumer gets from this path
     unsigned wanted;                     // classes that any of them gets
-    float factor[PHOTON_CONSUMERS];      // of its power, for each consumer
+    float factor[PHOTON_CONSUMERS];      // factor of its power, for each consumer
 };
 
 static bool append(struct kept *kept, struct photon_hit hit, enum photon_class class) {
@@ -75,13 +77,14 @@ static bool valid(const struct photon_hit *hit) {
            fminf(hit->power.r, fminf(hit->power.g, hit->power.b)) >= 0.0f;
 }
 
-// A direct photon whose direction glass has changed for good is a caustic one.
+// A direct photon that glass has deflected is a caustic one.
 static enum photon_class class_of(const struct flight *f) {
     const bool deflected = f->class == PHOTON_DIRECT && !light_chain_straight(&f->chain, f->ray.d);
     return deflected ? PHOTON_CAUSTIC : f->class;
 }
 
-// Where a mask lets photons pass, those that stop stand for all that would come to whole surface.
+// Where a mask lets some photons pass, the others represent all that would hit a surface without
+// holes.
 static bool keep_hit(const struct satin_scene *scene, struct chunk *chunk,
                      const struct interaction *s, const struct flight *f) {
     const vec3 wi = v3_neg(f->ray.d), n = v3_dot(s->ng, wi) < 0.0f ? v3_neg(s->ng) : s->ng;
@@ -120,7 +123,7 @@ static bool keeps_photons(const struct satin_scene *scene, const struct interact
     return false;
 }
 
-// Scatters the photon at s; false if it is absorbed, or refused for a power that is not finite.
+// Scatters the photon at s. False if it is absorbed, or refused because its power is not finite.
 static bool scatter(const struct satin_scene *scene, const struct interaction *s, unsigned lobes,
                     struct rng *rng, struct flight *f, uint64_t *refused) {
     vec3 wi = v3_neg(f->ray.d);
@@ -180,11 +183,10 @@ static uint64_t paths_of(const struct photon_tracing *tracing,
     if (consumer->allocation && !consumer->allocation->by_power)
         fraction = (double)consumer->allocation->fraction[light];
     uint64_t n = (uint64_t)llround(fraction * (double)consumer->paths);
-    return n > 0 ? n : 1;  // even the faintest light is represented
+    return n > 0 ? n : 1;  // at least one path even for the faintest light
 }
 
-// Allocates and fills the paths of each light; the consumer of most of them decides how many there
-// are.
+// Allocates the paths of each light. The consumer of most paths determines their number.
 static bool allocate_photon_paths(struct run *run) {
     const uint32_t lights = run->tracing->scene->light_count;
     run->first = array_new(lights + 1, sizeof *run->first);
@@ -215,11 +217,11 @@ static uint32_t light_of(const uint64_t *first, uint32_t lights, uint64_t path) 
     return lo;
 }
 
-// Starts path `index` of a light; false if it carries no power, or one that is not finite.
+// Starts path `index` of a light. False if it has no power, or a power that is not finite.
 static bool launch(const struct run *run, uint32_t light, uint64_t index, struct flight *f,
                    uint64_t *refused) {
     const struct photon_tracing *tracing = run->tracing;
-    // The sequence has 2^32 points; the rest of the index is part of the seed.
+    // The sequence has 2^32 points; higher bits of the index go to the seed.
     uint64_t key = rng_mix(tracing->seed + 0x9e3779b97f4a7c15ull * (2 * light + 1) +
                            (tracing->emission ? 0x632be59bd9b4e019ull : 0)) +
                    (index >> 32);
@@ -275,7 +277,7 @@ struct joining {
     struct photon_hit *hit;
 };
 
-// Moves the photons of some chunks to their indices and gives their memory back.
+// Moves the photons of some chunks to their indices and frees the chunks.
 static void copy_chunks(void *ctx, size_t begin, size_t end, int worker) {
     const struct joining *j = ctx;
     (void)worker;
@@ -287,7 +289,7 @@ static void copy_chunks(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-// Joins the chunks in their order.
+// Joins the chunks in order.
 static satin_status join(struct run *run, size_t chunks, int consumer, struct photon_trace *out) {
     struct photon_trace trace = {.hit = NULL};
     for (size_t i = 0; i < chunks; i++) {
