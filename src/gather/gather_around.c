@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the rays of a hemisphere found around a record: distances, by which its influence radius is
-// chosen; the noise of E; and the Hessian of E. It is the occlusion Hessian of Schwarzhaupt et al.
-// [2012], written for the strata of the stratified hemisphere: the boundary between two strata
-// stands at the nearer of their hits, where an occluder's edge would be, so E is a sum of polygons
-// under the cosine law. The second derivative of such a polygon's edge is a constant of the
-// boundary over the squared distance.
+// What the rays of a hemisphere show of the surroundings of a record: distances, from which its
+// influence radius follows; the noise of E; and the Hessian of E. This is the occlusion Hessian of
+// Schwarzhaupt et al. [2012], formulated for the strata of the stratified hemisphere: the boundary
+// between two strata is at the nearer of their hits, where an occluder's edge would be, so E is a
+// sum of polygons under the cosine law. The second derivative of the edge of such a polygon is a
+// constant of the boundary over the squared distance.
 #include "gather/gather_layout.h"
 
-// Rays that leave and arrive more grazing than this say little of near geometry [Tabellion and
-// Lamorlette 2004].
+// The least cosine, at both ends, of rays that show near geometry [Tabellion and Lamorlette 2004].
 static const float RAY_GRAZING = 0.2f;
 
 static void distances(const struct gather_hemisphere *h, struct gather_around *out) {
@@ -24,8 +23,8 @@ static void distances(const struct gather_hemisphere *h, struct gather_around *o
     if (sum > 0.0) out->harmonic = (float)((double)h->stratified / sum);
 }
 
-// The least distances along the tangent plane, by azimuth, of what stands there: rays steeper than
-// 45 degrees find what hangs over it.
+// The least distances along the tangent plane, by azimuth, of hits below 45 degrees of elevation:
+// steeper rays hit surfaces above the record.
 static void sectors(const struct gather_hemisphere *h, struct gather_around *out) {
     const struct gather_layout *l = h->layout;
     for (int k = 0; k < l->N; k++) {
@@ -43,8 +42,8 @@ static void sectors(const struct gather_hemisphere *h, struct gather_around *out
     }
 }
 
-// The standard deviation of E over E, by the spread of interleaved groups of the rays. The thesis
-// compares every second ray with all of them [K05 6.4], which is 0 now and then by chance.
+// The standard deviation of E over E, from the spread of interleaved groups of rays. Deviation:
+// [K05 6.4] compares every second ray with all of them, which is sometimes 0 by chance.
 static float deviation(const struct gather_hemisphere *h) {
     const struct gather_layout *l = h->layout;
     enum { GROUPS = 8 };
@@ -85,14 +84,14 @@ static void add_rotated(const float constant[3], float cosine, float sine, float
     hessian[2] += weight * (ss * constant[0] + 2.0f * cs * constant[1] + cc * constant[2]);
 }
 
-// The change of luminance across a boundary over the squared distance of the nearer side.
+// The change of luminance across a boundary, over the squared distance of the nearer side.
 static float step_over(const struct gather_ray *from, const struct gather_ray *to) {
     float r = to ? fminf(from->first.r, to->first.r) : from->first.r;
     if (!(isfinite(r) && r > 0.0f)) return 0.0f;
     return (rgb_luminance(from->L) - (to ? rgb_luminance(to->L) : 0.0f)) / (r * r);
 }
 
-// Adds what the stratified rays contribute to the Hessian.
+// Adds the contribution of the stratified rays to the Hessian.
 static void add_boundaries(const struct gather_hemisphere *h, float hessian[3]) {
     const struct gather_layout *l = h->layout;
     const int N = l->N;
@@ -107,9 +106,9 @@ static void add_boundaries(const struct gather_hemisphere *h, float hessian[3]) 
         }
 }
 
-// Adds what a guided ray contributes, which stands for a patch around its hit q: the second
-// derivative of f = cos(theta) Omega, by that of its logarithm. Letters as in gather_solid_angle.c,
-// v = q - p.
+// Adds the contribution of a guided ray, which represents a patch around its hit q: the second
+// derivative of f = cos(theta) Omega, computed from that of its logarithm. Symbols as in
+// gather_solid_angle.c, v = q - p.
 static void add_point(const struct gather_hemisphere *h, size_t i, float weight, float out[3]) {
     const struct gather_ray *ray = &h->ray[i];
     const float r = ray->first.r;

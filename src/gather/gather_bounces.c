@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// The path behind the hit y of a gather ray: the last row of the path table, E S* x S* y ... L.
-// The path goes from surface to surface. At each one it adds the direct light there and reads what
-// is known of the other light: records of the next indirect bounce (first pass `recursive`), or the
-// irradiance of the first-pass estimate (photons). It goes on by the lobes of which nothing is
-// known:
-// - by the diffuse lobe where the estimate is not reliable: nearer to the gather ray's start
-//   than the photon lookup can resolve, or where photons are so few that it would blur over all
-//   that is seen;
-// - by the glossy lobe always, but for the tail of long paths.
-// So a path ends where all is known, which for most gather rays is y itself.
+// The path from the hit y of a gather ray on: the last row of the path table, E S* x S* y ... L. At
+// each surface the path adds the direct light there and reads the other light that is known:
+// records of the next indirect bounce (first pass `recursive`), or the irradiance of the first-pass
+// estimate (photons). It continues by those lobes whose light is not known:
+//- by the diffuse lobe where the estimate is not reliable: nearer to the start of the gather ray
+//  than the photon lookup can resolve, or where photons are so few that the lookup would blur a
+//  large part of the visible scene;
+//- by the glossy lobe always, except at the end of long paths.
+// So a path ends where all light is known, which for most gather rays is y itself.
 //
-// Where both lobes go on, the path splits in two. One after the other is followed to its end, with
-// the surface where they separate kept on a stack; light is summed from the ends back to y. Beyond
-// y both together go on no more often than the likelier one alone would, so paths do not multiply.
+// If it continues by both lobes, the path splits in two. They are followed to their ends one after
+// the other, with the surface at which they split kept on a stack, and light is summed from the
+// ends back to y. After y, the probabilities of both together are no larger than that of the
+// likelier one alone, so paths do not multiply.
 #include "gather/gather_bounces.h"
 
 #include <assert.h>
@@ -20,38 +20,37 @@
 #include "gather/gather_segment.h"
 
 enum {
-    GLOSSY_BOUNCES_MAX = 6,  // glossy bounces behind y; the tail is taken as diffuse
-    THROUGH_MAX = 32,   // glossy bounces inside rough glass, where no photon describes the tail
-    DIFFUSE_MAX = 64,   // bounces where there are no photons; the tail is lost
-    RECURSIVE_MAX = 8,  // most that option recursive-bounces allows
+    GLOSSY_BOUNCES_MAX = 6,  // glossy bounces after y; the rest of the lobe is treated as diffuse
+    THROUGH_MAX = 32,   // glossy bounces inside rough glass, where photons do not describe the rest
+    DIFFUSE_MAX = 64,   // bounces where there are no photons; further light is lost
+    RECURSIVE_MAX = 8,  // the limit of option recursive-bounces
     VERTICES = DIFFUSE_MAX + RECURSIVE_MAX + 1
 };
 
-// Lobes that are followed by a segment of their own beside the diffuse one.
+// Lobes that are followed by a segment separate from that of the diffuse lobe.
 static const unsigned GLOSSY = BRDF_GLOSSY | BRDF_THROUGH;
 
-// Lobes by which a path goes on from a surface, and the probability that it does.
+// The lobes by which a path continues from a surface, and the probability that it does.
 struct path_branch {
     unsigned lobes;  // 0: none
     float probability;
 };
 
-// A surface on the path.
+// A surface of the path.
 struct path_vertex {
     const struct gather *g;  // whose records may be read here
     const struct gather_point *y;
-    struct gather_point point;  // y, but for the first vertex
-    int bounce;                 // number of segments from the gather ray's hit to y; passing to the
-                                // next bounce's records does not count, as its own depth is less
-    rgb T, Le;                  // of the segment that leads here: what it leaves of light from y,
-                                // and the emitted light that it meets
-    rgb L;                      // reflected by y, as far as it is known
-    struct path_branch branch[2];  // by which the path goes on: diffuse, then glossy
-    int followed;                  // how many of them are done
+    struct gather_point point;  // the surface point, except of the first vertex
+    int bounce;  // number of segments from the gather ray's hit to this surface; the change to the
+                 // records of the next bounce does not count, as its own depth is less
+    rgb T, Le;   // of the segment that ends here: its transmittance, and the emitted light on it
+    rgb L;       // radiance reflected here, as far as it is known
+    struct path_branch branch[2];  // by which the path continues: diffuse, then glossy
+    int followed;                  // number of branches that are done
 };
 
 struct path {
-    struct sampler sampler;          // of all decisions, in the order in which they are made
+    struct sampler sampler;          // for all decisions, in the order in which they are made
     const struct gather_near *near;  // photon clusters to which the first bounce is guided, or NULL
     float E;                         // luminance of the first-pass irradiance at the first vertex
     struct path_vertex vertex[VERTICES];
@@ -61,34 +60,35 @@ static bool has_records(const struct gather *g) {
     return g->options->first_pass == SATIN_FIRST_RECURSIVE;
 }
 
-// Whether light that reaches a surface of number `bounce` after `more` segments is within the
-// longest path: three segments lead from the eye over x and y to a light.
+// Whether light that reaches a surface of number `bounce` by `more` further segments is within
+// max_depth: three segments lead from the eye by x and y to a light.
 static bool within_depth(const struct gather *g, int bounce, int more) {
     return g->options->max_depth < 0 || 2 + bounce + more <= g->options->max_depth;
 }
 
-// Probability that the glossy lobes, of this albedo, are followed: faint ones, as of a coat, are
-// followed now and then; on long paths all are by what they reflect.
+// The probability that glossy lobes of this albedo are followed. Faint ones, such as that of a
+// coat, are followed sometimes; on long paths the probability is the albedo.
 static float glossy_probability(rgb albedo, int bounce) {
     if (bounce >= GLOSSY_BOUNCES_MAX) return clampf(rgb_max(albedo), 0.1f, 0.95f);
     return clampf(4.0f * rgb_max(albedo), 0.1f, 1.0f);
 }
 
-// Probability that the diffuse lobe is followed where the estimate is not reliable: always at the
-// gather ray's hit, behind it by what the lobe reflects.
+// The probability that the diffuse lobe is followed where the estimate is not reliable: 1 at the
+// gather ray's hit, the albedo after it.
 static float diffuse_probability(const struct gather_point *y, int bounce) {
     if (bounce == 0) return 1.0f;
     if (bounce >= DIFFUSE_MAX) return 0.0f;
     return clampf(rgb_max(brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE)), 0.1f, 0.95f);
 }
 
-// Number of bounces over which glossy lobes are followed; the tail is diffuse where E describes it.
+// The number of bounces over which glossy lobes are followed; where E describes it, the rest is
+// treated as diffuse.
 static int glossy_bounces(const struct gather *g, unsigned glossy, bool reliable) {
     if (!reliable && !has_records(g)) return DIFFUSE_MAX;
     return glossy & BRDF_THROUGH || has_records(g) ? THROUGH_MAX : GLOSSY_BOUNCES_MAX;
 }
 
-// Makes the probabilities of two branches such that their sum is the larger of them.
+// Scales the probabilities of two branches so that their sum is the larger of them.
 static void limit_splits(struct path_branch *a, struct path_branch *b) {
     const float sum = a->probability + b->probability;
     const float factor = fmaxf(a->probability, b->probability) / fmaxf(sum, 1e-20f);
@@ -96,7 +96,7 @@ static void limit_splits(struct path_branch *a, struct path_branch *b) {
     b->probability *= factor;
 }
 
-// Radiance of a diffuse lobe of this albedo in the irradiance E.
+// The radiance of a diffuse lobe of this albedo under the irradiance E.
 static rgb diffuse_radiance(rgb albedo, rgb E) {
     return rgb_scale(rgb_mul(albedo, E), 1.0f / PI_F);
 }
@@ -108,7 +108,8 @@ static rgb sample_direct(const struct path *path, const struct path_vertex *v,
     return gather_direct(v->g, v->y, mis, one, path->sampler, NULL);
 }
 
-// Direct light that the glossy lobes alone reflect: sampled as often as they are followed.
+// Direct light reflected by the glossy lobes alone, sampled with the probability with which they
+// are followed.
 static rgb sample_glossy_direct(struct path *path, const struct path_vertex *v,
                                 struct path_branch branch) {
     const struct gather_mis mis = {2 + v->bounce, {{branch.lobes, 1.0f}}};
@@ -116,13 +117,13 @@ static rgb sample_glossy_direct(struct path *path, const struct path_vertex *v,
     return rgb_scale(sample_direct(path, v, mis), 1.0f / branch.probability);
 }
 
-// Whether an estimate knows the direct light of the diffuse lobe: it holds light through as many
-// panes as the first bounce allows.
+// Whether an estimate includes the direct light of the diffuse lobe: light through as many panes as
+// the first bounce may pass.
 static bool knows_direct(const struct path_vertex *v, struct gather_estimate estimate) {
     return estimate.reliable && estimate.direct && (v->bounce == 0 || v->g->options->max_depth < 0);
 }
 
-// Reads what is known of the light at a vertex, and decides by which lobes the path goes on.
+// Adds the light that is known at a vertex, and decides by which lobes the path continues.
 static void arrive(struct path *path, struct path_vertex *v, struct gather_estimate estimate) {
     const struct gather *g = v->g;
     const struct gather_point *y = v->y;
@@ -138,9 +139,9 @@ static void arrive(struct path *path, struct path_vertex *v, struct gather_estim
     if (glossy) by_glossy = (struct path_branch){glossy, glossy_probability(albedo, v->bounce)};
     if (v->bounce > 0) limit_splits(&by_diffuse, &by_glossy);
 
-    // Direct light. Of the diffuse lobe it may be known, or be in a reliable estimate of all
-    // photons.
-    rgb E = estimate.E;  // of what the diffuse lobe reflects
+    // Direct light. That of the diffuse lobe may be known separately, or be part of a reliable
+    // estimate from all photons.
+    rgb E = estimate.E;  // irradiance for the diffuse lobe
     if (knows_direct(v, estimate)) {
         E = rgb_add(E, *estimate.direct);
         v->L = rgb_add(v->L, sample_glossy_direct(path, v, by_glossy));
@@ -154,7 +155,7 @@ static void arrive(struct path *path, struct path_vertex *v, struct gather_estim
     }
     path->sampler.dimension += 2;
 
-    // Caustics. Photons do not know how many segments they have passed: at least two.
+    // Caustics. The number of segments of their photons is not known; it is at least two.
     const bool caustics = within_depth(g, v->bounce, 2);
     if (known && caustics)
         v->L = rgb_add(v->L, photon_caustic(g->maps, g->scene, s->p, y->ng, &y->frame, &y->brdf,
@@ -176,7 +177,7 @@ static void arrive(struct path *path, struct path_vertex *v, struct gather_estim
     v->branch[1] = by_glossy;
 }
 
-// Draws the direction of a segment that leaves v by a branch. False if the path does not go on.
+// Draws the direction of a segment that leaves v by a branch. False if the path ends.
 static bool draw_direction(struct path *path, const struct path_vertex *v,
                            struct path_branch branch, struct brdf_sample *out) {
     const struct gather_point *y = v->y;
@@ -189,11 +190,11 @@ static bool draw_direction(struct path *path, const struct path_vertex *v,
     return brdf_sample(&y->brdf, y->wo_l, u_lobe, u.x, u.y, branch.lobes, BRDF_RADIANCE, out);
 }
 
-// Which estimate is to be read at the end z of a segment from a vertex of g, and whose records.
+// Selects the estimate to be read at the end z of a segment from a vertex of g, and the records.
 static struct gather_estimate estimate_at(const struct gather *g, struct path_vertex *z) {
     struct gather_estimate none = {rgb_grey(0.0f), false, NULL};
     if (g->next.gather) {
-        // To the gather of the next bounce z is what the vertex before it is to g.
+        // For the gather of the next bounce, z has the role that the vertex before it has for g.
         z->g = g->next.gather;
         z->bounce--;
         return none;
@@ -208,9 +209,9 @@ static struct gather_estimate estimate_at(const struct gather *g, struct path_ve
                                     gather_direct_known(g, entry)};
 }
 
-// Follows a branch from v by one segment. True if it leads to a further surface, which becomes the
-// vertex behind v. Emitted light on the way is weighed against the light samples of v; behind
-// specular surfaces it counts for the glossy lobes only: the diffuse one has caustic photons.
+// Follows a branch from v by one segment. True if it ends at a surface, which becomes the vertex
+// after v. Emitted light on the way is weighted against the light samples of v. After specular
+// surfaces it counts only for glossy lobes, as the diffuse lobe has caustic photons.
 static bool extend(struct path *path, struct path_vertex *v, struct path_branch branch) {
     struct path_vertex *z = v + 1;
     struct brdf_sample next;
@@ -244,7 +245,7 @@ static bool extend(struct path *path, struct path_vertex *v, struct path_branch 
 rgb gather_bounces(const struct gather *g, const struct gather_point *y,
                    struct gather_estimate estimate, const struct gather_near *near,
                    struct sampler sampler) {
-    struct path path;  // not initialised as a whole: few of its vertices are used
+    struct path path;  // not initialised as a whole, as few of its vertices are used
     path.sampler = sampler;
     path.near = near;
     path.E = rgb_luminance(estimate.E);

@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to gather/: the path behind the hit of a gather ray (gather_bounces.c).
+// Private to gather/: the path after the hit of a gather ray (gather_bounces.c).
 #ifndef GATHER_BOUNCES_H
 #define GATHER_BOUNCES_H
 
 #include "gather/gather_near.h"
 
-// The first-pass estimate at a surface: its irradiance E [W m^-2], and whether that may be read. If
-// not, the path goes on there by the diffuse lobe as well.
+// The first-pass estimate at a surface: its irradiance E [W m^-2], and whether it is reliable. If
+// not, the path continues there by the diffuse lobe too.
 struct gather_estimate {
     rgb E;
     bool reliable;
-    const rgb *direct;  // irradiance of direct light that E does not hold; NULL: it is not known
+    const rgb *direct;  // irradiance of direct light that is not in E; NULL: it is not known
 };
-// Direct light at the entry that answered a lookup, as photon_irradiance_many returns it.
+// The direct light at the entry that a lookup by photon_irradiance_many has returned.
 static inline const rgb *gather_direct_known(const struct gather *g, int entry) {
     const struct gather_direct_table *t = g->direct;
     return t && entry >= 0 && t->even[entry] ? &t->E[entry] : NULL;
 }
 
-// Radiance [W m^-2 sr^-1] that y, the hit of a gather ray, reflects towards its viewer by its
-// smooth lobes; what it emits is not in it. `near`, which may be NULL, guides the first bounce.
+// The radiance [W m^-2 sr^-1] that y, the hit of a gather ray, reflects by its smooth lobes to its
+// viewer, without emitted light. `near`, which may be NULL, guides the first bounce.
 rgb gather_bounces(const struct gather *g, const struct gather_point *y,
                    struct gather_estimate estimate, const struct gather_near *near,
                    struct sampler sampler);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays of a hemisphere that go to photon clusters (guide_rays.c), behind the layout's in a scratch.
+// Rays of a hemisphere to photon clusters (guide_rays.c). In a scratch they follow those of the
+// layout.
 #include "gather/gather_cluster_rays.h"
 
 #include "gather/gather_layout.h"

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Direct light at a point: light sampling, weighted against BRDF sampling by the power heuristic
-// [Veach 1997, 9.2]. One estimator serves the reference path tracer, first hits and gather hits.
+// [Veach 1997, 9.2]. The reference path tracer, first hits and gather hits use the same estimator.
 #include <limits.h>
 
 #include "gather/gather.h"
 
-// Up to so many lights are all sampled where fewer samples are asked for: what the choice of one
-// knows of shadows is of a cell around the point, or nothing.
+// Up to this many lights are all sampled, although fewer samples were requested: the probabilities
+// of a choice depend on shadows in a cell around the point, or not on shadows.
 enum { FEW = 4 };
 
 struct choice {
@@ -15,7 +15,7 @@ struct choice {
     float probability;
 };
 
-// f_r of the components, each with its weight against BRDF sampling.
+// The sum of f_r over the lobes, each with its weight against BRDF sampling.
 static rgb weighted_brdf(const struct gather_point *p, struct gather_mis mis, vec3 wi, float pdf,
                          bool delta) {
     rgb sum = rgb_grey(0.0f);
@@ -31,8 +31,9 @@ static rgb weighted_brdf(const struct gather_point *p, struct gather_mis mis, ve
     return sum;
 }
 
-// What the sample u of one light adds, without the probability of its choice. The weight against
-// BRDF sampling has that probability even where all are sampled, as gather_light_pdf has it.
+// The contribution of the sample u of one light, without the probability of choosing the light. The
+// weight against BRDF sampling includes that probability even if all lights are sampled, as
+// gather_light_pdf does.
 static rgb sample_light(const struct gather *g, const struct gather_point *p, struct gather_mis mis,
                         struct choice choice, vec2 u) {
     const struct satin_scene *scene = g->scene;
@@ -59,7 +60,7 @@ int gather_panes(const struct gather *g, int depth) {
     return most < 0 ? INT_MAX : most - depth - 1;
 }
 
-// Each light by one sample.
+// One sample of each light.
 static rgb all_lights(const struct gather *g, const struct gather_point *p, struct gather_mis mis,
                       struct light_visibility visibility, struct sampler sampler) {
     rgb sum = rgb_grey(0.0f);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Direct light where the photons' irradiance is precomputed. A light sample at each gather hit
-// costs a shadow ray and is the noisier part of what the hit reflects; all hits near an entry can
-// have the samples of the entry instead [after Ward 1991 and Christensen 1999, whose photons hold
-// direct light]. The edge of a shadow or of a spot would come out as coarse as the entries are:
-// where those around an entry differ, hits sample the lights themselves.
+// Direct light at the entries of the precomputed irradiance. A light sample at each gather hit
+// costs a shadow ray and is noisier than the other light that the hit reflects, so all hits near an
+// entry use the entry's samples instead [after Ward 1991 and Christensen 1999, whose photons
+// include direct light]. This would blur the edge of a shadow or of a spot to the spacing of the
+// entries: where neighbouring entries differ, hits sample the lights themselves.
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -12,16 +12,18 @@
 enum {
     ENTRY_SAMPLES = 8,  // of the lights at an entry: with 4, means of single images were .5 % off
                         // in a room lit through a door; 16 gain nothing
-    CHUNK = 64          // entries
+    CHUNK = 64          // entries per chunk
 };
 
-// What direct light may differ by among the entries around one: a fraction of all light there, and
-// standard deviations of its samples' noise. Without the test the mean of case `spot` is 25 % off.
+// How much direct light may differ between neighbouring entries: as a fraction of all light there,
+// and in standard deviations of the samples' noise. Without this test the mean of case `spot` is 25
+// % off.
 static const float DIFFERS = 0.5f, EVEN_DEVIATIONS = 2.0f;
 
-// Direct photons show light between the entries: more of them around one than so many times what
-// the direct light of its neighbours brings there, and more than so many standard deviations.
-// An entry's area is known up to a factor of three. Without this test the mean of a room with a
+// Direct photons show light between the entries: if the power of those around an entry is more than
+// this factor times that expected from the direct light of its neighbours, and the difference is
+// more than this many standard deviations. An entry's area is known to a factor of three. Without
+// this test the mean of a room with a beam between the entries is 30 % off at 20,000 photons.
 // beam that falls between entries is off by 30 % at 20,000 photons.
 static const float BRIGHTER = 4.0f, BRIGHTER_DEVIATIONS = 2.0f;
 
@@ -62,18 +64,18 @@ static void light_entries(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-// Whether direct photons bring far more around an entry than irradiance E would.
+// Whether direct photons bring much more light to the surroundings of an entry than irradiance E.
 static bool is_brighter(const struct direct_job *job, size_t i, float E) {
     const struct photon_direct direct = photon_direct_at(job->g->maps, i);
     if (!(direct.power > 0.0f)) return false;
-    const float photon = direct.power2 / direct.power;  // power of a typical one
+    const float photon = direct.power2 / direct.power;  // power of a typical photon
     const float most = BRIGHTER * E * photon_irradiance_area(job->g->maps, i);
     return direct.power > most + BRIGHTER_DEVIATIONS * sqrtf(most * photon) + photon;
 }
 
-// Whether direct light is much the same at the entries around one, but for noise. Its own is not
-// asked: what is read would then depend on whether it is read, and bright samples, which are rare,
-// would be lost more often than others.
+// Whether direct light at the entries around one is equal but for noise. Its own value is not
+// tested: otherwise the decision to read it would depend on it, and rare bright samples would be
+// lost more often than others.
 static bool is_even(const struct direct_job *job, size_t i) {
     const struct gather_direct_table *t = job->table;
     int around[PHOTON_AROUND];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fixed angles and weights of a stratified hemisphere. Rows have equal projected solid angle
-// (irradiance, theta_j- = asin sqrt(j / M)) or equal solid angle (radiance, theta_j- = acos(1 - j /
-// M)) [K05 (4.9), 4.3.2].
+// Fixed angles and weights of a stratified hemisphere. Rows have equal projected solid angle for
+// irradiance, theta_j- = asin sqrt(j / M), or equal solid angle for radiance, theta_j- = acos(1 - j
+// / M) [K05 (4.9), 4.3.2].
 #include "gather/gather_layout.h"
 
 #include <stdlib.h>
@@ -34,8 +34,8 @@ static void irradiance_rows(struct gather_layout *l) {
     }
 }
 
-// Half the integral of the cosine law's boundary term along the edge from r1 to r2,
-// n . (r1 x r2) int dt / |r|^2, derived twice by the position of the eye in the tangent plane.
+// Half the integral of the cosine law's boundary term along the edge from r1 to r2, n . (r1 x r2)
+// int dt / |r|^2, differentiated twice by the position of the centre in the tangent plane.
 static void edge_hessian(const double r1[3], const double r2[3], float out[3]) {
     static const double node[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
                                   0.9602898564975363};
@@ -59,9 +59,9 @@ static void edge_hessian(const double r1[3], const double r2[3], float out[3]) {
     out[2] = (float)(0.5 * (height * second[2] + 2.0 * slope[1] * first[1]));
 }
 
-// Adds the term of the edges that join a boundary's ends to those of its neighbours, which stand at
-// other distances: they run along the line of sight, where the term is 0 but not its derivatives.
-// Each boundary counts for their part from its ends to infinity.
+// Adds the term of the edges that join the ends of a boundary to those of its neighbours at other
+// distances: they run along the line of sight, where the term is 0 but its derivatives are not.
+// Each boundary has the part of such an edge from its own end to infinity.
 static void add_ends(const double r1[3], const double r2[3], float out[3]) {
     out[0] += (float)(r1[0] * r1[1] - r2[0] * r2[1]);
     out[1] += (float)(0.5 * (r2[0] * r2[0] - r2[1] * r2[1] - r1[0] * r1[0] + r1[1] * r1[1]));
@@ -74,8 +74,8 @@ static void direction(double theta, double phi, double out[3]) {
     out[2] = cos(theta);
 }
 
-// Boundaries run with the azimuth, and from the horizon to the pole, as met with the stratum before
-// them on the left.
+// Boundaries run along the azimuth, and from the horizon to the pole; the stratum before the
+// boundary is on its left.
 static void hessian_rows(struct gather_layout *l) {
     const double half = 3.14159265358979323846 / l->N;
     for (int j = 0; j < l->M; j++) {
@@ -97,9 +97,8 @@ static void evaluate(const struct gather_layout *l, double theta, double phi, fl
     rsh_eval(l->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, l->order, w, y);
 }
 
-// The factor in theta of every harmonic: its value where its trigonometric factor is 1 (at phi = 0
-// for m
-// >= 0, at phi = pi / (2 |m|) for m < 0).
+// The factor of every harmonic that depends on theta: its value where its trigonometric factor is
+// 1, at phi = 0 for m >= 0 and at phi = pi / (2 |m|) for m < 0.
 static void theta_factors(const struct gather_layout *l, double theta, double weight, float *row,
                           float *scratch) {
     const int n = l->order;
@@ -137,7 +136,8 @@ static bool radiance_rows(struct gather_layout *l) {
 struct gather_layout *gather_layout_new(int rays, satin_basis basis, int order) {
     struct gather_layout *l = calloc(1, sizeof *l);
     if (!l) return NULL;
-    // Square-ish strata: N / M near pi for projected, near 4 for uniform solid angle [K05 4.3.1].
+    // Nearly square strata: N / M is about pi for projected and 4 for uniform solid angle [K05
+    // 4.3.1].
     double ratio = order ? 4.0 : 3.14159265358979323846;
     l->order = order;
     l->basis = basis;
@@ -174,7 +174,7 @@ struct gather_layout *gather_layout_new(int rays, satin_basis basis, int order) 
 
 void gather_layout_free(struct gather_layout *layout) {
     if (!layout) return;
-    free(layout->cos_k);  // the start of the one block
+    free(layout->cos_k);  // all tables are one block, which begins here
     free(layout);
 }
 

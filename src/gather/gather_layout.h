@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to gather/: the stratified hemisphere's fixed angles and tables.
+// Private to gather/: fixed angles and tables of the stratified hemisphere.
 #ifndef GATHER_LAYOUT_H
 #define GATHER_LAYOUT_H
 
@@ -14,17 +14,17 @@ struct gather_layout {
     // Irradiance, per row j [Ward and Heckbert 1992; errata: weights at the fixed boundaries].
     float *boundary_u;  // M: d phi cos^2(theta_j-) sin(theta_j-), 0 for j = 0
     float *boundary_v;  // M: sin(theta_j+) - sin(theta_j-)
-    float *boundary_h;  // M: (theta_j+ - theta_j-) cos(their mean), which [K05 4.3.2] has for it
+    float *boundary_h;  // M: (theta_j+ - theta_j-) cos(their mean), which [K05 4.3.2] has instead
     float *rotation;    // M: integral of sin^2(theta) over the stratum
-    // Second derivatives of the cosine law over a boundary at distance 1, xx xy yy
-    // (gather_around.c): of the boundary below row j at its column's azimuth 0, and of that before
-    // a column there.
+    // Second derivatives xx, xy, yy of the cosine law over a boundary at distance 1
+    // (gather_around.c): of the boundary below row j around azimuth 0, and of that before a column
+    // at azimuth 0.
     float (*hessian_u)[3], (*hessian_v)[3];  // M each
     // Radiance [K05 4.3.1, at the boundaries]: H(theta, phi) = P(theta) trig(phi), so the sums over
-    // k are done first, once per trigonometric function.
+    // k are computed first, once per trigonometric function.
     int trig_count;          // 2 order - 1: m = -(order - 1) .. order - 1
     float *trig_u, *trig_v;  // N * trig_count: at column centres, at boundaries
-    float *row_u, *row_v;    // M * order^2: the factors in theta, weights included
+    float *row_u, *row_v;    // M * order^2: the factors in theta, including weights
 };
 
 #endif

@@ -1,23 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a gather ray hits nearer than a photon lookup can resolve, its path continues by one more
-// bounce (gather_bounces.c). The hit y may see photon clusters that the site does not: a wall sees
-// what shines on the ceiling where they meet, and the ceiling does not. A bounce by the BRDF alone
-// meets such a cluster so rarely that the one that does outweighs its whole hemisphere. So some
-// of the bounces go to the clusters around the site as y sees them; the balance heuristic [Veach
-// and Guibas 1995] weighs both kinds of sampling, so the mean is the same.
+// The next bounce of gather rays whose hit is nearer than a photon lookup can resolve
+// (gather_bounces.c). Photon clusters may be visible from the hit y although they are not from the
+// site: near the edge between a wall and a ceiling, the wall sees a lit patch on the ceiling, but
+// the ceiling does not. A bounce by the BRDF alone hits such a cluster so rarely that one hit
+// outweighs all other rays of its hemisphere. Therefore some of the bounces go to the clusters
+// around the site that are visible from y. The balance heuristic [Veach and Guibas 1995] weights
+// both kinds of samples, so the mean does not change.
 #include "gather/gather_near.h"
 
-// Largest fraction of the bounces from y that go to photon clusters.
+// The largest fraction of the bounces from y that go to photon clusters.
 static const float GUIDED = 0.5f;
 
-// Fraction of the light at y, below which a cluster is left to chance.
+// Clusters that contribute less than this fraction of the light at y get no bounces.
 static const float NEAR_FAINT = 0.002f;
 
-// A cluster that no probe sees may still be visible from other hits: its least weight over that of
-// one in full view.
+// A cluster that is not visible from any probe may be visible from other hits: its least weight,
+// over that of one visible from all.
 static const float VISIBLE_LEAST = 0.05f;
 
-// Least fraction of a cone in which light is expected: where more is missed, it hardly is a cone.
+// The least fraction of a cone that is assumed to be lit.
 static const float FILLED_LEAST = 0.01f;
 
 static bool is_near(const struct gather_hits *hits, size_t i) {
@@ -25,7 +26,7 @@ static bool is_near(const struct gather_hits *hits, size_t i) {
     return y->lobes & BRDF_DIFFUSE && y->interaction.t < hits->radius[i];
 }
 
-// Hits spread evenly over the near ones; returns how many.
+// Selects hits distributed uniformly over the near ones, and returns their number.
 static int choose_probes(const struct gather_hits *hits, size_t all, size_t probe[GUIDE_PROBES]) {
     size_t nears = 0, at = 0;
     int count = 0;
@@ -37,8 +38,8 @@ static int choose_probes(const struct gather_hits *hits, size_t all, size_t prob
     return count;
 }
 
-// Fraction of the probes that see the cone's cluster, of those at which it matters; 0 if it matters
-// at none.
+// The fraction of the probes from which the cone's cluster is visible, among those to which it
+// contributes; 0 if there are none.
 static float probe_cone(const struct gather *g, const struct gather_hits *hits, const size_t *probe,
                         int probes, struct guide_cone cone) {
     int matters = 0, clear = 0;
@@ -73,7 +74,7 @@ void gather_near_look(const struct gather *g, const struct gather_hits *hits, si
     }
 }
 
-// The cones as y sees them.
+// The cones as seen from y.
 struct choices {
     struct guide_cone cone[GUIDE_CONES];
     float weight[GUIDE_CONES], all;
@@ -88,7 +89,7 @@ static void look_from(const struct gather_near *near, const struct gather_point 
         struct guide_cone *cone = &out->cone[out->count];
         *cone = near->cone[c];
         if (!guide_cone_move(cone, y->interaction.p, y->frame.n) || !(cone->E > 0.0f)) continue;
-        // Least variance: in proportion to the deviation of one ray into the cone.
+        // Least variance: in proportion to the standard deviation of one ray into the cone.
         const float deviation = cone->E / sqrtf(clampf(cone->filled, FILLED_LEAST, 1.0f));
         out->weight[out->count] = near->visible[c] * deviation;
         out->all += out->weight[out->count++];
@@ -102,7 +103,7 @@ bool gather_near_bounce(const struct gather_near *near, const struct gather_poin
     if (at.count == 0)
         return brdf_sample(&y->brdf, y->wo_l, u_lobe, u.x, u.y, BRDF_DIFFUSE, BRDF_RADIANCE, out);
     const float guided = fminf(at.all / (at.all + E), GUIDED);
-    int own = -1;  // the cone that the direction is drawn from, whatever the last digit says
+    int own = -1;  // the cone from which the direction is drawn, even if rounding moves it outside
     if (u_lobe < guided) {
         float left = u_lobe / guided * at.all;
         for (own = 0; own + 1 < at.count && left >= at.weight[own]; own++) left -= at.weight[own];

@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 // Path tracing with MIS of light and BRDF sampling: the reference, and the first pass `path`.
-// Depths count path segments as Mitsuba 3 does: max_depth of them make the longest path.
+// Depths count path segments, as in Mitsuba 3; the longest path has max_depth segments.
 #include "gather/gather.h"
 
-// Survival is never certain, so that no path is endless between perfect mirrors.
+// The largest probability of survival, so that no path between perfect mirrors is endless.
 static const float ROULETTE_MAX = 0.95f;
 
-// Where a path stands, behind its start.
+// The state of a path after its start.
 struct path_walk {
     struct ray ray;
     rgb T;
     float eta;
-    int depth;    // segments before the ray
-    vec3 from;    // the last surface with smooth lobes that the path has left,
-    float pdf_w;  // by a BRDF sample of this density; 0: by a delta lobe, or there is none
-    struct light_chain chain;  // from there on
-    bool emission;             // emitted light that the ray meets counts
-    bool specular;             // all surfaces so far were ideal specular
+    int depth;    // number of segments before the ray
+    vec3 from;    // the last surface with smooth lobes on the path,
+    float pdf_w;  // left by a BRDF sample of this density; 0: by a delta lobe, or there is none
+    struct light_chain chain;  // chain of specular surfaces from there on
+    bool emission;             // whether emitted light that the ray hits is added
+    bool specular;             // whether all surfaces so far were ideal specular
 };
 
-// Emitted light that the ray meets, at the surface it hit or from the environment, with its MIS
-// weight against light sampling where the chain begins.
+// The emitted light that the ray hits, at a surface or from the environment, with its MIS weight
+// against light samples at the start of the chain.
 static rgb emitted(const struct gather *g, const struct path_walk *walk,
                    const struct interaction *hit) {
     const vec3 d = walk->ray.d;
@@ -31,7 +31,7 @@ static rgb emitted(const struct gather *g, const struct path_walk *walk,
                      mis_power(walk->pdf_w, gather_light_pdf(g, walk->from, &walk->chain, hit)));
 }
 
-// The path leaves `from` by a sample, along `d`.
+// Continues the path from `from` by a sample, along `d`.
 static void leave(const struct gather *g, const struct gather_point *from,
                   const struct brdf_sample *next, vec3 d, struct path_walk *walk) {
     if (next->pdf_w > 0.0f) {
@@ -44,7 +44,7 @@ static void leave(const struct gather *g, const struct gather_point *from,
     }
 }
 
-// Goes on from a point by what it reflects and transmits; false: the path ends there.
+// Continues from a point by reflection or transmission. False if the path ends there.
 static bool bounce(const struct gather *g, const struct gather_point *from, struct sampler *sampler,
                    struct path_walk *walk) {
     struct brdf_sample next;
@@ -68,8 +68,7 @@ static bool bounce(const struct gather *g, const struct gather_point *from, stru
     return !rgb_black(walk->T);
 }
 
-// The radiance of a path, and what its first ray meets: `first` of a gather ray, `eye` of one from
-// the eye.
+// The radiance of a path, and the first hit: `first` for a gather ray, `eye` for an eye ray.
 static rgb follow(const struct gather *g, struct path_walk walk, struct sampler *sampler,
                   struct gather_first *first, struct gather_eye_hit *eye) {
     const int max_depth = g->options->max_depth;

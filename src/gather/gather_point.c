@@ -2,8 +2,8 @@
 // Surface points prepared for shading, and the constants of a render.
 #include "gather/gather.h"
 
-// A light is wide if its area is over this fraction of the scene's bounding sphere: then its solid
-// angle is often large, and light sampling alone is noisy close to it.
+// A light is wide if its area is more than this fraction of that of the scene's bounding sphere.
+// Its solid angle is then often large, and light sampling alone is noisy close to it.
 static const float WIDE_AREA = 0.02f;
 
 struct gather gather_make(const struct satin_scene *scene, const satin_options *options,

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gather rays: from x through ideal specular surfaces to y, the path table's E S* x S* y. What y
-// reflects comes from the first pass that the options name: the photons' estimate and the path
-// behind y where that is not reliable (gather_bounces.c), records, path tracing from y, or
-// direct light at y alone. Emitted light adds nothing to it: direct light and caustics at x carry
-// it.
+// Gather rays: from x through ideal specular surfaces to y, the path table's E S* x S* y. The
+// option first-pass chooses what gives the light that y reflects: the estimate from photons, and
+// where that is not reliable the path after y (gather_bounces.c), records, path tracing from y, or
+// direct light at y alone. Emitted light is not added, as it is in direct light and caustics at x.
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -47,8 +46,8 @@ void gather_scratch_watch(struct gather_scratch *scratch, struct parallel *pool,
     scratch->worker = worker;
 }
 
-// Irradiance at y by the density estimate there: from what the diffuse lobe reflects. Without one,
-// E is 0 and *radius is INFINITY.
+// The irradiance at y by a density estimate from what the diffuse lobe reflects. If there is no
+// diffuse lobe, it is 0 and *radius is INFINITY.
 static rgb density_irradiance(const struct gather *g, const struct gather_point *y, float *radius) {
     *radius = INFINITY;
     if (!(y->lobes & BRDF_DIFFUSE)) return rgb_grey(0.0f);
@@ -59,7 +58,7 @@ static rgb density_irradiance(const struct gather *g, const struct gather_point 
                     a.b > 0.0f ? PI_F * L.b / a.b : 0.0f);
 }
 
-// Finds E and radius of `count` hits: all look the map up together, or each has its own estimate.
+// Finds E and radius of `count` hits, by a common lookup or by an estimate for each.
 static void look_up_hits(const struct gather *g, struct gather_hits *hits, size_t count) {
     const bool precomputed = g->options->first_pass == SATIN_FIRST_PRECOMPUTED;
     for (size_t i = 0; i < count; i++) {
@@ -74,7 +73,7 @@ static void look_up_hits(const struct gather *g, struct gather_hits *hits, size_
                                hits->entry);
 }
 
-// First passes `photons` and `precomputed`: what the hits reflect.
+// First passes `photons` and `precomputed`: computes the reflected radiance of the hits.
 static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t count,
                        struct gather_near *near) {
     look_up_hits(g, hits, count);
@@ -91,7 +90,7 @@ static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t 
     }
 }
 
-// Traces one ray. True if its hit is left in *hit for shade_hits.
+// Traces one ray. True if its hit is in *hit, for shade_hits.
 static bool trace_ray(const struct gather *g, struct gather_ray *ray, uint32_t seed,
                       struct gather_hit *hit) {
     const struct gather_segment_start start = {ray->ray, ray->spread, ray->alpha_least, ray->lit,
@@ -127,7 +126,7 @@ static bool trace_ray(const struct gather *g, struct gather_ray *ray, uint32_t s
     return false;
 }
 
-// Rays that are left off have found nothing.
+// Sets rays that were not traced to misses.
 static void forget(struct gather_ray *rays, size_t count) {
     for (size_t i = 0; i < count; i++) {
         rays[i].L = rays[i].Le = rays[i].Le_specular = rgb_grey(0.0f);
@@ -143,7 +142,7 @@ void gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
     const uint32_t seed = (uint32_t)rng_mix(stream ^ rng_mix(g->options->seed + RNG_GATHER_HIT));
     for (size_t begin = 0; begin < count; begin += GATHER_CHUNK) {
         const size_t end = count - begin > GATHER_CHUNK ? begin + GATHER_CHUNK : count;
-        // Of a million rays the rest would take seconds.
+        // A million rays would take seconds, so cancellation is checked.
         if (begin > 0 && scratch->pool && parallel_cancelled(scratch->pool, scratch->worker)) {
             forget(rays + begin, count - begin);
             return;

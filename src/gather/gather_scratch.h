@@ -1,44 +1,47 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to gather/: a worker's memory for one hemisphere and one chunk of hits.
+// Private to gather/: the memory of a worker for one hemisphere and one chunk of hits.
 #ifndef GATHER_SCRATCH_H
 #define GATHER_SCRATCH_H
 
 #include "gather/gather.h"
 
-enum { GATHER_CHUNK = 512 };  // hits looked up together: a call of the library costs as much as ten
+enum {
+    GATHER_CHUNK = 512
+};  // hits that are looked up together: a call of the library costs as
+    // much as ten
 
-// Where a gather ray ended, ready for the lookup.
+// The end of a gather ray, for the lookup.
 struct gather_hit {
     struct gather_point point;
-    rgb T;  // what ideal specular surfaces before it leave of the light
+    rgb T;  // transmittance of the ideal specular surfaces before it
     struct gather_ray *ray;
     struct sampler sampler;
 };
 
 // A chunk of hits, and the first-pass estimate at each: the irradiance E [W m^-2], and the radius
-// of the lookup that found it.
+// of its lookup.
 struct gather_hits {
     struct gather_hit hit[GATHER_CHUNK];
-    vec3 p[GATHER_CHUNK], n[GATHER_CHUNK];  // where the estimate is looked up
+    vec3 p[GATHER_CHUNK], n[GATHER_CHUNK];  // points and normals of the lookups
     rgb E[GATHER_CHUNK];
     float radius[GATHER_CHUNK];
     int entry[GATHER_CHUNK];
 };
 
-// Memory that a worker uses again and again. Nothing in it is read that the same call has not put
-// there, or that does not belong to a hemisphere which is passed along.
+// Memory that a worker uses repeatedly. A call reads from it only what the same call has written,
+// or what belongs to a hemisphere that it was given.
 struct gather_scratch {
-    size_t capacity;          // half as many again as asked for: guided rays
+    size_t capacity;          // half as many again as requested, for guided rays
     struct gather_ray *rays;  // capacity
     float *x, *y, *z;         // capacity: local directions
     float *r, *g, *b;         // capacity: radiance times solid angle
     float *work;              // 6 * capacity
-    struct parallel *pool;    // asked between chunks whether to go on; NULL: it is not
+    struct parallel *pool;    // checked for cancellation between chunks; may be NULL
     int worker;
     struct gather_hits hits;
 };
 
-// The hemisphere of a layout's stratified rays in the scratch, which the caller fills.
+// The hemisphere of a layout's stratified rays in the scratch; the caller sets the rays.
 static inline struct gather_hemisphere gather_scratch_hemisphere(
     const struct gather_scratch *scratch, const struct gather_layout *layout,
     const struct frame *frame) {

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // A segment of a light path: from one surface with a smooth lobe to the next, through any number of
 // ideal specular surfaces (S* in the path table). A gather ray is the segment from x to y; every
-// further bounce behind y is one more.
+// further bounce is another one.
 #include "gather/gather_segment.h"
 
-enum { DELTA_SURE = 32 };  // ideal specular surfaces in a row, after which chance may end a segment
+enum { DELTA_SURE = 32 };  // ideal specular surfaces in a row before Russian roulette starts
 
-// Probability of going on at each further one: light that is trapped in a sheet of glass meets
-// some hundred.
+// The probability of continuing at each further one: light that is trapped in a sheet of glass is
+// reflected some hundred times.
 static const float DELTA_SURVIVE = 0.98f;
 
-// Adds the emitted light that the segment meets at `hit`, or beyond all surfaces if that is NULL.
+// Adds the emitted light at `hit`, or that of the environment if `hit` is NULL.
 static void add_met_light(const struct gather *g, const struct gather_segment_start *start,
                           const struct light_chain *chain, vec3 d, const struct interaction *hit,
                           struct gather_segment *out) {
@@ -24,8 +24,8 @@ static void add_met_light(const struct gather *g, const struct gather_segment_st
     }
 }
 
-// Probability that a segment ends at a surface that has smooth and ideal specular lobes, by what
-// they reflect.
+// The probability that a segment ends at a surface with both smooth and ideal specular lobes, in
+// proportion to what they reflect.
 static float end_probability(const struct gather_point *p) {
     if (!(p->lobes & BRDF_DELTA)) return p->lobes & BRDF_SMOOTH ? 1.0f : 0.0f;
     if (!(p->lobes & BRDF_SMOOTH)) return 0.0f;

@@ -1,30 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
-// Solid-angle-based gradients [K05 4.2]: each ray stands for a small area around its hit q, which
-// stays where it is and keeps its radiance when the centre p moves. Its direction changes, and its
-// solid angle Omega, the latter by the distance r and by the cosine c between its normal n
-// and the ray. What is hidden or comes into sight does not count: where that matters,
-// stratification-based gradients are right and these are not. Letters: w direction, L radiance.
+// Solid-angle-based gradients [K05 4.2]: each ray represents a small area around its hit q, which
+// keeps its position and radiance when the centre p moves. Its direction changes, and its solid
+// angle Omega by the distance r and by the cosine c between its normal n and the ray. Changes of
+// occlusion are ignored: where they matter, stratified gradients are correct and these are not.
+// Symbols: w direction, L radiance.
 #include <string.h>
 
 #include "gather/gather_gradients.h"
 #include "rsh/rsh.h"
 
-// Areas met at less than this cosine would add most of the variance and little of the gradient.
+// Areas seen at less than this cosine would add most of the variance and little of the gradient.
 static const float AREA_GRAZING = 0.01f;
 
-// Half the step of finite differences, in distances r of each ray: harmonics of order 14 change
-// linearly over it to .1 %, and float differences keep four digits.
+// Half the step of finite differences, in units of the distance r of each ray: harmonics of order
+// 14 are linear over it to .1 %, and float differences keep four digits.
 static const float DIFFERENCE_STEP = 0.005f;
 
-enum { RAY_BLOCK = 16 };  // rays whose derivatives are accumulated at once
+enum { RAY_BLOCK = 16 };  // rays whose derivatives are summed at once
 
-// A ray's hit as its derivatives need it.
+// The hit of a ray, as its derivatives need it.
 struct ray_hit {
     vec3 w, n;   // local
-    float c, r;  // c = -n . w, whose sign is that of the side that n is on
+    float c, r;  // c = -n . w, whose sign is that of the side of n
 };
 
-// False if nothing is known of how the light of ray i changes.
+// False if the change of the light of ray i is unknown.
 static bool ray_hit_of(const struct gather_hemisphere *h, size_t i, struct ray_hit *out) {
     const struct gather_first *first = &h->ray[i].first;
     if (!(first->r > 0.0f) || !isfinite(first->r)) return false;
@@ -35,8 +35,8 @@ static bool ray_hit_of(const struct gather_hemisphere *h, size_t i, struct ray_h
     return fabsf(out->c) > AREA_GRAZING;
 }
 
-// What a move by `step` r along `axis` makes of a ray: returns its new length over r; *w gets its
-// direction, *omega its solid angle over the one before.
+// Moves the centre by `step` r along `axis`: returns the new length of the ray over r, and sets *w
+// to its direction and *omega to its solid angle over the previous one.
 static float displace(const struct ray_hit *at, vec3 axis, float step, vec3 *w, float *omega) {
     vec3 v = v3_mad(at->w, -step, axis);
     float length = v3_len(v), scale = 1.0f / length;
@@ -55,7 +55,8 @@ static float cosine_difference(const struct ray_hit *at, vec3 axis) {
     return change / (2.0f * DIFFERENCE_STEP * at->r);
 }
 
-// Rays are dense as the cosine, so cos(theta) Omega is pi / count for each of them [K05 4.2.3].
+// Rays are distributed in proportion to the cosine, so cos(theta) Omega of each is pi / count [K05
+// 4.2.3].
 void gather_solid_angle_irradiance(const struct gather_hemisphere *h, bool differences,
                                    size_t first, vec3 grad[3]) {
     const float weight = PI_F / (float)h->stratified;
@@ -78,7 +79,7 @@ void gather_solid_angle_irradiance(const struct gather_hemisphere *h, bool diffe
     }
 }
 
-// Derivatives of Omega H / Omega by x and y for one ray [K05 (4.3)-(4.8)].
+// The derivatives of Omega H, over Omega, by x and y for one ray [K05 (4.3)-(4.8)].
 static void derive(const struct gather_layout *l, const struct ray_hit *at, float *by_x,
                    float *by_y) {
     const int n2 = l->order * l->order;
@@ -115,8 +116,9 @@ static void differentiate(const struct gather_hemisphere *h, size_t first, float
     }
 }
 
-// Adds one side of the difference quotient along an axis: a projection of displaced rays. A step
-// that grows with r keeps close hits as exact as far ones, unlike the fixed one of [K05 4.2.1].
+// Adds one side of the difference quotient along an axis: a projection of displaced rays.
+// Deviation: the step is proportional to r, so that near hits are as accurate as distant ones,
+// while [K05 4.2.1] has a fixed step.
 static void add_difference(const struct gather_hemisphere *h, size_t first, vec3 axis, float side,
                            float *out) {
     const struct gather_layout *l = h->layout;

@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stratification-based gradients [K05 4.3]: when the centre moves, the boundaries between strata
-// sweep over what is visible, at a rate that the nearer side decides; so changes of occlusion
-// count. Sample directions are jittered per stratum; the weights are taken at the fixed boundaries,
-// which is what makes the gradients converge (docs/equations.md, erratum 1).
+// Stratified gradients [K05 4.3]: when the centre moves, the boundaries between strata sweep over
+// the visible surfaces, at a rate that depends on the nearer side; so changes of occlusion are
+// included. Sample directions are jittered in their strata, but the weights are taken at the fixed
+// boundaries, without which the gradients do not converge (docs/equations.md, erratum 1).
 //
-// Deviation: where the two sides of a boundary hit one surface, it is their mean distance that
-// counts, not the lesser. The lesser is too short by half of what the surface recedes from one
-// stratum to the next, which was most of the error where nothing is hidden: 6 % fell to 2 % for
-// irradiance of 4096 rays.
+// Deviation: if both sides of a boundary hit the same surface, their mean distance is used, not the
+// smaller one. The smaller one is too short by half of the difference between the strata, which was
+// most of the error where nothing is occluded: 6 % became 2 % for irradiance of 4096 rays.
 #include <string.h>
 
 #include "gather/gather_gradients.h"
 #include "rsh/rsh.h"
 
-// Squared sine of the largest angle between a surface and the offset to the next hit on it.
+// The squared sine of the largest angle between a surface and the offset to the next hit on it.
 static const float ALONG = 0.1f;
 
-// Whether two neighbouring rays hit one surface: the offset from hit to hit is along both.
+// Whether two neighbouring rays hit the same surface: the offset between their hits is tangential
+// to both.
 static bool one_surface(const struct gather_ray *a, const struct gather_ray *b) {
     vec3 offset = v3_sub(v3_mad(v3_mul(a->ray.d, a->first.r), -b->first.r, b->ray.d),
                          v3_sub(b->ray.o, a->ray.o));
@@ -24,9 +24,9 @@ static bool one_surface(const struct gather_ray *a, const struct gather_ray *b) 
     return fmaxf(out_a * out_a, out_b * out_b) < ALONG * v3_len2(offset);
 }
 
-// (L_jk - L_neighbour) / r: how fast the boundary between two strata carries light across, r the
-// distance of what it sweeps over there: the nearer side's if that hides the other, or always if
-// `nearer`.
+// (L_jk - L_neighbour) / r: the rate at which light crosses the boundary between two strata. r is
+// the distance of the surface that it sweeps over: that of the nearer side if it hides the other
+// one, or if `nearer`.
 static rgb boundary_change(const struct gather_ray *a, const struct gather_ray *b, bool nearer) {
     float r = fminf(a->first.r, b->first.r), far = fmaxf(a->first.r, b->first.r);
     if (!isfinite(r) || !(r > 0.0f)) return rgb_grey(0.0f);
@@ -60,8 +60,8 @@ void gather_stratified_irradiance(const struct gather_hemisphere *h, bool ward_h
     }
 }
 
-// Adds to gradient vectors dx, dy the change through one kind of boundary in row j: sums over k by
-// trigonometric function first, then times the row's factors in theta.
+// Adds to the gradient vectors dx, dy the change through one kind of boundary in row j: the sums
+// over k by trigonometric function, times the row's factors in theta.
 static void add_row(const struct gather_layout *l, const float *boundary, const float *trig,
                     const float *row, float *dx, float *dy) {
     const int n = l->order, n2 = n * n, trigs = l->trig_count, N = l->N;
