@@ -9,7 +9,7 @@
 #include "cache/cache_records.h"
 #include "rsh/rsh.h"
 
-// Projection of cos(theta) over the hemisphere by the midpoint rule: E is then Lambda . cosine.
+// Projects cos(theta) over the hemisphere by the midpoint rule: E is then Lambda . cosine.
 static void project_cosine(float *out, satin_basis basis, int order) {
     enum { CACHE_ROWS = 4096 };
     float y[RSH_MAX_ORDER * RSH_MAX_ORDER];

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Adaptive caching [K05 6.3, 6.4]. A record's own accuracy, a times its scale, is lowered where the
-// light that it gives to a shading point differs visibly from what the other records give; new
-// records fill the gaps; until there is no such difference at any point. A pass evaluates all
-// queued points on all threads against the records as they are, lowers the scales to the least that
-// a point asks for, fills the gaps, and queues the points that this concerns: nothing depends on
-// the order of the points or the threads.
+// Adaptive caching [K05 6.3, 6.4]. A record's own accuracy, a times its scale, is lowered where its
+// light at a shading point differs visibly from that of the other records, and new records fill the
+// gaps, until there is no such difference at any point. A pass evaluates all queued points on all
+// threads against the unchanged records, lowers the scales to the least that a point requires,
+// fills the gaps, and queues the points that are affected. So nothing depends on the order of the
+// points or on the threads.
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -12,11 +12,11 @@
 #include "cache/cache_adapt.h"
 
 enum {
-    PASSES_MAX = 11,  // the thesis never needed more
+    PASSES_MAX = 11,  // the thesis needed no more
     CHUNK_POINTS = 256
 };
 
-// A record that gives way to a point ends before it by this fraction of the distance.
+// A record that is shrunk for a point ends before it by this fraction of the distance.
 static const float SHORT_OF = 1e-4f;
 
 static void evaluate_points(void *ctx, size_t begin, size_t end, int worker) {
@@ -30,7 +30,7 @@ static void evaluate_points(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-// Ends records before the points to which they give way.
+// Shrinks records so that they end before the points for which they are to be shrunk.
 static void shrink(struct cache_adaptation *c) {
     for (size_t i = 0; i < c->count; i++) {
         struct cache_point *p = &c->point[i];
@@ -61,7 +61,8 @@ static void contribute(struct cache_adaptation *c, const struct cache_site *s,
     p->with[at] = x;
 }
 
-// Queues the points at which records were added or shrunk, and gives them the new records.
+// Queues the points at which records were added or shrunk, and adds the new records to their
+// contributions.
 static void queue_points(void *ctx, size_t begin, size_t end, int worker) {
     struct cache_adaptation *c = ctx;
     (void)worker;
@@ -80,8 +81,8 @@ static void queue_points(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-// Notes the radii and scales of all records. Those that were added or shrunk since the last call
-// get trees of their own. False without memory.
+// Stores the radii and scales of all records. Records that were added or shrunk since the last call
+// are put into separate trees. False if there is no memory.
 static bool note_changes(struct cache_adaptation *c) {
     const size_t before = c->records, now = c->tree->head_count;
     const struct satin_scene *scene = c->cache->g->scene;
@@ -114,7 +115,7 @@ static bool note_changes(struct cache_adaptation *c) {
     return true;
 }
 
-// Makes new records where points have lost their last one.
+// Makes new records at points that have lost their last one.
 static satin_status fill_gaps(struct cache_adaptation *c) {
     size_t gaps = 0;
     for (size_t i = 0; i < c->count; i++) {
@@ -156,7 +157,7 @@ static satin_status adapt_records(struct cache_adaptation *c) {
         c->cache->adapted.points += queued;
         if (!parallel_for(pool, c->count, CHUNK_POINTS, evaluate_points, c)) return SATIN_CANCELLED;
         shrink(c);
-        for (size_t i = 0; i < c->records; i++)  // so that the points notice
+        for (size_t i = 0; i < c->records; i++)  // so that the points are updated
             if (c->tree->head[i].scale < c->scale[i]) c->change[i]++;
         double gather = stats_wall();
         satin_status status = fill_gaps(c);

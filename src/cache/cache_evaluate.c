@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The criterion of adaptive caching [K05 6.3.1, 6.4]: whether the light that the records give to a
-// point differs visibly, by Weber's law over direct and indirect light and beyond their noise; and
-// which of them give way.
+// The criterion of adaptive caching [K05 6.3.1, 6.4]: whether the light of the records at a point
+// differs visibly, by Weber's law on direct and indirect light and by more than their noise, and
+// which of the records are to be shrunk.
 #include "cache/cache_adapt.h"
 
 // The relative difference that is visible by Weber's law, as is widely used in computer graphics
 // [K05 6.4].
 static const float VISIBLE = 0.02f;
 
-// A difference of up to so many standard deviations may be noise. The thesis has one, which over
-// all points and pairs of records is often exceeded by chance; and where records shrink noise
-// grows.
+// A difference of up to this many standard deviations may be noise. In the thesis it is one, which
+// is often exceeded by chance among all points and pairs of records; and the noise grows as records
+// shrink.
 static const float VISIBLE_DEVIATIONS = 2.5f;
 
 void cache_update_point(const struct cache_adaptation *c, const struct cache_site *s,
@@ -32,7 +32,8 @@ void cache_update_point(const struct cache_adaptation *c, const struct cache_sit
         if (p->with[i].error < c->fill->a * c->tree->head[p->with[i].record].scale) p->bare = false;
 }
 
-// What records light at a site; the harmonics of its glossy lobes if records of `order` hold some.
+// The lobes that records light at a site, with the harmonics of its glossy lobes if these are
+// within `order`.
 static void find_surface(const struct cache_site *s, int order, struct cache_surface *out) {
     const struct cache_view *v = &s->view;
     out->specular = s->specular;
@@ -50,7 +51,7 @@ static cache_reflected_fn *const reflected[CACHE_KINDS] = {
     [CACHE_RADIANCE] = cache_radiance_reflected,
 };
 
-// Computes the luminances that are not yet known.
+// Computes the luminances that are not known yet.
 static void find_luminances(const struct cache_adaptation *c, const struct cache_site *s,
                             struct cache_point *p) {
     const struct cache_lookup at = {s->shading_p, s->frame.n, s->frame, 0.0f};
@@ -64,7 +65,7 @@ static void find_luminances(const struct cache_adaptation *c, const struct cache
     }
 }
 
-// Mean luminance of the contributions in `mask`, weighted by 1 / error.
+// The mean luminance of the contributions in `mask`, weighted by 1 / error.
 static float mean_luminance(const struct cache_point *p, unsigned mask) {
     float sum = 0.0f, weights = 0.0f;
     for (int i = 0; i < p->count; i++) {
@@ -76,8 +77,8 @@ static float mean_luminance(const struct cache_point *p, unsigned mask) {
     return sum / weights;
 }
 
-// The difference that noise alone may make. The estimate by one record is too noisy itself, so that
-// of all records of the point is taken.
+// The difference that noise alone may cause. The estimate by one record is too noisy, so that of
+// all records of the point is used.
 static float noise_of(const struct cache_point *p) {
     float square = 0.0f;
     for (int i = 0; i < p->count; i++) square += p->with[i].noise * p->with[i].noise;
@@ -91,13 +92,13 @@ static bool may_end(const struct cache_adaptation *c, const struct cache_site *s
     return v3_dist2(c->tree->head[record].p, s->p) > least * least;
 }
 
-// Whether a difference in luminance is visible where the records give `all`, and direct light is
-// added [K05 6.4].
+// Whether a difference in luminance is visible, given the luminance `all` by the records plus
+// direct light [K05 6.4].
 static bool visible(const struct cache_site *s, float difference, float all, float noise) {
     return difference > VISIBLE * (all + s->direct) + noise;
 }
 
-// Whether the mean of the contributions in `mask` visibly differs from that without one of them.
+// Whether the mean of the contributions in `mask` differs visibly from that without one of them.
 static bool disagree(const struct cache_site *s, const struct cache_point *p, unsigned mask) {
     const float all = mean_luminance(p, mask), noise = noise_of(p);
     for (int i = 0; i < p->count; i++) {
@@ -108,8 +109,8 @@ static bool disagree(const struct cache_site *s, const struct cache_point *p, un
     return false;
 }
 
-// The contributions that may have caused the difference between `worst` and the rest: an error
-// grows with the square of the distance, so records that are hardly nearer err almost as much.
+// The contributions that may have caused the difference between `worst` and the rest: errors grow
+// with the square of the distance, so records that are hardly nearer have almost the same error.
 static unsigned to_blame(const struct cache_site *s, const struct cache_point *p, unsigned rest,
                          int worst) {
     const float all = mean_luminance(p, rest), noise = noise_of(p);
@@ -124,9 +125,9 @@ static unsigned to_blame(const struct cache_site *s, const struct cache_point *p
     return blamed;
 }
 
-// While contributions disagree, the one of least weight gives way [K05 figure 6.2]. Deviation: so
-// do those that may err as it does; else a point whose records all err alike keeps the nearest of
-// them.
+// While contributions disagree, the one of least weight is to be shrunk [K05 figure 6.2].
+// Deviation: so are those with a similar error; otherwise a point whose records all have similar
+// errors would keep the nearest one.
 void cache_evaluate_point(const struct cache_adaptation *c, const struct cache_site *s,
                           struct cache_point *p) {
     p->gives_way = 0;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The area of a record: by the distances that its rays found, or by the Hessian of its irradiance;
-// then limited by its gradient and by the projected pixel [K05 3.3, 6.5.1].
+// The extent of a record: from the distances of the hits of its rays, or from the Hessian of its
+// irradiance; then limited by its gradient and by the projected pixel [K05 3.3, 6.5.1].
 #include "cache/cache_records.h"
 
-// R by the Hessian is such that at a distance of a R the second-order term of E is a^2 times this
+// R from the Hessian is such that the second-order term of E at a distance of a R is a^2 times this
 // fraction of E.
 static const float SECOND_ORDER = 0.5f;
 
@@ -17,7 +17,7 @@ static float by_distance(satin_radius kind, const struct gather_around *around) 
     return around->harmonic;
 }
 
-// Limits a radius by that of the scene, where nothing was hit, and by the user's bound.
+// Limits a radius by that of the scene, where nothing was hit, and by the user's limit.
 static float bounded(float R, const struct cache *cache, const struct cache_options *o) {
     R = fminf(R, cache->g->scene->radius);
     return o->max_radius > 0.0f ? fminf(R, o->max_radius) : R;
@@ -33,7 +33,7 @@ static struct cache_extent by_hessian(const struct gather_around *around, const 
     float mean = 0.5f * (xx + yy), half = sqrtf(0.25f * (xx - yy) * (xx - yy) + xy * xy);
     float most = fabsf(mean) + half, least = fabsf(fabsf(mean) - half);
     if (!(most > 0.0f) || !(E > 0.0f)) return circle(around->harmonic);
-    // The eigenvector of the eigenvalue of largest modulus.
+    // The angle of the eigenvector with the eigenvalue of larger magnitude.
     float angle = 0.5f * atan2f(2.0f * xy, xx - yy);
     if (mean < 0.0f) angle += 0.5f * PI_F;
     float narrow = sqrtf(2.0f * SECOND_ORDER * E / most);
@@ -43,14 +43,14 @@ static struct cache_extent by_hessian(const struct gather_around *around, const 
     return (struct cache_extent){fminf(wide, limit), fminf(narrow, limit), axis, 1.0f};
 }
 
-// Where the options' least and largest radii contradict each other, the largest decides.
+// If the least radius of the options exceeds the largest one, the largest is used.
 float cache_least_radius(const struct cache_options *o, float pixel) {
     const float R = fminf(o->min_pixels, o->max_pixels) * pixel / o->a;
     return o->max_radius > 0.0f ? fminf(R, o->max_radius) : R;
 }
 
-// Keeps R of both axes between `lo` and `hi`. Where that makes a record larger than it should be,
-// its gradient would extrapolate too far, and is scaled by `radius_ratio`.
+// Clamps the radii of both axes to [lo, hi]. If that makes a record larger than it should be, its
+// gradient would extrapolate too far and is scaled by `radius_ratio`.
 static void clamp_radii(struct cache_extent *x, float lo, float hi) {
     const float wanted = x->R;
     x->R = fmaxf(fminf(x->R, hi), lo);
@@ -93,7 +93,7 @@ struct cache_extent cache_extent_irradiance(const struct cache *cache,
     return x;
 }
 
-// Squared lengths of a colour's vector and of its gradient.
+// The squared lengths of the coefficient vector of a channel and of its gradient.
 static void lengths2(const struct gather_radiance *value, int n2, int channel, float *size2,
                      float *slope2) {
     const float *lambda = value->lambda + channel * n2;
@@ -117,7 +117,7 @@ struct cache_extent cache_extent_radiance(const struct cache *cache, const struc
     const float slope = sqrtf(slope2[0] + slope2[1] + slope2[2]);
     struct cache_extent x = circle(bounded(by_distance(o->radius, around), cache, o));
     // As for E, the vector may not change by more than its length within R. Measured where a wall
-    // reflects a box near to it: with this half of the records suffice for the same error.
+    // reflects a box near it: with this limit, half of the records are enough for the same error.
     if (o->gradient_clamp && slope * x.R > size && size > 0.0f) limit(&x, size / slope);
     clamp_radii(&x, cache_least_radius(o, site->pixel), o->max_pixels * site->pixel / o->a);
     for (int c = 0; c < 3; c++) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Records to a file and from it into a cache. They are inserted in the order in which they were
-// made and with their influence radii, so that the tree, and what it answers, is that which was
-// saved.
+// Writes records to a file and reads them into a cache. They are inserted in the order in which
+// they were made, with their influence radii, so that the tree, and the result of every lookup, is
+// that of the saved cache.
 #include "cache/cache_file.h"
 
 #include <stdio.h>
@@ -47,7 +47,7 @@ static bool get_irradiance(struct cache *cache, size_t i, const float *in) {
     return true;
 }
 
-// In memory the gradients have four lanes too, of which a file holds the three of their colours.
+// In memory a gradient has four lanes per coefficient, of which the file has the three colours.
 static void put_radiance(const struct cache *cache, size_t i, float *out) {
     const struct cache_radiance_record *record = &cache->radiance[i];
     const int order = cache->side[CACHE_RADIANCE].order;
@@ -89,7 +89,7 @@ static bool get_radiance(struct cache *cache, size_t i, const float *in) {
     return true;
 }
 
-// A record to the words of a row and from them; false without memory.
+// Converts a record to the words of a row and back. False if there is no memory.
 static const struct row_functions {
     void (*put)(const struct cache *cache, size_t i, float *out);
     bool (*get)(struct cache *cache, size_t i, const float *in);
@@ -100,7 +100,7 @@ static const struct row_functions {
 
 // ---- Writing ------------------------------------------------------------------------------------
 
-// The two sections of a kind of records, which begin at `heads` and `values`.
+// Writes the two sections of a kind of records, which begin at `heads` and `values`.
 static void put_records(const struct cache *c, enum cache_kind kind, unsigned char *heads,
                         unsigned char *values) {
     const struct cache_tree *tree = &c->side[kind].tree;
@@ -146,8 +146,8 @@ satin_status cache_save(const struct cache *cache, const struct cache_origin *or
 
 // ---- Loading ------------------------------------------------------------------------------------
 
-// Puts the next head into the tree. SATIN_ERROR_INPUT for one that the tree cannot hold, as it lies
-// far from all surfaces.
+// Adds the next head to the tree. SATIN_ERROR_INPUT if the tree cannot hold it, because it is far
+// from all surfaces.
 static satin_status load_head(struct cache_tree *tree, const unsigned char *row) {
     struct cache_head head;
     memcpy(&head, row, sizeof head);

@@ -27,7 +27,7 @@ static inline enum cache_section cache_file_values(enum cache_kind kind) {
 }
 
 struct cache_file_section {
-    uint64_t size;  // bytes, without the zeros that fill it up to a multiple of 8
+    uint64_t size;  // bytes, without the zeros up to a multiple of 8
     uint64_t checksum;
 };
 
@@ -37,10 +37,10 @@ struct cache_file_header {
     uint64_t world, view, rays;
     uint32_t order, unused;
     struct cache_file_section section[SECTIONS];
-    uint64_t checksum;  // of all before
+    uint64_t checksum;  // of all bytes before it
 };
 
-// Words of a row; those between semicolons, or after one, are integers.
+// The words of a row; those between semicolons, or after one, are integers.
 enum {
     HEAD_WORDS = 17,        // p R, n influence, squeeze scale, u; walls; clear
     IRRADIANCE_WORDS = 24,  // E, dE/dp r g b, rotation r g b, deviation, radius_ratio; rays
@@ -60,7 +60,7 @@ static inline size_t cache_file_padded(size_t size) { return (size + 7) / 8 * 8;
 struct cache_file {
     struct cache_file_header header;
     char *options;                           // ended by 0
-    const unsigned char *section[SECTIONS];  // within the bytes of the file
+    const unsigned char *section[SECTIONS];  // pointers into the bytes of the file
     size_t rows[SECTIONS];
 };
 

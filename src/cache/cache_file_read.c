@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading a file of records. Nothing of it is believed before sizes and checksums agree, and
-// nothing is allocated by a number that it holds.
+// Reads a file of records. Sizes and checksums are verified first, and no allocation depends on an
+// unverified number.
 #include <stdlib.h>
 #include <string.h>
 

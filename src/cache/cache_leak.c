@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Leaks: a record behind a thin wall, or one whose rays have slipped through a gap, must not serve
-// a point that does not see its surroundings. Each record keeps the sectors of its
-// tangent plane in which something stands within its influence radius, as the ambient cache of
-// Radiance does; for points in such a sector a ray decides.
+// Light leaks: a record behind a thin wall, or one whose rays have slipped through a gap, must not
+// be used at a point from which its surroundings are not visible. Each record stores the sectors of
+// its tangent plane in which there are surfaces within its influence radius, as the ambient cache
+// of Radiance does; for points in such a sector a ray is traced.
 #include "cache/cache_records.h"
 
-// The ray runs above both ends by this fraction of its length, so that a curved surface does not
-// occlude its own points.
+// The ray is above both of its ends by this fraction of its length, so that a curved surface does
+// not occlude its own points.
 static const float LIFT = 0.1f;
 
-// No ray is traced to points nearer than this fraction of the least distance that the record's rays
-// found; they may have missed something nearer than that.
+// No ray is traced to points nearer than this fraction of the least distance of the record's hits,
+// because the rays may have missed something nearer.
 static const float CLEAR = 0.8f;
 
 uint32_t cache_leak_walls(const struct gather_around *around, float radius, float *clear) {
@@ -27,7 +27,7 @@ uint32_t cache_leak_walls(const struct gather_around *around, float radius, floa
 // The sector of the direction d about n.
 static int sector_of(const struct cache_head *h, vec3 d) {
     float x = v3_dot(d, h->u), y = v3_dot(d, v3_cross(h->n, h->u));
-    float angle = atan2f(y, x) * (0.5f / PI_F);  // of the full circle
+    float angle = atan2f(y, x) * (0.5f / PI_F);  // fraction of the full circle
     int s = (int)floorf((angle < 0.0f ? angle + 1.0f : angle) * GATHER_SECTORS);
     return s < GATHER_SECTORS ? s : 0;
 }

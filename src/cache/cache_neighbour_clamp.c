@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // Neighbour clamping: no two radii differ by more than the distance of the records [K05 6.5.2]. So
-// what one record has found, such as a step that the rays of others have missed, limits them too.
+// what one record has found, such as a step that the rays of others have missed, limits the others
+// too.
 #include "cache/cache_records.h"
 
 // Only records whose normals differ by less than about 25 degrees limit each other.
 static const float CLAMP_ALIKE = 0.9f;
 
-// Records farther away than this fraction of R limit it through those in between.
+// Records farther away than this fraction of R limit it through the records in between.
 static const float CLAMP_NEIGHBOURS = 0.4f;
 
 struct neighbours {
     struct cache_tree *tree;
     vec3 p, n;
     float R;
-    bool lower;  // second walk: lower the neighbours
+    bool lower;  // second pass: limits the neighbours
 };
 
 static void clamp_one(void *ctx, uint32_t record) {

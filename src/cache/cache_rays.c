@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many rays a new record gets: a fixed number, or one by the variance that the records around
-// it measured [K05 7.2.1]. The rays of these decide and not its own: a number that depends on the
-// rays that are averaged would bias the mean.
+// The number of rays of a new record: a constant, or a number that depends on the variance measured
+// at the records around it [K05 7.2.1]. It must not depend on the record's own rays, because that
+// would bias their mean.
 #include "cache/cache_records.h"
 
-// The plain number of rays, and up to four times more or less.
+// The index of the plain number of rays; others are up to four times larger or smaller.
 enum { PLAIN = CACHE_LAYOUTS / 2 };
 
 satin_status cache_rays_prepare(struct cache *cache, enum cache_kind kind, float fraction) {
@@ -35,8 +35,8 @@ satin_status cache_limit_rays(struct cache *cache, float fraction) {
     return status;
 }
 
-// The relative variance of one ray, as a record measured it: its squared deviation over its squared
-// value, times its rays.
+// The relative variance of one ray, as measured by a record: its squared deviation over its squared
+// value, times its number of rays.
 typedef float variance_fn(const struct cache *cache, uint32_t record);
 
 static float irradiance_variance(const struct cache *cache, uint32_t record) {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading the caches: the light that one record gives to a point, and the weighted mean over the
-// records that are near [K05 (2.2), (3.2), (3.3)]. Deviation: half of what the gradients add is
-// taken from their mean.
+// Reads the caches: the light of one record at a point, and the weighted mean over the records near
+// it [K05 (2.2), (3.2), (3.3)]. Deviation: half of the contribution of the gradients is by their
+// mean.
 #include <stdlib.h>
 #include <string.h>
 
 #include "cache/cache_records.h"
 #include "rsh/rsh.h"
 
-// The records to interpolate at a point; where there are none, the nearest one.
+// Finds the records to interpolate at a point, or the nearest record if there are none.
 static int find_or_nearest(const struct cache *cache, const struct cache_tree *tree,
                            const struct cache_lookup *at, float a,
                            struct cache_near near[CACHE_NEAR_MAX]) {
@@ -20,18 +20,18 @@ static int find_or_nearest(const struct cache *cache, const struct cache_tree *t
     return 1;
 }
 
-// The offset from a record to p, of at most the length within which the record's gradient is good.
+// The offset from a record to p, limited to the length for which the record's gradient is valid.
 static vec3 offset_from(const struct cache_head *h, vec3 p, float a) {
     vec3 d = v3_sub(p, h->p);
     float length = v3_len(d), most = a * h->R;
     return length > most ? v3_mul(d, most / length) : d;
 }
 
-// A record's value and gradients, and the offset and rotation from it to the point; also weighted
-// sums of these over records.
+// A record's value and gradients, and the offset and rotation from it to the point. Also used for
+// weighted sums of these.
 struct taylor {
     float value[3];
-    vec3 offset, grad[3];             // along the surface
+    vec3 offset, grad[3];             // on the surface
     vec3 rotation, rotation_grad[3];  // of the normal
 };
 
@@ -39,16 +39,16 @@ static float linear(const struct taylor *t, int c) {
     return v3_dot(t->offset, t->grad[c]) + v3_dot(t->rotation, t->rotation_grad[c]);
 }
 
-// The value at the point by this record alone.
+// The value at the point from this record alone.
 static rgb value_alone(const struct taylor *t) {
     return rgb_make(t->value[0] + linear(t, 0), t->value[1] + linear(t, 1),
                     t->value[2] + linear(t, 2));
 }
 
-// A value that is extrapolated by its gradient errs by half the second derivative times the squared
-// distance; the mean of values without gradients errs by as much with the other sign. So each
-// record's gradient is applied along half of its offset, and the mean gradient along half of the
-// mean offset: where records lie all around the point, errors of second order cancel.
+// A value that is extrapolated by its gradient has an error of half the second derivative times the
+// squared distance; the mean of values without gradients has the opposite error. So each record's
+// gradient is applied to half of its offset, and the mean gradient to half of the mean offset: if
+// records surround the point, errors of second order cancel.
 static void add_record(struct taylor *sum, const struct taylor *t, float weight) {
     for (int c = 0; c < 3; c++) {
         sum->value[c] += weight * (t->value[c] + 0.5f * linear(t, c));
@@ -67,8 +67,8 @@ static rgb mean_value(const struct taylor *sum, float weight) {
     return rgb_make(mean[0], mean[1], mean[2]);
 }
 
-// E of one record at a point. A facet that bumps rotate by an angle t receives E cos t, and by the
-// rotation gradient a term in sin t.
+// E of one record at a point. A facet that bumps rotate by an angle t receives E cos t, plus a term
+// of the rotation gradient in sin t.
 static struct taylor irradiance_of(const struct cache *cache, uint32_t record,
                                    const struct cache_lookup *at, float a) {
     const struct cache_head *h = &cache->side[CACHE_IRRADIANCE].tree.head[record];
@@ -85,7 +85,7 @@ static struct taylor irradiance_of(const struct cache *cache, uint32_t record,
     return t;
 }
 
-// See cache_extent.
+// Returns radius_ratio of a record, see cache_extent.
 typedef float ratio_fn(const struct cache *cache, uint32_t record);
 static float irradiance_ratio(const struct cache *cache, uint32_t record) {
     return cache->irradiance[record].radius_ratio;
@@ -95,7 +95,7 @@ static float radiance_ratio(const struct cache *cache, uint32_t record) {
 }
 
 // Whether most of the weight is of records that are much larger than they should be, as near
-// contacts, where the least radius keeps records from being dense enough.
+// contacts of surfaces, where the least radius prevents denser records.
 static bool crowded(const struct cache *cache, ratio_fn *ratio, const struct cache_near *near,
                     int count) {
     const float least = cache->g->options->gather_radius_ratio;
@@ -107,7 +107,7 @@ static bool crowded(const struct cache *cache, ratio_fn *ratio, const struct cac
     return sum > 0.5f * weights;
 }
 
-// Counts one more record; `a` is the options'.
+// Adds one record to the sums; `a` is that of the options.
 static void use(struct cache_used *used, const struct cache_head *h, float weight, float a,
                 uint32_t rays) {
     const struct cache_used one = {1, weight, weight * a * h->scale, weight * (float)rays};
@@ -139,8 +139,8 @@ static bool same_frame(const struct frame *a, const struct frame *b) {
     return v3_dot(a->n, b->n) > 1.0f - 1e-6f && v3_dot(a->u, b->u) > 1.0f - 1e-6f;
 }
 
-// sum_k C_k (Lambda, d/dx, d/dy)_k of one record, per colour, and that of the noise: the lanes are
-// those of the record's value.
+// sum_k C_k (Lambda, d/dx, d/dy)_k of one record, per colour, and the sum of its noise, in the
+// lanes of the record's value.
 static void product(const struct cache_radiance_record *record, const struct cache_lobe *lobe,
                     float sum[CACHE_LANES]) {
     const int n2 = lobe->order * lobe->order;
@@ -158,8 +158,8 @@ static void product(const struct cache_radiance_record *record, const struct cac
     }
 }
 
-// The radiance that a lobe, given in the lookup's frame, reflects of one record. *noise, if not
-// NULL, gets a sample of the noise of its luminance.
+// The radiance of one record that a lobe, given in the lookup's frame, reflects. *noise, if not
+// NULL, is set to a sample of the noise of its luminance.
 static struct taylor radiance_of(const struct cache *cache, uint32_t index,
                                  const struct cache_lookup *at, float a, struct cache_lobe lobe,
                                  float *noise) {

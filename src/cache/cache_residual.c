@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a record's harmonics leave out of the light that is reflected. A series that ends at order n
-// rings beside what is bright and near, in every record alike, by 5 to 10 % around a ball that
-// almost touches a wall of rough metal. What the BRDF at the record's own site reflects towards the
-// eye follows from the record's rays without harmonics. The difference, which has no noise but that
-// of the rays, is kept and interpolated with the record.
+// The reflected light that a record's harmonics leave out. A series that is truncated at order n
+// rings near bright surfaces, in every record alike: by 5 to 10 % around a ball that almost touches
+// a wall of rough metal. The light that the BRDF at the record's own site reflects to the eye can
+// be computed from the record's rays without harmonics. The difference, which has no noise except
+// that of the rays, is stored and interpolated with the record.
 #include "cache/cache_records.h"
 
-// Another lobe of the same BRDF is corrected the less the farther it points elsewhere, and not at
-// all from this distance of unit vectors on, .28 of a wave of the first band beyond order 14. With
-// .06, .12 and .25 the error of cornell-metal at preview is 1.20, 1.18 and 1.19, and 1.27 without
-// residuals (relMSE x 10^4, 200x200).
+// The correction of another lobe of the same BRDF decreases with the distance between the unit
+// vectors of their directions, and is 0 from this distance on, which is .28 of a wavelength of the
+// first band beyond order 14. With .06, .12 and .25 the error of cornell-metal at preview is 1.20,
+// 1.18 and 1.19, and 1.27 without residuals (relMSE x 10^4, 200x200).
 static const float WIDTH = 0.12f;
 
 struct cache_residual cache_residual_make(const struct gather_radiance *radiance, int order,

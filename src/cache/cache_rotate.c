@@ -23,9 +23,9 @@ void cache_rotate(const struct cache *cache, const struct frame *from, const str
     frame_rows(from, point);
     frame_rows(to, record);
     rsh_basis basis = o->radiance_basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE;
-    // The thesis rotates fast up to 1.25 a [K05 5.4]; there the error is several per cent at order
-    // 10, more than the records' own, and exact rotation takes no measurable time: the default is
-    // 0.
+    // The thesis uses the fast rotation up to 1.25 a [K05 5.4]. There its error is several per cent
+    // at order 10, which is more than that of the records, and exact rotation takes no measurable
+    // time, so the default is 0.
     if (!rsh_align_transposed(basis, lobe->order, lobe->channels, record, point,
                               o->radiance_rotation, lobe->C, rotated))
         memcpy(rotated, lobe->C,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The octree of records [Ward 1988]. Deviation: a record is referred to from all cells that it
-// touches, so that a query need not search the neighbours of its cell.
+// The octree of records [Ward 1988]. Deviation: all cells that a record touches refer to it, so
+// that a query need not search the neighbours of its cell.
 #include "cache/cache_tree.h"
 
 #include <stdlib.h>
@@ -9,17 +9,18 @@
 
 enum { DEPTH_MAX = 24 };
 
-// A record that lies in front of a point is not used there: it may be lit by what the point does
-// not see [Ward 1988]. This fraction of the record's radius is allowed, for curved surfaces and
+// A record in front of a point is not used there, because it may receive light that the point does
+// not [Ward 1988]. This fraction of the record's radius is tolerated, for curved surfaces and
 // rounding.
 static const float FRONT_SLACK = 0.05f;
 
-// Nor is it used at points farther from its tangent plane than this fraction of a R: normals in S
-// differ by less than arccos(1 - a^2), and a surface whose normal changes by that much at a = .5
-// rises by .35 of the distance.
+// A record is not used at points farther from its tangent plane than this fraction of a R: normals
+// in S differ by less than arccos(1 - a^2), and a surface whose normal changes by that much at a =
+// .5 rises by .35 of the distance.
 static const float SLAB = 0.4f;
 
-// The nearest record serves where no other does if the cosine between the normals is above this.
+// Where no record is accurate enough, the nearest one may be used if the cosine between the normals
+// is above this.
 static const float NEAREST_ALIKE = 0.9f;
 
 void cache_tree_init(struct cache_tree *tree, vec3 lo, vec3 hi) {
@@ -43,7 +44,7 @@ static uint32_t node_new(struct cache_tree *tree) {
     return (uint32_t)tree->node_count++;
 }
 
-// The child of the cell (lo, size) that holds p; moves lo and halves size to it.
+// The child of the cell (lo, size) that contains p. Sets lo and size to those of the child.
 static int descend(vec3 p, vec3 *lo, float *size) {
     *size *= 0.5f;
     int octant = 0;
@@ -53,7 +54,7 @@ static int descend(vec3 p, vec3 *lo, float *size) {
     return octant;
 }
 
-// Depth of the level whose cells are between half as wide as the influence radius and as wide.
+// The depth of the level whose cells are between half as wide and as wide as the influence radius.
 static int depth_of(const struct cache_tree *tree, float influence) {
     int depth = 0;
     for (float size = tree->size * 0.5f; size >= 0.5f * influence && depth < DEPTH_MAX;
@@ -79,8 +80,8 @@ static void add_reference(struct cache_tree *tree, vec3 centre, int depth, uint3
     tree->node[at].first = (uint32_t)++tree->ref_count;
 }
 
-// Whether a point of the cell may use the record: the sphere of influence meets the cell, and so
-// does the slab around the tangent plane, outside of which no point uses the record.
+// Whether the record may be used at a point of the cell: whether both its sphere of influence and
+// the slab around its tangent plane intersect the cell.
 static bool cell_meets(const struct cache_head *h, vec3 centre, float size) {
     vec3 d = v3_sub(centre, h->p);
     float half = 0.5f * size;
@@ -94,7 +95,7 @@ static bool cell_meets(const struct cache_head *h, vec3 centre, float size) {
 bool cache_tree_insert(struct cache_tree *tree, const struct cache_head *head) {
     int depth = depth_of(tree, head->influence);
     float size = ldexpf(tree->size, -depth);
-    // Cells of that level, numbered from the root's corner, that the sphere's box touches.
+    // The cells of that level, numbered from the root's corner, that intersect the sphere's box.
     const float p[3] = {head->p.x - tree->lo.x, head->p.y - tree->lo.y, head->p.z - tree->lo.z};
     const int most = 1 << depth;
     int first[3], last[3];
@@ -102,7 +103,7 @@ bool cache_tree_insert(struct cache_tree *tree, const struct cache_head *head) {
         first[k] = (int)fmaxf(floorf((p[k] - head->influence) / size), 0.0f);
         last[k] = (int)fminf(floorf((p[k] + head->influence) / size), (float)(most - 1));
     }
-    enum { SPAN = 6 };  // 2 influence / size <= 4 but at the root, and a cell on either side
+    enum { SPAN = 6 };  // 2 influence / size <= 4 except at the root, and a cell on either side
     if (!array_reserve((void **)&tree->head, &tree->head_capacity, tree->head_count + 1,
                        sizeof *tree->head) ||
         !array_reserve((void **)&tree->node, &tree->node_capacity,
@@ -133,8 +134,8 @@ float cache_tree_error(const struct cache_head *h, vec3 p, vec3 n) {
     return distance(h, v3_sub(p, h->p)) / h->R + safe_sqrtf(1.0f - v3_dot(n, h->n));
 }
 
-// The record's weight at (p, n) [K05 (2.3)], 0 if it is not in S. Deviation: 1 - error / a instead
-// of 1 / error, so that it falls to 0 where the record leaves S.
+// The weight of the record at (p, n) [K05 (2.3)], 0 if it is not in S. Deviation: 1 - error / a
+// instead of 1 / error, so that it decreases to 0 where the record leaves S.
 static float weight_at(const struct cache_head *h, vec3 p, vec3 n, float a) {
     vec3 d = v3_sub(p, h->p);
     float own = a * h->scale, limit = own * h->R;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A record is a claim: what it holds is finite and in range when it is made or read from a file.
-// A record that is not is refused and counted, and its site is gathered again (cache_fill.c).
+// Checks that the values of a record are finite and in range when it is made or read from a file. A
+// record that fails is refused and counted, and its site is gathered again (cache_fill.c).
 #include "cache/cache_records.h"
 
 bool cache_valid_numbers(const float *value, size_t count) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Films: named float channels of one size, with text attributes. The last stage's data; made by
-// the renderer or by the OpenEXR reader.
+// Films: named float channels of one size, with text attributes, made by the renderer or by the
+// OpenEXR reader.
 #include "film/film.h"
 
 #include <stdint.h>
@@ -73,7 +73,7 @@ bool film_attribute_set(struct satin_film *film, const char *name, const char *v
         found->value = copy;
         return true;
     }
-    // A header has a handful of attributes, so growing by one is cheap enough.
+    // There are few attributes, so the array grows by one.
     size_t count = (size_t)film->attribute_count;
     struct film_attribute *grown = realloc(film->attribute, (count + 1) * sizeof *grown);
     if (grown) film->attribute = grown;

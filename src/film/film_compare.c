@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far an image x is from a reference r, over pixels and the channels R, G and B.
+// The difference between an image x and a reference r, over pixels and the channels R, G and B.
 //
 //   relMSE = mean of (x - r)^2 / (r^2 + 0.01)
 //   RMSE   = root of the mean of (x - r)^2
-// A reference that is itself an estimate adds its own variance to both. Where it carries channels
+// A reference that is itself an estimate adds its own variance to both. If it has the channels
 // variance.R, .G and .B (of its pixels' means), they are subtracted from each square, which leaves
-// the expected error against the true image; what is left of a tiny error can fall below zero.
-//   PSNR   = of the pictures as a screen shows them: sRGB, clamped to [0, 1], peak 1.
-// Discernible are pixels whose luminance is off by more than 2 % of the reference's (Weber's law).
+// the expected error relative to the true image; if the error is tiny, the result can be negative.
+//   PSNR   = of the displayed pictures: sRGB, clamped to [0, 1], peak 1.
+// Discernible are pixels whose luminance differs by more than 2 % of the reference's (Weber's law).
 #include <math.h>
 
 #include "base/vec.h"
 #include "film/film.h"
 
-static const double RELATIVE_FLOOR = 0.01;  // keeps the darkest pixels from ruling relMSE
+static const double RELATIVE_FLOOR = 0.01;  // prevents the darkest pixels from dominating relMSE
 static const double WEBER = 0.02;
 
 enum layer { IMAGE, REFERENCE, VARIANCE, EMISSION_IMAGE, EMISSION_REFERENCE, LAYERS };
 
-// The planes of a layer, or NULL for those that are absent.
+// The planes of a layer, NULL for those that are absent.
 struct compared_planes {
     const float *channel[LAYERS][3];
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Denoising by Open Image Denoise's filter for ray-traced images, with albedo and normal, on
-// the CPU: its result there does not depend on the number of threads (docs/experiments.md).
+// Denoising by Open Image Denoise's filter for ray-traced images, with albedo and normal as
+// auxiliary images. It runs on the CPU, where its result does not depend on the number of threads
+// (docs/experiments.md).
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,7 +18,7 @@ struct film_denoiser {
     double pace;
 };
 
-// The status of an error; `broken` is that of one which is not of memory.
+// The status of an error; `broken` is that of an error other than lack of memory.
 static satin_status status_of(int error, const char *message, satin_status broken, struct log log) {
     if (error == OIDN_NO_ERROR) return SATIN_OK;
     if (error == OIDN_CANCELLED) return SATIN_CANCELLED;
@@ -25,8 +26,7 @@ static satin_status status_of(int error, const char *message, satin_status broke
                     "Open Image Denoise failed: %s", message);
 }
 
-// The status of the calls before this one on this thread; `made` is whether they did what they
-// should.
+// The status of the preceding calls on this thread; `made` is whether they succeeded.
 static satin_status device_status(const struct film_denoiser *d, bool made, satin_status broken,
                                   struct log log) {
     const char *message = NULL;
@@ -38,9 +38,9 @@ static satin_status device_status(const struct film_denoiser *d, bool made, sati
 
 // ---- One filter ---------------------------------------------------------------------------------
 
-// Bounds what it allocates, in tiles if need be, and so that an image does not depend on the memory
-// of the machine. Measured with 2.5.1 on 8.3 million pixels: 1.16 GB in all, .4 of it images, and
-// 3.25 us of CPU time per pixel; 1.82 GB and 3.02 us with 2000; 2.99 GB and 3.4 us without a bound.
+// Limits the memory, by tiles if necessary, so that an image does not depend on the memory of the
+// machine. Measured with 2.5.1 on 8.3 million pixels: 1.16 GB in all, of which .4 are images, and
+// 3.25 us of CPU time per pixel; 1.82 GB and 3.02 us with 2000; 2.99 GB and 3.4 us without a limit.
 enum { MEMORY_MB = 1000 };
 
 static void bind(const struct film_denoiser *d, struct oidn_filter *filter, const char *name,
@@ -75,9 +75,9 @@ static satin_status run_filter(const struct film_denoiser *d, const struct film_
 
 // ---- The range of values ------------------------------------------------------------------------
 
-// The filter takes images whose logarithmic mean is near 1 and no sum infinite. Measured: of an
-// image of 1e-12 it made 17,000 times as much light, a pixel of 3e38 made all of it black; a bright
-// square of 1e7 times the rest came out within 2 %.
+// The filter needs images whose logarithmic mean is near 1, and finite sums. Measured: of an image
+// of 1e-12 it made 17,000 times as much light, and a pixel of 3e38 made everything black; a bright
+// square of 1e7 times the rest was within 2 %.
 #define BRIGHTEST 0x1p24f
 
 static rgb clamp_color(rgb value, float most) {
@@ -85,7 +85,8 @@ static rgb clamp_color(rgb value, float most) {
                     clampf(value.b, 0.0f, most));
 }
 
-// The power of two nearest to the logarithmic mean of what is not black; 0: all is black.
+// The power of two nearest to the logarithmic mean of all pixels that are not black; 0: all are
+// black.
 static float light_scale(const rgb *light, size_t pixels) {
     double sum = 0.0;
     size_t count = 0;
@@ -96,7 +97,7 @@ static float light_scale(const rgb *light, size_t pixels) {
         count++;
     }
     if (count == 0) return 0.0f;
-    // A float's smallest powers have no inverse.
+    // The smallest powers of two have no inverse in float.
     return ldexpf(1.0f, (int)fmin(fmax(round(sum / (double)count), -100.0), 100.0));
 }
 
@@ -137,8 +138,8 @@ satin_status film_denoise(struct film_denoiser *denoiser, const struct film_nois
 
 enum { TRY_SIDE = 128, TRY_PIXELS = TRY_SIDE * TRY_SIDE };
 
-// Denoises a small image twice: the first time the library is read from disk, 50 MB of weights, and
-// gets itself ready.
+// Denoises a small image twice: the first time the library reads 50 MB of weights from the disk and
+// initialises itself.
 static satin_status try_out(struct film_denoiser *d, struct log log) {
     rgb *all = array_new(3 * (size_t)TRY_PIXELS, sizeof *all);
     if (!all) return SATIN_ERROR_MEMORY;
@@ -160,7 +161,7 @@ static satin_status open_device(struct film_denoiser *d, int threads, struct log
     d->device = oidn->NewDevice(OIDN_CPU);
     if (!d->device) return device_status(d, false, SATIN_ERROR_INPUT, log);
     oidn->SetDeviceInt(d->device, "numThreads", threads);
-    // It would pin the thread that calls it to a core.
+    // Otherwise it would pin the calling thread to a core.
     oidn->SetDeviceBool(d->device, "setAffinity", false);
     oidn->CommitDevice(d->device);
     const satin_status status = device_status(d, true, SATIN_ERROR_INPUT, log);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenEXR to films: the first part, scanlines or the largest level of tiles, any pixel type as
-// float, string attributes as text. The file is read whole, and what its header promises is checked
-// against its size before anything is allocated, so that a hostile file costs no more than an
-// honest one.
+// Reads OpenEXR to films: the first part, scanlines or the largest level of tiles, any pixel type
+// as float, string attributes as text. The file is read whole, and the sizes in its header are
+// checked against its size before anything is allocated, so that a hostile file takes no more
+// memory than a valid one.
 #include <inttypes.h>
 #include <openexr.h>
 #include <stdlib.h>
@@ -15,10 +15,10 @@ static const size_t FILE_MAX = (size_t)4 << 30;
 static const int64_t VALUES_MAX = (int64_t)1 << 31;  // 8 GB of floats
 enum {
     HEADER_MAX = 1 << 20,      // the library sorts attributes by insertion, in quadratic time
-    EXR_ATTRIBUTES_MAX = 256,  // kept; more are passed over
+    EXR_ATTRIBUTES_MAX = 256,  // further ones are ignored
     CHANNELS_MAX = 1024,
-    WIDTH_MAX = 1 << 28,  // the library counts the bytes of a line in int32
-    RATIO_MAX = 2048      // above what any method reaches: PXR24 over zlib comes to 1376
+    WIDTH_MAX = 1 << 28,  // the library counts the bytes of a line by int32
+    RATIO_MAX = 2048      // more than any method compresses: PXR24 with zlib has 1376
 };
 
 struct reader {
@@ -27,14 +27,14 @@ struct reader {
     const unsigned char *data;
     uint64_t size;
     bool in_header;
-    bool no_memory;  // the library said so, before it went on or found another word for it
+    bool no_memory;  // the library had no memory, even if it then reported another error
     exr_context_t exr;
     exr_attr_box2i_t window;
     int width, height;
     struct satin_film *film;
 };
 
-// Instead of standard error.
+// Stores the message, which would otherwise go to standard error.
 static void note_error(exr_const_context_t exr, exr_result_t code, const char *message) {
     void *user = NULL;
     (void)message;
@@ -81,7 +81,7 @@ static satin_status open_header(struct reader *r) {
     return code == EXR_ERR_SUCCESS ? SATIN_OK : exr_refuse(r, "bad OpenEXR header", code);
 }
 
-// What cannot be read, by name; NULL if nothing is in the way.
+// The first feature of the file that is not supported, by name; NULL if there is none.
 static const char *unsupported(exr_storage_t storage, exr_compression_t compression,
                                const exr_attr_chlist_t *channels) {
     if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED)
@@ -97,7 +97,7 @@ static const char *unsupported(exr_storage_t storage, exr_compression_t compress
     return NULL;
 }
 
-// The size of the image, checked against the size of the file.
+// Reads the size of the image and checks it against the size of the file.
 static const char *measure(struct reader *r, const exr_attr_chlist_t *channels) {
     int64_t width = (int64_t)r->window.max.x - r->window.min.x + 1;
     int64_t height = (int64_t)r->window.max.y - r->window.min.y + 1, bytes = 0;
@@ -136,7 +136,7 @@ static satin_status read_exr_header(struct reader *r, exr_storage_t *storage) {
     return make_film(r, channels);
 }
 
-// The strings that say how the file is built; they are not the image's.
+// Whether an attribute describes the structure of the file and not the image.
 static bool is_structure(const char *name) {
     return strcmp(name, "type") == 0 || strcmp(name, "name") == 0;
 }
@@ -159,7 +159,7 @@ static satin_status read_attributes(struct reader *r) {
     return memory ? SATIN_OK : exr_refuse(r, "", EXR_ERR_OUT_OF_MEMORY);
 }
 
-// Decodes one chunk into the film, its corner at (x, y) from the film's corner.
+// Decodes one chunk to the film, with its corner at (x, y) from the film's corner.
 static exr_result_t decode_chunk(struct reader *r, const exr_chunk_info_t *info, int64_t x,
                                  int64_t y) {
     if (x < 0 || y < 0 || x + info->width > r->width || y + info->height > r->height)

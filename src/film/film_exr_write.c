@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Films to OpenEXR: one part, scanlines, float, ZIP; attributes as strings. Chunks of 16 lines are
-// compressed in parallel, in batches, and written in order, so the bytes do not depend on threads.
-// The bytes go through base/fileio_output.h. OpenEXR reports a file whose chunks are missing as
-// finished, so success is counted here.
+// Writes films to OpenEXR: one part, scanlines, float, ZIP; attributes as strings. Chunks of 16
+// lines are compressed in parallel, in batches, and written in order, so the bytes do not depend on
+// threads. They are written by base/fileio_output.h. OpenEXR reports success even if chunks are
+// missing, so written chunks are counted here.
 #include <math.h>
 #include <openexr.h>
 #include <stdlib.h>
@@ -12,23 +12,24 @@
 #include "film/film.h"
 
 enum {
-    EXR_BATCH = 64,      // compressed chunks held in memory at once
-    ZIP_EFFORT = 4,      // fixed, as defaults differ; noisy floats: 1 to 9 differ by 1.5 % in size
+    EXR_BATCH = 64,  // compressed chunks in memory at once
+    ZIP_EFFORT = 4,  // fixed, as defaults differ; with noisy floats the sizes of 1 to 9 differ by
+                     // 1.5 %
     SHORT_NAME_MAX = 31  // longer names need a flag that readers before OpenEXR 1.7 refuse
 };
 
 struct exr_chunk {
-    void *data;  // malloc
+    void *data;  // from malloc
     uint64_t bytes;
     exr_result_t result;
-    size_t dropped;  // values that were not finite
+    size_t dropped;  // number of values that were not finite
 };
 
 struct writer {
     const struct satin_film *film;
     struct fileio_output file;
     exr_context_t exr;
-    int lines, first;  // lines per chunk; number of the batch's first chunk
+    int lines, first;  // lines per chunk; index of the batch's first chunk
     struct exr_chunk chunk[EXR_BATCH];
 };
 
@@ -38,7 +39,7 @@ static void be_silent(exr_const_context_t exr, exr_result_t code, const char *me
     (void)message;
 }
 
-// Used instead of OpenEXR's own file.
+// Writes bytes, instead of OpenEXR's own file functions.
 static int64_t write_bytes(exr_const_context_t exr, void *user, const void *data, uint64_t size,
                            uint64_t offset, exr_stream_error_func_ptr_t error) {
     (void)exr;
@@ -46,10 +47,10 @@ static int64_t write_bytes(exr_const_context_t exr, void *user, const void *data
     return fileio_output_write_at(user, data, size, offset) ? (int64_t)size : -1;
 }
 
-// Used instead of the pipeline's last step, writing: chunks finish in any order here.
+// Replaces the last step of the pipeline, writing, because chunks finish in any order here.
 static exr_result_t keep_chunk(exr_encode_pipeline_t *pipe) {
     struct exr_chunk *chunk = pipe->encoding_user_data;
-    // A chunk as long as the plain one is read as the plain one.
+    // A chunk that is not shorter than the uncompressed one is stored uncompressed.
     bool shorter = pipe->compressed_bytes < pipe->packed_bytes;
     chunk->bytes = shorter ? pipe->compressed_bytes : pipe->packed_bytes;
     chunk->data = malloc(chunk->bytes ? chunk->bytes : 1);
@@ -58,7 +59,8 @@ static exr_result_t keep_chunk(exr_encode_pipeline_t *pipe) {
     return EXR_ERR_SUCCESS;
 }
 
-// Copies `count` values to `out`; those that are not finite become 0. Returns their number.
+// Copies `count` values to `out`, with 0 for those that are not finite. Returns the number of
+// these.
 static size_t copy_finite(const float *in, size_t count, float *out) {
     size_t dropped = 0;
     for (size_t i = 0; i < count; i++) {
@@ -207,7 +209,7 @@ satin_status film_write_exr(const struct satin_film *film, const char *path, str
 
 satin_status satin_film_write_exr(const satin_film *film, const char *path, satin_log_fn log,
                                   void *log_user) {
-    struct parallel *pool = parallel_new(0);  // without threads one core does it alone
+    struct parallel *pool = parallel_new(0);  // if there are no threads, one core does all
     satin_status status = film_write_exr(film, path, pool, (struct log){log, log_user});
     parallel_free(pool);
     return status;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of what is not light: a number per pixel as a colour, dots over the beauty. The colours
-// walk through Oklab [Ottosson 2020]: lightness grows uniformly while the hue goes from blue by red
-// to yellow, so that equal steps look equal, also in grey.
+// Pictures of values that are not light: a number per pixel as a colour, or dots over the beauty.
+// The colours are a path in Oklab [Ottosson 2020]: lightness grows uniformly while the hue goes
+// from blue by red to yellow, so that equal steps look equal, even in grey.
 #include <math.h>
 #include <stdlib.h>
 
@@ -9,11 +9,11 @@
 #include "base/vec.h"
 #include "film/film.h"
 
-// Lightness, hue [rad] and most chroma of the colours, from the least value to the largest. At
-// these chromas no colour leaves sRGB by much.
+// Lightness, hue [rad] and largest chroma of the colours, from the least value to the largest. With
+// these chromas the colours are nearly inside sRGB.
 static const float LIGHT[2] = {0.18f, 0.96f}, HUE[2] = {-1.75f, 1.95f}, CHROMA = 0.16f;
 
-// The value that is lightest: this fraction of the values above 0 is not larger.
+// The fraction of the values above 0 that are not larger than the lightest value.
 static const double TOP_FRACTION = 0.995;
 
 static const rgb DOT = {1.0f, 0.28f, 0.02f};
@@ -42,8 +42,8 @@ static void put_color(unsigned char *pixel, rgb colour) {
     for (int c = 0; c < 3; c++) pixel[c] = film_encode_srgb(component[c]);
 }
 
-// The value below which TOP_FRACTION of those above 0 lie; 0 if there are none. `scratch` holds
-// `count`.
+// The value that TOP_FRACTION of the values above 0 do not exceed; 0 if there are none. `scratch`
+// has space for `count`.
 static float top_of(const float *value, size_t count, float *scratch) {
     size_t n = 0;
     for (size_t i = 0; i < count; i++)

@@ -44,13 +44,13 @@ static const struct {
     {"oidnReleaseFilter", offsetof(struct oidn, ReleaseFilter)},
 };
 
-// False if one is missing: its name is then in *missing.
+// False if a function is missing; *missing is then its name.
 static bool find_functions(void *library, struct oidn *out, const char **missing) {
     for (size_t i = 0; i < sizeof functions / sizeof *functions; i++) {
         void *function = dlsym(library, functions[i].name);
         *missing = functions[i].name;
         if (!function) return false;
-        // POSIX lets a pointer to a function pass through a pointer to an object.
+        // POSIX allows converting a pointer to an object to a pointer to a function.
         memcpy((char *)out + functions[i].offset, &function, sizeof function);
     }
     return true;
@@ -85,15 +85,15 @@ satin_status oidn_open(struct log log, struct oidn *out) {
 
 static const long ASK_NANOSECONDS = 50000000;
 
-// The library asks whether to go on by a thread of its own; so the filter runs on another one, and
-// the caller's thread asks the caller.
+// The library reports progress on a thread of its own. Therefore the filter runs on another thread,
+// and the caller's thread calls the caller's function.
 struct filter_run {
     const struct oidn *oidn;
     struct oidn_device *device;
     struct oidn_filter *filter;
-    int error;  // set, like `text`, before `finished`
+    int error;  // set before `finished`, like `text`
     char *text;
-    pthread_mutex_t mutex;  // of what follows
+    pthread_mutex_t mutex;  // protects the following members
     pthread_cond_t changed;
     double done;
     bool stop, finished;
@@ -108,7 +108,7 @@ static bool on_filter_progress(void *user, double done) {
     return !stop;
 }
 
-// Errors are kept per thread, so it is this one that asks for them.
+// Errors are stored per thread, so the same thread must ask for them.
 static void *execute(void *user) {
     struct filter_run *run = user;
     const char *message = NULL;
@@ -122,7 +122,7 @@ static void *execute(void *user) {
     return NULL;
 }
 
-// Asks the caller until the filter has come to its end.
+// Calls the caller's function until the filter has finished.
 static void watch(struct filter_run *run, bool (*goes_on)(void *user, double done), void *user) {
     pthread_mutex_lock(&run->mutex);
     while (!run->finished) {
@@ -156,7 +156,8 @@ int oidn_execute(const struct oidn *oidn, struct oidn_device *device, struct oid
         watch(&run, goes_on, user);
         pthread_join(thread, NULL);
     } else {
-        // Without memory for a thread no one is asked, and the result is the same.
+        // If there is no memory for a thread, the function is not called, but the result is the
+        // same.
         execute(&run);
     }
     pthread_cond_destroy(&run.changed);

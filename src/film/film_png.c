@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The beauty of a film as a PNG: 8 bits per channel, sRGB, clamped to [0, 1]. For looking at, not
-// for measuring.
+// Writes the beauty of a film as a PNG: 8 bits per channel, sRGB, clamped to [0, 1]. For display,
+// not for measurements.
 #include <math.h>
 #include <png.h>
 #include <stdlib.h>
@@ -22,7 +22,7 @@ satin_status film_write_pixels(const char *path, int width, int height, const un
                        .width = (png_uint_32)width,
                        .height = (png_uint_32)height,
                        .format = PNG_FORMAT_RGB};
-    // The bound of libpng's own macro for incompressible data, so one encoding suffices.
+    // The bound of libpng's own macro for incompressible data, so one encoding is enough.
     png_alloc_size_t bytes = PNG_IMAGE_PNG_SIZE_MAX(image);
     void *file = malloc(bytes);
     if (!file) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One sample of one pixel by the chosen integrator.
+// Computes one sample of one pixel by the selected integrator.
 #include "shade/shade.h"
 
 #include <stdlib.h>
@@ -8,9 +8,9 @@
 #include "shade/shade_indirect.h"
 
 enum {
-    FALLBACK_RAYS =
-        8,  // hemisphere where no record is near: a few pixels, so noise is better than a gap
-    SCRATCH_LEAST = 256  // rays of the importance-sampled lobes
+    // Hemisphere where no record is near: this is at few pixels, so noise is acceptable.
+    FALLBACK_RAYS = 8,
+    SCRATCH_LEAST = 256  // rays of importance-sampled lobes
 };
 
 satin_status shade_init(struct shade *shade, const struct gather *g,
@@ -21,9 +21,9 @@ satin_status shade_init(struct shade *shade, const struct gather *g,
     s.a_irradiance = o->irradiance_a * o->irradiance_widen;
     s.a_radiance = o->radiance_a * o->radiance_widen;
     film_filter_make(&g->scene->film, &s.filter);
-    // The samples of a pixel divide its footprint among them.
+    // The footprint of a pixel is divided among its samples.
     if (o->texture_filter) s.sharpness = 1.0f / sqrtf((float)(o->spp > 1 ? o->spp : 1));
-    // Without the cache the same rays are spread over the samples of the pixel.
+    // Without the cache the rays of a record are distributed over the samples of the pixel.
     int rays = o->irradiance_rays / (o->spp > 0 ? o->spp : 1);
     s.gather = gather_layout_new(rays > 8 ? rays : 8, o->radiance_basis, 0);
     s.fallback = gather_layout_new(FALLBACK_RAYS, o->radiance_basis, 0);
@@ -53,7 +53,7 @@ void shade_destroy(struct shade *shade) {
     *shade = (struct shade){0};
 }
 
-// The channels that are not light, of the first surface.
+// Sets the channels that are not light, from the first surface.
 static void surface_channels(const struct shade *shade, const struct gather_point *p,
                              const struct shade_camera_sample *camera, struct shade_sample *out) {
     vec3 n = v3_dot(p->frame.n, p->ng) < 0.0f ? v3_neg(p->frame.n) : p->frame.n;
@@ -63,13 +63,14 @@ static void surface_channels(const struct shade *shade, const struct gather_poin
     if (shade->g->scene->hints.aovs.count) shade_aov(shade, p, camera, out->aov);
 }
 
-// What the scene asks for of the sum of the light.
+// Sets the channels of the scene that depend on the sum of the light.
 static void light_channels(const struct shade *shade, struct shade_sample *out) {
     const struct scene_aovs *aovs = &shade->g->scene->hints.aovs;
     if (aovs->moment) shade_aov_light(aovs, out->beauty, out->aov);
 }
 
-// The photon map seen directly: all light at the point, emitted and mirrored light apart.
+// Integrator photons: all light at the point from the photon map, while emitted and mirrored light
+// is added separately.
 static void add_photon_radiance(struct shade_job *job) {
     const struct gather *g = job->shade->g;
     const struct gather_point *p = &job->vertex->point;
@@ -110,7 +111,7 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
     out->layer[SHADE_EMISSION] = eye.emission;
     for (int i = 0; i < eye.count; i++) {
         uint64_t pixel = rng_mix((uint64_t)sampler.seed + (uint64_t)i);
-        // The i-th vertex has its own dimensions, whatever was used before it.
+        // The i-th vertex has its own dimensions, independent of those used before.
         struct sampler own = {index, sampler.seed, 64u * (uint32_t)(i + 1)};
         struct shade_job job = {shade,  &eye.vertex[i],         worker, own,
                                 lights, rng_mix(pixel + index), pixel,  out};

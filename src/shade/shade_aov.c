@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Values of the first surface that an `aov` integrator asks for, as Mitsuba 3 defines them.
+// Values of the first surface for `aov` integrators, as Mitsuba 3 defines them.
 #include "shade/shade_aov.h"
 
-// How uv grows on the tangent plane of s from the eye ray to one through `film`: the least squares
-// solution of du dp/du + dv dp/dv = dp. 0 where the ray misses the plane or uv spans none.
+// The change of uv on the tangent plane of s from the eye ray to the one through `film`: the least
+// squares solution of du dp/du + dv dp/dv = dp. 0 if the ray misses the plane or uv is degenerate.
 static vec2 uv_towards(const struct satin_scene *scene, const struct interaction *s, vec2 film,
                        vec2 lens) {
     const struct ray ray = camera_ray(scene, film.x, film.y, lens.x, lens.y, NULL);
@@ -15,7 +15,7 @@ static vec2 uv_towards(const struct satin_scene *scene, const struct interaction
     return isfinite(d.x) && isfinite(d.y) ? d : (vec2){0.0f, 0.0f};
 }
 
-// Where the values of a kind are written; NULL if the scene does not ask for them.
+// The address of the values of a kind; NULL if the scene does not need them.
 static float *value_of(const struct scene_aovs *aovs, enum aov_kind kind, float *out) {
     return aovs->first[kind] >= 0 ? out + aovs->first[kind] : NULL;
 }
@@ -40,7 +40,7 @@ static void put_partials(const struct shade *shade, const struct interaction *s,
     set_vec3(value_of(aovs, AOV_DP_DU, out), s->dp_du);
     set_vec3(value_of(aovs, AOV_DP_DV, out), s->dp_dv);
     if (!dx && !dy) return;
-    // A sample stands for its part of the pixel's area.
+    // A sample represents a fraction of the pixel's area.
     const int spp = shade->g->options->spp;
     const float side = 1.0f / sqrtf((float)(spp > 1 ? spp : 1));
     const vec2 film = camera->film, right = {film.x + side, film.y},

@@ -5,10 +5,10 @@
 enum {
     SPLIT_DEPTH =
         2,  // at the first two specular surfaces both reflection and refraction are followed
-    EYE_DEPTH = 64  // specular surfaces in a row before the ray is given up
+    EYE_DEPTH = 64  // specular surfaces in a row after which the ray ends
 };
 
-// A branch whose throughput is below this is followed by chance only (Russian roulette).
+// Branches with a throughput below this undergo Russian roulette.
 static const float SPLIT_LEAST = 0.02f;
 
 struct branch {
@@ -49,7 +49,7 @@ static void add_emission(const struct shade *shade, const struct branch *b,
     out->emission = rgb_fma(out->emission, b->T, light_met(shade->g->scene, s, b->ray.d));
 }
 
-// Pushes the rays that leave an ideal specular surface; returns the new height of the stack.
+// Pushes the rays that leave an ideal specular surface. Returns the new height of the stack.
 static int push_specular(const struct shade *shade, const struct branch *b,
                          const struct gather_point *p, struct sampler *sampler,
                          struct branch *stack, int top) {
@@ -81,7 +81,8 @@ static int push_specular(const struct shade *shade, const struct branch *b,
     return top;
 }
 
-// The components of a blend: all if the stack can hold their branches, else one that is drawn.
+// Finds the components of a blend: all if the stack can hold their branches, else one that is
+// drawn.
 static int find_components(const struct satin_scene *scene, const struct interaction *s, vec3 d,
                            int taken, struct scene_component component[MATERIAL_COMPONENTS_MAX]) {
     int components = scene_components(scene, s, v3_neg(d), component);

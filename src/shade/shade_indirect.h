@@ -12,11 +12,12 @@ struct shade_job {
     struct sampler sampler;
     struct gather_lights lights;
     uint64_t stream;           // random numbers of this vertex of this sample
-    uint64_t pixel_stream;     // the same for all samples of the pixel
-    struct shade_sample *out;  // layers are added to, times the vertex's throughput
+    uint64_t pixel_stream;     // random numbers that all samples of the pixel have in common
+    struct shade_sample *out;  // the layers to which light is added, times the vertex's throughput
 };
 
-// Two passes: direct, caustic, cached, gathered and importance-sampled light at the vertex.
+// Integrator two-pass: adds direct, caustic, cached, gathered and importance-sampled light at the
+// vertex.
 void shade_vertex_two_pass(struct shade_job *job);
 
 #endif

@@ -2,9 +2,9 @@
 // The per-pixel cache: see shade_pixel_cache.h.
 #include "shade/shade_pixel_cache.h"
 
-// Directions alike: within 3.6 degrees.
+// The cosine of the largest angle between equal directions: 3.6 degrees.
 #define PIXEL_ALIKE 0.998f
-#define ROUGH 0.02f  // difference of roughness, relative
+#define ROUGH 0.02f  // largest relative difference of roughness
 #define NEAR 2.0f    // pixels
 
 struct shade_pixel_entry *shade_pixel_cache_find(struct shade_pixel_cache *cache,

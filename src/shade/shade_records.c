@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which technique carries which lobes of a point, and what the records hold there [K05 3.5].
-// Low-frequency glossy BRDFs use radiance records for all they reflect smoothly; others use
-// irradiance records for the diffuse lobe and importance sampling for the glossy one. What passes
-// through is importance-sampled.
+// Selects the technique for each lobe of a point, and reads the records there [K05 3.5].
+// Low-frequency glossy BRDFs use radiance records for all their smooth reflection; others use
+// irradiance records for the diffuse lobe and importance sampling for the glossy one. Transmitted
+// light is importance-sampled.
 #include "shade/shade_records.h"
 
 #include "rsh/rsh.h"
 #include "shade/shade_eye.h"
 
-// Where bumps leave less of a lobe than this, they cut it in a way that its harmonics do not show.
+// If bumps leave a smaller fraction of a lobe than this, its harmonics do not represent it.
 static const float BUMP_LEAST = 0.8f;
 
 void shade_plan_make(const struct shade *shade, const struct gather_point *p,

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shading points of an eye ray as the cache asks for them: where records may be made, how the
-// surface there reflects their light, and the direct light beside it [K05 6.2, 6.4].
+// The shading points of an eye ray as sites for the cache: positions at which records may be made,
+// the reflection there, and the direct light beside it [K05 6.2, 6.4].
 #include "shade/shade_eye.h"
 #include "shade/shade_records.h"
 
 enum { LIGHT_SAMPLES = 4 };
 
-// Records are made so far off edges, where rays would slip through gaps [K05 6.5.3].
+// The distance of records from edges, at which rays might slip through gaps [K05 6.5.3].
 static const float EDGE_PIXELS = 0.5f;
 
-// The direction towards the eye in the frame of the surface without bump and normal maps: they
-// spend no records.
+// The direction to the eye in the frame of the surface without bump and normal maps, which need no
+// additional records.
 static vec3 base_wo(const struct gather_point *p) {
     return frame_to_local(&p->base, frame_to_world(&p->frame, p->wo_l));
 }
@@ -25,7 +25,7 @@ static void add_view(const struct shade *shade, const struct gather_point *p,
     view->wo = base_wo(p);
 }
 
-// What cache_adapt asks of a site; direct light by a few samples of lights alone.
+// Sets the members of a site for cache_adapt; direct light is by a few light samples alone.
 static void add_light(const struct shade *shade, const struct gather_point *bumpy,
                       struct sampler sampler, struct cache_site *site) {
     static const struct gather_mis lights_alone = {1, {{BRDF_SMOOTH, 0.0f}}};

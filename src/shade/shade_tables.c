@@ -11,7 +11,7 @@ bool shade_shape_textured(const struct material_side *side) {
     return side->slot[BRDF_SLOT_DIFFUSE] && brdf_tinted(&side->base);
 }
 
-// Whether roughness, the same along both axes, is all that they change; and its range.
+// Whether textures change only the roughness, equally along both axes; and its range.
 static bool only_rough_textured(const struct material_side *side, struct brdf_roughness *over) {
     const bool two = side->base.model->slots >> BRDF_SLOT_ALPHA_V & 1;
     if (side->slot[BRDF_SLOT_DIFFUSE] && brdf_tinted(&side->base)) return false;
@@ -27,7 +27,7 @@ static bool only_rough_textured(const struct material_side *side, struct brdf_ro
 
 enum table_choice { BY_ERROR, CACHED, SAMPLED };
 
-// What material_cache says of a material: the first word with its name.
+// The choice for a material in the option material_cache: the first word with its name.
 static enum table_choice chosen(const satin_options *o, const char *name) {
     size_t length = strlen(name);
     for (const char *at = o->material_cache; *at;) {
@@ -58,7 +58,7 @@ static satin_status build_side(const struct material_side *side, const satin_opt
     return status;
 }
 
-// What the visit of a material needs; `first` keeps the side of each index that is built.
+// State for visiting the materials; `first` has the side of each index that is built.
 struct builder {
     const satin_options *options;
     struct parallel *pool;
@@ -71,7 +71,7 @@ struct builder {
     satin_status status;
 };
 
-// Takes the table of an equal side; false if there is none.
+// Uses the table of an equal side. False if there is none.
 static bool take_equal_table(struct builder *b, const struct material_side *side) {
     if (shade_shape_textured(side)) return false;
     for (size_t j = 0; j < b->tables.count; j++) {

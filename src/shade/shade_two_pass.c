@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// The second pass at one point [K05 3.5]: what a point reflects, each part of the path table once,
-// its lobes by the techniques of shade_records.h.
+// The second pass at one point [K05 3.5]: the light that a point reflects, with each class of the
+// path table once, and its lobes by the techniques of shade_records.h.
 #include "shade/shade_indirect.h"
 #include "shade/shade_pixel_cache.h"
 #include "shade/shade_records.h"
 
-// A point that the fill has missed, as in a sliver along an edge, takes the nearest record within
-// this many pixels.
+// A point without records, as in a sliver along an edge, uses the nearest record within this many
+// pixels.
 #define FALLBACK_PIXELS 8.0f
 
-// Light that a record carries.
+// Adds light that is from a record.
 static void add_cached(struct shade_job *job, enum shade_layer layer, rgb L) {
     job->out->layer[layer] = rgb_fma(job->out->layer[layer], job->vertex->T, L);
 }
 
-// Light that no record carries.
+// Adds light that is from no record.
 static void add_uncached(struct shade_job *job, enum shade_layer layer, rgb L) {
     add_cached(job, layer, L);
     job->out->uncached = rgb_fma(job->out->uncached, job->vertex->T, L);
@@ -25,7 +25,7 @@ static struct gather_site site_of(const struct shade_job *job) {
     return (struct gather_site){p->interaction.p, p->interaction.ng, p->base, job->stream, false};
 }
 
-// E on a facet that a bump map has rotated, as cache_irradiance computes it.
+// E on a facet that a bump map has rotated, as in cache_irradiance.
 static rgb rotate_irradiance(const struct gather_irradiance *value, vec3 n, vec3 facing) {
     vec3 rotation = v3_cross(n, facing);
     float cosine = minf(v3_dot(n, facing), 1.0f);
@@ -70,7 +70,7 @@ static void indirect_diffuse(struct shade_job *job, struct shade_pixel_entry *en
     }
 }
 
-// By radiance records; false if none is near.
+// Adds indirect light from radiance records. False if none is near.
 static bool indirect_cached(struct shade_job *job, const struct shade_plan *plan,
                             struct shade_pixel_entry *entry) {
     const struct shade *s = job->shade;
@@ -90,12 +90,13 @@ static bool indirect_cached(struct shade_job *job, const struct shade_plan *plan
     return true;
 }
 
-// Widest footprint of a drawn ray, per distance.
+// The largest width over distance of a drawn ray's footprint.
 #define SPREAD_MAX 0.2f
 
-enum { GLOSSY_SAMPLES_MAX = 256 };  // rays of one sample; the range of the option glossy_samples
+enum { GLOSSY_SAMPLES_MAX = 256 };  // rays of one sample; the limit of option glossy_samples
 
-// Draws gather rays from `lobes`; returns how many did not fail, with their weights and densities.
+// Draws gather rays from `lobes`. Returns the number of those that did not fail, with their weights
+// and densities.
 static int draw_rays(struct shade_job *job, unsigned lobes, int count, struct gather_ray *ray,
                      rgb *weight, float *pdf) {
     const struct gather_point *p = &job->vertex->point;
@@ -120,9 +121,9 @@ static int draw_rays(struct shade_job *job, unsigned lobes, int count, struct ga
     return rays;
 }
 
-// Importance sampling of `lobes` by gather rays. If ratio > 0 they also find the lights, with the
-// weight that gather_direct leaves to that many BRDF samples per light sample, and what shines
-// through specular surfaces.
+// Importance sampling of `lobes` by gather rays. If ratio > 0 they also find lights, weighted
+// against light samples for that many BRDF samples per light sample, and emitted light through
+// specular surfaces.
 static void sample_lobes(struct shade_job *job, unsigned lobes, float ratio) {
     const struct gather *g = job->shade->g;
     const int count = g->options->glossy_samples;
@@ -148,7 +149,7 @@ static void sample_lobes(struct shade_job *job, unsigned lobes, float ratio) {
     }
 }
 
-// One BRDF sample of `lobes` that looks for lights only.
+// One BRDF sample of `lobes` that only finds lights.
 static void look_for_lights(struct shade_job *job, unsigned lobes, float ratio) {
     const struct gather *g = job->shade->g;
     const struct gather_point *p = &job->vertex->point;
@@ -169,7 +170,7 @@ static void look_for_lights(struct shade_job *job, unsigned lobes, float ratio) 
                  rgb_scale(rgb_mul(b.weight, found.L), mis_power(ratio * b.pdf_w, light_pdf)));
 }
 
-// Luminance of direct and indirect light so far.
+// The luminance of direct and indirect light so far.
 static float light_so_far(const struct shade_job *job) {
     const rgb *layer = job->out->layer;
     return rgb_luminance(rgb_add(
@@ -187,8 +188,8 @@ void shade_vertex_two_pass(struct shade_job *job) {
         shade_pixel_cache_find(&job->worker->pixel_cache, p, job->vertex->pixel);
     job->worker->counts.points++;
 
-    // Direct light. The samples of glossy lobes, or one extra BRDF sample, divide the lights with
-    // it by multiple importance sampling.
+    // Direct light. The samples of glossy lobes, or one additional BRDF sample, are combined with
+    // light samples by multiple importance sampling.
     const unsigned sampled = indirect ? plan.sampled : 0, rest = p->lobes & BRDF_SMOOTH & ~sampled;
     const unsigned extra = g->wide_lights ? rest : rest & ~(unsigned)BRDF_DIFFUSE;
     const float lights = (float)job->lights.samples, ratio = (float)o->glossy_samples / lights;
@@ -211,7 +212,7 @@ void shade_vertex_two_pass(struct shade_job *job) {
     apart.dimension += 32;  // beyond those that the lobes below use
     const float u_caustic = sampler_1d(&apart);
     if (plan.cached && !indirect_cached(job, &plan, entry)) {
-        // No record is near: gather for the diffuse lobe, sample the glossy one.
+        // No record is near: gathers for the diffuse lobe and samples the glossy one.
         plan.diffuse = plan.cached & BRDF_DIFFUSE;
         if (plan.cached & BRDF_GLOSSY) sample_lobes(job, BRDF_GLOSSY, 0.0f);
         job->worker->counts.gathered++;

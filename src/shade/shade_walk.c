@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where records of the indirect bounces will be looked up: random walks from the eye, each bounce
-// drawn by what the surface reflects smoothly, as gather rays are weighed.
+// Points at which records of the indirect bounces will be read: random walks from the eye, whose
+// bounces are drawn from the smooth lobes, as those of gather rays are weighted.
 #include "shade/shade_eye.h"
 #include "shade/shade_records.h"
 
-// One gather ray among hundreds reads the light at a hit, so records need not be nearer together
-// than this fraction of the path's length from the image.
+// One gather ray among hundreds reads the light at a hit, so records need not be denser than this
+// fraction of the path's length from the eye.
 static const float FOOTPRINT = 0.05f;
 
-// One of the surface points that the eye sees in a pixel, drawn by its throughput.
+// One of the surface points that are seen in a pixel, drawn by its throughput.
 static const struct gather_point *choose_vertex(const struct shade_eye *eye, float u) {
     float total = 0.0f;
     for (int i = 0; i < eye->count; i++) total += rgb_max(eye->vertex[i].T);
