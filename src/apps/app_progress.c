@@ -22,9 +22,23 @@ enum { LINE_MAX_BYTES = 512, BAR_MAX = 40 };
 // one.
 static const long long SAME_WISH_NS = 1000000000;
 
-// The time of the first signal on the monotonic clock, in ns; 0 if there was none. It is the only
-// state that a signal handler may access.
+// The time of the first signal on the monotonic clock, in ns; 0 if there was none. This and
+// `reading` are the only state that signal handlers access.
 static atomic_llong first_signal;
+
+// Whether the scene is being read. No progress function is called then, and there is no image yet.
+static atomic_bool reading;
+
+// A second after the first signal. A scene that has not been read by then would delay the end for
+// as long as that takes.
+static void on_alarm(int number) {
+    static const char message[] = "satin: error: cancelled while the scene was read\n";
+    (void)number;
+    if (!atomic_load(&reading)) return;
+    // The message is lost if nobody reads standard error.
+    if (write(STDERR_FILENO, message, sizeof message - 1) < 0) _exit(APP_CANCELLED);
+    _exit(APP_CANCELLED);
+}
 
 static void on_signal(int number) {
     struct timespec time;
@@ -32,8 +46,9 @@ static void on_signal(int number) {
     clock_gettime(CLOCK_MONOTONIC, &time);
     const long long now = 1000000000ll * time.tv_sec + time.tv_nsec;
     long long first = 0;
-    if (!atomic_compare_exchange_strong(&first_signal, &first, now > 0 ? now : 1) &&
-        now - first > SAME_WISH_NS) {
+    if (atomic_compare_exchange_strong(&first_signal, &first, now > 0 ? now : 1)) {
+        alarm(1);
+    } else if (now - first > SAME_WISH_NS) {
         signal(number, SIG_DFL);
         raise(number);
     }
@@ -43,7 +58,10 @@ static void on_signal(int number) {
 void app_catch_signals(void) {
     static const int stop[] = {SIGINT, SIGTERM, SIGHUP};
     struct sigaction before, action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
+    struct sigaction timer = {.sa_handler = on_alarm, .sa_flags = SA_RESTART};
     sigemptyset(&action.sa_mask);
+    sigemptyset(&timer.sa_mask);
+    sigaction(SIGALRM, &timer, NULL);
     for (size_t i = 0; i < sizeof stop / sizeof *stop; i++) {
         // Under nohup, SIGHUP from a closing terminal is ignored.
         const bool ignored = sigaction(stop[i], NULL, &before) == 0 && before.sa_handler == SIG_IGN;
@@ -54,6 +72,8 @@ void app_catch_signals(void) {
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
 }
+
+void app_set_reading(bool scene_is_read) { atomic_store(&reading, scene_is_read); }
 
 bool app_interrupted(void) { return atomic_load(&first_signal) != 0; }
 

@@ -278,9 +278,11 @@ static int load_and_render(struct request *r) {
     int result = check_outputs(r);
     if (result != APP_DONE) return result;
     app_progress_start(&progress, r->quiet);
+    app_set_reading(true);
     app_catch_signals();
     satin_status status = satin_scene_load_with(r->scene, r->define, r->define_count,
                                                 r->scene_flags, app_log_file, &progress, &scene);
+    app_set_reading(false);
     if (status != SATIN_OK) return app_exit_of(status);
     struct app_output output[OUTPUTS];
     list_outputs(r, output);
