@@ -115,6 +115,13 @@ static satin_status find_weight(struct load_state *loader, const struct param_va
 
 static bool is_hole(const struct material_side *side) { return side->holes && !side->component[0]; }
 
+static satin_status make_pointwise(struct load_state *loader, const struct params *p,
+                                   struct material_side *leaf, const void *ctx) {
+    (void)loader, (void)p, (void)ctx;
+    leaf->pointwise = true;
+    return SATIN_OK;
+}
+
 // Blends a and b in one node, which may be a or b.
 static satin_status join_sides(struct load_state *loader, const struct params *p,
                                const struct material_side *a, const struct material_side *b,
@@ -131,8 +138,9 @@ static satin_status join_sides(struct load_state *loader, const struct params *p
                                   .blend = weight->texture,
                                   .weight = weight->value,
                                   .holes = a->holes || b->holes};
-    if (count_components(out) <= MATERIAL_COMPONENTS_MAX) return SATIN_OK;
-    return material_error(loader, p, "blends more than 16 BRDFs");
+    if (count_components(out) > MATERIAL_COMPONENTS_MAX)
+        return material_error(loader, p, "blends more than 16 BRDFs");
+    return weight->texture ? change_leaves(loader, p, out, make_pointwise, NULL) : SATIN_OK;
 }
 
 static satin_status build_blend(struct load_state *loader, const struct params *p,

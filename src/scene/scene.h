@@ -123,6 +123,8 @@ struct material_side {
     struct material_bump bump[BRDF_BUMPS_MAX];  // the outermost is first
     bool one_sided;  // black from behind, in the back of a blend of which only other components are
                      // two-sided
+    bool pointwise;  // a texture decides where it is shown: its colours are taken at the point, as
+                     // their mean over a footprint would count those that are never shown
     uint32_t index;  // among the scene's sides that are not blends; a back may have that of the
                      // front
     const struct material_side *component[2];

@@ -133,7 +133,8 @@ static float keep_number(enum brdf_slot slot, float x) {
     return slot == BRDF_SLOT_IOR ? clampf(x, BRDF_IOR_MIN, BRDF_IOR_MAX) : clampf(x, 0.0f, 1e6f);
 }
 
-// Sets the values of `b` that are textured; colours are averaged over the footprint.
+// Sets the values of `b` that are textured. Colours are averaged over the footprint, unless a
+// texture decides where they are shown.
 static void set_brdf_values(const struct material_side *side, const struct texture_lookup *at,
                             struct brdf *b) {
     const struct texture *const *slot = side->slot;
@@ -142,7 +143,7 @@ static void set_brdf_values(const struct material_side *side, const struct textu
     for (enum brdf_slot i = 0; i < BRDF_SLOT_COUNT; i++) {
         if (!slot[i]) continue;
         if (i < BRDF_SLOT_NUMBERS)
-            *brdf_color(b, i) = texture_eval(slot[i], at);
+            *brdf_color(b, i) = texture_eval(slot[i], side->pointwise ? &point : at);
         else
             *brdf_number(b, i) = keep_number(i, texture_number(slot[i], &point));
     }

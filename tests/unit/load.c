@@ -62,6 +62,55 @@ static void masks_nest(void **state) {
     satin_scene_free(scene);
 }
 
+// The colour of a texture averaged over a footprint of a quarter of the image, at its left.
+static float averaged_red(const satin_scene *scene, uint32_t material) {
+    const struct interaction s = {.shape = material,
+                                  .material = material,
+                                  .ng = {0, 0, 1},
+                                  .frame = frame_from_normal(v3(0, 0, 1)),
+                                  .uv = {0.25f, 0.5f},
+                                  .footprint = 1.0f,
+                                  .uv_rate = 1.0f,
+                                  .light = -1};
+    struct brdf b;
+    struct frame f;
+    assert_true(scene_brdf(scene, &s, v3(0, 0, 1), &b, &f));
+    return b.diffuse.r;
+}
+
+// A bitmap's colours where a mask or a blend never shows it do not mix into those that are shown.
+static void hidden_colours_do_not_bleed(void **state) {
+    (void)state;
+    enum { SIZE = 8 };
+    unsigned char leaf[12 + 3 * SIZE * SIZE] = "P6\n8 8\n255\n", mask[sizeof leaf];
+    memcpy(mask, leaf, sizeof leaf);
+    for (int i = 0; i < SIZE * SIZE; i++) {
+        const bool shown = i % SIZE < SIZE / 2;
+        memset(&leaf[11 + 3 * i], shown ? 60 : 255, 3);
+        memset(&mask[11 + 3 * i], shown ? 255 : 0, 3);
+    }
+    scene_case_bytes("leaf.ppm", leaf, sizeof leaf - 1);
+    scene_case_bytes("mask.ppm", mask, sizeof mask - 1);
+#define BITMAP(name, file) \
+    "<texture type='bitmap' name='" name "'><string name='filename' value='" file "'/></texture>"
+#define LEAF "<bsdf type='diffuse'>" BITMAP("reflectance", "leaf.ppm") "</bsdf>"
+    struct satin_scene *scene =
+        load(SCENE_TEXT("<shape type='disk'>" LEAF "</shape>"
+                        "<shape type='disk'><bsdf type='mask'>" BITMAP("opacity", "mask.ppm") LEAF
+                        "</bsdf></shape>"
+                        "<shape type='disk'><bsdf type='blendbsdf'>" BITMAP(
+                            "weight", "mask.ppm") "<bsdf type='null'/>" LEAF "</bsdf></shape>"
+                                                  "<shape type='disk'><bsdf type='mask'><float "
+                                                  "name='opacity' value='.5'/>" LEAF "</bsdf>"
+                                                  "</shape>"));
+    const float shown = 0.0452f, mean = 0.5f * (shown + 1.0f);
+    assert_float_equal(averaged_red(scene, 0), mean, 0.05f);
+    assert_float_equal(averaged_red(scene, 1), shown, 1e-3f);
+    assert_float_equal(averaged_red(scene, 2), shown, 1e-3f);
+    assert_float_equal(averaged_red(scene, 3), mean, 0.05f);
+    satin_scene_free(scene);
+}
+
 static void builds_materials(void **state) {
     (void)state;
     struct satin_scene *scene = load(SCENE_TEXT(
@@ -413,6 +462,7 @@ int main(void) {
         cmocka_unit_test(reads_a_raw_constant),
         cmocka_unit_test(builds_materials),
         cmocka_unit_test(masks_nest),
+        cmocka_unit_test(hidden_colours_do_not_bleed),
         cmocka_unit_test(twosided_nests),
         cmocka_unit_test(builds_shapes),
         cmocka_unit_test(builds_lights),
