@@ -16,7 +16,6 @@
 #include <stdlib.h>
 
 #include "gather/gather.h"
-#include "gather/gather_scratch.h"
 #include "rsh/rsh.h"
 
 enum {
@@ -66,20 +65,21 @@ static bool gather_light(const struct gather *g, float u, float v, struct incide
     if (!scene_intersect(g->scene, &ray, &s) || s.light >= 0) return false;
     const vec3 n = v3_dot(s.ng, ray.d) < 0.0f ? s.ng : v3_neg(s.ng);
     struct gather_layout *layout = gather_layout_new(RAYS, SATIN_HSH, ORDER);
-    struct gather_scratch *scratch = gather_scratch_new(RAYS);
+    struct gather_worker *worker = gather_workers_new(NULL, RAYS);
+    const struct gather_hemisphere *h = worker->hemisphere;
     float lambda[3 * N2];
     for (uint64_t layer = 0; layer < LAYERS; layer++) {
         const struct gather_site site = {s.p, n, frame_from_normal(n), layer, true};
-        const struct gather_hemisphere h = gather_hemisphere_trace(g, layout, &site, scratch);
-        gather_hemisphere_radiance(g, &h, &(struct gather_radiance){.lambda = lambda});
+        gather_hemisphere_trace(g, layout, &site, worker->scratch, worker->hemisphere);
+        gather_hemisphere_radiance(g, h, &(struct gather_radiance){.lambda = lambda});
         for (size_t i = 0, k = layer * RAYS; i < RAYS; i++, k++) {
-            x[k] = h.x[i], y[k] = h.y[i], z[k] = h.z[i];
-            out->L[k] = 2.0f * PI_F / COUNT * rgb_luminance(h.ray[i].L);
+            x[k] = h->x[i], y[k] = h->y[i], z[k] = h->z[i];
+            out->L[k] = 2.0f * PI_F / COUNT * rgb_luminance(h->ray[i].L);
         }
     }
     project_light(out->L, out->lambda);
     gather_layout_free(layout);
-    gather_scratch_free(scratch);
+    gather_workers_free(worker, 1);
     return true;
 }
 

@@ -86,13 +86,9 @@ struct cache *cache_new(const struct gather *g, int order, struct parallel *pool
         if (cache_rays_prepare(c, CACHE_RADIANCE, 1.0f) != SATIN_OK) goto fail;
         project_cosine(c->cosine, o->radiance_basis, c->cosine_order);
     }
-    c->scratch_count = parallel_threads(pool);
-    c->scratch = calloc((size_t)c->scratch_count, sizeof *c->scratch);
-    if (!c->scratch) goto fail;
-    for (int i = 0; i < c->scratch_count; i++) {
-        if (!(c->scratch[i] = gather_scratch_new(most_rays(c)))) goto fail;
-        gather_scratch_watch(c->scratch[i], pool, i);
-    }
+    c->worker_count = parallel_threads(pool);
+    c->worker = gather_workers_new(pool, most_rays(c));
+    if (!c->worker) goto fail;
     return c;
 fail:
     cache_free(c);
@@ -110,9 +106,7 @@ void cache_free(struct cache *cache) {
     arena_free(&cache->radiance_arena);
     free(cache->cosine);
     gather_layout_free(cache->irradiance_whole);
-    for (int i = 0; cache->scratch && i < cache->scratch_count; i++)
-        gather_scratch_free(cache->scratch[i]);
-    free(cache->scratch);
+    gather_workers_free(cache->worker, cache->worker_count);
     free(cache);
 }
 

@@ -51,9 +51,8 @@ struct cache_site {
 };
 
 // Makes empty caches. `order` is the order of radiance records, at most RSH_MAX_ORDER; 0 if there
-// will be none. The scratch is for as many workers as the pool has. NULL if there is no memory.
-// What `g` points to, and the pool, must outlive the cache. The options in struct cache_options are
-// copied.
+// will be none. There is memory for each worker of the pool. NULL if there is no memory. What `g`
+// points to, and the pool, must outlive the cache. The options in struct cache_options are copied.
 struct cache *cache_new(const struct gather *g, int order, struct parallel *pool);
 void cache_free(struct cache *cache);  // NULL is allowed
 

@@ -31,12 +31,13 @@ struct job {
 };
 
 struct batch;
-struct gathered;
+struct gathering;
 
 // How the records of a kind are made.
 struct record_functions {
-    // From a hemisphere and what was found around it; returns whether the record is valid.
-    bool (*make)(const struct batch *batch, struct job *job, const struct gathered *from);
+    // From the hemisphere that was gathered and what was found around it; returns whether the
+    // record is valid.
+    bool (*make)(const struct batch *batch, struct job *job, const struct gathering *from);
     bool (*insert)(struct batch *batch, struct job *job);  // false without memory
 };
 
@@ -134,26 +135,26 @@ static bool choose_batch(struct batch *b) {
 
 // ---- Gathering ----------------------------------------------------------------------------------
 
-// A hemisphere that was traced for a job, and by what.
-struct gathered {
-    struct gather_hemisphere hemisphere;
+// What a worker has gathered for a job, and where.
+struct gathering {
+    const struct gather_worker *worker;  // its hemisphere is what was found
     struct gather_site site;
-    struct gather_scratch *scratch;
     bool hessian;
 };
 
 static rgb mix(rgb a, rgb b, float t) { return rgb_add(rgb_scale(a, 1.0f - t), rgb_scale(b, t)); }
 
-// Averages the job's irradiance with that of all the rays that the options say.
-static void gather_more(const struct batch *b, struct job *job, const struct gathered *from) {
+// Averages the job's irradiance, which was computed from the hemisphere, with that of all the rays
+// that the options say: they replace those of the hemisphere.
+static void gather_more(const struct batch *b, struct job *job, const struct gathering *from) {
     const struct cache *c = b->cache;
+    struct gather_hemisphere *hemisphere = from->worker->hemisphere;
     struct gather_irradiance more, *first = &job->irradiance;
     struct gather_site site = from->site;
     site.stream = rng_mix(site.stream ^ 0x9e3779b97f4a7c15ull);
-    const struct gather_hemisphere hemisphere =
-        gather_hemisphere_trace(c->g, c->irradiance_whole, &site, from->scratch);
-    gather_hemisphere_irradiance(c->g, &hemisphere, &more);
-    gather_around_make(&hemisphere, from->hessian, &job->around);
+    gather_hemisphere_trace(c->g, c->irradiance_whole, &site, from->worker->scratch, hemisphere);
+    gather_hemisphere_irradiance(c->g, hemisphere, &more);
+    gather_around_make(hemisphere, from->hessian, &job->around);
     const float t = (float)more.rays / (float)(more.rays + first->rays);
     first->E = mix(first->E, more.E, t);
     for (int k = 0; k < 3; k++) {
@@ -173,8 +174,8 @@ static struct cache_residual find_residual(const struct batch *b, const struct j
     return cache_residual_make(&job->radiance, b->side->order, &s->frame, &s->view, whole);
 }
 
-static bool make_irradiance(const struct batch *b, struct job *job, const struct gathered *from) {
-    gather_hemisphere_irradiance(b->cache->g, &from->hemisphere, &job->irradiance);
+static bool make_irradiance(const struct batch *b, struct job *job, const struct gathering *from) {
+    gather_hemisphere_irradiance(b->cache->g, from->worker->hemisphere, &job->irradiance);
     if (job->around.deviation > UNSURE) gather_more(b, job, from);
     if (!cache_valid_irradiance(&job->irradiance, &job->around)) return false;
     job->extent = cache_extent_irradiance(b->cache, job->site, &job->around, &job->irradiance);
@@ -190,9 +191,9 @@ static void interleave(const struct gather_radiance *from, int n2, float *value)
     for (int k = 0; k < n2; k++) value[k * CACHE_LANES + 3] = from->noise[k];
 }
 
-static bool make_radiance(const struct batch *b, struct job *job, const struct gathered *from) {
-    gather_hemisphere_radiance(b->cache->g, &from->hemisphere, &job->radiance);
-    job->residual = find_residual(b, job, &from->hemisphere);
+static bool make_radiance(const struct batch *b, struct job *job, const struct gathering *from) {
+    gather_hemisphere_radiance(b->cache->g, from->worker->hemisphere, &job->radiance);
+    job->residual = find_residual(b, job, from->worker->hemisphere);
     if (!cache_valid_radiance(&job->radiance, b->side->order, &job->around) ||
         !rgb_finite(job->residual.L))
         return false;
@@ -218,20 +219,19 @@ static bool allocate_values(struct batch *b) {
 static void gather_jobs(void *ctx, size_t begin, size_t end, int worker) {
     struct batch *b = ctx;
     const struct cache *c = b->cache;
-    struct gather_scratch *scratch = c->scratch[worker];
+    const struct gather_worker *w = &c->worker[worker];
     const bool hessian = b->side->options.radius == SATIN_RADIUS_HESSIAN;
     for (struct job *job = b->job + begin; job < b->job + end; job++) {
         const struct cache_site *s = job->site;
         const struct gather_layout *layout =
             cache_rays_layout(c, b->kind, s, b->fill->a * b->fill->widest);
-        struct gather_site site = {s->p, s->ng, s->frame, s->stream, true};
+        struct gathering at = {w, {s->p, s->ng, s->frame, s->stream, true}, hessian};
         for (int attempt = 0; attempt < ATTEMPTS && !job->valid; attempt++) {
-            const struct gathered from = {gather_hemisphere_trace(c->g, layout, &site, scratch),
-                                          site, scratch, hessian};
-            gather_around_make(&from.hemisphere, hessian, &job->around);
-            job->valid = b->records->make(b, job, &from);
+            gather_hemisphere_trace(c->g, layout, &at.site, w->scratch, w->hemisphere);
+            gather_around_make(w->hemisphere, hessian, &job->around);
+            job->valid = b->records->make(b, job, &at);
             if (!job->valid) job->refused++;
-            site.stream = rng_mix(site.stream + 0x9e3779b97f4a7c15ull);
+            at.site.stream = rng_mix(at.site.stream + 0x9e3779b97f4a7c15ull);
         }
     }
 }

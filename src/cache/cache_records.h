@@ -76,8 +76,8 @@ struct cache {
 
     struct gather_layout *irradiance_whole;  // with all the rays of the options
     float rays_fraction;                     // fraction of the options' rays that new records get
-    struct gather_scratch **scratch;         // one for each worker
-    int scratch_count;
+    struct gather_worker *worker;            // one for each worker of the pool
+    int worker_count;
     uint64_t rays;     // number of rays of all records
     uint64_t refused;  // number of records that were not finite or out of range
     struct {

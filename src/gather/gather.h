@@ -167,16 +167,13 @@ struct gather_ray {
     struct gather_first first;
 };
 
-// Memory of one worker for `capacity` rays, and for half as many guided ones. One thread at a time
-// may use it.
+// Memory of one worker of a pool for the hits of its rays; nothing in it outlives a call. One
+// thread at a time may use it. If the pool's loop is cancelled, which parallel_stopped reports, the
+// rest of many rays are not traced: then the caller drops what the rays found. Without a pool
+// (NULL) all are.
 struct gather_scratch;
-struct gather_scratch *gather_scratch_new(size_t capacity);  // NULL without memory
-void gather_scratch_free(struct gather_scratch *scratch);    // NULL is allowed
-// Memory for `capacity` rays, which gather_rays may be given; it belongs to the scratch.
-struct gather_ray *gather_scratch_rays(struct gather_scratch *scratch);
-// Many rays are left off where the loop that this worker is in is cancelled, which parallel_stopped
-// reports; then what the rays found is to be dropped.
-void gather_scratch_watch(struct gather_scratch *scratch, struct parallel *pool, int worker);
+struct gather_scratch *gather_scratch_new(struct parallel *pool, int worker);  // NULL: no memory
+void gather_scratch_free(struct gather_scratch *scratch);                      // NULL is allowed
 
 // Follows `ray` through ideal specular surfaces to a point with a smooth lobe, which *out gets.
 // False if it meets none. *first gets the surface that it meets first.
@@ -206,26 +203,37 @@ void gather_layout_free(struct gather_layout *layout);          // NULL is allow
 size_t gather_layout_rays(const struct gather_layout *layout);  // exactly, M * N
 
 // A hemisphere of gather rays and what they found. The stratified rays come first: stratum (j, k)
-// of the layout is ray j * N + k; guided rays follow. The arrays have `count` entries unless said
-// otherwise. They belong to the scratch that the rays were traced with, and hold until that is used
-// again.
+// of the layout is ray j * N + k; guided rays follow. It owns the arrays, of which `count` entries
+// are filled unless said otherwise.
 struct gather_hemisphere {
     const struct gather_layout *layout;
-    struct frame frame;            // of the site: local directions are in it
-    size_t stratified, count;      // rays that are stratified, and all
-    const struct gather_ray *ray;  // L is weighted: every ray counts as a stratified one does
-    const float *x, *y, *z;        // local directions
-    const float *r, *g, *b;  // L times the solid angle of a stratified ray, 2 pi / stratified;
-                             // undefined in a cosine-weighted layout
-    float *work;             // 6 * count: for what is computed from the hemisphere
+    struct frame frame;        // of the site: local directions are in it
+    size_t stratified, count;  // rays that are stratified, and all
+    struct gather_ray *ray;    // L is weighted: every ray counts as a stratified one does
+    float *x, *y, *z;          // local directions
+    float *r, *g, *b;          // L times the solid angle of a stratified ray, 2 pi / stratified;
+                               // undefined in a cosine-weighted layout
+    float *work;               // 6 * count: for what is computed from the hemisphere
 };
 
-// Traces the stratified rays of `layout` from the site, and guided ones beside them if the options
-// ask for them. The scratch must hold the layout's rays.
-struct gather_hemisphere gather_hemisphere_trace(const struct gather *g,
-                                                 const struct gather_layout *layout,
-                                                 const struct gather_site *site,
-                                                 struct gather_scratch *scratch);
+// Memory for up to `rays` stratified rays, and for half as many guided ones. NULL without memory.
+struct gather_hemisphere *gather_hemisphere_new(size_t rays);
+void gather_hemisphere_free(struct gather_hemisphere *hemisphere);  // NULL is allowed
+
+// Fills *out, whatever it held, by the stratified rays of `layout` from the site, and by guided
+// ones beside them if the options ask for them. It must have memory for the layout's rays.
+void gather_hemisphere_trace(const struct gather *g, const struct gather_layout *layout,
+                             const struct gather_site *site, struct gather_scratch *scratch,
+                             struct gather_hemisphere *out);
+
+// What each worker of a pool gathers with: an array of parallel_threads(pool), or of one if the
+// pool is NULL, for hemispheres of up to `rays` stratified rays. NULL without memory.
+struct gather_worker {
+    struct gather_scratch *scratch;
+    struct gather_hemisphere *hemisphere;
+};
+struct gather_worker *gather_workers_new(struct parallel *pool, size_t rays);
+void gather_workers_free(struct gather_worker *workers, int count);  // NULL is allowed
 
 // Irradiance on a point, with gradients.
 struct gather_irradiance {

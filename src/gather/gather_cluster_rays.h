@@ -12,14 +12,12 @@ struct gather_cluster_rays {
     struct gather_near near;
 };
 
-// Appends rays from the site to clusters to those of the layout in `scratch`. Returns their number.
-size_t gather_cluster_rays_add(const struct gather *g, const struct gather_layout *layout,
-                               const struct gather_site *site, struct gather_scratch *scratch,
-                               struct gather_cluster_rays *out);
-// Weights L of the first `count` rays, after tracing, so that each counts as a ray of the layout.
+// Appends rays from the site to clusters to the stratified rays of a hemisphere.
+void gather_cluster_rays_add(const struct gather *g, const struct gather_site *site,
+                             struct gather_hemisphere *h, struct gather_cluster_rays *out);
+// Weights L of all rays, after tracing, so that each counts as a stratified ray.
 void gather_cluster_rays_weigh(const struct gather_cluster_rays *clusters,
-                               const struct gather_layout *layout, struct gather_scratch *scratch,
-                               size_t count);
+                               struct gather_hemisphere *h);
 
 // The least roughness of lobes that the rays of a site hit, from the solid angle that a ray
 // represents (gather_hemisphere.c).

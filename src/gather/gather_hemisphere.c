@@ -2,8 +2,10 @@
 // A hemisphere of gather rays: irradiance, or incident radiance in harmonics [K05 (4.9)], with
 // gradients of the kind that the options name. Without gradients in the interpolation they still
 // bound the records' radii.
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/array.h"
 #include "gather/gather_cluster_rays.h"
 #include "gather/gather_gradients.h"
 #include "rsh/rsh.h"
@@ -19,23 +21,82 @@ float gather_alpha_least(const struct gather_site *site, float spread) {
     return site->record ? minf(0.5f * spread, ALPHA_LEAST_MOST) : 0.0f;
 }
 
+// ---- Memory -------------------------------------------------------------------------------------
+
+struct gather_hemisphere *gather_hemisphere_new(size_t rays) {
+    struct gather_hemisphere *h = calloc(1, sizeof *h);
+    if (!h) return NULL;
+    const size_t capacity = rays + rays / 2;
+    h->ray = array_new(capacity, sizeof *h->ray);
+    h->x = array_new(12 * capacity, sizeof *h->x);
+    if (!h->ray || !h->x) {
+        gather_hemisphere_free(h);
+        return NULL;
+    }
+    h->y = h->x + capacity;
+    h->z = h->y + capacity;
+    h->r = h->z + capacity;
+    h->g = h->r + capacity;
+    h->b = h->g + capacity;
+    h->work = h->b + capacity;
+    return h;
+}
+
+void gather_hemisphere_free(struct gather_hemisphere *hemisphere) {
+    if (!hemisphere) return;
+    free(hemisphere->ray);
+    free(hemisphere->x);
+    free(hemisphere);
+}
+
+struct gather_worker *gather_workers_new(struct parallel *pool, size_t rays) {
+    const int count = pool ? parallel_threads(pool) : 1;
+    struct gather_worker *workers = calloc((size_t)count, sizeof *workers);
+    for (int i = 0; workers && i < count; i++) {
+        workers[i].scratch = gather_scratch_new(pool, i);
+        workers[i].hemisphere = gather_hemisphere_new(rays);
+        if (workers[i].scratch && workers[i].hemisphere) continue;
+        gather_workers_free(workers, count);
+        return NULL;
+    }
+    return workers;
+}
+
+void gather_workers_free(struct gather_worker *workers, int count) {
+    for (int i = 0; workers && i < count; i++) {
+        gather_scratch_free(workers[i].scratch);
+        gather_hemisphere_free(workers[i].hemisphere);
+    }
+    free(workers);
+}
+
+// ---- Tracing ------------------------------------------------------------------------------------
+
+void gather_hemisphere_begin(struct gather_hemisphere *h, const struct gather_layout *layout,
+                             const struct frame *frame) {
+    h->layout = layout;
+    h->frame = *frame;
+    h->stratified = h->count = gather_layout_rays(layout);
+}
+
 // One jittered ray per stratum, row by row.
-static void make_stratified_rays(const struct gather *g, const struct gather_layout *l,
-                                 struct gather_scratch *scratch, const struct gather_site *site) {
+static void make_stratified_rays(const struct gather *g, const struct gather_site *site,
+                                 struct gather_hemisphere *h) {
+    const struct gather_layout *l = h->layout;
     struct rng rng = rng_make(g->options->seed, RNG_GATHER, site->stream);
-    struct gather_ray *out = scratch->rays;
     const float spread =
-        g->options->texture_filter ? sqrtf(2.0f * PI_F / (float)gather_layout_rays(l)) : 0.0f;
+        g->options->texture_filter ? sqrtf(2.0f * PI_F / (float)h->stratified) : 0.0f;
+    size_t i = 0;
     for (int j = 0; j < l->M; j++)
-        for (int k = 0; k < l->N; k++, out++) {
+        for (int k = 0; k < l->N; k++, i++) {
+            struct gather_ray *out = &h->ray[i];
             float u = sample_stratum(j, rng_float(&rng), l->M);
             float v = sample_stratum(k, rng_float(&rng), l->N);
             vec3 w =
                 l->order ? sample_uniform_hemisphere(1.0f - u, v) : sample_cosine_hemisphere(u, v);
-            size_t i = (size_t)(out - scratch->rays);
-            scratch->x[i] = w.x;
-            scratch->y[i] = w.y;
-            scratch->z[i] = w.z;
+            h->x[i] = w.x;
+            h->y[i] = w.y;
+            h->z[i] = w.z;
             out->ray = scene_spawn(g->scene, site->p, site->ng, frame_to_world(&site->frame, w));
             out->item = (uint32_t)i;
             out->spread = spread;
@@ -44,26 +105,26 @@ static void make_stratified_rays(const struct gather *g, const struct gather_lay
         }
 }
 
-struct gather_hemisphere gather_hemisphere_trace(const struct gather *g,
-                                                 const struct gather_layout *layout,
-                                                 const struct gather_site *site,
-                                                 struct gather_scratch *scratch) {
-    struct gather_hemisphere h = gather_scratch_hemisphere(scratch, layout, &site->frame);
+void gather_hemisphere_trace(const struct gather *g, const struct gather_layout *layout,
+                             const struct gather_site *site, struct gather_scratch *scratch,
+                             struct gather_hemisphere *h) {
     struct gather_cluster_rays clusters;
-    make_stratified_rays(g, layout, scratch, site);
-    h.count += gather_cluster_rays_add(g, layout, site, scratch, &clusters);
-    gather_rays_guided(g, scratch, scratch->rays, h.count, site->stream, &clusters.near);
-    gather_cluster_rays_weigh(&clusters, layout, scratch, h.count);
-    if (!layout->order) return h;
-    const float solid_angle = 2.0f * PI_F / (float)h.stratified;
-    for (size_t i = 0; i < h.count; i++) {
-        const rgb L = rgb_scale(scratch->rays[i].L, solid_angle);
-        scratch->r[i] = L.r;
-        scratch->g[i] = L.g;
-        scratch->b[i] = L.b;
+    gather_hemisphere_begin(h, layout, &site->frame);
+    make_stratified_rays(g, site, h);
+    gather_cluster_rays_add(g, site, h, &clusters);
+    gather_rays_guided(g, scratch, h->ray, h->count, site->stream, &clusters.near);
+    gather_cluster_rays_weigh(&clusters, h);
+    if (!layout->order) return;
+    const float solid_angle = 2.0f * PI_F / (float)h->stratified;
+    for (size_t i = 0; i < h->count; i++) {
+        const rgb L = rgb_scale(h->ray[i].L, solid_angle);
+        h->r[i] = L.r;
+        h->g[i] = L.g;
+        h->b[i] = L.b;
     }
-    return h;
 }
+
+// ---- Irradiance ---------------------------------------------------------------------------------
 
 static void add_about_axis(vec3 grad[3], rgb change, vec3 axis) {
     grad[0] = v3_mad(grad[0], change.r, axis);
@@ -111,6 +172,8 @@ void gather_hemisphere_irradiance(const struct gather *g, const struct gather_he
         out->grad_r[c] = frame_to_world(&h->frame, out->grad_r[c]);
     }
 }
+
+// ---- Radiance -----------------------------------------------------------------------------------
 
 static void radiance_gradients(const struct gather_hemisphere *h, satin_gradients kind, float *dx,
                                float *dy) {

@@ -27,4 +27,9 @@ struct gather_layout {
     float *row_u, *row_v;    // M * order^2: the factors in theta, including weights
 };
 
+// The hemisphere holds the stratified rays of a layout about frame.n from now on, which the caller
+// fills (gather_hemisphere.c).
+void gather_hemisphere_begin(struct gather_hemisphere *h, const struct gather_layout *layout,
+                             const struct frame *frame);
+
 #endif

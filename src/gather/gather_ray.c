@@ -5,46 +5,19 @@
 // direct light at y alone. Emitted light is not added, as it is in direct light and caustics at x.
 #include <stdlib.h>
 
-#include "base/array.h"
 #include "gather/gather_bounces.h"
 #include "gather/gather_near.h"
 #include "gather/gather_segment.h"
 
-struct gather_scratch *gather_scratch_new(size_t capacity) {
-    struct gather_scratch *s = calloc(1, sizeof *s);
-    if (!s) return NULL;
-    capacity += capacity / 2;
-    s->capacity = capacity;
-    s->rays = array_new(capacity, sizeof *s->rays);
-    s->x = array_new(12 * capacity, sizeof *s->x);
-    if (!s->rays || !s->x) {
-        gather_scratch_free(s);
-        return NULL;
-    }
-    s->y = s->x + capacity;
-    s->z = s->y + capacity;
-    s->r = s->z + capacity;
-    s->g = s->r + capacity;
-    s->b = s->g + capacity;
-    s->work = s->b + capacity;
-    return s;
-}
-
-void gather_scratch_free(struct gather_scratch *scratch) {
-    if (!scratch) return;
-    free(scratch->rays);
-    free(scratch->x);
-    free(scratch);
-}
-
-struct gather_ray *gather_scratch_rays(struct gather_scratch *scratch) {
-    return scratch->rays;
-}
-
-void gather_scratch_watch(struct gather_scratch *scratch, struct parallel *pool, int worker) {
+struct gather_scratch *gather_scratch_new(struct parallel *pool, int worker) {
+    struct gather_scratch *scratch = calloc(1, sizeof *scratch);
+    if (!scratch) return NULL;
     scratch->pool = pool;
     scratch->worker = worker;
+    return scratch;
 }
+
+void gather_scratch_free(struct gather_scratch *scratch) { free(scratch); }
 
 // The irradiance at y by a density estimate from what the diffuse lobe reflects. If there is no
 // diffuse lobe, it is 0 and *radius is INFINITY.

@@ -221,7 +221,7 @@ satin_status render_image_fill(struct render *r) {
     struct image_pass pass = {.r = r, .columns = (image->width + TILE - 1) / TILE};
     pass.worker = array_new((size_t)workers, sizeof *pass.worker);
     if (!pass.worker) return SATIN_ERROR_MEMORY;
-    for (int i = 0; i < workers; i++) pass.worker[i].scratch = r->second_pass.shade.scratch[i];
+    for (int i = 0; i < workers; i++) pass.worker[i].gather = r->second_pass.shade.worker[i];
     const double all = (double)r->options.spp * (double)image->width * (double)image->height;
     render_stage_begin(r, STAGE_IMAGE, all);
     render_stage_part(r, 0.0, 1.0 / r->options.spp);

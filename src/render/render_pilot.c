@@ -65,7 +65,7 @@ static bool pilot_make(struct image_pilot *pilot, struct render *r) {
     pilot->worker = array_new((size_t)workers, sizeof *pilot->worker);
     pilot->indirect = array_new((size_t)columns * (size_t)rows, sizeof *pilot->indirect);
     if (!pilot->worker || !pilot->indirect) return false;
-    for (int i = 0; i < workers; i++) pilot->worker[i].scratch = r->second_pass.shade.scratch[i];
+    for (int i = 0; i < workers; i++) pilot->worker[i].gather = r->second_pass.shade.worker[i];
     return adapt_make(&pilot->adapt, columns, rows, r->options.light_samples);
 }
 

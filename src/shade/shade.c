@@ -7,11 +7,8 @@
 #include "shade/shade_aov.h"
 #include "shade/shade_indirect.h"
 
-enum {
-    // Hemisphere where no record is near: this is at few pixels, so noise is acceptable.
-    FALLBACK_RAYS = 8,
-    SCRATCH_LEAST = 256  // rays of importance-sampled lobes
-};
+// Hemisphere where no record is near: this is at few pixels, so noise is acceptable.
+enum { FALLBACK_RAYS = 8 };
 
 satin_status shade_init(struct shade *shade, const struct gather *g,
                         const struct shade_tables *tables, const struct cache *cache,
@@ -27,16 +24,12 @@ satin_status shade_init(struct shade *shade, const struct gather *g,
     int rays = o->irradiance_rays / (o->spp > 0 ? o->spp : 1);
     s.gather = gather_layout_new(rays > 8 ? rays : 8, o->radiance_basis, 0);
     s.fallback = gather_layout_new(FALLBACK_RAYS, o->radiance_basis, 0);
-    s.scratch_count = parallel_threads(pool);
-    s.scratch = calloc((size_t)s.scratch_count, sizeof *s.scratch);
-    bool ok = s.gather && s.fallback && s.scratch;
-    for (int i = 0; ok && i < s.scratch_count; i++) {
-        size_t capacity = gather_layout_rays(s.gather);
-        s.scratch[i] = gather_scratch_new(capacity > SCRATCH_LEAST ? capacity : SCRATCH_LEAST);
-        ok = s.scratch[i] != NULL;
-        if (ok) gather_scratch_watch(s.scratch[i], pool, i);
+    s.worker_count = parallel_threads(pool);
+    if (s.gather && s.fallback) {
+        const size_t off = gather_layout_rays(s.gather), none = gather_layout_rays(s.fallback);
+        s.worker = gather_workers_new(pool, off > none ? off : none);
     }
-    if (!ok) {
+    if (!s.worker) {
         shade_destroy(&s);
         return SATIN_ERROR_MEMORY;
     }
@@ -47,9 +40,7 @@ satin_status shade_init(struct shade *shade, const struct gather *g,
 void shade_destroy(struct shade *shade) {
     gather_layout_free(shade->gather);
     gather_layout_free(shade->fallback);
-    for (int i = 0; shade->scratch && i < shade->scratch_count; i++)
-        gather_scratch_free(shade->scratch[i]);
-    free(shade->scratch);
+    gather_workers_free(shade->worker, shade->worker_count);
     *shade = (struct shade){0};
 }
 

@@ -54,18 +54,18 @@ static inline bool shade_sample_finite(const struct shade_sample *s) {
     return finite;
 }
 
-// Constants of an image pass and a worker's scratch.
+// Constants of an image pass, and what each worker gathers with.
 struct shade {
     const struct gather *g;
     const struct shade_tables *tables;
     const struct cache *cache;
     float a_irradiance, a_radiance;  // accuracies of the image pass
     struct film_filter filter;
-    float sharpness;                  // width of a sample's footprint, in pixels; 0: a point
-    struct gather_layout *gather;     // hemisphere for points where a cache is off
-    struct gather_layout *fallback;   // hemisphere for points without a record near them
-    struct gather_scratch **scratch;  // one per worker
-    int scratch_count;
+    float sharpness;                 // width of a sample's footprint, in pixels; 0: a point
+    struct gather_layout *gather;    // hemisphere for points where a cache is off
+    struct gather_layout *fallback;  // hemisphere for points without a record near them
+    struct gather_worker *worker;    // one for each worker of the pool
+    int worker_count;
 };
 
 satin_status shade_init(struct shade *shade, const struct gather *g,
@@ -94,9 +94,9 @@ struct shade_pixel_cache {
     int count, next;
 };
 
-// The data of a worker; zeroed at first except for `scratch`.
+// The data of a worker; zeroed at first except for `gather`.
 struct shade_worker {
-    struct gather_scratch *scratch;
+    struct gather_worker gather;           // of struct shade, which owns it
     struct shade_counts counts;            // the caller adds them up
     struct shade_pixel_cache pixel_cache;  // of the current pixel
 };
@@ -121,7 +121,7 @@ int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct c
 // Finds a site of indirect bounce `bounce`: the end of a random walk of that many bounces from
 // pixel (x, y). False if the walk ends before, or if its end needs no record.
 bool shade_walk(const struct shade *shade, int x, int y, int bounce, struct cache_site *out);
-// For struct gather_records. `records` is a struct shade, whose scratch is not used.
+// For struct gather_records. `records` is a struct shade, whose workers are not used.
 unsigned shade_known(const void *records, const struct gather_point *y, rgb *L);
 
 #endif

@@ -60,9 +60,10 @@ static void indirect_diffuse(struct shade_job *job, struct shade_pixel_entry *en
         struct gather_irradiance value;
         struct gather_site site = site_of(job);
         bool off = !s->g->options->irradiance_cache;
-        const struct gather_hemisphere hemisphere = gather_hemisphere_trace(
-            s->g, off ? s->gather : s->fallback, &site, job->worker->scratch);
-        gather_hemisphere_irradiance(s->g, &hemisphere, &value);
+        const struct gather_worker *w = &job->worker->gather;
+        gather_hemisphere_trace(s->g, off ? s->gather : s->fallback, &site, w->scratch,
+                                w->hemisphere);
+        gather_hemisphere_irradiance(s->g, w->hemisphere, &value);
         job->worker->counts.rays += value.rays;
         E = rotate_irradiance(&value, p->base.n, p->frame.n);
         job->worker->counts.gathered++;
@@ -129,10 +130,10 @@ static void sample_lobes(struct shade_job *job, unsigned lobes, float ratio) {
     const int count = g->options->glossy_samples;
     rgb weight[GLOSSY_SAMPLES_MAX];
     float pdf[GLOSSY_SAMPLES_MAX];
-    struct gather_ray *ray = gather_scratch_rays(job->worker->scratch);
+    struct gather_ray ray[GLOSSY_SAMPLES_MAX];
     const int rays = draw_rays(job, lobes, count, ray, weight, pdf);
     job->worker->counts.rays += (uint64_t)rays;
-    gather_rays(g, job->worker->scratch, ray, (size_t)rays, job->pixel_stream);
+    gather_rays(g, job->worker->gather.scratch, ray, (size_t)rays, job->pixel_stream);
     rgb direct = rgb_grey(0.0f), caustic = direct, indirect = direct;
     for (int i = 0; i < rays; i++) {
         if (ray[i].light_pdf > 0.0f)

@@ -10,7 +10,6 @@
 #include <string.h>
 
 #include "gather/gather_gradients.h"
-#include "gather/gather_scratch.h"
 #include "rsh/rsh.h"
 
 enum { ORDER = 10, N2 = ORDER * ORDER, BLOCK = 2000, POINTS_MOST = 10000 };
@@ -144,7 +143,7 @@ static const struct frame FRAME = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
 // One jittered ray per cell of a layout, as gathering makes them.
 static void fill(const struct scene *scene, const struct gather_layout *l, vec3 p, uint64_t point,
-                 struct gather_scratch *s) {
+                 struct gather_hemisphere *h) {
     struct rng rng = rng_make(5, RNG_GATHER, point);
     const float weight = 2.0f * PI_F / (float)gather_layout_rays(l);
     size_t i = 0;
@@ -154,11 +153,11 @@ static void fill(const struct scene *scene, const struct gather_layout *l, vec3 
             float v = ((float)k + rng_float(&rng)) / (float)l->N;
             vec3 w = l->order ? sample_uniform_hemisphere(fmaxf(1.0f - u, 0.0f), v)
                               : sample_cosine_hemisphere(u, v);
-            struct gather_ray *ray = &s->rays[i];
+            struct gather_ray *ray = &h->ray[i];
             ray->ray = (struct ray){.o = p, .d = w};
             ray->L = look(scene, p, w, &ray->first);
-            s->x[i] = w.x, s->y[i] = w.y, s->z[i] = w.z;
-            s->r[i] = weight * ray->L.r, s->g[i] = weight * ray->L.g, s->b[i] = weight * ray->L.b;
+            h->x[i] = w.x, h->y[i] = w.y, h->z[i] = w.z;
+            h->r[i] = weight * ray->L.r, h->g[i] = weight * ray->L.g, h->b[i] = weight * ray->L.b;
         }
 }
 
@@ -221,20 +220,20 @@ static bool report(const struct scene *scene, int rays, const struct tally *t,
 
 struct set {
     struct gather_layout *layout[3];  // HSH, SH, irradiance
-    struct gather_scratch *scratch;
+    struct gather_hemisphere *hemisphere;
     struct tally tally;
 };
 
 static void measure(const struct scene *scene, vec3 p, uint64_t point,
                     const struct vectors wanted[2], struct set *set) {
     for (int k = 0; k < 3; k++) {
-        const struct gather_hemisphere hemisphere =
-            gather_scratch_hemisphere(set->scratch, set->layout[k], &FRAME);
-        fill(scene, set->layout[k], p, point, set->scratch);
+        struct gather_hemisphere *hemisphere = set->hemisphere;
+        gather_hemisphere_begin(hemisphere, set->layout[k], &FRAME);
+        fill(scene, set->layout[k], p, point, hemisphere);
         if (k == 2)
-            measure_irradiance(&hemisphere, wanted, &set->tally);
+            measure_irradiance(hemisphere, wanted, &set->tally);
         else
-            measure_radiance(&hemisphere, 3 * k,
+            measure_radiance(hemisphere, 3 * k,
                              k ? (const double *[]){wanted[0].sh, wanted[1].sh}
                                : (const double *[]){wanted[0].hsh, wanted[1].hsh},
                              &set->tally);
@@ -265,7 +264,7 @@ int main(int argc, char **argv) {
             set[i].layout[0] = gather_layout_new(rays[i], SATIN_HSH, ORDER);
             set[i].layout[1] = gather_layout_new(rays[i], SATIN_SH, ORDER);
             set[i].layout[2] = gather_layout_new(rays[i], SATIN_HSH, 0);
-            set[i].scratch = gather_scratch_new(2 * (size_t)rays[i]);
+            set[i].hemisphere = gather_hemisphere_new(2 * (size_t)rays[i]);
         }
         struct rng rng = rng_make(11, RNG_GATHER, (uint64_t)s);
         for (int point = 0; point < points; point++) {
@@ -276,7 +275,7 @@ int main(int argc, char **argv) {
         for (int i = 0; i < 2; i++) {
             good = report(&scene[s], rays[i], &set[i].tally, LIMIT[s][i]) && good;
             for (int k = 0; k < 3; k++) gather_layout_free(set[i].layout[k]);
-            gather_scratch_free(set[i].scratch);
+            gather_hemisphere_free(set[i].hemisphere);
         }
     }
     return good ? 0 : 1;

@@ -37,16 +37,15 @@ static void start(struct fixture *f) {
     const vec3 up = v3(0, 0, 1);
     struct gather_site site = {v3(0.2f, 0, 0), up, frame_from_tangent(up, v3(1, 0, 0)), 7, true};
     struct gather_layout *layout = gather_layout_new(600, SATIN_HSH, 0);
-    struct gather_scratch *scratch = gather_scratch_new(gather_layout_rays(layout));
+    struct gather_worker *worker = gather_workers_new(NULL, gather_layout_rays(layout));
     struct gather_irradiance value;
     struct gather_around around;
-    const struct gather_hemisphere hemisphere =
-        gather_hemisphere_trace(&f->g, layout, &site, scratch);
-    gather_hemisphere_irradiance(&f->g, &hemisphere, &value);
-    gather_around_make(&hemisphere, false, &around);
+    gather_hemisphere_trace(&f->g, layout, &site, worker->scratch, worker->hemisphere);
+    gather_hemisphere_irradiance(&f->g, worker->hemisphere, &value);
+    gather_around_make(worker->hemisphere, false, &around);
     f->head = (struct cache_head){.p = site.p, .R = 2.0f, .n = up, .u = site.frame.u, .scale = 1};
     f->head.walls = cache_leak_walls(&around, 2.0f, &f->head.clear);
-    gather_scratch_free(scratch);
+    gather_workers_free(worker, 1);
     gather_layout_free(layout);
 }
 

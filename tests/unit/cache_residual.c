@@ -73,12 +73,11 @@ static rgb by_rays(const struct fixture *f) {
     float lambda[3 * ORDER * ORDER];
     struct gather_radiance radiance = {.lambda = lambda};
     struct gather_layout *layout = gather_layout_new(RAYS, SATIN_HSH, ORDER);
-    struct gather_scratch *scratch = gather_scratch_new(2 * RAYS);
-    const struct gather_hemisphere hemisphere =
-        gather_hemisphere_trace(&f->c.g, layout, &site, scratch);
-    gather_hemisphere_radiance(&f->c.g, &hemisphere, &radiance);
-    const rgb L = gather_hemisphere_reflected(&hemisphere, &brdf, WO, BRDF_GLOSSY);
-    gather_scratch_free(scratch);
+    struct gather_worker *worker = gather_workers_new(NULL, 2 * RAYS);
+    gather_hemisphere_trace(&f->c.g, layout, &site, worker->scratch, worker->hemisphere);
+    gather_hemisphere_radiance(&f->c.g, worker->hemisphere, &radiance);
+    const rgb L = gather_hemisphere_reflected(worker->hemisphere, &brdf, WO, BRDF_GLOSSY);
+    gather_workers_free(worker, 1);
     gather_layout_free(layout);
     return L;
 }

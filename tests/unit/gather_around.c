@@ -18,7 +18,7 @@ struct fixture {
     satin_options options;
     struct gather g;
     struct gather_layout *layout;
-    struct gather_scratch *scratch;
+    struct gather_worker *worker;
 };
 
 static void start(struct fixture *f, int rays) {
@@ -28,8 +28,8 @@ static void start(struct fixture *f, int rays) {
     f->options.max_depth = -1;
     f->g = gather_make(&f->scene.scene, &f->options, NULL);
     f->layout = gather_layout_new(rays, SATIN_HSH, 0);
-    f->scratch = gather_scratch_new(gather_layout_rays(f->layout));
-    assert_true(f->layout && f->scratch);
+    f->worker = gather_workers_new(NULL, gather_layout_rays(f->layout));
+    assert_true(f->layout && f->worker);
 }
 
 static void lamp(struct fixture *f, vec3 p) {
@@ -56,7 +56,7 @@ static void start_ball(struct fixture *f, int rays) {
 }
 
 static void stop(struct fixture *f) {
-    gather_scratch_free(f->scratch);
+    gather_workers_free(f->worker, 1);
     gather_layout_free(f->layout);
     test_scene_free(&f->scene);
 }
@@ -67,10 +67,9 @@ static double irradiance(struct fixture *f, float x, float z, uint64_t stream,
     struct gather_site site = {v3(x, -1.0f, z), n, frame_from_tangent(n, v3(1, 0, 0)), stream,
                                true};
     struct gather_irradiance value;
-    const struct gather_hemisphere hemisphere =
-        gather_hemisphere_trace(&f->g, f->layout, &site, f->scratch);
-    gather_hemisphere_irradiance(&f->g, &hemisphere, &value);
-    if (around) gather_around_make(&hemisphere, true, around);
+    gather_hemisphere_trace(&f->g, f->layout, &site, f->worker->scratch, f->worker->hemisphere);
+    gather_hemisphere_irradiance(&f->g, f->worker->hemisphere, &value);
+    if (around) gather_around_make(f->worker->hemisphere, true, around);
     return (double)rgb_luminance(value.E);
 }
 

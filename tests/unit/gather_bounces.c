@@ -25,9 +25,9 @@ static void paths_over_two_lobes_are_unbiased(void **state) {
     options.rr_depth = 5;
     const struct photon_maps maps = {.area = true};
     const struct gather g = gather_make(&t.scene, &options, &maps);
-    struct gather_scratch *scratch = gather_scratch_new(RAYS);
+    struct gather_scratch *scratch = gather_scratch_new(NULL, 0);
     assert_non_null(scratch);
-    struct gather_ray *rays = gather_scratch_rays(scratch);
+    static struct gather_ray rays[RAYS];
     rgb path = rgb_grey(0.0f);
     for (uint32_t i = 0; i < RAYS; i++) {
         const vec2 u = sample_sobol2(i, 5);

@@ -95,9 +95,9 @@ static void radiance_is_right(void **state) {
         float lambda[3 * N2], dx[3 * N2], dy[3 * N2], noise[N2];
         struct gather_radiance out = {.lambda = lambda, .dx = dx, .dy = dy, .noise = noise};
         site.stream = i;
-        const struct gather_hemisphere h =
-            gather_hemisphere_trace(&f.room.g, f.room.layout, &site, f.room.scratch);
-        gather_hemisphere_radiance(&f.room.g, &h, &out);
+        gather_hemisphere_trace(&f.room.g, f.room.layout, &site, f.room.worker->scratch,
+                                f.room.worker->hemisphere);
+        gather_hemisphere_radiance(&f.room.g, f.room.worker->hemisphere, &out);
         for (int k = 0; k < N2; k++) {
             sum[0][k] += (double)lambda[N2 + k] / STREAMS;
             sum[1][k] += (double)dx[N2 + k] / STREAMS;

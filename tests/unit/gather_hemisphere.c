@@ -50,13 +50,13 @@ static void a_furnace_has_no_gradients(void **state) {
     struct fixture f;
     furnace_box(&f);
     struct gather_layout *layout = gather_layout_new(1000, SATIN_HSH, 0);
-    struct gather_scratch *scratch = gather_scratch_new(gather_layout_rays(layout));
+    struct gather_worker *worker = gather_workers_new(NULL, gather_layout_rays(layout));
     double E = 0.0, sum[4] = {0}, square[4] = {0};
     for (uint64_t i = 0; i < STREAMS; i++) {
         struct gather_site site = floor_site(0.3f, 0.2f, i);
         struct gather_irradiance value;
-        const struct gather_hemisphere h = gather_hemisphere_trace(&f.g, layout, &site, scratch);
-        gather_hemisphere_irradiance(&f.g, &h, &value);
+        gather_hemisphere_trace(&f.g, layout, &site, worker->scratch, worker->hemisphere);
+        gather_hemisphere_irradiance(&f.g, worker->hemisphere, &value);
         E += (double)value.E.g / STREAMS;
         const float c[4] = {value.grad_t[1].x, value.grad_t[1].z, value.grad_r[1].x,
                             value.grad_r[1].z};
@@ -71,7 +71,7 @@ static void a_furnace_has_no_gradients(void **state) {
         // Five standard errors: a chance of 1e-6 for each of four numbers; the seeds are fixed.
         assert_true(fabs(mean) < 5.0 * sqrt(variance / (STREAMS - 1)));
     }
-    gather_scratch_free(scratch);
+    gather_workers_free(worker, 1);
     gather_layout_free(layout);
     test_scene_free(&f.scene);
 }
@@ -87,33 +87,33 @@ static void point_lit_box(struct fixture *f) {
 }
 
 static struct gather_irradiance irradiance_at(struct fixture *f, struct gather_layout *layout,
-                                              struct gather_scratch *scratch,
+                                              const struct gather_worker *worker,
                                               struct gather_site site) {
     struct gather_irradiance value;
-    const struct gather_hemisphere h = gather_hemisphere_trace(&f->g, layout, &site, scratch);
-    gather_hemisphere_irradiance(&f->g, &h, &value);
+    gather_hemisphere_trace(&f->g, layout, &site, worker->scratch, worker->hemisphere);
+    gather_hemisphere_irradiance(&f->g, worker->hemisphere, &value);
     return value;
 }
 
 static void radiance_at(const struct fixture *f, const struct gather_layout *layout,
-                        struct gather_scratch *scratch, const struct gather_site *site,
+                        const struct gather_worker *worker, const struct gather_site *site,
                         struct gather_radiance *out) {
-    const struct gather_hemisphere h = gather_hemisphere_trace(&f->g, layout, site, scratch);
-    gather_hemisphere_radiance(&f->g, &h, out);
+    gather_hemisphere_trace(&f->g, layout, site, worker->scratch, worker->hemisphere);
+    gather_hemisphere_radiance(&f->g, worker->hemisphere, out);
 }
 
 // Mean and deviation over streams of the irradiance by 400 rays below polished walls.
 static double polished_irradiance(struct fixture *f, double *deviation) {
     enum { MANY = 256 };
     struct gather_layout *layout = gather_layout_new(400, SATIN_HSH, 0);
-    struct gather_scratch *scratch = gather_scratch_new(gather_layout_rays(layout));
+    struct gather_worker *worker = gather_workers_new(NULL, gather_layout_rays(layout));
     double sum = 0.0, square = 0.0;
     for (uint64_t i = 0; i < MANY; i++) {
-        const double E = (double)irradiance_at(f, layout, scratch, floor_site(0.3f, 0.2f, i)).E.g;
+        const double E = (double)irradiance_at(f, layout, worker, floor_site(0.3f, 0.2f, i)).E.g;
         sum += E;
         square += E * E;
     }
-    gather_scratch_free(scratch);
+    gather_workers_free(worker, 1);
     gather_layout_free(layout);
     *deviation = sqrt(square / MANY - sum * sum / MANY / MANY);
     return sum / MANY;
@@ -152,15 +152,15 @@ static void irradiance_gradients_match_differences(void **state) {
     struct fixture f;
     point_lit_box(&f);
     struct gather_layout *layout = gather_layout_new(12000, SATIN_HSH, 0);
-    struct gather_scratch *scratch = gather_scratch_new(gather_layout_rays(layout));
+    struct gather_worker *worker = gather_workers_new(NULL, gather_layout_rays(layout));
     const float h = 0.02f, x = -0.3f, z = 0.2f;
     double error = 0.0, size = 0.0;
     for (uint64_t i = 0; i < 4; i++) {
-        struct gather_irradiance here = irradiance_at(&f, layout, scratch, floor_site(x, z, i));
+        struct gather_irradiance here = irradiance_at(&f, layout, worker, floor_site(x, z, i));
         for (int axis = 0; axis < 2; axis++) {
             float dx = axis ? 0.0f : h, dz = axis ? h : 0.0f;
-            float up = irradiance_at(&f, layout, scratch, floor_site(x + dx, z + dz, i)).E.g;
-            float down = irradiance_at(&f, layout, scratch, floor_site(x - dx, z - dz, i)).E.g;
+            float up = irradiance_at(&f, layout, worker, floor_site(x + dx, z + dz, i)).E.g;
+            float down = irradiance_at(&f, layout, worker, floor_site(x - dx, z - dz, i)).E.g;
             double difference = (double)(up - down) / (2.0 * (double)h);
             double given = (double)(axis ? here.grad_t[1].z : here.grad_t[1].x);
             error += (given - difference) * (given - difference);
@@ -171,7 +171,7 @@ static void irradiance_gradients_match_differences(void **state) {
     // the central difference adds its own curvature term of the order h^2.
     assert_true(size > 0.0 && sqrt(error / size) < 0.03);
 
-    gather_scratch_free(scratch);
+    gather_workers_free(worker, 1);
     gather_layout_free(layout);
     test_scene_free(&f.scene);
 }
@@ -181,27 +181,27 @@ static void rotation_gradient_matches_a_tilt(void **state) {
     struct fixture f;
     point_lit_box(&f);
     struct gather_layout *layout = gather_layout_new(12000, SATIN_HSH, 0);
-    struct gather_scratch *scratch = gather_scratch_new(gather_layout_rays(layout));
+    struct gather_worker *worker = gather_workers_new(NULL, gather_layout_rays(layout));
     // Beside a wall, where irradiance depends much on the normal; tilted by 2 degrees both ways.
     const float tilt = 0.035f;
     double given = 0.0, difference = 0.0;
     for (uint64_t i = 0; i < STREAMS; i++) {
         struct gather_site site = floor_site(0.8f, 0.1f, i);
         given += (double)v3_dot(v3_cross(v3(0, 1, 0), v3(1, 0, 0)),
-                                irradiance_at(&f, layout, scratch, site).grad_r[1]);
+                                irradiance_at(&f, layout, worker, site).grad_r[1]);
         for (int side = -1; side <= 1; side += 2) {
             struct gather_site tilted = site;
             tilted.frame =
                 frame_from_tangent(v3_unit(v3((float)side * tilt, 1.0f, 0.0f)), site.frame.u);
-            difference += (double)irradiance_at(&f, layout, scratch, tilted).E.g * side /
-                          (2.0 * (double)tilt);
+            difference +=
+                (double)irradiance_at(&f, layout, worker, tilted).E.g * side / (2.0 * (double)tilt);
         }
     }
     // E is to 0.05 % in each of 24 pairs of 12000 rays, so its slope to .002 of .036 in their
     // mean; the wrong sign would be off by 2.
     assert_true(fabs(difference) > 0.02 * STREAMS);
     assert_true(fabs(given / difference - 1.0) < 0.15);
-    gather_scratch_free(scratch);
+    gather_workers_free(worker, 1);
     gather_layout_free(layout);
     test_scene_free(&f.scene);
 }
@@ -211,20 +211,20 @@ static void radiance_gradients_match_differences(void **state) {
     struct fixture f;
     point_lit_box(&f);
     struct gather_layout *layout = gather_layout_new(16000, SATIN_HSH, ORDER);
-    struct gather_scratch *scratch = gather_scratch_new(gather_layout_rays(layout));
+    struct gather_worker *worker = gather_workers_new(NULL, gather_layout_rays(layout));
     const float h = 0.02f, x = -0.3f, z = 0.2f;
     float a[3 * N2], dx[3 * N2], dy[3 * N2], up[3 * N2], down[3 * N2];
     double error = 0.0, size = 0.0;
     struct gather_site site = floor_site(x, z, 5);
     struct gather_radiance here = {.lambda = a, .dx = dx, .dy = dy};
-    radiance_at(&f, layout, scratch, &site, &here);
+    radiance_at(&f, layout, worker, &site, &here);
     for (int axis = 0; axis < 2; axis++) {
         vec3 along = v3_mul(axis ? site.frame.v : site.frame.u, h);
         struct gather_site s = site;
         s.p = v3_add(site.p, along);
-        radiance_at(&f, layout, scratch, &s, &(struct gather_radiance){.lambda = up});
+        radiance_at(&f, layout, worker, &s, &(struct gather_radiance){.lambda = up});
         s.p = v3_sub(site.p, along);
-        radiance_at(&f, layout, scratch, &s, &(struct gather_radiance){.lambda = down});
+        radiance_at(&f, layout, worker, &s, &(struct gather_radiance){.lambda = down});
         for (int k = 0; k < 3 * N2; k++) {
             double difference = (double)(up[k] - down[k]) / (2.0 * (double)h);
             double given = (double)(axis ? dy[k] : dx[k]);
@@ -235,7 +235,7 @@ static void radiance_gradients_match_differences(void **state) {
     // Errata: 2 % for all coefficients at 1024 rays, 1 % at 4096, with weights at the walls; plus
     // h^2.
     assert_true(size > 0.0 && sqrt(error / size) < 0.04);
-    gather_scratch_free(scratch);
+    gather_workers_free(worker, 1);
     gather_layout_free(layout);
     test_scene_free(&f.scene);
 }
@@ -245,10 +245,10 @@ static void constant_radiance_has_one_coefficient(void **state) {
     struct fixture f;
     furnace_box(&f);
     struct gather_layout *layout = gather_layout_new(20000, SATIN_HSH, ORDER);
-    struct gather_scratch *scratch = gather_scratch_new(gather_layout_rays(layout));
+    struct gather_worker *worker = gather_workers_new(NULL, gather_layout_rays(layout));
     float a[3 * N2];
     struct gather_site site = floor_site(0.1f, -0.4f, 3);
-    radiance_at(&f, layout, scratch, &site, &(struct gather_radiance){.lambda = a});
+    radiance_at(&f, layout, worker, &site, &(struct gather_radiance){.lambda = a});
     // 1 / 4 times the integral of H_0 = 1 / sqrt(2 pi) over the hemisphere. One light sample of six
     // faces spreads by less than its mean, so a coefficient's standard error is below 0.7 %; five
     // of them for one, twice the expected sum for the 35 others.
@@ -256,7 +256,30 @@ static void constant_radiance_has_one_coefficient(void **state) {
     assert_true(fabs((double)a[0] / exact - 1.0) < 0.035);
     for (int k = 1; k < N2; k++) rest += (double)a[k] * (double)a[k];
     assert_true(sqrt(rest) < 0.08 * exact);
-    gather_scratch_free(scratch);
+    gather_workers_free(worker, 1);
+    gather_layout_free(layout);
+    test_scene_free(&f.scene);
+}
+
+// What a hemisphere found is its own: the next one that the worker gathers leaves it as it is.
+static void hemispheres_own_what_they_found(void **state) {
+    (void)state;
+    struct fixture f;
+    furnace_box(&f);
+    struct gather_layout *layout = gather_layout_new(100, SATIN_HSH, 0);
+    struct gather_worker *worker = gather_workers_new(NULL, gather_layout_rays(layout));
+    struct gather_hemisphere *other = gather_hemisphere_new(gather_layout_rays(layout));
+    const struct gather_site here = floor_site(0.3f, 0.2f, 0), there = floor_site(-0.7f, 0.1f, 1);
+    struct gather_irradiance before, after;
+    gather_hemisphere_trace(&f.g, layout, &here, worker->scratch, worker->hemisphere);
+    gather_hemisphere_irradiance(&f.g, worker->hemisphere, &before);
+    gather_hemisphere_trace(&f.g, layout, &there, worker->scratch, other);
+    gather_hemisphere_irradiance(&f.g, worker->hemisphere, &after);
+    assert_memory_equal(&before, &after, sizeof before);
+    gather_hemisphere_irradiance(&f.g, other, &after);
+    assert_memory_not_equal(&before, &after, sizeof before);
+    gather_hemisphere_free(other);
+    gather_workers_free(worker, 1);
     gather_layout_free(layout);
     test_scene_free(&f.scene);
 }
@@ -269,6 +292,7 @@ int main(void) {
         cmocka_unit_test(rotation_gradient_matches_a_tilt),
         cmocka_unit_test(radiance_gradients_match_differences),
         cmocka_unit_test(constant_radiance_has_one_coefficient),
+        cmocka_unit_test(hemispheres_own_what_they_found),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

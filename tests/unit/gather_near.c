@@ -3,6 +3,7 @@
 // the site is on that ceiling, which does not see it: irradiance there is known by integration over
 // the walls and the floor, which do.
 #include "gather/gather_near.h"
+#include "gather/gather_layout.h"
 
 #include "spot_room.h"
 
@@ -50,10 +51,7 @@ static struct errors errors_of(struct spot_room *f, bool guided, double E) {
     f->options.guide_clusters = guided;
     for (uint64_t i = 0; i < STREAMS; i++) {
         const struct gather_site site = ceiling_site(i);
-        struct gather_irradiance value;
-        const struct gather_hemisphere hemisphere =
-            gather_hemisphere_trace(&f->g, f->layout, &site, f->scratch);
-        gather_hemisphere_irradiance(&f->g, &hemisphere, &value);
+        const struct gather_irradiance value = spot_room_irradiance(f, &site);
         const double d = (double)value.E.g / E - 1.0;
         e.mean += d / STREAMS;
         e.rms += d * d / STREAMS;
@@ -86,15 +84,16 @@ static void weights_are_unbiased(void **state) {
     const struct gather_site site = ceiling_site(0);
     struct gather_cluster_rays clusters;
     const struct gather_near *near = &clusters.near;
-    struct gather_ray *rays = gather_scratch_rays(f.scratch);
-    gather_cluster_rays_add(&f.g, f.layout, &site, f.scratch, &clusters);
+    struct gather_hemisphere *h = f.worker->hemisphere;
+    gather_hemisphere_begin(h, f.layout, &site.frame);
+    gather_cluster_rays_add(&f.g, &site, h, &clusters);
     for (uint32_t i = 0; i < RAYS; i++) {
         const vec2 u = sample_sobol2(i, 5);
         const vec3 d = frame_to_world(&site.frame, sample_cosine_hemisphere(u.x, u.y));
-        rays[i] =
+        h->ray[i] =
             (struct gather_ray){.ray = scene_spawn(&f.scene.scene, site.p, site.ng, d), .item = i};
     }
-    gather_rays_guided(&f.g, f.scratch, rays, RAYS, 0, &clusters.near);
+    gather_rays_guided(&f.g, f.worker->scratch, h->ray, RAYS, 0, &clusters.near);
     assert_true(near->count > 0);
     for (int wall = 0; wall < 2; wall++) {
         const vec3 d = wall ? v3_unit(v3(1.0f, -2.0f, 0.2f)) : v3(0, -1, 0);

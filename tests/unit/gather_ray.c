@@ -46,7 +46,7 @@ static void light_is_weighed_at_the_point_that_rays_leave(void **state) {
     scene_of(&t);
     satin_options options = satin_options_default;
     options.first_pass = SATIN_FIRST_NONE;
-    struct gather_scratch *scratch = gather_scratch_new(1);
+    struct gather_scratch *scratch = gather_scratch_new(NULL, 0);
     assert_non_null(scratch);
     const vec3 p = v3(0, 0, 0), up = v3(0, 0, 1);
     const float border[2] = {0.0f, 1e-30f};
@@ -55,15 +55,14 @@ static void light_is_weighed_at_the_point_that_rays_leave(void **state) {
         struct guide_visibility *visibility = cells_at(border[i]);
         const struct gather g = {
             .scene = &t.scene, .options = &options, .maps = &maps, .visibility = visibility};
-        struct gather_ray *ray = gather_scratch_rays(scratch);
-        *ray = (struct gather_ray){.ray = scene_spawn(&t.scene, p, up, up), .lit = &p};
-        gather_rays(&g, scratch, ray, 1, 0);
-        assert_true(ray->ray.o.z > border[1]);
-        assert_true(rgb_luminance(ray->Le) > 0.0f);
+        struct gather_ray ray = {.ray = scene_spawn(&t.scene, p, up, up), .lit = &p};
+        gather_rays(&g, scratch, &ray, 1, 0);
+        assert_true(ray.ray.o.z > border[1]);
+        assert_true(rgb_luminance(ray.Le) > 0.0f);
         const struct light_chain chain = light_chain_begin(up);
-        assert_true(ray->light_pdf == gather_light_pdf(&g, p, &chain, NULL));
+        assert_true(ray.light_pdf == gather_light_pdf(&g, p, &chain, NULL));
         // A sky and a lamp whose light arrives at p alike would get half of the samples each.
-        assert_true(i == 0 ? ray->light_pdf > 0.4f / PI_F * 0.5f : ray->light_pdf < 0.05f / PI_F);
+        assert_true(i == 0 ? ray.light_pdf > 0.4f / PI_F * 0.5f : ray.light_pdf < 0.05f / PI_F);
         free(visibility);
     }
     gather_scratch_free(scratch);
@@ -83,14 +82,13 @@ static void no_estimate_is_left_over(void **state) {
     options.first_pass = SATIN_FIRST_PHOTONS;
     const struct photon_maps maps = {.area = true};
     const struct gather g = gather_make(&t.scene, &options, &maps);
-    struct gather_scratch *scratch = gather_scratch_new(1);
+    struct gather_scratch *scratch = gather_scratch_new(NULL, 0);
     assert_non_null(scratch);
     scratch->hits.E[0] = rgb_grey(NAN);
     scratch->hits.radius[0] = NAN;
     const struct ray down = {v3(0, 0, 1), 0.0f, v3(0, 0, -1), INFINITY};
-    struct gather_ray *ray = gather_scratch_rays(scratch);
-    *ray = (struct gather_ray){.ray = down};
-    gather_rays(&g, scratch, ray, 1, 0);
+    struct gather_ray ray = {.ray = down};
+    gather_rays(&g, scratch, &ray, 1, 0);
     assert_int_equal(scratch->hits.hit[0].point.lobes & BRDF_SMOOTH, BRDF_GLOSSY);
     assert_true(rgb_black(scratch->hits.E[0]) && isinf(scratch->hits.radius[0]));
     gather_scratch_free(scratch);

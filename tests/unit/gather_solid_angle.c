@@ -12,16 +12,14 @@
 #include <cmocka.h>
 
 #include "gather/gather_gradients.h"
-#include "gather/gather_scratch.h"
 #include "rsh/rsh.h"
 
 enum { RAYS = 400, ORDER = 10, N2 = ORDER * ORDER };
 
 struct fixture {
     struct gather_layout *layout;
-    struct gather_scratch *scratch;
     struct frame frame;
-    struct gather_hemisphere hemisphere;
+    struct gather_hemisphere *hemisphere;
     size_t count;
 };
 
@@ -30,28 +28,28 @@ struct fixture {
 static void start(struct fixture *f, satin_basis basis, int order) {
     f->layout = gather_layout_new(RAYS, basis, order);
     f->count = gather_layout_rays(f->layout);
-    f->scratch = gather_scratch_new(f->count);
     f->frame = frame_from_normal(v3_unit(v3(0.3f, -0.5f, 0.7f)));
-    f->hemisphere = gather_scratch_hemisphere(f->scratch, f->layout, &f->frame);
+    f->hemisphere = gather_hemisphere_new(f->count);
+    gather_hemisphere_begin(f->hemisphere, f->layout, &f->frame);
     struct rng rng = rng_make(1, RNG_GATHER, 0);
-    struct gather_scratch *s = f->scratch;
+    struct gather_hemisphere *h = f->hemisphere;
     for (size_t i = 0; i < f->count; i++) {
         float u = rng_float(&rng), v = rng_float(&rng);
         vec3 w = order ? sample_uniform_hemisphere(u, v) : sample_cosine_hemisphere(u, v);
-        s->x[i] = w.x, s->y[i] = w.y, s->z[i] = w.z;
+        h->x[i] = w.x, h->y[i] = w.y, h->z[i] = w.z;
         vec3 tilt = v3_mul(sample_uniform_sphere(rng_float(&rng), rng_float(&rng)), 0.95f);
         struct gather_first hit = {powf(10.0f, 3.0f * rng_float(&rng) - 2.0f),
                                    frame_to_world(&f->frame, v3_unit(v3_sub(tilt, w)))};
         if (i % 11 == 0) hit.ng = GATHER_NOTHING.ng;
-        s->rays[i].first = i % 7 ? hit : GATHER_NOTHING;
-        s->rays[i].L = rgb_make(rng_float(&rng), rng_float(&rng), rng_float(&rng));
-        const rgb value = rgb_scale(s->rays[i].L, 2.0f * PI_F / (float)f->count);
-        s->r[i] = value.r, s->g[i] = value.g, s->b[i] = value.b;
+        h->ray[i].first = i % 7 ? hit : GATHER_NOTHING;
+        h->ray[i].L = rgb_make(rng_float(&rng), rng_float(&rng), rng_float(&rng));
+        const rgb value = rgb_scale(h->ray[i].L, 2.0f * PI_F / (float)f->count);
+        h->r[i] = value.r, h->g[i] = value.g, h->b[i] = value.b;
     }
 }
 
 static void finish(struct fixture *f) {
-    gather_scratch_free(f->scratch);
+    gather_hemisphere_free(f->hemisphere);
     gather_layout_free(f->layout);
 }
 
@@ -59,10 +57,10 @@ static void finish(struct fixture *f) {
 // moved by `step` along an axis. False if nothing is known of it.
 static bool moved(const struct fixture *f, size_t i, int axis, double step, double w[3],
                   double *omega) {
-    const struct gather_scratch *s = f->scratch;
-    const struct gather_first *hit = &s->rays[i].first;
+    const struct gather_hemisphere *h = f->hemisphere;
+    const struct gather_first *hit = &h->ray[i].first;
     const vec3 nl = frame_to_local(&f->frame, hit->ng);
-    const double old[3] = {(double)s->x[i], (double)s->y[i], (double)s->z[i]};
+    const double old[3] = {(double)h->x[i], (double)h->y[i], (double)h->z[i]};
     const double n[3] = {(double)nl.x, (double)nl.y, (double)nl.z};
     double r = (double)hit->r, length2 = 0.0, c = 0.0, c_old = 0.0;
     if (!isfinite(r) || v3_len2(nl) < 0.5f) return false;
@@ -96,12 +94,12 @@ static void wanted_radiance(const struct fixture *f, int axis, double *out) {
     for (int k = 0; k < 3 * N2; k++) out[k] = 0.0;
     for (size_t i = 0; i < f->count; i++)
         for (int side = -1; side <= 1; side += 2) {
-            double w[3], omega, h = 0.003 * (double)f->scratch->rays[i].first.r;
+            double w[3], omega, h = 0.003 * (double)f->hemisphere->ray[i].first.r;
             float H[N2];
             if (!moved(f, i, axis, side * h, w, &omega)) continue;
             rsh_eval(basis, ORDER, (float[]){(float)w[0], (float)w[1], (float)w[2]}, H);
-            const double L[3] = {(double)f->scratch->r[i], (double)f->scratch->g[i],
-                                 (double)f->scratch->b[i]};
+            const double L[3] = {(double)f->hemisphere->r[i], (double)f->hemisphere->g[i],
+                                 (double)f->hemisphere->b[i]};
             for (int k = 0; k < 3 * N2; k++)
                 out[k] += side * omega * L[k / N2] * (double)H[k % N2] / (2.0 * h);
         }
@@ -116,7 +114,7 @@ static void radiance(satin_basis basis) {
     for (int differences = 0; differences < 2; differences++) {
         memset(dx, 0, sizeof dx);
         memset(dy, 0, sizeof dy);
-        gather_solid_angle_radiance(&f.hemisphere, differences, 0, dx, dy);
+        gather_solid_angle_radiance(f.hemisphere, differences, 0, dx, dy);
         compare(dx, wanted[0], 3 * N2, 2e-3);
         compare(dy, wanted[1], 3 * N2, 2e-3);
     }
@@ -141,10 +139,10 @@ static void irradiance(void **state) {
     for (size_t i = 0; i < f.count; i++)
         for (int k = 0; k < 4; k++) {
             const int side = k & 1 ? 1 : -1, axis = k >> 1;
-            double w[3], omega, h = 1e-4 * (double)f.scratch->rays[i].first.r;
+            double w[3], omega, h = 1e-4 * (double)f.hemisphere->ray[i].first.r;
             if (!moved(&f, i, axis, side * h, w, &omega)) continue;
-            const rgb L = f.scratch->rays[i].L;
-            const double change = side * omega * w[2] / (double)f.scratch->z[i] / (2.0 * h) *
+            const rgb L = f.hemisphere->ray[i].L;
+            const double change = side * omega * w[2] / (double)f.hemisphere->z[i] / (2.0 * h) *
                                   (double)PI_F / (double)f.count;
             wanted[axis] += (double)L.r * change;
             wanted[2 + axis] += (double)L.g * change;
@@ -152,7 +150,7 @@ static void irradiance(void **state) {
         }
     for (int differences = 0; differences < 2; differences++) {
         vec3 grad[3] = {{0}};
-        gather_solid_angle_irradiance(&f.hemisphere, differences, 0, grad);
+        gather_solid_angle_irradiance(f.hemisphere, differences, 0, grad);
         const float given[6] = {grad[0].x, grad[0].y, grad[1].x, grad[1].y, grad[2].x, grad[2].y};
         compare(given, wanted, 6, 2e-4);
         for (int c = 0; c < 3; c++) assert_true(grad[c].z == 0.0f);

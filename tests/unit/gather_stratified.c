@@ -11,7 +11,6 @@
 #include <cmocka.h>
 
 #include "gather/gather_gradients.h"
-#include "gather/gather_scratch.h"
 #include "rsh/rsh.h"
 
 enum { RAYS = 16384, ORDER = 4, N2 = ORDER * ORDER };
@@ -24,7 +23,7 @@ static const double SLOPE = 0.75 * 3.14159265358979323846;
 static const struct frame FRAME = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
 // One jittered ray per stratum; L = 1 + a . w in red, green twice and blue three times that.
-static void look(struct gather_scratch *s, const struct gather_layout *l, vec3 a) {
+static void look(struct gather_hemisphere *h, const struct gather_layout *l, vec3 a) {
     struct rng rng = rng_make(7, RNG_GATHER, 1);
     for (int j = 0; j < l->M; j++)
         for (int k = 0; k < l->N; k++) {
@@ -34,28 +33,28 @@ static void look(struct gather_scratch *s, const struct gather_layout *l, vec3 a
             vec3 w = l->order ? sample_uniform_hemisphere(fmaxf(1.0f - u, 0.0f), v)
                               : sample_cosine_hemisphere(u, v);
             float L = 1.0f + v3_dot(a, w);
-            s->rays[i].ray.d = w;
-            s->rays[i].first = (struct gather_first){1.0f, v3_neg(w)};
-            s->rays[i].L = rgb_make(L, 2.0f * L, 3.0f * L);
+            h->ray[i].ray.d = w;
+            h->ray[i].first = (struct gather_first){1.0f, v3_neg(w)};
+            h->ray[i].L = rgb_make(L, 2.0f * L, 3.0f * L);
         }
 }
 
 static void irradiance_in_a_sphere(void **state) {
     (void)state;
     struct gather_layout *l = gather_layout_new(RAYS, SATIN_HSH, 0);
-    struct gather_scratch *s = gather_scratch_new(gather_layout_rays(l));
-    const struct gather_hemisphere hemisphere = gather_scratch_hemisphere(s, l, &FRAME);
-    look(s, l, v3(1.0f, 0.0f, 0.0f));
+    struct gather_hemisphere *h = gather_hemisphere_new(gather_layout_rays(l));
+    gather_hemisphere_begin(h, l, &FRAME);
+    look(h, l, v3(1.0f, 0.0f, 0.0f));
     for (int kind = 0; kind < 2; kind++) {
         vec3 grad[3] = {{0}};
-        gather_stratified_irradiance(&hemisphere, kind == 1, grad);
+        gather_stratified_irradiance(h, kind == 1, grad);
         for (int c = 0; c < 3; c++) {
             assert_true(fabs((double)grad[c].x / (c + 1) - SLOPE) < TOLERANCE);
             assert_true(fabs((double)grad[c].y / (c + 1)) < TOLERANCE);
             assert_true(grad[c].z == 0.0f);
         }
     }
-    gather_scratch_free(s);
+    gather_hemisphere_free(h);
     gather_layout_free(l);
 }
 
@@ -63,14 +62,14 @@ static void irradiance_in_a_sphere(void **state) {
 static void radiance_in_a_sphere(void **state) {
     (void)state;
     struct gather_layout *l = gather_layout_new(RAYS, SATIN_HSH, ORDER);
-    struct gather_scratch *s = gather_scratch_new(gather_layout_rays(l));
-    const struct gather_hemisphere hemisphere = gather_scratch_hemisphere(s, l, &FRAME);
+    struct gather_hemisphere *h = gather_hemisphere_new(gather_layout_rays(l));
+    gather_hemisphere_begin(h, l, &FRAME);
     // cos(theta) = (sqrt(2 pi) H_0 + sqrt(2 pi / 3) H_1) / 2.
     const double c0 = 0.5 * sqrt(2.0 * 3.14159265358979), c2 = c0 / sqrt(3.0);
     for (int rotated = 0; rotated < 2; rotated++) {
         float dx[3 * N2] = {0}, dy[3 * N2] = {0};
-        look(s, l, rotated ? v3(0.0f, 1.0f, 0.0f) : v3(1.0f, 0.0f, 0.0f));
-        gather_stratified_radiance(&hemisphere, dx, dy);
+        look(h, l, rotated ? v3(0.0f, 1.0f, 0.0f) : v3(1.0f, 0.0f, 0.0f));
+        gather_stratified_radiance(h, dx, dy);
         for (int c = 0; c < 3; c++) {
             double x = (c0 * (double)dx[c * N2] + c2 * (double)dx[c * N2 + 2]) / (c + 1);
             double y = (c0 * (double)dy[c * N2] + c2 * (double)dy[c * N2 + 2]) / (c + 1);
@@ -78,7 +77,7 @@ static void radiance_in_a_sphere(void **state) {
             assert_true(fabs(y - (rotated ? SLOPE : 0.0)) < TOLERANCE);
         }
     }
-    gather_scratch_free(s);
+    gather_hemisphere_free(h);
     gather_layout_free(l);
 }
 

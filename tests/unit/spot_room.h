@@ -19,7 +19,7 @@ struct spot_room {
     struct photon_maps *maps;
     struct gather g;
     struct gather_layout *layout;
-    struct gather_scratch *scratch;
+    struct gather_worker *worker;
 };
 
 // `half_angle` of the beam, `rays` of a hemisphere for harmonics of `order` (0: irradiance).
@@ -47,12 +47,12 @@ static inline void spot_room_make(struct spot_room *f, float half_angle, satin_o
         SATIN_OK);
     f->g = gather_make(&f->scene.scene, &f->options, f->maps);
     f->layout = gather_layout_new(rays, SATIN_HSH, order);
-    f->scratch = gather_scratch_new(gather_layout_rays(f->layout));
-    assert_true(f->layout && f->scratch);
+    f->worker = gather_workers_new(NULL, gather_layout_rays(f->layout));
+    assert_true(f->layout && f->worker);
 }
 
 static inline void spot_room_free(struct spot_room *f) {
-    gather_scratch_free(f->scratch);
+    gather_workers_free(f->worker, 1);
     gather_layout_free(f->layout);
     photon_maps_free(f->maps);
     parallel_free(f->pool);
@@ -62,8 +62,8 @@ static inline void spot_room_free(struct spot_room *f) {
 static inline struct gather_irradiance spot_room_irradiance(const struct spot_room *f,
                                                             const struct gather_site *site) {
     struct gather_irradiance value;
-    const struct gather_hemisphere h = gather_hemisphere_trace(&f->g, f->layout, site, f->scratch);
-    gather_hemisphere_irradiance(&f->g, &h, &value);
+    gather_hemisphere_trace(&f->g, f->layout, site, f->worker->scratch, f->worker->hemisphere);
+    gather_hemisphere_irradiance(&f->g, f->worker->hemisphere, &value);
     return value;
 }
 
