@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Images: named float channels of one size, rows from the top. A film does not change once it is
-// there: all functions but satin_film_free may be called for one film from several threads.
+// Images: named float channels of one size, rows from the top. A film is immutable: all functions
+// but satin_film_free may be called for one film from several threads.
 #ifndef SATIN_FILM_H
 #define SATIN_FILM_H
 
@@ -10,37 +10,35 @@
 extern "C" {
 #endif
 
-// Reads an OpenEXR file (scanline or tiled, first part, any pixel type); values stay in the file's
-// units. `path` and `film` must not be NULL. `log` may be NULL; it is
-// called on this thread. The caller frees *film with satin_film_free; on failure it is untouched.
-// SATIN_ERROR_INPUT: it cannot be read, is no such file, or of a kind that is not supported;
-// SATIN_ERROR_MEMORY. Thread-safe.
+// Reads an OpenEXR file (scanline or tiled, first part, any pixel type); values keep the units of
+// the file. `path` and `film` must not be NULL. `log` may be NULL; it is called on this thread. The
+// caller frees *film with satin_film_free; on failure *film is unchanged. SATIN_ERROR_INPUT: the
+// file cannot be read, is not OpenEXR or not supported; SATIN_ERROR_MEMORY. Thread-safe.
 SATIN_API satin_status satin_film_read(const char *path, satin_log_fn log, void *log_user,
                                        satin_film **film);
-// Frees the film, and with it its channels, names and statistics. NULL is allowed. No other thread
-// may use the film then, but other films may be freed at the same time.
+// Frees the film with its channels, names and statistics. NULL is allowed. No other thread may use
+// the film during or after the call, but other films may be freed at the same time.
 SATIN_API void satin_film_free(satin_film *film);
 
 // The film's size [pixels], of the crop window if the scene has one. Neither pointer may be NULL.
 // Thread-safe.
 SATIN_API void satin_film_size(const satin_film *film, int *width, int *height);
-// The name of channel `index`, from 0 on; NULL beyond the last, which ends a loop over all, and
-// below 0. Channels are named R, G, B for the beauty and layer.R and so on for layers. It belongs
-// to the film. Thread-safe.
+// The name of channel `index`, counted from 0; NULL below 0 and beyond the last one, so that a loop
+// can end by it. Channels are named R, G, B for the beauty and layer.R and so on for layers. The
+// name is owned by the film. Thread-safe.
 SATIN_API const char *satin_film_channel_name(const satin_film *film, int index);
-// The channel of that name: width * height floats, row by row from the top, which belong to the
-// film; NULL if there is none. docs/formats.md has the unit of each: radiance [W m^-2 sr^-1] in all
-// channels of light, the scene's unit of length in depth.Z, 1 in albedo, normal and counts.
-// Thread-safe.
+// The channel of that name: width * height floats, row by row from the top, owned by the film; NULL
+// if there is none. docs/formats.md has the unit of each: radiance [W m^-2 sr^-1] in all channels
+// of light, the scene's unit of length in depth.Z, 1 in albedo, normal and counts. Thread-safe.
 SATIN_API const float *satin_film_channel(const satin_film *film, const char *name);
 
-// Writes all channels and attributes as OpenEXR (float, ZIP), or the beauty as 8-bit sRGB PNG. The
-// file appears whole or not at all, and replaces one of that name. `log` may be NULL; it is called
-// on this thread. SATIN_ERROR_IO, logged, if it cannot be written; SATIN_ERROR_ARGUMENT, logged, if
-// it has no channels, or for PNG no R, G and B; SATIN_ERROR_MEMORY; SATIN_ERROR_INTERNAL: libpng
-// failed. Neither `film` nor `path` may be NULL; the film stays the caller's. Values are written in
-// their units, and to PNG clamped to [0, 1]. Thread-safe, but for two calls that write one path:
-// the last one to end wins.
+// Write all channels and attributes as OpenEXR (float, ZIP), or the beauty as 8-bit sRGB PNG. The
+// file appears whole or not at all, and replaces an existing one. `log` may be NULL; it is called
+// on this thread. SATIN_ERROR_IO, logged, if the file cannot be written; SATIN_ERROR_ARGUMENT,
+// logged, if the film has no channels or, for PNG, no R, G and B; SATIN_ERROR_MEMORY;
+// SATIN_ERROR_INTERNAL: libpng failed. Neither `film` nor `path` may be NULL; the caller keeps the
+// film. OpenEXR has the values in their units, PNG clamps them to [0, 1]. Thread-safe; of two calls
+// that write the same path, the last one to end determines the file.
 SATIN_API satin_status satin_film_write_exr(const satin_film *film, const char *path,
                                             satin_log_fn log, void *log_user);
 SATIN_API satin_status satin_film_write_png(const satin_film *film, const char *path,

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// How an image is rendered. A plain struct: copy satin_options_default (or let
-// satin_options_preset fill one) and set what differs. One table (src/render/options_table.c)
-// parses, prints and documents every field, with its range, which satin_options_set
-// checks. Every call here is thread-safe: it touches nothing but what its pointers lead to. A
-// struct that one thread writes must not be used by another at the same time.
+// How an image is rendered, as a plain struct: copy satin_options_default, or let
+// satin_options_preset fill one, and change fields. A single table (src/render/options_table.c)
+// parses, prints and documents every field with its range, which satin_options_set checks. Every
+// call here is thread-safe: it accesses only what its pointers refer to. A struct that one thread
+// writes must not be used by another at the same time.
 #ifndef SATIN_OPTIONS_H
 #define SATIN_OPTIONS_H
 
@@ -19,12 +19,12 @@ typedef enum satin_integrator {
     SATIN_TWO_PASS = 0,  // photon map, then cached final gathering
     SATIN_PATH,          // path tracing, the reference
     SATIN_DIRECT,        // emitted and direct light only, through ideal specular chains
-    SATIN_PHOTONS        // the photon map seen directly
+    SATIN_PHOTONS        // direct view of the photon map
 } satin_integrator;
 
 typedef enum satin_quality { SATIN_DRAFT = 0, SATIN_PREVIEW, SATIN_PRODUCTION } satin_quality;
 
-// The first-pass radiance estimate that a gather ray reads where it hits.
+// The first-pass radiance estimate that a gather ray reads at its hit.
 typedef enum satin_first_pass {
     SATIN_FIRST_PRECOMPUTED = 0,  // irradiance precomputed at photons, one nearest-neighbour query
     SATIN_FIRST_PHOTONS,          // density estimate at every hit
@@ -38,15 +38,16 @@ typedef enum satin_basis { SATIN_HSH = 0, SATIN_SH } satin_basis;
 // Translational gradients of records. Irradiance records have all of them; radiance records have
 // stratified gradients instead of the last.
 typedef enum satin_gradients {
-    SATIN_GRADIENTS_NONE = 0,     // interpolate without
-    SATIN_GRADIENTS_STRATIFIED,   // by what crosses the boundaries of strata [K05 4.3]
-    SATIN_GRADIENTS_SOLID_ANGLE,  // by how the solid angle of what each ray hit changes [K05 4.2]
-    SATIN_GRADIENTS_DIFFERENCES,  // the same by finite differences
+    SATIN_GRADIENTS_NONE = 0,     // interpolation without gradients
+    SATIN_GRADIENTS_STRATIFIED,   // from light that crosses the boundaries of strata [K05 4.3]
+    SATIN_GRADIENTS_SOLID_ANGLE,  // from the change of the solid angles of the hit surfaces [K05
+                                  // 4.2]
+    SATIN_GRADIENTS_DIFFERENCES,  // solid-angle gradients by finite differences
     SATIN_GRADIENTS_WARD_HECKBERT
 } satin_gradients;
 
-// The influence radius of a record: by the distances that its rays found, or by the second
-// derivatives of its irradiance.
+// How the influence radius of a record is computed: from the distances of the hits of its rays, or
+// from the second derivatives of its irradiance.
 typedef enum satin_radius {
     SATIN_RADIUS_HARMONIC = 0,  // harmonic mean distance [Ward 1988]
     SATIN_RADIUS_LEAST,         // least distance
@@ -59,17 +60,17 @@ typedef struct satin_options {
     satin_quality quality;
     satin_first_pass first_pass;
     int spp;  // samples per pixel; 0: the scene's for path, the preset's for the others
-    bool adaptive_sampling;  // spp is a mean: pixels that need it get more; path takes spp
-                             // everywhere
-    bool denoise;            // the light that no record carries; needs Open Image Denoise
+    bool adaptive_sampling;  // spp is a mean: noisy pixels get more samples; without effect with
+                             // path
+    bool denoise;            // denoises light that no record carries; needs Open Image Denoise
     int width, height;       // film size in pixels; 0: the scene's
     uint64_t seed;
-    int threads;        // 0: one per core
-    double time;        // wall seconds for the whole render; 0: no limit
-    int max_depth;      // path segments as Mitsuba counts them; -1: no limit; -2: the scene's or -1
-    int rr_depth;       // path depth at which Russian roulette starts; 0: the scene's, else 5
-    int hide_emitters;  // 1: directly seen emitters are black; 0: not; -1: the scene's, else 0
-    int light_samples;  // light samples per pixel sample at the first hit
+    int threads;         // 0: one per core
+    double time;         // wall seconds for the whole render; 0: no limit
+    int max_depth;       // in path segments, as in Mitsuba; -1: no limit; -2: the scene's or -1
+    int rr_depth;        // path depth at which Russian roulette starts; 0: the scene's, else 5
+    int hide_emitters;   // 1: emitters seen directly are black; 0: not; -1: the scene's, else 0
+    int light_samples;   // light samples per pixel sample at the first hit
     int glossy_samples;  // gather rays per pixel sample for glossy lobes that are not cached
 
     // First pass.
@@ -77,31 +78,32 @@ typedef struct satin_options {
     int64_t caustic_photons;  // photon paths emitted for the caustic map
     int photon_k;             // photons in a density estimate of the global map
     int caustic_k;            // photons in a density estimate of the caustic map
-    bool caustic_smooth;      // caustics without the noise of their photons
-    int recursive_bounces;    // indirect bounces that first pass `recursive` has records for
-    bool photon_area;         // divide by the area that is really there
+    bool caustic_smooth;      // removes the noise of photons from caustics
+    int recursive_bounces;    // indirect bounces for which first pass `recursive` makes records
+    bool photon_area;         // divides by the area of the surface in the disc
 
     // Gathering.
-    bool gather_near;       // hits nearer than the lookup radius go on one more bounce
-    bool gather_direct;     // direct light at gather hits by a shadow ray instead of photons
-    bool guide_clusters;    // more gather rays towards clusters of photons
-    bool guide_visibility;  // direct light is sampled by what is visible of the lights
+    bool gather_near;       // gather rays with hits nearer than the lookup radius continue for one
+                            // bounce
+    bool gather_direct;     // direct light at gather hits is from light samples instead of photons
+    bool guide_clusters;    // additional gather rays towards clusters of photons
+    bool guide_visibility;  // direct light is sampled by the visibility of the lights
     bool texture_filter;    // bitmaps are averaged over a ray's footprint
 
     // Irradiance cache (diffuse surfaces).
     bool irradiance_cache;
     satin_gradients irradiance_gradients;
     int irradiance_rays;     // gather rays per record
-    float irradiance_noise;  // deviation of E over E by which records choose their rays; 0: they do
-                             // not
+    float irradiance_noise;  // target standard deviation of E over E, which decides the number of
+                             // rays; 0: constant
     float irradiance_a;      // accuracy a at which the cache is filled
-    float irradiance_widen;  // the image pass interpolates with a times this, 1 to 2
+    float irradiance_widen;  // the image pass interpolates with a times this factor, 1 to 2
     satin_radius irradiance_radius;
-    bool irradiance_gradient_clamp;   // R is at most where E would change by itself [K05 6.5.1]
-    bool irradiance_neighbour_clamp;  // R of neighbours differs by their distance at most
-                                      // [K05 6.5.2]
-    float irradiance_min_pixels;      // least record radius a R, in projected pixels, 0 to 1000
-    float irradiance_max_pixels;      // largest, in projected pixels, 1 to 100000
+    bool irradiance_gradient_clamp;   // E changes by at most itself within R [K05 6.5.1]
+    bool irradiance_neighbour_clamp;  // R of two records differ by at most their distance [K05
+                                      // 6.5.2]
+    float irradiance_min_pixels;      // least influence radius in projected pixels, 0 to 1000
+    float irradiance_max_pixels;      // largest influence radius in projected pixels, 1 to 100000
 
     // Radiance cache (glossy surfaces).
     bool radiance_cache;
@@ -109,46 +111,49 @@ typedef struct satin_options {
     bool radiance_diffuse;  // diffuse surfaces use radiance records too, for comparison
     satin_basis radiance_basis;
     int radiance_order;    // largest order n, 1 to 14
-    float radiance_error;  // largest relative rms error of radiance by a BRDF in harmonics
+    float radiance_error;  // largest relative error of radiance reflected by a BRDF in harmonics
     float
         radiance_rotation;  // largest angle [rad] of normals for the fast rotation, 0 to 4; 0: none
     int radiance_rays;      // gather rays per record, 4 to 1048576
-    float radiance_noise;   // the same of the coefficients' vector
-    float radiance_a;       // accuracy a at which the cache is filled, no unit, .01 to 2
-    float radiance_widen;   // the image pass interpolates with a times this, 1 to 2
-    satin_radius radiance_radius;   // not by the Hessian
-    bool radiance_gradient_clamp;   // R is at most where the gradient holds [K05 6.5.1]
-    bool radiance_neighbour_clamp;  // R of neighbours differs by their distance at most [K05 6.5.2]
-    float radiance_min_pixels;      // least record radius a R, in projected pixels, 0 to 1000
-    float radiance_max_pixels;      // largest, in projected pixels, 1 to 100000
+    float radiance_noise;  // target standard deviation of the coefficient vector over its length, 0
+                           // to 1
+    float radiance_a;      // accuracy a at which the cache is filled, no unit, .01 to 2
+    float radiance_widen;  // the image pass interpolates with a times this factor, 1 to 2
+    satin_radius radiance_radius;   // not SATIN_RADIUS_HESSIAN
+    bool radiance_gradient_clamp;   // R is limited to where the gradient is valid [K05 6.5.1]
+    bool radiance_neighbour_clamp;  // R of two records differ by at most their distance [K05 6.5.2]
+    float radiance_min_pixels;      // least influence radius in projected pixels, 0 to 1000
+    float radiance_max_pixels;      // largest influence radius in projected pixels, 1 to 100000
 
     // Both caches.
-    bool adaptive_cache;      // records are shrunk where they disagree visibly [K05 6.3]
-    bool origin_shift;        // records are made off the edges of triangles [K05 6.5.3]
-    float record_max_radius;  // largest R in scene units, over those in pixels; 0: no limit
-    // Where the R that records should have is less than this fraction of the least that pixels
-    // allow, the image pass gathers.
+    bool adaptive_cache;      // shrinks records where they disagree visibly [K05 6.3]
+    bool origin_shift;        // moves records off the edges of triangles [K05 6.5.3]
+    float record_max_radius;  // largest R in scene units, overriding those in pixels; 0: no limit
+    // The image pass gathers where R, as records should have it, is less than this fraction of the
+    // least radius in pixels.
     float gather_radius_ratio;
-    bool leak_test;    // records do not serve points that a wall hides from them
-    bool record_maps;  // the film gets channels that show the records
+    bool leak_test;    // records are not used at points from which a wall separates them
+    bool record_maps;  // adds channels to the film that show the records
 
-    // Materials, by the ids of their BRDFs, whose glossy lobes are cached whatever their error, or
-    // sampled: "floor=on,vase=off". Ended by 0.
+    // Materials, by the ids of their BRDFs, whose glossy lobes are always cached or always sampled,
+    // whatever radiance_error is: "floor=on,vase=off". Ended by 0.
     char material_cache[256];
 } satin_options;
 
-// The options at quality `preview`. Constant, static storage; any thread may read them.
+// The options at quality `preview`. A constant, which any thread may read.
 extern SATIN_API const satin_options satin_options_default;
 
-// Sets every field that a quality preset decides; the others stay. `options` must not be NULL and
-// `quality` be one of the enum. Thread-safe, where no other thread uses *options.
+// Sets every field that quality decides; the others keep their values. `options` must not be NULL,
+// and `quality` must be one of the enum. Thread-safe if no other thread uses *options.
 SATIN_API void satin_options_preset(satin_options *options, satin_quality quality);
 
-// Sets one option from text, by the name of its field (`-` and `_` are the same); `quality` applies
-// its preset; `material.NAME.cache` = on or off adds to material_cache. SATIN_ERROR_INPUT, with one
-// logged line that names the nearest option, or what an option is called now, or the range, if the
-// name or the value is wrong; then nothing changes. Units are the field's, angles
-// radians and times seconds. The texts are read during the call only and must not be NULL. `log`
+// Sets one option from text, by the name of its field (`-` and `_` are equal). `quality` applies
+// its preset; `material.NAME.cache` = on or off adds to material_cache. If the name or the value is
+// invalid, nothing changes, and SATIN_ERROR_INPUT is returned after one logged line, which has the
+// nearest option, the current name of a renamed option, or the range. Units are those of the field;
+// angles are in radians and times in seconds. The texts are read only during the call and must not
+// be NULL. `log` may be NULL; it is called on this thread. Thread-safe if no other thread uses
+// *options.
 // may be NULL; it is called on this thread. Thread-safe, where no other thread uses *options.
 SATIN_API satin_status satin_options_set(satin_options *options, const char *name,
                                          const char *value, satin_log_fn log, void *log_user);
@@ -158,20 +163,20 @@ typedef struct satin_setting {
     const char *name, *value;
 } satin_setting;
 
-// Makes options from what a scene and its user ask for, each over the one before: the preset of the
+// Combines the options of a scene and its user; later ones override earlier ones: the preset of the
 // quality (the last one in `settings`, else the scene's, else preview), the options of the scene's
-// `<integrator type="satin">`, then `settings` in order (`count` of them, may be NULL). Without a
-// scene (NULL) it checks the settings. SATIN_ERROR_INPUT with one logged line if one is wrong; then
-// *out is untouched. `out` must not be NULL; `log` may be; it is called on this thread. The texts
-// are read during the call only. Thread-safe; the scene may be in use by others.
+// `<integrator type="satin">`, then `settings` in order (`count` of them, may be NULL). If `scene`
+// is NULL, it only checks the settings. SATIN_ERROR_INPUT, with one logged line, if an option is
+// invalid; then *out is unchanged. `out` must not be NULL; `log` may be NULL and is called on this
+// thread. The texts are read only during the call. Thread-safe; other threads may use the scene.
 SATIN_API satin_status satin_options_resolve(const satin_scene *scene,
                                              const satin_setting *settings, size_t count,
                                              satin_log_fn log, void *log_user, satin_options *out);
 
 // Describes option `index` (from 0): name, value as text in `options`, range and documentation,
-// with units where it has some. The texts are static, but for `value`, which is a copy. False, and
-// *out is untouched, below 0 and beyond the last. Neither pointer may be NULL. Thread-safe, where
-// no other thread changes *options.
+// with units where it has some. The texts are static, except for `value`, which is a copy. False,
+// with *out unchanged, if `index` is below 0 or beyond the last one. Neither pointer may be NULL.
+// Thread-safe if no other thread changes *options.
 typedef struct satin_option_info {
     const char *name, *range, *doc;
     char value[256];

@@ -18,8 +18,8 @@ extern "C" {
 
 #define SATIN_VERSION "0.1.0"
 
-// What a call that can fail returns. Outputs are untouched unless the status is SATIN_OK or, where
-// a function says so, SATIN_CANCELLED. The details of a failure went to the log function once.
+// The status of a call that can fail. Outputs are unchanged unless the status is SATIN_OK or, if
+// the function says so, SATIN_CANCELLED. The details of a failure are logged once.
 typedef enum satin_status {
     SATIN_OK = 0,
     SATIN_ERROR_ARGUMENT,  // an argument is outside its documented range
@@ -31,8 +31,8 @@ typedef enum satin_status {
     SATIN_STATUS_COUNT
 } satin_status;
 
-// One English sentence for a status; an unknown value has a sentence too. Never NULL; static
-// storage, which the caller does not free. Thread-safe: any thread may call it at any time.
+// One English sentence for a status, even for an unknown value. Never NULL; static storage, which
+// the caller does not free. Thread-safe.
 SATIN_API const char *satin_status_text(satin_status status);
 
 typedef enum satin_log_severity {
@@ -41,16 +41,16 @@ typedef enum satin_log_severity {
     SATIN_LOG_INFO
 } satin_log_severity;
 
-// Receives one message, a single line without a newline, in UTF-8 if the names of files are; errors
-// of a file read `file:line:column: text`. It is called on the thread that made the call into satin
-// only, during that call, so it needs no lock unless calls on several threads use one `user`.
-// `message` belongs to satin and is valid until the function returns. It must not call satin_*_free
-// on what the call under way uses.
+// Receives one message, a single line without a newline, in UTF-8 if the names of files are. Errors
+// in a file have the form `file:line:column: text`. It is called only during a call into satin and
+// on its thread, so it needs no lock unless calls on several threads have the same `user`.
+// `message` is owned by satin and valid until the function returns. The function must not call
+// satin_*_free for an object that the current call uses.
 typedef void (*satin_log_fn)(void *user, satin_log_severity severity, const char *message);
 
-// A loaded scene, ready to render. It does not change, so threads may use one at the same time.
+// A loaded scene, ready to render. It is immutable, so several threads may use it at the same time.
 typedef struct satin_scene satin_scene;
-// A rendered image: named float channels of one size. It does not change either.
+// A rendered image: named float channels of one size. It is immutable too.
 typedef struct satin_film satin_film;
 
 #ifdef __cplusplus

@@ -12,7 +12,7 @@
 #include "render/options_table.h"
 #include "scene/scene.h"
 
-// What quality decides is as options_budget.c has it for `preview`.
+// The options that quality decides have the values that options_budget.c sets for `preview`.
 const satin_options satin_options_default = {
     .quality = SATIN_PREVIEW,
     .adaptive_sampling = true,
@@ -64,7 +64,7 @@ void satin_options_preset(satin_options *options, satin_quality quality) {
     options->quality = quality;
 }
 
-// Reports what is wrong with an option at its place in a scene, or without one.
+// Reports an error in an option at its place in a scene, or without a place.
 static satin_status refuse_option(struct log log, struct log_place place, const char *text) {
     if (place.file)
         log_error_at(log, place, "%s", text);
@@ -88,7 +88,8 @@ static satin_status refuse_option_name(struct log log, struct log_place place, c
     return refuse_option(log, place, text);
 }
 
-// material.NAME.cache: adds NAME=value to the list before it. False if it is none of these.
+// Sets `out` to the value of material_cache with material.NAME.cache=value added in front. False if
+// the name or the value has another form.
 static bool material_value(const satin_options *options, const char *name, const char *value,
                            char *out, size_t size) {
     static const char first[] = "material.", last[] = ".cache";
@@ -134,7 +135,7 @@ satin_status satin_options_resolve(const satin_scene *scene, const satin_setting
     satin_options made = satin_options_default;
     satin_status status = SATIN_OK;
     size_t scene_count = scene ? scene->hints.option_count : 0;
-    // Pass 0 sets the quality alone, as a preset would undo the single options before it.
+    // Pass 0 sets only the quality, because a preset would overwrite the options set before it.
     for (int pass = 0; pass < 2; pass++) {
         for (size_t i = 0; i < scene_count && status == SATIN_OK; i++) {
             const struct scene_option *o = &scene->hints.option[i];

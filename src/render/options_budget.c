@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The curve from effort to options: a table of three presets, each at the effort that it takes on
-// the data scenes, and between them power laws, straight lines over the logarithm of effort. With
-// less time than the first takes its records are coarser (render_budget_records.c). Beyond the last
-// the curve goes on by powers of effort, so that many cores or much time are spent where that
-// lowers the error. The time and the error of the presets, and of 16 times the effort of the last,
-// are in docs/experiments.md.
+// the data scenes. Between them options are power laws, which are straight lines over the logarithm
+// of effort. With less time than the first preset takes, its records are coarser
+// (render_budget_records.c). Beyond the last preset the curve continues by powers of effort, so
+// that many cores or much time are spent where that lowers the error. The time and the error of the
+// presets, and of 16 times the effort of the last one, are in docs/experiments.md.
 #include "render/options_budget.h"
 
 #include <math.h>
@@ -12,7 +12,7 @@
 
 #include "render/options_table.h"
 
-// Only the fields that a quality decides are read.
+// Only the fields that quality decides are used.
 static const struct preset {
     double effort;  // core seconds per pixel
     int spp;
@@ -66,17 +66,18 @@ static const struct preset {
 };
 enum { PRESETS = sizeof preset / sizeof *preset };
 
-// Beyond the last preset: its options times powers of effort over its effort. The others stay:
-// records become finer in rounds as long as there is time (render_budget_records.c), and the image
-// takes the samples that fit. By renders of 64x64, relative squared errors of cornell-glossy and of
-// indirect-room:
-// - Twice the rays at 16 times the effort: .86 and .84 times. At 4 times the effort, where time is
-//   short of all rounds, 1.4 times the rays: 1.3 and 1.4 times. So rays begin later.
-// - Photons: 2.4 times as many changed the error by -11 and +4 %. Their power is small for memory:
-//   600 s of 64 cores ask for 8 million, 600 s of 2 cores for 2.5 million, which take some .6 GB.
+// Beyond the last preset: its options times powers of effort over its effort. Other options are
+// constant: records become finer in rounds while there is time (render_budget_records.c), and the
+// image takes the samples that fit. By renders of 64x64, relative squared errors of cornell-glossy
+// and of indirect-room:
+//- Twice the rays at 16 times the effort: .86 and .84 times the error. At 4 times the effort, where
+//  time does not suffice for all rounds, 1.4 times the rays: 1.3 and 1.4 times the error. So rays
+//  begin to grow later.
+//- Photons: 2.4 times as many changed the error by -11 and +4 %. Their power is small because of
+//  memory: 600 s of 64 cores take 8 million, 600 s of 2 cores 2.5 million, which are some .6 GB.
 static const struct {
     size_t offset;  // of the option's field
-    double from;    // where it begins, in efforts of the last preset
+    double from;    // effort from which it grows, in units of that of the last preset
     double power;
 } beyond[] = {
     {offsetof(satin_options, photons), 1.0, 1.0 / 3.0},
@@ -86,8 +87,8 @@ static const struct {
 };
 enum { BEYOND = sizeof beyond / sizeof *beyond };
 
-// Photons serve the whole image: they are bought by all of its seconds, those of the presets by the
-// seconds of an image of so many pixels.
+// Photons serve the whole image, so their number depends on its total time; that of the presets on
+// the time of an image of this many pixels.
 static const double PRESET_PIXELS = 160000.0;
 
 int options_quality_spp(satin_quality quality) { return preset[quality].spp; }
@@ -108,7 +109,7 @@ static size_t preset_field_size(const struct option *o) {
         case OPTION_FLOAT:
             return sizeof(float);
         default:
-            return sizeof(int);  // no quality decides a switch, a seed, a text or a double
+            return sizeof(int);  // quality decides no switch, seed, text or double
     }
 }
 
@@ -138,7 +139,7 @@ static void set_number(satin_options *options, const struct option *o, double va
 
 // ---- The curve ----------------------------------------------------------------------------------
 
-// The preset at or below the effort, and how far it is from there to the next one, in [0, 1).
+// The last preset at or below the effort, and the position between it and the next one, in [0, 1).
 static int find_preset(double effort, double *fraction) {
     int i = 0;
     *fraction = 0.0;
@@ -148,7 +149,7 @@ static int find_preset(double effort, double *fraction) {
     return i;
 }
 
-// `times`: the effort over that of the last preset, whose options are there.
+// `times` is the effort over that of the last preset, whose options are set.
 static void set_beyond(satin_options *options, const struct option *o, double times) {
     for (int i = 0; i < BEYOND; i++) {
         if (beyond[i].offset != o->offset) continue;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one table of options, and how a row of it is read and printed.
+// The only table of options, and how the value of a row is parsed and printed.
 #include "render/options_table.h"
 
 #include <inttypes.h>
@@ -201,7 +201,7 @@ const struct option *options_find(const char *name) {
     return NULL;
 }
 
-// Names that options had in earlier versions, and those that they have now.
+// Names of options in earlier versions, and their names now.
 static const struct {
     const char *before, *now;
 } renamed[] = {
@@ -241,7 +241,7 @@ static bool parse_bool(const char *value, int *out) {
            parse_word("no|yes", value, out) || parse_word("0|1", value, out);
 }
 
-// All 64 bits, which a double does not hold.
+// Reads all 64 bits, for which a double is too short.
 static bool parse_seed(const char *value, uint64_t *out) {
     if (!value[0] || strspn(value, "0123456789") != strlen(value)) return false;
     uint64_t seed = 0;
@@ -254,7 +254,7 @@ static bool parse_seed(const char *value, uint64_t *out) {
     return true;
 }
 
-// Words NAME=on or NAME=off, separated by commas.
+// Reads words NAME=on or NAME=off, separated by commas.
 static bool parse_text(const char *value, char *out) {
     size_t length = strlen(value);
     if (length >= OPTION_TEXT_SIZE) return false;
@@ -269,7 +269,7 @@ static bool parse_text(const char *value, char *out) {
     return true;
 }
 
-// The range as the numbers of its text; the dots end the first number.
+// The least and the highest value, read from the text of the range.
 static double lowest(const struct option *option) {
     char low[32];
     double bound;
@@ -347,7 +347,7 @@ void option_print(const struct option *option, const satin_options *options, cha
             snprintf(out, bytes, "%" PRIu64, *(const uint64_t *)in);
             break;
         case OPTION_FLOAT: {
-            // The shortest of the forms that read back to the same float.
+            // The shortest form that is read back as the same float.
             float value = *(const float *)in;
             for (int digits = 6; digits <= 9; digits++) {
                 snprintf(out, bytes, "%.*g", digits, (double)value);

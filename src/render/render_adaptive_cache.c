@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Adaptive caching over the image [K05 6.3]: the shading points at which records must agree.
+// Adaptive caching over the image [K05 6.3], at the shading points where records must agree.
 #include <stdlib.h>
 
 #include "render/render_state.h"

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Adaptive sampling: pixels where direct light has penumbrae, where edges run and where glossy
-// surfaces are sampled get more samples than flat walls. A pixel's error is estimated from two
-// halves of its samples, and averaged over a few neighbours, as two halves may agree by chance.
-// Samples depend on those of earlier passes through this choice alone, over an area, so that what
-// it biases is far below the noise.
+// Adaptive sampling: pixels with penumbrae, edges or sampled glossy reflection get more samples
+// than flat walls. The error of a pixel is estimated from two halves of its samples, and averaged
+// over a few neighbours, because two halves may agree by chance. Samples depend on earlier ones
+// only through this estimate over an area, so the bias is far below the noise.
 //
-// With well-spread points the variance of a mean of n samples falls as n^-GAIN, GAIN between 1 and
-// 2: that of a pixel cut by an edge as n^-1.5. The sum of v_i n_i^-GAIN is least at a given sum of
-// n_i where n_i is in proportion to v_i^(1 / (1 + GAIN)).
+// With low-discrepancy points the variance of a mean of n samples falls as n^-GAIN, with GAIN
+// between 1 and 2: that of a pixel with an edge as n^-1.5. The sum of v_i n_i^-GAIN for a given sum
+// of n_i is least where n_i is in proportion to v_i^(1 / (1 + GAIN)).
 #include "render/render_adaptive_sampling.h"
 
 #include <float.h>
@@ -17,17 +16,18 @@
 #include "base/array.h"
 
 #define GAIN 1.5f
-// Of the image's mean luminance: the error of darker pixels counts absolutely.
+// Fraction of the image's mean luminance below which the error of a pixel is absolute.
 #define DARK 0.2f
-// Light samples of a sample at most: beyond, they are a sample's cost, and well spread.
+// The largest number of light samples per sample: beyond it they dominate the cost, and are
+// stratified well enough.
 #define LIGHTS_MOST 16.0f
 enum {
-    ADAPT_GROWTH =
-        4,         // at most so many times its samples does a pixel get in one pass by its noise
-    MULTIPLE = 2,  // samples are added in pairs, which are stratified among themselves
-    ADAPT_CHUNK = 4096,  // pixels
+    // The factor by which the number of samples of a noisy pixel may grow in one pass.
+    ADAPT_GROWTH = 4,
+    MULTIPLE = 2,        // samples are added in pairs, which are stratified together
+    ADAPT_CHUNK = 4096,  // pixels per chunk
     ADAPT_ROWS = 8,
-    ADAPT_COLUMNS = 16  // of floats, a line of the processor's cache
+    ADAPT_COLUMNS = 16  // a line of the processor's cache, in floats
 };
 
 bool adapt_make(struct adapt *adapt, int width, int height, int lights) {
@@ -56,7 +56,7 @@ static size_t pixels(const struct adapt *adapt) {
     return (size_t)adapt->width * (size_t)adapt->height;
 }
 
-// What loops over pixels, rows or columns read and write.
+// Context of the loops over pixels, rows or columns.
 struct adapting {
     const struct adapt *adapt;
     const float *from;
@@ -69,7 +69,7 @@ static void each_chunk(const struct adapt *adapt, parallel_fn fn, struct adaptin
     parallel_for_all(adapt->pool, pixels(adapt), ADAPT_CHUNK, fn, job);
 }
 
-// The sum of what fn leaves for each chunk, in their order.
+// Adds the results of fn for all chunks, in their order.
 static double sum_chunks(const struct adapt *adapt, parallel_fn fn, struct adapting *job) {
     double sum = 0.0;
     each_chunk(adapt, fn, job);
@@ -88,7 +88,7 @@ static void sum_luminances(void *ctx, size_t begin, size_t end, int worker) {
     job->adapt->sum[begin / ADAPT_CHUNK] = sum;
 }
 
-// The square of what is dark in this image.
+// The squared luminance below which the error of a pixel is absolute.
 static double floor2(const struct adapt *adapt) {
     struct adapting job = {.adapt = adapt};
     const double sum = sum_chunks(adapt, sum_luminances, &job);
@@ -96,7 +96,7 @@ static double floor2(const struct adapt *adapt) {
     return fmax(dark * dark, 1e-30);
 }
 
-// In doubles: squares of the brightest lights leave the range of float.
+// In double, because the squares of the brightest lights overflow in float.
 static double relative2(float difference, float mean, double floor2) {
     const double d = (double)difference, m = (double)mean;
     return d * d / (m * m + floor2);
@@ -109,7 +109,7 @@ static void compare_pixels(void *ctx, size_t begin, size_t end, int worker) {
     for (size_t i = begin; i < end; i++) {
         struct adapt_pixel *p = &job->adapt->pixel[i];
         uint32_t fresh = p->count - p->before;
-        if (2 * fresh < p->before || fresh == 0) continue;  // too few to compare
+        if (2 * fresh < p->before || fresh == 0) continue;  // too few for a comparison
         if (p->before > 0) {
             float n = (float)p->count, a = (float)p->before, b = (float)fresh;
             rgb mean = rgb_scale(p->sum, 1.0f / n);
@@ -117,7 +117,7 @@ static void compare_pixels(void *ctx, size_t begin, size_t end, int worker) {
                             rgb_scale(rgb_sub(p->sum, p->sum_before), 1.0f / b));
             const double error2 = relative2(d.r, mean.r, least2) + relative2(d.g, mean.g, least2) +
                                   relative2(d.b, mean.b, least2);
-            // Sums that are not finite say nothing.
+            // Sums that are not finite are ignored.
             p->spread = isfinite(error2) ? (float)error2 * a * b / (n * n) * powf(n, GAIN) : 0.0f;
         }
         p->sum_before = p->sum;
@@ -135,7 +135,7 @@ void adapt_even(struct adapt *adapt, uint32_t count) {
         if (adapt->pixel[i].target < count) adapt->pixel[i].target = count;
 }
 
-// One pass of a binomial filter over five pixels; pixels without a value (< 0) do not count.
+// One pass of a binomial filter over five pixels. Pixels without a value (< 0) are ignored.
 static void blur(const float *from, float *to, int count, size_t step) {
     static const float weight[] = {6.0f, 4.0f, 1.0f};
     for (int i = 0; i < count; i++) {
@@ -186,7 +186,7 @@ static void want_by_spread(void *ctx, size_t begin, size_t end, int worker) {
         job->to[i] = powf(fmaxf(job->to[i], 0.0f), 1.0f / (1.0f + GAIN));
 }
 
-// Into scratch: what each pixel's number of samples is to be in proportion to.
+// Computes, in scratch, numbers to which the samples of the pixels are to be proportional.
 static const float *wanted(struct adapt *adapt) {
     float *a = adapt->scratch;
     struct adapting job = {.adapt = adapt, .to = a};
@@ -212,9 +212,9 @@ static double more(const struct adapt *adapt, const float *want, float factor) {
     return sum_chunks(adapt, sum_more, &job);
 }
 
-// The factor that gives so many samples, or the largest number where no factor does. It is found
-// among the bits of positive floats, which ascend as their values do: to the last digit, however
-// far apart the wanted counts lie.
+// The factor that gives this number of samples, or the largest factor if none does. It is found by
+// bisection over the bits of positive floats, whose order is that of their values, so it is exact
+// whatever the range of the wanted counts.
 static float find_factor(const struct adapt *adapt, const float *want, double samples) {
     union {
         uint32_t bits;
@@ -240,10 +240,10 @@ double adapt_variance(struct adapt *adapt) {
 void adapt_spread(struct adapt *adapt, uint64_t samples) {
     const float *want = wanted(adapt);
     const float factor = find_factor(adapt, want, (double)samples);
-    // Where the noise is confined to a few pixels the rest of the samples is spread evenly.
+    // If the noise is in a few pixels, the rest of the samples is distributed uniformly.
     const double rest = fmax((double)samples - more(adapt, want, factor), 0.0);
     const double even = rest / (double)pixels(adapt);
-    double owed = 0.0;  // what rounding to whole groups has kept back so far
+    double owed = 0.0;  // fractions of groups that rounding has left over so far
     uint64_t given = 0;
     struct adapt_pixel *last = adapt->pixel;
     for (size_t i = 0; i < pixels(adapt); i++) {
@@ -256,7 +256,7 @@ void adapt_spread(struct adapt *adapt, uint64_t samples) {
         given += MULTIPLE * (uint64_t)groups;
         if (groups > 0.0) last = p;
     }
-    // Half a group that is left over or too much.
+    // Corrects for half a group more or less.
     last->target += (uint32_t)(samples - given);
 }
 
@@ -272,7 +272,7 @@ static void find_variances(void *ctx, size_t begin, size_t end, int worker) {
         light[i] = p->light_variance / fmaxf(count, 1.0f);
         rest[i] = all - light[i] / fmaxf(m, 1.0f);
         const bool known = p->count > 1 && isfinite(light[i]) && isfinite(rest[i]);
-        light[i] = known ? light[i] : -1.0f;  // does not count
+        light[i] = known ? light[i] : -1.0f;  // ignored
         rest[i] = known ? fmaxf(rest[i], 0.0f) : -1.0f;
     }
 }
@@ -283,16 +283,16 @@ static void set_lights(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         struct adapt_pixel *p = &job->adapt->pixel[i];
-        if (!(light[i] > 0.0f)) continue;  // nothing is known, or there is no noise of lights
+        if (!(light[i] > 0.0f)) continue;  // nothing is known, or lights cause no noise
         const float m = powf(light[i] * job->factor / fmaxf(rest[i], 1e-30f), 1.0f / (1.0f + GAIN));
         p->lights = (uint32_t)clampf(m, 1.0f, LIGHTS_MOST);
-        if (p->lights < 2) p->lights = 2;  // or the next estimate has nothing
+        if (p->lights < 2) p->lights = 2;  // otherwise the next estimate would have no data
     }
 }
 
-// With m light samples of variance v each, and w the variance of a sample for all other reasons, n
-// samples leave w n^-GAIN + v (n m)^-GAIN and cost n (cost + m): least for
-// m = (v cost / w)^(1 / (1 + GAIN)).
+// With m light samples of variance v each, and w the variance of a sample from all other sources, n
+// samples have the variance w n^-GAIN + v (n m)^-GAIN and cost n (cost + m). The least variance for
+// its cost is at m = (v cost / w)^(1 / (1 + GAIN)).
 void adapt_lights(struct adapt *adapt, float cost) {
     const size_t n = pixels(adapt);
     float *light = adapt->scratch, *rest = light + n, *other = rest + n;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to render/: spreading the samples of an image over its pixels.
+// Private to render/: distribution of the samples of an image to its pixels.
 #ifndef RENDER_ADAPTIVE_SAMPLING_H
 #define RENDER_ADAPTIVE_SAMPLING_H
 
@@ -8,27 +8,27 @@
 #include "base/parallel.h"
 #include "base/vec.h"
 
-// What is known of one pixel's samples.
+// Statistics of one pixel's samples.
 struct adapt_pixel {
     rgb sum, sum_before;     // of all samples, and of those before the last comparison
-    uint32_t count, before;  // how many
-    float spread;            // variance of the mean times count^GAIN, relative; < 0: not known yet
-    uint32_t target;         // the next pass samples up to this count
-    float squares;           // of the samples' luminances, summed
-    float light_variance;    // of them by one light sample, summed
-    uint32_t lights;         // light samples that the next sample takes
-    uint32_t lights_taken;   // by all samples
+    uint32_t count, before;  // their numbers
+    float spread;            // variance of the mean times count^GAIN, relative; < 0: unknown
+    uint32_t target;         // number of samples after the next pass
+    float squares;           // sum of the squares of the samples' luminances
+    float light_variance;    // sum of their variances by one light sample
+    uint32_t lights;         // light samples of the next sample
+    uint32_t lights_taken;   // light samples of all samples
 };
 
 struct adapt {
     int width, height;
     struct adapt_pixel *pixel;  // row by row
-    float *scratch;             // 4 per pixel
+    float *scratch;             // 4 floats per pixel
     double *sum;                // by chunk of pixels
     struct parallel *pool;      // of the caller, which sets it; NULL: one thread
 };
 
-// False without memory. `lights`: light samples of the first samples.
+// False if there is no memory. `lights` is the number of light samples of the first samples.
 bool adapt_make(struct adapt *adapt, int width, int height, int lights);
 void adapt_destroy(struct adapt *adapt);  // a zeroed one is allowed
 
@@ -40,21 +40,22 @@ static inline void adapt_add(struct adapt_pixel *pixel, rgb value, float light_v
     pixel->count++;
 }
 
-// After a pass: compares each pixel's new samples with those before.
+// To be called after a pass: compares each pixel's new samples with those before.
 void adapt_compare(struct adapt *adapt);
-// Targets of the next pass: `count` samples in every pixel.
+// Sets the targets of the next pass to `count` samples in every pixel.
 void adapt_even(struct adapt *adapt, uint32_t count);
-// Targets of the next pass: `samples` more where they lower the relative squared error of the image
-// most; what noisy pixels cannot take in one pass is spread evenly.
+// Sets the targets of the next pass to `samples` more, where they lower the relative squared error
+// of the image most. Samples beyond what noisy pixels may get in one pass are distributed
+// uniformly.
 void adapt_spread(struct adapt *adapt, uint64_t samples);
 
-// The relative squared error of the image, summed over channels, that one sample per pixel would
-// leave where adapt_spread wants it; of n samples it is this over n^1.5.
+// The relative squared error of the image, summed over channels, of one sample per pixel
+// distributed by adapt_spread. Of n samples it is this over n^1.5.
 double adapt_variance(struct adapt *adapt);
-// After a pass: how many light samples each pixel's next samples take. `cost`: of a sample without
-// them, over one of them.
+// To be called after a pass: sets the number of light samples of each pixel's next samples. `cost`
+// is the cost of a sample without light samples, over that of one light sample.
 void adapt_lights(struct adapt *adapt, float cost);
-// Mean number that a sample took.
+// The mean number of light samples of a sample.
 double adapt_light_samples(const struct adapt *adapt);
 
 #endif

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of cache records. They hold for a scene, whatever its sensor and its integrator element,
-// and for the options that decide records. A render of the same view takes them as they are; one of
-// another view adds what it misses.
+// Files of cache records. A file is valid for a scene, with any sensor and integrator element, and
+// for the options that affect records. A render of the same view uses the records unchanged; one of
+// another view adds those that are missing.
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +12,7 @@
 
 static const size_t BYTES_MAX = (size_t)1 << 38;
 
-// Options that decide no record, but for where records are wanted.
+// Options that do not affect records, except for their positions.
 static const char *const free_options[] = {
     "quality",   "integrator",      "spp",           "adaptive-sampling",
     "width",     "height",          "seed",          "threads",
@@ -26,7 +26,7 @@ static bool decides(const char *option) {
     return true;
 }
 
-// The options that decide records as `name=value` words; malloc.
+// The options that affect records as `name=value` words, from malloc.
 static char *deciding_options(const struct render *r) {
     satin_option_info info;
     char *text = NULL;
@@ -41,7 +41,8 @@ static char *deciding_options(const struct render *r) {
     return NULL;
 }
 
-// What decides where records are wanted. With a time limit it is not only that: 0.
+// A hash of everything that determines the positions of records; 0 with a time limit, which affects
+// them too.
 static uint64_t view_hash(const struct render *r) {
     const satin_options *o = &r->options;
     if (o->time > 0.0) return 0;
@@ -49,7 +50,8 @@ static uint64_t view_hash(const struct render *r) {
     return fileio_hash(FILEIO_HASH, view, sizeof view);
 }
 
-// Without an origin there is no memory: options NULL. The caller frees options.
+// The origin of this render's records; its options are NULL if there is no memory. The caller frees
+// them.
 static struct cache_origin origin_of(const struct render *r, char **options) {
     *options = deciding_options(r);
     return (struct cache_origin){r->scene.world, view_hash(r), *options};

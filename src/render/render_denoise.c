@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// Denoising of the light that no record carries. Interpolated light has no noise, only error that a
-// denoiser takes for a part of the scene, so it is left as it is, and so are emitters that are
-// seen: the image is what was denoised and the rest.
+// Denoising of the light that no record carries. Interpolated light has no noise, but errors that a
+// denoiser would take for a part of the scene, so it is not denoised. Emitters that are seen are
+// not denoised either. The image is the sum of the denoised light and the rest.
 #include <stdlib.h>
 
 #include "base/array.h"
 #include "render/render_image.h"
 
-// Mean samples per pixel from which albedo and normal count as clean. Measured on the living room
-// of docs/experiments.md by path, relMSE with and without: .126 and .098 at 1 sample, .0423 and
-// .0449 at 4, .0263 and .0311 at 8, .0073 and .0083 at 76. To denoise both first gives .0415 at 4,
-// .0265 at 8 and .0073 at 76, in three times the time.
+// The mean number of samples per pixel from which albedo and normal count as free of noise.
+// Measured on the living room of docs/experiments.md by path, relMSE with and without this
+// assumption: .126 and .098 at 1 sample, .0423 and .0449 at 4, .0263 and .0311 at 8, .0073 and
+// .0083 at 76. Denoising both first gives .0415 at 4, .0265 at 8 and .0073 at 76, in three times
+// the time.
 static const double CLEAN_SAMPLES = 4.0;
 
-enum { DENOISE_CHUNK = 16 };  // rows
+enum { DENOISE_CHUNK = 16 };  // rows per chunk
 
-// The one that is asked by the filter whether it should go on.
+// Context of the filter's progress function.
 struct asked {
     struct render *r;
     bool stopped;
@@ -69,7 +70,7 @@ void render_denoise(struct render *r) {
     struct asked asked = {r, false};
     parallel_begin_part(r->pool, "denoise");
     parallel_for_all(r->pool, (size_t)image->height, DENOISE_CHUNK, fill_plane_rows, image);
-    // A first look has samples of a few pixels, of which the others are copies.
+    // A first look has samples of a few pixels; the other pixels are copies of these.
     if (r->progress.look != LOOK_WHOLE || !render_budget_denoises(r)) {
         log_message(r->log, SATIN_LOG_WARNING, "cancelled: the image is not denoised");
         return;

@@ -8,10 +8,10 @@
 
 #include "render/render_image.h"
 
-// Least weight of a pixel per sample; on average they weigh 1.
+// The least weight of a pixel per sample; the mean is 1.
 static const float WEIGHT_LEAST = 0.25f;
 
-// Which integrators compute a channel: bits 1 << satin_integrator.
+// The integrators that compute a channel, as bits 1 << satin_integrator.
 enum {
     BY_TWO_PASS = 1 << SATIN_TWO_PASS,
     BY_PATH = 1 << SATIN_PATH,
@@ -25,8 +25,8 @@ enum {
     CHANNEL_DEPTH = CHANNEL_LAYERS + 3 * SHADE_LAYERS,
     CHANNEL_DENSITY,
     CHANNEL_SAMPLES,
-    CHANNEL_MAPS,                      // four, of records, if they are asked for
-    CHANNEL_NOISY = CHANNEL_MAPS + 4,  // if the image is to be denoised
+    CHANNEL_MAPS,                      // four channels of records, with option record-maps
+    CHANNEL_NOISY = CHANNEL_MAPS + 4,  // with option denoise
     CHANNEL_UNCACHED = CHANNEL_NOISY + 3,
     FILM_CHANNELS = CHANNEL_UNCACHED + 3
 };
@@ -74,7 +74,7 @@ static const struct {
     {"uncached.B", ANY},
 };
 
-// The values of the channels; NULL: the film has no such channel.
+// The planes of the channels; NULL: the film does not have the channel.
 struct planes {
     float *of[FILM_CHANNELS];
 };
@@ -99,12 +99,12 @@ const struct image_pixel *render_image_source(const struct render_image *image, 
 }
 
 float render_image_scale(const struct image_pixel *pixel) {
-    // A few samples of a filter with negative lobes may weigh next to nothing together.
+    // A few samples of a filter with negative lobes may have almost no weight together.
     float least = WEIGHT_LEAST * (float)pixel->samples;
     return pixel->samples ? 1.0f / fmaxf(pixel->weight, least) : 0.0f;
 }
 
-// By the samples, and at rims by the further rays as well.
+// The mean of the samples and, at rims, of the additional rays.
 static rgb mean_emission(const struct image_pixel *pixel) {
     const rgb sum = rgb_add(pixel->layer[SHADE_EMISSION], pixel->rim);
     const float weight = pixel->weight + pixel->rim_weight;
@@ -132,7 +132,7 @@ static void put_pixel(const struct planes *planes, size_t at, const struct image
         put(planes, CHANNEL_DENSITY, at, (float)pixel->used.count / (float)pixel->samples);
 }
 
-// What the pixel's records are like, in the mean by weight.
+// Sets the channels that describe the pixel's records, as means by weight.
 static void put_maps(const struct planes *planes, size_t at, const struct image_pixel *pixel) {
     const struct cache_used *used = &pixel->used;
     const float scale = pixel->samples ? 1.0f / (float)pixel->samples : 0.0f;
@@ -143,7 +143,7 @@ static void put_maps(const struct planes *planes, size_t at, const struct image_
     put(planes, CHANNEL_MAPS + 3, at, used->rays * mean);
 }
 
-// What the scene asks for, where its channels are.
+// Sets the channels of the scene's AOVs.
 static void put_aovs(const struct render_image *image, float *const *plane, size_t at,
                      const struct image_pixel *pixel) {
     const struct scene_aovs *aovs = image->aovs;
@@ -216,7 +216,7 @@ void render_image_film(struct render *r, bool *any) {
         f.planes.of[i] = film_channel(image->film, channels[i].name);
     for (int i = 0; i < image->aovs->count; i++)
         f.aov[i] = film_channel(image->film, image->aovs->channel[i].name);
-    // A render that was cancelled has a film, too.
+    // A cancelled render has a film too.
     parallel_for_all(r->pool, (size_t)image->height, 4, fill_rows_of_film, &f);
     const uint64_t samples = f.samples, dropped = f.dropped, filled = f.filled;
     stats_set(&r->stats, "image.nonfinite", (double)dropped);

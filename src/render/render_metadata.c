@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a film says of its making: version, scene hash, every option, statistics.
+// The metadata of a film: version, scene hash, all options, statistics.
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "render/render_image.h"
 
-// All options as `name=value` words, as --set takes them; malloc.
+// All options as `name=value` words, in the notation of --set; from malloc.
 static char *options_text(const satin_options *options) {
     size_t bytes = 1;
     satin_option_info info;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Options meet the scene: what the caller left open is taken from the scene, then from a default.
+// Resolves the options with the scene: options that the caller left open are taken from the scene,
+// or else from a default.
 #include <stdio.h>
 #include <string.h>
 
@@ -14,8 +15,8 @@ static int or_else(int value, int open, int scene, int scene_open, int fallback)
     return scene != scene_open ? scene : fallback;
 }
 
-// Another film size: one number alone keeps the shape of the picture; two keep the horizontal field
-// of view. A crop window keeps its position.
+// Sets another film size: if only one number is given, the aspect ratio is kept, else the
+// horizontal field of view. A crop window keeps its position.
 static void resize(struct satin_scene *scene, int width, int height) {
     struct film_spec *film = &scene->film;
     if (width <= 0 && height <= 0) return;
@@ -32,7 +33,8 @@ static void resize(struct satin_scene *scene, int width, int height) {
     film->crop_height = height;
 }
 
-// Every name in material_cache must be a material's, whether or not this render caches anything.
+// Checks that every name in material_cache is that of a material, whether or not this render uses
+// caches.
 static satin_status check_materials(const struct satin_scene *scene, const satin_options *o,
                                     struct log log) {
     char name[sizeof o->material_cache];
@@ -74,10 +76,10 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
     o->max_depth = or_else(o->max_depth, -2, hints->max_depth, -2, -1);
     o->rr_depth = or_else(o->rr_depth, 0, hints->rr_depth, 0, 5);
     o->hide_emitters = or_else(o->hide_emitters, -1, hints->hide_emitters, -1, 0);
-    // A render with a time limit takes as many samples as fit. A path tracer's sample count would
-    // be wasteful for two passes.
+    // A render with a time limit takes as many samples as fit. The number of samples that a scene
+    // has for a path tracer would be wasteful for two passes.
     int scene_spp = o->integrator == SATIN_PATH ? hints->spp : 0;
-    // Samples that count negatively are not few where the image is smooth.
+    // With negative weights a smooth image needs many samples too.
     if (film_filter_has_lobes(&scene->film)) o->adaptive_sampling = false;
     if (o->spp == 0 && o->time > 0.0) o->spp = TIMED_SPP;
     r->first_pass.wanted = o->photons;

@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pilot of a time limit: samples a few pixels against the coarse records that are there, and so
-// measures what divides the time between records and image (render_budget.h): samples per second,
-// the variance that they leave, and how much of the light is the records'.
+// A pilot of a render with a time limit: samples a few pixels with the coarse records of the first
+// round, to measure what determines the division of time between records and image
+// (render_budget.h): samples per second, their variance, and the fraction of the light that is from
+// records.
 #include <stdlib.h>
 
 #include "base/array.h"
 #include "render/render_state.h"
 
-// A sample of an estimate, and no budget: so many pixels show V within 5 % and q within .2 % from
-// seed to seed (cornell-glossy and indirect-room; 1024 pixels: V within 20 %), and take .02 to .04
-// core seconds of either scene. Two halves of two samples are the least that adapt_compare takes.
+// This number of pixels shows V within 5 % and q within .2 % from seed to seed (cornell-glossy and
+// indirect-room; with 1024 pixels V within 20 %), and takes .02 to .04 core seconds in either
+// scene. adapt_compare needs at least two halves of two samples.
 enum { SIDE = 64, PILOT_SAMPLES = 4 };
 
 struct image_pilot {
     struct render *r;
     struct adapt adapt;
     struct shade_worker *worker;
-    rgb *indirect;  // sums, per pilot pixel
+    rgb *indirect;  // of each pilot pixel
     int columns, rows;
 };
 

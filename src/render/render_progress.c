@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one file where progress is reported and a cancellation is noticed.
+// Reports progress and checks for cancellation, in this file alone.
 #include "render/render_state.h"
 
 static const double REPORT_EVERY = 0.1;  // seconds
 
-// What is reported of a stage: its name, the unit of its items, and the statistic of its seconds.
+// A stage in reports: its name, the unit of its items, and the statistic for its seconds.
 static const struct stage_report {
     const char *name, *unit, *seconds;
-    const char *part;  // of the work, where a step of the stage names none of its own
+    const char *part;  // part of the work, if the step does not begin one of its own
 } stage_reports[] = {
     [STAGE_SETUP] = {"setup", "", NULL, "other"},
     [STAGE_PHOTONS] = {"photons", "photons", "time.photons_s", "photons"},
@@ -42,7 +42,7 @@ bool render_progress_report(struct render *r, double done) {
     return !render_cancelled(r);
 }
 
-// For the pool: whether the loop under way must end. A look after a cancellation goes on.
+// For the pool: whether the current loop must stop. A first look after a cancellation continues.
 static bool loop_must_end(void *user, double done) {
     struct render *r = user;
     const struct render_progress *at = &r->progress;

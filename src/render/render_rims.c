@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rims of what is seen to emit light. A lamp is tens of times as bright as the wall around it, so
-// in the pixels along its edge a few samples more or less that meet it show as teeth. An eye ray
-// that looks for emitted light alone costs a small part of a sample: pixels near which emission
-// varies get many of them, once, and the emission layer is the mean of all. What is so small that
-// the first samples miss it is found after later ones.
+// Rims of lights that are seen. A lamp is tens of times as bright as the wall around it, so a few
+// samples more or less that hit it make the pixels along its edge look jagged. An eye ray for
+// emitted light alone costs a small fraction of a sample: pixels near which emission varies get
+// many of them, once, and the emission layer is the mean of all. Lights that are so small that the
+// first samples miss them are found after later samples.
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,17 +11,17 @@
 #include "render/render_image.h"
 
 enum {
-    CHUNK = 64,     // pixels that a worker takes at a time
-    CHUNK_ROWS = 8  // and rows, where it searches
+    CHUNK = 64,     // pixels per chunk of rays
+    CHUNK_ROWS = 8  // rows per chunk of the search
 };
 
-// Emission that varies by less than this fraction is smooth, as a sky's.
+// Emission that varies by less than this fraction, such as that of a sky, is smooth.
 static const float SMOOTH = 0.1f;
 
 struct rims {
     struct render *r;
     uint32_t *pixel;  // y * width + x
-    uint32_t *found;  // how many are in each row
+    uint32_t *found;  // number of such pixels in each row
     size_t count;
 };
 
@@ -43,7 +43,7 @@ static bool on_rim(const struct render_image *image, int x, int y) {
     return most - least > SMOOTH * most;
 }
 
-// Puts those of each row where the row begins.
+// Stores the pixels of each row from the index on at which the row begins.
 static void search_rows(void *ctx, size_t begin, size_t end, int worker) {
     const struct rims *rims = ctx;
     const struct render_image *image = rims->r->image;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shading points of the image where records may be needed: grids of pixels, and what the eye
-// sees there.
+// The shading points of the image at which records may be needed: grids of pixels, and the points
+// that are seen there.
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,8 +8,8 @@
 #include "render/render_state.h"
 
 enum {
-    SITES_PER_PIXEL = 4,  // at most
-    ROUND_PIXELS = 8192   // that are traced at a time, in slots of 11 MB; 128 chunks
+    SITES_PER_PIXEL = 4,  // largest number
+    ROUND_PIXELS = 8192   // pixels that are traced at a time, in slots of 11 MB; 128 chunks
 };
 
 struct site_search {
@@ -17,9 +17,9 @@ struct site_search {
     const uint32_t *pixel;
     bool adaptive;
     struct cache_site *slot;  // SITES_PER_PIXEL for each pixel of a round
-    uint8_t *count;           // of them that are filled
-    struct cache_site *site;  // where the sites of the round go
-    size_t *first;            // of each pixel, among them
+    uint8_t *count;           // number of slots of each pixel that are filled
+    struct cache_site *site;  // the sites of the round are appended here
+    size_t *first;            // index of the first site of each pixel
 };
 
 uint32_t *render_grid(const struct render *r, int stride, bool finer, size_t *count) {

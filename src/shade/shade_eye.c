@@ -3,8 +3,9 @@
 #include "shade/shade_eye.h"
 
 enum {
-    SPLIT_DEPTH =
-        2,  // at the first two specular surfaces both reflection and refraction are followed
+    // At the first specular surfaces, up to this number, both reflection and refraction are
+    // followed.
+    SPLIT_DEPTH = 2,
     EYE_DEPTH = 64  // specular surfaces in a row after which the ray ends
 };
 
