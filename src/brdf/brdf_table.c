@@ -4,11 +4,10 @@
 // error bound, interpolated linearly.
 //
 // The map takes wo to (x, y) / (1 + z) in the unit disk. Symmetry reduces it:
-//- Isotropic: one radius (phi = 0) is enough. The lobe there is even in y, so only m >= 0 is
-//stored,
-//  and the lobe of another phi is that one rotated about z.
-//- Anisotropic: one quadrant is enough, as these models are symmetric about the x and the y axis.
-//  Mirroring a lobe changes the signs of coefficients. Nodes beyond the disk repeat its rim.
+// - Isotropic: one radius (phi = 0) is enough. The lobe there is even in y, so only m >= 0 is
+//   stored, and the lobe of another phi is that one rotated about z.
+// - Anisotropic: one quadrant is enough, as these models are symmetric about the x and the y axis.
+//   Mirroring a lobe changes the signs of coefficients. Nodes beyond the disk repeat its rim.
 //
 // Deviation from [K05 (3.4)]: the order follows from the error of the reflected radiance, not from
 // that of the BRDF. The power of light in a coefficient of band l falls as (l + 1)^-3 in both

@@ -3,10 +3,10 @@
 // each surface the path adds the direct light there and reads the other light that is known:
 // records of the next indirect bounce (first pass `recursive`), or the irradiance of the first-pass
 // estimate (photons). It continues by those lobes whose light is not known:
-//- by the diffuse lobe where the estimate is not reliable: nearer to the start of the gather ray
-//  than the photon lookup can resolve, or where photons are so few that the lookup would blur a
-//  large part of the visible scene;
-//- by the glossy lobe always, except at the end of long paths.
+// - by the diffuse lobe where the estimate is not reliable: nearer to the start of the gather ray
+//   than the photon lookup can resolve, or where photons are so few that the lookup would blur a
+//   large part of the visible scene;
+// - by the glossy lobe always, except at the end of long paths.
 // So a path ends where all light is known, which for most gather rays is y itself.
 //
 // If it continues by both lobes, the path splits in two. They are followed to their ends one after

@@ -42,8 +42,8 @@ rgb photon_irradiance(const struct photon_maps *maps, const struct satin_scene *
 // same for each bounce.
 rgb photon_irradiance_behind(const struct photon_maps *maps, const struct satin_scene *scene,
                              vec3 p, vec3 n, int bounces, float *radius, int *entry);
-// photon_irradiance for many points; arrays of `count`. *entry is the entry of the point's surroundings, or
-// -1 if none is as near as the spacing of the photons.
+// photon_irradiance for many points; arrays of `count`. *entry is the entry of the point's
+// surroundings, or -1 if none is as near as the spacing of the photons.
 void photon_irradiance_many(const struct photon_maps *maps, const struct satin_scene *scene,
                             size_t count, const vec3 *p, const vec3 *n, rgb *E, float *radius,
                             int *entry);

@@ -2,13 +2,13 @@
 // The surface at a triangle hit, and the spawning of rays from surfaces.
 //
 // Three measures prevent self-intersection without a tolerance in world units:
-//- A hit point is interpolated in double and rounded once, so it is within half an ulp of the
-//plane.
-//- scene_spawn moves the origin off the surface by a few ulp of the position, which is more than
-//  that half ulp.
-//- The filter of scene_accel.c tests a hit by interaction_crosses, in double, if it is nearer than
-//  the float intersector can resolve on a large or thin triangle. It does the same for a hit near
-//  the end of a ray that ends on a surface.
+// - A hit point is interpolated in double and rounded once, so it is within half an ulp of the
+//   plane.
+// - scene_spawn moves the origin off the surface by a few ulp of the position, which is more than
+//   that half ulp.
+// - The filter of scene_accel.c tests a hit by interaction_crosses, in double, if it is nearer than
+//   the float intersector can resolve on a large or thin triangle. It does the same for a hit near
+//   the end of a ray that ends on a surface.
 // Light leaks at edges are prevented by moving hits a few ulp into their triangle: next to an edge,
 // a rounded position could be beyond the neighbouring face.
 #include "scene/scene_interaction.h"
