@@ -23,7 +23,7 @@ static inline struct microfacet microfacet_make(enum brdf_distribution kind, flo
     return (struct microfacet){kind, maxf(au, least), maxf(av, least)};
 }
 
-//(au v.x, av v.y)|^2: the squared tangent of v after stretching, times v.z^2.
+// |(au v.x, av v.y)|^2: the squared tangent of v after stretching, times v.z^2.
 static inline float microfacet_stretch2(struct microfacet m, vec3 v) {
     return sqrf(m.au * v.x) + sqrf(m.av * v.y);
 }

@@ -78,7 +78,7 @@ static satin_status open_header(struct reader *r) {
     r->in_header = true;
     exr_result_t code = exr_start_read(&r->exr, r->name, &init);
     r->in_header = false;
-    return code == EXR_ERR_SUCCESS ? SATIN_OK : exr_refuse(r, "bad OpenEXR header", code);
+    return code == EXR_ERR_SUCCESS ? SATIN_OK : exr_refuse(r, "invalid OpenEXR header", code);
 }
 
 // The first feature of the file that is not supported, by name; NULL if there is none.
@@ -129,7 +129,7 @@ static satin_status read_exr_header(struct reader *r, exr_storage_t *storage) {
     if (code == EXR_ERR_SUCCESS) code = exr_get_compression(r->exr, 0, &compression);
     if (code == EXR_ERR_SUCCESS) code = exr_get_channels(r->exr, 0, &channels);
     if (code == EXR_ERR_SUCCESS) code = exr_get_data_window(r->exr, 0, &r->window);
-    if (code != EXR_ERR_SUCCESS) return exr_refuse(r, "bad OpenEXR header", code);
+    if (code != EXR_ERR_SUCCESS) return exr_refuse(r, "invalid OpenEXR header", code);
     const char *why = unsupported(*storage, compression, channels);
     if (!why) why = measure(r, channels);
     if (why) return log_fail(r->log, SATIN_ERROR_INPUT, "%s: %s", r->name, why);
@@ -190,14 +190,14 @@ static satin_status read_scanlines(struct reader *r) {
         code = exr_read_scanline_chunk_info(r->exr, 0, (int)(r->window.min.y + y), &info);
         if (code == EXR_ERR_SUCCESS) code = decode_chunk(r, &info, 0, y);
     }
-    return code == EXR_ERR_SUCCESS ? SATIN_OK : exr_refuse(r, "bad pixels", code);
+    return code == EXR_ERR_SUCCESS ? SATIN_OK : exr_refuse(r, "invalid pixels", code);
 }
 
 static satin_status read_tiles(struct reader *r) {
     int32_t w = 0, h = 0;
     exr_result_t code = exr_get_tile_sizes(r->exr, 0, 0, 0, &w, &h);
     if (code == EXR_ERR_SUCCESS && (w < 1 || h < 1)) code = EXR_ERR_FILE_BAD_HEADER;
-    if (code != EXR_ERR_SUCCESS) return exr_refuse(r, "bad tiles", code);
+    if (code != EXR_ERR_SUCCESS) return exr_refuse(r, "invalid tiles", code);
     int columns = (r->width - 1) / w + 1, rows = (r->height - 1) / h + 1;
     for (int64_t i = 0; code == EXR_ERR_SUCCESS && i < (int64_t)columns * rows; i++) {
         int tx = (int)(i % columns), ty = (int)(i / columns);
@@ -206,7 +206,7 @@ static satin_status read_tiles(struct reader *r) {
         if (code == EXR_ERR_SUCCESS)
             code = decode_chunk(r, &info, (int64_t)tx * w, (int64_t)ty * h);
     }
-    return code == EXR_ERR_SUCCESS ? SATIN_OK : exr_refuse(r, "bad pixels", code);
+    return code == EXR_ERR_SUCCESS ? SATIN_OK : exr_refuse(r, "invalid pixels", code);
 }
 
 satin_status film_parse_exr(const void *data, size_t size, const char *name, struct log log,

@@ -66,7 +66,7 @@ satin_status oidn_open(struct log log, struct oidn *out) {
     if (!library && !path)
         return log_fail(log, SATIN_ERROR_INPUT,
                         "option denoise: Open Image Denoise 2 is not installed: "
-                        "`./bootstrap denoiser` gets it, or SATIN_OIDN names its %s",
+                        "`./bootstrap denoiser` installs it, or SATIN_OIDN names its %s",
                         system_name);
     if (!library)
         return log_fail(log, SATIN_ERROR_INPUT,

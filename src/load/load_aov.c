@@ -63,7 +63,7 @@ static satin_status add_aov_channel(struct load_state *loader, struct log_place 
     }
     for (int k = 0; k < aovs->count; k++)
         if (strcmp(aovs->channel[k].name, channel.name) == 0) {
-            log_error_at(loader->log, place, "aovs: channel '%s' stands twice", channel.name);
+            log_error_at(loader->log, place, "aovs: channel '%s' is given twice", channel.name);
             return SATIN_ERROR_INPUT;
         }
     channel.name = load_keep_text(loader, channel.name);
@@ -97,7 +97,7 @@ static satin_status add_aov(struct load_state *loader, struct log_place place, c
     enum aov_kind kind;
     char *colon = strchr(pair, ':');
     if (!colon || colon == pair || !colon[1] || strchr(colon + 1, ':')) {
-        log_error_at(log, place, "aovs: '%s' is no pair name:type", pair);
+        log_error_at(log, place, "aovs: '%s' is not a pair name:type", pair);
         return SATIN_ERROR_INPUT;
     }
     *colon = '\0';

@@ -39,9 +39,10 @@ satin_status load_measured_merl(const struct load_source *source, struct brdf_gr
     if (status != SATIN_OK) return status;
     const int32_t want[3] = {THETA_H, THETA_D, PHI_D};
     if (size != BYTES || memcmp(data, want, HEADER) != 0) {
-        log_error_at(source->log, source->place,
-                     "'%s' is no MERL file: it needs the sizes 90 90 180 and %d bytes, but has %zu",
-                     source->path, BYTES, size);
+        log_error_at(
+            source->log, source->place,
+            "'%s' is not a MERL file: it needs the sizes 90 90 180 and %d bytes, but has %zu",
+            source->path, BYTES, size);
         status = SATIN_ERROR_INPUT;
     } else {
         status = fill_grid(source, data, out);

@@ -139,7 +139,7 @@ static satin_status read_packed_header(struct packed *packed, struct packed_head
     uint64_t most = (uint64_t)LOAD_FILE_MAX * 1032 / 12;
     if (vertices == 0 || triangles == 0 || vertices > UINT32_MAX || triangles > UINT32_MAX ||
         vertices > most || triangles > most)
-        return mesh_error(packed->source, 0, "%llu vertices and %llu triangles make no mesh",
+        return mesh_error(packed->source, 0, "%llu vertices and %llu triangles are not a mesh",
                           (unsigned long long)vertices, (unsigned long long)triangles);
     *out = (struct packed_header){flags, vertices, triangles};
     return SATIN_OK;

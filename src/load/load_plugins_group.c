@@ -30,7 +30,7 @@ const struct plugin_spec load_group_plugins[] = {
 
 static satin_status add_parts(struct load_state *loader, const struct params *p) {
     if (loader->shape_depth == GROUP_NESTING_MAX)
-        return load_refuse(loader, p, "shapes are nested too deep, or in a circle");
+        return load_refuse(loader, p, "shapes are nested too deep, or contain themselves");
     loader->shape_depth++;
     satin_status status = SATIN_OK;
     struct xml_node *at = NULL, *part;

@@ -102,7 +102,7 @@ static satin_status read_options(struct load_state *loader, const struct xml_nod
     count = 0;
     for (const struct xml_node *child = node->child; child; child = child->next, count++) {
         if (child->tag < XML_BOOLEAN || child->tag > XML_STRING) {
-            log_error_at(loader->log, child->place, "<%s> is no option of satin",
+            log_error_at(loader->log, child->place, "<%s> is not an option of satin",
                          xml_tag_name(child->tag));
             return SATIN_ERROR_INPUT;
         }

@@ -299,7 +299,7 @@ static satin_status want_attributes(struct load_state *loader, const struct para
     if (attribute_want_all(&loader->wanted, &loader->material[shape->material]) &&
         attribute_want(&loader->wanted, radiance))
         return SATIN_OK;
-    return load_refuse(loader, p, "its textures ask for more than 8 mesh attributes");
+    return load_refuse(loader, p, "its textures refer to more than 8 mesh attributes");
 }
 
 // Reads or makes the surface, with its attributes.

@@ -333,7 +333,8 @@ static satin_status build_texture(struct load_state *loader, struct xml_node *no
 satin_status load_texture_of(struct load_state *loader, struct xml_node *node,
                              const struct texture **out) {
     if (loader->texture_depth + (node->texture ? node->texture->nesting : 0) > NESTING_MAX) {
-        log_error_at(loader->log, node->place, "textures are nested too deep, or in a circle");
+        log_error_at(loader->log, node->place,
+                     "textures are nested too deep, or contain themselves");
         return SATIN_ERROR_INPUT;
     }
     if (!node->texture) {

@@ -59,7 +59,7 @@ void camera_check(const struct satin_scene *scene, struct log log) {
         return;
     }
     if (scene->light_count == 0)
-        log_message(log, SATIN_LOG_WARNING, "the scene has no light that shines: all is black");
+        log_message(log, SATIN_LOG_WARNING, "the scene emits no light: the image is black");
     const struct camera_look l = look_around(scene);
     if (l.seen > 0) return;
     if (l.there > 0 && l.first >= camera->far_clip)
@@ -78,6 +78,6 @@ void camera_check(const struct satin_scene *scene, struct log log) {
                     (double)camera->near_clip, (double)camera->far_clip, (double)l.first,
                     (double)l.last);
     else if (scene->environment < 0)
-        log_message(log, SATIN_LOG_WARNING, "none of %d rays of the camera meets a shape%s", RAYS,
+        log_message(log, SATIN_LOG_WARNING, "none of %d camera rays hits a shape%s", RAYS,
                     scene_is_behind(scene) ? ": the scene is behind it" : "");
 }

@@ -287,7 +287,7 @@ static const struct refusal refusals[] = {
      "scene.xml:3:93: the name of a mesh attribute begins with vertex_ or face_, not 'color'"},
     {SHAPE("<bsdf type='diffuse'><texture type='checkerboard' id='a' name='reflectance'>"
            "<ref id='a' name='color0'/></texture></bsdf>"),
-     "scene.xml:3:43: textures are nested too deep, or in a circle"},
+     "scene.xml:3:43: textures are nested too deep, or contain themselves"},
     {SHAPE("<bsdf type='conductor'><string name='material' value='Unobtainium'/></bsdf>"),
      "scene.xml:3:45: unknown metal 'Unobtainium'"},
     {SHAPE("<bsdf type='conductor'><string name='material' value='Al'/>"

@@ -90,14 +90,14 @@ static void refuses_by_name(void **state) {
     static const struct {
         const char *text, *error;
     } bad[] = {
-        {AOV("depth"), "scene.xml:3:24: aovs: 'depth' is no pair name:type"},
-        {AOV("a:"), "scene.xml:3:24: aovs: 'a:' is no pair name:type"},
-        {AOV(":depth"), "scene.xml:3:24: aovs: ':depth' is no pair name:type"},
-        {AOV("a:b:depth"), "scene.xml:3:24: aovs: 'a:b:depth' is no pair name:type"},
+        {AOV("depth"), "scene.xml:3:24: aovs: 'depth' is not a pair name:type"},
+        {AOV("a:"), "scene.xml:3:24: aovs: 'a:' is not a pair name:type"},
+        {AOV(":depth"), "scene.xml:3:24: aovs: ':depth' is not a pair name:type"},
+        {AOV("a:b:depth"), "scene.xml:3:24: aovs: 'a:b:depth' is not a pair name:type"},
         {AOV("a:dept"), "scene.xml:3:24: aovs: unknown type 'dept' (did you mean 'depth'?)"},
         {AOV("a:boundary_test"), "scene.xml:3:24: aovs: type 'boundary_test' is not supported"},
-        {AOV("a:depth,a:depth"), "scene.xml:3:24: aovs: channel 'a.T' stands twice"},
-        {AOV("a:position,a:sh_normal"), "scene.xml:3:24: aovs: channel 'a.X' stands twice"},
+        {AOV("a:depth,a:depth"), "scene.xml:3:24: aovs: channel 'a.T' is given twice"},
+        {AOV("a:position,a:sh_normal"), "scene.xml:3:24: aovs: channel 'a.X' is given twice"},
         {SCENE_TEXT("<integrator type='aov'/>"),
          "scene.xml:3:1: integrator 'aov' needs the parameter 'aovs'"},
         {SCENE_TEXT("<integrator type='aov'><string name='aovs' value='a:uv'/><integrator "

@@ -97,7 +97,7 @@ static void reads_merl(void **state) {
     assert_true(fabsf(g.value[21] - 1.0f) < 1e-6f && g.value[22] == 0.0f && g.value[23] == 0.0f);
     assert_int_equal(read_bytes(load_measured_merl, bytes, 1000, &arena, &g), SATIN_ERROR_INPUT);
     assert_string_equal(error,
-                        "scene.xml:3:5: 'FILE' is no MERL file: it needs the sizes 90 90 180 "
+                        "scene.xml:3:5: 'FILE' is not a MERL file: it needs the sizes 90 90 180 "
                         "and 34992012 bytes, but has 1000");
     arena_free(&arena);
     free(bytes);

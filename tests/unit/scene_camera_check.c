@@ -22,7 +22,7 @@ static const struct {
     {PERSPECTIVE EYE_END LAMP BALL, NULL},
     {PERSPECTIVE EYE_END SKY, NULL},
     {PERSPECTIVE EYE_END LAMP, "the scene has no shapes: nothing is seen"},
-    {PERSPECTIVE EYE_END BALL, "the scene has no light that shines: all is black"},
+    {PERSPECTIVE EYE_END BALL, "the scene emits no light: the image is black"},
     {"<sensor type='perspective'>" FAR("19") EYE EYE_END LAMP BALL,
      "far_clip 19 lies before the scene, which begins at 19.5*: no shape is seen"},
     {"<sensor type='perspective'>" FAR("19") EYE EYE_END SKY BALL,
@@ -37,16 +37,16 @@ static const struct {
      "<shape type='disk'><transform name='to_world'><translate x='4' z='-25'/></transform></shape>",
      "no shape is seen between near_clip 30 and far_clip 40: the first begins at 19.5*"},
     {PERSPECTIVE EYE_END LAMP "<shape type='sphere'><point name='center' value='0 0 30'/></shape>",
-     "none of 1024 rays of the camera meets a shape: the scene is behind it"},
+     "none of 1024 camera rays hits a shape: the scene is behind it"},
     {PERSPECTIVE EYE_END SKY "<shape type='sphere'><point name='center' value='0 0 30'/></shape>",
      NULL},
     {PERSPECTIVE EYE_END LAMP "<shape type='sphere'><point name='center' value='90 0 0'/></shape>",
-     "none of 1024 rays of the camera meets a shape"},
+     "none of 1024 camera rays hits a shape"},
     // The crop window alone counts.
     {PERSPECTIVE
      "<integer name='crop_width' value='8'/><integer name='crop_height' value='8'/>" EYE_END LAMP
          BALL,
-     "none of 1024 rays of the camera meets a shape"},
+     "none of 1024 camera rays hits a shape"},
 };
 
 // Equal, or equal around a `*` of `pattern`.

@@ -136,9 +136,9 @@ static void refuses(void **state) {
          "<ref id='g'/></shape></shape>",
          "shape 'instance': it cannot be part of a group"},
         {"<shape type='merge' id='m'><ref id='m'/></shape>",
-         "shape 'merge': shapes are nested too deep, or in a circle"},
+         "shape 'merge': shapes are nested too deep, or contain themselves"},
         {"<shape type='merge' id='m'><ref id='m'/><ref id='m'/><shape type='cube'/></shape>",
-         "shape 'merge': shapes are nested too deep, or in a circle"},
+         "shape 'merge': shapes are nested too deep, or contain themselves"},
         {"<shape type='instance'><shape type='shapegroup'><shape type='cube'/></shape>"
          "<transform name='to_world'><scale value='0'/></transform></shape>",
          "shape 'instance': to_world is singular"}};
