@@ -24,7 +24,7 @@ static void log_through(void *user, satin_log_severity severity, const char *mes
 static struct render *render_new(const satin_callbacks *callbacks) {
     struct render *r = calloc(1, sizeof *r);
     if (!r) return NULL;
-    r->budget = (struct render_budget){.start = stats_wall(), .stop_at = INFINITY};
+    r->progress = (struct render_progress){.start = stats_wall(), .deadline = INFINITY};
     if (callbacks) r->callbacks = *callbacks;
     r->log = (struct log){log_through, r};
     return r;

@@ -71,7 +71,7 @@ static double time_limit(const struct render *r) {
     return r->options.time > 0.0 ? r->options.time : INFINITY;
 }
 
-double render_elapsed(const struct render *r) { return stats_wall() - r->budget.start; }
+double render_elapsed(const struct render *r) { return stats_wall() - r->progress.start; }
 
 double render_time_left(const struct render *r) { return time_limit(r) - render_elapsed(r); }
 
@@ -102,11 +102,11 @@ static double image_seconds(const struct render *r) {
 // ---- Limits of loops ----------------------------------------------------------------------------
 
 // INFINITY where there is no time limit: a fraction of that is no limit either.
-void render_limit_pilot(struct render *r) { r->budget.stop_at = PILOT_UNTIL * time_limit(r); }
-void render_limit_tables(struct render *r) { r->budget.stop_at = TABLES_UNTIL * time_limit(r); }
+void render_limit_pilot(struct render *r) { r->progress.deadline = PILOT_UNTIL * time_limit(r); }
+void render_limit_tables(struct render *r) { r->progress.deadline = TABLES_UNTIL * time_limit(r); }
 
 void render_limit_bounces(struct render *r, double start, double done) {
-    r->budget.stop_at = start + BOUNCES_FRACTION * (time_limit(r) - start) * done;
+    r->progress.deadline = start + BOUNCES_FRACTION * (time_limit(r) - start) * done;
 }
 
 // The fraction of records at which the error of the image is least.
@@ -129,33 +129,37 @@ static double balance(const struct render *r, const struct render_pace *pace) {
 
 void render_limit_records(struct render *r, const struct render_pace *measured) {
     const double fraction = measured ? balance(r, measured) : RECORDS_FRACTION;
-    r->budget.stop_at = render_elapsed(r) + fraction * image_seconds(r);
+    r->progress.deadline = render_elapsed(r) + fraction * image_seconds(r);
 }
 
 double render_budget_first_round(const struct render *r) {
-    return COVER_FRACTION * (r->budget.stop_at - render_elapsed(r));
+    return COVER_FRACTION * (r->progress.deadline - render_elapsed(r));
 }
 
 void render_limit_image(struct render *r) {
-    r->budget.stop_at = render_elapsed(r) + image_seconds(r);
+    r->progress.deadline = render_elapsed(r) + image_seconds(r);
 }
 
-void render_limit_look(struct render *r) { r->budget.stop_at = render_elapsed(r) + LOOK_SECONDS; }
+void render_limit_look(struct render *r) {
+    r->progress.deadline = render_elapsed(r) + LOOK_SECONDS;
+}
 
 satin_status render_limit_end(struct render *r, satin_status status) {
-    r->budget.stop_at = INFINITY;
+    r->progress.deadline = INFINITY;
     return status == SATIN_CANCELLED && !render_cancelled(r) ? SATIN_OK : status;
 }
 
 double render_limit_lift(struct render *r) {
-    const double before = r->budget.stop_at;
-    r->budget.stop_at = INFINITY;
+    const double before = r->progress.deadline;
+    r->progress.deadline = INFINITY;
     return before;
 }
 
-void render_limit_restore(struct render *r, double before) { r->budget.stop_at = before; }
+void render_limit_restore(struct render *r, double before) { r->progress.deadline = before; }
 
-bool render_time_remains(const struct render *r) { return render_elapsed(r) < r->budget.stop_at; }
+bool render_time_remains(const struct render *r) {
+    return render_elapsed(r) < r->progress.deadline;
+}
 
 // ---- Photons ------------------------------------------------------------------------------------
 

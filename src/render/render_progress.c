@@ -31,7 +31,7 @@ static void report_now(struct render *r, double done) {
         .unit = stage_reports[at->stage].unit,
         .done = done,
         .rate = seconds > 0.0 ? done * at->items / seconds : 0.0,
-        .elapsed = at->last_report - r->budget.start,
+        .elapsed = at->last_report - at->start,
     };
     if (r->callbacks.progress(r->callbacks.progress_user, &progress)) at->cancelled_in = at->stage;
 }
@@ -48,7 +48,7 @@ static bool loop_must_end(void *user, double done) {
     const struct render_progress *at = &r->progress;
     render_progress_report(r, at->loop_done + done * at->loop_span);
     const bool unwanted = render_cancelled(r) && at->look == LOOK_WHOLE;
-    return unwanted || render_elapsed(r) > r->budget.stop_at;
+    return unwanted || render_elapsed(r) > at->deadline;
 }
 
 void render_progress_install(struct render *r) { parallel_set_progress(r->pool, loop_must_end, r); }

@@ -29,21 +29,17 @@ enum render_look {
     LOOK_DIRECT         // a coarse look with direct light alone
 };
 
-// Where the render stands.
+// Where the render stands, and what ends it: its deadline, or the caller, who may cancel it.
 struct render_progress {
     enum render_stage stage;         // the stage under way
     enum render_stage cancelled_in;  // the stage that the caller cancelled; STAGE_SETUP: none
     enum render_look look;
-    double stage_start;           // wall clock at its beginning
-    double items;                 // units of work of the stage; 0: they are not counted
+    double start;        // wall clock at the beginning of the render
+    double deadline;     // seconds after it that end the loop under way; INFINITY: nothing does
+    double stage_start;  // wall clock at the beginning of the stage
+    double items;        // units of work of the stage; 0: they are not counted
     double loop_done, loop_span;  // the loop under way is [done, done + span] of the stage
     double last_report;           // wall clock when the caller was last asked
-};
-
-// The time that there is.
-struct render_budget {
-    double start;    // wall clock at the beginning of the render
-    double stop_at;  // seconds after it that end the loop under way; INFINITY: nothing does
 };
 
 // Photons, and what was found of the lights with them.
@@ -88,7 +84,6 @@ struct render {
     struct stats stats;
     // What they have made.
     struct render_progress progress;
-    struct render_budget budget;
     struct render_first_pass first_pass;
     struct render_second_pass second_pass;
     struct render_image *image;

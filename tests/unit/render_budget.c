@@ -19,7 +19,7 @@ static struct render make(double time) {
                                    .height = 100,
                                    .spp = time > 0.0 ? 1 << 20 : 36,
                                    .adaptive_sampling = true}};
-    r.budget = (struct render_budget){.start = stats_wall(), .stop_at = INFINITY};
+    r.progress = (struct render_progress){.start = stats_wall(), .deadline = INFINITY};
     r.pool = parallel_new(1);
     assert_non_null(r.pool);
     return r;
@@ -27,7 +27,7 @@ static struct render make(double time) {
 
 static double image_limit(struct render *r) {
     render_limit_image(r);
-    return r->budget.stop_at;
+    return r->progress.deadline;
 }
 
 static void no_limit_ends_nothing(void **state) {
@@ -44,7 +44,7 @@ static void no_limit_ends_nothing(void **state) {
     assert_true(isinf(image_limit(&r)));
     assert_true(isinf(render_time_left(&r)));
     render_limit_look(&r);
-    assert_true(isfinite(r.budget.stop_at));
+    assert_true(isfinite(r.progress.deadline));
     parallel_free(r.pool);
 }
 
@@ -52,9 +52,9 @@ static void steps_end_in_their_order(void **state) {
     (void)state;
     struct render r = make(1000.0);
     render_limit_tables(&r);
-    const double tables = r.budget.stop_at;
+    const double tables = r.progress.deadline;
     render_limit_records(&r, NULL);
-    const double records = r.budget.stop_at, image = image_limit(&r);
+    const double records = r.progress.deadline, image = image_limit(&r);
     assert_true(0.0 < tables && tables < records && records < image && image < 1000.0);
     parallel_free(r.pool);
 }
@@ -62,7 +62,7 @@ static void steps_end_in_their_order(void **state) {
 static void a_limit_that_is_over_is_no_cancellation(void **state) {
     (void)state;
     struct render r = make(1000.0);
-    r.budget.stop_at = 0.0;
+    r.progress.deadline = 0.0;
     assert_false(render_time_remains(&r));
     assert_int_equal(render_limit_end(&r, SATIN_CANCELLED), SATIN_OK);
     assert_true(render_time_remains(&r));
@@ -110,19 +110,19 @@ static void records_get_what_the_paces_ask_for(void **state) {
         .rays = 1e5, .samples = 1e5, .variance = 1.0, .indirect2 = 0.5};
     struct render_pace other = even;
     render_limit_records(&r, &even);
-    const double fraction = r.budget.stop_at;
+    const double fraction = r.progress.deadline;
     assert_true(fraction > 200.0 && fraction < 800.0);
     other.indirect2 = 1.0;
     render_limit_records(&r, &other);
-    assert_true(r.budget.stop_at > fraction + 10.0);
+    assert_true(r.progress.deadline > fraction + 10.0);
     other = even;
     other.variance = 4.0;
     render_limit_records(&r, &other);
-    assert_true(r.budget.stop_at < fraction - 10.0);
+    assert_true(r.progress.deadline < fraction - 10.0);
     other = even;
     other.rays = other.samples = 64e5;
     render_limit_records(&r, &other);
-    assert_true(r.budget.stop_at > fraction + 10.0);
+    assert_true(r.progress.deadline > fraction + 10.0);
     parallel_free(r.pool);
 }
 
