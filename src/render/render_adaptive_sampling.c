@@ -63,6 +63,8 @@ struct adapting {
     float *to;
     float factor;
     double floor2;
+    size_t stride;
+    uint32_t count;
 };
 
 static void each_chunk(const struct adapt *adapt, parallel_fn fn, struct adapting *job) {
@@ -130,9 +132,21 @@ void adapt_compare(struct adapt *adapt) {
     each_chunk(adapt, compare_pixels, &job);
 }
 
-void adapt_even(struct adapt *adapt, uint32_t count) {
-    for (size_t i = 0; i < pixels(adapt); i++)
-        if (adapt->pixel[i].target < count) adapt->pixel[i].target = count;
+static void target_rows(void *ctx, size_t begin, size_t end, int worker) {
+    const struct adapting *job = ctx;
+    const size_t width = (size_t)job->adapt->width, stride = job->stride;
+    (void)worker;
+    for (size_t y = begin * stride; y < end * stride; y += stride)
+        for (size_t i = y * width; i < (y + 1) * width; i += stride) {
+            struct adapt_pixel *p = &job->adapt->pixel[i];
+            if (p->target < job->count) p->target = job->count;
+        }
+}
+
+void adapt_even(struct adapt *adapt, int stride, uint32_t count) {
+    struct adapting job = {.adapt = adapt, .stride = (size_t)stride, .count = count};
+    const size_t rows = (size_t)((adapt->height + stride - 1) / stride);
+    parallel_for_all(adapt->pool, rows, ADAPT_ROWS, target_rows, &job);
 }
 
 // One pass of a binomial filter over five pixels. Pixels without a value (< 0) are ignored.

@@ -42,8 +42,9 @@ static inline void adapt_add(struct adapt_pixel *pixel, rgb value, float light_v
 
 // To be called after a pass: compares each pixel's new samples with those before.
 void adapt_compare(struct adapt *adapt);
-// Sets the targets of the next pass to `count` samples in every pixel.
-void adapt_even(struct adapt *adapt, uint32_t count);
+// Sets the targets of the next pass to at least `count` samples in every pixel of a grid. `stride`
+// is the number of pixels from one of them to the next, in both directions.
+void adapt_even(struct adapt *adapt, int stride, uint32_t count);
 // Sets the targets of the next pass to `samples` more, where they lower the relative squared error
 // of the image most. Samples beyond what noisy pixels may get in one pass are distributed
 // uniformly.

@@ -129,7 +129,7 @@ static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
     *samples = render_budget_pass(r, image->taken, per_sample);
     if (*samples == 0) return false;
     if (image->taken < render_budget_even_samples(&r->options) * pixels)
-        adapt_even(&image->adapt, (uint32_t)((image->taken + *samples) / pixels));
+        adapt_even(&image->adapt, 1, (uint32_t)((image->taken + *samples) / pixels));
     else
         adapt_spread(&image->adapt, *samples);
     return true;
@@ -174,7 +174,6 @@ static void note_counts(struct render *r, const struct shade_worker *worker, int
 static void plan_samples(struct image_pass *pass, int workers) {
     struct render *r = pass->r;
     parallel_begin_part(r->pool, "plan");
-    r->image->adapt.pool = r->pool;
     adapt_compare(&r->image->adapt);
     if (r->options.integrator != SATIN_TWO_PASS || !r->options.adaptive_sampling) return;
     const struct shade_counts counts = sum_counts(pass->worker, workers);
@@ -188,14 +187,6 @@ static bool run_pass(struct image_pass *pass) {
     return parallel_for(pass->r->pool, (size_t)pass->columns * rows, 1, render_tiles, pass);
 }
 
-static void want_one(struct render_image *image, int stride) {
-    for (int y = 0; y < image->height; y += stride)
-        for (int x = 0; x < image->width; x += stride) {
-            size_t at = (size_t)y * (size_t)image->width + (size_t)x;
-            if (image->adapt.pixel[at].target == 0) image->adapt.pixel[at].target = 1;
-        }
-}
-
 // The first sample of a few pixels, whatever the time is, unless a look at direct light can follow;
 // and if it is short, of all, coarse to fine. False if that was cut short.
 static bool first_look(struct image_pass *pass) {
@@ -205,7 +196,8 @@ static bool first_look(struct image_pass *pass) {
     bool whole = true;
     if (r->progress.look == LOOK_WITH_RECORDS) render_limit_restore(r, limit);
     for (int stride = r->image->coarsest; stride > 0 && whole; stride /= 2) {
-        want_one(r->image, stride);
+        parallel_begin_part(r->pool, "plan");
+        adapt_even(&r->image->adapt, stride, 1);
         whole = run_pass(pass);
         r->image->looked |= whole;
         render_limit_restore(r, limit);
@@ -219,6 +211,7 @@ satin_status render_image_fill(struct render *r) {
     struct render_image *image = r->image;
     const int workers = parallel_threads(r->pool);
     struct image_pass pass = {.r = r, .columns = (image->width + TILE - 1) / TILE};
+    image->adapt.pool = r->pool;
     pass.worker = array_new((size_t)workers, sizeof *pass.worker);
     if (!pass.worker) return SATIN_ERROR_MEMORY;
     for (int i = 0; i < workers; i++) pass.worker[i].gather = r->second_pass.shade.worker[i];

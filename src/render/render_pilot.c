@@ -87,7 +87,7 @@ satin_status render_pilot(struct render *r, struct render_pace *pace) {
     const double start = stats_wall(), limit = render_limit_lift(r);
     bool whole = true;
     for (uint32_t n = PILOT_SAMPLES / 2; whole && n <= PILOT_SAMPLES; n += PILOT_SAMPLES / 2) {
-        adapt_even(&pilot.adapt, n);
+        adapt_even(&pilot.adapt, 1, n);
         whole = parallel_for(r->pool, pixels, 16, sample_pixels, &pilot);
         adapt_compare(&pilot.adapt);
     }

@@ -34,7 +34,7 @@ static void take(struct adapt *adapt, uint64_t seed) {
 static uint64_t render(struct adapt *adapt, uint64_t seed) {
     assert_true(adapt_make(adapt, SIZE, SIZE, 4));
     for (uint32_t n = 1; n <= EVEN; n *= 2) {
-        adapt_even(adapt, n);
+        adapt_even(adapt, 1, n);
         take(adapt, seed);
     }
     uint64_t taken = (uint64_t)EVEN * SIZE * SIZE, all = (uint64_t)ALL * SIZE * SIZE;
@@ -104,7 +104,7 @@ static void the_mean_is_kept(void **state) {
 static void make_quiet(struct adapt *adapt, float difference) {
     assert_true(adapt_make(adapt, SIZE, SIZE, 4));
     for (uint32_t n = 1; n <= 2; n++) {
-        adapt_even(adapt, n);
+        adapt_even(adapt, 1, n);
         for (int i = 0; i < SIZE * SIZE; i++) adapt_add(&adapt->pixel[i], rgb_grey(2.0f), 0.0f);
         if (n == 2) adapt->pixel[SIZE * SIZE / 2].sum.r += difference;
         adapt_compare(adapt);
@@ -181,8 +181,32 @@ static void light_samples_go_where_lights_are_noisy(void **state) {
     adapt_destroy(&adapt);
 }
 
+// Every pixel of a grid and no other is asked for a sample, by one thread and by three.
+static void first_samples_are_on_a_grid(void **state) {
+    (void)state;
+    for (int threads = 1; threads <= 3; threads += 2) {
+        struct adapt adapt;
+        assert_true(adapt_make(&adapt, 33, 21, 1));
+        adapt.pool = threads > 1 ? parallel_new(threads) : NULL;
+        for (int stride = 8; stride > 0; stride /= 2) {
+            adapt_even(&adapt, stride, 1);
+            for (int i = 0; i < 33 * 21; i++)
+                assert_int_equal(adapt.pixel[i].target,
+                                 i % 33 % stride == 0 && i / 33 % stride == 0);
+        }
+        adapt_even(&adapt, 4, 3);
+        assert_int_equal(adapt.pixel[4 * 33 + 32].target, 3);
+        adapt_even(&adapt, 1, 2);
+        assert_int_equal(adapt.pixel[4 * 33 + 32].target, 3);
+        assert_int_equal(adapt.pixel[20 * 33 + 31].target, 2);
+        parallel_free(adapt.pool);
+        adapt_destroy(&adapt);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(samples_go_to_the_noise),
+                                       cmocka_unit_test(first_samples_are_on_a_grid),
                                        cmocka_unit_test(the_mean_is_kept),
                                        cmocka_unit_test(the_number_of_samples_is_kept),
                                        cmocka_unit_test(faint_noise_does_not_hide_the_loud),
