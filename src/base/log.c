@@ -7,7 +7,7 @@
 
 enum { LOG_BYTES = 1024 };
 
-static void deliver(struct log log, satin_log_severity severity, char *text) {
+static void send_message(struct log log, satin_log_severity severity, char *text) {
     for (unsigned char *c = (unsigned char *)text; *c; c++)
         if (*c < 32 || *c == 127) *c = '?';
     log.fn(log.user, severity, text);
@@ -20,7 +20,7 @@ void log_message(struct log log, satin_log_severity severity, const char *format
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    deliver(log, severity, text);
+    send_message(log, severity, text);
 }
 
 static void log_at(struct log log, satin_log_severity severity, struct log_place place,
@@ -37,7 +37,7 @@ static void log_at(struct log log, satin_log_severity severity, struct log_place
     if (n < 0) n = 0;
     if (n > LOG_BYTES / 2) n = LOG_BYTES / 2;
     vsnprintf(text + n, sizeof text - (size_t)n, format, args);
-    deliver(log, severity, text);
+    send_message(log, severity, text);
 }
 
 void log_error_at(struct log log, struct log_place place, const char *format, ...) {
@@ -63,6 +63,6 @@ satin_status log_fail(struct log log, satin_status status, const char *format, .
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    deliver(log, SATIN_LOG_ERROR, text);
+    send_message(log, SATIN_LOG_ERROR, text);
     return status;
 }

@@ -22,13 +22,13 @@ bool text_double(const char *text, double *out) {
     return true;
 }
 
-static char folded(char c) {
+static char fold_case(char c) {
     if (c >= 'A' && c <= 'Z') return (char)(c - 'A' + 'a');
     return c == '-' ? '_' : c;
 }
 
 bool text_same_name(const char *a, const char *b) {
-    while (*a && folded(*a) == folded(*b)) {
+    while (*a && fold_case(*a) == fold_case(*b)) {
         a++;
         b++;
     }
@@ -45,9 +45,9 @@ static int edit_distance(const char *a, int na, const char *b, int nb) {
         int *now = row[i % 3], *above = row[(i + 2) % 3], *above2 = row[(i + 1) % 3];
         now[0] = i;
         for (int j = 1; j <= nb; j++) {
-            char ca = folded(a[i - 1]), cb = folded(b[j - 1]);
+            char ca = fold_case(a[i - 1]), cb = fold_case(b[j - 1]);
             now[j] = least(least(above[j], now[j - 1]) + 1, above[j - 1] + (ca != cb));
-            if (i > 1 && j > 1 && ca == folded(b[j - 2]) && cb == folded(a[i - 2]))
+            if (i > 1 && j > 1 && ca == fold_case(b[j - 2]) && cb == fold_case(a[i - 2]))
                 now[j] = least(now[j], above2[j - 2] + 1);
         }
     }

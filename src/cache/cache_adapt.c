@@ -44,8 +44,8 @@ static void shrink(struct cache_adaptation *c) {
 }
 
 // Adds a record to the contributions of a point. If the list is full, it replaces the worst one.
-static void contribute(struct cache_adaptation *c, const struct cache_site *s,
-                       struct cache_point *p, uint32_t record) {
+static void add_contribution(struct cache_adaptation *c, const struct cache_site *s,
+                             struct cache_point *p, uint32_t record) {
     struct cache_contribution x = {record, c->change[record],
                                    cache_tree_error(&c->tree->head[record], s->p, s->frame.n),
                                    -1.0f, 0.0f};
@@ -75,7 +75,7 @@ static void queue_points(void *ctx, size_t begin, size_t end, int worker) {
         for (int k = 0; k < count; k++) {
             uint32_t record = near[k].record + (uint32_t)c->records;
             if (cache_leaks(c->cache, &c->tree->head[record], s->p)) continue;
-            contribute(c, s, p, record);
+            add_contribution(c, s, p, record);
             p->queued = true;
         }
     }

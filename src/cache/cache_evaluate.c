@@ -86,7 +86,8 @@ static float noise_of(const struct cache_point *p) {
 }
 
 // Whether a record may end before this point: it must not become smaller than the least radius.
-static bool may_end(const struct cache_adaptation *c, const struct cache_site *s, uint32_t record) {
+static bool may_shrink(const struct cache_adaptation *c, const struct cache_site *s,
+                       uint32_t record) {
     const struct cache_options *o = &c->cache->side[c->kind].options;
     const float least = o->a * cache_least_radius(o, s->pixel);
     return v3_dist2(c->tree->head[record].p, s->p) > least * least;
@@ -111,8 +112,8 @@ static bool disagree(const struct cache_site *s, const struct cache_point *p, un
 
 // The contributions that may have caused the difference between `worst` and the rest: errors grow
 // with the square of the distance, so records that are hardly nearer have almost the same error.
-static unsigned to_blame(const struct cache_site *s, const struct cache_point *p, unsigned rest,
-                         int worst) {
+static unsigned similar_errors(const struct cache_site *s, const struct cache_point *p,
+                               unsigned rest, int worst) {
     const float all = mean_luminance(p, rest), noise = noise_of(p);
     const float difference = fabsf(p->with[worst].Y - all);
     const float far2 = p->with[worst].error * p->with[worst].error;
@@ -138,9 +139,9 @@ void cache_evaluate_point(const struct cache_adaptation *c, const struct cache_s
         int worst = -1;
         for (int i = 0; i < p->count; i++)
             if (mask >> i & 1u && (worst < 0 || p->with[i].error > p->with[worst].error)) worst = i;
-        unsigned blamed = to_blame(s, p, mask & ~(1u << worst), worst);
+        unsigned blamed = similar_errors(s, p, mask & ~(1u << worst), worst);
         for (int i = 0; i < p->count; i++)
-            if (blamed >> i & 1u && !may_end(c, s, p->with[i].record)) blamed &= ~(1u << i);
+            if (blamed >> i & 1u && !may_shrink(c, s, p->with[i].record)) blamed &= ~(1u << i);
         if (!blamed) return;
         p->gives_way |= (uint8_t)blamed;
         mask &= ~blamed;

@@ -18,7 +18,7 @@ static float by_distance(satin_radius kind, const struct gather_around *around) 
 }
 
 // Limits a radius by that of the scene, where nothing was hit, and by the user's limit.
-static float bounded(float R, const struct cache *cache, const struct cache_options *o) {
+static float limit_radius(float R, const struct cache *cache, const struct cache_options *o) {
     R = fminf(R, cache->g->scene->radius);
     return o->max_radius > 0.0f ? fminf(R, o->max_radius) : R;
 }
@@ -58,7 +58,7 @@ static void clamp_radii(struct cache_extent *x, float lo, float hi) {
     x->radius_ratio = fminf(wanted / x->R, 1.0f);
 }
 
-static void limit(struct cache_extent *x, float R) {
+static void limit_extent(struct cache_extent *x, float R) {
     x->R = fminf(x->R, R);
     x->across = fminf(x->across, x->R);
 }
@@ -78,10 +78,10 @@ struct cache_extent cache_extent_irradiance(const struct cache *cache,
     struct cache_extent x = o->radius == SATIN_RADIUS_HESSIAN
                                 ? by_hessian(around, &site->frame, E)
                                 : circle(by_distance(o->radius, around));
-    limit(&x, bounded(x.R, cache, o));
+    limit_extent(&x, limit_radius(x.R, cache, o));
     // E may not change by more than itself within R [K05 6.5.1].
     const float slope = v3_len(luminance_gradient(value));
-    if (o->gradient_clamp && slope * x.R > E && E > 0.0f) limit(&x, E / slope);
+    if (o->gradient_clamp && slope * x.R > E && E > 0.0f) limit_extent(&x, E / slope);
     clamp_radii(&x, cache_least_radius(o, site->pixel), o->max_pixels * site->pixel / o->a);
     // The gradient must not extrapolate E below 0.
     const float Ec[3] = {value->E.r, value->E.g, value->E.b};
@@ -115,10 +115,10 @@ struct cache_extent cache_extent_radiance(const struct cache *cache, const struc
     for (int c = 0; c < 3; c++) lengths2(value, n2, c, &size2[c], &slope2[c]);
     const float size = sqrtf(size2[0] + size2[1] + size2[2]);
     const float slope = sqrtf(slope2[0] + slope2[1] + slope2[2]);
-    struct cache_extent x = circle(bounded(by_distance(o->radius, around), cache, o));
+    struct cache_extent x = circle(limit_radius(by_distance(o->radius, around), cache, o));
     // As for E, the vector may not change by more than its length within R. Measured where a wall
     // reflects a box near it: with this limit, half of the records are enough for the same error.
-    if (o->gradient_clamp && slope * x.R > size && size > 0.0f) limit(&x, size / slope);
+    if (o->gradient_clamp && slope * x.R > size && size > 0.0f) limit_extent(&x, size / slope);
     clamp_radii(&x, cache_least_radius(o, site->pixel), o->max_pixels * site->pixel / o->a);
     for (int c = 0; c < 3; c++) {
         float change = x.radius_ratio * sqrtf(slope2[c]) * o->a * o->widen * x.R;

@@ -35,14 +35,14 @@ struct taylor {
     vec3 rotation, rotation_grad[3];  // of the normal
 };
 
-static float linear(const struct taylor *t, int c) {
+static float by_gradients(const struct taylor *t, int c) {
     return v3_dot(t->offset, t->grad[c]) + v3_dot(t->rotation, t->rotation_grad[c]);
 }
 
 // The value at the point from this record alone.
 static rgb value_alone(const struct taylor *t) {
-    return rgb_make(t->value[0] + linear(t, 0), t->value[1] + linear(t, 1),
-                    t->value[2] + linear(t, 2));
+    return rgb_make(t->value[0] + by_gradients(t, 0), t->value[1] + by_gradients(t, 1),
+                    t->value[2] + by_gradients(t, 2));
 }
 
 // A value that is extrapolated by its gradient has an error of half the second derivative times the
@@ -51,7 +51,7 @@ static rgb value_alone(const struct taylor *t) {
 // records surround the point, errors of second order cancel.
 static void add_record(struct taylor *sum, const struct taylor *t, float weight) {
     for (int c = 0; c < 3; c++) {
-        sum->value[c] += weight * (t->value[c] + 0.5f * linear(t, c));
+        sum->value[c] += weight * (t->value[c] + 0.5f * by_gradients(t, c));
         sum->grad[c] = v3_mad(sum->grad[c], weight, t->grad[c]);
         sum->rotation_grad[c] = v3_mad(sum->rotation_grad[c], weight, t->rotation_grad[c]);
     }
@@ -63,7 +63,7 @@ static rgb mean_value(const struct taylor *sum, float weight) {
     const float inverse = 1.0f / weight, half = 0.5f * inverse * inverse;
     float mean[3];
     for (int c = 0; c < 3; c++)
-        mean[c] = at_least(inverse * sum->value[c] + half * linear(sum, c), 0.0f);
+        mean[c] = at_least(inverse * sum->value[c] + half * by_gradients(sum, c), 0.0f);
     return rgb_make(mean[0], mean[1], mean[2]);
 }
 
@@ -96,8 +96,8 @@ static float radiance_ratio(const struct cache *cache, uint32_t record) {
 
 // Whether most of the weight is of records that are much larger than they should be, as near
 // contacts of surfaces, where the least radius prevents denser records.
-static bool crowded(const struct cache *cache, ratio_fn *ratio, const struct cache_near *near,
-                    int count) {
+static bool is_oversized(const struct cache *cache, ratio_fn *ratio, const struct cache_near *near,
+                         int count) {
     const float least = cache->g->options->gather_radius_ratio;
     float sum = 0.0f, weights = 0.0f;
     for (int i = 0; i < count; i++) {
@@ -108,8 +108,8 @@ static bool crowded(const struct cache *cache, ratio_fn *ratio, const struct cac
 }
 
 // Adds one record to the sums; `a` is that of the options.
-static void use(struct cache_used *used, const struct cache_head *h, float weight, float a,
-                uint32_t rays) {
+static void add_used(struct cache_used *used, const struct cache_head *h, float weight, float a,
+                     uint32_t rays) {
     const struct cache_used one = {1, weight, weight * a * h->scale, weight * (float)rays};
     *used = cache_used_add(*used, one);
 }
@@ -121,14 +121,14 @@ struct cache_used cache_irradiance(const struct cache *cache, const struct cache
     struct cache_near near[CACHE_NEAR_MAX];
     struct cache_used used = {0};
     const int count = find_or_nearest(cache, tree, at, a, near);
-    if (count == 0 || crowded(cache, irradiance_ratio, near, count)) return used;
+    if (count == 0 || is_oversized(cache, irradiance_ratio, near, count)) return used;
     struct taylor sum = {0};
     for (int i = 0; i < count; i++) {
         const uint32_t record = near[i].record;
         const struct taylor t = irradiance_of(cache, record, at, a);
         add_record(&sum, &t, near[i].weight);
-        use(&used, &tree->head[record], near[i].weight, whole,
-            cache->irradiance[record].value.rays);
+        add_used(&used, &tree->head[record], near[i].weight, whole,
+                 cache->irradiance[record].value.rays);
     }
     *E = mean_value(&sum, used.weight);
     return used;
@@ -186,7 +186,7 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_l
     struct cache_near near[CACHE_NEAR_MAX];
     struct cache_used used = {0};
     const int count = find_or_nearest(cache, tree, at, a, near);
-    if (count == 0 || crowded(cache, radiance_ratio, near, count)) return used;
+    if (count == 0 || is_oversized(cache, radiance_ratio, near, count)) return used;
     const struct cache_lobe cosine = {
         .C = cache->cosine, .order = cache->cosine_order, .channels = 1};
     struct taylor shine = {0}, diffuse = {0};
@@ -202,7 +202,7 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_l
             t = radiance_of(cache, record, at, a, cosine, NULL);
             add_record(&diffuse, &t, w);
         }
-        use(&used, &tree->head[record], w, whole, cache->radiance[record].rays);
+        add_used(&used, &tree->head[record], w, whole, cache->radiance[record].rays);
     }
     if (lobe) *glossy = mean_value(&shine, used.weight);
     if (E) *E = mean_value(&diffuse, used.weight);

@@ -178,7 +178,7 @@ bool cache_tree_covered(const struct cache_tree *tree, vec3 p, vec3 n, float a) 
     return false;
 }
 
-static bool meets(vec3 lo, float size, vec3 p, float radius) {
+static bool cell_meets_ball(vec3 lo, float size, vec3 p, float radius) {
     float dx = fmaxf(fmaxf(lo.x - p.x, p.x - lo.x - size), 0.0f);
     float dy = fmaxf(fmaxf(lo.y - p.y, p.y - lo.y - size), 0.0f);
     float dz = fmaxf(fmaxf(lo.z - p.z, p.z - lo.z - size), 0.0f);
@@ -205,7 +205,7 @@ void cache_tree_visit(const struct cache_tree *tree, vec3 p, float radius,
             if (!node->child[octant]) continue;
             vec3 lo = v3_add(v.lo, v3(octant & 1 ? half : 0.0f, octant & 2 ? half : 0.0f,
                                       octant & 4 ? half : 0.0f));
-            if (meets(lo, half, p, radius))
+            if (cell_meets_ball(lo, half, p, radius))
                 stack[top++] = (struct visit){node->child[octant], lo, half};
         }
     }

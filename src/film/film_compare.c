@@ -39,14 +39,14 @@ static rgb value_at(const struct compared_planes *p, enum layer layer, size_t i)
     return channel[0] ? rgb_make(channel[0][i], channel[1][i], channel[2][i]) : rgb_grey(0.0f);
 }
 
-static double shown(double linear) {
+static double display_value(double linear) {
     if (!(linear > 0.0)) return 0.0;
     if (linear >= 1.0) return 1.0;
     return linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1.0 / 2.4) - 0.055;
 }
 
 static void add_channel(struct sums *sums, double x, double r, double variance) {
-    double d2 = (x - r) * (x - r) - variance, display = shown(x) - shown(r);
+    double d2 = (x - r) * (x - r) - variance, display = display_value(x) - display_value(r);
     sums->squared += d2;
     sums->relative += d2 / (r * r + RELATIVE_FLOOR);
     sums->display += display * display;

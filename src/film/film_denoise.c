@@ -140,7 +140,7 @@ enum { TRY_SIDE = 128, TRY_PIXELS = TRY_SIDE * TRY_SIDE };
 
 // Denoises a small image twice: the first time the library reads 50 MB of weights from the disk and
 // initialises itself.
-static satin_status try_out(struct film_denoiser *d, struct log log) {
+static satin_status test_denoiser(struct film_denoiser *d, struct log log) {
     rgb *all = array_new(3 * (size_t)TRY_PIXELS, sizeof *all);
     if (!all) return SATIN_ERROR_MEMORY;
     const struct film_noisy image = {.width = TRY_SIDE,
@@ -177,7 +177,7 @@ satin_status film_denoiser_open(int threads, struct log log, struct film_denoise
     if (!d) return SATIN_ERROR_MEMORY;
     satin_status status = oidn_open(log, &d->oidn);
     if (status == SATIN_OK) status = open_device(d, threads, log);
-    if (status == SATIN_OK) status = try_out(d, log);
+    if (status == SATIN_OK) status = test_denoiser(d, log);
     if (status == SATIN_OK)
         *out = d;
     else

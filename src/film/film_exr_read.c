@@ -98,7 +98,7 @@ static const char *unsupported(exr_storage_t storage, exr_compression_t compress
 }
 
 // Reads the size of the image and checks it against the size of the file.
-static const char *measure(struct reader *r, const exr_attr_chlist_t *channels) {
+static const char *read_exr_size(struct reader *r, const exr_attr_chlist_t *channels) {
     int64_t width = (int64_t)r->window.max.x - r->window.min.x + 1;
     int64_t height = (int64_t)r->window.max.y - r->window.min.y + 1, bytes = 0;
     if (width < 1 || height < 1) return "its data window is empty";
@@ -131,7 +131,7 @@ static satin_status read_exr_header(struct reader *r, exr_storage_t *storage) {
     if (code == EXR_ERR_SUCCESS) code = exr_get_data_window(r->exr, 0, &r->window);
     if (code != EXR_ERR_SUCCESS) return exr_refuse(r, "invalid OpenEXR header", code);
     const char *why = unsupported(*storage, compression, channels);
-    if (!why) why = measure(r, channels);
+    if (!why) why = read_exr_size(r, channels);
     if (why) return log_fail(r->log, SATIN_ERROR_INPUT, "%s: %s", r->name, why);
     return make_film(r, channels);
 }

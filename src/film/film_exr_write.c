@@ -33,7 +33,7 @@ struct writer {
     struct exr_chunk chunk[EXR_BATCH];
 };
 
-static void be_silent(exr_const_context_t exr, exr_result_t code, const char *message) {
+static void ignore_exr_error(exr_const_context_t exr, exr_result_t code, const char *message) {
     (void)exr;
     (void)code;
     (void)message;
@@ -162,7 +162,7 @@ static exr_result_t write_header(struct writer *w) {
 // Writes all bytes of the open file.
 static exr_result_t write_file(struct writer *w, struct parallel *pool, size_t *dropped) {
     exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    init.error_handler_fn = be_silent;
+    init.error_handler_fn = ignore_exr_error;
     init.zip_level = ZIP_EFFORT;
     init.write_fn = write_bytes;
     init.user_data = &w->file;

@@ -123,7 +123,8 @@ static void *execute(void *user) {
 }
 
 // Calls the caller's function until the filter has finished.
-static void watch(struct filter_run *run, bool (*goes_on)(void *user, double done), void *user) {
+static void report_progress(struct filter_run *run, bool (*goes_on)(void *user, double done),
+                            void *user) {
     pthread_mutex_lock(&run->mutex);
     while (!run->finished) {
         struct timespec until;
@@ -153,7 +154,7 @@ int oidn_execute(const struct oidn *oidn, struct oidn_device *device, struct oid
     if (goes_on) oidn->SetFilterProgressMonitorFunction(filter, on_filter_progress, &run);
     oidn->CommitFilter(filter);
     if (goes_on && pthread_create(&thread, NULL, execute, &run) == 0) {
-        watch(&run, goes_on, user);
+        report_progress(&run, goes_on, user);
         pthread_join(thread, NULL);
     } else {
         // If there is no memory for a thread, the function is not called, but the result is the

@@ -119,12 +119,13 @@ static rgb sample_glossy_direct(struct path *path, const struct path_vertex *v,
 
 // Whether an estimate includes the direct light of the diffuse lobe: light through as many panes as
 // the first bounce may pass.
-static bool knows_direct(const struct path_vertex *v, struct gather_estimate estimate) {
+static bool includes_direct(const struct path_vertex *v, struct gather_estimate estimate) {
     return estimate.reliable && estimate.direct && (v->bounce == 0 || v->g->options->max_depth < 0);
 }
 
 // Adds the light that is known at a vertex, and decides by which lobes the path continues.
-static void arrive(struct path *path, struct path_vertex *v, struct gather_estimate estimate) {
+static void add_vertex_light(struct path *path, struct path_vertex *v,
+                             struct gather_estimate estimate) {
     const struct gather *g = v->g;
     const struct gather_point *y = v->y;
     const struct interaction *s = &y->interaction;
@@ -142,7 +143,7 @@ static void arrive(struct path *path, struct path_vertex *v, struct gather_estim
     // Direct light. That of the diffuse lobe may be known separately, or be part of a reliable
     // estimate from all photons.
     rgb E = estimate.E;  // irradiance for the diffuse lobe
-    if (knows_direct(v, estimate)) {
+    if (includes_direct(v, estimate)) {
         E = rgb_add(E, *estimate.direct);
         v->L = rgb_add(v->L, sample_glossy_direct(path, v, by_glossy));
     } else {
@@ -212,7 +213,7 @@ static struct gather_estimate estimate_at(const struct gather *g, struct path_ve
 // Follows a branch from v by one segment. True if it ends at a surface, which becomes the vertex
 // after v. Emitted light on the way is weighted against the light samples of v. After specular
 // surfaces it counts only for glossy lobes, as the diffuse lobe has caustic photons.
-static bool extend(struct path *path, struct path_vertex *v, struct path_branch branch) {
+static bool follow_branch(struct path *path, struct path_vertex *v, struct path_branch branch) {
     struct path_vertex *z = v + 1;
     struct brdf_sample next;
     if (!draw_direction(path, v, branch, &next)) return false;
@@ -238,7 +239,7 @@ static bool extend(struct path *path, struct path_vertex *v, struct path_branch 
     z->g = v->g;
     z->y = &z->point;
     z->bounce = v->bounce + 1;
-    arrive(path, z, estimate_at(v->g, z));
+    add_vertex_light(path, z, estimate_at(v->g, z));
     return true;
 }
 
@@ -253,11 +254,11 @@ rgb gather_bounces(const struct gather *g, const struct gather_point *y,
     v->g = g;
     v->y = y;
     v->bounce = 0;
-    arrive(&path, v, estimate);
+    add_vertex_light(&path, v, estimate);
     for (;;) {
         if (v->followed < 2) {
             const struct path_branch branch = v->branch[v->followed++];
-            if (branch.lobes && extend(&path, v, branch)) v++;
+            if (branch.lobes && follow_branch(&path, v, branch)) v++;
         } else if (v > path.vertex) {
             v--;
             v->L = rgb_add(v->L, rgb_fma(v[1].Le, v[1].T, v[1].L));

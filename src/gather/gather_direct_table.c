@@ -76,7 +76,7 @@ static bool is_brighter(const struct direct_job *job, size_t i, float E) {
 // Whether direct light at the entries around one is equal but for noise. Its own value is not
 // tested: otherwise the decision to read it would depend on it, and rare bright samples would be
 // lost more often than others.
-static bool is_even(const struct direct_job *job, size_t i) {
+static bool entries_agree(const struct direct_job *job, size_t i) {
     const struct gather_direct_table *t = job->table;
     int around[PHOTON_AROUND];
     photon_irradiance_around(job->g->maps, i, around);
@@ -100,7 +100,7 @@ static bool is_even(const struct direct_job *job, size_t i) {
 static void compare_entries(void *ctx, size_t begin, size_t end, int worker) {
     const struct direct_job *job = ctx;
     (void)worker;
-    for (size_t i = begin; i < end; i++) job->table->even[i] = is_even(job, i);
+    for (size_t i = begin; i < end; i++) job->table->even[i] = entries_agree(job, i);
 }
 
 satin_status gather_direct_table_build(const struct gather *g, struct parallel *pool,

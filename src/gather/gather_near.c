@@ -81,8 +81,8 @@ struct choices {
     int count;
 };
 
-static void look_from(const struct gather_near *near, const struct gather_point *y,
-                      struct choices *out) {
+static void move_cones(const struct gather_near *near, const struct gather_point *y,
+                       struct choices *out) {
     out->count = 0;
     out->all = 0.0f;
     for (int c = 0; c < near->count; c++) {
@@ -99,7 +99,7 @@ static void look_from(const struct gather_near *near, const struct gather_point 
 bool gather_near_bounce(const struct gather_near *near, const struct gather_point *y, float E,
                         float u_lobe, vec2 u, struct brdf_sample *out) {
     struct choices at;
-    look_from(near, y, &at);
+    move_cones(near, y, &at);
     if (at.count == 0)
         return brdf_sample(&y->brdf, y->wo_l, u_lobe, u.x, u.y, BRDF_DIFFUSE, BRDF_RADIANCE, out);
     const float guided = fminf(at.all / (at.all + E), GUIDED);

@@ -32,8 +32,8 @@ static rgb emitted(const struct gather *g, const struct path_walk *walk,
 }
 
 // Continues the path from `from` by a sample, along `d`.
-static void leave(const struct gather *g, const struct gather_point *from,
-                  const struct brdf_sample *next, vec3 d, struct path_walk *walk) {
+static void leave_point(const struct gather *g, const struct gather_point *from,
+                        const struct brdf_sample *next, vec3 d, struct path_walk *walk) {
     if (next->pdf_w > 0.0f) {
         walk->from = from->interaction.p;
         walk->pdf_w = next->pdf_w;
@@ -55,7 +55,7 @@ static bool bounce(const struct gather *g, const struct gather_point *from, stru
     walk->T = rgb_mul(walk->T, next.weight);
     walk->eta *= next.eta;
     const vec3 d = frame_to_world(&from->frame, next.wi);
-    leave(g, from, &next, d, walk);
+    leave_point(g, from, &next, d, walk);
     walk->emission = walk->emission || next.pdf_w > 0.0f || walk->depth == 0;
     walk->specular = walk->specular && !(next.pdf_w > 0.0f);
     walk->depth++;
@@ -69,8 +69,8 @@ static bool bounce(const struct gather *g, const struct gather_point *from, stru
 }
 
 // The radiance of a path, and the first hit: `first` for a gather ray, `eye` for an eye ray.
-static rgb follow(const struct gather *g, struct path_walk walk, struct sampler *sampler,
-                  struct gather_first *first, struct gather_eye_hit *eye) {
+static rgb follow_path(const struct gather *g, struct path_walk walk, struct sampler *sampler,
+                       struct gather_first *first, struct gather_eye_hit *eye) {
     const int max_depth = g->options->max_depth;
     rgb L = rgb_grey(0.0f);
     struct gather_point from = {0};
@@ -107,7 +107,7 @@ static rgb follow(const struct gather *g, struct path_walk walk, struct sampler 
 rgb gather_path(const struct gather *g, struct ray ray, struct sampler *sampler,
                 struct gather_first *first) {
     struct path_walk walk = {.ray = ray, .T = rgb_grey(1.0f), .eta = 1.0f, .depth = 1};
-    return follow(g, walk, sampler, first, NULL);
+    return follow_path(g, walk, sampler, first, NULL);
 }
 
 rgb gather_path_eye(const struct gather *g, struct ray ray, struct sampler *sampler,
@@ -120,5 +120,5 @@ rgb gather_path_eye(const struct gather *g, struct ray ray, struct sampler *samp
                              .specular = true};
     eye->hit = false;
     eye->emission = rgb_grey(0.0f);
-    return follow(g, walk, sampler, NULL, eye);
+    return follow_path(g, walk, sampler, NULL, eye);
 }

@@ -100,7 +100,7 @@ static bool trace_ray(const struct gather *g, struct gather_ray *ray, uint32_t s
 }
 
 // Sets rays that were not traced to misses.
-static void forget(struct gather_ray *rays, size_t count) {
+static void clear_rays(struct gather_ray *rays, size_t count) {
     for (size_t i = 0; i < count; i++) {
         rays[i].L = rays[i].Le = rays[i].Le_specular = rgb_grey(0.0f);
         rays[i].light_pdf = 0.0f;
@@ -117,7 +117,7 @@ void gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
         const size_t end = count - begin > GATHER_CHUNK ? begin + GATHER_CHUNK : count;
         // A million rays would take seconds, so cancellation is checked.
         if (begin > 0 && scratch->pool && parallel_cancelled(scratch->pool, scratch->worker)) {
-            forget(rays + begin, count - begin);
+            clear_rays(rays + begin, count - begin);
             return;
         }
         size_t found = 0;

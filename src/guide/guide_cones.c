@@ -28,7 +28,7 @@ static bool sees_photon(const struct guide_clusters *clusters, const struct sati
     return !scene_occluded(scene, &ray);
 }
 
-static void aim(struct guide_cone *cone, vec3 p) {
+static void aim_cone(struct guide_cone *cone, vec3 p) {
     const vec3 d = v3_sub(cone->center, p);
     const float distance = v3_len(d), sine = clampf(cone->radius / distance, SINE_LEAST, 1.0f);
     cone->axis = v3_mul(d, 1.0f / distance);
@@ -77,7 +77,7 @@ static bool make_cone(const struct guide_clusters *clusters, const struct satin_
     const vec3 d = v3_sub(node->center, eye->p);
     const float distance = v3_len(d), sine = node->radius / distance;
     *out = (struct guide_cone){.cluster = node, .center = node->center, .radius = node->radius};
-    aim(out, eye->p);
+    aim_cone(out, eye->p);
     estimate_cone(out, distance, fmaxf(v3_dot(d, eye->n) / distance, 0.25f * sine));
     out->chance = out->E / node->power * node->area;
     if (!(out->E > 0.0f)) return false;
@@ -141,7 +141,7 @@ int guide_cones_around(const struct guide_clusters *clusters, vec3 p, float expe
 bool guide_cone_move(struct guide_cone *cone, vec3 p, vec3 n) {
     const vec3 d = v3_sub(cone->center, p);
     if (!(v3_len2(d) > sqrf(cone->radius / SINE_MOVED))) return false;
-    aim(cone, p);
+    aim_cone(cone, p);
     const float distance = v3_len(d), sine = cone->radius / distance, up = v3_dot(cone->axis, n);
     estimate_cone(cone, distance, up > -sine ? fmaxf(up, 0.25f * sine) : 0.0f);
     return true;

@@ -133,7 +133,7 @@ static void probe_cells(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-static bool near_met(const struct light_cells *cells, const uint8_t *met, uint32_t cell) {
+static bool is_near_met(const struct light_cells *cells, const uint8_t *met, uint32_t cell) {
     if (met[cell]) return true;
     uint32_t at[4], step = 1;
     cell_origin(cells, cell, at);
@@ -148,10 +148,10 @@ static bool near_met(const struct light_cells *cells, const uint8_t *met, uint32
 static void sort_cells(struct light_cells *cells, const uint8_t *met) {
     cells->kept = 0;
     for (uint32_t c = 0; c < cells->total; c++)
-        if (near_met(cells, met, c)) cells->cell[cells->kept++] = c;
+        if (is_near_met(cells, met, c)) cells->cell[cells->kept++] = c;
     uint32_t n = cells->kept;
     for (uint32_t c = 0; c < cells->total; c++)
-        if (!near_met(cells, met, c)) cells->cell[n++] = c;
+        if (!is_near_met(cells, met, c)) cells->cell[n++] = c;
 }
 
 // The fraction of a light's paths that start in the kept cells.

@@ -51,8 +51,8 @@ struct sky_tally {
     float visible, facing;               // sums: visible radiance, and radiance without occlusion
 };
 
-static void ask(const struct learning *l, const struct guide_cell *cell, int bin, struct rng *rng,
-                struct sky_tally *tally) {
+static void trace_bin(const struct learning *l, const struct guide_cell *cell, int bin,
+                      struct rng *rng, struct sky_tally *tally) {
     const size_t first = rng_u32(rng) % cell->count;
     float sum = 0.0f;
     int asked = 0;
@@ -91,7 +91,7 @@ static void learn_histogram(const struct learning *l, size_t i, struct rng *rng)
     struct sky_tally tally = {.visible = 0.0f};
     float weight[LIGHT_HISTOGRAM_BINS];
     for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++)
-        ask(l, &l->visibility->cells.cell[i], bin, rng, &tally);
+        trace_bin(l, &l->visibility->cells.cell[i], bin, rng, &tally);
     if (!(tally.visible > 0.0f)) return;  // the fraction stays 0
     for (int bin = 0; bin < LIGHT_HISTOGRAM_BINS; bin++)
         weight[bin] = fmaxf(tally.weight[bin], BESIDE * brightest_beside(&tally, bin));
@@ -107,9 +107,9 @@ static void learn_histogram(const struct learning *l, size_t i, struct rng *rng)
 // ---- Lights -----------------------------------------------------------------------------------
 
 // The irradiance from one light at a point, by one sample.
-static float arrives(const struct satin_scene *scene, uint32_t light,
-                     struct light_visibility visibility, const struct guide_cell_point *p,
-                     struct rng *rng) {
+static float sample_arriving(const struct satin_scene *scene, uint32_t light,
+                             struct light_visibility visibility, const struct guide_cell_point *p,
+                             struct rng *rng) {
     const float u = rng_float(rng), v = rng_float(rng);
     struct light_sample s;
     if (!light_sample_visible(scene, light, visibility, p->p, u, v, &s)) return 0.0f;
@@ -130,7 +130,7 @@ static void learn_choice(const struct learning *l, size_t i, struct rng *rng) {
         for (size_t k = 0; k < LIGHT_RAYS; k++) {
             const struct guide_cell_point *p = &cell->point[k % cell->count];
             expected += light_estimate(l->scene, &l->scene->light[light], p->p);
-            E += arrives(l->scene, light, visibility, p, rng);
+            E += sample_arriving(l->scene, light, visibility, p, rng);
         }
         const float visible = E / expected;
         l->visibility->visible[i][light] = isfinite(visible) ? fmaxf(visible, UNFOUND) : 1.0f;

@@ -215,7 +215,8 @@ static uint32_t choose_face(const struct light *light, vec3 p, float *u, int64_t
     return (uint32_t)i;
 }
 
-static bool finish(const struct light_point *at, vec3 p, float pdf_w, struct light_sample *out) {
+static bool finish_area_sample(const struct light_point *at, vec3 p, float pdf_w,
+                               struct light_sample *out) {
     vec3 d = v3_sub(at->p, p);
     float d2 = v3_len2(d), dist = sqrtf(d2);
     if (!(dist > 0.0f)) return false;
@@ -259,7 +260,7 @@ static bool sphere_sample(const struct light *light, const struct shape *shape, 
     }
     vec3 outward = v3_unit(v3_sub(v3_mad(p, t, w), shape->center));
     struct light_point at = sphere_point(light, shape, outward);
-    return finish(&at, p, pdf_w, out);
+    return finish_area_sample(&at, p, pdf_w, out);
 }
 
 bool light_area_sample(const struct satin_scene *scene, const struct light *light, vec3 p, float u,
@@ -268,14 +269,14 @@ bool light_area_sample(const struct satin_scene *scene, const struct light *ligh
     if (shape->kind == SHAPE_SPHERE) return sphere_sample(light, shape, p, u, v, out);
     if (!light->face) {
         struct light_point at = light_area_point(scene, light, u, v);
-        return finish(&at, p, 0.0f, out);
+        return finish_area_sample(&at, p, 0.0f, out);
     }
     float probability, pdf_w;
     vec3 q;
     const struct light_face *face = &light->face[choose_face(light, p, &u, -1, &probability)];
     if (!light_face_sample(face, p, u, v, &q, &pdf_w)) return false;
     struct light_point at = {q, face->n, face_radiance(light, &shape->mesh, face, q), 0.0f};
-    return finish(&at, p, pdf_w * probability, out);
+    return finish_area_sample(&at, p, pdf_w * probability, out);
 }
 
 float light_area_pdf(const struct satin_scene *scene, const struct light *light, vec3 p, vec3 wi,

@@ -217,7 +217,7 @@ static float radiance_pdf(const struct light *light, vec3 wi, rgb *L) {
 }
 
 // Whether u < probability. In both cases u is then rescaled to [0, 1).
-static bool takes(float probability, float *u) {
+static bool choose_with(float probability, float *u) {
     const bool yes = *u < probability;
     *u = yes ? *u / probability : fminf((*u - probability) / (1.0f - probability), 0x1.fffffep-1f);
     return yes;
@@ -261,9 +261,9 @@ bool light_environment_sample(const struct satin_scene *scene,
                               const struct light_histogram *histogram, float u, float v,
                               struct light_sample *out) {
     const struct light *light = &scene->light[scene->environment];
-    bool sun = light->sun_fraction > 0.0f && takes(light->sun_fraction, &u);
+    bool sun = light->sun_fraction > 0.0f && choose_with(light->sun_fraction, &u);
     *out = (struct light_sample){.dist = INFINITY};
-    if (sun || (histogram && takes(histogram->fraction, &u))) {
+    if (sun || (histogram && choose_with(histogram->fraction, &u))) {
         out->wi = sun ? sun_direction(light, u, v) : light_histogram_sample(histogram, u, v);
         out->pdf_w = radiance_pdf(light, out->wi, &out->L);
     } else {

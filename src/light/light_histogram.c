@@ -16,7 +16,7 @@ vec3 light_histogram_sample(const struct light_histogram *histogram, float u, fl
     return light_histogram_direction(bin, u, v);
 }
 
-static int within(float x) {
+static int clamp_bin(float x) {
     const int i = (int)(x * LIGHT_HISTOGRAM_SIDE);
     return i < 0 ? 0 : i < LIGHT_HISTOGRAM_SIDE ? i : LIGHT_HISTOGRAM_SIDE - 1;
 }
@@ -24,6 +24,6 @@ static int within(float x) {
 float light_histogram_pdf(const struct light_histogram *histogram, vec3 w) {
     float azimuth = atan2f(w.y, w.x) * (0.5f / PI_F);
     if (azimuth < 0.0f) azimuth += 1.0f;
-    const int bin = within(0.5f - 0.5f * w.z) * LIGHT_HISTOGRAM_SIDE + within(azimuth);
+    const int bin = clamp_bin(0.5f - 0.5f * w.z) * LIGHT_HISTOGRAM_SIDE + clamp_bin(azimuth);
     return (histogram->cdf[bin + 1] - histogram->cdf[bin]) * (LIGHT_HISTOGRAM_BINS * 0.25f / PI_F);
 }

@@ -32,7 +32,7 @@ static bool may_be_pane(const struct satin_scene *scene, const struct interactio
 
 // Whether the shading normals of some triangle of the mesh do not vary. Those of drinking glasses
 // and lenses vary, so that shadow rays need not test what they hit there.
-static bool has_flat(const struct mesh *mesh) {
+static bool has_flat_triangle(const struct mesh *mesh) {
     if (!mesh->normal) return mesh->triangle_count > 0;
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
         const uint32_t *index = mesh->index + 3 * (size_t)i;
@@ -53,8 +53,8 @@ bool light_has_panes(const struct satin_scene *scene) {
         const struct material_side *side = &scene->material[shape->material].front;
         const struct brdf *b = &side->base;
         if (side->component[0] || !(b->model->lobes & BRDF_DELTA) || !brdf_transmits(b)) continue;
-        const bool flat =
-            shape->kind == SHAPE_DISK || (shape->kind == SHAPE_MESH && has_flat(&shape->mesh));
+        const bool flat = shape->kind == SHAPE_DISK ||
+                          (shape->kind == SHAPE_MESH && has_flat_triangle(&shape->mesh));
         if (flat || b->model->thin) return true;
     }
     return false;
@@ -119,7 +119,7 @@ struct march {
 
 // Passes the surface s that a ray along d has hit, and sets *d to the direction behind it. False if
 // the ray is stopped.
-static bool go_through(struct march *m, const struct interaction *s, vec3 *d) {
+static bool pass_surface(struct march *m, const struct interaction *s, vec3 *d) {
     const vec3 wo = v3_neg(*d);
     struct brdf b;
     struct frame frame;
@@ -152,7 +152,7 @@ static struct march march_begin(const struct satin_scene *scene, int panes, vec3
 static bool march_on(struct march *m, struct interaction *s, vec3 *d, bool *hit) {
     for (*hit = true; *hit;) {
         if (s->light >= 0) break;
-        if (!go_through(m, s, d)) return false;
+        if (!pass_surface(m, s, d)) return false;
         struct ray ray = scene_spawn(m->scene, m->p, m->ng, *d);
         *hit = scene_intersect(m->scene, &ray, s);
     }
@@ -164,7 +164,7 @@ static bool march_on(struct march *m, struct interaction *s, vec3 *d, bool *hit)
 // the same light. False if the ray is stopped before.
 static bool march_to(struct march *m, struct interaction s, vec3 d, const struct light_sample *to,
                      vec3 *miss) {
-    while (go_through(m, &s, &d)) {
+    while (pass_surface(m, &s, &d)) {
         const vec3 left = v3_sub(to->p, m->p);
         const float along = v3_dot(left, d);
         const bool outside = is_parallel(m->chain.d, d);
@@ -240,7 +240,7 @@ bool light_makes_caustic(const struct satin_scene *scene, struct ray ray) {
     while (scene_intersect(scene, &ray, &s)) {
         const struct material *material = &scene->material[s.material];
         if (!(material_lobes(material, s.light >= 0) & BRDF_DELTA)) break;
-        if (!go_through(&m, &s, &d)) return true;
+        if (!pass_surface(&m, &s, &d)) return true;
         ray = scene_spawn(scene, m.p, m.ng, d);
     }
     return m.chain.crossed > 0 && !is_parallel(m.chain.d, d);

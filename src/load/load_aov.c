@@ -45,7 +45,7 @@ static bool find_aov_kind(struct log log, struct log_place place, const char *ty
 }
 
 // Allocates an empty list. False if there is no memory.
-static bool begin(struct load_state *loader, struct scene_aovs *aovs) {
+static bool aovs_new(struct load_state *loader, struct scene_aovs *aovs) {
     if (aovs->channel) return true;
     aovs->channel = arena_array(&loader->scene->arena, AOV_CHANNELS_MAX, sizeof *aovs->channel);
     for (int kind = 0; kind < AOV_KINDS; kind++) aovs->first[kind] = -1;
@@ -114,7 +114,7 @@ satin_status load_aovs(struct load_state *loader, const struct param_value *text
     struct arena *arena = &loader->scene->arena;
     char *rest = arena_text(arena, text->s, strlen(text->s));
     struct scene_aovs aovs = *out;
-    if (!rest || !begin(loader, &aovs)) return load_no_memory(loader);
+    if (!rest || !aovs_new(loader, &aovs)) return load_no_memory(loader);
     aovs.aov = true;
     satin_status status = SATIN_OK;
     for (char *pair; status == SATIN_OK && (pair = strtok_r(rest, ", \t\r\n", &rest));)
@@ -135,7 +135,7 @@ satin_status load_aovs_moment(struct load_state *loader, const struct xml_node *
         log_error_at(loader->log, inner->place, "the scene has another integrator 'moment'");
         return SATIN_ERROR_INPUT;
     }
-    if (!begin(loader, &aovs)) return load_no_memory(loader);
+    if (!aovs_new(loader, &aovs)) return load_no_memory(loader);
     aovs.moment = true;
     // The channels inside of `moment` get its name as a prefix.
     const int end = aovs.count;

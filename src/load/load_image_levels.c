@@ -3,7 +3,7 @@
 // texel of a copy is the mean of the area that it covers, even if the number of texels is odd.
 #include "load/load_build.h"
 
-static int half(int n) { return n > 1 ? n / 2 : 1; }
+static int half_size(int n) { return n > 1 ? n / 2 : 1; }
 
 // Texels from * n / m to (from + 1) * n / m of n, each with the fraction that is covered. The
 // function returns the sum of these fractions.
@@ -43,12 +43,14 @@ static void shrink_image(const struct image *from, const struct image *to, float
 bool load_image_levels(struct arena *arena, const struct image *image, const struct image **level,
                        int *levels) {
     int count = 0;
-    for (int w = image->width, h = image->height; w > 1 || h > 1; w = half(w), h = half(h)) count++;
+    for (int w = image->width, h = image->height; w > 1 || h > 1;
+         w = half_size(w), h = half_size(h))
+        count++;
     struct image *made = arena_array(arena, (size_t)count, sizeof *made);
     if (!made) return false;
     for (int i = 0; i < count; i++) {
         const struct image *from = i ? &made[i - 1] : image;
-        struct image to = {half(from->width), half(from->height), from->channels, NULL};
+        struct image to = {half_size(from->width), half_size(from->height), from->channels, NULL};
         size_t texels = (size_t)to.width * (size_t)to.height;
         float *texel = arena_array(arena, texels * (size_t)to.channels, sizeof *texel);
         if (!texel) return false;

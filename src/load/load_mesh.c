@@ -117,7 +117,7 @@ static satin_status complete_normals(const struct load_source *source, struct me
 // Orders the vertices of every triangle so that its front side is that of its vertex normals,
 // because Mitsuba shades by these alone. This matters for mirroring transforms and for inconsistent
 // files.
-static void wind_by_normals(struct mesh_parts *parts) {
+static void orient_triangles(struct mesh_parts *parts) {
     for (uint32_t t = 0; t < parts->triangle_count; t++) {
         uint32_t *index = parts->index + (size_t)t * 3;
         vec3 a = vertex_at(parts->position, index[0]), b = vertex_at(parts->position, index[1]),
@@ -145,7 +145,7 @@ static satin_status make_normals(const struct load_source *source,
         transform_normals(&request->to_world, parts);
         satin_status status = complete_normals(source, parts);
         if (status != SATIN_OK) return status;
-        wind_by_normals(parts);
+        orient_triangles(parts);
     } else {
         size_t count = (size_t)parts->vertex_count * 3;
         parts->normal = arena_array(source->arena, count, sizeof(float));

@@ -127,7 +127,7 @@ static satin_status read_index(struct obj *obj, size_t count, const char *what, 
     return SATIN_OK;
 }
 
-static bool take_slash(struct mesh_text *text) {
+static bool read_slash(struct mesh_text *text) {
     if (text->at >= text->end || *text->at != '/') return false;
     text->at++;
     return true;
@@ -137,10 +137,10 @@ static bool take_slash(struct mesh_text *text) {
 static satin_status read_corner(struct obj *obj, struct obj_corner *out) {
     struct obj_corner c = {-1, -1, -1};
     satin_status status = read_index(obj, obj->position.count / 3, "vertex", &c.position);
-    if (status == SATIN_OK && take_slash(&obj->text)) {
+    if (status == SATIN_OK && read_slash(&obj->text)) {
         if (obj->text.at < obj->text.end && *obj->text.at != '/')
             status = read_index(obj, obj->uv.count / 2, "texture coordinate", &c.uv);
-        if (status == SATIN_OK && take_slash(&obj->text))
+        if (status == SATIN_OK && read_slash(&obj->text))
             status = read_index(obj, obj->normal.count / 3, "normal", &c.normal);
     }
     *out = c;

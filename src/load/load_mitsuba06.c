@@ -13,7 +13,7 @@ struct pair {
     const char *from, *to;
 };
 
-static const char *mapped(const struct pair *pairs, const char *name) {
+static const char *map_name(const struct pair *pairs, const char *name) {
     for (; pairs->from; pairs++)
         if (strcmp(pairs->from, name) == 0) return pairs->to;
     return name;
@@ -22,7 +22,7 @@ static const char *mapped(const struct pair *pairs, const char *name) {
 const char *load_mitsuba06_tag(const char *name) {
     static const struct pair tags[] = {
         {"lookAt", "lookat"}, {"srgb", "rgb"}, {"blackbody", "spectrum"}, {NULL, NULL}};
-    return mapped(tags, name);
+    return map_name(tags, name);
 }
 
 bool load_mitsuba06_attribute(const char *name) {
@@ -52,8 +52,8 @@ static const char *plugin_name(const struct xml_node *node) {
     static const struct pair films[] = {{"ldrfilm", "hdrfilm"}, {NULL, NULL}};
     static const struct pair samplers[] = {
         {"halton", "ldsampler"}, {"hammersley", "ldsampler"}, {"sobol", "ldsampler"}, {NULL, NULL}};
-    if (node->tag == XML_FILM) return mapped(films, node->type);
-    return node->tag == XML_SAMPLER ? mapped(samplers, node->type) : node->type;
+    if (node->tag == XML_FILM) return map_name(films, node->type);
+    return node->tag == XML_SAMPLER ? map_name(samplers, node->type) : node->type;
 }
 
 static bool is_element(const struct xml_node *node, enum xml_tag tag, const char *type) {
@@ -198,7 +198,7 @@ static satin_status respell_value(struct log log, struct arena *arena, struct xm
     static const struct pair filters[] = {
         {"trilinear", "bilinear"}, {"ewa", "bilinear"}, {NULL, NULL}};
     if (strcmp(node->name, "filter_type") == 0 && node->tag == XML_STRING)
-        return set_attribute(arena, node, "value", mapped(filters, text));
+        return set_attribute(arena, node, "value", map_name(filters, text));
     return SATIN_OK;
 }
 

@@ -87,7 +87,7 @@ static const char *nearest_name(const struct xml_node *node) {
 
 // An unknown sampler, film, filter or integrator hardly changes the image, so it is read as the
 // plainest plugin of its kind.
-static const char *stand_in(enum xml_tag tag) {
+static const char *substitute_type(enum xml_tag tag) {
     switch (tag) {
         case XML_INTEGRATOR:
             return "path";
@@ -102,7 +102,7 @@ static const char *stand_in(enum xml_tag tag) {
     }
 }
 
-static const struct plugin_spec *named(const struct xml_node *node, const char *name) {
+static const struct plugin_spec *find_named(const struct xml_node *node, const char *name) {
     for (int t = 0; tables[t]; t++)
         for (const struct plugin_spec *plugin = tables[t]; plugin->name; plugin++)
             if (plugin->tag == node->tag && is_named(plugin, name) &&
@@ -112,10 +112,10 @@ static const struct plugin_spec *named(const struct xml_node *node, const char *
 }
 
 const struct plugin_spec *load_plugin_find(struct log log, const struct xml_node *node) {
-    const struct plugin_spec *plugin = named(node, node->type);
+    const struct plugin_spec *plugin = find_named(node, node->type);
     if (plugin) return plugin;
     const char *noun = load_plugin_noun(node->tag), *nearest = nearest_name(node);
-    const char *plain = stand_in(node->tag);
+    const char *plain = substitute_type(node->tag);
     if (is_unread(node)) {
         log_error_at(log, node->place, "%s '%s' is not supported%s", noun, node->type,
                      substitute(node));
@@ -125,7 +125,7 @@ const struct plugin_spec *load_plugin_find(struct log log, const struct xml_node
     } else if (plain) {
         log_warning_at(log, node->place, "unknown %s '%s', which is read as '%s'", noun, node->type,
                        plain);
-        return named(node, plain);
+        return find_named(node, plain);
     } else {
         log_error_at(log, node->place, "unknown %s '%s'", noun, node->type);
     }

@@ -257,7 +257,7 @@ static satin_status build_any(struct load_state *loader, const struct params *p,
     return build_bump_or_normal(loader, p, strcmp(name, "bumpmap") == 0, out);
 }
 
-static void see_bitmaps(void *ctx, const struct material_side *side) {
+static void find_filtered(void *ctx, const struct material_side *side) {
     bool *found = ctx;
     for (int i = 0; i < BRDF_SLOT_NUMBERS; i++)
         *found = *found || (side->slot[i] && side->slot[i]->filtered);
@@ -309,7 +309,7 @@ satin_status load_material_build(struct load_state *loader, struct xml_node *nod
     loader->bsdf_depth++;
     status = build_any(loader, &p, out);
     loader->bsdf_depth--;
-    if (status == SATIN_OK) material_visit(out, see_bitmaps, &out->filtered);
+    if (status == SATIN_OK) material_visit(out, find_filtered, &out->filtered);
     if (status == SATIN_OK &&
         !(out->name = load_keep_text(loader, node->id ? node->id : p.plugin->name)))
         return load_no_memory(loader);

@@ -45,7 +45,7 @@ static const struct param_spec *const daylight[] = {
     &haze,   &direction, &latitude, &longitude, &timezone,  &year,       &month,    &day, &hour,
     &minute, &second,    &scale,    &sky_scale, &sun_scale, &sun_radius, &to_world, NULL};
 
-static vec3 toward(const struct params *p) {
+static vec3 sun_toward_of(const struct params *p) {
     const struct sun_time time = {.year = param(p, "year")->i,
                                   .month = param(p, "month")->i,
                                   .day = param(p, "day")->i,
@@ -64,7 +64,7 @@ static satin_status build_daylight(struct load_state *loader, const struct param
     const struct param_value *given = param(p, "sun_direction");
     const struct load_daylight request = {
         .turbidity = clampf(param(p, "turbidity")->f, SKY_TURBIDITY_MIN, SKY_TURBIDITY_MAX),
-        .sun = given->given ? given->v : toward(p),
+        .sun = given->given ? given->v : sun_toward_of(p),
         .sky_scale = all * sky * param(p, "sky_scale")->f,
         .sun_scale = all * sun * param(p, "sun_scale")->f,
         .sun_aperture = SKY_SUN_APERTURE * param(p, "sun_radius_scale")->f};

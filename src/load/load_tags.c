@@ -74,7 +74,7 @@ bool xml_may_contain(enum xml_tag parent, enum xml_tag child) {
     return xml_is_object(parent) && !step && child != XML_SCENE;
 }
 
-static bool listed(const char *const *list, int count, const char *name) {
+static bool is_listed(const char *const *list, int count, const char *name) {
     for (int i = 0; i < count && list[i]; i++)
         if (strcmp(list[i], name) == 0) return true;
     return false;
@@ -83,7 +83,7 @@ static bool listed(const char *const *list, int count, const char *name) {
 bool xml_attributes_valid(struct log log, const struct xml_node *node, bool root) {
     const struct tag_info *info = &tags[node->tag];
     for (const char *const *a = node->attribute; *a; a += 2) {
-        if (listed(info->required, 3, *a) || listed(info->optional, 5, *a)) continue;
+        if (is_listed(info->required, 3, *a) || is_listed(info->optional, 5, *a)) continue;
         if (root && strcmp(*a, "version") == 0) continue;
         if (node->mitsuba06 && node->tag == XML_SPECTRUM && load_mitsuba06_attribute(*a)) continue;
         log_error_at(log, node->place, "<%s> has no attribute '%s'", info->name, *a);

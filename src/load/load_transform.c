@@ -8,7 +8,7 @@ struct matrix {
     double m[4][4];
 };
 
-static struct matrix widen(const struct mat4 *a) {
+static struct matrix matrix_of(const struct mat4 *a) {
     struct matrix out;
     for (int i = 0; i < 16; i++) out.m[i / 4][i % 4] = (double)a->m[i / 4][i % 4];
     return out;
@@ -32,7 +32,7 @@ static satin_status read_translate(struct log log, const struct xml_node *step,
     vec3 t;
     if (!param_xyz(log, step, 0.0f, &t)) return SATIN_ERROR_INPUT;
     struct mat4 m = mat4_translate(t);
-    *out = widen(&m);
+    *out = matrix_of(&m);
     return SATIN_OK;
 }
 
@@ -40,7 +40,7 @@ static satin_status read_scale(struct log log, const struct xml_node *step, stru
     vec3 s;
     if (!param_xyz(log, step, 1.0f, &s)) return SATIN_ERROR_INPUT;
     struct mat4 m = mat4_scale(s);
-    *out = widen(&m);
+    *out = matrix_of(&m);
     return SATIN_OK;
 }
 
@@ -52,7 +52,7 @@ static satin_status read_rotate(struct log log, const struct xml_node *step, str
         return SATIN_ERROR_INPUT;
     if (v3_max_abs(axis) == 0.0f) return transform_error(log, step, "the axis is zero");
     struct mat4 m = mat4_rotate(axis, (float)angle);
-    *out = widen(&m);
+    *out = matrix_of(&m);
     return SATIN_OK;
 }
 
@@ -82,7 +82,7 @@ static satin_status read_lookat(struct log log, const struct xml_node *step, str
                            "<lookat>: up is %s; one at right angles to the view is taken",
                            v3_max_abs(up) == 0.0f ? "zero" : "along the view");
     }
-    *out = widen(&m);
+    *out = matrix_of(&m);
     return SATIN_OK;
 }
 
@@ -99,7 +99,7 @@ static satin_status read_matrix(struct log log, const struct xml_node *step, str
     }
     if (!param_numbers(log, step->place, text, side * side, d)) return SATIN_ERROR_INPUT;
     struct mat4 identity = mat4_identity();
-    *out = widen(&identity);
+    *out = matrix_of(&identity);
     if (side == 4 && (d[12] != 0.0 || d[13] != 0.0 || d[14] != 0.0 || !(d[15] != 0.0)))
         return transform_error(log, step, "its last row is not 0 0 0 1");
     for (int i = 0; i < side * side; i++)
@@ -124,7 +124,7 @@ static satin_status read_step(struct log log, const struct xml_node *step, struc
 
 satin_status load_transform(struct log log, const struct xml_node *node, struct mat4 *out) {
     struct mat4 result = mat4_identity();
-    struct matrix total = widen(&result);
+    struct matrix total = matrix_of(&result);
     for (const struct xml_node *step = node->child; step; step = step->next) {
         struct matrix m;
         satin_status status = read_step(log, step, &m);

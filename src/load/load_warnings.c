@@ -44,7 +44,7 @@ static void copy_message(char to[TEXT_BYTES], const char *from) {
 
 // Counts a warning of a known kind, unless the last message was the same: a file that is read twice
 // gives its warnings once.
-static void count_again(struct load_warning *warning, const char *message) {
+static void count_warning(struct load_warning *warning, const char *message) {
     if (strncmp(warning->last, message, TEXT_BYTES - 1) == 0) return;
     warning->count++;
     copy_message(warning->last, message);
@@ -56,7 +56,7 @@ static void store_warning(struct load_warnings *warnings, const char *message) {
     warnings->failed = warnings->failed || warnings->strict;
     for (size_t i = 0; i < warnings->count; i++)
         if (strcmp(warnings->first[i].kind, kind) == 0) {
-            count_again(&warnings->first[i], message);
+            count_warning(&warnings->first[i], message);
             return;
         }
     void *items = warnings->first;

@@ -45,12 +45,12 @@ struct file {
 static satin_status read_xml_file(struct xml_reader *reader, const struct file *parent,
                                   struct log_place place, const char *path, const char *name);
 
-static struct log_place here(const struct file *file) {
+static struct log_place current_place(const struct file *file) {
     return (struct log_place){file->path, (int)XML_GetCurrentLineNumber(file->parser),
                               (int)XML_GetCurrentColumnNumber(file->parser) + 1};
 }
 
-static void stop(struct file *file, satin_status status) {
+static void stop_parsing(struct file *file, satin_status status) {
     if (status == SATIN_ERROR_MEMORY && file->reader->status == SATIN_OK)
         log_fail(file->reader->log, status, "%s: not enough memory for the scene", file->path);
     file->reader->status = status;
@@ -62,7 +62,7 @@ static satin_status copy_text(struct file *file, const char *text, const char **
     struct xml_reader *reader = file->reader;
     struct arena *arena = &reader->xml->arena;
     if (arena->bytes > XML_TREE_BYTES_MAX) {
-        log_error_at(reader->log, here(file), "the scene file is too large");
+        log_error_at(reader->log, current_place(file), "the scene file is too large");
         return SATIN_ERROR_INPUT;
     }
     if (!strchr(text, '$')) {
@@ -73,13 +73,15 @@ static satin_status copy_text(struct file *file, const char *text, const char **
     satin_status status = load_define_expand(&reader->defines, arena, text, out, &problem);
     if (status != SATIN_ERROR_INPUT) return status;
     if (!problem) {
-        log_error_at(reader->log, here(file), "attribute longer than %d bytes", LOAD_ATTRIBUTE_MAX);
+        log_error_at(reader->log, current_place(file), "attribute longer than %d bytes",
+                     LOAD_ATTRIBUTE_MAX);
         return status;
     }
     int n = 1 + (int)strspn(problem + 1,
                             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_");
-    log_error_at(reader->log, here(file), "undefined parameter '%.*s' (-D %.*s=VALUE defines it)",
-                 n, problem, n - 1, problem + 1);
+    log_error_at(reader->log, current_place(file),
+                 "undefined parameter '%.*s' (-D %.*s=VALUE defines it)", n, problem, n - 1,
+                 problem + 1);
     return status;
 }
 
@@ -104,7 +106,7 @@ static satin_status copy_attributes(struct file *file, const char **from, struct
 }
 
 // Whether the element may stand in its parent; else logs why not.
-static bool placed_well(const struct file *file, const struct xml_node *node) {
+static bool check_parent_element(const struct file *file, const struct xml_node *node) {
     const struct xml_reader *reader = file->reader;
     bool root = reader->depth == file->base_depth;
     if (!xml_attributes_valid(reader->log, node, root)) return false;
@@ -195,7 +197,7 @@ static satin_status respell(struct file *file, struct xml_node *node, bool *keep
 
 static satin_status open_element(struct file *file, const char *name, const char **attributes) {
     struct xml_reader *reader = file->reader;
-    struct log_place place = here(file);
+    struct log_place place = current_place(file);
     if (reader->depth == XML_DEPTH_MAX) {
         log_error_at(reader->log, place, "elements are nested more than %d deep", XML_DEPTH_MAX);
         return SATIN_ERROR_INPUT;
@@ -212,7 +214,7 @@ static satin_status open_element(struct file *file, const char *name, const char
     if (node->tag == XML_TAG_COUNT) return SATIN_ERROR_INPUT;
     satin_status status = copy_attributes(file, attributes, node);
     if (status != SATIN_OK) return status;
-    if (!placed_well(file, node)) return SATIN_ERROR_INPUT;
+    if (!check_parent_element(file, node)) return SATIN_ERROR_INPUT;
     if (file->mitsuba06) status = respell(file, node, &keep);
     const bool included = root && file->parent && node->tag == XML_SCENE;
     struct xml_node *parent = reader->depth ? reader->open[reader->depth - 1] : NULL;
@@ -230,7 +232,7 @@ static void XMLCALL on_start(void *user, const char *name, const char **attribut
     struct file *file = user;
     if (file->reader->status != SATIN_OK) return;
     satin_status status = open_element(file, name, attributes);
-    if (status != SATIN_OK) stop(file, status);
+    if (status != SATIN_OK) stop_parsing(file, status);
 }
 
 static void XMLCALL on_end(void *user, const char *name) {
@@ -245,7 +247,7 @@ static void XMLCALL on_text(void *user, const char *text, int length) {
     int first = 0;
     while (first < length && strchr(" \t\r\n", text[first])) first++;
     if (first == length || file->reader->status != SATIN_OK) return;
-    log_warning_at(file->reader->log, here(file), "the text '%.*s' has no meaning here",
+    log_warning_at(file->reader->log, current_place(file), "the text '%.*s' has no meaning here",
                    length - first < 40 ? length - first : 40, text + first);
 }
 
@@ -253,7 +255,7 @@ static void XMLCALL on_text(void *user, const char *text, int length) {
 static int XMLCALL on_outer_declarations(void *user) {
     const struct file *file = user;
     log_warning_at(
-        file->reader->log, here(file),
+        file->reader->log, current_place(file),
         "declarations in other files are not read; entities that they declare are empty");
     return XML_STATUS_OK;
 }
@@ -262,9 +264,9 @@ static int XMLCALL on_external_entity(XML_Parser parser, const char *context, co
                                       const char *system_id, const char *public_id) {
     (void)context, (void)base, (void)public_id;
     struct file *file = XML_GetUserData(parser);
-    log_error_at(file->reader->log, here(file),
+    log_error_at(file->reader->log, current_place(file),
                  "an entity that is the file '%s' is not read; <include> reads files", system_id);
-    stop(file, SATIN_ERROR_INPUT);
+    stop_parsing(file, SATIN_ERROR_INPUT);
     return XML_STATUS_ERROR;
 }
 
@@ -283,12 +285,12 @@ static satin_status parse(struct file *file, const char *data, size_t size) {
     if (error == XML_ERROR_NO_MEMORY)
         return log_fail(reader->log, SATIN_ERROR_MEMORY, "%s: not enough memory for the scene",
                         file->path);
-    log_error_at(reader->log, here(file), "not XML: %s", XML_ErrorString(error));
+    log_error_at(reader->log, current_place(file), "not XML: %s", XML_ErrorString(error));
     return SATIN_ERROR_INPUT;
 }
 
 // Whether the file is not being read already; else logs an error.
-static bool includes_well(const struct file *file, struct log_place place) {
+static bool check_include(const struct file *file, struct log_place place) {
     struct log log = file->reader->log;
     int depth = 0;
     for (const struct file *f = file->parent; f; f = f->parent) {
@@ -324,7 +326,7 @@ static satin_status read_xml_file(struct xml_reader *reader, const struct file *
     // include itself.
     if (!file.parser || (!file.real && real_error == ENOMEM))
         status = log_fail(reader->log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
-    else if (!includes_well(&file, place))
+    else if (!check_include(&file, place))
         status = SATIN_ERROR_INPUT;
     else
         status = parse(&file, data, size);

@@ -121,7 +121,7 @@ static void estimate_sites(void *ctx, size_t begin, size_t end, int worker) {
 }
 
 // Removes invalid sites.
-static void compact(struct photon_sites *sites) {
+static void remove_invalid_sites(struct photon_sites *sites) {
     size_t kept = 0;
     for (size_t i = 0; i < sites->count; i++) {
         if (sites->noise[i] < 0.0f) continue;
@@ -135,7 +135,7 @@ static void compact(struct photon_sites *sites) {
 }
 
 // Selects every STRIDE_WIDER-th of the sites that have planes.
-static bool thin(const struct photon_sites *sites, struct photon_sites *out) {
+static bool select_sites(const struct photon_sites *sites, struct photon_sites *out) {
     if (!sites_make((sites->count + STRIDE_WIDER - 1) / STRIDE_WIDER, sites->position.scale, out))
         return false;
     for (size_t i = 0; i < out->count; i++) {
@@ -167,7 +167,7 @@ static satin_status smooth(const struct satin_scene *scene, struct parallel *poo
     if (sites->count / STRIDE_WIDER >= SITES_LEAST) {
         struct photon_sites wider;
         status = SATIN_ERROR_MEMORY;
-        if (thin(sites, &wider))
+        if (select_sites(sites, &wider))
             status = smooth(scene, pool, &wider, &sites->position, sites->count, sites->value);
         sites_free(&wider);
         if (status != SATIN_OK) goto end;
@@ -195,7 +195,7 @@ satin_status photon_caustic_smooth(const struct photon_precompute *what, struct 
             status = SATIN_OK;
     }
     if (status == SATIN_OK) {
-        compact(&sites);
+        remove_invalid_sites(&sites);
         if (sites.count >= SITES_LEAST)
             status = smooth(what->scene, pool, &sites, &irradiance->position, irradiance->count,
                             irradiance->E);

@@ -10,7 +10,7 @@
 // Limit of smoothed irradiance over that estimated at the point, and of its inverse Whether photon
 // i is on the surface of the disc, by its normal and its distance from the plane.
 #define RATIO_MOST 2.0f
-static bool belongs(const struct photon_disc *disc, int i) {
+static bool is_on_surface(const struct photon_disc *disc, int i) {
     const struct photon_map *map = disc->map;
     size_t at = (size_t)disc->row[i];
     if (v3_dot(photon_unpack(map->photon[at].n), disc->n) < PHOTON_FACING) return false;
@@ -18,7 +18,7 @@ static bool belongs(const struct photon_disc *disc, int i) {
     return fabsf(height) <= LAYER * disc->r;
 }
 
-static bool counts(const struct photon_disc *disc, int i) {
+static bool is_counted(const struct photon_disc *disc, int i) {
     return disc->row[i] >= 0 && disc->distance2[i] < disc->r2;
 }
 
@@ -44,7 +44,8 @@ static bool edge_near(const struct photon_disc *disc) {
     if (!map->open) return true;
     int known = 0;
     for (int i = 0; i < disc->count; i++) {
-        if (!counts(disc, i) || (size_t)disc->row[i] % map->stride != 0 || !belongs(disc, i))
+        if (!is_counted(disc, i) || (size_t)disc->row[i] % map->stride != 0 ||
+            !is_on_surface(disc, i))
             continue;
         if (!map->open[(size_t)disc->row[i] / map->stride]) return true;
         known++;
@@ -78,7 +79,7 @@ static void move_nearest(int *row, float *distance2, int n, int k) {
     }
 }
 
-static float largest(const float *distance2, int n) {
+static float largest_distance(const float *distance2, int n) {
     float most = 0.0f;
     for (int i = 0; i < n; i++) most = fmaxf(most, distance2[i]);
     return most;
@@ -88,7 +89,8 @@ float photon_ring_radius(int *row, float *distance2, int k) {
     for (int i = 0; i < 2 * k; i++)
         if (row[i] < 0) distance2[i] = INFINITY;
     move_nearest(row, distance2, 2 * k, k);
-    const float inner2 = largest(distance2, k), outer2 = largest(distance2 + k, k);
+    const float inner2 = largest_distance(distance2, k),
+                outer2 = largest_distance(distance2 + k, k);
     return sqrtf(isfinite(outer2) ? outer2 - inner2 : inner2);
 }
 
@@ -128,7 +130,7 @@ void photon_disc_make(const struct photon_query *query, const int *row, const fl
 }
 
 float photon_disc_weight(const struct photon_disc *disc, int i) {
-    if (!counts(disc, i) || !belongs(disc, i)) return 0.0f;
+    if (!is_counted(disc, i) || !is_on_surface(disc, i)) return 0.0f;
     if (disc->corrected) {
         vec3 d = v3_sub(photon_position(disc->map, (size_t)disc->row[i]), disc->p);
         if (!photon_area_has(&disc->area, d, disc->r)) return 0.0f;
@@ -253,7 +255,7 @@ static float smoothing_factor(float smoothed, float estimated) {
 
 // The probability of looking up a caustic whose irradiance is this fraction of the light beside it.
 // A low-frequency lobe reflects at most some ten times as much of one as of the other.
-static float chance_of(float fraction) { return clampf(50.0f * fraction, 0.1f, 1.0f); }
+static float lookup_probability(float fraction) { return clampf(50.0f * fraction, 0.1f, 1.0f); }
 
 rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p, vec3 ng,
                    const struct frame *frame, const struct brdf *brdf, vec3 wo, unsigned lobes,
@@ -267,7 +269,7 @@ rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *sce
     if (known && diffuse) return rgb_mul(brdf_eval(brdf, wo, v3(0.0f, 0.0f, 1.0f), lobes), E);
     if (known && rgb_black(E)) return E;
     float chance = 1.0f;
-    if (known && beside.L > 0.0f) chance = chance_of(rgb_luminance(E) / (PI_F * beside.L));
+    if (known && beside.L > 0.0f) chance = lookup_probability(rgb_luminance(E) / (PI_F * beside.L));
     if (!(beside.u < chance)) return rgb_grey(0.0f);
     struct photon_query query = {&maps->caustic,
                                  scene,

@@ -254,7 +254,7 @@ size_t photon_irradiance_bytes(const struct photon_irradiance *irradiance) {
 
 // ---- Lookups ----------------------------------------------------------------------------------
 
-static bool faces(const struct photon_irradiance *r, int row, vec3 n) {
+static bool has_orientation(const struct photon_irradiance *r, int row, vec3 n) {
     const float *m = r->position.row + 6 * (size_t)row + 3;
     return m[0] * n.x + m[1] * n.y + m[2] * n.z >= FACING * r->position.scale;
 }
@@ -300,7 +300,7 @@ static int search_facing(const struct photon_irradiance *r, const float *query, 
     const int k = r->ends ? RETRY_ENDS : RETRY_K;
     photon_index_nearest(r->index, query, 1, k, r->far2, row, distance2);
     for (int i = 0; i < k; i++) {
-        if (row[i] < 0 || distance2[i] >= least || !faces(r, row[i], n)) continue;
+        if (row[i] < 0 || distance2[i] >= least || !has_orientation(r, row[i], n)) continue;
         if (scene && photon_entry_position_hidden(&r->position, scene, (size_t)row[i], p, n))
             continue;
         best = row[i];
@@ -316,7 +316,7 @@ int photon_irradiance_entry(const struct photon_irradiance *r, vec3 p, vec3 n) {
     set_row(query, p, n, r->position.scale);
     photon_index_nearest(r->index, query, 1, 1, r->far2, &row, &distance2);
     if (row >= 0 && r->ends && is_far(r, row, p)) return -1;
-    return row >= 0 && !faces(r, row, n) ? search_facing(r, query, n, NULL) : row;
+    return row >= 0 && !has_orientation(r, row, n) ? search_facing(r, query, n, NULL) : row;
 }
 
 rgb photon_irradiance_value(const struct photon_irradiance *r, int entry, vec3 p) {
@@ -331,13 +331,13 @@ rgb photon_irradiance_value(const struct photon_irradiance *r, int entry, vec3 p
 }
 
 // Whether light arrives at p: p is as near to the row as the photons around it are.
-static bool stands_within(const struct photon_irradiance *r, int row, vec3 p) {
+static bool is_within_influence(const struct photon_irradiance *r, int row, vec3 p) {
     const float d2 = v3_dist2(p, photon_entry_position(&r->position, (size_t)row));
     return d2 <= r->influence2 * sqrf(r->radius[row]);
 }
 
 // The fraction of an entry's light, by colour, whose photons may bounce `bounces` times more.
-static rgb part_within(const struct photon_irradiance *r, int row, int bounces) {
+static rgb fraction_within(const struct photon_irradiance *r, int row, int bounces) {
     rgb part = rgb_grey(1.0f);
     if (!r->last || row < 0) return part;
     const rgb E = r->E[row], last = r->last[row];
@@ -363,15 +363,15 @@ static void look_up_photons(const struct photon_irradiance *r, const struct sati
         for (size_t i = 0; i < batch; i++) {
             size_t j = at + i;
             if (row[i] >= 0 &&
-                (!faces(r, row[i], n[j]) ||
+                (!has_orientation(r, row[i], n[j]) ||
                  photon_entry_position_hidden(&r->position, scene, (size_t)row[i], p[j], n[j])))
                 // If that entry is far, continuing paths is faster than a longer search.
                 row[i] =
                     is_far(r, row[i], p[j]) ? -1 : search_facing(r, query + 6 * i, n[j], scene);
-            E[j] =
-                rgb_mul(photon_irradiance_value(r, row[i], p[j]), part_within(r, row[i], bounces));
+            E[j] = rgb_mul(photon_irradiance_value(r, row[i], p[j]),
+                           fraction_within(r, row[i], bounces));
             radius[j] = row[i] >= 0 ? r->ring[row[i]] : INFINITY;
-            if (entry) entry[j] = row[i] >= 0 && stands_within(r, row[i], p[j]) ? row[i] : -1;
+            if (entry) entry[j] = row[i] >= 0 && is_within_influence(r, row[i], p[j]) ? row[i] : -1;
         }
     }
 }

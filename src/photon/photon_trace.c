@@ -72,7 +72,7 @@ static bool append(struct kept *kept, struct photon_hit hit, enum photon_class c
     return true;
 }
 
-static bool valid(const struct photon_hit *hit) {
+static bool is_valid_hit(const struct photon_hit *hit) {
     return v3_finite(hit->p) && rgb_finite(hit->power) &&
            fminf(hit->power.r, fminf(hit->power.g, hit->power.b)) >= 0.0f;
 }
@@ -98,7 +98,7 @@ static bool keep_hit(const struct satin_scene *scene, struct chunk *chunk,
         if (!(f->classes[i] >> class & 1u)) continue;
         hit.power = rgb_scale(f->power, f->factor[i]);
         if (opacity < 1.0f) hit.power = rgb_scale(hit.power, 1.0f / fmaxf(opacity, 0.05f));
-        if (!valid(&hit))
+        if (!is_valid_hit(&hit))
             chunk->refused++;
         else if (!append(&chunk->kept[i], hit, class))
             chunk->failed = true;
@@ -218,8 +218,8 @@ static uint32_t light_of(const uint64_t *first, uint32_t lights, uint64_t path) 
 }
 
 // Starts path `index` of a light. False if it has no power, or a power that is not finite.
-static bool launch(const struct run *run, uint32_t light, uint64_t index, struct flight *f,
-                   uint64_t *refused) {
+static bool start_path(const struct run *run, uint32_t light, uint64_t index, struct flight *f,
+                       uint64_t *refused) {
     const struct photon_tracing *tracing = run->tracing;
     // The sequence has 2^32 points; higher bits of the index go to the seed.
     uint64_t key = rng_mix(tracing->seed + 0x9e3779b97f4a7c15ull * (2 * light + 1) +
@@ -261,7 +261,7 @@ static void trace_photon_paths(void *ctx, size_t begin, size_t end, int worker) 
         struct rng rng =
             rng_make(tracing->seed, tracing->emission ? RNG_CAUSTIC : RNG_PHOTON, path);
         struct flight f;
-        if (launch(run, light, path - run->first[light], &f, &chunk->refused))
+        if (start_path(run, light, path - run->first[light], &f, &chunk->refused))
             follow_photon(tracing, f, &rng, chunk);
     }
     // The kd-tree numbers photons by int.

@@ -113,15 +113,15 @@ static size_t preset_field_size(const struct option *o) {
     }
 }
 
-static bool same(const satin_options *a, const satin_options *b, const struct option *o) {
+static bool same_value(const satin_options *a, const satin_options *b, const struct option *o) {
     return memcmp(preset_field_of(a, o), preset_field_of(b, o), preset_field_size(o)) == 0;
 }
 
-static void copy(satin_options *to, const satin_options *from, const struct option *o) {
+static void copy_value(satin_options *to, const satin_options *from, const struct option *o) {
     memcpy(preset_field(to, o), preset_field_of(from, o), preset_field_size(o));
 }
 
-static double number(const satin_options *options, const struct option *o) {
+static double number_value(const satin_options *options, const struct option *o) {
     const void *in = preset_field_of(options, o);
     if (o->kind == OPTION_COUNT) return (double)*(const int64_t *)in;
     return o->kind == OPTION_FLOAT ? (double)*(const float *)in : (double)*(const int *)in;
@@ -154,7 +154,7 @@ static void set_beyond(satin_options *options, const struct option *o, double ti
     for (int i = 0; i < BEYOND; i++) {
         if (beyond[i].offset != o->offset) continue;
         const double wanted =
-            number(options, o) * pow(fmax(times / beyond[i].from, 1.0), beyond[i].power);
+            number_value(options, o) * pow(fmax(times / beyond[i].from, 1.0), beyond[i].power);
         set_number(options, o, fmin(wanted, option_highest(o)));
     }
 }
@@ -162,17 +162,18 @@ static void set_beyond(satin_options *options, const struct option *o, double ti
 static void set_by_effort(satin_options *options, const struct option *o, double effort) {
     double fraction;
     const int i = find_preset(effort, &fraction);
-    copy(options, &preset[i].options, o);
+    copy_value(options, &preset[i].options, o);
     if (i == PRESETS - 1) set_beyond(options, o, effort / preset[i].effort);
     if (fraction == 0.0) return;
-    const double from = log(number(&preset[i].options, o));
-    const double to = log(number(&preset[i + 1].options, o));
+    const double from = log(number_value(&preset[i].options, o));
+    const double to = log(number_value(&preset[i + 1].options, o));
     set_number(options, o, exp(from + fraction * (to - from)));
 }
 
 void options_budget_preset(satin_options *options, satin_quality quality) {
     for (int i = 0; i < options_table_count; i++)
-        if (options_table[i].by_quality) copy(options, &preset[quality].options, &options_table[i]);
+        if (options_table[i].by_quality)
+            copy_value(options, &preset[quality].options, &options_table[i]);
 }
 
 bool options_budget_chooses_photons(const satin_options *options) {
@@ -183,7 +184,7 @@ void options_budget_seconds(satin_options *options, double seconds, double pixel
     const satin_options *chosen = &preset[options->quality].options;
     for (int i = 0; i < options_table_count; i++) {
         const struct option *o = &options_table[i];
-        if (!o->by_quality || !same(options, chosen, o)) continue;
+        if (!o->by_quality || !same_value(options, chosen, o)) continue;
         set_by_effort(options, o, seconds / (o->kind == OPTION_COUNT ? PRESET_PIXELS : pixels));
     }
 }

@@ -270,7 +270,7 @@ static bool parse_text(const char *value, char *out) {
 }
 
 // The least and the highest value, read from the text of the range.
-static double lowest(const struct option *option) {
+static double lowest_value(const struct option *option) {
     char low[32];
     double bound;
     snprintf(low, sizeof low, "%.*s", (int)(strstr(option->range, "..") - option->range),
@@ -300,7 +300,7 @@ bool option_parse(const struct option *option, const char *value, satin_options 
         return true;
     }
     if (!text_double(value, &number)) return false;
-    if (number < lowest(option) || number > option_highest(option)) return false;
+    if (number < lowest_value(option) || number > option_highest(option)) return false;
     if (option->kind == OPTION_FLOAT) {
         *(float *)out = (float)number;
         return true;

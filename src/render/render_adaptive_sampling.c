@@ -201,7 +201,7 @@ static void want_by_spread(void *ctx, size_t begin, size_t end, int worker) {
 }
 
 // Computes, in scratch, numbers to which the samples of the pixels are to be proportional.
-static const float *wanted(struct adapt *adapt) {
+static const float *find_wanted(struct adapt *adapt) {
     float *a = adapt->scratch;
     struct adapting job = {.adapt = adapt, .to = a};
     each_chunk(adapt, copy_spread, &job);
@@ -221,7 +221,7 @@ static void sum_more(void *ctx, size_t begin, size_t end, int worker) {
     job->adapt->sum[begin / ADAPT_CHUNK] = sum;
 }
 
-static double more(const struct adapt *adapt, const float *want, float factor) {
+static double added_samples(const struct adapt *adapt, const float *want, float factor) {
     struct adapting job = {.adapt = adapt, .from = want, .factor = factor};
     return sum_chunks(adapt, sum_more, &job);
 }
@@ -236,7 +236,7 @@ static float find_factor(const struct adapt *adapt, const float *want, double sa
     } lo = {.value = 0.0f}, hi = {.value = FLT_MAX}, middle;
     while (hi.bits - lo.bits > 1) {
         middle.bits = lo.bits + (hi.bits - lo.bits) / 2;
-        if (more(adapt, want, middle.value) < samples)
+        if (added_samples(adapt, want, middle.value) < samples)
             lo = middle;
         else
             hi = middle;
@@ -245,17 +245,17 @@ static float find_factor(const struct adapt *adapt, const float *want, double sa
 }
 
 double adapt_variance(struct adapt *adapt) {
-    const float *want = wanted(adapt);
+    const float *want = find_wanted(adapt);
     double sum = 0.0;
     for (size_t i = 0; i < pixels(adapt); i++) sum += (double)want[i];
     return pow(sum / (double)pixels(adapt), 1.0 + (double)GAIN);
 }
 
 void adapt_spread(struct adapt *adapt, uint64_t samples) {
-    const float *want = wanted(adapt);
+    const float *want = find_wanted(adapt);
     const float factor = find_factor(adapt, want, (double)samples);
     // If the noise is in a few pixels, the rest of the samples is distributed uniformly.
-    const double rest = fmax((double)samples - more(adapt, want, factor), 0.0);
+    const double rest = fmax((double)samples - added_samples(adapt, want, factor), 0.0);
     const double even = rest / (double)pixels(adapt);
     double owed = 0.0;  // fractions of groups that rounding has left over so far
     uint64_t given = 0;

@@ -20,7 +20,7 @@ static const char *const free_options[] = {
     "caustic-k", "caustic-photons", "record-maps",   "denoise",
 };
 
-static bool decides(const char *option) {
+static bool affects_records(const char *option) {
     for (size_t i = 0; i < sizeof free_options / sizeof *free_options; i++)
         if (text_same_name(option, free_options[i])) return false;
     return true;
@@ -34,7 +34,7 @@ static char *deciding_options(const struct render *r) {
     FILE *out = open_memstream(&text, &size);
     if (!out) return NULL;
     for (int i = 0; satin_options_describe(&r->options, i, &info); i++)
-        if (decides(info.name)) fprintf(out, "%s=%s ", info.name, info.value);
+        if (affects_records(info.name)) fprintf(out, "%s=%s ", info.name, info.value);
     fprintf(out, "widest=%g", (double)render_budget_widest(&r->options));
     if (fclose(out) == 0) return text;
     free(text);

@@ -10,7 +10,7 @@
 
 enum { TIMED_SPP = 1 << 20 };
 
-static int or_else(int value, int open, int scene, int scene_open, int fallback) {
+static int resolve_value(int value, int open, int scene, int scene_open, int fallback) {
     if (value != open) return value;
     return scene != scene_open ? scene : fallback;
 }
@@ -73,9 +73,9 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
                         o->width, o->height);
     satin_status status = check_materials(scene, o, r->log);
     if (status != SATIN_OK) return status;
-    o->max_depth = or_else(o->max_depth, -2, hints->max_depth, -2, -1);
-    o->rr_depth = or_else(o->rr_depth, 0, hints->rr_depth, 0, 5);
-    o->hide_emitters = or_else(o->hide_emitters, -1, hints->hide_emitters, -1, 0);
+    o->max_depth = resolve_value(o->max_depth, -2, hints->max_depth, -2, -1);
+    o->rr_depth = resolve_value(o->rr_depth, 0, hints->rr_depth, 0, 5);
+    o->hide_emitters = resolve_value(o->hide_emitters, -1, hints->hide_emitters, -1, 0);
     // A render with a time limit takes as many samples as fit. The number of samples that a scene
     // has for a path tracer would be wasteful for two passes.
     int scene_spp = o->integrator == SATIN_PATH ? hints->spp : 0;
@@ -87,6 +87,6 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
     if (o->time > 0.0)
         options_budget_seconds(o, o->time * parallel_cores(o->threads),
                                (double)o->width * (double)o->height);
-    o->spp = or_else(o->spp, 0, scene_spp, 0, options_quality_spp(o->quality));
+    o->spp = resolve_value(o->spp, 0, scene_spp, 0, options_quality_spp(o->quality));
     return SATIN_OK;
 }

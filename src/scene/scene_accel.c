@@ -239,8 +239,8 @@ static satin_status sort_shapes(const struct satin_scene *scene, uint32_t first,
     return SATIN_OK;
 }
 
-static satin_status collect(const struct satin_scene *scene, uint32_t first, uint32_t count,
-                            uint32_t group, struct log log, struct accel *accel) {
+static satin_status attach_all(const struct satin_scene *scene, uint32_t first, uint32_t count,
+                               uint32_t group, struct log log, struct accel *accel) {
     accel->geometry_shape = array_new((size_t)count + 1, sizeof *accel->geometry_shape);
     accel->guard = array_new((size_t)count + 1, sizeof *accel->guard);
     accel->quadric = array_new(count, sizeof *accel->quadric);
@@ -257,7 +257,7 @@ static satin_status collect(const struct satin_scene *scene, uint32_t first, uin
 satin_status accel_build(RTCDevice device, const struct satin_scene *scene, uint32_t first,
                          uint32_t count, uint32_t group, const struct accel *groups, struct log log,
                          struct accel *accel) {
-    satin_status status = collect(scene, first, count, group, log, accel);
+    satin_status status = attach_all(scene, first, count, group, log, accel);
     if (status != SATIN_OK) return status;
     accel->scene = rtcNewScene(device);
     if (!accel->scene) return accel_status(device, log);

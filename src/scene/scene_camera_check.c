@@ -12,7 +12,7 @@ struct camera_look {
     float first, last;  // least and largest depth of the hits, measured as for the clip planes
 };
 
-static struct camera_look look_around(const struct satin_scene *scene) {
+static struct camera_look probe_scene(const struct satin_scene *scene) {
     const struct camera *camera = &scene->camera;
     const struct film_spec *film = &scene->film;
     struct camera_look out = {.first = INFINITY};
@@ -60,7 +60,7 @@ void camera_check(const struct satin_scene *scene, struct log log) {
     }
     if (scene->light_count == 0)
         log_message(log, SATIN_LOG_WARNING, "the scene emits no light: the image is black");
-    const struct camera_look l = look_around(scene);
+    const struct camera_look l = probe_scene(scene);
     if (l.seen > 0) return;
     if (l.there > 0 && l.first >= camera->far_clip)
         log_message(log, SATIN_LOG_WARNING,

@@ -37,7 +37,7 @@ static double filter_value(const struct film_spec *film, double x) {
 }
 
 // Keeps rounding from moving the position out of [lo, hi).
-static float keep_inside(float centre, float lo, float hi, float offset) {
+static float clamp_offset(float centre, float lo, float hi, float offset) {
     if (centre + offset >= hi) offset = nextafterf(hi, -INFINITY) - centre;
     return centre + offset < lo ? lo - centre : offset;
 }
@@ -62,7 +62,7 @@ float film_filter_sample(const struct film_spec *film, float centre, float lo, f
         if (fabs(next - x) < 1e-8 * r) break;
         x = next;
     }
-    return keep_inside(centre, lo, hi, (float)x);
+    return clamp_offset(centre, lo, hi, (float)x);
 }
 
 // ---- Filters with negative lobes ----------------------------------------------------------------
@@ -136,7 +136,7 @@ static struct film_offset draw_lobes(const struct film_filter *filter, float cen
     if (!(sum > 0.0f)) return (struct film_offset){0.0f, 1.0f};
     float offset = table_find(filter->size, from + u * size) / scale - r;
     float weight = lobes_value(filter->film, (double)offset) < 0.0 ? -size / sum : size / sum;
-    return (struct film_offset){keep_inside(centre, lo, hi, offset), weight};
+    return (struct film_offset){clamp_offset(centre, lo, hi, offset), weight};
 }
 
 // ---- Any filter ---------------------------------------------------------------------------------

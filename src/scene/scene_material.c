@@ -103,7 +103,7 @@ int scene_components(const struct satin_scene *scene, const struct interaction *
 }
 
 // A number in [0, 1) that is a function of the point and the direction.
-static float draw(const struct interaction *s, vec3 wo) {
+static float component_number(const struct interaction *s, vec3 wo) {
     const float f[6] = {s->p.x, s->p.y, s->p.z, wo.x, wo.y, wo.z};
     uint32_t bits[6];
     uint64_t key = 0x5851f42d4c957f2dull;
@@ -116,7 +116,7 @@ const struct material_side *scene_component(const struct satin_scene *scene,
                                             const struct interaction *s, vec3 wo) {
     const struct material_side *side = side_towards(scene, s, wo);
     if (!side->component[0]) return side;
-    float u = draw(s, wo);
+    float u = component_number(s, wo);
     while (side->component[0]) {
         float second = blend_weight(scene, side, s);
         bool take = u < second;
@@ -129,7 +129,7 @@ const struct material_side *scene_component(const struct satin_scene *scene,
 // ---- The BRDF of a component --------------------------------------------------------------------
 
 // Clamps a texture's number to the valid range of a slot.
-static float keep_number(enum brdf_slot slot, float x) {
+static float clamp_number(enum brdf_slot slot, float x) {
     return slot == BRDF_SLOT_IOR ? clampf(x, BRDF_IOR_MIN, BRDF_IOR_MAX) : clampf(x, 0.0f, 1e6f);
 }
 
@@ -145,7 +145,7 @@ static void set_brdf_values(const struct material_side *side, const struct textu
         if (i < BRDF_SLOT_NUMBERS)
             *brdf_color(b, i) = texture_eval(slot[i], side->pointwise ? &point : at);
         else
-            *brdf_number(b, i) = keep_number(i, texture_number(slot[i], &point));
+            *brdf_number(b, i) = clamp_number(i, texture_number(slot[i], &point));
     }
 }
 

@@ -19,10 +19,11 @@ static struct quadric_point apply(const double m[3][4], struct quadric_point p, 
                                   m[2][0] * p.x + m[2][1] * p.y + m[2][2] * p.z + m[2][3] * w};
 }
 
-static struct quadric_point wide(vec3 v) { return (struct quadric_point){v.x, v.y, v.z}; }
-static vec3 narrow(struct quadric_point p) { return v3((float)p.x, (float)p.y, (float)p.z); }
+static struct quadric_point to_double(vec3 v) { return (struct quadric_point){v.x, v.y, v.z}; }
+static vec3 to_float(struct quadric_point p) { return v3((float)p.x, (float)p.y, (float)p.z); }
 
-static struct quadric_point along(struct quadric_point o, double t, struct quadric_point d) {
+static struct quadric_point point_at_distance(struct quadric_point o, double t,
+                                              struct quadric_point d) {
     return (struct quadric_point){o.x + t * d.x, o.y + t * d.y, o.z + t * d.z};
 }
 
@@ -103,14 +104,14 @@ static int crossings(const struct quadric *q, struct quadric_point o, struct qua
     if (q->kind == SHAPE_SPHERE) {
         struct quadric_point m = {o.x - q->center[0], o.y - q->center[1], o.z - q->center[2]};
         double a = dot(d, d), b = dot(m, d), r2 = q->radius * q->radius;
-        struct quadric_point nearest = along(m, -b / a, d);
+        struct quadric_point nearest = point_at_distance(m, -b / a, d);
         return roots(a, b, dot(m, m) - r2, dot(nearest, nearest) - r2, t) ? 2 : 0;
     }
     o = apply(q->to_object, o, 1.0);
     d = apply(q->to_object, d, 0.0);
     if (q->kind == SHAPE_DISK) {
         t[0] = -o.z / d.z;
-        struct quadric_point p = along(o, t[0], d);
+        struct quadric_point p = point_at_distance(o, t[0], d);
         return p.x * p.x + p.y * p.y <= 1.0 ? 1 : 0;  // false for a ray in the plane, where p is
                                                       // NaN
     }
@@ -127,7 +128,7 @@ static int crossings(const struct quadric *q, struct quadric_point o, struct qua
 
 bool quadric_intersect(const struct quadric *q, vec3 o, vec3 d, float tnear, float tfar, float *t) {
     double at[2];
-    int n = crossings(q, wide(o), wide(d), at);
+    int n = crossings(q, to_double(o), to_double(d), at);
     for (int i = 0; i < n; i++)
         if (at[i] > tnear && at[i] < tfar) {
             *t = (float)at[i];
@@ -165,7 +166,8 @@ static struct spot sphere_spot(const struct quadric *q, struct quadric_point p) 
     struct quadric_point m = {p.x - q->center[0], p.y - q->center[1], p.z - q->center[2]};
     struct spot s;
     s.n = scaled(m, 1.0 / sqrt(dot(m, m)));
-    s.p = along((struct quadric_point){q->center[0], q->center[1], q->center[2]}, q->radius, s.n);
+    s.p = point_at_distance((struct quadric_point){q->center[0], q->center[1], q->center[2]},
+                            q->radius, s.n);
     struct quadric_point l = apply(q->to_object, s.p, 1.0);
     double r = hypot(l.x, l.y), c = r > 0.0 ? l.x / r : 1.0, d = r > 0.0 ? l.y / r : 0.0;
     s.du =
@@ -207,14 +209,14 @@ static struct spot cylinder_spot(const struct quadric *q, struct quadric_point p
 
 void quadric_interaction(const struct quadric *q, const struct ray *ray, float t, bool tangent,
                          struct interaction *out) {
-    struct quadric_point p = along(wide(ray->o), t, wide(ray->d));
+    struct quadric_point p = point_at_distance(to_double(ray->o), t, to_double(ray->d));
     struct spot s = q->kind == SHAPE_SPHERE ? sphere_spot(q, p)
                     : q->kind == SHAPE_DISK ? disk_spot(q, p)
                                             : cylinder_spot(q, p);
-    out->p = narrow(s.p);
-    out->ng = narrow(q->flip ? scaled(s.n, -1.0) : s.n);
+    out->p = to_float(s.p);
+    out->ng = to_float(q->flip ? scaled(s.n, -1.0) : s.n);
     out->uv = s.uv;
-    out->frame = tangent ? frame_from_tangent(out->ng, narrow(s.du)) : frame_from_normal(out->ng);
-    out->dp_du = narrow(s.du);
-    out->dp_dv = narrow(s.dv);
+    out->frame = tangent ? frame_from_tangent(out->ng, to_float(s.du)) : frame_from_normal(out->ng);
+    out->dp_du = to_float(s.du);
+    out->dp_dv = to_float(s.dv);
 }

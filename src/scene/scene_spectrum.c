@@ -91,14 +91,14 @@ rgb spectrum_filtered(double kelvin, double (*transmitted)(const void *ctx, doub
 }
 
 // A filter that passes only the light between two wavelengths.
-static double between(const void *ctx, double wavelength) {
+static double band_pass(const void *ctx, double wavelength) {
     const double *range = ctx;
     return wavelength >= range[0] && wavelength <= range[1] ? 1.0 : 0.0;
 }
 
 rgb spectrum_blackbody(double kelvin, double first, double last) {
     const double range[2] = {first, last};
-    return spectrum_filtered(kelvin, between, range);
+    return spectrum_filtered(kelvin, band_pass, range);
 }
 
 rgb spectrum_chromaticity(double x, double y, double luminance) {

@@ -86,7 +86,7 @@ static bool to_texture(const struct texture *texture, vec2 uv, float *u, float *
 
 // Which of its two textures a checkerboard or grid shows at uv, which nested textures use
 // unchanged. If `exchanged`, a checkerboard begins with the second.
-static int which(const struct texture *texture, vec2 uv, bool exchanged) {
+static int texture_choice(const struct texture *texture, vec2 uv, bool exchanged) {
     float u, v;
     if (texture->kind == TEXTURE_SCALED) return 0;
     const bool inside = to_texture(texture, uv, &u, &v);
@@ -103,7 +103,7 @@ static const struct texture *find_check(const struct texture *texture, vec2 uv, 
     *factor = rgb_grey(1.0f);
     while (texture->check[0]) {
         if (texture->kind == TEXTURE_SCALED) *factor = rgb_mul(*factor, texture->value);
-        texture = texture->check[which(texture, uv, exchanged)];
+        texture = texture->check[texture_choice(texture, uv, exchanged)];
     }
     return texture;
 }

@@ -12,7 +12,7 @@ bool shade_shape_textured(const struct material_side *side) {
 }
 
 // Whether textures change only the roughness, equally along both axes; and its range.
-static bool only_rough_textured(const struct material_side *side, struct brdf_roughness *over) {
+static bool textures_roughness_only(const struct material_side *side, struct brdf_roughness *over) {
     const bool two = side->base.model->slots >> BRDF_SLOT_ALPHA_V & 1;
     if (side->slot[BRDF_SLOT_DIFFUSE] && brdf_tinted(&side->base)) return false;
     if (side->base.anisotropic != 0.0f) return false;
@@ -28,7 +28,7 @@ static bool only_rough_textured(const struct material_side *side, struct brdf_ro
 enum table_choice { BY_ERROR, CACHED, SAMPLED };
 
 // The choice for a material in the option material_cache: the first word with its name.
-static enum table_choice chosen(const satin_options *o, const char *name) {
+static enum table_choice material_choice(const satin_options *o, const char *name) {
     size_t length = strlen(name);
     for (const char *at = o->material_cache; *at;) {
         size_t word = strcspn(at, ",");
@@ -49,7 +49,7 @@ static satin_status build_side(const struct material_side *side, const satin_opt
     if (!side->base.model || !(brdf_lobes(&side->base) & BRDF_GLOSSY) || side->base.uneven)
         return SATIN_OK;
     const bool textured = shade_shape_textured(side);
-    if (textured && !only_rough_textured(side, &over)) return SATIN_OK;
+    if (textured && !textures_roughness_only(side, &over)) return SATIN_OK;
     satin_status status = brdf_range_build(&side->base, textured ? &over : NULL, &fit, pool, out);
     if (status == SATIN_OK && brdf_range_info(*out).order == 0) {
         brdf_range_free(*out);
@@ -127,7 +127,7 @@ satin_status shade_tables_build(const struct satin_scene *scene, const satin_opt
         b.status = log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for BRDF tables");
     for (uint32_t i = 0; t->count && i < scene->material_count && b.status == SATIN_OK; i++) {
         b.material = scene->material[i].name;
-        b.choice = chosen(options, b.material);
+        b.choice = material_choice(options, b.material);
         if (used[i]) material_visit(&scene->material[i], build_table, &b);
     }
     free(used);

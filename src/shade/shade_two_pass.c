@@ -151,7 +151,7 @@ static void sample_lobes(struct shade_job *job, unsigned lobes, float ratio) {
 }
 
 // One BRDF sample of `lobes` that only finds lights.
-static void look_for_lights(struct shade_job *job, unsigned lobes, float ratio) {
+static void sample_lights_by_brdf(struct shade_job *job, unsigned lobes, float ratio) {
     const struct gather *g = job->shade->g;
     const struct gather_point *p = &job->vertex->point;
     struct brdf_sample b;
@@ -172,7 +172,7 @@ static void look_for_lights(struct shade_job *job, unsigned lobes, float ratio) 
 }
 
 // The luminance of direct and indirect light so far.
-static float light_so_far(const struct shade_job *job) {
+static float added_luminance(const struct shade_job *job) {
     const rgb *layer = job->out->layer;
     return rgb_luminance(rgb_add(
         layer[SHADE_DIRECT], rgb_add(layer[SHADE_INDIRECT_DIFFUSE], layer[SHADE_INDIRECT_GLOSSY])));
@@ -197,11 +197,11 @@ void shade_vertex_two_pass(struct shade_job *job) {
     const struct gather_mis mis = {
         1, {{rest & ~extra, 0.0f}, {extra, 1.0f / lights}, {sampled, ratio}}};
     float variance;
-    const float before = light_so_far(job);
+    const float before = added_luminance(job);
     add_uncached(job, SHADE_DIRECT, gather_direct(g, p, mis, job->lights, job->sampler, &variance));
     job->out->light_variance += sqrf(rgb_luminance(job->vertex->T)) * variance;
     job->sampler.dimension += 2;
-    if (extra) look_for_lights(job, extra, 1.0f / lights);
+    if (extra) sample_lights_by_brdf(job, extra, 1.0f / lights);
     job->sampler.dimension += 2;
     if (!indirect) return;
     if (o->record_maps &&
@@ -220,7 +220,7 @@ void shade_vertex_two_pass(struct shade_job *job) {
     }
     if (plan.diffuse) indirect_diffuse(job, entry);
     if (plan.sampled) sample_lobes(job, plan.sampled, ratio);
-    const struct photon_beside beside = {light_so_far(job) - before, u_caustic};
+    const struct photon_beside beside = {added_luminance(job) - before, u_caustic};
     if (caustic)
         add_uncached(job, SHADE_CAUSTIC,
                      photon_caustic(g->maps, g->scene, p->interaction.p, p->ng, &p->frame, &p->brdf,
