@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+// Grids of pixels, and the sites of many pixels: those of each pixel, in the order of the pixels,
+// however many threads look for them.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "render/render_state.h"
+#include "scene_case.h"
+
+enum { WIDTH = 131, HEIGHT = 77 };  // more pixels than are traced at a time
+
+// Looks at a plate that fills the left of the film; the rest is empty.
+static const char SCENE[] =
+    "<scene version='3.0.0'><sensor type='perspective'><float name='fov' value='90'/>"
+    "<transform name='to_world'><lookat origin='0, 0, 4' target='0, 0, 0' up='0, 1, 0'/>"
+    "</transform><film type='hdrfilm'><integer name='width' value='131'/>"
+    "<integer name='height' value='77'/><rfilter type='box'/></film></sensor>"
+    "<shape type='rectangle'><bsdf type='diffuse'/><transform name='to_world'>"
+    "<scale x='9' y='9'/><translate x='9'/></transform></shape></scene>";
+
+struct fixture {
+    struct scene_case loading;
+    satin_scene *scene;
+    struct render r;
+    struct gather g;
+    struct shade_tables tables;
+};
+
+static void start(struct fixture *f, int threads) {
+    *f = (struct fixture){0};
+    f->scene = scene_case_load(&f->loading, SCENE);
+    if (!f->scene) fail_msg("%s", f->loading.error);
+    f->r.options = satin_options_default;
+    f->r.options.width = WIDTH;
+    f->r.options.height = HEIGHT;
+    f->r.options.max_depth = -1;
+    f->r.options.first_pass = SATIN_FIRST_NONE;
+    f->r.pool = parallel_new(threads);
+    assert_non_null(f->r.pool);
+    f->g = gather_make(f->scene, &f->r.options, NULL);
+    f->r.second_pass.shade = (struct shade){.g = &f->g, .tables = &f->tables};
+    film_filter_make(&f->scene->film, &f->r.second_pass.shade.filter);
+}
+
+static void stop(struct fixture *f) {
+    parallel_free(f->r.pool);
+    satin_scene_free(f->scene);
+}
+
+// All grids from coarse to fine have every pixel once, in an order that is not that of the rows.
+static void grids_have_every_pixel_once(void **state) {
+    (void)state;
+    const struct render r = {.options = {.width = WIDTH, .height = HEIGHT, .seed = 3}};
+    static int times[WIDTH * HEIGHT];
+    size_t all = 0, ascents = 0;
+    for (int stride = 32; stride > 0; stride /= 2) {
+        size_t count;
+        uint32_t *pixel = render_grid(&r, stride, stride < 32, &count);
+        assert_non_null(pixel);
+        for (size_t i = 0; i < count; i++) {
+            assert_true(pixel[i] < WIDTH * HEIGHT);
+            assert_int_equal(pixel[i] % WIDTH % (uint32_t)stride, 0);
+            assert_int_equal(pixel[i] / WIDTH % (uint32_t)stride, 0);
+            times[pixel[i]]++;
+            ascents += i > 0 && pixel[i] > pixel[i - 1];
+        }
+        all += count;
+        free(pixel);
+    }
+    assert_int_equal(all, WIDTH * HEIGHT);
+    for (int i = 0; i < WIDTH * HEIGHT; i++) assert_int_equal(times[i], 1);
+    assert_true(ascents > all / 2 - all / 20 && ascents < all / 2 + all / 20);
+}
+
+static void grids_depend_on_the_seed_alone(void **state) {
+    (void)state;
+    struct render r = {.options = {.width = WIDTH, .height = HEIGHT, .seed = 3}};
+    size_t count;
+    uint32_t *a = render_grid(&r, 4, true, &count), *b = render_grid(&r, 4, true, &count);
+    r.options.seed = 4;
+    uint32_t *c = render_grid(&r, 4, true, &count);
+    assert_memory_equal(a, b, count * sizeof *a);
+    assert_memory_not_equal(a, c, count * sizeof *a);
+    free(a);
+    free(b);
+    free(c);
+}
+
+static void sites_are_in_the_order_of_the_pixels(void **state) {
+    (void)state;
+    for (int threads = 1; threads <= 3; threads += 2) {
+        struct fixture f;
+        start(&f, threads);
+        size_t pixels, at = 0;
+        uint32_t *pixel = render_grid(&f.r, 1, false, &pixels);
+        struct render_sites sites = {0};
+        // The second search replaces what the first one found.
+        assert_int_equal(render_find_sites(&f.r, pixel, 100, false, &sites), SATIN_OK);
+        assert_int_equal(render_find_sites(&f.r, pixel, pixels, false, &sites), SATIN_OK);
+        for (size_t i = 0; i < pixels; i++) {
+            struct cache_site one;
+            const int x = (int)(pixel[i] % WIDTH), y = (int)(pixel[i] / WIDTH);
+            if (!shade_sites(&f.r.second_pass.shade, x, y, false, &one, 1)) continue;
+            assert_true(at < sites.count);
+            assert_true(sites.site[at].stream == one.stream);
+            assert_true(v3_dist2(sites.site[at].p, one.p) == 0.0f);
+            at++;
+        }
+        assert_int_equal(at, sites.count);
+        assert_true(at > pixels / 3 && at < 2 * pixels / 3);
+        free(pixel);
+        render_sites_free(&sites);
+        assert_null(sites.site);
+        stop(&f);
+    }
+}
+
+static bool cancel(void *user, double done) {
+    (void)user;
+    (void)done;
+    return true;
+}
+
+static void a_search_can_be_cancelled(void **state) {
+    (void)state;
+    struct fixture f;
+    start(&f, 2);
+    size_t pixels;
+    uint32_t *pixel = render_grid(&f.r, 1, false, &pixels);
+    struct render_sites sites = {0};
+    parallel_set_progress(f.r.pool, cancel, NULL);
+    assert_int_equal(render_find_sites(&f.r, pixel, pixels, false, &sites), SATIN_CANCELLED);
+    render_sites_free(&sites);
+    free(pixel);
+    stop(&f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(grids_have_every_pixel_once),
+        cmocka_unit_test(grids_depend_on_the_seed_alone),
+        cmocka_unit_test(sites_are_in_the_order_of_the_pixels),
+        cmocka_unit_test(a_search_can_be_cancelled),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
