@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Filling one side of the cache. Sites are taken in their order; a batch holds sites that no record
-// covers and that lie apart; it is gathered on all threads against the frozen cache and inserted in
-// order. So the records depend on the sites alone, not on the threads.
+// Fills the cache with one kind of records. Sites are processed in their order. A batch consists of
+// sites that no record covers and that are far apart; it is gathered on all threads while the cache
+// does not change, and inserted in order. So the records depend on the sites alone, not on the
+// threads.
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,35 +11,35 @@
 #include "cache/cache_records.h"
 
 enum {
-    ATTEMPTS = 3,   // at a record that is not finite; then its site has none
-    WINDOW = 1024,  // sites that are tested together before some of them are chosen
+    ATTEMPTS = 3,   // at a record that is not finite; after them its site has none
+    WINDOW = 1024,  // sites that are tested together before batch members are selected
     BATCH_SITES = 128,
     BATCH_LEAST = 128,
     BATCH_MOST = 1024
 };
 
-// One record in the making.
+// A record that is being made.
 struct job {
     const struct cache_site *site;
     struct gather_irradiance irradiance;
     struct gather_radiance radiance;
     struct cache_residual residual;
-    float *value;  // of a radiance record, from the cache's arena
+    float *value;  // of a radiance record, in the cache's arena
     struct gather_around around;
-    struct cache_extent extent;  // before other records limit it
-    int refused;                 // how many attempts were not valid
-    bool valid;                  // whether the last one was
+    struct cache_extent extent;  // before it is limited by other records
+    int refused;                 // number of attempts that were not valid
+    bool valid;                  // whether the last attempt was valid
 };
 
 struct batch;
 struct gathering;
 
-// How the records of a kind are made.
+// Functions for one kind of records.
 struct record_functions {
-    // From the hemisphere that was gathered and what was found around it; returns whether the
-    // record is valid.
+    // Makes the record from the gathered hemisphere and its surroundings. Returns whether it is
+    // valid.
     bool (*make)(const struct batch *batch, struct job *job, const struct gathering *from);
-    bool (*insert)(struct batch *batch, struct job *job);  // false without memory
+    bool (*insert)(struct batch *batch, struct job *job);  // false if there is no memory
 };
 
 struct batch {
@@ -46,31 +47,32 @@ struct batch {
     const struct cache_fill *fill;
     enum cache_kind kind;
     struct cache_side *side;                 // of that kind
-    const struct record_functions *records;  // of that kind too
+    const struct record_functions *records;  // functions of that kind
     struct job *job;
-    int count, size;      // of `job`; at most `size`
-    float *coefficients;  // of radiance jobs: 10 * order^2 each
-    // Sites that are not covered yet, or not yet known to be: those from `next` to `last`.
+    int count, size;      // number of jobs, at most `size`
+    float *coefficients;  // of radiance jobs: 10 * order^2 for each
+    // Sites from `next` to `last` are not covered, or not tested yet.
     const struct cache_site **waiting;
     size_t next, last;
-    const struct cache_site **tested;  // those that are tested
-    bool covered[WINDOW];              // what was found
+    const struct cache_site **tested;  // the sites that are tested
+    bool covered[WINDOW];              // results of the tests
 };
 
-// Where a few of its rays make up most of a record, as when one of them has met something small and
-// bright, it is gathered again with all the rays that the options say, and both results are
-// averaged by their numbers of rays. The deviation above which that is done: other records have
-// less than .1 to .2 at 50 rays.
+// If a few of its rays make up most of a record, as when one of them has hit a small bright
+// surface, it is gathered again with all the rays of the options, and both results are averaged by
+// their numbers of rays. This is the deviation above which that is done: other records have less
+// than .1 to .2 at 50 rays.
 static const float UNSURE = 0.4f;
 
 // ---- Choosing the sites of a batch --------------------------------------------------------------
 
-// The number of members of a batch. Many keep many threads busy, but they do not see each other's
-// records, so there are more of these. One site in BATCH_SITES, whatever the threads, as the
-// records depend on it: beside batches of BATCH_LEAST it made .5 to 3 % more records at 200x200
-// (draft and preview of cornell-glossy, indirect-room and vase, three seeds each), whose images had
-// .96 to 1.01 times the relative squared error, and 11 % more at 400x400 (draft, indirect-room).
-// 512 at all levels made up to 30 % more. Choosing tests all pairs on one thread, hence BATCH_MOST.
+// The number of members of a batch. Large batches use many threads, but members do not know each
+// other's records, so more records are made. The size is one site in BATCH_SITES, independent of
+// the threads, as the records depend on it. Compared to batches of BATCH_LEAST it made .5 to 3 %
+// more records at 200x200 (draft and preview of cornell-glossy, indirect-room and vase, three seeds
+// each), whose images had .96 to 1.01 times the relative squared error, and 11 % more at 400x400
+// (draft, indirect-room). 512 at all levels made up to 30 % more. The selection tests all pairs on
+// one thread, which limits it to BATCH_MOST.
 static int batch_size(size_t sites) {
     const size_t size = sites / BATCH_SITES;
     if (size < BATCH_LEAST) return BATCH_LEAST;
@@ -88,7 +90,7 @@ static void test_coverage(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-// Whether a site lies apart from all members of the batch.
+// Whether a site is far enough from all members of the batch.
 static bool lies_apart(const struct batch *b, const struct cache_site *site) {
     const float least = b->fill->spacing * site->pixel;
     for (int i = 0; i < b->count; i++) {
@@ -109,8 +111,8 @@ static void add_job(struct batch *b, const struct cache_site *site) {
         .lambda = block, .dx = block + n, .dy = block + 2 * n, .noise = block + 3 * n};
 }
 
-// Takes the next members from the waiting sites. Covered ones are dropped; those that lie too close
-// to a member wait at the front of what remains. False if cancelled.
+// Selects the next members from the waiting sites. Covered sites are dropped; those too close to a
+// member are moved to the front of the remaining ones. False if cancelled.
 static bool choose_batch(struct batch *b) {
     const size_t start = b->next;
     size_t kept = 0, i = start;
@@ -135,9 +137,9 @@ static bool choose_batch(struct batch *b) {
 
 // ---- Gathering ----------------------------------------------------------------------------------
 
-// What a worker has gathered for a job, and where.
+// What a worker has gathered for a job, and the job's site.
 struct gathering {
-    const struct gather_worker *worker;  // its hemisphere is what was found
+    const struct gather_worker *worker;  // with the hemisphere that was gathered
     struct gather_site site;
     bool hessian;
 };
@@ -145,7 +147,7 @@ struct gathering {
 static rgb mix(rgb a, rgb b, float t) { return rgb_add(rgb_scale(a, 1.0f - t), rgb_scale(b, t)); }
 
 // Averages the job's irradiance, which was computed from the hemisphere, with that of all the rays
-// that the options say: they replace those of the hemisphere.
+// of the options, which replace those of the hemisphere.
 static void gather_more(const struct batch *b, struct job *job, const struct gathering *from) {
     const struct cache *c = b->cache;
     struct gather_hemisphere *hemisphere = from->worker->hemisphere;
@@ -164,7 +166,7 @@ static void gather_more(const struct batch *b, struct job *job, const struct gat
     first->rays += more.rays;
 }
 
-// What the harmonics leave out of what the eye sees at the site.
+// The light that the site reflects to the eye and that the harmonics leave out.
 static struct cache_residual find_residual(const struct batch *b, const struct job *job,
                                            const struct gather_hemisphere *hemisphere) {
     const struct cache_site *s = job->site;
@@ -182,7 +184,7 @@ static bool make_irradiance(const struct batch *b, struct job *job, const struct
     return true;
 }
 
-// Copies coefficients into the layout of cache_radiance_record.
+// Copies coefficients to the layout of cache_radiance_record.
 static void interleave(const struct gather_radiance *from, int n2, float *value) {
     const float *part[3] = {from->lambda, from->dx, from->dy};
     for (int k = 0; k < n2; k++)
@@ -202,8 +204,8 @@ static bool make_radiance(const struct batch *b, struct job *job, const struct g
     return true;
 }
 
-// Memory for the values of a batch's records; false if there is none. Those of a record that stays
-// invalid are not used.
+// Allocates the values of a batch's records. False if there is no memory. Values of records that
+// stay invalid are not used.
 static bool allocate_values(struct batch *b) {
     const size_t lanes = (size_t)(b->side->order * b->side->order * CACHE_LANES);
     if (b->kind != CACHE_RADIANCE) return true;
@@ -238,15 +240,14 @@ static void gather_jobs(void *ctx, size_t begin, size_t end, int worker) {
 
 // ---- Inserting ----------------------------------------------------------------------------------
 
-// The scale of a new record among ones that were adapted: 1.4 times that of the nearest one
-// [K05 6.3.2].
+// The scale of a new record among adapted ones: 1.4 times that of the nearest one [K05 6.3.2].
 static float first_scale(const struct cache_tree *tree, const struct cache_site *s, float radius) {
     static const float GROWTH = 1.4f;
     int64_t nearest = cache_tree_nearest(tree, s->p, s->frame.n, radius);
     return nearest < 0 ? 1.0f : fminf(1.0f, GROWTH * tree->head[nearest].scale);
 }
 
-// Limits a new record and its neighbours by each other, if the options say so.
+// Limits a new record and its neighbours by each other, if the options include that.
 static void clamp_extent(struct cache_side *side, const struct cache_site *s,
                          struct cache_extent *x) {
     if (!side->options.neighbour_clamp) return;
@@ -255,8 +256,8 @@ static void clamp_extent(struct cache_side *side, const struct cache_site *s,
     x->across = fminf(x->across, x->R);
 }
 
-// Puts a record's area into the tree, after its value was put at the tree's next number. False
-// without memory.
+// Inserts a record's extent into the tree, after its value was stored at the tree's next index.
+// False if there is no memory.
 static bool insert_head(struct batch *b, const struct job *job, const struct cache_extent *x) {
     const struct cache_site *s = job->site;
     const float influence = b->side->options.a * b->fill->widest * x->R;
@@ -342,7 +343,7 @@ satin_status cache_fill(struct cache *cache, enum cache_kind kind, const struct 
         for (struct job *job = b->job; job < b->job + b->count && status == SATIN_OK; job++) {
             cache->refused += (uint64_t)job->refused;
             assert(job->refused == 0);
-            // A record that stayed invalid is left out: its site is sampled instead.
+            // A record that stayed invalid is left out, and gathering replaces it at its site.
             if (job->valid && !b->records->insert(b, job)) status = SATIN_ERROR_MEMORY;
         }
     }

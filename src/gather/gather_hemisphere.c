@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A hemisphere of gather rays: irradiance, or incident radiance in harmonics [K05 (4.9)], with
-// gradients of the kind that the options name. Without gradients in the interpolation they still
-// bound the records' radii.
+// A hemisphere of gather rays: computes irradiance, or incident radiance in harmonics [K05 (4.9)],
+// with the gradients that the options select. If the interpolation uses no gradients, they still
+// limit the records' radii.
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,11 +10,11 @@
 #include "gather/gather_gradients.h"
 #include "rsh/rsh.h"
 
-// A lobe that is sharper than the directions for which a ray stands shows in few of its neighbours,
-// and there outweighs the whole hemisphere, as the lamp's image in a polished ceiling. For records
-// it is met as if it were as wide, facets of roughness alpha spreading light by about 2 alpha to
-// each side [after Kaplanyan and Dachsbacher 2013]; that ends as rays become many. At most this: 20
-// rays and fewer.
+// A lobe that is sharper than the solid angle of a ray is hit by few neighbouring rays, and there
+// dominates the whole hemisphere, as the reflection of a lamp in a polished ceiling. For records it
+// is made as wide as that solid angle, because facets of roughness alpha spread light by about 2
+// alpha to each side [after Kaplanyan and Dachsbacher 2013]. The effect vanishes as rays become
+// many. This is the limit, which applies to 20 rays and fewer.
 static const float ALPHA_LEAST_MOST = 0.3f;
 
 float gather_alpha_least(const struct gather_site *site, float spread) {
@@ -79,7 +79,7 @@ void gather_hemisphere_begin(struct gather_hemisphere *h, const struct gather_la
     h->stratified = h->count = gather_layout_rays(layout);
 }
 
-// One jittered ray per stratum, row by row.
+// Makes one jittered ray per stratum, row by row.
 static void make_stratified_rays(const struct gather *g, const struct gather_site *site,
                                  struct gather_hemisphere *h) {
     const struct gather_layout *l = h->layout;
@@ -132,7 +132,8 @@ static void add_about_axis(vec3 grad[3], rgb change, vec3 axis) {
     grad[2] = v3_mad(grad[2], change.b, axis);
 }
 
-// E changes with the normal about the axis across each column by the integral of sin^2(theta).
+// A rotation of the normal about the axis across a column changes E by the integral of
+// sin^2(theta).
 static void rotation_gradient(const struct gather_hemisphere *h, vec3 grad[3]) {
     const struct gather_layout *l = h->layout;
     for (int k = 0; k < l->N; k++) {
@@ -143,7 +144,7 @@ static void rotation_gradient(const struct gather_hemisphere *h, vec3 grad[3]) {
             change = rgb_mad(change, ray->L, l->rotation[j]);
         add_about_axis(grad, change, axis);
     }
-    // Guided rays by the derivative of the cosine, each for pi / stratified of cos(theta) Omega.
+    // Guided rays: by the derivative of the cosine, each for pi / stratified of cos(theta) Omega.
     for (size_t i = h->stratified; i < h->count; i++) {
         float weight = PI_F / (float)h->stratified / h->z[i];
         add_about_axis(grad, rgb_scale(h->ray[i].L, weight), v3(-h->y[i], h->x[i], 0.0f));
@@ -195,7 +196,7 @@ static void project(const struct gather_hemisphere *h, const float *r, const flo
                 h->y, h->z, r, g, b, lambda);
 }
 
-// What is projected when every second stratum counts negatively: signal cancels, noise does not.
+// Projects with negative weight for every second stratum: the signal cancels, the noise does not.
 static void project_noise(const struct gather_hemisphere *h, float *noise) {
     const struct gather_layout *l = h->layout;
     const float weight = 2.0f * PI_F / (float)h->stratified;

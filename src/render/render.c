@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// THE main path: scene and options in, film out, in the order of the light. Two passes
-// [K05 2.1, 3.5]: photons make a first-pass radiance estimate; final gathering reads it and fills
+// THE main path: scene and options in, film out, in the order of the light. There are two passes
+// [K05 2.1, 3.5]: photons give a first-pass radiance estimate; final gathering reads it and fills
 // the caches; the image interpolates between their records.
 #include "satin/render.h"
 
@@ -14,7 +14,7 @@ static bool needs_photons(const struct render *r) {
     return r->options.integrator == SATIN_PHOTONS || gather_indirect(&r->options);
 }
 
-// Passes messages on to the caller's log, and notes whether one of them was an error.
+// Passes messages on to the caller's log, and records whether one of them was an error.
 static void log_through(void *user, satin_log_severity severity, const char *message) {
     struct render *r = user;
     if (severity == SATIN_LOG_ERROR) r->outcome.error_logged = true;
@@ -46,7 +46,7 @@ static void render_free(struct render *r) {
     free(r);
 }
 
-// The image is allocated first, so that there is memory for it when all else is done.
+// Allocates the image first, so that memory does not run out after all other work is done.
 static satin_status allocate_image(struct render *r) {
     const struct film_spec *film = &r->scene.film;
     r->image = render_image_new(&r->scene, &r->options);
@@ -62,7 +62,7 @@ static satin_status start_threads(struct render *r) {
     return SATIN_OK;
 }
 
-// All that can be wrong is found here, before anything takes long.
+// Checks everything that can be wrong, before any long computation.
 static satin_status prepare(struct render *r, const satin_scene *scene,
                             const satin_options *options) {
     satin_status status = render_resolve(r, scene, options);
@@ -74,7 +74,7 @@ static satin_status prepare(struct render *r, const satin_scene *scene,
     return allocate_image(r);
 }
 
-// Photons, and the first-pass radiance estimate that gather rays read where they hit.
+// Traces photons and makes the first-pass radiance estimate that gather rays read at their hits.
 static satin_status first_pass(struct render *r) {
     satin_status status = SATIN_OK;
     if (needs_photons(r)) {
@@ -86,7 +86,8 @@ static satin_status first_pass(struct render *r) {
     return status == SATIN_OK ? render_direct(r) : status;
 }
 
-// Harmonics of the scene's glossy BRDFs. If there is no time for them all are sampled instead.
+// Projects the scene's glossy BRDFs onto harmonics. If there is no time for that, all are sampled
+// instead.
 static satin_status brdf_tables(struct render *r) {
     if (!is_two_pass(r)) return SATIN_OK;
     render_stage_begin(r, STAGE_TABLES, (double)r->scene.material_count);
@@ -96,13 +97,13 @@ static satin_status brdf_tables(struct render *r) {
     return render_limit_end(r, status);
 }
 
-// Records of the indirect bounces beyond the first, the last bounce first, if gather rays read
-// them.
+// If gather rays read them, makes the records of the indirect bounces beyond the first, beginning
+// with the last bounce.
 static satin_status bounce_records(struct render *r) {
     return is_two_pass(r) ? render_bounces(r) : SATIN_OK;
 }
 
-// An empty cache, and what the image and the search for sites need.
+// Makes an empty cache, and what the image and the search for sites need.
 static satin_status prepare_second_pass(struct render *r) {
     struct render_second_pass *pass = &r->second_pass;
     pass->cache = cache_new(&pass->gather, pass->tables.order, r->pool);
@@ -110,7 +111,7 @@ static satin_status prepare_second_pass(struct render *r) {
     return shade_init(&pass->shade, &pass->gather, &pass->tables, pass->cache, r->pool);
 }
 
-// Eye paths, whose indirect light is interpolated between the records.
+// Samples the image by eye paths, whose indirect light is interpolated between the records.
 static satin_status sample_image(struct render *r) {
     if (r->progress.look == LOOK_WHOLE) render_limit_image(r);
     return render_image_fill(r);
@@ -132,8 +133,9 @@ static satin_status take_look(struct render *r, enum render_look look) {
     return status == SATIN_OK ? SATIN_CANCELLED : status;
 }
 
-// Cancelled before the image's first samples were there, it has them within a moment: with the
-// records that there are, or, where that takes too long or there are none, with direct light alone.
+// If the render was cancelled before the image had its first samples, it gets coarse ones within a
+// moment: with the records so far or, if that takes too long or there are none, with direct light
+// alone.
 static satin_status look_after_cancellation(struct render *r) {
     satin_status status = SATIN_CANCELLED;
     if (r->progress.stage == STAGE_RECORDS) status = take_look(r, LOOK_WITH_RECORDS);
@@ -141,8 +143,8 @@ static satin_status look_after_cancellation(struct render *r) {
     return status;
 }
 
-// The film of a render that ended so, denoised if that was asked for; a cancelled one has a film if
-// some pixel was sampled.
+// Makes the film of a render that has ended, denoised if the options include that. A cancelled
+// render has a film if some pixel was sampled.
 static satin_status finish_film(struct render *r, satin_status status, satin_film **out) {
     const bool has_image = status == SATIN_OK || status == SATIN_CANCELLED;
     if (has_image && r->denoiser) render_denoise(r);

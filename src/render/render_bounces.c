@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // First pass `recursive` [K05 2.1]: records for each indirect bounce beyond the first. The records
-// of the last bounce are made first. Those of bounce i are gathered with i segments fewer than the
-// longest path has; their gather rays read the records of bounce i + 1, which are complete by then.
-// Sites are the ends of random walks from the image, and the records depend on these alone; where a
-// gather ray finds no record near its hit, its path goes on instead.
+// of the last bounce are made first. Those of bounce i are gathered with i segments fewer than
+// max_depth; their gather rays read the records of bounce i + 1, which are complete by then. Sites
+// are the ends of random walks from the image, and the records depend on these alone. If a gather
+// ray finds no record near its hit, its path continues instead.
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -11,16 +11,16 @@
 
 enum { FIRST = 512 };  // walks of the first block of sites; each further block doubles their number
 
-// What one gather ray among hundreds reads may be coarser than what the eye sees, and more so with
-// every bounce: per bounce, the error a grows by the first factor and the number of rays falls by
-// the second.
+// Records that one gather ray among hundreds reads may be coarser than those that the image reads,
+// and more so with every bounce: per bounce, the accuracy a is multiplied by the first factor and
+// the number of rays by the second.
 static const float COARSER = 1.25f, FEWER = 0.6f;
 static const float BOUNCE_RAYS_LEAST = 64.0f;
 
-// Sites of a batch lie apart by so many least radii.
+// The distance of the sites of a batch, in least radii.
 static const float SPACING = 2.0f;
 
-// Records of one indirect bounce, and what made them.
+// The records of one indirect bounce, and the constants with which they are gathered.
 struct render_bounce {
     satin_options options;
     struct gather gather;
@@ -94,7 +94,7 @@ static satin_status fill_from_walks(struct render *r, struct render_bounce *boun
 static satin_status make_bounce(struct render *r, int index, struct walks *walks) {
     struct render_bounce *bounce = &r->second_pass.bounces[index - 1];
     bounce->options = bounce_options(&r->options, index);
-    bounce->gather = r->second_pass.gather;  // reads the records of the bounce after this one
+    bounce->gather = r->second_pass.gather;  // reads the records of the next bounce
     bounce->gather.options = &bounce->options;
     bounce->cache = cache_new(&bounce->gather, r->second_pass.tables.order, r->pool);
     if (!bounce->cache) return SATIN_ERROR_MEMORY;
@@ -113,7 +113,7 @@ static satin_status make_bounce(struct render *r, int index, struct walks *walks
     return status;
 }
 
-// Bounces that the longest path can hold: the shortest path that uses a record of the first
+// The number of bounces that paths can have: the shortest path that uses a record of the first
 // bounce made here has four segments, from the eye to the light.
 static int bounces_wanted(const satin_options *o) {
     if (o->first_pass != SATIN_FIRST_RECURSIVE) return 0;

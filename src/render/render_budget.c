@@ -1,69 +1,69 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much work a render does, and what a time limit is divided into. A step gets a fraction of the
-// limit, or of what is left of it, and paces are measured while it renders; so the same fractions
-// hold for any scene and any number of cores. In the order of the light:
+// How much work a render does, and how a time limit is divided. A step gets a fraction of the limit
+// or of the remaining time, and speeds are measured while it renders, so the same fractions are
+// valid for any scene and any number of cores. In the order of the light:
 //
 //   photons           the first FIRST_PHOTONS, then as many as fit until PHOTONS_UNTIL
 //   BRDF tables       until TABLES_UNTIL
-//   indirect bounces  BOUNCES_FRACTION of what is left then
-//   records           RECORDS_FRACTION of what is left then, until their first round has been
+//   indirect bounces  BOUNCES_FRACTION of the remaining time
+//   records           RECORDS_FRACTION of the remaining time, until their first round has been
 //                     measured; then the fraction at which the error of the image is least
-//   image             what is left, without the time that denoising and writing take
+//   image             the rest, without the time for denoising and writing
 //
-// How records are made within their time is in render_budget_records.c. What buys how much quality,
-// before the render begins, is in options_budget.c.
+// render_budget_records.c divides the time of the records. options_budget.c relates effort and
+// quality before the render begins.
 #include "render/render_budget.h"
 
 #include "render/render_state.h"
 
-// How long a photon takes varies a hundredfold between scenes: this fraction of them shows it.
+// The time per photon varies a hundredfold between scenes; this fraction of them measures it.
 static const double FIRST_PHOTONS = 1.0 / 16.0;
-// Of the time limit. First photons that take longer than PILOT_UNTIL are given up.
+// Fractions of the time limit. The first photons are abandoned if they take longer than
+// PILOT_UNTIL.
 static const double PILOT_UNTIL = 0.5, PHOTONS_UNTIL = 0.3, TABLES_UNTIL = 0.45;
-// Of the time that the first photons foretell for all, what is used; and the number of times the
-// first photons from which on another pass gains more than it costs.
+// The fraction that is used of the number of photons that fit by the time of the first ones, and
+// the factor of their number from which on another pass gains more than it costs.
 static const double PHOTONS_CAUTION = 0.9, PHOTONS_AGAIN = 3.0;
-// Photons of indirect light per path: .5 to 2 in closed rooms; .07 in a room lit by the sky, where
-// ten times the paths made gather rays read the map instead of continuing as paths: a tenth
-// less time in all, and half of the error of indirect light. Without a time limit another pass
-// begins where so many times the paths are wanted, and STARVED_MOST bounds its time and memory.
+// The number of photons of indirect light per path: .5 to 2 in closed rooms; .07 in a room lit by
+// the sky, where ten times the paths made gather rays read the map instead of continuing as paths:
+// a tenth less time in all, and half of the error of indirect light. Without a time limit another
+// pass is made if the paths are to grow by STARVED_AGAIN; STARVED_MOST limits its time and memory.
 static const double KEPT_LEAST = 0.5, STARVED_AGAIN = 1.5, STARVED_MOST = 8.0;
-// Of the time that is left.
+// Fractions of the remaining time.
 static const double BOUNCES_FRACTION = 0.3, RECORDS_FRACTION = 0.5;
-// Of the time of records, what their first round is to take, so that all pixels have some.
+// The fraction of the time of records for their first round, so that all pixels have some.
 static const double COVER_FRACTION = 0.5;
 
-// Of the time limit, what is kept for denoising at most: a large image is late rather than left
-// without samples.
+// The largest fraction of the time limit that is kept for denoising: the render of a large image
+// exceeds the limit rather than having no samples.
 static const double DENOISE_FRACTION = 0.5;
-// A cancelled render is over within a moment: so long may its first look take, and so long its
-// denoising [s].
+// The time of the coarse image of a cancelled render, and of its denoising [s].
 static const double LOOK_SECONDS = 0.5, DENOISE_SECONDS = 0.5;
 
-// Compressing a pixel's channels on one core is most of writing a film.
+// Compressing the pixels' channels on one core takes most of the time for writing a film.
 static const double WRITE_SECONDS = 0.05, WRITE_PIXEL_SECONDS = 0.9e-6;
 
 enum {
-    EVEN_LEAST = 2,      // samples per pixel that are distributed equally, at least;
-    EVEN_FRACTION = 4,   // where there are many, one of so many
-    FIRST_STRIDE = 16,   // pixels between the very first samples, or more,
-    FIRST_MOST = 256,    // so that these are no more: they take a moment, whatever the time is
+    EVEN_LEAST = 2,      // least number of samples per pixel that are distributed equally;
+    EVEN_FRACTION = 4,   // of many samples, one in this number is
+    FIRST_STRIDE = 16,   // least distance of the pixels with the very first samples,
+    FIRST_MOST = 256,    // and their largest number: they take a moment, whatever the time limit
     RIM_RAYS_MOST = 128  // of one pixel, a power of two: whole nets
 };
-// Rays at rims per pixel of the whole image. Measured with 2: at 128x128 the rms error of rims
-// falls from .0119 to .0049 of the lamp; the time of a draft at 400x400 changes by less than its
-// runs differ.
+// The number of rays at rims per pixel of the whole image. Measured with 2: at 128x128 the rms
+// error of rims falls from .0119 to .0049 of the lamp; the time of a draft at 400x400 changes by
+// less than the difference between runs.
 static const double RIM_RAYS_MEAN = 2.0;
-// Samples per pixel below which another pass of the image is not worth its overhead.
+// The number of samples per pixel below which another pass of the image costs more than it gains.
 static const double PASS_LEAST = 0.1;
 
-// The model of balance(). Measured on the data scenes at 10 to 20 gather rays and 6 to
-// 15 samples per pixel: the relative squared error of a pixel that is all indirect, times the rays
-// per pixel, was 2.7e-3 to 1e-2. The image had a variance less than V by 5 to 12 in closed rooms, 2
-// to 3 in a furnished one: V is of two halves of two samples with few light samples, and of three
-// colours.
+// The model of balance(). Measured on the data scenes at 10 to 20 gather rays and 6 to 15 samples
+// per pixel: the relative squared error of a pixel with indirect light alone, times the rays per
+// pixel, was 2.7e-3 to 1e-2. The variance of the image was less than V by a factor of 5 to 12 in
+// closed rooms, and 2 to 3 in a furnished one: V is from two halves of two samples with few light
+// samples, and of three colours.
 static const double ERROR_RAYS = 5e-3, VARIANCE_GAIN = 5.0;
-// The image gets at least and at most so much of what is left.
+// The least and the largest fraction of the remaining time for the image.
 static const double IMAGE_LEAST = 0.2, IMAGE_MOST = 0.8;
 enum { BALANCE_STEPS = 40 };
 
@@ -94,14 +94,14 @@ static double finish_seconds(const struct render *r) {
            denoise_seconds(r);
 }
 
-// Seconds that are left for records and image.
+// The remaining seconds for records and image.
 static double image_seconds(const struct render *r) {
     return render_time_left(r) - finish_seconds(r);
 }
 
 // ---- Limits of loops ----------------------------------------------------------------------------
 
-// INFINITY where there is no time limit: a fraction of that is no limit either.
+// INFINITY if there is no time limit, as is any fraction of it.
 void render_limit_pilot(struct render *r) { r->progress.deadline = PILOT_UNTIL * time_limit(r); }
 void render_limit_tables(struct render *r) { r->progress.deadline = TABLES_UNTIL * time_limit(r); }
 
@@ -109,7 +109,7 @@ void render_limit_bounces(struct render *r, double start, double done) {
     r->progress.deadline = start + BOUNCES_FRACTION * (time_limit(r) - start) * done;
 }
 
-// The fraction of records at which the error of the image is least.
+// The fraction of the time for records at which the error of the image is least.
 static double balance(const struct render *r, const struct render_pace *pace) {
     const double left = image_seconds(r);
     const double pixels = (double)r->options.width * (double)r->options.height;
@@ -199,7 +199,7 @@ uint32_t render_budget_even_samples(const satin_options *o) {
     return spp / EVEN_FRACTION > EVEN_LEAST ? spp / EVEN_FRACTION : EVEN_LEAST;
 }
 
-// How many samples fit into the next pass.
+// The number of samples that fit into the next pass.
 static double fitting_samples(const struct render *r, double sample_seconds) {
     const double pixels = (double)r->options.width * (double)r->options.height;
     const double fit = image_seconds(r) / sample_seconds;

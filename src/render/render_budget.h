@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to render/: how much work a render does, and when. Every decision that bounds the work of
-// a stage is here: those by the clock, by photons and by pixels in render_budget.c, those of
-// records in render_budget_records.c. All seconds are of wall clocks. Without a time limit what is
-// left is INFINITY, no limit is set, and the decisions depend on the options and the film alone:
-// never on the number of cores, which is not to change an image.
+// Private to render/: how much work a render does, and when. Every decision that limits the work of
+// a stage is here: those by time, by photons and by pixels are in render_budget.c, those about
+// records in render_budget_records.c. All seconds are wall clock times. Without a time limit the
+// remaining time is INFINITY, no limit is set, and the decisions depend only on the options and the
+// film, never on the number of cores, which must not change an image.
 #ifndef RENDER_BUDGET_H
 #define RENDER_BUDGET_H
 
@@ -15,10 +15,10 @@ struct render;
 
 // Seconds since the render began.
 double render_elapsed(const struct render *r);
-// Seconds that are left of options.time.
+// The seconds that remain of options.time.
 double render_time_left(const struct render *r);
 
-// What a pilot of a few pixels measured (render_pilot.c).
+// Measurements of a pilot of a few pixels (render_pilot.c).
 struct render_pace {
     double rays, samples;  // per second: gather rays of records, samples of the image
     double variance;       // V: the image's variance by n samples per pixel is V n^-1.5
@@ -29,97 +29,103 @@ struct render_pace {
 
 void render_limit_pilot(struct render *r);   // a sixteenth of the photons
 void render_limit_tables(struct render *r);  // BRDFs in harmonics
-// Deeper records, which began at `start` [s since the render began], up to the part `done` of them.
+// Records of further indirect bounces, which began at `start` [s since the render began], up to the
+// fraction `done` of them.
 void render_limit_bounces(struct render *r, double start, double done);
-// Records: of the time that is left for them and for the image, the fraction that makes the error
-// of the image least, its variance by n samples per pixel and ERROR_RAYS q / rays by the gather
-// rays per pixel of its records together. NULL: before anything is measured.
+// Records. Their limit is the fraction of the remaining time that minimises the error of the image:
+// the sum of its variance by n samples per pixel and of ERROR_RAYS q / rays, by the number of its
+// records' gather rays per pixel. NULL: nothing is measured yet.
 void render_limit_records(struct render *r, const struct render_pace *measured);
 void render_limit_image(struct render *r);
-void render_limit_look(struct render *r);  // after a cancellation, also without a time limit
-// Nothing ends the next loops, which are short, until the limit before is set again.
+void render_limit_look(struct render *r);  // after a cancellation, even without a time limit
+// Lifts the limit for the following loops, which are short. It is set again by
+// render_limit_restore.
 double render_limit_lift(struct render *r);
 void render_limit_restore(struct render *r, double before);
 // Ends the time limit, so that it does not stop later loops. Returns SATIN_OK instead of the
 // SATIN_CANCELLED of a loop that the limit stopped, but a cancellation by the caller as it is.
 satin_status render_limit_end(struct render *r, satin_status status);
-// Whether the limit is not over.
+// Whether the limit is not reached.
 bool render_time_remains(const struct render *r);
 
 // ---- Photons
 
-// The fraction of its photons that a render traces first: all, or with a time limit a sixteenth.
+// The fraction of its photons that a render traces first: all, or a sixteenth with a time limit.
 double render_budget_first_photons(const struct render *r);
-// How many times its paths a global map should have that kept `kept` photons of indirect light of
-// so many paths: 1, or up to 8 where it is starved.
+// The factor by which the paths of a global map should grow that has `kept` photons of indirect
+// light from `paths` paths: 1, or up to 8 if it is starved.
 double render_budget_starved(double paths, double kept);
 // The photons that replace the first ones.
 struct render_more_photons {
-    double fraction;  // of the photons that the options say; 0: the first ones serve
-    double global;    // times as many of the global map, where that is starved
+    double fraction;  // of the options' photons; 0: the first ones are kept
+    double global;    // factor of those of the global map, if it is starved
 };
-// After the first photons, which took so long and left the global map starved by such a factor.
+// The next photons after the first ones, which took `seconds`, where `starved` is the factor for
+// the global map.
 struct render_more_photons render_budget_photons(const struct render *r, double seconds,
                                                  double starved);
 
 // ---- Records (render_budget_records.c)
 
-// Records are made at grids of pixels, which are called levels: at every 32nd pixel in both
-// directions, then at those between, down to every pixel.
+// Records are made on grids of pixels, which are called levels: at every 32nd pixel in both
+// directions, then between these, down to every pixel.
 enum { RENDER_LEVELS = 6, RENDER_COARSEST = 1 << (RENDER_LEVELS - 1) };
 
 // Factors of the options' accuracies a, by kind of record.
 struct render_widths {
     float of[CACHE_KINDS];
 };
-// Of a round of records within a time limit: no less than those of the round after it.
+// The factors of a round of records with a time limit, which are not less than those of the next
+// round.
 struct render_widths render_budget_round(const satin_options *options, int round);
-// Rounds until one would be as fine as the one before it.
+// The number of rounds until the next one would not be finer.
 int render_budget_rounds(const satin_options *options);
-// The fraction of the options' least radius that records made at this factor of a may have.
+// The fraction of the options' least radius for records at this factor of a.
 float render_budget_least_radius(float width);
-// The factor of a over which no record is read: what the image pass may use.
+// The largest factor of a at which records may be read by the image pass.
 float render_budget_widest(const satin_options *options);
 
-// How the levels of the first round go, which is to cover the image within its time.
+// The state of the levels of the first round, which must cover the image within its time.
 struct render_covering {
-    float rays;      // fraction of the options' gather rays that records of the coarsest level get;
-                     // from RENDER_COARSEST on, records of all levels get all
-    double records;  // that the last level made
-    double full, seconds;  // of all levels: records, each weighed by its fraction of the rays; time
+    float rays;      // fraction of the options' gather rays for records of the coarsest level; from
+                     // RENDER_COARSEST on, records of all levels get all
+    double records;  // number of records of the last level
+    double full, seconds;  // of all levels: records, each weighted by its fraction of the rays;
+                           // time
 };
-// Fraction of the options' gather rays that records of the level of this stride get.
+// The fraction of the options' gather rays for records of the level of this stride.
 float render_budget_rays(const satin_options *options, const struct render_covering *covering,
                          int stride);
-// After the level of this stride, which made so many records in so many seconds: sets the rays of
-// the finer ones, which have `left` seconds.
+// To be called after the level of this stride, which made `made` records in `seconds`: sets the
+// rays of the finer levels, for which `left` seconds remain.
 void render_budget_level(const satin_options *options, struct render_covering *covering, int stride,
                          double made, double seconds, double left);
-// Seconds that the first round may still take.
+// The seconds that the first round may still take.
 double render_budget_first_round(const struct render *r);
 
-// Pixels between those whose points adaptive caching compares, in both directions.
+// The distance of the pixels whose points adaptive caching compares, in both directions.
 int render_budget_adaptive_stride(int width, int height);
 
-// Random walks that look for sites of records, for each indirect bounce beyond the first; a power
-// of two. Records are made only where none serves: 2048, 8192, 32768 and 131072 walks made 843,
-// 1151, 1245 and 1246 in cornell-glossy and 1231, 1737, 1912 and 1921 in indirect-room (draft at
-// 64x64).
+// The number of random walks that search sites for records, for each indirect bounce beyond the
+// first; a power of two. Records are made only at uncovered sites: 2048, 8192, 32768 and 131072
+// walks made 843, 1151, 1245 and 1246 in cornell-glossy and 1231, 1737, 1912 and 1921 in
+// indirect-room (draft at 64x64).
 enum { RENDER_WALKS = 32768 };
 
 // ---- The image
 
-// Pixels between the first samples of an image, a power of two.
+// The distance of the pixels with the first samples of an image, a power of two.
 int render_budget_first_stride(int width, int height);
 // Samples per pixel that are distributed equally.
 uint32_t render_budget_even_samples(const satin_options *options);
-// Samples of all pixels that the next pass takes after `done`, if one takes so long: as many as are
-// there, and at most half of those that fit, so that the last ones are well foreseen. While not all
-// pixels have their equal samples, a multiple of the pixels. 0: no further pass.
+// The number of samples of all pixels in the next pass, after `done` samples, if one takes
+// `sample_seconds`: as many as there are already, and at most half of those that fit, so that the
+// time of the last ones is known well. Until all pixels have their equal samples, it is a multiple
+// of the number of pixels. 0: no further pass.
 uint64_t render_budget_pass(const struct render *r, uint64_t done, double sample_seconds);
-// Eye rays for emission alone that each of the pixels at rims gets: a power of two.
+// The number of eye rays for emission alone at each of the pixels at rims: a power of two.
 uint32_t render_budget_rim_rays(size_t pixels, size_t at_rims);
-// Whether there is time to denoise: always, unless the render is cancelled and it takes too long.
+// Whether the image is denoised: always, unless the render is cancelled and it would take too long.
 bool render_budget_denoises(const struct render *r);
 
 #endif

@@ -1,29 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 // How much work records are: the rounds of a render with a time limit, the gather rays of its first
-// round, by what that has cost so far, and the points at which records are compared.
+// round, from the costs measured so far, and the points at which records are compared.
 #include <string.h>
 
 #include "render/render_budget.h"
 
-// Rounds follow each other with these factors of a, so that the image is covered whenever the time
-// is over. Then a and the least radius fall by FINER from round to round, as records are soon as
-// dense as their least radius lets them be, until they are FLOOR_PIXELS wide.
+// The first rounds have these factors of a, so that the image is covered whenever the time is over.
+// Then a and the least radius fall by FINER from round to round, because records soon become as
+// dense as their least radius allows, until they are FLOOR_PIXELS wide.
 static const float GIVEN_WIDTHS[] = {2.5f, 1.6f, 1.0f, 0.75f, 0.55f};
 static const float FINER = 0.75f, FLOOR_PIXELS = 0.5f;
 enum { GIVEN_ROUNDS = sizeof GIVEN_WIDTHS / sizeof *GIVEN_WIDTHS };
 
-// A level makes more records than the one before it, by a factor that falls towards 1: 2.1, 3.1,
-// 2.3, 1.8, 1.2 in a furnished room, 1.4, 1.0, 1.6, 1.3, .9 in a closed one.
+// Limits of the factor by which a level makes more records than the one before it. The factor falls
+// towards 1: 2.1, 3.1, 2.3, 1.8, 1.2 in a furnished room, 1.4, 1.0, 1.6, 1.3, .9 in a closed one.
 static const float GROWTH_LEAST = 1.5f, GROWTH_MOST = 4.0f;
 static const double GROWTH_FADES = 0.8;
-// Gather rays of an irradiance record at least; a radiance record has as many times more as the
-// options say.
+// The least number of gather rays of an irradiance record. For a radiance record it is larger in
+// the ratio of the options' numbers of rays.
 static const float RAYS_LEAST = 32.0f;
-enum { RAYS_STEPS = 30 };  // of the search for their number, to the last digit of a float
+enum { RAYS_STEPS = 30 };  // steps of the search for their number, to the precision of a float
 
 enum {
-    // Points of the image that adaptive caching compares, at most: so many sites are 88 MB. A
-    // larger image has them at every so many pixels.
+    // The largest number of points of the image that adaptive caching compares: their sites are 88
+    // MB. A larger image has them at a larger distance.
     ADAPTIVE_MOST = 1 << 18,
     ADAPTIVE_STRIDE = 2
 };
@@ -35,8 +35,8 @@ float render_budget_widest(const satin_options *o) {
     return o->time > 0.0 ? fmaxf(width, GIVEN_WIDTHS[0]) : width;
 }
 
-// The finest factor w of a where the least radius is so many pixels at a: it falls as w does, and
-// so a record's least width as w^2.
+// The finest factor w of a for a least radius of `min_pixels` at a: the least radius falls as w,
+// and so the least width of a record as w^2.
 static float finest_width(float min_pixels) {
     const float last = GIVEN_WIDTHS[GIVEN_ROUNDS - 1];
     return fminf(sqrtf(FLOOR_PIXELS * last / fmaxf(min_pixels, FLOOR_PIXELS)), last);
@@ -64,10 +64,10 @@ float render_budget_least_radius(float width) {
 
 // ---- Rays of the first round --------------------------------------------------------------------
 
-// The image is to be covered by the first round, in a part of the time that records have, however
-// many that takes: in furnished rooms some thousand. Rays are allocated so that the noise of all
-// pixels is least, in proportion to the root of the area that a record serves: to the stride of its
-// level.
+// The first round must cover the image in a fraction of the time of records, whatever their number:
+// in furnished rooms it is some thousand. Rays are allocated so that the noise of all pixels is
+// least: in proportion to the square root of the area in which a record is used, that is to the
+// stride of its level.
 float render_budget_rays(const satin_options *o, const struct render_covering *covering,
                          int stride) {
     const float least = RAYS_LEAST / (float)o->irradiance_rays;
@@ -83,7 +83,7 @@ void render_budget_level(const satin_options *o, struct render_covering *coverin
     c->seconds += seconds;
     c->full += made * (double)render_budget_rays(o, c, stride);
     c->records = made;
-    if (stride == 1) return;  // the finer rounds go on as this one did
+    if (stride == 1) return;  // the finer rounds have the same speed
     const double budget = left * c->full / c->seconds;
     double next[RENDER_LEVELS];  // records of the finer levels
     int levels = 0;

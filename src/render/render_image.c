@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The image pass: samples summed per pixel, tile by tile. A pixel's samples are added in the order
-// of their numbers, by one worker, so sums do not depend on threads. A few samples are spread
-// evenly, the others where the image needs them (render_adaptive_sampling.c). The first are taken
-// coarse to fine, so that an image that is cut short can be filled from what is there
+// The image pass: samples are summed per pixel, tile by tile. The samples of a pixel are added in
+// the order of their indices, by one worker, so sums do not depend on threads. Some of the samples
+// are distributed equally, the others to noisy pixels (render_adaptive_sampling.c). The first
+// samples are taken coarse to fine, so that an image that is stopped early can be filled from them
 // (render_film.c).
 #include "render/render_image.h"
 
@@ -12,7 +12,7 @@
 
 enum {
     TILE = 16,
-    ASK_SAMPLES = 32  // after so many a worker asks whether it should go on
+    ASK_SAMPLES = 32  // samples after which a worker checks for cancellation
 };
 
 struct image_pass {
@@ -32,7 +32,7 @@ struct render_image *render_image_new(const struct satin_scene *scene,
                                    .height = height,
                                    .aovs = aovs,
                                    .coarsest = render_budget_first_stride(width, height)};
-    // By calloc, whose pages the system gives to the threads that first use them.
+    // From calloc, whose pages the system assigns to the threads that first use them.
     image->pixel = calloc(pixels, sizeof *image->pixel);
     image->sums = (size_t)aovs->values * (aovs->moment ? 2 : 1);
     image->aov = array_new(pixels, image->sums * sizeof *image->aov);
@@ -55,8 +55,8 @@ void render_image_free(struct render_image *image) {
     free(image);
 }
 
-// The light by which the noise of a sample is measured. Lights seen directly are white at most, so
-// that their rims do not take the samples.
+// The light by which the noise of a sample is measured. Lights seen directly are limited to white,
+// so that their rims do not take most samples.
 static rgb shown_light(const struct shade_sample *s) {
     rgb e = s->layer[SHADE_EMISSION];
     rgb shown = rgb_make(fminf(e.r, 1.0f), fminf(e.g, 1.0f), fminf(e.b, 1.0f));
@@ -105,7 +105,7 @@ static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
                     const struct gather_lights lights = {(int)adapt->lights, adapt->lights_taken};
                     shade_pixel(&pass->r->second_pass.shade, &pass->worker[worker], x, y,
                                 adapt->count, lights, &sample);
-                    if (parallel_stopped(pass->r->pool)) return;  // it may be cut short
+                    if (parallel_stopped(pass->r->pool)) return;  // it may be incomplete
                     bool finite = add_sample(&image->pixel[at], &sample);
                     if (finite && image->aov) add_aovs(image, at, &sample);
                     if (finite && image->uncached)
@@ -121,7 +121,7 @@ static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-// Sets the targets of the next pass, which takes *samples in all; false: the image is done.
+// Sets the targets of the next pass, which has *samples samples. False: the image is done.
 static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
     struct render_image *image = r->image;
     parallel_begin_part(r->pool, "plan");
@@ -135,8 +135,8 @@ static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
     return true;
 }
 
-// What a sample costs without its light samples, over one of these: about four for the eye ray and
-// its surface, two for interpolated light, six for a gather ray with what it looks up.
+// The cost of a sample without light samples, over that of a light sample: about four for the eye
+// ray and its surface, two for interpolated light, six for a gather ray with its lookups.
 static float sample_cost(const struct shade_counts *c) {
     const double work =
         4.0 * (double)c->points + 2.0 * (double)c->interpolated + 6.0 * (double)c->rays;
@@ -170,7 +170,7 @@ static void note_counts(struct render *r, const struct shade_worker *worker, int
               (double)sum.samples / ((double)r->image->width * (double)r->image->height));
 }
 
-// After a pass: where more samples are wanted, and how many light samples each takes.
+// To be called after a pass: sets how many samples and light samples each pixel gets.
 static void plan_samples(struct image_pass *pass, int workers) {
     struct render *r = pass->r;
     parallel_begin_part(r->pool, "plan");
@@ -187,8 +187,9 @@ static bool run_pass(struct image_pass *pass) {
     return parallel_for(pass->r->pool, (size_t)pass->columns * rows, 1, render_tiles, pass);
 }
 
-// The first sample of a few pixels, whatever the time is, unless a look at direct light can follow;
-// and if it is short, of all, coarse to fine. False if that was cut short.
+// Takes the first sample of a few pixels, whatever the time limit, unless a coarse image of direct
+// light can follow; and if the time is short, of all pixels, coarse to fine. False if that was
+// stopped early.
 static bool first_look(struct image_pass *pass) {
     struct render *r = pass->r;
     const bool hurry = r->options.time > 0.0 || r->progress.look != LOOK_WHOLE;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The first pass: photons, as many as render_budget.h allows. Where not even the first of them fit
-// into a time limit, as among thousands of surfaces at one position, the image is traced by paths.
+// The first pass: as many photons as render_budget.h allows. If not even the first of them fit into
+// a time limit, as among thousands of surfaces at one position, the image is path-traced.
 #include "render/render_image.h"
 
-// Whether the global map is looked at.
+// Whether the global map is read.
 static bool reads_photons(const satin_options *o) {
     return o->integrator == SATIN_PHOTONS || o->first_pass == SATIN_FIRST_PRECOMPUTED ||
            o->first_pass == SATIN_FIRST_PHOTONS;
@@ -26,7 +26,8 @@ static void free_maps(struct render *r) {
     r->first_pass.visibility = NULL;
 }
 
-// From this fraction of the photons, and `global` times as many of the global map.
+// Builds the photon maps and the visibility of the lights, from this fraction of the options'
+// photons, with `global` times as many for the global map.
 static satin_status build(struct render *r, double fraction, double global) {
     satin_options o = r->options;
     o.photons = (int64_t)ceil((double)o.photons * fraction * global);
@@ -45,7 +46,8 @@ static satin_status build(struct render *r, double fraction, double global) {
     return status;
 }
 
-// How many times the photons of the global map are wanted, where this fraction of them was made.
+// The factor by which the photons of the global map should grow, after this fraction of them was
+// traced.
 static double starved(const struct render *r, double fraction) {
     const satin_options *o = &r->options;
     if (r->first_pass.chosen_by_user || !reads_photons(o) || o->integrator != SATIN_TWO_PASS)
@@ -65,19 +67,19 @@ static satin_status build_again(struct render *r, struct stats before,
     return build(r, more.fraction, more.global);
 }
 
-// What grows with the photons.
+// The time of the steps that grow with the number of photons.
 static double photon_seconds(const struct stats *stats) {
     return stats_get(stats, "photons.trace_s") + stats_get(stats, "photons.build_s") +
            stats_get(stats, "photons.clusters_s") + stats_get(stats, "photons.precompute_s");
 }
 
-// Whether paths can do without what the photons are for.
+// Whether path tracing can replace the integrator.
 static bool paths_will_do(const struct render *r) {
     const satin_callbacks *c = &r->callbacks;
     return r->options.integrator == SATIN_TWO_PASS && !c->save_cache && !c->load_cache;
 }
 
-// Builds from the first photons; *given_up: there was no time for them.
+// Builds the maps from the first photons. *given_up is set if there was no time for them.
 static satin_status build_first(struct render *r, double fraction, bool *given_up) {
     if (paths_will_do(r)) render_limit_pilot(r);
     const satin_status status = build(r, fraction, 1.0);
@@ -85,7 +87,7 @@ static satin_status build_first(struct render *r, double fraction, bool *given_u
     return render_limit_end(r, status);
 }
 
-// The image has the channels of its integrator.
+// Continues with path tracing. The film keeps the channels of the integrator that was requested.
 static satin_status trace_paths(struct render *r) {
     log_message(r->log, SATIN_LOG_WARNING,
                 "the time is too short for photons here: paths are traced instead");
@@ -126,7 +128,7 @@ satin_status render_direct(struct render *r) {
 struct gather render_gather(const struct render *r) {
     struct gather g = gather_make(&r->scene, &r->options, r->first_pass.maps);
     g.visibility = r->first_pass.visibility;
-    // The radius of a lookup falls as the root of the number of photons.
+    // The radius of a lookup falls as the square root of the number of photons.
     if (r->first_pass.made > 0.0 && r->first_pass.made < 1.0)
         g.lookup_max /= (float)sqrt(r->first_pass.made);
     return g;

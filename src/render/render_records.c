@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fills the caches over the image's shading points, coarse to fine, at the levels and in the rounds
-// that render_budget.h says. The pixels of a level come in a scrambled order, so that a batch is
-// spread over the image.
+// Fills the caches over the image's shading points, coarse to fine, in the levels and rounds of
+// render_budget.h. The pixels of a level are shuffled, so that a batch is distributed over the
+// image.
 #include <stdlib.h>
 
 #include "render/render_state.h"
 
-enum { BLOCK_PIXELS = 65536 };  // whose sites are held at a time
+enum { BLOCK_PIXELS = 65536 };  // pixels whose sites are in memory at a time
 
-// The filling under way.
+// The state of filling.
 struct filling {
     struct render *r;
     struct render_covering covering;
@@ -20,8 +20,8 @@ static double count_records(const struct render *r) {
                     cache_count(r->second_pass.cache, CACHE_RADIANCE));
 }
 
-// Fills all levels at `widen` times a; the loops are the part [done, done + span] of the stage.
-// `covering`: the numbers of rays are such that the image is covered in time.
+// Fills all levels at `widen` times a; the loops are the range [done, done + span] of the stage. If
+// `covering`, the numbers of rays are chosen so that the image is covered in time.
 static satin_status fill_levels(struct filling *f, struct render_widths widen, bool covering,
                                 double done, double span) {
     struct render *r = f->r;
@@ -57,14 +57,14 @@ static satin_status fill_levels(struct filling *f, struct render_widths widen, b
     return status;
 }
 
-// The image reads the records at these factors of a.
+// Sets the factors of a at which the image reads the records.
 static void read_at(struct render *r, float irradiance, float radiance) {
     r->second_pass.shade.a_irradiance = r->options.irradiance_a * irradiance;
     r->second_pass.shade.a_radiance = r->options.radiance_a * radiance;
 }
 
-// With a time limit: rounds of ever finer records. The image reads them at the finest accuracy that
-// was finished.
+// With a time limit: rounds of ever finer records. The image reads them at the finest accuracy of a
+// finished round.
 static satin_status fill_timed(struct filling *f) {
     struct render *r = f->r;
     satin_status status = SATIN_OK;
