@@ -113,14 +113,14 @@ static satin_status prepare_second_pass(struct render *r) {
 
 // Samples the image by eye paths, whose indirect light is interpolated between the records.
 static satin_status sample_image(struct render *r) {
-    if (r->progress.look == LOOK_WHOLE) render_limit_image(r);
+    if (r->progress.image_kind == IMAGE_WHOLE) render_limit_image(r);
     return render_image_fill(r);
 }
 
-static satin_status take_look(struct render *r, enum render_look look) {
+static satin_status sample_coarse(struct render *r, enum render_image_kind kind) {
     struct render_second_pass *pass = &r->second_pass;
-    r->progress.look = look;
-    if (look == LOOK_DIRECT) {
+    r->progress.image_kind = kind;
+    if (kind == IMAGE_COARSE_DIRECT) {
         shade_destroy(&pass->shade);
         pass->direct = r->options;
         pass->direct.integrator = SATIN_DIRECT;
@@ -128,7 +128,7 @@ static satin_status take_look(struct render *r, enum render_look look) {
         satin_status status = shade_init(&pass->shade, &pass->gather, &pass->tables, NULL, r->pool);
         if (status != SATIN_OK) return status;
     }
-    render_limit_look(r);
+    render_limit_coarse(r);
     satin_status status = sample_image(r);
     return status == SATIN_OK ? SATIN_CANCELLED : status;
 }
@@ -136,10 +136,11 @@ static satin_status take_look(struct render *r, enum render_look look) {
 // If the render was cancelled before the image had its first samples, it gets coarse ones within a
 // moment: with the records so far or, if that takes too long or there are none, with direct light
 // alone.
-static satin_status look_after_cancellation(struct render *r) {
+static satin_status coarse_after_cancellation(struct render *r) {
     satin_status status = SATIN_CANCELLED;
-    if (r->progress.stage == STAGE_RECORDS) status = take_look(r, LOOK_WITH_RECORDS);
-    if (status == SATIN_CANCELLED && !r->image->looked) status = take_look(r, LOOK_DIRECT);
+    if (r->progress.stage == STAGE_RECORDS) status = sample_coarse(r, IMAGE_COARSE);
+    if (status == SATIN_CANCELLED && !r->image->has_first_samples)
+        status = sample_coarse(r, IMAGE_COARSE_DIRECT);
     return status;
 }
 
@@ -150,10 +151,11 @@ static satin_status finish_film(struct render *r, satin_status status, satin_fil
     if (has_image && r->denoiser) render_denoise(r);
     render_stage_begin(r, STAGE_FILM, 0.0);
     if (!has_image) return status;
-    if (r->progress.look != LOOK_WHOLE)
-        log_message(r->log, SATIN_LOG_WARNING, "cancelled during %s: the image is a first look%s",
-                    render_stage_name(r->progress.cancelled_in),
-                    r->progress.look == LOOK_DIRECT ? " at direct light alone" : "");
+    if (r->progress.image_kind != IMAGE_WHOLE)
+        log_message(
+            r->log, SATIN_LOG_WARNING, "cancelled during %s: the image is coarse%s",
+            render_stage_name(r->progress.cancelled_in),
+            r->progress.image_kind == IMAGE_COARSE_DIRECT ? ", with direct light alone" : "");
     bool any;
     render_image_film(r, &any);
     if (status == SATIN_CANCELLED && !any) return status;
@@ -176,7 +178,7 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
     if (status == SATIN_OK) status = prepare_second_pass(r);
     if (status == SATIN_OK && is_two_pass(r) && needs_photons(r)) status = render_records(r);
     if (status == SATIN_OK) status = sample_image(r);
-    if (status == SATIN_CANCELLED) status = look_after_cancellation(r);
+    if (status == SATIN_CANCELLED) status = coarse_after_cancellation(r);
     if (r) status = finish_film(r, status, &film);
     if (status == SATIN_ERROR_MEMORY && !(r && r->outcome.error_logged)) {
         const struct log log = {callbacks ? callbacks->log : NULL,

@@ -38,7 +38,7 @@ static const double COVER_FRACTION = 0.5;
 // exceeds the limit rather than having no samples.
 static const double DENOISE_FRACTION = 0.5;
 // The time of the coarse image of a cancelled render, and of its denoising [s].
-static const double LOOK_SECONDS = 0.5, DENOISE_SECONDS = 0.5;
+static const double COARSE_SECONDS = 0.5, DENOISE_SECONDS = 0.5;
 
 // Compressing the pixels' channels on one core takes most of the time for writing a film.
 static const double WRITE_SECONDS = 0.05, WRITE_PIXEL_SECONDS = 0.9e-6;
@@ -140,8 +140,8 @@ void render_limit_image(struct render *r) {
     r->progress.deadline = render_elapsed(r) + image_seconds(r);
 }
 
-void render_limit_look(struct render *r) {
-    r->progress.deadline = render_elapsed(r) + LOOK_SECONDS;
+void render_limit_coarse(struct render *r) {
+    r->progress.deadline = render_elapsed(r) + COARSE_SECONDS;
 }
 
 satin_status render_limit_end(struct render *r, satin_status status) {

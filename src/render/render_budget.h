@@ -37,7 +37,7 @@ void render_limit_bounces(struct render *r, double start, double done);
 // records' gather rays per pixel. NULL: nothing is measured yet.
 void render_limit_records(struct render *r, const struct render_pace *measured);
 void render_limit_image(struct render *r);
-void render_limit_look(struct render *r);  // after a cancellation, even without a time limit
+void render_limit_coarse(struct render *r);  // after a cancellation, even without a time limit
 // Lifts the limit for the following loops, which are short. It is set again by
 // render_limit_restore.
 double render_limit_lift(struct render *r);

@@ -70,8 +70,8 @@ void render_denoise(struct render *r) {
     struct asked asked = {r, false};
     parallel_begin_part(r->pool, "denoise");
     parallel_for_all(r->pool, (size_t)image->height, DENOISE_CHUNK, fill_plane_rows, image);
-    // A first look has samples of a few pixels; the other pixels are copies of these.
-    if (r->progress.look != LOOK_WHOLE || !render_budget_denoises(r)) {
+    // A coarse image has samples of a few pixels; the other pixels are copies of these.
+    if (r->progress.image_kind != IMAGE_WHOLE || !render_budget_denoises(r)) {
         log_message(r->log, SATIN_LOG_WARNING, "cancelled: the image is not denoised");
         return;
     }

@@ -190,21 +190,22 @@ static bool run_pass(struct image_pass *pass) {
 // Takes the first sample of a few pixels, whatever the time limit, unless a coarse image of direct
 // light can follow; and if the time is short, of all pixels, coarse to fine. False if that was
 // stopped early.
-static bool first_look(struct image_pass *pass) {
+static bool take_first_samples(struct image_pass *pass) {
     struct render *r = pass->r;
-    const bool hurry = r->options.time > 0.0 || r->progress.look != LOOK_WHOLE;
+    const bool short_of_time = r->options.time > 0.0 || r->progress.image_kind != IMAGE_WHOLE;
     const double limit = render_limit_lift(r);
     bool whole = true;
-    if (r->progress.look == LOOK_WITH_RECORDS) render_limit_restore(r, limit);
+    if (r->progress.image_kind == IMAGE_COARSE) render_limit_restore(r, limit);
     for (int stride = r->image->coarsest; stride > 0 && whole; stride /= 2) {
         parallel_begin_part(r->pool, "plan");
         adapt_even(&r->image->adapt, stride, 1);
         whole = run_pass(pass);
-        r->image->looked |= whole;
+        r->image->has_first_samples |= whole;
         render_limit_restore(r, limit);
-        if (!hurry) break;
+        if (!short_of_time) break;
     }
-    if (hurry && whole) r->image->taken = (uint64_t)r->image->width * (uint64_t)r->image->height;
+    if (short_of_time && whole)
+        r->image->taken = (uint64_t)r->image->width * (uint64_t)r->image->height;
     return whole;
 }
 
@@ -220,7 +221,7 @@ satin_status render_image_fill(struct render *r) {
     render_stage_begin(r, STAGE_IMAGE, all);
     render_stage_part(r, 0.0, 1.0 / r->options.spp);
     double start = stats_wall(), per_sample = 0.0;
-    bool whole = first_look(&pass);
+    bool whole = take_first_samples(&pass);
     uint64_t samples;
     if (whole && image->taken) {
         per_sample = (stats_wall() - start) / (double)image->taken;
@@ -229,7 +230,7 @@ satin_status render_image_fill(struct render *r) {
     const uint64_t even = (uint64_t)render_budget_even_samples(&r->options) *
                           (uint64_t)image->width * (uint64_t)image->height;
     satin_status status = SATIN_OK;
-    while (status == SATIN_OK && whole && r->progress.look == LOOK_WHOLE &&
+    while (status == SATIN_OK && whole && r->progress.image_kind == IMAGE_WHOLE &&
            next_pass(r, per_sample, &samples)) {
         start = stats_wall();
         render_stage_part(r, (double)image->taken / all, (double)samples / all);

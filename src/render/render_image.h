@@ -29,7 +29,7 @@ struct render_image {
     uint64_t taken;           // number of samples
     uint32_t rim_rays;        // of each pixel at a rim; 0: render_rims has not run
     int coarsest;             // pixels between the first samples, a power of two
-    bool looked;              // whether each of these pixels has a sample
+    bool has_first_samples;   // whether each of these pixels has a sample
     struct satin_film *film;  // the film that is made from the image
     // Only if the image is to be denoised, else NULL:
     rgb *uncached;            // weighted sums of shade_sample.uncached, pixel by pixel
@@ -39,7 +39,7 @@ struct render_image {
 };
 
 // The sampled pixel whose values are used at (x, y): the pixel itself, or the nearest one in the
-// grids of the first look; NULL if there is none (render_film.c).
+// grids of the first samples; NULL if there is none (render_film.c).
 const struct image_pixel *render_image_source(const struct render_image *image, int x, int y);
 // The factor from a pixel's weighted sums to means.
 float render_image_scale(const struct image_pixel *pixel);

@@ -59,11 +59,11 @@ static double starved(const struct render *r, double fraction) {
 // Replaces the photon maps by new ones. The visibility of the lights is kept.
 static satin_status build_again(struct render *r, struct stats before,
                                 struct render_more_photons more) {
-    const double look = stats_get(&r->stats, "photons.visibility_s");
+    const double visibility_s = stats_get(&r->stats, "photons.visibility_s");
     photon_maps_free(r->first_pass.maps);
     r->first_pass.maps = NULL;
     r->stats = before;
-    stats_set(&r->stats, "photons.visibility_s", look);
+    stats_set(&r->stats, "photons.visibility_s", visibility_s);
     return build(r, more.fraction, more.global);
 }
 
@@ -74,16 +74,16 @@ static double photon_seconds(const struct stats *stats) {
 }
 
 // Whether path tracing can replace the integrator.
-static bool paths_will_do(const struct render *r) {
+static bool can_trace_paths(const struct render *r) {
     const satin_callbacks *c = &r->callbacks;
     return r->options.integrator == SATIN_TWO_PASS && !c->save_cache && !c->load_cache;
 }
 
-// Builds the maps from the first photons. *given_up is set if there was no time for them.
-static satin_status build_first(struct render *r, double fraction, bool *given_up) {
-    if (paths_will_do(r)) render_limit_pilot(r);
+// Builds the maps from the first photons. *too_slow is set if there was no time for them.
+static satin_status build_first(struct render *r, double fraction, bool *too_slow) {
+    if (can_trace_paths(r)) render_limit_pilot(r);
     const satin_status status = build(r, fraction, 1.0);
-    *given_up = status == SATIN_CANCELLED && !render_cancelled(r);
+    *too_slow = status == SATIN_CANCELLED && !render_cancelled(r);
     return render_limit_end(r, status);
 }
 
@@ -100,9 +100,9 @@ static satin_status trace_paths(struct render *r) {
 satin_status render_photons(struct render *r) {
     const struct stats before = r->stats;
     const double first = render_budget_first_photons(r);
-    bool given_up;
-    satin_status status = build_first(r, first, &given_up);
-    if (given_up) {
+    bool too_slow;
+    satin_status status = build_first(r, first, &too_slow);
+    if (too_slow) {
         r->stats = before;
         return trace_paths(r);
     }

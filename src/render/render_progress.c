@@ -42,12 +42,13 @@ bool render_progress_report(struct render *r, double done) {
     return !render_cancelled(r);
 }
 
-// For the pool: whether the current loop must stop. A first look after a cancellation continues.
+// For the pool: whether the current loop must stop. A coarse image after a cancellation is
+// completed.
 static bool loop_must_end(void *user, double done) {
     struct render *r = user;
     const struct render_progress *at = &r->progress;
     render_progress_report(r, at->loop_done + done * at->loop_span);
-    const bool unwanted = render_cancelled(r) && at->look == LOOK_WHOLE;
+    const bool unwanted = render_cancelled(r) && at->image_kind == IMAGE_WHOLE;
     return unwanted || render_elapsed(r) > at->deadline;
 }
 

@@ -24,17 +24,17 @@ enum render_stage {
 
 // The extent of the image. If the caller cancels before the image has its first samples, it is
 // coarse.
-enum render_look {
-    LOOK_WHOLE,         // all samples of the options
-    LOOK_WITH_RECORDS,  // coarse, with the records so far
-    LOOK_DIRECT         // coarse, with direct light alone
+enum render_image_kind {
+    IMAGE_WHOLE,         // all samples of the options
+    IMAGE_COARSE,        // coarse, with the records so far
+    IMAGE_COARSE_DIRECT  // coarse, with direct light alone
 };
 
 // The progress of the render, and what ends it: its deadline, or the caller, who may cancel it.
 struct render_progress {
     enum render_stage stage;         // current stage
     enum render_stage cancelled_in;  // stage in which the caller cancelled; STAGE_SETUP: none
-    enum render_look look;
+    enum render_image_kind image_kind;
     double start;        // wall clock at the beginning of the render
     double deadline;     // seconds after it at which the current loop is stopped; INFINITY: none
     double stage_start;  // wall clock at the beginning of the stage

@@ -99,17 +99,17 @@ static void stages_come_in_their_order(void **state) {
     }
 }
 
-// What the look shows depends on how far the stage was when the caller was asked; where the photons
-// are missing it can only be direct light.
+// What the coarse image shows depends on how far the stage was when the caller was asked; where the
+// photons are missing it can only be direct light.
 static void a_cancelled_render_has_an_image(void **state) {
     (void)state;
     static const struct {
         const char *stage, *message;
     } cases[] = {
-        {"photons", "cancelled during photons: the image is a first look at direct light alone"},
-        {"BRDF tables", "cancelled during BRDF tables: the image is a first look"},
-        {"indirect bounces", "cancelled during indirect bounces: the image is a first look"},
-        {"records", "cancelled during records: the image is a first look"},
+        {"photons", "cancelled during photons: the image is coarse, with direct light alone"},
+        {"BRDF tables", "cancelled during BRDF tables: the image is coarse"},
+        {"indirect bounces", "cancelled during indirect bounces: the image is coarse"},
+        {"records", "cancelled during records: the image is coarse"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct watch watch = {.cancel = cases[i].stage};

@@ -43,7 +43,7 @@ static void no_limit_ends_nothing(void **state) {
     assert_true(render_time_remains(&r));
     assert_true(isinf(image_limit(&r)));
     assert_true(isinf(render_time_left(&r)));
-    render_limit_look(&r);
+    render_limit_coarse(&r);
     assert_true(isfinite(r.progress.deadline));
     parallel_free(r.pool);
 }
