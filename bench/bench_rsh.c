@@ -149,7 +149,7 @@ static double eval_steps(int basis, int n) {
     return steps;
 }
 
-// Of three colours, per sample and per record.
+// The steps of three colours, per sample and per record.
 static double project_steps(int n) { return 3.0 * (n * n - n) + 4.0 * (n - 1) + azimuth_steps(n); }
 
 static double batch_steps(int n) { return 33.0 * n * (n - 1) / 2.0 + 12.0 * n; }

@@ -29,7 +29,7 @@ static inline vec3 v3(float x, float y, float z) { return (vec3){x, y, z}; }
 static inline vec3 v3_add(vec3 a, vec3 b) { return v3(a.x + b.x, a.y + b.y, a.z + b.z); }
 static inline vec3 v3_sub(vec3 a, vec3 b) { return v3(a.x - b.x, a.y - b.y, a.z - b.z); }
 static inline vec3 v3_mul(vec3 a, float s) { return v3(a.x * s, a.y * s, a.z * s); }
-// Its coordinate along axis 0, 1 or 2.
+// The coordinate along axis 0, 1 or 2.
 static inline float v3_along(vec3 a, int axis) { return axis == 0 ? a.x : axis == 1 ? a.y : a.z; }
 static inline vec3 v3_neg(vec3 a) { return v3(-a.x, -a.y, -a.z); }
 // a + s * b

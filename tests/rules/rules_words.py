@@ -14,7 +14,8 @@ import sys
 
 FOLDERS = ["include", "docs", "src", "tests", "bench", "data"]
 # Beside these, files without a suffix are scripts.
-TEXT = {".c", ".h", ".cpp", ".md", ".py", ".1", ".txt", ".build", ""}
+CODE = {".c", ".h", ".cpp"}
+TEXT = CODE | {".md", ".py", ".1", ".txt", ".build", ""}
 # What others wrote, what programs wrote, and the two files that name the retired words themselves.
 SKIPPED = {"seeds", "references", "results", "spectra", "meshes", "__pycache__", "glossary.md",
            "rules_words.py"}
@@ -64,6 +65,7 @@ RETIRED = {
     "photon_smooth": "photon_caustic_smooth",
     "photons_worth|worth_starved": "photons_again, again_factor",
     "clamp_guides": "auxiliary images",
+    "first look|render_look|paths_will_do|given_up": "coarse image; can_trace_paths, too_slow",
     "satin_log_level": "satin_log_severity",
     "gather[-_]room|room_fn|(?:irradiance|radiance)_room": "radius ratio",
     "rng_stage": "rng_stream",
@@ -100,8 +102,9 @@ ONE_MEANING = {
 }
 # What stands between two words of a term at the end of a line, in a comment or a text.
 LINE_END = re.compile(r"[ \t]*\n[ \t]*(?:// ?|# )?|\"\s*\n\s*\"")
-# Ways to begin a comment that cannot be read alone.
-CUT = re.compile(r"^\s*// (The same|Of what)\b", re.MULTILINE)
+# Ways to begin a comment that cannot be read alone; the second line is about its first line only.
+CUT = re.compile(r"^\s*// (The same|Of what)\b"
+                 r"|^(?![ \t]*//)[^\n]*\n[ \t]*// (Of|Nor|Those|Such|Who|As many|Its)\b", re.MULTILINE)
 
 
 def files(tree):
@@ -122,13 +125,14 @@ def wrong_words(path, name):
         found = re.findall(rf"(?<![A-Za-z])(?:{words})(?![A-Za-z])", text, re.IGNORECASE)
         if found:
             yield f"{name}: '{found[0]}' stands {len(found)} times: {instead}"
-    if path.suffix in {".c", ".h", ".cpp"} and CUT.search(path.read_text(encoding="utf-8")):
-        yield f"{name}: '{CUT.search(path.read_text(encoding='utf-8')).group(1)}' begins a comment"
+    cut = CUT.search(path.read_text(encoding="utf-8")) if path.suffix in CODE else None
+    if cut:
+        yield f"{name}: '{cut.group(1) or cut.group(2)}' begins a comment"
 
 
 def wrong_meanings(path, name, terms):
     """Words of one meaning in a file that has another subject."""
-    if not name.startswith(("src/", "include/")) or path.suffix not in {".c", ".h", ".cpp"}:
+    if not name.startswith(("src/", "include/")) or path.suffix not in CODE:
         return
     text = LINE_END.sub(" ", path.read_text(encoding="utf-8"))
     for term, (words, subject, elsewhere) in ONE_MEANING.items():

@@ -9,7 +9,7 @@
 
 enum { SIZE = 128, SEEDS = 6, TINY = 16, TINY_SEEDS = 16 };
 
-// Of size x size pixels.
+// Renders an image of size x size pixels.
 static bool render(const satin_scene *scene, int size, const char *spp, const char *seed,
                    float *emission) {
     char width[8];

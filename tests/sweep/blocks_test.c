@@ -67,7 +67,7 @@ static void noise_is_not_flagged(void **state) {
     }
 }
 
-// Of seven pixels radius, anywhere: no 8x8 block need lie inside.
+// Discs of a radius of seven pixels, anywhere: no 8x8 block need be inside.
 static void dark_discs_are_found(void **state) {
     (void)state;
     for (int trial = 0; trial < TRIALS; trial++) {
@@ -85,7 +85,7 @@ static void dark_discs_are_found(void **state) {
     }
 }
 
-// As many as are left out of a block's mean.
+// As few pixels as the mean of a block leaves out.
 static void bright_pixels_are_noise(void **state) {
     (void)state;
     struct block_scores scores;

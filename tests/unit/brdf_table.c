@@ -48,8 +48,8 @@ static struct brdf_table *build(const struct brdf *b, satin_basis basis, int ord
     return table;
 }
 
-// Of `draws` random lights whose coefficients have power (l + 1)^-3: the rms of what a lobe
-// reflects beyond order n, relative to the rms of all.
+// The rms of the light that a lobe reflects beyond order n, relative to the rms of all, over
+// `draws` random lights whose coefficients have power (l + 1)^-3.
 static double reflected_error(const float c[196], int n, int draws) {
     struct rng rng = rng_make(9, RNG_TEST, 0);
     double rest = 0.0, all = 0.0;

@@ -44,7 +44,8 @@ static void sites_that_want_records_are_covered(void **state) {
     (void)state;
     struct cache_case f;
     start(&f);
-    // Those of one half want none, and are too far from the others to be covered all the same.
+    // The sites of one half need no records, and are too far from the others to be covered by
+    // theirs.
     for (int i = 0; i < CACHE_CASE_SITES; i++)
         if (f.site[i].p.x > 0.0f) f.site[i].wants = 1 << CACHE_RADIANCE;
     // Farther apart than what a record serves: sites between the members of a batch must wait.
@@ -66,7 +67,7 @@ static void sites_that_want_records_are_covered(void **state) {
     // A site that is covered gets no second record.
     fill(&f, (struct cache_fill){.count = CACHE_CASE_SITES, .spacing = 1.0f});
     assert_int_equal(cache_count(f.cache, CACHE_IRRADIANCE), count);
-    // Nor does a cache without harmonics get radiance records.
+    // A cache without harmonics gets no radiance records either.
     struct cache_fill radiance = {
         .site = f.site, .count = CACHE_CASE_SITES, .a = 0.2f, .widest = 1.0f, .spacing = 1.0f};
     assert_int_equal(cache_fill(f.cache, CACHE_RADIANCE, &radiance), SATIN_OK);

@@ -116,7 +116,8 @@ static void weighed_rays_cover_the_hemisphere(void **state) {
         all += weight / (double)density;
         if (guide_cone_holds(&rays.cone[0], w)) cone += weight / (double)density;
     }
-    // Of the cone's 256 rays one more or less is .4 %, and of the hemisphere a thousandth of that.
+    // One of the cone's 256 rays more or less is .4 %, and one of the hemisphere a thousandth of
+    // that.
     assert_true(fabs(all / (2.0 * M_PI) - 1.0) < 5e-4);
     assert_true(fabs(cone / (2.0 * M_PI * (double)rays.cone[0].versine) - 1.0) < 5e-3);
 }

@@ -44,7 +44,7 @@ struct tally {
     double E, visible;  // irradiance; part of the samples that see the sky
 };
 
-// Of samples at p on the floor, with normal z.
+// Counts samples at p on the floor, with normal z.
 static struct tally sample(const struct test_scene *t, const struct light_histogram *histogram,
                            vec3 p) {
     enum { SAMPLES = 1 << 16 };

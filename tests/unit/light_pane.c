@@ -41,7 +41,7 @@ static double transmitted(double angle) {
 
 static vec3 inclined(double angle) { return v3((float)sin(angle), 0.0f, (float)cos(angle)); }
 
-// Of light from infinitely far along w, at the origin; negative: it does not arrive.
+// The light that arrives at the origin from infinitely far along w; negative if it does not arrive.
 static double arriving(const struct satin_scene *scene, vec3 w, int panes) {
     struct light_sample s = {.wi = w, .dist = INFINITY, .L = rgb_grey(1.0f), .pdf_w = 1.0f};
     if (!light_arrives(scene, v3(0, 0, 0), v3(0, 0, 1), panes, &s)) return -1.0;
@@ -76,7 +76,7 @@ static void thin_sheets_transmit_straight(void **state) {
     struct test_scene t;
     test_scene_init(&t);
     const uint32_t thin = test_material(&t, "thindielectric", rgb_grey(0.0f), rgb_grey(1.0f));
-    // Of any form: rays pass both sides of a ball, at angles of incidence of 0.
+    // Thin panes may have any form: rays pass both sides of a ball, at angles of incidence of 0.
     test_quadric(&t, SHAPE_SPHERE, test_transform(v3(0, 0, 0), v3(0.5f, 0.5f, 0.5f)), false, thin);
     test_scene_finish(&t);
     // Two interfaces with all internal reflections: 1 - R with R = 2 F / (1 + F).

@@ -187,7 +187,7 @@ static void reads_what_others_wrote(void **state) {
     assert_non_null(scene);
     const struct brdf *a = &scene->material[0].front.base, *b = &scene->material[1].front.base;
     assert_true(a->eta.r == 1.0f && a->k.r == 2.0f && a->k.g == 3.0f && a->k.b == 4.0f);
-    // Of a sum of 1.5 at most, .99 is left.
+    // A sum of 1.5 is scaled to .99.
     assert_float_equal(b->diffuse.r, .33f, 1e-6f);
     assert_float_equal(b->specular.r, .66f, 1e-6f);
     assert_float_equal(b->specular.b, .132f, 1e-6f);

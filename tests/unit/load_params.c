@@ -48,7 +48,7 @@ static satin_status read_params(struct scene_case *c, const char *body, struct l
 
 #define MUST "<float name='must' value='0'/>"
 
-// Of an element with that and more.
+// Reads the parameters of an element that has `more` beside that.
 static satin_status read_besides(struct scene_case *c, const char *more, struct load_xml *xml,
                                  struct params *p) {
     char body[512];

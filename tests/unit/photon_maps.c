@@ -73,7 +73,7 @@ static void energy_is_kept(void **state) {
     }
 }
 
-// Who keeps photons of the first paths alone has those that a pass of these paths would bring.
+// A consumer of the first paths alone gets the photons that a pass of these paths would give.
 static void fewer_paths_are_a_pass_of_their_own(void **state) {
     (void)state;
     enum { MOST = 10000, FEWER = 3000 };
@@ -235,7 +235,7 @@ static void walls_do_not_leak(void **state) {
                                    v3(0, 0, 1), BRDF_SMOOTH, &radius);
         assert_true(fabs(lit.g / (0.5 * M_SQRT1_2 / M_PI) - 1.0) < 0.6);
         assert_true(dark.g < 0.01 * M_SQRT1_2 / M_PI);
-        // Nor do precomputed entries: none of the dark side is near.
+        // Precomputed entries give nothing either: none is near on the dark side.
         rgb E = photon_irradiance(maps, &t.scene, v3(-0.02f, y, 0), v3(0, 0, 1), &radius, NULL);
         assert_true(E.g < 0.01 * M_SQRT1_2);
     }

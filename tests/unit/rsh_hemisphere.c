@@ -92,7 +92,7 @@ static double radiance(const float *w) {
            0.2 * cos(3.0 * (double)w[2] + (double)w[1]);
 }
 
-// Its coefficients in the frame f, by quadrature.
+// The coefficients of the function in the frame f, by quadrature.
 static void coefficients(const struct quadrature *q, const float f[9], int order, float *out) {
     double sum[MAX] = {0};
     float back[9];

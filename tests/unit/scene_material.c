@@ -69,8 +69,8 @@ static void textures_replace_slots(void **state) {
     assert_true(b.exponent == 0.0f);
 }
 
-// Of a surface with holes only what is there is drawn, by weight times opacity; what emits is met
-// as a whole.
+// A component of a surface with holes is drawn among those that are not holes, by weight times
+// opacity; surfaces that emit light have no holes.
 static void holes_are_no_components(void **state) {
     (void)state;
     const struct material_side leaf[3] = {

@@ -19,7 +19,7 @@
     "value='.1, .2, .3'/></bsdf><transform name='to_world'>" TILT "</transform></shape>"
 #define TILT "<scale x='8' y='16'/><rotate z='1' angle='90'/>"
 
-// Those seen at the film position, with 4 samples per pixel.
+// The values at the film position, with 4 samples per pixel.
 static void look(const char *body, vec2 film, float out[AOV_VALUES], struct scene_aovs *aovs) {
     struct scene_case c;
     char text[4096];
