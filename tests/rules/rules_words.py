@@ -104,7 +104,8 @@ ONE_MEANING = {
 LINE_END = re.compile(r"[ \t]*\n[ \t]*(?:// ?|# )?|\"\s*\n\s*\"")
 # Ways to begin a comment that cannot be read alone; the second line is about its first line only.
 CUT = re.compile(r"^\s*// (The same|Of what)\b"
-                 r"|^(?![ \t]*//)[^\n]*\n[ \t]*// (Of|Nor|Those|Such|Who|As many|Its)\b", re.MULTILINE)
+                 r"|^(?![ \t]*//)[^\n]*\n[ \t]*// (Of|Nor|Those|Such|Who|As many|Its)\b",
+                 re.MULTILINE)
 
 
 def files(tree):
