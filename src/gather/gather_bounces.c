@@ -3,7 +3,7 @@
 // each surface the path adds the direct light there and reads the other light that is known:
 // records of the next indirect bounce (first pass `recursive`), or the irradiance of the first-pass
 // estimate (photons). It continues by those lobes whose light is not known:
-// - by the diffuse lobe where the estimate is not reliable: nearer to the start of the gather ray
+// - by the diffuse lobe where the estimate is not reliable: nearer to the start of the segment
 //   than the photon lookup can resolve, or where photons are so few that the lookup would blur a
 //   large part of the visible scene;
 // - by the glossy lobe always, except at the end of long paths.
@@ -26,6 +26,12 @@ enum {
     RECURSIVE_MAX = 8,  // the limit of option recursive-bounces
     VERTICES = DIFFUSE_MAX + RECURSIVE_MAX + 1
 };
+
+// A path in a gap between surfaces goes on until a segment is so many times as long as the radius
+// of the lookup at its end. Otherwise photons near the opening of a gap light it far inside:
+// between white surfaces .02 apart, with radii of some .1, estimates were 2.8 times too bright at
+// 0, 1.9 times at 1, 1.3 at 2, 1.1 at 4. A furnished room costs 5 % more gathering at 2, 10 % at 4.
+static const float NEAR_DISCS = 2.0f;
 
 // Lobes that are followed by a segment separate from that of the diffuse lobe.
 static const unsigned GLOSSY = BRDF_GLOSSY | BRDF_THROUGH;
@@ -205,8 +211,9 @@ static struct gather_estimate estimate_at(const struct gather *g, struct path_ve
     int entry;
     const rgb E = photon_irradiance_behind(g->maps, g->scene, z->y->interaction.p, z->y->ng,
                                            z->bounce, &radius, &entry);
+    const bool near = z->y->interaction.t < NEAR_DISCS * radius;
     return (struct gather_estimate){within_depth(g, z->bounce, 2) ? E : none.E,
-                                    !(g->options->gather_near && radius > g->lookup_max),
+                                    !(g->options->gather_near && (radius > g->lookup_max || near)),
                                     gather_direct_known(g, entry)};
 }
 

@@ -86,7 +86,8 @@ const struct option options_table[] = {
      "area of the disc."},
 
     {"gather-near", OPTION_BOOL, AT(gather_near), false, "off|on",
-     "Gather rays whose hit is nearer than the photon lookup radius continue for one more bounce."},
+     "Gather rays whose hit is nearer than the photon lookup radius continue by diffuse bounces, "
+     "until a segment is longer than the diameter of the lookup at its end."},
     {"gather-direct", OPTION_BOOL, AT(gather_direct), false, "off|on",
      "Direct light at the hits of gather rays comes from light samples, drawn there or where "
      "irradiance is precomputed. If off, it comes from photons."},
