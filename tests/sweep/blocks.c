@@ -5,7 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/rng.h"
 #include "blocks.h"
+
+// The largest of 256 normal numbers is 2.8 on average.
+enum { DRAWS = 256 };
+static const double FARTHEST = 2.8;
 
 static int compare(const void *a, const void *b) {
     double x = *(const double *)a, y = *(const double *)b;
@@ -41,10 +46,6 @@ struct work {
     int columns;
 };
 
-static size_t block_corner(const struct work *w, int block) {
-    return (size_t)(block / w->columns * w->stack->width + block % w->columns) * BLOCK_SIZE;
-}
-
 static void find_centres(const struct work *w) {
     const struct block_stack *in = w->stack;
     for (size_t p = 0; p < (size_t)in->width * (size_t)in->height; p++) {
@@ -53,14 +54,25 @@ static void find_centres(const struct work *w) {
     }
 }
 
+// Where pixel `i` of a block lies in a picture.
+static size_t block_pixel(int width, int block, int i) {
+    const int columns = width / BLOCK_SIZE;
+    const int x = block % columns * BLOCK_SIZE + i % BLOCK_SIZE;
+    const int y = block / columns * BLOCK_SIZE + i / BLOCK_SIZE;
+    return (size_t)y * (size_t)width + (size_t)x;
+}
+
+// d of a pixel of the picture.
+static double pixel_residual(const struct work *w, int seed, size_t p) {
+    return (double)w->stack->pixel[seed][p] - w->centre[p];
+}
+
 static void measure_block(const struct work *w, int seed, int block) {
-    const float *pixel = w->stack->pixel[seed];
     double d[BLOCK_PIXELS], sum = 0.0;
     for (int i = 0; i < BLOCK_PIXELS; i++) {
-        size_t p =
-            block_corner(w, block) + (size_t)(i / BLOCK_SIZE * w->stack->width + i % BLOCK_SIZE);
-        d[i] = (double)pixel[p] - w->centre[p];
-        sum += (double)pixel[p];
+        const size_t p = block_pixel(w->stack->width, block, i);
+        d[i] = pixel_residual(w, seed, p);
+        sum += (double)w->stack->pixel[seed][p];
     }
     int at = seed * w->out->count + block;
     w->out->mean[at] = sum / BLOCK_PIXELS;
@@ -90,6 +102,25 @@ static double scale_here(const struct work *w, int seed, int block) {
     for (int s = 0; s < w->stack->seeds; s++)
         if (s != seed) w->row[n++] = fabs(w->residual[s * w->out->count + block]);
     return 1.4826 * median(w->row, n);
+}
+
+// The deviation of the block's mean, on the side of `sign`, by independent noise of its pixels that
+// is as strong as in the other seeds.
+static double scale_pixels(const struct work *w, int seed, int block, double sign) {
+    struct rng rng = rng_make((uint64_t)seed, RNG_TEST, (uint64_t)block);
+    double sum = 0.0, most = -INFINITY;
+    for (int k = 0; k < DRAWS; k++) {
+        double d[BLOCK_PIXELS];
+        for (int i = 0; i < BLOCK_PIXELS; i++) {
+            const int drawn = (int)(rng_u32(&rng) % (uint32_t)(w->stack->seeds - 1));
+            d[i] =
+                pixel_residual(w, drawn + (drawn >= seed), block_pixel(w->stack->width, block, i));
+        }
+        const double x = copysign(1.0, sign) * trimmed_mean(d, BLOCK_PIXELS);
+        sum += x;
+        most = fmax(most, x);
+    }
+    return (most - sum / DRAWS) / FARTHEST;
 }
 
 // The scale of the residuals of the block and those around it, over their brightness.
@@ -122,8 +153,11 @@ static void find_scores(const struct work *w) {
         const double brightness = w->out->brightness[block], r = w->residual[i];
         const double around = hypot(w->out->score[i], picture) * brightness;
         const double floor = w->stack->floor ? w->stack->floor[block] : 0.0;
-        const double sigma = hypot(hypot(scale_here(w, i / w->out->count, block), around), floor);
-        w->out->score[i] = r == 0.0 ? 0.0 : r / sigma;
+        const double here = scale_here(w, i / w->out->count, block), rest = hypot(around, floor);
+        double score = r == 0.0 ? 0.0 : r / hypot(here, rest);
+        if (fabs(score) > BLOCK_SURE)
+            score = r / hypot(fmax(here, scale_pixels(w, i / w->out->count, block, r)), rest);
+        w->out->score[i] = score;
     }
 }
 
@@ -133,6 +167,15 @@ void block_scores_free(struct block_scores *scores) {
     free(scores->usual);
     free(scores->score);
     *scores = (struct block_scores){0};
+}
+
+double block_difference(const float *a, const float *b, int width, int block) {
+    double d[BLOCK_PIXELS];
+    for (int i = 0; i < BLOCK_PIXELS; i++) {
+        const size_t p = block_pixel(width, block, i);
+        d[i] = (double)a[p] - (double)b[p];
+    }
+    return trimmed_mean(d, BLOCK_PIXELS);
 }
 
 static double *numbers(size_t count) { return calloc(count, sizeof(double)); }

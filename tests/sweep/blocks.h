@@ -13,15 +13,22 @@
 //     here    1.4826 times the median of |r[.][b]|
 //     around  D times the 90 % quantile of |r| / D over the 3x3 blocks around b, over 1.645
 //     all     D times the 75 % quantile of around / D over the picture
-//     sigma   root of here^2 + around^2 + all^2 + floor^2
+//     pixels  x if each pixel takes the d that one of the other seeds, drawn by chance, has there:
+//             how far the farthest of 256 draws is from their mean, on the side of r, over 2.8,
+//             which normal noise reaches once in so many
+//     sigma   root of max(here, pixels)^2 + around^2 + all^2 + floor^2
 //     score   r / sigma
 //
 // `here` and `around` are of the other seeds alone, so that a bad block does not excuse itself, and
 // stay as they are if one or two other seeds are bad as well. The first knows noise that one block
 // alone has, as at the edge of a caustic; the second knows tails, with 9 (S - 1) values of few
 // seeds; the third keeps a block that is quiet by chance, or in nine seeds of ten, from a sigma
-// that is much too small. For normal noise, alike in all blocks, sigma is about 1.7 standard
-// deviations.
+// that is much too small. `pixels` knows what independent noise of pixels does to x: where light
+// falls on a few of the pixels, as on a small glossy thing, the trimmed mean of most seeds has none
+// of it, and `here` is near 0. It is of the other seeds, too, and a disc or blotch in one of these
+// adds little to it, because the draws take it apart. It takes long, so it is computed where the
+// score without it is beyond BLOCK_SURE. For normal noise, alike in all blocks, sigma is about 1.7
+// standard deviations.
 #ifndef SWEEP_BLOCKS_H
 #define SWEEP_BLOCKS_H
 
@@ -32,6 +39,9 @@ enum { BLOCK_SIZE = 8, BLOCK_PIXELS = BLOCK_SIZE * BLOCK_SIZE, BLOCK_TRIM = 3 };
 // Least number of seeds that can separate noise from a defect: with 5 the scales are of 4 and 36
 // values.
 enum { BLOCK_SEEDS_LEAST = 5 };
+
+// Scores up to this one are what they would be without `pixels`.
+enum { BLOCK_SURE = 4 };
 
 struct block_stack {
     int width, height;    // pixels, multiples of BLOCK_SIZE
@@ -51,5 +61,9 @@ struct block_scores {
 // Fills *out, which block_scores_free frees. False if memory runs out; then *out is empty.
 bool block_scores_make(const struct block_stack *stack, struct block_scores *out);
 void block_scores_free(struct block_scores *scores);
+
+// The mean of a - b over a block, without the 3 largest and 3 smallest values, of two pictures that
+// are `width` pixels wide.
+double block_difference(const float *a, const float *b, int width, int block);
 
 #endif

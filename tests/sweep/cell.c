@@ -10,6 +10,7 @@
 
 #include "blocks.h"
 #include "evaluate.h"
+#include "explain.h"
 
 // How far the beauty may be from the sum of its layers, over the largest of them: rounding of float
 // sums over the samples of a pixel.
@@ -20,8 +21,8 @@ static void note(void *user, satin_log_severity severity, const char *message) {
     if (severity == SATIN_LOG_ERROR) snprintf(w->message, sizeof w->message, "%s", message);
 }
 
-void cell_flag(const struct cell *cell, const char *kind, int seed, FILE *out) {
-    fprintf(out, "flag %s %s %s %s seed %d", kind, cell->scene, cell->preset, cell->first_pass,
+void cell_line(const struct cell *cell, const char *what, const char *kind, int seed, FILE *out) {
+    fprintf(out, "%s %s %s %s %s seed %d", what, kind, cell->scene, cell->preset, cell->first_pass,
             seed);
 }
 
@@ -38,7 +39,7 @@ void cell_command(const struct plan *plan, const struct cell *cell, int seed, FI
 }
 
 void evaluate_flag(struct work *w, const char *kind, int i) {
-    cell_flag(w->cell, kind, w->seed[i], w->out);
+    cell_line(w->cell, "flag", kind, w->seed[i], w->out);
     w->tally->flags++;
     w->flagged[i] = true;
 }
@@ -49,11 +50,15 @@ static bool ends_with(const char *text, size_t length, const char *end) {
     return length >= strlen(end) && strncmp(text + length - strlen(end), end, strlen(end)) == 0;
 }
 
+int cell_spp(const satin_options *options) {
+    static const int preset_spp[] = {9, 16, 36};
+    return options->spp ? options->spp : preset_spp[options->quality];
+}
+
 // Goes through `"name": number` pairs: what was refused or dropped must be 0, and the samples per
 // pixel those of the budget to 1 %.
 static void check_stats(struct work *w, int i, const satin_options *options) {
-    static const int preset_spp[] = {9, 16, 36};
-    const double budget = options->spp ? options->spp : preset_spp[options->quality];
+    const double budget = cell_spp(options);
     for (const char *at = satin_film_stats(w->film[i]); at && (at = strchr(at, '"')); at++) {
         const char *name = at + 1, *end = strchr(name, '"');
         if (!end) break;
@@ -186,11 +191,14 @@ void cell_run(const struct plan *plan, const struct cell *cell, struct tally *ta
         for (int s = 0; s < plan->seed_count && s < SEEDS_MOST; s++)
             render_seed(&w, scene, &options, plan->seed_first + s);
         evaluate_layers(&w);
+        explain_blocks(&w, scene, &options);
+        evaluate_report(&w);
         if (plan->worst)
             fprintf(out, "worst %s %s %s %.1f cpu %.1f\n", cell->scene, cell->preset,
                     cell->first_pass, tally->worst, (double)clock() / CLOCKS_PER_SEC);
         keep_flagged(&w);
     }
     for (int i = 0; i < w.count; i++) satin_film_free(w.film[i]);
+    free(w.block);
     satin_scene_free(scene);
 }

@@ -35,6 +35,8 @@ struct tally {
     int seed;        // the one at work
     int flags;       // lines printed as `flag`
     int blocks;      // flagged blocks, of all layers
+    int few;         // lines printed as `few`
+    int few_blocks;  // their blocks
     double records;  // sum of all statistics that count refused and non-finite values
     double worst;    // largest score
     long histogram[CELL_HISTOGRAM];  // blocks by score, rounded down; the last holds all above
@@ -44,8 +46,11 @@ struct tally {
 // Renders and evaluates; prints a line per flag to `out`. Renders on one thread.
 void cell_run(const struct plan *plan, const struct cell *cell, struct tally *tally, FILE *out);
 
-// Begins a line of the form `flag KIND SCENE PRESET FIRST-PASS seed S`, without its end.
-void cell_flag(const struct cell *cell, const char *kind, int seed, FILE *out);
+// Begins a line of the form `WHAT KIND SCENE PRESET FIRST-PASS seed S`, without its end.
+void cell_line(const struct cell *cell, const char *what, const char *kind, int seed, FILE *out);
+
+// The samples per pixel that these options ask for.
+int cell_spp(const satin_options *options);
 
 // Prints the command that makes one picture again.
 void cell_command(const struct plan *plan, const struct cell *cell, int seed, FILE *out);

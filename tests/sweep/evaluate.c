@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "blocks.h"
+#include "explain.h"
 
 // Least sigma of a block, as a fraction of its own brightness in the layer and in the beauty: what
 // is off by less than six times that, 3 %, is not seen.
@@ -40,41 +41,31 @@ static bool score_channel(const struct work *w, const char *name, const double *
     return block_scores_make(&stack, out);
 }
 
-// Where a score is beyond all others of its picture and layer.
-struct peak {
-    int channel, block, blocks;
-    double score, ratio;
-};
-
 static void count_score(struct tally *tally, double score) {
     int at = score < CELL_HISTOGRAM - 1 ? (int)score : CELL_HISTOGRAM - 1;
     tally->histogram[at]++;
     tally->worst = fmax(tally->worst, score);
 }
 
-static void evaluate_channel(struct work *w, const struct block_scores *scores, int channel,
-                             struct peak *peak) {
+static void add_block(struct work *w, struct flagged block) {
+    const size_t size = (size_t)(w->blocks + 1) * sizeof *w->block;
+    struct flagged *more = realloc(w->block, size);
+    if (!more) abort();  // the parent process reports a crash
+    w->block = more;
+    w->block[w->blocks++] = block;
+}
+
+static void evaluate_channel(struct work *w, const struct block_scores *scores, int layer,
+                             int channel) {
     for (int s = 0; s < w->count; s++)
         for (int b = 0; b < scores->count; b++) {
             const int at = s * scores->count + b;
-            double size = fabs(scores->score[at]);
+            const double size = fabs(scores->score[at]);
             count_score(w->tally, size);
-            peak[s].blocks += size > w->plan->threshold;
-            if (size <= fabs(peak[s].score)) continue;
-            peak[s].channel = channel;
-            peak[s].block = b;
-            peak[s].score = scores->score[at];
-            peak[s].ratio = scores->mean[at] / scores->usual[b];
+            if (size > w->plan->threshold)
+                add_block(w, (struct flagged){s, layer, channel, b, scores->score[at],
+                                              scores->mean[at] / scores->usual[b], NULL});
         }
-}
-
-static void report_peak(struct work *w, const struct layer *layer, int i, const struct peak *peak) {
-    const int columns = w->plan->size / BLOCK_SIZE;
-    evaluate_flag(w, "block", i);
-    w->tally->blocks += peak->blocks;
-    fprintf(w->out, " %s %s pixel %d,%d ratio %.3f sigmas %.1f blocks %d\n", layer->name,
-            layer->channel[peak->channel], peak->block % columns * BLOCK_SIZE,
-            peak->block / columns * BLOCK_SIZE, peak->ratio, peak->score, peak->blocks);
 }
 
 // The floor of each block of a layer's channel, from the brightness there; normals have length 1.
@@ -86,8 +77,8 @@ static void fill_floor(const struct layer *layer, const struct block_scores *pla
     }
 }
 
-static void evaluate_one(struct work *w, const struct layer *layer, double *floor) {
-    struct peak peak[SEEDS_MOST] = {0};
+static void evaluate_one(struct work *w, int k, double *floor) {
+    const struct layer *layer = &evaluate_layer[k];
     for (int c = 0; c < 3; c++) {
         struct block_scores plain, beauty, scores;
         if (!score_channel(w, layer->channel[c], NULL, &plain)) continue;
@@ -95,20 +86,56 @@ static void evaluate_one(struct work *w, const struct layer *layer, double *floo
             fill_floor(layer, &plain, &beauty, floor);
             block_scores_free(&beauty);
             if (score_channel(w, layer->channel[c], floor, &scores)) {
-                evaluate_channel(w, &scores, c, peak);
+                evaluate_channel(w, &scores, k, c);
                 block_scores_free(&scores);
             }
         }
         block_scores_free(&plain);
     }
-    for (int i = 0; i < w->count; i++)
-        if (peak[i].blocks) report_peak(w, layer, i, &peak[i]);
 }
 
 void evaluate_layers(struct work *w) {
     const int columns = w->plan->size / BLOCK_SIZE;
     double *floor = calloc((size_t)(columns * columns), sizeof *floor);
     if (!floor) return;
-    for (int k = 0; k < LAYERS; k++) evaluate_one(w, &evaluate_layer[k], floor);
+    for (int k = 0; k < LAYERS; k++) evaluate_one(w, k, floor);
     free(floor);
+}
+
+// ---- Lines --------------------------------------------------------------------------------------
+
+static void report_peak(struct work *w, const struct flagged *peak, int blocks) {
+    const struct layer *layer = &evaluate_layer[peak->layer];
+    const int columns = w->plan->size / BLOCK_SIZE;
+    if (peak->few) {
+        cell_line(w->cell, "few", peak->few, w->seed[peak->picture], w->out);
+        w->tally->few_blocks += blocks;
+        w->tally->few++;
+    } else {
+        evaluate_flag(w, "block", peak->picture);
+        w->tally->blocks += blocks;
+    }
+    fprintf(w->out, " %s %s pixel %d,%d ratio %.3f sigmas %.1f blocks %d\n", layer->name,
+            layer->channel[peak->channel], peak->block % columns * BLOCK_SIZE,
+            peak->block / columns * BLOCK_SIZE, peak->ratio, peak->score, blocks);
+}
+
+// The worst of the blocks of one layer of a picture that have the same explanation.
+static void report_layer(struct work *w, int picture, int layer, const char *few) {
+    const struct flagged *peak = NULL;
+    int blocks = 0;
+    for (const struct flagged *f = w->block; f < w->block + w->blocks; f++) {
+        if (f->picture != picture || f->layer != layer || f->few != few) continue;
+        blocks++;
+        if (!peak || fabs(f->score) > fabs(peak->score)) peak = f;
+    }
+    if (peak) report_peak(w, peak, blocks);
+}
+
+void evaluate_report(struct work *w) {
+    for (int k = 0; k < LAYERS; k++)
+        for (int i = 0; i < w->count; i++) {
+            report_layer(w, i, k, NULL);
+            for (int e = 0; e < EXPLANATIONS; e++) report_layer(w, i, k, explain_name[e]);
+        }
 }

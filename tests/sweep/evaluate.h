@@ -14,6 +14,13 @@ struct layer {
 
 extern const struct layer evaluate_layer[LAYERS];  // the beauty first
 
+// A block of a channel that differs from those of the other pictures.
+struct flagged {
+    int picture, layer, channel, block;
+    double score, ratio;  // the ratio is of its mean to the median of those of all pictures
+    const char *few;      // what it had too few of, see explain.h; NULL: that is not known
+};
+
 struct work {
     const struct plan *plan;
     const struct cell *cell;
@@ -23,13 +30,18 @@ struct work {
     int seed[SEEDS_MOST];
     satin_film *film[SEEDS_MOST];
     bool flagged[SEEDS_MOST];
+    struct flagged *block;  // the flagged blocks
+    int blocks;
     char message[512];  // the last one of level error
 };
 
 // Begins a line for a flag of picture `i`.
 void evaluate_flag(struct work *w, const char *kind, int i);
 
-// Flags blocks that differ from those of the other pictures, a line for each layer of a picture.
+// Finds the blocks that differ from those of the other pictures.
 void evaluate_layers(struct work *w);
+
+// Prints these, a line for each layer of a picture, one more for those that are explained.
+void evaluate_report(struct work *w);
 
 #endif

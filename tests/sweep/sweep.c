@@ -177,7 +177,7 @@ static void finish(const struct sweep *sweep, struct job *job, int status, struc
     job->process = 0;
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
         const bool late = WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM;
-        cell_flag(&cell, late ? "late" : "crash", tally->seed, stdout);
+        cell_line(&cell, "flag", late ? "late" : "crash", tally->seed, stdout);
         if (late)
             printf(" not done in %d s\n", sweep->plan.limit);
         else if (WIFSIGNALED(status))
@@ -222,6 +222,8 @@ static int print_totals(const struct tally *tallies, int cells) {
         all.renders += t->renders;
         all.flags += t->flags;
         all.blocks += t->blocks;
+        all.few += t->few;
+        all.few_blocks += t->few_blocks;
         all.records += t->records;
         all.seconds += t->seconds;
         all.worst = t->worst > all.worst ? t->worst : all.worst;
@@ -233,6 +235,7 @@ static int print_totals(const struct tally *tallies, int cells) {
            all.seconds, evaluated);
     printf("flags %d  blocks %d  refused or not finite %.0f  worst score %.1f\n", all.flags,
            all.blocks, all.records, all.worst);
+    printf("few %d  blocks %d\n", all.few, all.few_blocks);
     printf("blocks by score:");
     for (int k = 0; k < CELL_HISTOGRAM; k++)
         if (all.histogram[k]) printf(" %d:%ld", k, all.histogram[k]);
