@@ -154,7 +154,6 @@ SATIN_API void satin_options_preset(satin_options *options, satin_quality qualit
 // angles are in radians and times in seconds. The texts are read only during the call and must not
 // be NULL. `log` may be NULL; it is called on this thread. Thread-safe if no other thread uses
 // *options.
-// may be NULL; it is called on this thread. Thread-safe, where no other thread uses *options.
 SATIN_API satin_status satin_options_set(satin_options *options, const char *name,
                                          const char *value, satin_log_fn log, void *log_user);
 

@@ -24,7 +24,6 @@ static const float DIFFERS = 0.5f, EVEN_DEVIATIONS = 2.0f;
 // this factor times that expected from the direct light of its neighbours, and the difference is
 // more than this many standard deviations. An entry's area is known to a factor of three. Without
 // this test the mean of a room with a beam between the entries is 30 % off at 20,000 photons.
-// beam that falls between entries is off by 30 % at 20,000 photons.
 static const float BRIGHTER = 4.0f, BRIGHTER_DEVIATIONS = 2.0f;
 
 struct direct_job {

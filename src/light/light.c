@@ -6,7 +6,6 @@
 
 // The fraction of choices that is uniform over all lights, because the estimates ignore shadows and
 // facing, or know the visibility only approximately.
-// know them from around the point only.
 #define UNIFORM 0.25f
 #define UNIFORM_VISIBILITY 0.1f
 

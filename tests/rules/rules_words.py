@@ -106,6 +106,8 @@ LINE_END = re.compile(r"[ \t]*\n[ \t]*(?:// ?|# )?|\"\s*\n\s*\"")
 CUT = re.compile(r"^\s*// (The same|Of what)\b"
                  r"|^(?![ \t]*//)[^\n]*\n[ \t]*// (Of|Nor|Those|Such|Who|As many|Its)\b",
                  re.MULTILINE)
+# A line of a comment that begins in lower case after a full stop: what is left of an older sentence.
+LEFT_OVER = re.compile(r"//[^\n]*[^.\s]{2}\.\n[ \t]*// ([a-z]+)(?: [^<>=]|,)")
 
 
 def files(tree):
@@ -129,6 +131,9 @@ def wrong_words(path, name):
     cut = CUT.search(path.read_text(encoding="utf-8")) if path.suffix in CODE else None
     if cut:
         yield f"{name}: '{cut.group(1) or cut.group(2)}' begins a comment"
+    left = LEFT_OVER.search(path.read_text(encoding="utf-8")) if path.suffix in CODE else None
+    if left:
+        yield f"{name}: '{left.group(1)}' begins a sentence"
 
 
 def wrong_meanings(path, name, terms):
