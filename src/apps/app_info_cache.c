@@ -10,14 +10,9 @@
 #include "base/fileio.h"
 #include "cache/cache.h"
 
-static int compare_radii(const void *a, const void *b) {
-    const float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
-}
-
 static void print_quantiles(const char *name, float *value, size_t count, double scale) {
     static const int percent[] = {0, 10, 50, 90, 100};
-    qsort(value, count, sizeof *value, compare_radii);
+    qsort(value, count, sizeof *value, array_compare_floats);
     printf("  %-10s", name);
     for (size_t i = 0; i < sizeof percent / sizeof *percent; i++)
         printf(" %12.5g", scale * (double)value[(count - 1) * (size_t)percent[i] / 100]);

@@ -59,6 +59,10 @@ static inline vec3 v3_unit_wide(vec3 a) {
     float l = v3_len_wide(a);
     return l > 0.0f ? v3_mul(a, 1.0f / l) : a;
 }
+// The angle between unit vectors, accurate near 0 and pi.
+static inline float v3_angle(vec3 a, vec3 b) {
+    return 2.0f * atan2f(v3_len(v3_sub(a, b)), v3_len(v3_add(a, b)));
+}
 static inline bool v3_finite(vec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
 static inline float v3_max_abs(vec3 a) { return fmaxf(fabsf(a.x), fmaxf(fabsf(a.y), fabsf(a.z))); }
 // The minimum by coordinate. If b has a NaN, the coordinate of a.

@@ -6,6 +6,13 @@
 
 #include "gather/gather_layout.h"
 
+// Adds `change` along `direction` to the gradient of each channel.
+static inline void gather_gradient_add(vec3 grad[3], rgb change, vec3 direction) {
+    grad[0] = v3_mad(grad[0], change.r, direction);
+    grad[1] = v3_mad(grad[1], change.g, direction);
+    grad[2] = v3_mad(grad[2], change.b, direction);
+}
+
 // Stratified gradients [K05 4.3], or those of Ward and Heckbert [1992]: the light that crosses the
 // boundaries between strata. Adds to `grad`, one vector per channel.
 void gather_stratified_irradiance(const struct gather_hemisphere *h, bool ward_heckbert,

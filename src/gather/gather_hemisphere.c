@@ -126,12 +126,6 @@ void gather_hemisphere_trace(const struct gather *g, const struct gather_layout 
 
 // ---- Irradiance ---------------------------------------------------------------------------------
 
-static void add_about_axis(vec3 grad[3], rgb change, vec3 axis) {
-    grad[0] = v3_mad(grad[0], change.r, axis);
-    grad[1] = v3_mad(grad[1], change.g, axis);
-    grad[2] = v3_mad(grad[2], change.b, axis);
-}
-
 // A rotation of the normal about the axis across a column changes E by the integral of
 // sin^2(theta).
 static void rotation_gradient(const struct gather_hemisphere *h, vec3 grad[3]) {
@@ -142,12 +136,12 @@ static void rotation_gradient(const struct gather_hemisphere *h, vec3 grad[3]) {
         rgb change = rgb_grey(0.0f);
         for (int j = 0; j < l->M; j++, ray += l->N)
             change = rgb_mad(change, ray->L, l->rotation[j]);
-        add_about_axis(grad, change, axis);
+        gather_gradient_add(grad, change, axis);
     }
     // Guided rays: by the derivative of the cosine, each for pi / stratified of cos(theta) Omega.
     for (size_t i = h->stratified; i < h->count; i++) {
         float weight = PI_F / (float)h->stratified / h->z[i];
-        add_about_axis(grad, rgb_scale(h->ray[i].L, weight), v3(-h->y[i], h->x[i], 0.0f));
+        gather_gradient_add(grad, rgb_scale(h->ray[i].L, weight), v3(-h->y[i], h->x[i], 0.0f));
     }
 }
 

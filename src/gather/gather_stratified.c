@@ -34,12 +34,6 @@ static rgb boundary_change(const struct gather_ray *a, const struct gather_ray *
     return rgb_scale(rgb_sub(a->L, b->L), 1.0f / r);
 }
 
-static void add_gradient(vec3 grad[3], rgb value, vec3 direction) {
-    grad[0] = v3_mad(grad[0], value.r, direction);
-    grad[1] = v3_mad(grad[1], value.g, direction);
-    grad[2] = v3_mad(grad[2], value.b, direction);
-}
-
 void gather_stratified_irradiance(const struct gather_hemisphere *h, bool ward_heckbert,
                                   vec3 grad[3]) {
     const struct gather_layout *l = h->layout;
@@ -55,8 +49,8 @@ void gather_stratified_irradiance(const struct gather_hemisphere *h, bool ward_h
             along_v = rgb_mad(along_v, boundary_change(&row[k], &row[before], ward_heckbert),
                               weight_v[j]);
         }
-        add_gradient(grad, along_u, v3(l->cos_k[k], l->sin_k[k], 0.0f));
-        add_gradient(grad, along_v, v3(-l->sin_w[k], l->cos_w[k], 0.0f));
+        gather_gradient_add(grad, along_u, v3(l->cos_k[k], l->sin_k[k], 0.0f));
+        gather_gradient_add(grad, along_v, v3(-l->sin_w[k], l->cos_w[k], 0.0f));
     }
 }
 

@@ -9,11 +9,6 @@
 
 enum { FACES_MAX = 16 };  // a choice among faces costs about 5 ns for each
 
-static vec3 vertex(const struct mesh *mesh, uint32_t i) {
-    const float *p = mesh->position + 3 * (size_t)i;
-    return v3(p[0], p[1], p[2]);
-}
-
 static float normal_sign(const struct shape *shape) { return shape->flip_normals ? -1.0f : 1.0f; }
 
 static rgb area_radiance(const struct light *light, struct texture_lookup at) {
@@ -28,9 +23,9 @@ struct triangle {
 
 static struct triangle triangle_get(const struct shape *shape, uint32_t i) {
     const uint32_t *index = shape->mesh.index + 3 * (size_t)i;
-    vec3 a = vertex(&shape->mesh, index[0]);
-    vec3 ab = v3_sub(vertex(&shape->mesh, index[1]), a);
-    vec3 ac = v3_sub(vertex(&shape->mesh, index[2]), a);
+    vec3 a = mesh_vertex(&shape->mesh, index[0]);
+    vec3 ab = v3_sub(mesh_vertex(&shape->mesh, index[1]), a);
+    vec3 ac = v3_sub(mesh_vertex(&shape->mesh, index[2]), a);
     vec3 n = v3_cross(ab, ac);
     return (struct triangle){a, ab, ac, v3_mul(n, light_mesh_side(shape, index, n))};
 }
@@ -162,8 +157,8 @@ static satin_status prepare_mesh(struct satin_scene *scene, struct light *light)
 static vec3 mesh_center(const struct mesh *mesh) {
     vec3 lo = v3(INFINITY, INFINITY, INFINITY), hi = v3_neg(lo);
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
-        lo = v3_min(lo, vertex(mesh, i));
-        hi = v3_max(hi, vertex(mesh, i));
+        lo = v3_min(lo, mesh_vertex(mesh, i));
+        hi = v3_max(hi, mesh_vertex(mesh, i));
     }
     return v3_mul(v3_add(lo, hi), 0.5f);
 }

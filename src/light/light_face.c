@@ -30,11 +30,6 @@ struct rectangle_view {
     struct angle k;  // the paper's k = 2 pi - g2 - g3
 };
 
-static vec3 mesh_vertex(const struct mesh *mesh, uint32_t i) {
-    const float *p = mesh->position + 3 * (size_t)i;
-    return v3(p[0], p[1], p[2]);
-}
-
 float light_mesh_side(const struct shape *shape, const uint32_t index[3], vec3 n) {
     const float *normal = shape->mesh.normal;
     if (!normal) return shape->flip_normals ? -1.0f : 1.0f;

@@ -45,10 +45,6 @@ static struct emission_cone cone_all(void) {
     return (struct emission_cone){v3(0, 0, 1), PI_F, 0.5f * PI_F};
 }
 
-static float angle_between(vec3 a, vec3 b) {
-    return 2.0f * atan2f(v3_len(v3_sub(a, b)), v3_len(v3_add(a, b)));
-}
-
 // A cone around both: the axis is rotated towards that of the narrower one.
 static struct emission_cone cone_union(struct emission_cone a, struct emission_cone b) {
     if (b.open > a.open) {
@@ -56,7 +52,7 @@ static struct emission_cone cone_union(struct emission_cone a, struct emission_c
         a = b;
         b = swap;
     }
-    float spread = fmaxf(a.spread, b.spread), between = angle_between(a.axis, b.axis);
+    float spread = fmaxf(a.spread, b.spread), between = v3_angle(a.axis, b.axis);
     if (between + b.open <= a.open) return (struct emission_cone){a.axis, a.open, spread};
     float open = 0.5f * (a.open + between + b.open), angle = open - a.open;
     vec3 side = v3_unit(v3_mad(b.axis, -v3_dot(a.axis, b.axis), a.axis));
@@ -192,7 +188,7 @@ static float node_estimate(const struct light_node *node, vec3 p) {
     float off = node->cone.open + asinf(sqrtf(r2 / d2));
     float most = PI_F - off, cosine = 1.0f;
     if (most > 0.0f) {
-        float beyond = angle_between(node->cone.axis, v3_mul(d, 1.0f / sqrtf(d2))) - off;
+        float beyond = v3_angle(node->cone.axis, v3_mul(d, 1.0f / sqrtf(d2))) - off;
         if (beyond > 0.0f)
             cosine = beyond < node->cone.spread ? fmaxf(cosf(beyond), COSINE_MIN) : COSINE_MIN;
     }

@@ -48,11 +48,6 @@ static void set_vertex(float *values, uint32_t i, vec3 v) {
     values[(size_t)i * 3 + 2] = v.z;
 }
 
-// The angle between unit vectors, accurate near 0 and pi.
-static float angle_of_edges(vec3 a, vec3 b) {
-    return 2.0f * atan2f(v3_len(v3_sub(a, b)), v3_len(v3_add(a, b)));
-}
-
 // Sums the face normals around each vertex that has `wanted` set (NULL: all), weighted by the angle
 // of the face there [Thuermer and Wuethrich 1998], and normalises the sum to `normal`.
 static void smooth_normals(const struct mesh_parts *parts, const bool *wanted, float *normal) {
@@ -67,7 +62,7 @@ static void smooth_normals(const struct mesh_parts *parts, const bool *wanted, f
             vec3 a = v3_unit(v3_sub(p[(k + 1) % 3], p[k]));
             vec3 b = v3_unit(v3_sub(p[(k + 2) % 3], p[k]));
             vec3 sum = vertex_at(normal, index[k]);
-            set_vertex(normal, index[k], v3_mad(sum, angle_of_edges(a, b), n));
+            set_vertex(normal, index[k], v3_mad(sum, v3_angle(a, b), n));
         }
     }
     for (uint32_t i = 0; i < parts->vertex_count; i++) {

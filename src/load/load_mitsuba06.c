@@ -110,14 +110,6 @@ static struct xml_node *new_node(struct arena *arena, const struct xml_node *fro
     return node;
 }
 
-static void append_node(struct xml_node *parent, struct xml_node *child) {
-    if (parent->last)
-        parent->last->next = child;
-    else
-        parent->child = child;
-    parent->last = child;
-}
-
 // uscale, vscale, uoffset and voffset: steps of the texture's to_uv, scales before translations.
 static satin_status move_to_uv(struct arena *arena, struct xml_node *parent,
                                const struct xml_node *node) {
@@ -128,7 +120,7 @@ static satin_status move_to_uv(struct arena *arena, struct xml_node *parent,
         steps = new_node(arena, node, XML_TRANSFORM, "name", "to_uv");
         if (!steps) return SATIN_ERROR_MEMORY;
         steps->name = "to_uv";
-        append_node(parent, steps);
+        xml_append(parent, steps);
     }
     const bool both = strcmp(node->name, "uvscale") == 0;
     bool scale = both || strcmp(node->name + 1, "scale") == 0;
@@ -139,7 +131,7 @@ static satin_status move_to_uv(struct arena *arena, struct xml_node *parent,
                                      xml_get(node, "value"));
     if (!step) return SATIN_ERROR_MEMORY;
     if (!scale || !steps->child) {
-        append_node(steps, step);
+        xml_append(steps, step);
     } else {
         step->next = steps->child;
         steps->child = step;
@@ -159,8 +151,8 @@ static satin_status respell_blackbody(struct arena *arena, struct xml_node *node
     t->name = "temperature";
     s->name = "scale";
     node->type = "blackbody";
-    append_node(node, t);
-    append_node(node, s);
+    xml_append(node, t);
+    xml_append(node, s);
     return SATIN_OK;
 }
 

@@ -149,14 +149,6 @@ static satin_status take_default(struct file *file, const struct xml_node *node)
     return SATIN_ERROR_INPUT;
 }
 
-static void append_child(struct xml_node *parent, struct xml_node *child) {
-    if (parent->last)
-        parent->last->next = child;
-    else
-        parent->child = child;
-    parent->last = child;
-}
-
 // Adds an element to the tree, or to the tables of ids and parameters.
 static satin_status take_element(struct file *file, struct xml_node *node) {
     struct xml_reader *reader = file->reader;
@@ -177,7 +169,7 @@ static satin_status take_element(struct file *file, struct xml_node *node) {
     if (reader->depth == 0)
         reader->xml->root = node;
     else
-        append_child(reader->open[reader->depth - 1], node);
+        xml_append(reader->open[reader->depth - 1], node);
     if (xml_is_shared(node->tag) && node->id && node->id[0]) return load_ids_add(reader->xml, id);
     return SATIN_OK;
 }

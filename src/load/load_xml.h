@@ -116,6 +116,15 @@ struct xml_node *load_xml_find(const struct load_xml *xml, const char *id);
 // object, logs an error and returns NULL.
 struct xml_node *load_xml_target(const struct load_xml *xml, struct log log, struct xml_node *node);
 
+// Makes `child` the last child of `parent`.
+static inline void xml_append(struct xml_node *parent, struct xml_node *child) {
+    if (parent->last)
+        parent->last->next = child;
+    else
+        parent->child = child;
+    parent->last = child;
+}
+
 const char *xml_tag_name(enum xml_tag tag);
 // The value of an attribute, or NULL.
 const char *xml_get(const struct xml_node *node, const char *attribute);

@@ -194,6 +194,11 @@ struct mesh {
     int attribute_count;
 };
 
+static inline vec3 mesh_vertex(const struct mesh *mesh, uint32_t i) {
+    const float *p = mesh->position + 3 * (size_t)i;
+    return v3(p[0], p[1], p[2]);
+}
+
 struct shape {
     enum shape_kind kind;
     const char *name;
