@@ -14,7 +14,7 @@ static void print_reason(void *user, satin_log_severity severity, const char *me
     fprintf(stderr, "%s\n", message);
 }
 
-static const char *const color[] = {"R", "G", "B"};
+static const char *const color_channel[] = {"R", "G", "B"};
 static const char *const emission[] = {"emission.R", "emission.G", "emission.B"};
 static const char *const variance[] = {"variance.R", "variance.G", "variance.B"};
 
@@ -25,8 +25,8 @@ static bool add_part(const char *path, struct satin_film *out, double *square) {
     size_t n = (size_t)out->width * (size_t)out->height;
     bool ok = part->width == out->width && part->height == out->height;
     for (int c = 0; ok && c < 3; c++) {
-        const float *v = satin_film_channel(part, color[c]);
-        float *sum = film_channel(out, color[c]);
+        const float *v = satin_film_channel(part, color_channel[c]);
+        float *sum = film_channel(out, color_channel[c]);
         for (size_t i = 0; v && i < n; i++) {
             sum[i] += v[i];
             square[(size_t)c * n + i] += (double)v[i] * (double)v[i];
@@ -44,8 +44,9 @@ int main(int argc, char **argv) {
     }
     satin_film *first = NULL;
     if (satin_film_read(argv[2], print_reason, NULL, &first) != SATIN_OK) return 1;
-    const char *names[] = {color[0],    color[1],    color[2],    variance[0], variance[1],
-                           variance[2], emission[0], emission[1], emission[2]};
+    const char *names[] = {color_channel[0], color_channel[1], color_channel[2],
+                           variance[0],      variance[1],      variance[2],
+                           emission[0],      emission[1],      emission[2]};
     struct satin_film *out = film_new(first->width, first->height, names, 9);
     size_t n = (size_t)first->width * (size_t)first->height;
     for (int c = 0; out && c < 3; c++) {
@@ -59,7 +60,7 @@ int main(int argc, char **argv) {
     for (int i = 0; i < parts; i++)
         if (!add_part(argv[3 + i], out, square)) return 1;
     for (int c = 0; c < 3; c++) {
-        float *mean = film_channel(out, color[c]), *var = film_channel(out, variance[c]);
+        float *mean = film_channel(out, color_channel[c]), *var = film_channel(out, variance[c]);
         for (size_t i = 0; i < n; i++) {
             double m = (double)mean[i] / parts;
             double v = (square[(size_t)c * n + i] / parts - m * m) / (parts - 1);

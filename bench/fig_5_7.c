@@ -28,7 +28,7 @@ enum { N_MAX = RSH_MAX_COEFFICIENTS, CHANNELS = 3 };
 
 // Whole lines of the cache: a vector of 64 bytes across two of them costs twice.
 static _Alignas(64) float in[CHANNELS * N_MAX * VECTOR + 64], out[CHANNELS * N_MAX * VECTOR + 64];
-static float matrix[RECORDS][9], entries[9][RECORDS];
+static float rotation[RECORDS][9], entries[9][RECORDS];
 static const float *columns[9];
 
 // The forms from FAST on are the library's own, however this is compiled.
@@ -163,7 +163,7 @@ static double time_form(enum form form, int order, int channels) {
         if (form >= FAST_BATCH)
             for (int i = 0; i < RECORDS; i += VECTOR) run_batch_form(form, order, channels, i);
         else
-            for (int i = 0; i < RECORDS; i++) run_one(form, order, channels, matrix[i]);
+            for (int i = 0; i < RECORDS; i++) run_one(form, order, channels, rotation[i]);
     }
     return (now_ns() - start) / (repeats * RECORDS);
 }
@@ -205,7 +205,7 @@ static void fill_rotations(void) {
                             -sb * cg,
                             sb * sg,
                             cb};
-        memcpy(matrix[i], r, sizeof r);
+        memcpy(rotation[i], r, sizeof r);
         for (int e = 0; e < 9; e++) entries[e][i] = r[e];
     }
     for (int e = 0; e < 9; e++) columns[e] = entries[e];

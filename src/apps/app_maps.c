@@ -17,12 +17,12 @@ const struct app_flag app_maps_flags[] = {
     {NULL, NULL, NULL, NULL},
 };
 
-static const char position[] = "records.position";
+static const char record_position[] = "records.position";
 
 static const struct map {
     const char *channel, *file, *meaning;
 } maps[] = {
-    {position, "records.png", "where records are"},
+    {record_position, "records.png", "where records are"},
     {"density.Y", "count.png", "records interpolated per sample"},
     {"records.weight", "weight.png", "sum of their weights"},
     {"records.a", "a.png", "their accuracy a"},
@@ -36,7 +36,7 @@ static satin_status write_map(const satin_film *film, const struct map *map, con
     const float *value = satin_film_channel(film, map->channel);
     if (!value) return SATIN_OK;
     float top = 0.0f;
-    const bool dots = map->channel == position;
+    const bool dots = map->channel == record_position;
     satin_status status = dots ? film_write_dots(film, value, path, log)
                                : film_write_map(film, value, path, log, &top);
     if (status != SATIN_OK) return status;
@@ -73,7 +73,7 @@ static int write_paths(const satin_film *film, const char *image, char *const pa
 
 static int write_maps(const satin_film *film, const char *image, const char *folder) {
     const struct log log = {app_log_file, NULL};
-    if (!satin_film_channel(film, position))
+    if (!satin_film_channel(film, record_position))
         return app_exit_of(log_fail(
             log, SATIN_ERROR_INPUT,
             "%s: it has no channels of records; render it with --set record-maps=on", image));

@@ -25,7 +25,7 @@ static const char system_name[] = "libOpenImageDenoise.so.2";
 static const struct {
     const char *name;
     size_t offset;
-} functions[] = {
+} oidn_functions[] = {
     {"oidnNewDevice", offsetof(struct oidn, NewDevice)},
     {"oidnSetDeviceInt", offsetof(struct oidn, SetDeviceInt)},
     {"oidnSetDeviceBool", offsetof(struct oidn, SetDeviceBool)},
@@ -46,12 +46,12 @@ static const struct {
 
 // False if a function is missing; *missing is then its name.
 static bool find_functions(void *library, struct oidn *out, const char **missing) {
-    for (size_t i = 0; i < sizeof functions / sizeof *functions; i++) {
-        void *function = dlsym(library, functions[i].name);
-        *missing = functions[i].name;
+    for (size_t i = 0; i < sizeof oidn_functions / sizeof *oidn_functions; i++) {
+        void *function = dlsym(library, oidn_functions[i].name);
+        *missing = oidn_functions[i].name;
         if (!function) return false;
         // POSIX allows converting a pointer to an object to a pointer to a function.
-        memcpy((char *)out + functions[i].offset, &function, sizeof function);
+        memcpy((char *)out + oidn_functions[i].offset, &function, sizeof function);
     }
     return true;
 }

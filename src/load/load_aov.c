@@ -12,7 +12,7 @@ enum { NAME_MAX = 200 };
 
 static const struct {
     const char *type, *letters;
-} kinds[AOV_KINDS] = {
+} aov_kinds[AOV_KINDS] = {
     [AOV_ALBEDO] = {"albedo", "RGB"},
     [AOV_DEPTH] = {"depth", "T"},
     [AOV_POSITION] = {"position", "XYZ"},
@@ -33,8 +33,8 @@ static bool find_aov_kind(struct log log, struct log_place place, const char *ty
                           enum aov_kind *kind) {
     struct text_nearest nearest = {.word = type};
     for (*kind = 0; *kind < AOV_LIGHT; (*kind)++) {
-        if (strcmp(kinds[*kind].type, type) == 0) return true;
-        text_nearest_try(&nearest, kinds[*kind].type);
+        if (strcmp(aov_kinds[*kind].type, type) == 0) return true;
+        text_nearest_try(&nearest, aov_kinds[*kind].type);
     }
     if (nearest.best)
         log_error_at(log, place, "aovs: unknown type '%s' (did you mean '%s'?)", type,
@@ -74,7 +74,7 @@ static satin_status add_aov_channel(struct load_state *loader, struct log_place 
 // Adds the channels of a kind: `name` with each of the kind's letters. Logs failures.
 static satin_status add_kind(struct load_state *loader, struct log_place place, const char *name,
                              enum aov_kind kind, struct scene_aovs *aovs) {
-    const char *letter = kinds[kind].letters;
+    const char *letter = aov_kinds[kind].letters;
     const int letters = (int)strlen(letter);
     char text[NAME_MAX + 4];
     if (aovs->first[kind] < 0) {

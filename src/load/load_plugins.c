@@ -20,7 +20,7 @@ static const struct plugin_spec *const tables[] = {load_shape_plugins,
                                                    NULL};
 
 // Plugins that Mitsuba 3 has and satin does not read.
-struct unread {
+struct unread_plugins {
     enum xml_tag tag;
     const char *const *name;
 };
@@ -39,7 +39,7 @@ static const char *const unread_sensors[] = {"distant",       "radiancemeter",  
 static const char *const unread_films[] = {"specfilm", NULL};
 static const char *const unread_integrators[] = {"depth", "volprim_rf_basic", "field", NULL};
 
-static const struct unread unread[] = {
+static const struct unread_plugins unread_plugins[] = {
     {XML_SHAPE, unread_shapes},          {XML_BSDF, unread_bsdfs},
     {XML_TEXTURE, unread_textures},      {XML_EMITTER, unread_emitters},
     {XML_SENSOR, unread_sensors},        {XML_FILM, unread_films},
@@ -51,9 +51,9 @@ const char *load_plugin_noun(enum xml_tag tag) {
 }
 
 static bool is_unread(const struct xml_node *node) {
-    for (size_t i = 0; i < sizeof unread / sizeof *unread; i++) {
-        if (unread[i].tag != node->tag) continue;
-        for (const char *const *name = unread[i].name; *name; name++)
+    for (size_t i = 0; i < sizeof unread_plugins / sizeof *unread_plugins; i++) {
+        if (unread_plugins[i].tag != node->tag) continue;
+        for (const char *const *name = unread_plugins[i].name; *name; name++)
             if (strcmp(*name, node->type) == 0) return true;
     }
     return false;
@@ -195,10 +195,10 @@ bool load_param_describe(int plugin_index, int index, struct load_param_info *ou
 }
 
 bool load_unread_describe(int index, struct load_plugin_info *out) {
-    for (size_t i = 0; index >= 0 && i < sizeof unread / sizeof *unread; i++)
-        for (const char *const *name = unread[i].name; *name; name++)
+    for (size_t i = 0; index >= 0 && i < sizeof unread_plugins / sizeof *unread_plugins; i++)
+        for (const char *const *name = unread_plugins[i].name; *name; name++)
             if (index-- == 0) {
-                *out = (struct load_plugin_info){xml_tag_name(unread[i].tag), *name, NULL};
+                *out = (struct load_plugin_info){xml_tag_name(unread_plugins[i].tag), *name, NULL};
                 return true;
             }
     return false;

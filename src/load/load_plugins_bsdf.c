@@ -8,8 +8,8 @@
 static const char *const distributions[] = {"beckmann", "ggx", NULL};  // enum brdf_distribution
 static const char *const variants[] = {"ward", "ward-duer", "balanced", NULL};  // enum brdf_variant
 
-static const struct param_spec reflectance = {"reflectance", PARAM_COLOR, ".5",         RANGE_UNIT,
-                                              PARAM_TEXTURE, NULL,        "The albedo."};
+static const struct param_spec diffuse_reflectance = {
+    "reflectance", PARAM_COLOR, ".5", RANGE_UNIT, PARAM_TEXTURE, NULL, "The albedo."};
 const struct param_spec bsdf_diffuse_reflectance = {"diffuse_reflectance",
                                                     PARAM_COLOR,
                                                     ".5",
@@ -62,7 +62,7 @@ static const struct param_spec nonlinear = {"nonlinear",
                                             NULL,
                                             "If true, light that scatters several times inside is "
                                             "coloured by the diffuse reflectance each time."};
-static const struct param_spec metal = {
+static const struct param_spec metal_name = {
     "material", PARAM_STRING, NULL, 0, 0, NULL, "The name of a metal, instead of `eta` and `k`."};
 static const struct param_spec metal_eta = {"eta",
                                             PARAM_COLOR,
@@ -118,13 +118,13 @@ static const struct param_spec sample_visible = {"sample_visible",
                                                  0,
                                                  NULL,
                                                  "It has no effect: Mitsuba uses it for sampling."};
-static const struct param_spec exponent = {"exponent",
-                                           PARAM_FLOAT,
-                                           "30",
-                                           RANGE_MODEST,
-                                           PARAM_TEXTURE,
-                                           NULL,
-                                           "The exponent of the lobe's cosine."};
+static const struct param_spec phong_exponent = {"exponent",
+                                                 PARAM_FLOAT,
+                                                 "30",
+                                                 RANGE_MODEST,
+                                                 PARAM_TEXTURE,
+                                                 NULL,
+                                                 "The exponent of the lobe's cosine."};
 static const struct param_spec variant = {
     "variant", PARAM_CHOICE, "balanced", 0, 0, variants, "The normalisation of the lobe."};
 
@@ -176,11 +176,11 @@ static param_list mask_params = {&opacity, NULL};
 static param_list blend_params = {&weight, NULL};
 static param_list bump_params = {&bump_scale, &flip_invalid, &use_shadowing, NULL};
 static param_list normal_params = {&normal_map, &flip_invalid, &use_shadowing, NULL};
-static param_list diffuse_params = {&reflectance, NULL};
+static param_list diffuse_params = {&diffuse_reflectance, NULL};
 static param_list conductor_params = {
-    &metal, &metal_eta, &metal_k, &bsdf_specular_reflectance, &metal_ext_eta, NULL};
+    &metal_name, &metal_eta, &metal_k, &bsdf_specular_reflectance, &metal_ext_eta, NULL};
 static param_list roughconductor_params = {
-    &metal,          &metal_eta,     &metal_k, &bsdf_specular_reflectance,
+    &metal_name,     &metal_eta,     &metal_k, &bsdf_specular_reflectance,
     &distribution,   &alpha,         &alpha_u, &alpha_v,
     &sample_visible, &metal_ext_eta, NULL};
 static param_list dielectric_params = {&glass_ior, &ext_ior, &bsdf_specular_reflectance,
@@ -210,7 +210,8 @@ static param_list roughplastic_params = {&bsdf_diffuse_reflectance,
                                          &plastic_alpha,
                                          &sample_visible,
                                          NULL};
-static param_list phong_params = {&bsdf_diffuse_reflectance, &lobe_reflectance, &exponent, NULL};
+static param_list phong_params = {&bsdf_diffuse_reflectance, &lobe_reflectance, &phong_exponent,
+                                  NULL};
 static param_list ward_params = {
     &bsdf_diffuse_reflectance, &lobe_reflectance, &variant, &ward_alpha_u, &ward_alpha_v, NULL};
 
@@ -230,7 +231,7 @@ satin_status bsdf_set_color(struct load_state *loader, const struct param_value 
 }
 
 // The roughness that is used for a value in the file.
-static float roughness(struct load_state *loader, const struct param_value *value) {
+static float usable_roughness(struct load_state *loader, const struct param_value *value) {
     if (value->given && value->f < ALPHA_MIN)
         log_warning_at(loader->log, value->place, "a roughness of %g counts as %g",
                        (double)value->f, (double)ALPHA_MIN);
@@ -246,7 +247,7 @@ satin_status bsdf_set_number(struct load_state *loader, const struct param_value
         if (status != SATIN_OK) return status;
         number = rgb_luminance(side->slot[slot]->mean);
     }
-    if (rough) number = value->texture ? fmaxf(number, ALPHA_MIN) : roughness(loader, value);
+    if (rough) number = value->texture ? fmaxf(number, ALPHA_MIN) : usable_roughness(loader, value);
     *brdf_number(&side->base, slot) = fmaxf(number, 0.0f);
     return SATIN_OK;
 }
@@ -416,7 +417,7 @@ static satin_status build_roughplastic(struct load_state *loader, const struct p
                                        void *object) {
     struct material_side *side = object;
     side->base.distribution = (enum brdf_distribution)param(p, "distribution")->i;
-    side->base.alpha_u = side->base.alpha_v = roughness(loader, param(p, "alpha"));
+    side->base.alpha_u = side->base.alpha_v = usable_roughness(loader, param(p, "alpha"));
     return build_plastic(loader, p, side);
 }
 

@@ -105,7 +105,7 @@ static const struct param_spec cubic_c = {
     0,
     NULL,
     "The parameter C of Mitchell and Netravali: more rings more."};
-static const struct param_spec lobes = {
+static const struct param_spec lanczos_lobes = {
     "lobes", PARAM_FLOAT, "3", RANGE_POSITIVE, 0, NULL, "The radius, in pixels."};
 
 static const struct param_spec sample_count = {"sample_count",
@@ -129,7 +129,7 @@ static param_list film_params = {
 static param_list tent_params = {&tent_radius, NULL};
 static param_list gaussian_params = {&stddev, NULL};
 static param_list mitchell_params = {&cubic_b, &cubic_c, NULL};
-static param_list lanczos_params = {&lobes, NULL};
+static param_list lanczos_params = {&lanczos_lobes, NULL};
 static param_list random_params = {&sample_count, &seed, NULL};
 static param_list jitter_params = {&sample_count, &seed, &jitter, NULL};
 static param_list orthogonal_params = {&sample_count, &seed, &jitter, &strength, NULL};

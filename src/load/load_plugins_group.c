@@ -10,15 +10,16 @@
 enum { GROUP_NESTING_MAX = 16 };
 #define GROUP_EMPTY UINT32_MAX  // instead of 1 + the index of a group: it has no shapes
 
-static const struct param_spec to_world = {"to_world",
-                                           PARAM_TRANSFORM,
-                                           "1",
-                                           0,
-                                           0,
-                                           NULL,
-                                           "The transform from the group's space to world space."};
+static const struct param_spec instance_to_world = {
+    "to_world",
+    PARAM_TRANSFORM,
+    "1",
+    0,
+    0,
+    NULL,
+    "The transform from the group's space to world space."};
 
-static const struct param_spec *const instance_params[] = {&to_world, NULL};
+static const struct param_spec *const instance_params[] = {&instance_to_world, NULL};
 
 const struct plugin_spec load_group_plugins[] = {
     {XML_SHAPE, "merge", "several shapes that form one", NULL, 1u << XML_SHAPE, NULL, false},

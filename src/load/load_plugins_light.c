@@ -6,13 +6,13 @@
 #include "base/array.h"
 #include "load/load_state.h"
 
-static const struct param_spec area_radiance = {"radiance",
-                                                PARAM_LIGHT,
-                                                "1",
-                                                RANGE_NOT_NEGATIVE,
-                                                PARAM_TEXTURE,
-                                                NULL,
-                                                "The radiance [W m^-2 sr^-1]."};
+static const struct param_spec surface_radiance = {"radiance",
+                                                   PARAM_LIGHT,
+                                                   "1",
+                                                   RANGE_NOT_NEGATIVE,
+                                                   PARAM_TEXTURE,
+                                                   NULL,
+                                                   "The radiance [W m^-2 sr^-1]."};
 static const struct param_spec radiance = {
     "radiance", PARAM_LIGHT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "The radiance [W m^-2 sr^-1]."};
 static const struct param_spec intensity = {
@@ -25,14 +25,15 @@ static const struct param_spec irradiance = {
     0,
     NULL,
     "The irradiance of a surface that faces the light [W m^-2]."};
-static const struct param_spec position = {"position",
-                                           PARAM_POINT,
-                                           NULL,
-                                           0,
-                                           0,
-                                           NULL,
-                                           "The position in world space, instead of `to_world`."};
-static const struct param_spec direction = {
+static const struct param_spec light_position = {
+    "position",
+    PARAM_POINT,
+    NULL,
+    0,
+    0,
+    NULL,
+    "The position in world space, instead of `to_world`."};
+static const struct param_spec light_direction = {
     "direction",
     PARAM_POINT,
     NULL,
@@ -40,7 +41,7 @@ static const struct param_spec direction = {
     0,
     NULL,
     "The direction in which the light travels, instead of `to_world`."};
-static const struct param_spec to_world = {
+static const struct param_spec light_to_world = {
     "to_world",
     PARAM_TRANSFORM,
     "1",
@@ -72,14 +73,14 @@ static const struct param_spec beam_width = {
     NULL,
     "The half angle of the inner cone of full intensity, in degrees. If it is not given, it is 3/4 "
     "of `cutoff_angle`."};
-static const struct param_spec filename = {"filename",
-                                           PARAM_STRING,
-                                           NULL,
-                                           0,
-                                           PARAM_REQUIRED,
-                                           NULL,
-                                           "The image, in latitude and longitude."};
-static const struct param_spec scale = {
+static const struct param_spec envmap_file = {"filename",
+                                              PARAM_STRING,
+                                              NULL,
+                                              0,
+                                              PARAM_REQUIRED,
+                                              NULL,
+                                              "The image, in latitude and longitude."};
+static const struct param_spec envmap_scale = {
     "scale", PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "A factor of the image."};
 static const struct param_spec compensation = {"mis_compensation",
                                                PARAM_BOOLEAN,
@@ -104,30 +105,31 @@ static const struct param_spec spot_texture = {
     PARAM_TEXTURE,
     NULL,
     "A factor of the intensity, as an image on the square around the cone."};
-static const struct param_spec slide = {"irradiance",
-                                        PARAM_LIGHT,
-                                        "1",
-                                        RANGE_NOT_NEGATIVE,
-                                        PARAM_TEXTURE,
-                                        NULL,
-                                        "The irradiance of a plane at unit distance, over pi."};
+static const struct param_spec slide_image = {
+    "irradiance",
+    PARAM_LIGHT,
+    "1",
+    RANGE_NOT_NEGATIVE,
+    PARAM_TEXTURE,
+    NULL,
+    "The irradiance of a plane at unit distance, over pi."};
 static const struct param_spec slide_scale = {
     "scale", PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "A factor of the irradiance."};
-static const struct param_spec fov = {"fov",
-                                      PARAM_FLOAT,
-                                      NULL,
-                                      RANGE_POSITIVE,
-                                      0,
-                                      NULL,
-                                      "The angle that the slide subtends, in degrees."};
-static const struct param_spec fov_axis = {"fov_axis",
-                                           PARAM_CHOICE,
-                                           "x",
-                                           0,
-                                           0,
-                                           load_fov_axes,
-                                           "The side of the slide to which `fov` refers."};
-static const struct param_spec focal_length = {
+static const struct param_spec slide_fov = {"fov",
+                                            PARAM_FLOAT,
+                                            NULL,
+                                            RANGE_POSITIVE,
+                                            0,
+                                            NULL,
+                                            "The angle that the slide subtends, in degrees."};
+static const struct param_spec slide_fov_axis = {"fov_axis",
+                                                 PARAM_CHOICE,
+                                                 "x",
+                                                 0,
+                                                 0,
+                                                 load_fov_axes,
+                                                 "The side of the slide to which `fov` refers."};
+static const struct param_spec slide_focal_length = {
     "focal_length",
     PARAM_STRING,
     "50mm",
@@ -143,7 +145,7 @@ static const struct param_spec haze = {"turbidity",
                                        0,
                                        NULL,
                                        "The turbidity of the air: 2 is very clear, 10 hazy."};
-static const struct param_spec sun_direction = {
+static const struct param_spec sky_sun_direction = {
     "sun_direction", PARAM_POINT, "1 1 1", 0, 0, NULL, "The direction to the sun in world space."};
 static const struct param_spec sky_scale = {
     "sky_scale", PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "A factor of the sky."};
@@ -159,19 +161,22 @@ static const struct param_spec sun_aperture = {
     "The angle that the sun subtends, in degrees. Its power does not depend on it."};
 
 typedef const struct param_spec *const param_list[];
-static param_list area_params = {&area_radiance, &sampling_weight, NULL};
-static param_list point_params = {&intensity, &position, &to_world, &sampling_weight, NULL};
-static param_list spot_params = {&intensity, &cutoff_angle,    &beam_width, &spot_texture,
-                                 &to_world,  &sampling_weight, NULL};
-static param_list projector_params = {&slide,    &slide_scale,     &fov, &fov_axis, &focal_length,
-                                      &to_world, &sampling_weight, NULL};
-static param_list directional_params = {&irradiance, &direction, &to_world, &sampling_weight, NULL};
+static param_list area_params = {&surface_radiance, &sampling_weight, NULL};
+static param_list point_params = {&intensity, &light_position, &light_to_world, &sampling_weight,
+                                  NULL};
+static param_list spot_params = {&intensity,      &cutoff_angle,    &beam_width, &spot_texture,
+                                 &light_to_world, &sampling_weight, NULL};
+static param_list projector_params = {
+    &slide_image,        &slide_scale,    &slide_fov,       &slide_fov_axis,
+    &slide_focal_length, &light_to_world, &sampling_weight, NULL};
+static param_list directional_params = {&irradiance, &light_direction, &light_to_world,
+                                        &sampling_weight, NULL};
 static param_list constant_params = {&radiance, &sampling_weight, NULL};
-static param_list envmap_params = {&filename,     &scale,           &sky_to_world,
+static param_list envmap_params = {&envmap_file,  &envmap_scale,    &sky_to_world,
                                    &compensation, &sampling_weight, NULL};
 
-static param_list sky_params = {&haze,         &sun_direction, &sky_scale,       &sun_scale,
-                                &sun_aperture, &sky_to_world,  &sampling_weight, NULL};
+static param_list sky_params = {&haze,         &sky_sun_direction, &sky_scale,       &sun_scale,
+                                &sun_aperture, &sky_to_world,      &sampling_weight, NULL};
 
 // Reads to_world, and sets position, direction and inverse.
 static satin_status set_light_position(struct load_state *loader, const struct params *p,

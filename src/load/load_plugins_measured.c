@@ -5,9 +5,9 @@
 #include "load/load_measured.h"
 #include "load/load_plugins_bsdf.h"
 
-static const struct param_spec filename = {
+static const struct param_spec measured_file = {
     "filename", PARAM_STRING, NULL, 0, PARAM_REQUIRED, NULL, "The file of the measured BRDF."};
-static const struct param_spec lobes = {
+static const struct param_spec lafortune_lobes = {
     "lobes",
     PARAM_STRING,
     NULL,
@@ -16,9 +16,9 @@ static const struct param_spec lobes = {
     NULL,
     "A list of seven numbers for each lobe: cx, cy, cz, exponent, red, green, blue."};
 
-param_list bsdf_lafortune_params = {&bsdf_diffuse_reflectance, &bsdf_specular_reflectance, &lobes,
-                                    NULL};
-param_list bsdf_measured_params = {&filename, NULL};
+param_list bsdf_lafortune_params = {&bsdf_diffuse_reflectance, &bsdf_specular_reflectance,
+                                    &lafortune_lobes, NULL};
+param_list bsdf_measured_params = {&measured_file, NULL};
 
 // Checks, for a few directions, that the BRDF does not reflect more light than it gets.
 static satin_status check_measured_albedo(struct load_state *loader, const struct params *p,

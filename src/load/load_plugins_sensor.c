@@ -9,7 +9,7 @@
 enum fov_axis { AXIS_X = 0, AXIS_Y, AXIS_DIAGONAL, AXIS_SMALLER, AXIS_LARGER };
 const char *const load_fov_axes[] = {"x", "y", "diagonal", "smaller", "larger", NULL};
 
-static const struct param_spec to_world = {
+static const struct param_spec sensor_to_world = {
     "to_world",
     PARAM_TRANSFORM,
     "1",
@@ -94,16 +94,17 @@ static const struct param_spec shutter_close = {
     "shutter_close", PARAM_FLOAT, "0", 0, 0, NULL, "It has no effect: nothing moves."};
 
 typedef const struct param_spec *const param_list[];
-static param_list perspective_params = {&to_world,     &fov,           &fov_axis,
-                                        &focal_length, &near_clip,     &far_clip,
-                                        &shift_x,      &shift_y,       &idle_focus_distance,
-                                        &shutter_open, &shutter_close, NULL};
+static param_list perspective_params = {&sensor_to_world, &fov,           &fov_axis,
+                                        &focal_length,    &near_clip,     &far_clip,
+                                        &shift_x,         &shift_y,       &idle_focus_distance,
+                                        &shutter_open,    &shutter_close, NULL};
 static param_list thinlens_params = {
-    &to_world,       &fov,          &fov_axis,      &focal_length,    &near_clip, &far_clip,
-    &focus_distance, &shutter_open, &shutter_close, &aperture_radius, NULL};
+    &sensor_to_world, &fov,          &fov_axis,      &focal_length,    &near_clip, &far_clip,
+    &focus_distance,  &shutter_open, &shutter_close, &aperture_radius, NULL};
 
 static param_list orthographic_params = {
-    &to_world, &near_clip, &far_clip, &shutter_open, &shutter_close, &idle_focus_distance, NULL};
+    &sensor_to_world, &near_clip,           &far_clip, &shutter_open,
+    &shutter_close,   &idle_focus_distance, NULL};
 
 // At a smaller angle, in degrees, the rays to both ends are equal in single precision.
 #define FOV_MIN 1e-5f

@@ -11,13 +11,13 @@
 // The least area of an emitter: the cube of its size is in the range of float.
 #define EMITTER_AREA_MIN 1e-24f
 
-static const struct param_spec to_world = {"to_world",
-                                           PARAM_TRANSFORM,
-                                           "1",
-                                           0,
-                                           0,
-                                           NULL,
-                                           "The transform from object space to world space."};
+static const struct param_spec shape_to_world = {"to_world",
+                                                 PARAM_TRANSFORM,
+                                                 "1",
+                                                 0,
+                                                 0,
+                                                 NULL,
+                                                 "The transform from object space to world space."};
 static const struct param_spec flip_normals = {
     "flip_normals",
     PARAM_BOOLEAN,
@@ -33,8 +33,8 @@ static const struct param_spec silhouette = {"silhouette_sampling_weight",
                                              0,
                                              NULL,
                                              "It has no effect: Mitsuba uses it for derivatives."};
-static const struct param_spec filename = {"filename", PARAM_STRING,    NULL, 0, PARAM_REQUIRED,
-                                           NULL,       "The mesh file."};
+static const struct param_spec mesh_file = {"filename", PARAM_STRING,    NULL, 0, PARAM_REQUIRED,
+                                            NULL,       "The mesh file."};
 static const struct param_spec shape_index = {"shape_index",
                                               PARAM_INTEGER,
                                               "0",
@@ -85,17 +85,18 @@ static const struct param_spec axis_end = {
 enum { SHAPES_MAX = 1 << 20 };  // each shape takes some kilobytes, whatever it is
 
 typedef const struct param_spec *const param_list[];
-static param_list obj_params = {&filename, &face_normals, &smooth_angle, &flip_v,
-                                &to_world, &flip_normals, &silhouette,   NULL};
-static param_list ply_params = {&filename, &face_normals, &smooth_angle, &keep_v,
-                                &to_world, &flip_normals, &silhouette,   NULL};
-static param_list serialized_params = {&filename,     &shape_index, &face_normals,
-                                       &smooth_angle, &keep_v,      &to_world,
+static param_list obj_params = {&mesh_file,      &face_normals, &smooth_angle, &flip_v,
+                                &shape_to_world, &flip_normals, &silhouette,   NULL};
+static param_list ply_params = {&mesh_file,      &face_normals, &smooth_angle, &keep_v,
+                                &shape_to_world, &flip_normals, &silhouette,   NULL};
+static param_list serialized_params = {&mesh_file,    &shape_index, &face_normals,
+                                       &smooth_angle, &keep_v,      &shape_to_world,
                                        &flip_normals, &silhouette,  NULL};
-static param_list flat_params = {&face_normals, &to_world, &flip_normals, &silhouette, NULL};
-static param_list sphere_params = {&center, &radius, &to_world, &flip_normals, &silhouette, NULL};
-static param_list disk_params = {&to_world, &flip_normals, &silhouette, NULL};
-static param_list cylinder_params = {&axis_start,   &axis_end,   &radius, &to_world,
+static param_list flat_params = {&face_normals, &shape_to_world, &flip_normals, &silhouette, NULL};
+static param_list sphere_params = {&center,       &radius,     &shape_to_world,
+                                   &flip_normals, &silhouette, NULL};
+static param_list disk_params = {&shape_to_world, &flip_normals, &silhouette, NULL};
+static param_list cylinder_params = {&axis_start,   &axis_end,   &radius, &shape_to_world,
                                      &flip_normals, &silhouette, NULL};
 
 static const struct param_spec curve_file = {"filename",
@@ -106,7 +107,7 @@ static const struct param_spec curve_file = {"filename",
                                              NULL,
                                              "The file of curves. Each line `x y z radius` is a "
                                              "control point; blank lines separate curves."};
-static param_list curve_params = {&curve_file, &to_world, &flip_normals, &silhouette, NULL};
+static param_list curve_params = {&curve_file, &shape_to_world, &flip_normals, &silhouette, NULL};
 
 typedef satin_status (*mesh_reader)(const struct load_source *, const struct mesh_request *,
                                     struct mesh *);

@@ -42,9 +42,9 @@ static const struct param_spec to = {"wavelength_max",
                                      PARAM_REQUIRED,
                                      NULL,
                                      "The wavelength of the last value, in nm."};
-static const struct param_spec scale = {"scale", PARAM_FLOAT, "1",        RANGE_NOT_NEGATIVE,
-                                        0,       NULL,        "A factor."};
-static const struct param_spec color = {
+static const struct param_spec spectrum_scale = {"scale", PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0,
+                                                 NULL,    "A factor."};
+static const struct param_spec d65_color = {
     "color", PARAM_COLOR, "1", RANGE_NOT_NEGATIVE, 0, NULL, "The colour of a surface lit by D65."};
 static const struct param_spec number = {"value",
                                          PARAM_FLOAT,
@@ -81,8 +81,8 @@ static const struct param_spec wavelengths = {
     "wavelengths", PARAM_STRING, NULL, 0, PARAM_REQUIRED, NULL, "A list of wavelengths, in nm."};
 
 typedef const struct param_spec *const param_list[];
-static param_list blackbody_params = {&temperature, &first, &last, &scale, NULL};
-static param_list d65_params = {&color, &scale, NULL};
+static param_list blackbody_params = {&temperature, &first, &last, &spectrum_scale, NULL};
+static param_list d65_params = {&d65_color, &spectrum_scale, NULL};
 static param_list regular_params = {&values, &from, &to, NULL};
 static param_list irregular_params = {&wavelengths, &values, NULL};
 static param_list uniform_params = {&number, NULL};

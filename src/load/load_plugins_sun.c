@@ -11,7 +11,7 @@
 
 NUMBER(haze, "turbidity", "3", RANGE_POSITIVE,
        "The turbidity of the air: 2 is very clear, 10 hazy.");
-static const struct param_spec direction = {
+static const struct param_spec daylight_direction = {
     "sun_direction",
     PARAM_POINT,
     NULL,
@@ -33,17 +33,23 @@ NUMBER(sky_scale, "sky_scale", "1", RANGE_NOT_NEGATIVE, "A factor of the sky.");
 NUMBER(sun_scale, "sun_scale", "1", RANGE_NOT_NEGATIVE, "A factor of the sun.");
 NUMBER(sun_radius, "sun_radius_scale", "1", RANGE_POSITIVE,
        "A factor of the sun's radius. Its power does not depend on it.");
-static const struct param_spec to_world = {"to_world",
-                                           PARAM_TRANSFORM,
-                                           "1",
-                                           0,
-                                           0,
-                                           NULL,
-                                           "The transform of the sky, before which y is up."};
+static const struct param_spec sun_to_world = {"to_world",
+                                               PARAM_TRANSFORM,
+                                               "1",
+                                               0,
+                                               0,
+                                               NULL,
+                                               "The transform of the sky, before which y is up."};
 
-static const struct param_spec *const daylight[] = {
-    &haze,   &direction, &latitude, &longitude, &timezone,  &year,       &month,    &day, &hour,
-    &minute, &second,    &scale,    &sky_scale, &sun_scale, &sun_radius, &to_world, NULL};
+static const struct param_spec *const daylight[] = {&haze,       &daylight_direction,
+                                                    &latitude,   &longitude,
+                                                    &timezone,   &year,
+                                                    &month,      &day,
+                                                    &hour,       &minute,
+                                                    &second,     &scale,
+                                                    &sky_scale,  &sun_scale,
+                                                    &sun_radius, &sun_to_world,
+                                                    NULL};
 
 static vec3 sun_toward_of(const struct params *p) {
     const struct sun_time time = {.year = param(p, "year")->i,

@@ -14,8 +14,8 @@ static const char *const filters[] = {"bilinear", "nearest", NULL};
 static const char *const wraps[] = {"repeat", "mirror", "clamp", NULL};
 static const char *const formats[] = {"auto", "variant", "fp16", NULL};
 
-static const struct param_spec filename = {"filename", PARAM_STRING,     NULL, 0, PARAM_REQUIRED,
-                                           NULL,       "The image file."};
+static const struct param_spec bitmap_file = {"filename", PARAM_STRING,     NULL, 0, PARAM_REQUIRED,
+                                              NULL,       "The image file."};
 static const struct param_spec filter_type = {
     "filter_type", PARAM_CHOICE, "bilinear", 0, 0, filters, "The interpolation between texels."};
 static const struct param_spec wrap_mode = {
@@ -65,7 +65,7 @@ static const struct param_spec format = {"format",
                                          0,
                                          formats,
                                          "It has no effect: Mitsuba uses it for storage."};
-static const struct param_spec accel = {
+static const struct param_spec bitmap_accel = {
     "accel",
     PARAM_BOOLEAN,
     "true",
@@ -115,8 +115,8 @@ static const struct param_spec factor = {
     "scale", PARAM_FLOAT, "1", RANGE_NOT_NEGATIVE, 0, NULL, "A factor of the values."};
 
 static const struct param_spec *const bitmap_params[] = {
-    &filename, &filter_type, &wrap_mode, &wrap_mode_u, &wrap_mode_v,
-    &raw,      &to_uv,       &format,    &accel,       NULL};
+    &bitmap_file, &filter_type, &wrap_mode, &wrap_mode_u,  &wrap_mode_v,
+    &raw,         &to_uv,       &format,    &bitmap_accel, NULL};
 static const struct param_spec *const checkerboard_params[] = {&color0, &color1, &to_uv, NULL};
 static const struct param_spec *const grid_params[] = {&grid_color0, &grid_color1, &line_width,
                                                        &to_uv, NULL};
@@ -291,7 +291,7 @@ static const struct param_spec raw_value = {"value",
                                             PARAM_REQUIRED,
                                             NULL,
                                             "The value, one number or three."};
-static const struct param_spec *const constant_params[] = {&raw_value, NULL};
+static const struct param_spec *const rawconstant_params[] = {&raw_value, NULL};
 
 static satin_status build_constant_texture(struct load_state *loader, const struct params *p,
                                            void *object) {
@@ -311,7 +311,7 @@ const struct plugin_spec load_texture_plugins[] = {
      checkerboard_params, 0, build_checkerboard, false},
     {XML_TEXTURE, "mesh_attribute", "numbers or colours at a mesh's vertices or faces",
      attribute_params, 0, build_attribute, false},
-    {XML_TEXTURE, "rawconstant", "the same value everywhere", constant_params, 0,
+    {XML_TEXTURE, "rawconstant", "the same value everywhere", rawconstant_params, 0,
      build_constant_texture, false},
     {0}};
 

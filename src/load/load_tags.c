@@ -45,15 +45,15 @@ static const struct tag_info tags[XML_TAG_COUNT] = {
 };
 
 // Elements that Mitsuba has and satin does not read.
-static const char *const unread[] = {"medium", "phase", "volume", "field", NULL};
+static const char *const unread_tags[] = {"medium", "phase", "volume", "field", NULL};
 
 const char *xml_tag_name(enum xml_tag tag) { return tags[tag].name; }
 
 enum xml_tag xml_tag_find(struct log log, struct log_place place, const char *name) {
     for (int i = 0; i < XML_TAG_COUNT; i++)
         if (strcmp(tags[i].name, name) == 0) return (enum xml_tag)i;
-    for (int i = 0; unread[i]; i++)
-        if (strcmp(unread[i], name) == 0) {
+    for (int i = 0; unread_tags[i]; i++)
+        if (strcmp(unread_tags[i], name) == 0) {
             log_error_at(log, place, "<%s> is not supported", name);
             return XML_TAG_COUNT;
         }

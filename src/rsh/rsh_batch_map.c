@@ -109,7 +109,7 @@ void GLUE(rsh_angles_, RSH_NAME)(const float r[9][RSH_MAX_WIDTH], bool stretch,
 }
 
 // The rows (o, +-m) of a conversion, for outputs o and inputs i from m on.
-struct map {
+struct row_map {
     const float *factor;  // the factor of output and input m
     ptrdiff_t output, input;
     int m, inputs;
@@ -119,7 +119,7 @@ struct map {
 };
 
 // Outputs o .. o + block - 1, computed together because they load the same inputs.
-INLINE void convert_map_rows(int block, const struct map *a, int o) {
+INLINE void convert_map_rows(int block, const struct row_map *a, int o) {
     vf plus[4], minus[4];
     for (int k = 0; k < block; k++) plus[k] = minus[k] = (vf){0};
     const float *f = a->factor + (o - a->m) * a->output;
@@ -143,7 +143,7 @@ INLINE void convert_map_rows(int block, const struct map *a, int o) {
     }
 }
 
-static void clear_rows(const struct map *a, int outputs) {
+static void clear_rows(const struct row_map *a, int outputs) {
     for (int o = a->m; o < outputs; o++) {
         float *out = a->out + o * (o + 1) * a->out_stride;
         store(out - a->m * a->out_stride, (vf){0});
@@ -154,7 +154,7 @@ static void clear_rows(const struct map *a, int outputs) {
 void GLUE(rsh_convert_many_, RSH_NAME)(const struct rsh_rows *rows, bool transposed,
                                        const int bands[2], const size_t strides[2], const float *in,
                                        float *out) {
-    struct map a = {.inputs = bands[1], .in = in, .out = out};
+    struct row_map a = {.inputs = bands[1], .in = in, .out = out};
     a.out_stride = (ptrdiff_t)strides[0];
     a.in_stride = (ptrdiff_t)strides[1];
     for (a.m = 0; a.m < bands[0]; a.m++) {

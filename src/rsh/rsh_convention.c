@@ -6,7 +6,7 @@
 
 #include "rsh/rsh_kernel.h"
 
-static const double PI = 3.14159265358979323846;
+static const double PI_DOUBLE = 3.14159265358979323846;
 
 static bool known(int order, const rsh_convention *c) {
     return rsh_order_ok(order) && (unsigned)c->norm <= RSH_UNNORMALISED &&
@@ -20,15 +20,15 @@ static double factor_of(const rsh_convention *convention, int l, int m) {
         case RSH_ORTHONORMAL:
             break;
         case RSH_FOUR_PI:
-            factor /= sqrt(4.0 * PI);
+            factor /= sqrt(4.0 * PI_DOUBLE);
             break;
         case RSH_SCHMIDT:
-            factor *= sqrt((2 * l + 1) / (4.0 * PI));
+            factor *= sqrt((2 * l + 1) / (4.0 * PI_DOUBLE));
             break;
         case RSH_UNNORMALISED: {
             double ratio = 1.0;  // (l - |m|)! / (l + |m|)!
             for (int k = l - abs(m) + 1; k <= l + abs(m); k++) ratio /= k;
-            factor *= sqrt((m ? 2.0 : 1.0) * (2 * l + 1) / (4.0 * PI) * ratio);
+            factor *= sqrt((m ? 2.0 : 1.0) * (2 * l + 1) / (4.0 * PI_DOUBLE) * ratio);
         }
     }
     return factor;

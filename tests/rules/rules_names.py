@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that names are defined once in include, src and bench: static functions and tags of
-structs, unions and enums name one thing, so that a search or a back-trace leads to one definition;
-that constants of one name have one value in all files of src; and that an option has one name, that
-of its field in satin_options, in the table of options, in docs/options.md and in the glossary.
+"""Checks that names are defined once in include, src and bench: static functions, static objects
+(constants and tables) and tags of structs, unions and enums name one thing, so that a search or a
+back-trace leads to one definition; that constants of one name have one value in all files of src;
+and that an option has one name, that of its field in satin_options, in the table of options, in
+docs/options.md and in the glossary.
 
 Usage: rules_names.py TREE
 """
@@ -12,7 +13,7 @@ import pathlib
 import re
 import sys
 
-# The unit tests are separate programs, whose helpers may be called alike.
+# The tests are exempt: each unit test is a program of its own, whose helpers may be called alike.
 FOLDERS = ["include", "src", "bench"]
 CODE = {".c", ".h", ".cpp"}
 # Names that still recur. The list may only shrink: one that no longer recurs is an error too.
@@ -23,7 +24,10 @@ TO_DO = set("""
 FUNCTION = re.compile(r"^static (?:inline )?(?:_Noreturn )?[\w \*]*?\b(\w+)\([^;{}]*?\)\s*\{",
                       re.MULTILINE)
 INLINE_FUNCTION = re.compile(r"^INLINE [\w \*]*?\b(\w+)\([^;{}]*?\)\s*\{", re.MULTILINE)
-TAG = re.compile(r"^(?:typedef )?(?:struct|union|enum) (\w+) \{", re.MULTILINE)
+TAG = re.compile(r"^(?:typedef |static |const )*(?:struct|union|enum) (\w+) \{", re.MULTILINE)
+# Once what is in brackets is taken out, which leaves these empty.
+OBJECTS = re.compile(r"^static (?!inline\b)([\w \*\[\]\n{}]+(?:[=,][^;]*)?);", re.MULTILINE)
+OBJECT = re.compile(r"(\w+)(?:\[\])*\s*(?:=.*)?$", re.DOTALL)
 
 CONSTANTS = re.compile(r"^(?:    )?(?:static )?const (?:float|double|int|size_t|u?int\d+_t) "
                        r"([^;]*);"
@@ -56,12 +60,33 @@ def wrong_constants(tree):
         yield "constants are not found"
 
 
+def without(brackets, text):
+    """The text with nothing inside brackets, which are of one kind."""
+    inner = re.compile(rf"\{brackets[0]}[^\{brackets[0]}\{brackets[1]}]*\{brackets[1]}")
+    count = 1
+    while count:
+        text, count = inner.subn(lambda _: "\0\0", text)
+    return text.replace("\0\0", brackets)
+
+
+def objects(text):
+    """The names of the static objects of a file; those inside functions aside."""
+    text = re.sub(r"//[^\n]*", "", text)
+    text = re.sub(r"\"(?:[^\"\\\n]|\\.)*\"|'(?:[^'\\\n]|\\.)+'", "0", text)
+    for brackets in ("[]", "()", "{}"):
+        text = without(brackets, text)
+    for statement in OBJECTS.findall(text):
+        for declared in statement.split(","):
+            yield OBJECT.search(declared).group(1)
+
+
 def definitions(path):
     """The names that a file defines for itself; comments aside."""
     text = re.sub(r"//[^\n]*", "", path.read_text(encoding="utf-8"))
     yield from FUNCTION.findall(text)
     yield from INLINE_FUNCTION.findall(text)
     yield from TAG.findall(text)
+    yield from objects(text)
 
 
 def recurring(tree):
@@ -102,7 +127,10 @@ def wrong_options(tree):
 def main():
     tree = pathlib.Path(sys.argv[1]).resolve()
     found = recurring(tree)
-    wrong = [f"{name} is defined in {', '.join(str(p.relative_to(tree)) for p in paths)}"
+    seen = [name for path in (tree / "src").rglob("*") if path.suffix in CODE
+            for name in objects(path.read_text(encoding="utf-8"))]
+    wrong = ["static objects are not found"] if len(seen) < 300 else []
+    wrong += [f"{name} is defined in {', '.join(str(p.relative_to(tree)) for p in paths)}"
              for name, paths in sorted(found.items()) if name not in TO_DO]
     wrong += [f"{name} no longer recurs: take it off TO_DO"
               for name in sorted(TO_DO - found.keys())]
