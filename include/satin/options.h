@@ -46,8 +46,8 @@ typedef enum satin_gradients {
     SATIN_GRADIENTS_WARD_HECKBERT
 } satin_gradients;
 
-// How the influence radius of a record is computed: from the distances of the hits of its rays, or
-// from the second derivatives of its irradiance.
+// How the radius R of a record is computed: from the distances of the hits of its rays, or from
+// the second derivatives of its irradiance.
 typedef enum satin_radius {
     SATIN_RADIUS_HARMONIC = 0,  // harmonic mean distance [Ward 1988]
     SATIN_RADIUS_LEAST,         // least distance
@@ -102,8 +102,8 @@ typedef struct satin_options {
     bool irradiance_gradient_clamp;   // E changes by at most itself within R [K05 6.5.1]
     bool irradiance_neighbour_clamp;  // R of two records differ by at most their distance [K05
                                       // 6.5.2]
-    float irradiance_min_pixels;      // least influence radius in projected pixels, 0 to 1000
-    float irradiance_max_pixels;      // largest influence radius in projected pixels, 1 to 100000
+    float irradiance_min_pixels;      // least influence radius a R in projected pixels, 0 to 1000
+    float irradiance_max_pixels;  // largest influence radius a R in projected pixels, 1 to 100000
 
     // Radiance cache (glossy surfaces).
     bool radiance_cache;
@@ -122,8 +122,8 @@ typedef struct satin_options {
     satin_radius radiance_radius;   // not SATIN_RADIUS_HESSIAN
     bool radiance_gradient_clamp;   // R is limited to where the gradient is valid [K05 6.5.1]
     bool radiance_neighbour_clamp;  // R of two records differ by at most their distance [K05 6.5.2]
-    float radiance_min_pixels;      // least influence radius in projected pixels, 0 to 1000
-    float radiance_max_pixels;      // largest influence radius in projected pixels, 1 to 100000
+    float radiance_min_pixels;      // least influence radius a R in projected pixels, 0 to 1000
+    float radiance_max_pixels;      // largest influence radius a R in projected pixels, 1 to 100000
 
     // Both caches.
     bool adaptive_cache;      // shrinks records where they disagree visibly [K05 6.3]

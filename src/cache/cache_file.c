@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes records to a file and reads them into a cache. They are inserted in the order in which
-// they were made, with their influence radii, so that the tree, and the result of every lookup, is
+// they were made, with their search radii, so that the tree, and the result of every lookup, is
 // that of the saved cache.
 #include "cache/cache_file.h"
 
@@ -154,7 +154,7 @@ static satin_status load_head(struct cache_tree *tree, const unsigned char *row)
     const vec3 d = v3_sub(head.p, tree->lo);
     const float most = tree->size * (float)(1 << 24);  // cells are numbered by int
     if (!(fminf(fminf(d.x, d.y), d.z) >= 0.0f) || !(v3_max_abs(d) <= tree->size) ||
-        !(head.influence <= most))
+        !(head.search_radius <= most))
         return SATIN_ERROR_INPUT;
     return cache_tree_insert(tree, &head) ? SATIN_OK : SATIN_ERROR_MEMORY;
 }

@@ -260,19 +260,19 @@ static void clamp_extent(struct cache_side *side, const struct cache_site *s,
 // False if there is no memory.
 static bool insert_head(struct batch *b, const struct job *job, const struct cache_extent *x) {
     const struct cache_site *s = job->site;
-    const float influence = b->side->options.a * b->fill->widest * x->R;
+    const float radius = b->side->options.a * b->fill->widest * x->R;
     float ratio = x->R / x->across;
     float clear;
-    const uint32_t walls = cache_leak_walls(&job->around, influence, &clear);
+    const uint32_t near = cache_leak_sectors(&job->around, radius, &clear);
     struct cache_head head = {
         .p = s->p,
         .R = x->R,
         .n = s->frame.n,
-        .influence = influence,
+        .search_radius = radius,
         .squeeze = v3_mul(x->axis, sqrtf(fmaxf(ratio * ratio - 1.0f, 0.0f))),
-        .scale = b->fill->adapted ? first_scale(&b->side->tree, s, influence) : 1.0f,
+        .scale = b->fill->adapted ? first_scale(&b->side->tree, s, radius) : 1.0f,
         .u = s->frame.u,
-        .walls = walls,
+        .near_sectors = near,
         .clear = clear,
     };
     return cache_tree_insert(&b->side->tree, &head);

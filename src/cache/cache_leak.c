@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Light leaks: a record behind a thin wall, or one whose rays have slipped through a gap, must not
 // be used at a point from which its surroundings are not visible. Each record stores the sectors of
-// its tangent plane in which there are surfaces within its influence radius, as the ambient cache
+// its tangent plane in which there are surfaces within its search radius, as the ambient cache
 // of Radiance does; for points in such a sector a ray is traced.
 #include "cache/cache_records.h"
 
@@ -13,15 +13,15 @@ static const float LIFT = 0.1f;
 // because the rays may have missed something nearer.
 static const float CLEAR = 0.8f;
 
-uint32_t cache_leak_walls(const struct gather_around *around, float radius, float *clear) {
-    uint32_t walls = 0;
+uint32_t cache_leak_sectors(const struct gather_around *around, float radius, float *clear) {
+    uint32_t near = 0;
     *clear = radius;
     for (int s = 0; s < GATHER_SECTORS; s++)
         if (around->sector[s] < radius) {
-            walls |= 1u << s;
+            near |= 1u << s;
             *clear = fminf(*clear, CLEAR * around->sector[s]);
         }
-    return walls;
+    return near;
 }
 
 // The sector of the direction d about n.
@@ -33,10 +33,10 @@ static int sector_of(const struct cache_head *h, vec3 d) {
 }
 
 bool cache_leaks(const struct cache *cache, const struct cache_head *h, vec3 p) {
-    if (!h->walls || !cache->g->options->leak_test) return false;
+    if (!h->near_sectors || !cache->g->options->leak_test) return false;
     vec3 d = v3_sub(p, h->p);
     float length = v3_len(d);
-    if (!(length > h->clear) || !(h->walls >> sector_of(h, d) & 1u)) return false;
+    if (!(length > h->clear) || !(h->near_sectors >> sector_of(h, d) & 1u)) return false;
     vec3 lift = v3_mul(h->n, LIFT * length), from = v3_add(h->p, lift), to = v3_add(p, lift);
     struct ray ray = scene_spawn_to(cache->g->scene, from, h->n, to, v3(0, 0, 0));
     return scene_occluded(cache->g->scene, &ray);

@@ -135,8 +135,9 @@ bool cache_valid_head(const struct cache_head *head);
 
 // The mask of the sectors with surfaces nearer than `radius`. *clear is set to a distance within
 // which there are none.
-uint32_t cache_leak_walls(const struct gather_around *around, float radius, float *clear);
-// Whether a surface separates the record and the point. A ray is traced only in sectors with walls.
+uint32_t cache_leak_sectors(const struct gather_around *around, float radius, float *clear);
+// Whether a surface separates the record and the point. A ray is traced only in the sectors with
+// near surfaces.
 bool cache_leaks(const struct cache *cache, const struct cache_head *head, vec3 p);
 // cache_tree_find without the records that leak.
 int cache_find(const struct cache *cache, const struct cache_tree *tree, vec3 p, vec3 n, float a,

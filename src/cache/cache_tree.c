@@ -54,11 +54,10 @@ static int descend(vec3 p, vec3 *lo, float *size) {
     return octant;
 }
 
-// The depth of the level whose cells are between half as wide and as wide as the influence radius.
-static int depth_of(const struct cache_tree *tree, float influence) {
+// The depth of the level whose cells are between half as wide and as wide as the search radius.
+static int depth_of(const struct cache_tree *tree, float radius) {
     int depth = 0;
-    for (float size = tree->size * 0.5f; size >= 0.5f * influence && depth < DEPTH_MAX;
-         size *= 0.5f)
+    for (float size = tree->size * 0.5f; size >= 0.5f * radius && depth < DEPTH_MAX; size *= 0.5f)
         depth++;
     return depth;
 }
@@ -80,30 +79,30 @@ static void add_reference(struct cache_tree *tree, vec3 centre, int depth, uint3
     tree->node[at].first = (uint32_t)++tree->ref_count;
 }
 
-// Whether the record may be used at a point of the cell: whether both its sphere of influence and
-// the slab around its tangent plane intersect the cell.
+// Whether the record may be used at a point of the cell: whether both the sphere of its search
+// radius and the slab around its tangent plane intersect the cell.
 static bool cell_meets(const struct cache_head *h, vec3 centre, float size) {
     vec3 d = v3_sub(centre, h->p);
     float half = 0.5f * size;
     float dx = fmaxf(fabsf(d.x) - half, 0.0f), dy = fmaxf(fabsf(d.y) - half, 0.0f),
           dz = fmaxf(fabsf(d.z) - half, 0.0f);
-    if (dx * dx + dy * dy + dz * dz >= h->influence * h->influence) return false;
+    if (dx * dx + dy * dy + dz * dz >= h->search_radius * h->search_radius) return false;
     float extent = half * (fabsf(h->n.x) + fabsf(h->n.y) + fabsf(h->n.z));
-    return fabsf(v3_dot(d, h->n)) <= SLAB * h->influence + extent;
+    return fabsf(v3_dot(d, h->n)) <= SLAB * h->search_radius + extent;
 }
 
 bool cache_tree_insert(struct cache_tree *tree, const struct cache_head *head) {
-    int depth = depth_of(tree, head->influence);
+    int depth = depth_of(tree, head->search_radius);
     float size = ldexpf(tree->size, -depth);
     // The cells of that level, numbered from the root's corner, that intersect the sphere's box.
     const float p[3] = {head->p.x - tree->lo.x, head->p.y - tree->lo.y, head->p.z - tree->lo.z};
     const int most = 1 << depth;
     int first[3], last[3];
     for (int k = 0; k < 3; k++) {
-        first[k] = (int)fmaxf(floorf((p[k] - head->influence) / size), 0.0f);
-        last[k] = (int)fminf(floorf((p[k] + head->influence) / size), (float)(most - 1));
+        first[k] = (int)fmaxf(floorf((p[k] - head->search_radius) / size), 0.0f);
+        last[k] = (int)fminf(floorf((p[k] + head->search_radius) / size), (float)(most - 1));
     }
-    enum { SPAN = 6 };  // 2 influence / size <= 4 except at the root, and a cell on either side
+    enum { SPAN = 6 };  // 2 search_radius / size <= 4 except at the root, and a cell on either side
     if (!array_reserve((void **)&tree->head, &tree->head_capacity, tree->head_count + 1,
                        sizeof *tree->head) ||
         !array_reserve((void **)&tree->node, &tree->node_capacity,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to cache/: an octree over records' discs of influence. A record is referred to by every
-// cell that its disc touches on one level, where cells are about half as wide as the disc, so a
-// query descends a single path. Lengths are in scene units, directions are unit vectors in world
-// space. Any number of threads may query while none inserts.
+// Private to cache/: an octree over discs around records. A record is referred to by every
+// cell that its disc, of its search radius, touches on one level, where cells are about half as
+// wide as the disc, so a query descends a single path. Lengths are in scene units, directions are
+// unit vectors in world space. Any number of threads may query while none inserts.
 #ifndef CACHE_TREE_H
 #define CACHE_TREE_H
 
@@ -14,15 +14,15 @@
 // The data of a record that a query tests, without its value; a row of the file of records.
 struct cache_head {
     vec3 p;
-    float R;          // clamped radius; at accuracy a the record is used within a R
-    vec3 n;           // shading normal
-    float influence;  // influence radius: the tree finds the record within it; at least a R for
-                      // every a in use
-    vec3 squeeze;     // makes the disc an ellipse: d^2 becomes d^2 + (d . squeeze)^2; 0: a disc
-    float scale;      // its own accuracy is this times a [K05 6.3], in (0, 1]
-    vec3 u;           // tangent from which sectors are counted, about n
-    uint32_t walls;   // mask of the sectors with surfaces within the influence radius
-    float clear;      // no surface is nearer than this
+    float R;              // radius, as clamped; at accuracy a the record is used within a R, its
+                          // influence radius
+    vec3 n;               // shading normal
+    float search_radius;  // the tree finds the record within it: a R at the largest a in use
+    vec3 squeeze;         // makes the disc an ellipse: d^2 becomes d^2 + (d . squeeze)^2; 0: a disc
+    float scale;          // its own accuracy is this times a [K05 6.3], in (0, 1]
+    vec3 u;               // tangent from which sectors are counted, about n
+    uint32_t near_sectors;  // mask of the sectors with surfaces within the search radius
+    float clear;            // no surface is nearer than this
 };
 
 struct cache_node {

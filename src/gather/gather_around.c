@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the rays of a hemisphere show of the surroundings of a record: distances, from which its
-// influence radius follows; the noise of E; and the Hessian of E. This is the occlusion Hessian of
+// radius R follows; the noise of E; and the Hessian of E. This is the occlusion Hessian of
 // Schwarzhaupt et al. [2012], formulated for the strata of the stratified hemisphere: the boundary
 // between two strata is at the nearer of their hits, where an occluder's edge would be, so E is a
 // sum of polygons under the cosine law. The second derivative of the edge of such a polygon is a

@@ -34,10 +34,9 @@ enum {
 #define FACING 0.5f
 // Light that ends is 0 beyond this times the squared distance at which it begins to fade.
 #define FAR 9.0f
-// The nearest of randomly distributed entries is farther than the root of INFLUENCE / (pi density)
-// at one in e^INFLUENCE positions. Where it is farther, no light arrived, and the entry's
-// irradiance fades.
-#define INFLUENCE 6.0f
+// The nearest of randomly distributed entries is farther than the root of FADE / (pi density) at
+// one in e^FADE positions. Where it is farther, no light arrived, and the entry's irradiance fades.
+#define FADE 6.0f
 // The height of the end of a ray towards an entry above the surface, over the length of the ray.
 #define LIFT 0.1f
 #define CLEARING 2.5f  // radius of a clearing over that of a disc
@@ -168,7 +167,7 @@ static float normal_scale(const struct photon_irradiance *r, const struct satin_
 // entry with the orientation of the query differs by less than the scale.
 static float far_of(const struct photon_precompute *what, const struct photon_irradiance *r) {
     if (!r->ends) return INFINITY;
-    return FAR * r->influence2 * photon_map_far2(what->map) + sqrf(r->position.scale);
+    return FAR * r->fade2 * photon_map_far2(what->map) + sqrf(r->position.scale);
 }
 
 // Computes the rows of the index, once their scale is known.
@@ -197,7 +196,7 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
                                      struct log log, struct photon_irradiance *out) {
     struct photon_map *map = what->map;
     struct photon_irradiance r = {.count = (map->count + what->stride - 1) / what->stride};
-    r.influence2 = INFLUENCE * (float)what->stride / (float)what->k;
+    r.fade2 = FADE * (float)what->stride / (float)what->k;
     r.ends = what->ends;
     if (map->count == 0) {
         *out = r;
@@ -286,8 +285,8 @@ bool photon_entry_position_hidden(const struct photon_positions *positions,
 // Whether p is far from the row, in comparison with the spacing of photons there.
 static bool is_far(const struct photon_irradiance *r, int row, vec3 p) {
     const float d2 = v3_dist2(p, photon_entry_position(&r->position, (size_t)row));
-    const float influence2 = r->influence2 * sqrf(r->radius[row]);
-    return influence2 > 0.0f && d2 > FAR * influence2;
+    const float fade2 = r->fade2 * sqrf(r->radius[row]);
+    return fade2 > 0.0f && d2 > FAR * fade2;
 }
 
 // The nearest of a few entries that has the orientation of n and is not behind a wall; -1 if there
@@ -323,17 +322,16 @@ rgb photon_irradiance_value(const struct photon_irradiance *r, int entry, vec3 p
     if (entry < 0) return rgb_grey(0.0f);
     float d2 = v3_dist2(p, photon_entry_position(&r->position, (size_t)entry)),
           radius = r->radius[entry];
-    float influence2 = r->influence2 * radius * radius;
-    if (d2 <= influence2) return r->E[entry];
-    const float far = d2 / influence2,
-                left = r->ends ? fmaxf(FAR - far, 0.0f) / (FAR - 1.0f) : 1.0f;
+    float fade2 = r->fade2 * radius * radius;
+    if (d2 <= fade2) return r->E[entry];
+    const float far = d2 / fade2, left = r->ends ? fmaxf(FAR - far, 0.0f) / (FAR - 1.0f) : 1.0f;
     return rgb_scale(r->E[entry], left / far);
 }
 
 // Whether light arrives at p: p is as near to the row as the photons around it are.
-static bool is_within_influence(const struct photon_irradiance *r, int row, vec3 p) {
+static bool is_before_fade(const struct photon_irradiance *r, int row, vec3 p) {
     const float d2 = v3_dist2(p, photon_entry_position(&r->position, (size_t)row));
-    return d2 <= r->influence2 * sqrf(r->radius[row]);
+    return d2 <= r->fade2 * sqrf(r->radius[row]);
 }
 
 // The fraction of an entry's light, by colour, whose photons may bounce `bounces` times more.
@@ -371,7 +369,7 @@ static void look_up_photons(const struct photon_irradiance *r, const struct sati
             E[j] = rgb_mul(photon_irradiance_value(r, row[i], p[j]),
                            fraction_within(r, row[i], bounces));
             radius[j] = row[i] >= 0 ? r->ring[row[i]] : INFINITY;
-            if (entry) entry[j] = row[i] >= 0 && is_within_influence(r, row[i], p[j]) ? row[i] : -1;
+            if (entry) entry[j] = row[i] >= 0 && is_before_fade(r, row[i], p[j]) ? row[i] : -1;
         }
     }
 }
@@ -397,7 +395,7 @@ rgb photon_irradiance_at(const struct photon_maps *maps, size_t entry) {
 
 float photon_irradiance_area(const struct photon_maps *maps, size_t entry) {
     const struct photon_irradiance *r = &maps->irradiance;
-    return PI_F * sqrf(r->radius[entry]) * r->influence2 / INFLUENCE;
+    return PI_F * sqrf(r->radius[entry]) * r->fade2 / FADE;
 }
 
 void photon_irradiance_around(const struct photon_maps *maps, size_t entry,

@@ -201,13 +201,13 @@ struct photon_irradiance {
     size_t count;    // number of entries
     size_t refused;  // number of estimates that were not finite
     struct photon_positions position;
-    rgb *E;            // by entry [W m^-2]
-    rgb *last;         // by entry: photon_disc_last; NULL: bounces are not limited
-    float *radius;     // by entry: radius of its estimate; INFINITY: the map has too few photons
-    float *ring;       // by entry: photon_ring_radius
-    float influence2;  // squared influence radius of an entry over its squared radius
-    bool ends;         // whether its light is 0 from three times its influence radius on
-    float far2;        // squared distance of rows beyond which no entry is used
+    rgb *E;         // by entry [W m^-2]
+    rgb *last;      // by entry: photon_disc_last; NULL: bounces are not limited
+    float *radius;  // by entry: radius of its estimate; INFINITY: the map has too few photons
+    float *ring;    // by entry: photon_ring_radius
+    float fade2;    // squared distance from which on an entry fades, over its squared radius
+    bool ends;      // whether its light is 0 from three times that distance on
+    float far2;     // squared distance of rows beyond which no entry is used
     struct photon_index *index;
 };
 

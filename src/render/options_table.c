@@ -122,18 +122,18 @@ const struct option options_table[] = {
      "The image pass interpolates irradiance with this factor times the accuracy a."},
     {"irradiance-radius", OPTION_CHOICE, AT(irradiance_radius), false,
      "harmonic|least|tabellion|hessian",
-     "How the influence radius of a record is computed: as the harmonic mean of the distances of "
+     "How the radius R of a record is computed: as the harmonic mean of the distances of "
      "its hits (harmonic), as the least distance (least), as the least without grazing rays "
      "(tabellion), or as an ellipse from the Hessian of the irradiance (hessian)."},
     {"irradiance-gradient-clamp", OPTION_BOOL, AT(irradiance_gradient_clamp), false, "off|on",
-     "Limits the influence radius of a record to the distance at which its gradient is valid."},
+     "Limits the radius R of a record to the distance at which its gradient is valid."},
     {"irradiance-neighbour-clamp", OPTION_BOOL, AT(irradiance_neighbour_clamp), false, "off|on",
-     "Limits the difference between the influence radii of two records to their distance."},
+     "Limits the difference between the radii R of two records to their distance."},
     {"irradiance-min-pixels", OPTION_FLOAT, AT(irradiance_min_pixels), true, "0..1000",
-     "Least influence radius of an irradiance record in projected pixels. irradiance-max-pixels "
-     "and record-max-radius take precedence."},
+     "Least influence radius a R of an irradiance record in projected pixels. "
+     "irradiance-max-pixels and record-max-radius take precedence."},
     {"irradiance-max-pixels", OPTION_FLOAT, AT(irradiance_max_pixels), false, "1..100000",
-     "Largest influence radius of an irradiance record in projected pixels."},
+     "Largest influence radius a R of an irradiance record in projected pixels."},
 
     {"radiance-cache", OPTION_BOOL, AT(radiance_cache), false, "off|on",
      "Interpolates glossy indirect light between records. If off, every sample gathers."},
@@ -163,16 +163,16 @@ const struct option options_table[] = {
     {"radiance-widen", OPTION_FLOAT, AT(radiance_widen), true, "1..2",
      "The image pass interpolates radiance with this factor times the accuracy a."},
     {"radiance-radius", OPTION_CHOICE, AT(radiance_radius), false, "harmonic|least|tabellion",
-     "How the influence radius of a record is computed, as irradiance-radius."},
+     "How the radius R of a record is computed, as irradiance-radius."},
     {"radiance-gradient-clamp", OPTION_BOOL, AT(radiance_gradient_clamp), false, "off|on",
-     "Limits the influence radius of a record to the distance at which its gradient is valid."},
+     "Limits the radius R of a record to the distance at which its gradient is valid."},
     {"radiance-neighbour-clamp", OPTION_BOOL, AT(radiance_neighbour_clamp), false, "off|on",
-     "Limits the difference between the influence radii of two records to their distance."},
+     "Limits the difference between the radii R of two records to their distance."},
     {"radiance-min-pixels", OPTION_FLOAT, AT(radiance_min_pixels), true, "0..1000",
-     "Least influence radius of a radiance record in projected pixels. radiance-max-pixels and "
+     "Least influence radius a R of a radiance record in projected pixels. radiance-max-pixels and "
      "record-max-radius take precedence."},
     {"radiance-max-pixels", OPTION_FLOAT, AT(radiance_max_pixels), false, "1..100000",
-     "Largest influence radius of a radiance record in projected pixels."},
+     "Largest influence radius a R of a radiance record in projected pixels."},
 
     {"adaptive-cache", OPTION_BOOL, AT(adaptive_cache), false, "off|on",
      "Shrinks and adds records until no two of them disagree visibly at a point that is seen. A "
@@ -180,11 +180,11 @@ const struct option options_table[] = {
     {"origin-shift", OPTION_BOOL, AT(origin_shift), false, "off|on",
      "Moves the positions of records away from the edges of triangles, by at most half a pixel."},
     {"record-max-radius", OPTION_FLOAT, AT(record_max_radius), false, "0..1e30",
-     "Largest influence radius R of all records, in scene units. It takes precedence over radii in "
+     "Largest radius R of all records, in scene units. It takes precedence over radii in "
      "pixels; 0 is no limit."},
     {"gather-radius-ratio", OPTION_FLOAT, AT(gather_radius_ratio), false, "0..1",
-     "The image pass gathers instead of interpolating where the radius that records should have is "
-     "below this fraction of the least radius, as near contacts of surfaces; 0 is nowhere."},
+     "The image pass gathers instead of interpolating where the radius R that records should have "
+     "is below this fraction of the least R, as near contacts of surfaces; 0 is nowhere."},
     {"leak-test", OPTION_BOOL, AT(leak_test), false, "off|on",
      "Records do not contribute to points from which a wall separates them."},
     {"record-maps", OPTION_BOOL, AT(record_maps), false, "off|on",

@@ -106,7 +106,7 @@ LINE_END = re.compile(r"[ \t]*\n[ \t]*(?:// ?|# )?|\"\s*\n\s*\"")
 CUT = re.compile(r"^\s*// (The same|Of what)\b"
                  r"|^(?![ \t]*//)[^\n]*\n[ \t]*// (Of|Nor|Those|Such|Who|As many|Its)\b",
                  re.MULTILINE)
-# A line of a comment that begins in lower case after a full stop: what is left of an older sentence.
+# A comment line in lower case after a full stop: what is left of an older sentence.
 LEFT_OVER = re.compile(r"//[^\n]*[^.\s]{2}\.\n[ \t]*// ([a-z]+)(?: [^<>=]|,)")
 
 

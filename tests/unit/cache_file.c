@@ -54,11 +54,11 @@ static struct cache_head head(struct rng *rng) {
     return (struct cache_head){.p = draw(rng),
                                .R = 0.2f + rng_float(rng),
                                .n = frame.n,
-                               .influence = 0.6f,
+                               .search_radius = 0.6f,
                                .squeeze = draw(rng),
                                .scale = 0.5f + 0.5f * rng_float(rng),
                                .u = frame.u,
-                               .walls = rng_u32(rng)};
+                               .near_sectors = rng_u32(rng)};
 }
 
 // A cache of records that hold any numbers.

@@ -44,7 +44,7 @@ static void start(struct fixture *f) {
     gather_hemisphere_irradiance(&f->g, worker->hemisphere, &value);
     gather_around_make(worker->hemisphere, false, &around);
     f->head = (struct cache_head){.p = site.p, .R = 2.0f, .n = up, .u = site.frame.u, .scale = 1};
-    f->head.walls = cache_leak_walls(&around, 2.0f, &f->head.clear);
+    f->head.near_sectors = cache_leak_sectors(&around, 2.0f, &f->head.clear);
     gather_workers_free(worker, 1);
     gather_layout_free(layout);
 }
@@ -54,8 +54,8 @@ static void a_wall_hides_what_is_behind(void **state) {
     struct fixture f;
     start(&f);
     // Towards the wall, not away from it.
-    assert_true(f.head.walls >> (GATHER_SECTORS / 2) & 1u);
-    assert_false(f.head.walls & 1u);
+    assert_true(f.head.near_sectors >> (GATHER_SECTORS / 2) & 1u);
+    assert_false(f.head.near_sectors & 1u);
     assert_true(cache_leaks(&f.cache, &f.head, v3(-0.3f, 0, 0)));
     assert_true(cache_leaks(&f.cache, &f.head, v3(-0.01f, -0.3f, 0)));
     assert_false(cache_leaks(&f.cache, &f.head, v3(0.01f, 0, 0)));

@@ -33,8 +33,11 @@ static void start(struct fixture *f) {
     for (int i = 0; i < RECORDS; i++) {
         f->record[i] = (struct cache_irradiance_record){
             .value = {.E = rgb_grey((float)i), .rays = i ? 300 : 100}, .radius_ratio = 1.0f};
-        struct cache_head head = {
-            .p = v3(x[i], 0, 0), .R = 1.0f, .n = v3(0, 0, 1), .influence = 1.0f, .scale = scale[i]};
+        struct cache_head head = {.p = v3(x[i], 0, 0),
+                                  .R = 1.0f,
+                                  .n = v3(0, 0, 1),
+                                  .search_radius = 1.0f,
+                                  .scale = scale[i]};
         assert_true(cache_tree_insert(&f->cache.side[CACHE_IRRADIANCE].tree, &head));
     }
 }

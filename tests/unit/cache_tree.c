@@ -22,7 +22,7 @@ static struct cache_head random_head(struct rng *rng, float a) {
     struct cache_head head = {.p = random_point(rng), .scale = 1.0f};
     head.n = sample_uniform_cone(rng_float(rng), rng_float(rng), 0.99f);
     head.R = 0.001f + 0.6f * rng_float(rng) * rng_float(rng);
-    head.influence = a * head.R;
+    head.search_radius = a * head.R;
     return head;
 }
 
@@ -76,7 +76,7 @@ static void rejects_points_in_front(void **state) {
     struct cache_tree tree;
     cache_tree_init(&tree, v3(-1, -1, -1), v3(1, 1, 1));
     struct cache_head head = {
-        .p = v3(0, 0, 0), .R = 1.0f, .n = v3(0, 0, 1), .influence = 0.5f, .scale = 1.0f};
+        .p = v3(0, 0, 0), .R = 1.0f, .n = v3(0, 0, 1), .search_radius = 0.5f, .scale = 1.0f};
     assert_true(cache_tree_insert(&tree, &head));
     assert_true(cache_tree_covered(&tree, v3(0.1f, 0, 0), v3(0, 0, 1), 0.5f));
     assert_true(cache_tree_covered(&tree, v3(0.1f, 0, 0.2f), v3(0, 0, 1), 0.5f));
@@ -127,7 +127,7 @@ static void an_ellipse_and_a_scale_shorten_the_radius(void **state) {
     cache_tree_init(&tree, v3(-1, -1, -1), v3(1, 1, 1));
     const vec3 up = v3(0, 0, 1);
     // Half as far along x: sqrt(2^2 - 1).
-    struct cache_head head = {.R = 1.0f, .n = up, .influence = 0.5f, .scale = 1.0f};
+    struct cache_head head = {.R = 1.0f, .n = up, .search_radius = 0.5f, .scale = 1.0f};
     head.squeeze = v3(sqrtf(3.0f), 0, 0);
     assert_true(cache_tree_insert(&tree, &head));
     assert_true(cache_tree_covered(&tree, v3(0, 0.49f, 0), up, 0.5f));
@@ -146,7 +146,7 @@ static void a_radius_beyond_the_scene_is_found(void **state) {
     struct cache_tree tree;
     cache_tree_init(&tree, v3(-1, -1, -1), v3(1, 1, 1));
     const vec3 up = v3(0, 0, 1);
-    struct cache_head head = {.R = 2e9f, .n = up, .influence = 1e9f, .scale = 1.0f};
+    struct cache_head head = {.R = 2e9f, .n = up, .search_radius = 1e9f, .scale = 1.0f};
     assert_true(cache_tree_insert(&tree, &head));
     assert_true(cache_tree_covered(&tree, v3(0.9f, -0.9f, 0), up, 0.5f));
     assert_true(cache_tree_covered(&tree, v3(-0.2f, 0.9f, 0), up, 0.5f));
@@ -159,10 +159,13 @@ static void nearest_is_of_this_side_and_layer(void **state) {
     cache_tree_init(&tree, v3(-4, -4, -4), v3(4, 4, 4));
     const vec3 up = v3(0, 0, 1);
     const struct cache_head head[] = {
-        {.p = v3(1, 0, 0), .R = 0.1f, .n = up, .influence = 0.1f},     // on the plane, far
-        {.p = v3(0, 0.5f, 0), .R = 0.1f, .n = up, .influence = 0.1f},  // on the plane, near
-        {.p = v3(0, 0.1f, 0), .R = 0.1f, .n = v3(1, 0, 0), .influence = 0.1f},  // faces elsewhere
-        {.p = v3(0, 0, -0.45f), .R = 0.1f, .n = up, .influence = 0.1f},         // a layer below
+        {.p = v3(1, 0, 0), .R = 0.1f, .n = up, .search_radius = 0.1f},     // on the plane, far
+        {.p = v3(0, 0.5f, 0), .R = 0.1f, .n = up, .search_radius = 0.1f},  // on the plane, near
+        {.p = v3(0, 0.1f, 0),
+         .R = 0.1f,
+         .n = v3(1, 0, 0),
+         .search_radius = 0.1f},                                             // faces elsewhere
+        {.p = v3(0, 0, -0.45f), .R = 0.1f, .n = up, .search_radius = 0.1f},  // a layer below
     };
     assert_int_equal(cache_tree_nearest(&tree, v3(0, 0, 0), up, 1.0f), -1);
     for (int i = 0; i < 4; i++) assert_true(cache_tree_insert(&tree, &head[i]));

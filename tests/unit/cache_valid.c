@@ -69,10 +69,10 @@ static void radiance_is_checked(void **state) {
 static void heads_are_checked(void **state) {
     (void)state;
     const struct cache_head good = {
-        .n = {0, 0, 1}, .u = {1, 0, 0}, .R = 1, .influence = 2, .scale = 1};
+        .n = {0, 0, 1}, .u = {1, 0, 0}, .R = 1, .search_radius = 2, .scale = 1};
     assert_true(cache_valid_head(&good));
     struct cache_head head = good;
-    float *number[] = {&head.p.x,       &head.p.z,   &head.R,   &head.n.y,  &head.influence,
+    float *number[] = {&head.p.x,       &head.p.z,   &head.R,   &head.n.y,  &head.search_radius,
                        &head.squeeze.x, &head.scale, &head.u.y, &head.clear};
     for (size_t i = 0; i < sizeof number / sizeof *number; i++) {
         *number[i] = NAN;
