@@ -77,6 +77,8 @@ RETIRED = {
     "(?:bright|sky|lit)_windows?|window_bins|struct window|->window": "visibility, histogram",
     "old_(?:scene|file|format|version|mitsuba)|mitsuba_old|char old\\[\\]": "mitsuba06, previous",
 }
+# All of them as one pattern, for text in lower case.
+RETIRED_WORD = re.compile(f"(?<![a-z])(?:{'|'.join(RETIRED)})(?![a-z])")
 # Where a retired word is the right one; the last are names that options had, where they are quoted.
 ALLOWED = re.compile(r"""\b(in|by)\ turns?\b | ["'`](ir)?radiance[-_](turn|neighbours)["'`]
                      | ["'`](light-guide|gather-(bounce|guide|room|shadow))["'`] | `photons\.seen_s`
@@ -123,15 +125,16 @@ def files(tree):
 
 def wrong_words(path, name):
     """Retired words and comments that are cut, in one file."""
-    text = ALLOWED.sub("", LINE_END.sub(" ", path.read_text(encoding="utf-8")))
-    for words, instead in RETIRED.items():
-        found = re.findall(rf"(?<![A-Za-z])(?:{words})(?![A-Za-z])", text, re.IGNORECASE)
-        if found:
-            yield f"{name}: '{found[0]}' stands {len(found)} times: {instead}"
-    cut = CUT.search(path.read_text(encoding="utf-8")) if path.suffix in CODE else None
+    text = path.read_text(encoding="utf-8")
+    joined = ALLOWED.sub("", LINE_END.sub(" ", text)).lower()
+    found = RETIRED_WORD.findall(joined)
+    for word in sorted(set(found)):
+        instead = next(i for words, i in RETIRED.items() if re.fullmatch(words, word))
+        yield f"{name}: '{word}' stands {found.count(word)} times: {instead}"
+    cut = CUT.search(text) if path.suffix in CODE else None
     if cut:
         yield f"{name}: '{cut.group(1) or cut.group(2)}' begins a comment"
-    left = LEFT_OVER.search(path.read_text(encoding="utf-8")) if path.suffix in CODE else None
+    left = LEFT_OVER.search(text) if path.suffix in CODE else None
     if left:
         yield f"{name}: '{left.group(1)}' begins a sentence"
 
