@@ -49,10 +49,9 @@ typedef enum rsh_basis { RSH_SPHERE = 0, RSH_HEMISPHERE } rsh_basis;
 // Thread-safe.
 RSH_API bool rsh_eval(rsh_basis basis, int order, const float w[3], float *y);
 
-// rsh_eval with the derivatives by theta and phi; all three arrays have n * n entries. At the pole
-// phi counts as 0. The hemisphere's d/dtheta grows as 1 / sqrt(cos theta) towards the horizon and
-// is constant below cos theta = 1e-6.
-// Thread-safe.
+// Does what rsh_eval does, with the derivatives by theta and phi; all three arrays have n * n
+// entries. At the pole phi counts as 0. The hemisphere's d/dtheta grows as 1 / sqrt(cos theta)
+// towards the horizon and is constant below cos theta = 1e-6. Thread-safe.
 RSH_API bool rsh_eval_derivatives(rsh_basis basis, int order, const float w[3], float *y,
                                   float *dtheta, float *dphi);
 
@@ -69,7 +68,7 @@ RSH_API bool rsh_project(rsh_basis basis, int order, size_t count, const float *
                          const float *z, const float *r, const float *g, const float *b,
                          float *out);
 
-// rsh_project for a basis that is given as a constant matrix: out[c * coefficients + k] +=
+// Projects onto a basis that is given as a constant matrix: out[c * coefficients + k] +=
 // sum_i matrix[i * coefficients + k] * value_c[i], c = r, g, b. With g and b NULL: one channel.
 // Any number of coefficients.
 // Thread-safe.
@@ -126,6 +125,7 @@ RSH_API int rsh_convention_size(int order, rsh_layout layout);
 // Thread-safe.
 RSH_API bool rsh_export(const rsh_convention *to, int order, int channels, const float *in,
                         float *out);
+// Converts from another convention to this library's, under the conditions of rsh_export.
 // Thread-safe.
 RSH_API bool rsh_import(const rsh_convention *from, int order, int channels, const float *in,
                         float *out);
@@ -189,8 +189,10 @@ RSH_API bool rsh_rotate_ivanic(int order, int channels, const float r[9], const 
 // m = -l .. l, and begins at l (2 l - 1) (2 l + 1) / 3. All blocks have rsh_blocks_size(n) =
 // n (2 n - 1) (2 n + 1) / 3 numbers, or 0 if the order is out of range.
 #define RSH_MAX_BLOCKS (RSH_MAX_ORDER * (2 * RSH_MAX_ORDER - 1) * (2 * RSH_MAX_ORDER + 1) / 3)
+// The number of values in all blocks; 0 if the order is out of range.
 // Thread-safe.
 RSH_API int rsh_blocks_size(int order);
+// Sets blocks[rsh_blocks_size(order)] to those of rotation r.
 // Thread-safe.
 RSH_API bool rsh_rotation_blocks(int order, const float r[9], float *blocks);
 // Derivatives 0 .. highest by beta [rad^-1 each] of the rotation about y, at beta [rad], one after
@@ -198,6 +200,7 @@ RSH_API bool rsh_rotation_blocks(int order, const float r[9], float *blocks);
 // order^highest.
 // Thread-safe.
 RSH_API bool rsh_rotation_y_derivatives(int order, float beta, int highest, float *blocks);
+// Multiplies each band of each channel by its block, so that `in` is rotated.
 // Thread-safe.
 RSH_API bool rsh_apply_blocks(int order, int channels, const float *blocks, const float *in,
                               float *out);

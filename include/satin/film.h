@@ -32,15 +32,17 @@ SATIN_API const char *satin_film_channel_name(const satin_film *film, int index)
 // of light, the scene's unit of length in depth.Z, 1 in albedo, normal and counts. Thread-safe.
 SATIN_API const float *satin_film_channel(const satin_film *film, const char *name);
 
-// Write all channels and attributes as OpenEXR (float, ZIP), or the beauty as 8-bit sRGB PNG. The
+// Writes all channels and attributes as OpenEXR (float, ZIP), with the values in their units. The
 // file appears whole or not at all, and replaces an existing one. `log` may be NULL; it is called
 // on this thread. SATIN_ERROR_IO, logged, if the file cannot be written; SATIN_ERROR_ARGUMENT,
-// logged, if the film has no channels or, for PNG, no R, G and B; SATIN_ERROR_MEMORY;
-// SATIN_ERROR_INTERNAL: libpng failed. Neither `film` nor `path` may be NULL; the caller keeps the
-// film. OpenEXR has the values in their units, PNG clamps them to [0, 1]. Thread-safe; of two calls
-// that write the same path, the last one to end determines the file.
+// logged, if the film has no channels; SATIN_ERROR_MEMORY. Neither `film` nor `path` may be NULL;
+// the caller keeps the film. Thread-safe; of two calls that write the same path, the last one to
+// end determines the file.
 SATIN_API satin_status satin_film_write_exr(const satin_film *film, const char *path,
                                             satin_log_fn log, void *log_user);
+// Writes the beauty as 8-bit sRGB PNG, clamped to [0, 1]. Errors are those of satin_film_write_exr,
+// with SATIN_ERROR_ARGUMENT also if the film has no R, G and B, and SATIN_ERROR_INTERNAL if libpng
+// fails. The pointers, the threads and the file are as there: thread-safe, complete or not written.
 SATIN_API satin_status satin_film_write_png(const satin_film *film, const char *path,
                                             satin_log_fn log, void *log_user);
 

@@ -172,14 +172,15 @@ SATIN_API satin_status satin_options_resolve(const satin_scene *scene,
                                              const satin_setting *settings, size_t count,
                                              satin_log_fn log, void *log_user, satin_options *out);
 
-// Describes option `index` (from 0): name, value as text in `options`, range and documentation,
-// with units where it has some. The texts are static, except for `value`, which is a copy. False,
-// with *out unchanged, if `index` is below 0 or beyond the last one. Neither pointer may be NULL.
-// Thread-safe if no other thread changes *options.
+// An option: its name, its value as text, its range and documentation, with units where it has
+// some. The texts are static, except for `value`, which is a copy.
 typedef struct satin_option_info {
     const char *name, *range, *doc;
     char value[256];
 } satin_option_info;
+// Describes option `index` (from 0) and its value in `options`. False, with *out unchanged, if
+// `index` is below 0 or beyond the last one. Neither pointer may be NULL. Thread-safe if no other
+// thread changes *options.
 SATIN_API bool satin_options_describe(const satin_options *options, int index,
                                       satin_option_info *out);
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// parallel_for over an index range. Threads are started, progress is reported and cancellation is
-// checked only here. Chunks depend on n and chunk_size, never on the number of threads; the result
-// must not depend on which worker runs a chunk.
+// parallel_for over an index range. All threads are started here, and the callback of the pool's
+// owner, which reports progress and asks for cancellation, is called during loops. Chunks depend on
+// n and chunk_size, never on the number of threads; the result must not depend on which worker runs
+// a chunk.
 #ifndef BASE_PARALLEL_H
 #define BASE_PARALLEL_H
 

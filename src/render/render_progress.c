@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reports progress and checks for cancellation, in this file alone.
+// Calls the user's progress function, which may cancel the render, for the loops of all stages: the
+// pool and the denoiser call the functions of this file.
 #include "render/render_state.h"
 
 static const double REPORT_EVERY = 0.1;  // seconds
