@@ -4,9 +4,9 @@ to be as good.
 
 One layer of the picture counts, against pictures without the cache that have the same first pass
 but other random numbers. The thesis found by eye whether a picture is free of artefacts; here
-`seen` is the fraction of pixels around which the mean of 5x5 is off by more than 4 % of all light
-there, twice what Weber's law hides. The systematic error is estimated by products of two errors of
-different seeds.
+`visible error` is the fraction of pixels around which the mean of 5x5 is off by more than 4 % of
+all light there, twice what Weber's law hides. The systematic error is estimated by products of two
+errors of different seeds.
 """
 import dataclasses
 import itertools
@@ -19,10 +19,10 @@ import scipy.ndimage
 import runs
 
 SEEDS = (1, 2, 3, 4)
-STEPS = 5  # of the search for a number of records, and for what is seen
-SEEN = 0.04
+STEPS = 5  # of the search for a number of records, and for visible errors
+VISIBLE = 0.04
 HEAD = ("| scene | placing | a | records | passes | fill, s | overhead | systematic | random "
-        "| seen |\n|---|---|---|---|---|---|---|---|---|---|")
+        "| visible error |\n|---|---|---|---|---|---|---|---|---|---|")
 
 
 def channels(path, prefix=""):
@@ -47,7 +47,7 @@ class Found:
     stats: dict
     systematic: float
     random: float
-    seen: float
+    visible: float
 
 
 @dataclasses.dataclass
@@ -90,9 +90,10 @@ class Placing:
         random = [((x - y) ** 2 / 2 * self.weight)[self.part].mean()
                   for x, y in itertools.combinations(images, 2)]
         mean = sum(self.truth) / 2
-        seen = [(abs(luminance(x - mean)) > SEEN * self.light)[self.part].mean() for x in images]
+        visible = [(abs(luminance(x - mean)) > VISIBLE * self.light)[self.part].mean()
+                   for x in images]
         return Found(a, stats["records." + self.kind], stats, numpy.mean(systematic),
-                     numpy.mean(random), numpy.mean(seen))
+                     numpy.mean(random), numpy.mean(visible))
 
     def search(self, plain, enough, low, high):
         """The largest accuracy of the plain placing that gives `enough`, or the last one tried."""
@@ -111,12 +112,12 @@ class Placing:
         fill, overhead = found.stats["time.records_s"], found.stats.get("cache.overhead_s", 0.0)
         print(f"| {self.name} | {placing} | {found.a:.3f} | {found.records:.0f}{extra} | "
               f"{passes:.0f} | {fill:.1f} | {overhead / fill:.1%} | {found.systematic:.1e} | "
-              f"{found.random:.1e} | {found.seen:.2%} |", flush=True)
+              f"{found.random:.1e} | {found.visible:.2%} |", flush=True)
 
     def compare(self, a, better, plain, low):
         """Prints rows of a table under HEAD; `low` bounds the accuracy of the plain placing."""
         best = self.measure(a, better)
         self.row(better, best)
         self.row(plain, self.search(plain, lambda f: f.records > best.records, low, 2 * a))
-        same = self.search(plain, lambda f: f.seen <= best.seen, low, a)
+        same = self.search(plain, lambda f: f.visible <= best.visible, low, a)
         self.row(plain + ", as good", same, f", {same.records / best.records:.1f} times")

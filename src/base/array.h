@@ -14,8 +14,8 @@ bool array_reserve(void **items, size_t *capacity, size_t count, size_t size);
 // `count` zeroed elements of `size` bytes, aligned to 64 bytes; the caller frees them with free().
 // NULL on overflow or lack of memory.
 void *array_new(size_t count, size_t size);
-// As array_new, but not zeroed. For large arrays that all threads fill, so that the system's work
-// for each new page is distributed over the threads too.
+// Does what array_new does, but zeroes nothing. For large arrays that all threads fill, so that the
+// system's work for each new page is distributed over the threads too.
 void *array_new_unset(size_t count, size_t size);
 
 // For qsort of floats, none of them NaN, in ascending order.

@@ -21,16 +21,16 @@ struct log_place {
 void log_message(struct log log, satin_log_severity severity, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-// log_message at SATIN_LOG_ERROR with the prefix `file:line:column: `, without the numbers that are
+// Logs at SATIN_LOG_ERROR with the prefix `file:line:column: `, without the numbers that are
 // unknown.
 void log_error_at(struct log log, struct log_place place, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-// As log_error_at, at SATIN_LOG_WARNING.
+// Does what log_error_at does, at SATIN_LOG_WARNING.
 void log_warning_at(struct log log, struct log_place place, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-// log_message at SATIN_LOG_ERROR; returns `status`, so that a caller can report and fail in one
+// Logs at SATIN_LOG_ERROR and returns `status`, so that a caller can report and fail in one
 // line.
 satin_status log_fail(struct log log, satin_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

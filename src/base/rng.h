@@ -6,7 +6,7 @@
 
 #include <stdint.h>
 
-// Each consumer has its own stream, so that no two of them use the same numbers.
+// Each use of random numbers has its own stream, so that no two of them use the same numbers.
 enum rng_stream {
     RNG_PHOTON = 1,
     RNG_GATHER,

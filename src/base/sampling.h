@@ -75,7 +75,7 @@ vec2 sample_sobol2(uint32_t index, uint32_t seed);
 // As sample_sobol2 in dimensions 0 to 3, for paths, which is a little slower. Aligned runs are nets
 // of quality t = 3.
 void sample_sobol4(uint32_t index, uint32_t seed, float u[4]);
-// As sample_sobol2, in one dimension.
+// Does what sample_sobol2 does, in one dimension.
 float sample_sobol1(uint32_t index, uint32_t seed);
 
 // A stream of such points for one sample of one pixel or record. Each call uses a new pair of

@@ -34,9 +34,9 @@ static void evaluate_points(void *ctx, size_t begin, size_t end, int worker) {
 static void shrink(struct cache_adaptation *c) {
     for (size_t i = 0; i < c->count; i++) {
         struct cache_point *p = &c->point[i];
-        if (!p->queued || !p->gives_way) continue;
+        if (!p->queued || !p->shrinking) continue;
         for (int k = 0; k < p->count; k++) {
-            if (!(p->gives_way >> k & 1u)) continue;
+            if (!(p->shrinking >> k & 1u)) continue;
             struct cache_head *h = &c->tree->head[p->with[k].record];
             h->scale = fminf(h->scale, p->with[k].error * (1.0f - SHORT_OF) / c->read_a);
         }
@@ -71,7 +71,7 @@ static void queue_points(void *ctx, size_t begin, size_t end, int worker) {
         struct cache_point *p = &c->point[i];
         const struct cache_site *s = c->site[i];
         p->queued = cache_tree_covered(&c->shrunk, s->p, s->frame.n, c->read_a);
-        int count = cache_tree_find(&c->news, s->p, s->frame.n, c->read_a, near);
+        int count = cache_tree_find(&c->added, s->p, s->frame.n, c->read_a, near);
         for (int k = 0; k < count; k++) {
             uint32_t record = near[k].record + (uint32_t)c->records;
             if (cache_leaks(c->cache, &c->tree->head[record], s->p)) continue;
@@ -86,9 +86,9 @@ static void queue_points(void *ctx, size_t begin, size_t end, int worker) {
 static bool note_changes(struct cache_adaptation *c) {
     const size_t before = c->records, now = c->tree->head_count;
     const struct satin_scene *scene = c->cache->g->scene;
-    cache_tree_free(&c->news);
+    cache_tree_free(&c->added);
     cache_tree_free(&c->shrunk);
-    cache_tree_init(&c->news, scene->bounds_lo, scene->bounds_hi);
+    cache_tree_init(&c->added, scene->bounds_lo, scene->bounds_hi);
     cache_tree_init(&c->shrunk, scene->bounds_lo, scene->bounds_hi);
     if (!array_reserve((void **)&c->change, &c->capacity[0], now, sizeof *c->change) ||
         !array_reserve((void **)&c->R, &c->capacity[1], now, sizeof *c->R) ||
@@ -106,7 +106,7 @@ static bool note_changes(struct cache_adaptation *c) {
             c->cache->adapted.shrunk++;
         }
         if (fresh) {
-            if (!cache_tree_insert(&c->news, &h)) return false;
+            if (!cache_tree_insert(&c->added, &h)) return false;
             c->change[i] = 0;
         }
         c->R[i] = h.R;
@@ -192,7 +192,7 @@ satin_status cache_adapt(struct cache *cache, enum cache_kind kind, const struct
     free(c.change);
     free(c.R);
     free(c.scale);
-    cache_tree_free(&c.news);
+    cache_tree_free(&c.added);
     cache_tree_free(&c.shrunk);
     return status;
 }

@@ -22,7 +22,7 @@ struct cache_point {
     uint8_t count;      // number of contributions
     uint8_t queued;     // whether it is evaluated in this pass
     uint8_t bare;       // whether no record covers it at the accuracy of filling
-    uint8_t gives_way;  // mask of the contributions whose records are to end before the point
+    uint8_t shrinking;  // mask of the contributions whose records are to end before the point
 };
 
 // The adaptation of one kind of records. Arrays are by point or by record.
@@ -39,8 +39,8 @@ struct cache_adaptation {
     float *R, *scale;  // per record: values at the beginning of the pass
     size_t records;    // number of records at the beginning of the pass
     size_t capacity[3];
-    struct cache_tree news, shrunk;  // of the pass: discs of new records, and of shrunk ones before
-                                     // shrinking
+    struct cache_tree added, shrunk;  // of the pass: discs of new records, and of shrunk ones
+                                      // before shrinking
 };
 
 // Removes contributions of records that were shrunk and no longer cover the point, and sets `bare`.

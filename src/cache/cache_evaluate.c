@@ -131,7 +131,7 @@ static unsigned similar_errors(const struct cache_site *s, const struct cache_po
 // errors would keep the nearest one.
 void cache_evaluate_point(const struct cache_adaptation *c, const struct cache_site *s,
                           struct cache_point *p) {
-    p->gives_way = 0;
+    p->shrinking = 0;
     if (p->count < 2) return;
     find_luminances(c, s, p);
     unsigned mask = (1u << p->count) - 1u;
@@ -143,7 +143,7 @@ void cache_evaluate_point(const struct cache_adaptation *c, const struct cache_s
         for (int i = 0; i < p->count; i++)
             if (blamed >> i & 1u && !may_shrink(c, s, p->with[i].record)) blamed &= ~(1u << i);
         if (!blamed) return;
-        p->gives_way |= (uint8_t)blamed;
+        p->shrinking |= (uint8_t)blamed;
         mask &= ~blamed;
     }
 }

@@ -139,8 +139,8 @@ static bool same_frame(const struct frame *a, const struct frame *b) {
     return v3_dot(a->n, b->n) > 1.0f - 1e-6f && v3_dot(a->u, b->u) > 1.0f - 1e-6f;
 }
 
-// sum_k C_k (Lambda, d/dx, d/dy)_k of one record, per colour, and the sum of its noise, in the
-// lanes of the record's value.
+// Computes sum_k C_k (Lambda, d/dx, d/dy)_k of one record, per colour, and the sum of its noise, in
+// the lanes of the record's value.
 static void product(const struct cache_radiance_record *record, const struct cache_lobe *lobe,
                     float sum[CACHE_LANES]) {
     const int n2 = lobe->order * lobe->order;

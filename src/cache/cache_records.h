@@ -139,7 +139,7 @@ uint32_t cache_leak_sectors(const struct gather_around *around, float radius, fl
 // Whether a surface separates the record and the point. A ray is traced only in the sectors with
 // near surfaces.
 bool cache_leaks(const struct cache *cache, const struct cache_head *head, vec3 p);
-// cache_tree_find without the records that leak.
+// Does what cache_tree_find does, without the records that leak.
 int cache_find(const struct cache *cache, const struct cache_tree *tree, vec3 p, vec3 n, float a,
                struct cache_near near[CACHE_NEAR_MAX]);
 

@@ -209,8 +209,8 @@ static struct gather_estimate estimate_at(const struct gather *g, struct path_ve
     if (has_records(g)) return none;
     float radius;
     int entry;
-    const rgb E = photon_irradiance_behind(g->maps, g->scene, z->y->interaction.p, z->y->ng,
-                                           z->bounce, &radius, &entry);
+    const rgb E = photon_irradiance_after(g->maps, g->scene, z->y->interaction.p, z->y->ng,
+                                          z->bounce, &radius, &entry);
     const bool near = z->y->interaction.t < NEAR_DISCS * radius;
     return (struct gather_estimate){within_depth(g, z->bounce, 2) ? E : none.E,
                                     !(g->options->gather_near && (radius > g->lookup_max || near)),

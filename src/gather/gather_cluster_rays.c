@@ -6,7 +6,7 @@
 
 void gather_cluster_rays_add(const struct gather *g, const struct gather_site *site,
                              struct gather_hemisphere *h, struct gather_cluster_rays *out) {
-    const struct guide_eye eye = {site->p, site->frame.n, site->ng};
+    const struct guide_point at = {site->p, site->frame.n, site->ng};
     *out = (struct gather_cluster_rays){.near.p = site->p};
     if (!g->options->guide_clusters) return;
     out->near.found = -1;
@@ -14,7 +14,7 @@ void gather_cluster_rays_add(const struct gather *g, const struct gather_site *s
     float *expected = &out->near.expected, radius, density;
     *expected =
         rgb_luminance(photon_irradiance(g->maps, g->scene, site->p, site->ng, &radius, NULL));
-    guide_rays_make(g->clusters, g->scene, &eye, h->stratified, expected, &out->to);
+    guide_rays_make(g->clusters, g->scene, &at, h->stratified, expected, &out->to);
     struct guide_draw draw = {.stream = site->stream, .n = site->frame.n};
     vec3 w;
     for (size_t i = h->stratified; guide_rays_draw(&out->to, &draw, &w, &density); i++) {

@@ -48,8 +48,8 @@ static float probe_cone(const struct gather *g, const struct gather_hits *hits, 
         const float rest = rgb_luminance(hits->E[probe[i]]);
         if (!guide_cone_move(&cone, y->interaction.p, y->frame.n)) continue;
         if (!(cone.E > NEAR_FAINT * (cone.E + rest))) continue;
-        const struct guide_eye eye = {y->interaction.p, y->frame.n, y->ng};
-        clear += guide_cone_visible(g->clusters, g->scene, &cone, &eye, (size_t)i);
+        const struct guide_point at = {y->interaction.p, y->frame.n, y->ng};
+        clear += guide_cone_visible(g->clusters, g->scene, &cone, &at, (size_t)i);
         matters++;
     }
     return matters ? fmaxf((float)clear / (float)matters, VISIBLE_LEAST) : 0.0f;
@@ -74,7 +74,7 @@ void gather_near_look(const struct gather *g, const struct gather_hits *hits, si
     }
 }
 
-// The cones as seen from y.
+// The cones from y.
 struct choices {
     struct guide_cone cone[GUIDE_CONES];
     float weight[GUIDE_CONES], all;

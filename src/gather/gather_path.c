@@ -12,8 +12,9 @@ struct path_walk {
     rgb T;
     float eta;
     int depth;    // number of segments before the ray
-    vec3 from;    // the last surface with smooth lobes on the path,
-    float pdf_w;  // left by a BRDF sample of this density; 0: by a delta lobe, or there is none
+    vec3 from;    // the last surface with smooth lobes on the path
+    float pdf_w;  // density of the BRDF sample by which `from` was left; 0: by a delta lobe, or
+                  // there is none
     struct light_chain chain;  // chain of specular surfaces from there on
     bool emission;             // whether emitted light that the ray hits is added
     bool specular;             // whether all surfaces so far were ideal specular

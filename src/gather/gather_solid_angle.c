@@ -9,7 +9,8 @@
 #include "gather/gather_gradients.h"
 #include "rsh/rsh.h"
 
-// Areas seen at less than this cosine would add most of the variance and little of the gradient.
+// Areas that the ray hits at less than this cosine would add most of the variance and little of the
+// gradient.
 static const float AREA_GRAZING = 0.01f;
 
 // Half the step of finite differences, in units of the distance r of each ray: harmonics of order

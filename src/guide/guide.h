@@ -29,7 +29,7 @@ void guide_view_make(const struct satin_scene *scene, uint64_t seed, struct para
 // lengths.
 bool guide_view_follow(const struct satin_scene *scene, struct ray *ray, struct rng *rng,
                        struct interaction *s, vec3 *n, struct light_chain *chain);
-// As guide_view_follow, for the eye ray of path i of GUIDE_VIEW_PATHS.
+// Does what guide_view_follow does, for the eye ray of path i of GUIDE_VIEW_PATHS.
 bool guide_view_eye(const struct satin_scene *scene, uint32_t i, struct rng *rng,
                     struct interaction *s, vec3 *n);
 // Aims at those boxes that are small compared to `all`, the box of everything that can be hit.
@@ -113,7 +113,7 @@ size_t guide_clusters_bytes(const struct guide_clusters *clusters);
 // ---- Cones of clusters (guide_cones.c) --------------------------------------------------------
 
 // A point at which light is gathered.
-struct guide_eye {
+struct guide_point {
     vec3 p, n, ng;  // the hemisphere is around n; ng is the geometric normal on the same side
 };
 
@@ -124,18 +124,19 @@ struct guide_cone {
     vec3 center, axis;
     float radius, versine;  // of the sphere; 1 - cosine of the half angle
     float E;                // approximate irradiance from it, if it reflects all light [W m^-2]
-    float chance;           // approximate probability that a cosine-weighted ray hits its lit area,
-    float filled;  // and that a ray within the cone does; over 1 if the area is larger than the
-                   // cone
+    float chance;           // approximate probability that a cosine-weighted ray hits its lit area
+    // Approximate probability that a ray within the cone hits that area; over 1 if the area is
+    // larger than the cone.
+    float filled;
 };
 enum { GUIDE_CONES = 48 };
 
-// Finds the cones of the clusters that are visible from the eye, and returns their number.
+// Finds the cones of the clusters that are visible from the point, and returns their number.
 // *expected is the approximate irradiance by indirect light at p; if it is not positive, it is set
 // to that of light distributed over the whole scene. The cones do not depend on what gather rays
 // hit.
 int guide_cones_from(const struct guide_clusters *clusters, const struct satin_scene *scene,
-                     const struct guide_eye *eye, struct guide_cone out[GUIDE_CONES],
+                     const struct guide_point *at, struct guide_cone out[GUIDE_CONES],
                      float *expected);
 // Finds clusters for surfaces of any orientation near p, which may be visible there although they
 // are not visible from p. guide_cone_move makes cones of them. `expected` [W m^-2] is the
@@ -145,10 +146,10 @@ int guide_cones_around(const struct guide_clusters *clusters, vec3 p, float expe
 // Sets axis, versine, E and filled to those at p with normal n, without testing occlusion; E is 0
 // below the horizon. False if p is so near to the sphere that the cone would be wide.
 bool guide_cone_move(struct guide_cone *cone, vec3 p, vec3 n);
-// Whether probe i of the GUIDE_PROBES of the cone's cluster is visible from the eye.
+// Whether probe i of the GUIDE_PROBES of the cone's cluster is visible from the point.
 enum { GUIDE_PROBES = 4 };
 bool guide_cone_visible(const struct guide_clusters *clusters, const struct satin_scene *scene,
-                        const struct guide_cone *cone, const struct guide_eye *eye, size_t i);
+                        const struct guide_cone *cone, const struct guide_point *at, size_t i);
 
 // ---- Rays to clusters (guide_rays.c) ----------------------------------------------------------
 
@@ -161,10 +162,10 @@ struct guide_rays {
     int first[GUIDE_CONES];      // index of a cone's first ray, in the order of drawing
     int count;                   // number of cones
 };
-// Finds the cones that are visible from the eye and allocates rays to them. `expected` as in
+// Finds the cones that are visible from the point and allocates rays to them. `expected` as in
 // guide_cones_from. There are none if `clusters` is NULL.
 void guide_rays_make(const struct guide_clusters *clusters, const struct satin_scene *scene,
-                     const struct guide_eye *eye, size_t stratified, float *expected,
+                     const struct guide_point *at, size_t stratified, float *expected,
                      struct guide_rays *out);
 // Allocates rays to the cones, and drops cones that get none.
 void guide_rays_allocate(struct guide_rays *rays, float expected, size_t stratified);

@@ -57,7 +57,7 @@ static void add_met(struct light_tally *tally, const struct satin_scene *scene,
                     const struct ray *ray, const struct interaction *hit, float T) {
     const int light = hit ? hit->light : scene->environment;
     if (light < 0) return;
-    add_arrival(tally, (uint32_t)light, T * PI_F * rgb_luminance(light_met(scene, hit, ray->d)));
+    add_arrival(tally, (uint32_t)light, T * PI_F * rgb_luminance(light_at_hit(scene, hit, ray->d)));
 }
 
 static void walk_path(struct light_tally *tally, const struct satin_scene *scene,

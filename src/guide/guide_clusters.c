@@ -12,9 +12,10 @@
 enum {
     LEAF = 32,  // largest number of photons of a leaf
     BINS = 16,  // positions along an axis at which a node may be split
-    // Work of one thread. Larger nodes are split depth by depth, with all nodes of a depth at once.
-    PART = 2048,        // photons
-    PART_LEAVES = 128,  // and leaves
+    // Work of one thread: numbers of photons and of leaves. Larger nodes are split depth by depth,
+    // with all nodes of a depth at once.
+    PART = 2048,
+    PART_LEAVES = 128,
     CLUSTER_CHUNK = 4096
 };
 

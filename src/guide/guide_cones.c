@@ -15,15 +15,15 @@
 #define EVEN 0.4f
 #define FILLED 0.2f  // fraction of a sphere's disc that its leaves should fill
 
-// Whether photon i of the node's sample of photons is visible from the eye.
+// Whether photon i of the node's sample of photons is visible from the point.
 static bool sees_photon(const struct guide_clusters *clusters, const struct satin_scene *scene,
-                        const struct guide_cluster *node, const struct guide_eye *eye, size_t i) {
+                        const struct guide_cluster *node, const struct guide_point *at, size_t i) {
     vec3 position =
         clusters->position[node->first + (2 * i + 1) * node->count / (2 * GUIDE_PROBES)];
-    vec3 d = v3_sub(position, eye->p);
+    vec3 d = v3_sub(position, at->p);
     float distance = v3_len(d);
-    if (!(v3_dot(d, eye->n) > 0.0f)) return false;
-    struct ray ray = scene_spawn(scene, eye->p, eye->ng, v3_mul(d, 1.0f / distance));
+    if (!(v3_dot(d, at->n) > 0.0f)) return false;
+    struct ray ray = scene_spawn(scene, at->p, at->ng, v3_mul(d, 1.0f / distance));
     ray.tfar = 0.999f * distance;
     return !scene_occluded(scene, &ray);
 }
@@ -53,12 +53,12 @@ struct view {
     bool coarse;  // whether its children would be better targets
 };
 
-static struct view cluster_view(const struct guide_cluster *node, const struct guide_eye *eye,
+static struct view cluster_view(const struct guide_cluster *node, const struct guide_point *at,
                                 float expected) {
     struct view view = {.node = node};
-    const vec3 d = v3_sub(node->center, eye->p);
+    const vec3 d = v3_sub(node->center, at->p);
     const float distance = v3_len(d), nearest = fmaxf(distance - node->radius, 0.0f);
-    if (v3_dot(d, eye->n) < -node->radius) return view;  // below the horizon
+    if (v3_dot(d, at->n) < -node->radius) return view;  // below the horizon
     if (node->dense < DENSE * expected) return view;
     if (node->power < CONE_FAINT * expected * PI_F * sqrf(nearest)) return view;
     view.narrow = node->radius < NARROW * distance;
@@ -72,35 +72,35 @@ static struct view cluster_view(const struct guide_cluster *node, const struct g
 
 // Makes the cone of a node. False if no probe of the node is visible, or if it contributes nothing.
 static bool make_cone(const struct guide_clusters *clusters, const struct satin_scene *scene,
-                      const struct guide_eye *eye, const struct guide_cluster *node,
+                      const struct guide_point *at, const struct guide_cluster *node,
                       struct guide_cone *out) {
-    const vec3 d = v3_sub(node->center, eye->p);
+    const vec3 d = v3_sub(node->center, at->p);
     const float distance = v3_len(d), sine = node->radius / distance;
     *out = (struct guide_cone){.cluster = node, .center = node->center, .radius = node->radius};
-    aim_cone(out, eye->p);
-    estimate_cone(out, distance, fmaxf(v3_dot(d, eye->n) / distance, 0.25f * sine));
+    aim_cone(out, at->p);
+    estimate_cone(out, distance, fmaxf(v3_dot(d, at->n) / distance, 0.25f * sine));
     out->chance = out->E / node->power * node->area;
     if (!(out->E > 0.0f)) return false;
     int clear = 0;
-    for (size_t i = 0; i < GUIDE_PROBES; i++) clear += sees_photon(clusters, scene, node, eye, i);
+    for (size_t i = 0; i < GUIDE_PROBES; i++) clear += sees_photon(clusters, scene, node, at, i);
     out->E *= (float)clear / GUIDE_PROBES;
     return out->E > 0.0f;
 }
 
 // Replaces, as long as they fit, that of the coarse views with the largest bound by views of the
 // node's children.
-static int refine(const struct guide_clusters *clusters, const struct guide_eye *eye,
+static int refine(const struct guide_clusters *clusters, const struct guide_point *at,
                   float expected, struct view view[GUIDE_CONES]) {
     int count = 1;
-    view[0] = cluster_view(clusters->node, eye, expected);
+    view[0] = cluster_view(clusters->node, at, expected);
     while (count < GUIDE_CONES) {
         int best = -1;
         for (int i = 0; i < count; i++)
             if (view[i].coarse && (best < 0 || view[i].most > view[best].most)) best = i;
         if (best < 0) break;
         const struct guide_cluster *parent = view[best].node;
-        view[best] = cluster_view(parent + 1, eye, expected);
-        const struct view right = cluster_view(clusters->node + parent->right, eye, expected);
+        view[best] = cluster_view(parent + 1, at, expected);
+        const struct view right = cluster_view(clusters->node + parent->right, at, expected);
         if (right.most > 0.0f) view[count++] = right;
         if (!(view[best].most > 0.0f)) view[best] = view[--count];
         if (count == 0) break;
@@ -109,25 +109,25 @@ static int refine(const struct guide_clusters *clusters, const struct guide_eye 
 }
 
 int guide_cones_from(const struct guide_clusters *clusters, const struct satin_scene *scene,
-                     const struct guide_eye *eye, struct guide_cone out[GUIDE_CONES],
+                     const struct guide_point *at, struct guide_cone out[GUIDE_CONES],
                      float *expected) {
     if (!clusters) return 0;
     if (!(*expected > 0.0f)) *expected = clusters->spread;
     struct view view[GUIDE_CONES];
-    const int views = refine(clusters, eye, *expected, view);
+    const int views = refine(clusters, at, *expected, view);
     int count = 0;
     for (int i = 0; i < views; i++)
         if (view[i].narrow && view[i].most > 0.0f)
-            count += make_cone(clusters, scene, eye, view[i].node, &out[count]);
+            count += make_cone(clusters, scene, at, view[i].node, &out[count]);
     return count;
 }
 
 int guide_cones_around(const struct guide_clusters *clusters, vec3 p, float expected,
                        struct guide_cone out[GUIDE_CONES]) {
     if (!clusters) return 0;
-    const struct guide_eye eye = {.p = p};  // without a normal nothing is below the horizon
+    const struct guide_point at = {.p = p};  // without a normal nothing is below the horizon
     struct view view[GUIDE_CONES];
-    const int views = refine(clusters, &eye, expected > 0.0f ? expected : clusters->spread, view);
+    const int views = refine(clusters, &at, expected > 0.0f ? expected : clusters->spread, view);
     int count = 0;
     for (int i = 0; i < views; i++) {
         const struct guide_cluster *node = view[i].node;
@@ -148,6 +148,6 @@ bool guide_cone_move(struct guide_cone *cone, vec3 p, vec3 n) {
 }
 
 bool guide_cone_visible(const struct guide_clusters *clusters, const struct satin_scene *scene,
-                        const struct guide_cone *cone, const struct guide_eye *eye, size_t i) {
-    return sees_photon(clusters, scene, cone->cluster, eye, i);
+                        const struct guide_cone *cone, const struct guide_point *at, size_t i) {
+    return sees_photon(clusters, scene, cone->cluster, at, i);
 }

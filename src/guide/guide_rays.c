@@ -55,14 +55,14 @@ void guide_rays_allocate(struct guide_rays *rays, float expected, size_t stratif
 }
 
 void guide_rays_make(const struct guide_clusters *clusters, const struct satin_scene *scene,
-                     const struct guide_eye *eye, size_t stratified, float *expected,
+                     const struct guide_point *at, size_t stratified, float *expected,
                      struct guide_rays *out) {
-    out->count = clusters ? guide_cones_from(clusters, scene, eye, out->cone, expected) : 0;
+    out->count = clusters ? guide_cones_from(clusters, scene, at, out->cone, expected) : 0;
     if (out->count > 0) guide_rays_allocate(out, *expected, stratified);
 }
 
 vec3 guide_cone_sample(const struct guide_cone *cone, vec2 u) {
-    // As sample_uniform_cone, which is not accurate for the narrowest cones.
+    // Does what sample_uniform_cone does, but is accurate for the narrowest cones too.
     const struct frame frame = frame_from_normal(cone->axis);
     const float away = u.x * cone->versine, sine = safe_sqrtf(away * (2.0f - away));
     const float phi = 2.0f * PI_F * u.y;

@@ -179,7 +179,7 @@ rgb light_emitted(const struct satin_scene *scene, const struct interaction *s, 
     return light->texture ? texture_eval(light->texture, &at) : light->value;
 }
 
-rgb light_met(const struct satin_scene *scene, const struct interaction *hit, vec3 d) {
+rgb light_at_hit(const struct satin_scene *scene, const struct interaction *hit, vec3 d) {
     return hit ? light_emitted(scene, hit, v3_neg(d)) : light_environment(scene, d);
 }
 

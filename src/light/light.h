@@ -97,7 +97,7 @@ rgb light_emitted(const struct satin_scene *scene, const struct interaction *s, 
 rgb light_environment(const struct satin_scene *scene, vec3 w);
 // The emitted radiance at the end of a ray along d: that of `hit`, or that of the environment if
 // `hit` is NULL.
-rgb light_met(const struct satin_scene *scene, const struct interaction *hit, vec3 d);
+rgb light_at_hit(const struct satin_scene *scene, const struct interaction *hit, vec3 d);
 // The shadow ray of a light sample from a surface point.
 struct ray light_shadow_ray(const struct satin_scene *scene, vec3 p, vec3 ng,
                             const struct light_sample *s);

@@ -135,7 +135,7 @@ static float area_pdf(const struct light_face *face, vec3 p, vec3 q) {
     return cosine > 0.0f ? d2 / (face->area * cosine) : 0.0f;
 }
 
-// As plain_pdf, without the texture.
+// Does what plain_pdf does, without the texture.
 static bool plain_sample(const struct light_face *face, vec3 p, float u, float v, vec3 *q,
                          float *pdf_w) {
     struct rectangle_view w;

@@ -94,7 +94,7 @@ bool light_chain_straight(const struct light_chain *chain, vec3 d) {
 
 rgb light_chain_emitted(const struct light_chain *chain, const struct satin_scene *scene,
                         const struct interaction *hit, vec3 d) {
-    return light_met(scene, hit, !hit && light_chain_straight(chain, d) ? chain->d : d);
+    return light_at_hit(scene, hit, !hit && light_chain_straight(chain, d) ? chain->d : d);
 }
 
 vec3 light_chain_beside(const struct light_chain *chain, vec3 p, vec3 q) {

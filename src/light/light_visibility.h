@@ -47,7 +47,7 @@ float light_choose_probability(const struct satin_scene *scene, vec3 p,
 // The probabilities of all lights, of which there must be at most LIGHT_WEIGHED_MAX.
 void light_choose_weigh(const struct satin_scene *scene, vec3 p, struct light_visibility visibility,
                         float probability[LIGHT_WEIGHED_MAX]);
-// As light_sample, but with regard to the visibility.
+// Does what light_sample does, but with regard to the visibility.
 bool light_sample_visible(const struct satin_scene *scene, uint32_t i,
                           struct light_visibility visibility, vec3 p, float u, float v,
                           struct light_sample *out);

@@ -9,7 +9,7 @@
 // Adds the attributes to which the texture, or one nested in it, refers; NULL is no texture. False
 // if there are more than ATTRIBUTES_MAX.
 bool attribute_want(struct attribute_names *names, const struct texture *texture);
-// As attribute_want, for all textures of a material.
+// Does what attribute_want does, for all textures of a material.
 bool attribute_want_all(struct attribute_names *names, const struct material *m);
 // The first of the names that the mesh does not have, or NULL if it has all.
 const char *attribute_missing(const struct attribute_names *names, const struct mesh *mesh);

@@ -28,8 +28,8 @@ enum {
     IRRADIANCE_CHUNK = 256,  // entries of a chunk
     GROUP = 8,               // of these, entries that are searched and evaluated together
     IRRADIANCE_BATCH = 512,  // lookups of one call
-    RETRY_K = 16,   // neighbours that are searched if the nearest one has another orientation,
-    RETRY_ENDS = 4  // and in caustics, where entries are mostly on other surfaces then
+    RETRY_K = 16,   // neighbours that are searched if the nearest one has another orientation
+    RETRY_ENDS = 4  // number of those in caustics, where entries are mostly on other surfaces then
 };
 #define FACING 0.5f
 // Light that ends is 0 beyond this times the squared distance at which it begins to fade.
@@ -408,11 +408,11 @@ void photon_irradiance_around(const struct photon_maps *maps, size_t entry,
 
 rgb photon_irradiance(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
                       vec3 n, float *radius, int *entry) {
-    return photon_irradiance_behind(maps, scene, p, n, 0, radius, entry);
+    return photon_irradiance_after(maps, scene, p, n, 0, radius, entry);
 }
 
-rgb photon_irradiance_behind(const struct photon_maps *maps, const struct satin_scene *scene,
-                             vec3 p, vec3 n, int bounces, float *radius, int *entry) {
+rgb photon_irradiance_after(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
+                            vec3 n, int bounces, float *radius, int *entry) {
     rgb E;
     look_up_photons(&maps->irradiance, scene, 1, &p, &n, bounces, &E, radius, entry);
     return E;

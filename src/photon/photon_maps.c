@@ -72,12 +72,12 @@ static satin_status trace_into(const struct photon_pass *pass, const struct phot
     return status;
 }
 
-// The number of bounces after which a photon still fits into a path of max_depth segments. `behind`
+// The number of bounces after which a photon still fits into a path of max_depth segments. `after`
 // segments follow the surface where it is stored; one segment is from the light to the first
 // surface.
-static int bounces_left(const satin_options *o, int behind) {
+static int bounces_left(const satin_options *o, int after) {
     if (o->max_depth < 0) return -1;
-    return o->max_depth > behind + 1 ? o->max_depth - behind - 1 : 0;
+    return o->max_depth > after + 1 ? o->max_depth - after - 1 : 0;
 }
 
 static satin_status precompute_map(const struct photon_pass *pass,

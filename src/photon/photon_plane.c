@@ -8,7 +8,7 @@
 
 enum {
     PLANE_NEIGHBOURS = 24,  // largest number of neighbours of a site,
-    FIT_LEAST = 8,          // and least number that must be visible from it for a fit
+    FIT_LEAST = 8,          // least number of neighbours that must be visible from a site for a fit
     MIXED = 5               // sites from which a value is read; the farthest has no weight
 };
 #define PLANE_FACING 0.8f  // least cosine between the normals of one surface

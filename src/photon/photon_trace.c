@@ -85,8 +85,8 @@ static enum photon_class class_of(const struct flight *f) {
 
 // Where a mask lets some photons pass, the others represent all that would hit a surface without
 // holes.
-static bool keep_hit(const struct satin_scene *scene, struct chunk *chunk,
-                     const struct interaction *s, const struct flight *f) {
+static bool store_photon(const struct satin_scene *scene, struct chunk *chunk,
+                         const struct interaction *s, const struct flight *f) {
     const vec3 wi = v3_neg(f->ray.d), n = v3_dot(s->ng, wi) < 0.0f ? v3_neg(s->ng) : s->ng;
     const struct texture_lookup at = interaction_texture_lookup(scene, s);
     const struct material *material = &scene->material[s->material];
@@ -166,7 +166,7 @@ static void follow_photon(const struct photon_tracing *tracing, struct flight f,
         if (!scene_intersect(scene, &f.ray, &s)) return;
         f.last = bounce == tracing->bounces;
         if (f.wanted >> class_of(&f) & 1u && keeps_photons(scene, &s, v3_neg(f.ray.d)) &&
-            !keep_hit(scene, chunk, &s, &f))
+            !store_photon(scene, chunk, &s, &f))
             return;
         if (!scatter(scene, &s, lobes, rng, &f, &chunk->refused)) return;
     }

@@ -150,7 +150,7 @@ static int find_preset(double effort, double *fraction) {
 }
 
 // `times` is the effort over that of the last preset, whose options are set.
-static void set_beyond(satin_options *options, const struct option *o, double times) {
+static void extrapolate_option(satin_options *options, const struct option *o, double times) {
     for (int i = 0; i < BEYOND; i++) {
         if (beyond[i].offset != o->offset) continue;
         const double wanted =
@@ -163,7 +163,7 @@ static void set_by_effort(satin_options *options, const struct option *o, double
     double fraction;
     const int i = find_preset(effort, &fraction);
     copy_value(options, &preset[i].options, o);
-    if (i == PRESETS - 1) set_beyond(options, o, effort / preset[i].effort);
+    if (i == PRESETS - 1) extrapolate_option(options, o, effort / preset[i].effort);
     if (fraction == 0.0) return;
     const double from = log(number_value(&preset[i].options, o));
     const double to = log(number_value(&preset[i + 1].options, o));

@@ -44,10 +44,11 @@ static const double COARSE_SECONDS = 0.5, DENOISE_SECONDS = 0.5;
 static const double WRITE_SECONDS = 0.05, WRITE_PIXEL_SECONDS = 0.9e-6;
 
 enum {
-    EVEN_LEAST = 2,      // least number of samples per pixel that are distributed equally;
-    EVEN_FRACTION = 4,   // of many samples, one in this number is
-    FIRST_STRIDE = 16,   // least distance of the pixels with the very first samples,
-    FIRST_MOST = 256,    // and their largest number: they take a moment, whatever the time limit
+    EVEN_LEAST = 2,     // least number of samples per pixel that are distributed equally
+    EVEN_FRACTION = 4,  // of many samples, one in this number is distributed equally
+    FIRST_STRIDE = 16,  // least distance of the pixels with the very first samples
+    FIRST_MOST =
+        256,  // largest number of those pixels: they take a moment, whatever the time limit
     RIM_RAYS_MOST = 128  // of one pixel, a power of two: whole nets
 };
 // The number of rays at rims per pixel of the whole image. Measured with 2: at 128x128 the rms

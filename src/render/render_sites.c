@@ -9,17 +9,17 @@
 
 enum {
     SITES_PER_PIXEL = 4,  // largest number
-    ROUND_PIXELS = 8192   // pixels that are traced at a time, in slots of 11 MB; 128 chunks
+    TRACED_PIXELS = 8192  // pixels that are traced at a time, in 11 MB; 128 chunks
 };
 
 struct site_search {
     const struct render *r;
     const uint32_t *pixel;
     bool adaptive;
-    struct cache_site *slot;  // SITES_PER_PIXEL for each pixel of a round
-    uint8_t *count;           // number of slots of each pixel that are filled
-    struct cache_site *site;  // the sites of the round are appended here
-    size_t *first;            // index of the first site of each pixel
+    struct cache_site *found;  // SITES_PER_PIXEL for each pixel of a block
+    uint8_t *count;            // number of slots of each pixel that are filled
+    struct cache_site *site;   // the sites of the block are appended here
+    size_t *first;             // index of the first site of each pixel
 };
 
 uint32_t *render_grid(const struct render *r, int stride, bool finer, size_t *count) {
@@ -51,7 +51,7 @@ static void find_pixel_sites(void *ctx, size_t begin, size_t end, int worker) {
     for (size_t i = begin; i < end; i++) {
         const int x = (int)(s->pixel[i] % width), y = (int)(s->pixel[i] / width);
         s->count[i] = (uint8_t)shade_sites(&s->r->second_pass.shade, x, y, s->adaptive,
-                                           &s->slot[i * SITES_PER_PIXEL], SITES_PER_PIXEL);
+                                           &s->found[i * SITES_PER_PIXEL], SITES_PER_PIXEL);
     }
 }
 
@@ -59,10 +59,11 @@ static void copy_sites(void *ctx, size_t begin, size_t end, int worker) {
     const struct site_search *s = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++)
-        memcpy(s->site + s->first[i], s->slot + i * SITES_PER_PIXEL, s->count[i] * sizeof *s->slot);
+        memcpy(s->site + s->first[i], s->found + i * SITES_PER_PIXEL,
+               s->count[i] * sizeof *s->found);
 }
 
-// Appends the sites of a round of `pixels`, in order.
+// Appends the sites of a block of `pixels`, in order.
 static satin_status append_sites(struct site_search *s, size_t pixels, struct render_sites *out) {
     size_t more = 0;
     for (size_t i = 0; i < pixels; i++) {
@@ -80,22 +81,22 @@ static satin_status append_sites(struct site_search *s, size_t pixels, struct re
 satin_status render_find_sites(struct render *r, const uint32_t *pixel, size_t count, bool adaptive,
                                struct render_sites *sites) {
     const char *part = parallel_begin_part(r->pool, "sites");
-    const size_t most = count < ROUND_PIXELS ? count : ROUND_PIXELS;
+    const size_t most = count < TRACED_PIXELS ? count : TRACED_PIXELS;
     struct site_search s = {.r = r, .adaptive = adaptive};
-    s.slot = array_new_unset(most * SITES_PER_PIXEL, sizeof *s.slot);
+    s.found = array_new_unset(most * SITES_PER_PIXEL, sizeof *s.found);
     s.count = array_new(most, 1);
     s.first = array_new(most, sizeof *s.first);
-    satin_status status = s.slot && s.count && s.first ? SATIN_OK : SATIN_ERROR_MEMORY;
+    satin_status status = s.found && s.count && s.first ? SATIN_OK : SATIN_ERROR_MEMORY;
     sites->count = 0;
-    for (size_t i = 0; i < count && status == SATIN_OK; i += ROUND_PIXELS) {
-        const size_t pixels = count - i < ROUND_PIXELS ? count - i : ROUND_PIXELS;
+    for (size_t i = 0; i < count && status == SATIN_OK; i += TRACED_PIXELS) {
+        const size_t pixels = count - i < TRACED_PIXELS ? count - i : TRACED_PIXELS;
         s.pixel = pixel + i;
         if (!parallel_for(r->pool, pixels, 64, find_pixel_sites, &s))
             status = SATIN_CANCELLED;
         else
             status = append_sites(&s, pixels, sites);
     }
-    free(s.slot);
+    free(s.found);
     free(s.count);
     free(s.first);
     parallel_begin_part(r->pool, part);

@@ -26,8 +26,8 @@ INLINE float angle_of(float s, float c) {
 // Square roots and divisions take most of the time. Those that small angles or exact rotations do
 // not need are left out if no lane needs them, which does not change the result of any lane.
 
-// As rsh_rotation_angle. Above 90 degrees the supplement is computed, which is accurate even if the
-// cosine is nearly or exactly -1.
+// Does what rsh_rotation_angle does. Above 90 degrees the supplement is computed, which is accurate
+// even if the cosine is nearly or exactly -1.
 INLINE void angles_of(const float s[W], const float c[W], float angle[W]) {
     int large = 0;
     for (int i = 0; i < W; i++) {
@@ -53,7 +53,7 @@ INLINE void inverse_lengths(const float x[W], float inverse[W]) {
     }
 }
 
-// As rsh_rotation_stretch.
+// Does what rsh_rotation_stretch does.
 INLINE void stretch_angles(float cosine[W], float sine[W]) {
     for (int i = 0; i < W; i++) {
         float above = select_if(cosine[i] > 0.0f, cosine[i], 0.0f),
@@ -64,9 +64,9 @@ INLINE void stretch_angles(float cosine[W], float sine[W]) {
     }
 }
 
-// As rsh_rotation_of_matrix, from the same entries, but alpha is from column y of r R_z(-gamma). If
-// there is no rotation about y, or one by 180 degrees, alpha is 0 and gamma has the whole angle.
-// The series depends on which of the two has it.
+// Does what rsh_rotation_of_matrix does, from the same entries, but alpha is from column y of r
+// R_z(-gamma). If there is no rotation about y, or one by 180 degrees, alpha is 0 and gamma has the
+// whole angle. The series depends on which of the two has it.
 void GLUE(rsh_angles_, RSH_NAME)(const float r[9][RSH_MAX_WIDTH], bool stretch,
                                  struct rsh_rotations *t) {
     float ca[W], sa[W], cb[W], sb[W], cg[W], sg[W], beta[W], square[W], unit[W], length[W];

@@ -9,14 +9,15 @@
 
 #include "rsh/rsh_batch_series.h"
 
-// As load_slanted.
+// Does what load_slanted does.
 INLINE void load_one(const float *in, const vf *tangent, int m, vf *plus, vf *minus) {
     const vf u = load(in + m), v = load(in - m);
     *plus = u - tangent[m] * v;
     *minus = v + tangent[m] * u;
 }
 
-// As series_row with offsets 1. at[1] is the coefficient; neighbours that are 0 are left out.
+// Does what series_row does with offsets 1. at[1] is the coefficient; neighbours that are 0 are
+// left out.
 INLINE vf one_row(bool down, bool up, const struct factors *f, vf own, const vf at[3]) {
     vf sum = own * at[1];
     if (down) sum += f->down * at[0];
@@ -24,8 +25,8 @@ INLINE vf one_row(bool down, bool up, const struct factors *f, vf own, const vf 
     return sum;
 }
 
-// As series_band with offsets 1. `in` and `out` point to coefficient (l, 0) of the first of
-// `channels`; channels are `n` coefficients apart.
+// Does what series_band does with offsets 1. `in` and `out` point to coefficient (l, 0) of the
+// first of `channels`; channels are `n` coefficients apart.
 INLINE void one_band(int l, int channels, int n, const struct slants *s, const float *in,
                      float *out) {
     struct factors f[RSH_MAX_ORDER];

@@ -32,7 +32,7 @@ LANES_INLINE lanes lanes_halves(lanes a, lanes b) { return _mm512_mask_mov_ps(a,
 #define lanes_choose(mask, a, b) \
     _mm512_mask_mov_ps(_mm512_set1_ps(b), (__mmask16)(mask), _mm512_set1_ps(a))
 
-// As lanes_choose, for vectors.
+// Does what lanes_choose does, for vectors.
 #define lanes_choose_of(mask, a, b) _mm512_mask_mov_ps(b, (__mmask16)(mask), a)
 // Exchanges lanes 2 i and 2 i + 1. The next one is a b + c in odd lanes and a b - c in even ones.
 LANES_INLINE lanes lanes_swap_pairs(lanes v) { return _mm512_permute_ps(v, 0xb1); }

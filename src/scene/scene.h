@@ -336,7 +336,7 @@ void scene_trace_free(struct trace *trace);
 // is not finite, or whose direction is zero, hits nothing.
 bool scene_intersect(const struct satin_scene *scene, const struct ray *ray,
                      struct interaction *out);
-// As scene_intersect, for a ray that ignores the holes of masked surfaces.
+// Does what scene_intersect does, for a ray that ignores the holes of masked surfaces.
 bool scene_intersect_whole(const struct satin_scene *scene, const struct ray *ray,
                            struct interaction *out);
 // The distance of the nearest hit, or INFINITY if there is none. Faster than scene_intersect.
@@ -387,7 +387,7 @@ const struct material_side *scene_component(const struct satin_scene *scene,
 bool scene_component_brdf(const struct satin_scene *scene, const struct material_side *side,
                           const struct interaction *s, vec3 wo, struct brdf *brdf,
                           struct frame *frame);
-// As scene_component_brdf, for the component that scene_component draws.
+// Does what scene_component_brdf does, for the component that scene_component draws.
 bool scene_brdf(const struct satin_scene *scene, const struct interaction *s, vec3 wo,
                 struct brdf *brdf, struct frame *frame);
 // The frame without bump and normal maps, on the side that scene_component_brdf uses.

@@ -47,7 +47,7 @@ static void add_emission(const struct shade *shade, const struct branch *b,
                          const struct interaction *s, struct shade_eye *out) {
     const satin_options *o = shade->g->options;
     if (o->max_depth == 0 || (b->depth == 0 && o->hide_emitters > 0)) return;
-    out->emission = rgb_fma(out->emission, b->T, light_met(shade->g->scene, s, b->ray.d));
+    out->emission = rgb_fma(out->emission, b->T, light_at_hit(shade->g->scene, s, b->ray.d));
 }
 
 // Pushes the rays that leave an ideal specular surface. Returns the new height of the stack.

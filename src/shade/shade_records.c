@@ -50,7 +50,7 @@ rgb shade_diffuse_albedo(const struct gather_point *p) {
     return rgb_scale(brdf_albedo(&p->brdf, p->wo_l, BRDF_DIFFUSE), scale);
 }
 
-unsigned shade_wants(const struct shade *shade, const struct gather_point *p) {
+unsigned shade_record_kinds(const struct shade *shade, const struct gather_point *p) {
     struct shade_plan plan;
     shade_plan_make(shade, p, &plan);
     unsigned wants = plan.cached ? 1u << CACHE_RADIANCE : 0u;

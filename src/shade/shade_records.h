@@ -43,6 +43,6 @@ static inline void shade_lobe_name(const struct gather_point *p, struct cache_lo
 rgb shade_diffuse_albedo(const struct gather_point *p);
 
 // The kinds of records that the plan of a point uses, a mask of 1 << cache_kind; 0: none.
-unsigned shade_wants(const struct shade *shade, const struct gather_point *p);
+unsigned shade_record_kinds(const struct shade *shade, const struct gather_point *p);
 
 #endif

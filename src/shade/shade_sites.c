@@ -49,7 +49,7 @@ int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct c
     for (int i = 0; i < eye.count && count < max; i++) {
         const struct shade_vertex *v = &eye.vertex[i];
         const struct interaction *s = &v->point.interaction;
-        const unsigned wants = shade_wants(shade, &v->point);
+        const unsigned wants = shade_record_kinds(shade, &v->point);
         if (!wants) continue;
         struct cache_site *site = &out[count++];
         *site = (struct cache_site){

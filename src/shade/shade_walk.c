@@ -41,7 +41,7 @@ bool shade_walk(const struct shade *shade, int x, int y, int bounce, struct cach
         if (!gather_follow(g, ray, &sampler, &first, &p)) return false;
         length += first.r;
     }
-    unsigned wants = shade_wants(shade, &p);
+    unsigned wants = shade_record_kinds(shade, &p);
     uint64_t stream = rng_mix(((uint64_t)sampler.seed << 20) + (uint64_t)bounce);
     *out = (struct cache_site){.p = p.interaction.p,
                                .ng = p.interaction.ng,

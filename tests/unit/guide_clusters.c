@@ -67,7 +67,7 @@ static int look(const struct test_scene *t, struct guide_clusters *clusters, vec
                 struct guide_cone *cone) {
     float expected = 0.0f;
     int count =
-        guide_cones_from(clusters, &t->scene, &(struct guide_eye){p, n, n}, cone, &expected);
+        guide_cones_from(clusters, &t->scene, &(struct guide_point){p, n, n}, cone, &expected);
     if (count > 0) assert_true(expected > 0.0f);
     return count;
 }
