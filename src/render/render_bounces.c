@@ -9,14 +9,6 @@
 #include "base/array.h"
 #include "render/render_state.h"
 
-enum { FIRST = 512 };  // walks of the first block of sites; each further block doubles their number
-
-// Records that one gather ray among hundreds reads may be coarser than those that the image reads,
-// and more so with every bounce: per bounce, the accuracy a is multiplied by the first factor and
-// the number of rays by the second.
-static const float COARSER = 1.25f, FEWER = 0.6f;
-static const float BOUNCE_RAYS_LEAST = 64.0f;
-
 // The distance of the sites of a batch, in least radii.
 static const float SPACING = 2.0f;
 
@@ -36,19 +28,10 @@ struct walks {
     bool *found;
 };
 
-static int fewer(int rays, int bounce) {
-    return (int)fmaxf(fminf(BOUNCE_RAYS_LEAST, (float)rays),
-                      (float)rays * powf(FEWER, (float)bounce));
-}
-
 static satin_options bounce_options(const satin_options *image, int bounce) {
     satin_options o = *image;
     if (o.max_depth >= 0) o.max_depth -= bounce;
-    o.irradiance_rays = fewer(o.irradiance_rays, bounce);
-    o.radiance_rays = fewer(o.radiance_rays, bounce);
-    const float coarser = powf(COARSER, (float)bounce);
-    o.irradiance_a *= coarser;
-    o.radiance_a *= coarser;
+    render_budget_bounce(&o, bounce);
     // The sites hold their least radius instead of a pixel's width.
     o.irradiance_min_pixels = o.radiance_min_pixels = 1.0f;
     o.irradiance_max_pixels = o.radiance_max_pixels = INFINITY;
@@ -74,7 +57,7 @@ static satin_status fill_from_walks(struct render *r, struct render_bounce *boun
     struct cache_fill fill = {.widest = fmaxf(o->irradiance_widen, o->radiance_widen),
                               .spacing = SPACING};
     satin_status status = SATIN_OK;
-    for (size_t i = 0, next = FIRST; i < RENDER_WALKS && status == SATIN_OK;
+    for (size_t i = 0, next = RENDER_WALKS_FIRST; i < RENDER_WALKS && status == SATIN_OK;
          i = next, next = 2 * i) {
         struct cache_site *site = walks->site + i;
         size_t count = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How much work records are: the rounds of a render with a time limit, the gather rays of its first
-// round, from the costs measured so far, and the points at which records are compared.
+// round, from the costs measured so far, the rays of indirect bounces, and the points at which
+// records are compared.
 #include <string.h>
 
 #include "render/render_budget.h"
@@ -19,6 +20,11 @@ static const double GROWTH_FADES = 0.8;
 // The least number of gather rays of an irradiance record. For a radiance record it is larger in
 // the ratio of the options' numbers of rays.
 static const float RAYS_LEAST = 32.0f;
+// Records that one gather ray among hundreds reads may be coarser than those that the image reads,
+// and more so with every bounce: per bounce, the accuracy a is multiplied by the first factor and
+// the number of rays by the second.
+static const float COARSER = 1.25f, FEWER = 0.6f;
+static const float BOUNCE_RAYS_LEAST = 64.0f;
 enum { RAYS_STEPS = 30 };  // steps of the search for their number, to the precision of a float
 
 enum {
@@ -102,6 +108,21 @@ void render_budget_level(const satin_options *o, struct render_covering *coverin
             hi = (double)c->rays;
     }
     c->rays = (float)lo;
+}
+
+// ---- Indirect bounces ---------------------------------------------------------------------------
+
+static int bounce_rays(int rays, int bounce) {
+    return (int)fmaxf(fminf(BOUNCE_RAYS_LEAST, (float)rays),
+                      (float)rays * powf(FEWER, (float)bounce));
+}
+
+void render_budget_bounce(satin_options *o, int bounce) {
+    const float coarser = powf(COARSER, (float)bounce);
+    o->irradiance_rays = bounce_rays(o->irradiance_rays, bounce);
+    o->radiance_rays = bounce_rays(o->radiance_rays, bounce);
+    o->irradiance_a *= coarser;
+    o->radiance_a *= coarser;
 }
 
 // ---- Points of adaptive caching -----------------------------------------------------------------

@@ -8,8 +8,6 @@
 #include "render/options_budget.h"
 #include "render/render_state.h"
 
-enum { TIMED_SPP = 1 << 20 };
-
 static int resolve_value(int value, int open, int scene, int scene_open, int fallback) {
     if (value != open) return value;
     return scene != scene_open ? scene : fallback;
@@ -81,7 +79,7 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
     int scene_spp = o->integrator == SATIN_PATH ? hints->spp : 0;
     // With negative weights a smooth image needs many samples too.
     if (film_filter_has_lobes(&scene->film)) o->adaptive_sampling = false;
-    if (o->spp == 0 && o->time > 0.0) o->spp = TIMED_SPP;
+    if (o->spp == 0 && o->time > 0.0) o->spp = RENDER_TIMED_SPP;
     r->first_pass.wanted = o->photons;
     r->first_pass.chosen_by_user = !options_budget_chooses_photons(o);
     if (o->time > 0.0)

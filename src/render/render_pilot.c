@@ -8,11 +8,6 @@
 #include "base/array.h"
 #include "render/render_state.h"
 
-// This number of pixels shows V within 5 % and q within .2 % from seed to seed (cornell-glossy and
-// indirect-room; with 1024 pixels V within 20 %), and takes .02 to .04 core seconds in either
-// scene. adapt_compare needs at least two halves of two samples.
-enum { SIDE = 64, PILOT_SAMPLES = 4 };
-
 struct image_pilot {
     struct render *r;
     struct adapt adapt;
@@ -60,8 +55,8 @@ static double mean_square_indirect(const struct image_pilot *pilot) {
 
 static bool pilot_make(struct image_pilot *pilot, struct render *r) {
     const int workers = parallel_threads(r->pool);
-    int columns = r->options.width < SIDE ? r->options.width : SIDE;
-    int rows = r->options.height < SIDE ? r->options.height : SIDE;
+    int columns = r->options.width < RENDER_PILOT_SIDE ? r->options.width : RENDER_PILOT_SIDE;
+    int rows = r->options.height < RENDER_PILOT_SIDE ? r->options.height : RENDER_PILOT_SIDE;
     *pilot = (struct image_pilot){.r = r, .columns = columns, .rows = rows};
     pilot->worker = array_new((size_t)workers, sizeof *pilot->worker);
     pilot->indirect = array_new((size_t)columns * (size_t)rows, sizeof *pilot->indirect);
@@ -86,14 +81,15 @@ satin_status render_pilot(struct render *r, struct render_pace *pace) {
     const size_t pixels = (size_t)pilot.columns * (size_t)pilot.rows;
     const double start = stats_wall(), limit = render_limit_lift(r);
     bool whole = true;
-    for (uint32_t n = PILOT_SAMPLES / 2; whole && n <= PILOT_SAMPLES; n += PILOT_SAMPLES / 2) {
+    for (uint32_t n = RENDER_PILOT_SAMPLES / 2; whole && n <= RENDER_PILOT_SAMPLES;
+         n += RENDER_PILOT_SAMPLES / 2) {
         adapt_even(&pilot.adapt, 1, n);
         whole = parallel_for(r->pool, pixels, 16, sample_pixels, &pilot);
         adapt_compare(&pilot.adapt);
     }
     render_limit_restore(r, limit);
     if (whole) {
-        pace->samples = PILOT_SAMPLES * (double)pixels / fmax(stats_wall() - start, 1e-9);
+        pace->samples = RENDER_PILOT_SAMPLES * (double)pixels / fmax(stats_wall() - start, 1e-9);
         pace->variance = adapt_variance(&pilot.adapt);
         pace->indirect2 = mean_square_indirect(&pilot);
     }
