@@ -74,16 +74,31 @@ static satin_status prepare(struct render *r, const satin_scene *scene,
     return allocate_image(r);
 }
 
-// Traces photons and makes the first-pass radiance estimate that gather rays read at their hits.
+// Replaces the integrator by path tracing for the rest of the render: the steps that follow ask
+// is_two_pass() and needs_photons() again. The film gets the channels of the new integrator.
+static satin_status trace_paths(struct render *r) {
+    log_message(r->log, SATIN_LOG_WARNING,
+                "the time is too short for photons here: paths are traced instead");
+    r->options.integrator = SATIN_PATH;
+    render_image_free(r->image);
+    r->image = render_image_new(&r->scene, &r->options);
+    return r->image ? SATIN_OK : SATIN_ERROR_MEMORY;
+}
+
+// Traces photons and makes the first-pass radiance estimate that gather rays read at their hits. If
+// there is no time for that, paths are traced instead.
 static satin_status first_pass(struct render *r) {
-    satin_status status = SATIN_OK;
-    if (needs_photons(r)) {
-        render_stage_begin(r, STAGE_PHOTONS,
-                           (double)(r->options.photons + r->options.caustic_photons));
-        status = render_photons(r);
-    }
+    if (!needs_photons(r)) return SATIN_OK;
+    render_stage_begin(r, STAGE_PHOTONS, (double)(r->options.photons + r->options.caustic_photons));
+    const satin_status status = render_photons(r);
+    return status == SATIN_OK && r->first_pass.too_slow ? trace_paths(r) : status;
+}
+
+// Makes the constants of gathering, with what the first pass has made, and samples direct light
+// where gather rays read it together with the photons.
+static satin_status prepare_gathering(struct render *r) {
     r->second_pass.gather = render_gather(r);
-    return status == SATIN_OK ? render_direct(r) : status;
+    return render_direct(r);
 }
 
 // Projects the scene's glossy BRDFs onto harmonics. If there is no time for that, all are sampled
@@ -173,6 +188,7 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
     satin_film *film = NULL;
     satin_status status = r ? prepare(r, scene, options) : SATIN_ERROR_MEMORY;
     if (status == SATIN_OK) status = first_pass(r);
+    if (status == SATIN_OK) status = prepare_gathering(r);
     if (status == SATIN_OK) status = brdf_tables(r);
     if (status == SATIN_OK) status = bounce_records(r);
     if (status == SATIN_OK) status = prepare_second_pass(r);

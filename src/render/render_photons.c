@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The first pass: as many photons as render_budget.h allows. If not even the first of them fit into
-// a time limit, as among thousands of surfaces at one position, the image is path-traced.
-#include "render/render_image.h"
+// a time limit, as among thousands of surfaces at one position, render.c traces paths instead.
+#include "render/render_state.h"
 
 // Whether the global map is read.
 static bool reads_photons(const satin_options *o) {
@@ -79,34 +79,20 @@ static bool can_trace_paths(const struct render *r) {
     return r->options.integrator == SATIN_TWO_PASS && !c->save_cache && !c->load_cache;
 }
 
-// Builds the maps from the first photons. *too_slow is set if there was no time for them.
-static satin_status build_first(struct render *r, double fraction, bool *too_slow) {
+// Builds the maps from the first photons. Sets too_slow if there was no time for them.
+static satin_status build_first(struct render *r, double fraction) {
     if (can_trace_paths(r)) render_limit_pilot(r);
     const satin_status status = build(r, fraction, 1.0);
-    *too_slow = status == SATIN_CANCELLED && !render_cancelled(r);
+    r->first_pass.too_slow = status == SATIN_CANCELLED && !render_cancelled(r);
     return render_limit_end(r, status);
-}
-
-// Continues with path tracing. The film keeps the channels of the integrator that was requested.
-static satin_status trace_paths(struct render *r) {
-    log_message(r->log, SATIN_LOG_WARNING,
-                "the time is too short for photons here: paths are traced instead");
-    r->options.integrator = SATIN_PATH;
-    render_image_free(r->image);
-    r->image = render_image_new(&r->scene, &r->options);
-    return r->image ? SATIN_OK : SATIN_ERROR_MEMORY;
 }
 
 satin_status render_photons(struct render *r) {
     const struct stats before = r->stats;
     const double first = render_budget_first_photons(r);
-    bool too_slow;
-    satin_status status = build_first(r, first, &too_slow);
-    if (too_slow) {
-        r->stats = before;
-        return trace_paths(r);
-    }
-    if (status != SATIN_OK) return status;
+    satin_status status = build_first(r, first);
+    if (r->first_pass.too_slow) r->stats = before;
+    if (status != SATIN_OK || r->first_pass.too_slow) return status;
     const struct render_more_photons more =
         render_budget_photons(r, photon_seconds(&r->stats), starved(r, first));
     return more.fraction > 0.0 ? build_again(r, before, more) : SATIN_OK;

@@ -34,7 +34,9 @@ static void report_now(struct render *r, double done) {
         .rate = seconds > 0.0 ? done * at->items / seconds : 0.0,
         .elapsed = at->last_report - at->start,
     };
-    if (r->callbacks.progress(r->callbacks.progress_user, &progress)) at->cancelled_in = at->stage;
+    if (!r->callbacks.progress(r->callbacks.progress_user, &progress)) return;
+    at->cancelled = true;
+    at->cancelled_in = at->stage;
 }
 
 bool render_progress_report(struct render *r, double done) {

@@ -33,7 +33,8 @@ enum render_image_kind {
 // The progress of the render, and what ends it: its deadline, or the caller, who may cancel it.
 struct render_progress {
     enum render_stage stage;         // current stage
-    enum render_stage cancelled_in;  // stage in which the caller cancelled; STAGE_SETUP: none
+    bool cancelled;                  // by the caller
+    enum render_stage cancelled_in;  // the stage in which that was
     enum render_image_kind image_kind;
     double start;        // wall clock at the beginning of the render
     double deadline;     // seconds after it at which the current loop is stopped; INFINITY: none
@@ -48,6 +49,7 @@ struct render_first_pass {
     int64_t wanted;       // photons of the global map without a time limit
     bool chosen_by_user;  // the number must not be increased
     double made;          // fraction of `wanted` that was traced; 0: none were wanted
+    bool too_slow;        // not even the first photons fit into the time limit
     struct photon_maps *maps;
     struct gather_direct_table direct;    // at the entries of the maps
     struct guide_visibility *visibility;  // of the lights; NULL: all lights are assumed visible
@@ -75,7 +77,9 @@ struct render_outcome {
 
 struct render {
     // Given by the caller. The scene has the film size and camera of this render and owns nothing;
-    // the options are resolved: no field means "the scene's" any more.
+    // the options are resolved: no field means "the scene's" any more. During the render one
+    // function changes them: trace_paths() in render.c makes `path` the integrator of all stages
+    // that follow.
     struct satin_scene scene;
     satin_options options;
     satin_callbacks callbacks;
@@ -93,9 +97,7 @@ struct render {
 };
 
 // Whether the caller cancelled.
-static inline bool render_cancelled(const struct render *r) {
-    return r->progress.cancelled_in != STAGE_SETUP;
-}
+static inline bool render_cancelled(const struct render *r) { return r->progress.cancelled; }
 
 // ---- render_options.c: options and scene hints -> what is rendered
 satin_status render_resolve(struct render *r, const struct satin_scene *scene,
@@ -114,7 +116,8 @@ void render_progress_install(struct render *r);
 bool render_progress_report(struct render *r, double done);
 
 // ---- render_photons.c
-// Traces as many photons as a time limit allows, and makes the first-pass radiance estimate.
+// Traces as many photons as a time limit allows, and makes the first-pass radiance estimate. Sets
+// r->first_pass.too_slow, and makes nothing, if there is no time for it.
 satin_status render_photons(struct render *r);
 // The constants of gathering. The photon maps may be missing if there was no time for them.
 struct gather render_gather(const struct render *r);
