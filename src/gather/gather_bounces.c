@@ -27,12 +27,6 @@ enum {
     VERTICES = DIFFUSE_MAX + RECURSIVE_MAX + 1
 };
 
-// A path in a gap between surfaces goes on until a segment is so many times as long as the radius
-// of the lookup at its end. Otherwise photons near the opening of a gap light it far inside:
-// between white surfaces .02 apart, with radii of some .1, estimates were 2.8 times too bright at
-// 0, 1.9 times at 1, 1.3 at 2, 1.1 at 4. A furnished room costs 5 % more gathering at 2, 10 % at 4.
-static const float NEAR_DISCS = 2.0f;
-
 // Lobes that are followed by a segment separate from that of the diffuse lobe.
 static const unsigned GLOSSY = BRDF_GLOSSY | BRDF_THROUGH;
 
@@ -211,7 +205,7 @@ static struct gather_estimate estimate_at(const struct gather *g, struct path_ve
     int entry;
     const rgb E = photon_irradiance_after(g->maps, g->scene, z->y->interaction.p, z->y->ng,
                                           z->bounce, &radius, &entry);
-    const bool near = z->y->interaction.t < NEAR_DISCS * radius;
+    const bool near = gather_is_near(g, z->y->interaction.t, radius, GATHER_NEAR_DISCS);
     return (struct gather_estimate){within_depth(g, z->bounce, 2) ? E : none.E,
                                     !(g->options->gather_near && (radius > g->lookup_max || near)),
                                     gather_direct_known(g, entry)};

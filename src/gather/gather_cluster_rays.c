@@ -7,7 +7,9 @@
 void gather_cluster_rays_add(const struct gather *g, const struct gather_site *site,
                              struct gather_hemisphere *h, struct gather_cluster_rays *out) {
     const struct guide_point at = {site->p, site->frame.n, site->ng};
-    *out = (struct gather_cluster_rays){.near.p = site->p};
+    *out = (struct gather_cluster_rays){
+        .near = {.discs = h->layout->order ? GATHER_NEAR_DISCS_RADIANCE : GATHER_NEAR_DISCS,
+                 .p = site->p}};
     if (!g->options->guide_clusters) return;
     out->near.found = -1;
     if (!g->clusters) return;

@@ -21,9 +21,12 @@ static const float VISIBLE_LEAST = 0.05f;
 // The least fraction of a cone that is assumed to be lit.
 static const float FILLED_LEAST = 0.01f;
 
+bool gather_is_near(const struct gather *g, float t, float radius, float discs) {
+    return t < fmaxf(radius, fminf(discs * radius, g->lookup_max));
+}
+
 static bool is_near(const struct gather_hits *hits, size_t i) {
-    const struct gather_point *y = &hits->hit[i].point;
-    return y->lobes & BRDF_DIFFUSE && y->interaction.t < hits->radius[i];
+    return hits->near[i] && hits->hit[i].point.lobes & BRDF_DIFFUSE;
 }
 
 // Selects hits distributed uniformly over the near ones, and returns their number.

@@ -49,16 +49,19 @@ static void look_up_hits(const struct gather *g, struct gather_hits *hits, size_
 // First passes `photons` and `precomputed`: computes the reflected radiance of the hits.
 static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t count,
                        struct gather_near *near) {
+    const float discs = near ? near->discs : GATHER_NEAR_DISCS;
     look_up_hits(g, hits, count);
+    for (size_t i = 0; i < count; i++)
+        hits->near[i] = gather_is_near(g, hits->hit[i].point.interaction.t, hits->radius[i], discs);
     if (near) gather_near_look(g, hits, count, near);
     for (size_t i = 0; i < count; i++) {
         const struct gather_hit *hit = &hits->hit[i];
         const float radius = hits->radius[i];
-        const bool close = hit->point.interaction.t < radius;
-        const bool follow = g->options->gather_near && (close || radius > g->lookup_max);
+        const bool follow = g->options->gather_near && (hits->near[i] || radius > g->lookup_max);
         const struct gather_estimate estimate = {hits->E[i], !follow,
                                                  gather_direct_known(g, hits->entry[i])};
-        const rgb L = gather_bounces(g, &hit->point, estimate, close ? near : NULL, hit->sampler);
+        const rgb L =
+            gather_bounces(g, &hit->point, estimate, hits->near[i] ? near : NULL, hit->sampler);
         hit->ray->L = rgb_mul(hit->T, L);
     }
 }

@@ -26,6 +26,7 @@ struct gather_hits {
     rgb E[GATHER_CHUNK];
     float radius[GATHER_CHUNK];
     int entry[GATHER_CHUNK];
+    bool near[GATHER_CHUNK];  // gather_is_near
 };
 
 // Memory that a worker uses repeatedly. A call reads from it only what the same call has written.

@@ -126,8 +126,20 @@ static void weights_are_unbiased(void **state) {
     spot_room_free(&f);
 }
 
+// Near are hits within a radius, and within a few unless that is beyond the largest reliable
+// radius.
+static void near_is_a_few_radii(void **state) {
+    (void)state;
+    const struct gather g = {.lookup_max = 3.0f};
+    assert_true(gather_is_near(&g, 0.99f, 0.5f, 2.0f) && !gather_is_near(&g, 1.01f, 0.5f, 2.0f));
+    assert_true(gather_is_near(&g, 2.9f, 1.0f, 4.0f) && !gather_is_near(&g, 3.1f, 1.0f, 4.0f));
+    assert_true(gather_is_near(&g, 4.9f, 5.0f, 2.0f) && !gather_is_near(&g, 5.1f, 5.0f, 2.0f));
+    assert_true(gather_is_near(&g, 1e30f, INFINITY, 2.0f));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(near_is_a_few_radii),
         cmocka_unit_test(places_that_the_site_does_not_see_are_sampled),
         cmocka_unit_test(weights_are_unbiased),
     };
