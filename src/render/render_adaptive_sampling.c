@@ -23,42 +23,42 @@
 #define LIGHTS_MOST 16.0f
 enum {
     // The factor by which the number of samples of a noisy pixel may grow in one pass.
-    ADAPT_GROWTH = 4,
-    MULTIPLE = 2,        // samples are added in pairs, which are stratified together
-    ADAPT_CHUNK = 4096,  // pixels per chunk
-    ADAPT_ROWS = 8,
-    ADAPT_COLUMNS = 16  // a line of the processor's cache, in floats
+    ADAPTIVE_GROWTH = 4,
+    MULTIPLE = 2,           // samples are added in pairs, which are stratified together
+    ADAPTIVE_CHUNK = 4096,  // pixels per chunk
+    ADAPTIVE_ROWS = 8,
+    ADAPTIVE_COLUMNS = 16  // a line of the processor's cache, in floats
 };
 
-bool adapt_make(struct adapt *adapt, int width, int height, int lights) {
+bool adaptive_make(struct adaptive_sampling *adapt, int width, int height, int lights) {
     size_t n = (size_t)width * (size_t)height;
-    *adapt = (struct adapt){.width = width, .height = height};
+    *adapt = (struct adaptive_sampling){.width = width, .height = height};
     adapt->pixel = array_new(n, sizeof *adapt->pixel);
     adapt->scratch = array_new(4 * n, sizeof *adapt->scratch);
-    adapt->sum = array_new(n / ADAPT_CHUNK + 1, sizeof *adapt->sum);
+    adapt->sum = array_new(n / ADAPTIVE_CHUNK + 1, sizeof *adapt->sum);
     if (adapt->pixel && adapt->scratch && adapt->sum) {
         for (size_t i = 0; i < n; i++)
-            adapt->pixel[i] = (struct adapt_pixel){.spread = -1.0f, .lights = (uint32_t)lights};
+            adapt->pixel[i] = (struct adaptive_pixel){.spread = -1.0f, .lights = (uint32_t)lights};
         return true;
     }
-    adapt_destroy(adapt);
+    adaptive_destroy(adapt);
     return false;
 }
 
-void adapt_destroy(struct adapt *adapt) {
+void adaptive_destroy(struct adaptive_sampling *adapt) {
     free(adapt->pixel);
     free(adapt->scratch);
     free(adapt->sum);
-    *adapt = (struct adapt){0};
+    *adapt = (struct adaptive_sampling){0};
 }
 
-static size_t pixels(const struct adapt *adapt) {
+static size_t pixels(const struct adaptive_sampling *adapt) {
     return (size_t)adapt->width * (size_t)adapt->height;
 }
 
 // Context of the loops over pixels, rows or columns.
 struct adapting {
-    const struct adapt *adapt;
+    const struct adaptive_sampling *adapt;
     const float *from;
     float *to;
     float factor;
@@ -67,15 +67,17 @@ struct adapting {
     uint32_t count;
 };
 
-static void each_chunk(const struct adapt *adapt, parallel_fn fn, struct adapting *job) {
-    parallel_for_all(adapt->pool, pixels(adapt), ADAPT_CHUNK, fn, job);
+static void each_chunk(const struct adaptive_sampling *adapt, parallel_fn fn,
+                       struct adapting *job) {
+    parallel_for_all(adapt->pool, pixels(adapt), ADAPTIVE_CHUNK, fn, job);
 }
 
 // Adds the results of fn for all chunks, in their order.
-static double sum_chunks(const struct adapt *adapt, parallel_fn fn, struct adapting *job) {
+static double sum_chunks(const struct adaptive_sampling *adapt, parallel_fn fn,
+                         struct adapting *job) {
     double sum = 0.0;
     each_chunk(adapt, fn, job);
-    for (size_t i = 0; i * ADAPT_CHUNK < pixels(adapt); i++) sum += adapt->sum[i];
+    for (size_t i = 0; i * ADAPTIVE_CHUNK < pixels(adapt); i++) sum += adapt->sum[i];
     return sum;
 }
 
@@ -84,14 +86,14 @@ static void sum_luminances(void *ctx, size_t begin, size_t end, int worker) {
     double sum = 0.0;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        const struct adapt_pixel *p = &job->adapt->pixel[i];
+        const struct adaptive_pixel *p = &job->adapt->pixel[i];
         if (p->count) sum += (double)rgb_luminance(p->sum) / p->count;
     }
-    job->adapt->sum[begin / ADAPT_CHUNK] = sum;
+    job->adapt->sum[begin / ADAPTIVE_CHUNK] = sum;
 }
 
 // The squared luminance below which the error of a pixel is absolute.
-static double floor2(const struct adapt *adapt) {
+static double floor2(const struct adaptive_sampling *adapt) {
     struct adapting job = {.adapt = adapt};
     const double sum = sum_chunks(adapt, sum_luminances, &job);
     const double dark = (double)DARK * sum / (double)pixels(adapt);
@@ -109,7 +111,7 @@ static void compare_pixels(void *ctx, size_t begin, size_t end, int worker) {
     const double least2 = job->floor2;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        struct adapt_pixel *p = &job->adapt->pixel[i];
+        struct adaptive_pixel *p = &job->adapt->pixel[i];
         uint32_t fresh = p->count - p->before;
         if (2 * fresh < p->before || fresh == 0) continue;  // too few for a comparison
         if (p->before > 0) {
@@ -127,7 +129,7 @@ static void compare_pixels(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-void adapt_compare(struct adapt *adapt) {
+void adaptive_compare(struct adaptive_sampling *adapt) {
     struct adapting job = {.adapt = adapt, .floor2 = floor2(adapt)};
     each_chunk(adapt, compare_pixels, &job);
 }
@@ -138,15 +140,15 @@ static void target_rows(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
     for (size_t y = begin * stride; y < end * stride; y += stride)
         for (size_t i = y * width; i < (y + 1) * width; i += stride) {
-            struct adapt_pixel *p = &job->adapt->pixel[i];
+            struct adaptive_pixel *p = &job->adapt->pixel[i];
             if (p->target < job->count) p->target = job->count;
         }
 }
 
-void adapt_even(struct adapt *adapt, int stride, uint32_t count) {
+void adaptive_even(struct adaptive_sampling *adapt, int stride, uint32_t count) {
     struct adapting job = {.adapt = adapt, .stride = (size_t)stride, .count = count};
     const size_t rows = (size_t)((adapt->height + stride - 1) / stride);
-    parallel_for_all(adapt->pool, rows, ADAPT_ROWS, target_rows, &job);
+    parallel_for_all(adapt->pool, rows, ADAPTIVE_ROWS, target_rows, &job);
 }
 
 // One pass of a binomial filter over five pixels. Pixels without a value (< 0) are ignored.
@@ -180,11 +182,11 @@ static void blur_columns(void *ctx, size_t begin, size_t end, int worker) {
         blur(job->from + x, job->to + x, job->adapt->height, (size_t)job->adapt->width);
 }
 
-static void blur_image(const struct adapt *adapt, float *a, float *b) {
+static void blur_image(const struct adaptive_sampling *adapt, float *a, float *b) {
     struct adapting job = {.adapt = adapt, .from = a, .to = b};
-    parallel_for_all(adapt->pool, (size_t)adapt->height, ADAPT_ROWS, blur_rows, &job);
+    parallel_for_all(adapt->pool, (size_t)adapt->height, ADAPTIVE_ROWS, blur_rows, &job);
     job = (struct adapting){.adapt = adapt, .from = b, .to = a};
-    parallel_for_all(adapt->pool, (size_t)adapt->width, ADAPT_COLUMNS, blur_columns, &job);
+    parallel_for_all(adapt->pool, (size_t)adapt->width, ADAPTIVE_COLUMNS, blur_columns, &job);
 }
 
 static void copy_spread(void *ctx, size_t begin, size_t end, int worker) {
@@ -201,7 +203,7 @@ static void want_by_spread(void *ctx, size_t begin, size_t end, int worker) {
 }
 
 // Computes, in scratch, numbers to which the samples of the pixels are to be proportional.
-static const float *find_wanted(struct adapt *adapt) {
+static const float *find_wanted(struct adaptive_sampling *adapt) {
     float *a = adapt->scratch;
     struct adapting job = {.adapt = adapt, .to = a};
     each_chunk(adapt, copy_spread, &job);
@@ -216,12 +218,13 @@ static void sum_more(void *ctx, size_t begin, size_t end, int worker) {
     (void)worker;
     for (size_t i = begin; i < end; i++) {
         const float count = (float)job->adapt->pixel[i].count;
-        sum += (double)(clampf(job->factor * job->from[i], count, ADAPT_GROWTH * count) - count);
+        sum += (double)(clampf(job->factor * job->from[i], count, ADAPTIVE_GROWTH * count) - count);
     }
-    job->adapt->sum[begin / ADAPT_CHUNK] = sum;
+    job->adapt->sum[begin / ADAPTIVE_CHUNK] = sum;
 }
 
-static double added_samples(const struct adapt *adapt, const float *want, float factor) {
+static double added_samples(const struct adaptive_sampling *adapt, const float *want,
+                            float factor) {
     struct adapting job = {.adapt = adapt, .from = want, .factor = factor};
     return sum_chunks(adapt, sum_more, &job);
 }
@@ -229,7 +232,7 @@ static double added_samples(const struct adapt *adapt, const float *want, float 
 // The factor that gives this number of samples, or the largest factor if none does. It is found by
 // bisection over the bits of positive floats, whose order is that of their values, so it is exact
 // whatever the range of the wanted counts.
-static float find_factor(const struct adapt *adapt, const float *want, double samples) {
+static float find_factor(const struct adaptive_sampling *adapt, const float *want, double samples) {
     union {
         uint32_t bits;
         float value;
@@ -244,14 +247,14 @@ static float find_factor(const struct adapt *adapt, const float *want, double sa
     return hi.value;
 }
 
-double adapt_variance(struct adapt *adapt) {
+double adaptive_variance(struct adaptive_sampling *adapt) {
     const float *want = find_wanted(adapt);
     double sum = 0.0;
     for (size_t i = 0; i < pixels(adapt); i++) sum += (double)want[i];
     return pow(sum / (double)pixels(adapt), 1.0 + (double)GAIN);
 }
 
-void adapt_spread(struct adapt *adapt, uint64_t samples) {
+void adaptive_spread(struct adaptive_sampling *adapt, uint64_t samples) {
     const float *want = find_wanted(adapt);
     const float factor = find_factor(adapt, want, (double)samples);
     // If the noise is in a few pixels, the rest of the samples is distributed uniformly.
@@ -259,11 +262,11 @@ void adapt_spread(struct adapt *adapt, uint64_t samples) {
     const double even = rest / (double)pixels(adapt);
     double owed = 0.0;  // fractions of groups that rounding has left over so far
     uint64_t given = 0;
-    struct adapt_pixel *last = adapt->pixel;
+    struct adaptive_pixel *last = adapt->pixel;
     for (size_t i = 0; i < pixels(adapt); i++) {
-        struct adapt_pixel *p = &adapt->pixel[i];
+        struct adaptive_pixel *p = &adapt->pixel[i];
         const float count = (float)p->count;
-        owed += (double)(clampf(factor * want[i], count, ADAPT_GROWTH * count) - count) + even;
+        owed += (double)(clampf(factor * want[i], count, ADAPTIVE_GROWTH * count) - count) + even;
         const double groups = fmax(floor(owed / MULTIPLE + 0.5), 0.0);
         p->target = p->count + MULTIPLE * (uint32_t)groups;
         owed -= MULTIPLE * groups;
@@ -279,7 +282,7 @@ static void find_variances(void *ctx, size_t begin, size_t end, int worker) {
     float *light = job->to, *rest = light + pixels(job->adapt);
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        const struct adapt_pixel *p = &job->adapt->pixel[i];
+        const struct adaptive_pixel *p = &job->adapt->pixel[i];
         const float count = (float)p->count, m = (float)p->lights_taken / fmaxf(count, 1.0f);
         const float mean = rgb_luminance(p->sum) / fmaxf(count, 1.0f);
         const float all = (p->squares - count * sqrf(mean)) / fmaxf(count - 1.0f, 1.0f);
@@ -296,7 +299,7 @@ static void set_lights(void *ctx, size_t begin, size_t end, int worker) {
     const float *light = job->from, *rest = light + pixels(job->adapt);
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        struct adapt_pixel *p = &job->adapt->pixel[i];
+        struct adaptive_pixel *p = &job->adapt->pixel[i];
         if (!(light[i] > 0.0f)) continue;  // nothing is known, or lights cause no noise
         const float m = powf(light[i] * job->factor / fmaxf(rest[i], 1e-30f), 1.0f / (1.0f + GAIN));
         p->lights = (uint32_t)clampf(m, 1.0f, LIGHTS_MOST);
@@ -307,7 +310,7 @@ static void set_lights(void *ctx, size_t begin, size_t end, int worker) {
 // With m light samples of variance v each, and w the variance of a sample from all other sources, n
 // samples have the variance w n^-GAIN + v (n m)^-GAIN and cost n (cost + m). The least variance for
 // its cost is at m = (v cost / w)^(1 / (1 + GAIN)).
-void adapt_lights(struct adapt *adapt, float cost) {
+void adaptive_lights(struct adaptive_sampling *adapt, float cost) {
     const size_t n = pixels(adapt);
     float *light = adapt->scratch, *rest = light + n, *other = rest + n;
     struct adapting job = {.adapt = adapt, .from = light, .to = light, .factor = cost};
@@ -317,7 +320,7 @@ void adapt_lights(struct adapt *adapt, float cost) {
     each_chunk(adapt, set_lights, &job);
 }
 
-double adapt_light_samples(const struct adapt *adapt) {
+double adaptive_light_samples(const struct adaptive_sampling *adapt) {
     double lights = 0.0, samples = 0.0;
     for (size_t i = 0; i < pixels(adapt); i++) {
         lights += adapt->pixel[i].lights_taken;

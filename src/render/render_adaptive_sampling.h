@@ -9,7 +9,7 @@
 #include "base/vec.h"
 
 // Statistics of one pixel's samples.
-struct adapt_pixel {
+struct adaptive_pixel {
     rgb sum, sum_before;     // of all samples, and of those before the last comparison
     uint32_t count, before;  // their numbers
     float spread;            // variance of the mean times count^GAIN, relative; < 0: unknown
@@ -20,19 +20,19 @@ struct adapt_pixel {
     uint32_t lights_taken;   // light samples of all samples
 };
 
-struct adapt {
+struct adaptive_sampling {
     int width, height;
-    struct adapt_pixel *pixel;  // row by row
-    float *scratch;             // 4 floats per pixel
-    double *sum;                // by chunk of pixels
-    struct parallel *pool;      // of the caller, which sets it; NULL: one thread
+    struct adaptive_pixel *pixel;  // row by row
+    float *scratch;                // 4 floats per pixel
+    double *sum;                   // by chunk of pixels
+    struct parallel *pool;         // of the caller, which sets it; NULL: one thread
 };
 
 // False if there is no memory. `lights` is the number of light samples of the first samples.
-bool adapt_make(struct adapt *adapt, int width, int height, int lights);
-void adapt_destroy(struct adapt *adapt);  // a zeroed one is allowed
+bool adaptive_make(struct adaptive_sampling *adapt, int width, int height, int lights);
+void adaptive_destroy(struct adaptive_sampling *adapt);  // a zeroed one is allowed
 
-static inline void adapt_add(struct adapt_pixel *pixel, rgb value, float light_variance) {
+static inline void adaptive_add(struct adaptive_pixel *pixel, rgb value, float light_variance) {
     pixel->sum = rgb_add(pixel->sum, value);
     pixel->squares += sqrf(rgb_luminance(value));
     pixel->light_variance += light_variance;
@@ -41,22 +41,22 @@ static inline void adapt_add(struct adapt_pixel *pixel, rgb value, float light_v
 }
 
 // To be called after a pass: compares each pixel's new samples with those before.
-void adapt_compare(struct adapt *adapt);
+void adaptive_compare(struct adaptive_sampling *adapt);
 // Sets the targets of the next pass to at least `count` samples in every pixel of a grid. `stride`
 // is the number of pixels from one of them to the next, in both directions.
-void adapt_even(struct adapt *adapt, int stride, uint32_t count);
+void adaptive_even(struct adaptive_sampling *adapt, int stride, uint32_t count);
 // Sets the targets of the next pass to `samples` more, where they lower the relative squared error
 // of the image most. Samples beyond what noisy pixels may get in one pass are distributed
 // uniformly.
-void adapt_spread(struct adapt *adapt, uint64_t samples);
+void adaptive_spread(struct adaptive_sampling *adapt, uint64_t samples);
 
 // The relative squared error of the image, summed over channels, of one sample per pixel
-// distributed by adapt_spread. Of n samples it is this over n^1.5.
-double adapt_variance(struct adapt *adapt);
+// distributed by adaptive_spread. Of n samples it is this over n^1.5.
+double adaptive_variance(struct adaptive_sampling *adapt);
 // To be called after a pass: sets the number of light samples of each pixel's next samples. `cost`
 // is the cost of a sample without light samples, over that of one light sample.
-void adapt_lights(struct adapt *adapt, float cost);
+void adaptive_lights(struct adaptive_sampling *adapt, float cost);
 // The mean number of light samples of a sample.
-double adapt_light_samples(const struct adapt *adapt);
+double adaptive_light_samples(const struct adaptive_sampling *adapt);
 
 #endif

@@ -39,14 +39,14 @@ struct render_image *render_image_new(const struct satin_scene *scene,
     image->film = render_film_new(width, height, aovs, options);
     bool ok = image->pixel && image->film && (image->aov || !aovs->values);
     if (ok && options->denoise) ok = render_denoise_memory(image);
-    if (ok && adapt_make(&image->adapt, width, height, options->light_samples)) return image;
+    if (ok && adaptive_make(&image->adapt, width, height, options->light_samples)) return image;
     render_image_free(image);
     return NULL;
 }
 
 void render_image_free(struct render_image *image) {
     if (!image) return;
-    adapt_destroy(&image->adapt);
+    adaptive_destroy(&image->adapt);
     satin_film_free(image->film);
     free(image->planes);
     free(image->uncached);
@@ -98,7 +98,7 @@ static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
         for (int y = y0; y < y0 + TILE && y < image->height; y++)
             for (int x = x0; x < x0 + TILE && x < image->width; x++) {
                 size_t at = (size_t)y * (size_t)image->width + (size_t)x;
-                struct adapt_pixel *adapt = &image->adapt.pixel[at];
+                struct adaptive_pixel *adapt = &image->adapt.pixel[at];
                 shade_pixel_begin(&pass->worker[worker]);
                 while (adapt->count < adapt->target) {
                     struct shade_sample sample;
@@ -111,8 +111,8 @@ static void render_tiles(void *ctx, size_t begin, size_t end, int worker) {
                     if (finite && image->uncached)
                         image->uncached[at] =
                             rgb_mad(image->uncached[at], sample.uncached, sample.weight);
-                    adapt_add(adapt, finite ? shown_light(&sample) : rgb_grey(0.0f),
-                              finite ? sample.light_variance : 0.0f);
+                    adaptive_add(adapt, finite ? shown_light(&sample) : rgb_grey(0.0f),
+                                 finite ? sample.light_variance : 0.0f);
                     // A late pass takes thousands of samples of every pixel.
                     if (++samples % ASK_SAMPLES == 0 && parallel_cancelled(pass->r->pool, worker))
                         return;
@@ -129,9 +129,9 @@ static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
     *samples = render_budget_pass(r, image->taken, per_sample);
     if (*samples == 0) return false;
     if (image->taken < render_budget_even_samples(&r->options) * pixels)
-        adapt_even(&image->adapt, 1, (uint32_t)((image->taken + *samples) / pixels));
+        adaptive_even(&image->adapt, 1, (uint32_t)((image->taken + *samples) / pixels));
     else
-        adapt_spread(&image->adapt, *samples);
+        adaptive_spread(&image->adapt, *samples);
     return true;
 }
 
@@ -163,7 +163,7 @@ static void note_counts(struct render *r, const struct shade_worker *worker, int
     stats_set(&r->stats, "image.interpolated", (double)sum.interpolated);
     stats_set(&r->stats, "image.gathered", (double)sum.gathered);
     stats_set(&r->stats, "image.rays", (double)sum.rays);
-    stats_set(&r->stats, "image.light_samples", adapt_light_samples(&r->image->adapt));
+    stats_set(&r->stats, "image.light_samples", adaptive_light_samples(&r->image->adapt));
     stats_set(&r->stats, "image.records_per_interpolation",
               sum.interpolated ? (double)sum.records_used / (double)sum.interpolated : 0.0);
     stats_set(&r->stats, "image.spp",
@@ -174,10 +174,10 @@ static void note_counts(struct render *r, const struct shade_worker *worker, int
 static void plan_samples(struct image_pass *pass, int workers) {
     struct render *r = pass->r;
     parallel_begin_part(r->pool, "plan");
-    adapt_compare(&r->image->adapt);
+    adaptive_compare(&r->image->adapt);
     if (r->options.integrator != SATIN_TWO_PASS || !r->options.adaptive_sampling) return;
     const struct shade_counts counts = sum_counts(pass->worker, workers);
-    adapt_lights(&r->image->adapt, sample_cost(&counts));
+    adaptive_lights(&r->image->adapt, sample_cost(&counts));
 }
 
 static bool run_pass(struct image_pass *pass) {
@@ -198,7 +198,7 @@ static bool take_first_samples(struct image_pass *pass) {
     if (r->progress.image_kind == IMAGE_COARSE) render_limit_restore(r, limit);
     for (int stride = r->image->coarsest; stride > 0 && whole; stride /= 2) {
         parallel_begin_part(r->pool, "plan");
-        adapt_even(&r->image->adapt, stride, 1);
+        adaptive_even(&r->image->adapt, stride, 1);
         whole = run_pass(pass);
         r->image->has_first_samples |= whole;
         render_limit_restore(r, limit);

@@ -25,7 +25,7 @@ struct render_image {
     // pixel by pixel; NULL: there are none.
     float *aov;
     size_t sums;  // number of sums per pixel
-    struct adapt adapt;
+    struct adaptive_sampling adapt;
     uint64_t taken;           // number of samples
     uint32_t rim_rays;        // of each pixel at a rim; 0: render_rims has not run
     int coarsest;             // pixels between the first samples, a power of two

@@ -10,7 +10,7 @@
 
 struct image_pilot {
     struct render *r;
-    struct adapt adapt;
+    struct adaptive_sampling adapt;
     struct shade_worker *worker;
     rgb *indirect;  // of each pilot pixel
     int columns, rows;
@@ -20,7 +20,7 @@ static void sample_pixels(void *ctx, size_t begin, size_t end, int worker) {
     struct image_pilot *pilot = ctx;
     const satin_options *o = &pilot->r->options;
     for (size_t i = begin; i < end; i++) {
-        struct adapt_pixel *pixel = &pilot->adapt.pixel[i];
+        struct adaptive_pixel *pixel = &pilot->adapt.pixel[i];
         int column = (int)(i % (size_t)pilot->columns), row = (int)(i / (size_t)pilot->columns);
         int x = (int)((int64_t)(2 * column + 1) * o->width / (2 * pilot->columns));
         int y = (int)((int64_t)(2 * row + 1) * o->height / (2 * pilot->rows));
@@ -34,7 +34,7 @@ static void sample_pixels(void *ctx, size_t begin, size_t end, int worker) {
             const bool finite = shade_sample_finite(&s);
             rgb light = finite ? rgb_sub(s.beauty, s.layer[SHADE_EMISSION]) : rgb_grey(0.0f);
             rgb indirect = rgb_add(s.layer[SHADE_INDIRECT_DIFFUSE], s.layer[SHADE_INDIRECT_GLOSSY]);
-            adapt_add(pixel, light, finite ? s.light_variance : 0.0f);
+            adaptive_add(pixel, light, finite ? s.light_variance : 0.0f);
             if (finite) pilot->indirect[i] = rgb_add(pilot->indirect[i], indirect);
         }
     }
@@ -45,7 +45,7 @@ static double mean_square_indirect(const struct image_pilot *pilot) {
     size_t n = (size_t)pilot->columns * (size_t)pilot->rows;
     double q = 0.0;
     for (size_t i = 0; i < n; i++) {
-        const struct adapt_pixel *p = &pilot->adapt.pixel[i];
+        const struct adaptive_pixel *p = &pilot->adapt.pixel[i];
         float all = rgb_luminance(p->sum), indirect = rgb_luminance(pilot->indirect[i]);
         float fraction = all > 0.0f ? fminf(indirect / all, 1.0f) : 0.0f;
         q += (double)(fraction * fraction) / (double)n;
@@ -62,11 +62,11 @@ static bool pilot_make(struct image_pilot *pilot, struct render *r) {
     pilot->indirect = array_new((size_t)columns * (size_t)rows, sizeof *pilot->indirect);
     if (!pilot->worker || !pilot->indirect) return false;
     for (int i = 0; i < workers; i++) pilot->worker[i].gather = r->second_pass.shade.worker[i];
-    return adapt_make(&pilot->adapt, columns, rows, r->options.light_samples);
+    return adaptive_make(&pilot->adapt, columns, rows, r->options.light_samples);
 }
 
 static void pilot_destroy(struct image_pilot *pilot) {
-    adapt_destroy(&pilot->adapt);
+    adaptive_destroy(&pilot->adapt);
     free(pilot->worker);
     free(pilot->indirect);
 }
@@ -83,14 +83,14 @@ satin_status render_pilot(struct render *r, struct render_pace *pace) {
     bool whole = true;
     for (uint32_t n = RENDER_PILOT_SAMPLES / 2; whole && n <= RENDER_PILOT_SAMPLES;
          n += RENDER_PILOT_SAMPLES / 2) {
-        adapt_even(&pilot.adapt, 1, n);
+        adaptive_even(&pilot.adapt, 1, n);
         whole = parallel_for(r->pool, pixels, 16, sample_pixels, &pilot);
-        adapt_compare(&pilot.adapt);
+        adaptive_compare(&pilot.adapt);
     }
     render_limit_restore(r, limit);
     if (whole) {
         pace->samples = RENDER_PILOT_SAMPLES * (double)pixels / fmax(stats_wall() - start, 1e-9);
-        pace->variance = adapt_variance(&pilot.adapt);
+        pace->variance = adaptive_variance(&pilot.adapt);
         pace->indirect2 = mean_square_indirect(&pilot);
     }
     pilot_destroy(&pilot);

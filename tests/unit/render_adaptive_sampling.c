@@ -18,46 +18,46 @@ enum { SIZE = 64, EVEN = 4, ALL = 16 };
 // Grey 1 with noise that is ten times as strong right of the middle.
 static float noise_of(int x) { return x < SIZE / 2 ? 0.05f : 0.5f; }
 
-static void take(struct adapt *adapt, uint64_t seed) {
+static void take(struct adaptive_sampling *adapt, uint64_t seed) {
     for (int i = 0; i < SIZE * SIZE; i++) {
-        struct adapt_pixel *p = &adapt->pixel[i];
+        struct adaptive_pixel *p = &adapt->pixel[i];
         while (p->count < p->target) {
             struct rng rng = rng_make(seed, RNG_TEST, (uint64_t)i << 32 | p->count);
             float e = noise_of(i % SIZE) * (rng_float(&rng) - 0.5f);
-            adapt_add(p, rgb_grey(1.0f + e), 0.0f);
+            adaptive_add(p, rgb_grey(1.0f + e), 0.0f);
         }
     }
-    adapt_compare(adapt);
+    adaptive_compare(adapt);
 }
 
 // Renders with ALL samples per pixel on average; returns how many were taken.
-static uint64_t render(struct adapt *adapt, uint64_t seed) {
-    assert_true(adapt_make(adapt, SIZE, SIZE, 4));
+static uint64_t render(struct adaptive_sampling *adapt, uint64_t seed) {
+    assert_true(adaptive_make(adapt, SIZE, SIZE, 4));
     for (uint32_t n = 1; n <= EVEN; n *= 2) {
-        adapt_even(adapt, 1, n);
+        adaptive_even(adapt, 1, n);
         take(adapt, seed);
     }
     uint64_t taken = (uint64_t)EVEN * SIZE * SIZE, all = (uint64_t)ALL * SIZE * SIZE;
     while (taken < all) {
         uint64_t want = taken < all - taken ? taken : all - taken;
-        adapt_spread(adapt, want);
+        adaptive_spread(adapt, want);
         taken += want;
         take(adapt, seed);
     }
     return taken;
 }
 
-static double mean_count(const struct adapt *adapt, int from, int to) {
+static double mean_count(const struct adaptive_sampling *adapt, int from, int to) {
     double sum = 0.0;
     for (int y = 0; y < SIZE; y++)
         for (int x = from; x < to; x++) sum += adapt->pixel[y * SIZE + x].count;
     return sum / (SIZE * (to - from));
 }
 
-static double error2(const struct adapt *adapt) {
+static double error2(const struct adaptive_sampling *adapt) {
     double sum = 0.0;
     for (int i = 0; i < SIZE * SIZE; i++) {
-        const struct adapt_pixel *p = &adapt->pixel[i];
+        const struct adaptive_pixel *p = &adapt->pixel[i];
         double e = (double)p->sum.r / p->count - 1.0;
         sum += e * e;
     }
@@ -66,7 +66,7 @@ static double error2(const struct adapt *adapt) {
 
 static void samples_go_to_the_noise(void **state) {
     (void)state;
-    struct adapt adapt;
+    struct adaptive_sampling adapt;
     uint64_t taken = render(&adapt, 1);
     assert_int_equal(taken, ALL * SIZE * SIZE);
     uint64_t counted = 0;
@@ -81,7 +81,7 @@ static void samples_go_to_the_noise(void **state) {
     assert_true(loud > 4.0 * quiet && loud < 9.0 * quiet);
     // Noise of variance 0.5^2 / 12 over half of the image.
     assert_true(error2(&adapt) < 0.7 * 0.5 * (0.25 / 12.0) / ALL);
-    adapt_destroy(&adapt);
+    adaptive_destroy(&adapt);
 }
 
 static void the_mean_is_kept(void **state) {
@@ -89,11 +89,11 @@ static void the_mean_is_kept(void **state) {
     double sum = 0.0;
     enum { RUNS = 20 };
     for (uint64_t seed = 0; seed < RUNS; seed++) {
-        struct adapt adapt;
+        struct adaptive_sampling adapt;
         render(&adapt, 100 + seed);
         for (int i = 0; i < SIZE * SIZE; i++)
             sum += (double)adapt.pixel[i].sum.r / adapt.pixel[i].count;
-        adapt_destroy(&adapt);
+        adaptive_destroy(&adapt);
     }
     double mean = sum / (RUNS * SIZE * SIZE);
     // Standard error: 0.5 / sqrt(12 * 2 * 16 * 20 * 64^2) = 9e-5 at most; five of them.
@@ -101,17 +101,17 @@ static void the_mean_is_kept(void **state) {
 }
 
 // An image whose halves agree everywhere but for one pixel by `difference`.
-static void make_quiet(struct adapt *adapt, float difference) {
-    assert_true(adapt_make(adapt, SIZE, SIZE, 4));
+static void make_quiet(struct adaptive_sampling *adapt, float difference) {
+    assert_true(adaptive_make(adapt, SIZE, SIZE, 4));
     for (uint32_t n = 1; n <= 2; n++) {
-        adapt_even(adapt, 1, n);
-        for (int i = 0; i < SIZE * SIZE; i++) adapt_add(&adapt->pixel[i], rgb_grey(2.0f), 0.0f);
+        adaptive_even(adapt, 1, n);
+        for (int i = 0; i < SIZE * SIZE; i++) adaptive_add(&adapt->pixel[i], rgb_grey(2.0f), 0.0f);
         if (n == 2) adapt->pixel[SIZE * SIZE / 2].sum.r += difference;
-        adapt_compare(adapt);
+        adaptive_compare(adapt);
     }
 }
 
-static uint64_t count_targets(const struct adapt *adapt) {
+static uint64_t count_targets(const struct adaptive_sampling *adapt) {
     uint64_t sum = 0;
     for (int i = 0; i < SIZE * SIZE; i++) sum += adapt->pixel[i].target;
     return sum;
@@ -124,29 +124,29 @@ static void the_number_of_samples_is_kept(void **state) {
     static const float difference[] = {0.0f, 1e-18f, 1e-3f, 1.0f, 1e18f, 3e38f, INFINITY};
     for (size_t d = 0; d < sizeof difference / sizeof *difference; d++)
         for (uint64_t want = 1; want < 10 * SIZE * SIZE; want = 3 * want + 1) {
-            struct adapt adapt;
+            struct adaptive_sampling adapt;
             make_quiet(&adapt, difference[d]);
-            adapt_spread(&adapt, want);
+            adaptive_spread(&adapt, want);
             assert_int_equal(count_targets(&adapt), 2 * SIZE * SIZE + want);
-            adapt_destroy(&adapt);
+            adaptive_destroy(&adapt);
         }
 }
 
 // Wanted counts that lie far more than 2^24 apart: a strip of a little noise beside a loud one.
 static void faint_noise_does_not_hide_the_loud(void **state) {
     (void)state;
-    struct adapt adapt;
+    struct adaptive_sampling adapt;
     make_quiet(&adapt, 0.0f);
     for (int i = 0; i < SIZE * SIZE; i++)
         adapt.pixel[i].spread = i % SIZE < SIZE / 2 ? 1e-30f : 1e-2f * (float)(1 + i / SIZE);
     const uint64_t want = SIZE * SIZE;
-    adapt_spread(&adapt, want);
+    adaptive_spread(&adapt, want);
     assert_int_equal(count_targets(&adapt), 3 * SIZE * SIZE);
     uint64_t quiet = 0;
     for (int i = 0; i < SIZE * SIZE; i++)
         if (i % SIZE < SIZE / 2 - 4) quiet += adapt.pixel[i].target - 2;
     assert_int_equal(quiet, 0);
-    adapt_destroy(&adapt);
+    adaptive_destroy(&adapt);
 }
 
 // Light samples where direct light is noisy, in the number that costs least: on the left the noise
@@ -154,8 +154,8 @@ static void faint_noise_does_not_hide_the_loud(void **state) {
 static void light_samples_go_where_lights_are_noisy(void **state) {
     (void)state;
     enum { LIGHTS = 4, SAMPLES = 256 };
-    struct adapt adapt;
-    assert_true(adapt_make(&adapt, SIZE, SIZE, LIGHTS));
+    struct adaptive_sampling adapt;
+    assert_true(adaptive_make(&adapt, SIZE, SIZE, LIGHTS));
     for (int i = 0; i < SIZE * SIZE; i++) {
         struct rng rng = rng_make(3, RNG_TEST, (uint64_t)i);
         const int quarter = i % SIZE / (SIZE / 4);
@@ -164,43 +164,43 @@ static void light_samples_go_where_lights_are_noisy(void **state) {
             // Uniform over a width of a has the variance a^2 / 12.
             const float e =
                 light / sqrtf(LIGHTS) * (rng_float(&rng) - 0.5f) + rest * (rng_float(&rng) - 0.5f);
-            adapt_add(&adapt.pixel[i], rgb_grey(1.0f + e), light * light / 12.0f);
+            adaptive_add(&adapt.pixel[i], rgb_grey(1.0f + e), light * light / 12.0f);
         }
     }
-    assert_true(adapt_light_samples(&adapt) == LIGHTS);
+    assert_true(adaptive_light_samples(&adapt) == LIGHTS);
     const float cost = 8.0f;
-    adapt_lights(&adapt, cost);
+    adaptive_lights(&adapt, cost);
     // m^2.5 = 8 * (.5 / .1)^2: 8.3, rounded down. The blur mixes quarters at their borders.
     for (int y = 0; y < SIZE; y++) {
-        const struct adapt_pixel *row = adapt.pixel + y * SIZE;
+        const struct adaptive_pixel *row = adapt.pixel + y * SIZE;
         for (int x = 2; x < SIZE / 4 - 2; x++) assert_true(row[x].lights >= 10);
         for (int x = SIZE / 4 + 2; x < 3 * SIZE / 4 - 2; x++)
             assert_true(row[x].lights >= 6 && row[x].lights <= 11);
         for (int x = 3 * SIZE / 4 + 2; x < SIZE; x++) assert_true(row[x].lights == LIGHTS);
     }
-    adapt_destroy(&adapt);
+    adaptive_destroy(&adapt);
 }
 
 // Every pixel of a grid and no other is asked for a sample, by one thread and by three.
 static void first_samples_are_on_a_grid(void **state) {
     (void)state;
     for (int threads = 1; threads <= 3; threads += 2) {
-        struct adapt adapt;
-        assert_true(adapt_make(&adapt, 33, 21, 1));
+        struct adaptive_sampling adapt;
+        assert_true(adaptive_make(&adapt, 33, 21, 1));
         adapt.pool = threads > 1 ? parallel_new(threads) : NULL;
         for (int stride = 8; stride > 0; stride /= 2) {
-            adapt_even(&adapt, stride, 1);
+            adaptive_even(&adapt, stride, 1);
             for (int i = 0; i < 33 * 21; i++)
                 assert_int_equal(adapt.pixel[i].target,
                                  i % 33 % stride == 0 && i / 33 % stride == 0);
         }
-        adapt_even(&adapt, 4, 3);
+        adaptive_even(&adapt, 4, 3);
         assert_int_equal(adapt.pixel[4 * 33 + 32].target, 3);
-        adapt_even(&adapt, 1, 2);
+        adaptive_even(&adapt, 1, 2);
         assert_int_equal(adapt.pixel[4 * 33 + 32].target, 3);
         assert_int_equal(adapt.pixel[20 * 33 + 31].target, 2);
         parallel_free(adapt.pool);
-        adapt_destroy(&adapt);
+        adaptive_destroy(&adapt);
     }
 }
 
