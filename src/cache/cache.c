@@ -58,7 +58,7 @@ static size_t most_rays(const struct cache *cache) {
     size_t most = 0;
     for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
         for (int i = 0; i < CACHE_LAYOUTS; i++) {
-            const struct gather_layout *layout = cache->side[k].layout[i];
+            const struct gather_layout *layout = cache->store[k].layout[i];
             if (layout && gather_layout_rays(layout) > most) most = gather_layout_rays(layout);
         }
     return most;
@@ -71,10 +71,10 @@ struct cache *cache_new(const struct gather *g, int order, struct parallel *pool
     c->g = g;
     c->pool = pool;
     for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++) {
-        c->side[k].options = cache_options_of(o, k);
-        cache_tree_init(&c->side[k].tree, g->scene->bounds_lo, g->scene->bounds_hi);
+        c->store[k].options = cache_options_of(o, k);
+        cache_tree_init(&c->store[k].tree, g->scene->bounds_lo, g->scene->bounds_hi);
     }
-    c->side[CACHE_RADIANCE].order = order;
+    c->store[CACHE_RADIANCE].order = order;
     c->rays_fraction = 1.0f;
     c->irradiance_whole = gather_layout_new(o->irradiance_rays, o->radiance_basis, 0);
     if (!c->irradiance_whole) goto fail;
@@ -98,8 +98,8 @@ fail:
 void cache_free(struct cache *cache) {
     if (!cache) return;
     for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++) {
-        cache_tree_free(&cache->side[k].tree);
-        for (int i = 0; i < CACHE_LAYOUTS; i++) gather_layout_free(cache->side[k].layout[i]);
+        cache_tree_free(&cache->store[k].tree);
+        for (int i = 0; i < CACHE_LAYOUTS; i++) gather_layout_free(cache->store[k].layout[i]);
     }
     free(cache->irradiance);
     free(cache->radiance);
@@ -111,17 +111,17 @@ void cache_free(struct cache *cache) {
 }
 
 void cache_limit_radius(struct cache *cache, enum cache_kind kind, float fraction) {
-    cache->side[kind].options.min_pixels =
+    cache->store[kind].options.min_pixels =
         fraction * cache_options_of(cache->g->options, kind).min_pixels;
 }
 
 size_t cache_count(const struct cache *cache, enum cache_kind kind) {
-    return cache->side[kind].tree.head_count;
+    return cache->store[kind].tree.head_count;
 }
 
 void cache_record(const struct cache *cache, enum cache_kind kind, size_t i, vec3 *p, vec3 *n,
                   float *R) {
-    const struct cache_head *head = &cache->side[kind].tree.head[i];
+    const struct cache_head *head = &cache->store[kind].tree.head[i];
     *p = head->p;
     *n = head->n;
     *R = head->R;
@@ -140,8 +140,8 @@ void cache_statistics(const struct cache *cache, struct stats *stats) {
     stats_set(stats, "records.rays", (double)cache->rays);
     stats_set(stats, "records.refused", (double)cache->refused);
     stats_set(stats, "records.bytes",
-              tree_bytes(&cache->side[CACHE_IRRADIANCE].tree) +
-                  tree_bytes(&cache->side[CACHE_RADIANCE].tree) +
+              tree_bytes(&cache->store[CACHE_IRRADIANCE].tree) +
+                  tree_bytes(&cache->store[CACHE_RADIANCE].tree) +
                   (double)(cache->irradiance_capacity * sizeof *cache->irradiance) +
                   (double)(cache->radiance_capacity * sizeof *cache->radiance) +
                   (double)cache->radiance_arena.bytes);

@@ -175,7 +175,7 @@ satin_status cache_adapt(struct cache *cache, enum cache_kind kind, const struct
     struct cache_adaptation c = {.cache = cache,
                                  .fill = fill,
                                  .kind = kind,
-                                 .tree = &cache->side[kind].tree,
+                                 .tree = &cache->store[kind].tree,
                                  .read_a = read_a};
     c.site = array_new(fill->count, sizeof(struct cache_site *));
     c.point = array_new(fill->count, sizeof *c.point);

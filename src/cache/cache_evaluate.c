@@ -56,7 +56,7 @@ static void find_luminances(const struct cache_adaptation *c, const struct cache
                             struct cache_point *p) {
     const struct cache_lookup at = {s->shading_p, s->frame.n, s->frame, 0.0f};
     struct cache_surface surface;
-    find_surface(s, c->cache->side[c->kind].order, &surface);
+    find_surface(s, c->cache->store[c->kind].order, &surface);
     for (int i = 0; i < p->count; i++) {
         struct cache_contribution *x = &p->with[i];
         if (x->Y < 0.0f)
@@ -88,7 +88,7 @@ static float noise_of(const struct cache_point *p) {
 // Whether a record may end before this point: it must not become smaller than the least radius.
 static bool may_shrink(const struct cache_adaptation *c, const struct cache_site *s,
                        uint32_t record) {
-    const struct cache_options *o = &c->cache->side[c->kind].options;
+    const struct cache_options *o = &c->cache->store[c->kind].options;
     const float least = o->a * cache_least_radius(o, s->pixel);
     return v3_dist2(c->tree->head[record].p, s->p) > least * least;
 }

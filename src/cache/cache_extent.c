@@ -73,7 +73,7 @@ struct cache_extent cache_extent_irradiance(const struct cache *cache,
                                             const struct cache_site *site,
                                             const struct gather_around *around,
                                             struct gather_irradiance *value) {
-    const struct cache_options *o = &cache->side[CACHE_IRRADIANCE].options;
+    const struct cache_options *o = &cache->store[CACHE_IRRADIANCE].options;
     const float E = rgb_luminance(value->E);
     struct cache_extent x = o->radius == SATIN_RADIUS_HESSIAN
                                 ? by_hessian(around, &site->frame, E)
@@ -108,9 +108,9 @@ static void lengths2(const struct gather_radiance *value, int n2, int channel, f
 struct cache_extent cache_extent_radiance(const struct cache *cache, const struct cache_site *site,
                                           const struct gather_around *around,
                                           struct gather_radiance *value) {
-    const struct cache_side *side = &cache->side[CACHE_RADIANCE];
-    const struct cache_options *o = &side->options;
-    const int n2 = side->order * side->order;
+    const struct cache_store *store = &cache->store[CACHE_RADIANCE];
+    const struct cache_options *o = &store->options;
+    const int n2 = store->order * store->order;
     float size2[3], slope2[3];
     for (int c = 0; c < 3; c++) lengths2(value, n2, c, &size2[c], &slope2[c]);
     const float size = sqrtf(size2[0] + size2[1] + size2[2]);

@@ -50,7 +50,7 @@ static bool get_irradiance(struct cache *cache, size_t i, const float *in) {
 // In memory a gradient has four lanes per coefficient, of which the file has the three colours.
 static void put_radiance(const struct cache *cache, size_t i, float *out) {
     const struct cache_radiance_record *record = &cache->radiance[i];
-    const int order = cache->side[CACHE_RADIANCE].order;
+    const int order = cache->store[CACHE_RADIANCE].order;
     out = put_vec3(put_vec3(put_vec3(out, record->frame.u), record->frame.v), record->frame.n);
     *out++ = record->radius_ratio;
     const struct cache_residual *residual = &record->residual;
@@ -67,7 +67,7 @@ static void put_radiance(const struct cache *cache, size_t i, float *out) {
 }
 
 static bool get_radiance(struct cache *cache, size_t i, const float *in) {
-    const int n2 = cache->side[CACHE_RADIANCE].order * cache->side[CACHE_RADIANCE].order;
+    const int n2 = cache->store[CACHE_RADIANCE].order * cache->store[CACHE_RADIANCE].order;
     float *value = arena_array(&cache->radiance_arena, (size_t)(n2 * CACHE_LANES), sizeof *value);
     struct cache_radiance_record r = {.value = value, .radius_ratio = in[9]};
     r.frame =
@@ -103,8 +103,8 @@ static const struct row_functions {
 // Writes the two sections of a kind of records, which begin at `heads` and `values`.
 static void put_records(const struct cache *c, enum cache_kind kind, unsigned char *heads,
                         unsigned char *values) {
-    const struct cache_tree *tree = &c->side[kind].tree;
-    const size_t row = cache_file_row(cache_file_values(kind), (uint32_t)c->side[kind].order);
+    const struct cache_tree *tree = &c->store[kind].tree;
+    const size_t row = cache_file_row(cache_file_values(kind), (uint32_t)c->store[kind].order);
     if (tree->head_count) memcpy(heads, tree->head, tree->head_count * sizeof *tree->head);
     for (size_t i = 0; i < tree->head_count; i++)
         row_of[kind].put(c, i, (float *)(values + i * row));
@@ -112,7 +112,7 @@ static void put_records(const struct cache *c, enum cache_kind kind, unsigned ch
 
 satin_status cache_save(const struct cache *cache, const struct cache_origin *origin,
                         const char *path, struct log log) {
-    const uint32_t order = (uint32_t)cache->side[CACHE_RADIANCE].order;
+    const uint32_t order = (uint32_t)cache->store[CACHE_RADIANCE].order;
     struct cache_file_header h = {.version = CACHE_FILE_VERSION,
                                   .sections = SECTIONS,
                                   .world = origin->world,
@@ -168,7 +168,7 @@ static satin_status load_records(struct cache *c, enum cache_kind kind,
     for (size_t i = 0; i < f->rows[values] && status == SATIN_OK; i++) {
         memcpy(row, f->section[values] + i * bytes, bytes);
         if (!row_of[kind].get(c, i, row)) return SATIN_ERROR_MEMORY;
-        status = load_head(&c->side[kind].tree, f->section[heads] + i * sizeof(struct cache_head));
+        status = load_head(&c->store[kind].tree, f->section[heads] + i * sizeof(struct cache_head));
     }
     return status;
 }
@@ -176,9 +176,9 @@ static satin_status load_records(struct cache *c, enum cache_kind kind,
 satin_status cache_load(struct cache *cache, const struct cache_file *file, const char *name,
                         struct log log) {
     if (file->rows[SECTION_RADIANCE] &&
-        (int)file->header.order != cache->side[CACHE_RADIANCE].order)
+        (int)file->header.order != cache->store[CACHE_RADIANCE].order)
         return log_fail(log, SATIN_ERROR_INPUT, "%s: the radiance records are of order %u, not %d",
-                        name, file->header.order, cache->side[CACHE_RADIANCE].order);
+                        name, file->header.order, cache->store[CACHE_RADIANCE].order);
     satin_status status = SATIN_OK;
     for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS && status == SATIN_OK; k++)
         status = load_records(cache, k, file);

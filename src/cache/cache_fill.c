@@ -46,7 +46,7 @@ struct batch {
     struct cache *cache;
     const struct cache_fill *fill;
     enum cache_kind kind;
-    struct cache_side *side;                 // of that kind
+    struct cache_store *store;               // of that kind
     const struct record_functions *records;  // functions of that kind
     struct job *job;
     int count, size;      // number of jobs, at most `size`
@@ -86,7 +86,7 @@ static void test_coverage(void *ctx, size_t begin, size_t end, int worker) {
     for (size_t i = begin; i < end; i++) {
         const struct cache_site *s = b->tested[i];
         b->covered[i] =
-            cache_find(b->cache, &b->side->tree, s->p, s->frame.n, b->fill->a, near) > 0;
+            cache_find(b->cache, &b->store->tree, s->p, s->frame.n, b->fill->a, near) > 0;
     }
 }
 
@@ -103,7 +103,7 @@ static bool lies_apart(const struct batch *b, const struct cache_site *site) {
 }
 
 static void add_job(struct batch *b, const struct cache_site *site) {
-    const size_t n2 = (size_t)(b->side->order * b->side->order), n = 3 * n2;
+    const size_t n2 = (size_t)(b->store->order * b->store->order), n = 3 * n2;
     float *block = b->coefficients + 10 * n2 * (size_t)b->count;
     struct job *job = &b->job[b->count++];
     *job = (struct job){.site = site};
@@ -173,7 +173,7 @@ static struct cache_residual find_residual(const struct batch *b, const struct j
     if (!s->view.table || !s->view.name) return (struct cache_residual){.name = 0};
     const rgb whole =
         gather_hemisphere_reflected(hemisphere, &s->view.brdf, s->view.wo, BRDF_GLOSSY);
-    return cache_residual_make(&job->radiance, b->side->order, &s->frame, &s->view, whole);
+    return cache_residual_make(&job->radiance, b->store->order, &s->frame, &s->view, whole);
 }
 
 static bool make_irradiance(const struct batch *b, struct job *job, const struct gathering *from) {
@@ -196,18 +196,18 @@ static void interleave(const struct gather_radiance *from, int n2, float *value)
 static bool make_radiance(const struct batch *b, struct job *job, const struct gathering *from) {
     gather_hemisphere_radiance(b->cache->g, from->worker->hemisphere, &job->radiance);
     job->residual = find_residual(b, job, from->worker->hemisphere);
-    if (!cache_valid_radiance(&job->radiance, b->side->order, &job->around) ||
+    if (!cache_valid_radiance(&job->radiance, b->store->order, &job->around) ||
         !rgb_finite(job->residual.L))
         return false;
     job->extent = cache_extent_radiance(b->cache, job->site, &job->around, &job->radiance);
-    interleave(&job->radiance, b->side->order * b->side->order, job->value);
+    interleave(&job->radiance, b->store->order * b->store->order, job->value);
     return true;
 }
 
 // Allocates the values of a batch's records. False if there is no memory. Values of records that
 // stay invalid are not used.
 static bool allocate_values(struct batch *b) {
-    const size_t lanes = (size_t)(b->side->order * b->side->order * CACHE_LANES);
+    const size_t lanes = (size_t)(b->store->order * b->store->order * CACHE_LANES);
     if (b->kind != CACHE_RADIANCE) return true;
     for (struct job *job = b->job; job < b->job + b->count; job++) {
         job->value = arena_array(&b->cache->radiance_arena, lanes, sizeof *job->value);
@@ -222,7 +222,7 @@ static void gather_jobs(void *ctx, size_t begin, size_t end, int worker) {
     struct batch *b = ctx;
     const struct cache *c = b->cache;
     const struct gather_worker *w = &c->worker[worker];
-    const bool hessian = b->side->options.radius == SATIN_RADIUS_HESSIAN;
+    const bool hessian = b->store->options.radius == SATIN_RADIUS_HESSIAN;
     for (struct job *job = b->job + begin; job < b->job + end; job++) {
         const struct cache_site *s = job->site;
         const struct gather_layout *layout =
@@ -248,11 +248,11 @@ static float first_scale(const struct cache_tree *tree, const struct cache_site 
 }
 
 // Limits a new record and its neighbours by each other, if the options include that.
-static void clamp_extent(struct cache_side *side, const struct cache_site *s,
+static void clamp_extent(struct cache_store *store, const struct cache_site *s,
                          struct cache_extent *x) {
-    if (!side->options.neighbour_clamp) return;
-    x->R = cache_neighbour_clamp(&side->tree, s->p, s->frame.n, x->R);
-    x->R = fmaxf(x->R, cache_least_radius(&side->options, s->pixel));
+    if (!store->options.neighbour_clamp) return;
+    x->R = cache_neighbour_clamp(&store->tree, s->p, s->frame.n, x->R);
+    x->R = fmaxf(x->R, cache_least_radius(&store->options, s->pixel));
     x->across = fminf(x->across, x->R);
 }
 
@@ -260,7 +260,7 @@ static void clamp_extent(struct cache_side *side, const struct cache_site *s,
 // False if there is no memory.
 static bool insert_head(struct batch *b, const struct job *job, const struct cache_extent *x) {
     const struct cache_site *s = job->site;
-    const float radius = b->side->options.a * b->fill->widest * x->R;
+    const float radius = b->store->options.a * b->fill->widest * x->R;
     float ratio = x->R / x->across;
     float clear;
     const uint32_t near = cache_leak_sectors(&job->around, radius, &clear);
@@ -270,22 +270,22 @@ static bool insert_head(struct batch *b, const struct job *job, const struct cac
         .n = s->frame.n,
         .search_radius = radius,
         .squeeze = v3_mul(x->axis, sqrtf(fmaxf(ratio * ratio - 1.0f, 0.0f))),
-        .scale = b->fill->adapted ? first_scale(&b->side->tree, s, radius) : 1.0f,
+        .scale = b->fill->adapted ? first_scale(&b->store->tree, s, radius) : 1.0f,
         .u = s->frame.u,
         .near_sectors = near,
         .clear = clear,
     };
-    return cache_tree_insert(&b->side->tree, &head);
+    return cache_tree_insert(&b->store->tree, &head);
 }
 
 static bool insert_irradiance(struct batch *b, struct job *job) {
     struct cache *c = b->cache;
-    const size_t next = b->side->tree.head_count;
+    const size_t next = b->store->tree.head_count;
     if (!array_reserve((void **)&c->irradiance, &c->irradiance_capacity, next + 1,
                        sizeof *c->irradiance))
         return false;
     struct cache_extent x = job->extent;
-    clamp_extent(b->side, job->site, &x);
+    clamp_extent(b->store, job->site, &x);
     c->irradiance[next] =
         (struct cache_irradiance_record){job->irradiance, job->around.deviation, x.radius_ratio};
     c->rays += job->irradiance.rays;
@@ -294,11 +294,11 @@ static bool insert_irradiance(struct batch *b, struct job *job) {
 
 static bool insert_radiance(struct batch *b, struct job *job) {
     struct cache *c = b->cache;
-    const size_t next = b->side->tree.head_count;
+    const size_t next = b->store->tree.head_count;
     if (!array_reserve((void **)&c->radiance, &c->radiance_capacity, next + 1, sizeof *c->radiance))
         return false;
     struct cache_extent x = job->extent;
-    clamp_extent(b->side, job->site, &x);
+    clamp_extent(b->store, job->site, &x);
     c->radiance[next] = (struct cache_radiance_record){job->site->frame, job->value, x.radius_ratio,
                                                        job->radiance.rays, job->residual};
     c->rays += job->radiance.rays;
@@ -313,7 +313,7 @@ static const struct record_functions functions[CACHE_KINDS] = {
 };
 
 satin_status cache_fill(struct cache *cache, enum cache_kind kind, const struct cache_fill *fill) {
-    if (kind == CACHE_RADIANCE && cache->side[kind].order == 0) return SATIN_OK;
+    if (kind == CACHE_RADIANCE && cache->store[kind].order == 0) return SATIN_OK;
     satin_status status = SATIN_ERROR_MEMORY;
     struct batch *b = calloc(1, sizeof *b);
     if (!b) return status;
@@ -321,13 +321,13 @@ satin_status cache_fill(struct cache *cache, enum cache_kind kind, const struct 
     b->cache = cache;
     b->fill = fill;
     b->kind = kind;
-    b->side = &cache->side[kind];
+    b->store = &cache->store[kind];
     b->records = &functions[kind];
     b->waiting = array_new(fill->count, sizeof *b->waiting);
     b->size = batch_size(fill->count);
     b->job = array_new((size_t)b->size, sizeof *b->job);
     b->coefficients =
-        array_new((size_t)(b->size * 10 * b->side->order * b->side->order), sizeof(float));
+        array_new((size_t)(b->size * 10 * b->store->order * b->store->order), sizeof(float));
     if (b->waiting && b->job && b->coefficients) status = SATIN_OK;
     for (size_t i = 0; i < fill->count && status == SATIN_OK; i++)
         if (fill->site[i].wants >> kind & 1u) b->waiting[b->last++] = &fill->site[i];

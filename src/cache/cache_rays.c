@@ -8,20 +8,20 @@
 enum { PLAIN = CACHE_LAYOUTS / 2 };
 
 satin_status cache_rays_prepare(struct cache *cache, enum cache_kind kind, float fraction) {
-    struct cache_side *side = &cache->side[kind];
-    const struct cache_options *o = &side->options;
+    struct cache_store *store = &cache->store[kind];
+    const struct cache_options *o = &store->options;
     const double rays = (double)fraction * o->rays;
     struct gather_layout *made[CACHE_LAYOUTS] = {NULL};
     satin_status status = SATIN_OK;
     for (int i = 0; i < CACHE_LAYOUTS && status == SATIN_OK; i++) {
         if (!(o->noise > 0.0f) && i != PLAIN) continue;
         const double wanted = fmax(4.0, fmin(ldexp(rays, i - PLAIN), CACHE_RAYS_MAX));
-        made[i] = gather_layout_new((int)wanted, o->basis, side->order);
+        made[i] = gather_layout_new((int)wanted, o->basis, store->order);
         if (!made[i]) status = SATIN_ERROR_MEMORY;
     }
     for (int i = 0; i < CACHE_LAYOUTS; i++) {
-        gather_layout_free(status == SATIN_OK ? side->layout[i] : made[i]);
-        if (status == SATIN_OK) side->layout[i] = made[i];
+        gather_layout_free(status == SATIN_OK ? store->layout[i] : made[i]);
+        if (status == SATIN_OK) store->layout[i] = made[i];
     }
     return status;
 }
@@ -29,7 +29,7 @@ satin_status cache_rays_prepare(struct cache *cache, enum cache_kind kind, float
 satin_status cache_limit_rays(struct cache *cache, float fraction) {
     if (fraction == cache->rays_fraction) return SATIN_OK;
     satin_status status = cache_rays_prepare(cache, CACHE_IRRADIANCE, fraction);
-    if (status == SATIN_OK && cache->side[CACHE_RADIANCE].order)
+    if (status == SATIN_OK && cache->store[CACHE_RADIANCE].order)
         status = cache_rays_prepare(cache, CACHE_RADIANCE, fraction);
     if (status == SATIN_OK) cache->rays_fraction = fraction;
     return status;
@@ -47,7 +47,7 @@ static float irradiance_variance(const struct cache *cache, uint32_t record) {
 static float radiance_variance(const struct cache *cache, uint32_t record) {
     const struct cache_radiance_record *r = &cache->radiance[record];
     float noise2 = 0.0f, size2 = 0.0f;
-    const int order = cache->side[CACHE_RADIANCE].order;
+    const int order = cache->store[CACHE_RADIANCE].order;
     for (int k = 0; k < order * order; k++) {
         const float *value = r->value + k * CACHE_LANES;
         noise2 += sqrf(value[3]);
@@ -63,12 +63,12 @@ static variance_fn *const variance_of[CACHE_KINDS] = {
 
 const struct gather_layout *cache_rays_layout(const struct cache *cache, enum cache_kind kind,
                                               const struct cache_site *site, float a) {
-    const struct cache_side *side = &cache->side[kind];
-    struct gather_layout *const *layout = side->layout;
-    const float noise = side->options.noise;
+    const struct cache_store *store = &cache->store[kind];
+    struct gather_layout *const *layout = store->layout;
+    const float noise = store->options.noise;
     if (!(noise > 0.0f)) return layout[PLAIN];
     struct cache_near near[CACHE_NEAR_MAX];
-    const int count = cache_find(cache, &side->tree, site->p, site->frame.n, a, near);
+    const int count = cache_find(cache, &store->tree, site->p, site->frame.n, a, near);
     float variance = 0.0f;
     for (int i = 0; i < count; i++) variance += variance_of[kind](cache, near[i].record);
     if (!(variance > 0.0f)) return layout[PLAIN];

@@ -71,13 +71,13 @@ static rgb mean_value(const struct taylor *sum, float weight) {
 // of the rotation gradient in sin t.
 static struct taylor irradiance_of(const struct cache *cache, uint32_t record,
                                    const struct cache_lookup *at, float a) {
-    const struct cache_head *h = &cache->side[CACHE_IRRADIANCE].tree.head[record];
+    const struct cache_head *h = &cache->store[CACHE_IRRADIANCE].tree.head[record];
     const struct gather_irradiance *value = &cache->irradiance[record].value;
     const float cosine = minf(v3_dot(at->n, at->frame.n), 1.0f);
     struct taylor t = {{cosine * value->E.r, cosine * value->E.g, cosine * value->E.b},
                        .offset = offset_from(h, at->p, a),
                        .rotation = v3_cross(h->n, at->frame.n)};
-    if (cache->side[CACHE_IRRADIANCE].options.gradients == SATIN_GRADIENTS_NONE) return t;
+    if (cache->store[CACHE_IRRADIANCE].options.gradients == SATIN_GRADIENTS_NONE) return t;
     for (int c = 0; c < 3; c++) {
         t.grad[c] = value->grad_t[c];
         t.rotation_grad[c] = value->grad_r[c];
@@ -116,8 +116,8 @@ static void add_used(struct cache_used *used, const struct cache_head *h, float 
 
 struct cache_used cache_irradiance(const struct cache *cache, const struct cache_lookup *at,
                                    float a, rgb *E) {
-    const struct cache_tree *tree = &cache->side[CACHE_IRRADIANCE].tree;
-    const float whole = cache->side[CACHE_IRRADIANCE].options.a;
+    const struct cache_tree *tree = &cache->store[CACHE_IRRADIANCE].tree;
+    const float whole = cache->store[CACHE_IRRADIANCE].options.a;
     struct cache_near near[CACHE_NEAR_MAX];
     struct cache_used used = {0};
     const int count = find_or_nearest(cache, tree, at, a, near);
@@ -172,8 +172,8 @@ static struct taylor radiance_of(const struct cache *cache, uint32_t index,
     const rgb rest = cache_residual_read(&record->residual, &lobe);
     struct taylor t = {
         {sum[0] + rest.r, sum[1] + rest.g, sum[2] + rest.b},
-        .offset = offset_from(&cache->side[CACHE_RADIANCE].tree.head[index], at->p, a)};
-    if (cache->side[CACHE_RADIANCE].options.gradients == SATIN_GRADIENTS_NONE) return t;
+        .offset = offset_from(&cache->store[CACHE_RADIANCE].tree.head[index], at->p, a)};
+    if (cache->store[CACHE_RADIANCE].options.gradients == SATIN_GRADIENTS_NONE) return t;
     for (int c = 0; c < 3; c++)
         t.grad[c] = v3_mad(v3_mul(frame->u, sum[4 + c]), sum[8 + c], frame->v);
     return t;
@@ -181,8 +181,8 @@ static struct taylor radiance_of(const struct cache *cache, uint32_t index,
 
 struct cache_used cache_radiance(const struct cache *cache, const struct cache_lookup *at, float a,
                                  const struct cache_lobe *lobe, rgb *glossy, rgb *E) {
-    const struct cache_tree *tree = &cache->side[CACHE_RADIANCE].tree;
-    const float whole = cache->side[CACHE_RADIANCE].options.a;
+    const struct cache_tree *tree = &cache->store[CACHE_RADIANCE].tree;
+    const float whole = cache->store[CACHE_RADIANCE].options.a;
     struct cache_near near[CACHE_NEAR_MAX];
     struct cache_used used = {0};
     const int count = find_or_nearest(cache, tree, at, a, near);
@@ -210,8 +210,8 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_l
 }
 
 bool cache_has_record_near(const struct cache *cache, vec3 p, vec3 n, float radius) {
-    return cache_tree_nearest(&cache->side[CACHE_IRRADIANCE].tree, p, n, radius) >= 0 ||
-           cache_tree_nearest(&cache->side[CACHE_RADIANCE].tree, p, n, radius) >= 0;
+    return cache_tree_nearest(&cache->store[CACHE_IRRADIANCE].tree, p, n, radius) >= 0 ||
+           cache_tree_nearest(&cache->store[CACHE_RADIANCE].tree, p, n, radius) >= 0;
 }
 
 float cache_irradiance_reflected(const struct cache *cache, uint32_t record,

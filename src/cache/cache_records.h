@@ -51,8 +51,8 @@ struct cache_options {
 };
 struct cache_options cache_options_of(const satin_options *options, enum cache_kind kind);
 
-// The common data of one kind of records.
-struct cache_side {
+// The records of one kind: what both kinds have in common.
+struct cache_store {
     struct cache_options options;
     int order;  // order of the harmonics of its records; 0: irradiance records, or there are none
     struct cache_tree tree;
@@ -63,7 +63,7 @@ struct cache_side {
 struct cache {
     const struct gather *g;
     struct parallel *pool;
-    struct cache_side side[CACHE_KINDS];
+    struct cache_store store[CACHE_KINDS];
 
     struct cache_irradiance_record *irradiance;
     size_t irradiance_capacity;

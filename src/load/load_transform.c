@@ -90,20 +90,20 @@ static satin_status read_lookat(struct log log, const struct xml_node *step, str
 static satin_status read_matrix(struct log log, const struct xml_node *step, struct matrix *out) {
     const char *text = xml_get(step, "value");
     double d[16];
-    const int words = param_words(text), side = words == 9 ? 3 : 4;
+    const int words = param_words(text), size = words == 9 ? 3 : 4;
     if (words != 9 && words != 16) {
         log_error_at(log, step->place,
                      "<matrix>: expected 16 numbers by rows, or 9 of the upper 3 x 3, found %d",
                      words);
         return SATIN_ERROR_INPUT;
     }
-    if (!param_numbers(log, step->place, text, side * side, d)) return SATIN_ERROR_INPUT;
+    if (!param_numbers(log, step->place, text, size * size, d)) return SATIN_ERROR_INPUT;
     struct mat4 identity = mat4_identity();
     *out = matrix_of(&identity);
-    if (side == 4 && (d[12] != 0.0 || d[13] != 0.0 || d[14] != 0.0 || !(d[15] != 0.0)))
+    if (size == 4 && (d[12] != 0.0 || d[13] != 0.0 || d[14] != 0.0 || !(d[15] != 0.0)))
         return transform_error(log, step, "its last row is not 0 0 0 1");
-    for (int i = 0; i < side * side; i++)
-        out->m[i / side][i % side] = side == 4 ? d[i] / d[15] : d[i];
+    for (int i = 0; i < size * size; i++)
+        out->m[i / size][i % size] = size == 4 ? d[i] / d[15] : d[i];
     return SATIN_OK;
 }
 

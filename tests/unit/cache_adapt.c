@@ -61,12 +61,12 @@ static void records_are_added_where_they_disagree(void **state) {
     assert_true(added > 0);
     assert_true(f.cache->adapted.passes >= 2 && f.cache->adapted.passes <= 11);
     bool smaller = false;
-    for (size_t i = 0; i < f.cache->side[CACHE_IRRADIANCE].tree.head_count; i++)
-        smaller = smaller || f.cache->side[CACHE_IRRADIANCE].tree.head[i].scale < 1.0f;
+    for (size_t i = 0; i < f.cache->store[CACHE_IRRADIANCE].tree.head_count; i++)
+        smaller = smaller || f.cache->store[CACHE_IRRADIANCE].tree.head[i].scale < 1.0f;
     assert_true(smaller);
     struct cache_near near[CACHE_NEAR_MAX];
     for (int i = 0; i < CACHE_CASE_SITES; i++)
-        assert_true(cache_find(f.cache, &f.cache->side[CACHE_IRRADIANCE].tree, f.site[i].p,
+        assert_true(cache_find(f.cache, &f.cache->store[CACHE_IRRADIANCE].tree, f.site[i].p,
                                f.site[i].frame.n, f.options.irradiance_a, near) > 0);
     cache_case_free(&f);
 }
@@ -88,8 +88,8 @@ static void threads_make_no_difference(void **state) {
     start(&b, 3);
     run(&a, 0.0f);
     run(&b, 0.0f);
-    const struct cache_tree *s = &a.cache->side[CACHE_IRRADIANCE].tree,
-                            *t = &b.cache->side[CACHE_IRRADIANCE].tree;
+    const struct cache_tree *s = &a.cache->store[CACHE_IRRADIANCE].tree,
+                            *t = &b.cache->store[CACHE_IRRADIANCE].tree;
     assert_int_equal(s->head_count, t->head_count);
     assert_memory_equal(s->head, t->head, s->head_count * sizeof *s->head);
     cache_case_free(&a);

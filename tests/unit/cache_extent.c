@@ -27,13 +27,13 @@ static void start(struct fixture *f) {
     f->options.irradiance_min_pixels = f->options.radiance_min_pixels = 3.0f;
     f->options.irradiance_max_pixels = f->options.radiance_max_pixels = 20.0f;
     f->g = (struct gather){.scene = &f->scene, .options = &f->options};
-    f->cache = (struct cache){.g = &f->g, .side[CACHE_RADIANCE].order = 1};
+    f->cache = (struct cache){.g = &f->g, .store[CACHE_RADIANCE].order = 1};
 }
 
 // Makes the cache take over the options.
 static void apply(struct fixture *f) {
     for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
-        f->cache.side[k].options = cache_options_of(&f->options, k);
+        f->cache.store[k].options = cache_options_of(&f->options, k);
 }
 
 // a R in pixels of a record whose rays found walls at that distance; both caches must agree.
@@ -74,7 +74,7 @@ static void scene_units_win_over_pixels(void **state) {
     f.options.record_max_radius = 0.02f;  // one pixel
     assert_float_equal(pixels(&f, 0.001f), 1.0f, 1e-4f);
     assert_float_equal(pixels(&f, 5.0f), 1.0f, 1e-4f);
-    assert_float_equal(cache_least_radius(&f.cache.side[CACHE_IRRADIANCE].options, PIXEL), 0.02f,
+    assert_float_equal(cache_least_radius(&f.cache.store[CACHE_IRRADIANCE].options, PIXEL), 0.02f,
                        1e-6f);
 }
 

@@ -31,14 +31,14 @@ static void start(struct fixture *f) {
     f->options = satin_options_default;
     f->options.leak_test = false;
     f->g = (struct gather){.options = &f->options};
-    f->cache = (struct cache){.g = &f->g, .side[CACHE_RADIANCE].order = ORDER};
-    cache_tree_init(&f->cache.side[CACHE_IRRADIANCE].tree, v3(-1, -1, -1), v3(1, 1, 1));
-    cache_tree_init(&f->cache.side[CACHE_RADIANCE].tree, v3(-1, -1, -1), v3(1, 1, 1));
+    f->cache = (struct cache){.g = &f->g, .store[CACHE_RADIANCE].order = ORDER};
+    cache_tree_init(&f->cache.store[CACHE_IRRADIANCE].tree, v3(-1, -1, -1), v3(1, 1, 1));
+    cache_tree_init(&f->cache.store[CACHE_RADIANCE].tree, v3(-1, -1, -1), v3(1, 1, 1));
 }
 
 static void stop(struct fixture *f) {
-    cache_tree_free(&f->cache.side[CACHE_IRRADIANCE].tree);
-    cache_tree_free(&f->cache.side[CACHE_RADIANCE].tree);
+    cache_tree_free(&f->cache.store[CACHE_IRRADIANCE].tree);
+    cache_tree_free(&f->cache.store[CACHE_RADIANCE].tree);
     free(f->cache.irradiance);
     free(f->cache.radiance);
     arena_free(&f->cache.radiance_arena);
@@ -79,7 +79,7 @@ static void make(struct fixture *f) {
         e->deviation = rng_float(&rng);
         e->radius_ratio = rng_float(&rng);
         struct cache_head h = head(&rng);
-        assert_true(cache_tree_insert(&c->side[CACHE_IRRADIANCE].tree, &h));
+        assert_true(cache_tree_insert(&c->store[CACHE_IRRADIANCE].tree, &h));
         float *value = arena_array(&c->radiance_arena, CACHE_LANES * ORDER * ORDER, sizeof *value);
         for (int k = 0; k < CACHE_LANES * ORDER * ORDER; k++)
             if (k % 4 != 3 || k % CACHE_LANES == 3) value[k] = rng_float(&rng);
@@ -90,7 +90,7 @@ static void make(struct fixture *f) {
             .rays = 1000 + i,
             .residual = {i, draw(&rng), rgb_make(rng_float(&rng), -rng_float(&rng), 0.0f)}};
         h = head(&rng);
-        assert_true(cache_tree_insert(&c->side[CACHE_RADIANCE].tree, &h));
+        assert_true(cache_tree_insert(&c->store[CACHE_RADIANCE].tree, &h));
     }
 }
 
@@ -138,14 +138,14 @@ static void loads_what_was_saved(void **state) {
     assert_int_equal(again_size, size);
     assert_memory_equal(again, data, size);
     // The trees are the same, node by node, so that sums are taken in the same order.
-    assert_int_equal(a.cache.side[CACHE_RADIANCE].tree.ref_count,
-                     b.cache.side[CACHE_RADIANCE].tree.ref_count);
-    assert_memory_equal(a.cache.side[CACHE_RADIANCE].tree.ref,
-                        b.cache.side[CACHE_RADIANCE].tree.ref,
-                        a.cache.side[CACHE_RADIANCE].tree.ref_count *
-                            sizeof *a.cache.side[CACHE_RADIANCE].tree.ref);
-    assert_int_equal(a.cache.side[CACHE_IRRADIANCE].tree.node_count,
-                     b.cache.side[CACHE_IRRADIANCE].tree.node_count);
+    assert_int_equal(a.cache.store[CACHE_RADIANCE].tree.ref_count,
+                     b.cache.store[CACHE_RADIANCE].tree.ref_count);
+    assert_memory_equal(a.cache.store[CACHE_RADIANCE].tree.ref,
+                        b.cache.store[CACHE_RADIANCE].tree.ref,
+                        a.cache.store[CACHE_RADIANCE].tree.ref_count *
+                            sizeof *a.cache.store[CACHE_RADIANCE].tree.ref);
+    assert_int_equal(a.cache.store[CACHE_IRRADIANCE].tree.node_count,
+                     b.cache.store[CACHE_IRRADIANCE].tree.node_count);
     struct rng rng = rng_make(2, RNG_SITE, 0);
     for (int i = 0; i < LOOKUPS; i++) {
         struct cache_lookup at = {draw(&rng), v3(0, 0, 1), frame_from_normal(v3(0, 0, 1)), 0.0f};
@@ -216,7 +216,7 @@ static void lies_are_refused(void **state) {
     const size_t at[] = {0, 4, 3};
     const float wrong[] = {NAN, 5.0f, INFINITY};
     for (int i = 0; i < 3; i++) {
-        float *word = (float *)&f.cache.side[CACHE_IRRADIANCE].tree.head[3] + at[i], kept = *word;
+        float *word = (float *)&f.cache.store[CACHE_IRRADIANCE].tree.head[3] + at[i], kept = *word;
         *word = wrong[i];
         data = save(&f, &size);
         assert_non_null(strstr(refusal(data, size), "impossible position"));
@@ -263,7 +263,7 @@ static void other_origins_are_refused(void **state) {
     size_t size;
     make(&f);
     start(&g);
-    f.cache.side[CACHE_IRRADIANCE].tree.head[3].p.x = 50.0f;
+    f.cache.store[CACHE_IRRADIANCE].tree.head[3].p.x = 50.0f;
     unsigned char *data = save(&f, &size);
     struct cache_file *file = NULL;
     struct message seen = {0};

@@ -36,7 +36,7 @@ static void fill(struct cache_case *f, struct cache_fill fill) {
 
 static bool is_covered(const struct cache_case *f, const struct cache_site *s) {
     struct cache_near near[CACHE_NEAR_MAX];
-    return cache_find(f->cache, &f->cache->side[CACHE_IRRADIANCE].tree, s->p, s->frame.n,
+    return cache_find(f->cache, &f->cache->store[CACHE_IRRADIANCE].tree, s->p, s->frame.n,
                       f->options.irradiance_a, near) > 0;
 }
 
@@ -141,7 +141,7 @@ static void new_records_take_the_scale_of_adapted_ones(void **state) {
         struct cache_case f;
         start(&f);
         fill(&f, (struct cache_fill){.count = CACHE_CASE_SITES, .spacing = 1.0f});
-        struct cache_tree *tree = &f.cache->side[CACHE_IRRADIANCE].tree;
+        struct cache_tree *tree = &f.cache->store[CACHE_IRRADIANCE].tree;
         const size_t before = tree->head_count;
         for (size_t i = 0; i < before; i++) {
             assert_true(tree->head[i].scale == 1.0f);

@@ -28,8 +28,8 @@ static void start(struct fixture *f) {
     f->options.leak_test = false;
     f->g = (struct gather){.options = &f->options};
     f->cache = (struct cache){.g = &f->g, .irradiance = f->record};
-    f->cache.side[CACHE_IRRADIANCE].options = cache_options_of(&f->options, CACHE_IRRADIANCE);
-    cache_tree_init(&f->cache.side[CACHE_IRRADIANCE].tree, v3(-1, -1, -1), v3(1, 1, 1));
+    f->cache.store[CACHE_IRRADIANCE].options = cache_options_of(&f->options, CACHE_IRRADIANCE);
+    cache_tree_init(&f->cache.store[CACHE_IRRADIANCE].tree, v3(-1, -1, -1), v3(1, 1, 1));
     for (int i = 0; i < RECORDS; i++) {
         f->record[i] = (struct cache_irradiance_record){
             .value = {.E = rgb_grey((float)i), .rays = i ? 300 : 100}, .radius_ratio = 1.0f};
@@ -38,7 +38,7 @@ static void start(struct fixture *f) {
                                   .n = v3(0, 0, 1),
                                   .search_radius = 1.0f,
                                   .scale = scale[i]};
-        assert_true(cache_tree_insert(&f->cache.side[CACHE_IRRADIANCE].tree, &head));
+        assert_true(cache_tree_insert(&f->cache.store[CACHE_IRRADIANCE].tree, &head));
     }
 }
 
@@ -65,7 +65,7 @@ static void records_behind_a_value(void **state) {
     used = cache_irradiance(&f.cache, &at, 0.8f, &E);
     assert_int_equal(used.count, 1);
     assert_true(near(used.weight, 0.5f) && near(used.a, 0.2f) && near(used.rays, 50.0f));
-    cache_tree_free(&f.cache.side[CACHE_IRRADIANCE].tree);
+    cache_tree_free(&f.cache.store[CACHE_IRRADIANCE].tree);
 }
 
 // Two records on the parabola E = 1 + x + x^2, with its slopes.
@@ -74,8 +74,8 @@ static void parabolas_are_kept(void **state) {
     struct fixture f;
     start(&f);
     for (int i = 0; i < RECORDS; i++) {
-        const float x = f.cache.side[CACHE_IRRADIANCE].tree.head[i].p.x;
-        f.cache.side[CACHE_IRRADIANCE].tree.head[i].scale = 1.0f;
+        const float x = f.cache.store[CACHE_IRRADIANCE].tree.head[i].p.x;
+        f.cache.store[CACHE_IRRADIANCE].tree.head[i].scale = 1.0f;
         f.record[i].value.E = rgb_grey(1.0f + x + x * x);
         for (int c = 0; c < 3; c++) f.record[i].value.grad_t[c] = v3(1.0f + 2.0f * x, 0, 0);
     }
@@ -88,7 +88,7 @@ static void parabolas_are_kept(void **state) {
     assert_int_equal(cache_irradiance(&f.cache, &at, 0.4f, &E).count, 2);
     const float shift = (0.75f * 0.1f - 0.5f * 0.2f) / (0.75f + 0.5f);
     assert_true(near(E.r, 1.0f + 0.1f + 0.01f - shift * shift));
-    cache_tree_free(&f.cache.side[CACHE_IRRADIANCE].tree);
+    cache_tree_free(&f.cache.store[CACHE_IRRADIANCE].tree);
 }
 
 static void none_is_near(void **state) {
@@ -103,7 +103,7 @@ static void none_is_near(void **state) {
     at.fallback_radius = 1.0f;
     struct cache_used used = cache_irradiance(&f.cache, &at, 0.8f, &E);
     assert_true(used.count == 1 && used.weight == 1.0f);
-    cache_tree_free(&f.cache.side[CACHE_IRRADIANCE].tree);
+    cache_tree_free(&f.cache.store[CACHE_IRRADIANCE].tree);
 }
 
 static void where_records_stand(void **state) {
@@ -114,7 +114,7 @@ static void where_records_stand(void **state) {
     assert_true(cache_has_record_near(&f.cache, v3(0.31f, 0, 0), up, 0.02f));
     assert_false(cache_has_record_near(&f.cache, v3(0.31f, 0, 0), v3_neg(up), 0.02f));
     assert_false(cache_has_record_near(&f.cache, v3(0.35f, 0, 0), up, 0.02f));
-    cache_tree_free(&f.cache.side[CACHE_IRRADIANCE].tree);
+    cache_tree_free(&f.cache.store[CACHE_IRRADIANCE].tree);
 }
 
 int main(void) {
