@@ -8,11 +8,11 @@
 
 #include "base/log.h"
 #include "base/text.h"
-#include "render/options_budget.h"
+#include "render/options_quality.h"
 #include "render/options_table.h"
 #include "scene/scene.h"
 
-// The options that quality decides have the values that options_budget.c sets for `preview`.
+// The options that quality decides have the values that options_quality.c sets for `preview`.
 const satin_options satin_options_default = {
     .quality = SATIN_PREVIEW,
     .adaptive_sampling = true,
@@ -60,7 +60,7 @@ const satin_options satin_options_default = {
 };
 
 void satin_options_preset(satin_options *options, satin_quality quality) {
-    options_budget_preset(options, quality);
+    options_quality_preset(options, quality);
     options->quality = quality;
 }
 

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to render/: how much work a render does, and when. Every decision that divides time
-// between stages, or makes the work of a stage depend on time, photons made, pixels or the bounce,
-// is here: those about records are in render_budget_records.c, the others in render_budget.c. The
-// options that are their base are from options_budget.h. The sizes of samples by which a stage
-// estimates something for itself are beside that estimate, in the folder of the stage: paths for
-// photon clusters and for the view, rays for the visibility of lights. All seconds are wall clock
-// times. Without a time limit the remaining time is INFINITY, no limit is set, and the decisions
-// depend only on the options and the film, never on the number of cores, which must not change an
-// image.
+// Private to render/: the budgets, that is how much work a render does, and when. Every decision
+// that divides time between stages, or makes the work of a stage depend on time, photons made,
+// pixels or the bounce, is here and in render_budget.c. Two kinds of numbers are elsewhere, because
+// neither divides anything: options_quality.c has the values of the options at each quality, which
+// are the base of these decisions, and a stage has beside its code the size of a sample by which it
+// estimates something for itself (paths for photon clusters and for the view, rays for the
+// visibility of lights), which is as large as the estimate needs on any machine, or the size of its
+// blocks in memory, after one of which it takes the next.
+//
+// All seconds are wall clock times. Without a time limit the remaining time is INFINITY, no limit
+// is set, and the decisions depend only on the options and the film, never on the number of cores,
+// which must not change an image. With one, all of them are fractions of time and of measured
+// speeds, so that they scale with the cores; no bound is fitted to the speed of one machine.
 #ifndef RENDER_BUDGET_H
 #define RENDER_BUDGET_H
 
@@ -74,7 +78,7 @@ struct render_more_photons {
 struct render_more_photons render_budget_photons(const struct render *r, double seconds,
                                                  double starved);
 
-// ---- Records (render_budget_records.c)
+// ---- Records
 
 // Records are made on grids of pixels, which are called levels: at every 32nd pixel in both
 // directions, then between these, down to every pixel.

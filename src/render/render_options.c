@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "render/options_budget.h"
+#include "render/options_quality.h"
 #include "render/render_state.h"
 
 static int resolve_value(int value, int open, int scene, int scene_open, int fallback) {
@@ -81,10 +81,10 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
     if (film_filter_has_lobes(&scene->film)) o->adaptive_sampling = false;
     if (o->spp == 0 && o->time > 0.0) o->spp = RENDER_TIMED_SPP;
     r->first_pass.wanted = o->photons;
-    r->first_pass.chosen_by_user = !options_budget_chooses_photons(o);
+    r->first_pass.chosen_by_user = !options_quality_chooses_photons(o);
     if (o->time > 0.0)
-        options_budget_seconds(o, o->time * parallel_cores(o->threads),
-                               (double)o->width * (double)o->height);
+        options_quality_seconds(o, o->time * parallel_cores(o->threads),
+                                (double)o->width * (double)o->height);
     o->spp = resolve_value(o->spp, 0, scene_spp, 0, options_quality_spp(o->quality));
     return SATIN_OK;
 }

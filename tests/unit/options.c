@@ -11,7 +11,7 @@
 #include <cmocka.h>
 
 #include "message_case.h"
-#include "render/options_budget.h"
+#include "render/options_quality.h"
 #include "render/options_table.h"
 #include "scene/scene.h"
 

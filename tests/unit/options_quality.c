@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The curve from effort to options: it passes through the presets, never goes back between or
 // beyond them, begins at the first, and leaves alone what the user chose.
-#include "render/options_budget.h"
+#include "render/options_quality.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -30,8 +30,8 @@ static void the_default_is_preview(void **state) {
 static void little_time_gives_a_draft_and_production_its_own(void **state) {
     (void)state;
     satin_options least = make(SATIN_DRAFT), last = make(SATIN_PRODUCTION);
-    options_budget_seconds(&least, 1e-9, PIXELS);
-    options_budget_seconds(&last, 4.5e-4 * PIXELS, PIXELS);
+    options_quality_seconds(&least, 1e-9, PIXELS);
+    options_quality_seconds(&last, 4.5e-4 * PIXELS, PIXELS);
     const satin_options draft = make(SATIN_DRAFT), production = make(SATIN_PRODUCTION);
     assert_memory_equal(&least, &draft, sizeof least);
     assert_memory_equal(&last, &production, sizeof last);
@@ -42,8 +42,8 @@ static void many_cores_ask_for_more(void **state) {
     (void)state;
     satin_options two = make(SATIN_PREVIEW), many = make(SATIN_PREVIEW);
     const double pixels = 2.0 * 10.0 / 4.5e-4;
-    options_budget_seconds(&two, 2.0 * 10.0, pixels);
-    options_budget_seconds(&many, 64.0 * 10.0, pixels);
+    options_quality_seconds(&two, 2.0 * 10.0, pixels);
+    options_quality_seconds(&many, 64.0 * 10.0, pixels);
     assert_int_equal(two.irradiance_rays, make(SATIN_PRODUCTION).irradiance_rays);
     assert_true(2 * many.irradiance_rays > 3 * two.irradiance_rays);
     assert_true(2 * many.radiance_rays > 3 * two.radiance_rays);
@@ -54,7 +54,7 @@ static void many_cores_ask_for_more(void **state) {
 static void no_time_leaves_the_ranges(void **state) {
     (void)state;
     satin_options o = make(SATIN_PREVIEW);
-    options_budget_seconds(&o, 1e18, 1.0);
+    options_quality_seconds(&o, 1e18, 1.0);
     assert_int_equal(o.radiance_rays, 1048576);
     for (int i = 0; i < options_table_count; i++) {
         char text[OPTION_TEXT_SIZE];
@@ -67,10 +67,10 @@ static void no_time_leaves_the_ranges(void **state) {
 static void more_time_never_buys_less(void **state) {
     (void)state;
     satin_options before = make(SATIN_PREVIEW);
-    options_budget_seconds(&before, 0.01, PIXELS);
+    options_quality_seconds(&before, 0.01, PIXELS);
     for (double seconds = 0.01; seconds < 1e7; seconds *= 1.07) {
         satin_options o = make(SATIN_PREVIEW);
-        options_budget_seconds(&o, seconds, PIXELS);
+        options_quality_seconds(&o, seconds, PIXELS);
         assert_true(o.photons >= before.photons && o.caustic_photons >= before.caustic_photons);
         assert_true(o.irradiance_rays >= before.irradiance_rays);
         assert_true(o.radiance_rays >= before.radiance_rays);
@@ -85,8 +85,8 @@ static void more_time_never_buys_less(void **state) {
 static void seconds_are_shared_by_pixels(void **state) {
     (void)state;
     satin_options small = make(SATIN_PREVIEW), large = make(SATIN_PREVIEW);
-    options_budget_seconds(&small, 12.0, PIXELS);
-    options_budget_seconds(&large, 48.0, 4.0 * PIXELS);
+    options_quality_seconds(&small, 12.0, PIXELS);
+    options_quality_seconds(&large, 48.0, 4.0 * PIXELS);
     assert_true(large.photons > small.photons);
     large.photons = small.photons;
     large.caustic_photons = small.caustic_photons;
@@ -99,8 +99,8 @@ static void what_the_user_chose_stays(void **state) {
     satin_options draft = make(SATIN_DRAFT), production = make(SATIN_PRODUCTION);
     draft.photons = production.photons = 7;
     draft.radiance_a = production.radiance_a = 0.77f;
-    options_budget_seconds(&draft, 20.0, PIXELS);
-    options_budget_seconds(&production, 20.0, PIXELS);
+    options_quality_seconds(&draft, 20.0, PIXELS);
+    options_quality_seconds(&production, 20.0, PIXELS);
     assert_int_equal(draft.photons, 7);
     assert_true(draft.radiance_a == 0.77f);
     production.quality = SATIN_DRAFT;

@@ -2,20 +2,20 @@
 // Private to render/: options as functions of effort. The options that quality decides are
 // functions of one number, the effort in core seconds per pixel. Presets are three points of this
 // curve; a time limit is another point, by the cores and pixels of the render.
-#ifndef OPTIONS_BUDGET_H
-#define OPTIONS_BUDGET_H
+#ifndef OPTIONS_QUALITY_H
+#define OPTIONS_QUALITY_H
 
 #include "satin/options.h"
 
 // Sets the options that quality decides to those of a preset.
-void options_budget_preset(satin_options *options, satin_quality quality);
+void options_quality_preset(satin_options *options, satin_quality quality);
 
 // Sets those options that are still equal to the preset options->quality to their values for
 // `seconds` of one core and an image of `pixels`. Options that the user has changed stay.
-void options_budget_seconds(satin_options *options, double seconds, double pixels);
+void options_quality_seconds(satin_options *options, double seconds, double pixels);
 
 // Whether the number of photons is that of the preset, and not one that the user chose.
-bool options_budget_chooses_photons(const satin_options *options);
+bool options_quality_chooses_photons(const satin_options *options);
 
 // The samples per pixel of a quality, for satin_options.spp 0: a square number.
 int options_quality_spp(satin_quality quality);

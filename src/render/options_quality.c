@@ -2,10 +2,10 @@
 // The curve from effort to options: a table of three presets, each at the effort that it takes on
 // the data scenes. Between them options are power laws, which are straight lines over the logarithm
 // of effort. With less time than the first preset takes, its records are coarser
-// (render_budget_records.c). Beyond the last preset the curve continues by powers of effort, so
+// (render_budget.c). Beyond the last preset the curve continues by powers of effort, so
 // that many cores or much time are spent where that lowers the error. The time and the error of the
 // presets, and of 16 times the effort of the last one, are in docs/experiments.md.
-#include "render/options_budget.h"
+#include "render/options_quality.h"
 
 #include <math.h>
 #include <string.h>
@@ -67,7 +67,7 @@ static const struct preset {
 enum { PRESETS = sizeof preset / sizeof *preset };
 
 // Beyond the last preset: its options times powers of effort over its effort. Other options are
-// constant: records become finer in rounds while there is time (render_budget_records.c), and the
+// constant: records become finer in rounds while there is time (render_budget.c), and the
 // image takes the samples that fit. By renders of 64x64, relative squared errors of cornell-glossy
 // and of indirect-room:
 // - Twice the rays at 16 times the effort: .86 and .84 times the error. At 4 times the effort,
@@ -170,17 +170,17 @@ static void set_by_effort(satin_options *options, const struct option *o, double
     set_number(options, o, exp(from + fraction * (to - from)));
 }
 
-void options_budget_preset(satin_options *options, satin_quality quality) {
+void options_quality_preset(satin_options *options, satin_quality quality) {
     for (int i = 0; i < options_table_count; i++)
         if (options_table[i].by_quality)
             copy_value(options, &preset[quality].options, &options_table[i]);
 }
 
-bool options_budget_chooses_photons(const satin_options *options) {
+bool options_quality_chooses_photons(const satin_options *options) {
     return options->photons == preset[options->quality].options.photons;
 }
 
-void options_budget_seconds(satin_options *options, double seconds, double pixels) {
+void options_quality_seconds(satin_options *options, double seconds, double pixels) {
     const satin_options *chosen = &preset[options->quality].options;
     for (int i = 0; i < options_table_count; i++) {
         const struct option *o = &options_table[i];
