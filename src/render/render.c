@@ -8,10 +8,14 @@
 
 #include "render/render_image.h"
 
-static bool is_two_pass(const struct render *r) { return r->options.integrator == SATIN_TWO_PASS; }
+// The integrator is that of the second pass: trace_paths() can change it.
+static bool is_two_pass(const struct render *r) {
+    return r->second_pass.options.integrator == SATIN_TWO_PASS;
+}
 
 static bool needs_photons(const struct render *r) {
-    return r->options.integrator == SATIN_PHOTONS || gather_indirect(&r->options);
+    const satin_options *o = &r->second_pass.options;
+    return o->integrator == SATIN_PHOTONS || gather_indirect(o);
 }
 
 // Passes messages on to the caller's log, and records whether one of them was an error.
@@ -49,7 +53,7 @@ static void render_free(struct render *r) {
 // Allocates the image first, so that memory does not run out after all other work is done.
 static satin_status allocate_image(struct render *r) {
     const struct film_spec *film = &r->scene.film;
-    r->image = render_image_new(&r->scene, &r->options);
+    r->image = render_image_new(&r->scene, &r->second_pass.options);
     if (r->image) return SATIN_OK;
     return log_fail(r->log, SATIN_ERROR_MEMORY, "not enough memory for an image of %d x %d pixels",
                     film->crop_width, film->crop_height);
@@ -66,6 +70,7 @@ static satin_status start_threads(struct render *r) {
 static satin_status prepare(struct render *r, const satin_scene *scene,
                             const satin_options *options) {
     satin_status status = render_resolve(r, scene, options);
+    r->second_pass.options = r->options;
     if (status == SATIN_OK) status = render_cache_open(r);
     if (status == SATIN_OK) status = start_threads(r);
     if (status == SATIN_OK) status = render_denoiser(r);
@@ -74,14 +79,14 @@ static satin_status prepare(struct render *r, const satin_scene *scene,
     return allocate_image(r);
 }
 
-// Replaces the integrator by path tracing for the rest of the render: the steps that follow ask
-// is_two_pass() and needs_photons() again. The film gets the channels of the new integrator.
+// Makes path tracing the integrator of the second pass: the steps that follow ask is_two_pass() and
+// needs_photons() again. The film gets the channels of that integrator.
 static satin_status trace_paths(struct render *r) {
     log_message(r->log, SATIN_LOG_WARNING,
                 "the time is too short for photons here: paths are traced instead");
-    r->options.integrator = SATIN_PATH;
+    r->second_pass.options.integrator = SATIN_PATH;
     render_image_free(r->image);
-    r->image = render_image_new(&r->scene, &r->options);
+    r->image = render_image_new(&r->scene, &r->second_pass.options);
     return r->image ? SATIN_OK : SATIN_ERROR_MEMORY;
 }
 
@@ -137,9 +142,8 @@ static satin_status sample_coarse(struct render *r, enum render_image_kind kind)
     r->progress.image_kind = kind;
     if (kind == IMAGE_COARSE_DIRECT) {
         shade_destroy(&pass->shade);
-        pass->direct = r->options;
-        pass->direct.integrator = SATIN_DIRECT;
-        pass->gather = gather_make(&r->scene, &pass->direct, NULL);
+        pass->options.integrator = SATIN_DIRECT;
+        pass->gather = gather_make(&r->scene, &pass->options, NULL);
         satin_status status = shade_init(&pass->shade, &pass->gather, &pass->tables, NULL, r->pool);
         if (status != SATIN_OK) return status;
     }

@@ -338,7 +338,7 @@ static double fitting_samples(const struct render *r, double sample_seconds) {
 }
 
 uint64_t render_budget_pass(const struct render *r, uint64_t done, double sample_seconds) {
-    const satin_options *o = &r->options;
+    const satin_options *o = &r->second_pass.options;
     const uint64_t pixels = (uint64_t)o->width * (uint64_t)o->height;
     const uint64_t all = (uint64_t)o->spp * pixels;
     const uint64_t even = render_budget_even_samples(o) * pixels;

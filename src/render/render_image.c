@@ -128,7 +128,7 @@ static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
     const uint64_t pixels = (uint64_t)image->width * (uint64_t)image->height;
     *samples = render_budget_pass(r, image->taken, per_sample);
     if (*samples == 0) return false;
-    if (image->taken < render_budget_even_samples(&r->options) * pixels)
+    if (image->taken < render_budget_even_samples(&r->second_pass.options) * pixels)
         adaptive_even(&image->adapt, 1, (uint32_t)((image->taken + *samples) / pixels));
     else
         adaptive_spread(&image->adapt, *samples);
@@ -175,7 +175,8 @@ static void plan_samples(struct image_pass *pass, int workers) {
     struct render *r = pass->r;
     parallel_begin_part(r->pool, "plan");
     adaptive_compare(&r->image->adapt);
-    if (r->options.integrator != SATIN_TWO_PASS || !r->options.adaptive_sampling) return;
+    const satin_options *o = &r->second_pass.options;
+    if (o->integrator != SATIN_TWO_PASS || !o->adaptive_sampling) return;
     const struct shade_counts counts = sum_counts(pass->worker, workers);
     adaptive_lights(&r->image->adapt, sample_cost(&counts));
 }
@@ -227,7 +228,7 @@ satin_status render_image_fill(struct render *r) {
         per_sample = (stats_wall() - start) / (double)image->taken;
         plan_samples(&pass, workers);
     }
-    const uint64_t even = (uint64_t)render_budget_even_samples(&r->options) *
+    const uint64_t even = (uint64_t)render_budget_even_samples(&r->second_pass.options) *
                           (uint64_t)image->width * (uint64_t)image->height;
     satin_status status = SATIN_OK;
     while (status == SATIN_OK && whole && r->progress.image_kind == IMAGE_WHOLE &&
@@ -239,7 +240,7 @@ satin_status render_image_fill(struct render *r) {
         image->taken += samples;
         per_sample = (stats_wall() - start) / (double)samples;
         plan_samples(&pass, workers);
-        if (image->taken >= even && r->options.integrator != SATIN_PATH)
+        if (image->taken >= even && r->second_pass.options.integrator != SATIN_PATH)
             status = render_rims(r, &whole);
     }
     r->progress.items = (double)image->taken;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The metadata of a film: version, scene hash, all options, statistics.
+// The metadata of a film: version, scene hash, all options with the integrator that sampled the
+// image, statistics.
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -35,7 +36,7 @@ bool render_metadata(struct render *r, struct satin_film *film) {
     stats_set_parts(&r->stats, r->pool);
     char hash[20];
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)r->scene.hash);
-    char *options = options_text(&r->options);
+    char *options = options_text(&r->second_pass.options);
     free(film->stats);
     film->stats = stats_json(&r->stats);
     bool ok = options && film->stats && film_attribute_set(film, "satin:version", SATIN_VERSION) &&

@@ -99,7 +99,7 @@ satin_status render_photons(struct render *r) {
 }
 
 satin_status render_direct(struct render *r) {
-    if (!photon_precomputes_direct(&r->options) || !r->first_pass.maps) return SATIN_OK;
+    if (!photon_precomputes_direct(&r->second_pass.options) || !r->first_pass.maps) return SATIN_OK;
     const double start = stats_wall();
     parallel_begin_part(r->pool, "direct");
     satin_status status =
@@ -112,7 +112,7 @@ satin_status render_direct(struct render *r) {
 }
 
 struct gather render_gather(const struct render *r) {
-    struct gather g = gather_make(&r->scene, &r->options, r->first_pass.maps);
+    struct gather g = gather_make(&r->scene, &r->second_pass.options, r->first_pass.maps);
     g.visibility = r->first_pass.visibility;
     // The radius of a lookup falls as the square root of the number of photons.
     if (r->first_pass.made > 0.0 && r->first_pass.made < 1.0)

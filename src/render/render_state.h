@@ -57,6 +57,9 @@ struct render_first_pass {
 
 // The second pass: final gathering, and its records.
 struct render_second_pass {
+    // Those of the render, but for the integrator by which the image is sampled: `path` if there
+    // was no time for photons, `direct` for a coarse image without records.
+    satin_options options;
     struct gather gather;
     struct shade_tables tables;
     struct render_bounce *bounces;  // records of the indirect bounces beyond the first
@@ -65,7 +68,6 @@ struct render_second_pass {
     struct shade shade;
     char *file_bytes;         // contents of the caller's file of records, or NULL
     struct cache_file *file;  // its records
-    satin_options direct;     // options of a coarse image with direct light alone
 };
 
 // Results of those steps of the render that do not end it.
@@ -77,9 +79,8 @@ struct render_outcome {
 
 struct render {
     // Given by the caller. The scene has the film size and camera of this render and owns nothing;
-    // the options are resolved: no field means "the scene's" any more. During the render one
-    // function changes them: trace_paths() in render.c makes `path` the integrator of all stages
-    // that follow.
+    // the options are resolved: no field means "the scene's" any more. render_resolve sets both,
+    // and nothing changes them after it.
     struct satin_scene scene;
     satin_options options;
     satin_callbacks callbacks;

@@ -137,6 +137,20 @@ static void a_cancelled_image_is_what_was_sampled(void **state) {
     satin_film_free(film);
 }
 
+// If not even the first photons fit into a time limit, the second pass traces paths: the film says
+// so, and has the channels of that integrator.
+static void paths_replace_photons_without_time(void **state) {
+    (void)state;
+    static const satin_setting hurried[] = {
+        {"time", "1e-9"}, {"spp", "1"}, {"denoise", "off"}, {NULL, NULL}};
+    struct watch watch = {0};
+    satin_film *film;
+    assert_int_equal(render_box(&watch, hurried, &film), SATIN_OK);
+    assert_non_null(strstr(film_attribute_get(film, "satin:options"), "integrator=path"));
+    assert_null(satin_film_channel(film, "density.Y"));
+    satin_film_free(film);
+}
+
 // With time to spare the records of a time limit go on until half a pixel, not to a fixed round:
 // after five, down to .55, a and the least radius of 3 pixels fall by 3/4 each time. Two rounds
 // leave 3 * .55 * (9 / 16)^2 = .52 pixels; a third makes them .5.
@@ -161,6 +175,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(stages_come_in_their_order),
         cmocka_unit_test(a_cancelled_render_has_an_image),
         cmocka_unit_test(a_cancelled_image_is_what_was_sampled),
+        cmocka_unit_test(paths_replace_photons_without_time),
         cmocka_unit_test(rounds_go_on_to_half_a_pixel),
     };
     if (argc != 2 || satin_scene_load(argv[1], NULL, 0, NULL, NULL, &scene) != SATIN_OK) {

@@ -21,6 +21,7 @@ static struct render make(double time) {
                                    .height = 100,
                                    .spp = time > 0.0 ? 1 << 20 : 36,
                                    .adaptive_sampling = true}};
+    r.second_pass.options = r.options;
     r.progress = (struct render_progress){.start = stats_wall(), .deadline = INFINITY};
     r.pool = parallel_new(1);
     assert_non_null(r.pool);
@@ -146,9 +147,9 @@ static void passes_grow_until_little_is_left(void **state) {
 
 // Samples of all passes of a render without a time limit, whose equal samples come first.
 static void check_passes(const struct render *r, uint64_t equal) {
-    const uint64_t pixels = 10000, all = (uint64_t)r->options.spp * pixels;
+    const uint64_t pixels = 10000, all = (uint64_t)r->second_pass.options.spp * pixels;
     uint64_t done = 0, more;
-    assert_int_equal(render_budget_even_samples(&r->options), equal);
+    assert_int_equal(render_budget_even_samples(&r->second_pass.options), equal);
     while ((more = render_budget_pass(r, done, 1e9)) > 0) {
         assert_true(more <= (done > pixels ? done : pixels));
         if (done < equal * pixels) assert_true(more % pixels == 0 && done + more <= equal * pixels);
@@ -161,15 +162,15 @@ static void passes_take_what_the_options_say(void **state) {
     (void)state;
     struct render r = make(0.0);
     check_passes(&r, 9);
-    r.options.spp = 6;
+    r.second_pass.options.spp = 6;
     check_passes(&r, 2);
-    r.options.spp = 3;
+    r.second_pass.options.spp = 3;
     check_passes(&r, 3);
-    r.options.spp = 36;
-    r.options.adaptive_sampling = false;
+    r.second_pass.options.spp = 36;
+    r.second_pass.options.adaptive_sampling = false;
     check_passes(&r, 36);
-    r.options.adaptive_sampling = true;
-    r.options.integrator = SATIN_PATH;
+    r.second_pass.options.adaptive_sampling = true;
+    r.second_pass.options.integrator = SATIN_PATH;
     check_passes(&r, 36);
     parallel_free(r.pool);
 }
