@@ -6,9 +6,13 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 static char folder_case_path[] = "/tmp/satin-test-XXXXXX";
+
+// Whether the setup has run.
+static inline int folder_case_made(void) { return !strstr(folder_case_path, "XXXXXX"); }
 
 static inline int folder_case_setup(void **state) {
     (void)state;

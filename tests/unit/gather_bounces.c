@@ -51,6 +51,34 @@ static void paths_over_two_lobes_are_unbiased(void **state) {
     test_scene_free(&t);
 }
 
+// A scene with the global photon map that gather rays read in it, at any radius of the lookup.
+struct photon_fixture {
+    struct test_scene t;
+    satin_options options;
+    struct parallel *pool;
+    struct photon_maps *maps;
+    struct gather g;
+};
+
+// The scene and max_depth must be set.
+static void trace_photons(struct photon_fixture *f, int64_t photons) {
+    struct stats stats = {0};
+    f->options.photons = photons;
+    f->options.caustic_photons = 0;
+    f->pool = parallel_new(1);
+    assert_int_equal(
+        photon_maps_build(&f->t.scene, &f->options, f->pool, (struct log){0}, &stats, &f->maps),
+        SATIN_OK);
+    f->g = gather_make(&f->t.scene, &f->options, f->maps);
+    f->g.lookup_max = INFINITY;
+}
+
+static void free_photons(struct photon_fixture *f) {
+    photon_maps_free(f->maps);
+    parallel_free(f->pool);
+    test_scene_free(&f->t);
+}
+
 // The unit sphere, diffuse, around a point light that brings an irradiance of pi.
 static void lit_sphere(struct test_scene *t, float albedo) {
     test_scene_init(t);
@@ -117,30 +145,19 @@ static void photons_are_within_the_longest_path(void **state) {
     (void)state;
     enum { PATHS = 4000, DEPTH = 5 };
     const float ALBEDO = 0.9f;
-    struct test_scene t;
-    lit_sphere(&t, ALBEDO);
-    satin_options options = satin_options_default;
-    options.max_depth = DEPTH;
-    options.photons = 4000;
-    options.caustic_photons = 0;
-    struct photon_maps *maps = NULL;
-    struct stats stats = {0};
-    struct parallel *pool = parallel_new(1);
-    assert_int_equal(photon_maps_build(&t.scene, &options, pool, (struct log){0}, &stats, &maps),
-                     SATIN_OK);
-    struct gather g = gather_make(&t.scene, &options, maps);
-    g.lookup_max = INFINITY;
+    struct photon_fixture f = {.options = satin_options_default};
+    lit_sphere(&f.t, ALBEDO);
+    f.options.max_depth = DEPTH;
+    trace_photons(&f, 100000);
     struct sampler sampler = {0, 5, 0};
-    const struct gather_point y = sphere_point(&g, &sampler);
+    const struct gather_point y = sphere_point(&f.g, &sampler);
     const struct gather_estimate none = {rgb_grey(0.0f), false, NULL};
     double sum = 0.0, expected = 0.0;
     for (uint32_t i = 0; i < PATHS; i++)
-        sum += (double)gather_bounces(&g, &y, none, NULL, (struct sampler){i, 7, 0}).g / PATHS;
+        sum += (double)gather_bounces(&f.g, &y, none, NULL, (struct sampler){i, 7, 0}).g / PATHS;
     for (int k = 1; k <= DEPTH - 2; k++) expected += pow((double)ALBEDO, k);
     assert_true(fabs(sum / expected - 1.0) < 0.02);
-    photon_maps_free(maps);
-    parallel_free(pool);
-    test_scene_free(&t);
+    free_photons(&f);
 }
 
 // In a gap that is narrower than an estimate's disc, light falls off within the disc, so an
@@ -149,26 +166,17 @@ static void photons_are_within_the_longest_path(void **state) {
 static void gaps_are_left_before_photons_are_read(void **state) {
     (void)state;
     enum { RAYS = 10000 };
-    struct test_scene t;
-    test_scene_init(&t);
-    const uint32_t white = test_diffuse(&t, .9f, .9f, .9f);
-    test_cube(&t, mat4_identity(), true, white);
-    test_cube(&t, test_transform(v3(0.58f, 0, 0), v3(0.4f, 0.4f, 0.4f)), false, white);
-    test_light(
-        &t, (struct light){.kind = LIGHT_POINT, .position = v3(.5f, .9f, 0), .value = rgb_grey(1)});
-    test_scene_finish(&t);
-    satin_options options = satin_options_default;
-    options.max_depth = -1;
-    options.rr_depth = 5;
-    options.photons = 4000;
-    options.caustic_photons = 0;
-    struct photon_maps *maps = NULL;
-    struct stats stats = {0};
-    struct parallel *pool = parallel_new(1);
-    assert_int_equal(photon_maps_build(&t.scene, &options, pool, (struct log){0}, &stats, &maps),
-                     SATIN_OK);
-    struct gather g = gather_make(&t.scene, &options, maps);
-    g.lookup_max = INFINITY;
+    struct photon_fixture f = {.options = satin_options_default};
+    test_scene_init(&f.t);
+    const uint32_t white = test_diffuse(&f.t, .9f, .9f, .9f);
+    test_cube(&f.t, mat4_identity(), true, white);
+    test_cube(&f.t, test_transform(v3(0.58f, 0, 0), v3(0.4f, 0.4f, 0.4f)), false, white);
+    test_light(&f.t, (struct light){
+                         .kind = LIGHT_POINT, .position = v3(.5f, .9f, 0), .value = rgb_grey(1)});
+    test_scene_finish(&f.t);
+    f.options.max_depth = -1;
+    f.options.rr_depth = 5;
+    trace_photons(&f, 4000);
     struct gather_scratch *scratch = gather_scratch_new(NULL, 0);
     struct gather_ray *ray_of = calloc(RAYS, sizeof *ray_of);
     assert_true(scratch && ray_of);
@@ -182,9 +190,9 @@ static void gaps_are_left_before_photons_are_read(void **state) {
             struct sampler sampler = {i, 11, 0};
             struct gather_first first;
             ray_of[i] = (struct gather_ray){.ray = ray, .item = i};
-            path += (double)gather_path(&g, ray, &sampler, &first).g;
+            path += (double)gather_path(&f.g, ray, &sampler, &first).g;
         }
-        gather_rays(&g, scratch, ray_of, RAYS, 3);
+        gather_rays(&f.g, scratch, ray_of, RAYS, 3);
         for (uint32_t i = 0; i < RAYS; i++) found += (double)ray_of[i].L.g;
         ratio += 0.2 * found / path;
     }
@@ -192,9 +200,7 @@ static void gaps_are_left_before_photons_are_read(void **state) {
     assert_true(ratio > 0.9 && ratio < 1.5);
     free(ray_of);
     gather_scratch_free(scratch);
-    photon_maps_free(maps);
-    parallel_free(pool);
-    test_scene_free(&t);
+    free_photons(&f);
 }
 
 int main(void) {

@@ -147,5 +147,5 @@ int main(void) {
         cmocka_unit_test(sites_are_in_the_order_of_the_pixels),
         cmocka_unit_test(a_search_can_be_cancelled),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

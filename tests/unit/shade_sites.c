@@ -76,5 +76,5 @@ int main(void) {
         cmocka_unit_test(a_site_has_its_place_and_stream),
         cmocka_unit_test(light_is_found_for_adaptive_caching_alone),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }
