@@ -45,8 +45,7 @@ extern "C" {
 typedef enum rsh_basis { RSH_SPHERE = 0, RSH_HEMISPHERE } rsh_basis;
 
 // y[n * n]: all basis functions in direction w, accurate to 1e-6 of each function's largest value
-// (1e-7 measured) if |w| is 1 up to the rounding of floats.
-// Thread-safe.
+// (1e-7 measured) if |w| is 1 up to the rounding of floats. Thread-safe.
 RSH_API bool rsh_eval(rsh_basis basis, int order, const float w[3], float *y);
 
 // Does what rsh_eval does, with the derivatives by theta and phi; all three arrays have n * n
@@ -56,43 +55,37 @@ RSH_API bool rsh_eval_derivatives(rsh_basis basis, int order, const float w[3], 
                                   float *dtheta, float *dphi);
 
 // All basis functions in `count` directions, given as three arrays: out[k * count + i] is function
-// k in direction i, with the accuracy of rsh_eval.
-// Thread-safe.
+// k in direction i, with the accuracy of rsh_eval. Thread-safe.
 RSH_API bool rsh_eval_many(rsh_basis basis, int order, size_t count, const float *x, const float *y,
                            const float *z, float *out);
 
 // Adds sum_i value_i H(w_i) to out[3 * n * n] for the values r, g and b [count each], which include
-// the samples' weights. If g and b are both NULL, there is one channel: r, out[n * n].
-// Thread-safe.
+// the samples' weights. If g and b are both NULL, there is one channel: r, out[n * n]. Thread-safe.
 RSH_API bool rsh_project(rsh_basis basis, int order, size_t count, const float *x, const float *y,
                          const float *z, const float *r, const float *g, const float *b,
                          float *out);
 
 // Projects onto a basis that is given as a constant matrix: out[c * coefficients + k] +=
 // sum_i matrix[i * coefficients + k] * value_c[i], c = r, g, b. With g and b NULL: one channel.
-// Any number of coefficients.
-// Thread-safe.
+// Any number of coefficients. Thread-safe.
 RSH_API void rsh_accumulate(size_t count, size_t coefficients, const float *matrix, const float *r,
                             const float *g, const float *b, float *out);
 
 // out[c] = a_c . b_c for three channels of b[3 * n * n]. a has `a_channels` channels: 3, or 1 for
-// all.
-// Thread-safe.
+// all. Thread-safe.
 RSH_API bool rsh_dot3(int order, int a_channels, const float *a, const float *b, float out[3]);
 
-// out[channels]: the function's value in direction w.
-// Thread-safe.
+// out[channels]: the function's value in direction w. Thread-safe.
 RSH_API bool rsh_value(rsh_basis basis, int order, int channels, const float *in, const float w[3],
                        float *out);
 
 // Convolves a function on the sphere with a kernel that is symmetric about an axis, given by its
 // coefficients zonal[order] at m = 0 when the axis is z. out == in is allowed here and below.
-// Thread-safe.
+// The result has the product of both units. Thread-safe.
 RSH_API bool rsh_convolve(int order, int channels, const float *zonal, const float *in, float *out);
 
 // Converts between this library's convention and that with the Condon-Shortley phase, in both
-// directions: negates the coefficients of odd m.
-// Thread-safe.
+// directions: negates the coefficients of odd m. Thread-safe.
 RSH_API bool rsh_flip_phase(int order, int channels, const float *in, float *out);
 
 // Other conventions. Their harmonics are those of this library times a factor, so coefficients are
@@ -116,17 +109,15 @@ typedef struct rsh_convention {
     bool phase;  // Condon and Shortley's (-1)^m
     rsh_layout layout;
 } rsh_convention;
-// Numbers per channel in a layout; 0 for orders out of range.
-// Thread-safe.
+// Numbers per channel in a layout; 0 for orders out of range. Thread-safe.
 RSH_API int rsh_convention_size(int order, rsh_layout layout);
 // Converts from this library's convention to another one, and back; in and out must not overlap.
 // Functions are real: only the complex coefficients of m >= 0 are read. False also if the
-// convention is invalid.
-// Thread-safe.
+// convention is invalid. Thread-safe.
 RSH_API bool rsh_export(const rsh_convention *to, int order, int channels, const float *in,
                         float *out);
-// Converts from another convention to this library's, under the conditions of rsh_export.
-// Thread-safe.
+// Converts from another convention to this library's. What rsh_export requires holds here too.
+// Numbers keep their unit. Thread-safe.
 RSH_API bool rsh_import(const rsh_convention *from, int order, int channels, const float *in,
                         float *out);
 
@@ -136,52 +127,45 @@ RSH_API bool rsh_import(const rsh_convention *from, int order, int channels, con
 // matrix, a frame or an angle has a NaN or an entry beyond 1e9, false is returned and nothing is
 // written. A matrix that is not orthonormal gives finite values without meaning.
 
-// About z by `angle` [rad] [K05 D].
-// Thread-safe.
+// About z by `angle` [rad] [K05 D]. Thread-safe.
 RSH_API bool rsh_rotate_z(int order, int channels, float angle, const float *in, float *out);
-// About y by `angle` [rad], exact to rounding.
-// Thread-safe.
+// About y by `angle` [rad], exact to rounding. Thread-safe.
 RSH_API bool rsh_rotate_y(int order, int channels, float angle, const float *in, float *out);
 
 // Truncations of the rotation about y at small angles [rad] [K05 5.3]: the series to first order,
 // with the diagonal of the second order ("1.5th"), and to second order.
 typedef enum rsh_taylor { RSH_TAYLOR_1 = 0, RSH_TAYLOR_1_5, RSH_TAYLOR_2 } rsh_taylor;
-// Thread-safe.
+// Rotates about y by `angle` [rad], a small one, by a truncated series. Thread-safe.
 RSH_API bool rsh_rotate_y_taylor(rsh_taylor kind, int order, int channels, float angle,
                                  const float *in, float *out);
 
-// Rotates by any rotation, exact to rounding, with the fastest form: rsh_rotate_pinchon_hoggan.
-// Thread-safe.
+// Rotates by any rotation, exact to rounding, with the form that is fastest, which is that of
+// rsh_rotate_pinchon_hoggan. Thread-safe.
 RSH_API bool rsh_rotate(int order, int channels, const float r[9], const float *in, float *out);
 
 // A rotation as rotations about z by gamma, then y by beta, then z by alpha [rad].
 typedef struct rsh_zyz {
     float alpha, beta, gamma;
 } rsh_zyz;
-// All angles are in [rad]; beta is 0 .. pi. If beta is 0 up to rounding, alpha is 0.
-// Thread-safe.
+// All angles are in [rad]; beta is 0 .. pi. If beta is 0 up to rounding, alpha is 0. Thread-safe.
 RSH_API rsh_zyz rsh_zyz_of_matrix(const float r[9]);
-// Thread-safe.
+// Rotates by three angles [rad], exact to rounding. Thread-safe.
 RSH_API bool rsh_rotate_zyz(int order, int channels, rsh_zyz angles, const float *in, float *out);
 
 // The forms by name, all for any r; numbers of products are per channel. This one is z, y, z with
-// the series about y [K05 5.3], for small beta only: 9 n^2 products.
-// Thread-safe.
+// the series about y [K05 5.3], for small beta only: 9 n^2 products. Thread-safe.
 RSH_API bool rsh_rotate_taylor(rsh_taylor kind, int order, int channels, const float r[9],
                                const float *in, float *out);
 // z, y, z with the rotation about y as one about z between two exchanges of y and z, which are
-// constant symmetric blocks [Pinchon and Hoggan 2007]: 2 n^3 / 3 + 6 n^2 products.
-// Thread-safe.
+// constant symmetric blocks [Pinchon and Hoggan 2007]: 2 n^3 / 3 + 6 n^2 products. Thread-safe.
 RSH_API bool rsh_rotate_pinchon_hoggan(int order, int channels, const float r[9], const float *in,
                                        float *out);
 // z, y, z with the rotation about y as one about z between two rotations about x by 90 degrees
-// [Kautz et al. 2002], in plain C.
-// Thread-safe.
+// [Kautz et al. 2002], in plain C. Thread-safe.
 RSH_API bool rsh_rotate_zxzxz(int order, int channels, const float r[9], const float *in,
                               float *out);
 // Matrices band by band from r itself [Ivanic and Ruedenberg 1996, corrected 1998], in plain C:
-// 4 n^3 / 3 products to apply them, and several times as many to compute them.
-// Thread-safe.
+// 4 n^3 / 3 products to apply them, and several times as many to compute them. Thread-safe.
 RSH_API bool rsh_rotate_ivanic(int order, int channels, const float r[9], const float *in,
                                float *out);
 
@@ -189,19 +173,15 @@ RSH_API bool rsh_rotate_ivanic(int order, int channels, const float r[9], const 
 // m = -l .. l, and begins at l (2 l - 1) (2 l + 1) / 3. All blocks have rsh_blocks_size(n) =
 // n (2 n - 1) (2 n + 1) / 3 numbers, or 0 if the order is out of range.
 #define RSH_MAX_BLOCKS (RSH_MAX_ORDER * (2 * RSH_MAX_ORDER - 1) * (2 * RSH_MAX_ORDER + 1) / 3)
-// The number of values in all blocks; 0 if the order is out of range.
-// Thread-safe.
+// The number of values in all blocks; 0 if the order is out of range. Thread-safe.
 RSH_API int rsh_blocks_size(int order);
-// Sets blocks[rsh_blocks_size(order)] to those of rotation r.
-// Thread-safe.
+// Sets blocks[rsh_blocks_size(order)] to those of rotation r. Thread-safe.
 RSH_API bool rsh_rotation_blocks(int order, const float r[9], float *blocks);
 // Derivatives 0 .. highest by beta [rad^-1 each] of the rotation about y, at beta [rad], one after
 // another in blocks[(highest + 1) * rsh_blocks_size(order)] [K05 C]. Their rounding errors grow as
-// order^highest.
-// Thread-safe.
+// order^highest. Thread-safe.
 RSH_API bool rsh_rotation_y_derivatives(int order, float beta, int highest, float *blocks);
-// Multiplies each band of each channel by its block, so that `in` is rotated.
-// Thread-safe.
+// Multiplies each band of each channel by its block, so that `in` is rotated. Thread-safe.
 RSH_API bool rsh_apply_blocks(int order, int channels, const float *blocks, const float *in,
                               float *out);
 
@@ -209,8 +189,7 @@ RSH_API bool rsh_apply_blocks(int order, int channels, const float *blocks, cons
 // beta of the zyz decomposition, which is correct at the pole only [K05 5.4; Gautron et al. 2004];
 // see rsh_align. The horizon stays where it is: if the pole rotates by 10 degrees, what is 60
 // degrees from it rotates by 7.8 and what is 80 degrees from it by 4.8. Near the horizon the error
-// can be larger than without rotation. Angles from 90 degrees on count as 90.
-// Thread-safe.
+// can be larger than without rotation. Angles from 90 degrees on count as 90. Thread-safe.
 RSH_API bool rsh_rotate_stretched(int order, int channels, const float r[9], const float *in,
                                   float *out);
 
@@ -226,7 +205,7 @@ RSH_API bool rsh_rotate_stretched(int order, int channels, const float r[9], con
 //               1.3 % at 3 degrees, 2 % at 6, 3 % at 10 (without alignment 4, 7 and 12 %).
 //               Exact: through the sphere, see below; the errors are .7 %, .8 % and 1 %, of which
 //               .7 % is due to the order, 10 in this test.
-// Thread-safe.
+// Coefficients keep their unit. Thread-safe.
 RSH_API bool rsh_align(rsh_basis basis, int order, int channels, const float from[9],
                        const float to[9], float beta_limit, const float *in, float *out);
 
@@ -234,8 +213,7 @@ RSH_API bool rsh_align(rsh_basis basis, int order, int channels, const float fro
 // vector of a product: dot(c, align(lambda)) = dot(align_transposed(c), lambda). It rotates one
 // BRDF into the frame of each record, instead of each record with its derivatives and colours. With
 // a limit of pi or more it fails for nearly opposite normals, where rounding determines the axis of
-// the series.
-// Thread-safe.
+// the series. Thread-safe.
 RSH_API bool rsh_align_transposed(rsh_basis basis, int order, int channels, const float from[9],
                                   const float to[9], float beta_limit, const float *in, float *out);
 
@@ -253,24 +231,25 @@ typedef struct rsh_reflection {
     const float *brdf;         // [brdf_channels * n * n]
     int brdf_channels;         // 3, or 1 for all colours
 } rsh_reflection;
-// Thread-safe.
+// Computes one such product; its unit is that of `value` times that of `brdf`. Thread-safe.
 RSH_API bool rsh_reflect(const rsh_reflection *reflection, float out[3]);
 
 // Rotation and alignment of `count` records at once, as structures of arrays: coefficient k of
 // channel c of record i is in[(c * n * n + k) * count + i], entry e of its matrix or frame is
 // r[e][i]. out == in is allowed. A record's result does not depend on the others. Blocks of 16 to
 // 64 records stay in the first cache. These calls use up to 256 kB of the calling thread's stack.
-// Thread-safe.
+
+// Does for each record what rsh_rotate does. Thread-safe.
 RSH_API bool rsh_rotate_many(int order, int channels, size_t count, const float *const r[9],
                              const float *in, float *out);
-// Thread-safe.
+// Does for each record what rsh_rotate_taylor does. Thread-safe.
 RSH_API bool rsh_rotate_taylor_many(rsh_taylor kind, int order, int channels, size_t count,
                                     const float *const r[9], const float *in, float *out);
-// Thread-safe.
+// Does for each record what rsh_align does; beta_limit is in [rad]. Thread-safe.
 RSH_API bool rsh_align_many(rsh_basis basis, int order, int channels, size_t count,
                             const float *const from[9], const float *const to[9], float beta_limit,
                             const float *in, float *out);
-// Thread-safe.
+// Does for each record what rsh_align_transposed does; beta_limit is in [rad]. Thread-safe.
 RSH_API bool rsh_align_transposed_many(rsh_basis basis, int order, int channels, size_t count,
                                        const float *const from[9], const float *const to[9],
                                        float beta_limit, const float *in, float *out);
@@ -282,15 +261,16 @@ RSH_API bool rsh_align_transposed_many(rsh_basis basis, int order, int channels,
 // vector of a product: dot(c, restrict(R extend(lambda))) = dot(R^-1 restrict_transposed(c),
 // extend(lambda)). So a caller with one c and many records, or one record and many c, converts each
 // once and rotates on the sphere. `order` is that of the hemisphere; in and out must not overlap.
-// Thread-safe.
+
+// The order of the functions on the sphere, as above; not checked. Thread-safe.
 RSH_API int rsh_sphere_order(int order);
-// Thread-safe.
+// Continues a function over the whole sphere; its unit stays. Thread-safe.
 RSH_API bool rsh_hemi_extend(int order, int channels, const float *in, float *out);
-// Thread-safe.
+// Converts a function on the sphere back to the hemisphere. Thread-safe.
 RSH_API bool rsh_hemi_restrict(int order, int channels, const float *in, float *out);
-// Thread-safe.
+// The transpose of rsh_hemi_extend. Thread-safe.
 RSH_API bool rsh_hemi_extend_transposed(int order, int channels, const float *in, float *out);
-// Thread-safe.
+// The transpose of rsh_hemi_restrict. Thread-safe.
 RSH_API bool rsh_hemi_restrict_transposed(int order, int channels, const float *in, float *out);
 
 #ifdef __cplusplus

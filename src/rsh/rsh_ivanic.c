@@ -44,8 +44,8 @@ static int terms_of(int l, int m, struct term *t) {
 // Adds factor times P of the papers to all columns of `row`. `first` is row i of R^1 and `last` the
 // row of R^(l-1), each at its column 0.
 static void add_term(int l, float factor, const float *first, const float *last, float *row) {
-    float center = factor * first[0], right = factor * first[1], left = factor * first[-1];
-    for (int m = 1 - l; m < l; m++) row[m] += center * last[m];
+    float centre = factor * first[0], right = factor * first[1], left = factor * first[-1];
+    for (int m = 1 - l; m < l; m++) row[m] += centre * last[m];
     row[l] += right * last[l - 1] - left * last[1 - l];
     row[-l] += right * last[1 - l] + left * last[l - 1];
 }

@@ -286,11 +286,11 @@ def ivanic_tables(w, flat):
     """u, v, w of Ivanic and Ruedenberg, of which the columns' part is divided out."""
     rows, columns = [], []
     for l, m in flat:
-        a, center = abs(m), m == 0
+        a, centre = abs(m), m == 0
         u = math.sqrt((l + m) * (l - m))
-        sign = -1 if center else 1
-        v = sign * math.sqrt((2 if center else 1) * max(l + a - 1, 0) * (l + a)) / 2
-        third = 0.0 if center else -math.sqrt(max((l - a - 1) * (l - a), 0)) / 2
+        sign = -1 if centre else 1
+        v = sign * math.sqrt((2 if centre else 1) * max(l + a - 1, 0) * (l + a)) / 2
+        third = 0.0 if centre else -math.sqrt(max((l - a - 1) * (l - a), 0)) / 2
         rows.append((u, v, third))
         d = (l + m) * (l - m) if a < l else 2 * l * (2 * l - 1)
         columns.append(1 / math.sqrt(d) if d else 1.0)
