@@ -121,10 +121,10 @@ static rgb thin_glossy_estimate(const struct brdf *b, vec3 wo, unsigned lobe) {
 static void thin_probabilities(const struct brdf *b, vec3 wo, float *diffuse, float *glossy,
                                float *delta) {
     (void)wo;
-    float colour = rgb_mean(b->diffuse);
+    float mean = rgb_mean(b->diffuse);
     *delta = 0.0f;
-    *diffuse = diffuse_reflection(b) * (colour + 0.2f * b->sheen);
-    *glossy = b->spec_trans + diffuse_transmission(b) * colour;
+    *diffuse = diffuse_reflection(b) * (mean + 0.2f * b->sheen);
+    *glossy = b->spec_trans + diffuse_transmission(b) * mean;
 }
 
 const struct brdf_model brdf_model_principledthin = {

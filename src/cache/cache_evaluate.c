@@ -117,13 +117,13 @@ static unsigned similar_errors(const struct cache_site *s, const struct cache_po
     const float all = mean_luminance(p, rest), noise = noise_of(p);
     const float difference = fabsf(p->with[worst].Y - all);
     const float far2 = p->with[worst].error * p->with[worst].error;
-    unsigned blamed = 1u << worst;
+    unsigned similar = 1u << worst;
     for (int i = 0; i < p->count; i++) {
         float near2 = p->with[i].error * p->with[i].error;
         if (rest >> i & 1u && visible(s, difference * near2 / (near2 + far2), all, noise))
-            blamed |= 1u << i;
+            similar |= 1u << i;
     }
-    return blamed;
+    return similar;
 }
 
 // While contributions disagree, the one of least weight is to be shrunk [K05 figure 6.2].
@@ -139,11 +139,12 @@ void cache_evaluate_point(const struct cache_adaptation *c, const struct cache_s
         int worst = -1;
         for (int i = 0; i < p->count; i++)
             if (mask >> i & 1u && (worst < 0 || p->with[i].error > p->with[worst].error)) worst = i;
-        unsigned blamed = similar_errors(s, p, mask & ~(1u << worst), worst);
+        unsigned shrinking = similar_errors(s, p, mask & ~(1u << worst), worst);
         for (int i = 0; i < p->count; i++)
-            if (blamed >> i & 1u && !may_shrink(c, s, p->with[i].record)) blamed &= ~(1u << i);
-        if (!blamed) return;
-        p->shrinking |= (uint8_t)blamed;
-        mask &= ~blamed;
+            if (shrinking >> i & 1u && !may_shrink(c, s, p->with[i].record))
+                shrinking &= ~(1u << i);
+        if (!shrinking) return;
+        p->shrinking |= (uint8_t)shrinking;
+        mask &= ~shrinking;
     }
 }

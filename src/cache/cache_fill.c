@@ -269,7 +269,7 @@ static bool insert_head(struct batch *b, const struct job *job, const struct cac
         .R = x->R,
         .n = s->frame.n,
         .search_radius = radius,
-        .squeeze = v3_mul(x->axis, sqrtf(fmaxf(ratio * ratio - 1.0f, 0.0f))),
+        .anisotropy = v3_mul(x->axis, sqrtf(fmaxf(ratio * ratio - 1.0f, 0.0f))),
         .scale = b->fill->adapted ? first_scale(&b->store->tree, s, radius) : 1.0f,
         .u = s->frame.u,
         .near_sectors = near,

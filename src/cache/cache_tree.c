@@ -125,7 +125,7 @@ bool cache_tree_insert(struct cache_tree *tree, const struct cache_head *head) {
 }
 
 static float distance(const struct cache_head *h, vec3 d) {
-    float across = v3_dot(d, h->squeeze);
+    float across = v3_dot(d, h->anisotropy);
     return sqrtf(v3_len2(d) + across * across);
 }
 

@@ -18,9 +18,9 @@ struct cache_head {
                           // influence radius
     vec3 n;               // shading normal
     float search_radius;  // the tree finds the record within it: a R at the largest a in use
-    vec3 squeeze;         // makes the disc an ellipse: d^2 becomes d^2 + (d . squeeze)^2; 0: a disc
-    float scale;          // its own accuracy is this times a [K05 6.3], in (0, 1]
-    vec3 u;               // tangent from which sectors are counted, about n
+    vec3 anisotropy;  // makes the disc an ellipse: d^2 becomes d^2 + (d . anisotropy)^2; 0: a disc
+    float scale;      // its own accuracy is this times a [K05 6.3], in (0, 1]
+    vec3 u;           // tangent from which sectors are counted, about n
     uint32_t near_sectors;  // mask of the sectors with surfaces within the search radius
     float clear;            // no surface is nearer than this
 };

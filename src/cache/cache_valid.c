@@ -39,7 +39,7 @@ bool cache_valid_radiance(const struct gather_radiance *value, int order,
 static bool is_unit(vec3 v) { return fabsf(v3_len2(v) - 1.0f) < 1e-3f; }
 
 bool cache_valid_head(const struct cache_head *h) {
-    return v3_finite(h->p) && is_unit(h->n) && is_unit(h->u) && v3_finite(h->squeeze) &&
+    return v3_finite(h->p) && is_unit(h->n) && is_unit(h->u) && v3_finite(h->anisotropy) &&
            h->R >= 0.0f && isfinite(h->R) && h->search_radius >= 0.0f &&
            isfinite(h->search_radius) && h->scale >= 0.0f && h->scale <= 1.0f && h->clear >= 0.0f;
 }

@@ -37,8 +37,8 @@ static rgb ramp(float t) {
     return from_oklab(L, chroma * cosf(hue), chroma * sinf(hue));
 }
 
-static void put_color(unsigned char *pixel, rgb colour) {
-    const float component[3] = {colour.r, colour.g, colour.b};
+static void put_color(unsigned char *pixel, rgb value) {
+    const float component[3] = {value.r, value.g, value.b};
     for (int c = 0; c < 3; c++) pixel[c] = film_encode_srgb(component[c]);
 }
 

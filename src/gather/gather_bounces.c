@@ -207,7 +207,7 @@ static struct gather_estimate estimate_at(const struct gather *g, struct path_ve
                                           z->bounce, &radius, &entry);
     const bool near = gather_is_near(g, z->y->interaction.t, radius, GATHER_NEAR_DISCS);
     return (struct gather_estimate){within_depth(g, z->bounce, 2) ? E : none.E,
-                                    !(g->options->gather_near && (radius > g->lookup_max || near)),
+                                    gather_is_reliable(g, radius, near),
                                     gather_direct_known(g, entry)};
 }
 

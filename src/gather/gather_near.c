@@ -58,8 +58,8 @@ static float probe_cone(const struct gather *g, const struct gather_hits *hits, 
     return matters ? fmaxf((float)clear / (float)matters, VISIBLE_LEAST) : 0.0f;
 }
 
-void gather_near_look(const struct gather *g, const struct gather_hits *hits, size_t count,
-                      struct gather_near *near) {
+void gather_near_clusters(const struct gather *g, const struct gather_hits *hits, size_t count,
+                          struct gather_near *near) {
     size_t probe[GUIDE_PROBES];
     near->count = 0;
     if (near->found == 0 || !g->options->gather_near) return;

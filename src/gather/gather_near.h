@@ -20,6 +20,12 @@
 // radius or the largest reliable one, as else most hits of a coarse photon map would be near.
 bool gather_is_near(const struct gather *g, float t, float radius, float discs);
 
+// Whether the estimate at a hit is read, where its lookup has this radius. If not, the ray
+// continues; without option gather-near every estimate is read.
+static inline bool gather_is_reliable(const struct gather *g, float radius, bool near) {
+    return !(g->options->gather_near && (near || radius > g->lookup_max));
+}
+
 // The photon clusters around a site, for the next bounce of rays whose hit is near.
 struct gather_near {
     float discs;     // GATHER_NEAR_DISCS or GATHER_NEAR_DISCS_RADIANCE
@@ -33,8 +39,8 @@ struct gather_near {
 
 // Finds the clusters around the site that contribute to those of the first `count` hits that are
 // near it. E and radius of the hits must be known.
-void gather_near_look(const struct gather *g, const struct gather_hits *hits, size_t count,
-                      struct gather_near *near);
+void gather_near_clusters(const struct gather *g, const struct gather_hits *hits, size_t count,
+                          struct gather_near *near);
 
 // Draws a direction from which y, near the site, reflects light by its diffuse lobe: by the lobe
 // itself or to one of the clusters. E [W m^-2] is the luminance of the first-pass irradiance at y.

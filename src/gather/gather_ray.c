@@ -53,13 +53,12 @@ static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t 
     look_up_hits(g, hits, count);
     for (size_t i = 0; i < count; i++)
         hits->near[i] = gather_is_near(g, hits->hit[i].point.interaction.t, hits->radius[i], discs);
-    if (near) gather_near_look(g, hits, count, near);
+    if (near) gather_near_clusters(g, hits, count, near);
     for (size_t i = 0; i < count; i++) {
         const struct gather_hit *hit = &hits->hit[i];
-        const float radius = hits->radius[i];
-        const bool follow = g->options->gather_near && (hits->near[i] || radius > g->lookup_max);
-        const struct gather_estimate estimate = {hits->E[i], !follow,
-                                                 gather_direct_known(g, hits->entry[i])};
+        const struct gather_estimate estimate = {
+            hits->E[i], gather_is_reliable(g, hits->radius[i], hits->near[i]),
+            gather_direct_known(g, hits->entry[i])};
         const rgb L =
             gather_bounces(g, &hit->point, estimate, hits->near[i] ? near : NULL, hit->sampler);
         hit->ray->L = rgb_mul(hit->T, L);

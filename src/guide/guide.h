@@ -121,7 +121,7 @@ struct guide_point {
 struct guide_cluster;
 struct guide_cone {
     const struct guide_cluster *cluster;
-    vec3 center, axis;
+    vec3 centre, axis;
     float radius, versine;  // of the sphere; 1 - cosine of the half angle
     float E;                // approximate irradiance from it, if it reflects all light [W m^-2]
     float chance;           // approximate probability that a cosine-weighted ray hits its lit area

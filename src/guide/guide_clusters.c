@@ -22,7 +22,7 @@ enum {
 struct leaf {
     const struct split_point *point;
     size_t count;
-    vec3 center, normal;  // mean normal times power
+    vec3 centre, normal;  // mean normal times power
     float radius, power, area;
 };
 
@@ -41,9 +41,9 @@ static struct leaf make_leaf(const struct guide_photon *photon, const struct spl
     }
     const vec3 d = v3_sub(hi, lo);
     leaf.area = fmaxf(d.x * d.y, fmaxf(d.y * d.z, d.z * d.x));
-    leaf.center = v3_mul(v3_add(lo, hi), 0.5f);
+    leaf.centre = v3_mul(v3_add(lo, hi), 0.5f);
     for (size_t i = 0; i < count; i++)
-        leaf.radius = fmaxf(leaf.radius, v3_dist2(point[i].p, leaf.center));
+        leaf.radius = fmaxf(leaf.radius, v3_dist2(point[i].p, leaf.centre));
     leaf.radius = sqrtf(leaf.radius);
     return leaf;
 }
@@ -147,14 +147,14 @@ static float span_cost(const struct span *span) {
 static int bin_of(const struct leaf *leaf, int axis, vec3 lo, vec3 hi) {
     float from = v3_along(lo, axis), to = v3_along(hi, axis);
     int bin =
-        to > from ? (int)((float)BINS * (v3_along(leaf->center, axis) - from) / (to - from)) : 0;
+        to > from ? (int)((float)BINS * (v3_along(leaf->centre, axis) - from) / (to - from)) : 0;
     return bin < BINS ? bin : BINS - 1;
 }
 
 // Splits the leaves where the sum of both costs is least. Returns the number on the first side.
 static size_t split_leaves(struct leaf *leaf, size_t count) {
     struct span all = NO_SPAN;
-    for (size_t i = 0; i < count; i++) span_add(&all, leaf[i].center, leaf[i].center, 0.0f);
+    for (size_t i = 0; i < count; i++) span_add(&all, leaf[i].centre, leaf[i].centre, 0.0f);
     float best = INFINITY;
     int best_axis = -1, best_bin = 0;
     for (int axis = 0; axis < 3; axis++) {
@@ -162,8 +162,8 @@ static size_t split_leaves(struct leaf *leaf, size_t count) {
         for (int b = 0; b < BINS; b++) bin[b] = NO_SPAN;
         for (size_t i = 0; i < count; i++) {
             const vec3 r = v3(leaf[i].radius, leaf[i].radius, leaf[i].radius);
-            span_add(&bin[bin_of(&leaf[i], axis, all.lo, all.hi)], v3_sub(leaf[i].center, r),
-                     v3_add(leaf[i].center, r), leaf[i].power);
+            span_add(&bin[bin_of(&leaf[i], axis, all.lo, all.hi)], v3_sub(leaf[i].centre, r),
+                     v3_add(leaf[i].centre, r), leaf[i].power);
         }
         for (int b = 0; b < BINS; b++) {
             span_add(&side, bin[b].lo, bin[b].hi, bin[b].power);
@@ -194,7 +194,7 @@ static size_t split_leaves(struct leaf *leaf, size_t count) {
 static void bound(const struct leaf *leaf, size_t count, struct guide_cluster *node) {
     struct span all = NO_SPAN;
     for (size_t i = 0; i < count; i++) {
-        span_add(&all, leaf[i].center, leaf[i].center, leaf[i].power);
+        span_add(&all, leaf[i].centre, leaf[i].centre, leaf[i].power);
         node->area += leaf[i].area;
         const float E = leaf[i].power / fmaxf(leaf[i].area, 1e-30f);
         node->dense = fmaxf(node->dense, E);
@@ -204,10 +204,10 @@ static void bound(const struct leaf *leaf, size_t count, struct guide_cluster *n
     node->power = all.power;
     node->normal = v3_mul(node->normal, 1.0f / all.power);
     node->common /= all.power;
-    node->center = v3_mul(v3_add(all.lo, all.hi), 0.5f);
+    node->centre = v3_mul(v3_add(all.lo, all.hi), 0.5f);
     for (size_t i = 0; i < count; i++)
         node->radius =
-            fmaxf(node->radius, sqrtf(v3_dist2(leaf[i].center, node->center)) + leaf[i].radius);
+            fmaxf(node->radius, sqrtf(v3_dist2(leaf[i].centre, node->centre)) + leaf[i].radius);
 }
 
 // A node and its whole subtree: 2 count - 1 nodes from index `node` on.

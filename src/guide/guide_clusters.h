@@ -8,7 +8,7 @@
 
 // A sphere around some photons.
 struct guide_cluster {
-    vec3 center;
+    vec3 centre;
     float radius, power;  // radius of the sphere; luminance of the photons' power [W]
     float area;           // approximate area of the leaves' surface
     float dense;          // largest irradiance of its leaves [W m^-2]

@@ -29,7 +29,7 @@ static bool sees_photon(const struct guide_clusters *clusters, const struct sati
 }
 
 static void aim_cone(struct guide_cone *cone, vec3 p) {
-    const vec3 d = v3_sub(cone->center, p);
+    const vec3 d = v3_sub(cone->centre, p);
     const float distance = v3_len(d), sine = clampf(cone->radius / distance, SINE_LEAST, 1.0f);
     cone->axis = v3_mul(d, 1.0f / distance);
     cone->versine = sqrf(sine) / (1.0f + safe_sqrtf(1.0f - sqrf(sine)));
@@ -56,7 +56,7 @@ struct view {
 static struct view cluster_view(const struct guide_cluster *node, const struct guide_point *at,
                                 float expected) {
     struct view view = {.node = node};
-    const vec3 d = v3_sub(node->center, at->p);
+    const vec3 d = v3_sub(node->centre, at->p);
     const float distance = v3_len(d), nearest = fmaxf(distance - node->radius, 0.0f);
     if (v3_dot(d, at->n) < -node->radius) return view;  // below the horizon
     if (node->dense < DENSE * expected) return view;
@@ -74,9 +74,9 @@ static struct view cluster_view(const struct guide_cluster *node, const struct g
 static bool make_cone(const struct guide_clusters *clusters, const struct satin_scene *scene,
                       const struct guide_point *at, const struct guide_cluster *node,
                       struct guide_cone *out) {
-    const vec3 d = v3_sub(node->center, at->p);
+    const vec3 d = v3_sub(node->centre, at->p);
     const float distance = v3_len(d), sine = node->radius / distance;
-    *out = (struct guide_cone){.cluster = node, .center = node->center, .radius = node->radius};
+    *out = (struct guide_cone){.cluster = node, .centre = node->centre, .radius = node->radius};
     aim_cone(out, at->p);
     estimate_cone(out, distance, fmaxf(v3_dot(d, at->n) / distance, 0.25f * sine));
     out->chance = out->E / node->power * node->area;
@@ -133,13 +133,13 @@ int guide_cones_around(const struct guide_clusters *clusters, vec3 p, float expe
         const struct guide_cluster *node = view[i].node;
         if (view[i].narrow && view[i].most > 0.0f)
             out[count++] = (struct guide_cone){
-                .cluster = node, .center = node->center, .radius = node->radius};
+                .cluster = node, .centre = node->centre, .radius = node->radius};
     }
     return count;
 }
 
 bool guide_cone_move(struct guide_cone *cone, vec3 p, vec3 n) {
-    const vec3 d = v3_sub(cone->center, p);
+    const vec3 d = v3_sub(cone->centre, p);
     if (!(v3_len2(d) > sqrf(cone->radius / SINE_MOVED))) return false;
     aim_cone(cone, p);
     const float distance = v3_len(d), sine = cone->radius / distance, up = v3_dot(cone->axis, n);

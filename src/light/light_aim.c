@@ -73,7 +73,7 @@ struct target_cone {
 
 // The cone around the box's bounding sphere. False if p is so near that the cone would be wide.
 static bool cone_to(const struct light_target *box, vec3 p, struct target_cone *out) {
-    vec3 center = v3_mul(v3_add(box->lo, box->hi), 0.5f), d = v3_sub(center, p);
+    vec3 centre = v3_mul(v3_add(box->lo, box->hi), 0.5f), d = v3_sub(centre, p);
     float r2 = 0.25f * v3_dist2(box->lo, box->hi), d2 = v3_len2(d);
     if (!(d2 > 2.0f * r2)) return false;
     out->axis = v3_unit(d);

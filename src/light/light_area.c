@@ -37,7 +37,7 @@ static float unit_azimuth(float y, float x) {
 
 static struct light_point sphere_point(const struct light *light, const struct shape *shape,
                                        vec3 outward) {
-    struct light_point out = {.p = v3_mad(shape->center, shape->radius, outward),
+    struct light_point out = {.p = v3_mad(shape->centre, shape->radius, outward),
                               .n = v3_mul(outward, normal_sign(shape)),
                               .pdf_a = 1.0f / shape->area};
     vec3 o = v3_unit(mat4_vector(&shape->to_object, outward));
@@ -154,7 +154,7 @@ static satin_status prepare_mesh(struct satin_scene *scene, struct light *light)
     return SATIN_OK;
 }
 
-static vec3 mesh_center(const struct mesh *mesh) {
+static vec3 mesh_centre(const struct mesh *mesh) {
     vec3 lo = v3(INFINITY, INFINITY, INFINITY), hi = v3_neg(lo);
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
         lo = v3_min(lo, mesh_vertex(mesh, i));
@@ -168,12 +168,12 @@ satin_status light_area_prepare(struct satin_scene *scene, struct light *light) 
     if (shape->kind == SHAPE_MESH) {
         satin_status status = prepare_mesh(scene, light);
         if (status != SATIN_OK) return status;
-        light->center = mesh_center(&shape->mesh);
+        light->centre = mesh_centre(&shape->mesh);
     } else {
         shape->area = scene_shape_area(shape);
         float middle = shape->kind == SHAPE_CYLINDER ? 0.5f : 0.0f;
-        light->center = mat4_point(&shape->to_world, v3(0.0f, 0.0f, middle));
-        if (shape->kind == SHAPE_SPHERE) light->center = shape->center;
+        light->centre = mat4_point(&shape->to_world, v3(0.0f, 0.0f, middle));
+        if (shape->kind == SHAPE_SPHERE) light->centre = shape->centre;
     }
     const struct texture *texture = light->texture;
     rgb mean = texture ? attribute_mean(&shape->mesh, texture) : light->value;
@@ -192,7 +192,7 @@ float light_area_estimate(const struct satin_scene *scene, const struct light *l
             sum += light_face_estimate(&light->face[i], p);
         return sum * light->strength / shape->area;
     }
-    return light->strength / (v3_dist2(p, light->center) + (0.5f / PI_F) * shape->area);
+    return light->strength / (v3_dist2(p, light->centre) + (0.5f / PI_F) * shape->area);
 }
 
 // Chooses a face by its estimate. *probability is that of the face `wanted`, or of the chosen one
@@ -233,27 +233,27 @@ static float sphere_cone(const struct shape *shape, float d2) {
 
 static bool sphere_sample(const struct light *light, const struct shape *shape, vec3 p, float u,
                           float v, struct light_sample *out) {
-    vec3 to_center = v3_sub(shape->center, p);
-    float d2 = v3_len2(to_center), r = shape->radius;
+    vec3 to_centre = v3_sub(shape->centre, p);
+    float d2 = v3_len2(to_centre), r = shape->radius;
     bool inside = d2 < r * r;
     if (inside != shape->flip_normals) return false;
     vec3 w;
     float t, pdf_w;
     if (inside) {  // every direction hits the sphere once
         w = sample_uniform_sphere(u, v);
-        float b = v3_dot(to_center, w);
+        float b = v3_dot(to_centre, w);
         t = b + safe_sqrtf(b * b + (r * r - d2));
         pdf_w = 0.25f / PI_F;
     } else {
         float span = sphere_cone(shape, d2), versine = u * span;
         float sin2 = versine * (2.0f - versine), phi = 2.0f * PI_F * v;
         float s = safe_sqrtf(sin2), dist = sqrtf(d2);
-        struct frame f = frame_from_normal(v3_mul(to_center, 1.0f / dist));
+        struct frame f = frame_from_normal(v3_mul(to_centre, 1.0f / dist));
         w = frame_to_world(&f, v3(s * cosf(phi), s * sinf(phi), 1.0f - versine));
         t = dist * (1.0f - versine) - safe_sqrtf(r * r - d2 * sin2);
         pdf_w = 0.5f / (PI_F * span);
     }
-    vec3 outward = v3_unit(v3_sub(v3_mad(p, t, w), shape->center));
+    vec3 outward = v3_unit(v3_sub(v3_mad(p, t, w), shape->centre));
     struct light_point at = sphere_point(light, shape, outward);
     return finish_area_sample(&at, p, pdf_w, out);
 }
@@ -281,7 +281,7 @@ float light_area_pdf(const struct satin_scene *scene, const struct light *light,
     if (!(cosine > 0.0f)) return 0.0f;
     float d2 = v3_dist2(p, s->p);
     if (shape->kind == SHAPE_SPHERE) {
-        float c2 = v3_dist2(p, shape->center);
+        float c2 = v3_dist2(p, shape->centre);
         bool inside = c2 < shape->radius * shape->radius;
         if (inside != shape->flip_normals) return 0.0f;
         return inside ? 0.25f / PI_F : 0.5f / (PI_F * sphere_cone(shape, c2));

@@ -7,7 +7,7 @@
 
 // ---- Area lights (light_area.c) ---------------------------------------------------------------
 
-// Pairs the triangles of an emitting mesh into faces, or builds its area_cdf; sets area, center,
+// Pairs the triangles of an emitting mesh into faces, or builds its area_cdf; sets area, centre,
 // strength and power. Fails with SATIN_ERROR_MEMORY.
 satin_status light_area_prepare(struct satin_scene *scene, struct light *light);
 // An estimate of the irradiance (luminance) from the light at p, which is 0 only if the light

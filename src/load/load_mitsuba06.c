@@ -110,7 +110,8 @@ static struct xml_node *new_node(struct arena *arena, const struct xml_node *fro
     return node;
 }
 
-// uscale, vscale, uoffset and voffset: steps of the texture's to_uv, scales before translations.
+// Converts uvscale, uscale, vscale, uoffset and voffset of a texture to steps of its `to_uv`, in
+// which scales come before translations.
 static satin_status move_to_uv(struct arena *arena, struct xml_node *parent,
                                const struct xml_node *node) {
     struct xml_node *steps = parent->child;

@@ -73,7 +73,7 @@ static const struct param_spec keep_v = {"flip_tex_coords",
                                          0,
                                          NULL,
                                          "If true, texture coordinate v becomes 1 - v."};
-static const struct param_spec center = {
+static const struct param_spec centre = {
     "center", PARAM_POINT, "0 0 0", 0, 0, NULL, "The centre in object space."};
 static const struct param_spec radius = {
     "radius", PARAM_FLOAT, "1", RANGE_POSITIVE, 0, NULL, "The radius in object space."};
@@ -93,7 +93,7 @@ static param_list serialized_params = {&mesh_file,    &shape_index, &face_normal
                                        &smooth_angle, &keep_v,      &shape_to_world,
                                        &flip_normals, &silhouette,  NULL};
 static param_list flat_params = {&face_normals, &shape_to_world, &flip_normals, &silhouette, NULL};
-static param_list sphere_params = {&center,       &radius,     &shape_to_world,
+static param_list sphere_params = {&centre,       &radius,     &shape_to_world,
                                    &flip_normals, &silhouette, NULL};
 static param_list disk_params = {&shape_to_world, &flip_normals, &silhouette, NULL};
 static param_list cylinder_params = {&axis_start,   &axis_end,   &radius, &shape_to_world,
@@ -199,7 +199,7 @@ static satin_status build_sphere(struct load_state *loader, const struct params 
         return load_refuse(loader, p, "to_world stretches or shears it, but it must stay round");
     satin_status status = transform_shape(loader, p, shape, &m);
     if (status != SATIN_OK) return status;
-    if (!(shape->radius > 0.0f) || !isfinite(shape->radius) || !v3_finite(shape->center))
+    if (!(shape->radius > 0.0f) || !isfinite(shape->radius) || !v3_finite(shape->centre))
         return load_refuse(loader, p, "it is too small or too large");
     return SATIN_OK;
 }

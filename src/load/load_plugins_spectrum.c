@@ -53,20 +53,21 @@ static const struct param_spec number = {"value",
                                          PARAM_REQUIRED,
                                          NULL,
                                          "The value of red, green and blue."};
-static const struct param_spec linear = {"value",
-                                         PARAM_COLOR,
-                                         NULL,
-                                         RANGE_NOT_NEGATIVE,
-                                         PARAM_REQUIRED,
-                                         NULL,
-                                         "The colour in linear sRGB."};
-static const struct param_spec linear_color = {"color",
-                                               PARAM_COLOR,
-                                               NULL,
-                                               RANGE_NOT_NEGATIVE,
-                                               PARAM_REQUIRED,
-                                               NULL,
-                                               "The colour in linear sRGB."};
+// Plugins `rgb` and `srgb` have the same parameter under different names.
+static const struct param_spec rgb_value = {"value",
+                                            PARAM_COLOR,
+                                            NULL,
+                                            RANGE_NOT_NEGATIVE,
+                                            PARAM_REQUIRED,
+                                            NULL,
+                                            "The colour in linear sRGB."};
+static const struct param_spec srgb_color = {"color",
+                                             PARAM_COLOR,
+                                             NULL,
+                                             RANGE_NOT_NEGATIVE,
+                                             PARAM_REQUIRED,
+                                             NULL,
+                                             "The colour in linear sRGB."};
 static const struct param_spec unbounded = {
     "unbounded",
     PARAM_BOOLEAN,
@@ -86,8 +87,8 @@ static param_list d65_params = {&d65_color, &spectrum_scale, NULL};
 static param_list regular_params = {&values, &from, &to, NULL};
 static param_list irregular_params = {&wavelengths, &values, NULL};
 static param_list uniform_params = {&number, NULL};
-static param_list rgb_params = {&linear, NULL};
-static param_list srgb_params = {&linear_color, &unbounded, NULL};
+static param_list rgb_params = {&rgb_value, NULL};
+static param_list srgb_params = {&srgb_color, &unbounded, NULL};
 
 const struct plugin_spec load_spectrum_plugins[] = {
     {XML_SPECTRUM, "blackbody", "the emission of a black body [W m^-2 sr^-1 nm^-1]",

@@ -57,8 +57,8 @@ struct render_first_pass {
 
 // The second pass: final gathering, and its records.
 struct render_second_pass {
-    // Those of the render, but for the integrator by which the image is sampled: `path` if there
-    // was no time for photons, `direct` for a coarse image without records.
+    // The options of the render, but for the integrator by which the image is sampled: `path` if
+    // there was no time for photons, `direct` for a coarse image without records.
     satin_options options;
     struct gather gather;
     struct shade_tables tables;

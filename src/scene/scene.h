@@ -206,7 +206,7 @@ struct shape {
     struct curves curves;
     struct mat4 to_world,
         to_object;   // other kinds: object space as in Mitsuba (unit sphere, disk, cylinder)
-    vec3 center;     // sphere: world
+    vec3 centre;     // sphere: world
     float radius;    // sphere: world; instance: its contribution to the scene's epsilon
     uint32_t group;  // 1 + index of the group to which it belongs, in whose space it is; 0: none
     uint32_t instance_of;  // instance: index of its group
@@ -225,7 +225,7 @@ struct shape_group {
 };
 
 // Sets the transform of a sphere, disk or cylinder from its object space, with the centre, radius
-// and ends of a sphere or cylinder included: sets to_world, to_object, center and radius. If the
+// and ends of a sphere or cylinder included: sets to_world, to_object, centre and radius. If the
 // transform mirrors a sphere, flip_normals is toggled, as the front is then inside, as in Mitsuba.
 // False if the transform has no inverse.
 bool scene_shape_transform(struct shape *shape, const struct mat4 *to_world);

@@ -41,7 +41,7 @@ static struct geometry geometry_of(const struct shape *shape) {
             add_geometry_bytes(&g, &curves->linear, sizeof curves->linear);
             break;
         case SHAPE_SPHERE:
-            add_geometry_bytes(&g, &shape->center, sizeof shape->center);
+            add_geometry_bytes(&g, &shape->centre, sizeof shape->centre);
             add_geometry_bytes(&g, &shape->radius, sizeof shape->radius);
             break;
         case SHAPE_INSTANCE:

@@ -56,11 +56,11 @@ bool quadric_make(const struct shape *shape, uint32_t index, struct quadric *out
         for (int j = 0; j < 4; j++) q.to_world[i][j] = shape->to_world.m[i][j];
     if (!invert(q.to_world, q.to_object)) return false;
     if (shape->kind == SHAPE_SPHERE) {
-        q.center[0] = shape->center.x;
-        q.center[1] = shape->center.y;
-        q.center[2] = shape->center.z;
+        q.centre[0] = shape->centre.x;
+        q.centre[1] = shape->centre.y;
+        q.centre[2] = shape->centre.z;
         q.radius = shape->radius;
-        if (!(q.radius > 0.0 && isfinite(q.radius) && v3_finite(shape->center))) return false;
+        if (!(q.radius > 0.0 && isfinite(q.radius) && v3_finite(shape->centre))) return false;
     }
     *out = q;
     return true;
@@ -71,7 +71,7 @@ void quadric_bounds(const struct quadric *q, float lo[3], float hi[3]) {
         const double *m = q->to_world[i];
         double middle = m[3], half = sqrt(m[0] * m[0] + m[1] * m[1]);
         if (q->kind == SHAPE_SPHERE) {
-            middle = q->center[i];
+            middle = q->centre[i];
             half = q->radius;
         }
         double low = middle - half, high = middle + half;
@@ -102,7 +102,7 @@ static bool roots(double a, double b, double c, double rest, double t[2]) {
 static int crossings(const struct quadric *q, struct quadric_point o, struct quadric_point d,
                      double t[2]) {
     if (q->kind == SHAPE_SPHERE) {
-        struct quadric_point m = {o.x - q->center[0], o.y - q->center[1], o.z - q->center[2]};
+        struct quadric_point m = {o.x - q->centre[0], o.y - q->centre[1], o.z - q->centre[2]};
         double a = dot(d, d), b = dot(m, d), r2 = q->radius * q->radius;
         struct quadric_point nearest = point_at_distance(m, -b / a, d);
         return roots(a, b, dot(m, m) - r2, dot(nearest, nearest) - r2, t) ? 2 : 0;
@@ -163,10 +163,10 @@ struct spot {
 };
 
 static struct spot sphere_spot(const struct quadric *q, struct quadric_point p) {
-    struct quadric_point m = {p.x - q->center[0], p.y - q->center[1], p.z - q->center[2]};
+    struct quadric_point m = {p.x - q->centre[0], p.y - q->centre[1], p.z - q->centre[2]};
     struct spot s;
     s.n = scaled(m, 1.0 / sqrt(dot(m, m)));
-    s.p = point_at_distance((struct quadric_point){q->center[0], q->center[1], q->center[2]},
+    s.p = point_at_distance((struct quadric_point){q->centre[0], q->centre[1], q->centre[2]},
                             q->radius, s.n);
     struct quadric_point l = apply(q->to_object, s.p, 1.0);
     double r = hypot(l.x, l.y), c = r > 0.0 ? l.x / r : 1.0, d = r > 0.0 ? l.y / r : 0.0;

@@ -13,7 +13,7 @@ struct quadric {
     const struct material *mask;  // NULL if rays cannot pass
     bool flip;                    // whether the front side is the inside, or -z
     double to_world[3][4], to_object[3][4];
-    double center[3], radius;  // sphere
+    double centre[3], radius;  // sphere
 };
 
 // False if the transform of the shape has no inverse, or if the radius of a sphere is 0.

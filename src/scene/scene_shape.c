@@ -10,7 +10,7 @@ bool scene_shape_transform(struct shape *shape, const struct mat4 *to_world) {
     shape->to_world = *to_world;
     shape->to_object = to_object;
     if (shape->kind != SHAPE_SPHERE) return true;
-    shape->center = mat4_point(to_world, v3(0, 0, 0));
+    shape->centre = mat4_point(to_world, v3(0, 0, 0));
     shape->radius = v3_len(mat4_vector(to_world, v3(1, 0, 0)));
     if (mat4_det3(to_world) < 0.0) shape->flip_normals = !shape->flip_normals;
     return true;
@@ -93,8 +93,8 @@ void scene_shape_bounds(const struct shape *shape, vec3 *lo, vec3 *hi) {
             }
             return;
         case SHAPE_SPHERE:
-            *lo = v3_sub(shape->center, r);
-            *hi = v3_add(shape->center, r);
+            *lo = v3_sub(shape->centre, r);
+            *hi = v3_add(shape->centre, r);
             return;
         case SHAPE_DISK:
         case SHAPE_CYLINDER:  // a box around the transformed corners of its box

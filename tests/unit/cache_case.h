@@ -30,8 +30,8 @@ static inline void cache_case_begin(struct cache_case *c) {
 }
 
 // The scene and the options stand: makes the cache, of harmonics of that order, and the sites,
-// scattered over the square about `center`, given by its half sides.
-static inline void cache_case_finish(struct cache_case *c, int order, int threads, vec3 center,
+// scattered over the square about `centre`, given by its half sides.
+static inline void cache_case_finish(struct cache_case *c, int order, int threads, vec3 centre,
                                      vec3 half_u, vec3 half_v, struct cache_site site) {
     test_scene_finish(&c->scene);
     c->g = gather_make(&c->scene.scene, &c->options, NULL);
@@ -44,7 +44,7 @@ static inline void cache_case_finish(struct cache_case *c, int order, int thread
         int j = i * 1103 % CACHE_CASE_SITES;
         float u = 2.0f * ((float)(j % CACHE_CASE_SIDE) + 0.5f) / CACHE_CASE_SIDE - 1.0f;
         float v = 2.0f * ((float)(j / CACHE_CASE_SIDE) + 0.5f) / CACHE_CASE_SIDE - 1.0f;
-        site.p = v3_mad(v3_mad(center, u, half_u), v, half_v);
+        site.p = v3_mad(v3_mad(centre, u, half_u), v, half_v);
         site.stream = (uint64_t)j;
         c->site[i] = site;
     }

@@ -55,7 +55,7 @@ static struct cache_head head(struct rng *rng) {
                                .R = 0.2f + rng_float(rng),
                                .n = frame.n,
                                .search_radius = 0.6f,
-                               .squeeze = draw(rng),
+                               .anisotropy = draw(rng),
                                .scale = 0.5f + 0.5f * rng_float(rng),
                                .u = frame.u,
                                .near_sectors = rng_u32(rng)};

@@ -128,7 +128,7 @@ static void an_ellipse_and_a_scale_shorten_the_radius(void **state) {
     const vec3 up = v3(0, 0, 1);
     // Half as far along x: sqrt(2^2 - 1).
     struct cache_head head = {.R = 1.0f, .n = up, .search_radius = 0.5f, .scale = 1.0f};
-    head.squeeze = v3(sqrtf(3.0f), 0, 0);
+    head.anisotropy = v3(sqrtf(3.0f), 0, 0);
     assert_true(cache_tree_insert(&tree, &head));
     assert_true(cache_tree_covered(&tree, v3(0, 0.49f, 0), up, 0.5f));
     assert_true(cache_tree_covered(&tree, v3(0.24f, 0, 0), up, 0.5f));

@@ -72,8 +72,8 @@ static void heads_are_checked(void **state) {
         .n = {0, 0, 1}, .u = {1, 0, 0}, .R = 1, .search_radius = 2, .scale = 1};
     assert_true(cache_valid_head(&good));
     struct cache_head head = good;
-    float *number[] = {&head.p.x,       &head.p.z,   &head.R,   &head.n.y,  &head.search_radius,
-                       &head.squeeze.x, &head.scale, &head.u.y, &head.clear};
+    float *number[] = {&head.p.x,          &head.p.z,   &head.R,   &head.n.y,  &head.search_radius,
+                       &head.anisotropy.x, &head.scale, &head.u.y, &head.clear};
     for (size_t i = 0; i < sizeof number / sizeof *number; i++) {
         *number[i] = NAN;
         assert_false(cache_valid_head(&head));

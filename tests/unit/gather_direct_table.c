@@ -96,9 +96,9 @@ static void beams_between_entries_are_found(void **state) {
     const float cosine = 0.9998f, radius = sqrtf(1.0f / (cosine * cosine) - 1.0f);
     size_t points = 0, read = 0, between = 0;
     for (int beam = 0; beam < 8; beam++) {
-        const vec3 center = v3(0.11f * (float)beam - 0.4f, 0.07f * (float)beam - 0.2f, -1.0f);
+        const vec3 centre = v3(0.11f * (float)beam - 0.4f, 0.07f * (float)beam - 0.2f, -1.0f);
         const struct light spot = {.kind = LIGHT_SPOT,
-                                   .direction = v3_unit(center),
+                                   .direction = v3_unit(centre),
                                    .value = rgb_grey(1000.0f),
                                    .cos_cutoff = cosine,
                                    .cos_beam = cosine};
@@ -110,7 +110,7 @@ static void beams_between_entries_are_found(void **state) {
         for (int k = 0; k < 64; k++) {
             const float r = 0.9f * radius * sqrtf(((float)k + 0.5f) / 64.0f),
                         angle = 2.4f * (float)k;
-            const vec3 p = v3_add(center, v3(r * cosf(angle), r * sinf(angle), 0.0f));
+            const vec3 p = v3_add(centre, v3(r * cosf(angle), r * sinf(angle), 0.0f));
             float estimate;
             int entry;
             photon_irradiance(cube.maps, &cube.t.scene, p, v3(0, 0, 1), &estimate, &entry);

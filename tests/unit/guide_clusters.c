@@ -122,7 +122,7 @@ static void what_is_hidden_is_not_seen(void **state) {
     // From beside the board, and from a wall; not from a surface that faces away.
     assert_true(look(&t, clusters, v3(-0.9f, 0.7f, -0.2f), v3(1, 0, 0), cone) > 0);
     others = look(&t, clusters, v3(-0.9f, 0.7f, -0.2f), v3(0, -1, 0), cone);
-    for (int c = 0; c < others; c++) assert_true(cone[c].center.y < 0.9f && cone[c].E < 1e-3f);
+    for (int c = 0; c < others; c++) assert_true(cone[c].centre.y < 0.9f && cone[c].E < 1e-3f);
     guide_clusters_free(clusters);
     test_scene_free(&t);
 }
@@ -186,7 +186,7 @@ static void same_tree_on_any_threads(void **state) {
             power += (double)node->power;
             points += node->count;
             for (size_t k = 0; k < node->count; k++)
-                assert_true(v3_dist2(first->position[node->first + k], node->center) <=
+                assert_true(v3_dist2(first->position[node->first + k], node->centre) <=
                             1.001f * node->radius * node->radius);
         }
     }
@@ -197,7 +197,7 @@ static void same_tree_on_any_threads(void **state) {
         assert_int_equal(other->node_count, nodes);
         for (size_t i = 0; i < nodes; i++) {
             const struct guide_cluster *a = &first->node[i], *b = &other->node[i];
-            assert_memory_equal(&a->center, &b->center, sizeof a->center);
+            assert_memory_equal(&a->centre, &b->centre, sizeof a->centre);
             assert_memory_equal(&a->normal, &b->normal, sizeof a->normal);
             assert_true(a->radius == b->radius && a->power == b->power && a->area == b->area);
             assert_true(a->dense == b->dense && a->common == b->common && a->right == b->right);

@@ -160,7 +160,7 @@ static void builds_shapes(void **state) {
         "<float name='radius' value='.5'/><boolean name='flip_normals' value='true'/></shape>"
         "<shape type='cube'><boolean name='face_normals' value='true'/></shape>"));
     const struct shape *s = scene->shape;
-    assert_true(s[0].radius == 6.0f && v3_dist2(s[0].center, v3(4, 6, 9)) == 0.0f);
+    assert_true(s[0].radius == 6.0f && v3_dist2(s[0].centre, v3(4, 6, 9)) == 0.0f);
     assert_false(s[0].flip_normals);
     assert_true(s[1].flip_normals && fabsf(s[1].area - 4 * PI_F) < 1e-5f);
     vec3 top = mat4_point(&s[2].to_world, v3(1, 0, 1));
