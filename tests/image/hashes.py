@@ -1,11 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Hashes of the pixels of all data scenes and cases, small and quick. A change of the code that
-must not change images is shown by equal hashes of the programs before and after it.
+"""Hashes of the pixels of all data scenes and cases, small and quick, and of a few larger images. A
+change of the code that must not change images is shown by equal hashes of the programs before and
+after it.
 
 Usage: hashes.py SATIN [OTHER]
-With one program, prints a line `hash scene integrator` for each image. With two, prints those that
+With one program, prints a line `hash scene options` for each image. With two, prints those that
 differ and exits 1 if there are any.
+
+Every scene is rendered by three integrators at 48x48, by two passes at quality draft. The larger
+images are for what these do not show: the other two qualities, batches of more records than the
+least (from 16384 sites of a level on) and the records of further bounces. One program takes half a
+minute on two cores.
 """
 import argparse
 import concurrent.futures
@@ -17,8 +23,16 @@ import sys
 import tempfile
 
 SCENES = pathlib.Path(__file__).resolve().parents[2] / "data/scenes"
-SIZE = ["--width", "48", "--height", "48", "--spp", "4", "--threads", "1", "--quiet"]
-INTEGRATORS = {"two-pass": ["--quality", "draft"], "path": [], "photons": ["--quality", "draft"]}
+COMMON = ["--spp", "4", "--threads", "1", "--quiet"]
+# Of every scene: sides of the image, and options.
+SMALL = [(48, "--integrator two-pass --quality draft"), (48, "--integrator path"),
+         (48, "--integrator photons --quality draft")]
+# Scenes, sides and options; the slowest first, so that all cores are used until the end.
+LARGER = [("cases/metal-room.xml", 96, "--quality production"),
+          ("cases/window.xml", 96, "--quality preview"), ("vase.xml", 96, "--quality preview"),
+          ("cornell-glossy.xml", 96, "--quality preview"),
+          ("indirect-room.xml", 192, "--quality draft"),
+          ("cornell-glossy.xml", 48, "--quality draft --first-pass recursive")]
 
 
 def pixels(data):
@@ -34,12 +48,12 @@ def pixels(data):
     return attributes[b"channels"] + attributes[b"dataWindow"] + data[first:]
 
 
-def hash_of(satin, scene, integrator):
+def hash_of(satin, scene, side, options):
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "out.exr"
         done = subprocess.run(
-            [satin, "render", scene, "-o", out, "--integrator", integrator,
-             *INTEGRATORS[integrator], *SIZE], capture_output=True, text=True)
+            [satin, "render", SCENES / scene, "-o", out, "--width", str(side), "--height", str(side),
+             *options.split(), *COMMON], capture_output=True, text=True)
         if done.returncode:
             return f"exit {done.returncode}: {done.stderr.strip()}"
         return hashlib.sha256(pixels(out.read_bytes())).hexdigest()[:16]
@@ -49,12 +63,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("satin", nargs="+", help="one program or two")
     programs = [pathlib.Path(p).resolve() for p in parser.parse_args().satin]
-    cases = [(scene, integrator) for scene in sorted(SCENES.glob("**/*.xml"))
-             for integrator in INTEGRATORS]
+    scenes = [s.relative_to(SCENES) for s in sorted(SCENES.glob("**/*.xml"))]
+    cases = LARGER + [(scene, *small) for scene in scenes for small in SMALL]
     with concurrent.futures.ThreadPoolExecutor(2) as pool:
         hashes = [list(pool.map(lambda case: hash_of(program, *case), cases))
                   for program in programs]
-    names = [f"{scene.relative_to(SCENES)} {integrator}" for scene, integrator in cases]
+    names = [f"{scene} {side}x{side} {options}" for scene, side, options in cases]
     if len(programs) == 1:
         for value, name in zip(hashes[0], names):
             print(value, name)
