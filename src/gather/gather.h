@@ -15,14 +15,15 @@
 #include "scene/scene.h"
 
 struct gather_point;
+struct shade;
 
 // First pass `recursive`: the records of the next indirect bounce, which were made before by
 // functions of a later folder.
 struct gather_records {
     // Adds to *L the indirect light that y reflects by the lobes that the records cover. Returns
     // these lobes, which are smooth.
-    unsigned (*read)(const void *records, const struct gather_point *y, rgb *L);
-    const void *records;
+    unsigned (*read)(const struct shade *shade, const struct gather_point *y, rgb *L);
+    const struct shade *shade;    // interpolates between the records; opaque here
     const struct gather *gather;  // with which they were made; NULL: there are no records
 };
 

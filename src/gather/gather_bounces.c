@@ -131,7 +131,7 @@ static void add_vertex_light(struct path *path, struct path_vertex *v,
     const struct interaction *s = &y->interaction;
     v->L = rgb_grey(0.0f);
     v->followed = 0;
-    const unsigned known = g->next.gather ? g->next.read(g->next.records, y, &v->L) : 0;
+    const unsigned known = g->next.gather ? g->next.read(g->next.shade, y, &v->L) : 0;
     const unsigned diffuse = y->lobes & BRDF_DIFFUSE & ~known, glossy = y->lobes & GLOSSY & ~known;
     const rgb albedo = glossy ? brdf_albedo(&y->brdf, y->wo_l, GLOSSY) : rgb_grey(0.0f);
     struct path_branch by_diffuse = {0}, by_glossy = {0};

@@ -121,7 +121,7 @@ int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct c
 // Finds a site of indirect bounce `bounce`: the end of a random walk of that many bounces from
 // pixel (x, y). False if the walk ends before, or if its end needs no record.
 bool shade_walk(const struct shade *shade, int x, int y, int bounce, struct cache_site *out);
-// For struct gather_records. `records` is a struct shade, whose workers are not used.
-unsigned shade_known(const void *records, const struct gather_point *y, rgb *L);
+// The function of a struct gather_records. The workers of *shade are not used.
+unsigned shade_known(const struct shade *shade, const struct gather_point *y, rgb *L);
 
 #endif

@@ -58,8 +58,7 @@ unsigned shade_record_kinds(const struct shade *shade, const struct gather_point
     return wants;
 }
 
-unsigned shade_known(const void *records, const struct gather_point *y, rgb *L) {
-    const struct shade *s = records;
+unsigned shade_known(const struct shade *s, const struct gather_point *y, rgb *L) {
     const struct cache_lookup at = shade_lookup(y, 0.0f);
     struct shade_plan plan;
     rgb glossy = rgb_grey(0.0f), E = glossy;
