@@ -214,7 +214,7 @@ static void bound(const struct leaf *leaf, size_t count, struct guide_cluster *n
 struct task {
     size_t node;
     size_t leaf, count;
-    size_t placed;  // number of points of the leaves before
+    size_t before;  // number of points of the leaves before
     size_t left;    // leaves of the first child, which is the next node; 0: the node is a leaf
 };
 
@@ -229,19 +229,19 @@ static void make_node(const struct tree_building *b, struct task *t) {
     struct guide_clusters *out = b->out;
     struct guide_cluster *node = &out->node[t->node];
     struct leaf *leaf = b->leaf + t->leaf;
-    *node = (struct guide_cluster){.first = t->placed, .count = count_points(leaf, t->count)};
+    *node = (struct guide_cluster){.first = t->before, .count = count_points(leaf, t->count)};
     bound(leaf, t->count, node);
     t->left = t->count > 1 ? split_leaves(leaf, t->count) : 0;
     if (t->left)
         node->right = (int32_t)(t->node + 2 * t->left);
     else
-        for (size_t i = 0; i < leaf->count; i++) out->position[t->placed + i] = leaf->point[i].p;
+        for (size_t i = 0; i < leaf->count; i++) out->position[t->before + i] = leaf->point[i].p;
 }
 
 static void children_of(const struct tree_building *b, const struct task *t, struct task child[2]) {
-    child[0] = (struct task){t->node + 1, t->leaf, t->left, t->placed, 0};
+    child[0] = (struct task){t->node + 1, t->leaf, t->left, t->before, 0};
     child[1] = (struct task){t->node + 2 * t->left, t->leaf + t->left, t->count - t->left,
-                             t->placed + count_points(b->leaf + t->leaf, t->left), 0};
+                             t->before + count_points(b->leaf + t->leaf, t->left), 0};
 }
 
 static void make_nodes(const struct tree_building *b, struct task *t) {

@@ -52,8 +52,8 @@ def hash_of(satin, scene, side, options):
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "out.exr"
         done = subprocess.run(
-            [satin, "render", SCENES / scene, "-o", out, "--width", str(side), "--height", str(side),
-             *options.split(), *COMMON], capture_output=True, text=True)
+            [satin, "render", SCENES / scene, "-o", out, "--width", str(side),
+             "--height", str(side), *options.split(), *COMMON], capture_output=True, text=True)
         if done.returncode:
             return f"exit {done.returncode}: {done.stderr.strip()}"
         return hashlib.sha256(pixels(out.read_bytes())).hexdigest()[:16]

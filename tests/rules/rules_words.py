@@ -83,27 +83,73 @@ RETIRED_WORD = re.compile(f"(?<![a-z])(?:{'|'.join(RETIRED)})(?![a-z])")
 ALLOWED = re.compile(r"""\b(in|by)\ turns?\b | ["'`](ir)?radiance[-_](turn|neighbours)["'`]
                      | ["'`](light-guide|gather-(bounce|guide|room|shadow))["'`] | `photons\.seen_s`
                      """, re.VERBOSE)
-# Words that mean one thing in src and include, as docs/glossary.md defines it: a pattern, the files
-# that use the word in this meaning, and what may stand in other files.
-ONE_MEANING = {
+# Words that mean one thing in src and include, as docs/glossary.md defines it. In identifiers: a
+# pattern of the word, and all identifiers that have it, each with the files that may use it.
+IDENTIFIERS = {
+    "Place": ("places?|placed|placing", {
+        "log_place": r"src/(?:apps/app_info_cache|base/(?:fileio|log)|film/film_exr_read|load/"
+                     r"|render/(?:options|render_cache)|scene/scene_hints)",
+        "place": r"src/(?:base/(?:fileio|log)|load/|render/options|scene/scene_hints)",
+        "current_place": "src/load/load_xml"}),
+    "Room": ("rooms?", {}),
+    "Seen": ("seen", {
+        "seen": r"src/(?:guide/guide(?:_view)?\.|photon/photon_maps|render/render_film"
+                r"|scene/scene_camera_check|shade/shade\.c)",
+        "seen_count": r"src/guide/guide(?:_view)?\."}),
+    "Level": ("levels?", {
+        "levels?": r"src/(?:apps/app_info_scene|load/load_(?:build|image_levels|plugins_texture)"
+                   r"|render/render_(?:budget|records)|scene/scene(?:_texture)?\.)",
+        "RENDER_LEVELS|render_budget_level|fill_levels": "src/render/render_(?:budget|records)",
+        "load_image_levels": "src/load/load_(?:build|image_levels|plugins_texture)",
+        "texture_level": "src/scene/scene_texture", "zip_level": "src/film/film_exr_write"}),
+    "Guide": ("guid(?:es?|ed|ing)", {
+        r"(?:guide|GUIDE)_\w+": "src/(?:guide|gather|photon)/", "RNG_GUIDE": "src/(?:base|guide)/",
+        r"guide_(?:clusters|visibility)(?:_build|_bytes|_free)?":
+            "include/satin/options|src/render/",
+        "guided|GUIDED|gather_rays_guided": "src/gather/"}),
+    # Never a fraction.
+    "Shared": ("shar(?:es?|ed|ing)", {
+        "xml_is_shared": "src/load/load_xml", "rtcSetSharedGeometryBuffer": "src/scene/",
+        "SetSharedFilterImage": "src/film/"}),
+}
+# The type of what has one of these names.
+TYPES = {"place": "log_place"}
+# In comments and messages: a pattern of the word, the files that use it in this meaning, and what
+# may stand in other files.
+IN_TEXT = {
     "Place": ("places?", r"src/load/|src/base/(?:fileio|log|status)\.|src/render/options\.c"
-              r"|include/satin/types\.h", r"log_place(?: \*?place)?|\bin place\b(?! of)"),
-    "Room": (r"\w+_rooms?|rooms?_\w+|(?:no|enough|more|leaves?|makes?) room|room (?:for|to|left)",
-             "", "gather-room"),
+              r"|include/satin/types\.h", r"\bin place\b(?! of)"),
+    "Room": (r"(?:no|enough|more|leaves?|makes?) room|room (?:for|to|left)", "", ""),
     "Seen": ("seen", r"src/(?:guide|photon|gather|shade|render)/|src/(?:film/film|cache/cache)\.h"
              r"|src/scene/scene_camera|src/load/load_plugins_(?:integrator|sensor|shape)\.c"
              r"|include/satin/options\.h", ""),
     "Level": ("levels?", r"src/cache/cache_(?:tree|fill)|src/load/load_(?:image_levels|build)"
               r"|src/load/load_plugins_texture\.c|src/scene/scene(?:_texture\.c|\.h)"
-              r"|src/render/render_(?:budget|records)|src/film/film_exr_read\.c"
-              r"|src/apps/app_info_scene\.c", r"zip_level\b|recursive-levels"),
-    "Guide": ("guid(?:es?|ed|ing)", r"src/(?:guide|gather|photon|render)/",
-              r"guide/guide\.h|\bguide_(?:clusters|visibility)\b|RNG_GUIDE"),
-    # Never a fraction.
+              r"|src/render/render_(?:budget|records)|src/film/film_exr_read\.c",
+              "recursive-levels"),
+    "Guide": ("guid(?:es?|ed|ing)", r"src/(?:guide|gather|photon|render)/", ""),
     "Shared": (r"shar(?:es?|ing)", "", ""),
 }
+# Phrases in which such a word means something else, in any file.
+OTHER_MEANING = re.compile(r"""\bplaces?\ (?:where|at\ which|in\ (?:space|a\ room)|on\ (?:a|the)\b)
+    | \b(?:bright|dark|lit|near|every|each|many|some|other|same|few)\ places?\b
+    | \blevels?\ of\ (?:light|noise|error|detail|bright|accuracy) | \b(?:light|noise)\ levels?\b
+    | \bas\ seen\ (?:above|below|before)\b | \b(?:has|have)\ (?:been\ )?seen\b
+    | \bguidelines?\b | \b(?:user's|this)\ guide\b""", re.VERBOSE | re.IGNORECASE)
+# Lines that must be found wrong, and lines that must not.
+WRONG = [("src/load/load.c", "vec3 place;"), ("src/guide/guide.h", "float seen_fraction;"),
+         ("src/cache/cache.c", "int level;"), ("src/render/render.c", "int guide;"),
+         ("src/load/load.c", "// A place where light is."), ("src/light/light.c", "// a level"),
+         ("src/base/array.c", "float share;"), ("src/gather/gather.h", "bool has_room;"),
+         ("src/scene/scene.h", "struct guide_cone cone;"), ("src/scene/scene.h", "bool seen;"),
+         ("src/render/render_records.c", "// the level of noise"), ("src/base/vec.h", '"seen"')]
+RIGHT = [("src/load/load.c", "struct log_place place;"), ("src/guide/guide.h", "bool seen;"),
+         ("src/photon/photon.h", "struct guide_view view;"), ("src/load/load.c", "// at the place"),
+         ("src/cache/cache.c", "// sorts in place"), ("src/render/render_budget.c", "int levels;")]
 # What stands between two words of a term at the end of a line, in a comment or a text.
 LINE_END = re.compile(r"[ \t]*\n[ \t]*(?:// ?|# )?|\"\s*\n\s*\"")
+# Comments, texts and included files.
+SAYS = re.compile(r'//[^\n]*|/\*.*?\*/|#include[^\n]*|"(?:\\.|[^"\\\n])*"', re.DOTALL)
 # Ways to begin a comment that cannot be read alone; the second line is about its first line only.
 CUT = re.compile(r"^\s*// (The same|Of what)\b"
                  r"|^(?![ \t]*//)[^\n]*\n[ \t]*// (Of|Nor|Those|Such|Who|As many|Its)\b",
@@ -139,20 +185,51 @@ def wrong_words(path, name):
         yield f"{name}: '{left.group(1)}' begins a sentence"
 
 
-def wrong_meanings(path, name, terms):
-    """Words of one meaning in a file that has another subject."""
-    if not name.startswith(("src/", "include/")) or path.suffix not in CODE:
-        return
-    text = LINE_END.sub(" ", path.read_text(encoding="utf-8"))
-    for term, (words, subject, elsewhere) in ONE_MEANING.items():
-        if term not in terms:
-            yield f"docs/glossary.md: it does not define '{term}'"
+def wrong_identifiers(text, name):
+    """Identifiers with a word of one meaning that are not in the table for this file."""
+    identifiers = set(re.findall(r"[A-Za-z_]\w*", text))
+    for term, (words, allowed) in IDENTIFIERS.items():
+        part = re.compile(rf"(?:^|_|(?<=[a-z])(?=[A-Z]))(?i:{words})(?:$|_|(?=[A-Z]))")
+        for identifier in sorted(filter(part.search, identifiers)):
+            if not any(re.fullmatch(known, identifier) and re.match(where, name)
+                       for known, where in allowed.items()):
+                yield f"'{identifier}' is not what docs/glossary.md calls {term}"
+    for variable, kind in TYPES.items():
+        for found in re.findall(rf"(\w+)[\s*]+{variable}\b(?=[;,)\[ =])", text):
+            if found not in (kind, "return"):
+                yield f"'{found} {variable}' should be a {kind}"
+
+
+def wrong_text(text, name):
+    """Words of one meaning in a comment or a message that has another subject."""
+    for term, (words, subject, elsewhere) in IN_TEXT.items():
         if subject and re.match(subject, name):
             continue
         rest = re.sub(elsewhere, "", text, flags=re.IGNORECASE) if elsewhere else text
-        found = re.findall(rf"(?<![A-Za-z])(?:{words})(?![A-Za-z])", rest, re.IGNORECASE)
+        found = re.search(rf"(?<![\w/-])(?:{words})(?![\w/]|-(?:clusters|visibility))", rest,
+                          re.IGNORECASE)
         if found:
-            yield f"{name}: '{found[0]}' is not what docs/glossary.md calls {term}"
+            yield f"'{found.group()}' is not what docs/glossary.md calls {term}"
+    found = OTHER_MEANING.search(text)
+    if found:
+        yield f"'{found.group()}' has another meaning than in docs/glossary.md"
+
+
+def wrong_meanings(text, name):
+    """Words of one meaning that are used in another one, in code and in what it says."""
+    says = "\n".join(SAYS.findall(text))
+    code = SAYS.sub(" ", text)
+    for what in [*wrong_identifiers(code, name), *wrong_text(LINE_END.sub(" ", says), name)]:
+        yield f"{name}: {what}"
+
+
+def wrong_examples():
+    """What shows that wrong_meanings finds something."""
+    for name, text in WRONG:
+        if not list(wrong_meanings(text, name)):
+            yield f"rules_words.py does not see what is wrong with {text!r} in {name}"
+    for name, text in RIGHT:
+        yield from wrong_meanings(text, name)
 
 
 def glossary_terms(text):
@@ -181,8 +258,12 @@ def main():
     tree = pathlib.Path(sys.argv[1]).resolve()
     wrong = [w for path in files(tree) for w in wrong_words(path, path.relative_to(tree))]
     terms = glossary_terms((tree / "docs/glossary.md").read_text(encoding="utf-8"))
-    wrong += [w for path in files(tree)
-              for w in wrong_meanings(path, path.relative_to(tree).as_posix(), terms)]
+    wrong += [f"docs/glossary.md: it does not define '{t}'" for t in IDENTIFIERS if t not in terms]
+    wrong += wrong_examples()
+    for path in files(tree):
+        name = path.relative_to(tree).as_posix()
+        if name.startswith(("src/", "include/")) and path.suffix in CODE:
+            wrong += wrong_meanings(path.read_text(encoding="utf-8"), name)
     wrong += wrong_glossary(tree)
     print("\n".join(wrong))
     return 1 if wrong else 0
