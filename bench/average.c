@@ -18,7 +18,7 @@ static const char *const color_channel[] = {"R", "G", "B"};
 static const char *const emission[] = {"emission.R", "emission.G", "emission.B"};
 static const char *const variance[] = {"variance.R", "variance.G", "variance.B"};
 
-// Adds one part's values and squares to the sums kept in `out`'s channels.
+// Adds one part's values and squares to the sums in `out`'s channels.
 static bool add_part(const char *path, struct satin_film *out, double *square) {
     satin_film *part = NULL;
     if (satin_film_read(path, print_reason, NULL, &part) != SATIN_OK) return false;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which harmonics a record should have: what reflected radiance loses by the truncation of light
-// and BRDF, for both bases and every order, on light gathered in real scenes.
+// The harmonics that a record should have: the error of reflected radiance by the truncation of
+// light and BRDF, for both bases and every order, on light gathered in real scenes.
 //
 //   bench_basis SCENE.xml ...      rows of a Markdown table
 //
@@ -9,7 +9,7 @@
 // vectors is compared with the sum over the directions: the rms difference over points and wo
 // relative to the rms of the sum, in per cent. Then two rules for the order, the least one up to 14
 // whose squared error is within 1e-2 for the BRDF [K05 (3.4)], or within 1e-4 for what it reflects
-// of the usual light (src/brdf/brdf_table.c): the fraction of wo that some order serves, their mean
+// of typical light (src/brdf/brdf_table.c): the fraction of wo that some order serves, their mean
 // order, and the rms difference among them, each with its own order. At the end, the mean power of
 // light in a coefficient of each band times (l + 1)^3, relative to that of all bands.
 #include <stdio.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nanoseconds per evaluation, density, sample and albedo of each model, and per look-up of its
+// Nanoseconds per evaluation, density, sample and albedo of each model, and per lookup of its
 // harmonics: medians of several rounds over random directions.
 #include <stdio.h>
 #include <stdlib.h>

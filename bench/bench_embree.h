@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mesh in a plain Embree scene, to hold satin's own against.
+// A mesh in a plain Embree scene, for comparison with satin's own.
 #ifndef BENCH_EMBREE_H
 #define BENCH_EMBREE_H
 

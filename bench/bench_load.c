@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The price of loading. Writes a PLY of TRIANGLES (10 million) and loads it as a scene; beside it,
+// The cost of loading. Writes a PLY of TRIANGLES (10 million) and loads it as a scene; beside it,
 // the file's bytes are read plainly and Embree builds over the same mesh from memory. Then 1,000
 // instances of a million triangles: their memory over that of one.
 //

@@ -20,7 +20,7 @@ enum { BATCH = 64, RECORDS = 512 };
 enum { COUNT = 2048, CALLS = 200, MAX_CASES = 512, MAX_ROUNDS = 101, N_MAX = RSH_MAX_COEFFICIENTS };
 enum { ROUND_NS = 100000 };
 
-// Whole lines of the cache: a vector of 64 bytes across two of them costs twice.
+// Whole lines of the cache: a vector of 64 bytes across two of them takes twice the time.
 static _Alignas(64) float directions[3][COUNT], values[3][COUNT], matrix[COUNT * N_MAX];
 // The margin keeps the two from falling on the same lines of the cache.
 static _Alignas(64) float records[2][3 * N_MAX * 16 + 64];
@@ -31,7 +31,7 @@ struct timed {
     char name[64];
     const struct rsh_kernels *kernels;
     void (*run)(const struct timed *c);
-    double units, flops;  // per run; flops of the sum that is asked for, 0 if not of interest
+    double units, flops;  // per run; flops of the sum that is asked for, 0 if it is not reported
     double steps, bytes;  // per unit: multiply-adds or products as done here, bytes stored
     int order, channels, method, repeats;
     float limit;
@@ -100,7 +100,7 @@ static void run_align(const struct timed *c) {
                              c->limit, coefficients, result);
 }
 
-// What hemispherical alignment by matrices of reprojection would take: two rotations about z, and
+// The operations of hemispherical alignment by matrices of reprojection: two rotations about z, and
 // for m >= 0 and m < 0 the matrices of one tabulated angle, or of two to interpolate between.
 static void run_tabulated(const struct timed *c) {
     enum { ANGLES = 32, EVEN = 55, ODD = 45, SIZE = EVEN * EVEN + ODD * ODD };
@@ -163,7 +163,7 @@ static struct timed *add_case(struct timed *c, const struct rsh_kernels *k,
     return c;
 }
 
-// What a table of kernels does, of one order.
+// The functions of a table of kernels, at one order.
 static struct timed *add_kernels(struct timed *c, const struct rsh_kernels *k, int n) {
     for (int basis = RSH_SPHERE; basis <= RSH_HEMISPHERE; basis++) {
         add_case(c, k, run_eval,
@@ -204,7 +204,7 @@ static struct timed *add_kernels(struct timed *c, const struct rsh_kernels *k, i
     return c;
 }
 
-// The library's calls, and what is held against them.
+// The library's calls, and those with which they are compared.
 static struct timed *add_calls(struct timed *c) {
     for (int angles = 1; angles <= 2; angles++)
         for (int channels = 1; channels <= 3; channels += 2) {
@@ -288,7 +288,7 @@ int main(int argc, char **argv) {
     double peak = 1.0;
     fill_randomly();
     for (int i = 0; i < count; i++) {
-        cases[i].repeats = 2;  // the first, with cold tables, counts for less
+        cases[i].repeats = 2;  // the first, with cold tables, has less influence
         cases[i].repeats = 1 + (int)(ROUND_NS / (time_case(&cases[i]) * cases[i].units));
     }
     for (int r = 0; r < rounds; r++)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Time of a thread, medians, and the peak rate of fused multiply-adds to hold results against.
+// Time of a thread, medians, and the peak rate of fused multiply-adds, with which results are
+// compared.
 #ifndef BENCH_TIMING_H
 #define BENCH_TIMING_H
 
@@ -26,7 +27,7 @@ static inline double median_time(double *v, size_t count) {
 #if defined(__x86_64__)
 #include <immintrin.h>
 // `steps` times 16 vectors of 16, or 12 of 8, multiply-adds that do not wait for each other; the
-// sum goes to result[0 .. 15] lest it be left out.
+// sum goes to result[0 .. 15], so that the compiler keeps it.
 __attribute__((target("avx512f"))) static inline void peak_avx512(int steps, float *result) {
     __m512 a[16], m = _mm512_set1_ps(0.999f), s = _mm512_setzero_ps();
     for (int j = 0; j < 16; j++) a[j] = _mm512_set1_ps((float)j);

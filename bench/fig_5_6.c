@@ -47,7 +47,7 @@ static double luminance_at(const satin_film *f, size_t i) {
            0.0722 * (double)satin_film_channel(f, "B")[i];
 }
 
-// Blue at 0, green at .5 %, red at 1 % and above: the threshold of sight.
+// Blue at 0, green at .5 %, red at 1 % and above: the threshold of visibility.
 static void paint(satin_film *picture, size_t i, double difference) {
     double t = fmin(difference / 0.01, 1.0);
     film_channel(picture, "R")[i] = (float)fmax(2 * t - 1, 0.0);

@@ -8,10 +8,10 @@
 //
 // Scalar against scalar is one number at a time on both sides: the series and Pinchon and Hoggan's
 // form by the batch kernel of width one, zxzxz and Ivanic in plain C. Zxzxz is there twice: with
-// the rotations about x by a quarter circle by their entries alone, as the library has it and
-// [K05 5.3.3] counts, and by whole matrices, which is what its arithmetic comes to where zeros are
-// not left out. Vectors against vectors are what this machine has best; zxzxz with vectors is
-// Pinchon and Hoggan's form, whose products are the same in number and place.
+// the rotations about x by a quarter circle by their entries alone, as the library has it and [K05
+// 5.3.3] counts, and by whole matrices, zeros included. Vectors against vectors use the best
+// instruction set of this machine; zxzxz with vectors is Pinchon and Hoggan's form, whose products
+// are the same in number and position.
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -26,12 +26,12 @@
 enum { FIRST = 4, LAST = 12, RECORDS = 64, VECTOR = 16, MAX_ROUNDS = 101 };
 enum { N_MAX = RSH_MAX_COEFFICIENTS, CHANNELS = 3 };
 
-// Whole lines of the cache: a vector of 64 bytes across two of them costs twice.
+// Whole lines of the cache: a vector of 64 bytes across two of them takes twice the time.
 static _Alignas(64) float in[CHANNELS * N_MAX * VECTOR + 64], out[CHANNELS * N_MAX * VECTOR + 64];
 static float rotation[RECORDS][9], entries[9][RECORDS];
 static const float *columns[9];
 
-// The forms from FAST on are the library's own, however this is compiled.
+// The forms from FAST on are the library's own, for any options of the compiler.
 enum form {
     FAST_SCALAR,
     EXACT_SCALAR,
@@ -65,7 +65,7 @@ static void rotate_scalar(enum rsh_method method, int order, int channels, const
     rsh_rotate_lanes_scalar(&t, order, channels, in, out);
 }
 
-// The rotation about x by a quarter circle and its transpose, band after band, zeros and all.
+// The rotation about x by a quarter circle and its transpose, band after band, zeros included.
 enum { WHOLE = RSH_MAX_ORDER * (4 * N_MAX - 1) / 3 };
 static float quarter[2][WHOLE];
 
@@ -79,7 +79,7 @@ static void fill_quarter(void) {
             }
 }
 
-// Four rows at a time, lest every sum wait for the one before.
+// Four rows at a time, so that sums do not wait for each other.
 static void rotate_quarter(int order, const float *m, const float *v, float *to) {
     for (int l = 0, size = 1; l < order; l++, v += size, to += size, size += 2) {
         int row = 0;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Puts one layer of several renders beside a reference: a picture with the reference and each image
+// Puts one layer of several renders beside a reference: an image with the reference and each render
 // in the upper row and below each image its difference, ten times enlarged, red where it is too
 // bright and blue where it is too dark. Prints for each image the rms difference relative to the
 // reference's mean, over all pixels where the reference's layer is not black, and the same over a
-// part of the picture.
+// part of the image.
 //
 //   side_by_side OUT.png LAYER EXPOSURE X0,Y0,X1,Y1 REFERENCE.exr IMAGE.exr ...
 //
-// LAYER is indirect_glossy and the like; the part is given in fractions of width and height.
+// LAYER is indirect_glossy or another layer; the part is given in fractions of width and height.
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -78,7 +78,7 @@ static void put_picture_pixel(struct satin_film *out, int x, int y, const float 
         film_channel(out, name[c])[(size_t)y * (size_t)out->width + (size_t)x] = value[c];
 }
 
-// The picture's column `at`: an image, and below it how it differs.
+// Column `at` of the output: a render, and below it its difference.
 static void draw_difference(struct satin_film *out, int at, float exposure,
                             const struct layer_of_film *image,
                             const struct layer_of_film *reference) {

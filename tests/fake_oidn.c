@@ -45,7 +45,7 @@ static void fail(struct device *d, int error, const char *message) {
 
 API struct device *oidnNewDevice(int type) {
     if (type != 1 || asked_to("device")) return NULL;
-    static struct device only;  // no test has two at a time
+    static struct device only;  // no test has two filters at a time
     only = (struct device){0};
     return &only;
 }
@@ -140,7 +140,7 @@ API void oidnExecuteFilter(struct filter *f) {
         fail(d, INVALID_OPERATION, "values out of range");
     if (asked_to("fail") && !black) fail(d, INVALID_OPERATION, "the fake was asked to");
     if (asked_to("memory") && !black) fail(d, OUT_OF_MEMORY, "the fake has no memory");
-    // Ten seconds are enough for anyone to stop it.
+    // Takes ten seconds, so that a test can cancel it.
     for (int i = 0; i < (asked_to("slow") ? 10000 : 1) && f->goes_on && !d->error; i++) {
         if (!f->goes_on(f->user, 0.5)) fail(d, CANCELLED, "it was cancelled");
         if (asked_to("slow")) usleep(1000);

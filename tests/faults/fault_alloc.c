@@ -32,15 +32,15 @@ void *__libc_memalign(size_t alignment, size_t bytes);
 
 enum {
     RAW = 36,     // frames that are unwound to be listed,
-    NAMING = 20,  // to be named: fewer, as that is the time that all this takes
-    LISTED = 24,  // distinct ones that are listed
-    DEPTH = 10,   // of these, those that name the site
+    NAMING = 20,  // frames that are unwound to name a site: fewer, for speed
+    LISTED = 24,  // distinct frames that are listed
+    DEPTH = 10,   // frames of these that name the site
     SKIP = 2,     // of this file
     SITES = 1 << 16
 };
 
 struct site {
-    uint64_t name;  // 0: an empty slot
+    uint64_t name;  // 0: the slot is empty
     uint64_t count;
     void *frame[LISTED];
 };
@@ -158,7 +158,7 @@ static void write_sites(void) {
 static __attribute__((constructor)) void start(void) {
     void *raw[RAW];
     inside = true;
-    backtrace(raw, RAW);  // loads what unwinding needs
+    backtrace(raw, RAW);  // loads the library that unwinding needs
     const char *target = getenv("FAULT_SITE"), *nth = getenv("FAULT_NTH");
     fault.sites = getenv("FAULT_SITES");
     fault.fired_name = getenv("FAULT_FIRED");

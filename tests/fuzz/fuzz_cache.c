@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any bytes given to the reader of cache records: a file or one logged line, no crash. What it
-// takes goes into a cache, and out of it as it was. The checksums of the input are made right
-// first, so that mutations get past them.
+// Any bytes given to the reader of cache records: a file or one logged line, no crash. Records that
+// it reads are added to a cache, and saved again they are the same bytes. The checksums of the
+// input are corrected first, so that mutations get past them.
 #include "cache/cache_file.h"
 
 #include <stddef.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any bytes given as an image, through OpenImageIO: finite texels of at least 0, or one logged
-// error; no crash of ours, bounded memory.
+// error; no crash in satin, bounded memory.
 #include "fuzz_case.h"
 #include "load/load_build.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs a fuzz target over the files of the folders named as arguments, so that every compiler can
-// run the seeds as a test. libFuzzer brings its own main.
+// run the seeds as a test. libFuzzer has its own main.
 #include <dirent.h>
 #include <stdint.h>
 #include <stdio.h>

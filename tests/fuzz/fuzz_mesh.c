@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any bytes given to the mesh readers. The first one selects: 0 OBJ, 1 PLY, 2 serialized, 3 the
 // inflated content of a serialized mesh, which is packed here so that mutations get past zlib, 4
-// and 5 splines and linear curves; and normals made anew of an OBJ, 6. A sound mesh or one logged
-// line, no crash, memory in proportion to the input.
+// and 5 splines and linear curves; and 6 normals of an OBJ that are computed again. A valid mesh or
+// one logged line, no crash, memory in proportion to the input.
 #include "fuzz_case.h"
 #include "load/load_build.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fuzzes the harmonics: any order, any floats as directions, matrices, angles and coefficients. A
-// refused call writes nothing, no call writes past its output, and from bounded coefficients and
-// whatever matrix is accepted come finite numbers.
+// refused call writes nothing, no call writes past its output, and bounded coefficients with any
+// matrix that is accepted give finite numbers.
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -19,7 +19,7 @@ struct input {
 
 static uint8_t take_byte(struct input *in) { return in->size ? in->data[in->at++ % in->size] : 0; }
 
-// Half of them any bits, the others within 1.
+// Half of the floats have any bits, the others are within 1.
 static float take_float(struct input *in, bool wild) {
     uint32_t bits = 0;
     for (int i = 0; i < 4; i++) bits = bits << 8 | take_byte(in);
@@ -32,7 +32,7 @@ static void fail_unless(bool good) {
     if (!good) abort();
 }
 
-// What a call may have done to out[size].
+// Checks what a call may have written to out[size].
 static void check(bool done, bool finite, const float *out, size_t size, size_t all) {
     for (size_t i = done ? size : 0; i < all; i++) fail_unless(out[i] == MARK);
     for (size_t i = 0; i < size && done && finite; i++) fail_unless(isfinite(out[i]));

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// What caches of indirect light get wrong, one scene of data/scenes/cases for each: the picture in
+// What caches of indirect light get wrong, one scene of data/scenes/cases for each: the image in
 // two passes, with no option changed, against a path-traced reference in the region that matters.
 //
 //     cases SCENES REFERENCES [NAME]
 //
 // prints a line per region. References have mean and variance per pixel, see make_references.py.
-// Over the region's pixels and channels, x the picture, r the reference, v its variance:
+// Over the region's pixels and channels, x the image, r the reference, v its variance:
 //
-//     mean   |sum x / sum r - 1|                        light that is lost or gained
+//     mean   |sum x / sum r - 1|                        bias
 //     rms    sqrt(mean((x - r)^2 - v)) / mean(r)        everything
-//     block  largest |mean of x - r in 3x3| / mean(r)   blotches that the eye sees
+//     block  largest |mean of x - r in 3x3| / mean(r)   visible blotches
 //
-// The seed is fixed; docs/experiments.md has what was measured with it. On failure
-// cases-NAME.exr in the working folder holds the picture.
+// The seed is fixed; docs/experiments.md has the errors that were measured with it. On failure
+// cases-NAME.exr in the working folder holds the image.
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -77,7 +77,7 @@ static void say(void *user, satin_log_severity severity, const char *message) {
     fprintf(stderr, "cases: %s\n", message);
 }
 
-// The scene's picture in two passes; NULL if it fails, which was said.
+// The scene's image in two passes; NULL if it fails, which is reported.
 static satin_film *render(const struct folders *in, const char *name, const satin_define *defines,
                           size_t define_count) {
     static const satin_setting setting[] = {{"spp", "64"}, {"adaptive-sampling", "off"}};
@@ -193,9 +193,9 @@ static bool run_row(const struct folders *in, const struct row *row) {
     return good;
 }
 
-// The room in another unit of length gives the same picture but for rounding, which now and then
-// moves a record or gives it other rays: over twelve renders rms .0 to 1.1 %, largest block .0 to
-// 12 %, less than two seeds differ by.
+// The room in another unit of length gives the same image except for rounding, which sometimes
+// moves a record or changes its rays: over twelve renders rms .0 to 1.1 %, largest block .0 to 12
+// %, less than two seeds differ by.
 static bool run_unit(const struct folders *in, const char *name) {
     static const struct region all = {"as the room of 5 m", 0, 0, SIZE, SIZE};
     static const struct errors bound = {0.002, 0.015, 0.15};
@@ -211,8 +211,9 @@ static double stat_of(const satin_film *film, const char *name) {
     return at ? strtod(at + strlen(name) + strlen("\": "), NULL) : NAN;
 }
 
-// Waves in the normals of a floor take no more radiance records, which are the floor's, than the
-// flat floor, but for chance. (The walls' records follow the light that the waves scatter.)
+// Waves in the normals of a floor take no more radiance records than the flat floor does, except by
+// chance; all radiance records are on the floor. (The walls' records follow the light that the
+// waves scatter.)
 static bool run_bump(const struct folders *in) {
     static const satin_define flat[] = {{"filter", "box"}, {"waves", "0"}};
     satin_film *waves = render_plain(in, "bump"), *plane = render(in, "bump", flat, 2);
@@ -226,7 +227,7 @@ static bool run_bump(const struct folders *in) {
 }
 
 // Where waves are so steep that radiance records do not serve, the floor has irradiance records for
-// the diffuse lobe: hardly a point is left without.
+// the diffuse lobe: almost no point is without a record.
 static bool run_steep(const struct folders *in) {
     static const satin_define steep[] = {{"filter", "box"}, {"waves", "0.5"}};
     satin_film *film = render(in, "bump", steep, 2);

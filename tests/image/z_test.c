@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Is our path tracer's image the reference's, but for noise? Usage:
+// Tests whether satin's path-traced image differs from the reference by more than noise. Usage:
 //
 //     z_test SATIN SCENE.xml REFERENCE.exr PARTS SPP [ARGUMENT ...]
 //
@@ -9,11 +9,12 @@
 //
 // Per pixel and channel t = (a - b) / sqrt(v / N_a + v / N_b), where v is the variance of one
 // sample: the larger of the parts' and the reference's estimate. Pixels of a path tracer have heavy
-// tails: a side that saw none of the rare bright paths believes itself sure of a dark value, and
-// the other side's estimate corrects that; the price is a little power. t is taken as Student's
-// with the reference's degrees of freedom, and the two-sided p-values are corrected for their
-// number after Sidak: with a right renderer one test in a hundred or less fails. Measured on
-// Mitsuba's own images instead of ours, 200 tests for each scene: see docs/experiments.md.
+// tails: an image that has none of the rare bright paths has too small a variance at a dark value,
+// and the estimate from the other image corrects that; this lowers the power of the test a little.
+// Then t has Student's distribution with the reference's degrees of freedom, and the two-sided
+// p-values are corrected for their number after Sidak: with a correct renderer one test in a
+// hundred or less fails. Measured on Mitsuba's own images instead of satin's, 200 tests for each
+// scene: see docs/experiments.md.
 //
 // The mean over the image may differ by 0.3 % and 3.3 of its standard deviations (p = 0.001).
 // On failure z_test-NAME.exr in the working folder holds the image and its z.
@@ -36,9 +37,9 @@ extern char **environ;
 enum { CHANNELS = 3 };
 static const double significance = 0.01;
 static const double mean_tolerance = 0.003, mean_z = 3.3;
-// Two renderers in single precision agree to this, relative, where there is no noise at all.
+// The relative difference of two renderers in single precision where there is no noise at all.
 static const double rounding = 1e-5;
-// Mitsuba takes a density of microfacets below 1e-20 for none: what is darker than this is black.
+// Mitsuba treats a density of microfacets below 1e-20 as 0: values darker than this are black.
 static const double black = 1e-15;
 static const char *const colour[CHANNELS] = {"R", "G", "B"};
 
@@ -54,7 +55,7 @@ static void say(void *user, satin_log_severity severity, const char *message) {
     fprintf(stderr, "z_test: %s\n", message);
 }
 
-// What to render, as given on our command line.
+// What to render, as the command line has it.
 struct job {
     char *satin, *scene, *spp;
     char **arguments;  // more for satin

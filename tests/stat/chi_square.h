@@ -3,8 +3,8 @@
 //
 // The sphere is cut into rings about an axis (put it where the density peaks, with narrow rings
 // there) and sectors; one more cell takes the samples that fail. The expected count of a cell is
-// the integral of the density over it, by Gauss' rule on a square that is split until it settles,
-// so peaks and edges inside a cell are found. Cells that expect fewer than 5 are pooled.
+// the integral of the density over it, by Gauss' rule on a square that is split until the result
+// converges, so peaks and edges inside a cell are found. Cells that expect fewer than 5 are pooled.
 #ifndef STAT_CHI_SQUARE_H
 #define STAT_CHI_SQUARE_H
 
@@ -145,7 +145,8 @@ static inline struct chi_result chi_test(const struct chi_sampler *s, vec3 axis,
         r.statistic += (observed[i] - e) * (observed[i] - e) / e;
         cells++;
     }
-    // What is still rare after pooling may not be seen often: count it as expecting 5.
+    // Cells that are still rare after pooling must not have many samples: they count as expecting
+    // 5.
     if (pool_observed > 0.0 || pool_expected > 0.0) {
         double e = fmax(pool_expected, 5.0);
         if (pool_expected >= 5.0 || pool_observed > e)

@@ -62,8 +62,8 @@ static satin_film *render(const satin_scene *scene, const char *const *setting,
     return satin_render(scene, &options, &callbacks, &film) == SATIN_OK ? film : NULL;
 }
 
-// Mean and largest error of a channel, relative to the pixel's exact radiance: `exact`, and what
-// `direct` has there if it is not NULL.
+// Mean and largest error of a channel, relative to the pixel's exact radiance: `exact`, plus the
+// value of `direct` there if it is not NULL.
 static void errors(const satin_film *film, const satin_film *direct, const char *channel,
                    double exact, double *mean, double *worst) {
     const float *v = satin_film_channel(film, channel);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every kind of gradient against central differences of a million rays, at 200 random points on the
 // floor of a closed box whose walls shine smoothly, without and with a sphere that hides parts of
-// them. Every coefficient to order 10 counts. The radiance is a formula, so what is measured is
-// the gradients alone.
+// them. Every coefficient to order 10 counts. The radiance is a formula, so the gradients alone are
+// measured.
 //
 //   gradients [POINTS [ROWS]]    200 points; ROWS of a reference hemisphere, each 4 ROWS rays: 500
 #include <stdio.h>
@@ -14,8 +14,8 @@
 
 enum { ORDER = 10, N2 = ORDER * ORDER, BLOCK = 2000, POINTS_MOST = 10000 };
 
-// Half the step of the reference: its third-order term is 1 % for a wall that is .1 away, the
-// nearest there is.
+// Half the step of the reference: its third-order term is 1 % for a wall that is .1 away, which is
+// the nearest one.
 static const double STEP = 0.01;
 
 struct scene {
@@ -118,7 +118,8 @@ static const char *const KIND[KINDS] = {
 
 // Largest relative rms errors over all points and coefficients that the test allows, at 1024 and
 // 4096 rays: a fifth above those measured. Of solid-angle gradients in the empty box that is noise,
-// which grows with the order; with the sphere it is most of all its silhouette, which they ignore.
+// which grows with the order; with the sphere it is mostly its silhouette, which these gradients
+// ignore.
 static const double LIMIT[2][2][KINDS] = {{{.24, 2.1, 2.1, .14, .98, .98, .055, .15, .07, .07},
                                            {.11, .56, .56, .072, .26, .26, .026, .078, .027, .027}},
                                           {{.40, 1.5, 1.5, .30, .99, .99, .20, .21, .78, .78},

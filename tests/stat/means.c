@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scenes in which few photons arrive at what is seen: the mean of an image in two passes is that of
-// path tracing. So few photons make images of different seeds differ by a good half of the bound,
-// so that the mean over several counts. usage: means SCENE.xml ...; prints one line per scene.
+// path tracing. With so few photons, images of different seeds differ by more than half of the
+// bound, so that the mean over several counts. usage: means SCENE.xml ...; prints one line per
+// scene.
 #include <math.h>
 #include <stdio.h>
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // First pass `recursive` with four indirect bounces. In a closed box of albedo rho whose walls emit
-// 1 - rho the radiance of paths of at most d edges is 1 - rho^d; elsewhere the mean is that of path
-// tracing of the same length.
-// usage: recursive FOLDER_OF_SCENES; prints one line per scene.
+// 1 - rho the radiance of paths of at most d segments is 1 - rho^d; elsewhere the mean is that of
+// path tracing of the same length. usage: recursive FOLDER_OF_SCENES; prints one line per scene.
 #include <math.h>
 #include <stdio.h>
 
@@ -19,7 +18,7 @@ static double mean(const satin_scene *scene, const char *integrator, const char 
     return stat_mean(scene, setting, 6);
 }
 
-// rho 0: the truth is path tracing's.
+// rho 0: the reference is by path tracing.
 static bool agrees(const char *folder, const char *name, double rho) {
     char path[4096];
     snprintf(path, sizeof path, "%s/%s.xml", folder, name);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pixels along a lamp's edge are as even at few samples as the rays that look for emission alone
-// make them.
-// What the first samples miss is found after later ones.
-// usage: rims SCENE.xml TINY-LAMP.xml
+// Pixels along a lamp's edge have as little noise at few samples as the rays that look for emission
+// alone should leave. A lamp that the first samples miss is found by later ones. usage: rims
+// SCENE.xml TINY-LAMP.xml
 #include <stdlib.h>
 
 #include "stat_case.h"

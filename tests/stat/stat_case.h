@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the programs of this folder have in common: messages, and the mean of a picture.
+// What the programs of this folder have in common: messages, and the mean of an image.
 #ifndef STAT_CASE_H
 #define STAT_CASE_H
 
@@ -14,8 +14,8 @@ static inline void stat_say(void *user, satin_log_severity severity, const char 
     fprintf(stderr, "%s\n", message);
 }
 
-// The mean of green over the scene's picture with `count` settings; NAN if it fails, which was
-// said.
+// The mean of green over the scene's image with `count` settings; NAN if it fails, which is
+// reported.
 static inline double stat_mean(const satin_scene *scene, const satin_setting *setting,
                                size_t count) {
     satin_options options;

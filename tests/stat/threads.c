@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The law: the image is bit-identical for any number of threads.
+// The image is bit-identical for any number of threads.
 // usage: threads SCENE.xml ...; prints the hash of all channels of each render. The denoiser is
 // that of SATIN_OIDN, or the one that is installed.
 #include <stdio.h>

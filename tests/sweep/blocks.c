@@ -37,8 +37,8 @@ static double trimmed_mean(double *value, int count) {
     return sum / (count - 2 * BLOCK_TRIM);
 }
 
-// What the steps below have in common: `residual` is r; `row` and `all` have space for the numbers
-// that a quantile is of, over the seeds and over all blocks.
+// Data of all steps below: `residual` is r; `row` and `all` have space for the numbers
+// of which a quantile is taken, over the seeds and over all blocks.
 struct work {
     const struct block_stack *stack;
     struct block_scores *out;
@@ -54,7 +54,7 @@ static void find_centres(const struct work *w) {
     }
 }
 
-// Where pixel `i` of a block lies in a picture.
+// The position of pixel `i` of a block in an image.
 static size_t block_pixel(int width, int block, int i) {
     const int columns = width / BLOCK_SIZE;
     const int x = block % columns * BLOCK_SIZE + i % BLOCK_SIZE;
@@ -62,7 +62,7 @@ static size_t block_pixel(int width, int block, int i) {
     return (size_t)y * (size_t)width + (size_t)x;
 }
 
-// d of a pixel of the picture.
+// d of a pixel of the image.
 static double pixel_residual(const struct work *w, int seed, size_t p) {
     return (double)w->stack->pixel[seed][p] - w->centre[p];
 }
@@ -79,7 +79,7 @@ static void measure_block(const struct work *w, int seed, int block) {
     w->residual[at] = trimmed_mean(d, BLOCK_PIXELS);
 }
 
-// Takes the median over the seeds away from a block's residuals.
+// Subtracts the median over the seeds from a block's residuals.
 static void centre_block(const struct work *w, int block) {
     const int seeds = w->stack->seeds, count = w->out->count;
     for (int s = 0; s < seeds; s++) w->row[s] = w->residual[s * count + block];
@@ -137,8 +137,8 @@ static double scale_around(const struct work *w, int seed, int block) {
     return quantile(w->row, n, 0.9) / 1.645;
 }
 
-// Fills `out->score` with the scales around and returns their quantile over the picture.
-static double scale_of_picture(const struct work *w) {
+// Fills `out->score` with the scales around and returns their quantile over the image.
+static double scale_of_image(const struct work *w) {
     const int count = w->out->count, all = count * w->stack->seeds;
     for (int i = 0; i < all; i++) w->out->score[i] = scale_around(w, i / count, i % count);
     memcpy(w->all, w->out->score, (size_t)all * sizeof *w->all);
@@ -147,11 +147,11 @@ static double scale_of_picture(const struct work *w) {
 
 // Replaces the scales in `out->score`.
 static void find_scores(const struct work *w) {
-    const double picture = scale_of_picture(w);
+    const double image = scale_of_image(w);
     for (int i = 0; i < w->out->count * w->stack->seeds; i++) {
         const int block = i % w->out->count;
         const double brightness = w->out->brightness[block], r = w->residual[i];
-        const double around = hypot(w->out->score[i], picture) * brightness;
+        const double around = hypot(w->out->score[i], image) * brightness;
         const double floor = w->stack->floor ? w->stack->floor[block] : 0.0;
         const double here = scale_here(w, i / w->out->count, block), rest = hypot(around, floor);
         double score = r == 0.0 ? 0.0 : r / hypot(here, rest);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The statistic of blocks.h on made pictures: noise of several kinds is not flagged, a dark disc in
-// one of ten pictures is, wherever it lies, and that picture alone.
+// The statistic of blocks.h on synthetic images: noise of several kinds is not flagged; a dark disc
+// in one of ten images is flagged at any position, in that image alone.
 #include "blocks.h"
 
 #include <math.h>
@@ -16,10 +16,10 @@
 enum { SIZE = 64, SEEDS = 10, BLOCKS = (SIZE / BLOCK_SIZE) * (SIZE / BLOCK_SIZE), TRIALS = 200 };
 static const double threshold = 6.0;
 
-static float picture[SEEDS][SIZE * SIZE];
+static float image[SEEDS][SIZE * SIZE];
 
-// Brightness falls by ten across the picture; noise is of pixels, with a tail (the square of an
-// exponential), and of discs as records make them, 5 % strong.
+// Brightness falls by a factor of ten across the image; noise is of pixels, with a tail (the square
+// of an exponential), and of discs as records make them, 5 % strong.
 static void make_noise(uint64_t trial) {
     for (int s = 0; s < SEEDS; s++) {
         struct rng rng = rng_make(trial, RNG_TEST, (uint64_t)s);
@@ -35,20 +35,20 @@ static void make_noise(uint64_t trial) {
         for (int p = 0; p < SIZE * SIZE; p++) {
             const float brightness = powf(10.0f, -(float)(p % SIZE) / SIZE);
             const float e = logf(fmaxf(1.0f - rng_float(&rng), 1e-7f));
-            picture[s][p] = brightness * (1.0f + patch[p] + 0.1f * e * e);
+            image[s][p] = brightness * (1.0f + patch[p] + 0.1f * e * e);
         }
     }
 }
 
 static void score(struct block_scores *out) {
     const float *pixel[SEEDS];
-    for (int s = 0; s < SEEDS; s++) pixel[s] = picture[s];
+    for (int s = 0; s < SEEDS; s++) pixel[s] = image[s];
     const struct block_stack stack = {SIZE, SIZE, SEEDS, pixel, NULL};
     assert_true(block_scores_make(&stack, out));
     assert_int_equal(out->count, BLOCKS);
 }
 
-// How many blocks of a picture are flagged.
+// The number of flagged blocks of an image.
 static int flagged(const struct block_scores *scores, int seed) {
     int count = 0;
     for (int b = 0; b < BLOCKS; b++) count += fabs(scores->score[seed * BLOCKS + b]) > threshold;
@@ -77,7 +77,7 @@ static void dark_discs_are_found(void **state) {
         const int bad = trial % SEEDS;
         make_noise((uint64_t)trial);
         for (int p = 0; p < SIZE * SIZE; p++)
-            if (hypotf((float)(p % SIZE) - x, (float)(p / SIZE) - y) < 7.0f) picture[bad][p] = 0.0f;
+            if (hypotf((float)(p % SIZE) - x, (float)(p / SIZE) - y) < 7.0f) image[bad][p] = 0.0f;
         score(&scores);
         for (int s = 0; s < SEEDS; s++)
             assert_true(s == bad ? flagged(&scores, s) > 0 : flagged(&scores, s) == 0);
@@ -85,10 +85,10 @@ static void dark_discs_are_found(void **state) {
     }
 }
 
-// A small glossy thing: nine pixels of a block have noise, the square of an exponential, on a black
-// ground, beside blocks without any. In most seeds the trimmed mean has none of it, so that scores
-// by the spread over the seeds alone exceed the threshold in 100 of 2,000 pictures; with the scale
-// by pixels it is one.
+// A small glossy object: nine pixels of a block have noise, the square of an exponential, on a
+// black ground, beside blocks without any. In most seeds the trimmed mean has none of it, so that
+// scores by the spread over the seeds alone exceed the threshold in 100 of 2,000 images; with the
+// scale by pixels it is one.
 static void few_noisy_pixels_are_noise(void **state) {
     (void)state;
     int flags = 0;
@@ -98,9 +98,9 @@ static void few_noisy_pixels_are_noise(void **state) {
         for (int s = 0; s < SEEDS; s++) {
             struct rng rng = rng_make((uint64_t)trial, RNG_TEST, (uint64_t)(100 + s));
             for (int p = 0; p < SIZE * SIZE; p++) {
-                const bool thing = p % SIZE / 3 == 9 && p / SIZE / 3 == 9;
+                const bool glossy = p % SIZE / 3 == 9 && p / SIZE / 3 == 9;
                 const float e = logf(fmaxf(1.0f - rng_float(&rng), 1e-7f));
-                picture[s][p] = thing ? e * e : 0.01f;
+                image[s][p] = glossy ? e * e : 0.01f;
             }
         }
         score(&scores);
@@ -110,24 +110,24 @@ static void few_noisy_pixels_are_noise(void **state) {
     assert_in_range(flags, 0, 1);
 }
 
-// As few pixels as the mean of a block leaves out.
+// No more bright pixels than the mean of a block leaves out.
 static void bright_pixels_are_noise(void **state) {
     (void)state;
     struct block_scores scores;
     make_noise(0);
-    for (int i = 0; i < BLOCK_TRIM; i++) picture[3][20 * SIZE + 20 + i] = 1e6f;
+    for (int i = 0; i < BLOCK_TRIM; i++) image[3][20 * SIZE + 20 + i] = 1e6f;
     score(&scores);
     assert_int_equal(flagged(&scores, 3), 0);
     block_scores_free(&scores);
 }
 
-// Pictures that are all alike, black ones too, have no noise and no flag.
+// Images that are all equal, black ones too, have no noise and no flag.
 static void same_pictures_have_no_flag(void **state) {
     (void)state;
     for (int value = 0; value < 2; value++) {
         struct block_scores scores;
         for (int s = 0; s < SEEDS; s++)
-            for (int p = 0; p < SIZE * SIZE; p++) picture[s][p] = (float)value;
+            for (int p = 0; p < SIZE * SIZE; p++) image[s][p] = (float)value;
         score(&scores);
         for (int s = 0; s < SEEDS; s++) assert_int_equal(flagged(&scores, s), 0);
         block_scores_free(&scores);

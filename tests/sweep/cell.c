@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Renders a cell of the sweep and checks each picture alone: pixels without a finite value, the sum
-// of the layers, and what the statistics count. evaluate.c compares the pictures.
+// Renders a cell of the sweep and checks each image alone: pixels without a finite value, the sum
+// of the layers, and what the statistics count. evaluate.c compares the images.
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,8 +12,8 @@
 #include "evaluate.h"
 #include "explain.h"
 
-// How far the beauty may be from the sum of its layers, over the largest of them: rounding of float
-// sums over the samples of a pixel.
+// The largest deviation of the beauty from the sum of its layers, over the largest of them:
+// rounding of float sums over the samples of a pixel.
 static const double sum_error = 1e-4;
 
 static void note(void *user, satin_log_severity severity, const char *message) {
@@ -44,7 +44,7 @@ void evaluate_flag(struct work *w, const char *kind, int i) {
     w->flagged[i] = true;
 }
 
-// ---- One picture --------------------------------------------------------------------------------
+// ---- One image ----------------------------------------------------------------------------------
 
 static bool ends_with(const char *text, size_t length, const char *end) {
     return length >= strlen(end) && strncmp(text + length - strlen(end), end, strlen(end)) == 0;
@@ -55,8 +55,8 @@ int cell_spp(const satin_options *options) {
     return options->spp ? options->spp : preset_spp[options->quality];
 }
 
-// Goes through `"name": number` pairs: what was refused or dropped must be 0, and the samples per
-// pixel those of the budget to 1 %.
+// Goes through `"name": number` pairs: the counts of refused and dropped values must be 0, and the
+// samples per pixel those of the options to 1 %.
 static void check_stats(struct work *w, int i, const satin_options *options) {
     const double budget = cell_spp(options);
     for (const char *at = satin_film_stats(w->film[i]); at && (at = strchr(at, '"')); at++) {
@@ -136,7 +136,7 @@ static void render_seed(struct work *w, const satin_scene *scene, const satin_op
         evaluate_flag(w, "failed", i);
         fprintf(w->out, " %s\n", w->message[0] ? w->message : satin_status_text(status));
         cell_command(w->plan, w->cell, seed, w->out);
-        w->flagged[i] = false;  // the next picture takes its place
+        w->flagged[i] = false;  // the next image replaces it
         return;
     }
     w->count++;
@@ -161,7 +161,7 @@ static satin_status resolve(struct work *w, const satin_scene *scene, satin_opti
     return status;
 }
 
-// Keeps the flagged pictures, and prints how each is made.
+// Keeps the flagged images, and prints the command that makes each.
 static void keep_flagged(struct work *w) {
     for (int i = 0; i < w->count; i++) {
         if (!w->flagged[i]) continue;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A cell of the sweep: one scene at one preset with one first pass, rendered with every seed, and
-// what is wrong with these pictures.
+// the defects of these images.
 #ifndef SWEEP_CELL_H
 #define SWEEP_CELL_H
 
@@ -11,14 +11,14 @@
 
 enum { CELL_SETTINGS = 64, CELL_HISTOGRAM = 32 };
 
-// What holds for all cells.
+// What all cells have in common.
 struct plan {
     int seed_first, seed_count;
     int size;            // pixels, width and height
     int limit;           // seconds that one render may take; 0: any
     double threshold;    // sigmas beyond which a block is flagged
     bool worst;          // prints the worst score of every cell too
-    const char *folder;  // flagged pictures go there; NULL: nowhere
+    const char *folder;  // folder for flagged images; NULL: none are kept
     const satin_define *define;
     size_t define_count;
     satin_setting setting[CELL_SETTINGS];  // beyond those of the cell
@@ -29,10 +29,10 @@ struct cell {
     const char *scene, *preset, *first_pass;
 };
 
-// What a cell found; the parent process reads it where a render has ended the child.
+// The findings of a cell; the parent process reads them if a render has ended the child.
 struct tally {
     int renders;     // finished
-    int seed;        // the one at work
+    int seed;        // the current one
     int flags;       // lines printed as `flag`
     int blocks;      // flagged blocks, of all layers
     int few;         // lines printed as `few`
@@ -49,10 +49,10 @@ void cell_run(const struct plan *plan, const struct cell *cell, struct tally *ta
 // Begins a line of the form `WHAT KIND SCENE PRESET FIRST-PASS seed S`, without its end.
 void cell_line(const struct cell *cell, const char *what, const char *kind, int seed, FILE *out);
 
-// The samples per pixel that these options ask for.
+// The samples per pixel of these options.
 int cell_spp(const satin_options *options);
 
-// Prints the command that makes one picture again.
+// Prints the command that makes one image again.
 void cell_command(const struct plan *plan, const struct cell *cell, int seed, FILE *out);
 
 #endif

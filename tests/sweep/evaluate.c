@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares the pictures of a cell by the statistic of blocks.h, channel by channel.
+// Compares the images of a cell by the statistic of blocks.h, channel by channel.
 #include "evaluate.h"
 
 #include <math.h>
@@ -9,8 +9,8 @@
 #include "blocks.h"
 #include "explain.h"
 
-// Least sigma of a block, as a fraction of its own brightness in the layer and in the beauty: what
-// is off by less than six times that, 3 %, is not seen.
+// Least sigma of a block, as a fraction of its own brightness in the layer and in the beauty: a
+// deviation of less than six times that, 3 %, is not visible.
 static const double own_floor = 0.005, beauty_floor = 0.0025;
 
 const struct layer evaluate_layer[LAYERS] = {
@@ -25,8 +25,8 @@ const struct layer evaluate_layer[LAYERS] = {
     {"depth", {"depth.Z", NULL, NULL}, false},
 };
 
-// Scores of one channel; false if a picture lacks it or has values that are not finite, or if there
-// are too few pictures.
+// Scores of one channel; false if an image lacks it or has values that are not finite, or if there
+// are too few images.
 static bool score_channel(const struct work *w, const char *name, const double *floor,
                           struct block_scores *out) {
     const float *pixel[SEEDS_MOST];
@@ -108,11 +108,11 @@ static void report_peak(struct work *w, const struct flagged *peak, int blocks) 
     const struct layer *layer = &evaluate_layer[peak->layer];
     const int columns = w->plan->size / BLOCK_SIZE;
     if (peak->few) {
-        cell_line(w->cell, "few", peak->few, w->seed[peak->picture], w->out);
+        cell_line(w->cell, "few", peak->few, w->seed[peak->image], w->out);
         w->tally->few_blocks += blocks;
         w->tally->few++;
     } else {
-        evaluate_flag(w, "block", peak->picture);
+        evaluate_flag(w, "block", peak->image);
         w->tally->blocks += blocks;
     }
     fprintf(w->out, " %s %s pixel %d,%d ratio %.3f sigmas %.1f blocks %d\n", layer->name,
@@ -120,12 +120,12 @@ static void report_peak(struct work *w, const struct flagged *peak, int blocks) 
             peak->block / columns * BLOCK_SIZE, peak->ratio, peak->score, blocks);
 }
 
-// The worst of the blocks of one layer of a picture that have the same explanation.
-static void report_layer(struct work *w, int picture, int layer, const char *few) {
+// The worst of the blocks of one layer of an image that have the same explanation.
+static void report_layer(struct work *w, int image, int layer, const char *few) {
     const struct flagged *peak = NULL;
     int blocks = 0;
     for (const struct flagged *f = w->block; f < w->block + w->blocks; f++) {
-        if (f->picture != picture || f->layer != layer || f->few != few) continue;
+        if (f->image != image || f->layer != layer || f->few != few) continue;
         blocks++;
         if (!peak || fabs(f->score) > fabs(peak->score)) peak = f;
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pictures of a cell, one per seed, and their layers.
+// The images of a cell, one per seed, and their layers.
 #ifndef SWEEP_EVALUATE_H
 #define SWEEP_EVALUATE_H
 
@@ -14,10 +14,10 @@ struct layer {
 
 extern const struct layer evaluate_layer[LAYERS];  // the beauty first
 
-// A block of a channel that differs from those of the other pictures.
+// A block of a channel that differs from those of the other images.
 struct flagged {
-    int picture, layer, channel, block;
-    double score, ratio;  // the ratio is of its mean to the median of those of all pictures
+    int image, layer, channel, block;
+    double score, ratio;  // the ratio is of its mean to the median of those of all images
     const char *few;      // what it had too few of, see explain.h; NULL: that is not known
 };
 
@@ -26,7 +26,7 @@ struct work {
     const struct cell *cell;
     struct tally *tally;
     FILE *out;
-    int count;  // pictures
+    int count;  // images
     int seed[SEEDS_MOST];
     satin_film *film[SEEDS_MOST];
     bool flagged[SEEDS_MOST];
@@ -35,13 +35,13 @@ struct work {
     char message[512];  // the last one of level error
 };
 
-// Begins a line for a flag of picture `i`.
+// Begins a line for a flag of image `i`.
 void evaluate_flag(struct work *w, const char *kind, int i);
 
-// Finds the blocks that differ from those of the other pictures.
+// Finds the blocks that differ from those of the other images.
 void evaluate_layers(struct work *w);
 
-// Prints these, a line for each layer of a picture, one more for those that are explained.
+// Prints these, a line for each layer of an image, and one more for those that are explained.
 void evaluate_report(struct work *w);
 
 #endif

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Renders pictures with flagged blocks again with more photons and more samples: see explain.h.
+// Renders images with flagged blocks again with more photons and more samples: see explain.h.
 #include "explain.h"
 
 #include <math.h>
@@ -9,7 +9,7 @@
 
 #include "blocks.h"
 
-// The tree of more photons than this takes gigabytes: then nothing is explained by them.
+// The kd-tree of more photons than this takes gigabytes, so photons explain no block then.
 static const int64_t PHOTONS_MOST = 50000000;
 
 // A score that a twentieth of all blocks have by normal noise.
@@ -31,7 +31,7 @@ static bool more_samples(satin_options *options, int more) {
 const char *const explain_name[EXPLANATIONS] = {"photons", "samples"};
 
 static const struct {
-    bool (*more)(satin_options *options, int more);  // false: that would be too many
+    bool (*more)(satin_options *options, int more);  // false: there would be too many
     bool all;  // whether all layers of light depend on it; else the caustics alone do
 } explanation[EXPLANATIONS] = {{more_photons, false}, {more_samples, true}};
 
@@ -50,7 +50,7 @@ static bool has_same_records(const satin_film *a, const satin_film *b) {
     return true;
 }
 
-// The difference at the flagged block, with its sign; NAN if a picture lacks the layer.
+// The difference at the flagged block, with its sign; NAN if an image lacks the layer.
 static double signed_difference(const struct work *w, const struct flagged *f, const satin_film *a,
                                 const satin_film *b) {
     const char *name = evaluate_layer[f->layer].channel[f->channel];
@@ -63,7 +63,7 @@ static double difference(const struct work *w, const struct flagged *f, const sa
     return fabs(signed_difference(w, f, a, b));
 }
 
-// Picture `i` with more of something; NULL if it fails.
+// Image `i` with more photons or samples; NULL if it fails.
 static satin_film *render_more(struct work *w, const satin_scene *scene,
                                const satin_options *options, int i, int more) {
     const satin_callbacks callbacks = {.log = NULL};
@@ -78,27 +78,27 @@ static satin_film *render_more(struct work *w, const satin_scene *scene,
     return NULL;
 }
 
-// Whether what there is more of could explain a block that is not explained yet.
-static bool is_candidate(const struct flagged *f, int picture, int e) {
+// Whether more photons or samples could explain a block that is not explained yet.
+static bool is_candidate(const struct flagged *f, int image, int e) {
     const struct layer *layer = &evaluate_layer[f->layer];
     const bool light = layer->light || f->layer == 0;
     const bool caustic = f->layer == 0 || strcmp(layer->name, "caustic") == 0;
-    return f->picture == picture && !f->few && (explanation[e].all ? light : caustic);
+    return f->image == image && !f->few && (explanation[e].all ? light : caustic);
 }
 
-static bool has_candidates(const struct work *w, int picture, int e) {
+static bool has_candidates(const struct work *w, int image, int e) {
     for (int k = 0; k < w->blocks; k++)
-        if (is_candidate(&w->block[k], picture, e)) return true;
+        if (is_candidate(&w->block[k], image, e)) return true;
     return false;
 }
 
-// A render of the flagged picture and of one to compare it with.
+// Renders of the flagged image and of one with which it is compared.
 struct pair {
     satin_film *flagged, *other;
 };
 
-// Whether the difference at a flagged block has fallen as that of noise does, or the other picture
-// has come to the flagged one.
+// Whether the difference at a flagged block has fallen as noise does, or the other image has become
+// equal to the flagged one.
 static bool has_fallen(const struct work *w, const struct flagged *f, struct pair before,
                        struct pair now, int more) {
     const bool caustic = strcmp(evaluate_layer[f->layer].name, "caustic") == 0;
@@ -112,67 +112,67 @@ static bool has_fallen(const struct work *w, const struct flagged *f, struct pai
     return difference(w, f, now.flagged, now.other) <= fmax(D / sqrt((double)more), unnoticed);
 }
 
-// Takes the mark from candidates whose difference does not fall. `good` has one mark per flagged
+// Clears the mark of candidates whose difference does not fall. `good` has one mark per flagged
 // block. Returns whether any is left.
-static bool mark_fallen(const struct work *w, int picture, int e, struct pair before,
-                        struct pair now, int more, bool *good) {
+static bool mark_fallen(const struct work *w, int image, int e, struct pair before, struct pair now,
+                        int more, bool *good) {
     bool any = false;
     for (int k = 0; k < w->blocks; k++) {
-        if (!is_candidate(&w->block[k], picture, e)) continue;
+        if (!is_candidate(&w->block[k], image, e)) continue;
         good[k] = good[k] && has_fallen(w, &w->block[k], before, now, more);
         any = any || good[k];
     }
     return any;
 }
 
-// One level; false if no candidate is left.
+// One step of more photons or samples; false if no candidate is left.
 static bool compare_more(struct work *w, const satin_scene *scene, const satin_options *options,
-                         int picture, int other, int e, int more, bool *good) {
+                         int image, int other, int e, int more, bool *good) {
     satin_options own = *options;
     if (!explanation[e].more(&own, more)) return false;
-    const struct pair before = {w->film[picture], w->film[other]};
-    struct pair now = {render_more(w, scene, &own, picture, more), NULL};
+    const struct pair before = {w->film[image], w->film[other]};
+    struct pair now = {render_more(w, scene, &own, image, more), NULL};
     if (now.flagged) now.other = render_more(w, scene, &own, other, more);
-    const bool any = now.other && mark_fallen(w, picture, e, before, now, more, good);
+    const bool any = now.other && mark_fallen(w, image, e, before, now, more, good);
     satin_film_free(now.flagged);
     satin_film_free(now.other);
     return any;
 }
 
 static void explain_picture(struct work *w, const satin_scene *scene, const satin_options *options,
-                            int picture, int other, int e) {
+                            int image, int other, int e) {
     bool *good = malloc((size_t)w->blocks * sizeof *good), done = good;
     for (int k = 0; good && k < w->blocks; k++) good[k] = true;
     for (int level = 0; done && level < LEVELS; level++)
-        done = compare_more(w, scene, options, picture, other, e, times[level], good);
+        done = compare_more(w, scene, options, image, other, e, times[level], good);
     for (int k = 0; done && k < w->blocks; k++)
-        if (good[k] && is_candidate(&w->block[k], picture, e)) w->block[k].few = explain_name[e];
+        if (good[k] && is_candidate(&w->block[k], image, e)) w->block[k].few = explain_name[e];
     free(good);
 }
 
-static bool is_clean(const struct work *w, int picture) {
+static bool is_clean(const struct work *w, int image) {
     for (int k = 0; k < w->blocks; k++)
-        if (w->block[k].picture == picture) return false;
+        if (w->block[k].image == image) return false;
     return true;
 }
 
-// The flagged block of a picture with the largest score.
-static const struct flagged *find_worst(const struct work *w, int picture) {
+// The flagged block of an image with the largest score.
+static const struct flagged *find_worst(const struct work *w, int image) {
     const struct flagged *worst = NULL;
     for (const struct flagged *f = w->block; f < w->block + w->blocks; f++)
-        if (f->picture == picture && (!worst || fabs(f->score) > fabs(worst->score))) worst = f;
+        if (f->image == image && (!worst || fabs(f->score) > fabs(worst->score))) worst = f;
     return worst;
 }
 
-// The picture without flags from which the worst block of this one has the median difference; -1:
+// The image without flags from which the worst block of this one has the median difference; -1:
 // there is none.
-static int find_other(const struct work *w, int picture) {
-    const struct flagged *f = find_worst(w, picture);
+static int find_other(const struct work *w, int image) {
+    const struct flagged *f = find_worst(w, image);
     double size[SEEDS_MOST];
     int index[SEEDS_MOST], count = 0;
     for (int i = 0; i < w->count; i++) {
         if (!is_clean(w, i)) continue;
-        const double d = difference(w, f, w->film[picture], w->film[i]);
+        const double d = difference(w, f, w->film[image], w->film[i]);
         int at = count++;
         for (; at > 0 && size[at - 1] > d; at--) {
             size[at] = size[at - 1];

@@ -3,24 +3,26 @@
 // with more of these.
 //
 // A render with more samples per pixel has the same photons and records, to the bit, and one with
-// more caustic photons has the same photons of the global map and, but for few, the same records.
-// So what is wrong in a record, in a photon's precomputed irradiance or in a table stays, while
-// noise of what there is more of falls. Legend: D is the difference of a flagged block from that of
-// another picture, which is in the middle of those that are not flagged; S is its score, so that
-// D / S is about a standard deviation. A block is explained if the difference of the same two seeds
-// is at most max(D / sqrt(8), 2 D / S) with 8 times as many, and at most max(D / 8, 2 D / S) with
-// 64 times: the noise has fallen as it must, or what is left would not have been noticed.
+// more caustic photons has the same photons of the global map and, except for a few, the same
+// records. So an error of a record, of a photon's precomputed irradiance or of a table stays, while
+// the noise of the photons or samples of which there are more falls. Legend: D is the difference of
+// a flagged block from that of another image, which is in the middle of those that are not flagged;
+// S is its score, so that D / S is about a standard deviation. A block is explained if the
+// difference of the same two seeds is at most max(D / sqrt(8), 2 D / S) with 8 times as many, and
+// at most max(D / 8, 2 D / S) with 64 times: the noise has fallen as it must, or the remaining
+// difference would not have been flagged.
 //
 // Photons explain the layer of caustics, in which no record is read, and the beauty if the numbers
 // of records and of their rays are as before. Most of a faint caustic may be in photons so rare
-// that 64 times as many have some in half of the pictures; so a flagged block of caustics is
-// explained, too, if the other picture, with more photons, has as much light there: then what is
-// off is the median. Samples explain all layers, under this condition.
+// that 64 times as many have some in half of the images; so a flagged block of caustics is
+// explained, too, if the other image, with more photons, has as much light there: then the median
+// is wrong. Samples explain all layers, under this condition.
 //
 // A single caustic photon that is wrong is not distinguished from noise: it falls like noise. One
 // that is not finite or out of range is counted as refused, which is a flag of its own. Single
-// wrong samples are no matter (see blocks.h). Noise of the records, of the photons that they see,
-// or of what they are made from is never explained, so that a wrong record cannot be hidden.
+// wrong samples do not count (see blocks.h). Noise of the records, of the photons that they read,
+// or of other data from which they are made is never explained, so that a wrong record cannot be
+// hidden.
 #ifndef SWEEP_EXPLAIN_H
 #define SWEEP_EXPLAIN_H
 

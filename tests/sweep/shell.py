@@ -2,7 +2,7 @@
 """The shell of a random room of rooms.py: dice, where things go, walls, windows and the sky.
 
 Lengths are metres before the room's unit `k`; a light that has intensity, not radiance, grows with
-k^2, so the picture does not depend on it.
+k^2, so the image does not depend on it.
 """
 import random
 

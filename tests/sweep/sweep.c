@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Renders scenes x seeds x presets x first passes, small, and flags what is off: see cell.h, and
+// Renders scenes x seeds x presets x first passes, small, and flags deviations: see cell.h, and
 // docs/experiments.md for how to read what it prints.
 //
 //     sweep [--seeds A:B] [--presets NAME,...] [--first NAME,...] [--size N] [--jobs N] [--limit S]
 //           [--threshold T] [--worst] [--out DIR] [-D NAME=VALUE] [--set NAME=VALUE] SCENE.xml ...
 //
 // A process of its own renders a cell, that is one scene with one preset and one first pass, so
-// that one which crashes or hangs ends alone. Exit status: 0 no flag, 1 flags, 2 wrong arguments.
+// that a crash or a hang ends that cell alone. Exit status: 0 no flag, 1 flags, 2 wrong arguments.
 #include <errno.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -69,7 +69,7 @@ static void read_seeds(struct plan *plan, const char *text) {
     plan->seed_count = end - plan->seed_first;
 }
 
-// Cuts NAME=VALUE in two, in place.
+// Splits NAME=VALUE in place.
 static char *cut(char *text) {
     char *at = strchr(text, '=');
     if (!at) fail("NAME=VALUE is wanted, not", text);

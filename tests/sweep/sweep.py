@@ -15,7 +15,7 @@ is `build` if not given); it may be repeated. All other arguments go to DIR/test
     --limit S                  seconds that a render may take, 0: any (300)
     --threshold T              sigmas beyond which a block is flagged (see docs/experiments.md)
     --worst                    prints the largest score of every cell, flagged or not
-    --out DIR                  keeps flagged pictures there, as EXR and PNG
+    --out DIR                  keeps flagged images there, as EXR and PNG
     -D NAME=VALUE, --set NAME=VALUE    as those of `satin render`
 
 Exit status: 0 no flag, 1 flags, 2 wrong arguments.

@@ -23,8 +23,8 @@ static vec3 view(float degrees, float phi) {
 
 static const float angles[] = {0.0f, 35.0f, 70.0f, 88.0f};
 
-// As under a bump or normal map: what is behind the surface's normal, or shadowed by slopes, is
-// cut.
+// As under a bump or normal map: light from behind the surface's normal, or shadowed by slopes, is
+// removed.
 static struct brdf bumped(struct brdf b) {
     b.base[0] = v3_unit(v3(0.5f, -0.2f, 0.9f));
     b.base[1] = v3_unit(v3(0.1f, 0.3f, 0.9f));
@@ -33,7 +33,7 @@ static struct brdf bumped(struct brdf b) {
     return b;
 }
 
-// Whether w can be seen from, or lit from.
+// Whether the surface can be viewed or lit from w.
 static bool in_front(const struct brdf *b, vec3 w) {
     return b->bump[0] == 0.0f ||
            (v3_dot(b->base[0], w) * w.z > 0.0f && v3_dot(b->base[1], w) * w.z > 0.0f);
@@ -60,7 +60,7 @@ static double density(const void *ctx, vec3 w) {
     return (double)brdf_pdf(s->b, s->wo, w, s->lobes);
 }
 
-// Where the lobes peak: mirrored, or refracted.
+// The directions in which the lobes peak: mirrored, or refracted.
 static vec3 peak(const struct brdf *b, vec3 wo, unsigned lobes) {
     if (lobes != BRDF_THROUGH) return v3(-wo.x, -wo.y, wo.z);
     float eta = b->model->thin ? 1.0f : wo.z > 0.0f ? b->ior : 1.0f / b->ior;
@@ -72,7 +72,7 @@ static void samplers_follow_their_densities(void **state) {
     (void)state;
     struct arena arena = {0};
     // Each case is tested at every angle and from both sides with all smooth lobes and with its
-    // glossy ones alone. Two narrow lobes at once are more than the rings can follow.
+    // glossy ones alone. The rings cannot resolve two narrow lobes at once.
     static const unsigned choice[] = {BRDF_SMOOTH, BRDF_GLOSSY, BRDF_THROUGH};
     const double threshold = chi_threshold(0.01, 24 * CASES);
     for (int i = 0; i < CASES; i++) {
@@ -97,7 +97,7 @@ static void samplers_follow_their_densities(void **state) {
     arena_free(&arena);
 }
 
-// The test itself must see a sampler that is slightly wrong, and its tail must be the known one.
+// The test itself must detect a sampler that is slightly wrong, and its tail must be the known one.
 static bool draw_wrong(const void *ctx, const float u[4], vec3 *w) {
     const float skewed[4] = {u[0], powf(u[1], 1.1f), u[2], u[3]};
     return draw(ctx, skewed, w);
@@ -216,10 +216,10 @@ static void samples_carry_the_energy(void **state) {
     arena_free(&arena);
 }
 
-// What a pair of functions a and b of direction see of each other over the surface, the integral of
+// The product of two functions a and b of direction over the surface, the integral of
 // a(wo) |cos wo| f(wo, wi) |cos wi| b(wi), by one sample from one end: eye paths start with wo,
 // photons with wi.
-static double seen_over(const struct brdf *b, enum brdf_mode mode, struct rng *rng) {
+static double product_over(const struct brdf *b, enum brdf_mode mode, struct rng *rng) {
     const vec3 axis[2] = {v3(0.6f, 0.0f, 0.8f), v3(-0.2f, 0.5f, -0.9f)};
     vec3 w = sample_uniform_sphere(rng_float(rng), rng_float(rng));
     struct brdf_sample s;
@@ -244,7 +244,7 @@ static void photons_scatter_as_the_eye_sees(void **state) {
             struct rng rng = rng_make(5, RNG_TEST, (uint64_t)(2 * i + mode));
             double sum = 0.0, squares = 0.0;
             for (int k = 0; k < SAMPLES; k++) {
-                double x = seen_over(&b, (enum brdf_mode)mode, &rng);
+                double x = product_over(&b, (enum brdf_mode)mode, &rng);
                 sum += x;
                 squares += x * x;
             }
@@ -286,7 +286,7 @@ static void lafortune_contains_phong(void **state) {
     }
 }
 
-// Grids give back what they were filled with, to within their interpolation.
+// Grids return the values that they were filled with, except for their interpolation.
 static void grids_hold_their_values(void **state) {
     (void)state;
     struct brdf half = {.model = brdf_find("merl")}, pairs = {.model = brdf_find("tabulated")};
@@ -353,7 +353,7 @@ static void delta_lobes_divide_the_light(void **state) {
                 float compressed = radiance[k].weight.g * power[k].eta * power[k].eta;
                 assert_true(fabsf(compressed - power[k].weight.g) < 1e-5f);
                 if (power[k].wi.z * wo.z > 0.0f) assert_true(power[k].eta == 1.0f);
-                // Snell: tangential parts scale with the index.
+                // Snell: tangential components scale with the index.
                 assert_true(fabsf(power[k].wi.x * power[k].eta + wo.x) < 1e-5f);
             }
             assert_true(fractions <= 1.0f + 1e-5f);
@@ -365,7 +365,7 @@ static void delta_lobes_divide_the_light(void **state) {
     arena_free(&arena);
 }
 
-// Light that is refracted in and out again comes back along its path with its first radiance.
+// Light that is refracted into a body and out of it again has its first radiance.
 static void refraction_is_reversible(void **state) {
     (void)state;
     struct brdf b = {.model = brdf_find("dielectric"),
@@ -402,7 +402,7 @@ static void albedo_follows_textures(void **state) {
     arena_free(&arena);
 }
 
-// A sharp lobe seen through a beam is as wide as one of that roughness, for values, densities and
+// A sharp lobe averaged over a beam is as wide as one of that roughness, for values, densities and
 // samples; the diffuse lobe and wider lobes stay as they are.
 static void beams_see_no_sharper_lobes(void **state) {
     (void)state;
@@ -412,7 +412,7 @@ static void beams_see_no_sharper_lobes(void **state) {
     const float LEAST = 0.2f, SHARP = 0.05f, WIDE = 0.4f;
     for (size_t i = 0; i < sizeof models / sizeof *models; i++) {
         struct arena arena = {0};
-        // The roughness of principled models is the root of what their facets have.
+        // The roughness of principled models is the root of that of their facets.
         const bool root = strncmp(models[i], "principled", 10) == 0;
         struct brdf b = {.model = brdf_find(models[i]),
                          .diffuse = rgb_grey(0.5f),

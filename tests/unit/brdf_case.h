@@ -45,7 +45,7 @@ static void film(struct brdf *b) {
     b->spec_trans = 0.6f, b->diff_trans = 0.8f, b->spec_tint = 0.3f, b->anisotropic = 0.5f;
 }
 
-static struct arena data;  // of the models that are made of data
+static struct arena data;  // of the models that are made from data
 
 // As the paper's: a broad anisotropic lobe, an off-specular one, a faint retroreflection.
 static void three_lobes(struct brdf *b) {
@@ -55,7 +55,7 @@ static void three_lobes(struct brdf *b) {
     assert_int_equal(brdf_lafortune_set(b, &data, lobe, 3), SATIN_OK);
 }
 
-// What the grids are filled with.
+// The values with which the grids are filled.
 static struct brdf original(float alpha_v) {
     struct brdf b = {.model = brdf_find("ward"),
                      .diffuse = {.3f, .3f, .3f},
@@ -83,7 +83,7 @@ static void half_grid(struct brdf *b) {
         vec3 w = v3_mad(v3_mul(e, cosf(phi)), sinf(phi), side);
         vec3 wi = v3_mad(v3_mul(n, cosf(d)), sinf(d), w),
              wo = v3_mad(v3_mul(n, cosf(d)), -sinf(d), w);
-        // Beyond the horizon, values go on so that interpolation beside it holds.
+        // Values continue beyond the horizon, so that interpolation beside it is right.
         wi.z = fmaxf(wi.z, .02f), wo.z = fmaxf(wo.z, .02f);
         value[i] = brdf_eval(&from, wo, wi, BRDF_ALL).g;
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Harmonics over a range of roughness: between rungs they are those of a table made there; what is
-// too smooth is not represented; what does not vary is one table.
+// Harmonics over a range of roughness: between rungs they are those of a table made there; a lobe
+// that is too smooth is not represented; a range that does not vary is one table.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -78,7 +78,7 @@ static void one_table_serves_constants(void **state) {
     assert_int_equal(brdf_range_build(&base, NULL, &fit, pool, &range), SATIN_OK);
     assert_true(difference(range, &base, pool, v3(.6f, 0, .8f)) == 0.0);
     brdf_range_free(range);
-    // A table that is asked for at any error has some order everywhere.
+    // A table with no bound of the error has some order everywhere.
     struct brdf sharp = metal(.05f);
     struct brdf_fit forced = fit;
     forced.max_error = -fit.max_error;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tables of harmonics: orders by what is reflected, look-ups between and at nodes, symmetries.
+// Tables of harmonics: orders by what is reflected, lookups between and at nodes, symmetries.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -57,7 +57,7 @@ static double reflected_error(const float c[196], int n, int draws) {
         double sum = 0.0, beyond = 0.0;
         for (int l = 0, k = 0; l < 14; l++)
             for (; k < (l + 1) * (l + 1); k++) {
-                // Uniform in [-1, 1], of variance 1/3 for all.
+                // Uniform in [-1, 1], so that all have the variance 1/3.
                 double light = (2.0 * (double)rng_float(&rng) - 1.0) / pow(l + 1.0, 1.5);
                 double part = light * (double)c[k];
                 sum += part;
@@ -70,7 +70,7 @@ static double reflected_error(const float c[196], int n, int draws) {
 }
 
 // The order is the least one that keeps the error of reflected radiance within the bound. 4000
-// draws give a relative rms to about 2 %; what lies beyond order 14 is below .1 % of all here.
+// draws give a relative rms to about 2 %; the power beyond order 14 is below .1 % of all here.
 static void orders_bound_what_is_reflected(void **state) {
     (void)state;
     const struct brdf brdfs[] = {phong(5), phong(15), phong(22), ward(0.4f, 0.4f)};

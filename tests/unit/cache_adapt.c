@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Full convergence on a plane with an edge of irradiance across it: records on either side give way
-// to each other, new ones fill the gaps, every point keeps a record, and no two records visibly
-// disagree anywhere but within the least radius; the same for any number of threads.
+// Full convergence on a plane with an edge of irradiance across it: records on either side are
+// shrunk to make way for each other, new ones fill the gaps, every point keeps a record, and no two
+// records visibly disagree anywhere but within the least radius; the same for any number of
+// threads.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,7 +15,7 @@
 
 static const float PIXEL = 0.01f;
 
-// A floor that is divided by a thin wall, lit on one side; records see nothing of the wall, as the
+// A floor that is divided by a thin wall, lit on one side; records do not know of the wall, as the
 // leak test is off.
 static void start(struct cache_case *f, int threads) {
     cache_case_begin(f);
@@ -71,7 +72,7 @@ static void records_are_added_where_they_disagree(void **state) {
     cache_case_free(&f);
 }
 
-// Beside strong direct light the same differences are not seen [K05 6.4].
+// Beside strong direct light the same differences are not visible [K05 6.4].
 static void direct_light_hides_differences(void **state) {
     (void)state;
     struct cache_case f;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// For tests of filling a cache: a small scene, an empty cache over it, and places on a square of
-// one of its surfaces.
+// For tests of filling a cache: a small scene, an empty cache over it, and sites on a square of one
+// of its surfaces.
 #ifndef CACHE_CASE_H
 #define CACHE_CASE_H
 
@@ -21,7 +21,7 @@ struct cache_case {
     struct cache_site site[CACHE_CASE_SITES];
 };
 
-// No scene yet, and the default options but for photons, which there are none of.
+// No scene yet, and the default options, but without photons.
 static inline void cache_case_begin(struct cache_case *c) {
     test_scene_init(&c->scene);
     c->options = satin_options_default;
@@ -29,7 +29,7 @@ static inline void cache_case_begin(struct cache_case *c) {
     c->options.max_depth = -1;
 }
 
-// The scene and the options stand: makes the cache, of harmonics of that order, and the sites,
+// The scene and the options are set: makes the cache, of harmonics of that order, and the sites,
 // scattered over the square about `centre`, given by its half sides.
 static inline void cache_case_finish(struct cache_case *c, int order, int threads, vec3 centre,
                                      vec3 half_u, vec3 half_v, struct cache_site site) {

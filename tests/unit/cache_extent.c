@@ -30,7 +30,7 @@ static void start(struct fixture *f) {
     f->cache = (struct cache){.g = &f->g, .store[CACHE_RADIANCE].order = 1};
 }
 
-// Makes the cache take over the options.
+// Copies the options to the cache.
 static void apply(struct fixture *f) {
     for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
         f->cache.store[k].options = cache_options_of(&f->options, k);
@@ -78,8 +78,9 @@ static void scene_units_win_over_pixels(void **state) {
                        1e-6f);
 }
 
-// A record whose radius is larger than its rays said keeps that in mind; one that is cut does not.
-static void room_records_what_was_wanted(void **state) {
+// A record whose radius is larger than its rays measured has a radius ratio below 1; one whose
+// radius is limited has the ratio 1.
+static void the_radius_ratio_is_what_was_wanted(void **state) {
     (void)state;
     struct fixture f;
     start(&f);
@@ -99,7 +100,7 @@ int main(void) {
         cmocka_unit_test(pixels_bound_what_rays_found),
         cmocka_unit_test(largest_pixels_win_over_least),
         cmocka_unit_test(scene_units_win_over_pixels),
-        cmocka_unit_test(room_records_what_was_wanted),
+        cmocka_unit_test(the_radius_ratio_is_what_was_wanted),
     };
     return cmocka_run_group_tests_name("cache_extent", tests, NULL, NULL);
 }

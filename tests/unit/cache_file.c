@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of records: what was saved is what is loaded, bit by bit, and answers the same; files that
-// are cut, changed in any byte, of other sizes than they say, or of another origin are refused in
-// one line.
+// Files of records: the records that are loaded equal those that were saved, bit by bit, and give
+// the same results; files that are cut, changed in any byte, of other sizes than they say, or of
+// another origin are refused in one line.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -280,7 +280,7 @@ static void other_origins_are_refused(void **state) {
     assert_int_equal(cache_file_check(file, &other, "f", (struct log){keep, &seen}),
                      SATIN_ERROR_INPUT);
     other = origin;
-    other.view = 0;  // another view is no other origin
+    other.view = 0;  // another view has the same origin
     assert_int_equal(cache_file_check(file, &other, "f", (struct log){0}), SATIN_OK);
     assert_int_equal(cache_load(&g.cache, file, "f", (struct log){keep, &seen}), SATIN_ERROR_INPUT);
     assert_int_equal(seen.count, 3);

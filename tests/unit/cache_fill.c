@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Filling a cache: every site that wants a record is covered, members of a batch lie apart, records
-// of which a few rays decide are gathered again, and new ones among adapted ones take their scale.
+// whose value depends on a few rays are gathered again, and new ones among adapted ones take their
+// scale.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,8 +13,8 @@
 
 enum { RAYS = 600 };
 
-// The floor of a box that a point light in it lights from aside. A pixel is a tenth wide, and the
-// least radius such that a record serves two pixels.
+// The floor of a box that is lit from aside by a point light in it. A pixel is a tenth wide, and
+// the least radius such that a record serves two pixels.
 static void start(struct cache_case *f) {
     cache_case_begin(f);
     test_cube(&f->scene, mat4_identity(), true, test_diffuse(&f->scene, 0.5f, 0.5f, 0.5f));
@@ -48,7 +49,8 @@ static void sites_that_want_records_are_covered(void **state) {
     // theirs.
     for (int i = 0; i < CACHE_CASE_SITES; i++)
         if (f.site[i].p.x > 0.0f) f.site[i].wants = 1 << CACHE_RADIANCE;
-    // Farther apart than what a record serves: sites between the members of a batch must wait.
+    // Farther apart than the influence radius of a record: sites between the members of a batch
+    // must wait.
     fill(&f, (struct cache_fill){.count = CACHE_CASE_SITES, .spacing = 5.0f});
     int bare = 0;
     for (int i = 0; i < CACHE_CASE_SITES; i++) {
@@ -75,8 +77,8 @@ static void sites_that_want_records_are_covered(void **state) {
     cache_case_free(&f);
 }
 
-// What a record serves is wider than the spacing, so two records lie as near only if they were
-// members of one batch.
+// The influence radius of a record is larger than the spacing, so two records lie that near only if
+// they were members of one batch.
 static void members_of_a_batch_lie_apart(void **state) {
     (void)state;
     struct cache_case f;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers of rays by the variance that records around measured: the plain number where there are
-// none, a quarter or four times as many at the ends, and between them the deviation that was asked
-// for.
+// Numbers of rays by the variance that records around measured: the number of the options where
+// there are none, a quarter or four times as many at the ends, and between them the deviation that
+// the options ask for.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,7 +13,7 @@
 
 enum { RAYS = 900 };
 
-// The floor of a box that a point light in it lights from aside.
+// The floor of a box that is lit from aside by a point light in it.
 static void start(struct cache_case *f, int threads, float noise) {
     cache_case_begin(f);
     test_cube(&f->scene, mat4_identity(), true, test_diffuse(&f->scene, 0.5f, 0.5f, 0.5f));
@@ -73,7 +73,7 @@ static void the_ends_are_four_times_off(void **state) {
     }
 }
 
-// Half of the deviation that records of the plain number have takes four times the rays.
+// Half of the deviation that records of the options' number of rays have needs four times the rays.
 static void rays_give_the_deviation(void **state) {
     (void)state;
     double mean[2] = {0};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an interpolation says of the records behind it: how many, their weights, their own
-// accuracies and gather rays by weight; and where records stand.
+// What an interpolation returns beside its value: the number of records that it read, their
+// weights, their own accuracies and gather rays by weight; and where records stand.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -99,7 +99,7 @@ static void none_is_near(void **state) {
     rgb E = rgb_grey(7.0f);
     assert_int_equal(cache_irradiance(&f.cache, &at, 0.8f, &E).count, 0);
     assert_true(E.r == 7.0f);
-    // The nearest one serves, if it is asked for.
+    // The nearest record serves as a fallback, if that is requested.
     at.fallback_radius = 1.0f;
     struct cache_used used = cache_irradiance(&f.cache, &at, 0.8f, &E);
     assert_true(used.count == 1 && used.weight == 1.0f);

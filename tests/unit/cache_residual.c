@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Residuals: with its own a record says of its own lobe what its rays say, however few harmonics it
-// has; other lobes get less of it, other BRDFs nothing.
+// Residuals: with its residual a record gives for its own lobe the same light as its rays, however
+// few harmonics it has; other lobes get less of the residual, other BRDFs nothing.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -51,7 +51,7 @@ static void stop(struct fixture *f) {
     cache_case_free(&f->c);
 }
 
-// What the record says of the lobe towards WO.
+// The light that the lobe reflects towards WO by the record.
 static rgb reflected(const struct fixture *f) {
     const struct cache_site *s = &f->c.site[0];
     const struct brdf brdf = shiny();
@@ -65,7 +65,7 @@ static rgb reflected(const struct fixture *f) {
     return L;
 }
 
-// What the rays of the same record say of it.
+// That light by the rays of the same record.
 static rgb by_rays(const struct fixture *f) {
     const struct cache_site *s = &f->c.site[0];
     const struct gather_site site = {s->p, s->ng, s->frame, s->stream, true};
@@ -92,7 +92,7 @@ static void a_record_says_what_its_rays_say(void **state) {
     assert_true(fabsf(found.r - wanted.r) < 1e-4f * wanted.r);
     assert_true(fabsf(found.g - wanted.g) < 1e-4f * wanted.g);
     assert_true(fabsf(found.b - wanted.b) < 1e-4f * wanted.b);
-    // Order 4 alone is far off.
+    // Order 4 alone has a large error.
     assert_true(fabsf(cut.g - wanted.g) > 0.02f * wanted.g);
     stop(&with);
     stop(&without);

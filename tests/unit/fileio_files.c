@@ -58,15 +58,15 @@ static void compares_names(void **state) {
         {"a", "other/soft", true},
         {"a", "b", false},
         {"a", "none", false},
-        // Not there yet.
+        // The file does not exist yet.
         {"none", "none", true},
         {"none", "./none", true},
         {"sub/none", "other/none", true},
         {"sub/none", "dangling", true},
         {"none", "sub/none", false},
         {"none", "more", false},
-        {"missing/none", "missing/none", false},  // nowhere, which is refused for itself
-        // Devices lose nothing.
+        {"missing/none", "missing/none", false},  // no file, refused for another reason
+        // Devices are not protected, as they lose nothing.
         {"/dev/null", "/dev/null", false},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

@@ -96,7 +96,7 @@ static void new_name_is_unused(void **state) {
     assert_int_equal(fileio_output_commit(silent, &one), SATIN_OK);
     assert_int_equal(fileio_output_commit(silent, &two), SATIN_OK);
     expect_text("twice", "2");
-    // A name as long as a name can be has a new name too.
+    // The longest possible name has a new name too.
     char name[NAME_MAX + 1] = "";
     memset(name, 'n', NAME_MAX);
     assert_int_equal(put(name, "long"), SATIN_OK);
@@ -130,7 +130,7 @@ static void links_are_followed(void **state) {
     expect_text("sub/real", "new");
     expect_link("first", "sub/real");
     expect_link("second", "first");
-    // One that leads to nothing makes it.
+    // A link to a file that does not exist makes that file.
     assert_int_equal(symlink("made", "sub/dangling"), 0);
     assert_int_equal(put("sub/dangling", "made"), SATIN_OK);
     expect_text("sub/made", "made");
@@ -190,7 +190,7 @@ static void open_files_are_written_on(void **state) {
     assert_int_equal(put(name, "during"), SATIN_OK);
     assert_int_equal(write(fd, " after", 6), 6);
     expect_text("open", "before during after");
-    // By a link, as /dev/stdout is one; it stays.
+    // By a link, such as /dev/stdout; the link stays.
     snprintf(name, sizeof name, "/proc/self/fd/%d", fd);
     assert_int_equal(symlink(name, "standard"), 0);
     assert_int_equal(put("standard", "."), SATIN_OK);
@@ -205,7 +205,7 @@ static void open_files_are_written_on(void **state) {
     close(reading);
 }
 
-// What has come to stand in the file's place meanwhile is not replaced.
+// A directory that has replaced the file meanwhile is not replaced.
 static void looks_again_before_the_rename(void **state) {
     (void)state;
     struct fileio_output out;

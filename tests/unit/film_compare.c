@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Comparison: figures of small images worked out by hand, the subtraction of a reference's own
+// Comparison: figures of small images computed by hand, the subtraction of a reference's own
 // variance, masks, values that are not finite.
 #include <math.h>
 #include <setjmp.h>
@@ -44,7 +44,7 @@ static void figures_by_hand(void **state) {
     satin_film_free(r);
 }
 
-// 1.9 % is not seen, 2.1 % is; anything is seen on black.
+// 1.9 % is not visible, 2.1 % is; on black any difference is visible.
 static void weber(void **state) {
     (void)state;
     struct satin_film *x = grey(4, 1, 1.0f, 3), *r = grey(4, 1, 1.0f, 3);

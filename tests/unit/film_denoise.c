@@ -87,8 +87,8 @@ static void what_it_cannot_hold_stays(void **state) {
     assert_int_equal(denoise(d, &image), SATIN_OK);
     assert_float_equal(denoised[7].g, denoised[6].g - 3.0f, denoised[6].g * 1e-6f);
     assert_float_equal(denoised[9].g / 1e30f, 1.0f, 1e-6f);
-    // What was held of the bright pixel is spread over all: 2^24 times the brightness, which is a
-    // power of two near 1.
+    // The part of the bright pixel within the range is distributed over all pixels: 2^24 times the
+    // brightness, which is a power of two near 1.
     assert_true(denoised[6].g < 0x1p26f / PIXELS);
     film_denoiser_free(d);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // OpenEXR files read: every compression, pixel type, scanlines and tiles, an offset data window;
-// then files cut short, flipped bytes and headers that promise too much.
+// then files cut short, flipped bytes and headers that declare too much.
 #include <math.h>
 #include <openexr.h>
 #include <setjmp.h>
@@ -153,7 +153,7 @@ static char *file_bytes(const struct sample_file *f, size_t *size) {
     return data;
 }
 
-// Whatever is cut off, the file is refused in one line.
+// A file that is cut at any byte is refused in one line.
 static void cut_short(void **state) {
     (void)state;
     for (int tiled = 0; tiled < 2; tiled++) {
@@ -177,7 +177,7 @@ static void cut_short(void **state) {
     }
 }
 
-// A flipped byte is read as something or refused; nothing breaks.
+// A file with a flipped byte is read or refused, without a crash.
 static void flipped_bytes(void **state) {
     (void)state;
     size_t size;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of numbers: colours grow lighter evenly, zero and what is not finite is black, single
-// large values do not darken the others, dots cover the grey beauty.
+// Images of numbers: colours become lighter in equal steps, zero and values that are not finite are
+// black, single large values do not darken the others, dots cover the grey beauty.
 #include <math.h>
 #include <png.h>
 #include <setjmp.h>
@@ -52,7 +52,7 @@ static void colours_grow_lighter(void **state) {
     unsigned char pixel[3 * WIDTH];
     read_png("map.png", pixel);
     for (int i = 0; i < 12; i++) assert_int_equal(pixel[i], 0);
-    // Even in CIE lightness too, but for what the two formulas differ in.
+    // The steps are equal in CIE lightness too, except for the difference of the two formulas.
     const int step = 100;
     for (int i = step; i + step < WIDTH; i += step) {
         double rise = lightness(&pixel[3 * (i + step)]) - lightness(&pixel[3 * i]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// For tests that write files: the setup and teardown of a group, a working directory of its own
-// that goes with all that is in it.
+// For tests that write files: the setup and teardown of a group, a working directory of their own,
+// which is removed with its contents.
 #ifndef FOLDER_CASE_H
 #define FOLDER_CASE_H
 

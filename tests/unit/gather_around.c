@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a hemisphere measures of its surroundings: distances in a box, the sectors that a wall
-// fills, and the Hessian of E against second differences, in a box lit by a point light, whose
-// gathered radiance (first pass `none`) has no noise.
+// The measurements that a hemisphere makes of its surroundings: distances in a box, the sectors
+// that a wall fills, and the Hessian of E against second differences, in a box lit by a point
+// light, whose gathered radiance (first pass `none`) has no noise.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

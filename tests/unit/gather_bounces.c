@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Paths behind the hits of gather rays: on average they find what path tracing finds, and longer
-// ones than the options allow are left out.
+// Paths after the hits of gather rays: on average they find what path tracing finds, and paths
+// longer than the options allow are left out.
 #include "gather/gather_bounces.h"
 
 #include <math.h>
@@ -9,8 +9,8 @@
 #include "photon/photon_map.h"
 #include "test_scene.h"
 
-// Where there are no photons, rays go on as paths over diffuse and glossy lobes: on average
-// they find what path tracing finds, whichever way the first pass would have read photons.
+// Where there are no photons, rays continue as paths over diffuse and glossy lobes: their mean is
+// that of path tracing, for both first passes that read photons.
 static void paths_over_two_lobes_are_unbiased(void **state) {
     (void)state;
     enum { RAYS = 150000 };
@@ -51,7 +51,7 @@ static void paths_over_two_lobes_are_unbiased(void **state) {
     test_scene_free(&t);
 }
 
-// A scene with the global photon map that gather rays read in it, at any radius of the lookup.
+// A scene with the global photon map that gather rays read, at any radius of the lookup.
 struct photon_fixture {
     struct test_scene t;
     satin_options options;
@@ -87,7 +87,7 @@ static void lit_sphere(struct test_scene *t, float albedo) {
     test_scene_finish(t);
 }
 
-// What a ray from near its middle hits.
+// The point that a ray from near its middle hits.
 static struct gather_point sphere_point(const struct gather *g, struct sampler *sampler) {
     struct gather_first first;
     struct gather_point y;
@@ -97,7 +97,7 @@ static struct gather_point sphere_point(const struct gather *g, struct sampler *
 }
 
 // Inside a diffuse sphere with a lamp in its middle every bounce brings its albedo times the light
-// of the one before, wherever it leads. The first bounce is always made; whether the others are is
+// of the one before, in any direction. The first bounce is always made; whether the others are is
 // decided by the albedo, so their number G has P(G >= k) = ALBEDO^k.
 static void bounces_end_with_the_longest_path(void **state) {
     (void)state;
@@ -111,7 +111,7 @@ static void bounces_end_with_the_longest_path(void **state) {
     struct sampler sampler = {0, 5, 0};
     const struct gather_point y = sphere_point(&g, &sampler);
     const struct gather_estimate none = {rgb_grey(0.0f), false, NULL};
-    // Three segments: the lamp lights y, and no bounce is kept; four: one is.
+    // With three segments the lamp lights y, and no bounce is kept; with four, one bounce is.
     const float expected[] = {ALBEDO, ALBEDO * (1.0f + ALBEDO)};
     for (int i = 0; i < 2; i++) {
         options.max_depth = 3 + i;
@@ -131,7 +131,7 @@ static void bounces_end_with_the_longest_path(void **state) {
     assert_true(fabsf(gather_bounces(&g, &y, estimate, NULL, sampler).g - 2.0f * ALBEDO) < 1e-6f);
     options.gather_direct = true;
     assert_true(fabsf(gather_bounces(&g, &y, estimate, NULL, sampler).g - 3.0f * ALBEDO) < 1e-4f);
-    // Known direct light stands for that of the lamp.
+    // Known direct light replaces that of the lamp.
     const rgb direct = rgb_grey(4.0f * PI_F);
     estimate.direct = &direct;
     assert_true(fabsf(gather_bounces(&g, &y, estimate, NULL, sampler).g - 6.0f * ALBEDO) < 1e-5f);

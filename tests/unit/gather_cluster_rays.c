@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Guided rays, where all light comes from a spot of light on a ceiling, so small that irradiance,
-// radiance and their gradients are known: with them all are right within the noise that a few
-// hundred rays have, without them most hemispheres miss the spot.
+// radiance and their gradients are known: with guided rays all of these are right within the noise
+// of a few hundred rays; without them most hemispheres miss the spot.
 #include "gather/gather_cluster_rays.h"
 
 #include "rsh/rsh.h"
@@ -54,7 +54,7 @@ static void check_irradiance(float half_angle, double tolerance) {
         sum += x / STREAMS;
         square += (x - 1.0) * (x - 1.0) / STREAMS;
         gradient += (double)v3_len(v3_sub(value.grad_t[1], moved)) / STREAMS;
-        // What a rotation of the normal by a small angle changes: E / cos(theta) * w . n'.
+        // The change by a rotation of the normal by a small angle: E / cos(theta) * w . n'.
         const vec3 tilted = v3_unit(v3(0.02f, 1.0f, -0.01f));
         const double wanted = E / (double)w.y * (double)v3_dot(w, tilted) - E;
         const double given = (double)v3_dot(v3_cross(site.frame.n, tilted), value.grad_r[1]);
@@ -64,7 +64,7 @@ static void check_irradiance(float half_angle, double tolerance) {
     assert_true(sqrt(square) < 0.05);
     assert_true(gradient < 0.05 * (double)v3_len(moved));
     assert_true(rotation < 0.05);
-    // Without them one hemisphere in nine meets the spot at all.
+    // Without guided rays, one hemisphere in nine hits the spot.
     f.room.options.guide_clusters = false;
     int dark = 0;
     for (uint64_t i = 0; i < STREAMS; i++) {
@@ -77,14 +77,15 @@ static void check_irradiance(float half_angle, double tolerance) {
     spot_room_free(&f.room);
 }
 
-// Down to a spot that is seen under ten minutes of arc.
+// Down to a spot that subtends ten minutes of arc.
 static void irradiance_is_right(void **state) {
     (void)state;
     check_irradiance(0.03f, 0.01);
     check_irradiance(0.003f, 0.03);  // the cosine of the light's angle has two digits left
 }
 
-// The mean of Lambda and of its derivative along the frame's u against what one direction makes.
+// The mean of Lambda and of its derivative along the frame's u, against those of light from one
+// direction.
 static void radiance_is_right(void **state) {
     (void)state;
     struct fixture f;

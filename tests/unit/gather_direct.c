@@ -53,7 +53,7 @@ static double mean_of(const struct test_scene *t, int samples, int runs, double 
     return sum / runs;
 }
 
-// The first lamp brings 4 / 2^2, of which a white surface sends on 1 / pi.
+// The first lamp brings 4 / 2^2, of which a white surface reflects 1 / pi.
 static void few_lights_are_all_sampled(void **state) {
     (void)state;
     for (int lamps = 1; lamps <= 4; lamps++) {

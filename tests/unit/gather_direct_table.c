@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Direct light where irradiance is precomputed: the right amount of it, and no word of the entries
-// around the edge of a spot.
+// Direct light where irradiance is precomputed: it is right, and entries around the edge of a spot
+// are not read.
 #include <math.h>
 
 #include "gather/gather.h"
@@ -40,7 +40,7 @@ static void lit_cube_free(struct lit_cube *cube) {
 }
 
 // A point light in the middle brings cos^3 of the angle to the wall: the same in every sample, and
-// so much the same at all neighbours that all may be read.
+// so similar at all neighbours that all may be read.
 static void a_point_light_is_exact(void **state) {
     (void)state;
     struct lit_cube cube = {0};
@@ -89,8 +89,8 @@ static void edges_of_spots_are_not_read(void **state) {
 }
 
 // A beam that is narrower than the entries' spacing, in eight directions: most fall between
-// entries, whose neighbours are dark, and some on one. None that answers for points in the patch
-// may be read.
+// entries, whose neighbours are dark, and some on one. No entry that would be read in the patch may
+// be read.
 static void beams_between_entries_are_found(void **state) {
     (void)state;
     const float cosine = 0.9998f, radius = sqrtf(1.0f / (cosine * cosine) - 1.0f);

@@ -120,7 +120,8 @@ static double polished_irradiance(struct fixture *f, double *deviation) {
 }
 
 // The image of a point light in polished walls is narrower than the rays' strata: one record in
-// many meets it and is far too bright, unless rays see lobes as wide as what they stand for.
+// many meets it and is far too bright, unless rays treat lobes as at least as wide as the solid
+// angle of their stratum.
 static void polished_walls_are_seen_through_beams(void **state) {
     (void)state;
     struct fixture f;
@@ -142,7 +143,7 @@ static void polished_walls_are_seen_through_beams(void **state) {
     print_message("by rays %.4f, deviation %.4f; by beams %.4f, deviation %.4f\n", by_rays, rays,
                   by_beams, beams);
     assert_true(beams < 0.25 * rays);
-    // Five standard errors, and the light that wider lobes send elsewhere.
+    // Five standard errors, and the light that wider lobes reflect elsewhere.
     assert_true(fabs(by_beams - by_rays) < 5.0 * rays / sqrt(256.0) + 0.02 * by_rays);
     test_scene_free(&f.scene);
 }
@@ -198,7 +199,7 @@ static void rotation_gradient_matches_a_tilt(void **state) {
         }
     }
     // E is to 0.05 % in each of 24 pairs of 12000 rays, so its slope to .002 of .036 in their
-    // mean; the wrong sign would be off by 2.
+    // mean; with the wrong sign the deviation would be 2.
     assert_true(fabs(difference) > 0.02 * STREAMS);
     assert_true(fabs(given / difference - 1.0) < 0.15);
     gather_workers_free(worker, 1);
@@ -261,7 +262,7 @@ static void constant_radiance_has_one_coefficient(void **state) {
     test_scene_free(&f.scene);
 }
 
-// What a hemisphere found is its own: the next one that the worker gathers leaves it as it is.
+// The results of a hemisphere stay when the worker gathers the next one.
 static void hemispheres_own_what_they_found(void **state) {
     (void)state;
     struct fixture f;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The next bounce of gather rays, where all light comes from a small spot of light on a ceiling and
-// the site is on that ceiling, which does not see it: irradiance there is known by integration over
-// the walls and the floor, which do.
+// the site is on that ceiling, from which it is not visible: irradiance there is known by
+// integration over the walls and the floor, which the spot lights.
 #include "gather/gather_near.h"
 #include "gather/gather_layout.h"
 
@@ -62,13 +62,14 @@ static struct errors errors_of(struct spot_room *f, bool guided, double E) {
     return e;
 }
 
-static void places_that_the_site_does_not_see_are_sampled(void **state) {
+static void positions_hidden_from_the_site_are_sampled(void **state) {
     (void)state;
     struct spot_room f;
     start(&f);
     const double E = expected(&f);
     const struct errors with = errors_of(&f, true, E);
-    // Four standard deviations of the mean; a run by the BRDF alone shows what they are up against.
+    // Four standard deviations of the mean; a run by the BRDF alone shows the noise without
+    // clusters.
     assert_true(fabs(with.mean) < 4.0 * with.rms / sqrt(STREAMS));
     assert_true(with.rms < 0.15);
     assert_true(errors_of(&f, false, E).rms > 1.0);
@@ -76,7 +77,7 @@ static void places_that_the_site_does_not_see_are_sampled(void **state) {
 }
 
 // The mean weight is that by the BRDF alone: over all directions the albedo, over those to the spot
-// what they are of it.
+// their part of it.
 static void weights_are_unbiased(void **state) {
     (void)state;
     struct spot_room f;
@@ -140,7 +141,7 @@ static void near_is_a_few_radii(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(near_is_a_few_radii),
-        cmocka_unit_test(places_that_the_site_does_not_see_are_sampled),
+        cmocka_unit_test(positions_hidden_from_the_site_are_sampled),
         cmocka_unit_test(weights_are_unbiased),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -77,8 +77,8 @@ static void planes_are_as_bright_as_their_albedo(void **state) {
     }
 }
 
-// A diffuse plane beside a pane that shows the sky: what the ray meets, and which part of the
-// light is emission, whether or not longer paths are wanted.
+// A diffuse plane beside a pane that shows the sky: the surface that the ray hits, and the part of
+// the light that is emission, with and without longer paths.
 static void reports_what_the_eye_sees(void **state) {
     (void)state;
     struct test_scene t;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gather rays that look for lights: what they meet is weighed against the light samples of the very
-// point that they leave, though they begin off its surface and cells of what is visible may end
-// there.
+// Gather rays that look for lights: the light that they hit is weighted against the light samples
+// of the point from which they start, although they begin off its surface and cells of visibility
+// may end there.
 #include "gather/gather.h"
 
 #include <setjmp.h>
@@ -27,7 +27,8 @@ static void scene_of(struct test_scene *t) {
     test_scene_finish(t);
 }
 
-// Two cells that meet at `height`: the lower one hardly sees the sky, the upper one not the lamp.
+// Two cells that meet at `height`: the sky is hardly visible from the lower one, and the lamp not
+// from the upper one.
 static struct guide_visibility *cells_at(float height) {
     struct guide_visibility *visibility = calloc(1, sizeof *visibility);
     assert_non_null(visibility);
@@ -61,7 +62,7 @@ static void light_is_weighed_at_the_point_that_rays_leave(void **state) {
         assert_true(rgb_luminance(ray.Le) > 0.0f);
         const struct light_chain chain = light_chain_begin(up);
         assert_true(ray.light_pdf == gather_light_pdf(&g, p, &chain, NULL));
-        // A sky and a lamp whose light arrives at p alike would get half of the samples each.
+        // A sky and a lamp that light p equally would get half of the samples each.
         assert_true(i == 0 ? ray.light_pdf > 0.4f / PI_F * 0.5f : ray.light_pdf < 0.05f / PI_F);
         free(visibility);
     }

@@ -8,7 +8,7 @@
 
 static const float ALBEDO = 0.5f, EMITTED = 3.0f;
 
-// A mirror at z = 0, and 2 above it a diffuse ceiling that shines on one side of x = 0.
+// A mirror at z = 0, and 2 above it a diffuse ceiling that emits light on one side of x = 0.
 static void scene_of(struct test_scene *t) {
     test_scene_init(t);
     const uint32_t mirror =
@@ -44,14 +44,14 @@ static void ends_behind_a_mirror(void **state) {
     const float slant = sqrtf(1.0f + 0.3f * 0.3f);
     assert_true(fabsf(segment.first.r - slant) < 1e-5f);
     assert_true(v3_len(segment.first.ng) == 0.0f);
-    // Without eta and k all is reflected, times the colour.
+    // Without eta and k all light is reflected, times the colour.
     assert_true(fabsf(segment.T.r - 0.9f) < 1e-6f && fabsf(segment.T.b - 0.3f) < 1e-6f);
     assert_true(segment.light_pdf == 0.0f && rgb_black(segment.Le) &&
                 rgb_black(segment.Le_specular));
     test_scene_free(&t);
 }
 
-// Light that is met at once can be drawn by light samples, light in the mirror cannot.
+// Light samples can draw light that is hit directly, but not light in the mirror.
 static void emitted_light_is_direct_or_specular(void **state) {
     (void)state;
     struct test_scene t;

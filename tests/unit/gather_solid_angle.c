@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Solid-angle-based gradients of made-up hits: by differentiation, by differences, and by moving
+// Solid-angle-based gradients of random hits: by differentiation, by differences, and by moving
 // the centre while the areas that were hit stay, in double. The three must agree, coefficient by
 // coefficient, wherever the hits are.
 #include <setjmp.h>
@@ -53,8 +53,8 @@ static void finish(struct fixture *f) {
     gather_layout_free(f->layout);
 }
 
-// Direction and solid angle, over the old one, of the area that ray i hit, when the centre has
-// moved by `step` along an axis. False if nothing is known of it.
+// Direction and solid angle, over the previous one, of the area that ray i hit, when the centre has
+// moved by `step` along an axis. False if it is not known.
 static bool moved(const struct fixture *f, size_t i, int axis, double step, double w[3],
                   double *omega) {
     const struct gather_hemisphere *h = f->hemisphere;

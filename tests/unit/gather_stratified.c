@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stratified gradients where they are known: inside a unit sphere whose radiance is 1 + x, seen
-// from its centre, dE/dx = 3 pi / 4 and dE/dy = 0. Weights that follow the samples' own angles miss
-// this at any number of rays: they rotate it by .7 towards -y (docs/equations.md, erratum 1).
+// Stratified gradients where they are known: at the centre of a unit sphere whose radiance is 1 +
+// x, dE/dx = 3 pi / 4 and dE/dy = 0. Weights that follow the samples' own angles miss this at any
+// number of rays: they rotate it by .7 towards -y (docs/equations.md, erratum 1).
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

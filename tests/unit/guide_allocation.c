@@ -53,7 +53,7 @@ static void skies_over_open_floors_get_most(void **state) {
     struct guide_allocation allocation;
     room(&t, false);
     guide_allocation_make(&t.scene, 1, NULL, &allocation);
-    // Walks leave the floor upwards and meet nothing but the back of the lamp, or the sky.
+    // Walks leave the floor upwards and hit only the back of the lamp, or the sky.
     assert_true(allocation.by_power || allocation.fraction[1] > 0.5f);
     test_scene_free(&t);
 }
@@ -83,7 +83,7 @@ static void threads_do_not_matter(void **state) {
     test_scene_free(&t);
 }
 
-// What is allocated otherwise arrives in the same amount.
+// With another allocation the same amount of light arrives.
 static void power_is_kept(void **state) {
     (void)state;
     struct test_scene t;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bright positions: found where photons come down densely, seen from where they are in sight, and
-// nowhere where light is even.
+// Photon clusters: found where photons arrive densely, visible from points with a free line to
+// them, and not found where light is uniform.
 #include "test_scene.h"
 
 #include <math.h>
@@ -21,7 +21,7 @@ static vec3 on_wall(size_t i, vec2 u, vec3 *n) {
     return axis == 0 ? v3(side, x, y) : axis == 1 ? v3(x, side, y) : v3(x, y, side);
 }
 
-// Photons of power 1 / PHOTONS, spread over the walls of a box, and a part in a spot on its
+// Photons of power 1 / PHOTONS, spread over the walls of a box, and a fraction in a spot on its
 // ceiling.
 static void shower(struct guide_photon *photon, size_t spread) {
     for (size_t i = 0; i < PHOTONS; i++) {
@@ -72,8 +72,8 @@ static int look(const struct test_scene *t, struct guide_clusters *clusters, vec
     return count;
 }
 
-// The cones hold the spot, hardly more, and foretell what comes from it.
-static void a_spot_is_seen(void **state) {
+// The cones hold the spot and little more, and predict the light that comes from it.
+static void a_spot_is_visible(void **state) {
     (void)state;
     struct test_scene t;
     box(&t, false);
@@ -88,7 +88,7 @@ static void a_spot_is_seen(void **state) {
         float solid_angle = 0.0f, E = 0.0f;
         for (int c = 0; c < count; c++) {
             E += cone[c].E;
-            if (!(cone[c].E > 1e-3f)) continue;  // what is a little brighter than the walls
+            if (!(cone[c].E > 1e-3f)) continue;  // positions a little brighter than the walls
             solid_angle += 2.0f * PI_F * cone[c].versine;
             assert_true(cone[c].filled > 0.1f);
         }
@@ -212,7 +212,7 @@ static void same_tree_on_any_threads(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_spot_is_seen),
+        cmocka_unit_test(a_spot_is_visible),
         cmocka_unit_test(what_is_hidden_is_not_seen),
         cmocka_unit_test(even_light_has_none),
         cmocka_unit_test(photons_without_area_are_harmless),

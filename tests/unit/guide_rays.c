@@ -67,7 +67,8 @@ static void directions_are_in_their_cone(void **state) {
         assert_true(guide_cone_holds(&rays.cone[0], w));
         above += (1.0 - (double)v3_dot(w, rays.cone[0].axis)) / SAMPLES;
     }
-    // The mean of 1 - cosine over a cone is half of its largest; floats near 1 have steps of 6e-8.
+    // The mean of 1 - cosine over a cone is half of the largest value; floats near 1 have steps of
+    // 6e-8.
     assert_true(fabs(above / (0.5 * 0.999 * (double)rays.cone[0].versine) - 1.0) < 1e-2);
     assert_false(guide_cone_holds(&rays.cone[0], v3(1, 0, 0)));
 }
@@ -97,7 +98,7 @@ static void weighed_rays_cover_the_hemisphere(void **state) {
     rays.cone[2].axis = v3(1, 0, 0);
     guide_rays_allocate(&rays, 0.0f, STRATIFIED);
     assert_int_equal(rays.count, CONES);
-    // Weights need to know what was drawn from which cone: all rays are drawn before.
+    // Weights depend on the rays that were drawn from each cone, so all rays are drawn before.
     static vec3 ray[STRATIFIED + STRATIFIED / 2];
     struct guide_draw draw = {.stream = 3, .n = n};
     float own;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is visible of the lights: in a room with a hole in its wall, directions of the sky that are
-// drawn there mostly go through the hole, and bring the light that all of them do; a lamp behind a
-// wall is hardly chosen.
+// Visibility of the lights: in a room with a hole in its wall, most directions that are drawn to
+// the sky go through the hole, and the light they bring has the right mean; a lamp behind a wall is
+// rarely chosen.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -41,7 +41,7 @@ static void room(struct test_scene *t, bool walls, int lamps) {
 }
 
 struct tally {
-    double E, visible;  // irradiance; part of the samples that see the sky
+    double E, visible;  // irradiance; fraction of the samples that arrive at the sky
 };
 
 // Counts samples at p on the floor, with normal z.
@@ -61,7 +61,7 @@ static struct tally sample(const struct test_scene *t, const struct light_histog
     return tally;
 }
 
-// Learns what is visible by that many threads.
+// Learns the visibility by that many threads.
 static struct guide_visibility *look(struct test_scene *t, int threads) {
     satin_options options = satin_options_default;
     struct parallel *pool = parallel_new(threads);
@@ -118,7 +118,7 @@ static void without_sky_there_is_nothing(void **state) {
     test_scene_free(&t);
 }
 
-// Two lamps alike, one above the floor, the other above the ceiling.
+// Two equal lamps, one above the floor, the other above the ceiling.
 static void lamps_behind_walls_are_hardly_chosen(void **state) {
     (void)state;
     struct test_scene t;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lights: what is sampled follows the density that is reported (chi-square over a grid of
-// directions, at points near, beside, inside and far), what is reported agrees from both sides
-// (round trip), and what is emitted is the analytic power and arrives as the irradiance that
-// sampling finds.
+// Lights: samples follow the density that is reported (chi-square over a grid of directions, at
+// points near, beside, inside and far), sampling and evaluation report the same density (round
+// trip), and photons have the analytic power and bring the irradiance that sampling finds.
 #include "test_scene.h"
 
 #include <math.h>
@@ -24,7 +23,7 @@ static int cell_of(const struct frame *f, vec3 w) {
     return (row < ROWS ? row : ROWS - 1) * COLUMNS + (column < COLUMNS ? column : COLUMNS - 1);
 }
 
-// The density at p in direction w that MIS would ask for.
+// The density at p in direction w that MIS would use.
 static float density(const struct satin_scene *scene, uint32_t light, vec3 p, vec3 w) {
     enum light_kind kind = scene->light[light].kind;
     if (kind != LIGHT_AREA) return light_environment_pdf(scene, NULL, w);
@@ -40,7 +39,7 @@ static double chi_square_tail(double chi2, double freedom) {
     return 0.5 * erfc(z / sqrt(2.0));
 }
 
-// The integral of the density over each cell, and the greatest part of it that one of its FINE^2
+// The integral of the density over each cell, and the largest fraction of it that one of its FINE^2
 // points has.
 static void integrate(const struct satin_scene *scene, uint32_t light, vec3 p,
                       const struct frame *f, double expected[CELLS], double most[CELLS]) {
@@ -92,7 +91,8 @@ static void check_density(const struct test_scene *t, uint32_t light, vec3 p, co
             continue;
         }
         // The samples' own variance, and that of the integral: an edge of the light that cuts the
-        // cell passes by up to 2 FINE of its jittered points, each of which is a coin's toss.
+        // cell passes by up to 2 FINE of its jittered points, each of which falls on either side by
+        // chance.
         double integration = 0.25 * 2 * FINE * (most[i] * N) * (most[i] * N);
         chi2 += (found[i] - e) * (found[i] - e) / (e + integration);
         freedom++;
@@ -158,7 +158,7 @@ static void area_density(void **state) {
     }
 }
 
-// A mesh of three triangles, which is no row of faces, is drawn by triangle.
+// A mesh of three triangles, which do not form faces in pairs, is sampled by triangle.
 static void triangle_density(void **state) {
     (void)state;
     static const float position[19] = {0, 0, 0, 1, 0, 0, 1, 1, 0.3f, 0, 1.2f, 0, -0.7f, 0.5f, 0, 0};
@@ -275,8 +275,8 @@ static struct light spot(float cutoff, float beam) {
                           .cos_beam = cosf(beam * PI_F / 180.0f)};
 }
 
-// Lights are drawn as often as light_choose_probability says, few or many; never without a chance
-// where they bring light.
+// Lights are drawn as often as light_choose_probability says, few or many; and with a probability
+// above 0 wherever they bring light.
 static void choice_has_its_probability(void **state) {
     (void)state;
     for (int lights = 3; lights <= 28; lights += 25) {
@@ -287,7 +287,7 @@ static void choice_has_its_probability(void **state) {
             struct mat4 m = test_transform(v3((float)i, 0, 0), v3(0.3f, 0.3f, 0.3f));
             test_area_light(&t, test_rectangle(&t, m, grey), rgb_grey((float)(1 + i % 3)));
         }
-        // One of each other kind: on a line with the rest, and from afar.
+        // One light of each other kind, on a line with the others, and from far away.
         struct light other[] = {spot(60.0f, 20.0f), {.kind = LIGHT_POINT}, environment(NULL)};
         other[0].position = v3(3, 0.5f, -1);
         other[1].position = v3(8, 0.5f, 2);
@@ -403,7 +403,7 @@ static void check_emission(const struct emission_case *c) {
     test_rectangle(&t, test_transform(v3(0, 0, 0), v3(4, 4, 1)), grey);
     test_scene_finish(&t);
     vec3 p = v3(0.3f, 0.1f, 0.0f);
-    // Light from afar is spread over all the floor but even.
+    // Light from infinity is distributed over all the floor, but uniformly.
     float half = t.light[0].kind >= LIGHT_DIRECTIONAL ? 1.5f : 0.2f;
     double arrived, power = emit(&t, N, p, half, &arrived), E = sampled_irradiance(&t, p);
     if (!(fabs(arrived / E - 1.0) <= 0.08) ||
@@ -433,7 +433,7 @@ static void emission(void **state) {
     sun.direction = v3_unit(v3(0.5f, 0.3f, -1.0f));
     double c = 50.0 * M_PI / 180.0, b = 20.0 * M_PI / 180.0;
     double spot_power = 3.0 * 2.0 * M_PI * (1.0 - (sin(c) - sin(b)) / (c - b));
-    // Slides: at the place of `down`, looking down.
+    // Slides: at the position of `down`, looking down.
     const struct texture light = {.value = rgb_grey(0.9f)}, dark = {.value = rgb_grey(0.2f)};
     struct texture checks = {.kind = TEXTURE_CHECKERBOARD,
                              .check = {&light, &dark},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Area lights of any size: products of lengths neither overflow nor vanish. Textured ones are drawn
-// by what they emit.
+// Area lights of any size: products of lengths neither overflow nor vanish. Textured ones are
+// sampled by their emission.
 #include "base/sampling.h"
 #include "light/light_kinds.h"
 
@@ -45,7 +45,7 @@ static void triangles_of_any_size(void **state) {
         vec3 p = v3_mul(v3(0.2f, 0.1f, 0.7f), size[i]);
         assert_true(light_sample(&t.scene, 0, p, 0.3f, 0.6f, &sample));
         assert_true(v3_dist2(sample.n, v3(0, 0, 1)) < 1e-10f);
-        // The solid angle is about that of the triangle seen from the front.
+        // The solid angle is about that of the triangle from the front.
         assert_true(sample.pdf_w > 0.5f && sample.pdf_w < 10.0f);
         assert_true(light_emit(&t.scene, 0, NULL, u, &photon));
         float power = 0.5f * PI_F * size[i] * size[i];
@@ -94,7 +94,7 @@ static double irradiance(const struct textured *l, vec3 p) {
 }
 
 // Random samples, which by area would be 160 % off, as one in 256 finds the texel that brings four
-// fifths of the light. MIS asks for the density that is drawn.
+// fifths of the light. MIS uses the density of the samples.
 static void a_bright_texel_is_found(void **state) {
     (void)state;
     enum { RUNS = 64, FEW = 64 };

@@ -5,7 +5,7 @@
 #include "base/sampling.h"
 #include "test_scene.h"
 
-// A small sun is seen where it is drawn, and brings its radiance times its solid angle.
+// A small sun is evaluated where it is sampled, and brings its radiance times its solid angle.
 static void sun_is_a_disc(void **state) {
     (void)state;
     float texel[4 * 3 * 3] = {0};
@@ -37,8 +37,8 @@ static void sun_is_a_disc(void **state) {
     test_scene_free(&t);
 }
 
-// Through a window that most bins leave dark: the density that is reported is that which was drawn
-// by, and the light of every part of the sky comes to what it is.
+// Through a window that most bins leave dark: the density that is reported is that of the samples,
+// and the light of every part of the sky has the right mean.
 static void histograms_change_no_light(void **state) {
     (void)state;
     struct test_scene t;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light through panes: what is transmitted is Fresnel's, what spreads it is the geometry of a slab,
-// light samples bring the irradiance that directions find, and what is no pane stops them.
+// Light through panes: the transmitted fraction is Fresnel's, the change of density is that of a
+// slab, light samples bring the irradiance that random directions find, and surfaces that are no
+// panes stop them.
 #include "test_scene.h"
 
 #include <math.h>
@@ -30,8 +31,8 @@ static void lamp(struct test_scene *t, float x, float w, float h) {
     test_area_light(t, test_rectangle(t, down, grey), rgb_grey(1.0f));
 }
 
-// What the two faces of a plate transmit of unpolarised light at an angle of incidence [rad],
-// without internal reflections.
+// The fraction of unpolarised light that the two faces of a plate transmit at an angle of incidence
+// [rad], without internal reflections.
 static double transmitted(double angle) {
     const double c = cos(angle), inner = sqrt(1.0 - pow(sin(angle) / IOR, 2.0));
     const double s = (c - IOR * inner) / (c + IOR * inner);
@@ -141,7 +142,7 @@ static void panes_are_counted(void **state) {
         test_scene_finish(&t);
         const vec3 up = v3(0, 0, 1);
         assert_true(arriving(&t.scene, up, 2 * plates - 1) < 0.0);
-        // More than 32 surfaces are a caustic to all who ask.
+        // More than 32 surfaces count as a caustic in every query.
         assert_true((arriving(&t.scene, up, 64) > 0.0) == (plates <= 16));
         struct interaction hit;
         struct light_found found;
@@ -182,7 +183,7 @@ static void distances_are_those_of_a_slab(void **state) {
         assert_true(fabs((double)hit.p.x - x) < 1e-4);
         assert_true(fabs((double)found.chain.sagittal * sin(a) / x - 1.0) < 1e-4);
         assert_true(fabs((double)found.chain.tangential / (cos(a) * dx) - 1.0) < 1e-4);
-        // The density beside is that of a point from which the lamp's point is seen along the ray.
+        // The other density is that of a point from which the lamp's point lies along the ray.
         const vec3 from = light_chain_beside(&found.chain, v3(0, 0, 0), hit.p);
         const vec3 d = v3_unit(v3_sub(hit.p, from));
         assert_true(v3_dist2(d, inclined(a)) < 1e-10f);
@@ -190,7 +191,7 @@ static void distances_are_those_of_a_slab(void **state) {
     test_scene_free(&t);
 }
 
-// A small lamp has the irradiance that Fermat's path to it says.
+// The irradiance of a small lamp follows from Fermat's path to it.
 static void points_of_light_are_found(void **state) {
     (void)state;
     const double thickness = 0.08, x = 0.7;
@@ -220,8 +221,8 @@ static void points_of_light_are_found(void **state) {
 
 enum { LIGHT_SIDE = 64 };
 
-// Irradiance at p, upwards, by light samples. Adds how often the density reported for them is
-// another than that reported for rays that find the same light.
+// Irradiance at p, upwards, by light samples. Counts how often the density reported for them
+// differs from that reported for rays that find the same light.
 static double by_samples(const struct satin_scene *scene, vec3 p, int *wrong) {
     const vec3 up = v3(0, 0, 1);
     double sum = 0.0;
@@ -293,8 +294,9 @@ static void lamps_bring_what_directions_find(void **state) {
     }
 }
 
-// A pane of 6 mm in the middle of a wall 10 cm thick: what the wall hides of straight rays alone is
-// lost. The floor is lit through an opening of .8 x .8, from straight below to grazing the wall.
+// A pane of 6 mm in the middle of a wall 10 cm thick: light that the wall hides from straight rays
+// alone is lost. The floor is lit through an opening of .8 x .8, from straight below to grazing the
+// wall.
 static void frames_hide_little(void **state) {
     (void)state;
     struct test_scene t;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the sun stands, against what everybody knows of it.
+// The direction of the sun, against simple astronomical facts.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -24,7 +24,7 @@ static void is_high_at_noon(void **state) {
     for (int i = 0; i < 4; i++) {
         const vec3 sun = at(known[i].latitude, known[i].month, known[i].day, 12.0f);
         assert_float_equal(v3_len2(sun), 1.0f, 1e-5f);
-        // The declination of the day, and the sun's being early or late by a few minutes.
+        // The declination of the day, and the equation of time, which is a few minutes.
         assert_float_equal(asinf(sun.y) * 180.0f / PI_F, known[i].elevation, 0.2f);
         assert_true(sun.z > 0.0f && fabsf(sun.x) < 0.05f);
     }

@@ -28,7 +28,7 @@ static void twosided_nests(void **state) {
     satin_scene_free(scene);
 }
 
-// Masks and what is nothing, in each other and in blends, on one side and on two; fractions beyond
+// Masks and null materials, in each other and in blends, on one side and on two; fractions beyond
 // [0, 1] are its ends.
 static void masks_nest(void **state) {
     (void)state;

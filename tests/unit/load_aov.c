@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `aov` integrators ask for, and one line for what they can't have.
+// The channels that `aov` integrators request, and one message for each that does not exist.
 #include "scene/scene.h"
 #include "scene_case.h"
 
@@ -74,7 +74,8 @@ static void moment_squares_what_is_in_it(void **state) {
         assert_int_equal(aovs->channel[i].squared, i >= 5);
     }
     satin_scene_free(scene);
-    // Around it, `aov` has its own; what has no name has Mitsuba's for such.
+    // `aov` around another integrator has the name of its own; an integrator without a name has
+    // Mitsuba's name for it.
     scene = scene_case_load(
         &c, SCENE_TEXT("<integrator type='aov'><string name='aovs' value='q:depth'/><integrator "
                        "type='moment'><integrator type='satin'/></integrator></integrator>"));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// PNG files: every type of pixel, interlaced or not, and one message of ours for each kind of
-// damage; nothing is left to libpng's own messages on standard error.
+// PNG files: every type of pixel, interlaced or not, and one message for each kind of damage;
+// libpng prints no messages of its own on standard error.
 #include <png.h>
 #include <zlib.h>
 
@@ -196,8 +196,8 @@ static void refuses_damage(void **state) {
     refuse_png(&png, "the PNG is damaged: IEND: out of place");
 }
 
-// A file may end anywhere, and any byte of any chunk may be another: the text's too, on which no
-// texel depends.
+// A file may end anywhere, and any byte of any chunk may be another, also one of a text, on which
+// no texel depends.
 static void refuses_every_cut_and_every_wrong_byte(void **state) {
     (void)state;
     const unsigned char header[HEADER] = {[3] = 3, [7] = 2, [8] = 8}, rows[8] = {0};
@@ -229,7 +229,7 @@ static void skips_what_no_texel_depends_on(void **state) {
     unsigned char *large = calloc(1, LARGE), *file = malloc(2 * PACKED);
     assert_true(large && file);
     uLongf n = PACKED;
-    memcpy(file, "a\0", 3);  // a key, its end, and the way of packing
+    memcpy(file, "a\0", 3);  // a key, its end, and the method of compression
     assert_int_equal(compress(file + 3, &n, large, LARGE), Z_OK);
     free(large);
     struct png_file small;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of measured BRDFs: what they say is read, what they may not say is refused with its place.
+// Files of measured BRDFs: valid values are read, others are refused with their place.
 #include "load/load_measured.h"
 
 #include <setjmp.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OBJ: what is read from well-formed text, and the line that every error names.
+// OBJ: the mesh that is read from well-formed text, and the line that every error names.
 #include "mesh_case.h"
 
 static void read_text(struct mesh_case *c, struct mesh_request request, const char *text) {
@@ -54,7 +54,7 @@ static void applies_the_request(void **state) {
     mesh_case_free(&c);
 }
 
-// Three points in a line are no triangle that a ray could meet, wherever they lie.
+// Three points in a line are no triangle that a ray could hit, at any position.
 static void collapses_what_has_no_area(void **state) {
     (void)state;
     struct mesh_case c;

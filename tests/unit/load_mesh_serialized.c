@@ -26,7 +26,7 @@ static void put_real(struct bytes *b, double value, bool wide) {
         put(b, &narrow, sizeof narrow);
 }
 
-// What is not as it should be in a mesh that is written.
+// The faults of a mesh that is written.
 struct fault {
     uint64_t vertices, triangles;  // declared; 0: the truth
     uint32_t index;                // of the last corner; 0: the truth
@@ -128,7 +128,7 @@ static void refuses_damage(void **state) {
     (void)state;
     struct bytes file = {.size = 0};
     put_mesh(&file, 4, true, 0.0, (struct fault){0});
-    // The last bytes are zlib's checksum and the end of the block, which nothing waits for.
+    // The last bytes are zlib's checksum and the end of the block, which are not read.
     for (size_t cut = 0; cut + 8 < file.size; cut++)
         mesh_case_refuse(load_mesh_serialized, file.byte, cut, "mesh: it");
     file.byte[2] = 9;

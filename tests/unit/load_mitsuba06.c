@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of version 0.6 load as the same scene in version 3's words does.
+// A file of version 0.6 gives the same scene as its translation to version 3.
 #include "load/load_mitsuba06.h"
 
 #include "light/light.h"
@@ -60,7 +60,7 @@ static void moves_the_scale_of_bumps(void **state) {
     satin_scene_free(scene);
 }
 
-// Renamed, scaled and coloured as version 3 does it by other words.
+// Names, scales and colours that version 3 writes in another way.
 static void keeps_meaning(void **state) {
     (void)state;
     static const char body[] =
@@ -82,7 +82,7 @@ static void keeps_meaning(void **state) {
     assert_true(fabsf(scene->light[1].value.r - 15.263024f) < 1e-4f);
     assert_true(fabsf(scene->material[1].front.base.diffuse.g - 0.21404114f) < 1e-6f);
     satin_scene_free(scene);
-    // In version 3 these words are wrong.
+    // In version 3 these names are wrong.
     snprintf(text, sizeof text, "<scene version='3.0.0'>%s", body);
     assert_null(scene_case_load(&c, text));
     assert_true(c.errors == 1 && strstr(c.error, "unknown element <srgb>"));
@@ -168,7 +168,7 @@ static void refuses_the_rest(void **state) {
     }
 }
 
-// What files of that version have beside what they mean, and what satin has instead.
+// Parameters of that version beside those of the same meaning, and what satin does with them.
 static void reads_what_others_wrote(void **state) {
     (void)state;
     struct scene_case c;
@@ -193,7 +193,8 @@ static void reads_what_others_wrote(void **state) {
     assert_float_equal(b->specular.b, .132f, 1e-6f);
     const struct light *sky = &scene->light[scene->environment];
     assert_true(sky->value.g == 6.0f && sky->sun.y > 0.5f && sky->sun.x < 0.0f);
-    // Parameters without effect of BRDFs and of shapes, the sum, the sky, and spheres in one place.
+    // Parameters without effect of BRDFs and of shapes, the sum, the sky, and spheres at one
+    // position.
     assert_int_equal(c.warnings, 5);
     satin_scene_free(scene);
 }

@@ -139,7 +139,8 @@ static void reads_colours(void **state) {
     }
 }
 
-// What may be textured may be a colour, which as a number is its mean.
+// A parameter that may be textured may be a colour, which counts as its mean where a number is
+// needed.
 static void takes_means_of_colours(void **state) {
     (void)state;
     static const char *const cases[] = {
@@ -156,7 +157,7 @@ static void takes_means_of_colours(void **state) {
     }
 }
 
-// A colour of a texture is one; a number of it is any.
+// A colour of a texture is a colour; a number of it may be either.
 static void separates_numbers_from_colours(void **state) {
     (void)state;
     static const struct {
@@ -248,7 +249,7 @@ static void refuses(void **state) {
     }
 }
 
-// What is far from every name is somebody else's parameter.
+// A name far from every known one is a parameter of another renderer.
 static void passes_over_what_is_not_its_own(void **state) {
     (void)state;
     static const char *const others[] = {"<float name='zzzzzzzz' value='1'/>",
@@ -265,7 +266,7 @@ static void passes_over_what_is_not_its_own(void **state) {
     }
 }
 
-// Every plugin has words for itself and its parameters, and defaults that can be read.
+// Every plugin describes itself and its parameters, and has defaults that can be read.
 static void tables_are_complete(void **state) {
     (void)state;
     struct load_plugin_info info;
@@ -284,7 +285,7 @@ static void tables_are_complete(void **state) {
     assert_false(load_plugin_describe(-1, &info));
 }
 
-// A parameter may be textured exactly where its model says so.
+// A parameter may be textured exactly if its model allows it.
 static void textures_fit_models(void **state) {
     (void)state;
     static const char *const slot_params[BRDF_SLOT_COUNT][3] = {

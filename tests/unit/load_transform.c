@@ -43,7 +43,7 @@ static void steps(void **state) {
            (float[]){1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3});
 }
 
-// What is written first acts first.
+// The first step in the file is applied first.
 static void order(void **state) {
     (void)state;
     expect("<translate x='1'/><scale value='2'/>", (float[]){2, 0, 0, 2, 0, 2, 0, 0, 0, 0, 2, 0});

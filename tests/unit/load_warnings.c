@@ -12,7 +12,7 @@
 #define PLACE(steps) "<transform name='to_world'>" steps "</transform>"
 #define FILM(parts) "<sensor type='perspective'><film type='hdrfilm'>" parts "</film></sensor>"
 
-// What the line of a scene says, and the message without its `scene.xml:3:COLUMN: `.
+// A line of a scene, and the message without its `scene.xml:3:COLUMN: `.
 struct nonsense {
     const char *line, *message;
 };
@@ -117,7 +117,7 @@ static void counts_those_of_a_kind(void **state) {
     satin_scene_free(scene);
 }
 
-// Before an error, so that they are seen in the order of their places.
+// Before an error, so that they are reported in the order of their places.
 static void reports_before_an_error(void **state) {
     (void)state;
     struct scene_case c;

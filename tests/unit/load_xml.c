@@ -80,7 +80,7 @@ static void replaces_entities(void **state) {
     assert_int_equal(lamp->next->place.line, 4);
     assert_int_equal(c.warnings, 0);
     load_xml_free(&xml);
-    // What another file declares is not read, and a warning says so.
+    // Declarations in another file are not read, which a warning reports.
     assert_int_equal(read_text(&c,
                                "<!DOCTYPE scene SYSTEM 'a.dtd'>\n"
                                "<scene version='3.0.0'><shape type='a&b;'/></scene>",
@@ -130,7 +130,7 @@ static void substitutes_parameters(void **state) {
     assert_string_equal(xml.root->child->type, "cube");
     assert_string_equal(xml.root->child->id, "21-1-$n");
     load_xml_free(&xml);
-    // What is defined outside replaces a default, and counts for the hash.
+    // A value from outside replaces a default, and counts for the hash.
     satin_define two[] = {{"kind", "cube"}, {"n", "7"}};
     assert_int_equal(load_xml_read(log, "scene.xml", two, 2, &other, &xml), SATIN_OK);
     assert_string_equal(xml.root->child->id, "27-7-$n");
@@ -272,7 +272,7 @@ static void nesting_is_bounded(void **state) {
     assert_int_equal(c.errors, 1);
 }
 
-// Each parameter doubles the one before; the text is refused, not built.
+// Each parameter doubles the one before; the text is refused before it is built.
 static void substitution_is_bounded(void **state) {
     (void)state;
     char text[8192] = S "<default name='a0' value='xxxxxxxx'/>";

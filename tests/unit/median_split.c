@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Median splits: halves are equal in number, apart across the longest axis, and hold the same
-// points whatever the last digit of points in one plane is.
+// Median splits: halves are equal in number, separate along the longest axis, and hold the same
+// points for any last digit of points in one plane.
 #include "base/median_split.h"
 
 #include <setjmp.h>
@@ -40,7 +40,7 @@ static void halves_are_apart(void **state) {
     }
 }
 
-// Three quarters of the points in a wall across the longest axis, with and without rounding: the
+// Three quarters of the points in a plane across the longest axis, with and without rounding: the
 // same ones are below.
 static void walls_are_cut_into_pieces(void **state) {
     (void)state;
@@ -62,7 +62,7 @@ static void walls_are_cut_into_pieces(void **state) {
     assert_true(changed <= 2);
 }
 
-static void points_in_one_place_are_harmless(void **state) {
+static void points_at_one_position_are_harmless(void **state) {
     (void)state;
     struct split_point point[9];
     for (size_t i = 0; i < 9; i++) put(point, i, v3(1.0f, 2.0f, 3.0f));
@@ -73,7 +73,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(halves_are_apart),
         cmocka_unit_test(walls_are_cut_into_pieces),
-        cmocka_unit_test(points_in_one_place_are_harmless),
+        cmocka_unit_test(points_at_one_position_are_harmless),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -32,14 +32,14 @@ static inline satin_status mesh_case_read(struct mesh_case *c, mesh_reader read,
     return status;
 }
 
-// Reads what is wrong: SATIN_ERROR_INPUT and a message that begins with `expected`.
+// Reads an invalid file: SATIN_ERROR_INPUT and a message that begins with `expected`.
 static inline void mesh_case_refuse(mesh_reader read, const void *data, size_t size,
                                     const char *expected) {
     struct mesh_case c;
     assert_int_equal(mesh_case_read(&c, read, mesh_case_plain(), data, size), SATIN_ERROR_INPUT);
     if (strncmp(c.log.error, expected, strlen(expected)) != 0)
         assert_string_equal(c.log.error, expected);
-    // What a reader may take before it notices is in proportion to the file.
+    // The memory that a reader may take before it fails is in proportion to the file.
     assert_true(c.arena.bytes <= 64 * size + 4096);
     arena_free(&c.arena);
 }

@@ -40,7 +40,7 @@ static void presets_set_what_they_decide(void **state) {
     assert_int_equal(options_quality_spp(SATIN_DRAFT), 9);
 }
 
-// Every default and preset is inside its own range: it prints to what parses back.
+// Every default and preset is inside its own range: its text parses to the same value.
 static void presets_are_in_range(void **state) {
     (void)state;
     for (int q = SATIN_DRAFT; q <= SATIN_PRODUCTION; q++) {

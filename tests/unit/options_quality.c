@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The curve from effort to options: it passes through the presets, never goes back between or
-// beyond them, begins at the first, and leaves alone what the user chose.
+// The curve from effort to options: it passes through the presets, is monotonous between and beyond
+// them, begins at the first, and does not change options that the user chose.
 #include "render/options_quality.h"
 
 #include <setjmp.h>
@@ -50,7 +50,7 @@ static void many_cores_ask_for_more(void **state) {
     assert_true(many.photons > 2 * two.photons && many.caustic_photons > 2 * two.caustic_photons);
 }
 
-// However much time there is, the options are ones that the user might give.
+// With any time, the options are within the ranges that the user may give.
 static void no_time_leaves_the_ranges(void **state) {
     (void)state;
     satin_options o = make(SATIN_PREVIEW);
@@ -80,9 +80,9 @@ static void more_time_never_buys_less(void **state) {
     }
 }
 
-// Photons go by the whole image, all else by its pixels: four times the pixels in four times the
-// seconds change the photons alone.
-static void seconds_are_shared_by_pixels(void **state) {
+// The number of photons depends on the time of the whole image, all else on that of a pixel: four
+// times the pixels in four times the seconds change the photons alone.
+static void seconds_are_divided_by_pixels(void **state) {
     (void)state;
     satin_options small = make(SATIN_PREVIEW), large = make(SATIN_PREVIEW);
     options_quality_seconds(&small, 12.0, PIXELS);
@@ -93,7 +93,7 @@ static void seconds_are_shared_by_pixels(void **state) {
     assert_memory_equal(&small, &large, sizeof small);
 }
 
-// Whatever the quality says, it is the time that decides; but not over the user.
+// The time decides the options, whatever the quality is, except for those that the user chose.
 static void what_the_user_chose_stays(void **state) {
     (void)state;
     satin_options draft = make(SATIN_DRAFT), production = make(SATIN_PRODUCTION);
@@ -114,7 +114,7 @@ int main(void) {
         cmocka_unit_test(many_cores_ask_for_more),
         cmocka_unit_test(no_time_leaves_the_ranges),
         cmocka_unit_test(more_time_never_buys_less),
-        cmocka_unit_test(seconds_are_shared_by_pixels),
+        cmocka_unit_test(seconds_are_divided_by_pixels),
         cmocka_unit_test(what_the_user_chose_stays),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loops over an index range: every item once, and a cancellation that reaches into long chunks.
+// Loops over an index range: every item once, and a cancellation that ends long chunks.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdatomic.h>
@@ -52,7 +52,7 @@ struct endless {
     int asked;                // times that the progress function was called
 };
 
-// A chunk that has no end but a cancellation.
+// A chunk that ends by a cancellation alone.
 static void never_ends(void *ctx, size_t begin, size_t end, int worker) {
     struct endless *e = ctx;
     (void)begin;
@@ -104,8 +104,8 @@ static void work(void *ctx, size_t begin, size_t end, int worker) {
     work_for(begin == 0 ? 0.01 : 0.001);
 }
 
-// CPU times do not depend on what else the machine does, but a switch between processes can add to
-// them; they cannot be less.
+// CPU times do not depend on other processes, but a switch between processes can add to them; they
+// cannot be less.
 static void assert_seconds(double found, double expected) {
     assert_true(found >= 0.999 * expected);
     assert_true(found <= expected + 0.01);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Smoothed estimates: noise goes where light is even or grows evenly; borders of light, and walls
-// between bright and dark, stay.
+// Smoothed estimates: noise is removed where light is uniform or grows linearly; borders of light,
+// and walls between bright and dark, stay.
 #include <math.h>
 #include <stdlib.h>
 
@@ -24,7 +24,7 @@ static float step(float x, float y) {
     return x < 0.0f ? 0.9f : 0.1f;
 }
 
-// Errors relative to the truth over entries of which `at` says so.
+// Errors relative to the true values, over the entries for which `at` is true.
 struct errors {
     double mean, rms;
     int count;
@@ -124,7 +124,7 @@ static void borders_stay(void **state) {
 }
 
 // Estimates at photons that mostly lie in a few points have no radius; those of fewer photons than
-// an estimate takes have no finite one. Lookups distinguish the sides of the surface all the same.
+// an estimate takes have no finite one. Lookups distinguish the sides of the surface nevertheless.
 static void normals_count_without_a_radius(void **state) {
     (void)state;
     enum { POINTS = 20, SPREAD = PHOTONS / 4 };
@@ -157,7 +157,7 @@ static void normals_count_without_a_radius(void **state) {
     }
 }
 
-// Deviation of what a surface that is not only diffuse reflects of even light, over its mean.
+// Deviation of the uniform light that a surface reflects which is not only diffuse, over its mean.
 static double glossy_noise(const struct photon_maps *maps, const struct satin_scene *scene,
                            const struct brdf *brdf, double *mean) {
     enum { POINTS = 2000 };
@@ -196,7 +196,7 @@ static void gloss_is_as_smooth(void **state) {
     test_scene_free(&t);
 }
 
-// Light beyond what squares hold: values stay finite and as they were.
+// Light whose square overflows: values stay finite and do not change.
 static void wild_values_stay(void **state) {
     (void)state;
     struct test_scene t;

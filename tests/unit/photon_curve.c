@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sorting along the Morton curve on any number of threads, and the kd-tree that is built of cells
-// of the curve: it finds what a single tree finds, whatever the threads.
+// of the curve: it finds the same points as a single tree, for any number of threads.
 #include "test_scene.h"
 
 #include <math.h>
@@ -125,8 +125,8 @@ static int compare_floats(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-// Both give equal distances; and rows are at the distances that they come with, and come once each,
-// so that only rows as far as the farthest can differ.
+// Both give equal distances; rows are at the distances that are reported, and no row is reported
+// twice, so that only rows at the largest distance can differ.
 static void assert_same_neighbours(const float *row, int columns, const float *query, int k,
                                    const int *found, float *distance2, float *expected) {
     for (int j = 0; j < k; j++) {
@@ -151,7 +151,7 @@ static void cells_find_what_one_tree_finds(void **state) {
         parallel_free(pool);
         struct rng rng = rng_make(2, RNG_TEST, (uint64_t)run);
         for (int i = 0; i < QUERIES * columns; i++) {
-            // Near rows, and anywhere.
+            // Queries near rows, and anywhere.
             query[i] = 1.2f * rng_float(&rng) - 0.1f;
             if (i / columns % 2) query[i] = row[i * 37 / columns * columns % (COUNT * columns)];
         }

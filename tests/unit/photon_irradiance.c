@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is reported beside the irradiance that was precomputed at photons.
+// The radius that is reported with irradiance that was precomputed at photons.
 #include "test_scene.h"
 
 #include <math.h>
@@ -9,11 +9,10 @@
 #include "base/sampling.h"
 #include "photon/photon.h"
 
-// Whether gather rays go on from a hit follows from the radius there. If that were the smaller, the
-// brighter an estimate came out, the bright ones would be read and the dark ones would not: with
-// the radius of the estimate's own disc the halves differ by 22 %. One value has a deviation of
-// 14 %, and the difference of the halves .5 %: six of them. The box emits 1 and reflects half: E is
-// 2 pi.
+// Whether gather rays continue from a hit depends on the radius there. If that radius were smaller
+// for brighter estimates, the bright ones would be read and the dark ones would not: with the
+// radius of the estimate's own disc the halves differ by 22 %. One value has a deviation of 14 %,
+// and the difference of the halves .5 %: six of them. The box emits 1 and reflects half: E is 2 pi.
 static void radius_does_not_follow_noise(void **state) {
     (void)state;
     enum { POINTS = 3072 };

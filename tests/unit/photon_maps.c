@@ -105,7 +105,7 @@ static void fewer_paths_are_a_pass_of_their_own(void **state) {
     test_scene_free(&t);
 }
 
-// Where on a wall of the box: inside, at one edge, at a corner.
+// Zones of a wall of the box: inside, at one edge, at a corner.
 enum { INSIDE = 0, EDGE, CORNER, ZONES };
 #define MARGIN 0.04f  // about the radius of an estimate
 
@@ -179,8 +179,8 @@ static void furnace_is_even(void **state) {
     test_scene_free(&t);
 }
 
-// A thin wall under a light: its upper side is lit, its lower side is dark but for what comes round
-// from the floor.
+// A thin wall under a light: its upper side is lit, its lower side is dark except for light from
+// the floor.
 static void sides_are_apart(void **state) {
     (void)state;
     struct test_scene t;
@@ -227,7 +227,7 @@ static void walls_do_not_leak(void **state) {
     struct frame frame = frame_from_normal(v3(0, 0, 1));
     struct brdf white = t.material[grey].front.base;
     for (int i = 0; i < 20; i++) {
-        // The wall shades -1 < x < 0.
+        // The wall shadows -1 < x < 0.
         float y = -0.5f + 0.05f * (float)i, radius;
         rgb lit = photon_radiance(maps, &t.scene, v3(0.005f, y, 0), v3(0, 0, 1), &frame, &white,
                                   v3(0, 0, 1), BRDF_SMOOTH, &radius);
@@ -281,7 +281,7 @@ static void caustic_scene(struct test_scene *t, enum light_kind kind) {
 }
 
 // A slight wedge of glass over a floor, both of the given half width, with a lamp over them: no
-// pane, but light goes on almost as it came.
+// pane, but light leaves it almost in the direction in which it came.
 static void wedge_scene(struct test_scene *t, enum light_kind kind, float half) {
     test_scene_init(t);
     uint32_t grey = test_diffuse(t, 0.5f, 0.5f, 0.5f);
@@ -322,7 +322,7 @@ static double flux(const struct photon_trace *trace, double *error) {
         sum += trace->hit[i].power.g;
         squares += (double)trace->hit[i].power.g * trace->hit[i].power.g;
     }
-    *error = sqrt(squares);  // of a sum of independent photons; well-spread ones do better
+    *error = sqrt(squares);  // of a sum of independent photons; well distributed ones have less
     return sum;
 }
 
@@ -363,8 +363,8 @@ static void sum_near(const struct photon_trace *trace, float half, double *flux,
     }
 }
 
-// Under a wedge 40 wide, what is seen is 1 wide: the same flux arrives there by more photons of the
-// same number of paths.
+// Under a wedge 40 wide, the area that is seen is 1 wide: the same flux arrives there by more
+// photons of the same number of paths.
 static void large_wedges_are_aimed_through(void **state) {
     (void)state;
     static const enum light_kind kinds[] = {LIGHT_AREA, LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL,
@@ -432,7 +432,7 @@ static void empty_maps_are_black(void **state) {
     test_scene_free(&t);
 }
 
-// Threads decide who does a chunk, never what it holds.
+// The number of threads does not change the photons of a chunk.
 static void threads_do_not_matter(void **state) {
     (void)state;
     struct test_scene t;

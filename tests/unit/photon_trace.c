@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Classes of photons behind glass: light that panes let pass is direct, what is refracted or
-// reflected on its way is a caustic, and what frosted glass scatters is indirect.
+// Classes of photons behind glass: light that passes panes is direct, light that is refracted or
+// reflected on its path is a caustic, and light that frosted glass scatters is indirect.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -62,7 +62,7 @@ static struct power on_floor(enum glass glass) {
 
 static void panes_keep_light_direct(void **state) {
     (void)state;
-    // At an interface .04 is reflected. All internal reflections let 2 n interfaces pass
+    // At an interface .04 is reflected. With all internal reflections, 2 n interfaces transmit
     // .96 / (.96 + 2 n .04), of which .96^2n without any; thin sheets count them as one.
     static const struct {
         enum glass glass;

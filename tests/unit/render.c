@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The main path: its stages come in their order and under the names of satin/render.h, and a render
 // that is cancelled in any of them ends with an image, and says in which; records of a time limit
-// become finer as long as that is of use.
+// become finer until they are half a pixel wide.
 #include "satin/render.h"
 
 #include <setjmp.h>
@@ -99,8 +99,8 @@ static void stages_come_in_their_order(void **state) {
     }
 }
 
-// What the coarse image shows depends on how far the stage was when the caller was asked; where the
-// photons are missing it can only be direct light.
+// The content of the coarse image depends on the progress of the stage when the caller cancelled;
+// without photons it can only be direct light.
 static void a_cancelled_render_has_an_image(void **state) {
     (void)state;
     static const struct {
@@ -151,7 +151,7 @@ static void paths_replace_photons_without_time(void **state) {
     satin_film_free(film);
 }
 
-// With time to spare the records of a time limit go on until half a pixel, not to a fixed round:
+// With enough time, the rounds of records continue until half a pixel, not to a fixed round:
 // after five, down to .55, a and the least radius of 3 pixels fall by 3/4 each time. Two rounds
 // leave 3 * .55 * (9 / 16)^2 = .52 pixels; a third makes them .5.
 static void rounds_go_on_to_half_a_pixel(void **state) {

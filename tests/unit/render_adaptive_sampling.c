@@ -75,7 +75,7 @@ static void samples_go_to_the_noise(void **state) {
         counted += adapt.pixel[i].count;
     }
     assert_true(counted == taken);
-    // 100 times the variance asks for 100^(1 / 2.5) = 6.3 times the samples.
+    // 100 times the variance needs 100^(1 / 2.5) = 6.3 times the samples.
     double quiet = mean_count(&adapt, 0, SIZE / 2 - 4),
            loud = mean_count(&adapt, SIZE / 2 + 4, SIZE);
     assert_true(loud > 4.0 * quiet && loud < 9.0 * quiet);
@@ -117,8 +117,8 @@ static uint64_t count_targets(const struct adaptive_sampling *adapt) {
     return sum;
 }
 
-// Whether nothing is noisy, or one pixel by ever so little, the samples are those that were asked
-// for, and no pixel gets the largest growth because another wants next to nothing.
+// Whether nothing is noisy, or one pixel by very little, the samples are those of the options,
+// and no pixel gets the largest growth because another needs almost none.
 static void the_number_of_samples_is_kept(void **state) {
     (void)state;
     static const float difference[] = {0.0f, 1e-18f, 1e-3f, 1.0f, 1e18f, 3e38f, INFINITY};
@@ -132,7 +132,8 @@ static void the_number_of_samples_is_kept(void **state) {
         }
 }
 
-// Wanted counts that lie far more than 2^24 apart: a strip of a little noise beside a loud one.
+// Wanted counts that lie far more than 2^24 apart: a strip of little noise beside one of much
+// noise.
 static void faint_noise_does_not_hide_the_loud(void **state) {
     (void)state;
     struct adaptive_sampling adapt;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a time limit is divided into: nothing without a limit, steps in their order with one, and
-// records as much as the measured paces ask for. How many photons, samples and rays there are. The
-// rounds of records become finer until they end, and the rays of the first round are those that its
-// time allows.
+// records as much as follows from the measured paces; and the numbers of photons, samples and rays.
+// The rounds of records become finer until they end, and the rays of the first round are those that
+// its time allows.
 #include "render/render_budget.h"
 
 #include <setjmp.h>
@@ -104,8 +104,8 @@ static void starved_maps_alone_are_made_again(void **state) {
     parallel_free(r.pool);
 }
 
-// Records get more where more of the light is theirs, and less where the image is noisier. The
-// noise of the image falls faster than the error of records: with more cores records get more.
+// Records get more time where more of the light is indirect, and less where the image is noisier.
+// The noise of the image falls faster than the error of records: with more cores records get more.
 static void records_get_what_the_paces_ask_for(void **state) {
     (void)state;
     struct render r = make(1000.0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The film of an image whose sums are filled in by hand: its channels, the means of samples and of
-// rays at rims, and what pixels without a sample show.
+// rays at rims, and the values of pixels without a sample.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -150,7 +150,7 @@ static void pixels_without_samples_show_a_neighbour(void **state) {
     assert_ptr_equal(render_image_source(r.image, 23, 18), pixel_at(&r, 20, 16));
     assert_ptr_equal(render_image_source(r.image, 24, 16), pixel_at(&r, 16, 16));
     assert_ptr_equal(render_image_source(r.image, 31, 15), pixel_at(&r, 16, 0));
-    // Samples that were dropped are not filled up from elsewhere.
+    // Pixels whose samples were dropped are not filled from others.
     assert_ptr_equal(render_image_source(r.image, 22, 17), pixel_at(&r, 22, 17));
     assert_null(render_image_source(r.image, 15, 0));
     make_film(&r, true);

@@ -65,7 +65,7 @@ static void rotations_equal_the_plain_twin(void **state) {
             }
 }
 
-// The angles of rotations, of rotations about z, upside down, and of what is no rotation.
+// The angles of rotations, of rotations about z, upside down, and of matrices that are no rotation.
 static void angles_equal_the_plain_twin(void **state) {
     (void)state;
     uint32_t seed = 13;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Alignment of many records against that of one: every instruction set this machine has, frames
-// where angles degenerate, every order, and every number of records up to 40.
+// Alignment of many records against that of one: every instruction set this machine has, frames in
+// which angles are degenerate, every order, and every number of records up to 40.
 //
 // The definition is rsh_align in plain C. Results are compared relative to the length of the vector
 // times the largest factor by which the form enlarges it.
@@ -134,8 +134,8 @@ static void add_random(uint32_t *seed) {
     }
 }
 
-// One frame as both arguments, also one whose rows are as far from orthonormal as callers' are, and
-// both mirrored, which makes their quotient a rotation.
+// One frame as both arguments, also one whose rows deviate from orthonormal as much as callers' do,
+// and both mirrored, which makes their quotient a rotation.
 static void add_alike(uint32_t *seed) {
     for (int i = 0; i < 6; i++) {
         float from[9], to[9];
@@ -160,7 +160,7 @@ static int make_frames(void **state) {
     return 0;
 }
 
-// Entry e of the frames of records first, first + 1 ..., going round.
+// Entry e of the frames of records first, first + 1 ..., beginning again after the last.
 static void columns(int first, int count, float (*a)[MOST_FRAMES], int which,
                     const float *rows[9]) {
     for (int e = 0; e < 9; e++) {
@@ -199,8 +199,8 @@ static void expect(const struct variant *v, uint32_t *seed) {
 
 // How far results may be apart: both have the entries of the same matrix. Each of the three angles
 // comes from them by a root, a quotient and sums of two products: 6 roundings of half of
-// FLT_EPSILON, twice for the two sides of the comparison; a single record counts an angle below
-// RSH_NO_ANGLE as 0 where a vector has it as it is. Band l has l times the error of the angle, and
+// FLT_EPSILON, twice for the two sides of the comparison; a single record treats an angle below
+// RSH_NO_ANGLE as 0, where a vector uses it. Band l has l times the error of the angle, and
 // multiples of angles by recurrence add 2 roundings per step.
 //
 // The series by beta up to pi enlarges vectors by up to 1 + beta l + (beta l)^2 / 2, and errors
@@ -231,7 +231,7 @@ static void compare(const char *set, const struct variant *v) {
     }
 }
 
-// Any number of records, wherever they stand, have the bits that they have among all.
+// Any number of records, at any position, have the same bits as among all.
 static void compare_counts(const struct variant *v, int *first) {
     const int n = v->channels * v->order * v->order;
     for (int count = 1; count <= MOST_COUNT; count++) {
@@ -257,7 +257,7 @@ static void check_order(int order, uint32_t *seed, int *first) {
             rsh_kernels_choose(*k);
             assert_true(run_many(&v, 0, frames, in, out));
             compare((*k)->name, &v);
-            // Where records stand is no matter of the order, so a few orders suffice.
+            // The position of records does not depend on the order, so a few orders suffice.
             if (order % 3 == 1 && order < 10) compare_counts(&v, first);
         }
         rsh_kernels_choose(rsh_kernels_usable()[0]);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Conversion to other conventions: known harmonics of degree 1 and 2, and the way back.
+// Conversion to other conventions and back: known harmonics of degree 1 and 2.
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

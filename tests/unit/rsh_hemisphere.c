@@ -44,7 +44,7 @@ static void alignment_keeps_the_world(void **state) {
     }
 }
 
-// dot(c, align(v)) = dot(align_transposed(c), v), for true and fast forms of both bases.
+// dot(c, align(v)) = dot(align_transposed(c), v), for exact and fast forms of both bases.
 static void transposed_moves_to_the_other_side(void **state) {
     (void)state;
     uint32_t seed = 7;
@@ -71,7 +71,7 @@ static void transposed_moves_to_the_other_side(void **state) {
     }
 }
 
-// At the pole beta' is exact: a lobe about the old normal stands about its new direction.
+// At the pole beta' is exact: a lobe about the previous normal is about its new direction.
 static void hemisphere_rotates_its_pole(void **state) {
     (void)state;
     enum { ORDER = 8, N = ORDER * ORDER };
@@ -107,8 +107,9 @@ static void coefficients(const struct quadrature *q, const float f[9], int order
     for (int k = 0; k < order * order; k++) out[k] = (float)sum[k];
 }
 
-// Reflected radiance of Phong lobes cos^15 up to 60 degrees, aligned against the truth. Measured:
-// the fast form is .9 and 1.9 % off at 3 and 6 degrees, the true form .004 and .009 %.
+// Reflected radiance of Phong lobes cos^15 up to 60 degrees, aligned, against exact values.
+// Measured: the error of the fast form is .9 and 1.9 % at 3 and 6 degrees, that of the exact form
+// .004 and .009 %.
 static void true_alignment_is_close(void **state) {
     (void)state;
     enum { ORDER = 10, N = ORDER * ORDER };
@@ -146,7 +147,7 @@ static void true_alignment_is_close(void **state) {
     }
 }
 
-// What is above the horizon survives extension and restriction: smooth functions to 1 % (measured
+// Extension and restriction keep the function above the horizon: smooth functions to 1 % (measured
 // .6 % at order 6, .13 % at 16, nearly all of it within a degree of the horizon).
 static void extension_keeps_the_hemisphere(void **state) {
     (void)state;

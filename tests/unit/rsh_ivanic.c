@@ -80,7 +80,7 @@ static void derivatives_equal_differences(void **state) {
     }
 }
 
-// What is no rotation has no meaning, but does not overflow.
+// Matrices that are no rotation give values without meaning, but do not overflow.
 static void any_matrix_gives_finite_values(void **state) {
     (void)state;
     static float blocks[RSH_MAX_BLOCKS];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rotation and alignment of many records: each record's result is that of the single call, whatever
-// its place, its neighbours and the number of records.
+// Rotation and alignment of many records: each record's result is that of the single call, for any
+// position, neighbours and number of records.
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -19,7 +19,7 @@ static float in[CHANNELS * N * MOST], out[CHANNELS * N * MOST + 1];
 static float from[9][MOST], to[9][MOST], single[MOST][2][9];
 static const float *from_rows[9], *to_rows[9];
 
-// Frames that differ by tilts of 0 to .4, some of them in nothing.
+// Frames that differ by tilts of 0 to .4, some of which are equal.
 static void make_frames(uint32_t *seed, int count) {
     for (int i = 0; i < count; i++) {
         float b = i % 5 ? 0.4f * noise(seed) : 0.0f, c = cosf(b), s = sinf(b);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rotating the BRDF reflects what rotating the record with its derivatives would.
+// To rotate the BRDF gives the same reflected light as to rotate the record with its derivatives.
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The form of Kautz et al. against the fastest one, of which it is independent but for the angles.
+// The form of Kautz et al. against the fastest one, of which it is independent except for the
+// angles.
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -21,7 +21,7 @@ static void disk_round_trip(void **state) {
     }
 }
 
-// The largest number of the last stratum is below 1, where a plain quotient rounds to it.
+// The largest number of the last stratum is below 1, where a simple quotient rounds to it.
 static void strata_end_below_one(void **state) {
     (void)state;
     const float last = 0x1.fffffep-1f;

@@ -68,7 +68,7 @@ static void rays_of_a_pinhole(void **state) {
     satin_scene_free(scene);
 }
 
-// All rays of a film position meet in the plane of focus, wherever they cross the lens.
+// All rays of a film position meet in the plane of focus, for any position on the lens.
 static void lens_focuses(void **state) {
     (void)state;
     struct satin_scene *scene = load(

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shapes in one place: all but the first are left out of the ray tracing structure, so that a ray
-// tests one surface, however many there are.
+// Coincident shapes: all except the first are left out of the ray tracing structure, so that a ray
+// tests one surface for any number of them.
 #include "scene/scene_coincide.h"
 
 #include "scene_case.h"
@@ -37,7 +37,7 @@ static void finds_each_kind(void **state) {
     assert_int_equal(find(hidden), 5);
     for (uint32_t i = 0; i < 15; i++) assert_int_equal(hidden[i], i >= 5 && i < 10);
 
-    // The first is seen: the sphere, from outside.
+    // Rays hit the first shape: the sphere, from outside.
     test_scene_finish(&t);
     struct interaction s;
     const struct ray ray = {v3(9, 2, 1.5f), 0.0f, v3(-1, 0, 0), INFINITY};
@@ -90,7 +90,7 @@ static void finds_nothing_among_others(void **state) {
     test_scene_free(&t);
 }
 
-// A thousand spheres, and a group of two that stands twice in one place.
+// A thousand spheres, and a group of two that is placed twice at one position.
 static void warns_once(void **state) {
     (void)state;
     enum { SPHERES = 1000 };

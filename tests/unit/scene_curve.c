@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Curves: surface points by Mitsuba 3.9's numbers, rays that leave for good, refusals with place.
+// Curves: surface points by Mitsuba 3.9's numbers, rays that leave without hitting the curve again,
+// refusals with place.
 #include "scene/scene_curve.h"
 
 #include "base/rng.h"
@@ -63,7 +64,7 @@ static void agrees_with_mitsuba(void **state) {
     satin_scene_free(scene[1]);
 }
 
-// A straight tube: nothing of it is in the way of rays to the outside.
+// A straight tube: rays to the outside do not hit it.
 static void rays_leave(void **state) {
     (void)state;
     static const char *const texts[] = {CURVE("bsplinecurve", ""), CURVE("linearcurve", "")};

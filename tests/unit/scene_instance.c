@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Instances show what the same shapes at the same places show, rays leave them for good, and groups
-// that cannot be are refused.
+// Rays hit instances as they hit the same shapes at the same positions, rays that leave an instance
+// do not hit it again, and invalid groups are refused.
 #include "scene/scene_instance.h"
 
 #include "base/rng.h"
@@ -84,7 +84,7 @@ static void shows_the_same(void **state) {
     satin_scene_free(instances);
 }
 
-// From a convex surface to the outside there is nothing of it in the way.
+// Rays from a convex surface to the outside do not hit it.
 static void rays_leave(void **state) {
     (void)state;
     satin_scene *scene = load_instances();
@@ -107,7 +107,7 @@ static void rays_leave(void **state) {
     satin_scene_free(scene);
 }
 
-// A group without shapes shows nothing wherever it is, and the next one is not mistaken for it.
+// Rays do not hit a group without shapes anywhere, and the next group is not mistaken for it.
 static void groups_may_be_empty(void **state) {
     (void)state;
     struct scene_case c;

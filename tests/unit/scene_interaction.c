@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays that leave surfaces: none meets the surface it leaves, none gets out of a closed body, at
-// any scale and place. And what the surface interaction of a triangle says about shading.
+// Rays that leave surfaces: none hits the surface that it leaves, none gets out of a closed body,
+// at any scale and position. Then the shading data in the surface interaction of a triangle.
 #include "base/sampling.h"
 #include "mesh_case.h"
 #include "test_scene.h"
@@ -97,7 +97,7 @@ static void leaves_surfaces_at_any_scale(void **state) {
         }
 }
 
-// A cylinder is open: only what leaves it outwards is sure.
+// A cylinder is open: only rays that leave it outwards cannot hit it.
 static void leaves_cylinders(void **state) {
     (void)state;
     static struct test_scene t;
@@ -121,8 +121,8 @@ static void leaves_cylinders(void **state) {
 }
 
 // Next to the origin a floor of any size has huge triangles and tiny coordinates: an offset that
-// grows with the triangles would leak through what stands there, one that does not would meet the
-// floor again but for the check in double.
+// grows with the triangles would leak through objects there, and one that does not would hit the
+// floor again without the check in double.
 static void leaves_huge_floors(void **state) {
     (void)state;
     for (float size = 1.0f; size < 1e8f; size *= 10.0f) {
@@ -149,7 +149,7 @@ static void leaves_huge_floors(void **state) {
     }
 }
 
-// A point of a sheet of the scene, straight along n from a random place between the sheets.
+// A point of a sheet of the scene, straight along n from a random point between the sheets.
 static struct interaction point_of_sheet(const struct satin_scene *scene,
                                          const struct mat4 *rotation, vec3 n, float z,
                                          struct rng *rng) {
@@ -160,8 +160,8 @@ static struct interaction point_of_sheet(const struct satin_scene *scene,
     return s;
 }
 
-// Two sheets of any size face each other: every point of one sees every point of the other, and the
-// ray ends before the other sheet; a sheet between them hides all.
+// Two sheets of any size face each other: every point of one is visible from every point of the
+// other, and the ray ends before the other sheet; a sheet between them hides all.
 static void connects_points(void **state) {
     (void)state;
     for (int run = 0; run < 6; run++) {
@@ -196,7 +196,7 @@ static void connects_points(void **state) {
 
 static void shades_by_vertex_normals(void **state) {
     (void)state;
-    // A triangle whose vertex normals lean, and point below the face at one corner.
+    // A triangle whose vertex normals are tilted, and point below the face at one corner.
     const float position[10] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     const float normal[9] = {0, 0, 1, 0.6f, 0, 0.8f, 0.8f, 0, -0.6f};
     const float uv[6] = {0, 0, 0, 1, -1, 0};
@@ -227,7 +227,7 @@ static void shades_by_vertex_normals(void **state) {
         assert_float_equal(s.uv.x, -0.25f, 1e-6f);
         assert_float_equal(s.uv.y, 0.25f, 1e-6f);
         assert_near3(s.frame.u, v3(0, -1, 0), 1e-6f);  // u falls along y
-        // Where the shading normal looks below the face, it decides which side is the front.
+        // Where the shading normal points below the face, it decides which side is the front.
         ray.o = v3(0.02f, 0.96f, 1);
         assert_true(scene_intersect(&t.scene, &ray, &s));
         assert_near3(s.ng, v3(0, 0, -side), 0.0f);

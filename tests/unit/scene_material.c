@@ -104,7 +104,7 @@ static void holes_are_no_components(void **state) {
     assert_true(part[0].side == &leaf[2] && fabsf(part[0].weight - 0.9f * 0.75f) < 1e-6f);
 }
 
-// A blend lists its parts by weight, and draws them as often.
+// A blend lists its components with their weights, and draws them in proportion.
 static void blends_draw_their_parts(void **state) {
     (void)state;
     const struct texture third = {.kind = TEXTURE_CONSTANT, .value = {1 / 3.f, 1 / 3.f, 1 / 3.f}};
@@ -145,8 +145,8 @@ static struct material white_under(struct material_bump outer, struct material_b
     return m;
 }
 
-// A tilted normal rotates the frame, whichever side twosided shows of it; the true surface still
-// bounds the light.
+// A tilted normal rotates the frame, on both sides of a twosided material; the geometric surface
+// still bounds the light.
 static void bumps_rotate_the_frame(void **state) {
     (void)state;
     const struct texture tilt = {.kind = TEXTURE_CONSTANT,
@@ -168,7 +168,7 @@ static void bumps_rotate_the_frame(void **state) {
     under = v3_unit(v3_mad(x, -.2f, n));
     assert_true(frame_to_local(&f, under).z > 0.0f);
     assert_true(rgb_black(brdf_eval(&b, wo, frame_to_local(&f, under), BRDF_ALL)));
-    // Seen from where the facet faces away it is mirrored.
+    // From directions from which the facet faces away, it is mirrored.
     assert_true(scene_brdf(&scene, &s, v3_unit(v3_mad(v3_mul(x, -1), .2f, n)), &b, &f));
     assert_true(v3_dot(f.n, x) < -0.5f);
     // From behind: twosided around the map mirrors it at the surface, the map around twosided not.
@@ -179,8 +179,8 @@ static void bumps_rotate_the_frame(void **state) {
     assert_true(v3_dist2(f.n, v3_mad(v3_mul(n, -.8f), -.6f, x)) < 1e-10f);
 }
 
-// A map in a map rotates what that has rotated; both hide what is behind them. Seen from behind,
-// maps around twosided are the same surface.
+// A map in a map rotates the frame that the outer one has rotated; both hide directions behind
+// them. From behind, maps around twosided are the same surface.
 static void bumps_rotate_one_after_another(void **state) {
     (void)state;
     const struct texture right = {.kind = TEXTURE_CONSTANT, .value = {.8f, .5f, .9f}},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surfaces with holes: how many rays pass, by every query, through meshes and quadrics.
+// Surfaces with holes: the fraction of rays that pass, by every query, through meshes and quadrics.
 #include "test_scene.h"
 
 enum { RAYS = 20000 };
@@ -94,7 +94,7 @@ static void follows_its_texture(void **state) {
     test_scene_free(&t);
 }
 
-// A null surface is not there, but where it emits.
+// A null surface does not exist for rays, unless it emits light.
 static void null_is_nothing(void **state) {
     (void)state;
     struct test_scene t;

@@ -15,7 +15,7 @@ static struct quadric make(enum shape_kind kind, struct mat4 m, bool flip) {
     return q;
 }
 
-// How far p is from the surface, in object space; the equation's value, in double.
+// The distance of p from the surface, in object space, by the equation's value in double.
 static double off_surface(enum shape_kind kind, const struct mat4 *m, vec3 p) {
     struct mat4 inverse;
     assert_true(mat4_inverse(m, &inverse));

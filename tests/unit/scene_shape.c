@@ -6,7 +6,7 @@
 
 typedef satin_status (*maker)(struct arena *, const struct mesh_request *, struct mesh *);
 
-// Every triangle looks away from the centre (of a cube) or up, its normals agree with it, and its
+// Every triangle faces away from the centre (of a cube) or up, its normals agree with it, and its
 // texture coordinates are Mitsuba's function of the vertex.
 static void check_facing(maker make, struct mat4 m, bool flip, vec3 centre) {
     struct arena arena = {0};

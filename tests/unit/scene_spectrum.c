@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spectra become the linear sRGB that Mitsuba 3.9 makes of them, by numbers read from it.
+// Spectra are converted to the same linear sRGB as by Mitsuba 3.9, from which the numbers are.
 #include "load/load_spectrum.h"
 #include "scene_case.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Texture look-ups: values measured with Mitsuba 3.9 on an image of 4 x 3 texels valued 0 to 11,
-// row by row, and laws that hold for every wrap mode.
+// Texture lookups: values measured with Mitsuba 3.9 on an image of 4 x 3 texels valued 0 to 11, row
+// by row, and properties of every wrap mode.
 #include "load/load_build.h"
 #include "mesh_case.h"
 
@@ -78,8 +78,8 @@ static void checks_alternate(void **state) {
     }
 }
 
-// Nested textures take the coordinates as they come; the parts of numbers are exchanged at every
-// level.
+// Nested textures use the coordinates without change; textures of numbers are exchanged at every
+// depth.
 static void checks_nest(void **state) {
     (void)state;
     const struct texture red = {.value = {1, 0, 0}}, green = {.value = {0, 1, 0}};
@@ -105,7 +105,7 @@ static void checks_nest(void **state) {
 }
 
 // Repetition has period 1, mirroring period 2 and symmetry, clamping is constant outside; and no
-// coordinate, however wild, reads outside of the image.
+// coordinate, however large, reads outside of the image.
 static void wraps(void **state) {
     (void)state;
     struct rng rng = rng_make(1, RNG_TEST, 0);
@@ -192,7 +192,7 @@ static void interpolates_attributes(void **state) {
 
 // Wide lookups: a texel of a smaller copy at its own width, the mean of all at the widest, and
 // nothing changes below a texel's width.
-static void averages_over_wide_places(void **state) {
+static void averages_over_wide_footprints(void **state) {
     (void)state;
     enum { W = 13, H = 6 };
     float texels[W * H];
@@ -229,7 +229,7 @@ static void averages_over_wide_places(void **state) {
     arena_free(&arena);
 }
 
-// A factor counts wherever it stands; a coloured one before the number is formed.
+// A factor counts at every depth; a coloured one before the number is computed.
 static void scales(void **state) {
     (void)state;
     const struct texture t = bitmap(TEXTURE_REPEAT, false);
@@ -295,7 +295,7 @@ int main(void) {
         cmocka_unit_test(gradients_are_differences),
         cmocka_unit_test(reads_three_channels_and_constants),
         cmocka_unit_test(interpolates_attributes),
-        cmocka_unit_test(averages_over_wide_places),
+        cmocka_unit_test(averages_over_wide_footprints),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

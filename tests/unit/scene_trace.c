@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ray queries: they agree with each other and with exact answers, survive every ray, and report
-// shapes that cannot be.
+// Ray queries: they agree with each other and with exact values, accept every ray, and report
+// invalid shapes.
 #include "mesh_case.h"
 #include "test_scene.h"
 
@@ -39,7 +39,7 @@ static void knows_bounds(void **state) {
     assert_int_equal(t.scene.triangle_count, 14);
 }
 
-// Values worked out by hand for rays straight at each shape.
+// Values computed by hand for rays perpendicular to each shape.
 static void fills_interactions(void **state) {
     (void)state;
     const struct {
@@ -153,7 +153,7 @@ static void refuses_degenerate_shapes(void **state) {
     assert_null(scene.trace);
 }
 
-// Texture coordinates per length: the root of the ratio of areas, where it is wanted.
+// Texture coordinates per length: the root of the ratio of areas, where it is requested.
 static void measures_the_rate_of_coordinates(void **state) {
     (void)state;
     const struct {
@@ -161,7 +161,7 @@ static void measures_the_rate_of_coordinates(void **state) {
         float rate;
     } known[] = {{{0.1f, -5, 0}, 0.353553f},  // 2 x 4 for 1 x 1
                  {{5, 0, 0.01f}, 0.112540f},  // 1 / sqrt(2 pi r pi r), r = 2, at its equator
-                 {{-5, 0.1f, 0.1f}, 0.0f}};   // not wanted
+                 {{-5, 0.1f, 0.1f}, 0.0f}};   // not requested
     for (int i = 0; i < 3; i++) {
         struct interaction s;
         struct ray ray =

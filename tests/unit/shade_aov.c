@@ -63,7 +63,7 @@ static void plane_has_known_values(void **state) {
     const float *uv = a + at.first[AOV_UV];
     const float *dx = a + at.first[AOV_DUV_DX], *dy = a + at.first[AOV_DUV_DY];
     assert_true(fabsf(uv[0] - .5f) < 1e-5f && fabsf(uv[1] - (.5f - 2.0f / 32)) < 1e-5f);
-    // A sample's part of the pixel is half as wide: .04 to the right, or down.
+    // A sample's footprint is half as wide as the pixel: .04 to the right, or down.
     assert_true(fabsf(dx[0]) < 1e-6f && fabsf(dx[1] + .04f / 32) < 1e-6f);
     assert_true(fabsf(dy[0] + .04f / 16) < 1e-6f && fabsf(dy[1]) < 1e-6f);
     assert_true(a[at.first[AOV_PRIM_INDEX]] == 0.0f || a[at.first[AOV_PRIM_INDEX]] == 1.0f);
@@ -91,7 +91,7 @@ static void instances_are_alike(void **state) {
     }
 }
 
-// Where dp/du is wanted by the channels alone, frames and with them images stay as they are.
+// Where the channels alone need dp/du, frames and images do not change.
 static void frames_stay(void **state) {
     (void)state;
     struct interaction s[2];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sites on a plate that a point light lights: where they are, which records they want, and the
-// light that adaptive caching asks for, against formulas.
+// Sites on a plate that a point light lights: their positions, the records that they want, and the
+// light that adaptive caching needs, against formulas.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -42,7 +42,7 @@ static int find_site(bool adaptive, int x, int y, struct cache_site *out) {
     return count;
 }
 
-static void a_site_has_its_place_and_stream(void **state) {
+static void a_site_has_its_position_and_stream(void **state) {
     (void)state;
     struct cache_site site, other;
     assert_int_equal(find_site(false, 50, 50, &site), 1);
@@ -73,7 +73,7 @@ static void light_is_found_for_adaptive_caching_alone(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_site_has_its_place_and_stream),
+        cmocka_unit_test(a_site_has_its_position_and_stream),
         cmocka_unit_test(light_is_found_for_adaptive_caching_alone),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A cube whose light all comes from a small spot of light on its ceiling, without photons of the
-// global map: for tests of what gather rays do about photon clusters.
+// global map: for tests of gather rays to photon clusters.
 #ifndef SPOT_ROOM_H
 #define SPOT_ROOM_H
 

@@ -37,7 +37,7 @@ static inline void test_scene_free(struct test_scene *t) {
     arena_free(&t->scene.arena);
 }
 
-// A material of the model by name, equal on both sides if it is no dielectric.
+// A material of the model by name, equal on both sides unless it is a dielectric.
 static inline uint32_t test_material(struct test_scene *t, const char *model, rgb diffuse,
                                      rgb specular) {
     struct material *m = &t->material[t->scene.material_count];
@@ -112,7 +112,7 @@ static inline uint32_t test_area_light(struct test_scene *t, uint32_t shape, rgb
     return test_light(t, (struct light){.kind = LIGHT_AREA, .value = radiance, .shape = shape});
 }
 
-// After all is added: builds what traces rays and samples lights.
+// To be called after all is added: builds the structures that trace rays and sample lights.
 static inline void test_scene_finish(struct test_scene *t) {
     struct log quiet = {0};
     assert_int_equal(scene_trace_build(&t->scene, quiet), SATIN_OK);

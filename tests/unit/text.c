@@ -46,7 +46,7 @@ static void nearest_names(void **state) {
     assert_string_equal(nearest("Ward"), "ward");
     assert_null(nearest("checkerboard"));
     assert_null(nearest("zzzz"));
-    // Half of its letters are another word.
+    // A word with half of its letters is another word.
     assert_null(nearest("wood"));
     char longest[400];
     for (int i = 0; i < 399; i++) longest[i] = 'a';
