@@ -7,9 +7,6 @@
 #include "shade/shade_aov.h"
 #include "shade/shade_indirect.h"
 
-// Hemisphere where no record is near: this is at few pixels, so noise is acceptable.
-enum { FALLBACK_RAYS = 8 };
-
 satin_status shade_init(struct shade *shade, const struct gather *g,
                         const struct shade_tables *tables, const struct cache *cache,
                         struct parallel *pool) {
@@ -23,12 +20,8 @@ satin_status shade_init(struct shade *shade, const struct gather *g,
     // Without the cache the rays of a record are distributed over the samples of the pixel.
     int rays = o->irradiance_rays / (o->spp > 0 ? o->spp : 1);
     s.gather = gather_layout_new(rays > 8 ? rays : 8, o->radiance_basis, 0);
-    s.fallback = gather_layout_new(FALLBACK_RAYS, o->radiance_basis, 0);
     s.worker_count = parallel_threads(pool);
-    if (s.gather && s.fallback) {
-        const size_t off = gather_layout_rays(s.gather), none = gather_layout_rays(s.fallback);
-        s.worker = gather_workers_new(pool, off > none ? off : none);
-    }
+    if (s.gather) s.worker = gather_workers_new(pool, gather_layout_rays(s.gather));
     if (!s.worker) {
         shade_destroy(&s);
         return SATIN_ERROR_MEMORY;
@@ -39,7 +32,6 @@ satin_status shade_init(struct shade *shade, const struct gather *g,
 
 void shade_destroy(struct shade *shade) {
     gather_layout_free(shade->gather);
-    gather_layout_free(shade->fallback);
     gather_workers_free(shade->worker, shade->worker_count);
     *shade = (struct shade){0};
 }

@@ -58,13 +58,12 @@ static inline bool shade_sample_finite(const struct shade_sample *s) {
 struct shade {
     const struct gather *g;
     const struct shade_tables *tables;
-    const struct cache *cache;
+    const struct cache *cache;       // NULL: no records are read
     float a_irradiance, a_radiance;  // accuracies of the image pass
     struct film_filter filter;
-    float sharpness;                 // width of a sample's footprint, in pixels; 0: a point
-    struct gather_layout *gather;    // hemisphere for points where a cache is off
-    struct gather_layout *fallback;  // hemisphere for points without a record near them
-    struct gather_worker *worker;    // one for each worker of the pool
+    float sharpness;               // width of a sample's footprint, in pixels; 0: a point
+    struct gather_layout *gather;  // hemisphere for points where a cache is off
+    struct gather_worker *worker;  // one for each worker of the pool
     int worker_count;
 };
 

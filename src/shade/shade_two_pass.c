@@ -41,34 +41,37 @@ static void note_records(struct shade_job *job, struct cache_used used) {
     job->out->used = cache_used_add(job->out->used, used);
 }
 
-static void indirect_diffuse(struct shade_job *job, struct shade_pixel_entry *entry) {
+// Adds indirect light by a hemisphere of gather rays, if irradiance is not cached.
+static void gather_diffuse(struct shade_job *job) {
     const struct shade *s = job->shade;
     const struct gather_point *p = &job->vertex->point;
-    const struct cache_lookup at = shade_lookup(p, FALLBACK_PIXELS * job->vertex->pixel);
-    rgb E = entry->E;
+    const struct gather_worker *w = &job->worker->gather;
+    const struct gather_site site = site_of(job);
+    struct gather_irradiance value;
+    gather_hemisphere_trace(s->g, s->gather, &site, w->scratch, w->hemisphere);
+    gather_hemisphere_irradiance(s->g, w->hemisphere, &value);
+    job->worker->counts.rays += value.rays;
+    job->worker->counts.gathered++;
+    const rgb E = rotate_irradiance(&value, p->base.n, p->frame.n);
+    add_uncached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(shade_diffuse_albedo(p), E));
+}
+
+// Adds indirect light from irradiance records. False if none is near.
+static bool diffuse_cached(struct shade_job *job, struct shade_pixel_entry *entry) {
+    const struct shade *s = job->shade;
+    const struct gather_point *p = &job->vertex->point;
+    if (!s->cache) return false;
     if (!(entry->knows & PIXEL_IRRADIANCE)) {
-        entry->used = (struct cache_used){0};
-        if (s->g->options->irradiance_cache)
-            entry->used = cache_irradiance(s->cache, &at, s->a_irradiance, &E);
-    }
-    if (entry->used.count) {
-        entry->knows |= PIXEL_IRRADIANCE;
+        const struct cache_lookup at = shade_lookup(p, FALLBACK_PIXELS * job->vertex->pixel);
+        rgb E;
+        entry->used = cache_irradiance(s->cache, &at, s->a_irradiance, &E);
+        if (!entry->used.count) return false;
         entry->E = E;
-        note_records(job, entry->used);
-        add_cached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(shade_diffuse_albedo(p), E));
-    } else {
-        struct gather_irradiance value;
-        struct gather_site site = site_of(job);
-        bool off = !s->g->options->irradiance_cache;
-        const struct gather_worker *w = &job->worker->gather;
-        gather_hemisphere_trace(s->g, off ? s->gather : s->fallback, &site, w->scratch,
-                                w->hemisphere);
-        gather_hemisphere_irradiance(s->g, w->hemisphere, &value);
-        job->worker->counts.rays += value.rays;
-        E = rotate_irradiance(&value, p->base.n, p->frame.n);
-        job->worker->counts.gathered++;
-        add_uncached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(shade_diffuse_albedo(p), E));
+        entry->knows |= PIXEL_IRRADIANCE;
     }
+    note_records(job, entry->used);
+    add_cached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(shade_diffuse_albedo(p), entry->E));
+    return true;
 }
 
 // Adds indirect light from radiance records. False if none is near.
@@ -77,6 +80,7 @@ static bool indirect_cached(struct shade_job *job, const struct shade_plan *plan
     const struct shade *s = job->shade;
     const struct gather_point *p = &job->vertex->point;
     const bool diffuse = p->lobes & BRDF_DIFFUSE, shiny = plan->cached & BRDF_GLOSSY;
+    if (!s->cache) return false;
     if (!(entry->knows & PIXEL_RADIANCE)) {
         const struct cache_lookup at = shade_lookup(p, FALLBACK_PIXELS * job->vertex->pixel);
         entry->used = shade_radiance(s, plan, p, &at, &entry->glossy, &entry->E);
@@ -94,60 +98,103 @@ static bool indirect_cached(struct shade_job *job, const struct shade_plan *plan
 // The largest width over distance of a drawn ray's footprint.
 #define SPREAD_MAX 0.2f
 
-enum { GLOSSY_SAMPLES_MAX = 256 };  // rays of one sample; the limit of option glossy_samples
+enum {
+    GLOSSY_SAMPLES_MAX = 256,  // rays of one sample; the limit of option glossy_samples
+    MISSING_DIMENSION = 16     // of the sampler, beyond those of sampled lobes
+};
 
-// Draws gather rays from `lobes`. Returns the number of those that did not fail, with their weights
-// and densities.
-static int draw_rays(struct shade_job *job, unsigned lobes, int count, struct gather_ray *ray,
-                     rgb *weight, float *pdf) {
+// How lobes are sampled by gather rays.
+struct lobe_sampling {
+    unsigned lobes;
+    int count;           // number of rays
+    float ratio;         // number of BRDF samples per light sample; 0: rays do not find lights
+    uint32_t dimension;  // of the sampler, added to that of the job
+    uint64_t stream;     // of random decisions at the hits
+};
+
+// Rays that are drawn, and for each the factor of its light, that of the diffuse lobe alone, and
+// its density.
+struct drawn_rays {
+    struct gather_ray ray[GLOSSY_SAMPLES_MAX];
+    rgb weight[GLOSSY_SAMPLES_MAX], diffuse[GLOSSY_SAMPLES_MAX];
+    float pdf[GLOSSY_SAMPLES_MAX];
+};
+
+// The part of a sample's weight that is the diffuse lobe's.
+static rgb diffuse_weight(const struct gather_point *p, const struct brdf_sample *b,
+                          unsigned lobes) {
+    if (!(lobes & BRDF_DIFFUSE)) return rgb_grey(0.0f);
+    if (lobes == BRDF_DIFFUSE) return b->weight;
+    const rgb f = brdf_eval(&p->brdf, p->wo_l, b->wi, BRDF_DIFFUSE);
+    return rgb_scale(f, fabsf(b->wi.z) / b->pdf_w);
+}
+
+// Draws gather rays. Returns the number of those that did not fail.
+static int draw_rays(const struct shade_job *job, const struct lobe_sampling *by,
+                     struct drawn_rays *out) {
     const struct gather_point *p = &job->vertex->point;
-    const bool sharp = !job->shade->g->options->texture_filter;
+    const satin_options *o = job->shade->g->options;
     int rays = 0;
-    for (int i = 0; i < count; i++) {
-        struct sampler u = {job->sampler.index * (uint32_t)count + (uint32_t)i, job->sampler.seed,
-                            job->sampler.dimension};
+    for (int i = 0; i < by->count; i++) {
+        struct sampler u = {job->sampler.index * (uint32_t)by->count + (uint32_t)i,
+                            job->sampler.seed, job->sampler.dimension + by->dimension};
         struct brdf_sample b;
         vec2 uv = sampler_2d(&u);
         float u_lobe = sampler_1d(&u);
-        if (!brdf_sample(&p->brdf, p->wo_l, u_lobe, uv.x, uv.y, lobes, BRDF_RADIANCE, &b)) continue;
-        vec3 d = frame_to_world(&p->frame, b.wi);
-        ray[rays].ray = scene_spawn(job->shade->g->scene, p->interaction.p, p->interaction.ng, d);
-        ray[rays].item = u.index;
-        ray[rays].alpha_least = 0.0f;
-        ray[rays].lit = &p->interaction.p;
-        ray[rays].spread = sharp ? 0.0f : fminf(1.0f / sqrtf(b.pdf_w * (float)count), SPREAD_MAX);
-        weight[rays] = b.weight;
-        pdf[rays++] = b.pdf_w;
+        if (!brdf_sample(&p->brdf, p->wo_l, u_lobe, uv.x, uv.y, by->lobes, BRDF_RADIANCE, &b))
+            continue;
+        const vec3 d = frame_to_world(&p->frame, b.wi);
+        const float width = fminf(1.0f / sqrtf(b.pdf_w * (float)by->count), SPREAD_MAX);
+        out->ray[rays] = (struct gather_ray){
+            .ray = scene_spawn(job->shade->g->scene, p->interaction.p, p->interaction.ng, d),
+            .item = u.index,
+            .spread = o->texture_filter ? width : 0.0f,
+            .lit = &p->interaction.p};
+        out->weight[rays] = b.weight;
+        out->diffuse[rays] = diffuse_weight(p, &b, by->lobes);
+        out->pdf[rays++] = b.pdf_w;
     }
     return rays;
 }
 
-// Importance sampling of `lobes` by gather rays. If ratio > 0 they also find lights, weighted
-// against light samples for that many BRDF samples per light sample, and emitted light through
-// specular surfaces.
-static void sample_lobes(struct shade_job *job, unsigned lobes, float ratio) {
+// Importance sampling by gather rays. If by->ratio > 0 they also find lights, weighted against
+// light samples, and emitted light through specular surfaces.
+static void sample_lobes(struct shade_job *job, const struct lobe_sampling *by) {
     const struct gather *g = job->shade->g;
-    const int count = g->options->glossy_samples;
-    rgb weight[GLOSSY_SAMPLES_MAX];
-    float pdf[GLOSSY_SAMPLES_MAX];
-    struct gather_ray ray[GLOSSY_SAMPLES_MAX];
-    const int rays = draw_rays(job, lobes, count, ray, weight, pdf);
+    struct drawn_rays drawn;  // not initialised as a whole, as few are used
+    const int rays = draw_rays(job, by, &drawn);
     job->worker->counts.rays += (uint64_t)rays;
-    gather_rays(g, job->worker->gather.scratch, ray, (size_t)rays, job->pixel_stream);
-    rgb direct = rgb_grey(0.0f), caustic = direct, indirect = direct;
+    gather_rays(g, job->worker->gather.scratch, drawn.ray, (size_t)rays, by->stream);
+    rgb direct = rgb_grey(0.0f), caustic = direct, diffuse = direct, glossy = direct;
     for (int i = 0; i < rays; i++) {
-        if (ray[i].light_pdf > 0.0f)
-            direct = rgb_fma(direct, weight[i],
-                             rgb_scale(ray[i].Le, mis_power(ratio * pdf[i], ray[i].light_pdf)));
-        caustic = rgb_fma(caustic, weight[i], ray[i].Le_specular);
-        indirect = rgb_fma(indirect, weight[i], ray[i].L);
+        const struct gather_ray *ray = &drawn.ray[i];
+        const rgb weight = drawn.weight[i], part = drawn.diffuse[i];
+        if (ray->light_pdf > 0.0f)
+            direct =
+                rgb_fma(direct, weight,
+                        rgb_scale(ray->Le, mis_power(by->ratio * drawn.pdf[i], ray->light_pdf)));
+        caustic = rgb_fma(caustic, weight, ray->Le_specular);
+        diffuse = rgb_fma(diffuse, part, ray->L);
+        glossy = rgb_fma(glossy, rgb_sub(weight, part), ray->L);
     }
-    float weight_each = 1.0f / (float)count;
-    add_uncached(job, SHADE_INDIRECT_GLOSSY, rgb_scale(indirect, weight_each));
-    if (ratio > 0.0f) {
-        add_uncached(job, SHADE_DIRECT, rgb_scale(direct, weight_each));
-        add_uncached(job, SHADE_CAUSTIC, rgb_scale(caustic, weight_each));
+    const float each = 1.0f / (float)by->count;
+    if (by->lobes & BRDF_DIFFUSE)
+        add_uncached(job, SHADE_INDIRECT_DIFFUSE, rgb_scale(diffuse, each));
+    if (by->lobes & ~(unsigned)BRDF_DIFFUSE)
+        add_uncached(job, SHADE_INDIRECT_GLOSSY, rgb_scale(glossy, each));
+    if (by->ratio > 0.0f) {
+        add_uncached(job, SHADE_DIRECT, rgb_scale(direct, each));
+        add_uncached(job, SHADE_CAUSTIC, rgb_scale(caustic, each));
     }
+}
+
+// Adds indirect light where no record is near: by one ray, because more samples of the pixel gain
+// more than more rays of a sample.
+static void sample_missing(struct shade_job *job, unsigned lobes) {
+    const struct lobe_sampling by = {lobes, 1, 0.0f, MISSING_DIMENSION,
+                                     rng_mix(job->pixel_stream + 1)};
+    sample_lobes(job, &by);
+    job->worker->counts.gathered++;
 }
 
 // One BRDF sample of `lobes` that only finds lights.
@@ -204,7 +251,7 @@ void shade_vertex_two_pass(struct shade_job *job) {
     if (extra) sample_lights_by_brdf(job, extra, 1.0f / lights);
     job->sampler.dimension += 2;
     if (!indirect) return;
-    if (o->record_maps &&
+    if (o->record_maps && job->shade->cache &&
         cache_has_record_near(job->shade->cache, p->interaction.p, p->base.n, job->vertex->pixel))
         job->out->record = 1.0f;
 
@@ -212,14 +259,16 @@ void shade_vertex_two_pass(struct shade_job *job) {
     struct sampler apart = job->sampler;
     apart.dimension += 32;  // beyond those that the lobes below use
     const float u_caustic = sampler_1d(&apart);
-    if (plan.cached && !indirect_cached(job, &plan, entry)) {
-        // No record is near: gathers for the diffuse lobe and samples the glossy one.
-        plan.diffuse = plan.cached & BRDF_DIFFUSE;
-        if (plan.cached & BRDF_GLOSSY) sample_lobes(job, BRDF_GLOSSY, 0.0f);
-        job->worker->counts.gathered++;
+    if (plan.cached && !indirect_cached(job, &plan, entry)) sample_missing(job, plan.cached);
+    if (plan.diffuse && !o->irradiance_cache)
+        gather_diffuse(job);
+    else if (plan.diffuse && !diffuse_cached(job, entry))
+        sample_missing(job, plan.diffuse);
+    if (plan.sampled) {
+        const struct lobe_sampling by = {plan.sampled, o->glossy_samples, ratio, 0,
+                                         job->pixel_stream};
+        sample_lobes(job, &by);
     }
-    if (plan.diffuse) indirect_diffuse(job, entry);
-    if (plan.sampled) sample_lobes(job, plan.sampled, ratio);
     const struct photon_beside beside = {added_luminance(job) - before, u_caustic};
     if (caustic)
         add_uncached(job, SHADE_CAUSTIC,
