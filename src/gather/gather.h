@@ -158,6 +158,8 @@ struct gather_ray {
     uint32_t item;      // seeds the random decisions after the hit
     float spread;       // width over distance of what it represents, for textures; 0: a point
     float alpha_least;  // least roughness of lobes at its hit
+    float pdf_w;  // density [sr^-1] by which it is drawn, if the mean of such rays is to be free
+                  // of the noise of lookups that they have in common; 0: that may remain
     const vec3 *lit;  // the point for whose direct light Le, light_pdf and Le_specular are set, to
                       // be combined with gather_direct; NULL: they are 0
     // Results:

@@ -46,6 +46,20 @@ static void look_up_hits(const struct gather *g, struct gather_hits *hits, size_
                                hits->entry);
 }
 
+// The rays of a lobe that hit within the disc of one lookup have its noise in common, which no
+// number of samples removes, and no denoiser: it is a blotch. Their number of lookups is the area
+// that they hit, t^2 / pdf, over that of the disc, and the relative error of the mean of n lookups
+// of k photons is 1 / sqrt(k n). This is the largest error, the difference that is visible by
+// Weber's law. Measured on the glossy floor of a room (docs/experiments.md).
+static const float NOISE_MOST = 0.02f;
+
+static bool averages_few(const struct gather *g, const struct gather_hit *hit, float radius) {
+    const float pdf = hit->ray->pdf_w, t = hit->point.interaction.t;
+    // The given radius is that of twice the photons of the lookup.
+    const float disc = 0.5f * PI_F * sqrf(radius);
+    return pdf > 0.0f && sqrf(NOISE_MOST * t) * (float)g->options->photon_k < disc * pdf;
+}
+
 // First passes `photons` and `precomputed`: computes the reflected radiance of the hits.
 static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t count,
                        struct gather_near *near) {
@@ -56,9 +70,10 @@ static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t 
     if (near) gather_near_clusters(g, hits, count, near);
     for (size_t i = 0; i < count; i++) {
         const struct gather_hit *hit = &hits->hit[i];
-        const struct gather_estimate estimate = {
-            hits->E[i], gather_is_reliable(g, hits->radius[i], hits->near[i]),
-            gather_direct_known(g, hits->entry[i])};
+        const bool reliable = gather_is_reliable(g, hits->radius[i], hits->near[i]) &&
+                              !averages_few(g, hit, hits->radius[i]);
+        const struct gather_estimate estimate = {hits->E[i], reliable,
+                                                 gather_direct_known(g, hits->entry[i])};
         const rgb L =
             gather_bounces(g, &hit->point, estimate, hits->near[i] ? near : NULL, hit->sampler);
         hit->ray->L = rgb_mul(hit->T, L);

@@ -149,6 +149,7 @@ static int draw_rays(const struct shade_job *job, const struct lobe_sampling *by
             .ray = scene_spawn(job->shade->g->scene, p->interaction.p, p->interaction.ng, d),
             .item = u.index,
             .spread = o->texture_filter ? width : 0.0f,
+            .pdf_w = o->denoise ? b.pdf_w : 0.0f,
             .lit = &p->interaction.p};
         out->weight[rays] = b.weight;
         out->diffuse[rays] = diffuse_weight(p, &b, by->lobes);

@@ -96,10 +96,55 @@ static void no_estimate_is_left_over(void **state) {
     test_scene_free(&t);
 }
 
+// The radiance along a ray in a closed cube, if rays like it are drawn with this density.
+static float luminance_by(const struct gather *g, struct gather_scratch *scratch, float pdf) {
+    const vec3 p = v3(0.1f, 0.2f, -1.0f), n = v3(0, 0, 1), d = v3_unit(v3(0.2f, 0.1f, 1.0f));
+    struct gather_ray ray = {.ray = scene_spawn(g->scene, p, n, d), .pdf_w = pdf};
+    gather_rays(g, scratch, &ray, 1, 0);
+    return rgb_luminance(ray.L);
+}
+
+// A lookup is read if the rays of a lobe hit so large an area that the noise of the mean lookup is
+// below 2 %, else the ray is followed: by one bounce, whose light differs.
+static void narrow_lobes_do_not_show_single_lookups(void **state) {
+    (void)state;
+    struct test_scene t;
+    test_scene_init(&t);
+    test_cube(&t, mat4_identity(), true, test_diffuse(&t, 0.5f, 0.5f, 0.5f));
+    test_light(&t, (struct light){
+                       .kind = LIGHT_POINT, .position = v3(0, 0.5f, 0), .value = rgb_grey(1.0f)});
+    test_scene_finish(&t);
+    satin_options options = satin_options_default;
+    options.max_depth = -1;
+    options.photons = 50000;
+    options.caustic_photons = 0;
+    struct parallel *pool = parallel_new(1);
+    struct stats stats = {0};
+    struct photon_maps *maps;
+    assert_int_equal(photon_maps_build(&t.scene, &options, pool, (struct log){0}, &stats, &maps),
+                     SATIN_OK);
+    const struct gather g = gather_make(&t.scene, &options, maps);
+    struct gather_scratch *scratch = gather_scratch_new(NULL, 0);
+    assert_non_null(scratch);
+    const float read = luminance_by(&g, scratch, 0.0f);
+    assert_false(scratch->hits.near[0]);
+    // The radius is that of twice the photons of the lookup's disc.
+    const float disc = 0.5f * PI_F * sqrf(scratch->hits.radius[0]);
+    const float lookups = 1.0f / (sqrf(0.02f) * (float)options.photon_k);
+    const float most = sqrf(scratch->hits.hit[0].point.interaction.t) / (disc * lookups);
+    assert_true(luminance_by(&g, scratch, 0.99f * most) == read);
+    assert_true(luminance_by(&g, scratch, 1.01f * most) != read);
+    gather_scratch_free(scratch);
+    photon_maps_free(maps);
+    parallel_free(pool);
+    test_scene_free(&t);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(light_is_weighed_at_the_point_that_rays_leave),
         cmocka_unit_test(no_estimate_is_left_over),
+        cmocka_unit_test(narrow_lobes_do_not_show_single_lookups),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
