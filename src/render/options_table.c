@@ -64,7 +64,9 @@ const struct option options_table[] = {
      "samples take 2 to 16, the number with the least noise for its cost. If adaptive-sampling is "
      "off, all samples take this number."},
     {"glossy-samples", OPTION_INT, AT(glossy_samples), true, "1..256",
-     "Gather rays per pixel sample for glossy reflection that is not cached."},
+     "Gather rays per pixel sample for glossy reflection that is not cached. With a time limit it "
+     "is "
+     "1 if the image is denoised, unless the user sets another number."},
 
     {"photons", OPTION_COUNT, AT(photons), true, "0..1000000000000",
      "Photon paths for the global map. A number that a quality sets grows up to eightfold if few "

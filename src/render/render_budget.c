@@ -290,6 +290,15 @@ void render_budget_level(const satin_options *o, struct render_covering *coverin
     c->rays = (float)lo;
 }
 
+// The growth of the coarsest level is not known, so nothing is decided by it. Measured at 320x180:
+// in a furnished room the second level shows that the rest takes 15 times the time that is left,
+// and the denoised image has .6 of the error without records; in a room with one table and in
+// closed ones all rays fit three times or more.
+bool render_budget_without_records(const satin_options *o, const struct render_covering *covering,
+                                   int stride) {
+    return o->denoise && stride < RENDER_COARSEST && covering->rays < RENDER_COARSEST;
+}
+
 // ---- Records of indirect bounces ----------------------------------------------------------------
 
 static int bounce_rays(int rays, int bounce) {

@@ -113,6 +113,11 @@ float render_budget_rays(const satin_options *options, const struct render_cover
 // rays of the finer levels, for which `left` seconds remain.
 void render_budget_level(const satin_options *options, struct render_covering *covering, int stride,
                          double made, double seconds, double left);
+// To be called after render_budget_level: whether the image is denoised and there is no time for
+// records by all of their rays in the first round. Then it has none: records of few rays have noise
+// that is not denoised.
+bool render_budget_without_records(const satin_options *options,
+                                   const struct render_covering *covering, int stride);
 // The seconds that the first round may still take.
 double render_budget_first_round(const struct render *r);
 

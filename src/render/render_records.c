@@ -13,6 +13,7 @@ struct filling {
     struct render *r;
     struct render_covering covering;
     struct render_sites sites;
+    bool abandoned;  // the image is to be rendered without records
 };
 
 static double count_records(const struct render *r) {
@@ -29,7 +30,8 @@ static satin_status fill_levels(struct filling *f, struct render_widths widen, b
     const float a[CACHE_KINDS] = {r->options.irradiance_a, r->options.radiance_a};
     satin_status status = SATIN_OK;
     int stride = RENDER_COARSEST;
-    for (int level = 0; level < RENDER_LEVELS && status == SATIN_OK; level++, stride /= 2) {
+    for (int level = 0; level < RENDER_LEVELS && status == SATIN_OK && !f->abandoned;
+         level++, stride /= 2) {
         const double start = stats_wall(), before = count_records(r);
         render_stage_part(r, done + span * level / RENDER_LEVELS, span / RENDER_LEVELS);
         status = cache_limit_rays(cache, render_budget_rays(&r->options, &f->covering, stride));
@@ -50,9 +52,10 @@ static satin_status fill_levels(struct filling *f, struct render_widths widen, b
             }
         }
         free(pixel);
-        if (covering)
-            render_budget_level(&r->options, &f->covering, stride, count_records(r) - before,
-                                stats_wall() - start, render_budget_first_round(r));
+        if (!covering) continue;
+        render_budget_level(&r->options, &f->covering, stride, count_records(r) - before,
+                            stats_wall() - start, render_budget_first_round(r));
+        f->abandoned = render_budget_without_records(&r->options, &f->covering, stride);
     }
     return status;
 }
@@ -78,7 +81,7 @@ static satin_status fill_timed(struct filling *f) {
         for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
             cache_limit_radius(r->second_pass.cache, k, render_budget_least_radius(widen.of[k]));
         status = fill_levels(f, widen, i == 0, (double)i / rounds, 1.0 / rounds);
-        if (!render_time_remains(r)) break;
+        if (f->abandoned || !render_time_remains(r)) break;
         finished = widen;
         stats_set(&r->stats, "records.rounds", i + 1.0);
         if (i > 0) continue;
@@ -106,6 +109,10 @@ satin_status render_records(struct render *r) {
     if (status == SATIN_OK && !whole && !timed && r->options.adaptive_cache)
         status = render_adaptive_cache(r);
     if (status == SATIN_OK) r->outcome.saved = render_cache_save(r);
+    if (f.abandoned) {
+        r->second_pass.shade.cache = NULL;
+        stats_set(&r->stats, "records.abandoned", 1.0);
+    }
     render_sites_free(&f.sites);
     cache_statistics(r->second_pass.cache, &r->stats);
     return status;

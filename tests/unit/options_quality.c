@@ -107,6 +107,19 @@ static void what_the_user_chose_stays(void **state) {
     assert_memory_equal(&draft, &production, sizeof draft);
 }
 
+static void a_denoised_image_takes_samples_rather_than_glossy_rays(void **state) {
+    (void)state;
+    satin_options noisy = make(SATIN_PREVIEW), denoised = noisy, chosen = noisy;
+    denoised.denoise = chosen.denoise = true;
+    chosen.glossy_samples = 3;
+    options_quality_seconds(&noisy, 20.0, PIXELS);
+    options_quality_seconds(&denoised, 20.0, PIXELS);
+    options_quality_seconds(&chosen, 20.0, PIXELS);
+    assert_true(noisy.glossy_samples > 1);
+    assert_int_equal(denoised.glossy_samples, 1);
+    assert_int_equal(chosen.glossy_samples, 3);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_default_is_preview),
@@ -116,6 +129,7 @@ int main(void) {
         cmocka_unit_test(more_time_never_buys_less),
         cmocka_unit_test(seconds_are_divided_by_pixels),
         cmocka_unit_test(what_the_user_chose_stays),
+        cmocka_unit_test(a_denoised_image_takes_samples_rather_than_glossy_rays),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

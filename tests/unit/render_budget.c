@@ -301,6 +301,18 @@ static void rays_are_what_the_time_allows(void **state) {
     assert_true(last.rays == RENDER_COARSEST);
 }
 
+static void a_denoised_image_has_whole_records_or_none(void **state) {
+    (void)state;
+    satin_options o = timed_options(SATIN_PRODUCTION);
+    const struct render_covering fits = after_level(&o, 2, 2.0), few = after_level(&o, 2, 1.0),
+                                 first = after_level(&o, RENDER_COARSEST, 0.0);
+    assert_false(render_budget_without_records(&o, &few, 2));
+    o.denoise = true;
+    assert_true(render_budget_without_records(&o, &few, 2));
+    assert_false(render_budget_without_records(&o, &fits, 2));
+    assert_false(render_budget_without_records(&o, &first, RENDER_COARSEST));
+}
+
 static void adaptive_caching_compares_a_bounded_number(void **state) {
     (void)state;
     for (int width = 1; width < 40000; width = 2 * width + 1)
@@ -329,6 +341,7 @@ int main(void) {
         cmocka_unit_test(no_record_is_read_wider_than_it_may_be),
         cmocka_unit_test(coarse_records_get_more_rays),
         cmocka_unit_test(rays_are_what_the_time_allows),
+        cmocka_unit_test(a_denoised_image_has_whole_records_or_none),
         cmocka_unit_test(adaptive_caching_compares_a_bounded_number),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
