@@ -39,7 +39,7 @@ def measure(options, scene, args):
 
 
 def curve_at(rows, wall):
-    """The error at so many seconds, straight between logarithms and beyond the ends."""
+    """The error at so many seconds, linear between logarithms, and extrapolated beyond the ends."""
     points = [(math.log(r["wall"]), math.log(r["error"])) for r in rows]
     i = max([k for k in range(len(points) - 1) if points[k][0] <= math.log(wall)], default=0)
     (x0, y0), (x1, y1) = points[i], points[i + 1]

@@ -5,9 +5,9 @@ same records for every kind.
 
   bench/fig_4_4.py DIR [4.4] [4.6] [4.7] [4.8]
 
-DIR gets the scenes, the renders and a picture per figure: the reference, then each kind, and below
+DIR gets the scenes, the renders and an image per figure: the reference, then each kind, and below
 each its difference times ten. Prints a table in Markdown: the rms difference of the indirect layer
-relative to its mean, over the picture and over the part where occlusion changes. Indirect light is
+relative to its mean, over the image and over the part where occlusion changes. Indirect light is
 of the first bounce (first pass `none`). The reference gathers at every sample for 4.4; for the
 others it has a radiance record at every pixel, so that what harmonics cannot hold of the BRDF does
 not count.

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Records follow the sharpness of a BRDF: their number and the error on a Ward-Duer floor of
-falling roughness, with adaptive and with uniform placing [K05 figure 6.15: 335, 516, 993 records].
+falling roughness, with adaptive and uniform placement [K05 figure 6.15: 335, 516, 993 records].
 
   bench/fig_6_15.py DIR [--spp N]      references are made in DIR if they are not there
 

@@ -5,13 +5,13 @@ and how many it takes without [K05 figure 6.5: 7,750 and 20,000].
 
   bench/fig_6_5.py DIR [--size N] [--a A]
 
-What counts is the part of the picture with the steps; placing.py says what is measured. Prints a
+What counts is the part of the image with the steps; placement.py says what is measured. Prints a
 table in Markdown; the images stay in DIR. Needs the Python packages numpy, scipy and OpenEXR.
 """
-import placing
+import placement
 import runs
 
-TOP, BOTTOM, LEFT, RIGHT = 0.48, 0.7, 0.16, 0.76  # of the picture
+TOP, BOTTOM, LEFT, RIGHT = 0.48, 0.7, 0.16, 0.76  # of the image
 
 
 def main():
@@ -20,12 +20,12 @@ def main():
     parser.add_argument("--a", type=float, default=0.2, help="accuracy with clamping")
     options = parser.parse_args()
     n = options.size
-    print(placing.HEAD)
-    placing.Placing(options, "steps", "irradiance", "indirect_diffuse", ("irradiance-cache=off",),
-                    ("adaptive-cache=off", "irradiance-widen=1"),
-                    (slice(int(TOP * n), int(BOTTOM * n)), slice(int(LEFT * n), int(RIGHT * n))),
-                    ).compare(options.a, "irradiance-neighbour-clamp=on",
-                              "irradiance-neighbour-clamp=off", 0.01)
+    print(placement.HEAD)
+    steps = (slice(int(TOP * n), int(BOTTOM * n)), slice(int(LEFT * n), int(RIGHT * n)))
+    placement.Placement(
+        options, "steps", "irradiance", "indirect_diffuse", ("irradiance-cache=off",),
+        ("adaptive-cache=off", "irradiance-widen=1"), steps,
+    ).compare(options.a, "irradiance-neighbour-clamp=on", "irradiance-neighbour-clamp=off", 0.01)
 
 
 if __name__ == "__main__":

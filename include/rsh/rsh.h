@@ -3,7 +3,7 @@
 // library is independent: it needs nothing but this header, allocates no memory and keeps no state,
 // so every function may be called from any thread at any time. All arrays are the caller's.
 //
-// Conventions, said once
+// Conventions
 //   order    n = number of bands, 1 to RSH_MAX_ORDER; a vector has n * n coefficients
 //   index    of degree l = 0 .. n - 1 and m = -l .. l: l (l + 1) + m
 //   sphere   Y_l^m = s K_l^|m| P_l^|m|(cos theta) t, with t = cos(m phi) for m >= 0 and

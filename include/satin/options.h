@@ -110,11 +110,11 @@ typedef struct satin_options {
     satin_gradients radiance_gradients;
     bool radiance_diffuse;  // diffuse surfaces use radiance records too, for comparison
     satin_basis radiance_basis;
-    int radiance_order;    // largest order n, 1 to 14
-    float radiance_error;  // largest relative error of radiance reflected by a BRDF in harmonics
-    float
-        radiance_rotation;  // largest angle [rad] of normals for the fast rotation, 0 to 4; 0: none
-    int radiance_rays;      // gather rays per record, 4 to 1048576
+    int radiance_order;       // largest order n, 1 to 14
+    float radiance_error;     // largest relative error of radiance reflected by a BRDF in harmonics
+    float radiance_rotation;  // largest angle [rad] between normals for the fast rotation, 0 to 4;
+                              // 0: none
+    int radiance_rays;        // gather rays per record, 4 to 1048576
     float radiance_noise;  // target standard deviation of the coefficient vector over its length, 0
                            // to 1
     float radiance_a;      // accuracy a at which the cache is filled, no unit, .01 to 2

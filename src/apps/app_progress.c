@@ -35,7 +35,7 @@ static void on_alarm(int number) {
     static const char message[] = "satin: error: cancelled while the scene was read\n";
     (void)number;
     if (!atomic_load(&reading)) return;
-    // The message is lost if nobody reads standard error.
+    // The message is lost if no process reads standard error.
     if (write(STDERR_FILENO, message, sizeof message - 1) < 0) _exit(APP_CANCELLED);
     _exit(APP_CANCELLED);
 }

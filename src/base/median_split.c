@@ -6,7 +6,7 @@
 
 #define LEAN (1.0f / 1024.0f)  // much larger than rounding errors
 
-// The longer of the axes a and b of a box with sides d. a if they agree but for rounding.
+// The longer of the axes a and b of a box with sides d. a if they differ by rounding alone.
 static int longer(vec3 d, int a, int b) {
     return v3_along(d, b) > SPLIT_CLEARLY * v3_along(d, a) ? b : a;
 }

@@ -189,14 +189,14 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_l
     if (count == 0 || is_oversized(cache, radiance_ratio, near, count)) return used;
     const struct cache_lobe cosine = {
         .C = cache->cosine, .order = cache->cosine_order, .channels = 1};
-    struct taylor shine = {0}, diffuse = {0};
+    struct taylor reflected = {0}, diffuse = {0};
     for (int i = 0; i < count; i++) {
         const uint32_t record = near[i].record;
         const float w = near[i].weight;
         struct taylor t;
         if (lobe) {
             t = radiance_of(cache, record, at, a, *lobe, NULL);
-            add_record(&shine, &t, w);
+            add_record(&reflected, &t, w);
         }
         if (E) {
             t = radiance_of(cache, record, at, a, cosine, NULL);
@@ -204,7 +204,7 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_l
         }
         add_used(&used, &tree->head[record], w, whole, cache->radiance[record].rays);
     }
-    if (lobe) *glossy = mean_value(&shine, used.weight);
+    if (lobe) *glossy = mean_value(&reflected, used.weight);
     if (E) *E = mean_value(&diffuse, used.weight);
     return used;
 }

@@ -45,8 +45,8 @@ struct gather {
     bool wide_lights;  // whether lights are so large that light sampling alone is noisy
     const struct gather_direct_table *direct;  // NULL: there is none
     float lookup_max;                          // photon lookups of a larger radius are not reliable
-    struct gather_records
-        next;  // of the next indirect bounce; `gather` is NULL except in `recursive`
+    // The records of the next indirect bounce; `gather` is NULL except in first pass `recursive`.
+    struct gather_records next;
 };
 
 // Sets the constants of a render, without visibility of lights and without records. `maps` may be

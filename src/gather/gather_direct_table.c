@@ -72,7 +72,7 @@ static bool is_brighter(const struct direct_job *job, size_t i, float E) {
     return direct.power > most + BRIGHTER_DEVIATIONS * sqrtf(most * photon) + photon;
 }
 
-// Whether direct light at the entries around one is equal but for noise. Its own value is not
+// Whether direct light at the entries around one is equal except for noise. Its own value is not
 // tested: otherwise the decision to read it would depend on it, and rare bright samples would be
 // lost more often than others.
 static bool entries_agree(const struct direct_job *job, size_t i) {

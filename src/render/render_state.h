@@ -57,7 +57,7 @@ struct render_first_pass {
 
 // The second pass: final gathering, and its records.
 struct render_second_pass {
-    // The options of the render, but for the integrator by which the image is sampled: `path` if
+    // The options of the render, except the integrator by which the image is sampled: `path` if
     // there was no time for photons, `direct` for a coarse image without records.
     satin_options options;
     struct gather gather;

@@ -9,7 +9,7 @@
 #include "rsh/rsh_tables.h"
 
 // Maps a direction to the one at which a spherical harmonic has the hemispherical harmonic's value,
-// but for the factor sqrt 2: cos theta' = 2 cos theta - 1 at the same phi. As sin theta' / sin
+// except for the factor sqrt 2: cos theta' = 2 cos theta - 1 at the same phi. As sin theta' / sin
 // theta = 2 sqrt(cos theta / (1 + cos theta)), nothing is singular at the pole.
 static void stretch_direction(double w[3]) {
     double z = w[2] > 0.0 ? fmin(w[2], 1.0) : 0.0, s = 2.0 * sqrt(z / (1.0 + z));

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Compares our BRDFs with Mitsuba 3's, and phong and ward with their formulas in double precision.
+"""Compares satin's BRDFs with Mitsuba 3's, and phong and ward with their formulas in double.
 
 usage: check_brdf.py BUILD_DIR      (needs mitsuba and numpy; BUILD_DIR/tests/image/brdf_values)
 
@@ -65,7 +65,7 @@ def pairs(p):
     half = DIRECTIONS // 2
     wi[:half] = mirrored[:half]
     wi[wi[:, 2] < 1e-3] = [0.6, 0, 0.8]
-    if p["model"] in BOTH_SIDES:  # a third each inside, through one way and the other
+    if p["model"] in BOTH_SIDES:  # a third each inside, and through in each direction
         refracted = wi / p["ior"] + (wo * m).sum(1)[:, None] * m * (1 - 1 / p["ior"])
         wi[1::3] = -refracted[1::3] / np.linalg.norm(refracted[1::3], axis=1)[:, None]
         wi[:, 2][np.abs(wi[:, 2]) < 1e-3] = -1e-3

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""How often does z_test.c fail an image that is right? Puts Mitsuba's own images instead of ours.
+"""Counts how often z_test.c fails a correct image, by Mitsuba's own images instead of satin's.
 
     tests/image/count_false_alarms.py [--spp N] [--parts P] [--pool K] [--draws D] SCENE.xml ...
 

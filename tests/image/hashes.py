@@ -36,7 +36,7 @@ LARGER = [("cases/metal-room.xml", 96, "--quality production"),
 
 
 def pixels(data):
-    """What an EXR file by satin holds, but for its metadata: channels, their order, and chunks."""
+    """The content of an EXR file without its metadata: channels, their order, and chunks."""
     at, attributes = 8, {}
     while data[at]:
         name, kind, rest = data[at:at + 600].split(b"\0", 2)

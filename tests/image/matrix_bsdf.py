@@ -46,7 +46,7 @@ LOBES = text("lobes", "-1 -1 1 8 0.4 0.4 0.3  -0.7 -0.9 1.02 3 0.1 0.1 0.2")
 
 # Mitsuba's path tracer takes what lets light pass for opaque when it samples lights, and multiplies
 # by the opacity of a mask twice then; its volumetric one does neither, and like satin it does not
-# count what is passed as an edge of the path.
+# count surfaces that are passed as segments of the path.
 THROUGH = '<integrator type="volpath"><integer name="max_depth" value="6"/></integrator>\n'
 
 # Name: with constants, with textures (or None).

@@ -303,7 +303,7 @@ def emitters():
         noise.format("radiance", "nearest"), text("filename", "torus_ascii.ply"),
         true("face_normals"))
     # It emits all over, as if it had no mask. Mitsuba's volumetric path tracer, for which see
-    # matrix_bsdf.py, without a bound, as it does not count such an edge.
+    # matrix_bsdf.py, without a bound, as it does not count such a segment.
     for name, opacity in (("masked", real("opacity", 0.3)), ("masked_texture", CHECKS_OPACITY)):
         yield f"area_{name}", VOLPATH + area("rectangle", place(
             '<rotate y="1" angle="20"/>', '<translate y="1.2" z="1.6"/>'), grey,

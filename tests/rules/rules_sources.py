@@ -11,7 +11,7 @@ import re
 import subprocess
 import sys
 
-# The way of the light: a folder of src includes only those before it.
+# The order of the light: a folder of src includes only those before it.
 ORDER = ["base", "rsh", "brdf", "scene", "light", "load", "guide", "photon", "gather", "cache",
           "shade", "film", "render", "apps"]
 # The only folder that may include headers of a library.

@@ -31,7 +31,7 @@ class Room(Shell):
         return x, self.half[1] * self.dice.range(0.4, 0.9) if self.dice.chance(0.7) else y, z
 
     def ceiling_lamp(self):
-        """A rectangle or disk under the ceiling that faces the floor, now and then the ceiling."""
+        """A rectangle or disk under the ceiling that faces the floor, sometimes the ceiling."""
         a, b = self.dice.log(0.02, 0.8), self.dice.log(0.02, 0.8)
         x, _, z = self.place_of_lamp()
         kind, steps = ("rectangle", self.grow(a, b, 1))
@@ -75,7 +75,7 @@ class Room(Shell):
                      self.move(x, y, z)),
             plugin("emitter", "directionalarea", rgb("radiance", *self.light(4 / size ** 2)))))
 
-    # ---- Things ----------------------------------------------------------------------------------
+    # ---- Objects ---------------------------------------------------------------------------------
 
     def thing(self, floor, limit):
         """Stands on height `floor`, no wider than `limit`; returns its x, z, top and width."""
@@ -122,7 +122,7 @@ class Room(Shell):
                 self.grow(radius, radius, 1), rotate("x", -90), self.move(x, top, z)), material))
 
     def copies(self, x, z, foot, radius):
-        """A ball of a group, at three places."""
+        """A ball of a group, at three positions."""
         name = f"group{len(self.parts)}"
         ball = plugin("shape", "sphere", real("radius", self.k * radius), self.materials.body())
         self.parts.append(plugin("shape", "shapegroup", ball, id=name))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The shell of a random room of rooms.py: dice, where things go, walls, windows and the sky.
+"""The shell of a random room of rooms.py: dice, positions of objects, walls, windows and the sky.
 
 Lengths are metres before the room's unit `k`; a light that has intensity, not radiance, grows with
 k^2, so the image does not depend on it.
@@ -40,9 +40,9 @@ class Shell:
         self.power = self.dice.log(0.01, 100) if self.dice.chance(0.3) else 1.0
         self.materials = Materials(self.dice)
         self.parts, self.lights = [], 0
-        self.seen = []  # centres of things, one of which the eye may look at
+        self.seen = []  # centres of objects, one of which the eye may look at
 
-    # ---- Placing ---------------------------------------------------------------------------------
+    # ---- Placement -------------------------------------------------------------------------------
 
     def move(self, x, y, z):
         return element("translate", {"value": triple((self.k * x, self.k * y, self.k * z))})
@@ -60,7 +60,7 @@ class Shell:
         return [rotate("x", self.dice.range(0, 90)), upright]
 
     def gap(self):
-        """Between a thing and what it stands on: none, small, or a hair inside."""
+        """Between an object and the surface below it: none, small, or slightly inside."""
         return self.dice.pick((0, 0, self.dice.log(1e-4, 0.1), -self.dice.log(1e-4, 0.02)))
 
     def spot_on_floor(self, radius):

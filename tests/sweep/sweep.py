@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Renders many scenes under many seeds and flags what is off; see docs/experiments.md.
+"""Renders many scenes under many seeds and flags deviations; see docs/experiments.md.
 
     tests/sweep/sweep.py [--scenes] [--rooms FIRST:END] [--build DIR] [ARGUMENT ...] [SCENE.xml ...]
 

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Two placings of records on one scene: at equal number, and how many records the plain one needs
+"""Two placements of records in one scene, at equal number, and how many records the plain one needs
 to be as good.
 
-One layer of the picture counts, against pictures without the cache that have the same first pass
-but other random numbers. The thesis found by eye whether a picture is free of artefacts; here
-`visible error` is the fraction of pixels around which the mean of 5x5 is off by more than 4 % of
+One layer of the image counts, against images without the cache that have the same first pass
+but other random numbers. The thesis found by eye whether an image is free of artefacts; here
+`visible error` is the fraction of pixels around which the mean of 5x5 deviates by more than 4 % of
 all light there, twice what Weber's law hides. The systematic error is estimated by products of two
 errors of different seeds.
 """
@@ -21,7 +21,7 @@ import runs
 SEEDS = (1, 2, 3, 4)
 STEPS = 5  # of the search for a number of records, and for visible errors
 VISIBLE = 0.04
-HEAD = ("| scene | placing | a | records | passes | fill, s | overhead | systematic | random "
+HEAD = ("| scene | placement | a | records | passes | fill, s | overhead | systematic | random "
         "| visible error |\n|---|---|---|---|---|---|---|---|---|---|")
 
 
@@ -51,22 +51,22 @@ class Found:
 
 
 @dataclasses.dataclass
-class Placing:
+class Placement:
     options: object
     name: str       # of a scene of data/scenes/figures
     kind: str       # of the records: irradiance or radiance
-    layer: str      # of the picture
-    brute: tuple    # options of pictures without the cache
-    both: tuple     # options of both placings
+    layer: str      # of the image
+    brute: tuple    # options of images without the cache
+    both: tuple     # options of both placements
     part: tuple = (slice(None), slice(None))  # rows and columns that count
 
     def __post_init__(self):
         self.size = ["--width", str(self.options.size), "--height", str(self.options.size)]
         paths = [self.reference(seed) for seed in (11, 12)]
         self.truth = [channels(path, self.layer + ".") for path in paths]
-        picture = sum(channels(path) for path in paths) / 2
-        self.weight = 1 / (picture ** 2 + 0.01)
-        self.light = luminance(picture) + 0.01
+        image = sum(channels(path) for path in paths) / 2
+        self.weight = 1 / (image ** 2 + 0.01)
+        self.light = luminance(image) + 0.01
 
     def render(self, out, seed, *args):
         return runs.render(self.options, runs.scene_file("figures", self.name),
@@ -79,11 +79,11 @@ class Placing:
             self.render(f"brute{seed}", seed, "--spp", "16", *sets(*self.brute))
         return path
 
-    def measure(self, a, *placing):
+    def measure(self, a, *placement):
         images = []
         for seed in SEEDS:
             path, stats = self.render(seed, seed, "--spp", "4", *sets(
-                *self.both, *placing, f"{self.kind}-a={a:.4f}"))
+                *self.both, *placement, f"{self.kind}-a={a:.4f}"))
             images.append(channels(path, self.layer + "."))
         systematic = [((x - self.truth[0]) * (y - self.truth[1]) * self.weight)[self.part].mean()
                       for x, y in itertools.permutations(images, 2)]
@@ -96,7 +96,7 @@ class Placing:
                      numpy.mean(random), numpy.mean(visible))
 
     def search(self, plain, enough, low, high):
-        """The largest accuracy of the plain placing that gives `enough`, or the last one tried."""
+        """The largest accuracy a of the plain placement that gives `enough`, or the last tried."""
         best = None
         for _ in range(STEPS):
             a = (low * high) ** 0.5
@@ -107,15 +107,15 @@ class Placing:
                 high = a
         return best or found
 
-    def row(self, placing, found, extra=""):
+    def row(self, placement, found, extra=""):
         passes = found.stats.get("cache.passes", 0)
         fill, overhead = found.stats["time.records_s"], found.stats.get("cache.overhead_s", 0.0)
-        print(f"| {self.name} | {placing} | {found.a:.3f} | {found.records:.0f}{extra} | "
+        print(f"| {self.name} | {placement} | {found.a:.3f} | {found.records:.0f}{extra} | "
               f"{passes:.0f} | {fill:.1f} | {overhead / fill:.1%} | {found.systematic:.1e} | "
               f"{found.random:.1e} | {found.visible:.2%} |", flush=True)
 
     def compare(self, a, better, plain, low):
-        """Prints rows of a table under HEAD; `low` bounds the accuracy of the plain placing."""
+        """Prints rows of a table under HEAD; `low` bounds the accuracy of the plain placement."""
         best = self.measure(a, better)
         self.row(better, best)
         self.row(plain, self.search(plain, lambda f: f.records > best.records, low, 2 * a))
