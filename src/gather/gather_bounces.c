@@ -123,6 +123,15 @@ static bool includes_direct(const struct path_vertex *v, struct gather_estimate 
     return estimate.reliable && estimate.direct && (v->bounce == 0 || v->g->options->max_depth < 0);
 }
 
+// Irradiance by caustic photons at a vertex, beside the light that was added there.
+static rgb caustic_irradiance(const struct path *path, const struct path_vertex *v) {
+    struct sampler apart = path->sampler;
+    apart.dimension += 32;  // beyond those that the branches use
+    const struct photon_beside beside = {rgb_luminance(v->L), sampler_1d(&apart)};
+    return photon_caustic_irradiance(v->g->maps, v->g->scene, v->y->interaction.p, v->y->ng,
+                                     beside);
+}
+
 // Adds the light that is known at a vertex, and decides by which lobes the path continues.
 static void add_vertex_light(struct path *path, struct path_vertex *v,
                              struct gather_estimate estimate) {
@@ -156,20 +165,13 @@ static void add_vertex_light(struct path *path, struct path_vertex *v,
     }
     path->sampler.dimension += 2;
 
-    // Caustics. The number of segments of their photons is not known; it is at least two.
     const bool caustics = within_depth(g, v->bounce, 2);
     if (known && caustics)
         v->L = rgb_add(v->L, photon_caustic(g->maps, g->scene, s->p, y->ng, &y->frame, &y->brdf,
                                             y->wo_l, known, PHOTON_ALONE));
-    if (diffuse) {
-        const rgb reflectance = brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE);
-        if (estimate.reliable)
-            v->L = rgb_add(v->L, diffuse_radiance(reflectance, E));
-        else if (caustics)
-            v->L = rgb_add(
-                v->L, diffuse_radiance(reflectance,
-                                       photon_caustic_irradiance(g->maps, g->scene, s->p, y->ng)));
-    }
+    if (diffuse && !estimate.reliable) E = caustics ? caustic_irradiance(path, v) : rgb_grey(0.0f);
+    if (diffuse)
+        v->L = rgb_add(v->L, diffuse_radiance(brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE), E));
     if (glossy && v->bounce >= glossy_bounces(g, glossy, estimate.reliable)) {
         v->L = rgb_add(v->L, diffuse_radiance(albedo, estimate.E));
         by_glossy.lobes = 0;

@@ -70,10 +70,6 @@ enum { PHOTON_AROUND = 9 };
 void photon_irradiance_around(const struct photon_maps *maps, size_t entry,
                               int around[PHOTON_AROUND]);
 
-// The irradiance from caustic photons, from the caustic map.
-rgb photon_caustic_irradiance(const struct photon_maps *maps, const struct satin_scene *scene,
-                              vec3 p, vec3 n);
-
 // The maximum lookup radius. An estimate of a larger radius blurs a large part of the visible
 // scene, and is not reliable.
 float photon_lookup_max(const struct photon_maps *maps);
@@ -96,6 +92,10 @@ struct photon_beside {
 rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p, vec3 ng,
                    const struct frame *frame, const struct brdf *brdf, vec3 wo, unsigned lobes,
                    struct photon_beside beside);
+
+// The irradiance from caustic photons, from the caustic map.
+rgb photon_caustic_irradiance(const struct photon_maps *maps, const struct satin_scene *scene,
+                              vec3 p, vec3 n, struct photon_beside beside);
 
 // The photon clusters, owned by the maps; NULL if there are none. `maps` may be NULL.
 const struct guide_clusters *photon_clusters(const struct photon_maps *maps);

@@ -204,16 +204,22 @@ static rgb reflect(const struct photon_disc *disc, const struct reflection *at) 
     return L;
 }
 
+// Searches the photons of a disc; row and distance2 have PHOTON_K_MAX items.
+static void find_disc(const struct photon_query *query, int *row, float *distance2,
+                      struct photon_disc *out) {
+    const float q[3] = {query->p.x, query->p.y, query->p.z};
+    photon_index_nearest(query->map->index, q, 1, query->k, photon_map_far2(query->map), row,
+                         distance2);
+    photon_disc_make(query, row, distance2, out);
+}
+
 // The radiance reflected from the photons around the point and, if E is not NULL, their irradiance.
 static rgb estimate(const struct photon_query *query, const struct reflection *at, float *radius,
                     rgb *E) {
     int row[PHOTON_K_MAX];
     float distance2[PHOTON_K_MAX];
-    float q[3] = {query->p.x, query->p.y, query->p.z};
-    photon_index_nearest(query->map->index, q, 1, query->k, photon_map_far2(query->map), row,
-                         distance2);
     struct photon_disc disc;
-    photon_disc_make(query, row, distance2, &disc);
+    find_disc(query, row, distance2, &disc);
     *radius = disc.r;
     if (E) *E = photon_disc_irradiance(&disc);
     return reflect(&disc, at);
@@ -235,16 +241,27 @@ rgb photon_radiance(const struct photon_maps *maps, const struct satin_scene *sc
     return estimate(&query, &at, radius, NULL);
 }
 
-// Reads the precomputed irradiance of the caustic map. False if the nearest entry is behind a wall.
-static bool precomputed(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p,
-                        vec3 ng, rgb *E) {
+// How the caustic map is read at a point.
+enum map_read {
+    READ_ENTRY,   // from the nearest entry
+    READ_SPARSE,  // by an estimate at the point, as the nearest entry has fewer than k photons
+    READ_POINT    // by an estimate at the point, as the nearest entry is behind a wall
+};
+
+// Reads the precomputed irradiance of the caustic map. An estimate of all photons within the
+// largest radius has their energy if it is made at every point, but not if it is read from the
+// nearest photon: of light that fades between sparse photons half was lost.
+static enum map_read precomputed(const struct photon_maps *maps, const struct satin_scene *scene,
+                                 vec3 p, vec3 ng, rgb *E) {
     const struct photon_irradiance *r = &maps->caustic_irradiance;
     *E = rgb_grey(0.0f);
     const int entry = photon_irradiance_entry(r, p, ng);
-    if (entry < 0) return true;
-    if (!maps->caustic.open[entry] && !photon_irradiance_sees(r, scene, entry, p, ng)) return false;
-    *E = photon_irradiance_value(r, entry, p);
-    return true;
+    if (entry < 0) return READ_ENTRY;
+    if (!maps->caustic.open[entry] && !photon_irradiance_sees(r, scene, entry, p, ng))
+        return READ_POINT;
+    const bool sparse = photon_irradiance_sparse(r, entry);
+    *E = sparse ? r->E[entry] : photon_irradiance_value(r, entry, p);
+    return sparse ? READ_SPARSE : READ_ENTRY;
 }
 
 // The factor that removes the noise of an estimate: the smoothed irradiance over that estimated at
@@ -253,9 +270,23 @@ static float smoothing_factor(float smoothed, float estimated) {
     return estimated > 0.0f ? clampf(smoothed / estimated, 1.0f / RATIO_MOST, RATIO_MOST) : 0.0f;
 }
 
-// The probability of looking up a caustic whose irradiance is this fraction of the light beside it.
-// A low-frequency lobe reflects at most some ten times as much of one as of the other.
-static float lookup_probability(float fraction) { return clampf(50.0f * fraction, 0.1f, 1.0f); }
+// The probability of looking up a caustic of about this irradiance. A low-frequency lobe reflects
+// at most some ten times as much of it as of the light beside it.
+static float lookup_probability(rgb E, struct photon_beside beside) {
+    if (!(beside.L > 0.0f)) return 1.0f;
+    return clampf(50.0f * rgb_luminance(E) / (PI_F * beside.L), 0.1f, 1.0f);
+}
+
+static struct photon_query caustic_query(const struct photon_maps *maps,
+                                         const struct satin_scene *scene, vec3 p, vec3 ng) {
+    return (struct photon_query){&maps->caustic,
+                                 scene,
+                                 p,
+                                 ng,
+                                 maps->caustic_k,
+                                 KERNEL_PARABOLA,
+                                 maps->area ? AREA_IF_NEEDED : AREA_WHOLE};
+}
 
 rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *scene, vec3 p, vec3 ng,
                    const struct frame *frame, const struct brdf *brdf, vec3 wo, unsigned lobes,
@@ -264,25 +295,34 @@ rgb photon_caustic(const struct photon_maps *maps, const struct satin_scene *sce
     rgb E, estimated;
     float radius;
     const bool diffuse = brdf->model->lobes == BRDF_DIFFUSE;
-    const bool known =
-        maps->area && (diffuse || maps->smooth) && precomputed(maps, scene, p, ng, &E);
-    if (known && diffuse) return rgb_mul(brdf_eval(brdf, wo, v3(0.0f, 0.0f, 1.0f), lobes), E);
-    if (known && rgb_black(E)) return E;
-    float chance = 1.0f;
-    if (known && beside.L > 0.0f) chance = lookup_probability(rgb_luminance(E) / (PI_F * beside.L));
+    enum map_read source = READ_POINT;
+    if (maps->area && (diffuse || maps->smooth)) source = precomputed(maps, scene, p, ng, &E);
+    if (source == READ_ENTRY && diffuse)
+        return rgb_mul(brdf_eval(brdf, wo, v3(0.0f, 0.0f, 1.0f), lobes), E);
+    if (source == READ_ENTRY && rgb_black(E)) return E;
+    const float chance = source == READ_POINT ? 1.0f : lookup_probability(E, beside);
     if (!(beside.u < chance)) return rgb_grey(0.0f);
-    struct photon_query query = {&maps->caustic,
-                                 scene,
-                                 p,
-                                 ng,
-                                 maps->caustic_k,
-                                 KERNEL_PARABOLA,
-                                 maps->area ? AREA_IF_NEEDED : AREA_WHOLE};
-    struct reflection at = {frame, brdf, wo, lobes};
-    const rgb L = estimate(&query, &at, &radius, &estimated);
-    if (!known) return L;
-    return rgb_scale(
-        rgb_make(L.r * smoothing_factor(E.r, estimated.r), L.g * smoothing_factor(E.g, estimated.g),
-                 L.b * smoothing_factor(E.b, estimated.b)),
-        1.0f / chance);
+    const struct photon_query query = caustic_query(maps, scene, p, ng);
+    const struct reflection at = {frame, brdf, wo, lobes};
+    const rgb L = rgb_scale(estimate(&query, &at, &radius, &estimated), 1.0f / chance);
+    if (source != READ_ENTRY) return L;
+    return rgb_make(L.r * smoothing_factor(E.r, estimated.r),
+                    L.g * smoothing_factor(E.g, estimated.g),
+                    L.b * smoothing_factor(E.b, estimated.b));
+}
+
+rgb photon_caustic_irradiance(const struct photon_maps *maps, const struct satin_scene *scene,
+                              vec3 p, vec3 n, struct photon_beside beside) {
+    if (maps->caustic.count == 0) return rgb_grey(0.0f);
+    rgb E;
+    const enum map_read source = precomputed(maps, scene, p, n, &E);
+    if (source == READ_ENTRY) return E;
+    const float chance = source == READ_SPARSE ? lookup_probability(E, beside) : 1.0f;
+    if (!(beside.u < chance)) return rgb_grey(0.0f);
+    const struct photon_query query = caustic_query(maps, scene, p, n);
+    struct photon_disc disc;
+    int row[PHOTON_K_MAX];
+    float distance2[PHOTON_K_MAX];
+    find_disc(&query, row, distance2, &disc);
+    return rgb_scale(photon_disc_irradiance(&disc), 1.0f / chance);
 }

@@ -167,7 +167,7 @@ static float normal_scale(const struct photon_irradiance *r, const struct satin_
 // entry with the orientation of the query differs by less than the scale.
 static float far_of(const struct photon_precompute *what, const struct photon_irradiance *r) {
     if (!r->ends) return INFINITY;
-    return FAR * r->fade2 * photon_map_far2(what->map) + sqrf(r->position.scale);
+    return fmaxf(FAR * r->fade2, 1.0f) * photon_map_far2(what->map) + sqrf(r->position.scale);
 }
 
 // Computes the rows of the index, once their scale is known.
@@ -198,6 +198,7 @@ satin_status photon_irradiance_build(const struct photon_precompute *what, struc
     struct photon_irradiance r = {.count = (map->count + what->stride - 1) / what->stride};
     r.fade2 = FADE * (float)what->stride / (float)what->k;
     r.ends = what->ends;
+    r.radius_max = map->radius_max;
     if (map->count == 0) {
         *out = r;
         return SATIN_OK;
@@ -282,9 +283,14 @@ bool photon_entry_position_hidden(const struct photon_positions *positions,
     return v3_dist2(position, p) > clear * clear && !is_visible(position, scene, p, n);
 }
 
+bool photon_irradiance_sparse(const struct photon_irradiance *r, int entry) {
+    return r->ends && r->radius[entry] >= r->radius_max;
+}
+
 // Whether p is far from the row, in comparison with the spacing of photons there.
 static bool is_far(const struct photon_irradiance *r, int row, vec3 p) {
     const float d2 = v3_dist2(p, photon_entry_position(&r->position, (size_t)row));
+    if (photon_irradiance_sparse(r, row)) return d2 >= sqrf(r->radius_max);
     const float fade2 = r->fade2 * sqrf(r->radius[row]);
     return fade2 > 0.0f && d2 > FAR * fade2;
 }
@@ -415,13 +421,5 @@ rgb photon_irradiance_after(const struct photon_maps *maps, const struct satin_s
                             vec3 n, int bounces, float *radius, int *entry) {
     rgb E;
     look_up_photons(&maps->irradiance, scene, 1, &p, &n, bounces, &E, radius, entry);
-    return E;
-}
-
-rgb photon_caustic_irradiance(const struct photon_maps *maps, const struct satin_scene *scene,
-                              vec3 p, vec3 n) {
-    rgb E;
-    float radius;
-    look_up_photons(&maps->caustic_irradiance, scene, 1, &p, &n, 0, &E, &radius, NULL);
     return E;
 }

@@ -201,13 +201,14 @@ struct photon_irradiance {
     size_t count;    // number of entries
     size_t refused;  // number of estimates that were not finite
     struct photon_positions position;
-    rgb *E;         // by entry [W m^-2]
-    rgb *last;      // by entry: photon_disc_last; NULL: bounces are not limited
-    float *radius;  // by entry: radius of its estimate; INFINITY: the map has too few photons
-    float *ring;    // by entry: photon_ring_radius
-    float fade2;    // squared distance from which on an entry fades, over its squared radius
-    bool ends;      // whether its light is 0 from three times that distance on
-    float far2;     // squared distance of rows beyond which no entry is used
+    rgb *E;            // by entry [W m^-2]
+    rgb *last;         // by entry: photon_disc_last; NULL: bounces are not limited
+    float *radius;     // by entry: radius of its estimate; INFINITY: the map has too few photons
+    float *ring;       // by entry: photon_ring_radius
+    float fade2;       // squared distance from which on an entry fades, over its squared radius
+    bool ends;         // whether its light is 0 from three times that distance on
+    float far2;        // squared distance of rows beyond which no entry is used
+    float radius_max;  // that of the map
     struct photon_index *index;
 };
 
@@ -239,6 +240,8 @@ int photon_irradiance_entry(const struct photon_irradiance *irradiance, vec3 p, 
 // Whether the entry's position is visible from p, along a ray a little above the surface.
 bool photon_irradiance_sees(const struct photon_irradiance *irradiance,
                             const struct satin_scene *scene, int entry, vec3 p, vec3 n);
+// Whether the entry's estimate has fewer than k photons, as the map limits its radius.
+bool photon_irradiance_sparse(const struct photon_irradiance *irradiance, int entry);
 // The irradiance at p by an entry; black for entry -1.
 rgb photon_irradiance_value(const struct photon_irradiance *irradiance, int entry, vec3 p);
 
