@@ -89,8 +89,13 @@ static void single_rays_have_the_mean_of_hemispheres(void **state) {
     struct room room;
     make(&room);
     double single[SHADE_LAYERS], hemisphere[SHADE_LAYERS];
-    assert_true(mean_layers(&room, &room.options, single) <= 1.0);
-    satin_options off = room.options;
+    // One ray per sample with a time limit, else eight.
+    satin_options timed = room.options, off = room.options;
+    timed.time = 1.0;
+    assert_true(mean_layers(&room, &timed, single) <= 1.0);
+    const double rays = mean_layers(&room, &room.options, single);
+    assert_true(rays > 7.5 && rays <= 8.0);
+    mean_layers(&room, &timed, single);
     off.irradiance_cache = off.radiance_cache = false;
     shade_tables_free(&room.tables);
     assert_true(mean_layers(&room, &off, hemisphere) > 8.0);
