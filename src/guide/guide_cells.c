@@ -7,6 +7,10 @@
 #include "base/sampling.h"
 #include "guide/guide_visibility.h"
 
+// The size of the sample, which divides no time between stages. In the case window at preview
+// (150x150, 4 samples per pixel, 6.1 core seconds) a quarter of the paths and cells gave 1.10 times
+// the relMSE between two seeds, in .7 core seconds less; four times as many gave .91 times, in 3.6
+// core seconds more.
 enum {
     PATHS = 4 * GUIDE_VIEW_PATHS,
     CELL_BOUNCES = 2,  // bounces of a path: gather rays sample direct light from the second vertex

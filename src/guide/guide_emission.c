@@ -12,9 +12,11 @@
 #include "base/sampling.h"
 #include "guide/guide.h"
 
+// The size of the pilot, a sample that divides no time between stages: it finds where caustics
+// begin, and the paths that are then traced there do not depend on it in number.
 enum {
     PILOT_RAYS = 16,      // per cell
-    CELLS_MAX = 1 << 18,  // of all lights together
+    CELLS_MAX = 1 << 18,  // of all lights together; a bound of memory
     LIGHT_CELLS_MAX = 1 << 12
 };
 // Fraction of a light's paths that start in cells in which the pilot hit nothing. The power of

@@ -13,7 +13,7 @@
 
 enum {
     BIN_RAYS = 8,  // largest number of rays per bin
-    // The number of rays grows with the option `photons`, as few photons mean little time: up to
+    // The number of rays grows with the option `photons`, which grows with effort: up to
     // FEW_RAYS by one per FEW_PER photons, as with one ray some lights are missed where they matter
     // (draft of case window: blocks 30 % off), then by one per BIN_PER photons, as eight rays
     // instead of three gain nothing at preview and at --time 10 take a sixth of the image's
