@@ -124,7 +124,7 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_l
 // Whether a record of any kind is within `radius` of p, on a surface of the same orientation.
 bool cache_has_record_near(const struct cache *cache, vec3 p, vec3 n, float radius);
 
-// ---- Adaptive caching [K05 6.3] (cache_adapt.c) ----------------------------------------------
+// ---- Adaptive caching [K05 6.3] (cache_adaptive.c) ----------------------------------------------
 
 // Adapts the records of a kind to the sites of a completed fill: where records that are read at
 // accuracy read_a disagree visibly, the scales of the farthest ones are lowered, and new records

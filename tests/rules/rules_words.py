@@ -61,7 +61,7 @@ RETIRED = {
     "gather[-_]shadow|gather[-_]bounce": "gather-direct, gather-near",
     "radiance[-_]neighbours|cache_clamp": "neighbour clamp",
     "cache_converge|render_converge|cache_convergence|render_adapt":
-        "cache_adapt, render_adaptive_cache, render_adaptive_sampling",
+        "cache_adaptive, render_adaptive_cache, render_adaptive_sampling",
     "photon_smooth": "photon_caustic_smooth",
     "photons_worth|worth_starved": "photons_again, again_factor",
     "clamp_guides": "auxiliary images",

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Private to cache/: the shading points of adaptive caching, and the criterion for shrinking
 // records [K05 6.3].
-#ifndef CACHE_ADAPT_H
-#define CACHE_ADAPT_H
+#ifndef CACHE_ADAPTIVE_H
+#define CACHE_ADAPTIVE_H
 
 #include "cache/cache_records.h"
 

@@ -9,7 +9,7 @@
 
 #include "base/array.h"
 #include "base/stats.h"
-#include "cache/cache_adapt.h"
+#include "cache/cache_adaptive.h"
 
 enum {
     PASSES_MAX = 11,  // the thesis needed no more
