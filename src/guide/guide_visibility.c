@@ -28,9 +28,10 @@ enum {
 // because rays are few.
 #define BESIDE 0.1f
 // Fraction of the samples that is drawn by bins. Sampling by radiance is useless for a constant
-// sky, and good for an image where all of it is visible.
-#define FRACTION_CONSTANT 0.9f
-#define FRACTION_IMAGE 0.75f
+// sky, and good for an image where all of it is visible. Samples by radiance that find light where
+// the bins are dark are rare and bright: with .75 instead of .9, records on the ceiling of a room
+// with windows deviate by 8.3 % instead of 7.2.
+#define FRACTION 0.9f
 // The least fraction of a light, because a light that no ray has found may be visible.
 #define UNFOUND 0.1f
 
@@ -41,8 +42,7 @@ struct learning {
     struct guide_visibility *visibility;
 };
 
-// ---- Environment
-// ----------------------------------------------------------------------------------
+// ---- Environment -------------------------------------------------------------------------------
 
 // What the rays of a cell find of the environment: the square root of its luminance, because its
 // peaks are sampled by radiance.
@@ -99,9 +99,9 @@ static void learn_histogram(const struct learning *l, size_t i, struct rng *rng)
     sample_cuts_build(l->visibility->cdf[i], LIGHT_HISTOGRAM_BINS, LIGHT_HISTOGRAM_CUTS,
                       l->visibility->cut[i]);
     const float hidden = 1.0f - tally.visible / tally.facing;
-    l->visibility->histogram[i] = (struct light_histogram){
-        light->kind == LIGHT_CONSTANT ? FRACTION_CONSTANT : FRACTION_IMAGE * hidden,
-        l->visibility->cdf[i], l->visibility->cut[i]};
+    l->visibility->histogram[i] =
+        (struct light_histogram){light->kind == LIGHT_CONSTANT ? FRACTION : FRACTION * hidden,
+                                 l->visibility->cdf[i], l->visibility->cut[i]};
 }
 
 // ---- Lights -----------------------------------------------------------------------------------

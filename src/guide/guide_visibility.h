@@ -42,8 +42,7 @@ bool guide_cells_make(const struct satin_scene *scene, uint64_t seed, struct par
 // The index of the cell of p.
 size_t guide_cells_find(const struct guide_cells *cells, vec3 p);
 
-// ---- What is visible
-// -----------------------------------------------------------------------------
+// ---- What is visible ---------------------------------------------------------------------------
 
 // What was measured in each cell.
 struct guide_visibility {
