@@ -34,6 +34,7 @@ static const unsigned GLOSSY = BRDF_GLOSSY | BRDF_THROUGH;
 struct path_branch {
     unsigned lobes;  // 0: none
     float probability;
+    float ratio;  // number of its directions per light sample for the lobes, see gather_mis
 };
 
 // A surface of the path.
@@ -101,20 +102,26 @@ static rgb diffuse_radiance(rgb albedo, rgb E) {
     return rgb_scale(rgb_mul(albedo, E), 1.0f / PI_F);
 }
 
-// Direct light at a vertex by one light sample.
+// Direct light at a vertex by `count` light samples. If they are several, they form a sequence of
+// their own.
 static rgb sample_direct(const struct path *path, const struct path_vertex *v,
-                         struct gather_mis mis) {
-    const struct gather_lights one = {1, path->sampler.index};
-    return gather_direct(v->g, v->y, mis, one, path->sampler, NULL);
+                         struct gather_mis mis, int count) {
+    struct gather_lights lights = {count, path->sampler.index};
+    struct sampler sampler = path->sampler;
+    if (count > 1) {
+        sampler.seed = (uint32_t)rng_mix((uint64_t)sampler.seed << 32 | sampler.index);
+        lights.first = 0;
+    }
+    return gather_direct(v->g, v->y, mis, lights, sampler, NULL);
 }
 
 // Direct light reflected by the glossy lobes alone, sampled with the probability with which they
 // are followed.
 static rgb sample_glossy_direct(struct path *path, const struct path_vertex *v,
                                 struct path_branch branch) {
-    const struct gather_mis mis = {2 + v->bounce, {{branch.lobes, 1.0f}}};
+    const struct gather_mis mis = {2 + v->bounce, {{branch.lobes, branch.ratio}}};
     if (!branch.lobes || !(sampler_1d(&path->sampler) < branch.probability)) return rgb_grey(0.0f);
-    return rgb_scale(sample_direct(path, v, mis), 1.0f / branch.probability);
+    return rgb_scale(sample_direct(path, v, mis, 1), 1.0f / branch.probability);
 }
 
 // Whether an estimate includes the direct light of the diffuse lobe: light through as many panes as
@@ -145,23 +152,27 @@ static void add_vertex_light(struct path *path, struct path_vertex *v,
     const rgb albedo = glossy ? brdf_albedo(&y->brdf, y->wo_l, GLOSSY) : rgb_grey(0.0f);
     struct path_branch by_diffuse = {0}, by_glossy = {0};
     if (diffuse && !estimate.reliable)
-        by_diffuse = (struct path_branch){diffuse, diffuse_probability(y, v->bounce)};
-    if (glossy) by_glossy = (struct path_branch){glossy, glossy_probability(albedo, v->bounce)};
+        by_diffuse = (struct path_branch){diffuse, diffuse_probability(y, v->bounce), 0.0f};
+    if (glossy)
+        by_glossy = (struct path_branch){glossy, glossy_probability(albedo, v->bounce), 0.0f};
     if (v->bounce > 0) limit_splits(&by_diffuse, &by_glossy);
+    // Where direct light is known, light is sampled for the glossy lobe as often as it is followed.
+    const bool includes = includes_direct(v, estimate);
+    by_diffuse.ratio = by_diffuse.probability / (float)estimate.lights;
+    by_glossy.ratio = includes ? 1.0f : by_glossy.probability / (float)estimate.lights;
 
     // Direct light. That of the diffuse lobe may be known separately, or be part of a reliable
     // estimate from all photons.
     rgb E = estimate.E;  // irradiance for the diffuse lobe
-    if (includes_direct(v, estimate)) {
+    if (includes) {
         E = rgb_add(E, *estimate.direct);
         v->L = rgb_add(v->L, sample_glossy_direct(path, v, by_glossy));
     } else {
         const bool shadow = !estimate.reliable || g->options->gather_direct;
-        const struct gather_mis mis = {2 + v->bounce,
-                                       {{shadow ? diffuse : 0u, by_diffuse.probability},
-                                        {glossy, by_glossy.probability},
-                                        {known, 0.0f}}};
-        v->L = rgb_add(v->L, sample_direct(path, v, mis));
+        const struct gather_mis mis = {
+            2 + v->bounce,
+            {{shadow ? diffuse : 0u, by_diffuse.ratio}, {glossy, by_glossy.ratio}, {known, 0.0f}}};
+        v->L = rgb_add(v->L, sample_direct(path, v, mis, estimate.lights));
     }
     path->sampler.dimension += 2;
 
@@ -195,7 +206,7 @@ static bool draw_direction(struct path *path, const struct path_vertex *v,
 
 // Selects the estimate to be read at the end z of a segment from a vertex of g, and the records.
 static struct gather_estimate estimate_at(const struct gather *g, struct path_vertex *z) {
-    struct gather_estimate none = {rgb_grey(0.0f), false, NULL};
+    struct gather_estimate none = {rgb_grey(0.0f), false, NULL, 1};
     if (g->next.gather) {
         // For the gather of the next bounce, z has the role that the vertex before it has for g.
         z->g = g->next.gather;
@@ -210,7 +221,7 @@ static struct gather_estimate estimate_at(const struct gather *g, struct path_ve
     const bool near = gather_is_near(g, z->y->interaction.t, radius, GATHER_NEAR_DISCS);
     return (struct gather_estimate){within_depth(g, z->bounce, 2) ? E : none.E,
                                     gather_is_reliable(g, radius, near),
-                                    gather_direct_known(g, entry)};
+                                    gather_direct_known(g, entry), 1};
 }
 
 // Follows a branch from v by one segment. True if it ends at a surface, which becomes the vertex
@@ -233,7 +244,7 @@ static bool follow_branch(struct path *path, struct path_vertex *v, struct path_
     z->Le = rgb_grey(0.0f);
     if (segment.light_pdf > 0.0f)
         z->Le = rgb_scale(rgb_mul(weight, segment.Le),
-                          mis_power(branch.probability * next.pdf_w, segment.light_pdf));
+                          mis_power(branch.ratio * next.pdf_w, segment.light_pdf));
     if (branch.lobes != BRDF_DIFFUSE) z->Le = rgb_fma(z->Le, weight, segment.Le_specular);
     if (!found || !within_depth(v->g, v->bounce + 1, 1)) {
         v->L = rgb_add(v->L, z->Le);

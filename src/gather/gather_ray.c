@@ -60,6 +60,27 @@ static bool averages_few(const struct gather *g, const struct gather_hit *hit, f
     return pdf > 0.0f && sqrf(NOISE_MOST * t) * (float)g->options->photon_k < disc * pdf;
 }
 
+// Approximates the luminance that each hit contributes. Returns the mean.
+static float weigh_hits(const struct gather *g, struct gather_hits *hits, size_t count) {
+    float sum = 0.0f;
+    for (size_t i = 0; i < count; i++) {
+        const struct gather_point *y = &hits->hit[i].point;
+        rgb E = hits->E[i];
+        if (g->direct && hits->entry[i] >= 0) E = rgb_add(E, g->direct->E[hits->entry[i]]);
+        const rgb albedo = brdf_albedo(&y->brdf, y->wo_l, BRDF_SMOOTH);
+        hits->bright[i] = rgb_luminance(rgb_mul(hits->hit[i].T, rgb_mul(albedo, E)));
+        sum += hits->bright[i];
+    }
+    return sum / (float)count;
+}
+
+// The number of light samples at a hit, if its direct light is not known: in proportion to what it
+// contributes, which gives the least variance, so that a bright hit with a single sample does not
+// outweigh all others. All hits together have at most twice as many samples as hits.
+static int light_samples(float bright, float mean) {
+    return bright > 1.5f * mean ? (int)(bright / mean + 0.5f) : 1;
+}
+
 // First passes `photons` and `precomputed`: computes the reflected radiance of the hits.
 static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t count,
                        struct gather_near *near) {
@@ -68,12 +89,14 @@ static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t 
     for (size_t i = 0; i < count; i++)
         hits->near[i] = gather_is_near(g, hits->hit[i].point.interaction.t, hits->radius[i], discs);
     if (near) gather_near_clusters(g, hits, count, near);
+    const float mean = weigh_hits(g, hits, count);
     for (size_t i = 0; i < count; i++) {
         const struct gather_hit *hit = &hits->hit[i];
         const bool reliable = gather_is_reliable(g, hits->radius[i], hits->near[i]) &&
                               !averages_few(g, hit, hits->radius[i]);
         const struct gather_estimate estimate = {hits->E[i], reliable,
-                                                 gather_direct_known(g, hits->entry[i])};
+                                                 gather_direct_known(g, hits->entry[i]),
+                                                 light_samples(hits->bright[i], mean)};
         const rgb L =
             gather_bounces(g, &hit->point, estimate, hits->near[i] ? near : NULL, hit->sampler);
         hit->ray->L = rgb_mul(hit->T, L);
@@ -108,7 +131,7 @@ static bool trace_ray(const struct gather *g, struct gather_ray *ray, uint32_t s
         ray->L =
             rgb_mul(hit->T, gather_direct(g, &hit->point, lights_alone, one, hit->sampler, NULL));
     } else if (found && first_pass == SATIN_FIRST_RECURSIVE) {
-        const struct gather_estimate none = {rgb_grey(0.0f), false, NULL};
+        const struct gather_estimate none = {rgb_grey(0.0f), false, NULL, 1};
         ray->L = rgb_mul(hit->T, gather_bounces(g, &hit->point, none, NULL, hit->sampler));
     } else {
         return found;

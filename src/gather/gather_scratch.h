@@ -26,7 +26,8 @@ struct gather_hits {
     rgb E[GATHER_CHUNK];
     float radius[GATHER_CHUNK];
     int entry[GATHER_CHUNK];
-    bool near[GATHER_CHUNK];  // gather_is_near
+    bool near[GATHER_CHUNK];     // gather_is_near
+    float bright[GATHER_CHUNK];  // approximate luminance of what the hit contributes
 };
 
 // Memory that a worker uses repeatedly. A call reads from it only what the same call has written.

@@ -110,7 +110,7 @@ static void bounces_end_with_the_longest_path(void **state) {
     const struct gather g = gather_make(&t.scene, &options, &maps);
     struct sampler sampler = {0, 5, 0};
     const struct gather_point y = sphere_point(&g, &sampler);
-    const struct gather_estimate none = {rgb_grey(0.0f), false, NULL};
+    const struct gather_estimate none = {rgb_grey(0.0f), false, NULL, 1};
     // With three segments the lamp lights y, and no bounce is kept; with four, one bounce is.
     const float expected[] = {ALBEDO, ALBEDO * (1.0f + ALBEDO)};
     for (int i = 0; i < 2; i++) {
@@ -126,7 +126,7 @@ static void bounces_end_with_the_longest_path(void **state) {
     // the mean's.
     assert_true(fabs(sum - 1.0) < 5.0 * 0.354 / sqrt(PATHS));
     // A reliable estimate is read instead: E / pi times the albedo, without the direct light in it.
-    struct gather_estimate estimate = {rgb_grey(2.0f * PI_F), true, NULL};
+    struct gather_estimate estimate = {rgb_grey(2.0f * PI_F), true, NULL, 1};
     options.gather_direct = false;
     assert_true(fabsf(gather_bounces(&g, &y, estimate, NULL, sampler).g - 2.0f * ALBEDO) < 1e-6f);
     options.gather_direct = true;
@@ -151,7 +151,7 @@ static void photons_are_within_the_longest_path(void **state) {
     trace_photons(&f, 100000);
     struct sampler sampler = {0, 5, 0};
     const struct gather_point y = sphere_point(&f.g, &sampler);
-    const struct gather_estimate none = {rgb_grey(0.0f), false, NULL};
+    const struct gather_estimate none = {rgb_grey(0.0f), false, NULL, 1};
     double sum = 0.0, expected = 0.0;
     for (uint32_t i = 0; i < PATHS; i++)
         sum += (double)gather_bounces(&f.g, &y, none, NULL, (struct sampler){i, 7, 0}).g / PATHS;
@@ -203,11 +203,148 @@ static void gaps_are_left_before_photons_are_read(void **state) {
     free_photons(&f);
 }
 
+struct moments {
+    double mean, variance;
+};
+
+static struct moments average_paths(const struct gather *g, const struct gather_point *y,
+                                    struct gather_estimate estimate, uint32_t paths) {
+    double sum = 0.0, squares = 0.0;
+    for (uint32_t i = 0; i < paths; i++) {
+        const rgb L = gather_bounces(g, y, estimate, NULL, (struct sampler){i, 7, 0});
+        sum += (double)L.g;
+        squares += (double)(L.g * L.g);
+    }
+    const double mean = sum / paths;
+    return (struct moments){mean, squares / paths - mean * mean};
+}
+
+// A disc of a material, as floor of a scene without lights.
+static void begin_floor(struct test_scene *t, float glossy) {
+    test_scene_init(t);
+    test_quadric(t, SHAPE_DISK, mat4_identity(), false,
+                 test_material(t, "phong", rgb_grey(.5f), rgb_grey(glossy)));
+}
+
+// What a ray from above hits of the floor.
+static struct gather_point floor_point(struct test_scene *t) {
+    const satin_options options = satin_options_default;
+    const struct gather g = gather_make(&t->scene, &options, NULL);
+    const struct ray ray = {v3(.2f, .1f, 1), 0.0f, v3_unit(v3(.5f, 0, -1)), INFINITY};
+    struct sampler sampler = {0, 5, 0};
+    struct gather_first first;
+    struct gather_point y;
+    assert_true(gather_follow(&g, ray, &sampler, &first, &y));
+    return y;
+}
+
+// Direct light is found by light samples and by directions of the lobes. Their weights add up to 1,
+// whether the lobes are followed always or seldom, and however many light samples there are.
+static void direct_light_counts_once(void **state) {
+    (void)state;
+    enum { PATHS = 1 << 16 };
+    for (int seldom = 0; seldom < 2; seldom++) {
+        struct test_scene t;
+        begin_floor(&t, seldom ? .04f : .4f);
+        test_light(&t, (struct light){.kind = LIGHT_CONSTANT, .value = rgb_grey(1.0f)});
+        test_scene_finish(&t);
+        const struct gather_point y = floor_point(&t);
+        satin_options options = satin_options_default;
+        options.max_depth = -1;
+        const struct photon_maps maps = {.area = true};
+        const struct gather g = gather_make(&t.scene, &options, &maps);
+        const struct gather_mis alone = {2, {{BRDF_GLOSSY, 0.0f}}};
+        const struct gather_lights many = {1 << 20, 0};
+        const float glossy = gather_direct(&g, &y, alone, many, (struct sampler){0, 3, 0}, NULL).g;
+        const float diffuse = brdf_albedo(&y.brdf, y.wo_l, BRDF_DIFFUSE).g;
+        const rgb known = rgb_grey(PI_F);
+        // Known direct light of the diffuse lobe; sampled, where the path goes on; 16 samples.
+        const struct gather_estimate estimate[] = {{rgb_grey(0.0f), true, &known, 1},
+                                                   {rgb_grey(0.0f), false, NULL, 1},
+                                                   {rgb_grey(0.0f), false, NULL, 16}};
+        for (int k = 0; k < 3; k++) {
+            const struct moments found = average_paths(&g, &y, estimate[k], PATHS);
+            const double expected = (double)(glossy + diffuse);
+            print_message("%.4f of %.4f\n", found.mean, expected);
+            assert_true(fabs(found.mean / expected - 1.0) < 0.005);
+        }
+        test_scene_free(&t);
+    }
+}
+
+// Each light sample finds one of many lights of different power, so several have less variance.
+static void more_light_samples_are_less_noisy(void **state) {
+    (void)state;
+    enum { PATHS = 1 << 12, LIGHTS = 8 };
+    struct test_scene t;
+    begin_floor(&t, 0.0f);
+    for (int i = 0; i < LIGHTS; i++)
+        test_light(&t, (struct light){.kind = LIGHT_POINT,
+                                      .position = v3((float)i - 4.0f, i % 2 ? 0.4f : 0.2f, 0.5f),
+                                      .value = rgb_grey(1.0f)});
+    test_scene_finish(&t);
+    const struct gather_point y = floor_point(&t);
+    const satin_options options = satin_options_default;
+    const struct photon_maps maps = {.area = true};
+    const struct gather g = gather_make(&t.scene, &options, &maps);
+    struct gather_estimate estimate = {rgb_grey(0.0f), true, NULL, 1};
+    const struct moments one = average_paths(&g, &y, estimate, PATHS);
+    estimate.lights = 16;
+    const struct moments many = average_paths(&g, &y, estimate, PATHS);
+    print_message("%.4f, %.4f; variances %.2g, %.2g\n", one.mean, many.mean, one.variance,
+                  many.variance);
+    assert_true(fabs(many.mean / one.mean - 1.0) < 5.0 * sqrt(one.variance / PATHS) / one.mean);
+    assert_true(one.variance > 0.0 && many.variance < one.variance / 8.0);
+    test_scene_free(&t);
+}
+
+// A ray to the lit end of a corridor takes more light samples if it is gathered together with rays
+// to the dark end than alone.
+static void bright_hits_take_more_light_samples(void **state) {
+    (void)state;
+    enum { RAYS = 64, TRIES = 400, LIGHTS = 8 };
+    struct photon_fixture f = {.options = satin_options_default};
+    test_scene_init(&f.t);
+    test_cube(&f.t, test_transform(v3(0, 0, 0), v3(8, 1, 1)), true,
+              test_diffuse(&f.t, .5f, .5f, .5f));
+    for (int i = 0; i < LIGHTS; i++)
+        test_light(&f.t, (struct light){.kind = LIGHT_POINT,
+                                        .position = v3(7.5f, 0.2f * (float)i - 0.7f, 0.5f),
+                                        .value = rgb_grey(1.0f)});
+    test_scene_finish(&f.t);
+    trace_photons(&f, 4000);
+    struct gather_scratch *scratch = gather_scratch_new(NULL, 0);
+    assert_non_null(scratch);
+    struct gather_ray rays[RAYS];
+    struct moments found[2] = {{0}};  // alone, with the others
+    for (int k = 0; k < 2; k++) {
+        for (uint64_t i = 0; i < TRIES; i++) {
+            for (uint32_t r = 0; r < RAYS; r++)
+                rays[r] = (struct gather_ray){
+                    .ray = {v3(0, 0, 0), 0.0f, v3(r == 0 ? 1.0f : -1.0f, 0, 0), INFINITY},
+                    .item = r};
+            gather_rays(&f.g, scratch, rays, k == 0 ? 1 : RAYS, i);
+            found[k].mean += (double)rays[0].L.g / TRIES;
+            found[k].variance += (double)sqrf(rays[0].L.g) / TRIES;
+        }
+        found[k].variance -= found[k].mean * found[k].mean;
+        print_message("%.4f, variance %.2g\n", found[k].mean, found[k].variance);
+    }
+    const double deviation = 5.0 * sqrt(found[0].variance / TRIES);
+    assert_true(fabs(found[1].mean - found[0].mean) < deviation);
+    assert_true(found[0].variance > 0.0 && found[1].variance < found[0].variance / 8.0);
+    gather_scratch_free(scratch);
+    free_photons(&f);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(paths_over_two_lobes_are_unbiased),
         cmocka_unit_test(bounces_end_with_the_longest_path),
         cmocka_unit_test(photons_are_within_the_longest_path),
+        cmocka_unit_test(direct_light_counts_once),
+        cmocka_unit_test(more_light_samples_are_less_noisy),
+        cmocka_unit_test(bright_hits_take_more_light_samples),
         cmocka_unit_test(gaps_are_left_before_photons_are_read),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
