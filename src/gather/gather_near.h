@@ -9,10 +9,10 @@
 // would blur over the start of the ray. Up to a few, the discs of few lookups cover a part of the
 // hemisphere that matters, and their noise shows: with one radius the foot of a glossy wall had
 // patches 6 to 11 % off at production in the case metal-room, and 50 to 250 positions of 5x5 pixels
-// over 5 % off. With two and, for radiance records, whose lobes look at small parts, four, these
-// were 6 to 74, in the same time. The inside of a gap of .02, lit by lookups of some .1 at its
-// opening, had 2.8 times its light without the rule behind the first hit, 1.9 with one radius, 1.3
-// with two.
+// over 5 % off. With two and, for radiance records, whose lobes cover small parts of the
+// directions, four, these were 6 to 74, in the same time. The inside of a gap of .02, lit by
+// lookups of some .1 at its opening, had 2.8 times its light without the rule behind the first
+// hit, 1.9 with one radius, 1.3 with two.
 #define GATHER_NEAR_DISCS 2.0f
 #define GATHER_NEAR_DISCS_RADIANCE 4.0f
 
