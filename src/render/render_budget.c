@@ -81,10 +81,11 @@ enum {
                        // samples after a moment; finer pixels follow until the time is over
     RIM_RAYS_MOST = 128  // of one pixel, a power of two: whole nets
 };
-// The number of rays at rims per pixel of the whole image. Measured with 2: at 128x128 the rms
-// error of rims falls from .0119 to .0049 of the lamp; the time of a draft at 400x400 changes by
-// less than the difference between runs.
-static const double RIM_RAYS_MEAN = 2.0;
+// The number of rays at rims per pixel of the whole image. Where one pixel in twelve is at a rim,
+// as in a room with many windows, 16 leave .0007 of emission's relMSE instead of .0020 with 2, for
+// 2 % of 12 CPU seconds at 320x180. The time of drafts of the data scenes, which have few such
+// pixels, changes by less than the difference between runs.
+static const double RIM_RAYS_MEAN = 16.0;
 // The number of samples per pixel below which another pass of the image costs more than it gains.
 static const double PASS_LEAST = 0.1;
 
