@@ -50,7 +50,7 @@ INLINE void store_pair(struct band b, int channels, const struct band_powers *p,
 
 // The inputs of an exchange of y and z for rows of one sign and one parity: every second column of
 // one sign, from the first one on.
-struct side {
+struct exchange_input {
     const float *matrix;  // where the first entry of row 0 of the band would be
     const vf *in;         // the first coefficient; its channels are consecutive
     int columns;
@@ -59,28 +59,28 @@ struct side {
 // The exchange of all rows m of one parity, followed by a rotation about z.
 struct batch_exchange {
     int l;
-    struct side plus, minus;
+    struct exchange_input plus, minus;
     const struct band_powers *p;
     struct band out;
 };
 
-INLINE struct side side_of(int l, int channels, int m, const vf *in) {
+INLINE struct exchange_input exchange_input_of(int l, int channels, int m, const vf *in) {
     int size = 2 * l + 1, below = m < 0;
     bool negative = (l + m) & 1;
     int first = negative ? below : l + ((l + below) & 1), end = negative ? l : size;
     const float *matrix = rsh_swap + l * (2 * l - 1) * (2 * l + 1) / 3 + l * size;
-    return (struct side){matrix + first, in + first * channels, (end - first + 1) / 2};
+    return (struct exchange_input){matrix + first, in + first * channels, (end - first + 1) / 2};
 }
 
 // Computes sum[r], row m + r step of the exchange. No row is empty for l > 0.
-INLINE void exchange_rows(int rows, int channels, int l, const struct side *side, int m, int step,
-                          vf (*sum)[CHANNELS]) {
+INLINE void exchange_rows(int rows, int channels, int l, const struct exchange_input *input, int m,
+                          int step, vf (*sum)[CHANNELS]) {
     const ptrdiff_t size = 2 * l + 1, row = step * size;
-    const float *matrix = side->matrix + m * size;
-    const vf *in = side->in;
+    const float *matrix = input->matrix + m * size;
+    const vf *in = input->in;
     for (int r = 0; r < rows; r++)
         for (int c = 0; c < channels; c++) sum[r][c] = (vf){0};
-    int left = side->columns;
+    int left = input->columns;
     do {
         vf v[CHANNELS];
         for (int c = 0; c < channels; c++) {
@@ -135,15 +135,15 @@ INLINE void exchange(int l, int channels, const struct band_powers *p, const vf 
                      struct band out) {
     const int most = channels == 1 ? PAIRS_OF_ONE : PAIRS_OF_THREE;
     for (int first = 1; first >= 0; first--) {
-        struct batch_exchange e = {l, side_of(l, channels, first, in),
-                                   side_of(l, channels, -first, in), p, out};
+        struct batch_exchange e = {l, exchange_input_of(l, channels, first, in),
+                                   exchange_input_of(l, channels, -first, in), p, out};
         int m = first;
         if (m == 0) {
             vf row[1][CHANNELS];
             exchange_rows(1, channels, l, &e.plus, 0, 0, row);
             for (int c = 0; c < channels; c++) store(out.p + c * out.channel, row[0][c]);
             m = 2;
-            e.minus = side_of(l, channels, -2, in);
+            e.minus = exchange_input_of(l, channels, -2, in);
         }
         while (m <= l) {
             int left = (l - m) / 2 + 1;

@@ -51,20 +51,22 @@ INLINE struct steep_point steep_point_of(rsh_basis basis, struct directions v) {
 
 // The two factors of functions (l, +-m) that depend on m alone, for even and for odd l - m.
 // Everything below is a function of |z|.
-struct sides {
+struct parity_factors {
     struct azimuth of[2];
 };
 
-INLINE struct sides sides_of(struct azimuth a, int m, const struct steep_point *v) {
+INLINE struct parity_factors parity_factors_of(struct azimuth a, int m,
+                                               const struct steep_point *v) {
     vf right = 1.0f + (float)m * v->grow;
     a.c *= right;
     a.s *= right;
-    return (struct sides){{a, {a.c * v->sign, a.s * v->sign}}};
+    return (struct parity_factors){{a, {a.c * v->sign, a.s * v->sign}}};
 }
 
 // Computes l = m .. order - 1 for one m. As |z| = 1 - u, the recurrence is p - u p - b p1, which
 // keeps the accuracy of u near the pole.
-INLINE void steep_column(int order, int m, vf u, struct sides a, size_t count, float *out) {
+INLINE void steep_column(int order, int m, vf u, struct parity_factors a, size_t count,
+                         float *out) {
     const float *norm = rsh_norm + m * RSH_MAX_ORDER, *b = rsh_recurrence + m * RSH_MAX_ORDER;
     const size_t shift = (size_t)m * count, two = 2 * count;
     float *to = out + (size_t)(m * (m + 1)) * count;
@@ -82,7 +84,7 @@ INLINE void steep_column(int order, int m, vf u, struct sides a, size_t count, f
 }
 
 // Computes all m < RSH_STEEP together, by differences in u.
-INLINE void steep_small(int order, vf u, const struct sides *a, size_t count, float *out) {
+INLINE void steep_small(int order, vf u, const struct parity_factors *a, size_t count, float *out) {
     vf q[RSH_STEEP], d[RSH_STEEP];
     for (int m = 0; m < RSH_STEEP; m++) {
         q[m] = splat(1.0f);
@@ -104,11 +106,12 @@ INLINE void steep_small(int order, vf u, const struct sides *a, size_t count, fl
 INLINE void steep_vector(rsh_basis basis, int order, const struct steep_point *v, size_t count,
                          float *out) {
     struct azimuth a = {splat(basis == RSH_HEMISPHERE ? sqrtf(2.0f) : 1.0f), {0}};
-    struct sides sides[RSH_STEEP];
-    for (int m = 0; m < RSH_STEEP; m++, a = next_azimuth(a, v)) sides[m] = sides_of(a, m, v);
-    steep_small(order, v->u, sides, count, out);
+    struct parity_factors factors[RSH_STEEP];
+    for (int m = 0; m < RSH_STEEP; m++, a = next_azimuth(a, v))
+        factors[m] = parity_factors_of(a, m, v);
+    steep_small(order, v->u, factors, count, out);
     for (int m = RSH_STEEP; m < order; m++, a = next_azimuth(a, v))
-        steep_column(order, m, v->u, sides_of(a, m, v), count, out);
+        steep_column(order, m, v->u, parity_factors_of(a, m, v), count, out);
 }
 
 #endif

@@ -35,9 +35,9 @@ static int terms_of(int l, int m, struct term *t) {
         t[count++] = (struct term){v, -1, -m - 1};
     }
     if (w == 0.0f) return count;
-    int side = m > 0 ? 1 : -1;
-    t[count++] = (struct term){w, 1, m + side};
-    t[count++] = (struct term){side > 0 ? w : -w, -1, -m - side};
+    int sign = m > 0 ? 1 : -1;
+    t[count++] = (struct term){w, 1, m + sign};
+    t[count++] = (struct term){sign > 0 ? w : -w, -1, -m - sign};
     return count;
 }
 

@@ -37,9 +37,9 @@ static float inverse_length(float x) {
 // are 1 + |cos beta| times cosine and sine.
 struct rsh_rotation rsh_rotation_of_matrix(const float r[9]) {
     struct rsh_rotation t = {.method = RSH_METHOD_EXACT, .cos_alpha = 1.0f};
-    const float side = copysignf(1.0f, r[8]);
+    const float sign = copysignf(1.0f, r[8]);
     const float s2 = r[6] * r[6] + r[7] * r[7], s = sqrtf(s2);
-    float cosine = r[4] + side * r[0], sine = r[3] - side * r[1];
+    float cosine = r[4] + sign * r[0], sine = r[3] - sign * r[1];
     const float length = sqrtf(cosine * cosine + sine * sine);
     if (s > RSH_NO_ANGLE) {
         const float unit = inverse_length(s2 + r[8] * r[8]);
@@ -55,12 +55,12 @@ struct rsh_rotation rsh_rotation_of_matrix(const float r[9]) {
         // gamma's.
         const float inverse = 2.0f - (t.cos_gamma * t.cos_gamma + t.sin_gamma * t.sin_gamma);
         t.cos_alpha = inverse * (cosine * t.cos_gamma + sine * t.sin_gamma);
-        t.sin_alpha = inverse * side * (sine * t.cos_gamma - cosine * t.sin_gamma);
+        t.sin_alpha = inverse * sign * (sine * t.cos_gamma - cosine * t.sin_gamma);
     } else {
-        t.cos_beta = side;
+        t.cos_beta = sign;
         t.cos_gamma = cosine;
         t.sin_gamma = sine;
-        if (side > 0.0f) t.method = RSH_METHOD_Z;
+        if (sign > 0.0f) t.method = RSH_METHOD_Z;
     }
     return t;
 }
