@@ -6,10 +6,12 @@
 // area is an unbiased density, while k over the area is too high by 1 / (k - 1).
 #include "photon/photon_map.h"
 
+// Largest distance of a photon from the plane of the disc, as a fraction of its radius.
 #define LAYER 0.35f
-// Limit of smoothed irradiance over that estimated at the point, and of its inverse Whether photon
-// i is on the surface of the disc, by its normal and its distance from the plane.
+// Limit of smoothed irradiance over that estimated at the point, and of its inverse.
 #define RATIO_MOST 2.0f
+
+// Whether photon i is on the surface of the disc, by its normal and its distance from the plane.
 static bool is_on_surface(const struct photon_disc *disc, int i) {
     const struct photon_map *map = disc->map;
     size_t at = (size_t)disc->row[i];

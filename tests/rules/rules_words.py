@@ -154,6 +154,14 @@ SAYS = re.compile(r'//[^\n]*|/\*.*?\*/|#include[^\n]*|"(?:\\.|[^"\\\n])*"', re.D
 CUT = re.compile(r"^\s*// (The same|Of what)\b"
                  r"|^(?![ \t]*//)[^\n]*\n[ \t]*// (Of|Nor|Those|Such|Who|As many|Its)\b",
                  re.MULTILINE)
+# Two sentences of a comment without a full stop between them, also across two lines if the first is
+# not after code or a banner.
+BEGINS = ("(Whether|Returns|Sets|The|An|If|It|Its|This|These|Makes|Finds|Adds|Each|False|True|Where"
+          "|When|After|Before|Of|At|By|To|With|Without)")
+RUN_TOGETHER = re.compile(rf'//[^\n"]*[a-z,] {BEGINS}\b'
+                          rf'|^[ \t]*// (?!----)[^\n"]*[a-z,]\n[ \t]*// {BEGINS}\b', re.MULTILINE)
+RUNS_TOGETHER = ["// and of its inverse Whether photon\n// i is", "// a limit\n// The other"]
+RUNS_APART = ["// a limit. The other", "int a;  // a limit\n// The other", "// ---- a.c\n// If it"]
 # A comment line in lower case after a full stop: what is left of an older sentence.
 LEFT_OVER = re.compile(r"//[^\n]*[^.\s]{2}\.\n[ \t]*// ([a-z]+)(?: [^<>=]|,)")
 
@@ -183,6 +191,9 @@ def wrong_words(path, name):
     left = LEFT_OVER.search(text) if path.suffix in CODE else None
     if left:
         yield f"{name}: '{left.group(1)}' begins a sentence"
+    together = RUN_TOGETHER.search(text) if path.suffix in CODE else None
+    if together:
+        yield f"{name}: no full stop before '{together.group(1) or together.group(2)}'"
 
 
 def wrong_identifiers(text, name):
@@ -230,6 +241,11 @@ def wrong_examples():
             yield f"rules_words.py does not see what is wrong with {text!r} in {name}"
     for name, text in RIGHT:
         yield from wrong_meanings(text, name)
+    for text in RUNS_TOGETHER:
+        if not RUN_TOGETHER.search(text):
+            yield f"rules_words.py does not see what is wrong with {text!r}"
+    for text in filter(RUN_TOGETHER.search, RUNS_APART):
+        yield f"rules_words.py finds {text!r} wrong"
 
 
 def glossary_terms(text):
