@@ -103,27 +103,27 @@ static void shade_hits(const struct gather *g, struct gather_hits *hits, size_t 
     }
 }
 
-// Traces one ray. True if its hit is in *hit, for shade_hits.
-static bool trace_ray(const struct gather *g, struct gather_ray *ray, uint32_t seed,
-                      struct gather_hit *hit) {
-    const struct gather_segment_start start = {ray->ray, ray->spread, ray->alpha_least, ray->lit,
-                                               1};
-    struct gather_segment segment = {.first = GATHER_NOTHING};
+// Whether the first segment of a ray is traced by itself. Path tracing from x traces it too, so it
+// is only needed if the ray is to find lights.
+static bool traces_segment(const struct gather *g, const struct gather_ray *ray) {
+    return g->options->first_pass != SATIN_FIRST_PATH || ray->lit;
+}
+
+// Stores what a ray's first segment has found: emitted light, and the radiance that the hit, if one
+// was `found`, reflects. True if that radiance is left to shade_hits.
+static bool store_segment(const struct gather *g, struct gather_ray *ray, uint32_t seed,
+                          const struct gather_segment *segment, bool found,
+                          struct gather_hit *hit) {
     const satin_first_pass first_pass = g->options->first_pass;
-    const struct sampler sampler = {ray->item, seed, 0};
-    bool found = false;
-    hit->sampler = sampler;
-    if (first_pass != SATIN_FIRST_PATH || ray->lit)
-        found = gather_segment_trace(g, &start, &hit->sampler, &segment, &hit->point);
-    hit->T = segment.T;
+    hit->T = segment->T;
     hit->ray = ray;
-    ray->first = segment.first;
-    ray->Le = segment.Le;
-    ray->light_pdf = segment.light_pdf;
-    ray->Le_specular = segment.Le_specular;
+    ray->first = segment->first;
+    ray->Le = segment->Le;
+    ray->light_pdf = segment->light_pdf;
+    ray->Le_specular = segment->Le_specular;
     ray->L = rgb_grey(0.0f);
     if (first_pass == SATIN_FIRST_PATH) {
-        struct sampler again = sampler;
+        struct sampler again = {ray->item, seed, 0};
         ray->L = gather_path(g, ray->ray, &again, &ray->first);
     } else if (found && first_pass == SATIN_FIRST_NONE) {
         const struct gather_mis lights_alone = {2, {{BRDF_SMOOTH, 0.0f}}};
@@ -161,8 +161,18 @@ void gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
             return;
         }
         size_t found = 0;
-        for (size_t i = begin; i < end; i++)
-            found += trace_ray(g, &rays[i], seed, &hits->hit[found]);
+        for (size_t i = begin; i < end; i++) {
+            struct gather_ray *ray = &rays[i];
+            struct gather_hit *hit = &hits->hit[found];
+            const struct gather_segment_start start = {ray->ray, ray->spread, ray->alpha_least,
+                                                       ray->lit, 1};
+            struct gather_segment segment = {.first = GATHER_NOTHING};
+            hit->sampler = (struct sampler){ray->item, seed, 0};
+            const bool hits_surface =
+                traces_segment(g, ray) &&
+                gather_segment_trace(g, &start, &hit->sampler, &segment, &hit->point);
+            found += store_segment(g, ray, seed, &segment, hits_surface, hit);
+        }
         shade_hits(g, hits, found, near);
     }
 }

@@ -7,7 +7,9 @@ most CALLS_MAX calls; no step calls one before it; and of two that one function 
 it names first comes first. Calls are read from the text: a function calls what its body names, and
 what is in the tables of functions that it names.
 
-A record's first ray is at most RAY_CALLS_MAX calls below satin_render, and the tour names each.
+A record's first stratified ray is at most RAY_CALLS_MAX calls below satin_render, where it is given
+to the library that traces it, and the tour names each; so are those to the first of the shadow rays
+to photon clusters that may precede it.
 
 Usage: rules_walk.py TREE
 """
@@ -17,6 +19,8 @@ import sys
 
 STEPS_MAX, CALLS_MAX = 15, 6
 RAY_CALLS_MAX = 8
+# The functions between which the tour names all calls, of which there are at most RAY_CALLS_MAX.
+RAYS = [("satin_render", "scene_intersect"), ("gather_hemisphere_trace", "scene_occluded")]
 NUMBERS = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight"]
 MAIN = "satin_render"
 TABLE = "[]"  # ends the name of a table of functions
@@ -110,20 +114,20 @@ def wrong_order(graph, title, names, others):
             yield f"{title}: {name} is called before {names[at - 1]}"
 
 
-def wrong_ray(graph, text):
-    """What is wrong with the tour's list of the calls that lead to a record's first ray."""
-    found = re.search(r"From `satin_render` to `trace_ray`,[^:]* (\w+) calls: ([^.]*) itself\.",
-                      text)
+def wrong_ray(graph, text, begin, end):
+    """What is wrong with the tour's list of the calls from `begin` to `end`, which traces a ray."""
+    found = re.search(rf"From `{begin}` to `{end}`,[^:]* (\w+) calls: ([^.]*) itself\.",
+                      re.sub(r"\s+", " ", text))
     names = re.findall(r"`(\w+)`", found.group(2)) if found else []
-    if not names or names[-1] != "trace_ray":
-        yield "the calls from satin_render to trace_ray are not listed"
+    if not names or names[-1] != end:
+        yield f"the calls from {begin} to {end} are not listed"
         return
-    for caller, called in zip([MAIN, *names], names):
+    for caller, called in zip([begin, *names], names):
         calls = chain(graph, caller, called)
         if not calls or count_calls(calls) != 1:
             yield f"{caller} does not call {called}"
     if len(names) > RAY_CALLS_MAX or NUMBERS[len(names)] != found.group(1):
-        yield f"{len(names)} calls to trace_ray are not {found.group(1)}, or are too many"
+        yield f"{len(names)} calls to {end} are not {found.group(1)}, or are too many"
 
 
 def walks(text):
@@ -162,7 +166,7 @@ def main():
     graph = call_graph(tree)
     text = (tree / "docs/tour.md").read_text(encoding="utf-8")
     found = walks(text)
-    wrong = [f"docs/tour.md: {w}" for w in wrong_ray(graph, text)]
+    wrong = [f"docs/tour.md: {w}" for ends in RAYS for w in wrong_ray(graph, text, *ends)]
     wrong += [f"docs/tour.md has no walk '{title}'" for title in sorted(WALKS - found.keys())]
     for title, steps in found.items():
         wrong += [f"docs/tour.md: {w}" for w in wrong_steps(tree, title, steps)]
