@@ -72,7 +72,7 @@ static const float UNSURE = 0.4f;
 // more records at 200x200 (draft and preview of cornell-glossy, indirect-room and vase, three seeds
 // each), whose images had .96 to 1.01 times the relative squared error, and 11 % more at 400x400
 // (draft, indirect-room). 512 at all levels made up to 30 % more. The selection tests all pairs on
-// one thread, which limits it to BATCH_MOST: 16 members for each of 64 threads.
+// one thread, which limits it to BATCH_MOST, whatever the number of threads.
 static int batch_size(size_t sites) {
     const size_t size = sites / BATCH_SITES;
     if (size < BATCH_LEAST) return BATCH_LEAST;

@@ -85,8 +85,9 @@ const struct light_aim *guide_emission_aim(const struct guide_emission *emission
 struct guide_visibility;
 // *out is NULL if there is nothing to measure: if there is a single light that is no environment,
 // if there are more lights than are weighted individually, or if paths from the eye hit nothing.
+// `bin_rays` is the number of rays for each bin of directions of the environment, at least 1.
 // SATIN_CANCELLED or SATIN_ERROR_MEMORY.
-satin_status guide_visibility_build(const struct satin_scene *scene, const satin_options *options,
+satin_status guide_visibility_build(const struct satin_scene *scene, uint64_t seed, int bin_rays,
                                     struct parallel *pool, struct guide_visibility **out);
 void guide_visibility_free(struct guide_visibility *visibility);  // NULL is allowed
 size_t guide_visibility_bytes(const struct guide_visibility *visibility);

@@ -11,18 +11,7 @@
 
 #include "base/sampling.h"
 
-enum {
-    BIN_RAYS = 8,  // largest number of rays per bin
-    // The number of rays grows with the option `photons`, which grows with effort: up to
-    // FEW_RAYS by one per FEW_PER photons, as with one ray some lights are missed where they matter
-    // (draft of case window: blocks 30 % off), then by one per BIN_PER photons, as eight rays
-    // instead of three gain nothing at preview and at --time 10 take a sixth of the image's
-    // samples.
-    FEW_PER = 30000,
-    FEW_RAYS = 3,
-    BIN_PER = 100000,
-    LIGHT_RAYS = 32
-};
+enum { LIGHT_RAYS = 32 };  // rays from a cell to each light
 
 // The weight of a bin beside one where the environment is visible, as a fraction of that one's,
 // because rays are few.
@@ -149,26 +138,20 @@ static void learn(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-static int rays_per_bin(int64_t photons) {
-    int64_t rays = photons / FEW_PER;
-    if (rays > FEW_RAYS) rays = photons / BIN_PER > FEW_RAYS ? photons / BIN_PER : FEW_RAYS;
-    return rays < 1 ? 1 : rays > BIN_RAYS ? BIN_RAYS : (int)rays;
-}
-
-satin_status guide_visibility_build(const struct satin_scene *scene, const satin_options *options,
+satin_status guide_visibility_build(const struct satin_scene *scene, uint64_t seed, int bin_rays,
                                     struct parallel *pool, struct guide_visibility **out) {
     const bool sky = scene->environment >= 0;
     const bool choice = scene->light_count > 1 && scene->light_count <= LIGHT_WEIGHED_MAX;
     *out = NULL;
     if (!sky && !choice) return SATIN_OK;
     struct guide_visibility *visibility = calloc(1, sizeof *visibility);
-    if (!visibility || !guide_cells_make(scene, options->seed, pool, &visibility->cells)) {
+    if (!visibility || !guide_cells_make(scene, seed, pool, &visibility->cells)) {
         free(visibility);
         return SATIN_ERROR_MEMORY;
     }
     visibility->sky = sky;
     visibility->choice = choice;
-    struct learning learning = {scene, options->seed, rays_per_bin(options->photons), visibility};
+    struct learning learning = {scene, seed, bin_rays, visibility};
     const size_t cells =
         visibility->cells.cell[0].count > 0 ? guide_cells_count(&visibility->cells) : 0;
     const bool done = parallel_for(pool, cells, 1, learn, &learning);

@@ -20,12 +20,26 @@ enum photon_class { PHOTON_DIRECT = 0, PHOTON_CAUSTIC, PHOTON_INDIRECT, PHOTON_C
 // sr^-1, radii in the scene's unit of length; p is a point, n and ng are unit vectors.
 struct photon_maps;
 
+// The numbers of light paths by what their photons are for (render_budget.h).
+struct photon_paths {
+    uint64_t global;    // the global map
+    uint64_t clusters;  // the search for photon clusters; 0: there are no clusters
+    uint64_t direct;    // direct photons, which show lit patches between the entries of irradiance
+    uint64_t caustic;   // the caustic map
+};
+
+// What the photon maps are made from. Of the options, the numbers of photons are not used.
+struct photon_request {
+    const struct satin_scene *scene;
+    const satin_options *options;
+    struct photon_paths paths;
+};
+
 // Traces photons, builds both maps and sets the statistics photons.*. SATIN_CANCELLED if the pool
 // was cancelled, or SATIN_ERROR_MEMORY. A scene without lights gives empty maps. The caller frees
 // *out.
-satin_status photon_maps_build(const struct satin_scene *scene, const satin_options *options,
-                               struct parallel *pool, struct log log, struct stats *stats,
-                               struct photon_maps **out);
+satin_status photon_maps_build(const struct photon_request *request, struct parallel *pool,
+                               struct log log, struct stats *stats, struct photon_maps **out);
 void photon_maps_free(struct photon_maps *maps);  // NULL is allowed
 
 // The first-pass estimate at a surface point: the incident irradiance on the side of n (unit) at

@@ -17,22 +17,14 @@
 enum {
     KEEP_ALL = 1 << PHOTON_DIRECT | 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT,
     KEEP_BOUNCED = 1 << PHOTON_CAUSTIC | 1 << PHOTON_INDIRECT,
-    // The number of paths for photon clusters, a sample of all photons: a fraction of those of the
-    // global map, within limits. More of them show nothing new on any machine: at 3 million photons
-    // 2^15 to 2^20 of these paths left the same error in a room with a spot and in one lit through
-    // a window, as did different seeds.
-    CLUSTER_LEAST = 1 << 15,
-    CLUSTER_MOST = 1 << 18,
-    CLUSTER_DIVISOR = 3,
-    CONVERT_CHUNK = 4096,  // photons per chunk
-    DIRECT_DIVISOR = 2     // fraction of the paths whose direct photons are summed: one in
-                           // DIRECT_DIVISOR
+    CONVERT_CHUNK = 4096  // photons per chunk
 };
 
 // Context of all steps of the first pass.
 struct photon_pass {
     const struct satin_scene *scene;
     const satin_options *options;
+    struct photon_paths paths;
     struct parallel *pool;
     struct log log;
     struct stats *stats;
@@ -91,18 +83,6 @@ static satin_status precompute_map(const struct photon_pass *pass,
     return status;
 }
 
-static uint64_t cluster_paths(const satin_options *o) {
-    if (!o->guide_clusters || o->integrator != SATIN_TWO_PASS) return 0;
-    const uint64_t paths = o->photons > 0 ? (uint64_t)o->photons / CLUSTER_DIVISOR : 0;
-    return paths < CLUSTER_LEAST ? CLUSTER_LEAST : paths > CLUSTER_MOST ? CLUSTER_MOST : paths;
-}
-
-// The number of paths whose direct photons show lit patches between the entries of irradiance.
-static uint64_t direct_paths(const satin_options *o) {
-    return photon_precomputes_direct(o) && o->photons > 0 ? (uint64_t)o->photons / DIRECT_DIVISOR
-                                                          : 0;
-}
-
 struct conversion {
     const struct photon_hit *hit;
     struct guide_photon *photon;
@@ -140,11 +120,11 @@ static satin_status trace_global(const struct photon_pass *pass, struct photon_m
     const struct photon_tracing tracing = {
         .scene = pass->scene,
         .seed = o->seed,
-        .consumer = {{.paths = o->photons > 0 ? (uint64_t)o->photons : 0,
+        .consumer = {{.paths = pass->paths.global,
                       .classes = bounced ? KEEP_BOUNCED : KEEP_ALL,
                       .allocation = &pass->allocation},
-                     {.paths = cluster_paths(o), .classes = KEEP_ALL},
-                     {.paths = direct_paths(o),
+                     {.paths = pass->paths.clusters, .classes = KEEP_ALL},
+                     {.paths = pass->paths.direct,
                       .classes = 1 << PHOTON_DIRECT,
                       .allocation = &pass->allocation}},
         // The eye sees the surface directly, or through a gather ray.
@@ -214,19 +194,19 @@ static satin_status build_global(const struct photon_pass *pass, struct photon_m
 static satin_status build_caustic(const struct photon_pass *pass, struct photon_maps *maps) {
     const satin_options *o = pass->options;
     // With integrator photons, caustics are in the global map.
-    if (o->caustic_photons <= 0 || o->integrator == SATIN_PHOTONS) return SATIN_OK;
+    if (!pass->paths.caustic || o->integrator == SATIN_PHOTONS) return SATIN_OK;
     struct guide_emission *emission = NULL;
     double start = stats_wall();
     parallel_begin_part(pass->pool, "trace");
     struct guide_emission_request request = {pass->scene, &pass->view, o->seed,
-                                             (uint64_t)o->caustic_photons};
+                                             pass->paths.caustic};
     satin_status status = guide_emission_build(&request, pass->pool, pass->log, &emission);
     stats_add(pass->stats, "photons.trace_s", stats_wall() - start);
     if (status != SATIN_OK || !emission) return status;
     const struct photon_tracing tracing = {
         .scene = pass->scene,
         .seed = o->seed,
-        .consumer = {{.paths = (uint64_t)o->caustic_photons, .classes = 1 << PHOTON_CAUSTIC}},
+        .consumer = {{.paths = pass->paths.caustic, .classes = 1 << PHOTON_CAUSTIC}},
         .bounces = bounces_left(o, 1),
         .emission = emission};
     struct photon_trace trace[PHOTON_CONSUMERS] = {0};
@@ -242,17 +222,22 @@ static satin_status build_caustic(const struct photon_pass *pass, struct photon_
                           &maps->caustic_irradiance);
 }
 
-satin_status photon_maps_build(const struct satin_scene *scene, const satin_options *options,
-                               struct parallel *pool, struct log log, struct stats *stats,
-                               struct photon_maps **out) {
+satin_status photon_maps_build(const struct photon_request *request, struct parallel *pool,
+                               struct log log, struct stats *stats, struct photon_maps **out) {
+    const struct satin_scene *scene = request->scene;
+    const satin_options *options = request->options;
     struct photon_maps *maps = calloc(1, sizeof *maps);
     if (!maps) return log_fail(log, SATIN_ERROR_MEMORY, "not enough memory for the photon maps");
     maps->photon_k = clamp_k(options->photon_k);
     maps->caustic_k = clamp_k(options->caustic_k);
     maps->area = options->photon_area;
     maps->smooth = options->caustic_smooth;
-    struct photon_pass pass = {
-        .scene = scene, .options = options, .pool = pool, .log = log, .stats = stats};
+    struct photon_pass pass = {.scene = scene,
+                               .options = options,
+                               .paths = request->paths,
+                               .pool = pool,
+                               .log = log,
+                               .stats = stats};
     parallel_begin_part(pool, "view");
     guide_view_make(scene, options->seed, pool, &pass.view);
     guide_allocation_make(scene, options->seed, pool, &pass.allocation);

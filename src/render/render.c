@@ -128,7 +128,8 @@ static satin_status prepare_second_pass(struct render *r) {
     struct render_second_pass *pass = &r->second_pass;
     pass->cache = cache_new(&pass->gather, pass->tables.order, r->pool);
     if (!pass->cache) return SATIN_ERROR_MEMORY;
-    return shade_init(&pass->shade, &pass->gather, &pass->tables, pass->cache, r->pool);
+    return shade_init(&pass->shade, &pass->gather, &pass->tables, pass->cache,
+                      render_budget_missing_rays(&r->options), r->pool);
 }
 
 // Samples the image by eye paths, whose indirect light is interpolated between the records.
@@ -144,7 +145,8 @@ static satin_status sample_coarse(struct render *r, enum render_image_kind kind)
         shade_destroy(&pass->shade);
         pass->options.integrator = SATIN_DIRECT;
         pass->gather = gather_make(&r->scene, &pass->options, NULL);
-        satin_status status = shade_init(&pass->shade, &pass->gather, &pass->tables, NULL, r->pool);
+        satin_status status = shade_init(&pass->shade, &pass->gather, &pass->tables, NULL,
+                                         render_budget_missing_rays(&r->options), r->pool);
         if (status != SATIN_OK) return status;
     }
     render_limit_coarse(r);

@@ -31,6 +31,25 @@ static const double PHOTONS_CAUTION = 0.9, PHOTONS_AGAIN = 3.0;
 // a tenth less time in all, and half of the error of indirect light. Without a time limit another
 // pass is made if the paths are to grow by STARVED_AGAIN; STARVED_MOST limits its time and memory.
 static const double KEPT_LEAST = 0.5, STARVED_AGAIN = 1.5, STARVED_MOST = 8.0;
+enum {
+    // The number of paths for photon clusters, a sample of all photons: a fraction of those of the
+    // global map, within limits. More of them show nothing new on any machine: at 3 million photons
+    // 2^15 to 2^20 of these paths left the same error in a room with a spot and in one lit through
+    // a window, as did different seeds.
+    CLUSTER_LEAST = 1 << 15,
+    CLUSTER_MOST = 1 << 18,
+    CLUSTER_DIVISOR = 3,
+    DIRECT_DIVISOR = 2,  // one in DIRECT_DIVISOR paths is of those whose direct photons are summed
+    // The number of rays per bin of the visible environment grows with the option `photons`, which
+    // grows with effort: up to FEW_RAYS by one per FEW_PER photons, as with one ray some lights are
+    // missed where they matter (draft of case window: blocks 30 % off), then by one per BIN_PER
+    // photons, as eight rays instead of three gain nothing at preview and at --time 10 take a sixth
+    // of the image's samples.
+    BIN_RAYS = 8,  // the largest number
+    FEW_PER = 30000,
+    FEW_RAYS = 3,
+    BIN_PER = 100000
+};
 // Fractions of the remaining time.
 static const double BOUNCES_FRACTION = 0.3, RECORDS_FRACTION = 0.5;
 // The fraction of the time of records for their first round, so that all pixels have some.
@@ -70,7 +89,10 @@ static const double DENOISE_FRACTION = 0.5;
 // The time of the coarse image of a cancelled render, and of its denoising [s].
 static const double COARSE_SECONDS = 0.5, DENOISE_SECONDS = 0.5;
 
-// Compressing the pixels' channels on one core takes most of the time for writing a film.
+// Compressing the pixels' channels takes most of the time for writing a film: the seconds of one
+// core. They cannot be measured before, and are a small part of a limit: if a core is five times
+// slower than the one where they were measured, an image of a million pixels is 4.5 s late on one
+// core, and .1 s on 64.
 static const double WRITE_SECONDS = 0.05, WRITE_PIXEL_SECONDS = 0.9e-6;
 
 enum {
@@ -79,6 +101,7 @@ enum {
     FIRST_STRIDE = 16,  // least distance of the pixels with the very first samples
     FIRST_MOST = 256,  // largest number of those pixels, so that an image of any size has its first
                        // samples after a moment; finer pixels follow until the time is over
+    MISSING_RAYS = 8,  // of one sample where no record is near, without a time limit
     RIM_RAYS_MOST = 128  // of one pixel, a power of two: whole nets
 };
 // The number of rays at rims per pixel of the whole image. Where one pixel in twelve is at a rim,
@@ -197,6 +220,28 @@ bool render_time_remains(const struct render *r) {
 
 double render_budget_first_photons(const struct render *r) {
     return r->options.time > 0.0 ? FIRST_PHOTONS : 1.0;
+}
+
+static uint64_t cluster_paths(const satin_options *o, uint64_t photons) {
+    if (!o->guide_clusters || o->integrator != SATIN_TWO_PASS) return 0;
+    const uint64_t paths = photons / CLUSTER_DIVISOR;
+    return paths < CLUSTER_LEAST ? CLUSTER_LEAST : paths > CLUSTER_MOST ? CLUSTER_MOST : paths;
+}
+
+struct photon_paths render_budget_paths(const satin_options *o) {
+    const uint64_t photons = o->photons > 0 ? (uint64_t)o->photons : 0;
+    return (struct photon_paths){
+        .global = photons,
+        .clusters = cluster_paths(o, photons),
+        .direct = photon_precomputes_direct(o) ? photons / DIRECT_DIVISOR : 0,
+        .caustic = o->caustic_photons > 0 ? (uint64_t)o->caustic_photons : 0,
+    };
+}
+
+int render_budget_bin_rays(const satin_options *o) {
+    int64_t rays = o->photons / FEW_PER;
+    if (rays > FEW_RAYS) rays = o->photons / BIN_PER > FEW_RAYS ? o->photons / BIN_PER : FEW_RAYS;
+    return rays < 1 ? 1 : rays > BIN_RAYS ? BIN_RAYS : (int)rays;
 }
 
 double render_budget_starved(double paths, double kept) {
@@ -359,6 +404,18 @@ uint64_t render_budget_pass(const struct render *r, uint64_t done, double sample
     const double fit = done ? fitting_samples(r, sample_seconds) : INFINITY;
     if (fit < (double)want) want = (uint64_t)fit;
     return done < even ? want - want % pixels : want;
+}
+
+// With a time limit it is one ray, because more samples of the pixel gain more than more rays of a
+// sample.
+int render_budget_missing_rays(const satin_options *o) { return o->time > 0.0 ? 1 : MISSING_RAYS; }
+
+// About four for the eye ray and its surface, two for interpolated light, six for a gather ray with
+// its lookups.
+float render_budget_sample_cost(const struct shade_counts *c) {
+    const double work =
+        4.0 * (double)c->points + 2.0 * (double)c->interpolated + 6.0 * (double)c->rays;
+    return c->samples ? (float)(work / (double)c->samples) : 1.0f;
 }
 
 uint32_t render_budget_rim_rays(size_t pixels, size_t at_rims) {

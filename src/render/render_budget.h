@@ -1,25 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 // Private to render/: the budgets, that is how much work a render does, and when. Every decision
 // that divides time between stages, or makes the work of a stage depend on time, photons made,
-// pixels or the bounce, is here and in render_budget.c. Two kinds of numbers are elsewhere, because
-// neither divides anything: options_quality.c has the values of the options at each quality, which
-// are the base of these decisions, and a stage has beside its code the size of a sample by which it
-// estimates something for itself (paths for photon clusters and for the view, rays for the
-// visibility of lights), which is as large as the estimate needs on any machine, or the size of its
-// blocks in memory, after one of which it takes the next.
+// pixels or the bounce, is here and in render_budget.c. Three kinds of numbers are elsewhere:
+// options_quality.c has the values of the options by quality and by effort, which is the time per
+// pixel, and these are the base of all decisions; a stage has beside its code the constant size of
+// a sample by which it estimates something for itself, such as the paths for the view; and the
+// sizes of its blocks and batches, after one of which it takes the next.
 //
 // All seconds are wall clock times. Without a time limit the remaining time is INFINITY, no limit
 // is set, and the decisions depend only on the options and the film, never on the number of cores,
-// which must not change an image. With one, all of them are fractions of time and of measured
-// speeds, so that they scale with the cores; no bound is fitted to the speed of one machine.
+// which must not change an image. With one, they are fractions of time and of measured speeds, so
+// that they scale with the cores. Only two things are not measured while rendering: the time for
+// writing the film, which is last, is the speed of one machine (WRITE_PIXEL_SECONDS), and relative
+// costs of rays are those on the data scenes (render_budget_sample_cost).
 #ifndef RENDER_BUDGET_H
 #define RENDER_BUDGET_H
 
 #include <stdbool.h>
 
 #include "cache/cache.h"
+#include "photon/photon.h"
 
 struct render;
+struct shade_counts;
 
 // Seconds since the render began.
 double render_elapsed(const struct render *r);
@@ -63,6 +66,11 @@ bool render_time_remains(const struct render *r);
 
 // ---- Photons
 
+// The numbers of light paths for options->photons and options->caustic_photons, which may be those
+// of the options or a fraction of them.
+struct photon_paths render_budget_paths(const satin_options *options);
+// The number of rays with which a cell measures the visibility of the environment in each bin.
+int render_budget_bin_rays(const satin_options *options);
 // The fraction of its photons that a render traces first: all, or a sixteenth with a time limit.
 double render_budget_first_photons(const struct render *r);
 // The factor by which the paths of a global map should grow that has `kept` photons of indirect
@@ -148,6 +156,11 @@ uint32_t render_budget_even_samples(const satin_options *options);
 // time of the last ones is known well. Until all pixels have their equal samples, it is a multiple
 // of the number of pixels. 0: no further pass.
 uint64_t render_budget_pass(const struct render *r, uint64_t done, double sample_seconds);
+// The number of gather rays of one sample where no record is near.
+int render_budget_missing_rays(const satin_options *options);
+// The cost of a sample without light samples, over that of a light sample, by the counts of all
+// samples so far. Each pixel divides its time between both by it.
+float render_budget_sample_cost(const struct shade_counts *counts);
 // The number of eye rays for emission alone at each of the pixels at rims: a power of two.
 uint32_t render_budget_rim_rays(size_t pixels, size_t at_rims);
 // Whether the image is denoised: always, unless the render is cancelled and it would take too long.

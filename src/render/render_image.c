@@ -135,14 +135,6 @@ static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
     return true;
 }
 
-// The cost of a sample without light samples, over that of a light sample: about four for the eye
-// ray and its surface, two for interpolated light, six for a gather ray with its lookups.
-static float sample_cost(const struct shade_counts *c) {
-    const double work =
-        4.0 * (double)c->points + 2.0 * (double)c->interpolated + 6.0 * (double)c->rays;
-    return c->samples ? (float)(work / (double)c->samples) : 1.0f;
-}
-
 static struct shade_counts sum_counts(const struct shade_worker *worker, int workers) {
     struct shade_counts sum = {0};
     for (int i = 0; i < workers; i++) {
@@ -178,7 +170,7 @@ static void plan_samples(struct image_pass *pass, int workers) {
     const satin_options *o = &r->second_pass.options;
     if (o->integrator != SATIN_TWO_PASS || !o->adaptive_sampling) return;
     const struct shade_counts counts = sum_counts(pass->worker, workers);
-    adaptive_lights(&r->image->adapt, sample_cost(&counts));
+    adaptive_lights(&r->image->adapt, render_budget_sample_cost(&counts));
 }
 
 static bool run_pass(struct image_pass *pass) {

@@ -14,7 +14,8 @@ static satin_status build_visibility(struct render *r) {
     const double start = stats_wall();
     parallel_begin_part(r->pool, "visibility");
     satin_status status =
-        guide_visibility_build(&r->scene, &r->options, r->pool, &r->first_pass.visibility);
+        guide_visibility_build(&r->scene, r->options.seed, render_budget_bin_rays(&r->options),
+                               r->pool, &r->first_pass.visibility);
     stats_add(&r->stats, "photons.visibility_s", stats_wall() - start);
     return status;
 }
@@ -35,8 +36,9 @@ static satin_status build(struct render *r, double fraction, double global) {
     if (!reads_photons(&o)) o.photons = 0;
     r->first_pass.made =
         r->first_pass.wanted ? (double)o.photons / (double)r->first_pass.wanted : 0.0;
+    const struct photon_request request = {&r->scene, &o, render_budget_paths(&o)};
     satin_status status =
-        photon_maps_build(&r->scene, &o, r->pool, r->log, &r->stats, &r->first_pass.maps);
+        photon_maps_build(&request, r->pool, r->log, &r->stats, &r->first_pass.maps);
     if (status == SATIN_OK && !r->first_pass.visibility) status = build_visibility(r);
     if (status != SATIN_OK)
         free_maps(r);

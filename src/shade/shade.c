@@ -9,8 +9,8 @@
 
 satin_status shade_init(struct shade *shade, const struct gather *g,
                         const struct shade_tables *tables, const struct cache *cache,
-                        struct parallel *pool) {
-    struct shade s = {.g = g, .tables = tables, .cache = cache};
+                        int missing_rays, struct parallel *pool) {
+    struct shade s = {.g = g, .tables = tables, .cache = cache, .missing_rays = missing_rays};
     const satin_options *o = g->options;
     s.a_irradiance = o->irradiance_a * o->irradiance_widen;
     s.a_radiance = o->radiance_a * o->radiance_widen;

@@ -60,6 +60,7 @@ struct shade {
     const struct shade_tables *tables;
     const struct cache *cache;       // NULL: no records are read
     float a_irradiance, a_radiance;  // accuracies of the image pass
+    int missing_rays;                // of one sample where no record is near
     struct film_filter filter;
     float sharpness;               // width of a sample's footprint, in pixels; 0: a point
     struct gather_layout *gather;  // hemisphere for points where a cache is off
@@ -67,9 +68,10 @@ struct shade {
     int worker_count;
 };
 
+// `missing_rays` is at least 1 and at most the largest value of option glossy-samples.
 satin_status shade_init(struct shade *shade, const struct gather *g,
                         const struct shade_tables *tables, const struct cache *cache,
-                        struct parallel *pool);
+                        int missing_rays, struct parallel *pool);
 void shade_destroy(struct shade *shade);  // a zeroed one is allowed
 
 // Counts of a chunk of samples, which the caller adds up.

@@ -100,7 +100,6 @@ static bool indirect_cached(struct shade_job *job, const struct shade_plan *plan
 
 enum {
     GLOSSY_SAMPLES_MAX = 256,  // rays of one sample; the limit of option glossy_samples
-    MISSING_RAYS = 8,          // of one sample where no record is near, without a time limit
     MISSING_DIMENSION = 16     // of the sampler, beyond those of sampled lobes
 };
 
@@ -190,11 +189,9 @@ static void sample_lobes(struct shade_job *job, const struct lobe_sampling *by) 
     }
 }
 
-// Adds indirect light where no record is near. With a time limit it is by one ray, because more
-// samples of the pixel gain more than more rays of a sample.
+// Adds indirect light where no record is near.
 static void sample_missing(struct shade_job *job, unsigned lobes) {
-    const bool timed = job->shade->g->options->time > 0.0;
-    const struct lobe_sampling by = {lobes, timed ? 1 : MISSING_RAYS, 0.0f, MISSING_DIMENSION,
+    const struct lobe_sampling by = {lobes, job->shade->missing_rays, 0.0f, MISSING_DIMENSION,
                                      rng_mix(job->pixel_stream + 1)};
     sample_lobes(job, &by);
     job->worker->counts.gathered++;

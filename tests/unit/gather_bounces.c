@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "photon/photon_map.h"
+#include "photon_case.h"
 #include "test_scene.h"
 
 // Where there are no photons, rays continue as paths over diffuse and glossy lobes: their mean is
@@ -66,9 +67,8 @@ static void trace_photons(struct photon_fixture *f, int64_t photons) {
     f->options.photons = photons;
     f->options.caustic_photons = 0;
     f->pool = parallel_new(1);
-    assert_int_equal(
-        photon_maps_build(&f->t.scene, &f->options, f->pool, (struct log){0}, &stats, &f->maps),
-        SATIN_OK);
+    assert_int_equal(photon_case_build(&f->t.scene, &f->options, f->pool, &stats, &f->maps),
+                     SATIN_OK);
     f->g = gather_make(&f->t.scene, &f->options, f->maps);
     f->g.lookup_max = INFINITY;
 }

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "gather/gather.h"
+#include "photon_case.h"
 #include "test_scene.h"
 
 // A cube of half side 1 around a light, its photons, and the table of direct light at their
@@ -24,9 +25,7 @@ static void lit_cube_make(struct lit_cube *cube, struct light light, int64_t pho
     o.caustic_photons = 0;
     struct parallel *pool = parallel_new(2);
     struct stats stats = {0};
-    assert_int_equal(
-        photon_maps_build(&cube->t.scene, &o, pool, (struct log){0}, &stats, &cube->maps),
-        SATIN_OK);
+    assert_int_equal(photon_case_build(&cube->t.scene, &o, pool, &stats, &cube->maps), SATIN_OK);
     const struct gather g = gather_make(&cube->t.scene, &o, cube->maps);
     assert_int_equal(gather_direct_table_build(&g, pool, &cube->table), SATIN_OK);
     assert_int_equal(cube->table.count, photon_irradiance_count(cube->maps));

@@ -15,6 +15,7 @@
 #include "gather/gather_scratch.h"
 #include "guide/guide_visibility.h"
 #include "photon/photon_map.h"
+#include "photon_case.h"
 #include "test_scene.h"
 
 // A floor at z = 0 beneath a sky and a lamp.
@@ -121,8 +122,7 @@ static void narrow_lobes_do_not_show_single_lookups(void **state) {
     struct parallel *pool = parallel_new(1);
     struct stats stats = {0};
     struct photon_maps *maps;
-    assert_int_equal(photon_maps_build(&t.scene, &options, pool, (struct log){0}, &stats, &maps),
-                     SATIN_OK);
+    assert_int_equal(photon_case_build(&t.scene, &options, pool, &stats, &maps), SATIN_OK);
     const struct gather g = gather_make(&t.scene, &options, maps);
     struct gather_scratch *scratch = gather_scratch_new(NULL, 0);
     assert_non_null(scratch);

@@ -63,10 +63,11 @@ static struct tally sample(const struct test_scene *t, const struct light_histog
 
 // Learns the visibility by that many threads.
 static struct guide_visibility *look(struct test_scene *t, int threads) {
-    satin_options options = satin_options_default;
+    enum { SEED = 0, BIN_RAYS = 3 };  // as of the default options
     struct parallel *pool = parallel_new(threads);
     struct guide_visibility *visibility = NULL;
-    assert_int_equal(guide_visibility_build(&t->scene, &options, pool, &visibility), SATIN_OK);
+    assert_int_equal(guide_visibility_build(&t->scene, SEED, BIN_RAYS, pool, &visibility),
+                     SATIN_OK);
     parallel_free(pool);
     return visibility;
 }

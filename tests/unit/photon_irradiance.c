@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The radius that is reported with irradiance that was precomputed at photons.
+#include "photon_case.h"
 #include "test_scene.h"
 
 #include <math.h>
@@ -29,8 +30,7 @@ static void radius_does_not_follow_noise(void **state) {
     struct stats stats = {0};
     struct photon_maps *maps = NULL;
     struct parallel *pool = parallel_new(2);
-    assert_int_equal(photon_maps_build(&t.scene, &o, pool, (struct log){0}, &stats, &maps),
-                     SATIN_OK);
+    assert_int_equal(photon_case_build(&t.scene, &o, pool, &stats, &maps), SATIN_OK);
     float E[POINTS], radius[POINTS], sorted[POINTS];
     double all = 0.0, larger = 0.0;
     for (int i = 0; i < POINTS; i++) {

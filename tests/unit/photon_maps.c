@@ -2,6 +2,7 @@
 // The first pass in scenes whose solution is known: energy of the traced photons, irradiance and
 // reflected radiance in a closed furnace up to its edges and corners, sides of a thin wall,
 // caustics through glass, and the same result for any number of threads.
+#include "photon_case.h"
 #include "test_scene.h"
 
 #include <math.h>
@@ -21,8 +22,7 @@ static struct photon_maps *build(const struct test_scene *t, const satin_options
                                  struct stats *stats) {
     struct parallel *pool = pool_of(2);
     struct photon_maps *maps = NULL;
-    struct log quiet = {0};
-    assert_int_equal(photon_maps_build(&t->scene, o, pool, quiet, stats, &maps), SATIN_OK);
+    assert_int_equal(photon_case_build(&t->scene, o, pool, stats, &maps), SATIN_OK);
     parallel_free(pool);
     return maps;
 }
@@ -56,8 +56,7 @@ static void energy_is_kept(void **state) {
         struct photon_tracing tracing = {
             .scene = &t.scene, .seed = 1, .consumer = {{N, 7, NULL}}, .bounces = -1};
         struct photon_trace traces[PHOTON_CONSUMERS], trace;
-        struct log quiet = {0};
-        assert_int_equal(photon_trace_run(&tracing, pool, quiet, traces), SATIN_OK);
+        assert_int_equal(photon_trace_run(&tracing, pool, (struct log){0}, traces), SATIN_OK);
         trace = traces[0];
         assert_int_equal(traces[1].count, 0);
         assert_int_equal(trace.emitted, N);
@@ -299,18 +298,18 @@ static void wedge_scene(struct test_scene *t, enum light_kind kind, float half) 
 static struct photon_trace trace_caustics(const struct test_scene *t, const struct guide_view *view,
                                           uint64_t paths) {
     struct parallel *pool = pool_of(2);
-    struct log quiet = {0};
     struct guide_emission *guide = NULL;
     struct photon_trace trace[PHOTON_CONSUMERS];
     struct guide_emission_request guiding = {&t->scene, view, 1, paths};
-    if (view) assert_int_equal(guide_emission_build(&guiding, pool, quiet, &guide), SATIN_OK);
+    if (view)
+        assert_int_equal(guide_emission_build(&guiding, pool, (struct log){0}, &guide), SATIN_OK);
     assert_true((guide != NULL) == (view != NULL));
     struct photon_tracing tracing = {.scene = &t->scene,
                                      .seed = 1,
                                      .consumer = {{paths, 1 << PHOTON_CAUSTIC, NULL}},
                                      .bounces = -1,
                                      .emission = guide};
-    assert_int_equal(photon_trace_run(&tracing, pool, quiet, trace), SATIN_OK);
+    assert_int_equal(photon_trace_run(&tracing, pool, (struct log){0}, trace), SATIN_OK);
     guide_emission_free(guide);
     parallel_free(pool);
     return trace[0];
@@ -441,10 +440,9 @@ static void threads_do_not_matter(void **state) {
     rgb known[2][3];
     for (int run = 0; run < 2; run++) {
         struct parallel *pool = pool_of(run ? 3 : 1);
-        struct log quiet = {0};
         struct stats stats = {0};
         struct photon_maps *maps;
-        assert_int_equal(photon_maps_build(&t.scene, &o, pool, quiet, &stats, &maps), SATIN_OK);
+        assert_int_equal(photon_case_build(&t.scene, &o, pool, &stats, &maps), SATIN_OK);
         struct frame frame = frame_from_normal(v3(0, 0, 1));
         struct brdf b = t.material[0].front.base;
         vec3 p = v3(0.6f, -0.05f, 0), n = v3(0, 0, 1);
@@ -473,10 +471,9 @@ static void building_can_be_cancelled(void **state) {
     satin_options o = options(100000, 0);
     struct parallel *pool = pool_of(1);
     parallel_set_progress(pool, stop, NULL);
-    struct log quiet = {0};
     struct stats stats = {0};
     struct photon_maps *maps = NULL;
-    assert_int_equal(photon_maps_build(&t.scene, &o, pool, quiet, &stats, &maps), SATIN_CANCELLED);
+    assert_int_equal(photon_case_build(&t.scene, &o, pool, &stats, &maps), SATIN_CANCELLED);
     assert_null(maps);
     parallel_free(pool);
     test_scene_free(&t);

@@ -90,6 +90,41 @@ static void photons_fit_or_are_left(void **state) {
     parallel_free(r.pool);
 }
 
+static void paths_follow_from_photons(void **state) {
+    (void)state;
+    satin_options o = {.photons = 300000, .caustic_photons = 7, .guide_clusters = true};
+    o.gather_direct = true;
+    const struct photon_paths paths = render_budget_paths(&o);
+    assert_true(paths.global == 300000 && paths.caustic == 7);
+    assert_true(paths.clusters == 100000 && paths.direct == 150000);
+    o.photons = 3;
+    assert_true(render_budget_paths(&o).clusters == 1 << 15);
+    o.photons = 1 << 24;
+    assert_true(render_budget_paths(&o).clusters == 1 << 18);
+    o.integrator = SATIN_PHOTONS;
+    assert_true(render_budget_paths(&o).clusters == 0 && render_budget_paths(&o).direct == 0);
+}
+
+static void rays_per_bin_grow_with_photons(void **state) {
+    (void)state;
+    const struct {
+        int64_t photons;
+        int rays;
+    } expected[] = {{0, 1}, {60000, 2}, {100000, 3}, {390000, 3}, {500000, 5}, {1 << 24, 8}};
+    for (size_t i = 0; i < sizeof expected / sizeof *expected; i++)
+        assert_int_equal(render_budget_bin_rays(&(satin_options){.photons = expected[i].photons}),
+                         expected[i].rays);
+}
+
+static void samples_gather_less_with_a_limit(void **state) {
+    (void)state;
+    assert_int_equal(render_budget_missing_rays(&(satin_options){.time = 0.0}), 8);
+    assert_int_equal(render_budget_missing_rays(&(satin_options){.time = 1.0}), 1);
+    const struct shade_counts none = {0}, counts = {.samples = 2, .points = 2, .rays = 1};
+    assert_true(render_budget_sample_cost(&none) == 1.0f);
+    assert_true(render_budget_sample_cost(&counts) == 7.0f);
+}
+
 static void starved_maps_alone_are_made_again(void **state) {
     (void)state;
     const struct render r = make(0.0);
@@ -330,6 +365,9 @@ int main(void) {
         cmocka_unit_test(steps_end_in_their_order),
         cmocka_unit_test(a_limit_that_is_over_is_no_cancellation),
         cmocka_unit_test(photons_fit_or_are_left),
+        cmocka_unit_test(paths_follow_from_photons),
+        cmocka_unit_test(rays_per_bin_grow_with_photons),
+        cmocka_unit_test(samples_gather_less_with_a_limit),
         cmocka_unit_test(starved_maps_alone_are_made_again),
         cmocka_unit_test(records_get_what_the_paces_ask_for),
         cmocka_unit_test(passes_grow_until_little_is_left),

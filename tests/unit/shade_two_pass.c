@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 
+#include "photon_case.h"
 #include "scene_case.h"
 #include "shade/shade.h"
 
@@ -48,9 +49,7 @@ static void make(struct room *room) {
     room->pool = parallel_new(1);
     assert_non_null(room->pool);
     struct stats stats = {0};
-    assert_int_equal(
-        photon_maps_build(room->scene, o, room->pool, (struct log){0}, &stats, &room->maps),
-        SATIN_OK);
+    assert_int_equal(photon_case_build(room->scene, o, room->pool, &stats, &room->maps), SATIN_OK);
     assert_int_equal(shade_tables_build(room->scene, o, room->pool, (struct log){0}, &room->tables),
                      SATIN_OK);
 }
@@ -66,7 +65,9 @@ static void destroy(struct room *room) {
 static double mean_layers(const struct room *room, const satin_options *o, double *layer) {
     const struct gather g = gather_make(room->scene, o, room->maps);
     struct shade shade;
-    assert_int_equal(shade_init(&shade, &g, &room->tables, NULL, room->pool), SATIN_OK);
+    assert_int_equal(
+        shade_init(&shade, &g, &room->tables, NULL, render_budget_missing_rays(o), room->pool),
+        SATIN_OK);
     struct shade_worker worker = {.gather = shade.worker[0]};
     for (int i = 0; i < SHADE_LAYERS; i++) layer[i] = 0.0;
     shade_pixel_begin(&worker);

@@ -7,6 +7,7 @@
 #include <math.h>
 
 #include "gather/gather_cluster_rays.h"
+#include "photon_case.h"
 #include "test_scene.h"
 
 static const vec3 LAMP = {0.2f, 0.0f, 0.1f};
@@ -42,9 +43,8 @@ static inline void spot_room_make(struct spot_room *f, float half_angle, satin_o
     f->pool = parallel_new(2);
     assert_non_null(f->pool);
     struct stats stats = {0};
-    assert_int_equal(
-        photon_maps_build(&f->scene.scene, &f->options, f->pool, (struct log){0}, &stats, &f->maps),
-        SATIN_OK);
+    assert_int_equal(photon_case_build(&f->scene.scene, &f->options, f->pool, &stats, &f->maps),
+                     SATIN_OK);
     f->g = gather_make(&f->scene.scene, &f->options, f->maps);
     f->layout = gather_layout_new(rays, SATIN_HSH, order);
     f->worker = gather_workers_new(NULL, gather_layout_rays(f->layout));

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// Photon maps for tests, with the numbers of paths that a render without a time limit has.
+#ifndef PHOTON_CASE_H
+#define PHOTON_CASE_H
+
+#include "photon/photon.h"
+#include "render/render_budget.h"
+
+static inline satin_status photon_case_build(const struct satin_scene *scene,
+                                             const satin_options *options, struct parallel *pool,
+                                             struct stats *stats, struct photon_maps **out) {
+    const struct photon_request request = {scene, options, render_budget_paths(options)};
+    return photon_maps_build(&request, pool, (struct log){0}, stats, out);
+}
+
+#endif
