@@ -6,13 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bench_log.h"
 #include "film/film.h"
-
-static void print_reason(void *user, satin_log_severity severity, const char *message) {
-    (void)user;
-    (void)severity;
-    fprintf(stderr, "%s\n", message);
-}
 
 static const char *const color_channel[] = {"R", "G", "B"};
 static const char *const emission[] = {"emission.R", "emission.G", "emission.B"};
@@ -21,7 +16,7 @@ static const char *const variance[] = {"variance.R", "variance.G", "variance.B"}
 // Adds one part's values and squares to the sums in `out`'s channels.
 static bool add_part(const char *path, struct satin_film *out, double *square) {
     satin_film *part = NULL;
-    if (satin_film_read(path, print_reason, NULL, &part) != SATIN_OK) return false;
+    if (satin_film_read(path, bench_print_error, NULL, &part) != SATIN_OK) return false;
     size_t n = (size_t)out->width * (size_t)out->height;
     bool ok = part->width == out->width && part->height == out->height;
     for (int c = 0; ok && c < 3; c++) {
@@ -43,7 +38,7 @@ int main(int argc, char **argv) {
         return 2;
     }
     satin_film *first = NULL;
-    if (satin_film_read(argv[2], print_reason, NULL, &first) != SATIN_OK) return 1;
+    if (satin_film_read(argv[2], bench_print_error, NULL, &first) != SATIN_OK) return 1;
     const char *names[] = {color_channel[0], color_channel[1], color_channel[2],
                            variance[0],      variance[1],      variance[2],
                            emission[0],      emission[1],      emission[2]};
@@ -68,7 +63,7 @@ int main(int argc, char **argv) {
             var[i] = (float)fmax(v, 0.0);
         }
     }
-    struct log log = {print_reason, NULL};
+    struct log log = {bench_print_error, NULL};
     satin_status status = film_write_exr(out, argv[1], NULL, log);
     satin_film_free(out);
     free(square);

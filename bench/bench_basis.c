@@ -15,6 +15,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "bench_log.h"
 #include "gather/gather.h"
 #include "rsh/rsh.h"
 
@@ -41,11 +42,6 @@ struct incident {
 };
 
 static float x[COUNT], y[COUNT], z[COUNT];  // directions, the same at every point
-
-static void print_error(void *user, satin_log_severity severity, const char *message) {
-    (void)user;
-    if (severity == SATIN_LOG_ERROR) fprintf(stderr, "%s\n", message);
-}
 
 static void project_light(const float *value, float out[BASES][N2]) {
     for (int basis = 0; basis < BASES; basis++) {
@@ -251,7 +247,7 @@ static bool make_model(const struct named_model *n, struct arena *arena, struct 
 // Light at POINTS points of the scene; returns how many were found.
 static int gather_scene(const char *path, uint64_t stream, struct incident *light) {
     satin_scene *scene = NULL;
-    if (satin_scene_load(path, NULL, 0, print_error, NULL, &scene) != SATIN_OK) exit(1);
+    if (satin_scene_load(path, NULL, 0, bench_print_error, NULL, &scene) != SATIN_OK) exit(1);
     satin_options options = satin_options_default;
     options.first_pass = SATIN_FIRST_PATH;
     options.max_depth = 4;

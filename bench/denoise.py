@@ -8,14 +8,12 @@ DIR has the references of bench/quality.py, rendered with --extra '--width W --h
 are made as large. Every render gives both figures, as it keeps its noisy image. relMSE as
 docs/experiments.md has it, emitters masked. Needs `pip install OpenEXR numpy`.
 """
-import argparse
 import os
-import subprocess
 
 import numpy as np
 import OpenEXR
+import runs
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 RUNS = [["--quality", "draft"], ["--quality", "draft", "--set", "radiance-cache=off"],
         ["--quality", "preview"], ["--quality", "production"],
         ["--integrator", "path", "--spp", "64"]]
@@ -34,14 +32,10 @@ def relmse(image, reference, layer=""):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("dir")
+    parser = runs.parser(__doc__)
     parser.add_argument("scene", nargs="*", default=["indirect-room", "cornell-glossy", "caustic"])
-    parser.add_argument("--satin", default=os.path.join(ROOT, "build", "satin"))
     parser.add_argument("--seeds", type=int, default=2)
     options = parser.parse_args()
-    out = os.path.join(options.dir, "denoise-image.exr")
     print(f"{'scene':16} {'run':36} {'noisy':>10} {'denoised':>10}   x 10^4")
     for scene in options.scene:
         reference = read(os.path.join(options.dir, scene + ".exr"))
@@ -49,10 +43,10 @@ def main():
         for run in RUNS:
             pair = []
             for seed in range(options.seeds):
-                subprocess.run([options.satin, "render", f"{ROOT}/data/scenes/{scene}.xml", "-o",
-                                out, "-q", "--denoise", "--width", str(width), "--height",
-                                str(height), "--seed", str(seed), *run], check=True)
-                image = read(out)
+                path, _ = runs.render(options, runs.scene_file(scene), "denoise-image",
+                                      "--denoise", "--width", str(width), "--height",
+                                      str(height), "--seed", str(seed), *run)
+                image = read(path)
                 pair.append((relmse(image, reference, "noisy."), relmse(image, reference)))
             noisy, denoised = 1e4 * np.mean(pair, axis=0)
             print(f"{scene:16} {' '.join(run):36} {noisy:10.2f} {denoised:10.2f}", flush=True)

@@ -13,13 +13,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bench_log.h"
 #include "film/film.h"
 #include "satin/render.h"
-
-static void print_only_error(void *user, satin_log_severity severity, const char *message) {
-    (void)user;
-    if (severity == SATIN_LOG_ERROR) fprintf(stderr, "%s\n", message);
-}
 
 static const char *const color[] = {"R", "G", "B"};
 
@@ -30,7 +26,7 @@ static satin_film *render_aligned(const satin_scene *scene, satin_basis basis, f
     options.radiance_basis = basis;
     options.radiance_order = order;
     options.radiance_rotation = rotation;
-    satin_callbacks callbacks = {.log = print_only_error};
+    satin_callbacks callbacks = {.log = bench_print_error};
     satin_film *film = NULL;
     if (satin_render(scene, &options, &callbacks, &film) != SATIN_OK) return NULL;
     return film;
@@ -42,9 +38,9 @@ struct difference_measure {
 };
 
 static double luminance_at(const satin_film *f, size_t i) {
-    return 0.2126 * (double)satin_film_channel(f, "R")[i] +
-           0.7152 * (double)satin_film_channel(f, "G")[i] +
-           0.0722 * (double)satin_film_channel(f, "B")[i];
+    return (double)rgb_luminance(rgb_make(satin_film_channel(f, "R")[i],
+                                          satin_film_channel(f, "G")[i],
+                                          satin_film_channel(f, "B")[i]));
 }
 
 // Blue at 0, green at .5 %, red at 1 % and above: the threshold of visibility.
@@ -84,7 +80,7 @@ static struct difference_measure measure_difference(const satin_film *exact, con
 static void save(const satin_film *film, const char *folder, const char *basis, const char *name) {
     char path[4096];
     snprintf(path, sizeof path, "%s/%s-%s.png", folder, basis, name);
-    satin_film_write_png(film, path, print_only_error, NULL);
+    satin_film_write_png(film, path, bench_print_error, NULL);
 }
 
 int main(int argc, char **argv) {
@@ -101,7 +97,7 @@ int main(int argc, char **argv) {
         float rotation;
     } cases[] = {{"small", ".05 rad", 0.05f}, {"1.25a", angle, thesis}, {"always", "always", 4.0f}};
     satin_scene *scene = NULL;
-    if (satin_scene_load(argv[1], NULL, 0, print_only_error, NULL, &scene) != SATIN_OK) return 1;
+    if (satin_scene_load(argv[1], NULL, 0, bench_print_error, NULL, &scene) != SATIN_OK) return 1;
     puts("| basis | fast up to | largest | mean | largest, relative | mean, relative |");
     puts("|---|---|---|---|---|---|");
     for (int b = 0; b < 2; b++) {

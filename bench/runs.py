@@ -12,10 +12,12 @@ import sys
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 
 
-def parser(description):
-    """Arguments that every script takes."""
+def parser(description, what=()):
+    """Arguments that every script takes, after one word of `what` if there are any."""
     p = argparse.ArgumentParser(description=description,
                                 formatter_class=argparse.RawDescriptionHelpFormatter)
+    if what:
+        p.add_argument("what", choices=what)
     p.add_argument("dir", help="folder of references; images are left there")
     p.add_argument("--satin", default=os.path.join(ROOT, "build", "satin"))
     p.add_argument("--extra", default="", help="more arguments for satin render")

@@ -12,17 +12,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "bench_log.h"
 #include "film/film.h"
 
 enum { IMAGES_MOST = 12 };
 
 static const float ENLARGED = 10.0f;
-
-static void print_any_message(void *user, satin_log_severity severity, const char *message) {
-    (void)user;
-    (void)severity;
-    fprintf(stderr, "%s\n", message);
-}
 
 // A layer's three channels.
 struct layer_of_film {
@@ -31,7 +26,7 @@ struct layer_of_film {
 };
 
 static bool read_layer(const char *path, const char *name, struct layer_of_film *out) {
-    if (satin_film_read(path, print_any_message, NULL, &out->film) != SATIN_OK) return false;
+    if (satin_film_read(path, bench_print_error, NULL, &out->film) != SATIN_OK) return false;
     for (int c = 0; c < 3; c++) {
         char channel[64];
         snprintf(channel, sizeof channel, "%.50s.%c", name, "RGB"[c]);
@@ -45,8 +40,7 @@ static bool read_layer(const char *path, const char *name, struct layer_of_film 
 }
 
 static float luminance_of_layer(const struct layer_of_film *l, size_t i) {
-    return 0.212671f * l->channel[0][i] + 0.715160f * l->channel[1][i] +
-           0.072169f * l->channel[2][i];
+    return rgb_luminance(rgb_make(l->channel[0][i], l->channel[1][i], l->channel[2][i]));
 }
 
 // Pixels x0 <= x < x1, y0 <= y < y1.
@@ -128,7 +122,7 @@ int main(int argc, char **argv) {
             printf("%.5f %.5f\n", relative_rms(&layer[i], &layer[0], all),
                    relative_rms(&layer[i], &layer[0], part));
     }
-    satin_status status = satin_film_write_png(out, argv[1], print_any_message, NULL);
+    satin_status status = satin_film_write_png(out, argv[1], bench_print_error, NULL);
     satin_film_free(out);
     for (int i = 0; i < images; i++) satin_film_free(layer[i].film);
     return status == SATIN_OK ? 0 : 1;

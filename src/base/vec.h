@@ -20,6 +20,10 @@ typedef struct rgb {
 } rgb;
 
 #define PI_F 3.14159265358979323846f
+// The second row of the matrix from linear sRGB to CIE XYZ.
+#define LUMINANCE_R 0.212671f
+#define LUMINANCE_G 0.715160f
+#define LUMINANCE_B 0.072169f
 
 // One instruction each, while fminf and fmaxf are calls. If either is NaN, the result is b.
 static inline float minf(float a, float b) { return a < b ? a : b; }
@@ -90,7 +94,7 @@ static inline rgb rgb_fma(rgb a, rgb b, rgb c) {
 static inline float rgb_max(rgb a) { return fmaxf(a.r, fmaxf(a.g, a.b)); }
 static inline float rgb_mean(rgb a) { return (a.r + a.g + a.b) * (1.0f / 3.0f); }
 static inline float rgb_luminance(rgb a) {
-    return 0.212671f * a.r + 0.715160f * a.g + 0.072169f * a.b;
+    return LUMINANCE_R * a.r + LUMINANCE_G * a.g + LUMINANCE_B * a.b;
 }
 static inline bool rgb_black(rgb a) { return a.r == 0.0f && a.g == 0.0f && a.b == 0.0f; }
 static inline bool rgb_finite(rgb a) { return isfinite(a.r) && isfinite(a.g) && isfinite(a.b); }
@@ -103,6 +107,16 @@ static inline float sqrf(float x) { return x * x; }
 static inline float at_least(float x, float lo) { return maxf(lo, x); }
 static inline rgb rgb_at_least(rgb a, float lo) {
     return rgb_make(at_least(a.r, lo), at_least(a.g, lo), at_least(a.b, lo));
+}
+// The azimuth of (x, y) as a fraction of the full circle, in [0, 1]; 1 is by rounding. The wide
+// form is in double until its result.
+static inline float azimuth_fraction(float y, float x) {
+    float t = atan2f(y, x) * (0.5f / PI_F);
+    return t < 0.0f ? t + 1.0f : t;
+}
+static inline float azimuth_fraction_wide(double y, double x) {
+    double t = atan2(y, x) * (0.5 / M_PI);
+    return (float)(t < 0.0 ? t + 1.0 : t);
 }
 // The square root, where values below zero, from rounding, count as zero. A NaN stays a NaN.
 static inline float safe_sqrtf(float x) { return sqrtf(at_least(x, 0.0f)); }

@@ -212,8 +212,9 @@ static void measured_eval(const struct brdf *b, vec3 wo, vec3 wi, rgb *diffuse, 
 
 // The density of the half vector over solid angle.
 static float half_density(const struct measured *m, vec3 h) {
-    float theta = acosf(minf(h.z, 1.0f)), phi = atan2f(h.y, h.x) * (0.5f / PI_F);
-    int i = (int)(sqrtf(theta * (2.0f / PI_F)) * THETA), j = (int)((phi < 0 ? phi + 1 : phi) * PHI);
+    float theta = acosf(minf(h.z, 1.0f));
+    int i = (int)(sqrtf(theta * (2.0f / PI_F)) * THETA);
+    int j = (int)(azimuth_fraction(h.y, h.x) * PHI);
     i = i < THETA ? i : THETA - 1;
     j = j < PHI ? j : PHI - 1;
     float p = m->cdf[i * PHI + j + 1] - m->cdf[i * PHI + j];

@@ -64,9 +64,9 @@ static void limit_extent(struct cache_extent *x, float R) {
 }
 
 static vec3 luminance_gradient(const struct gather_irradiance *value) {
-    vec3 grad = v3_mul(value->grad_t[0], 0.212671f);
-    grad = v3_mad(grad, 0.715160f, value->grad_t[1]);
-    return v3_mad(grad, 0.072169f, value->grad_t[2]);
+    vec3 grad = v3_mul(value->grad_t[0], LUMINANCE_R);
+    grad = v3_mad(grad, LUMINANCE_G, value->grad_t[1]);
+    return v3_mad(grad, LUMINANCE_B, value->grad_t[2]);
 }
 
 struct cache_extent cache_extent_irradiance(const struct cache *cache,

@@ -27,8 +27,7 @@ uint32_t cache_leak_sectors(const struct gather_around *around, float radius, fl
 // The sector of the direction d about n.
 static int sector_of(const struct cache_head *h, vec3 d) {
     float x = v3_dot(d, h->u), y = v3_dot(d, v3_cross(h->n, h->u));
-    float angle = atan2f(y, x) * (0.5f / PI_F);  // fraction of the full circle
-    int s = (int)floorf((angle < 0.0f ? angle + 1.0f : angle) * GATHER_SECTORS);
+    int s = (int)floorf(azimuth_fraction(y, x) * GATHER_SECTORS);
     return s < GATHER_SECTORS ? s : 0;
 }
 

@@ -30,18 +30,13 @@ static struct triangle triangle_get(const struct shape *shape, uint32_t i) {
     return (struct triangle){a, ab, ac, v3_mul(n, light_mesh_side(shape, index, n))};
 }
 
-static float unit_azimuth(float y, float x) {
-    float t = atan2f(y, x) * (0.5f / PI_F);
-    return t < 0.0f ? t + 1.0f : t;
-}
-
 static struct light_point sphere_point(const struct light *light, const struct shape *shape,
                                        vec3 outward) {
     struct light_point out = {.p = v3_mad(shape->centre, shape->radius, outward),
                               .n = v3_mul(outward, normal_sign(shape)),
                               .pdf_a = 1.0f / shape->area};
     vec3 o = v3_unit(mat4_vector(&shape->to_object, outward));
-    vec2 uv = {unit_azimuth(o.y, o.x), acosf(clampf(o.z, -1, 1)) * (1 / PI_F)};
+    vec2 uv = {azimuth_fraction(o.y, o.x), acosf(clampf(o.z, -1, 1)) * (1 / PI_F)};
     out.L = area_radiance(light, texture_at(uv));
     return out;
 }
@@ -53,7 +48,7 @@ static struct light_point disk_point(const struct light *light, const struct sha
     return (struct light_point){
         mat4_point(&shape->to_world, v3(d.x, d.y, 0.0f)), v3_mul(n, normal_sign(shape)),
         area_radiance(light,
-                      texture_at((vec2){sqrtf(d.x * d.x + d.y * d.y), unit_azimuth(d.y, d.x)})),
+                      texture_at((vec2){sqrtf(d.x * d.x + d.y * d.y), azimuth_fraction(d.y, d.x)})),
         1.0f / shape->area};
 }
 
@@ -77,13 +72,7 @@ static struct light_point triangle_point(const struct light *light, const struct
     struct triangle t = triangle_get(shape, i);
     vec2 b = sample_triangle(u, v);
     struct texture_lookup at = {b, mesh, i, b, 0.0f};
-    if (mesh->uv && light->texture) {
-        const uint32_t *index = mesh->index + 3 * (size_t)i;
-        const float *p = mesh->uv + 2 * (size_t)index[0], *q = mesh->uv + 2 * (size_t)index[1],
-                    *r = mesh->uv + 2 * (size_t)index[2];
-        float b0 = 1.0f - b.x - b.y;
-        at.uv = (vec2){b0 * p[0] + b.x * q[0] + b.y * r[0], b0 * p[1] + b.x * q[1] + b.y * r[1]};
-    }
+    if (light->texture) at.uv = mesh_uv(mesh, i, b);
     float length = v3_len_wide(t.n);
     return (struct light_point){v3_mad(v3_mad(t.a, b.x, t.ab), b.y, t.ac),
                                 v3_mul(t.n, 1.0f / length), area_radiance(light, at),

@@ -8,8 +8,8 @@
 static bool locate(const struct light *light, const struct shape *shape, vec3 q, vec2 *uv) {
     if (shape->kind == SHAPE_DISK) {
         vec3 l = mat4_point(&shape->to_object, q);
-        float r = sqrtf(l.x * l.x + l.y * l.y), azimuth = atan2f(l.y, l.x) * (0.5f / PI_F);
-        *uv = (vec2){r, azimuth < 0.0f ? azimuth + 1.0f : azimuth};
+        float r = sqrtf(l.x * l.x + l.y * l.y);
+        *uv = (vec2){r, azimuth_fraction(l.y, l.x)};
         return r <= 1.0f;
     }
     const struct light_face *face = light->face;

@@ -22,8 +22,7 @@ static int clamp_bin(float x) {
 }
 
 float light_histogram_pdf(const struct light_histogram *histogram, vec3 w) {
-    float azimuth = atan2f(w.y, w.x) * (0.5f / PI_F);
-    if (azimuth < 0.0f) azimuth += 1.0f;
-    const int bin = clamp_bin(0.5f - 0.5f * w.z) * LIGHT_HISTOGRAM_SIDE + clamp_bin(azimuth);
+    const int bin =
+        clamp_bin(0.5f - 0.5f * w.z) * LIGHT_HISTOGRAM_SIDE + clamp_bin(azimuth_fraction(w.y, w.x));
     return (histogram->cdf[bin + 1] - histogram->cdf[bin]) * (LIGHT_HISTOGRAM_BINS * 0.25f / PI_F);
 }

@@ -12,16 +12,12 @@
 #include "render/options_table.h"
 #include "scene/scene.h"
 
-// The options that quality decides have the values that options_quality.c sets for `preview`.
 const satin_options satin_options_default = {
     .quality = SATIN_PREVIEW,
+    OPTIONS_QUALITY_PREVIEW,
     .adaptive_sampling = true,
     .max_depth = -2,
     .hide_emitters = -1,
-    .light_samples = 4,
-    .glossy_samples = 4,
-    .photons = 300000,
-    .caustic_photons = 1500000,
     .photon_k = 50,
     .caustic_k = 60,
     .caustic_smooth = true,
@@ -34,24 +30,15 @@ const satin_options satin_options_default = {
     .guide_visibility = true,
     .irradiance_cache = true,
     .irradiance_gradients = SATIN_GRADIENTS_STRATIFIED,
-    .irradiance_rays = 600,
-    .irradiance_a = 0.2f,
-    .irradiance_widen = 2.0f,
     .irradiance_gradient_clamp = true,
     .irradiance_neighbour_clamp = true,
-    .irradiance_min_pixels = 3.0f,
     .irradiance_max_pixels = 100000.0f,
     .radiance_cache = true,
     .radiance_gradients = SATIN_GRADIENTS_STRATIFIED,
     .radiance_basis = SATIN_HSH,
-    .radiance_order = 14,
     .radiance_error = 0.01f,
     .radiance_rotation = 0.0f,
-    .radiance_rays = 4000,
-    .radiance_a = 0.3f,
-    .radiance_widen = 2.0f,
     .radiance_gradient_clamp = true,
-    .radiance_min_pixels = 3.0f,
     .radiance_max_pixels = 12.0f,
     .adaptive_cache = true,
     .origin_shift = true,
@@ -149,6 +136,17 @@ satin_status satin_options_resolve(const satin_scene *scene, const satin_setting
     }
     if (status == SATIN_OK) *out = made;
     return status;
+}
+
+void options_print_words(FILE *out, const satin_options *options,
+                         bool (*chosen)(const char *name)) {
+    satin_option_info info;
+    const char *space = "";
+    for (int i = 0; satin_options_describe(options, i, &info); i++) {
+        if (chosen && !chosen(info.name)) continue;
+        fprintf(out, "%s%s=%s", space, info.name, info.value);
+        space = " ";
+    }
 }
 
 bool satin_options_describe(const satin_options *options, int index, satin_option_info *out) {

@@ -7,6 +7,14 @@
 
 #include "satin/options.h"
 
+// The fields that quality decides at `preview`, which are the defaults too: for an initializer,
+// because the defaults are a constant.
+#define OPTIONS_QUALITY_PREVIEW                                                             \
+    .light_samples = 4, .glossy_samples = 4, .photons = 300000, .caustic_photons = 1500000, \
+    .irradiance_rays = 600, .irradiance_a = 0.2f, .irradiance_widen = 2.0f,                 \
+    .irradiance_min_pixels = 3.0f, .radiance_order = 14, .radiance_rays = 4000,             \
+    .radiance_a = 0.3f, .radiance_widen = 2.0f, .radiance_min_pixels = 3.0f
+
 // Sets the options that quality decides to those of a preset.
 void options_quality_preset(satin_options *options, satin_quality quality);
 

@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
 
 #include "satin/options.h"
 
@@ -46,5 +47,9 @@ double option_highest(const struct option *option);
 // Prints the field's value as text that option_parse reads back as the same value.
 void option_print(const struct option *option, const satin_options *options, char *out,
                   size_t bytes);
+
+// Prints the options as `name=value` words with a space between, in the notation of --set: all, or
+// if `chosen` is not NULL those for which it is true.
+void options_print_words(FILE *out, const satin_options *options, bool (*chosen)(const char *name));
 
 #endif

@@ -8,6 +8,7 @@
 
 #include "base/fileio.h"
 #include "base/text.h"
+#include "render/options_table.h"
 #include "render/render_state.h"
 
 static const size_t BYTES_MAX = (size_t)1 << 38;
@@ -28,14 +29,12 @@ static bool affects_records(const char *option) {
 
 // The options that affect records as `name=value` words, from malloc.
 static char *deciding_options(const struct render *r) {
-    satin_option_info info;
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     if (!out) return NULL;
-    for (int i = 0; satin_options_describe(&r->options, i, &info); i++)
-        if (affects_records(info.name)) fprintf(out, "%s=%s ", info.name, info.value);
-    fprintf(out, "widest=%g", (double)render_budget_widest(&r->options));
+    options_print_words(out, &r->options, affects_records);
+    fprintf(out, " widest=%g", (double)render_budget_widest(&r->options));
     if (fclose(out) == 0) return text;
     free(text);
     return NULL;

@@ -3,24 +3,20 @@
 // image, statistics.
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
+#include "render/options_table.h"
 #include "render/render_image.h"
 
-// All options as `name=value` words, in the notation of --set; from malloc.
+// All options as options_print_words has them, from malloc.
 static char *options_text(const satin_options *options) {
-    size_t bytes = 1;
-    satin_option_info info;
-    for (int i = 0; satin_options_describe(options, i, &info); i++)
-        bytes += strlen(info.name) + strlen(info.value) + 2;
-    char *text = malloc(bytes);
-    if (!text) return NULL;
-    size_t used = 0;
-    text[0] = 0;
-    for (int i = 0; satin_options_describe(options, i, &info); i++)
-        used += (size_t)snprintf(text + used, bytes - used, "%s%s=%s", i ? " " : "", info.name,
-                                 info.value);
-    return text;
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) return NULL;
+    options_print_words(out, options, NULL);
+    if (fclose(out) == 0) return text;
+    free(text);
+    return NULL;
 }
 
 static struct stats_span span_without(struct stats_span a, struct stats_span b) {

@@ -199,6 +199,16 @@ static inline vec3 mesh_vertex(const struct mesh *mesh, uint32_t i) {
     return v3(p[0], p[1], p[2]);
 }
 
+// The texture coordinates at the barycentric coordinates (b1, b2) of a triangle.
+static inline vec2 mesh_uv(const struct mesh *mesh, uint32_t triangle, vec2 bary) {
+    if (!mesh->uv) return bary;
+    const uint32_t *index = mesh->index + 3 * (size_t)triangle;
+    const float *a = mesh->uv + 2 * (size_t)index[0], *b = mesh->uv + 2 * (size_t)index[1],
+                *c = mesh->uv + 2 * (size_t)index[2], first = 1.0f - bary.x - bary.y;
+    return (vec2){first * a[0] + bary.x * b[0] + bary.y * c[0],
+                  first * a[1] + bary.x * b[1] + bary.y * c[1]};
+}
+
 struct shape {
     enum shape_kind kind;
     const char *name;

@@ -33,14 +33,9 @@ static vec3 direction_of(const struct RTCRay *ray) {
 static bool mask_stops(const struct guard *guard, const struct RTCRay *ray,
                        const struct RTCHit *hit) {
     const struct mesh *mesh = guard->mesh;
-    struct texture_lookup at = {{hit->u, hit->v}, mesh, hit->primID, {hit->u, hit->v}, 0.0f};
-    if (mesh->uv) {
-        const uint32_t *index = mesh->index + (size_t)hit->primID * 3;
-        const float *a = mesh->uv + (size_t)index[0] * 2, *b = mesh->uv + (size_t)index[1] * 2,
-                    *c = mesh->uv + (size_t)index[2] * 2, first = 1.0f - hit->u - hit->v;
-        at.uv.x = first * a[0] + hit->u * b[0] + hit->v * c[0];
-        at.uv.y = first * a[1] + hit->u * b[1] + hit->v * c[1];
-    }
+    const vec2 bary = {hit->u, hit->v};
+    const struct texture_lookup at = {mesh_uv(mesh, hit->primID, bary), mesh, hit->primID, bary,
+                                      0.0f};
     struct ray same = {.o = ray_origin(ray), .d = direction_of(ray)};
     return opacity_stops(guard->mask, &at, &same, hit->primID, ray->id != 0);
 }

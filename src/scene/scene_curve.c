@@ -53,10 +53,9 @@ void curve_interaction(const struct curves *curves, const struct curve_hit *hit,
     }
     vec3 n = v3_unit(hit->n), axis = v3_unit(along);
     struct frame around = frame_from_normal(axis);
-    float azimuth = atan2f(v3_dot(n, around.v), v3_dot(n, around.u)) * (0.5f / PI_F);
     out->p = v3_mad(hit->p, OUTSIDE * radius, n);
     out->ng = hit->flip ? v3_neg(n) : n;
-    out->uv = (vec2){azimuth < 0.0f ? azimuth + 1.0f : azimuth,
+    out->uv = (vec2){azimuth_fraction(v3_dot(n, around.v), v3_dot(n, around.u)),
                      ((float)hit->segment + hit->u) / (float)curves->segments};
     out->dp_dv = along;
     out->dp_du = v3_mul(v3_cross(along, n), 2.0f * PI_F * radius / fmaxf(v3_len(along), 1e-20f));

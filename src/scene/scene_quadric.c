@@ -141,12 +141,6 @@ static struct quadric_point scaled(struct quadric_point p, double s) {
     return (struct quadric_point){p.x * s, p.y * s, p.z * s};
 }
 
-// The azimuth about z as a coordinate in [0, 1).
-static float azimuth_fraction(double y, double x) {
-    double u = atan2(y, x) * (0.5 / M_PI);
-    return (float)(u < 0.0 ? u + 1.0 : u);
-}
-
 // Transforms n by the transposed inverse and normalises it.
 static struct quadric_point normal_to_world(const struct quadric *q, struct quadric_point n) {
     const double(*m)[4] = q->to_object;
@@ -174,7 +168,7 @@ static struct spot sphere_spot(const struct quadric *q, struct quadric_point p) 
         apply(q->to_world, (struct quadric_point){-2.0 * M_PI * l.y, 2.0 * M_PI * l.x, 0.0}, 0.0);
     s.dv =
         apply(q->to_world, (struct quadric_point){M_PI * l.z * c, M_PI * l.z * d, -M_PI * r}, 0.0);
-    s.uv.x = azimuth_fraction(l.y, l.x);
+    s.uv.x = azimuth_fraction_wide(l.y, l.x);
     s.uv.y = (float)(atan2(r, l.z) / M_PI);
     return s;
 }
@@ -190,7 +184,7 @@ static struct spot disk_spot(const struct quadric *q, struct quadric_point p) {
                      .du = apply(q->to_world, axis, 0.0)};
     s.dv =
         apply(q->to_world, (struct quadric_point){-2.0 * M_PI * l.y, 2.0 * M_PI * l.x, 0.0}, 0.0);
-    s.uv = (vec2){(float)r, azimuth_fraction(l.y, l.x)};
+    s.uv = (vec2){(float)r, azimuth_fraction_wide(l.y, l.x)};
     return s;
 }
 
@@ -203,7 +197,7 @@ static struct spot cylinder_spot(const struct quadric *q, struct quadric_point p
                      .dv = apply(q->to_world, (struct quadric_point){0.0, 0.0, 1.0}, 0.0)};
     s.du =
         apply(q->to_world, (struct quadric_point){-2.0 * M_PI * l.y, 2.0 * M_PI * l.x, 0.0}, 0.0);
-    s.uv = (vec2){azimuth_fraction(l.y, l.x), (float)l.z};
+    s.uv = (vec2){azimuth_fraction_wide(l.y, l.x), (float)l.z};
     return s;
 }
 

@@ -52,8 +52,7 @@ static void put_partials(const struct shade *shade, const struct interaction *s,
 void shade_aov_light(const struct scene_aovs *aovs, rgb L, float *out) {
     // Linear sRGB to CIE XYZ (IEC 61966-2-1).
     set_vec3(value_of(aovs, AOV_LIGHT, out),
-             v3(0.412453f * L.r + 0.357580f * L.g + 0.180423f * L.b,
-                0.212671f * L.r + 0.715160f * L.g + 0.072169f * L.b,
+             v3(0.412453f * L.r + 0.357580f * L.g + 0.180423f * L.b, rgb_luminance(L),
                 0.019334f * L.r + 0.119193f * L.g + 0.950227f * L.b));
 }
 
