@@ -8,16 +8,6 @@
 
 #include "render/render_image.h"
 
-// The integrator is that of the second pass: trace_paths() can change it.
-static bool is_two_pass(const struct render *r) {
-    return r->second_pass.options.integrator == SATIN_TWO_PASS;
-}
-
-static bool needs_photons(const struct render *r) {
-    const satin_options *o = &r->second_pass.options;
-    return o->integrator == SATIN_PHOTONS || gather_indirect(o);
-}
-
 // Passes messages on to the caller's log, and records whether one of them was an error.
 static void log_through(void *user, satin_log_severity severity, const char *message) {
     struct render *r = user;
@@ -71,6 +61,7 @@ static satin_status prepare(struct render *r, const satin_scene *scene,
                             const satin_options *options) {
     satin_status status = render_resolve(r, scene, options);
     r->second_pass.options = r->options;
+    render_take_course(r, render_first_course(&r->options));
     if (status == SATIN_OK) status = render_cache_open(r);
     if (status == SATIN_OK) status = start_threads(r);
     if (status == SATIN_OK) status = render_denoiser(r);
@@ -79,12 +70,10 @@ static satin_status prepare(struct render *r, const satin_scene *scene,
     return allocate_image(r);
 }
 
-// Makes path tracing the integrator of the second pass: the steps that follow ask is_two_pass() and
-// needs_photons() again. The film gets the channels of that integrator.
-static satin_status trace_paths(struct render *r) {
+// After the course has changed to path tracing: the film gets the channels of that integrator.
+static satin_status make_image_of_paths(struct render *r) {
     log_message(r->log, SATIN_LOG_WARNING,
                 "the time is too short for photons here: paths are traced instead");
-    r->second_pass.options.integrator = SATIN_PATH;
     render_image_free(r->image);
     r->image = render_image_new(&r->scene, &r->second_pass.options);
     return r->image ? SATIN_OK : SATIN_ERROR_MEMORY;
@@ -93,10 +82,11 @@ static satin_status trace_paths(struct render *r) {
 // Traces photons and makes the first-pass radiance estimate that gather rays read at their hits. If
 // there is no time for that, paths are traced instead.
 static satin_status first_pass(struct render *r) {
-    if (!needs_photons(r)) return SATIN_OK;
+    if (!render_steps(r)->photons) return SATIN_OK;
     render_stage_begin(r, STAGE_PHOTONS, (double)(r->options.photons + r->options.caustic_photons));
     const satin_status status = render_photons(r);
-    return status == SATIN_OK && r->first_pass.too_slow ? trace_paths(r) : status;
+    const bool paths = r->progress.course == COURSE_PATHS;
+    return status == SATIN_OK && paths ? make_image_of_paths(r) : status;
 }
 
 // Makes the constants of gathering, with what the first pass has made, and samples direct light
@@ -109,7 +99,7 @@ static satin_status prepare_gathering(struct render *r) {
 // Projects the scene's glossy BRDFs onto harmonics. If there is no time for that, all are sampled
 // instead.
 static satin_status brdf_tables(struct render *r) {
-    if (!is_two_pass(r)) return SATIN_OK;
+    if (!render_steps(r)->tables) return SATIN_OK;
     render_stage_begin(r, STAGE_TABLES, (double)r->scene.material_count);
     render_limit_tables(r);
     satin_status status =
@@ -120,7 +110,7 @@ static satin_status brdf_tables(struct render *r) {
 // If gather rays read them, makes the records of the indirect bounces beyond the first, beginning
 // with the last bounce.
 static satin_status bounce_records(struct render *r) {
-    return is_two_pass(r) ? render_bounces(r) : SATIN_OK;
+    return render_steps(r)->records ? render_bounces(r) : SATIN_OK;
 }
 
 // Makes an empty cache, and what the image and the search for sites need.
@@ -134,16 +124,15 @@ static satin_status prepare_second_pass(struct render *r) {
 
 // Samples the image by eye paths, whose indirect light is interpolated between the records.
 static satin_status sample_image(struct render *r) {
-    if (r->progress.image_kind == IMAGE_WHOLE) render_limit_image(r);
+    if (!render_steps(r)->coarse) render_limit_image(r);
     return render_image_fill(r);
 }
 
-static satin_status sample_coarse(struct render *r, enum render_image_kind kind) {
+static satin_status sample_coarse(struct render *r, enum render_course course) {
     struct render_second_pass *pass = &r->second_pass;
-    r->progress.image_kind = kind;
-    if (kind == IMAGE_COARSE_DIRECT) {
+    render_take_course(r, course);
+    if (course == COURSE_COARSE_DIRECT) {
         shade_destroy(&pass->shade);
-        pass->options.integrator = SATIN_DIRECT;
         pass->gather = gather_make(&r->scene, &pass->options, NULL);
         satin_status status = shade_init(&pass->shade, &pass->gather, &pass->tables, NULL,
                                          render_budget_missing_rays(&r->options), r->pool);
@@ -159,9 +148,9 @@ static satin_status sample_coarse(struct render *r, enum render_image_kind kind)
 // alone.
 static satin_status coarse_after_cancellation(struct render *r) {
     satin_status status = SATIN_CANCELLED;
-    if (r->progress.stage == STAGE_RECORDS) status = sample_coarse(r, IMAGE_COARSE);
+    if (r->progress.stage == STAGE_RECORDS) status = sample_coarse(r, COURSE_COARSE);
     if (status == SATIN_CANCELLED && !r->image->has_first_samples)
-        status = sample_coarse(r, IMAGE_COARSE_DIRECT);
+        status = sample_coarse(r, COURSE_COARSE_DIRECT);
     return status;
 }
 
@@ -172,11 +161,10 @@ static satin_status finish_film(struct render *r, satin_status status, satin_fil
     if (has_image && r->denoiser) render_denoise(r);
     render_stage_begin(r, STAGE_FILM, 0.0);
     if (!has_image) return status;
-    if (r->progress.image_kind != IMAGE_WHOLE)
-        log_message(
-            r->log, SATIN_LOG_WARNING, "cancelled during %s: the image is coarse%s",
-            render_stage_name(r->progress.cancelled_in),
-            r->progress.image_kind == IMAGE_COARSE_DIRECT ? ", with direct light alone" : "");
+    if (render_steps(r)->coarse)
+        log_message(r->log, SATIN_LOG_WARNING, "cancelled during %s: the image is coarse%s",
+                    render_stage_name(r->progress.cancelled_in),
+                    r->progress.course == COURSE_COARSE_DIRECT ? ", with direct light alone" : "");
     bool any;
     render_image_film(r, &any);
     if (status == SATIN_CANCELLED && !any) return status;
@@ -198,7 +186,7 @@ satin_status satin_render(const satin_scene *scene, const satin_options *options
     if (status == SATIN_OK) status = brdf_tables(r);
     if (status == SATIN_OK) status = bounce_records(r);
     if (status == SATIN_OK) status = prepare_second_pass(r);
-    if (status == SATIN_OK && is_two_pass(r) && needs_photons(r)) status = render_records(r);
+    if (status == SATIN_OK && render_steps(r)->records) status = render_records(r);
     if (status == SATIN_OK) status = sample_image(r);
     if (status == SATIN_CANCELLED) status = coarse_after_cancellation(r);
     if (r) status = finish_film(r, status, &film);

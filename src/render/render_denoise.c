@@ -71,7 +71,7 @@ void render_denoise(struct render *r) {
     parallel_begin_part(r->pool, "denoise");
     parallel_for_all(r->pool, (size_t)image->height, DENOISE_CHUNK, fill_plane_rows, image);
     // A coarse image has samples of a few pixels; the other pixels are copies of these.
-    if (r->progress.image_kind != IMAGE_WHOLE || !render_budget_denoises(r)) {
+    if (render_steps(r)->coarse || !render_budget_denoises(r)) {
         log_message(r->log, SATIN_LOG_WARNING, "cancelled: the image is not denoised");
         return;
     }

@@ -185,10 +185,10 @@ static bool run_pass(struct image_pass *pass) {
 // stopped early.
 static bool take_first_samples(struct image_pass *pass) {
     struct render *r = pass->r;
-    const bool short_of_time = r->options.time > 0.0 || r->progress.image_kind != IMAGE_WHOLE;
+    const bool short_of_time = r->options.time > 0.0 || render_steps(r)->coarse;
     const double limit = render_limit_lift(r);
     bool whole = true;
-    if (r->progress.image_kind == IMAGE_COARSE) render_limit_restore(r, limit);
+    if (r->progress.course == COURSE_COARSE) render_limit_restore(r, limit);
     for (int stride = r->image->coarsest; stride > 0 && whole; stride /= 2) {
         parallel_begin_part(r->pool, "plan");
         adaptive_even(&r->image->adapt, stride, 1);
@@ -223,7 +223,7 @@ satin_status render_image_fill(struct render *r) {
     const uint64_t even = (uint64_t)render_budget_even_samples(&r->second_pass.options) *
                           (uint64_t)image->width * (uint64_t)image->height;
     satin_status status = SATIN_OK;
-    while (status == SATIN_OK && whole && r->progress.image_kind == IMAGE_WHOLE &&
+    while (status == SATIN_OK && whole && !render_steps(r)->coarse &&
            next_pass(r, per_sample, &samples)) {
         start = stats_wall();
         render_stage_part(r, (double)image->taken / all, (double)samples / all);

@@ -27,7 +27,7 @@ struct render_image {
     size_t sums;  // number of sums per pixel
     struct adaptive_sampling adapt;
     uint64_t taken;           // number of samples
-    uint32_t rim_rays;        // of each pixel at a rim; 0: render_rims has not run
+    uint32_t rim_rays;        // of each pixel at a rim; 0: none was found so far
     int coarsest;             // pixels between the first samples, a power of two
     bool has_first_samples;   // whether each of these pixels has a sample
     struct satin_film *film;  // the film that is made from the image

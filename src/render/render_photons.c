@@ -81,11 +81,11 @@ static bool can_trace_paths(const struct render *r) {
     return r->options.integrator == SATIN_TWO_PASS && !c->save_cache && !c->load_cache;
 }
 
-// Builds the maps from the first photons. Sets too_slow if there was no time for them.
+// Builds the maps from the first photons. If there was no time for them, paths are traced instead.
 static satin_status build_first(struct render *r, double fraction) {
     if (can_trace_paths(r)) render_limit_pilot(r);
     const satin_status status = build(r, fraction, 1.0);
-    r->first_pass.too_slow = status == SATIN_CANCELLED && !render_cancelled(r);
+    if (status == SATIN_CANCELLED && !render_cancelled(r)) render_take_course(r, COURSE_PATHS);
     return render_limit_end(r, status);
 }
 
@@ -93,8 +93,9 @@ satin_status render_photons(struct render *r) {
     const struct stats before = r->stats;
     const double first = render_budget_first_photons(r);
     satin_status status = build_first(r, first);
-    if (r->first_pass.too_slow) r->stats = before;
-    if (status != SATIN_OK || r->first_pass.too_slow) return status;
+    const bool too_slow = !render_steps(r)->photons;
+    if (too_slow) r->stats = before;
+    if (status != SATIN_OK || too_slow) return status;
     const struct render_more_photons more =
         render_budget_photons(r, photon_seconds(&r->stats), starved(r, first));
     return more.fraction > 0.0 ? build_again(r, before, more) : SATIN_OK;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calls the user's progress function, which may cancel the render, for the loops of all stages: the
-// pool and the denoiser call the functions of this file.
+// The course of a render and its progress. The pool and the denoiser call functions of this file
+// for the loops of all stages, which call the user's progress function; that may cancel the render.
 #include "render/render_state.h"
 
 static const double REPORT_EVERY = 0.1;  // seconds
@@ -21,6 +21,39 @@ static const struct stage_report {
 };
 
 const char *render_stage_name(enum render_stage stage) { return stage_reports[stage].name; }
+
+static const struct render_steps course_steps[] = {
+    [COURSE_TWO_PASS] = {SATIN_TWO_PASS, .photons = true, .tables = true, .records = true},
+    [COURSE_SHORT_PATHS] = {SATIN_TWO_PASS, .tables = true},
+    [COURSE_PHOTONS] = {SATIN_PHOTONS, .photons = true},
+    [COURSE_DIRECT] = {SATIN_DIRECT},
+    [COURSE_PATHS] = {SATIN_PATH},
+    [COURSE_WITHOUT_RECORDS] = {SATIN_TWO_PASS, .photons = true, .tables = true},
+    [COURSE_COARSE] = {SATIN_TWO_PASS, .coarse = true},
+    [COURSE_COARSE_DIRECT] = {SATIN_DIRECT, .coarse = true},
+};
+
+enum render_course render_first_course(const satin_options *options) {
+    switch (options->integrator) {
+        case SATIN_PATH:
+            return COURSE_PATHS;
+        case SATIN_DIRECT:
+            return COURSE_DIRECT;
+        case SATIN_PHOTONS:
+            return COURSE_PHOTONS;
+        default:
+            return gather_indirect(options) ? COURSE_TWO_PASS : COURSE_SHORT_PATHS;
+    }
+}
+
+void render_take_course(struct render *r, enum render_course course) {
+    r->progress.course = course;
+    r->second_pass.options.integrator = course_steps[course].integrator;
+}
+
+const struct render_steps *render_steps(const struct render *r) {
+    return &course_steps[r->progress.course];
+}
 
 static void report_now(struct render *r, double done) {
     struct render_progress *at = &r->progress;
@@ -51,7 +84,7 @@ static bool loop_must_end(void *user, double done) {
     struct render *r = user;
     const struct render_progress *at = &r->progress;
     render_progress_report(r, at->loop_done + done * at->loop_span);
-    const bool unwanted = render_cancelled(r) && at->image_kind == IMAGE_WHOLE;
+    const bool unwanted = render_cancelled(r) && !render_steps(r)->coarse;
     return unwanted || render_elapsed(r) > at->deadline;
 }
 

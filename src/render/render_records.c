@@ -13,7 +13,6 @@ struct filling {
     struct render *r;
     struct render_covering covering;
     struct render_sites sites;
-    bool abandoned;  // the image is to be rendered without records
 };
 
 static double count_records(const struct render *r) {
@@ -30,7 +29,7 @@ static satin_status fill_levels(struct filling *f, struct render_widths widen, b
     const float a[CACHE_KINDS] = {r->options.irradiance_a, r->options.radiance_a};
     satin_status status = SATIN_OK;
     int stride = RENDER_COARSEST;
-    for (int level = 0; level < RENDER_LEVELS && status == SATIN_OK && !f->abandoned;
+    for (int level = 0; level < RENDER_LEVELS && status == SATIN_OK && render_steps(r)->records;
          level++, stride /= 2) {
         const double start = stats_wall(), before = count_records(r);
         render_stage_part(r, done + span * level / RENDER_LEVELS, span / RENDER_LEVELS);
@@ -55,7 +54,8 @@ static satin_status fill_levels(struct filling *f, struct render_widths widen, b
         if (!covering) continue;
         render_budget_level(&r->options, &f->covering, stride, count_records(r) - before,
                             stats_wall() - start, render_budget_first_round(r));
-        f->abandoned = render_budget_without_records(&r->options, &f->covering, stride);
+        if (render_budget_without_records(&r->options, &f->covering, stride))
+            render_take_course(r, COURSE_WITHOUT_RECORDS);
     }
     return status;
 }
@@ -81,7 +81,7 @@ static satin_status fill_timed(struct filling *f) {
         for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
             cache_limit_radius(r->second_pass.cache, k, render_budget_least_radius(widen.of[k]));
         status = fill_levels(f, widen, i == 0, (double)i / rounds, 1.0 / rounds);
-        if (f->abandoned || !render_time_remains(r)) break;
+        if (!render_steps(r)->records || !render_time_remains(r)) break;
         finished = widen;
         stats_set(&r->stats, "records.rounds", i + 1.0);
         if (i > 0) continue;
@@ -109,7 +109,7 @@ satin_status render_records(struct render *r) {
     if (status == SATIN_OK && !whole && !timed && r->options.adaptive_cache)
         status = render_adaptive_cache(r);
     if (status == SATIN_OK) r->outcome.saved = render_cache_save(r);
-    if (f.abandoned) {
+    if (!render_steps(r)->records) {
         r->second_pass.shade.cache = NULL;
         stats_set(&r->stats, "records.abandoned", 1.0);
     }

@@ -22,12 +22,27 @@ enum render_stage {
     STAGE_FILM
 };
 
-// The extent of the image. If the caller cancels before the image has its first samples, it is
-// coarse.
-enum render_image_kind {
-    IMAGE_WHOLE,         // all samples of the options
-    IMAGE_COARSE,        // coarse, with the records so far
-    IMAGE_COARSE_DIRECT  // coarse, with direct light alone
+// The course of a render: how it makes its image. It begins with that of the options and changes at
+// most three times, by render_take_course; a table in render_progress.c has the steps of each.
+enum render_course {
+    // By the options:
+    COURSE_TWO_PASS,     // photons, records and final gathering
+    COURSE_SHORT_PATHS,  // as two passes, but paths are so short that there is no indirect light
+    COURSE_PHOTONS,      // photons are seen directly
+    COURSE_DIRECT,       // direct light alone
+    COURSE_PATHS,        // path tracing
+    // From COURSE_TWO_PASS, by a time limit: to COURSE_PATHS, if there is no time for photons, or
+    COURSE_WITHOUT_RECORDS,  // every sample gathers, as there is no time for records
+    // From any course, if the caller cancels before the image has its first samples:
+    COURSE_COARSE,        // a coarse image with the records so far
+    COURSE_COARSE_DIRECT  // a coarse image with direct light alone
+};
+
+// The steps of a course.
+struct render_steps {
+    satin_integrator integrator;  // by which the image is sampled
+    bool photons, tables, records;
+    bool coarse;  // the image has only its first samples, and is completed after the cancellation
 };
 
 // The progress of the render, and what ends it: its deadline, or the caller, who may cancel it.
@@ -35,7 +50,7 @@ struct render_progress {
     enum render_stage stage;         // current stage
     bool cancelled;                  // by the caller
     enum render_stage cancelled_in;  // the stage in which that was
-    enum render_image_kind image_kind;
+    enum render_course course;
     double start;        // wall clock at the beginning of the render
     double deadline;     // seconds after it at which the current loop is stopped; INFINITY: none
     double stage_start;  // wall clock at the beginning of the stage
@@ -49,7 +64,6 @@ struct render_first_pass {
     int64_t wanted;       // photons of the global map without a time limit
     bool chosen_by_user;  // the number must not be increased
     double made;          // fraction of `wanted` that was traced; 0: none were wanted
-    bool too_slow;        // not even the first photons fit into the time limit
     struct photon_maps *maps;
     struct gather_direct_table direct;    // at the entries of the maps
     struct guide_visibility *visibility;  // of the lights; NULL: all lights are assumed visible
@@ -57,9 +71,7 @@ struct render_first_pass {
 
 // The second pass: final gathering, and its records.
 struct render_second_pass {
-    // The options of the render, except the integrator by which the image is sampled: `path` if
-    // there was no time for photons, `direct` for a coarse image without records.
-    satin_options options;
+    satin_options options;  // of the render, but the integrator is that of the course
     struct gather gather;
     struct shade_tables tables;
     struct render_bounce *bounces;  // records of the indirect bounces beyond the first
@@ -105,6 +117,12 @@ satin_status render_resolve(struct render *r, const struct satin_scene *scene,
                             const satin_options *options);
 
 // ---- render_progress.c
+// The course of the render's options.
+enum render_course render_first_course(const satin_options *options);
+// Changes the course, and with it the integrator of the second pass.
+void render_take_course(struct render *r, enum render_course course);
+// The steps of the render's present course; static storage.
+const struct render_steps *render_steps(const struct render *r);
 // Begins a stage of `items` units, ends the one before it and stores its seconds under its name.
 void render_stage_begin(struct render *r, enum render_stage stage, double items);
 // The name of a reported stage; static storage.
@@ -117,8 +135,8 @@ void render_progress_install(struct render *r);
 bool render_progress_report(struct render *r, double done);
 
 // ---- render_photons.c
-// Traces as many photons as a time limit allows, and makes the first-pass radiance estimate. Sets
-// r->first_pass.too_slow, and makes nothing, if there is no time for it.
+// Traces as many photons as a time limit allows, and makes the first-pass radiance estimate. If
+// there is no time for it, makes nothing, and the course becomes COURSE_PATHS.
 satin_status render_photons(struct render *r);
 // The constants of gathering. The photon maps may be missing if there was no time for them.
 struct gather render_gather(const struct render *r);
@@ -146,7 +164,8 @@ void render_cache_free(struct render *r);
 
 // ---- render_records.c
 // Fills the cache over the image's shading points, coarse to fine, or from the caller's file; then
-// adapts it, and saves it if the caller has named a file.
+// adapts it, and saves it if the caller has named a file. If a time limit leaves too little time,
+// the course becomes COURSE_WITHOUT_RECORDS.
 satin_status render_records(struct render *r);
 
 // ---- render_sites.c: where records may be needed

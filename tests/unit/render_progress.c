@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// The course that options give a render, and that its steps and the integrator of the second pass
+// follow a change of it.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "render/render_state.h"
+
+static void options_decide_the_first_course(void **state) {
+    (void)state;
+    const struct {
+        satin_integrator integrator;
+        int max_depth;
+        enum render_course course;
+    } cases[] = {
+        {SATIN_TWO_PASS, -1, COURSE_TWO_PASS},   {SATIN_TWO_PASS, 3, COURSE_TWO_PASS},
+        {SATIN_TWO_PASS, 2, COURSE_SHORT_PATHS}, {SATIN_PATH, -1, COURSE_PATHS},
+        {SATIN_PHOTONS, 2, COURSE_PHOTONS},      {SATIN_DIRECT, -1, COURSE_DIRECT},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const satin_options o = {.integrator = cases[i].integrator,
+                                 .max_depth = cases[i].max_depth};
+        assert_int_equal(render_first_course(&o), cases[i].course);
+        struct render r = {0};
+        render_take_course(&r, cases[i].course);
+        assert_int_equal(r.second_pass.options.integrator, cases[i].integrator);
+        assert_false(render_steps(&r)->coarse);
+    }
+}
+
+static void steps_follow_the_course(void **state) {
+    (void)state;
+    struct render r = {0};
+    render_take_course(&r, COURSE_TWO_PASS);
+    assert_true(render_steps(&r)->photons && render_steps(&r)->records);
+    render_take_course(&r, COURSE_WITHOUT_RECORDS);
+    assert_int_equal(r.second_pass.options.integrator, SATIN_TWO_PASS);
+    assert_true(render_steps(&r)->photons && !render_steps(&r)->records);
+    render_take_course(&r, COURSE_PATHS);
+    assert_true(!render_steps(&r)->photons && !render_steps(&r)->tables);
+    render_take_course(&r, COURSE_COARSE_DIRECT);
+    assert_int_equal(r.second_pass.options.integrator, SATIN_DIRECT);
+    assert_true(render_steps(&r)->coarse);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(options_decide_the_first_course),
+        cmocka_unit_test(steps_follow_the_course),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
