@@ -19,14 +19,14 @@ struct device {
     bool committed;
 };
 
-struct image {
+struct fake_oidn_image {
     float *data;
     size_t width, height, stride;
 };
 
 struct filter {
     struct device *device;
-    struct image color, albedo, normal, output;
+    struct fake_oidn_image color, albedo, normal, output;
     bool hdr, clean, committed;
     bool (*goes_on)(void *user, double done);
     void *user;
@@ -37,7 +37,7 @@ static bool asked_to(const char *what) {
     return wanted && strcmp(wanted, what) == 0;
 }
 
-static void fail(struct device *d, int error, const char *message) {
+static void fake_oidn_fail(struct device *d, int error, const char *message) {
     if (d->error) return;
     d->error = error;
     d->message = message;
@@ -51,11 +51,13 @@ API struct device *oidnNewDevice(int type) {
 }
 
 API void oidnSetDeviceInt(struct device *d, const char *name, int value) {
-    if (strcmp(name, "numThreads") != 0 || value < 1) fail(d, INVALID_OPERATION, "no such integer");
+    if (strcmp(name, "numThreads") != 0 || value < 1)
+        fake_oidn_fail(d, INVALID_OPERATION, "no such integer");
 }
 
 API void oidnSetDeviceBool(struct device *d, const char *name, bool value) {
-    if (strcmp(name, "setAffinity") != 0 || value) fail(d, INVALID_OPERATION, "no such switch");
+    if (strcmp(name, "setAffinity") != 0 || value)
+        fake_oidn_fail(d, INVALID_OPERATION, "no such switch");
 }
 
 API int oidnGetDeviceInt(struct device *d, const char *name) {
@@ -87,9 +89,9 @@ API struct filter *oidnNewFilter(struct device *d, const char *type) {
 API void oidnSetSharedFilterImage(struct filter *f, const char *name, void *data, int format,
                                   size_t width, size_t height, size_t offset, size_t pixel_stride,
                                   size_t row_stride) {
-    const struct image image = {data, width, height, pixel_stride};
+    const struct fake_oidn_image image = {data, width, height, pixel_stride};
     if (format != 3 || offset || row_stride || pixel_stride != 3 * sizeof(float))
-        fail(f->device, INVALID_OPERATION, "another layout");
+        fake_oidn_fail(f->device, INVALID_OPERATION, "another layout");
     if (strcmp(name, "color") == 0) f->color = image;
     if (strcmp(name, "albedo") == 0) f->albedo = image;
     if (strcmp(name, "normal") == 0) f->normal = image;
@@ -103,7 +105,7 @@ API void oidnSetFilterBool(struct filter *f, const char *name, bool value) {
 
 API void oidnSetFilterInt(struct filter *f, const char *name, int value) {
     if (strcmp(name, "maxMemoryMB") != 0 || value < 1)
-        fail(f->device, INVALID_OPERATION, "no such integer");
+        fake_oidn_fail(f->device, INVALID_OPERATION, "no such integer");
 }
 
 API void oidnSetFilterProgressMonitorFunction(struct filter *f,
@@ -116,13 +118,13 @@ API void oidnSetFilterProgressMonitorFunction(struct filter *f,
 API void oidnCommitFilter(struct filter *f) { f->committed = true; }
 
 // Whether all values are what the real filter can take.
-static bool in_range(const struct image *image, float low, float high) {
+static bool in_range(const struct fake_oidn_image *image, float low, float high) {
     for (size_t i = 0; i < 3 * image->width * image->height; i++)
         if (!(image->data[i] >= low && image->data[i] <= high)) return false;
     return true;
 }
 
-static float mean_of(const struct image *image, size_t channel) {
+static float fake_oidn_mean_of(const struct fake_oidn_image *image, size_t channel) {
     const size_t pixels = image->width * image->height;
     double sum = 0.0;
     for (size_t i = 0; i < pixels; i++) sum += (double)image->data[3 * i + channel];
@@ -134,23 +136,23 @@ API void oidnExecuteFilter(struct filter *f) {
     const size_t pixels = f->color.width * f->color.height;
     bool black = true;
     for (size_t i = 0; black && i < 3 * pixels; i++) black = f->color.data[i] == 0.0f;
-    if (!f->committed || !f->hdr) fail(d, INVALID_OPERATION, "the filter is not ready");
+    if (!f->committed || !f->hdr) fake_oidn_fail(d, INVALID_OPERATION, "the filter is not ready");
     if (!in_range(&f->color, 0.0f, 0x1p26f) || !in_range(&f->albedo, 0.0f, 1.0f) ||
         !in_range(&f->normal, -1.0f, 1.0f))
-        fail(d, INVALID_OPERATION, "values out of range");
-    if (asked_to("fail") && !black) fail(d, INVALID_OPERATION, "the fake was asked to");
-    if (asked_to("memory") && !black) fail(d, OUT_OF_MEMORY, "the fake has no memory");
+        fake_oidn_fail(d, INVALID_OPERATION, "values out of range");
+    if (asked_to("fail") && !black) fake_oidn_fail(d, INVALID_OPERATION, "the fake was asked to");
+    if (asked_to("memory") && !black) fake_oidn_fail(d, OUT_OF_MEMORY, "the fake has no memory");
     // Takes ten seconds, so that a test can cancel it.
     for (int i = 0; i < (asked_to("slow") ? 10000 : 1) && f->goes_on && !d->error; i++) {
-        if (!f->goes_on(f->user, 0.5)) fail(d, CANCELLED, "it was cancelled");
+        if (!f->goes_on(f->user, 0.5)) fake_oidn_fail(d, CANCELLED, "it was cancelled");
         if (asked_to("slow")) usleep(1000);
     }
     if (d->error) return;
     for (size_t c = 0; c < 3; c++) {
-        float mean = mean_of(&f->color, c);
+        float mean = fake_oidn_mean_of(&f->color, c);
         if (asked_to("nan") && !black) mean = NAN;
         if (asked_to("guides"))
-            mean = (f->clean ? 2.0f : 1.0f) * mean_of(c < 2 ? &f->albedo : &f->normal, c);
+            mean = (f->clean ? 2.0f : 1.0f) * fake_oidn_mean_of(c < 2 ? &f->albedo : &f->normal, c);
         for (size_t i = 0; i < pixels; i++) f->output.data[3 * i + c] = mean;
     }
 }

@@ -52,12 +52,12 @@ static struct {
     bool fired;
     const char *sites, *fired_name;
     struct site site[SITES];
-} fault = {.mutex = PTHREAD_MUTEX_INITIALIZER};
+} fault_alloc_fault = {.mutex = PTHREAD_MUTEX_INITIALIZER};
 
 // Unwinding may allocate, and so may the list at the end.
 static __thread bool inside __attribute__((tls_model("initial-exec")));
 
-static uint64_t mix(uint64_t x) {
+static uint64_t fault_alloc_mix(uint64_t x) {
     x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
     x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
     return x ^ (x >> 31);
@@ -78,8 +78,9 @@ static uint64_t address_name(void *address) {
     struct dl_find_object object;
     if (_dl_find_object(address, &object) != 0) return 1;
     uint64_t hash = (uintptr_t)address - object.dlfo_link_map->l_addr;
-    for (const char *c = module_of(&object); *c; c++) hash = mix(hash + (unsigned char)*c);
-    return mix(hash);
+    for (const char *c = module_of(&object); *c; c++)
+        hash = fault_alloc_mix(hash + (unsigned char)*c);
+    return fault_alloc_mix(hash);
 }
 
 static bool contains(void *const *frame, int count, const void *address) {
@@ -88,7 +89,7 @@ static bool contains(void *const *frame, int count, const void *address) {
     return false;
 }
 
-static struct site *find_site(void *const *raw, int count) {
+static struct site *fault_alloc_find_site(void *const *raw, int count) {
     struct site made = {.name = 0};
     int frames = 0;
     for (int i = SKIP; i < count && frames < LISTED; i++) {
@@ -98,33 +99,37 @@ static struct site *find_site(void *const *raw, int count) {
     }
     if (made.name == 0) made.name = 1;
     size_t at = made.name % SITES;
-    while (fault.site[at].name != 0 && fault.site[at].name != made.name) at = (at + 1) % SITES;
-    if (fault.site[at].name == 0) fault.site[at] = made;
-    return &fault.site[at];
+    while (fault_alloc_fault.site[at].name != 0 && fault_alloc_fault.site[at].name != made.name)
+        at = (at + 1) % SITES;
+    if (fault_alloc_fault.site[at].name == 0) fault_alloc_fault.site[at] = made;
+    return &fault_alloc_fault.site[at];
 }
 
 static void report_fired(void) {
-    fault.fired = true;
-    int fd = fault.fired_name ? open(fault.fired_name, O_WRONLY | O_CREAT | O_CLOEXEC, 0666) : -1;
+    fault_alloc_fault.fired = true;
+    int fd = fault_alloc_fault.fired_name
+                 ? open(fault_alloc_fault.fired_name, O_WRONLY | O_CREAT | O_CLOEXEC, 0666)
+                 : -1;
     if (fd >= 0) close(fd);
 }
 
 // Counts an allocation; true if it shall fail.
 static __attribute__((noinline)) bool fails(void) {
-    if (!fault.armed || inside) return false;
+    if (!fault_alloc_fault.armed || inside) return false;
     inside = true;
     const int error = errno;
     void *raw[RAW];
-    const int count = backtrace(raw, fault.sites ? RAW : NAMING);
-    pthread_mutex_lock(&fault.mutex);
-    struct site *site = find_site(raw, count);
+    const int count = backtrace(raw, fault_alloc_fault.sites ? RAW : NAMING);
+    pthread_mutex_lock(&fault_alloc_fault.mutex);
+    struct site *site = fault_alloc_find_site(raw, count);
     site->count++;
-    bool fail = fault.fired && fault.all;
-    if (!fault.fired && site->name == fault.target && site->count == fault.nth) {
+    bool fail = fault_alloc_fault.fired && fault_alloc_fault.all;
+    if (!fault_alloc_fault.fired && site->name == fault_alloc_fault.target &&
+        site->count == fault_alloc_fault.nth) {
         report_fired();
         fail = true;
     }
-    pthread_mutex_unlock(&fault.mutex);
+    pthread_mutex_unlock(&fault_alloc_fault.mutex);
     errno = fail ? ENOMEM : error;
     inside = false;
     return fail;
@@ -143,10 +148,10 @@ static void write_frame(FILE *out, void *address) {
 }
 
 static void write_sites(void) {
-    FILE *out = fopen(fault.sites, "w");
+    FILE *out = fopen(fault_alloc_fault.sites, "w");
     if (!out) return;
     for (size_t i = 0; i < SITES; i++) {
-        const struct site *site = &fault.site[i];
+        const struct site *site = &fault_alloc_fault.site[i];
         if (site->name == 0) continue;
         fprintf(out, "%016" PRIx64 "\t%" PRIu64, site->name, site->count);
         for (int k = 0; k < LISTED && site->frame[k]; k++) write_frame(out, site->frame[k]);
@@ -160,19 +165,19 @@ static __attribute__((constructor)) void start(void) {
     inside = true;
     backtrace(raw, RAW);  // loads the library that unwinding needs
     const char *target = getenv("FAULT_SITE"), *nth = getenv("FAULT_NTH");
-    fault.sites = getenv("FAULT_SITES");
-    fault.fired_name = getenv("FAULT_FIRED");
-    fault.all = getenv("FAULT_ALL") != NULL;
-    fault.target = target ? strtoull(target, NULL, 16) : 0;
-    fault.nth = nth ? strtoull(nth, NULL, 10) : 0;
-    fault.armed = target || fault.sites;
+    fault_alloc_fault.sites = getenv("FAULT_SITES");
+    fault_alloc_fault.fired_name = getenv("FAULT_FIRED");
+    fault_alloc_fault.all = getenv("FAULT_ALL") != NULL;
+    fault_alloc_fault.target = target ? strtoull(target, NULL, 16) : 0;
+    fault_alloc_fault.nth = nth ? strtoull(nth, NULL, 10) : 0;
+    fault_alloc_fault.armed = target || fault_alloc_fault.sites;
     inside = false;
 }
 
 static __attribute__((destructor)) void end(void) {
     inside = true;
-    fault.armed = false;
-    if (fault.sites) write_sites();
+    fault_alloc_fault.armed = false;
+    if (fault_alloc_fault.sites) write_sites();
 }
 
 EXPORT void *malloc(size_t bytes) { return fails() ? NULL : __libc_malloc(bytes); }

@@ -26,7 +26,7 @@ static void repair(unsigned char *data, size_t size) {
 }
 
 // A cache in the box of (-1, -1, -1) and (1, 1, 1) takes the records or refuses them in one line.
-static void load(const struct cache_file *file) {
+static void fuzz_cache_load(const struct cache_file *file) {
     const satin_options options = satin_options_default;
     const struct gather g = {.options = &options};
     struct cache cache = {.g = &g};
@@ -47,24 +47,24 @@ static void load(const struct cache_file *file) {
     arena_free(&cache.radiance_arena);
 }
 
-static void parse(const void *data, size_t size) {
+static void fuzz_cache_parse(const void *data, size_t size) {
     struct cache_file *file = NULL;
     int lines = 0;
     satin_status status =
         cache_file_parse(data, size, "fuzz", (struct log){fuzz_count, &lines}, &file);
     FUZZ_REQUIRE((status == SATIN_OK) == (file != NULL) && lines == (status != SATIN_OK));
-    if (file) load(file);
+    if (file) fuzz_cache_load(file);
     cache_file_free(file);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     if (size > SIZE_TRIED) return 0;
-    parse(data, size);
+    fuzz_cache_parse(data, size);
     unsigned char *copy = malloc(size + 1);
     if (!copy) abort();
     memcpy(copy, data, size);
     if (size >= sizeof(struct cache_file_header)) repair(copy, size);
-    parse(copy, size);
+    fuzz_cache_parse(copy, size);
     free(copy);
     return 0;
 }

@@ -18,7 +18,7 @@ static const struct kind {
     const char *name, *scene;
     int (*pack)(const uint8_t *data, size_t size, char path[FUZZ_PATH]);
     size_t growth;  // bytes of memory per byte of the file, at most
-} kinds[] = {
+} fuzz_load_kinds[] = {
     {"linear", "<shape type='linearcurve'>" NAMED "</shape>", NULL, 100},
     {"spline", "<shape type='bsplinecurve'>" NAMED "</shape>", NULL, 100},
     {"obj", "<shape type='obj'>" NAMED GLOWS, NULL, 400},
@@ -69,8 +69,8 @@ static int write_scene(const char *body, const char *path, char scene_path[FUZZ_
 }
 
 // Sums of light may overflow where a file holds the largest numbers.
-static bool counts(rgb c) { return c.r >= 0.0f && c.g >= 0.0f && c.b >= 0.0f; }
-static bool sound(rgb c) { return rgb_finite(c) && counts(c); }
+static bool fuzz_load_counts(rgb c) { return c.r >= 0.0f && c.g >= 0.0f && c.b >= 0.0f; }
+static bool sound(rgb c) { return rgb_finite(c) && fuzz_load_counts(c); }
 
 static void use_surface(const satin_scene *scene, const struct interaction *s, vec3 wo,
                         const float *u) {
@@ -92,7 +92,7 @@ static void use_surface(const satin_scene *scene, const struct interaction *s, v
 }
 
 // Rays from outside towards the middle of what was loaded, and light back from it.
-static void use(const satin_scene *scene) {
+static void fuzz_load_use(const satin_scene *scene) {
     vec3 centre = v3_mul(v3_add(scene->bounds_lo, scene->bounds_hi), 0.5f);
     for (uint32_t i = 0; i < 16; i++) {
         float u[4];
@@ -105,12 +105,12 @@ static void use(const satin_scene *scene) {
         FUZZ_REQUIRE(sound(light_environment(scene, d)));
         if (scene->light_count && light_emit(scene, i % scene->light_count, NULL, u, &photon))
             FUZZ_REQUIRE(v3_finite(photon.ray.o) && v3_finite(photon.ray.d) &&
-                         counts(photon.power));
+                         fuzz_load_counts(photon.power));
     }
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    const struct kind *kind = kinds;
+    const struct kind *kind = fuzz_load_kinds;
     while (strcmp(kind->name, FUZZ_KIND) != 0) kind++;
     char path[FUZZ_PATH], scene_path[FUZZ_PATH];
     int file = kind->pack && size && data[0] & 1 ? kind->pack(data + 1, size - 1, path)
@@ -123,7 +123,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     if (scene) {
         off_t bytes = lseek(file, 0, SEEK_END);
         FUZZ_REQUIRE(scene->arena.bytes < kind->growth * (size_t)bytes + (1 << 20));
-        use(scene);
+        fuzz_load_use(scene);
     }
     satin_scene_free(scene);
     close(text);

@@ -33,7 +33,7 @@ static void fail_unless(bool good) {
 }
 
 // Checks what a call may have written to out[size].
-static void check(bool done, bool finite, const float *out, size_t size, size_t all) {
+static void fuzz_rsh_check(bool done, bool finite, const float *out, size_t size, size_t all) {
     for (size_t i = done ? size : 0; i < all; i++) fail_unless(out[i] == MARK);
     for (size_t i = 0; i < size && done && finite; i++) fail_unless(isfinite(out[i]));
 }
@@ -55,29 +55,29 @@ static void fuzz_values(struct input *in, int order, rsh_basis basis, bool wild)
     for (int i = 0; i < CHANNELS * MOST; i++) v[i] = take_float(in, false);
     const float w[3] = {x[0], y[0], z[0]};
     mark(out, all);
-    check(rsh_eval(basis, order, w, out), !wild, out, n, all);
+    fuzz_rsh_check(rsh_eval(basis, order, w, out), !wild, out, n, all);
     mark(out, all);
     bool done = rsh_eval_derivatives(basis, order, w, out, out + n, out + 2 * n);
-    check(done, !wild, out, 3 * n, all);
+    fuzz_rsh_check(done, !wild, out, 3 * n, all);
     mark(many, MOST * RECORDS + 1);
     done = rsh_eval_many(basis, order, RECORDS, x, y, z, many);
-    check(done, !wild, many, n * RECORDS, MOST * RECORDS + 1);
+    fuzz_rsh_check(done, !wild, many, n * RECORDS, MOST * RECORDS + 1);
     for (size_t i = 0; i < all; i++) out[i] = i < 3 * n ? 0.0f : MARK;
     if (rsh_project(basis, order, RECORDS, x, y, z, x, y, z, out))
-        check(true, !wild, out, 3 * n, all);
+        fuzz_rsh_check(true, !wild, out, 3 * n, all);
     mark(out, all);
-    check(rsh_value(basis, order, CHANNELS, v, w, out), !wild, out, CHANNELS, all);
+    fuzz_rsh_check(rsh_value(basis, order, CHANNELS, v, w, out), !wild, out, CHANNELS, all);
     mark(out, all);
-    check(rsh_dot3(order, 1 + 2 * (take_byte(in) & 1), v, v, out), true, out, 3, all);
+    fuzz_rsh_check(rsh_dot3(order, 1 + 2 * (take_byte(in) & 1), v, v, out), true, out, 3, all);
     mark(out, all);
-    check(rsh_convolve(order, CHANNELS, v, v, out), true, out, CHANNELS * n, all);
+    fuzz_rsh_check(rsh_convolve(order, CHANNELS, v, v, out), true, out, CHANNELS * n, all);
     const rsh_convention c = {(rsh_normalisation)(take_byte(in) % 5), take_byte(in) & 1,
                               (rsh_layout)(take_byte(in) % 4)};
     size_t size = (size_t)rsh_convention_size(order, c.layout);
     mark(out, all);
-    check(rsh_export(&c, order, 1, v, out), true, out, size, all);
+    fuzz_rsh_check(rsh_export(&c, order, 1, v, out), true, out, size, all);
     mark(out, all);
-    check(rsh_import(&c, order, 1, v, out), false, out, n, all);
+    fuzz_rsh_check(rsh_import(&c, order, 1, v, out), false, out, n, all);
 }
 
 // Single records; `r` and `s` are two matrices or frames.
@@ -129,11 +129,11 @@ static void fuzz_rotation(struct input *in, int order, const float r[9], const f
             default:
                 done = rsh_flip_phase(order, CHANNELS, v, out);
         }
-        check(done, finite, out, n, all);
+        fuzz_rsh_check(done, finite, out, n, all);
     }
     mark(blocks, 3 * RSH_MAX_BLOCKS + 1);
     bool done = rsh_rotation_y_derivatives(order, r[0], 2, blocks);
-    check(done, true, blocks, 3 * (size_t)rsh_blocks_size(order), 3 * RSH_MAX_BLOCKS + 1);
+    fuzz_rsh_check(done, true, blocks, 3 * (size_t)rsh_blocks_size(order), 3 * RSH_MAX_BLOCKS + 1);
 }
 
 static void fuzz_many(struct input *in, int order, bool wild) {
@@ -152,16 +152,17 @@ static void fuzz_many(struct input *in, int order, bool wild) {
     }
     for (int i = 0; i < MOST * RECORDS; i++) v[i] = take_float(in, false);
     mark(out, all);
-    check(rsh_rotate_many(order, 1, count, from, v, out), true, out, n, all);
+    fuzz_rsh_check(rsh_rotate_many(order, 1, count, from, v, out), true, out, n, all);
     mark(out, all);
     bool done =
         rsh_rotate_taylor_many((rsh_taylor)(take_byte(in) % 4), order, 1, count, from, v, out);
-    check(done, true, out, n, all);
+    fuzz_rsh_check(done, true, out, n, all);
     mark(out, all);
-    check(rsh_align_many(basis, order, 1, count, from, to, limit, v, out), true, out, n, all);
+    fuzz_rsh_check(rsh_align_many(basis, order, 1, count, from, to, limit, v, out), true, out, n,
+                   all);
     mark(out, all);
     done = rsh_align_transposed_many(basis, order, 1, count, to, from, limit, v, out);
-    check(done, true, out, n, all);
+    fuzz_rsh_check(done, true, out, n, all);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

@@ -4,7 +4,7 @@
 #include "scene/scene.h"
 
 // Uses of a loaded scene that its numbers must not break.
-static void use(const satin_scene *scene) {
+static void fuzz_scene_use(const satin_scene *scene) {
     const struct film_spec *film = &scene->film;
     float spread, right = (float)(film->crop_x + film->crop_width);
     struct film_filter filter;
@@ -25,7 +25,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     satin_scene *scene = NULL;
     satin_status status = satin_scene_load(path, NULL, 0, fuzz_count, &lines, &scene);
     if ((status == SATIN_OK) != (scene != NULL) || lines != (status != SATIN_OK)) abort();
-    if (scene) use(scene);
+    if (scene) fuzz_scene_use(scene);
     satin_scene_free(scene);
     close(file);
     return 0;

@@ -4,8 +4,8 @@
 #include "fuzz_case.h"
 #include "load/load_spectrum.h"
 
-static satin_status read_text(struct log log, const uint8_t *data, size_t size,
-                              struct spectrum *out) {
+static satin_status fuzz_spectrum_read_text(struct log log, const uint8_t *data, size_t size,
+                                            struct spectrum *out) {
     char *text = calloc(size + 1, 1);
     if (!text) abort();
     if (size) memcpy(text, data, size);
@@ -30,7 +30,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     struct log log = {fuzz_count, &lines};
     struct spectrum spectrum = {0};
     satin_status status = data[0] & 1 ? read_file(log, data + 1, size - 1, &spectrum)
-                                      : read_text(log, data + 1, size - 1, &spectrum);
+                                      : fuzz_spectrum_read_text(log, data + 1, size - 1, &spectrum);
     if (lines != (status != SATIN_OK) || (status && status != SATIN_ERROR_INPUT)) abort();
     if (status != SATIN_OK && spectrum.count) abort();
     for (int light = 0; light < 2; light++) {

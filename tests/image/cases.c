@@ -24,7 +24,7 @@
 #include "satin/render.h"
 
 enum { CHANNELS = 3, SIZE = 64, SEEDS_MOST = 4 };
-static const char *const colour[CHANNELS] = {"R", "G", "B"};
+static const char *const cases_colour[CHANNELS] = {"R", "G", "B"};
 
 // Pixels x0 <= x < x1, y0 <= y < y1, rows from the top.
 struct region {
@@ -32,14 +32,14 @@ struct region {
     int x0, y0, x1, y1;
 };
 
-struct errors {
+struct cases_errors {
     double mean, rms, block;
 };
 
 struct row {
     const char *scene, *reference;  // names of files
     struct region region;
-    struct errors bound;
+    struct cases_errors bound;
     int seeds;  // number of renders whose mean is compared
 };
 
@@ -49,7 +49,7 @@ struct renders {
     int count;
 };
 
-static const struct row rows[] = {
+static const struct row cases_rows[] = {
     {"backlit", "backlit", {"front of the screen", 16, 18, 50, 50}, {0.015, 0.025, 0.07}, 1},
     {"bump", "bump", {"floor", 0, 34, 64, 64}, {0.015, 0.04, 0.15}, 1},
     {"caustic-gloss", "caustic-gloss", {"focus", 28, 38, 54, 52}, {0.02, 0.08, 0.2}, 1},
@@ -79,24 +79,24 @@ struct folders {
     const char *scenes, *references;
 };
 
-static void say(void *user, satin_log_severity severity, const char *message) {
+static void cases_say(void *user, satin_log_severity severity, const char *message) {
     (void)user;
     (void)severity;
     fprintf(stderr, "cases: %s\n", message);
 }
 
 // The scene's image in two passes; NULL if it fails, which is reported.
-static satin_film *render(const struct folders *in, const char *name, const satin_define *defines,
-                          size_t define_count, uint64_t seed) {
+static satin_film *cases_render(const struct folders *in, const char *name,
+                                const satin_define *defines, size_t define_count, uint64_t seed) {
     static const satin_setting setting[] = {{"spp", "64"}, {"adaptive-sampling", "off"}};
     char path[4096];
     snprintf(path, sizeof path, "%s/%s.xml", in->scenes, name);
     satin_scene *scene = NULL;
     satin_film *film = NULL;
     satin_options options;
-    satin_callbacks callbacks = {.log = say};
-    if (satin_scene_load(path, defines, define_count, say, NULL, &scene) == SATIN_OK &&
-        satin_options_resolve(scene, setting, 2, say, NULL, &options) == SATIN_OK) {
+    satin_callbacks callbacks = {.log = cases_say};
+    if (satin_scene_load(path, defines, define_count, cases_say, NULL, &scene) == SATIN_OK &&
+        satin_options_resolve(scene, setting, 2, cases_say, NULL, &options) == SATIN_OK) {
         options.width = options.height = SIZE;
         options.seed = seed;
         (void)satin_render(scene, &options, &callbacks, &film);
@@ -112,7 +112,7 @@ static bool render_plain(const struct folders *in, const char *name, int seeds,
     *out = (struct renders){.count = seeds};
     bool good = true;
     for (int i = 0; i < out->count; i++) {
-        out->film[i] = render(in, name, &box, 1, (uint64_t)i);
+        out->film[i] = cases_render(in, name, &box, 1, (uint64_t)i);
         good = good && out->film[i];
     }
     return good;
@@ -127,7 +127,7 @@ static bool is_current(const struct folders *in, const satin_film *film, const c
     char path[4096], hash[17], *data;
     size_t size;
     snprintf(path, sizeof path, "%s/%s.xml", in->scenes, name);
-    const struct log log = {say, NULL};
+    const struct log log = {cases_say, NULL};
     if (fileio_read(log, (struct log_place){0}, path, 1 << 20, &data, &size) != SATIN_OK)
         return false;
     snprintf(hash, sizeof hash, "%016" PRIx64, fileio_hash(FILEIO_HASH, data, size));
@@ -143,7 +143,7 @@ static satin_film *read_reference(const struct folders *in, const char *name) {
     char path[4096];
     snprintf(path, sizeof path, "%s/%s.exr", in->references, name);
     satin_film *film = NULL;
-    if (satin_film_read(path, say, NULL, &film) != SATIN_OK) return NULL;
+    if (satin_film_read(path, cases_say, NULL, &film) != SATIN_OK) return NULL;
     if (is_current(in, film, name)) return film;
     satin_film_free(film);
     return NULL;
@@ -168,16 +168,16 @@ static double around(const double *x, const float *r, int i) {
 }
 
 // A reference without channels of variance is taken as exact.
-static struct errors measure(const struct renders *renders, const satin_film *reference,
-                             const struct region *at) {
+static struct cases_errors cases_measure(const struct renders *renders, const satin_film *reference,
+                                         const struct region *at) {
     static double x[SIZE * SIZE];
     double sum_x = 0.0, sum_r = 0.0, squares = 0.0, worst = 0.0;
     int count = 0;
     for (int c = 0; c < CHANNELS; c++) {
         char name[16];
-        snprintf(name, sizeof name, "variance.%s", colour[c]);
-        average(renders, colour[c], x);
-        const float *r = satin_film_channel(reference, colour[c]);
+        snprintf(name, sizeof name, "variance.%s", cases_colour[c]);
+        average(renders, cases_colour[c], x);
+        const float *r = satin_film_channel(reference, cases_colour[c]);
         const float *v = satin_film_channel(reference, name);
         for (int i = at->y0 * SIZE; i < at->y1 * SIZE; i++) {
             int column = i % SIZE, line = i / SIZE;
@@ -192,12 +192,12 @@ static struct errors measure(const struct renders *renders, const satin_film *re
         }
     }
     double mean = sum_r / count;
-    return (struct errors){fabs(sum_x / sum_r - 1.0), sqrt(fmax(squares / count, 0.0)) / mean,
-                           worst / mean};
+    return (struct cases_errors){fabs(sum_x / sum_r - 1.0), sqrt(fmax(squares / count, 0.0)) / mean,
+                                 worst / mean};
 }
 
-static bool evaluate(const char *scene, const struct region *region, struct errors e,
-                     struct errors bound) {
+static bool cases_evaluate(const char *scene, const struct region *region, struct cases_errors e,
+                           struct cases_errors bound) {
     bool good = e.mean <= bound.mean && e.rms <= bound.rms && e.block <= bound.block;
     printf("%-14s %-20s mean %6.2f %%  rms %6.2f %%  block %6.2f %%%s\n", scene, region->name,
            100.0 * e.mean, 100.0 * e.rms, 100.0 * e.block, good ? "" : "  FAILED");
@@ -214,11 +214,12 @@ static bool run_row(const struct folders *in, const struct row *row) {
     satin_film *reference = read_reference(in, row->reference);
     bool good = rendered && reference;
     if (good)
-        good = evaluate(row->scene, &row->region, measure(&renders, reference, &row->region),
-                        row->bound);
+        good = cases_evaluate(row->scene, &row->region,
+                              cases_measure(&renders, reference, &row->region), row->bound);
     char path[64];
     snprintf(path, sizeof path, "cases-%s.exr", row->scene);
-    if (rendered && !good && satin_film_write_exr(renders.film[0], path, say, NULL) == SATIN_OK)
+    if (rendered && !good &&
+        satin_film_write_exr(renders.film[0], path, cases_say, NULL) == SATIN_OK)
         printf("%-14s see %s\n", row->scene, path);
     renders_free(&renders);
     satin_film_free(reference);
@@ -230,11 +231,11 @@ static bool run_row(const struct folders *in, const struct row *row) {
 // %, less than two seeds differ by.
 static bool run_unit(const struct folders *in, const char *name) {
     static const struct region all = {"as the room of 5 m", 0, 0, SIZE, SIZE};
-    static const struct errors bound = {0.002, 0.015, 0.15};
+    static const struct cases_errors bound = {0.002, 0.015, 0.15};
     struct renders renders, other;
     bool good = render_plain(in, name, 1, &renders);
     good = render_plain(in, "room-5m", 1, &other) && good;
-    good = good && evaluate(name, &all, measure(&renders, other.film[0], &all), bound);
+    good = good && cases_evaluate(name, &all, cases_measure(&renders, other.film[0], &all), bound);
     renders_free(&renders);
     renders_free(&other);
     return good;
@@ -251,7 +252,8 @@ static double stat_of(const satin_film *film, const char *name) {
 static bool run_bump(const struct folders *in) {
     static const satin_define flat[] = {{"filter", "box"}, {"waves", "0"}};
     static const satin_define box[] = {{"filter", "box"}};
-    satin_film *waves = render(in, "bump", box, 1, 0), *plane = render(in, "bump", flat, 2, 0);
+    satin_film *waves = cases_render(in, "bump", box, 1, 0),
+               *plane = cases_render(in, "bump", flat, 2, 0);
     double a = stat_of(waves, "records.radiance"), b = stat_of(plane, "records.radiance");
     bool good = a <= 1.05 * b;
     printf("%-14s %-20s %.0f with waves, %.0f flat%s\n", "bump", "records of the floor", a, b,
@@ -265,7 +267,7 @@ static bool run_bump(const struct folders *in) {
 // the diffuse lobe: almost no point is without a record.
 static bool run_steep(const struct folders *in) {
     static const satin_define steep[] = {{"filter", "box"}, {"waves", "0.5"}};
-    satin_film *film = render(in, "bump", steep, 2, 0);
+    satin_film *film = cases_render(in, "bump", steep, 2, 0);
     double fraction = stat_of(film, "image.gathered") / stat_of(film, "image.points");
     bool good = fraction <= 0.001;
     printf("%-14s %-20s %.4f %% of the points%s\n", "bump", "gathered on steep", 100.0 * fraction,
@@ -289,8 +291,8 @@ int main(int argc, char **argv) {
     const struct folders in = {argv[1], argv[2]};
     const char *name = argc > 3 ? argv[3] : NULL;
     int found = 0, failed = 0;
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
-        if (wanted(name, rows[i].scene, &found)) failed += !run_row(&in, &rows[i]);
+    for (size_t i = 0; i < sizeof cases_rows / sizeof *cases_rows; i++)
+        if (wanted(name, cases_rows[i].scene, &found)) failed += !run_row(&in, &cases_rows[i]);
     static const char *const units[] = {"room-500km", "room-5mm"};
     for (int i = 0; i < 2; i++)
         if (wanted(name, units[i], &found)) failed += !run_unit(&in, units[i]);

@@ -41,7 +41,7 @@ static const double mean_tolerance = 0.003, mean_z = 3.3;
 static const double rounding = 1e-5;
 // Mitsuba treats a density of microfacets below 1e-20 as 0: values darker than this are black.
 static const double black = 1e-15;
-static const char *const colour[CHANNELS] = {"R", "G", "B"};
+static const char *const z_test_colour[CHANNELS] = {"R", "G", "B"};
 
 // Sums over parts, per channel and pixel.
 struct parts {
@@ -49,21 +49,21 @@ struct parts {
     double *sum[CHANNELS], *squares[CHANNELS];
 };
 
-static void say(void *user, satin_log_severity severity, const char *message) {
+static void z_test_say(void *user, satin_log_severity severity, const char *message) {
     (void)user;
     (void)severity;
     fprintf(stderr, "z_test: %s\n", message);
 }
 
 // What to render, as the command line has it.
-struct job {
+struct z_test_job {
     char *satin, *scene, *spp;
     char **arguments;  // more for satin
     int argument_count, parts;
 };
 
 // Runs the command for one part; its image goes to `path`.
-static bool render_part(const struct job *job, const struct parts *parts, char *path) {
+static bool render_part(const struct z_test_job *job, const struct parts *parts, char *path) {
     char seed[16], width[16], height[16];
     snprintf(seed, sizeof(seed), "%d", parts->count + 1);
     snprintf(width, sizeof(width), "%d", parts->width);
@@ -86,12 +86,12 @@ static bool render_part(const struct job *job, const struct parts *parts, char *
     return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
-static bool add_part(struct parts *parts, const char *path) {
+static bool z_test_add_part(struct parts *parts, const char *path) {
     satin_film *film;
-    if (satin_film_read(path, say, NULL, &film) != SATIN_OK) return false;
+    if (satin_film_read(path, z_test_say, NULL, &film) != SATIN_OK) return false;
     bool good = film->width == parts->width && film->height == parts->height;
     for (int c = 0; good && c < CHANNELS; c++) {
-        const float *x = satin_film_channel(film, colour[c]);
+        const float *x = satin_film_channel(film, z_test_colour[c]);
         for (int i = 0; i < parts->width * parts->height; i++) {
             parts->sum[c][i] += x[i];
             parts->squares[c][i] += (double)x[i] * x[i];
@@ -102,12 +102,12 @@ static bool add_part(struct parts *parts, const char *path) {
     return good;
 }
 
-static bool render_parts(const struct job *job, struct parts *parts) {
+static bool render_parts(const struct z_test_job *job, struct parts *parts) {
     char folder[] = "/tmp/satin-z-XXXXXX", path[sizeof(folder) + 16];
     bool good = mkdtemp(folder) != NULL;
     snprintf(path, sizeof(path), "%s/part.exr", folder);
     while (good && parts->count < job->parts)
-        good = render_part(job, parts, path) && add_part(parts, path);
+        good = render_part(job, parts, path) && z_test_add_part(parts, path);
     if (!good) fprintf(stderr, "z_test: %s cannot be rendered\n", job->scene);
     unlink(path);
     rmdir(folder);
@@ -126,14 +126,14 @@ struct verdict {
 };
 
 // Compares channel c; z[i] gets each pixel's deviate.
-static void evaluate(const struct parts *parts, double spp, const satin_film *reference, int c,
-                     float *z, struct verdict *v) {
+static void z_test_evaluate(const struct parts *parts, double spp, const satin_film *reference,
+                            int c, float *z, struct verdict *v) {
     const char *text = film_attribute_get(reference, "spp");
     double n_b = atof(text), n_a = spp * parts->count;
     double freedom = atof(film_attribute_get(reference, "parts")) - 1;
     char name[16];
-    snprintf(name, sizeof(name), "variance.%s", colour[c]);
-    const float *b = satin_film_channel(reference, colour[c]);
+    snprintf(name, sizeof(name), "variance.%s", z_test_colour[c]);
+    const float *b = satin_film_channel(reference, z_test_colour[c]);
     const float *variance_b = satin_film_channel(reference, name);
     double sum_a = 0, sum_b = 0, sum_variance = 0;
     for (int i = 0; i < parts->width * parts->height; i++) {
@@ -162,8 +162,8 @@ static void evaluate(const struct parts *parts, double spp, const satin_film *re
 }
 
 // Evaluates all channels and prints the outcome; true if the image passes.
-static bool compare(const struct parts *parts, double spp, const satin_film *reference,
-                    const char *name) {
+static bool z_test_compare(const struct parts *parts, double spp, const satin_film *reference,
+                           const char *name) {
     const char *const names[] = {"R", "G", "B", "z.R", "z.G", "z.B"};
     struct satin_film *map = film_new(parts->width, parts->height, names, 2 * CHANNELS);
     if (!map) return false;
@@ -172,7 +172,7 @@ static bool compare(const struct parts *parts, double spp, const satin_film *ref
     for (int c = 0; c < CHANNELS; c++) {
         for (int i = 0; i < pixels; i++)
             map->channel[c][i] = (float)(parts->sum[c][i] / parts->count);
-        evaluate(parts, spp, reference, c, map->channel[CHANNELS + c], &v);
+        z_test_evaluate(parts, spp, reference, c, map->channel[CHANNELS + c], &v);
     }
     double limit = -expm1(log1p(-significance) / (pixels * CHANNELS));
     bool pixels_good = v.least_p >= limit;
@@ -181,12 +181,13 @@ static bool compare(const struct parts *parts, double spp, const satin_film *ref
         "%s: least p %.2g of %d (limit %.2g), z %.2f at pixel (%d, %d) channel %s; "
         "mean ratio %.4f +- %.4f\n",
         name, v.least_p, pixels * CHANNELS, limit, v.worst_z, v.worst_pixel % parts->width,
-        v.worst_pixel / parts->width, colour[v.worst_channel], v.ratio, v.ratio_deviation);
+        v.worst_pixel / parts->width, z_test_colour[v.worst_channel], v.ratio, v.ratio_deviation);
     if (!pixels_good) printf("%s: the worst pixel differs by more than noise\n", name);
     if (!mean_good) printf("%s: the image's mean differs by more than 0.3 %% and noise\n", name);
     char path[256];
     snprintf(path, sizeof(path), "z_test-%s.exr", name);
-    if (!(pixels_good && mean_good) && satin_film_write_exr(map, path, say, NULL) == SATIN_OK)
+    if (!(pixels_good && mean_good) &&
+        satin_film_write_exr(map, path, z_test_say, NULL) == SATIN_OK)
         printf("%s: see %s\n", name, path);
     satin_film_free(map);
     return pixels_good && mean_good;
@@ -194,7 +195,7 @@ static bool compare(const struct parts *parts, double spp, const satin_film *ref
 
 // Whether the reference was made for the scene file as it is now; false is reported.
 static bool is_of_scene(const satin_film *reference, const char *scene, const char *name) {
-    struct log log = {say, NULL};
+    struct log log = {z_test_say, NULL};
     const size_t most = 1 << 24;
     char *data, hash[17];
     size_t size;
@@ -234,16 +235,16 @@ int main(int argc, char **argv) {
         fprintf(stderr, "usage: z_test SATIN SCENE.xml REFERENCE.exr PARTS SPP [ARGUMENT ...]\n");
         return 2;
     }
-    struct job job = {argv[1], argv[2], argv[5], argv + 6, argc - 6, atoi(argv[4])};
+    struct z_test_job job = {argv[1], argv[2], argv[5], argv + 6, argc - 6, atoi(argv[4])};
     satin_film *reference;
-    if (satin_film_read(argv[3], say, NULL, &reference) != SATIN_OK) return 2;
+    if (satin_film_read(argv[3], z_test_say, NULL, &reference) != SATIN_OK) return 2;
     struct parts parts = {.width = reference->width, .height = reference->height};
     char *name = basename(argv[3]);
     name[strcspn(name, ".")] = '\0';
     int status = 2;
     if (is_reference(reference, name) && is_of_scene(reference, job.scene, name) &&
         allocate(&parts) && render_parts(&job, &parts))
-        status = compare(&parts, atof(job.spp), reference, name) ? 0 : 1;
+        status = z_test_compare(&parts, atof(job.spp), reference, name) ? 0 : 1;
     for (int c = 0; c < CHANNELS; c++) {
         free(parts.sum[c]);
         free(parts.squares[c]);

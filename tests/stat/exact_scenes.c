@@ -26,13 +26,13 @@ static const struct estimator estimators[] = {
     {"radiance records", {"spp", "256", "light_samples", "8", "radiance_diffuse", "on", NULL}},
 };
 
-struct scene_case {
+struct exact_scenes_scene_case {
     const char *file;
     double exact;
     bool indirect;  // `exact` is the radiance without direct light
 };
 
-static const struct scene_case cases[] = {
+static const struct exact_scenes_scene_case exact_scenes_cases[] = {
     {"furnace-box-20.xml", 1.0, false},
     {"furnace-box-50.xml", 1.0, false},
     {"furnace-box-80.xml", 1.0, false},
@@ -48,8 +48,8 @@ static void print_message(void *user, satin_log_severity severity, const char *m
     fprintf(stderr, "%s\n", message);
 }
 
-static satin_film *render(const satin_scene *scene, const char *const *setting,
-                          const char *integrator) {
+static satin_film *exact_scenes_render(const satin_scene *scene, const char *const *setting,
+                                       const char *integrator) {
     satin_options options = satin_options_default;
     satin_options_preset(&options, SATIN_PRODUCTION);
     options.width = options.height = SIZE;
@@ -64,8 +64,8 @@ static satin_film *render(const satin_scene *scene, const char *const *setting,
 
 // Mean and largest error of a channel, relative to the pixel's exact radiance: `exact`, plus the
 // value of `direct` there if it is not NULL.
-static void errors(const satin_film *film, const satin_film *direct, const char *channel,
-                   double exact, double *mean, double *worst) {
+static void exact_scenes_errors(const satin_film *film, const satin_film *direct,
+                                const char *channel, double exact, double *mean, double *worst) {
     const float *v = satin_film_channel(film, channel);
     const float *d = direct ? satin_film_channel(direct, channel) : NULL;
     double sum = 0.0;
@@ -79,15 +79,16 @@ static void errors(const satin_film *film, const satin_film *direct, const char 
     *mean = sum / (SIZE * SIZE);
 }
 
-static bool run(const satin_scene *scene, const struct scene_case *c, const struct estimator *e) {
-    satin_film *film = render(scene, e->setting, NULL), *direct = NULL;
-    if (c->indirect) direct = render(scene, e->setting, "direct");
+static bool exact_scenes_run(const satin_scene *scene, const struct exact_scenes_scene_case *c,
+                             const struct estimator *e) {
+    satin_film *film = exact_scenes_render(scene, e->setting, NULL), *direct = NULL;
+    if (c->indirect) direct = exact_scenes_render(scene, e->setting, "direct");
     if (!film || (c->indirect && !direct)) return false;
     double mean = 0.0, worst = 0.0;
     static const char *const channel[] = {"R", "G", "B"};
     for (int i = 0; i < 3; i++) {
         double m, w;
-        errors(film, direct, channel[i], c->exact, &m, &w);
+        exact_scenes_errors(film, direct, channel[i], c->exact, &m, &w);
         if (!(fabs(m) <= fabs(mean))) mean = m;
         if (!(w <= worst)) worst = w;
     }
@@ -103,14 +104,14 @@ static bool run(const satin_scene *scene, const struct scene_case *c, const stru
 int main(int argc, char **argv) {
     if (argc < 2) return 2;
     int passed = 0, failed = 0;
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    for (size_t i = 0; i < sizeof exact_scenes_cases / sizeof *exact_scenes_cases; i++) {
         char path[4096];
-        snprintf(path, sizeof path, "%s/%s", argv[1], cases[i].file);
+        snprintf(path, sizeof path, "%s/%s", argv[1], exact_scenes_cases[i].file);
         satin_scene *scene = NULL;
         if (satin_scene_load(path, NULL, 0, print_message, NULL, &scene) != SATIN_OK) return 1;
         for (size_t k = 0; k < sizeof estimators / sizeof *estimators; k++) {
             if (argc > 2 && strcmp(argv[2], estimators[k].name) != 0) continue;
-            if (run(scene, &cases[i], &estimators[k]))
+            if (exact_scenes_run(scene, &exact_scenes_cases[i], &estimators[k]))
                 passed++;
             else
                 failed++;

@@ -18,7 +18,7 @@ enum { ORDER = 10, N2 = ORDER * ORDER, BLOCK = 2000, POINTS_MOST = 10000 };
 // the nearest one.
 static const double STEP = 0.01;
 
-struct scene {
+struct gradients_scene {
     const char *name;
     bool sphere;
 };
@@ -27,7 +27,7 @@ static const vec3 CENTRE = {0.2f, 0.1f, -0.3f};
 static const float RADIUS = 0.4f;
 
 // Smooth, and different on the sphere and in each colour.
-static rgb radiance(vec3 q, bool sphere) {
+static rgb gradients_radiance(vec3 q, bool sphere) {
     float base = sphere ? 2.0f : 1.0f;
     return rgb_make(base + 0.5f * sinf(2.0f * q.x + 1.0f) * cosf(1.5f * q.y),
                     base + 0.4f * q.x * q.y + 0.3f * q.z * q.z,
@@ -43,12 +43,13 @@ static bool meets_sphere(vec3 o, vec3 w, float *t) {
 }
 
 // The box is [-1, 1]^3; o lies on its floor.
-static rgb look(const struct scene *scene, vec3 o, vec3 w, struct gather_first *first) {
+static rgb gradients_look(const struct gradients_scene *scene, vec3 o, vec3 w,
+                          struct gather_first *first) {
     float t;
     if (scene->sphere && meets_sphere(o, w, &t)) {
         vec3 q = v3_mad(o, t, w);
         *first = (struct gather_first){t, v3_mul(v3_sub(q, CENTRE), 1.0f / RADIUS)};
-        return radiance(q, true);
+        return gradients_radiance(q, true);
     }
     const float at[3] = {o.x, o.y, o.z}, along[3] = {w.x, w.y, w.z};
     int axis = 2;
@@ -60,7 +61,7 @@ static rgb look(const struct scene *scene, vec3 o, vec3 w, struct gather_first *
     }
     vec3 n = v3(axis == 0, axis == 1, axis == 2);
     *first = (struct gather_first){t, v3_mul(n, -copysignf(1.0f, along[axis]))};
-    return radiance(v3_mad(o, t, w), false);
+    return gradients_radiance(v3_mad(o, t, w), false);
 }
 
 // ---- Reference
@@ -70,11 +71,11 @@ struct vectors {
     double hsh[3 * N2], sh[3 * N2], E[3];
 };
 
-struct block {
+struct gradients_block {
     float x[BLOCK], y[BLOCK], z[BLOCK], value[3][BLOCK];
 };
 
-static void project_block(const struct block *b, double weight, struct vectors *out) {
+static void project_block(const struct gradients_block *b, double weight, struct vectors *out) {
     for (int basis = 0; basis < 2; basis++) {
         float sum[3 * N2] = {0};
         double *to = basis ? out->sh : out->hsh;
@@ -85,9 +86,9 @@ static void project_block(const struct block *b, double weight, struct vectors *
 }
 
 // Adds `weight` times what arrives at p, by rays at the centres of `rows` * 4 `rows` cells.
-static void gather_reference(const struct scene *scene, vec3 p, int rows, double weight,
+static void gather_reference(const struct gradients_scene *scene, vec3 p, int rows, double weight,
                              struct vectors *out) {
-    static struct block b;
+    static struct gradients_block b;
     const int columns = 4 * rows;
     const double area = weight * 2.0 * 3.14159265358979323846 / ((double)rows * columns);
     size_t n = 0;
@@ -98,7 +99,7 @@ static void gather_reference(const struct scene *scene, vec3 p, int rows, double
             vec3 w = sample_uniform_hemisphere(1.0f - ((float)j + rng_float(&rng)) / (float)rows,
                                                ((float)k + rng_float(&rng)) / (float)columns);
             struct gather_first first;
-            rgb L = look(scene, p, w, &first);
+            rgb L = gradients_look(scene, p, w, &first);
             b.x[n] = w.x, b.y[n] = w.y, b.z[n] = w.z;
             b.value[0][n] = L.r, b.value[1][n] = L.g, b.value[2][n] = L.b;
             for (int c = 0; c < 3; c++) out->E[c] += area * (double)(b.value[c][n] * w.z);
@@ -125,12 +126,13 @@ static const double LIMIT[2][2][KINDS] = {{{.24, 2.1, 2.1, .14, .98, .98, .055, 
                                           {{.40, 1.5, 1.5, .30, .99, .99, .20, .21, .78, .78},
                                            {.21, .78, .78, .19, .69, .69, .14, .14, .75, .75}}};
 
-struct tally {
+struct gradients_tally {
     double error[KINDS], size[KINDS];
     double error_of[KINDS][3 * N2], size_of[KINDS][3 * N2];  // per coefficient
 };
 
-static void note(struct tally *t, int kind, int count, const float *given, const double *wanted) {
+static void gradients_note(struct gradients_tally *t, int kind, int count, const float *given,
+                           const double *wanted) {
     for (int k = 0; k < count; k++) {
         double e = (double)given[k] - wanted[k];
         t->error[kind] += e * e;
@@ -140,11 +142,11 @@ static void note(struct tally *t, int kind, int count, const float *given, const
     }
 }
 
-static const struct frame FRAME = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+static const struct frame GRADIENTS_FRAME = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
 // One jittered ray per cell of a layout, as gathering makes them.
-static void fill(const struct scene *scene, const struct gather_layout *l, vec3 p, uint64_t point,
-                 struct gather_hemisphere *h) {
+static void gradients_fill(const struct gradients_scene *scene, const struct gather_layout *l,
+                           vec3 p, uint64_t point, struct gather_hemisphere *h) {
     struct rng rng = rng_make(5, RNG_GATHER, point);
     const float weight = 2.0f * PI_F / (float)gather_layout_rays(l);
     size_t i = 0;
@@ -156,14 +158,14 @@ static void fill(const struct scene *scene, const struct gather_layout *l, vec3 
                               : sample_cosine_hemisphere(u, v);
             struct gather_ray *ray = &h->ray[i];
             ray->ray = (struct ray){.o = p, .d = w};
-            ray->L = look(scene, p, w, &ray->first);
+            ray->L = gradients_look(scene, p, w, &ray->first);
             h->x[i] = w.x, h->y[i] = w.y, h->z[i] = w.z;
             h->r[i] = weight * ray->L.r, h->g[i] = weight * ray->L.g, h->b[i] = weight * ray->L.b;
         }
 }
 
 static void measure_radiance(const struct gather_hemisphere *hemisphere, int first_kind,
-                             const double *wanted[2], struct tally *t) {
+                             const double *wanted[2], struct gradients_tally *t) {
     for (int kind = 0; kind < 3; kind++) {
         float d[2][3 * N2] = {{0}};
         if (kind == 0)
@@ -171,25 +173,25 @@ static void measure_radiance(const struct gather_hemisphere *hemisphere, int fir
         else
             gather_solid_angle_radiance(hemisphere, kind == 2, 0, d[0], d[1]);
         for (int axis = 0; axis < 2; axis++)
-            note(t, first_kind + kind, 3 * N2, d[axis], wanted[axis]);
+            gradients_note(t, first_kind + kind, 3 * N2, d[axis], wanted[axis]);
     }
 }
 
 static void measure_irradiance(const struct gather_hemisphere *hemisphere,
-                               const struct vectors wanted[2], struct tally *t) {
+                               const struct vectors wanted[2], struct gradients_tally *t) {
     for (int kind = 0; kind < 4; kind++) {
         vec3 grad[3] = {{0}};
         if (kind < 2)
             gather_stratified_irradiance(hemisphere, kind == 1, grad);
         else
             gather_solid_angle_irradiance(hemisphere, kind == 3, 0, grad);
-        note(t, 6 + kind, 3, (float[]){grad[0].x, grad[1].x, grad[2].x}, wanted[0].E);
-        note(t, 6 + kind, 3, (float[]){grad[0].y, grad[1].y, grad[2].y}, wanted[1].E);
+        gradients_note(t, 6 + kind, 3, (float[]){grad[0].x, grad[1].x, grad[2].x}, wanted[0].E);
+        gradients_note(t, 6 + kind, 3, (float[]){grad[0].y, grad[1].y, grad[2].y}, wanted[1].E);
     }
 }
 
 // The largest rms error of a single coefficient over the rms size of those of its band.
-static double worst(const struct tally *t, int kind) {
+static double worst(const struct gradients_tally *t, int kind) {
     const bool irradiance = kind >= 6;
     double most = 0.0;
     for (int c = 0; c < 3; c++)
@@ -205,8 +207,8 @@ static double worst(const struct tally *t, int kind) {
     return most;
 }
 
-static bool report(const struct scene *scene, int rays, const struct tally *t,
-                   const double limit[KINDS]) {
+static bool gradients_report(const struct gradients_scene *scene, int rays,
+                             const struct gradients_tally *t, const double limit[KINDS]) {
     bool good = true;
     for (int kind = 0; kind < KINDS; kind++) {
         double error = sqrt(t->error[kind] / t->size[kind]);
@@ -219,18 +221,18 @@ static bool report(const struct scene *scene, int rays, const struct tally *t,
     return good;
 }
 
-struct set {
+struct gradients_set {
     struct gather_layout *layout[3];  // HSH, SH, irradiance
     struct gather_hemisphere *hemisphere;
-    struct tally tally;
+    struct gradients_tally tally;
 };
 
-static void measure(const struct scene *scene, vec3 p, uint64_t point,
-                    const struct vectors wanted[2], struct set *set) {
+static void gradients_measure(const struct gradients_scene *scene, vec3 p, uint64_t point,
+                              const struct vectors wanted[2], struct gradients_set *set) {
     for (int k = 0; k < 3; k++) {
         struct gather_hemisphere *hemisphere = set->hemisphere;
-        gather_hemisphere_begin(hemisphere, set->layout[k], &FRAME);
-        fill(scene, set->layout[k], p, point, hemisphere);
+        gather_hemisphere_begin(hemisphere, set->layout[k], &GRADIENTS_FRAME);
+        gradients_fill(scene, set->layout[k], p, point, hemisphere);
         if (k == 2)
             measure_irradiance(hemisphere, wanted, &set->tally);
         else
@@ -241,7 +243,8 @@ static void measure(const struct scene *scene, vec3 p, uint64_t point,
     }
 }
 
-static void difference(const struct scene *scene, vec3 p, int rows, struct vectors wanted[2]) {
+static void gradients_difference(const struct gradients_scene *scene, vec3 p, int rows,
+                                 struct vectors wanted[2]) {
     memset(wanted, 0, 2 * sizeof *wanted);
     for (int axis = 0; axis < 2; axis++)
         for (int side = -1; side <= 1; side += 2) {
@@ -254,12 +257,12 @@ static void difference(const struct scene *scene, vec3 p, int rows, struct vecto
 int main(int argc, char **argv) {
     const int points = argc > 1 ? atoi(argv[1]) : 200, rows = argc > 2 ? atoi(argv[2]) : 500;
     const int rays[2] = {1024, 4096};
-    const struct scene scene[2] = {{"empty", false}, {"sphere", true}};
+    const struct gradients_scene scene[2] = {{"empty", false}, {"sphere", true}};
     static struct vectors wanted[2];
     bool good = true;
     if (points < 1 || points > POINTS_MOST || rows < 1 || rows % 50) return 2;
     for (int s = 0; s < 2; s++) {
-        static struct set set[2];
+        static struct gradients_set set[2];
         memset(set, 0, sizeof set);
         for (int i = 0; i < 2; i++) {
             set[i].layout[0] = gather_layout_new(rays[i], SATIN_HSH, ORDER);
@@ -270,11 +273,12 @@ int main(int argc, char **argv) {
         struct rng rng = rng_make(11, RNG_GATHER, (uint64_t)s);
         for (int point = 0; point < points; point++) {
             vec3 p = v3(1.8f * rng_float(&rng) - 0.9f, 1.8f * rng_float(&rng) - 0.9f, -1.0f);
-            difference(&scene[s], p, rows, wanted);
-            for (int i = 0; i < 2; i++) measure(&scene[s], p, (uint64_t)point, wanted, &set[i]);
+            gradients_difference(&scene[s], p, rows, wanted);
+            for (int i = 0; i < 2; i++)
+                gradients_measure(&scene[s], p, (uint64_t)point, wanted, &set[i]);
         }
         for (int i = 0; i < 2; i++) {
-            good = report(&scene[s], rays[i], &set[i].tally, LIMIT[s][i]) && good;
+            good = gradients_report(&scene[s], rays[i], &set[i].tally, LIMIT[s][i]) && good;
             for (int k = 0; k < 3; k++) gather_layout_free(set[i].layout[k]);
             gather_hemisphere_free(set[i].hemisphere);
         }

@@ -12,7 +12,8 @@
 
 enum { SEEDS = 8 };
 
-static double mean(const satin_scene *scene, const char *integrator, const char *spp, int seeds) {
+static double means_mean(const satin_scene *scene, const char *integrator, const char *spp,
+                         int seeds) {
     double sum = 0.0;
     for (int i = 0; i < seeds; i++) {
         char seed[16];
@@ -28,8 +29,8 @@ int main(int argc, char **argv) {
     for (int i = 1; i < argc; i++) {
         satin_scene *scene = NULL;
         if (satin_scene_load(argv[i], NULL, 0, stat_say, NULL, &scene) != SATIN_OK) return 1;
-        double path = mean(scene, "path", "512", 1);
-        double two = mean(scene, "two-pass", "16", SEEDS);
+        double path = means_mean(scene, "path", "512", 1);
+        double two = means_mean(scene, "two-pass", "16", SEEDS);
         double error = two / path - 1.0;
         bool ok = fabs(error) < BOUND;
         printf("%s: path %.5f, two passes %+.2f %%%s\n", argv[i], path, 100.0 * error,

@@ -11,7 +11,7 @@
 #define EXACT_BOUND 0.004
 #define MEAN_BOUND 0.01
 
-static double mean(const satin_scene *scene, const char *integrator, const char *spp) {
+static double recursive_mean(const satin_scene *scene, const char *integrator, const char *spp) {
     const satin_setting setting[] = {
         {"integrator", integrator}, {"spp", spp},    {"first_pass", "recursive"},
         {"max_depth", "6"},         {"width", "24"}, {"height", "24"}};
@@ -24,8 +24,8 @@ static bool agrees(const char *folder, const char *name, double rho) {
     snprintf(path, sizeof path, "%s/%s.xml", folder, name);
     satin_scene *scene = NULL;
     if (satin_scene_load(path, NULL, 0, stat_say, NULL, &scene) != SATIN_OK) return false;
-    double truth = rho > 0.0 ? 1.0 - pow(rho, 6.0) : mean(scene, "path", "4096");
-    double error = mean(scene, "two-pass", "32") / truth - 1.0;
+    double truth = rho > 0.0 ? 1.0 - pow(rho, 6.0) : recursive_mean(scene, "path", "4096");
+    double error = recursive_mean(scene, "two-pass", "32") / truth - 1.0;
     bool ok = fabs(error) < (rho > 0.0 ? EXACT_BOUND : MEAN_BOUND);
     printf("%s: %.5f, recursive %+.2f %%%s\n", name, truth, 100.0 * error, ok ? "" : " FAILED");
     satin_scene_free(scene);

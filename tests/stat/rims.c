@@ -9,8 +9,8 @@
 enum { SIZE = 128, SEEDS = 6, TINY = 16, TINY_SEEDS = 16 };
 
 // Renders an image of size x size pixels.
-static bool render(const satin_scene *scene, int size, const char *spp, const char *seed,
-                   float *emission) {
+static bool rims_render(const satin_scene *scene, int size, const char *spp, const char *seed,
+                        float *emission) {
     char width[8];
     snprintf(width, sizeof width, "%d", size);
     const satin_setting setting[] = {{"integrator", "direct"},
@@ -46,7 +46,7 @@ static double tiny_lamp(const char *file) {
     for (int s = 0; s <= TINY_SEEDS; s++) {
         char seed[8];
         snprintf(seed, sizeof seed, "%d", s);
-        if (!render(scene, TINY, s < TINY_SEEDS ? "9" : "256", seed, image)) return -1.0;
+        if (!rims_render(scene, TINY, s < TINY_SEEDS ? "9" : "256", seed, image)) return -1.0;
         for (int i = 0; i < TINY * TINY; i++) sum[s] += (double)image[i];
     }
     for (int s = 0; s < TINY_SEEDS; s++) worst = fmax(worst, fabs(sum[s] / sum[TINY_SEEDS] - 1.0));
@@ -60,13 +60,13 @@ int main(int argc, char **argv) {
     satin_scene *scene = NULL;
     if (argc != 3 || satin_scene_load(argv[1], NULL, 0, stat_say, NULL, &scene) != SATIN_OK)
         return 1;
-    if (!render(scene, SIZE, "256", "99", reference)) return 1;
+    if (!rims_render(scene, SIZE, "256", "99", reference)) return 1;
     double square = 0.0, mean = 0.0;
     int count = 0;
     float lamp = 0.0f;
     for (int i = 0; i < SIZE * SIZE; i++) lamp = fmaxf(lamp, reference[i]);
     for (int s = 0; s < SEEDS; s++) {
-        if (!render(scene, SIZE, "9", seed[s], image)) return 1;
+        if (!rims_render(scene, SIZE, "9", seed[s], image)) return 1;
         for (int i = 0; i < SIZE * SIZE; i++) {
             const float part = reference[i] / lamp;
             if (part < 0.02f || part > 0.98f) continue;

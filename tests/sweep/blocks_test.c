@@ -16,7 +16,7 @@
 enum { SIZE = 64, SEEDS = 10, BLOCKS = (SIZE / BLOCK_SIZE) * (SIZE / BLOCK_SIZE), TRIALS = 200 };
 static const double threshold = 6.0;
 
-static float image[SEEDS][SIZE * SIZE];
+static float blocks_test_image[SEEDS][SIZE * SIZE];
 
 // Brightness falls by a factor of ten across the image; noise is of pixels, with a tail (the square
 // of an exponential), and of discs as records make them, 5 % strong.
@@ -35,21 +35,21 @@ static void make_noise(uint64_t trial) {
         for (int p = 0; p < SIZE * SIZE; p++) {
             const float brightness = powf(10.0f, -(float)(p % SIZE) / SIZE);
             const float e = logf(fmaxf(1.0f - rng_float(&rng), 1e-7f));
-            image[s][p] = brightness * (1.0f + patch[p] + 0.1f * e * e);
+            blocks_test_image[s][p] = brightness * (1.0f + patch[p] + 0.1f * e * e);
         }
     }
 }
 
 static void score(struct block_scores *out) {
     const float *pixel[SEEDS];
-    for (int s = 0; s < SEEDS; s++) pixel[s] = image[s];
+    for (int s = 0; s < SEEDS; s++) pixel[s] = blocks_test_image[s];
     const struct block_stack stack = {SIZE, SIZE, SEEDS, pixel, NULL};
     assert_true(block_scores_make(&stack, out));
     assert_int_equal(out->count, BLOCKS);
 }
 
 // The number of flagged blocks of an image.
-static int flagged(const struct block_scores *scores, int seed) {
+static int blocks_test_flagged(const struct block_scores *scores, int seed) {
     int count = 0;
     for (int b = 0; b < BLOCKS; b++) count += fabs(scores->score[seed * BLOCKS + b]) > threshold;
     return count;
@@ -62,7 +62,7 @@ static void noise_is_not_flagged(void **state) {
         struct block_scores scores;
         make_noise((uint64_t)trial);
         score(&scores);
-        for (int s = 0; s < SEEDS; s++) assert_int_equal(flagged(&scores, s), 0);
+        for (int s = 0; s < SEEDS; s++) assert_int_equal(blocks_test_flagged(&scores, s), 0);
         block_scores_free(&scores);
     }
 }
@@ -77,10 +77,12 @@ static void dark_discs_are_found(void **state) {
         const int bad = trial % SEEDS;
         make_noise((uint64_t)trial);
         for (int p = 0; p < SIZE * SIZE; p++)
-            if (hypotf((float)(p % SIZE) - x, (float)(p / SIZE) - y) < 7.0f) image[bad][p] = 0.0f;
+            if (hypotf((float)(p % SIZE) - x, (float)(p / SIZE) - y) < 7.0f)
+                blocks_test_image[bad][p] = 0.0f;
         score(&scores);
         for (int s = 0; s < SEEDS; s++)
-            assert_true(s == bad ? flagged(&scores, s) > 0 : flagged(&scores, s) == 0);
+            assert_true(s == bad ? blocks_test_flagged(&scores, s) > 0
+                                 : blocks_test_flagged(&scores, s) == 0);
         block_scores_free(&scores);
     }
 }
@@ -100,11 +102,11 @@ static void few_noisy_pixels_are_noise(void **state) {
             for (int p = 0; p < SIZE * SIZE; p++) {
                 const bool glossy = p % SIZE / 3 == 9 && p / SIZE / 3 == 9;
                 const float e = logf(fmaxf(1.0f - rng_float(&rng), 1e-7f));
-                image[s][p] = glossy ? e * e : 0.01f;
+                blocks_test_image[s][p] = glossy ? e * e : 0.01f;
             }
         }
         score(&scores);
-        for (int s = 0; s < SEEDS; s++) flags += flagged(&scores, s);
+        for (int s = 0; s < SEEDS; s++) flags += blocks_test_flagged(&scores, s);
         block_scores_free(&scores);
     }
     assert_in_range(flags, 0, 1);
@@ -115,9 +117,9 @@ static void bright_pixels_are_noise(void **state) {
     (void)state;
     struct block_scores scores;
     make_noise(0);
-    for (int i = 0; i < BLOCK_TRIM; i++) image[3][20 * SIZE + 20 + i] = 1e6f;
+    for (int i = 0; i < BLOCK_TRIM; i++) blocks_test_image[3][20 * SIZE + 20 + i] = 1e6f;
     score(&scores);
-    assert_int_equal(flagged(&scores, 3), 0);
+    assert_int_equal(blocks_test_flagged(&scores, 3), 0);
     block_scores_free(&scores);
 }
 
@@ -127,9 +129,9 @@ static void same_pictures_have_no_flag(void **state) {
     for (int value = 0; value < 2; value++) {
         struct block_scores scores;
         for (int s = 0; s < SEEDS; s++)
-            for (int p = 0; p < SIZE * SIZE; p++) image[s][p] = (float)value;
+            for (int p = 0; p < SIZE * SIZE; p++) blocks_test_image[s][p] = (float)value;
         score(&scores);
-        for (int s = 0; s < SEEDS; s++) assert_int_equal(flagged(&scores, s), 0);
+        for (int s = 0; s < SEEDS; s++) assert_int_equal(blocks_test_flagged(&scores, s), 0);
         block_scores_free(&scores);
     }
 }

@@ -16,17 +16,18 @@
 // rounding of float sums over the samples of a pixel.
 static const double sum_error = 1e-4;
 
-static void note(void *user, satin_log_severity severity, const char *message) {
+static void cell_note(void *user, satin_log_severity severity, const char *message) {
     struct work *w = user;
     if (severity == SATIN_LOG_ERROR) snprintf(w->message, sizeof w->message, "%s", message);
 }
 
-void cell_line(const struct cell *cell, const char *what, const char *kind, int seed, FILE *out) {
+void cell_line(const struct test_cell *cell, const char *what, const char *kind, int seed,
+               FILE *out) {
     fprintf(out, "%s %s %s %s %s seed %d", what, kind, cell->scene, cell->preset, cell->first_pass,
             seed);
 }
 
-void cell_command(const struct plan *plan, const struct cell *cell, int seed, FILE *out) {
+void cell_command(const struct plan *plan, const struct test_cell *cell, int seed, FILE *out) {
     fprintf(out,
             "    build/satin render %s --quality %s --first-pass %s --seed %d --width %d "
             "--height %d --threads 1",
@@ -125,7 +126,7 @@ static void check_sum(struct work *w, int i) {
 static void render_seed(struct work *w, const satin_scene *scene, const satin_options *base,
                         int seed) {
     satin_options options = *base;
-    const satin_callbacks callbacks = {.log = note, .log_user = w};
+    const satin_callbacks callbacks = {.log = cell_note, .log_user = w};
     options.seed = (uint64_t)seed;
     const int i = w->count;
     w->seed[i] = w->tally->seed = seed;
@@ -153,7 +154,7 @@ static satin_status resolve(struct work *w, const satin_scene *scene, satin_opti
                                                 {"first-pass", w->cell->first_pass}};
     memcpy(setting + 2, w->plan->setting, w->plan->setting_count * sizeof *setting);
     satin_status status =
-        satin_options_resolve(scene, setting, w->plan->setting_count + 2, note, w, options);
+        satin_options_resolve(scene, setting, w->plan->setting_count + 2, cell_note, w, options);
     if (status == SATIN_OK) {
         options->width = options->height = w->plan->size;
         options->threads = 1;
@@ -172,17 +173,18 @@ static void keep_flagged(struct work *w) {
         snprintf(path, sizeof path, "%s/%s-%s-%s-%d.exr", w->plan->folder,
                  slash ? slash + 1 : w->cell->scene, w->cell->preset, w->cell->first_pass,
                  w->seed[i]);
-        (void)satin_film_write_exr(w->film[i], path, note, w);
+        (void)satin_film_write_exr(w->film[i], path, cell_note, w);
         memcpy(path + strlen(path) - 3, "png", 3);
-        (void)satin_film_write_png(w->film[i], path, note, w);
+        (void)satin_film_write_png(w->film[i], path, cell_note, w);
     }
 }
 
-void cell_run(const struct plan *plan, const struct cell *cell, struct tally *tally, FILE *out) {
+void cell_run(const struct plan *plan, const struct test_cell *cell, struct cell_tally *tally,
+              FILE *out) {
     struct work w = {.plan = plan, .cell = cell, .tally = tally, .out = out};
     satin_scene *scene = NULL;
     satin_options options;
-    if (satin_scene_load(cell->scene, plan->define, plan->define_count, note, &w, &scene) !=
+    if (satin_scene_load(cell->scene, plan->define, plan->define_count, cell_note, &w, &scene) !=
             SATIN_OK ||
         resolve(&w, scene, &options) != SATIN_OK) {
         evaluate_flag(&w, "failed", 0);

@@ -25,12 +25,12 @@ struct plan {
     size_t setting_count;
 };
 
-struct cell {
+struct test_cell {
     const char *scene, *preset, *first_pass;
 };
 
 // The findings of a cell; the parent process reads them if a render has ended the child.
-struct tally {
+struct cell_tally {
     int renders;     // finished
     int seed;        // the current one
     int flags;       // lines printed as `flag`
@@ -44,15 +44,17 @@ struct tally {
 };
 
 // Renders and evaluates; prints a line per flag to `out`. Renders on one thread.
-void cell_run(const struct plan *plan, const struct cell *cell, struct tally *tally, FILE *out);
+void cell_run(const struct plan *plan, const struct test_cell *cell, struct cell_tally *tally,
+              FILE *out);
 
 // Begins a line of the form `WHAT KIND SCENE PRESET FIRST-PASS seed S`, without its end.
-void cell_line(const struct cell *cell, const char *what, const char *kind, int seed, FILE *out);
+void cell_line(const struct test_cell *cell, const char *what, const char *kind, int seed,
+               FILE *out);
 
 // The samples per pixel of these options.
 int cell_spp(const satin_options *options);
 
 // Prints the command that makes one image again.
-void cell_command(const struct plan *plan, const struct cell *cell, int seed, FILE *out);
+void cell_command(const struct plan *plan, const struct test_cell *cell, int seed, FILE *out);
 
 #endif

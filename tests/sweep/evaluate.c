@@ -13,7 +13,7 @@
 // deviation of less than six times that, 3 %, is not visible.
 static const double own_floor = 0.005, beauty_floor = 0.0025;
 
-const struct layer evaluate_layer[LAYERS] = {
+const struct test_evaluate_layer evaluate_layer[LAYERS] = {
     {"beauty", {"R", "G", "B"}, false},
     {"direct", {"direct.R", "direct.G", "direct.B"}, true},
     {"caustic", {"caustic.R", "caustic.G", "caustic.B"}, true},
@@ -41,7 +41,7 @@ static bool score_channel(const struct work *w, const char *name, const double *
     return block_scores_make(&stack, out);
 }
 
-static void count_score(struct tally *tally, double score) {
+static void count_score(struct cell_tally *tally, double score) {
     int at = score < CELL_HISTOGRAM - 1 ? (int)score : CELL_HISTOGRAM - 1;
     tally->histogram[at]++;
     tally->worst = fmax(tally->worst, score);
@@ -69,7 +69,7 @@ static void evaluate_channel(struct work *w, const struct block_scores *scores, 
 }
 
 // The floor of each block of a layer's channel, from the brightness there; normals have length 1.
-static void fill_floor(const struct layer *layer, const struct block_scores *plain,
+static void fill_floor(const struct test_evaluate_layer *layer, const struct block_scores *plain,
                        const struct block_scores *beauty, double *floor) {
     for (int b = 0; b < plain->count; b++) {
         floor[b] = own_floor * (strcmp(layer->name, "normal") == 0 ? 1.0 : plain->brightness[b]);
@@ -78,7 +78,7 @@ static void fill_floor(const struct layer *layer, const struct block_scores *pla
 }
 
 static void evaluate_one(struct work *w, int k, double *floor) {
-    const struct layer *layer = &evaluate_layer[k];
+    const struct test_evaluate_layer *layer = &evaluate_layer[k];
     for (int c = 0; c < 3; c++) {
         struct block_scores plain, beauty, scores;
         if (!score_channel(w, layer->channel[c], NULL, &plain)) continue;
@@ -105,7 +105,7 @@ void evaluate_layers(struct work *w) {
 // ---- Lines --------------------------------------------------------------------------------------
 
 static void report_peak(struct work *w, const struct flagged *peak, int blocks) {
-    const struct layer *layer = &evaluate_layer[peak->layer];
+    const struct test_evaluate_layer *layer = &evaluate_layer[peak->layer];
     const int columns = w->plan->size / BLOCK_SIZE;
     if (peak->few) {
         cell_line(w->cell, "few", peak->few, w->seed[peak->image], w->out);

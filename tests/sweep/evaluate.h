@@ -7,12 +7,12 @@
 
 enum { SEEDS_MOST = 64, LAYERS = 9 };
 
-struct layer {
+struct test_evaluate_layer {
     const char *name, *channel[3];
     bool light;  // a part of the beauty
 };
 
-extern const struct layer evaluate_layer[LAYERS];  // the beauty first
+extern const struct test_evaluate_layer evaluate_layer[LAYERS];  // the beauty first
 
 // A block of a channel that differs from those of the other images.
 struct flagged {
@@ -23,8 +23,8 @@ struct flagged {
 
 struct work {
     const struct plan *plan;
-    const struct cell *cell;
-    struct tally *tally;
+    const struct test_cell *cell;
+    struct cell_tally *tally;
     FILE *out;
     int count;  // images
     int seed[SEEDS_MOST];

@@ -58,8 +58,8 @@ static double signed_difference(const struct work *w, const struct flagged *f, c
     return first && second ? block_difference(first, second, w->plan->size, f->block) : NAN;
 }
 
-static double difference(const struct work *w, const struct flagged *f, const satin_film *a,
-                         const satin_film *b) {
+static double explain_difference(const struct work *w, const struct flagged *f, const satin_film *a,
+                                 const satin_film *b) {
     return fabs(signed_difference(w, f, a, b));
 }
 
@@ -80,7 +80,7 @@ static satin_film *render_more(struct work *w, const satin_scene *scene,
 
 // Whether more photons or samples could explain a block that is not explained yet.
 static bool is_candidate(const struct flagged *f, int image, int e) {
-    const struct layer *layer = &evaluate_layer[f->layer];
+    const struct test_evaluate_layer *layer = &evaluate_layer[f->layer];
     const bool light = layer->light || f->layer == 0;
     const bool caustic = f->layer == 0 || strcmp(layer->name, "caustic") == 0;
     return f->image == image && !f->few && (explanation[e].all ? light : caustic);
@@ -93,29 +93,30 @@ static bool has_candidates(const struct work *w, int image, int e) {
 }
 
 // Renders of the flagged image and of one with which it is compared.
-struct pair {
+struct explain_pair {
     satin_film *flagged, *other;
 };
 
 // Whether the difference at a flagged block has fallen as noise does, or the other image has become
 // equal to the flagged one.
-static bool has_fallen(const struct work *w, const struct flagged *f, struct pair before,
-                       struct pair now, int more) {
+static bool has_fallen(const struct work *w, const struct flagged *f, struct explain_pair before,
+                       struct explain_pair now, int more) {
     const bool caustic = strcmp(evaluate_layer[f->layer].name, "caustic") == 0;
     if (!caustic && (!has_same_records(before.flagged, now.flagged) ||
                      !has_same_records(before.other, now.other)))
         return false;
-    const double D = difference(w, f, before.flagged, before.other);
+    const double D = explain_difference(w, f, before.flagged, before.other);
     const double other = signed_difference(w, f, now.other, before.other);
     if (caustic && other * copysign(1.0, f->score) >= D) return true;
     const double unnoticed = UNNOTICED * D / fabs(f->score);
-    return difference(w, f, now.flagged, now.other) <= fmax(D / sqrt((double)more), unnoticed);
+    return explain_difference(w, f, now.flagged, now.other) <=
+           fmax(D / sqrt((double)more), unnoticed);
 }
 
 // Clears the mark of candidates whose difference does not fall. `good` has one mark per flagged
 // block. Returns whether any is left.
-static bool mark_fallen(const struct work *w, int image, int e, struct pair before, struct pair now,
-                        int more, bool *good) {
+static bool mark_fallen(const struct work *w, int image, int e, struct explain_pair before,
+                        struct explain_pair now, int more, bool *good) {
     bool any = false;
     for (int k = 0; k < w->blocks; k++) {
         if (!is_candidate(&w->block[k], image, e)) continue;
@@ -130,8 +131,8 @@ static bool compare_more(struct work *w, const satin_scene *scene, const satin_o
                          int image, int other, int e, int more, bool *good) {
     satin_options own = *options;
     if (!explanation[e].more(&own, more)) return false;
-    const struct pair before = {w->film[image], w->film[other]};
-    struct pair now = {render_more(w, scene, &own, image, more), NULL};
+    const struct explain_pair before = {w->film[image], w->film[other]};
+    struct explain_pair now = {render_more(w, scene, &own, image, more), NULL};
     if (now.flagged) now.other = render_more(w, scene, &own, other, more);
     const bool any = now.other && mark_fallen(w, image, e, before, now, more, good);
     satin_film_free(now.flagged);
@@ -172,7 +173,7 @@ static int find_other(const struct work *w, int image) {
     int index[SEEDS_MOST], count = 0;
     for (int i = 0; i < w->count; i++) {
         if (!is_clean(w, i)) continue;
-        const double d = difference(w, f, w->film[image], w->film[i]);
+        const double d = explain_difference(w, f, w->film[image], w->film[i]);
         int at = count++;
         for (; at > 0 && size[at - 1] > d; at--) {
             size[at] = size[at - 1];

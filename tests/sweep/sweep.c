@@ -30,13 +30,13 @@ struct sweep {
     int scenes;
 };
 
-struct job {
+struct sweep_job {
     pid_t process;  // 0: none
     int cell;
     FILE *out;
 };
 
-static void fail(const char *what, const char *value) {
+static void sweep_fail(const char *what, const char *value) {
     fprintf(stderr, "sweep: %s '%s'\n", what, value);
     exit(2);
 }
@@ -47,16 +47,16 @@ static void fail(const char *what, const char *value) {
 static int split(char *list, const char **name) {
     int count = 0;
     for (char *at = strtok(list, ","); at; at = strtok(NULL, ",")) {
-        if (count == NAMES) fail("too many names at", at);
+        if (count == NAMES) sweep_fail("too many names at", at);
         name[count++] = at;
     }
     return count;
 }
 
-static int number(const char *name, const char *text, int least, int most) {
+static int sweep_number(const char *name, const char *text, int least, int most) {
     char *end;
     long value = strtol(text, &end, 10);
-    if (*end || end == text || value < least || value > most) fail(name, text);
+    if (*end || end == text || value < least || value > most) sweep_fail(name, text);
     return (int)value;
 }
 
@@ -65,14 +65,14 @@ static void read_seeds(struct plan *plan, const char *text) {
     if (sscanf(text, "%d:%d%n", &plan->seed_first, &end, &read) != 2 || text[read] ||
         plan->seed_first < 0 || end - plan->seed_first < BLOCK_SEEDS_LEAST ||
         end - plan->seed_first > 64)
-        fail("--seeds wants FIRST:END, 5 to 64 of them, not", text);
+        sweep_fail("--seeds wants FIRST:END, 5 to 64 of them, not", text);
     plan->seed_count = end - plan->seed_first;
 }
 
 // Splits NAME=VALUE in place.
 static char *cut(char *text) {
     char *at = strchr(text, '=');
-    if (!at) fail("NAME=VALUE is wanted, not", text);
+    if (!at) sweep_fail("NAME=VALUE is wanted, not", text);
     *at = '\0';
     return at + 1;
 }
@@ -81,10 +81,10 @@ static void read_pair(struct sweep *sweep, char name, char *text) {
     struct plan *plan = &sweep->plan;
     const char *value = cut(text);
     if (name == 'D') {
-        if (plan->define_count == DEFINES) fail("too many -D at", text);
+        if (plan->define_count == DEFINES) sweep_fail("too many -D at", text);
         sweep->define[plan->define_count++] = (satin_define){text, value};
     } else {
-        if (plan->setting_count == CELL_SETTINGS) fail("too many --set at", text);
+        if (plan->setting_count == CELL_SETTINGS) sweep_fail("too many --set at", text);
         plan->setting[plan->setting_count++] = (satin_setting){text, value};
     }
 }
@@ -98,14 +98,14 @@ static void read_argument(struct sweep *sweep, const char *name, char *value) {
     } else if (strcmp(name, "--first") == 0) {
         sweep->firsts = split(value, sweep->first);
     } else if (strcmp(name, "--size") == 0) {
-        plan->size = number("--size wants a multiple of 8, not", value, 8, 1024);
-        if (plan->size % BLOCK_SIZE) fail("--size wants a multiple of 8, not", value);
+        plan->size = sweep_number("--size wants a multiple of 8, not", value, 8, 1024);
+        if (plan->size % BLOCK_SIZE) sweep_fail("--size wants a multiple of 8, not", value);
     } else if (strcmp(name, "--jobs") == 0) {
-        sweep->jobs = number("--jobs wants 1 to 64, not", value, 1, JOBS);
+        sweep->jobs = sweep_number("--jobs wants 1 to 64, not", value, 1, JOBS);
     } else if (strcmp(name, "--limit") == 0) {
-        plan->limit = number("--limit wants seconds, not", value, 0, 1000000);
+        plan->limit = sweep_number("--limit wants seconds, not", value, 0, 1000000);
     } else if (strcmp(name, "--threshold") == 0) {
-        plan->threshold = number("--threshold wants whole sigmas, not", value, 1, 1000);
+        plan->threshold = sweep_number("--threshold wants whole sigmas, not", value, 1, 1000);
     } else if (strcmp(name, "--out") == 0) {
         plan->folder = value;
     } else if (strcmp(name, "-D") == 0) {
@@ -113,7 +113,7 @@ static void read_argument(struct sweep *sweep, const char *name, char *value) {
     } else if (strcmp(name, "--set") == 0) {
         read_pair(sweep, 's', value);
     } else {
-        fail("unknown argument", name);
+        sweep_fail("unknown argument", name);
     }
 }
 
@@ -123,7 +123,7 @@ static void read_arguments(struct sweep *sweep, int argc, char **argv) {
         if (strcmp(argv[at], "--worst") == 0) {
             sweep->plan.worst = true;
         } else {
-            if (at + 1 == argc) fail("a value is missing after", argv[at]);
+            if (at + 1 == argc) sweep_fail("a value is missing after", argv[at]);
             read_argument(sweep, argv[at], argv[at + 1]);
             at++;
         }
@@ -131,26 +131,27 @@ static void read_arguments(struct sweep *sweep, int argc, char **argv) {
     sweep->scene = argv + at;
     sweep->scenes = argc - at;
     sweep->plan.define = sweep->define;
-    if (!sweep->scenes) fail("no scene after", argv[argc - 1]);
+    if (!sweep->scenes) sweep_fail("no scene after", argv[argc - 1]);
 }
 
 // ---- Processes ----------------------------------------------------------------------------------
 
 // Cells are counted with the first pass fastest, then the preset, then the scene.
-static struct cell cell_at(const struct sweep *sweep, int i) {
-    return (struct cell){sweep->scene[i / (sweep->presets * sweep->firsts)],
-                         sweep->preset[i / sweep->firsts % sweep->presets],
-                         sweep->first[i % sweep->firsts]};
+static struct test_cell sweep_cell_at(const struct sweep *sweep, int i) {
+    return (struct test_cell){sweep->scene[i / (sweep->presets * sweep->firsts)],
+                              sweep->preset[i / sweep->firsts % sweep->presets],
+                              sweep->first[i % sweep->firsts]};
 }
 
-static void start(const struct sweep *sweep, struct job *job, int i, struct tally *tally) {
-    const struct cell cell = cell_at(sweep, i);
+static void sweep_start(const struct sweep *sweep, struct sweep_job *job, int i,
+                        struct cell_tally *tally) {
+    const struct test_cell cell = sweep_cell_at(sweep, i);
     job->out = tmpfile();
-    if (!job->out) fail("no temporary file:", strerror(errno));
+    if (!job->out) sweep_fail("no temporary file:", strerror(errno));
     fflush(stdout);
     job->cell = i;
     job->process = fork();
-    if (job->process < 0) fail("no process:", strerror(errno));
+    if (job->process < 0) sweep_fail("no process:", strerror(errno));
     if (job->process) return;
     struct timespec begin, end;
     clock_gettime(CLOCK_MONOTONIC, &begin);
@@ -162,7 +163,7 @@ static void start(const struct sweep *sweep, struct job *job, int i, struct tall
     _exit(0);
 }
 
-static void print_file(FILE *file) {
+static void sweep_print_file(FILE *file) {
     char buffer[4096];
     rewind(file);
     for (size_t n; (n = fread(buffer, 1, sizeof buffer, file)) > 0;)
@@ -171,9 +172,10 @@ static void print_file(FILE *file) {
 }
 
 // Prints what the child has found, and how it ended if not well.
-static void finish(const struct sweep *sweep, struct job *job, int status, struct tally *tally) {
-    const struct cell cell = cell_at(sweep, job->cell);
-    print_file(job->out);
+static void sweep_finish(const struct sweep *sweep, struct sweep_job *job, int status,
+                         struct cell_tally *tally) {
+    const struct test_cell cell = sweep_cell_at(sweep, job->cell);
+    sweep_print_file(job->out);
     job->process = 0;
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
         const bool late = WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM;
@@ -191,21 +193,21 @@ static void finish(const struct sweep *sweep, struct job *job, int status, struc
 }
 
 // Waits for one child.
-static void wait_one(const struct sweep *sweep, struct job *job, struct tally *tallies) {
+static void wait_one(const struct sweep *sweep, struct sweep_job *job, struct cell_tally *tallies) {
     int status;
     pid_t process = wait(&status);
     for (int j = 0; j < sweep->jobs; j++)
         if (job[j].process && job[j].process == process)
-            finish(sweep, &job[j], status, &tallies[job[j].cell]);
+            sweep_finish(sweep, &job[j], status, &tallies[job[j].cell]);
 }
 
-static void run(const struct sweep *sweep, int cells, struct tally *tallies) {
-    struct job job[JOBS] = {0};
+static void sweep_run(const struct sweep *sweep, int cells, struct cell_tally *tallies) {
+    struct sweep_job job[JOBS] = {0};
     int running = 0;
     for (int next = 0; next < cells || running; running--) {
         for (int j = 0; j < sweep->jobs && next < cells; j++) {
             if (job[j].process) continue;
-            start(sweep, &job[j], next, &tallies[next]);
+            sweep_start(sweep, &job[j], next, &tallies[next]);
             next++;
             running++;
         }
@@ -215,10 +217,10 @@ static void run(const struct sweep *sweep, int cells, struct tally *tallies) {
 
 // ---- Totals -------------------------------------------------------------------------------------
 
-static int print_totals(const struct tally *tallies, int cells) {
-    struct tally all = {0};
+static int print_totals(const struct cell_tally *tallies, int cells) {
+    struct cell_tally all = {0};
     for (int i = 0; i < cells; i++) {
-        const struct tally *t = &tallies[i];
+        const struct cell_tally *t = &tallies[i];
         all.renders += t->renders;
         all.flags += t->flags;
         all.blocks += t->blocks;
@@ -252,11 +254,11 @@ int main(int argc, char **argv) {
                           .jobs = 1};
     read_arguments(&sweep, argc, argv);
     const int cells = sweep.scenes * sweep.presets * sweep.firsts;
-    const size_t bytes = (size_t)cells * sizeof(struct tally);
-    struct tally *tallies =
+    const size_t bytes = (size_t)cells * sizeof(struct cell_tally);
+    struct cell_tally *tallies =
         mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (tallies == MAP_FAILED) fail("no memory:", strerror(errno));
-    run(&sweep, cells, tallies);
+    if (tallies == MAP_FAILED) sweep_fail("no memory:", strerror(errno));
+    sweep_run(&sweep, cells, tallies);
     int flags = print_totals(tallies, cells);
     munmap(tallies, bytes);
     return flags > 0;

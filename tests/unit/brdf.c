@@ -16,12 +16,12 @@
 #include "base/sampling.h"
 #include "brdf_case.h"
 
-static vec3 view(float degrees, float phi) {
+static vec3 wo_at(float degrees, float phi) {
     float theta = degrees * PI_F / 180.0f;
     return v3(sinf(theta) * cosf(phi), sinf(theta) * sinf(phi), cosf(theta));
 }
 
-static const float angles[] = {0.0f, 35.0f, 70.0f, 88.0f};
+static const float wo_degrees[] = {0.0f, 35.0f, 70.0f, 88.0f};
 
 // As under a bump or normal map: light from behind the surface's normal, or shadowed by slopes, is
 // removed.
@@ -47,7 +47,7 @@ struct sampled {
     unsigned lobes;
 };
 
-static bool draw(const void *ctx, const float u[4], vec3 *w) {
+static bool brdf_draw(const void *ctx, const float u[4], vec3 *w) {
     const struct sampled *s = ctx;
     struct brdf_sample out;
     if (!brdf_sample(s->b, s->wo, u[0], u[1], u[2], s->lobes, BRDF_RADIANCE, &out)) return false;
@@ -55,7 +55,7 @@ static bool draw(const void *ctx, const float u[4], vec3 *w) {
     return true;
 }
 
-static double density(const void *ctx, vec3 w) {
+static double brdf_density(const void *ctx, vec3 w) {
     const struct sampled *s = ctx;
     return (double)brdf_pdf(s->b, s->wo, w, s->lobes);
 }
@@ -76,21 +76,21 @@ static void samplers_follow_their_densities(void **state) {
     static const unsigned choice[] = {BRDF_SMOOTH, BRDF_GLOSSY, BRDF_THROUGH};
     const double threshold = chi_threshold(0.01, 24 * CASES);
     for (int i = 0; i < CASES; i++) {
-        struct brdf b = make(cases + i, &arena);
+        struct brdf b = brdf_case_make(cases + i, &arena);
         const unsigned smooth = brdf_lobes(&b) & BRDF_SMOOTH;
         for (int k = 0; k < (brdf_transmits(&b) ? 24 : 12); k++) {
-            struct sampled s = {&b, view(angles[k % 4], 0.7f), smooth & choice[k / 4 % 3]};
+            struct sampled s = {&b, wo_at(wo_degrees[k % 4], 0.7f), smooth & choice[k / 4 % 3]};
             if (k >= 12) s.wo.z = -s.wo.z;
             if (!s.lobes || (k / 4 % 3 > 0 && s.lobes == smooth)) continue;
             if (s.lobes & BRDF_GLOSSY && s.lobes & BRDF_THROUGH && cases[i].width < 0.05f) continue;
             double edge[CHI_RINGS_MAX + 1];
             int rings = chi_rings((double)cases[i].width, edge);
-            struct chi_sampler sampler = {draw, density, &s};
+            struct chi_sampler sampler = {brdf_draw, brdf_density, &s};
             struct chi_result r = chi_test(&sampler, peak(&b, s.wo, s.lobes), edge, rings, 20000,
                                            (uint64_t)(i * 24 + k));
             if (!(r.p > threshold) || !(r.mass < 1.0 + 1e-3))
                 fail_msg("%s (case %d, view %g of z %g, lobes %u): p = %g, mass %g", cases[i].model,
-                         i, (double)angles[k % 4], (double)s.wo.z, s.lobes, r.p, r.mass);
+                         i, (double)wo_degrees[k % 4], (double)s.wo.z, s.lobes, r.p, r.mass);
             if (s.lobes == BRDF_DIFFUSE && s.wo.z > 0.0f) assert_true(fabs(r.mass - 1.0) < 1e-3);
         }
     }
@@ -100,7 +100,7 @@ static void samplers_follow_their_densities(void **state) {
 // The test itself must detect a sampler that is slightly wrong, and its tail must be the known one.
 static bool draw_wrong(const void *ctx, const float u[4], vec3 *w) {
     const float skewed[4] = {u[0], powf(u[1], 1.1f), u[2], u[3]};
-    return draw(ctx, skewed, w);
+    return brdf_draw(ctx, skewed, w);
 }
 
 static void chi_square_is_sound(void **state) {
@@ -110,11 +110,11 @@ static void chi_square_is_sound(void **state) {
     assert_true(fabs(chi_tail(80.0, 100) - 0.9295) < 1e-3);
     assert_true(fabs(chi_tail(149.4492528, 100) - 0.001) < 1e-9);
     struct arena arena = {0};
-    struct brdf b = make(cases, &arena);
-    struct sampled s = {&b, view(35, 0), BRDF_ALL};
+    struct brdf b = brdf_case_make(cases, &arena);
+    struct sampled s = {&b, wo_at(35, 0), BRDF_ALL};
     double edge[CHI_RINGS_MAX + 1];
     int rings = chi_rings(0.2, edge);
-    struct chi_sampler sampler = {draw_wrong, density, &s};
+    struct chi_sampler sampler = {draw_wrong, brdf_density, &s};
     assert_true(chi_test(&sampler, v3(0, 0, 1), edge, rings, 20000, 1).p < 1e-4);
     arena_free(&arena);
 }
@@ -137,7 +137,7 @@ static void models_are_reciprocal(void **state) {
     (void)state;
     struct arena arena = {0};
     for (int i = 0; i < CASES; i++) {
-        struct brdf b = make(cases + i, &arena);
+        struct brdf b = brdf_case_make(cases + i, &arena);
         struct rng rng = rng_make(2, RNG_TEST, (uint64_t)i);
         int passed = 0;
         for (int k = 0; k < 500; k++) {
@@ -187,9 +187,9 @@ static void samples_carry_the_energy(void **state) {
     const unsigned choices[] = {BRDF_DIFFUSE, BRDF_GLOSSY, BRDF_THROUGH, BRDF_SMOOTH, BRDF_ALL};
     struct arena arena = {0};
     for (int i = 0; i < CASES; i++) {
-        struct brdf b = make(cases + i, &arena);
+        struct brdf b = brdf_case_make(cases + i, &arena);
         for (int k = 0; k < (brdf_transmits(&b) ? 40 : 20); k++) {
-            vec3 wo = view(angles[k % 4], 0.7f);
+            vec3 wo = wo_at(wo_degrees[k % 4], 0.7f);
             if (k >= 20) wo.z = -wo.z;
             const unsigned lobes = choices[k / 4 % 5];
             double sum = 0.0;
@@ -204,13 +204,13 @@ static void samples_carry_the_energy(void **state) {
             double estimate = (double)brdf_albedo(&b, wo, lobes).g;
             if (cases[i].albedo > 0.0f && sum > (double)cases[i].albedo + 2e-3)
                 fail_msg("%s (case %d): albedo %g at %g degrees", cases[i].model, i, sum,
-                         (double)angles[k % 4]);
+                         (double)wo_degrees[k % 4]);
             double tolerance = lobes & (BRDF_GLOSSY | BRDF_THROUGH) ? 0.04 : 0.007;
             // Edges of total reflection; grids, which are sampled less well.
             if (b.model->transmits || b.model->data) tolerance = 0.15;
             if (fabs(sum - estimate) > tolerance * fmax(sum, 0.2))
                 fail_msg("%s (case %d): albedo %g, estimated %g at %g degrees", cases[i].model, i,
-                         sum, estimate, (double)angles[k % 4]);
+                         sum, estimate, (double)wo_degrees[k % 4]);
         }
     }
     arena_free(&arena);
@@ -237,7 +237,7 @@ static void photons_scatter_as_the_eye_sees(void **state) {
     struct arena arena = {0};
     for (int i = 0; i < 2 * CASES; i++) {
         const struct brdf_case *c = cases + i % CASES;
-        struct brdf b = make(c, &arena);
+        struct brdf b = brdf_case_make(c, &arena);
         if (i >= CASES) b = bumped(b);
         double mean[2], variance[2];
         for (int mode = 0; mode < 2; mode++) {
@@ -326,7 +326,7 @@ static void ward_variants_differ_as_known(void **state) {
             for (uint32_t j = 0; j < 16384; j++) {
                 vec2 u = sample_sobol2(j, 3);
                 struct brdf_sample s;
-                if (brdf_sample(&b, view(degrees[k], 0), 0, u.x, u.y, BRDF_ALL, BRDF_RADIANCE, &s))
+                if (brdf_sample(&b, wo_at(degrees[k], 0), 0, u.x, u.y, BRDF_ALL, BRDF_RADIANCE, &s))
                     sum += (double)s.weight.r / 16384;
             }
             assert_true(fabs(sum - want[variant][k]) < 0.006);
@@ -339,7 +339,7 @@ static void delta_lobes_divide_the_light(void **state) {
     (void)state;
     struct arena arena = {0};
     for (int i = 0; i < CASES; i++) {
-        struct brdf b = make(cases + i, &arena);
+        struct brdf b = brdf_case_make(cases + i, &arena);
         for (float z = -0.975f; z < 1.0f; z += 0.05f) {
             vec3 wo = v3(sqrtf(1.0f - z * z) * 0.6f, sqrtf(1.0f - z * z) * 0.8f, z);
             struct brdf_sample power[2], radiance[2];
@@ -374,7 +374,7 @@ static void refraction_is_reversible(void **state) {
                      .ior = 1.5f};
     for (float degrees = 1; degrees < 90; degrees += 8) {
         struct brdf_sample in[2], out[2];
-        vec3 wo = view(degrees, 1.0f);
+        vec3 wo = wo_at(degrees, 1.0f);
         assert_int_equal(brdf_delta(&b, wo, BRDF_RADIANCE, in), 2);
         assert_int_equal(brdf_delta(&b, in[1].wi, BRDF_RADIANCE, out), 2);
         assert_true(v3_dist2(out[1].wi, wo) < 1e-9f);
@@ -389,12 +389,12 @@ static void albedo_follows_textures(void **state) {
     (void)state;
     struct arena arena = {0};
     struct brdf_case c = cases[7];  // anisotropic
-    struct brdf smooth = make(&c, &arena);
+    struct brdf smooth = brdf_case_make(&c, &arena);
     c.alpha_v = 1.0f;
-    struct brdf rough = make(&c, &arena), changed = smooth;
+    struct brdf rough = brdf_case_make(&c, &arena), changed = smooth;
     changed.alpha_v = 1.0f;
     for (int k = 0; k < 8; k++) {
-        vec3 wo = view(angles[k % 4], (float)k);
+        vec3 wo = wo_at(wo_degrees[k % 4], (float)k);
         float want = brdf_albedo(&rough, wo, BRDF_ALL).g,
               got = brdf_albedo(&changed, wo, BRDF_ALL).g;
         assert_true(fabsf(got - want) < 0.1f * want);
@@ -434,7 +434,7 @@ static void beams_see_no_sharper_lobes(void **state) {
         sharp.alpha_least = wide.alpha_least = LEAST;
         int differ = 0;
         for (int k = 0; k < 8; k++) {
-            const vec3 wo = view(angles[k % 4], (float)k);
+            const vec3 wo = wo_at(wo_degrees[k % 4], (float)k);
             const vec3 wi = v3_unit(v3(0.1f - wo.x, -wo.y, wo.z));
             const float want = brdf_eval(&at[1], wo, wi, BRDF_GLOSSY).g;
             differ += fabsf(brdf_eval(&at[0], wo, wi, BRDF_GLOSSY).g - want) > 0.1f * want;
@@ -461,7 +461,7 @@ static void unusual_input_does_no_harm(void **state) {
     struct arena arena = {0};
     assert_null(brdf_find("phng"));
     for (int i = 0; i < CASES; i++) {
-        struct brdf b = make(cases + i, &arena), black = b;
+        struct brdf b = brdf_case_make(cases + i, &arena), black = b;
         black.diffuse = black.specular = black.transmittance = rgb_grey(0.0f);
         black.sheen = 0.0f;
         struct brdf_sample s;
@@ -469,7 +469,7 @@ static void unusual_input_does_no_harm(void **state) {
         assert_int_equal(brdf_lobes(&black), 0);
         assert_false(brdf_sample(&black, v3(0, 0, 1), 0, 0, 0, BRDF_ALL, BRDF_POWER, &s));
         for (int k = 0; k < 32; k++) {
-            vec3 wo = k & 16 ? v3(1, 0, 0) : k & 8 ? view(89.999f, 2) : v3(0, 0, 1);
+            vec3 wo = k & 16 ? v3(1, 0, 0) : k & 8 ? wo_at(89.999f, 2) : v3(0, 0, 1);
             if (!brdf_sample(&b, wo, extremes[k & 1], extremes[k / 2 & 1], extremes[k / 4 & 1],
                              BRDF_ALL, BRDF_POWER, &s))
                 continue;

@@ -39,7 +39,9 @@ static void glassy(struct brdf *b) {
     b->spec_trans = 0.7f, b->metallic = 0.2f, b->clearcoat = 0.5f, b->sheen = 0.3f;
 }
 
-static void leaf(struct brdf *b) { b->diff_trans = 1.2f, b->flatness = 0.5f, b->sheen = 0.2f; }
+static void brdf_case_leaf(struct brdf *b) {
+    b->diff_trans = 1.2f, b->flatness = 0.5f, b->sheen = 0.2f;
+}
 
 static void film(struct brdf *b) {
     b->spec_trans = 0.6f, b->diff_trans = 0.8f, b->spec_tint = 0.3f, b->anisotropic = 0.5f;
@@ -152,7 +154,7 @@ static const struct brdf_case cases[] = {
     {"principled", 0, 0, 0, .4f, 0, .8f, 1, 1.5f, 0, 0, 0.02f, tinted_metal},
     {"principled", 0, 0, 0, 1, 0, .5f, 1, 1.3f, 0, 0, 0.1f, cloth},
     {"principled", 0, 0, 0, .5f, 0, .9f, 1, 1.5f, 0, 0, 0.05f, glassy},
-    {"principledthin", 0, 0, 0, .5f, 0, .8f, 1, 1.5f, 0, 0, 0.2f, leaf},
+    {"principledthin", 0, 0, 0, .5f, 0, .8f, 1, 1.5f, 0, 0, 0.2f, brdf_case_leaf},
     {"principledthin", 0, 0, 0, .6f, 0, .8f, 1, 1.4f, 0, 0, 0.05f, film},
     {"lafortune", 0, 0, 0, 0, 0, .3f, 1, 1.5f, 1.0f, 0, 0.1f, three_lobes},
     {"merl", 0, 0, 0, 0, 0, .3f, 1, 1.5f, 1.02f, 0, 0.1f, half_grid},
@@ -171,7 +173,7 @@ static const struct brdf_case cases[] = {
 
 enum { CASES = sizeof cases / sizeof *cases };
 
-static struct brdf make(const struct brdf_case *c, struct arena *arena) {
+static struct brdf brdf_case_make(const struct brdf_case *c, struct arena *arena) {
     struct brdf b = {.model = brdf_find(c->model),
                      .diffuse = rgb_grey(c->diffuse),
                      .specular = rgb_grey(c->specular),

@@ -13,7 +13,7 @@
 
 static const struct brdf_fit fit = {SATIN_HSH, 10, 0.01f};
 
-static struct brdf metal(float alpha) {
+static struct brdf brdf_range_metal(float alpha) {
     return (struct brdf){.model = brdf_find("roughconductor"),
                          .specular = {1, 1, 1},
                          .eta = {.2f, .9f, 1.1f},
@@ -24,8 +24,8 @@ static struct brdf metal(float alpha) {
 }
 
 // Squared relative difference of the range's coefficients at b from those of b's own table.
-static double difference(const struct brdf_range *range, const struct brdf *b,
-                         struct parallel *pool, vec3 wo) {
+static double brdf_range_difference(const struct brdf_range *range, const struct brdf *b,
+                                    struct parallel *pool, vec3 wo) {
     struct brdf_table *own;
     float c[3 * RSH_MAX_COEFFICIENTS], d[3 * RSH_MAX_COEFFICIENTS];
     assert_int_equal(brdf_table_build(b, fit.basis, fit.max_order, fit.max_error, pool, &own),
@@ -46,7 +46,7 @@ static double difference(const struct brdf_range *range, const struct brdf *b,
 static void interpolates_between_rungs(void **state) {
     (void)state;
     struct parallel *pool = parallel_new(2);
-    struct brdf base = metal(.4f);
+    struct brdf base = brdf_range_metal(.4f);
     struct brdf_roughness over = {BRDF_SLOT_ALPHA_U, .02f, .7f};
     struct brdf_range *range;
     assert_int_equal(brdf_range_build(&base, &over, &fit, pool, &range), SATIN_OK);
@@ -54,14 +54,15 @@ static void interpolates_between_rungs(void **state) {
     const float alphas[] = {.45f, .55f, .63f, .7f};
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < 3; k++) {
-            struct brdf b = metal(alphas[i]);
+            struct brdf b = brdf_range_metal(alphas[i]);
             float theta = .3f + .4f * (float)k;
-            assert_true(difference(range, &b, pool, v3(sinf(theta), 0, cosf(theta))) < 0.005);
+            assert_true(brdf_range_difference(range, &b, pool, v3(sinf(theta), 0, cosf(theta))) <
+                        0.005);
         }
     // Too smooth for the order, below the range, above it.
     const float outside[] = {.03f, .001f, .9f};
     for (int i = 0; i < 3; i++) {
-        struct brdf b = metal(outside[i]);
+        struct brdf b = brdf_range_metal(outside[i]);
         float c[3 * RSH_MAX_COEFFICIENTS];
         assert_int_equal(brdf_range_order(range, &b, v3(0, 0, 1)), 0);
         assert_int_equal(brdf_range_lookup(range, &b, v3(0, 0, 1), c), 0);
@@ -73,13 +74,13 @@ static void interpolates_between_rungs(void **state) {
 static void one_table_serves_constants(void **state) {
     (void)state;
     struct parallel *pool = parallel_new(2);
-    struct brdf base = metal(.5f);
+    struct brdf base = brdf_range_metal(.5f);
     struct brdf_range *range;
     assert_int_equal(brdf_range_build(&base, NULL, &fit, pool, &range), SATIN_OK);
-    assert_true(difference(range, &base, pool, v3(.6f, 0, .8f)) == 0.0);
+    assert_true(brdf_range_difference(range, &base, pool, v3(.6f, 0, .8f)) == 0.0);
     brdf_range_free(range);
     // A table with no bound of the error has some order everywhere.
-    struct brdf sharp = metal(.05f);
+    struct brdf sharp = brdf_range_metal(.05f);
     struct brdf_fit forced = fit;
     forced.max_error = -fit.max_error;
     assert_int_equal(brdf_range_build(&sharp, NULL, &forced, pool, &range), SATIN_OK);

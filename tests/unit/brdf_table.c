@@ -23,7 +23,7 @@ static struct brdf ward(float alpha_u, float alpha_v) {
         .model = brdf_find("ward"), .specular = {1, 1, 1}, .alpha_u = alpha_u, .alpha_v = alpha_v};
 }
 
-static struct brdf metal(float alpha, rgb eta) {
+static struct brdf brdf_table_metal(float alpha, rgb eta) {
     return (struct brdf){.model = brdf_find("roughconductor"),
                          .specular = {1, 1, 1},
                          .eta = eta,
@@ -33,13 +33,13 @@ static struct brdf metal(float alpha, rgb eta) {
                          .distribution = BRDF_GGX};
 }
 
-static vec3 direction(float degrees, float phi) {
+static vec3 brdf_table_direction(float degrees, float phi) {
     float theta = degrees * PI_F / 180.0f;
     return v3(sinf(theta) * cosf(phi), sinf(theta) * sinf(phi), cosf(theta));
 }
 
-static struct brdf_table *build(const struct brdf *b, satin_basis basis, int order, float error,
-                                int threads) {
+static struct brdf_table *test_brdf_table_build(const struct brdf *b, satin_basis basis, int order,
+                                                float error, int threads) {
     struct parallel *pool = parallel_new(threads);
     struct brdf_table *table = NULL;
     assert_non_null(pool);
@@ -80,12 +80,13 @@ static void orders_bound_what_is_reflected(void **state) {
     assert_non_null(points);
     for (size_t i = 0; i < sizeof brdfs / sizeof *brdfs; i++)
         for (int basis = 0; basis < 2; basis++) {
-            struct brdf_table *table = build(&brdfs[i], basis ? SATIN_SH : SATIN_HSH, 14, 0.01f, 2);
+            struct brdf_table *table =
+                test_brdf_table_build(&brdfs[i], basis ? SATIN_SH : SATIN_HSH, 14, 0.01f, 2);
             for (float degrees = 5; degrees < 60; degrees += 25) {
                 float c[196] = {0};
-                project_glossy(&brdfs[i], direction(degrees, 0), false,
+                project_glossy(&brdfs[i], brdf_table_direction(degrees, 0), false,
                                basis ? RSH_SPHERE : RSH_HEMISPHERE, 14, 1, &rule, points, c);
-                int n = brdf_table_order(table, direction(degrees, 0));
+                int n = brdf_table_order(table, brdf_table_direction(degrees, 0));
                 assert_true(n > 2 && reflected_error(c, n, 4000) < 1.06 * 0.01);
                 assert_true(reflected_error(c, n - 1, 4000) > 0.94 * 0.01);
             }
@@ -97,15 +98,15 @@ static void orders_bound_what_is_reflected(void **state) {
 static void sharp_edges_at_grazing_views_are_not_held(void **state) {
     (void)state;
     struct brdf b = ward(0.6f, 0.25f);
-    struct brdf_table *table = build(&b, SATIN_HSH, 10, 0.01f, 2);
+    struct brdf_table *table = test_brdf_table_build(&b, SATIN_HSH, 10, 0.01f, 2);
     assert_true(brdf_table_order(table, v3(0, 0, 1)) > 0);
-    assert_int_equal(brdf_table_order(table, direction(85, 0)), 0);
+    assert_int_equal(brdf_table_order(table, brdf_table_direction(85, 0)), 0);
     assert_int_equal(brdf_table_order(table, v3(0, 0, -1)), 0);
     float fraction = brdf_table_info(table).fraction;
     assert_true(fraction > 0.4f && fraction < 0.95f);
     brdf_table_free(table);
     b = phong(15);
-    table = build(&b, SATIN_HSH, 10, 0.01f, 2);
+    table = test_brdf_table_build(&b, SATIN_HSH, 10, 0.01f, 2);
     assert_int_equal(brdf_table_info(table).channels, 1);
     assert_true(brdf_table_info(table).fraction == 1.0f);
     brdf_table_free(table);
@@ -140,13 +141,14 @@ static void lookups_agree_with_projection(void **state) {
     } cases[] = {
         {phong(22), SATIN_HSH, 10, 2e-4},
         {phong(3), SATIN_SH, 10, 2e-4},
-        {metal(0.3f, gold), SATIN_HSH, 8, 2e-4},
+        {brdf_table_metal(0.3f, gold), SATIN_HSH, 8, 2e-4},
         {ward(0.25f, 0.6f), SATIN_HSH, 7, 1e-2},
     };
     struct project_points *points = malloc(sizeof *points);
     assert_non_null(points);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        struct brdf_table *table = build(&cases[i].b, cases[i].basis, cases[i].order, 0.2f, 2);
+        struct brdf_table *table =
+            test_brdf_table_build(&cases[i].b, cases[i].basis, cases[i].order, 0.2f, 2);
         rsh_basis basis = cases[i].basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE;
         struct rng rng = rng_make(5, RNG_TEST, i);
         for (int k = 0; k < 60; k++) {
@@ -164,11 +166,11 @@ static void constant_light_gives_the_albedo(void **state) {
     (void)state;
     float c[300];
     struct brdf b = phong(15);
-    struct brdf_table *table = build(&b, SATIN_HSH, 10, 0.05f, 1);
+    struct brdf_table *table = test_brdf_table_build(&b, SATIN_HSH, 10, 0.05f, 1);
     assert_true(brdf_table_lookup(table, v3(0, 0, 1), c) > 0);
     assert_true(fabsf(c[0] * sqrtf(2.0f * PI_F) - 1.0f) < 2e-4f);
     for (float degrees = 10; degrees < 80; degrees += 15) {
-        vec3 wo = direction(degrees, 2.0f);
+        vec3 wo = brdf_table_direction(degrees, 2.0f);
         double mean = 0.0;
         for (uint32_t i = 0; i < 16384; i++) {
             vec2 u = sample_sobol2(i, 7);
@@ -184,9 +186,9 @@ static void constant_light_gives_the_albedo(void **state) {
 
 static void keeps_channels_apart(void **state) {
     (void)state;
-    struct brdf b = metal(0.4f, (rgb){.2f, .5f, 1.4f});
+    struct brdf b = brdf_table_metal(0.4f, (rgb){.2f, .5f, 1.4f});
     b.specular = (rgb){0, 1, 0};  // taken as 1
-    struct brdf_table *table = build(&b, SATIN_HSH, 6, 0.05f, 1);
+    struct brdf_table *table = test_brdf_table_build(&b, SATIN_HSH, 6, 0.05f, 1);
     float c[108];
     int n = brdf_table_lookup(table, v3(0, 0, 1), c);
     assert_true(n > 0);
@@ -198,8 +200,8 @@ static void keeps_channels_apart(void **state) {
 static void refuses_sharp_lobes_and_bad_arguments(void **state) {
     (void)state;
     for (float alpha = 0.0001f; alpha < 0.06f; alpha *= 5.0f) {
-        struct brdf b = metal(alpha, (rgb){1, 1, 1});
-        struct brdf_table *table = build(&b, SATIN_HSH, 10, 0.05f, 2);
+        struct brdf b = brdf_table_metal(alpha, (rgb){1, 1, 1});
+        struct brdf_table *table = test_brdf_table_build(&b, SATIN_HSH, 10, 0.05f, 2);
         float c[100] = {42.0f};
         assert_int_equal(brdf_table_info(table).order, 0);
         assert_int_equal(brdf_table_lookup(table, v3(0, 0, 1), c), 0);
@@ -220,7 +222,7 @@ static void refuses_sharp_lobes_and_bad_arguments(void **state) {
     parallel_free(pool);
 }
 
-static bool cancel(void *user, double done) {
+static bool brdf_table_cancel(void *user, double done) {
     (void)user, (void)done;
     return true;
 }
@@ -228,19 +230,19 @@ static bool cancel(void *user, double done) {
 static void same_for_any_threads_and_cancels(void **state) {
     (void)state;
     struct brdf b = phong(8);
-    struct brdf_table *one = build(&b, SATIN_HSH, 8, 0.05f, 1);
-    struct brdf_table *three = build(&b, SATIN_HSH, 8, 0.05f, 3);
+    struct brdf_table *one = test_brdf_table_build(&b, SATIN_HSH, 8, 0.05f, 1);
+    struct brdf_table *three = test_brdf_table_build(&b, SATIN_HSH, 8, 0.05f, 3);
     for (float degrees = 0; degrees < 90; degrees += 3) {
         float c1[64], c3[64];
-        int n = brdf_table_lookup(one, direction(degrees, degrees), c1);
-        assert_int_equal(n, brdf_table_lookup(three, direction(degrees, degrees), c3));
+        int n = brdf_table_lookup(one, brdf_table_direction(degrees, degrees), c1);
+        assert_int_equal(n, brdf_table_lookup(three, brdf_table_direction(degrees, degrees), c3));
         assert_memory_equal(c1, c3, (size_t)(n * n) * sizeof *c1);
     }
     brdf_table_free(one);
     brdf_table_free(three);
     struct parallel *pool = parallel_new(2);
     struct brdf_table *table = NULL;
-    parallel_set_progress(pool, cancel, NULL);
+    parallel_set_progress(pool, brdf_table_cancel, NULL);
     assert_int_equal(brdf_table_build(&b, SATIN_HSH, 8, 0.05f, pool, &table), SATIN_CANCELLED);
     assert_null(table);
     parallel_free(pool);

@@ -13,11 +13,11 @@
 
 #include "cache_case.h"
 
-static const float PIXEL = 0.01f;
+static const float CACHE_ADAPTIVE_PIXEL = 0.01f;
 
 // A floor that is divided by a thin wall, lit on one side; records do not know of the wall, as the
 // leak test is off.
-static void start(struct cache_case *f, int threads) {
+static void cache_adaptive_start(struct cache_case *f, int threads) {
     cache_case_begin(f);
     uint32_t grey = test_diffuse(&f->scene, 0.8f, 0.8f, 0.8f);
     test_rectangle(&f->scene, mat4_scale(v3(3, 3, 1)), grey);
@@ -30,12 +30,13 @@ static void start(struct cache_case *f, int threads) {
     f->options.irradiance_a = 1.0f;
     f->options.leak_test = false;
     f->options.irradiance_min_pixels = 1.0f;
-    cache_case_finish(f, 0, threads, v3(0, 0, 0), v3(0.5f, 0, 0), v3(0, 0.5f, 0),
-                      (struct cache_site){.pixel = PIXEL, .wants = 1 << CACHE_IRRADIANCE});
+    cache_case_finish(
+        f, 0, threads, v3(0, 0, 0), v3(0.5f, 0, 0), v3(0, 0.5f, 0),
+        (struct cache_site){.pixel = CACHE_ADAPTIVE_PIXEL, .wants = 1 << CACHE_IRRADIANCE});
 }
 
 // Fills, then converges beside direct light of that luminance; returns how many records were added.
-static size_t run(struct cache_case *f, float light) {
+static size_t cache_adaptive_run(struct cache_case *f, float light) {
     struct cache_fill fill = {.site = f->site,
                               .count = 12,  // coarse to fine
                               .a = f->options.irradiance_a,
@@ -57,8 +58,8 @@ static size_t run(struct cache_case *f, float light) {
 static void records_are_added_where_they_disagree(void **state) {
     (void)state;
     struct cache_case f;
-    start(&f, 1);
-    size_t added = run(&f, 0.0f);
+    cache_adaptive_start(&f, 1);
+    size_t added = cache_adaptive_run(&f, 0.0f);
     assert_true(added > 0);
     assert_true(f.cache->adapted.passes >= 2 && f.cache->adapted.passes <= 11);
     bool smaller = false;
@@ -76,19 +77,19 @@ static void records_are_added_where_they_disagree(void **state) {
 static void direct_light_hides_differences(void **state) {
     (void)state;
     struct cache_case f;
-    start(&f, 1);
-    assert_int_equal(run(&f, 1000.0f), 0);
+    cache_adaptive_start(&f, 1);
+    assert_int_equal(cache_adaptive_run(&f, 1000.0f), 0);
     assert_int_equal(f.cache->adapted.shrunk, 0);
     cache_case_free(&f);
 }
 
-static void threads_make_no_difference(void **state) {
+static void cache_adaptive_threads_make_no_difference(void **state) {
     (void)state;
     struct cache_case a, b;
-    start(&a, 1);
-    start(&b, 3);
-    run(&a, 0.0f);
-    run(&b, 0.0f);
+    cache_adaptive_start(&a, 1);
+    cache_adaptive_start(&b, 3);
+    cache_adaptive_run(&a, 0.0f);
+    cache_adaptive_run(&b, 0.0f);
     const struct cache_tree *s = &a.cache->store[CACHE_IRRADIANCE].tree,
                             *t = &b.cache->store[CACHE_IRRADIANCE].tree;
     assert_int_equal(s->head_count, t->head_count);
@@ -101,7 +102,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(records_are_added_where_they_disagree),
         cmocka_unit_test(direct_light_hides_differences),
-        cmocka_unit_test(threads_make_no_difference),
+        cmocka_unit_test(cache_adaptive_threads_make_no_difference),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

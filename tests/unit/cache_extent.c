@@ -11,17 +11,17 @@
 
 #include "cache/cache_records.h"
 
-static const float PIXEL = 0.01f;
+static const float CACHE_EXTENT_PIXEL = 0.01f;
 
-struct fixture {
+struct cache_extent_fixture {
     struct satin_scene scene;
     satin_options options;
     struct gather g;
     struct cache cache;
 };
 
-static void start(struct fixture *f) {
-    *f = (struct fixture){.options = satin_options_default};
+static void cache_extent_start(struct cache_extent_fixture *f) {
+    *f = (struct cache_extent_fixture){.options = satin_options_default};
     f->scene.radius = 100.0f;
     f->options.irradiance_a = f->options.radiance_a = 0.5f;
     f->options.irradiance_min_pixels = f->options.radiance_min_pixels = 3.0f;
@@ -31,61 +31,64 @@ static void start(struct fixture *f) {
 }
 
 // Copies the options to the cache.
-static void apply(struct fixture *f) {
+static void cache_extent_apply(struct cache_extent_fixture *f) {
     for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
         f->cache.store[k].options = cache_options_of(&f->options, k);
 }
 
 // a R in pixels of a record whose rays found walls at that distance; both caches must agree.
-static float pixels(struct fixture *f, float distance) {
-    apply(f);
-    const struct cache_site site = {.frame = frame_from_normal(v3(0, 0, 1)), .pixel = PIXEL};
+static float cache_extent_pixels(struct cache_extent_fixture *f, float distance) {
+    cache_extent_apply(f);
+    const struct cache_site site = {.frame = frame_from_normal(v3(0, 0, 1)),
+                                    .pixel = CACHE_EXTENT_PIXEL};
     const struct gather_around around = {.harmonic = distance, .least = distance};
     float lambda[3] = {1, 1, 1}, dx[3] = {0}, dy[3] = {0};
     struct gather_irradiance E = {.E = rgb_grey(1.0f)};
     struct gather_radiance L = {.lambda = lambda, .dx = dx, .dy = dy};
     const float R = cache_extent_irradiance(&f->cache, &site, &around, &E).R;
     assert_true(cache_extent_radiance(&f->cache, &site, &around, &L).R == R);
-    return R * 0.5f / PIXEL;
+    return R * 0.5f / CACHE_EXTENT_PIXEL;
 }
 
 static void pixels_bound_what_rays_found(void **state) {
     (void)state;
-    struct fixture f;
-    start(&f);
-    assert_float_equal(pixels(&f, 0.2f), 10.0f, 1e-4f);
-    assert_float_equal(pixels(&f, 0.001f), 3.0f, 1e-4f);
-    assert_float_equal(pixels(&f, 5.0f), 20.0f, 1e-4f);
+    struct cache_extent_fixture f;
+    cache_extent_start(&f);
+    assert_float_equal(cache_extent_pixels(&f, 0.2f), 10.0f, 1e-4f);
+    assert_float_equal(cache_extent_pixels(&f, 0.001f), 3.0f, 1e-4f);
+    assert_float_equal(cache_extent_pixels(&f, 5.0f), 20.0f, 1e-4f);
 }
 
 static void largest_pixels_win_over_least(void **state) {
     (void)state;
-    struct fixture f;
-    start(&f);
+    struct cache_extent_fixture f;
+    cache_extent_start(&f);
     f.options.irradiance_max_pixels = f.options.radiance_max_pixels = 2.0f;
-    assert_float_equal(pixels(&f, 0.001f), 2.0f, 1e-4f);
-    assert_float_equal(pixels(&f, 5.0f), 2.0f, 1e-4f);
+    assert_float_equal(cache_extent_pixels(&f, 0.001f), 2.0f, 1e-4f);
+    assert_float_equal(cache_extent_pixels(&f, 5.0f), 2.0f, 1e-4f);
 }
 
 static void scene_units_win_over_pixels(void **state) {
     (void)state;
-    struct fixture f;
-    start(&f);
+    struct cache_extent_fixture f;
+    cache_extent_start(&f);
     f.options.record_max_radius = 0.02f;  // one pixel
-    assert_float_equal(pixels(&f, 0.001f), 1.0f, 1e-4f);
-    assert_float_equal(pixels(&f, 5.0f), 1.0f, 1e-4f);
-    assert_float_equal(cache_least_radius(&f.cache.store[CACHE_IRRADIANCE].options, PIXEL), 0.02f,
-                       1e-6f);
+    assert_float_equal(cache_extent_pixels(&f, 0.001f), 1.0f, 1e-4f);
+    assert_float_equal(cache_extent_pixels(&f, 5.0f), 1.0f, 1e-4f);
+    assert_float_equal(
+        cache_least_radius(&f.cache.store[CACHE_IRRADIANCE].options, CACHE_EXTENT_PIXEL), 0.02f,
+        1e-6f);
 }
 
 // A record whose radius is larger than its rays measured has a radius ratio below 1; one whose
 // radius is limited has the ratio 1.
 static void the_radius_ratio_is_what_was_wanted(void **state) {
     (void)state;
-    struct fixture f;
-    start(&f);
-    apply(&f);
-    const struct cache_site site = {.frame = frame_from_normal(v3(0, 0, 1)), .pixel = PIXEL};
+    struct cache_extent_fixture f;
+    cache_extent_start(&f);
+    cache_extent_apply(&f);
+    const struct cache_site site = {.frame = frame_from_normal(v3(0, 0, 1)),
+                                    .pixel = CACHE_EXTENT_PIXEL};
     struct gather_around around = {.harmonic = 0.03f};
     struct gather_irradiance E = {.E = rgb_grey(1.0f)};
     assert_float_equal(cache_extent_irradiance(&f.cache, &site, &around, &E).radius_ratio, 0.5f,

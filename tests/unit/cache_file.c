@@ -21,13 +21,13 @@ enum { ORDER = 3, RECORDS = 20, LOOKUPS = 200 };
 
 static const struct cache_origin origin = {0x1234567890abcdef, 77, "photons=9 irradiance-a=0.2"};
 
-struct fixture {
+struct cache_file_fixture {
     satin_options options;
     struct gather g;
     struct cache cache;
 };
 
-static void start(struct fixture *f) {
+static void cache_file_start(struct cache_file_fixture *f) {
     f->options = satin_options_default;
     f->options.leak_test = false;
     f->g = (struct gather){.options = &f->options};
@@ -36,7 +36,7 @@ static void start(struct fixture *f) {
     cache_tree_init(&f->cache.store[CACHE_RADIANCE].tree, v3(-1, -1, -1), v3(1, 1, 1));
 }
 
-static void stop(struct fixture *f) {
+static void cache_file_stop(struct cache_file_fixture *f) {
     cache_tree_free(&f->cache.store[CACHE_IRRADIANCE].tree);
     cache_tree_free(&f->cache.store[CACHE_RADIANCE].tree);
     free(f->cache.irradiance);
@@ -44,26 +44,26 @@ static void stop(struct fixture *f) {
     arena_free(&f->cache.radiance_arena);
 }
 
-static vec3 draw(struct rng *rng) {
+static vec3 cache_file_draw(struct rng *rng) {
     float x = rng_float(rng), y = rng_float(rng);
     return v3(2.0f * x - 1.0f, 2.0f * y - 1.0f, 0.0f);
 }
 
 static struct cache_head head(struct rng *rng) {
     struct frame frame = frame_from_normal(v3(0, 0, 1));
-    return (struct cache_head){.p = draw(rng),
+    return (struct cache_head){.p = cache_file_draw(rng),
                                .R = 0.2f + rng_float(rng),
                                .n = frame.n,
                                .search_radius = 0.6f,
-                               .anisotropy = draw(rng),
+                               .anisotropy = cache_file_draw(rng),
                                .scale = 0.5f + 0.5f * rng_float(rng),
                                .u = frame.u,
                                .near_sectors = rng_u32(rng)};
 }
 
 // A cache of records that hold any numbers.
-static void make(struct fixture *f) {
-    start(f);
+static void cache_file_make(struct cache_file_fixture *f) {
+    cache_file_start(f);
     struct cache *c = &f->cache;
     struct rng rng = rng_make(1, RNG_SITE, 0);
     c->rays = 1234;
@@ -73,8 +73,8 @@ static void make(struct fixture *f) {
     for (uint32_t i = 0; i < RECORDS; i++) {
         struct cache_irradiance_record *e = &c->irradiance[i];
         e->value.E = rgb_make(rng_float(&rng), rng_float(&rng), rng_float(&rng));
-        for (int k = 0; k < 3; k++) e->value.grad_t[k] = draw(&rng);
-        for (int k = 0; k < 3; k++) e->value.grad_r[k] = draw(&rng);
+        for (int k = 0; k < 3; k++) e->value.grad_t[k] = cache_file_draw(&rng);
+        for (int k = 0; k < 3; k++) e->value.grad_r[k] = cache_file_draw(&rng);
         e->value.rays = 100 + i;
         e->deviation = rng_float(&rng);
         e->radius_ratio = rng_float(&rng);
@@ -88,14 +88,15 @@ static void make(struct fixture *f) {
             .value = value,
             .radius_ratio = rng_float(&rng),
             .rays = 1000 + i,
-            .residual = {i, draw(&rng), rgb_make(rng_float(&rng), -rng_float(&rng), 0.0f)}};
+            .residual = {i, cache_file_draw(&rng),
+                         rgb_make(rng_float(&rng), -rng_float(&rng), 0.0f)}};
         h = head(&rng);
         assert_true(cache_tree_insert(&c->store[CACHE_RADIANCE].tree, &h));
     }
 }
 
 // The bytes of a saved file; malloc.
-static unsigned char *save(const struct fixture *f, size_t *size) {
+static unsigned char *cache_file_save(const struct cache_file_fixture *f, size_t *size) {
     char *data = NULL;
     assert_int_equal(cache_save(&f->cache, &origin, "c.cache", (struct log){0}), SATIN_OK);
     assert_int_equal(
@@ -106,7 +107,7 @@ static unsigned char *save(const struct fixture *f, size_t *size) {
 }
 
 // The one line with which a file is refused.
-static const char *refusal(const void *data, size_t size) {
+static const char *cache_file_refusal(const void *data, size_t size) {
     static struct message seen;
     struct cache_file *file = NULL;
     seen = (struct message){0};
@@ -119,11 +120,11 @@ static const char *refusal(const void *data, size_t size) {
 
 static void loads_what_was_saved(void **state) {
     (void)state;
-    struct fixture a, b;
+    struct cache_file_fixture a, b;
     size_t size, again_size;
-    make(&a);
-    start(&b);
-    unsigned char *data = save(&a, &size);
+    cache_file_make(&a);
+    cache_file_start(&b);
+    unsigned char *data = cache_file_save(&a, &size);
     struct cache_file *file = NULL;
     assert_int_equal(cache_file_parse(data, size, "f", (struct log){0}, &file), SATIN_OK);
     struct cache_summary summary = cache_file_summary(file);
@@ -134,7 +135,7 @@ static void loads_what_was_saved(void **state) {
     assert_int_equal(cache_file_check(file, &origin, "f", (struct log){0}), SATIN_OK);
     assert_int_equal(cache_load(&b.cache, file, "f", (struct log){0}), SATIN_OK);
     cache_file_free(file);
-    unsigned char *again = save(&b, &again_size);
+    unsigned char *again = cache_file_save(&b, &again_size);
     assert_int_equal(again_size, size);
     assert_memory_equal(again, data, size);
     // The trees are the same, node by node, so that sums are taken in the same order.
@@ -148,7 +149,8 @@ static void loads_what_was_saved(void **state) {
                      b.cache.store[CACHE_IRRADIANCE].tree.node_count);
     struct rng rng = rng_make(2, RNG_SITE, 0);
     for (int i = 0; i < LOOKUPS; i++) {
-        struct cache_lookup at = {draw(&rng), v3(0, 0, 1), frame_from_normal(v3(0, 0, 1)), 0.0f};
+        struct cache_lookup at = {cache_file_draw(&rng), v3(0, 0, 1),
+                                  frame_from_normal(v3(0, 0, 1)), 0.0f};
         rgb x = rgb_grey(-1.0f), y = x;
         assert_int_equal(cache_irradiance(&a.cache, &at, 0.5f, &x).count,
                          cache_irradiance(&b.cache, &at, 0.5f, &y).count);
@@ -156,28 +158,29 @@ static void loads_what_was_saved(void **state) {
     }
     free(data);
     free(again);
-    stop(&a);
-    stop(&b);
+    cache_file_stop(&a);
+    cache_file_stop(&b);
 }
 
 static void damaged_files_are_refused(void **state) {
     (void)state;
-    struct fixture f;
+    struct cache_file_fixture f;
     size_t size;
-    make(&f);
-    unsigned char *data = save(&f, &size);
-    for (size_t i = 0; i < size; i += i < 200 ? 1 : 97) assert_non_null(refusal(data, i));
+    cache_file_make(&f);
+    unsigned char *data = cache_file_save(&f, &size);
+    for (size_t i = 0; i < size; i += i < 200 ? 1 : 97)
+        assert_non_null(cache_file_refusal(data, i));
     const size_t options = sizeof(struct cache_file_header) + strlen(origin.options);
     for (size_t i = 0; i < size; i += 1 + i / 200) {
         const bool filling = i >= options && i < cache_file_padded(options);
         if (filling) continue;
         data[i] ^= 0x10;
-        assert_non_null(refusal(data, size));
+        assert_non_null(cache_file_refusal(data, size));
         data[i] ^= 0x10;
     }
-    assert_non_null(strstr(refusal("P6 1 1", 6), "it is not a file of cache records"));
+    assert_non_null(strstr(cache_file_refusal("P6 1 1", 6), "it is not a file of cache records"));
     free(data);
-    stop(&f);
+    cache_file_stop(&f);
 }
 
 // With right checksums.
@@ -187,17 +190,17 @@ static const char *refusal_of_header(const unsigned char *data, size_t size,
     h.checksum = fileio_hash(FILEIO_HASH, &h, offsetof(struct cache_file_header, checksum));
     memcpy(copy, data, size);
     memcpy(copy, &h, sizeof h);
-    const char *text = refusal(copy, size);
+    const char *text = cache_file_refusal(copy, size);
     free(copy);
     return text;
 }
 
 static void lies_are_refused(void **state) {
     (void)state;
-    struct fixture f;
+    struct cache_file_fixture f;
     size_t size;
-    make(&f);
-    unsigned char *data = save(&f, &size);
+    cache_file_make(&f);
+    unsigned char *data = cache_file_save(&f, &size);
     struct cache_file_header right, h;
     memcpy(&right, data, sizeof right);
     h = right;
@@ -218,29 +221,29 @@ static void lies_are_refused(void **state) {
     for (int i = 0; i < 3; i++) {
         float *word = (float *)&f.cache.store[CACHE_IRRADIANCE].tree.head[3] + at[i], kept = *word;
         *word = wrong[i];
-        data = save(&f, &size);
-        assert_non_null(strstr(refusal(data, size), "impossible position"));
+        data = cache_file_save(&f, &size);
+        assert_non_null(strstr(cache_file_refusal(data, size), "impossible position"));
         *word = kept;
         free(data);
     }
-    stop(&f);
+    cache_file_stop(&f);
 }
 
 // Checks that a file with `wrong` instead of *word is refused for its values.
-static void refuse_value(struct fixture *f, float *word, float wrong) {
+static void refuse_value(struct cache_file_fixture *f, float *word, float wrong) {
     size_t size;
     const float kept = *word;
     *word = wrong;
-    unsigned char *data = save(f, &size);
-    assert_non_null(strstr(refusal(data, size), "impossible value"));
+    unsigned char *data = cache_file_save(f, &size);
+    assert_non_null(strstr(cache_file_refusal(data, size), "impossible value"));
     *word = kept;
     free(data);
 }
 
 static void values_without_a_number_are_refused(void **state) {
     (void)state;
-    struct fixture f;
-    make(&f);
+    struct cache_file_fixture f;
+    cache_file_make(&f);
     struct cache_irradiance_record *E = &f.cache.irradiance[4];
     refuse_value(&f, &E->value.E.g, NAN);
     refuse_value(&f, &E->value.E.b, -0.5f);
@@ -254,17 +257,17 @@ static void values_without_a_number_are_refused(void **state) {
     for (int i = 0; i < ORDER * ORDER * CACHE_LANES; i++)
         if (i % CACHE_LANES % 4 != 3 || i % CACHE_LANES == 3)
             refuse_value(&f, &Lambda->value[i], i % 2 ? NAN : INFINITY);
-    stop(&f);
+    cache_file_stop(&f);
 }
 
 static void other_origins_are_refused(void **state) {
     (void)state;
-    struct fixture f, g;
+    struct cache_file_fixture f, g;
     size_t size;
-    make(&f);
-    start(&g);
+    cache_file_make(&f);
+    cache_file_start(&g);
     f.cache.store[CACHE_IRRADIANCE].tree.head[3].p.x = 50.0f;
-    unsigned char *data = save(&f, &size);
+    unsigned char *data = cache_file_save(&f, &size);
     struct cache_file *file = NULL;
     struct message seen = {0};
     assert_int_equal(cache_file_parse(data, size, "f", (struct log){0}, &file), SATIN_OK);
@@ -286,8 +289,8 @@ static void other_origins_are_refused(void **state) {
     assert_int_equal(seen.count, 3);
     cache_file_free(file);
     free(data);
-    stop(&f);
-    stop(&g);
+    cache_file_stop(&f);
+    cache_file_stop(&g);
 }
 
 int main(void) {

@@ -15,7 +15,7 @@ enum { RAYS = 600 };
 
 // The floor of a box that is lit from aside by a point light in it. A pixel is a tenth wide, and
 // the least radius such that a record serves two pixels.
-static void start(struct cache_case *f) {
+static void cache_fill_start(struct cache_case *f) {
     cache_case_begin(f);
     test_cube(&f->scene, mat4_identity(), true, test_diffuse(&f->scene, 0.5f, 0.5f, 0.5f));
     test_light(&f->scene,
@@ -28,7 +28,7 @@ static void start(struct cache_case *f) {
                       (struct cache_site){.pixel = 0.1f, .wants = 1 << CACHE_IRRADIANCE});
 }
 
-static void fill(struct cache_case *f, struct cache_fill fill) {
+static void cache_fill_fill(struct cache_case *f, struct cache_fill fill) {
     fill.site = f->site;
     fill.a = f->options.irradiance_a;
     fill.widest = 1.0f;
@@ -44,14 +44,14 @@ static bool is_covered(const struct cache_case *f, const struct cache_site *s) {
 static void sites_that_want_records_are_covered(void **state) {
     (void)state;
     struct cache_case f;
-    start(&f);
+    cache_fill_start(&f);
     // The sites of one half need no records, and are too far from the others to be covered by
     // theirs.
     for (int i = 0; i < CACHE_CASE_SITES; i++)
         if (f.site[i].p.x > 0.0f) f.site[i].wants = 1 << CACHE_RADIANCE;
     // Farther apart than the influence radius of a record: sites between the members of a batch
     // must wait.
-    fill(&f, (struct cache_fill){.count = CACHE_CASE_SITES, .spacing = 5.0f});
+    cache_fill_fill(&f, (struct cache_fill){.count = CACHE_CASE_SITES, .spacing = 5.0f});
     int bare = 0;
     for (int i = 0; i < CACHE_CASE_SITES; i++) {
         const bool wants = f.site[i].wants & 1 << CACHE_IRRADIANCE;
@@ -67,7 +67,7 @@ static void sites_that_want_records_are_covered(void **state) {
         assert_true(p.x <= 0.0f);
     }
     // A site that is covered gets no second record.
-    fill(&f, (struct cache_fill){.count = CACHE_CASE_SITES, .spacing = 1.0f});
+    cache_fill_fill(&f, (struct cache_fill){.count = CACHE_CASE_SITES, .spacing = 1.0f});
     assert_int_equal(cache_count(f.cache, CACHE_IRRADIANCE), count);
     // A cache without harmonics gets no radiance records either.
     struct cache_fill radiance = {
@@ -82,9 +82,9 @@ static void sites_that_want_records_are_covered(void **state) {
 static void members_of_a_batch_lie_apart(void **state) {
     (void)state;
     struct cache_case f;
-    start(&f);
+    cache_fill_start(&f);
     const float spacing = 1.8f, least = spacing * 0.1f;
-    fill(&f, (struct cache_fill){.count = CACHE_CASE_SITES, .spacing = spacing});
+    cache_fill_fill(&f, (struct cache_fill){.count = CACHE_CASE_SITES, .spacing = spacing});
     const size_t count = cache_count(f.cache, CACHE_IRRADIANCE);
     assert_true(count > 8);
     for (size_t i = 0; i < count; i++)
@@ -117,7 +117,7 @@ static void records_of_few_rays_are_gathered_again(void **state) {
     cache_case_finish(&f, 0, 2, v3(0, -1, 0), v3(0, 0, 0.9f), v3(0.9f, 0, 0),
                       (struct cache_site){.pixel = 0.1f, .wants = 1 << CACHE_IRRADIANCE});
     assert_int_equal(cache_limit_rays(f.cache, 0.1f), SATIN_OK);
-    fill(&f, (struct cache_fill){.count = CACHE_CASE_SITES, .spacing = 1.0f});
+    cache_fill_fill(&f, (struct cache_fill){.count = CACHE_CASE_SITES, .spacing = 1.0f});
     const size_t count = cache_count(f.cache, CACHE_IRRADIANCE);
     size_t again = 0;
     uint64_t rays = 0;
@@ -141,16 +141,17 @@ static void new_records_take_the_scale_of_adapted_ones(void **state) {
     (void)state;
     for (int adapted = 0; adapted < 2; adapted++) {
         struct cache_case f;
-        start(&f);
-        fill(&f, (struct cache_fill){.count = CACHE_CASE_SITES, .spacing = 1.0f});
+        cache_fill_start(&f);
+        cache_fill_fill(&f, (struct cache_fill){.count = CACHE_CASE_SITES, .spacing = 1.0f});
         struct cache_tree *tree = &f.cache->store[CACHE_IRRADIANCE].tree;
         const size_t before = tree->head_count;
         for (size_t i = 0; i < before; i++) {
             assert_true(tree->head[i].scale == 1.0f);
             tree->head[i].scale = 0.5f;
         }
-        fill(&f, (struct cache_fill){
-                     .count = CACHE_CASE_SITES, .spacing = 1.0f, .adapted = adapted == 1});
+        cache_fill_fill(&f,
+                        (struct cache_fill){
+                            .count = CACHE_CASE_SITES, .spacing = 1.0f, .adapted = adapted == 1});
         assert_true(tree->head_count > before);
         assert_float_equal(tree->head[before].scale, adapted ? 0.7f : 1.0f, 1e-6f);
         for (size_t i = before; i < tree->head_count; i++) assert_true(tree->head[i].scale <= 1.0f);

@@ -12,7 +12,7 @@
 #include "cache/cache_records.h"
 #include "test_scene.h"
 
-struct fixture {
+struct cache_leak_fixture {
     struct test_scene scene;
     satin_options options;
     struct gather g;
@@ -21,7 +21,7 @@ struct fixture {
 };
 
 // A floor in the xy plane; a wall at x = 0, from y = -10 to 0.5. The record lies at x = .2.
-static void start(struct fixture *f) {
+static void cache_leak_start(struct cache_leak_fixture *f) {
     test_scene_init(&f->scene);
     uint32_t grey = test_diffuse(&f->scene, 0.5f, 0.5f, 0.5f);
     test_rectangle(&f->scene, mat4_scale(v3(10, 10, 1)), grey);
@@ -51,8 +51,8 @@ static void start(struct fixture *f) {
 
 static void a_wall_hides_what_is_behind(void **state) {
     (void)state;
-    struct fixture f;
-    start(&f);
+    struct cache_leak_fixture f;
+    cache_leak_start(&f);
     // Towards the wall, not away from it.
     assert_true(f.head.near_sectors >> (GATHER_SECTORS / 2) & 1u);
     assert_false(f.head.near_sectors & 1u);

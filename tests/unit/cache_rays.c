@@ -14,7 +14,7 @@
 enum { RAYS = 900 };
 
 // The floor of a box that is lit from aside by a point light in it.
-static void start(struct cache_case *f, int threads, float noise) {
+static void cache_rays_start(struct cache_case *f, int threads, float noise) {
     cache_case_begin(f);
     test_cube(&f->scene, mat4_identity(), true, test_diffuse(&f->scene, 0.5f, 0.5f, 0.5f));
     test_light(&f->scene,
@@ -29,7 +29,7 @@ static void start(struct cache_case *f, int threads, float noise) {
 }
 
 // Some coarse records, then finer ones among them; returns how many were coarse.
-static size_t fill(struct cache_case *f, enum cache_kind kind) {
+static size_t cache_rays_fill(struct cache_case *f, enum cache_kind kind) {
     struct cache_fill fill = {
         .site = f->site, .count = 16, .a = 0.5f, .widest = 2.0f, .spacing = 1.0f};
     assert_int_equal(cache_fill(f->cache, kind, &fill), SATIN_OK);
@@ -57,8 +57,8 @@ static void the_ends_are_four_times_off(void **state) {
     for (int k = 0; k < 6; k++) {
         const enum cache_kind kind = k % 2 ? CACHE_RADIANCE : CACHE_IRRADIANCE;
         struct cache_case f;
-        start(&f, 2, noise[k / 2]);
-        size_t coarse = fill(&f, kind);
+        cache_rays_start(&f, 2, noise[k / 2]);
+        size_t coarse = cache_rays_fill(&f, kind);
         const size_t count = cache_count(f.cache, kind);
         size_t off = 0;
         for (size_t i = 0; i < count; i++) {
@@ -79,8 +79,8 @@ static void rays_give_the_deviation(void **state) {
     double mean[2] = {0};
     for (int asked = 0; asked < 2; asked++) {
         struct cache_case f;
-        start(&f, 2, asked ? 0.7f * (float)mean[0] : 0.0f);
-        size_t coarse = fill(&f, CACHE_IRRADIANCE);
+        cache_rays_start(&f, 2, asked ? 0.7f * (float)mean[0] : 0.0f);
+        size_t coarse = cache_rays_fill(&f, CACHE_IRRADIANCE);
         const size_t count = cache_count(f.cache, CACHE_IRRADIANCE);
         double square = 0.0, rays = 0.0;
         for (size_t i = coarse; i < count; i++) {
@@ -95,13 +95,13 @@ static void rays_give_the_deviation(void **state) {
     assert_true(mean[1] > 0.5 * mean[0] && mean[1] < 0.9 * mean[0]);
 }
 
-static void threads_do_not_matter(void **state) {
+static void cache_rays_threads_do_not_matter(void **state) {
     (void)state;
     struct cache_case one, four;
-    start(&one, 1, 0.02f);
-    start(&four, 4, 0.02f);
-    fill(&one, CACHE_RADIANCE);
-    fill(&four, CACHE_RADIANCE);
+    cache_rays_start(&one, 1, 0.02f);
+    cache_rays_start(&four, 4, 0.02f);
+    cache_rays_fill(&one, CACHE_RADIANCE);
+    cache_rays_fill(&four, CACHE_RADIANCE);
     const enum cache_kind kinds[] = {CACHE_IRRADIANCE, CACHE_RADIANCE};
     for (int k = 0; k < 2; k++) {
         const size_t count = cache_count(one.cache, kinds[k]);
@@ -117,7 +117,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_ends_are_four_times_off),
         cmocka_unit_test(rays_give_the_deviation),
-        cmocka_unit_test(threads_do_not_matter),
+        cmocka_unit_test(cache_rays_threads_do_not_matter),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

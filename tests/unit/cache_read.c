@@ -13,7 +13,7 @@
 
 enum { RECORDS = 2 };
 
-struct fixture {
+struct cache_read_fixture {
     satin_options options;
     struct gather g;
     struct cache cache;
@@ -21,7 +21,7 @@ struct fixture {
 };
 
 // Two records on a plane: a whole one of 100 rays, and one of half its accuracy and 300 rays.
-static void start(struct fixture *f) {
+static void cache_read_start(struct cache_read_fixture *f) {
     static const float x[RECORDS] = {0.0f, 0.3f}, scale[RECORDS] = {1.0f, 0.5f};
     f->options = satin_options_default;
     f->options.irradiance_a = 0.4f;
@@ -42,37 +42,38 @@ static void start(struct fixture *f) {
     }
 }
 
-static struct cache_lookup place(float x) {
+static struct cache_lookup cache_read_place(float x) {
     return (struct cache_lookup){v3(x, 0, 0), v3(0, 0, 1), frame_from_normal(v3(0, 0, 1)), 0.0f};
 }
 
-static bool near(float x, float wanted) { return fabsf(x - wanted) < 1e-5f; }
+static bool cache_read_near(float x, float wanted) { return fabsf(x - wanted) < 1e-5f; }
 
 static void records_behind_a_value(void **state) {
     (void)state;
-    struct fixture f;
-    start(&f);
+    struct cache_read_fixture f;
+    cache_read_start(&f);
     // At accuracy .8: weights 1 - .2 / .8 and 1 - .1 / .4, both 3/4.
-    struct cache_lookup at = place(0.2f);
+    struct cache_lookup at = cache_read_place(0.2f);
     rgb E;
     struct cache_used used = cache_irradiance(&f.cache, &at, 0.8f, &E);
     assert_int_equal(used.count, 2);
-    assert_true(near(used.weight, 1.5f) && near(E.r, 0.5f));
-    assert_true(near(used.a / used.weight, 0.5f * (0.4f + 0.2f)));
-    assert_true(near(used.rays / used.weight, 200.0f));
+    assert_true(cache_read_near(used.weight, 1.5f) && cache_read_near(E.r, 0.5f));
+    assert_true(cache_read_near(used.a / used.weight, 0.5f * (0.4f + 0.2f)));
+    assert_true(cache_read_near(used.rays / used.weight, 200.0f));
     // Beyond the second one's: the first alone.
-    at = place(-0.4f);
+    at = cache_read_place(-0.4f);
     used = cache_irradiance(&f.cache, &at, 0.8f, &E);
     assert_int_equal(used.count, 1);
-    assert_true(near(used.weight, 0.5f) && near(used.a, 0.2f) && near(used.rays, 50.0f));
+    assert_true(cache_read_near(used.weight, 0.5f) && cache_read_near(used.a, 0.2f) &&
+                cache_read_near(used.rays, 50.0f));
     cache_tree_free(&f.cache.store[CACHE_IRRADIANCE].tree);
 }
 
 // Two records on the parabola E = 1 + x + x^2, with its slopes.
 static void parabolas_are_kept(void **state) {
     (void)state;
-    struct fixture f;
-    start(&f);
+    struct cache_read_fixture f;
+    cache_read_start(&f);
     for (int i = 0; i < RECORDS; i++) {
         const float x = f.cache.store[CACHE_IRRADIANCE].tree.head[i].p.x;
         f.cache.store[CACHE_IRRADIANCE].tree.head[i].scale = 1.0f;
@@ -80,22 +81,22 @@ static void parabolas_are_kept(void **state) {
         for (int c = 0; c < 3; c++) f.record[i].value.grad_t[c] = v3(1.0f + 2.0f * x, 0, 0);
     }
     rgb E;
-    struct cache_lookup at = place(0.15f);
+    struct cache_lookup at = cache_read_place(0.15f);
     assert_int_equal(cache_irradiance(&f.cache, &at, 0.4f, &E).count, 2);
-    assert_true(near(E.r, 1.0f + 0.15f + 0.15f * 0.15f));
+    assert_true(cache_read_near(E.r, 1.0f + 0.15f + 0.15f * 0.15f));
     // Elsewhere the error is the square of the mean shift: weights 3/4 and 1/2, offsets .1 and -.2.
-    at = place(0.1f);
+    at = cache_read_place(0.1f);
     assert_int_equal(cache_irradiance(&f.cache, &at, 0.4f, &E).count, 2);
     const float shift = (0.75f * 0.1f - 0.5f * 0.2f) / (0.75f + 0.5f);
-    assert_true(near(E.r, 1.0f + 0.1f + 0.01f - shift * shift));
+    assert_true(cache_read_near(E.r, 1.0f + 0.1f + 0.01f - shift * shift));
     cache_tree_free(&f.cache.store[CACHE_IRRADIANCE].tree);
 }
 
 static void none_is_near(void **state) {
     (void)state;
-    struct fixture f;
-    start(&f);
-    struct cache_lookup at = place(-0.9f);
+    struct cache_read_fixture f;
+    cache_read_start(&f);
+    struct cache_lookup at = cache_read_place(-0.9f);
     rgb E = rgb_grey(7.0f);
     assert_int_equal(cache_irradiance(&f.cache, &at, 0.8f, &E).count, 0);
     assert_true(E.r == 7.0f);
@@ -108,8 +109,8 @@ static void none_is_near(void **state) {
 
 static void where_records_stand(void **state) {
     (void)state;
-    struct fixture f;
-    start(&f);
+    struct cache_read_fixture f;
+    cache_read_start(&f);
     const vec3 up = v3(0, 0, 1);
     assert_true(cache_has_record_near(&f.cache, v3(0.31f, 0, 0), up, 0.02f));
     assert_false(cache_has_record_near(&f.cache, v3(0.31f, 0, 0), v3_neg(up), 0.02f));

@@ -19,14 +19,14 @@ static struct brdf shiny(void) {
         .model = brdf_find("phong"), .specular = rgb_grey(1.0f), .exponent = 22.0f};
 }
 
-struct fixture {
+struct cache_residual_fixture {
     struct cache_case c;
     struct brdf_range *range;
 };
 
 // One record on the floor of a box that a point light in it lights from aside, of an order much too
 // low for the lobe.
-static void start(struct fixture *f, bool viewed) {
+static void cache_residual_start(struct cache_residual_fixture *f, bool viewed) {
     const struct brdf brdf = shiny();
     const struct brdf_fit fit = {SATIN_HSH, ORDER, -0.01f};
     struct cache_case *c = &f->c;
@@ -46,13 +46,13 @@ static void start(struct fixture *f, bool viewed) {
     assert_int_equal(cache_count(c->cache, CACHE_RADIANCE), 1);
 }
 
-static void stop(struct fixture *f) {
+static void cache_residual_stop(struct cache_residual_fixture *f) {
     brdf_range_free(f->range);
     cache_case_free(&f->c);
 }
 
 // The light that the lobe reflects towards WO by the record.
-static rgb reflected(const struct fixture *f) {
+static rgb cache_residual_reflected(const struct cache_residual_fixture *f) {
     const struct cache_site *s = &f->c.site[0];
     const struct brdf brdf = shiny();
     float C[3 * RSH_MAX_COEFFICIENTS];
@@ -66,7 +66,7 @@ static rgb reflected(const struct fixture *f) {
 }
 
 // That light by the rays of the same record.
-static rgb by_rays(const struct fixture *f) {
+static rgb by_rays(const struct cache_residual_fixture *f) {
     const struct cache_site *s = &f->c.site[0];
     const struct gather_site site = {s->p, s->ng, s->frame, s->stream, true};
     const struct brdf brdf = shiny();
@@ -84,18 +84,19 @@ static rgb by_rays(const struct fixture *f) {
 
 static void a_record_says_what_its_rays_say(void **state) {
     (void)state;
-    struct fixture with, without;
-    start(&with, true);
-    start(&without, false);
-    const rgb wanted = by_rays(&with), found = reflected(&with), cut = reflected(&without);
+    struct cache_residual_fixture with, without;
+    cache_residual_start(&with, true);
+    cache_residual_start(&without, false);
+    const rgb wanted = by_rays(&with), found = cache_residual_reflected(&with),
+              cut = cache_residual_reflected(&without);
     // Sums of some hundred floats.
     assert_true(fabsf(found.r - wanted.r) < 1e-4f * wanted.r);
     assert_true(fabsf(found.g - wanted.g) < 1e-4f * wanted.g);
     assert_true(fabsf(found.b - wanted.b) < 1e-4f * wanted.b);
     // Order 4 alone has a large error.
     assert_true(fabsf(cut.g - wanted.g) > 0.02f * wanted.g);
-    stop(&with);
-    stop(&without);
+    cache_residual_stop(&with);
+    cache_residual_stop(&without);
 }
 
 static void other_lobes_get_less(void **state) {

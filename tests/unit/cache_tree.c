@@ -14,12 +14,12 @@
 
 enum { RECORDS = 2000, QUERIES = 4000 };
 
-static vec3 random_point(struct rng *rng) {
+static vec3 cache_tree_random_point(struct rng *rng) {
     return v3(rng_float(rng), 2.0f * rng_float(rng), 0.2f * rng_float(rng));
 }
 
 static struct cache_head random_head(struct rng *rng, float a) {
-    struct cache_head head = {.p = random_point(rng), .scale = 1.0f};
+    struct cache_head head = {.p = cache_tree_random_point(rng), .scale = 1.0f};
     head.n = sample_uniform_cone(rng_float(rng), rng_float(rng), 0.99f);
     head.R = 0.001f + 0.6f * rng_float(rng) * rng_float(rng);
     head.search_radius = a * head.R;
@@ -43,7 +43,7 @@ static void finds_all_and_only_S(void **state) {
     }
     size_t found = 0;
     for (int q = 0; q < QUERIES; q++) {
-        vec3 p = random_point(&rng),
+        vec3 p = cache_tree_random_point(&rng),
              n = sample_uniform_cone(rng_float(&rng), rng_float(&rng), 0.99f);
         struct cache_near near[CACHE_NEAR_MAX];
         int count = cache_tree_find(&tree, p, n, a, near);
@@ -88,7 +88,9 @@ struct visited {
     bool in[RECORDS];
 };
 
-static void visit(void *ctx, uint32_t record) { ((struct visited *)ctx)->in[record] = true; }
+static void test_cache_tree_visit(void *ctx, uint32_t record) {
+    ((struct visited *)ctx)->in[record] = true;
+}
 
 static void visits_every_sphere_that_meets_the_ball(void **state) {
     (void)state;
@@ -100,10 +102,10 @@ static void visits_every_sphere_that_meets_the_ball(void **state) {
         assert_true(cache_tree_insert(&tree, &head));
     }
     for (int q = 0; q < 200; q++) {
-        vec3 p = random_point(&rng);
+        vec3 p = cache_tree_random_point(&rng);
         float radius = 0.2f * rng_float(&rng);
         struct visited visited = {{false}};
-        cache_tree_visit(&tree, p, radius, visit, &visited);
+        cache_tree_visit(&tree, p, radius, test_cache_tree_visit, &visited);
         for (int i = 0; i < RECORDS; i++)
             if (v3_dist2(tree.head[i].p, p) < radius * radius) assert_true(visited.in[i]);
     }

@@ -23,7 +23,7 @@
 
 static const struct log silent = {0};
 
-static satin_status put(const char *path, const char *text) {
+static satin_status fileio_output_put(const char *path, const char *text) {
     return fileio_write(silent, path, text, strlen(text));
 }
 
@@ -99,7 +99,7 @@ static void new_name_is_unused(void **state) {
     // The longest possible name has a new name too.
     char name[NAME_MAX + 1] = "";
     memset(name, 'n', NAME_MAX);
-    assert_int_equal(put(name, "long"), SATIN_OK);
+    assert_int_equal(fileio_output_put(name, "long"), SATIN_OK);
     expect_text(name, "long");
     expect_tidy();
 }
@@ -107,9 +107,9 @@ static void new_name_is_unused(void **state) {
 static void keeps_permissions(void **state) {
     (void)state;
     struct stat st;
-    assert_int_equal(put("mode", "1"), SATIN_OK);
+    assert_int_equal(fileio_output_put("mode", "1"), SATIN_OK);
     assert_int_equal(chmod("mode", 0640), 0);
-    assert_int_equal(put("mode", "2"), SATIN_OK);
+    assert_int_equal(fileio_output_put("mode", "2"), SATIN_OK);
     assert_int_equal(stat("mode", &st), 0);
     assert_int_equal(st.st_mode & 0777, 0640);
     expect_text("mode", "2");
@@ -123,16 +123,16 @@ static void keeps_permissions(void **state) {
 static void links_are_followed(void **state) {
     (void)state;
     assert_int_equal(mkdir("sub", 0777), 0);
-    assert_int_equal(put("sub/real", "old"), SATIN_OK);
+    assert_int_equal(fileio_output_put("sub/real", "old"), SATIN_OK);
     assert_int_equal(symlink("sub/real", "first"), 0);
     assert_int_equal(symlink("first", "second"), 0);
-    assert_int_equal(put("second", "new"), SATIN_OK);
+    assert_int_equal(fileio_output_put("second", "new"), SATIN_OK);
     expect_text("sub/real", "new");
     expect_link("first", "sub/real");
     expect_link("second", "first");
     // A link to a file that does not exist makes that file.
     assert_int_equal(symlink("made", "sub/dangling"), 0);
-    assert_int_equal(put("sub/dangling", "made"), SATIN_OK);
+    assert_int_equal(fileio_output_put("sub/dangling", "made"), SATIN_OK);
     expect_text("sub/made", "made");
     expect_link("sub/dangling", "made");
     assert_int_equal(symlink("round", "round"), 0);
@@ -150,7 +150,7 @@ static void refuses_what_is_no_file(void **state) {
     expect_refused("none/file", FILEIO_APPEND, strerror(ENOENT));
     expect_refused("none/", FILEIO_APPEND, strerror(ENOENT));
     expect_refused("", FILEIO_APPEND, strerror(ENOENT));
-    assert_int_equal(put("plain", ""), SATIN_OK);
+    assert_int_equal(fileio_output_put("plain", ""), SATIN_OK);
     expect_refused("plain/file", FILEIO_APPEND, strerror(ENOTDIR));
     expect_refused("/dev/null", FILEIO_SEEK, "it is not a regular file");
     const struct sockaddr_un address = {AF_UNIX, "socket"};
@@ -166,14 +166,14 @@ static void devices_and_pipes_stay(void **state) {
     char got[8] = "";
     assert_int_equal(symlink("/dev/null", "null"), 0);
     assert_int_equal(fileio_output_check(silent, "null", FILEIO_APPEND), SATIN_OK);
-    assert_int_equal(put("null", "gone"), SATIN_OK);
+    assert_int_equal(fileio_output_put("null", "gone"), SATIN_OK);
     expect_link("null", "/dev/null");
     assert_true(stat("/dev/null", &st) == 0 && S_ISCHR(st.st_mode));
     // The check of a pipe does not wait for its reader.
     assert_int_equal(mkfifo("pipe", 0666), 0);
     assert_int_equal(fileio_output_check(silent, "pipe", FILEIO_APPEND), SATIN_OK);
     const int reader = open("pipe", O_RDONLY | O_NONBLOCK);
-    assert_int_equal(put("pipe", "through"), SATIN_OK);
+    assert_int_equal(fileio_output_put("pipe", "through"), SATIN_OK);
     assert_int_equal(read(reader, got, sizeof got - 1), 7);
     assert_string_equal(got, "through");
     close(reader);
@@ -187,13 +187,13 @@ static void open_files_are_written_on(void **state) {
     assert_int_equal(write(fd, "before ", 7), 7);
     snprintf(name, sizeof name, "/dev/fd/%d", fd);
     assert_int_equal(fileio_output_check(silent, name, FILEIO_APPEND), SATIN_OK);
-    assert_int_equal(put(name, "during"), SATIN_OK);
+    assert_int_equal(fileio_output_put(name, "during"), SATIN_OK);
     assert_int_equal(write(fd, " after", 6), 6);
     expect_text("open", "before during after");
     // By a link, such as /dev/stdout; the link stays.
     snprintf(name, sizeof name, "/proc/self/fd/%d", fd);
     assert_int_equal(symlink(name, "standard"), 0);
-    assert_int_equal(put("standard", "."), SATIN_OK);
+    assert_int_equal(fileio_output_put("standard", "."), SATIN_OK);
     expect_text("open", "before during after.");
     expect_link("standard", name);
     expect_refused("standard", FILEIO_SEEK, "it is not a regular file");

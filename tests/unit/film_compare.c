@@ -12,18 +12,18 @@
 #include "base/rng.h"
 #include "film/film.h"
 
-static const char *const names[] = {"R",          "G",          "B",
-                                    "variance.R", "variance.G", "variance.B",
-                                    "emission.R", "emission.G", "emission.B"};
+static const char *const film_compare_names[] = {"R",          "G",          "B",
+                                                 "variance.R", "variance.G", "variance.B",
+                                                 "emission.R", "emission.G", "emission.B"};
 
 static struct satin_film *grey(int width, int height, float value, int channels) {
-    struct satin_film *film = film_new(width, height, names, channels);
+    struct satin_film *film = film_new(width, height, film_compare_names, channels);
     for (int c = 0; c < 3 && c < channels; c++)
         for (int i = 0; i < width * height; i++) film->channel[c][i] = value;
     return film;
 }
 
-static bool near(double a, double b) { return fabs(a - b) <= 1e-6 * fabs(b) + 1e-12; }
+static bool film_compare_near(double a, double b) { return fabs(a - b) <= 1e-6 * fabs(b) + 1e-12; }
 
 static void figures_by_hand(void **state) {
     (void)state;
@@ -34,11 +34,11 @@ static void figures_by_hand(void **state) {
     assert_true(d.mean_ratio == 1 && d.discernible == 0 && d.compared == 2 && !d.variance);
     for (int c = 0; c < 3; c++) x->channel[c][1] = 1.0f;
     assert_int_equal(film_compare(x, r, false, (struct log){0}, &d), SATIN_OK);
-    assert_true(near(d.rmse, sqrt(0.125)));
-    assert_true(near(d.relmse, 0.5 * 0.25 / 0.26));
+    assert_true(film_compare_near(d.rmse, sqrt(0.125)));
+    assert_true(film_compare_near(d.relmse, 0.5 * 0.25 / 0.26));
     double step = 1.0 - (1.055 * pow(0.5, 1.0 / 2.4) - 0.055);
-    assert_true(near(d.psnr, -10.0 * log10(0.5 * step * step)));
-    assert_true(near(d.mean_ratio, 1.5));
+    assert_true(film_compare_near(d.psnr, -10.0 * log10(0.5 * step * step)));
+    assert_true(film_compare_near(d.mean_ratio, 1.5));
     assert_true(d.discernible == 0.5);
     satin_film_free(x);
     satin_film_free(r);

@@ -17,20 +17,20 @@
 
 enum { WIDTH = 48, HEIGHT = 32, PIXELS = WIDTH * HEIGHT };
 
-static rgb light[PIXELS], albedo[PIXELS], normal[PIXELS], denoised[PIXELS];
+static rgb film_denoise_light[PIXELS], albedo[PIXELS], normal[PIXELS], denoised[PIXELS];
 
 static float random01(uint64_t i) { return (float)(rng_mix(i) >> 40) * 0x1p-24f; }
 
 // A grey noisy image of mean `brightness`, two colours of albedo, one normal.
-static struct film_noisy noisy(int width, int height, float brightness) {
+static struct film_noisy film_denoise_noisy(int width, int height, float brightness) {
     for (int i = 0; i < width * height; i++) {
         const float value = 2.0f * brightness * random01((uint64_t)i);
-        light[i] = rgb_make(value, value, value);
+        film_denoise_light[i] = rgb_make(value, value, value);
         albedo[i] = rgb_make(i % width < width / 2 ? 0.5f : 1.0f, 0.25f, 0.25f);
         normal[i] = rgb_make(0.0f, 0.0f, 1.0f);
         denoised[i] = rgb_grey(-1.0f);
     }
-    return (struct film_noisy){width, height, light, albedo, normal, denoised, true};
+    return (struct film_noisy){width, height, film_denoise_light, albedo, normal, denoised, true};
 }
 
 static struct film_denoiser *open_fake(const char *mode) {
@@ -47,7 +47,7 @@ static satin_status denoise(struct film_denoiser *d, const struct film_noisy *im
     return film_denoise(d, image, NULL, NULL, (struct log){0});
 }
 
-static double mean(const rgb *image, int pixels) {
+static double film_denoise_mean(const rgb *image, int pixels) {
     double sum = 0.0;
     for (int i = 0; i < pixels; i++) sum += (double)image[i].r;
     return sum / pixels;
@@ -68,10 +68,11 @@ static void any_brightness_of_light_is_taken(void **state) {
     struct film_denoiser *d = open_fake("");
     const float brightness[] = {1e-35f, 1e-12f, 1.0f, 1e12f, 1e35f};
     for (size_t k = 0; k < sizeof brightness / sizeof *brightness; k++) {
-        const struct film_noisy image = noisy(WIDTH, HEIGHT, brightness[k]);
+        const struct film_noisy image = film_denoise_noisy(WIDTH, HEIGHT, brightness[k]);
         assert_int_equal(denoise(d, &image), SATIN_OK);
         for (int i = 0; i < PIXELS; i++)
-            assert_true(fabs((double)denoised[i].r / mean(light, PIXELS) - 1.0) < 1e-6);
+            assert_true(fabs((double)denoised[i].r / film_denoise_mean(film_denoise_light, PIXELS) -
+                             1.0) < 1e-6);
     }
     film_denoiser_free(d);
 }
@@ -79,9 +80,9 @@ static void any_brightness_of_light_is_taken(void **state) {
 static void what_it_cannot_hold_stays(void **state) {
     (void)state;
     struct film_denoiser *d = open_fake("");
-    const struct film_noisy image = noisy(WIDTH, HEIGHT, 1.0f);
-    light[7] = rgb_grey(-3.0f);
-    light[9] = rgb_grey(1e30f);
+    const struct film_noisy image = film_denoise_noisy(WIDTH, HEIGHT, 1.0f);
+    film_denoise_light[7] = rgb_grey(-3.0f);
+    film_denoise_light[9] = rgb_grey(1e30f);
     albedo[3] = rgb_grey(1.5f);
     normal[4] = rgb_grey(-2.0f);
     assert_int_equal(denoise(d, &image), SATIN_OK);
@@ -96,7 +97,7 @@ static void what_it_cannot_hold_stays(void **state) {
 static void black_stays_black(void **state) {
     (void)state;
     struct film_denoiser *d = open_fake("fail");
-    const struct film_noisy image = noisy(WIDTH, HEIGHT, 0.0f);
+    const struct film_noisy image = film_denoise_noisy(WIDTH, HEIGHT, 0.0f);
     assert_int_equal(denoise(d, &image), SATIN_OK);
     for (int i = 0; i < PIXELS; i++) assert_true(rgb_black(denoised[i]));
     film_denoiser_free(d);
@@ -105,17 +106,17 @@ static void black_stays_black(void **state) {
 static void one_pixel_is_an_image(void **state) {
     (void)state;
     struct film_denoiser *d = open_fake("");
-    const struct film_noisy image = noisy(1, 1, 1.0f);
+    const struct film_noisy image = film_denoise_noisy(1, 1, 1.0f);
     assert_int_equal(denoise(d, &image), SATIN_OK);
-    assert_float_equal(denoised[0].r, light[0].r, 1e-6f);
+    assert_float_equal(denoised[0].r, film_denoise_light[0].r, 1e-6f);
     film_denoiser_free(d);
 }
 
 static void guides_are_passed_on(void **state) {
     (void)state;
     struct film_denoiser *d = open_fake("guides");
-    struct film_noisy image = noisy(WIDTH, HEIGHT, 1.0f);
-    for (int i = 0; i < PIXELS; i++) light[i] = rgb_grey(1.0f);  // its brightness is 1
+    struct film_noisy image = film_denoise_noisy(WIDTH, HEIGHT, 1.0f);
+    for (int i = 0; i < PIXELS; i++) film_denoise_light[i] = rgb_grey(1.0f);  // its brightness is 1
     for (int clean = 0; clean < 2; clean++) {
         const float factor = clean ? 2.0f : 1.0f;
         image.clean = clean;
@@ -140,7 +141,7 @@ static void failures_are_reported_once(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct message message = {0};
         struct film_denoiser *d = open_fake(cases[i].mode);
-        const struct film_noisy image = noisy(WIDTH, HEIGHT, 1.0f);
+        const struct film_noisy image = film_denoise_noisy(WIDTH, HEIGHT, 1.0f);
         const struct log log = {keep, &message};
         assert_int_equal(film_denoise(d, &image, NULL, NULL, log), cases[i].status);
         assert_int_equal(message.count, 1);
@@ -158,7 +159,7 @@ static void it_can_be_cancelled(void **state) {
     (void)state;
     struct message message = {0};
     struct film_denoiser *d = open_fake("slow");
-    const struct film_noisy image = noisy(WIDTH, HEIGHT, 1.0f);
+    const struct film_noisy image = film_denoise_noisy(WIDTH, HEIGHT, 1.0f);
     double done = 0.0;
     assert_int_equal(film_denoise(d, &image, stop_later, &done, (struct log){keep, &message}),
                      SATIN_CANCELLED);
@@ -167,7 +168,7 @@ static void it_can_be_cancelled(void **state) {
     film_denoiser_free(d);
 }
 
-static void refuse(const char *library, const char *mode, const char *text) {
+static void film_denoise_refuse(const char *library, const char *mode, const char *text) {
     struct message message = {0};
     struct film_denoiser *d = NULL;
     setenv("SATIN_OIDN", library, 1);
@@ -180,10 +181,11 @@ static void refuse(const char *library, const char *mode, const char *text) {
 
 static void a_library_that_does_not_serve_is_refused(void **state) {
     (void)state;
-    refuse("/nonexistent/libOpenImageDenoise.so.2", "",
-           "cannot open Open Image Denoise, which SATIN_OIDN names: /nonexistent/");
-    refuse("libm.so.6", "", "libm.so.6 is not Open Image Denoise 2: it has no oidnNewDevice");
-    refuse(getenv("FAKE_OIDN_LIBRARY"), "device", "the fake has no device");
+    film_denoise_refuse("/nonexistent/libOpenImageDenoise.so.2", "",
+                        "cannot open Open Image Denoise, which SATIN_OIDN names: /nonexistent/");
+    film_denoise_refuse("libm.so.6", "",
+                        "libm.so.6 is not Open Image Denoise 2: it has no oidnNewDevice");
+    film_denoise_refuse(getenv("FAKE_OIDN_LIBRARY"), "device", "the fake has no device");
 }
 
 // Relative root mean square error against a flat image of the brightness 1.
@@ -210,7 +212,7 @@ static void the_real_one_denoises(void **state) {
             print_message("Open Image Denoise is not there: its own test is skipped\n");
             skip();
         }
-        const struct film_noisy image = noisy(WIDTH, HEIGHT, 1.0f);
+        const struct film_noisy image = film_denoise_noisy(WIDTH, HEIGHT, 1.0f);
         assert_int_equal(denoise(d, &image), SATIN_OK);
         if (threads == 1)
             memcpy(first, denoised, sizeof first);

@@ -28,7 +28,9 @@ struct sample_file {
 };
 
 // A value that half, float and uint hold exactly.
-static uint32_t value_at(int c, int x, int y) { return (uint32_t)(c * 700 + x * 7 + y * 3); }
+static uint32_t film_exr_read_value_at(int c, int x, int y) {
+    return (uint32_t)(c * 700 + x * 7 + y * 3);
+}
 
 // The bits of a non-negative integer below 2048 as half.
 static uint16_t half_bits(uint32_t v) {
@@ -37,7 +39,7 @@ static uint16_t half_bits(uint32_t v) {
     return (uint16_t)((e + 15) << 10 | (int)((v << (10 - e)) & 0x3ff));
 }
 
-static void store(void *out, exr_pixel_type_t type, uint32_t v) {
+static void film_exr_read_store(void *out, exr_pixel_type_t type, uint32_t v) {
     float f = (float)v;
     uint16_t h = half_bits(v);
     if (type == EXR_PIXEL_HALF)
@@ -48,42 +50,43 @@ static void store(void *out, exr_pixel_type_t type, uint32_t v) {
         memcpy(out, &v, 4);
 }
 
-static void check(exr_result_t r) { assert_int_equal(r, EXR_ERR_SUCCESS); }
+static void film_exr_read_check(exr_result_t r) { assert_int_equal(r, EXR_ERR_SUCCESS); }
 
-static void put_chunk(exr_context_t exr, const struct sample_file *f, const exr_chunk_info_t *info,
-                      int x0, int y0) {
+static void film_exr_read_put_chunk(exr_context_t exr, const struct sample_file *f,
+                                    const exr_chunk_info_t *info, int x0, int y0) {
     exr_encode_pipeline_t pipe = EXR_ENCODE_PIPELINE_INITIALIZER;
     int bytes = f->type == EXR_PIXEL_HALF ? 2 : 4;
     uint8_t *pixel = calloc((size_t)(3 * info->width * info->height), (size_t)bytes);
-    check(exr_encoding_initialize(exr, 0, info, &pipe));
+    film_exr_read_check(exr_encoding_initialize(exr, 0, info, &pipe));
     for (int c = 0; c < 3; c++) {
         uint8_t *plane = pixel + c * info->width * info->height * bytes;
         for (int y = 0; y < info->height; y++)
             for (int x = 0; x < info->width; x++)
-                store(plane + (y * info->width + x) * bytes, f->type, value_at(c, x0 + x, y0 + y));
+                film_exr_read_store(plane + (y * info->width + x) * bytes, f->type,
+                                    film_exr_read_value_at(c, x0 + x, y0 + y));
         pipe.channels[c].user_pixel_stride = bytes;
         pipe.channels[c].user_line_stride = bytes * info->width;
         pipe.channels[c].encode_from_ptr = plane;
     }
-    check(exr_encoding_choose_default_routines(exr, 0, &pipe));
-    check(exr_encoding_run(exr, 0, &pipe));
-    check(exr_encoding_destroy(exr, &pipe));
+    film_exr_read_check(exr_encoding_choose_default_routines(exr, 0, &pipe));
+    film_exr_read_check(exr_encoding_run(exr, 0, &pipe));
+    film_exr_read_check(exr_encoding_destroy(exr, &pipe));
     free(pixel);
 }
 
-static void put_pixels(exr_context_t exr, const struct sample_file *f) {
+static void film_exr_read_put_pixels(exr_context_t exr, const struct sample_file *f) {
     exr_chunk_info_t info;
     int32_t lines = TILE;
-    if (!f->tiled) check(exr_get_scanlines_per_chunk(exr, 0, &lines));
+    if (!f->tiled) film_exr_read_check(exr_get_scanlines_per_chunk(exr, 0, &lines));
     for (int y = 0; y < HEIGHT; y += lines) {
         if (!f->tiled) {
-            check(exr_write_scanline_chunk_info(exr, 0, TOP + y, &info));
-            put_chunk(exr, f, &info, 0, y);
+            film_exr_read_check(exr_write_scanline_chunk_info(exr, 0, TOP + y, &info));
+            film_exr_read_put_chunk(exr, f, &info, 0, y);
             continue;
         }
         for (int x = 0; x < WIDTH; x += TILE) {
-            check(exr_write_tile_chunk_info(exr, 0, x / TILE, y / TILE, 0, 0, &info));
-            put_chunk(exr, f, &info, x, y);
+            film_exr_read_check(exr_write_tile_chunk_info(exr, 0, x / TILE, y / TILE, 0, 0, &info));
+            film_exr_read_put_chunk(exr, f, &info, x, y);
         }
     }
 }
@@ -91,9 +94,10 @@ static void put_pixels(exr_context_t exr, const struct sample_file *f) {
 static void make_file(const struct sample_file *f, const char *path) {
     exr_context_t exr;
     exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    check(exr_start_write(&exr, path, EXR_WRITE_FILE_DIRECTLY, &init));
+    film_exr_read_check(exr_start_write(&exr, path, EXR_WRITE_FILE_DIRECTLY, &init));
     int part;
-    check(exr_add_part(exr, NULL, f->tiled ? EXR_STORAGE_TILED : EXR_STORAGE_SCANLINE, &part));
+    film_exr_read_check(
+        exr_add_part(exr, NULL, f->tiled ? EXR_STORAGE_TILED : EXR_STORAGE_SCANLINE, &part));
     exr_attr_box2i_t window;
     window.min.x = LEFT;
     window.min.y = TOP;
@@ -101,17 +105,19 @@ static void make_file(const struct sample_file *f, const char *path) {
     window.max.y = TOP + HEIGHT - 1;
     exr_attr_v2f_t centre;
     centre.x = centre.y = 0;
-    check(exr_initialize_required_attr(exr, 0, &window, &window, 1.0f, &centre, 1.0f,
-                                       EXR_LINEORDER_INCREASING_Y, f->compression));
+    film_exr_read_check(exr_initialize_required_attr(exr, 0, &window, &window, 1.0f, &centre, 1.0f,
+                                                     EXR_LINEORDER_INCREASING_Y, f->compression));
     if (f->tiled)
-        check(exr_set_tile_descriptor(exr, 0, TILE, TILE, EXR_TILE_ONE_LEVEL, EXR_TILE_ROUND_DOWN));
+        film_exr_read_check(
+            exr_set_tile_descriptor(exr, 0, TILE, TILE, EXR_TILE_ONE_LEVEL, EXR_TILE_ROUND_DOWN));
     static const char *const names[] = {"B", "G", "R"};
     for (int c = 0; c < 3; c++)
-        check(exr_add_channel(exr, 0, names[c], f->type, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1));
-    check(exr_attr_set_string(exr, 0, "comments", "made by a test"));
-    check(exr_write_header(exr));
-    put_pixels(exr, f);
-    check(exr_finish(&exr));
+        film_exr_read_check(
+            exr_add_channel(exr, 0, names[c], f->type, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1));
+    film_exr_read_check(exr_attr_set_string(exr, 0, "comments", "made by a test"));
+    film_exr_read_check(exr_write_header(exr));
+    film_exr_read_put_pixels(exr, f);
+    film_exr_read_check(exr_finish(&exr));
 }
 
 // B44 is lossy; the others hold the values exactly (PXR24 drops bits that they do not have).
@@ -133,7 +139,7 @@ static void every_kind(void **state) {
         for (int c = 0; c < 3; c++) {
             const float *channel = satin_film_channel(film, c == 0 ? "B" : c == 1 ? "G" : "R");
             for (int p = 0; p < WIDTH * HEIGHT; p++) {
-                float want = (float)value_at(c, p % WIDTH, p / WIDTH);
+                float want = (float)film_exr_read_value_at(c, p % WIDTH, p / WIDTH);
                 float slack = lossy ? 0.1f * want + 16.0f : 0.0f;
                 assert_true(fabsf(channel[p] - want) <= slack);
             }
@@ -154,7 +160,7 @@ static char *file_bytes(const struct sample_file *f, size_t *size) {
 }
 
 // A file that is cut at any byte is refused in one line.
-static void cut_short(void **state) {
+static void film_exr_read_cut_short(void **state) {
     (void)state;
     for (int tiled = 0; tiled < 2; tiled++) {
         size_t size;
@@ -234,7 +240,7 @@ static void not_a_file(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_kind),    cmocka_unit_test(cut_short),
+        cmocka_unit_test(every_kind),    cmocka_unit_test(film_exr_read_cut_short),
         cmocka_unit_test(flipped_bytes), cmocka_unit_test(promises_too_much),
         cmocka_unit_test(not_a_file),
     };

@@ -20,13 +20,13 @@
 #include "message_case.h"
 #include "satin/render.h"
 
-static const char *const names[] = {"R",        "G",       "B",
-                                    "direct.R", "depth.Z", "a.very.long.name.of.a.channel"};
+static const char *const film_exr_write_names[] = {
+    "R", "G", "B", "direct.R", "depth.Z", "a.very.long.name.of.a.channel"};
 enum { NAMES = 6 };
 
 // Enough lines for more than one batch of chunks when `height` is over 1024.
-static struct satin_film *noisy(int width, int height) {
-    struct satin_film *film = film_new(width, height, names, NAMES);
+static struct satin_film *film_exr_write_noisy(int width, int height) {
+    struct satin_film *film = film_new(width, height, film_exr_write_names, NAMES);
     assert_non_null(film);
     for (int c = 0; c < NAMES; c++)
         for (int i = 0; i < width * height; i++) {
@@ -47,12 +47,12 @@ static char *slurp(const char *path, size_t *size) {
 
 static void round_trip(void **state) {
     (void)state;
-    struct satin_film *film = noisy(37, 1100), *back = NULL;
+    struct satin_film *film = film_exr_write_noisy(37, 1100), *back = NULL;
     assert_int_equal(satin_film_write_exr(film, "round_trip.exr", NULL, NULL), SATIN_OK);
     assert_int_equal(satin_film_read("round_trip.exr", NULL, NULL, &back), SATIN_OK);
     assert_int_equal(back->channel_count, NAMES);
     for (int c = 0; c < NAMES; c++) {
-        const float *read = satin_film_channel(back, names[c]);
+        const float *read = satin_film_channel(back, film_exr_write_names[c]);
         assert_non_null(read);
         assert_memory_equal(read, film->channel[c], 37 * 1100 * sizeof(float));
     }
@@ -65,7 +65,7 @@ static void round_trip(void **state) {
 
 static void same_bytes_for_any_threads(void **state) {
     (void)state;
-    struct satin_film *film = noisy(64, 1100);
+    struct satin_film *film = film_exr_write_noisy(64, 1100);
     size_t size[3];
     char *data[3];
     for (int i = 0; i < 3; i++) {
@@ -83,7 +83,7 @@ static void same_bytes_for_any_threads(void **state) {
 
 static void not_finite_becomes_zero(void **state) {
     (void)state;
-    struct satin_film *film = noisy(8, 20), *back = NULL;
+    struct satin_film *film = film_exr_write_noisy(8, 20), *back = NULL;
     film->channel[0][0] = NAN;
     film->channel[1][100] = INFINITY;
     film->channel[2][159] = -INFINITY;
@@ -104,7 +104,7 @@ static void not_finite_becomes_zero(void **state) {
 
 static void failure_leaves_nothing(void **state) {
     (void)state;
-    struct satin_film *film = noisy(8, 8), *twice = NULL;
+    struct satin_film *film = film_exr_write_noisy(8, 8), *twice = NULL;
     struct message message = {0};
     assert_int_equal(satin_film_write_exr(film, "no/such/folder.exr", keep, &message),
                      SATIN_ERROR_IO);

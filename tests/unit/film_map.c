@@ -17,7 +17,7 @@
 
 enum { WIDTH = 1024 };
 
-static void read_png(const char *path, unsigned char pixel[3 * WIDTH]) {
+static void film_map_read_png(const char *path, unsigned char pixel[3 * WIDTH]) {
     png_image image = {.version = PNG_IMAGE_VERSION};
     assert_true(png_image_begin_read_from_file(&image, path));
     assert_int_equal(image.width, WIDTH);
@@ -50,7 +50,7 @@ static void colours_grow_lighter(void **state) {
     assert_int_equal(film_write_map(film, value, "map.png", (struct log){0}, &top), SATIN_OK);
     assert_true(top > 0.98f * WIDTH && top < WIDTH);
     unsigned char pixel[3 * WIDTH];
-    read_png("map.png", pixel);
+    film_map_read_png("map.png", pixel);
     for (int i = 0; i < 12; i++) assert_int_equal(pixel[i], 0);
     // The steps are equal in CIE lightness too, except for the difference of the two formulas.
     const int step = 100;
@@ -71,7 +71,7 @@ static void nothing_is_black(void **state) {
                      SATIN_OK);
     assert_true(top == 0.0f);
     unsigned char pixel[3 * WIDTH];
-    read_png("map.png", pixel);
+    film_map_read_png("map.png", pixel);
     for (int i = 0; i < 3 * WIDTH; i++) assert_int_equal(pixel[i], 0);
     satin_film_free(film);
 }
@@ -84,14 +84,14 @@ static void dots_over_grey(void **state) {
     film->channel[3][1] = 1.0f;
     assert_int_equal(film_write_dots(film, film->channel[3], "map.png", (struct log){0}), SATIN_OK);
     unsigned char pixel[3 * WIDTH];
-    read_png("map.png", pixel);
+    film_map_read_png("map.png", pixel);
     assert_true(pixel[0] == pixel[1] && pixel[1] == pixel[2] && abs(pixel[0] - 188) <= 1);
     assert_int_equal(pixel[3], 255);
     assert_true(pixel[5] < 100);
     satin_film_free(film);
 }
 
-static void no_beauty_no_file(void **state) {
+static void film_map_no_beauty_no_file(void **state) {
     (void)state;
     const char *const names[] = {"x"};
     struct satin_film *film = film_new(4, 1, names, 1);
@@ -106,7 +106,7 @@ int main(void) {
         cmocka_unit_test(colours_grow_lighter),
         cmocka_unit_test(nothing_is_black),
         cmocka_unit_test(dots_over_grey),
-        cmocka_unit_test(no_beauty_no_file),
+        cmocka_unit_test(film_map_no_beauty_no_file),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -36,7 +36,7 @@ static void known_bytes(void **state) {
     unlink("known.png");
 }
 
-static void no_beauty_no_file(void **state) {
+static void film_png_no_beauty_no_file(void **state) {
     (void)state;
     const char *const names[] = {"R", "G"};
     struct satin_film *film = film_new(8, 1, names, 2);
@@ -48,7 +48,7 @@ static void no_beauty_no_file(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(known_bytes),
-        cmocka_unit_test(no_beauty_no_file),
+        cmocka_unit_test(film_png_no_beauty_no_file),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

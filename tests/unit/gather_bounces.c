@@ -88,7 +88,8 @@ static void lit_sphere(struct test_scene *t, float albedo) {
 }
 
 // The point that a ray from near its middle hits.
-static struct gather_point sphere_point(const struct gather *g, struct sampler *sampler) {
+static struct gather_point gather_bounces_sphere_point(const struct gather *g,
+                                                       struct sampler *sampler) {
     struct gather_first first;
     struct gather_point y;
     const struct ray ray = {v3(0.1f, 0, 0), 0.0f, v3(1, 0, 0), INFINITY};
@@ -109,7 +110,7 @@ static void bounces_end_with_the_longest_path(void **state) {
     const struct photon_maps maps = {.area = true};
     const struct gather g = gather_make(&t.scene, &options, &maps);
     struct sampler sampler = {0, 5, 0};
-    const struct gather_point y = sphere_point(&g, &sampler);
+    const struct gather_point y = gather_bounces_sphere_point(&g, &sampler);
     const struct gather_estimate none = {rgb_grey(0.0f), false, NULL, 1};
     // With three segments the lamp lights y, and no bounce is kept; with four, one bounce is.
     const float expected[] = {ALBEDO, ALBEDO * (1.0f + ALBEDO)};
@@ -150,7 +151,7 @@ static void photons_are_within_the_longest_path(void **state) {
     f.options.max_depth = DEPTH;
     trace_photons(&f, 100000);
     struct sampler sampler = {0, 5, 0};
-    const struct gather_point y = sphere_point(&f.g, &sampler);
+    const struct gather_point y = gather_bounces_sphere_point(&f.g, &sampler);
     const struct gather_estimate none = {rgb_grey(0.0f), false, NULL, 1};
     double sum = 0.0, expected = 0.0;
     for (uint32_t i = 0; i < PATHS; i++)

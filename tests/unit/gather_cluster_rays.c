@@ -9,12 +9,13 @@
 
 enum { ORDER = 6, N2 = ORDER * ORDER, STREAMS = 32, RAYS = 600 };
 
-struct fixture {
+struct gather_cluster_rays_fixture {
     float half_angle;  // of the beam that makes the spot
     struct spot_room room;
 };
 
-static void start(struct fixture *f, int order, float half_angle) {
+static void gather_cluster_rays_start(struct gather_cluster_rays_fixture *f, int order,
+                                      float half_angle) {
     satin_options options = satin_options_default;
     options.first_pass = SATIN_FIRST_NONE;
     options.max_depth = -1;
@@ -22,13 +23,13 @@ static void start(struct fixture *f, int order, float half_angle) {
     spot_room_make(&f->room, half_angle, options, RAYS, order);
 }
 
-static struct gather_site floor_site(uint64_t stream) {
+static struct gather_site gather_cluster_rays_floor_site(uint64_t stream) {
     vec3 n = v3(0, 1, 0);
     return (struct gather_site){v3(-0.3f, -1.0f, 0.4f), n, frame_from_normal(n), stream, true};
 }
 
 // The flux into the spot, reflected, comes to p from one direction: E over the cosine at p.
-static double arrives(const struct fixture *f, vec3 p, vec3 *w) {
+static double arrives(const struct gather_cluster_rays_fixture *f, vec3 p, vec3 *w) {
     const vec3 d = v3_sub(v3(LAMP.x, 1.0f, LAMP.z), p);
     const double r = (double)v3_len(d),
                  flux = 2.0 * 3.14159265358979 * (1.0 - (double)cosf(f->half_angle));
@@ -37,9 +38,9 @@ static double arrives(const struct fixture *f, vec3 p, vec3 *w) {
 }
 
 static void check_irradiance(float half_angle, double tolerance) {
-    struct fixture f;
-    start(&f, 0, half_angle);
-    const struct gather_site first = floor_site(0);
+    struct gather_cluster_rays_fixture f;
+    gather_cluster_rays_start(&f, 0, half_angle);
+    const struct gather_site first = gather_cluster_rays_floor_site(0);
     vec3 w;
     const double E = arrives(&f, first.p, &w) * (double)w.y;
     // E = const * height^2 / r^4.
@@ -47,7 +48,7 @@ static void check_irradiance(float half_angle, double tolerance) {
     const vec3 moved = v3_mul(v3(d.x, 0.0f, d.z), 4.0f * (float)E / v3_len2(d));
     double sum = 0.0, square = 0.0, gradient = 0.0, rotation = 0.0;
     for (uint64_t i = 0; i < STREAMS; i++) {
-        const struct gather_site site = floor_site(i);
+        const struct gather_site site = gather_cluster_rays_floor_site(i);
         const struct gather_irradiance value = spot_room_irradiance(&f.room, &site);
         assert_true(value.rays > RAYS && value.rays <= RAYS * 3 / 2 + 3);
         const double x = (double)value.E.g / E;
@@ -68,7 +69,7 @@ static void check_irradiance(float half_angle, double tolerance) {
     f.room.options.guide_clusters = false;
     int dark = 0;
     for (uint64_t i = 0; i < STREAMS; i++) {
-        const struct gather_site site = floor_site(i);
+        const struct gather_site site = gather_cluster_rays_floor_site(i);
         const struct gather_irradiance value = spot_room_irradiance(&f.room, &site);
         assert_int_equal(value.rays, gather_layout_rays(f.room.layout));
         dark += value.E.g == 0.0f;
@@ -88,10 +89,10 @@ static void irradiance_is_right(void **state) {
 // direction.
 static void radiance_is_right(void **state) {
     (void)state;
-    struct fixture f;
-    start(&f, ORDER, 0.03f);
+    struct gather_cluster_rays_fixture f;
+    gather_cluster_rays_start(&f, ORDER, 0.03f);
     double sum[3][N2] = {{0}};
-    struct gather_site site = floor_site(0);
+    struct gather_site site = gather_cluster_rays_floor_site(0);
     for (uint64_t i = 0; i < STREAMS; i++) {
         float lambda[3 * N2], dx[3 * N2], dy[3 * N2], noise[N2];
         struct gather_radiance out = {.lambda = lambda, .dx = dx, .dy = dy, .noise = noise};

@@ -13,7 +13,7 @@
 #include "test_scene.h"
 
 // A white floor with `lamps` point lights above it, of which a plate hides all but the first.
-static void scene_of(struct test_scene *t, int lamps) {
+static void gather_direct_scene_of(struct test_scene *t, int lamps) {
     test_scene_init(t);
     const uint32_t white = test_diffuse(t, 1.0f, 1.0f, 1.0f);
     test_rectangle(t, test_transform(v3(0, 0, 0), v3(9, 9, 1)), white);
@@ -34,7 +34,8 @@ static struct gather_point below(const struct test_scene *t) {
     return p;
 }
 
-static double mean_of(const struct test_scene *t, int samples, int runs, double *deviation) {
+static double gather_direct_mean_of(const struct test_scene *t, int samples, int runs,
+                                    double *deviation) {
     const satin_options options = satin_options_default;
     const struct gather g = {.scene = &t->scene, .options = &options};
     const struct gather_mis alone = {1, {{BRDF_SMOOTH, 0.0f}}};
@@ -59,8 +60,8 @@ static void few_lights_are_all_sampled(void **state) {
     for (int lamps = 1; lamps <= 4; lamps++) {
         struct test_scene t;
         double deviation;
-        scene_of(&t, lamps);
-        assert_true(fabs(mean_of(&t, 1, 64, &deviation) * M_PI - 1.0) < 1e-4);
+        gather_direct_scene_of(&t, lamps);
+        assert_true(fabs(gather_direct_mean_of(&t, 1, 64, &deviation) * M_PI - 1.0) < 1e-4);
         assert_true(deviation < 1e-5);
         test_scene_free(&t);
     }
@@ -71,8 +72,8 @@ static void samples_choose_where_they_suffice(void **state) {
     enum { RUNS = 20000 };
     struct test_scene t;
     double deviation;
-    scene_of(&t, 3);
-    double mean = mean_of(&t, 3, RUNS, &deviation);
+    gather_direct_scene_of(&t, 3);
+    double mean = gather_direct_mean_of(&t, 3, RUNS, &deviation);
     assert_true(deviation > 0.01);
     assert_true(fabs(mean * M_PI - 1.0) < 5.0 * M_PI * deviation / sqrt(RUNS));
     test_scene_free(&t);

@@ -17,43 +17,43 @@
 
 enum { ORDER = 6, N2 = ORDER * ORDER, STREAMS = 24 };
 
-struct fixture {
+struct gather_hemisphere_fixture {
     struct test_scene scene;
     satin_options options;
     struct gather g;
 };
 
-static void start(struct fixture *f) {
+static void gather_hemisphere_start(struct gather_hemisphere_fixture *f) {
     f->options = satin_options_default;
     f->options.first_pass = SATIN_FIRST_NONE;
     f->options.max_depth = -1;
     f->g = gather_make(&f->scene.scene, &f->options, NULL);
 }
 
-static struct gather_site floor_site(float x, float z, uint64_t stream) {
+static struct gather_site gather_hemisphere_floor_site(float x, float z, uint64_t stream) {
     vec3 n = v3(0, 1, 0);
     return (struct gather_site){v3(x, -1.0f, z), n, frame_from_normal(n), stream, true};
 }
 
 // A closed box whose walls reflect half and emit half: gathered radiance is 1 / 4 everywhere.
-static void furnace_box(struct fixture *f) {
+static void furnace_box(struct gather_hemisphere_fixture *f) {
     test_scene_init(&f->scene);
     uint32_t wall = test_diffuse(&f->scene, 0.5f, 0.5f, 0.5f);
     uint32_t box = test_cube(&f->scene, mat4_identity(), true, wall);
     test_area_light(&f->scene, box, rgb_grey(0.5f));
     test_scene_finish(&f->scene);
-    start(f);
+    gather_hemisphere_start(f);
 }
 
 static void a_furnace_has_no_gradients(void **state) {
     (void)state;
-    struct fixture f;
+    struct gather_hemisphere_fixture f;
     furnace_box(&f);
     struct gather_layout *layout = gather_layout_new(1000, SATIN_HSH, 0);
     struct gather_worker *worker = gather_workers_new(NULL, gather_layout_rays(layout));
     double E = 0.0, sum[4] = {0}, square[4] = {0};
     for (uint64_t i = 0; i < STREAMS; i++) {
-        struct gather_site site = floor_site(0.3f, 0.2f, i);
+        struct gather_site site = gather_hemisphere_floor_site(0.3f, 0.2f, i);
         struct gather_irradiance value;
         gather_hemisphere_trace(&f.g, layout, &site, worker->scratch, worker->hemisphere);
         gather_hemisphere_irradiance(&f.g, worker->hemisphere, &value);
@@ -76,17 +76,18 @@ static void a_furnace_has_no_gradients(void **state) {
     test_scene_free(&f.scene);
 }
 
-static void point_lit_box(struct fixture *f) {
+static void point_lit_box(struct gather_hemisphere_fixture *f) {
     test_scene_init(&f->scene);
     test_cube(&f->scene, mat4_identity(), true, test_diffuse(&f->scene, 0.5f, 0.6f, 0.7f));
     test_light(&f->scene,
                (struct light){
                    .kind = LIGHT_POINT, .position = v3(0.5f, 0.4f, 0.1f), .value = rgb_grey(1.0f)});
     test_scene_finish(&f->scene);
-    start(f);
+    gather_hemisphere_start(f);
 }
 
-static struct gather_irradiance irradiance_at(struct fixture *f, struct gather_layout *layout,
+static struct gather_irradiance irradiance_at(struct gather_hemisphere_fixture *f,
+                                              struct gather_layout *layout,
                                               const struct gather_worker *worker,
                                               struct gather_site site) {
     struct gather_irradiance value;
@@ -95,21 +96,23 @@ static struct gather_irradiance irradiance_at(struct fixture *f, struct gather_l
     return value;
 }
 
-static void radiance_at(const struct fixture *f, const struct gather_layout *layout,
-                        const struct gather_worker *worker, const struct gather_site *site,
-                        struct gather_radiance *out) {
+static void radiance_at(const struct gather_hemisphere_fixture *f,
+                        const struct gather_layout *layout, const struct gather_worker *worker,
+                        const struct gather_site *site, struct gather_radiance *out) {
     gather_hemisphere_trace(&f->g, layout, site, worker->scratch, worker->hemisphere);
     gather_hemisphere_radiance(&f->g, worker->hemisphere, out);
 }
 
 // Mean and deviation over streams of the irradiance by 400 rays below polished walls.
-static double polished_irradiance(struct fixture *f, double *deviation) {
+static double polished_irradiance(struct gather_hemisphere_fixture *f, double *deviation) {
     enum { MANY = 256 };
     struct gather_layout *layout = gather_layout_new(400, SATIN_HSH, 0);
     struct gather_worker *worker = gather_workers_new(NULL, gather_layout_rays(layout));
     double sum = 0.0, square = 0.0;
     for (uint64_t i = 0; i < MANY; i++) {
-        const double E = (double)irradiance_at(f, layout, worker, floor_site(0.3f, 0.2f, i)).E.g;
+        const double E =
+            (double)irradiance_at(f, layout, worker, gather_hemisphere_floor_site(0.3f, 0.2f, i))
+                .E.g;
         sum += E;
         square += E * E;
     }
@@ -124,7 +127,7 @@ static double polished_irradiance(struct fixture *f, double *deviation) {
 // angle of their stratum.
 static void polished_walls_are_seen_through_beams(void **state) {
     (void)state;
-    struct fixture f;
+    struct gather_hemisphere_fixture f;
     test_scene_init(&f.scene);
     const uint32_t polished = test_material(&f.scene, "phong", rgb_grey(0.0f), rgb_grey(0.5f));
     struct material *m = &f.scene.scene.material[polished];
@@ -134,7 +137,7 @@ static void polished_walls_are_seen_through_beams(void **state) {
                (struct light){
                    .kind = LIGHT_POINT, .position = v3(0.5f, 0.4f, 0.1f), .value = rgb_grey(1.0f)});
     test_scene_finish(&f.scene);
-    start(&f);
+    gather_hemisphere_start(&f);
     double beams, rays;
     f.options.texture_filter = false;
     const double by_rays = polished_irradiance(&f, &rays);
@@ -150,18 +153,23 @@ static void polished_walls_are_seen_through_beams(void **state) {
 
 static void irradiance_gradients_match_differences(void **state) {
     (void)state;
-    struct fixture f;
+    struct gather_hemisphere_fixture f;
     point_lit_box(&f);
     struct gather_layout *layout = gather_layout_new(12000, SATIN_HSH, 0);
     struct gather_worker *worker = gather_workers_new(NULL, gather_layout_rays(layout));
     const float h = 0.02f, x = -0.3f, z = 0.2f;
     double error = 0.0, size = 0.0;
     for (uint64_t i = 0; i < 4; i++) {
-        struct gather_irradiance here = irradiance_at(&f, layout, worker, floor_site(x, z, i));
+        struct gather_irradiance here =
+            irradiance_at(&f, layout, worker, gather_hemisphere_floor_site(x, z, i));
         for (int axis = 0; axis < 2; axis++) {
             float dx = axis ? 0.0f : h, dz = axis ? h : 0.0f;
-            float up = irradiance_at(&f, layout, worker, floor_site(x + dx, z + dz, i)).E.g;
-            float down = irradiance_at(&f, layout, worker, floor_site(x - dx, z - dz, i)).E.g;
+            float up =
+                irradiance_at(&f, layout, worker, gather_hemisphere_floor_site(x + dx, z + dz, i))
+                    .E.g;
+            float down =
+                irradiance_at(&f, layout, worker, gather_hemisphere_floor_site(x - dx, z - dz, i))
+                    .E.g;
             double difference = (double)(up - down) / (2.0 * (double)h);
             double given = (double)(axis ? here.grad_t[1].z : here.grad_t[1].x);
             error += (given - difference) * (given - difference);
@@ -179,7 +187,7 @@ static void irradiance_gradients_match_differences(void **state) {
 
 static void rotation_gradient_matches_a_tilt(void **state) {
     (void)state;
-    struct fixture f;
+    struct gather_hemisphere_fixture f;
     point_lit_box(&f);
     struct gather_layout *layout = gather_layout_new(12000, SATIN_HSH, 0);
     struct gather_worker *worker = gather_workers_new(NULL, gather_layout_rays(layout));
@@ -187,7 +195,7 @@ static void rotation_gradient_matches_a_tilt(void **state) {
     const float tilt = 0.035f;
     double given = 0.0, difference = 0.0;
     for (uint64_t i = 0; i < STREAMS; i++) {
-        struct gather_site site = floor_site(0.8f, 0.1f, i);
+        struct gather_site site = gather_hemisphere_floor_site(0.8f, 0.1f, i);
         given += (double)v3_dot(v3_cross(v3(0, 1, 0), v3(1, 0, 0)),
                                 irradiance_at(&f, layout, worker, site).grad_r[1]);
         for (int side = -1; side <= 1; side += 2) {
@@ -209,14 +217,14 @@ static void rotation_gradient_matches_a_tilt(void **state) {
 
 static void radiance_gradients_match_differences(void **state) {
     (void)state;
-    struct fixture f;
+    struct gather_hemisphere_fixture f;
     point_lit_box(&f);
     struct gather_layout *layout = gather_layout_new(16000, SATIN_HSH, ORDER);
     struct gather_worker *worker = gather_workers_new(NULL, gather_layout_rays(layout));
     const float h = 0.02f, x = -0.3f, z = 0.2f;
     float a[3 * N2], dx[3 * N2], dy[3 * N2], up[3 * N2], down[3 * N2];
     double error = 0.0, size = 0.0;
-    struct gather_site site = floor_site(x, z, 5);
+    struct gather_site site = gather_hemisphere_floor_site(x, z, 5);
     struct gather_radiance here = {.lambda = a, .dx = dx, .dy = dy};
     radiance_at(&f, layout, worker, &site, &here);
     for (int axis = 0; axis < 2; axis++) {
@@ -243,12 +251,12 @@ static void radiance_gradients_match_differences(void **state) {
 
 static void constant_radiance_has_one_coefficient(void **state) {
     (void)state;
-    struct fixture f;
+    struct gather_hemisphere_fixture f;
     furnace_box(&f);
     struct gather_layout *layout = gather_layout_new(20000, SATIN_HSH, ORDER);
     struct gather_worker *worker = gather_workers_new(NULL, gather_layout_rays(layout));
     float a[3 * N2];
-    struct gather_site site = floor_site(0.1f, -0.4f, 3);
+    struct gather_site site = gather_hemisphere_floor_site(0.1f, -0.4f, 3);
     radiance_at(&f, layout, worker, &site, &(struct gather_radiance){.lambda = a});
     // 1 / 4 times the integral of H_0 = 1 / sqrt(2 pi) over the hemisphere. One light sample of six
     // faces spreads by less than its mean, so a coefficient's standard error is below 0.7 %; five
@@ -265,12 +273,13 @@ static void constant_radiance_has_one_coefficient(void **state) {
 // The results of a hemisphere stay when the worker gathers the next one.
 static void hemispheres_own_what_they_found(void **state) {
     (void)state;
-    struct fixture f;
+    struct gather_hemisphere_fixture f;
     furnace_box(&f);
     struct gather_layout *layout = gather_layout_new(100, SATIN_HSH, 0);
     struct gather_worker *worker = gather_workers_new(NULL, gather_layout_rays(layout));
     struct gather_hemisphere *other = gather_hemisphere_new(gather_layout_rays(layout));
-    const struct gather_site here = floor_site(0.3f, 0.2f, 0), there = floor_site(-0.7f, 0.1f, 1);
+    const struct gather_site here = gather_hemisphere_floor_site(0.3f, 0.2f, 0),
+                             there = gather_hemisphere_floor_site(-0.7f, 0.1f, 1);
     struct gather_irradiance before, after;
     gather_hemisphere_trace(&f.g, layout, &here, worker->scratch, worker->hemisphere);
     gather_hemisphere_irradiance(&f.g, worker->hemisphere, &before);

@@ -9,12 +9,13 @@
 
 enum { STREAMS = 64, RAYS = 600, POINTS = 1 << 16 };
 
-static const float HALF_ANGLE = 0.02f;
+static const float GATHER_NEAR_HALF_ANGLE = 0.02f;
 
-static void start(struct spot_room *f) {
+static void gather_near_start(struct spot_room *f) {
     satin_options options = satin_options_default;
     options.max_depth = 4;  // the eye, the site, a wall, the spot of light, the lamp
-    spot_room_make(f, HALF_ANGLE, options, RAYS, 0);  // without photons every hit is near
+    spot_room_make(f, GATHER_NEAR_HALF_ANGLE, options, RAYS,
+                   0);  // without photons every hit is near
 }
 
 static struct gather_site ceiling_site(uint64_t stream) {
@@ -24,9 +25,9 @@ static struct gather_site ceiling_site(uint64_t stream) {
 
 // Irradiance at the site: the flux into the spot is reflected to y as from a point, then to the
 // site.
-static double expected(const struct spot_room *f) {
+static double gather_near_expected(const struct spot_room *f) {
     const struct gather_site site = ceiling_site(0);
-    const double flux = 2.0 * 3.14159265358979 * (1.0 - (double)cosf(HALF_ANGLE));
+    const double flux = 2.0 * 3.14159265358979 * (1.0 - (double)cosf(GATHER_NEAR_HALF_ANGLE));
     double sum = 0.0;
     for (uint32_t i = 0; i < POINTS; i++) {
         const vec2 u = sample_sobol2(i, 7);
@@ -42,12 +43,12 @@ static double expected(const struct spot_room *f) {
     return 3.14159265358979 * diffuse * diffuse * flux * sum;
 }
 
-struct errors {
+struct gather_near_errors {
     double mean, rms, most;  // relative
 };
 
-static struct errors errors_of(struct spot_room *f, bool guided, double E) {
-    struct errors e = {0};
+static struct gather_near_errors gather_near_errors_of(struct spot_room *f, bool guided, double E) {
+    struct gather_near_errors e = {0};
     f->options.guide_clusters = guided;
     for (uint64_t i = 0; i < STREAMS; i++) {
         const struct gather_site site = ceiling_site(i);
@@ -65,14 +66,14 @@ static struct errors errors_of(struct spot_room *f, bool guided, double E) {
 static void positions_hidden_from_the_site_are_sampled(void **state) {
     (void)state;
     struct spot_room f;
-    start(&f);
-    const double E = expected(&f);
-    const struct errors with = errors_of(&f, true, E);
+    gather_near_start(&f);
+    const double E = gather_near_expected(&f);
+    const struct gather_near_errors with = gather_near_errors_of(&f, true, E);
     // Four standard deviations of the mean; a run by the BRDF alone shows the noise without
     // clusters.
     assert_true(fabs(with.mean) < 4.0 * with.rms / sqrt(STREAMS));
     assert_true(with.rms < 0.15);
-    assert_true(errors_of(&f, false, E).rms > 1.0);
+    assert_true(gather_near_errors_of(&f, false, E).rms > 1.0);
     spot_room_free(&f);
 }
 
@@ -81,7 +82,7 @@ static void positions_hidden_from_the_site_are_sampled(void **state) {
 static void weights_are_unbiased(void **state) {
     (void)state;
     struct spot_room f;
-    start(&f);
+    gather_near_start(&f);
     const struct gather_site site = ceiling_site(0);
     struct gather_cluster_rays clusters;
     const struct gather_near *near = &clusters.near;
@@ -100,7 +101,7 @@ static void weights_are_unbiased(void **state) {
         const vec3 d = wall ? v3_unit(v3(1.0f, -2.0f, 0.2f)) : v3(0, -1, 0);
         const struct ray ray = scene_spawn(&f.scene.scene, site.p, site.ng, d);
         const vec3 spot = v3(LAMP.x, 1.0f, LAMP.z);
-        const float r = tanf(HALF_ANGLE);
+        const float r = tanf(GATHER_NEAR_HALF_ANGLE);
         struct interaction s;
         struct gather_point y;
         assert_true(scene_intersect(&f.scene.scene, &ray, &s));

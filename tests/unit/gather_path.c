@@ -15,16 +15,16 @@
 
 enum { PATHS = 20000 };
 
-struct mean {
+struct gather_path_mean {
     double value, variance;  // the variance of `value`
 };
 
-static struct mean mean_of(double sum, double squares) {
+static struct gather_path_mean gather_path_mean_of(double sum, double squares) {
     double value = sum / PATHS;
-    return (struct mean){value, (squares / PATHS - value * value) / (PATHS - 1)};
+    return (struct gather_path_mean){value, (squares / PATHS - value * value) / (PATHS - 1)};
 }
 
-static struct mean by_paths(const struct gather *g, vec3 wo) {
+static struct gather_path_mean by_paths(const struct gather *g, vec3 wo) {
     double sum = 0.0, squares = 0.0;
     for (uint32_t i = 0; i < PATHS; i++) {
         struct rng rng = rng_make(1, RNG_TEST, i);
@@ -35,10 +35,10 @@ static struct mean by_paths(const struct gather *g, vec3 wo) {
         sum += L;
         squares += L * L;
     }
-    return mean_of(sum, squares);
+    return gather_path_mean_of(sum, squares);
 }
 
-static struct mean by_brdf(const struct brdf *b, vec3 wo) {
+static struct gather_path_mean by_brdf(const struct brdf *b, vec3 wo) {
     double sum = 0.0, squares = 0.0;
     struct rng rng = rng_make(2, RNG_TEST, 0);
     for (int i = 0; i < PATHS; i++) {
@@ -48,7 +48,7 @@ static struct mean by_brdf(const struct brdf *b, vec3 wo) {
         sum += (double)s.weight.g;
         squares += (double)(s.weight.g * s.weight.g);
     }
-    return mean_of(sum, squares);
+    return gather_path_mean_of(sum, squares);
 }
 
 static void planes_are_as_bright_as_their_albedo(void **state) {
@@ -66,7 +66,8 @@ static void planes_are_as_bright_as_their_albedo(void **state) {
         const struct gather g = {.scene = &t.scene, .options = &options};
         for (float z = 0.2f; z < 1.0f; z += 0.35f) {
             vec3 wo = v3(sqrtf(1.0f - z * z), 0.0f, z);
-            struct mean a = by_paths(&g, wo), b = by_brdf(&t.material[m].front.base, wo);
+            struct gather_path_mean a = by_paths(&g, wo),
+                                    b = by_brdf(&t.material[m].front.base, wo);
             double off = fabs(a.value - b.value), deviation = sqrt(a.variance + b.variance);
             // One false alarm in 600 runs of the 24 cases.
             if (off > 4.0 * deviation + 1e-4)

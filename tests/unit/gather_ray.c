@@ -19,7 +19,7 @@
 #include "test_scene.h"
 
 // A floor at z = 0 beneath a sky and a lamp.
-static void scene_of(struct test_scene *t) {
+static void gather_ray_scene_of(struct test_scene *t) {
     test_scene_init(t);
     test_rectangle(t, test_transform(v3(0, 0, 0), v3(9, 9, 1)), test_diffuse(t, 1.0f, 1.0f, 1.0f));
     test_light(t, (struct light){.kind = LIGHT_CONSTANT, .value = rgb_grey(1.0f)});
@@ -45,7 +45,7 @@ static struct guide_visibility *cells_at(float height) {
 static void light_is_weighed_at_the_point_that_rays_leave(void **state) {
     (void)state;
     struct test_scene t;
-    scene_of(&t);
+    gather_ray_scene_of(&t);
     satin_options options = satin_options_default;
     options.first_pass = SATIN_FIRST_NONE;
     struct gather_scratch *scratch = gather_scratch_new(NULL, 0);

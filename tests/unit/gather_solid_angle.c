@@ -16,7 +16,7 @@
 
 enum { RAYS = 400, ORDER = 10, N2 = ORDER * ORDER };
 
-struct fixture {
+struct gather_solid_angle_fixture {
     struct gather_layout *layout;
     struct frame frame;
     struct gather_hemisphere *hemisphere;
@@ -25,7 +25,8 @@ struct fixture {
 
 // Hits at distances over three decades, with normals up to 75 degrees from the ray; every seventh
 // ray misses, every eleventh meets a mirror.
-static void start(struct fixture *f, satin_basis basis, int order) {
+static void gather_solid_angle_start(struct gather_solid_angle_fixture *f, satin_basis basis,
+                                     int order) {
     f->layout = gather_layout_new(RAYS, basis, order);
     f->count = gather_layout_rays(f->layout);
     f->frame = frame_from_normal(v3_unit(v3(0.3f, -0.5f, 0.7f)));
@@ -48,15 +49,15 @@ static void start(struct fixture *f, satin_basis basis, int order) {
     }
 }
 
-static void finish(struct fixture *f) {
+static void gather_solid_angle_finish(struct gather_solid_angle_fixture *f) {
     gather_hemisphere_free(f->hemisphere);
     gather_layout_free(f->layout);
 }
 
 // Direction and solid angle, over the previous one, of the area that ray i hit, when the centre has
 // moved by `step` along an axis. False if it is not known.
-static bool moved(const struct fixture *f, size_t i, int axis, double step, double w[3],
-                  double *omega) {
+static bool moved(const struct gather_solid_angle_fixture *f, size_t i, int axis, double step,
+                  double w[3], double *omega) {
     const struct gather_hemisphere *h = f->hemisphere;
     const struct gather_first *hit = &h->ray[i].first;
     const vec3 nl = frame_to_local(&f->frame, hit->ng);
@@ -76,7 +77,8 @@ static bool moved(const struct fixture *f, size_t i, int axis, double step, doub
 }
 
 // Squared error and size of a vector of derivatives.
-static void compare(const float *given, const double *wanted, int count, double limit) {
+static void gather_solid_angle_compare(const float *given, const double *wanted, int count,
+                                       double limit) {
     double error = 0.0, size = 0.0;
     for (int k = 0; k < count; k++) {
         error += ((double)given[k] - wanted[k]) * ((double)given[k] - wanted[k]);
@@ -89,7 +91,7 @@ static void compare(const float *given, const double *wanted, int count, double 
 // A step of a ten-thousandth of r is exact to 1e-6 with derivatives in double; the harmonics are
 // floats, so their differences are good to 1e-3 only and the step must be larger: .003, whose
 // third-order term is that squared times 10 squared.
-static void wanted_radiance(const struct fixture *f, int axis, double *out) {
+static void wanted_radiance(const struct gather_solid_angle_fixture *f, int axis, double *out) {
     const rsh_basis basis = f->layout->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE;
     for (int k = 0; k < 3 * N2; k++) out[k] = 0.0;
     for (size_t i = 0; i < f->count; i++)
@@ -105,9 +107,9 @@ static void wanted_radiance(const struct fixture *f, int axis, double *out) {
         }
 }
 
-static void radiance(satin_basis basis) {
-    struct fixture f;
-    start(&f, basis, ORDER);
+static void test_gather_solid_angle_radiance(satin_basis basis) {
+    struct gather_solid_angle_fixture f;
+    gather_solid_angle_start(&f, basis, ORDER);
     static double wanted[2][3 * N2];
     static float dx[3 * N2], dy[3 * N2];
     for (int axis = 0; axis < 2; axis++) wanted_radiance(&f, axis, wanted[axis]);
@@ -115,26 +117,26 @@ static void radiance(satin_basis basis) {
         memset(dx, 0, sizeof dx);
         memset(dy, 0, sizeof dy);
         gather_solid_angle_radiance(f.hemisphere, differences, 0, dx, dy);
-        compare(dx, wanted[0], 3 * N2, 2e-3);
-        compare(dy, wanted[1], 3 * N2, 2e-3);
+        gather_solid_angle_compare(dx, wanted[0], 3 * N2, 2e-3);
+        gather_solid_angle_compare(dy, wanted[1], 3 * N2, 2e-3);
     }
-    finish(&f);
+    gather_solid_angle_finish(&f);
 }
 
 static void radiance_on_the_hemisphere(void **state) {
     (void)state;
-    radiance(SATIN_HSH);
+    test_gather_solid_angle_radiance(SATIN_HSH);
 }
 
 static void radiance_on_the_sphere(void **state) {
     (void)state;
-    radiance(SATIN_SH);
+    test_gather_solid_angle_radiance(SATIN_SH);
 }
 
-static void irradiance(void **state) {
+static void test_gather_solid_angle_irradiance(void **state) {
     (void)state;
-    struct fixture f;
-    start(&f, SATIN_HSH, 0);
+    struct gather_solid_angle_fixture f;
+    gather_solid_angle_start(&f, SATIN_HSH, 0);
     double wanted[6] = {0};
     for (size_t i = 0; i < f.count; i++)
         for (int k = 0; k < 4; k++) {
@@ -152,17 +154,17 @@ static void irradiance(void **state) {
         vec3 grad[3] = {{0}};
         gather_solid_angle_irradiance(f.hemisphere, differences, 0, grad);
         const float given[6] = {grad[0].x, grad[0].y, grad[1].x, grad[1].y, grad[2].x, grad[2].y};
-        compare(given, wanted, 6, 2e-4);
+        gather_solid_angle_compare(given, wanted, 6, 2e-4);
         for (int c = 0; c < 3; c++) assert_true(grad[c].z == 0.0f);
     }
-    finish(&f);
+    gather_solid_angle_finish(&f);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(radiance_on_the_hemisphere),
         cmocka_unit_test(radiance_on_the_sphere),
-        cmocka_unit_test(irradiance),
+        cmocka_unit_test(test_gather_solid_angle_irradiance),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -20,10 +20,11 @@ static const double TOLERANCE = 0.0026;
 
 static const double SLOPE = 0.75 * 3.14159265358979323846;
 
-static const struct frame FRAME = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+static const struct frame GATHER_STRATIFIED_FRAME = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
 // One jittered ray per stratum; L = 1 + a . w in red, green twice and blue three times that.
-static void look(struct gather_hemisphere *h, const struct gather_layout *l, vec3 a) {
+static void gather_stratified_look(struct gather_hemisphere *h, const struct gather_layout *l,
+                                   vec3 a) {
     struct rng rng = rng_make(7, RNG_GATHER, 1);
     for (int j = 0; j < l->M; j++)
         for (int k = 0; k < l->N; k++) {
@@ -43,8 +44,8 @@ static void irradiance_in_a_sphere(void **state) {
     (void)state;
     struct gather_layout *l = gather_layout_new(RAYS, SATIN_HSH, 0);
     struct gather_hemisphere *h = gather_hemisphere_new(gather_layout_rays(l));
-    gather_hemisphere_begin(h, l, &FRAME);
-    look(h, l, v3(1.0f, 0.0f, 0.0f));
+    gather_hemisphere_begin(h, l, &GATHER_STRATIFIED_FRAME);
+    gather_stratified_look(h, l, v3(1.0f, 0.0f, 0.0f));
     for (int kind = 0; kind < 2; kind++) {
         vec3 grad[3] = {{0}};
         gather_stratified_irradiance(h, kind == 1, grad);
@@ -63,12 +64,12 @@ static void radiance_in_a_sphere(void **state) {
     (void)state;
     struct gather_layout *l = gather_layout_new(RAYS, SATIN_HSH, ORDER);
     struct gather_hemisphere *h = gather_hemisphere_new(gather_layout_rays(l));
-    gather_hemisphere_begin(h, l, &FRAME);
+    gather_hemisphere_begin(h, l, &GATHER_STRATIFIED_FRAME);
     // cos(theta) = (sqrt(2 pi) H_0 + sqrt(2 pi / 3) H_1) / 2.
     const double c0 = 0.5 * sqrt(2.0 * 3.14159265358979), c2 = c0 / sqrt(3.0);
     for (int rotated = 0; rotated < 2; rotated++) {
         float dx[3 * N2] = {0}, dy[3 * N2] = {0};
-        look(h, l, rotated ? v3(0.0f, 1.0f, 0.0f) : v3(1.0f, 0.0f, 0.0f));
+        gather_stratified_look(h, l, rotated ? v3(0.0f, 1.0f, 0.0f) : v3(1.0f, 0.0f, 0.0f));
         gather_stratified_radiance(h, dx, dy);
         for (int c = 0; c < 3; c++) {
             double x = (c0 * (double)dx[c * N2] + c2 * (double)dx[c * N2 + 2]) / (c + 1);

@@ -14,7 +14,7 @@
 
 // A camera amid a cube of half-width 1, with a small lamp at its ceiling, beneath a sky that brings
 // some hundred times its power. The lamp is light 0.
-static void room(struct test_scene *t, bool closed) {
+static void guide_allocation_room(struct test_scene *t, bool closed) {
     test_scene_init(t);
     const uint32_t grey = test_diffuse(t, 0.5f, 0.5f, 0.5f);
     if (closed) {
@@ -37,7 +37,7 @@ static void lamps_in_closed_rooms_get_half(void **state) {
     (void)state;
     struct test_scene t;
     struct guide_allocation allocation;
-    room(&t, true);
+    guide_allocation_room(&t, true);
     const float by_power = t.scene.light_cdf[1];
     assert_true(by_power < 0.01f);
     guide_allocation_make(&t.scene, 1, NULL, &allocation);
@@ -51,7 +51,7 @@ static void skies_over_open_floors_get_most(void **state) {
     (void)state;
     struct test_scene t;
     struct guide_allocation allocation;
-    room(&t, false);
+    guide_allocation_room(&t, false);
     guide_allocation_make(&t.scene, 1, NULL, &allocation);
     // Walks leave the floor upwards and hit only the back of the lamp, or the sky.
     assert_true(allocation.by_power || allocation.fraction[1] > 0.5f);
@@ -59,10 +59,10 @@ static void skies_over_open_floors_get_most(void **state) {
 }
 
 // The view and the allocation are the same to the bit for any number of threads.
-static void threads_do_not_matter(void **state) {
+static void guide_allocation_threads_do_not_matter(void **state) {
     (void)state;
     struct test_scene t;
-    room(&t, true);
+    guide_allocation_room(&t, true);
     struct guide_allocation one, many;
     struct guide_view view_one, view_many;
     memset(&view_one, 0, sizeof view_one);
@@ -84,10 +84,10 @@ static void threads_do_not_matter(void **state) {
 }
 
 // With another allocation the same amount of light arrives.
-static void power_is_kept(void **state) {
+static void guide_allocation_power_is_kept(void **state) {
     (void)state;
     struct test_scene t;
-    room(&t, true);
+    guide_allocation_room(&t, true);
     struct guide_allocation allocation;
     guide_allocation_make(&t.scene, 1, NULL, &allocation);
     struct parallel *pool = parallel_new(1);
@@ -113,8 +113,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lamps_in_closed_rooms_get_half),
         cmocka_unit_test(skies_over_open_floors_get_most),
-        cmocka_unit_test(threads_do_not_matter),
-        cmocka_unit_test(power_is_kept),
+        cmocka_unit_test(guide_allocation_threads_do_not_matter),
+        cmocka_unit_test(guide_allocation_power_is_kept),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

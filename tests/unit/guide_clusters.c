@@ -57,14 +57,14 @@ static struct guide_clusters *build_of(const struct test_scene *t,
     return clusters;
 }
 
-static struct guide_clusters *build(const struct test_scene *t, size_t spread) {
+static struct guide_clusters *test_guide_clusters_build(const struct test_scene *t, size_t spread) {
     static struct guide_photon photon[PHOTONS];
     shower(photon, spread);
     return build_of(t, photon, 2);
 }
 
-static int look(const struct test_scene *t, struct guide_clusters *clusters, vec3 p, vec3 n,
-                struct guide_cone *cone) {
+static int guide_clusters_look(const struct test_scene *t, struct guide_clusters *clusters, vec3 p,
+                               vec3 n, struct guide_cone *cone) {
     float expected = 0.0f;
     int count =
         guide_cones_from(clusters, &t->scene, &(struct guide_point){p, n, n}, cone, &expected);
@@ -77,13 +77,13 @@ static void a_spot_is_visible(void **state) {
     (void)state;
     struct test_scene t;
     box(&t, false);
-    struct guide_clusters *clusters = build(&t, SPREAD);
+    struct guide_clusters *clusters = test_guide_clusters_build(&t, SPREAD);
     assert_non_null(clusters);
     assert_true(guide_clusters_bytes(clusters) > 0);
     for (int i = 0; i < 8; i++) {
         const vec3 p = v3(-0.9f + 0.2f * (float)i, -1.0f, 0.1f * (float)i), n = v3(0, 1, 0);
         struct guide_cone cone[GUIDE_CONES];
-        int count = look(&t, clusters, p, n, cone);
+        int count = guide_clusters_look(&t, clusters, p, n, cone);
         assert_true(count > 0);
         float solid_angle = 0.0f, E = 0.0f;
         for (int c = 0; c < count; c++) {
@@ -115,13 +115,13 @@ static void what_is_hidden_is_not_seen(void **state) {
     (void)state;
     struct test_scene t;
     box(&t, true);
-    struct guide_clusters *clusters = build(&t, SPREAD);
+    struct guide_clusters *clusters = test_guide_clusters_build(&t, SPREAD);
     struct guide_cone cone[GUIDE_CONES];
-    int others = look(&t, clusters, v3(0.3f, -1.0f, -0.2f), v3(0, 1, 0), cone);
+    int others = guide_clusters_look(&t, clusters, v3(0.3f, -1.0f, -0.2f), v3(0, 1, 0), cone);
     for (int c = 0; c < others; c++) assert_true(cone[c].E < 1e-3f);
     // From beside the board, and from a wall; not from a surface that faces away.
-    assert_true(look(&t, clusters, v3(-0.9f, 0.7f, -0.2f), v3(1, 0, 0), cone) > 0);
-    others = look(&t, clusters, v3(-0.9f, 0.7f, -0.2f), v3(0, -1, 0), cone);
+    assert_true(guide_clusters_look(&t, clusters, v3(-0.9f, 0.7f, -0.2f), v3(1, 0, 0), cone) > 0);
+    others = guide_clusters_look(&t, clusters, v3(-0.9f, 0.7f, -0.2f), v3(0, -1, 0), cone);
     for (int c = 0; c < others; c++) assert_true(cone[c].centre.y < 0.9f && cone[c].E < 1e-3f);
     guide_clusters_free(clusters);
     test_scene_free(&t);
@@ -131,10 +131,10 @@ static void even_light_has_none(void **state) {
     (void)state;
     struct test_scene t;
     box(&t, false);
-    struct guide_clusters *clusters = build(&t, PHOTONS), *none = NULL;
+    struct guide_clusters *clusters = test_guide_clusters_build(&t, PHOTONS), *none = NULL;
     struct guide_cone cone[GUIDE_CONES];
-    assert_int_equal(look(&t, clusters, v3(0.1f, -1, 0.2f), v3(0, 1, 0), cone), 0);
-    assert_int_equal(look(&t, NULL, v3(0.1f, -1, 0.2f), v3(0, 1, 0), cone), 0);
+    assert_int_equal(guide_clusters_look(&t, clusters, v3(0.1f, -1, 0.2f), v3(0, 1, 0), cone), 0);
+    assert_int_equal(guide_clusters_look(&t, NULL, v3(0.1f, -1, 0.2f), v3(0, 1, 0), cone), 0);
     assert_int_equal(guide_clusters_build(&t.scene, NULL, 0, NULL, (struct log){0}, &none),
                      SATIN_OK);
     assert_null(none);
@@ -154,7 +154,7 @@ static void photons_without_area_are_harmless(void **state) {
         box(&t, false);
         struct guide_clusters *clusters = build_of(&t, photon, 2);
         struct guide_cone cone[GUIDE_CONES];
-        int count = look(&t, clusters, v3(0, -1, 0), v3(0, 1, 0), cone);
+        int count = guide_clusters_look(&t, clusters, v3(0, -1, 0), v3(0, 1, 0), cone);
         for (int c = 0; c < count; c++)
             assert_true(cone[c].versine > 0.0f && isfinite(cone[c].E) && isfinite(cone[c].filled));
         guide_clusters_free(clusters);

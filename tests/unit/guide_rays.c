@@ -11,14 +11,14 @@
 
 #include "base/sampling.h"
 
-static const float HALF_ANGLE = 0.05f;
+static const float GUIDE_RAYS_HALF_ANGLE = 0.05f;
 
 // Cones around different axes, that send `E` each and are full of light.
 static struct guide_rays cones(int count, float E) {
     struct guide_rays rays = {.count = count};
     for (int i = 0; i < count; i++)
         rays.cone[i] = (struct guide_cone){.axis = v3(sinf((float)i), 0, cosf((float)i)),
-                                           .versine = 1.0f - cosf(HALF_ANGLE),
+                                           .versine = 1.0f - cosf(GUIDE_RAYS_HALF_ANGLE),
                                            .E = E,
                                            .chance = 1e-3f,
                                            .filled = 1.0f};
@@ -94,7 +94,8 @@ static void weighed_rays_cover_the_hemisphere(void **state) {
     const struct frame frame = frame_from_normal(n);
     const float density = STRATIFIED / (2.0f * PI_F);
     struct guide_rays rays = cones(CONES, 1.0f);
-    rays.cone[1].axis = v3_unit(v3(0.5f * HALF_ANGLE, HALF_ANGLE, 1.0f));  // it overlaps the first
+    rays.cone[1].axis = v3_unit(
+        v3(0.5f * GUIDE_RAYS_HALF_ANGLE, GUIDE_RAYS_HALF_ANGLE, 1.0f));  // it overlaps the first
     rays.cone[2].axis = v3(1, 0, 0);
     guide_rays_allocate(&rays, 0.0f, STRATIFIED);
     assert_int_equal(rays.count, CONES);

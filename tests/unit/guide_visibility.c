@@ -16,7 +16,7 @@
 // A camera looks down at the floor of a cube of half-width 1 whose wall at x = 1 has a slit above
 // z = .2; beneath a sky, or with lamps above the floor and
 // above the ceiling.
-static void room(struct test_scene *t, bool walls, int lamps) {
+static void guide_visibility_room(struct test_scene *t, bool walls, int lamps) {
     test_scene_init(t);
     const uint32_t grey = test_diffuse(t, 0.5f, 0.5f, 0.5f);
     test_cube(t, test_transform(v3(0, 0, -1.05f), v3(1, 1, 0.05f)), false, grey);
@@ -40,15 +40,15 @@ static void room(struct test_scene *t, bool walls, int lamps) {
         (struct film_spec){.width = 64, .height = 64, .crop_width = 64, .crop_height = 64};
 }
 
-struct tally {
+struct guide_visibility_tally {
     double E, visible;  // irradiance; fraction of the samples that arrive at the sky
 };
 
 // Counts samples at p on the floor, with normal z.
-static struct tally sample(const struct test_scene *t, const struct light_histogram *histogram,
-                           vec3 p) {
+static struct guide_visibility_tally guide_visibility_sample(
+    const struct test_scene *t, const struct light_histogram *histogram, vec3 p) {
     enum { SAMPLES = 1 << 16 };
-    struct tally tally = {0};
+    struct guide_visibility_tally tally = {0};
     for (uint32_t i = 0; i < SAMPLES; i++) {
         const vec2 u = sample_sobol2(i, 3);
         struct light_sample s;
@@ -62,7 +62,7 @@ static struct tally sample(const struct test_scene *t, const struct light_histog
 }
 
 // Learns the visibility by that many threads.
-static struct guide_visibility *look(struct test_scene *t, int threads) {
+static struct guide_visibility *guide_visibility_look(struct test_scene *t, int threads) {
     enum { SEED = 0, BIN_RAYS = 3 };  // as of the default options
     struct parallel *pool = parallel_new(threads);
     struct guide_visibility *visibility = NULL;
@@ -73,8 +73,8 @@ static struct guide_visibility *look(struct test_scene *t, int threads) {
 }
 
 static struct guide_visibility *begin(struct test_scene *t, bool walls, int lamps, int threads) {
-    room(t, walls, lamps);
-    return look(t, threads);
+    guide_visibility_room(t, walls, lamps);
+    return guide_visibility_look(t, threads);
 }
 
 static void end(struct test_scene *t, struct guide_visibility *visibility) {
@@ -90,7 +90,8 @@ static void samples_go_through_the_hole(void **state) {
         const vec3 p = v3(0.3f * (float)(i % 3 - 1), 0.3f * (float)(i / 3 - 1), -1.0f);
         const struct light_histogram *histogram = guide_visibility_at(all, p).histogram;
         assert_non_null(histogram);
-        const struct tally blind = sample(&t, NULL, p), guided = sample(&t, histogram, p);
+        const struct guide_visibility_tally blind = guide_visibility_sample(&t, NULL, p),
+                                            guided = guide_visibility_sample(&t, histogram, p);
         assert_true(guided.visible > 30.0 * blind.visible);
         assert_true(fabs(guided.E - blind.E) < 0.05 * blind.E);
     }
@@ -104,7 +105,8 @@ static void an_open_floor_looks_up(void **state) {
     const vec3 p = v3(0, 0, -1);
     const struct light_histogram *histogram = guide_visibility_at(all, p).histogram;
     assert_non_null(histogram);
-    const struct tally blind = sample(&t, NULL, p), guided = sample(&t, histogram, p);
+    const struct guide_visibility_tally blind = guide_visibility_sample(&t, NULL, p),
+                                        guided = guide_visibility_sample(&t, histogram, p);
     assert_true(fabs(blind.visible - 0.5) < 0.01 && guided.visible > 0.85);
     assert_true(fabs(guided.E - M_PI) < 0.02);
     end(&t, all);
@@ -135,11 +137,12 @@ static void lamps_behind_walls_are_hardly_chosen(void **state) {
     end(&t, all);
 }
 
-static void threads_make_no_difference(void **state) {
+static void guide_visibility_threads_make_no_difference(void **state) {
     (void)state;
     struct test_scene t;
-    room(&t, true, 0);
-    struct guide_visibility *one = look(&t, 1), *three = look(&t, 3);
+    guide_visibility_room(&t, true, 0);
+    struct guide_visibility *one = guide_visibility_look(&t, 1),
+                            *three = guide_visibility_look(&t, 3);
     for (int i = 0; i < 64; i++) {
         const vec3 p = v3(0.06f * (float)(i % 8) - 0.2f, 0.06f * (float)(i / 8) - 0.2f, -1.0f);
         const struct light_histogram *a = guide_visibility_at(one, p).histogram;
@@ -157,7 +160,7 @@ int main(void) {
         cmocka_unit_test(an_open_floor_looks_up),
         cmocka_unit_test(without_sky_there_is_nothing),
         cmocka_unit_test(lamps_behind_walls_are_hardly_chosen),
-        cmocka_unit_test(threads_make_no_difference),
+        cmocka_unit_test(guide_visibility_threads_make_no_difference),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

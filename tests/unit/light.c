@@ -15,7 +15,7 @@
 enum { COLUMNS = 32, ROWS = 16, CELLS = COLUMNS * ROWS, FINE = 32 };
 
 // Directions in a grid of equal solid angles around a frame.
-static int cell_of(const struct frame *f, vec3 w) {
+static int light_cell_of(const struct frame *f, vec3 w) {
     vec3 l = frame_to_local(f, w);
     float around = atan2f(l.y, l.x) * (0.5f / PI_F);
     int column = (int)((around < 0.0f ? around + 1.0f : around) * COLUMNS);
@@ -24,7 +24,7 @@ static int cell_of(const struct frame *f, vec3 w) {
 }
 
 // The density at p in direction w that MIS would use.
-static float density(const struct satin_scene *scene, uint32_t light, vec3 p, vec3 w) {
+static float light_density(const struct satin_scene *scene, uint32_t light, vec3 p, vec3 w) {
     enum light_kind kind = scene->light[light].kind;
     if (kind != LIGHT_AREA) return light_environment_pdf(scene, NULL, w);
     struct ray ray = {p, 0.0f, w, INFINITY};
@@ -41,8 +41,8 @@ static double chi_square_tail(double chi2, double freedom) {
 
 // The integral of the density over each cell, and the largest fraction of it that one of its FINE^2
 // points has.
-static void integrate(const struct satin_scene *scene, uint32_t light, vec3 p,
-                      const struct frame *f, double expected[CELLS], double most[CELLS]) {
+static void light_integrate(const struct satin_scene *scene, uint32_t light, vec3 p,
+                            const struct frame *f, double expected[CELLS], double most[CELLS]) {
     struct rng rng = rng_make(7, RNG_TEST, 1);
     for (int row = 0; row < ROWS * FINE; row++)
         for (int column = 0; column < COLUMNS * FINE; column++) {
@@ -51,7 +51,7 @@ static void integrate(const struct satin_scene *scene, uint32_t light, vec3 p,
             float s = safe_sqrtf(1.0f - z * z);
             vec3 w = frame_to_world(f, v3(s * cosf(phi), s * sinf(phi), z));
             int cell = row / FINE * COLUMNS + column / FINE;
-            double part = 4.0 * M_PI / CELLS / (FINE * FINE) * density(scene, light, p, w);
+            double part = 4.0 * M_PI / CELLS / (FINE * FINE) * light_density(scene, light, p, w);
             expected[cell] += part;
             most[cell] = fmax(most[cell], part);
         }
@@ -63,7 +63,7 @@ static void check_density(const struct test_scene *t, uint32_t light, vec3 p, co
     const struct satin_scene *scene = &t->scene;
     struct frame f = frame_from_normal(v3_unit(v3(0.3f, -0.5f, 0.8f)));
     double expected[CELLS] = {0}, most[CELLS] = {0}, found[CELLS] = {0}, sum = 0.0;
-    integrate(scene, light, p, &f, expected, most);
+    light_integrate(scene, light, p, &f, expected, most);
     struct rng rng = rng_make(8, RNG_TEST, 2);
     int wrong = 0;
     for (int i = 0; i < N; i++) {
@@ -71,11 +71,11 @@ static void check_density(const struct test_scene *t, uint32_t light, vec3 p, co
         float u = rng_float(&rng), v = rng_float(&rng);
         if (!light_sample(scene, light, p, u, v, &s)) continue;
         assert_true(fabsf(v3_len(s.wi) - 1.0f) < 1e-5f && s.pdf_w > 0.0f && !s.delta);
-        float reported = density(scene, light, p, s.wi);
+        float reported = light_density(scene, light, p, s.wi);
         // Samples on an edge may miss it, and where a cylinder curves away the cosine is known to
         // few digits; all others must have the same density both times.
         wrong += !(fabsf(reported - s.pdf_w) <= 2e-3f * s.pdf_w);
-        found[cell_of(&f, s.wi)] += 1.0;
+        found[light_cell_of(&f, s.wi)] += 1.0;
     }
     if (wrong > N / 400) printf("%s: %d of %d densities differ\n", what, wrong, N);
     assert_true(wrong <= N / 400);
@@ -266,7 +266,7 @@ static void area_lights_have_a_front(void **state) {
     test_scene_free(&t);
 }
 
-static struct light spot(float cutoff, float beam) {
+static struct light light_spot(float cutoff, float beam) {
     return (struct light){.kind = LIGHT_SPOT,
                           .value = rgb_grey(3.0f),
                           .position = v3(0, 0, 0),
@@ -288,7 +288,7 @@ static void choice_has_its_probability(void **state) {
             test_area_light(&t, test_rectangle(&t, m, grey), rgb_grey((float)(1 + i % 3)));
         }
         // One light of each other kind, on a line with the others, and from far away.
-        struct light other[] = {spot(60.0f, 20.0f), {.kind = LIGHT_POINT}, environment(NULL)};
+        struct light other[] = {light_spot(60.0f, 20.0f), {.kind = LIGHT_POINT}, environment(NULL)};
         other[0].position = v3(3, 0.5f, -1);
         other[1].position = v3(8, 0.5f, 2);
         other[1].value = rgb_grey(2.0f);
@@ -326,7 +326,7 @@ static void spot_falloff(void **state) {
     struct test_scene t;
     test_scene_init(&t);
     test_rectangle(&t, test_transform(v3(0, 0, 2), v3(9, 9, 1)), test_diffuse(&t, 0, 0, 0));
-    test_light(&t, spot(40.0f, 10.0f));
+    test_light(&t, light_spot(40.0f, 10.0f));
     test_scene_finish(&t);
     static const float known[][2] = {{5, 0.75f}, {12, 0.7f}, {25, 0.375f}, {39, 0.025f}, {41, 0}};
     for (int i = 0; i < 5; i++) {
@@ -421,12 +421,12 @@ static void check_emission(const struct emission_case *c) {
     test_scene_free(&t);
 }
 
-static void emission(void **state) {
+static void light_emission(void **state) {
     (void)state;
     float texel[16 * 9 * 3];
     struct image image = noise_image(texel, 16, 9);
     struct light point = {.kind = LIGHT_POINT, .value = rgb_grey(2.0f), .position = v3(0, 0.2f, 2)};
-    struct light down = spot(50.0f, 20.0f), sun = {.kind = LIGHT_DIRECTIONAL};
+    struct light down = light_spot(50.0f, 20.0f), sun = {.kind = LIGHT_DIRECTIONAL};
     down.position = v3(0.5f, 0.2f, 2.0f);
     down.direction = v3(0, 0, -1);
     sun.value = rgb_grey(1.5f);
@@ -441,7 +441,7 @@ static void emission(void **state) {
                              .mean = rgb_grey(0.55f)};
     struct mat4 place =
         rotated(test_transform(v3(0.5f, 0.2f, 2.0f), v3(1, 1, 1)), v3(1, 0, 0), 180);
-    struct light slide = spot(50.0f, 20.0f), projector = {.kind = LIGHT_PROJECTOR};
+    struct light slide = light_spot(50.0f, 20.0f), projector = {.kind = LIGHT_PROJECTOR};
     slide.texture = projector.texture = &checks;
     slide.position = projector.position = down.position;
     slide.direction = projector.direction = down.direction;
@@ -477,7 +477,7 @@ int main(void) {
         cmocka_unit_test(area_lights_have_a_front),
         cmocka_unit_test(choice_has_its_probability),
         cmocka_unit_test(spot_falloff),
-        cmocka_unit_test(emission),
+        cmocka_unit_test(light_emission),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -79,7 +79,7 @@ static void make_textured(struct textured *l) {
 }
 
 // The irradiance from the light at p, which faces it, by a fine grid.
-static double irradiance(const struct textured *l, vec3 p) {
+static double light_area_irradiance(const struct textured *l, vec3 p) {
     double sum = 0.0;
     for (int i = 0; i < FINE * FINE; i++) {
         const float u = ((float)(i % FINE) + 0.5f) / FINE, v = ((float)(i / FINE) + 0.5f) / FINE;
@@ -105,7 +105,7 @@ static void a_bright_texel_is_found(void **state) {
         const vec3 p = place[k % 2];
         static double squares[2], expected[2];
         struct rng rng = rng_make(3, RNG_TEST, (uint64_t)k);
-        if (k < 2) expected[k] = irradiance(&l, p);
+        if (k < 2) expected[k] = light_area_irradiance(&l, p);
         double sum = 0.0;
         for (int i = 0; i < FEW; i++) {
             const float u = rng_float(&rng), v = rng_float(&rng);

@@ -9,7 +9,7 @@
 
 static const double IOR = 1.5;
 
-static uint32_t glass(struct test_scene *t) {
+static uint32_t light_pane_glass(struct test_scene *t) {
     return test_material(t, "dielectric", rgb_grey(0.0f), rgb_grey(1.0f));
 }
 
@@ -25,7 +25,7 @@ static uint32_t plate(struct test_scene *t, float z, float thickness, float angl
 }
 
 // A lamp at height 1 that shines down, of half-widths w and h, moved by x.
-static void lamp(struct test_scene *t, float x, float w, float h) {
+static void light_pane_lamp(struct test_scene *t, float x, float w, float h) {
     const uint32_t grey = test_diffuse(t, 0.5f, 0.5f, 0.5f);
     const struct mat4 down = test_transform(v3(x, 0, 1), v3(w, -h, -1));
     test_area_light(t, test_rectangle(t, down, grey), rgb_grey(1.0f));
@@ -33,7 +33,7 @@ static void lamp(struct test_scene *t, float x, float w, float h) {
 
 // The fraction of unpolarised light that the two faces of a plate transmit at an angle of incidence
 // [rad], without internal reflections.
-static double transmitted(double angle) {
+static double light_pane_transmitted(double angle) {
     const double c = cos(angle), inner = sqrt(1.0 - pow(sin(angle) / IOR, 2.0));
     const double s = (c - IOR * inner) / (c + IOR * inner);
     const double p = (IOR * c - inner) / (IOR * c + inner);
@@ -56,7 +56,7 @@ static void panes_transmit_by_fresnel(void **state) {
         for (int tilted = 0; tilted <= 1; tilted++) {
             struct test_scene t;
             test_scene_init(&t);
-            const uint32_t what = glass(&t);
+            const uint32_t what = light_pane_glass(&t);
             const float tilt = tilted ? 0.3f : 0.0f;
             for (int i = 0; i < count; i++) plate(&t, 0.5f + 0.1f * (float)i, 0.01f, tilt, what);
             test_scene_finish(&t);
@@ -64,7 +64,7 @@ static void panes_transmit_by_fresnel(void **state) {
             for (int i = 0; i <= 8; i++) {
                 const double angle = i * M_PI / 18.0;
                 const double incidence = tilted ? acos(cos(angle) * cos(0.3)) : angle;
-                const double expected = pow(transmitted(incidence), count);
+                const double expected = pow(light_pane_transmitted(incidence), count);
                 // Single precision: 1 - F loses two digits at the steepest.
                 assert_true(fabs(arriving(&t.scene, inclined(angle), 8) - expected) < 1e-5);
             }
@@ -90,7 +90,7 @@ static void thin_sheets_transmit_straight(void **state) {
 static double through_wedge(float angle) {
     struct test_scene t;
     test_scene_init(&t);
-    const uint32_t what = glass(&t);
+    const uint32_t what = light_pane_glass(&t);
     const struct mat4 tilt = mat4_rotate(v3(1, 0, 0), degrees(angle)),
                       to = test_transform(v3(0, 0, 0.6f), v3(4, 4, 1));
     test_rectangle(&t, mat4_mul(&to, &tilt), what);
@@ -103,7 +103,7 @@ static double through_wedge(float angle) {
 
 static void faces_must_be_parallel(void **state) {
     (void)state;
-    assert_true(fabs(through_wedge(0.0f) - transmitted(0.4)) < 1e-5);
+    assert_true(fabs(through_wedge(0.0f) - light_pane_transmitted(0.4)) < 1e-5);
     assert_true(through_wedge(1e-4f) > 0.0);
     assert_true(through_wedge(1e-2f) < 0.0);
 }
@@ -114,7 +114,7 @@ static void what_is_no_pane_stops(void **state) {
     for (int i = 0; i < 4; i++) {
         struct test_scene t;
         test_scene_init(&t);
-        const uint32_t clear = glass(&t), grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
+        const uint32_t clear = light_pane_glass(&t), grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
         const uint32_t rough = test_material(&t, "roughdielectric", rgb_grey(0.0f), rgb_grey(1.0f));
         plate(&t, 0.5f, 0.01f, 0.0f, i == 0 ? rough : clear);
         const struct mat4 place = test_transform(v3(0, 0, 2), v3(0.5f, 0.5f, 0.5f));
@@ -137,7 +137,7 @@ static void panes_are_counted(void **state) {
     for (int plates = 15; plates <= 17; plates++) {
         struct test_scene t;
         test_scene_init(&t);
-        const uint32_t what = glass(&t);
+        const uint32_t what = light_pane_glass(&t);
         for (int i = 0; i < plates; i++) plate(&t, 0.5f + 0.02f * (float)i, 0.01f, 0.0f, what);
         test_scene_finish(&t);
         const vec3 up = v3(0, 0, 1);
@@ -165,8 +165,8 @@ static void distances_are_those_of_a_slab(void **state) {
     (void)state;
     struct test_scene t;
     test_scene_init(&t);
-    plate(&t, 0.5f, 0.3f, 0.0f, glass(&t));
-    lamp(&t, 0.0f, 20.0f, 20.0f);
+    plate(&t, 0.5f, 0.3f, 0.0f, light_pane_glass(&t));
+    light_pane_lamp(&t, 0.0f, 20.0f, 20.0f);
     test_scene_finish(&t);
     for (int i = 0; i <= 7; i++) {
         const double a = (i + 0.5) * M_PI / 18.0, step = 1e-4;
@@ -197,7 +197,7 @@ static void points_of_light_are_found(void **state) {
     const double thickness = 0.08, x = 0.7;
     struct test_scene t;
     test_scene_init(&t);
-    plate(&t, 0.5f, (float)thickness, 0.0f, glass(&t));
+    plate(&t, 0.5f, (float)thickness, 0.0f, light_pane_glass(&t));
     const uint32_t i = test_light(
         &t, (struct light){
                 .kind = LIGHT_POINT, .value = rgb_grey(1.0f), .position = v3((float)x, 0, 1)});
@@ -209,7 +209,8 @@ static void points_of_light_are_found(void **state) {
     }
     const double step = 1e-4, sagittal = x / sin(lo);
     const double dx = beside(lo + step, thickness) - beside(lo - step, thickness);
-    const double expected = transmitted(lo) / (sagittal * dx / (2.0 * step));  // E = I T cos / ...
+    const double expected =
+        light_pane_transmitted(lo) / (sagittal * dx / (2.0 * step));  // E = I T cos / ...
     struct light_sample s;
     assert_true(light_sample(&t.scene, i, v3(0, 0, 0), 0.5f, 0.5f, &s));
     assert_true(light_arrives(&t.scene, v3(0, 0, 0), v3(0, 0, 1), 2, &s));
@@ -277,10 +278,10 @@ static void lamps_bring_what_directions_find(void **state) {
     for (size_t i = 0; i < sizeof c / sizeof *c; i++) {
         struct test_scene t;
         test_scene_init(&t);
-        const uint32_t what = glass(&t);
+        const uint32_t what = light_pane_glass(&t);
         for (int k = 0; k < c[i].plates; k++)
             plate(&t, 0.5f - 0.2f * (float)k, c[i].thickness, c[i].tilt, what);
-        lamp(&t, 0.35f, c[i].w, c[i].h);
+        light_pane_lamp(&t, 0.35f, c[i].w, c[i].h);
         test_scene_finish(&t);
         int wrong = 0;
         const double sampled = by_samples(&t.scene, v3(0, 0, 0), &wrong);
@@ -301,14 +302,14 @@ static void frames_hide_little(void **state) {
     (void)state;
     struct test_scene t;
     test_scene_init(&t);
-    const uint32_t what = glass(&t), grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
+    const uint32_t what = light_pane_glass(&t), grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
     test_cube(&t, test_transform(v3(0, 0, 0.5f), v3(0.4f, 0.4f, 0.003f)), false, what);
     for (int side = -1; side <= 1; side += 2) {
         const float at = (float)side;
         test_cube(&t, test_transform(v3(2.4f * at, 0, 0.5f), v3(2, 4, 0.05f)), false, grey);
         test_cube(&t, test_transform(v3(0, 2.4f * at, 0.5f), v3(0.4f, 2, 0.05f)), false, grey);
     }
-    lamp(&t, 0.35f, 0.3f, 0.3f);
+    light_pane_lamp(&t, 0.35f, 0.3f, 0.3f);
     test_scene_finish(&t);
     double sampled = 0.0, found = 0.0;
     int wrong = 0;

@@ -15,13 +15,13 @@ static struct sky sky_of(float turbidity, float elevation) {
     return (struct sky){turbidity, v3(cosf(e), sinf(e), 0.0f)};
 }
 
-static rgb texel(const struct image *image, int column, int row) {
+static rgb light_sky_texel(const struct image *image, int column, int row) {
     const float *t = image->texel + 3 * (row * image->width + column);
     return rgb_make(t[0], t[1], t[2]);
 }
 
 // kcd/m^2 of luminance 1.
-static const float unit = 72.91f;
+static const float light_sky_unit = 72.91f;
 
 static void zenith_is_the_formulas(void **state) {
     (void)state;
@@ -35,11 +35,11 @@ static void zenith_is_the_formulas(void **state) {
         struct image image;
         struct sky sky = sky_of(known[i][0], known[i][1]);
         assert_true(sky_image(&arena, &sky, &image));
-        rgb c = texel(&image, 0, 0);
+        rgb c = light_sky_texel(&image, 0, 0);
         float X = 0.412453f * c.r + 0.357580f * c.g + 0.180423f * c.b;
         float Y = 0.212671f * c.r + 0.715160f * c.g + 0.072169f * c.b;
         float Z = 0.019334f * c.r + 0.119193f * c.g + 0.950227f * c.b;
-        assert_float_equal(Y * unit, known[i][2], 2e-3f * known[i][2]);
+        assert_float_equal(Y * light_sky_unit, known[i][2], 2e-3f * known[i][2]);
         assert_float_equal(X / (X + Y + Z), known[i][3], 5e-4f);
         assert_float_equal(Y / (X + Y + Z), known[i][4], 5e-4f);
         arena_free(&arena);
@@ -54,17 +54,17 @@ static void horizon_and_sides(void **state) {
     assert_true(sky_image(&arena, &sky, &image));
     int half = image.height / 2, width = image.width;
     for (int column = 0; column < width; column++) {
-        assert_false(rgb_black(texel(&image, column, half)));
-        assert_true(rgb_black(texel(&image, column, half + 1)));
+        assert_false(rgb_black(light_sky_texel(&image, column, half)));
+        assert_true(rgb_black(light_sky_texel(&image, column, half + 1)));
         // The plane of the sun, at a quarter of the way around, is one of symmetry.
-        rgb a = texel(&image, column, half - 20);
-        rgb b = texel(&image, (width / 2 - 1 - column + width) % width, half - 20);
+        rgb a = light_sky_texel(&image, column, half - 20);
+        rgb b = light_sky_texel(&image, (width / 2 - 1 - column + width) % width, half - 20);
         assert_float_equal(a.g, b.g, 1e-4f * a.g);
     }
     // Brightest towards the sun.
-    float toward = texel(&image, width / 4, half * 2 / 3).g, away = 0.0f;
+    float toward = light_sky_texel(&image, width / 4, half * 2 / 3).g, away = 0.0f;
     for (int column = width / 2; column < width; column++)
-        away = fmaxf(away, texel(&image, column, half * 2 / 3).g);
+        away = fmaxf(away, light_sky_texel(&image, column, half * 2 / 3).g);
     assert_true(toward > 3.0f * away);
     arena_free(&arena);
 }
@@ -75,7 +75,7 @@ static void sun_sets(void **state) {
     const float chord = 0.5338f * 0.5f * (PI_F / 180.0f), solid_angle = PI_F * chord * chord;
     struct sky high = sky_of(2.5f, 80.0f), low = sky_of(2.5f, 5.0f);
     rgb noon = sky_sun(&high), evening = sky_sun(&low);
-    float klux = rgb_luminance(noon) * solid_angle * unit;
+    float klux = rgb_luminance(noon) * solid_angle * light_sky_unit;
     assert_true(klux > 85.0f && klux < 115.0f);
     assert_true(noon.r / noon.b > 1.0f && noon.r / noon.b < 1.8f);
     assert_true(evening.r / evening.b > 8.0f);

@@ -5,7 +5,7 @@
 #include "light/light.h"
 #include "scene_case.h"
 
-static satin_scene *load(const char *text) {
+static satin_scene *test_load(const char *text) {
     struct scene_case c;
     satin_scene *scene = scene_case_load(&c, text);
     if (!scene) fail_msg("%s", c.error);
@@ -15,7 +15,7 @@ static satin_scene *load(const char *text) {
 // Around another, it shows the front of that on both sides; also around a blend of such.
 static void twosided_nests(void **state) {
     (void)state;
-    struct satin_scene *scene = load(SCENE_TEXT(
+    struct satin_scene *scene = test_load(SCENE_TEXT(
         "<shape type='disk'><bsdf type='twosided'><bsdf type='twosided'><bsdf type='plastic'/>"
         "<bsdf type='diffuse'/></bsdf></bsdf></shape>"
         "<shape type='disk'><bsdf type='twosided'><bsdf type='blendbsdf'>"
@@ -36,7 +36,7 @@ static void masks_nest(void **state) {
 #define BLEND "<bsdf type='blendbsdf'><float name='weight' value='.25'/>"
 #define PLAIN "<bsdf type='diffuse'/>"
     struct satin_scene *scene =
-        load(SCENE_TEXT(
+        test_load(SCENE_TEXT(
             "<shape type='disk'>" MASK MASK PLAIN "</bsdf></bsdf></shape>"
             "<shape type='disk'>" BLEND MASK PLAIN "</bsdf>" PLAIN "</bsdf></shape>"
             "<shape type='disk'>" MASK BLEND PLAIN MASK "<bsdf type='twosided'>" PLAIN
@@ -94,15 +94,15 @@ static void hidden_colours_do_not_bleed(void **state) {
 #define BITMAP(name, file) \
     "<texture type='bitmap' name='" name "'><string name='filename' value='" file "'/></texture>"
 #define LEAF "<bsdf type='diffuse'>" BITMAP("reflectance", "leaf.ppm") "</bsdf>"
-    struct satin_scene *scene =
-        load(SCENE_TEXT("<shape type='disk'>" LEAF "</shape>"
-                        "<shape type='disk'><bsdf type='mask'>" BITMAP("opacity", "mask.ppm") LEAF
-                        "</bsdf></shape>"
-                        "<shape type='disk'><bsdf type='blendbsdf'>" BITMAP(
-                            "weight", "mask.ppm") "<bsdf type='null'/>" LEAF "</bsdf></shape>"
-                                                  "<shape type='disk'><bsdf type='mask'><float "
-                                                  "name='opacity' value='.5'/>" LEAF "</bsdf>"
-                                                  "</shape>"));
+    struct satin_scene *scene = test_load(
+        SCENE_TEXT("<shape type='disk'>" LEAF "</shape>"
+                   "<shape type='disk'><bsdf type='mask'>" BITMAP("opacity", "mask.ppm") LEAF
+                   "</bsdf></shape>"
+                   "<shape type='disk'><bsdf type='blendbsdf'>" BITMAP(
+                       "weight", "mask.ppm") "<bsdf type='null'/>" LEAF "</bsdf></shape>"
+                                             "<shape type='disk'><bsdf type='mask'><float "
+                                             "name='opacity' value='.5'/>" LEAF "</bsdf>"
+                                             "</shape>"));
     const float shown = 0.0452f, mean = 0.5f * (shown + 1.0f);
     assert_float_equal(averaged_red(scene, 0), mean, 0.05f);
     assert_float_equal(averaged_red(scene, 1), shown, 1e-3f);
@@ -113,7 +113,7 @@ static void hidden_colours_do_not_bleed(void **state) {
 
 static void builds_materials(void **state) {
     (void)state;
-    struct satin_scene *scene = load(SCENE_TEXT(
+    struct satin_scene *scene = test_load(SCENE_TEXT(
         "<bsdf type='roughconductor' id='m'><string name='distribution' value='ggx'/>"
         "<float name='alpha_u' value='.1'/><float name='alpha_v' value='0'/>"
         "<string name='material' value='Al'/></bsdf>"
@@ -151,7 +151,7 @@ static void builds_materials(void **state) {
 
 static void builds_shapes(void **state) {
     (void)state;
-    struct satin_scene *scene = load(SCENE_TEXT(
+    struct satin_scene *scene = test_load(SCENE_TEXT(
         "<shape type='sphere'><point name='center' x='1' y='2' z='3'/>"
         "<float name='radius' value='2'/><transform name='to_world'><scale value='3'/>"
         "<translate x='1'/></transform></shape>"
@@ -172,7 +172,7 @@ static void builds_shapes(void **state) {
 
 static void builds_lights(void **state) {
     (void)state;
-    struct satin_scene *scene = load(SCENE_TEXT(
+    struct satin_scene *scene = test_load(SCENE_TEXT(
         "<shape type='disk'><emitter type='area'><rgb name='radiance' value='3 2 1'/></emitter>"
         "</shape>"
         "<shape type='disk'><emitter type='area'><rgb name='radiance' value='0'/></emitter>"
@@ -196,7 +196,7 @@ static void builds_lights(void **state) {
 
 static void keeps_hints(void **state) {
     (void)state;
-    struct satin_scene *scene = load(
+    struct satin_scene *scene = test_load(
         "<scene version='3.0.0'><integrator type='aov'><string name='aovs' value='a:depth'/>"
         "<integrator type='path'><integer name='max_depth' value='9'/>"
         "<boolean name='hide_emitters' value='true'/></integrator></integrator>"
@@ -216,14 +216,14 @@ static void keeps_hints(void **state) {
     assert_true(scene->film.filter == FILTER_TENT && scene->film.radius == 1.0f);
     satin_scene_free(scene);
     scene =
-        load(SCENE_TEXT("<integrator type='satin'><integer name='photons' value='100'/>"
-                        "<string name='first-pass' value='none'/></integrator>"));
+        test_load(SCENE_TEXT("<integrator type='satin'><integer name='photons' value='100'/>"
+                             "<string name='first-pass' value='none'/></integrator>"));
     assert_int_equal(scene->hints.option_count, 2);
     assert_string_equal(scene->hints.option[1].name, "first-pass");
     assert_string_equal(scene->hints.option[0].value, "100");
     assert_int_equal(scene->hints.max_depth, -2);
     satin_scene_free(scene);
-    scene = load(SCENE_TEXT("<integrator type='direct'/>"));
+    scene = test_load(SCENE_TEXT("<integrator type='direct'/>"));
     assert_int_equal(scene->hints.max_depth, 2);
     satin_scene_free(scene);
 }
@@ -235,9 +235,9 @@ static void hashes_all_that_is_read(void **state) {
     const char *text =
         SCENE_TEXT("<shape type='obj'><string name='filename' value='a.obj'/></shape>");
     scene_case_file("a.obj", OBJ "f 1 2 3\n");
-    struct satin_scene *a = load(text), *b = load(text);
+    struct satin_scene *a = test_load(text), *b = test_load(text);
     scene_case_file("a.obj", OBJ "f 1 3 2\n");
-    struct satin_scene *c = load(text);
+    struct satin_scene *c = test_load(text);
     assert_true(satin_scene_hash(a) == satin_scene_hash(b));
     assert_true(satin_scene_hash(a) != satin_scene_hash(c));
     assert_true(a->world == b->world && a->world != c->world);
@@ -246,7 +246,7 @@ static void hashes_all_that_is_read(void **state) {
     satin_scene_free(c);
 }
 
-struct refusal {
+struct load_refusal {
     const char *text, *error;
 };
 
@@ -256,7 +256,7 @@ struct refusal {
 
 #define SHAPE(parts) SCENE_TEXT("<shape type='sphere'>" parts "</shape>")
 
-static const struct refusal refusals[] = {
+static const struct load_refusal load_refusals[] = {
     {SCENE_TEXT("<bsdf type='phng'/>"),
      "scene.xml:3:1: unknown BRDF 'phng' (did you mean 'phong'?)"},
     {SCENE_TEXT("<bsdf type='hair'/>"), "scene.xml:3:1: BRDF 'hair' is not supported"},
@@ -384,7 +384,7 @@ static const struct refusal refusals[] = {
      "scene.xml:4:1: filter 'lanczos': it has less than one lobe, or over 100"},
 };
 
-static void refuse(const char *error) {
+static void test_load_refuse(const char *error) {
     struct scene_case c;
     struct log log = scene_case_begin(&c);
     satin_scene *scene = NULL;
@@ -395,11 +395,11 @@ static void refuse(const char *error) {
     assert_null(scene);
 }
 
-static void refuses_with_place(void **state) {
+static void load_refuses_with_place(void **state) {
     (void)state;
-    for (size_t i = 0; i < sizeof refusals / sizeof *refusals; i++) {
-        scene_case_file("scene.xml", refusals[i].text);
-        refuse(refusals[i].error);
+    for (size_t i = 0; i < sizeof load_refusals / sizeof *load_refusals; i++) {
+        scene_case_file("scene.xml", load_refusals[i].text);
+        test_load_refuse(load_refusals[i].error);
     }
 }
 
@@ -408,7 +408,7 @@ static void refuses_bad_files(void **state) {
     scene_case_file("scene.xml", SCENE_TEXT("<shape type='obj'>\n"
                                             "<string name='filename' value='a.obj'/></shape>"));
     remove("a.obj");
-    refuse("scene.xml:4:1: cannot read 'a.obj': No such file or directory");
+    test_load_refuse("scene.xml:4:1: cannot read 'a.obj': No such file or directory");
     scene_case_file("a.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n");
     struct scene_case c;
     struct log log = scene_case_begin(&c);
@@ -468,7 +468,7 @@ int main(void) {
         cmocka_unit_test(builds_lights),
         cmocka_unit_test(keeps_hints),
         cmocka_unit_test(hashes_all_that_is_read),
-        cmocka_unit_test(refuses_with_place),
+        cmocka_unit_test(load_refuses_with_place),
         cmocka_unit_test(refuses_bad_files),
         cmocka_unit_test(warns_of_what_has_no_effect),
     };

@@ -10,8 +10,8 @@ struct image_case {
     uint64_t hash;
 };
 
-static satin_status load(struct image_case *c, const char *path, bool raw,
-                         const struct image **image) {
+static satin_status load_image_load(struct image_case *c, const char *path, bool raw,
+                                    const struct image **image) {
     *c = (struct image_case){.hash = 1};
     struct load_source source = {
         scene_case_begin(&c->log), {"scene.xml", 3, 7}, &c->arena, path, &c->hash};
@@ -36,7 +36,7 @@ static void linearises_bytes(void **state) {
     for (int raw = 0; raw < 2; raw++) {
         struct image_case c;
         const struct image *image;
-        assert_int_equal(load(&c, "rgba.png", raw, &image), SATIN_OK);
+        assert_int_equal(load_image_load(&c, "rgba.png", raw, &image), SATIN_OK);
         assert_true(image->width == 3 && image->height == 2 && image->channels == 3);
         for (int i = 0; i < 18; i++) {
             double x = pixel[i / 3 * 4 + i % 3] / 255.0;
@@ -49,7 +49,7 @@ static void linearises_bytes(void **state) {
     write_png("grey.png", PNG_FORMAT_GRAY, grey);
     struct image_case c;
     const struct image *image;
-    assert_int_equal(load(&c, "grey.png", false, &image), SATIN_OK);
+    assert_int_equal(load_image_load(&c, "grey.png", false, &image), SATIN_OK);
     assert_int_equal(image->channels, 1);
     for (int i = 0; i < 6; i++)
         assert_float_equal(image->texel[i], decoded(grey[i] / 255.0), 1e-6f);
@@ -66,7 +66,7 @@ static void takes_floats_that_light_can_have(void **state) {
     scene_case_bytes("a.pfm", file, header + sizeof texel);
     struct image_case c;
     const struct image *image;
-    assert_int_equal(load(&c, "a.pfm", false, &image), SATIN_OK);
+    assert_int_equal(load_image_load(&c, "a.pfm", false, &image), SATIN_OK);
     const float expected[6] = {0.0f, 0.0f, 0.25f, 0.5f, 0.0f, 7.0f};
     for (int i = 0; i < 6; i++) assert_float_equal(image->texel[i], expected[i], 0.0f);
     assert_int_equal(c.log.warnings, 1);
@@ -75,10 +75,10 @@ static void takes_floats_that_light_can_have(void **state) {
     arena_free(&c.arena);
 }
 
-static void refuse(const char *path, const char *message) {
+static void load_image_refuse(const char *path, const char *message) {
     struct image_case c;
     const struct image *image = NULL;
-    assert_int_equal(load(&c, path, false, &image), SATIN_ERROR_INPUT);
+    assert_int_equal(load_image_load(&c, path, false, &image), SATIN_ERROR_INPUT);
     assert_null(image);
     assert_int_equal(c.log.errors, 1);
     if (strncmp(c.log.error, message, strlen(message)) != 0)
@@ -88,18 +88,19 @@ static void refuse(const char *path, const char *message) {
 
 static void refuses_wrong_files(void **state) {
     (void)state;
-    refuse("missing.png", "scene.xml:3:7: cannot read 'missing.png'");
-    refuse(".", "scene.xml:3:7: cannot read '.'");
+    load_image_refuse("missing.png", "scene.xml:3:7: cannot read 'missing.png'");
+    load_image_refuse(".", "scene.xml:3:7: cannot read '.'");
     scene_case_file("empty.png", "");
-    refuse("empty.png", "scene.xml:3:7: cannot read image 'empty.png'");
+    load_image_refuse("empty.png", "scene.xml:3:7: cannot read image 'empty.png'");
     scene_case_file("text.png", "this is no image");
-    refuse("text.png", "scene.xml:3:7: cannot read image 'text.png'");
+    load_image_refuse("text.png", "scene.xml:3:7: cannot read image 'text.png'");
     scene_case_file("huge.pfm", "PF\n100000 100000\n-1\n");
-    refuse("huge.pfm", "scene.xml:3:7: image 'huge.pfm' is too large: 100000 x 100000");
+    load_image_refuse("huge.pfm", "scene.xml:3:7: image 'huge.pfm' is too large: 100000 x 100000");
     scene_case_file("long.pfm", "PF\n9000 9000\n-1\n");
-    refuse("long.pfm", "scene.xml:3:7: image 'long.pfm' is cut short: 9000 x 9000 in 16 bytes");
+    load_image_refuse("long.pfm",
+                      "scene.xml:3:7: image 'long.pfm' is cut short: 9000 x 9000 in 16 bytes");
     scene_case_file("short.pfm", "PF\n100 100\n-1\n");
-    refuse("short.pfm", "scene.xml:3:7: cannot read image 'short.pfm'");
+    load_image_refuse("short.pfm", "scene.xml:3:7: cannot read image 'short.pfm'");
     static const unsigned char grey[6] = {0};
     char png[256];
     write_png("a.png", PNG_FORMAT_GRAY, grey);
@@ -107,12 +108,13 @@ static void refuses_wrong_files(void **state) {
     size_t size = fread(png, 1, sizeof png, file);
     fclose(file);
     scene_case_bytes("short.png", png, size / 2);
-    refuse(
+    load_image_refuse(
         "short.png",
         "scene.xml:3:7: cannot read image 'short.png': the PNG is damaged: the file is cut short");
     png[size - 20] ^= 1;
     scene_case_bytes("wrong.png", png, size);
-    refuse("wrong.png", "scene.xml:3:7: cannot read image 'wrong.png': the PNG is damaged: IDAT");
+    load_image_refuse("wrong.png",
+                      "scene.xml:3:7: cannot read image 'wrong.png': the PNG is damaged: IDAT");
 }
 
 int main(void) {

@@ -19,7 +19,8 @@ static void put_number(struct png_file *png, size_t value) {
     for (int k = 24; k >= 0; k -= 8) png->byte[png->size++] = (unsigned char)(value >> k);
 }
 
-static void put_chunk(struct png_file *png, const char *name, const void *data, size_t size) {
+static void load_image_png_put_chunk(struct png_file *png, const char *name, const void *data,
+                                     size_t size) {
     put_number(png, size);
     unsigned char *const from = png->byte + png->size;
     memcpy(from, name, 4);
@@ -31,17 +32,18 @@ static void put_chunk(struct png_file *png, const char *name, const void *data, 
 static void begin_png(struct png_file *png, const unsigned char header[HEADER]) {
     memcpy(png->byte, "\x89PNG\r\n\x1a\n", SIGNATURE);
     png->size = SIGNATURE;
-    put_chunk(png, "IHDR", header, HEADER);
+    load_image_png_put_chunk(png, "IHDR", header, HEADER);
 }
 
-static void put_pixels(struct png_file *png, const unsigned char *rows, size_t size) {
+static void load_image_png_put_pixels(struct png_file *png, const unsigned char *rows,
+                                      size_t size) {
     unsigned char packed[512];
     uLongf n = sizeof packed;
     assert_int_equal(compress(packed, &n, rows, size), Z_OK);
-    put_chunk(png, "IDAT", packed, n);
+    load_image_png_put_chunk(png, "IDAT", packed, n);
 }
 
-static void end_png(struct png_file *png) { put_chunk(png, "IEND", NULL, 0); }
+static void end_png(struct png_file *png) { load_image_png_put_chunk(png, "IEND", NULL, 0); }
 
 // Loads the file, with no line on standard error.
 static satin_status load_raw(const struct png_file *png, struct scene_case *log,
@@ -96,8 +98,8 @@ static void reads_every_type(void **state) {
         struct arena arena;
         const struct image *image;
         begin_png(&png, header);
-        if (kinds[i / 2].type == 3) put_chunk(&png, "PLTE", palette, sizeof palette);
-        put_pixels(&png, kinds[i / 2].row, kinds[i / 2].size);
+        if (kinds[i / 2].type == 3) load_image_png_put_chunk(&png, "PLTE", palette, sizeof palette);
+        load_image_png_put_pixels(&png, kinds[i / 2].row, kinds[i / 2].size);
         end_png(&png);
         assert_int_equal(load_raw(&png, &log, &arena, &image), SATIN_OK);
         assert_int_equal(image->channels, kinds[i / 2].channels);
@@ -118,14 +120,14 @@ static void reads_interlaced_rows(void **state) {
     struct arena arena;
     const struct image *image;
     begin_png(&png, header);
-    put_pixels(&png, rows, sizeof rows);
+    load_image_png_put_pixels(&png, rows, sizeof rows);
     end_png(&png);
     assert_int_equal(load_raw(&png, &log, &arena, &image), SATIN_OK);
     for (int i = 0; i < 6; i++)
         assert_float_equal(image->texel[i], (float)(i + 1) * 10 / 255.0f, 1e-7f);
     arena_free(&arena);
     begin_png(&png, header);
-    put_pixels(&png, rows, sizeof rows - 1);
+    load_image_png_put_pixels(&png, rows, sizeof rows - 1);
     end_png(&png);
     refuse_png(&png, "the PNG is damaged: Not enough image data");
 }
@@ -146,8 +148,8 @@ static void takes_encoding_from_the_file(void **state) {
         struct opened_image opened;
         char error[128];
         begin_png(&png, header);
-        put_chunk(&png, chunks[i].name, chunks[i].data, chunks[i].size);
-        put_pixels(&png, row, sizeof row);
+        load_image_png_put_chunk(&png, chunks[i].name, chunks[i].data, chunks[i].size);
+        load_image_png_put_pixels(&png, row, sizeof row);
         end_png(&png);
         const struct image_data file = {"a.png", (char *)png.byte, png.size};
         assert_true(load_image_is_png(&file));
@@ -157,7 +159,7 @@ static void takes_encoding_from_the_file(void **state) {
     }
 }
 
-static void refuses_damage(void **state) {
+static void load_image_png_refuses_damage(void **state) {
     (void)state;
     static const struct {
         size_t at;
@@ -178,18 +180,18 @@ static void refuses_damage(void **state) {
         unsigned char header[HEADER] = {[3] = 3, [7] = 2, [8] = 8};
         header[bad[i].at] = bad[i].byte;
         begin_png(&png, header);
-        put_pixels(&png, rows, sizeof rows);
+        load_image_png_put_pixels(&png, rows, sizeof rows);
         end_png(&png);
         refuse_png(&png, bad[i].problem);
     }
     const unsigned char header[HEADER] = {[3] = 3, [7] = 2, [8] = 8};
     const unsigned char filter[8] = {[4] = 5};  // of the second row
     begin_png(&png, header);
-    put_pixels(&png, filter, sizeof filter);
+    load_image_png_put_pixels(&png, filter, sizeof filter);
     end_png(&png);
     refuse_png(&png, "the PNG is damaged: bad adaptive filter value");
     begin_png(&png, header);
-    put_chunk(&png, "HUGE", rows, sizeof rows);
+    load_image_png_put_chunk(&png, "HUGE", rows, sizeof rows);
     refuse_png(&png, "the PNG is damaged: HUGE: unhandled critical chunk");
     begin_png(&png, header);
     end_png(&png);
@@ -203,8 +205,8 @@ static void refuses_every_cut_and_every_wrong_byte(void **state) {
     const unsigned char header[HEADER] = {[3] = 3, [7] = 2, [8] = 8}, rows[8] = {0};
     struct png_file png;
     begin_png(&png, header);
-    put_chunk(&png, "tEXt", "a\0b", 3);
-    put_pixels(&png, rows, sizeof rows);
+    load_image_png_put_chunk(&png, "tEXt", "a\0b", 3);
+    load_image_png_put_pixels(&png, rows, sizeof rows);
     end_png(&png);
     const struct png_file whole = png;
     for (png.size = SIGNATURE; png.size < whole.size; png.size++)
@@ -246,7 +248,7 @@ static void skips_what_no_texel_depends_on(void **state) {
     to += 4 + length;
     for (int k = 24; k >= 0; k -= 8) *to++ = (unsigned char)(sum >> k);
     struct png_file tail = {0};
-    put_pixels(&tail, row, sizeof row);
+    load_image_png_put_pixels(&tail, row, sizeof row);
     end_png(&tail);
     memcpy(to, tail.byte, tail.size);
     const struct image_data data = {"a.png", (char *)all, (size_t)(to - all) + tail.size};
@@ -266,7 +268,7 @@ int main(void) {
         cmocka_unit_test(reads_every_type),
         cmocka_unit_test(reads_interlaced_rows),
         cmocka_unit_test(takes_encoding_from_the_file),
-        cmocka_unit_test(refuses_damage),
+        cmocka_unit_test(load_image_png_refuses_damage),
         cmocka_unit_test(refuses_every_cut_and_every_wrong_byte),
         cmocka_unit_test(skips_what_no_texel_depends_on),
     };

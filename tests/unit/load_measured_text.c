@@ -15,7 +15,7 @@
 
 static char error[512];
 
-static void keep(void *user, satin_log_severity severity, const char *message) {
+static void load_measured_text_keep(void *user, satin_log_severity severity, const char *message) {
     (void)user;
     if (severity == SATIN_LOG_ERROR) snprintf(error, sizeof error, "%s", message);
 }
@@ -30,7 +30,8 @@ static satin_status read_bytes(reader read, const void *bytes, size_t size, stru
     assert_true(fd >= 0);
     assert_int_equal(write(fd, bytes, size), (ssize_t)size);
     close(fd);
-    struct load_source source = {{keep, NULL}, {"scene.xml", 3, 5}, arena, path, NULL};
+    struct load_source source = {
+        {load_measured_text_keep, NULL}, {"scene.xml", 3, 5}, arena, path, NULL};
     satin_status status = read(&source, grid);
     unlink(path);
     char *name = strstr(error, path);  // which differs from run to run

@@ -2,14 +2,15 @@
 // OBJ: the mesh that is read from well-formed text, and the line that every error names.
 #include "mesh_case.h"
 
-static void read_text(struct mesh_case *c, struct mesh_request request, const char *text) {
+static void load_mesh_obj_read_text(struct mesh_case *c, struct mesh_request request,
+                                    const char *text) {
     assert_int_equal(mesh_case_read(c, load_mesh_obj, request, text, strlen(text)), SATIN_OK);
 }
 
 static void reads_all_corner_forms(void **state) {
     (void)state;
     struct mesh_case c;
-    read_text(
+    load_mesh_obj_read_text(
         &c, mesh_case_plain(),
         "# comment\r\nmtllib x.mtl\r\no name\r\n\r\n"
         "v 0 0 0\r\n  v 1 0 0 1.0\r\nv\t1 1 0\r\nv 0 1 0 # w\r\n"
@@ -43,13 +44,13 @@ static void applies_the_request(void **state) {
     struct mesh_case c;
     struct mesh_request request = {
         .to_world = mat4_translate(v3(0, 0, 5)), .flip_normals = true, .flip_tex_coords = true};
-    read_text(&c, request, quad);
+    load_mesh_obj_read_text(&c, request, quad);
     assert_near3(mesh_case_vertex(c.mesh.position, 2), v3(1, 1, 5), 0.0f);
     assert_near3(mesh_case_vertex(c.mesh.normal, 2), v3(0, 0, -1), 1e-6f);
     assert_float_equal(c.mesh.uv[1], 0.75f, 0.0f);
     mesh_case_free(&c);
     request.face_normals = true;
-    read_text(&c, request, quad);
+    load_mesh_obj_read_text(&c, request, quad);
     assert_null(c.mesh.normal);
     mesh_case_free(&c);
 }
@@ -58,8 +59,8 @@ static void applies_the_request(void **state) {
 static void collapses_what_has_no_area(void **state) {
     (void)state;
     struct mesh_case c;
-    read_text(&c, mesh_case_plain(),
-              "v .1 .1 .1\nv .3 .3 .3\nv .9 .9 .9\nv 0 1 0\nf 1 2 3\nf 1 3 4\n");
+    load_mesh_obj_read_text(&c, mesh_case_plain(),
+                            "v .1 .1 .1\nv .3 .3 .3\nv .9 .9 .9\nv 0 1 0\nf 1 2 3\nf 1 3 4\n");
     const uint32_t *index = c.mesh.index;
     assert_true(index[0] == index[1] && index[0] == index[2]);
     assert_true(index[3] != index[4] && index[3] != index[5] && index[4] != index[5]);
@@ -74,7 +75,7 @@ static void winds_by_the_normals(void **state) {
     for (int mirror = 0; mirror < 2; mirror++) {
         struct mesh_case c;
         struct mesh_request request = {.to_world = mat4_scale(v3(mirror ? -2 : 1, 1, 3))};
-        read_text(&c, request, text);
+        load_mesh_obj_read_text(&c, request, text);
         for (uint32_t t = 0; t < 2; t++) {
             const uint32_t *i = c.mesh.index + t * 3;
             vec3 a = mesh_case_vertex(c.mesh.position, i[0]),

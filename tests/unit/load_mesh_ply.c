@@ -9,7 +9,7 @@ struct body {
     int format;  // 0 text, 1 little-endian, 2 big-endian
 };
 
-static void put(struct body *body, const char *type, double value) {
+static void load_mesh_ply_put(struct body *body, const char *type, double value) {
     if (body->format == 0) {
         body->size += (size_t)sprintf(body->bytes + body->size, "%.9g ", value);
         return;
@@ -48,31 +48,31 @@ static void write_pyramid(struct body *body, int format, const char *real, const
         name[format], small, real, integer, real, small, real, real, real, real, real, real, real,
         integer, small, integer);
     for (int i = 0; i < 2; i++) {
-        put(body, small, i + 1);
-        for (int k = 0; k <= i; k++) put(body, real, 0.5);
-        put(body, integer, 99);
+        load_mesh_ply_put(body, small, i + 1);
+        for (int k = 0; k <= i; k++) load_mesh_ply_put(body, real, 0.5);
+        load_mesh_ply_put(body, integer, 99);
     }
     static const double corner[5][3] = {
         {-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {0, 0, 1.5}};
     for (int i = 0; i < 5; i++) {
-        put(body, real, corner[i][0]);
-        put(body, small, 3);
-        for (int k = 1; k < 3; k++) put(body, real, corner[i][k]);
-        for (int k = 0; k < 3; k++) put(body, real, corner[i][k] * 2 - (k == 2));
-        put(body, real, 0.25 * i);
-        put(body, real, 1.0 - 0.125 * i);
+        load_mesh_ply_put(body, real, corner[i][0]);
+        load_mesh_ply_put(body, small, 3);
+        for (int k = 1; k < 3; k++) load_mesh_ply_put(body, real, corner[i][k]);
+        for (int k = 0; k < 3; k++) load_mesh_ply_put(body, real, corner[i][k] * 2 - (k == 2));
+        load_mesh_ply_put(body, real, 0.25 * i);
+        load_mesh_ply_put(body, real, 1.0 - 0.125 * i);
     }
     static const int face[5][5] = {
         {3, 0, 1, 4}, {3, 1, 2, 4}, {3, 2, 3, 4}, {3, 3, 0, 4}, {4, 3, 2, 1, 0}};
     for (int i = 0; i < 5; i++) {
-        put(body, integer, 7);
-        put(body, small, face[i][0]);
-        for (int k = 1; k <= face[i][0]; k++) put(body, integer, face[i][k]);
-        put(body, "uchar", i == 2);
-        if (i == 2) put(body, "float", 0.5);
+        load_mesh_ply_put(body, integer, 7);
+        load_mesh_ply_put(body, small, face[i][0]);
+        for (int k = 1; k <= face[i][0]; k++) load_mesh_ply_put(body, integer, face[i][k]);
+        load_mesh_ply_put(body, "uchar", i == 2);
+        if (i == 2) load_mesh_ply_put(body, "float", 0.5);
         if (format == 0) body->bytes[body->size - 1] = '\n';
     }
-    put(body, "double", 0.5);
+    load_mesh_ply_put(body, "double", 0.5);
 }
 
 static void reads_every_format_and_type(void **state) {
@@ -195,8 +195,9 @@ static void refuses_bad_binary_lists(void **state) {
 }
 
 // Reads a triangle and a quad with the given properties; `names` are the attributes asked for.
-static void read_attributes(struct mesh_case *c, const char *vertex, const char *face,
-                            const char *corner, const char *last, const char *const names[]) {
+static void load_mesh_ply_read_attributes(struct mesh_case *c, const char *vertex, const char *face,
+                                          const char *corner, const char *last,
+                                          const char *const names[]) {
     char text[2048];
     const char *of_vertex = *vertex ? corner : "";
     int size = snprintf(text, sizeof text,
@@ -220,11 +221,12 @@ static void keeps_attributes(void **state) {
                                         "vertex_pair",  "face_color",  "vertex_gone",
                                         "face_tint",    NULL};
     struct mesh_case c;
-    read_attributes(&c,
-                    "property uchar blue\nproperty uchar red\nproperty uchar green\n"
-                    "property ushort heat_x\nproperty float tint_r\nproperty float tint_g\n"
-                    "property float tint_b\nproperty float pair_x\nproperty float pair_y\n",
-                    "", "30 10 20 65535 .1 .2 .3 5 6", "33 11 22 0 .4 .5 .6 7 8", names);
+    load_mesh_ply_read_attributes(
+        &c,
+        "property uchar blue\nproperty uchar red\nproperty uchar green\n"
+        "property ushort heat_x\nproperty float tint_r\nproperty float tint_g\n"
+        "property float tint_b\nproperty float pair_x\nproperty float pair_y\n",
+        "", "30 10 20 65535 .1 .2 .3 5 6", "33 11 22 0 .4 .5 .6 7 8", names);
     assert_int_equal(c.mesh.attribute_count, 3);
     static const float color[6] = {10, 20, 30, 11, 22, 33},
                        tint[6] = {.1f, .2f, .3f, .4f, .5f, .6f};
@@ -237,10 +239,11 @@ static void keeps_attributes(void **state) {
     assert_memory_equal(a[2].value + 6, tint, sizeof tint);
     mesh_case_free(&c);
     // The quad is two triangles, with its value each.
-    read_attributes(&c, "",
-                    "property float r\nproperty float g\nproperty float b\n"
-                    "property float tint_1\nproperty float tint_2\nproperty float tint_3\n",
-                    "1 2 3 7 8 9", "4 5 6 10 11 12", names);
+    load_mesh_ply_read_attributes(
+        &c, "",
+        "property float r\nproperty float g\nproperty float b\n"
+        "property float tint_1\nproperty float tint_2\nproperty float tint_3\n",
+        "1 2 3 7 8 9", "4 5 6 10 11 12", names);
     assert_int_equal(c.mesh.attribute_count, 2);
     static const float faces[2][9] = {{1, 2, 3, 4, 5, 6, 4, 5, 6},
                                       {7, 8, 9, 10, 11, 12, 10, 11, 12}};
@@ -256,12 +259,12 @@ static void counts_negative_values_as_none(void **state) {
     (void)state;
     static const char *const names[] = {"vertex_heat", "face_heat", NULL};
     struct mesh_case c;
-    read_attributes(&c, "property float heat_x\n", "", "-1", "3", names);
+    load_mesh_ply_read_attributes(&c, "property float heat_x\n", "", "-1", "3", names);
     const float *value = c.mesh.attribute[0].value;
     assert_true(value[0] == 0.0f && value[2] == 0.0f && value[3] == 3.0f);
     assert_string_equal(c.log.warning, "mesh: 3 values of vertex_heat are negative and count as 0");
     mesh_case_free(&c);
-    read_attributes(&c, "", "property float heat_x\n", "2", "-7", names);
+    load_mesh_ply_read_attributes(&c, "", "property float heat_x\n", "2", "-7", names);
     value = c.mesh.attribute[0].value;
     assert_true(value[0] == 2.0f && value[1] == 0.0f && value[2] == 0.0f);
     mesh_case_free(&c);

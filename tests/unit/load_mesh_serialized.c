@@ -9,7 +9,7 @@ struct bytes {
     size_t size;
 };
 
-static void put(struct bytes *b, const void *data, size_t size) {
+static void load_mesh_serialized_put(struct bytes *b, const void *data, size_t size) {
     memcpy(b->byte + b->size, data, size);
     b->size += size;
 }
@@ -21,23 +21,24 @@ static void put_integer(struct bytes *b, uint64_t value, size_t size) {
 static void put_real(struct bytes *b, double value, bool wide) {
     float narrow = (float)value;
     if (wide)
-        put(b, &value, sizeof value);
+        load_mesh_serialized_put(b, &value, sizeof value);
     else
-        put(b, &narrow, sizeof narrow);
+        load_mesh_serialized_put(b, &narrow, sizeof narrow);
 }
 
 // The faults of a mesh that is written.
-struct fault {
+struct load_mesh_serialized_fault {
     uint64_t vertices, triangles;  // declared; 0: the truth
     uint32_t index;                // of the last corner; 0: the truth
     double coordinate;             // of the first vertex
 };
 
 // Appends a triangle with normals, uv and colours; z is that of its plane.
-static void put_mesh(struct bytes *file, int version, bool wide, double z, struct fault fault) {
+static void put_mesh(struct bytes *file, int version, bool wide, double z,
+                     struct load_mesh_serialized_fault fault) {
     struct bytes raw = {.size = 0};
     put_integer(&raw, (wide ? 0x2000 : 0x1000) | 1 | 2 | 8, 4);
-    if (version == 4) put(&raw, "name", 5);
+    if (version == 4) load_mesh_serialized_put(&raw, "name", 5);
     put_integer(&raw, fault.vertices ? fault.vertices : 3, 8);
     put_integer(&raw, fault.triangles ? fault.triangles : 1, 8);
     const double position[9] = {fault.coordinate, 0, z, 1, 0, z, 0, 1, z};
@@ -60,13 +61,14 @@ static void put_file(struct bytes *file, int version, bool wide) {
     *file = (struct bytes){.size = 0};
     for (int i = 0; i < 3; i++) {
         start[i] = file->size;
-        put_mesh(file, version, wide, i, (struct fault){0});
+        put_mesh(file, version, wide, i, (struct load_mesh_serialized_fault){0});
     }
     for (int i = 0; i < 3; i++) put_integer(file, start[i], version == 4 ? 8 : 4);
     put_integer(file, 3, 4);
 }
 
-static satin_status read_index(struct mesh_case *c, const struct bytes *file, int index) {
+static satin_status load_mesh_serialized_read_index(struct mesh_case *c, const struct bytes *file,
+                                                    int index) {
     struct mesh_request request = mesh_case_plain();
     request.shape_index = index;
     return mesh_case_read(c, load_mesh_serialized, request, file->byte, file->size);
@@ -80,7 +82,7 @@ static void reads_versions_and_precisions(void **state) {
                 struct bytes file;
                 struct mesh_case c;
                 put_file(&file, version, wide);
-                assert_int_equal(read_index(&c, &file, i), SATIN_OK);
+                assert_int_equal(load_mesh_serialized_read_index(&c, &file, i), SATIN_OK);
                 assert_int_equal(c.mesh.vertex_count, 3);
                 assert_int_equal(c.mesh.triangle_count, 1);
                 assert_near3(mesh_case_vertex(c.mesh.position, 1), v3(1, 0, (float)i), 0.0f);
@@ -94,7 +96,7 @@ static void reads_versions_and_precisions(void **state) {
 
 static void refuse_index(const struct bytes *file, int index, const char *message) {
     struct mesh_case c;
-    assert_int_equal(read_index(&c, file, index), SATIN_ERROR_INPUT);
+    assert_int_equal(load_mesh_serialized_read_index(&c, file, index), SATIN_ERROR_INPUT);
     assert_string_equal(c.log.error, message);
     mesh_case_free(&c);
 }
@@ -118,33 +120,38 @@ static void refuses_a_bad_table(void **state) {
     }
 }
 
-static void refuse_mesh(struct fault fault, const char *message) {
+static void refuse_mesh(struct load_mesh_serialized_fault fault, const char *message) {
     struct bytes file = {.size = 0};
     put_mesh(&file, 4, false, 0.0, fault);
     mesh_case_refuse(load_mesh_serialized, file.byte, file.size, message);
 }
 
-static void refuses_damage(void **state) {
+static void load_mesh_serialized_refuses_damage(void **state) {
     (void)state;
     struct bytes file = {.size = 0};
-    put_mesh(&file, 4, true, 0.0, (struct fault){0});
+    put_mesh(&file, 4, true, 0.0, (struct load_mesh_serialized_fault){0});
     // The last bytes are zlib's checksum and the end of the block, which are not read.
     for (size_t cut = 0; cut + 8 < file.size; cut++)
         mesh_case_refuse(load_mesh_serialized, file.byte, cut, "mesh: it");
     file.byte[2] = 9;
     mesh_case_refuse(load_mesh_serialized, file.byte, file.size, "mesh: it is not a serialized");
-    refuse_mesh((struct fault){.vertices = 1000000000}, "mesh: its compressed data is cut short");
-    refuse_mesh((struct fault){.triangles = 4000000000u}, "mesh: its compressed data is cut");
-    refuse_mesh((struct fault){.vertices = 1ull << 60}, "mesh: 1152921504606846976 vertices and");
-    refuse_mesh((struct fault){.index = 3}, "mesh: triangle 0 refers to vertex 3, but there are 3");
-    refuse_mesh((struct fault){.coordinate = NAN}, "mesh: a number is not finite");
+    refuse_mesh((struct load_mesh_serialized_fault){.vertices = 1000000000},
+                "mesh: its compressed data is cut short");
+    refuse_mesh((struct load_mesh_serialized_fault){.triangles = 4000000000u},
+                "mesh: its compressed data is cut");
+    refuse_mesh((struct load_mesh_serialized_fault){.vertices = 1ull << 60},
+                "mesh: 1152921504606846976 vertices and");
+    refuse_mesh((struct load_mesh_serialized_fault){.index = 3},
+                "mesh: triangle 0 refers to vertex 3, but there are 3");
+    refuse_mesh((struct load_mesh_serialized_fault){.coordinate = NAN},
+                "mesh: a number is not finite");
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(reads_versions_and_precisions),
         cmocka_unit_test(refuses_a_bad_table),
-        cmocka_unit_test(refuses_damage),
+        cmocka_unit_test(load_mesh_serialized_refuses_damage),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

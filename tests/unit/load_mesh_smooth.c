@@ -5,14 +5,16 @@
 #include "mesh_case.h"
 #include "scene/scene.h"
 
-static const char cube[] =
+static const char load_mesh_smooth_cube[] =
     "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
     "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
 
 static void read_cube(struct mesh_case *c, float angle) {
     struct mesh_request request = mesh_case_plain();
     request.smooth_angle = angle;
-    assert_int_equal(mesh_case_read(c, load_mesh_obj, request, cube, strlen(cube)), SATIN_OK);
+    assert_int_equal(mesh_case_read(c, load_mesh_obj, request, load_mesh_smooth_cube,
+                                    strlen(load_mesh_smooth_cube)),
+                     SATIN_OK);
     assert_true(c->mesh.triangle_count == 12 && c->mesh.vertex_count == 36);
 }
 
@@ -42,12 +44,12 @@ static void smooths_flatter_ones(void **state) {
     mesh_case_free(&c);
 }
 
-static void refuses(void **state) {
+static void load_mesh_smooth_refuses(void **state) {
     (void)state;
     static const char *const cases[] = {
         "<float name='max_smooth_angle' value='181'/>",
         "<float name='max_smooth_angle' value='30'/><boolean name='face_normals' value='true'/>"};
-    scene_case_file("cube.obj", cube);
+    scene_case_file("cube.obj", load_mesh_smooth_cube);
     for (int i = 0; i < 2; i++) {
         char text[512];
         struct scene_case c;
@@ -67,6 +69,6 @@ static void refuses(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(keeps_edges),
                                        cmocka_unit_test(smooths_flatter_ones),
-                                       cmocka_unit_test(refuses)};
+                                       cmocka_unit_test(load_mesh_smooth_refuses)};
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

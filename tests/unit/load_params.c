@@ -10,24 +10,36 @@
 
 static const char *const colours[] = {"red", "green", NULL};
 static const struct param_spec flag = {"flag", PARAM_BOOLEAN, "true", 0, 0, NULL, ""};
-static const struct param_spec count = {"count", PARAM_INTEGER, "7", RANGE_POSITIVE, 0, NULL, ""};
+static const struct param_spec load_params_count = {"count", PARAM_INTEGER, "7", RANGE_POSITIVE,
+                                                    0,       NULL,          ""};
 static const struct param_spec size = {"size", PARAM_FLOAT, ".5", RANGE_UNIT, 0, NULL, ""};
 static const struct param_spec text = {"text", PARAM_STRING, "t", 0, 0, NULL, ""};
-static const struct param_spec choice = {"choice", PARAM_CHOICE, "green", 0, 0, colours, ""};
-static const struct param_spec place = {"place", PARAM_POINT, "1 2 3", 0, 0, NULL, ""};
-static const struct param_spec colour = {"colour",      PARAM_COLOR, ".25", RANGE_UNIT,
-                                         PARAM_TEXTURE, NULL,        ""};
+static const struct param_spec load_params_choice = {"choice", PARAM_CHOICE, "green", 0,
+                                                     0,        colours,      ""};
+static const struct param_spec load_params_place = {"place", PARAM_POINT, "1 2 3", 0, 0, NULL, ""};
+static const struct param_spec load_params_colour = {"colour",      PARAM_COLOR, ".25", RANGE_UNIT,
+                                                     PARAM_TEXTURE, NULL,        ""};
 static const struct param_spec fraction = {"fraction",    PARAM_FLOAT, ".5", RANGE_UNIT,
                                            PARAM_TEXTURE, NULL,        ""};
-static const struct param_spec texel = {"texel",       PARAM_COLOR, ".5", RANGE_TEXEL,
-                                        PARAM_TEXTURE, NULL,        ""};
-static const struct param_spec light = {"light", PARAM_LIGHT, NULL, RANGE_NOT_NEGATIVE,
-                                        0,       NULL,        ""};
+static const struct param_spec load_params_texel = {"texel",       PARAM_COLOR, ".5", RANGE_TEXEL,
+                                                    PARAM_TEXTURE, NULL,        ""};
+static const struct param_spec load_params_light = {"light", PARAM_LIGHT, NULL, RANGE_NOT_NEGATIVE,
+                                                    0,       NULL,        ""};
 static const struct param_spec ior = {"ior", PARAM_IOR, "bk7", RANGE_POSITIVE, 0, NULL, ""};
 static const struct param_spec must = {"must", PARAM_FLOAT, NULL, 0, PARAM_REQUIRED, NULL, ""};
-static const struct param_spec *const specs[] = {&flag,  &count,  &size,     &text,  &choice,
-                                                 &place, &colour, &fraction, &texel, &light,
-                                                 &ior,   &must,   NULL};
+static const struct param_spec *const specs[] = {&flag,
+                                                 &load_params_count,
+                                                 &size,
+                                                 &text,
+                                                 &load_params_choice,
+                                                 &load_params_place,
+                                                 &load_params_colour,
+                                                 &fraction,
+                                                 &load_params_texel,
+                                                 &load_params_light,
+                                                 &ior,
+                                                 &must,
+                                                 NULL};
 static const struct plugin_spec plugin = {XML_BSDF, "test", "", specs, 1u << XML_BSDF, NULL, false};
 
 static satin_status read_params(struct scene_case *c, const char *body, struct load_xml *xml,
@@ -183,7 +195,7 @@ static void separates_numbers_from_colours(void **state) {
     }
 }
 
-static const char *const refusals[][2] = {
+static const char *const load_params_refusals[][2] = {
     {"<float name='sise' value='1'/>",
      "BRDF 'test' has no parameter 'sise' (did you mean 'size'?)"},
     {"<float name='size' value='1'/><float name='size' value='1'/>", "'size' is given twice"},
@@ -235,15 +247,15 @@ static const char *const refusals[][2] = {
     {"<ref name='colour' id='s'/>", "reference to unknown id 's'"},
     {"<float name='size' value='1'/>", "BRDF 'test' needs the parameter 'must'"}};
 
-static void refuses(void **state) {
+static void load_params_refuses(void **state) {
     (void)state;
-    for (size_t i = 0; i < sizeof refusals / sizeof *refusals; i++) {
+    for (size_t i = 0; i < sizeof load_params_refusals / sizeof *load_params_refusals; i++) {
         struct scene_case c;
         struct load_xml xml;
         struct params p;
-        assert_int_equal(read_params(&c, refusals[i][0], &xml, &p), SATIN_ERROR_INPUT);
+        assert_int_equal(read_params(&c, load_params_refusals[i][0], &xml, &p), SATIN_ERROR_INPUT);
         assert_int_equal(strncmp(c.error, "scene.xml:", 10), 0);
-        assert_string_equal(strstr(c.error, ": ") + 2, refusals[i][1]);
+        assert_string_equal(strstr(c.error, ": ") + 2, load_params_refusals[i][1]);
         assert_int_equal(c.errors, 1);
         load_xml_free(&xml);
     }
@@ -332,7 +344,7 @@ int main(void) {
         cmocka_unit_test(takes_means_of_colours),
         cmocka_unit_test(reads_colours),
         cmocka_unit_test(separates_numbers_from_colours),
-        cmocka_unit_test(refuses),
+        cmocka_unit_test(load_params_refuses),
         cmocka_unit_test(passes_over_what_is_not_its_own),
         cmocka_unit_test(tables_are_complete),
         cmocka_unit_test(textures_fit_models),

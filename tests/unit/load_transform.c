@@ -20,7 +20,7 @@ static satin_status read_steps(struct scene_case *c, const char *steps, struct m
     return status;
 }
 
-static void expect(const char *steps, const float m[12]) {
+static void load_transform_expect(const char *steps, const float m[12]) {
     struct scene_case c;
     struct mat4 out;
     assert_int_equal(read_steps(&c, steps, &out), SATIN_OK);
@@ -30,39 +30,45 @@ static void expect(const char *steps, const float m[12]) {
 
 static void steps(void **state) {
     (void)state;
-    expect("", (float[]){1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
-    expect("<translate x='1' z='3'/>", (float[]){1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 3});
-    expect("<translate value='1, 2 3'/>", (float[]){1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3});
-    expect("<scale value='2'/>", (float[]){2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0});
-    expect("<scale y='3'/>", (float[]){1, 0, 0, 0, 0, 3, 0, 0, 0, 0, 1, 0});
-    expect("<rotate z='2' angle='90'/>", (float[]){0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0});
-    expect("<matrix value='1 2 3 4 5 6 7 8 9'/>", (float[]){1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0});
-    expect("<matrix value='1 2 3 4 5 6 7 8 9 10 11 12 0 0 0 1'/>",
-           (float[]){1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12});
-    expect("<lookat origin='1 2 3' target='1 2 9' up='0 5 1'/>",
-           (float[]){1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3});
+    load_transform_expect("", (float[]){1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
+    load_transform_expect("<translate x='1' z='3'/>",
+                          (float[]){1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 3});
+    load_transform_expect("<translate value='1, 2 3'/>",
+                          (float[]){1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3});
+    load_transform_expect("<scale value='2'/>", (float[]){2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0});
+    load_transform_expect("<scale y='3'/>", (float[]){1, 0, 0, 0, 0, 3, 0, 0, 0, 0, 1, 0});
+    load_transform_expect("<rotate z='2' angle='90'/>",
+                          (float[]){0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0});
+    load_transform_expect("<matrix value='1 2 3 4 5 6 7 8 9'/>",
+                          (float[]){1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0});
+    load_transform_expect("<matrix value='1 2 3 4 5 6 7 8 9 10 11 12 0 0 0 1'/>",
+                          (float[]){1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12});
+    load_transform_expect("<lookat origin='1 2 3' target='1 2 9' up='0 5 1'/>",
+                          (float[]){1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3});
 }
 
 // The first step in the file is applied first.
 static void order(void **state) {
     (void)state;
-    expect("<translate x='1'/><scale value='2'/>", (float[]){2, 0, 0, 2, 0, 2, 0, 0, 0, 0, 2, 0});
-    expect("<scale value='2'/><translate x='1'/>", (float[]){2, 0, 0, 1, 0, 2, 0, 0, 0, 0, 2, 0});
+    load_transform_expect("<translate x='1'/><scale value='2'/>",
+                          (float[]){2, 0, 0, 2, 0, 2, 0, 0, 0, 0, 2, 0});
+    load_transform_expect("<scale value='2'/><translate x='1'/>",
+                          (float[]){2, 0, 0, 1, 0, 2, 0, 0, 0, 0, 2, 0});
 }
 
 // Mitsuba 3.9 completes a missing up vector so.
 static void lookat_without_up(void **state) {
     (void)state;
-    expect("<lookat origin='3 -4 5' target='.2 .7 1'/>",
-           (float[]){0.18017852f, 0.8926596f, -0.41315195f, 3,   //
-                     0.69755745f, 0.18017852f, 0.69350505f, -4,  //
-                     0.69350505f, -0.41315195f, -0.59021705f, 5});
+    load_transform_expect("<lookat origin='3 -4 5' target='.2 .7 1'/>",
+                          (float[]){0.18017852f, 0.8926596f, -0.41315195f, 3,   //
+                                    0.69755745f, 0.18017852f, 0.69350505f, -4,  //
+                                    0.69350505f, -0.41315195f, -0.59021705f, 5});
     // So is one along the view, which Mitsuba cannot take.
-    expect("<lookat origin='0 0 0' target='0 2 0' up='0 1 0'/>",
-           (float[]){0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0});
+    load_transform_expect("<lookat origin='0 0 0' target='0 2 0' up='0 1 0'/>",
+                          (float[]){0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0});
 }
 
-static void refuses(void **state) {
+static void load_transform_refuses(void **state) {
     (void)state;
     static const char *const cases[][2] = {
         {"<scale value='2' x='1'/>", "<scale> has both a value and x, y or z"},
@@ -90,7 +96,7 @@ int main(void) {
         cmocka_unit_test(steps),
         cmocka_unit_test(order),
         cmocka_unit_test(lookat_without_up),
-        cmocka_unit_test(refuses),
+        cmocka_unit_test(load_transform_refuses),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

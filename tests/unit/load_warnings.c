@@ -71,7 +71,7 @@ static const char *after_place(const char *message) {
     return sscanf(message, "scene.xml:3:%d: %n", &column, &n) == 1 && n ? message + n : NULL;
 }
 
-static void expect(const struct nonsense *nonsense, const char *message) {
+static void load_warnings_expect(const struct nonsense *nonsense, const char *message) {
     const char *got = after_place(message);
     if (!got || strcmp(got, nonsense->message) != 0)
         fail_msg("%s\n  expected: %s\n  got:      %s", nonsense->line, nonsense->message, message);
@@ -91,7 +91,7 @@ static void warns_of_nonsense(void **state) {
         satin_scene *scene = load_line(&c, warned[i].line);
         if (!scene || c.warnings != 1)
             fail_msg("%s: %d warnings, %s", warned[i].line, c.warnings, c.error);
-        expect(&warned[i], c.warning);
+        load_warnings_expect(&warned[i], c.warning);
         satin_scene_free(scene);
     }
 }
@@ -101,7 +101,7 @@ static void refuses_nonsense(void **state) {
     for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
         struct scene_case c;
         assert_null(load_line(&c, refused[i].line));
-        expect(&refused[i], c.error);
+        load_warnings_expect(&refused[i], c.error);
         assert_int_equal(c.warnings, 0);
     }
 }

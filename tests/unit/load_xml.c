@@ -5,7 +5,8 @@
 #include "base/fileio.h"
 #include "scene_case.h"
 
-static satin_status read_text(struct scene_case *c, const char *text, struct load_xml *xml) {
+static satin_status load_xml_read_text(struct scene_case *c, const char *text,
+                                       struct load_xml *xml) {
     uint64_t hash = FILEIO_HASH;
     scene_case_file("scene.xml", text);
     return load_xml_read(scene_case_begin(c), "scene.xml", NULL, 0, &hash, xml);
@@ -15,15 +16,16 @@ static void keeps_order_and_places(void **state) {
     (void)state;
     struct scene_case c;
     struct load_xml xml;
-    assert_int_equal(read_text(&c,
-                               "<!DOCTYPE scene><scene version='3.0.0'>\n"
-                               "  <shape type='sphere' id='a'><float name='radius' value='2'/>\n"
-                               "    words, which mean nothing -->\n"
-                               "    <ref id='m'/></shape>\n"
-                               "  <bsdf type='diffuse' id='m'/><alias id='m' as='n'/>\n"
-                               "</scene>",
-                               &xml),
-                     SATIN_OK);
+    assert_int_equal(
+        load_xml_read_text(&c,
+                           "<!DOCTYPE scene><scene version='3.0.0'>\n"
+                           "  <shape type='sphere' id='a'><float name='radius' value='2'/>\n"
+                           "    words, which mean nothing -->\n"
+                           "    <ref id='m'/></shape>\n"
+                           "  <bsdf type='diffuse' id='m'/><alias id='m' as='n'/>\n"
+                           "</scene>",
+                           &xml),
+        SATIN_OK);
     const struct xml_node *shape = xml.root->child, *bsdf = shape->next;
     assert_string_equal(shape->type, "sphere");
     assert_int_equal(shape->place.line, 2);
@@ -56,7 +58,7 @@ static void reads_past_the_type(void **state) {
         char text[512];
         snprintf(text, sizeof text, "%s%s", types[i],
                  "<scene version='3.0.0'><shape type='sphere' id='&amp;&#65;'/></scene>");
-        assert_int_equal(read_text(&c, text, &xml), SATIN_OK);
+        assert_int_equal(load_xml_read_text(&c, text, &xml), SATIN_OK);
         assert_int_equal(xml.root->place.line, 4);
         assert_string_equal(xml.root->child->id, "&A");
         load_xml_free(&xml);
@@ -67,12 +69,13 @@ static void replaces_entities(void **state) {
     (void)state;
     struct scene_case c;
     struct load_xml xml;
-    assert_int_equal(read_text(&c,
-                               "<!DOCTYPE scene [<!ENTITY a 'b'><!ENTITY c '&a;&a;'>\n"
-                               "<!ENTITY lamp \"<shape type='sphere' id='&c;'/>\">]>\n"
-                               "<scene version='3.0.0'>&lamp;\n<shape type='&c;'/></scene>",
-                               &xml),
-                     SATIN_OK);
+    assert_int_equal(
+        load_xml_read_text(&c,
+                           "<!DOCTYPE scene [<!ENTITY a 'b'><!ENTITY c '&a;&a;'>\n"
+                           "<!ENTITY lamp \"<shape type='sphere' id='&c;'/>\">]>\n"
+                           "<scene version='3.0.0'>&lamp;\n<shape type='&c;'/></scene>",
+                           &xml),
+        SATIN_OK);
     const struct xml_node *lamp = xml.root->child;
     assert_string_equal(lamp->id, "bb");
     assert_int_equal(lamp->place.line, 3);
@@ -81,10 +84,10 @@ static void replaces_entities(void **state) {
     assert_int_equal(c.warnings, 0);
     load_xml_free(&xml);
     // Declarations in another file are not read, which a warning reports.
-    assert_int_equal(read_text(&c,
-                               "<!DOCTYPE scene SYSTEM 'a.dtd'>\n"
-                               "<scene version='3.0.0'><shape type='a&b;'/></scene>",
-                               &xml),
+    assert_int_equal(load_xml_read_text(&c,
+                                        "<!DOCTYPE scene SYSTEM 'a.dtd'>\n"
+                                        "<scene version='3.0.0'><shape type='a&b;'/></scene>",
+                                        &xml),
                      SATIN_OK);
     assert_string_equal(xml.root->child->type, "a");
     assert_string_equal(c.warning,
@@ -109,7 +112,7 @@ static void entities_are_bounded(void **state) {
             strcat(text, "\">\n");
         }
         sprintf(text + strlen(text), "]>\n<scene version='3.0.0'>%s</scene>", used[i]);
-        assert_int_equal(read_text(&c, text, &xml), SATIN_ERROR_INPUT);
+        assert_int_equal(load_xml_read_text(&c, text, &xml), SATIN_ERROR_INPUT);
         assert_non_null(strstr(c.error, ": not XML: limit on input amplification factor"));
         assert_int_equal(c.errors, 1);
     }
@@ -151,10 +154,10 @@ static void includes_files(void **state) {
                     "<scene version='3.0.0'><default name='type' value='diffuse'/>"
                     "<shape type='cube'><include filename='bsdf.xml' name='x'/></shape>"
                     "<shape type='disk'/></scene>");
-    assert_int_equal(read_text(&c,
-                               "<scene version='3.0.0'><include filename='part.xml'/>"
-                               "<texture type='$type'/></scene>",
-                               &xml),
+    assert_int_equal(load_xml_read_text(&c,
+                                        "<scene version='3.0.0'><include filename='part.xml'/>"
+                                        "<texture type='$type'/></scene>",
+                                        &xml),
                      SATIN_OK);
     const struct xml_node *cube = xml.root->child;
     assert_string_equal(cube->type, "cube");
@@ -166,9 +169,9 @@ static void includes_files(void **state) {
     assert_ptr_equal(load_xml_find(&xml, "b"), cube->child);
     load_xml_free(&xml);
     scene_case_file("part.xml", "<scene version='3.0.0'>\n<include filename='scene.xml'/></scene>");
-    assert_int_equal(
-        read_text(&c, "<scene version='3.0.0'><include filename='part.xml'/></scene>", &xml),
-        SATIN_ERROR_INPUT);
+    assert_int_equal(load_xml_read_text(
+                         &c, "<scene version='3.0.0'><include filename='part.xml'/></scene>", &xml),
+                     SATIN_ERROR_INPUT);
     assert_string_equal(c.error, "part.xml:2:1: 'scene.xml' includes itself");
     assert_int_equal(c.errors, 1);
 }
@@ -187,19 +190,19 @@ static void includes_are_bounded(void **state) {
         scene_case_file(name, text);
     }
     assert_int_equal(
-        read_text(&c, "<scene version='3.0.0'><include filename='f0.xml'/></scene>", &xml),
+        load_xml_read_text(&c, "<scene version='3.0.0'><include filename='f0.xml'/></scene>", &xml),
         SATIN_ERROR_INPUT);
     assert_non_null(strstr(c.error, "too many includes"));
     assert_int_equal(c.errors, 1);
 }
 
-struct refusal {
+struct load_xml_refusal {
     const char *text, *error;
 };
 
 #define S "<scene version='3.0.0'>"
 
-static const struct refusal refusals[] = {
+static const struct load_xml_refusal load_xml_refusals[] = {
     {"", "scene.xml:1:1: not XML: no element found"},
     {"just text", "scene.xml:1:1: not XML: syntax error"},
     {S "\n<shape type='cube'>", "scene.xml:2:20: not XML: no element found"},
@@ -243,13 +246,14 @@ static const struct refusal refusals[] = {
      "scene.xml:1:24: cannot read 'none.xml': No such file or directory"},
 };
 
-static void refuses_with_place(void **state) {
+static void load_xml_refuses_with_place(void **state) {
     (void)state;
-    for (size_t i = 0; i < sizeof refusals / sizeof *refusals; i++) {
+    for (size_t i = 0; i < sizeof load_xml_refusals / sizeof *load_xml_refusals; i++) {
         struct scene_case c;
         struct load_xml xml;
-        assert_int_equal(read_text(&c, refusals[i].text, &xml), SATIN_ERROR_INPUT);
-        assert_string_equal(c.error, refusals[i].error);
+        assert_int_equal(load_xml_read_text(&c, load_xml_refusals[i].text, &xml),
+                         SATIN_ERROR_INPUT);
+        assert_string_equal(c.error, load_xml_refusals[i].error);
         assert_int_equal(c.errors, 1);
     }
 }
@@ -266,7 +270,7 @@ static void nesting_is_bounded(void **state) {
     text[sizeof S - 1 + n * DEPTH] = 0;
     struct scene_case c;
     struct load_xml xml;
-    assert_int_equal(read_text(&c, text, &xml), SATIN_ERROR_INPUT);
+    assert_int_equal(load_xml_read_text(&c, text, &xml), SATIN_ERROR_INPUT);
     free(text);
     assert_string_equal(c.error, "scene.xml:1:1410: elements are nested more than 64 deep");
     assert_int_equal(c.errors, 1);
@@ -281,7 +285,7 @@ static void substitution_is_bounded(void **state) {
     strcat(text, "</scene>");
     struct scene_case c;
     struct load_xml xml;
-    assert_int_equal(read_text(&c, text, &xml), SATIN_ERROR_INPUT);
+    assert_int_equal(load_xml_read_text(&c, text, &xml), SATIN_ERROR_INPUT);
     assert_non_null(strstr(c.error, "attribute longer than 65536 bytes"));
 }
 
@@ -290,7 +294,7 @@ int main(void) {
         cmocka_unit_test(keeps_order_and_places), cmocka_unit_test(reads_past_the_type),
         cmocka_unit_test(replaces_entities),      cmocka_unit_test(entities_are_bounded),
         cmocka_unit_test(substitutes_parameters), cmocka_unit_test(includes_files),
-        cmocka_unit_test(includes_are_bounded),   cmocka_unit_test(refuses_with_place),
+        cmocka_unit_test(includes_are_bounded),   cmocka_unit_test(load_xml_refuses_with_place),
         cmocka_unit_test(nesting_is_bounded),     cmocka_unit_test(substitution_is_bounded),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);

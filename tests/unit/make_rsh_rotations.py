@@ -49,7 +49,7 @@ def main():
     print("static const struct {")
     print("    float r[9];")
     print("    double rotated[%d];" % ORDER**2)
-    print("} rsh_rotations[] = {")
+    print("} reference_rotations[] = {")
     for axis, angle in AXES:
         axis = np.array(axis) / np.linalg.norm(axis)
         rotor = quaternionic.array.from_axis_angle(axis * angle)

@@ -14,7 +14,7 @@
 
 enum { MOST = 1001 };
 
-static void put(struct split_point *point, size_t i, vec3 p) {
+static void median_split_put(struct split_point *point, size_t i, vec3 p) {
     point[i] = (struct split_point){.p = p, .item = (uint32_t)i};
 }
 
@@ -25,7 +25,7 @@ static void halves_are_apart(void **state) {
     for (size_t count = 1; count <= MOST; count += 1 + count / 3) {
         for (size_t i = 0; i < count; i++) {
             const vec2 u = sample_sobol2((uint32_t)i, 1), v = sample_sobol2((uint32_t)i, 2);
-            put(point, i, v3(u.x, 3.0f * u.y, 2.0f * v.x));
+            median_split_put(point, i, v3(u.x, 3.0f * u.y, 2.0f * v.x));
         }
         const struct split_plane border = median_split(point, count);
         assert_true(count < 16 || border.n.y == 1.0f);
@@ -52,7 +52,7 @@ static void walls_are_cut_into_pieces(void **state) {
             const vec2 u = sample_sobol2((uint32_t)i, 1);
             const float noise = rounded ? 1e-7f * sample_sobol1((uint32_t)i, 2) : 0.0f;
             const float x = i % 4 == 0 ? 2.0f * (float)i / COUNT : 0.3f + noise;
-            put(point, i, v3(x, u.x, 0.5f * u.y));
+            median_split_put(point, i, v3(x, u.x, 0.5f * u.y));
         }
         median_split(point, COUNT);
         for (size_t i = 0; i < COUNT / 2; i++) below[rounded][point[i].item] = true;
@@ -65,7 +65,7 @@ static void walls_are_cut_into_pieces(void **state) {
 static void points_at_one_position_are_harmless(void **state) {
     (void)state;
     struct split_point point[9];
-    for (size_t i = 0; i < 9; i++) put(point, i, v3(1.0f, 2.0f, 3.0f));
+    for (size_t i = 0; i < 9; i++) median_split_put(point, i, v3(1.0f, 2.0f, 3.0f));
     assert_true(median_split(point, 9).at == v3_dot(median_split(point, 9).n, point->p));
 }
 

@@ -15,7 +15,7 @@
 
 static const double PIXELS = 160000.0;
 
-static satin_options make(satin_quality quality) {
+static satin_options options_quality_make(satin_quality quality) {
     satin_options o = satin_options_default;
     satin_options_preset(&o, quality);
     return o;
@@ -23,16 +23,18 @@ static satin_options make(satin_quality quality) {
 
 static void the_default_is_preview(void **state) {
     (void)state;
-    const satin_options o = make(SATIN_PREVIEW);
+    const satin_options o = options_quality_make(SATIN_PREVIEW);
     assert_memory_equal(&o, &satin_options_default, sizeof o);
 }
 
 static void little_time_gives_a_draft_and_production_its_own(void **state) {
     (void)state;
-    satin_options least = make(SATIN_DRAFT), last = make(SATIN_PRODUCTION);
+    satin_options least = options_quality_make(SATIN_DRAFT),
+                  last = options_quality_make(SATIN_PRODUCTION);
     options_quality_seconds(&least, 1e-9, PIXELS);
     options_quality_seconds(&last, 4.5e-4 * PIXELS, PIXELS);
-    const satin_options draft = make(SATIN_DRAFT), production = make(SATIN_PRODUCTION);
+    const satin_options draft = options_quality_make(SATIN_DRAFT),
+                        production = options_quality_make(SATIN_PRODUCTION);
     assert_memory_equal(&least, &draft, sizeof least);
     assert_memory_equal(&last, &production, sizeof last);
 }
@@ -40,11 +42,12 @@ static void little_time_gives_a_draft_and_production_its_own(void **state) {
 // Ten seconds of 64 cores against those of two, which production takes.
 static void many_cores_ask_for_more(void **state) {
     (void)state;
-    satin_options two = make(SATIN_PREVIEW), many = make(SATIN_PREVIEW);
+    satin_options two = options_quality_make(SATIN_PREVIEW),
+                  many = options_quality_make(SATIN_PREVIEW);
     const double pixels = 2.0 * 10.0 / 4.5e-4;
     options_quality_seconds(&two, 2.0 * 10.0, pixels);
     options_quality_seconds(&many, 64.0 * 10.0, pixels);
-    assert_int_equal(two.irradiance_rays, make(SATIN_PRODUCTION).irradiance_rays);
+    assert_int_equal(two.irradiance_rays, options_quality_make(SATIN_PRODUCTION).irradiance_rays);
     assert_true(2 * many.irradiance_rays > 3 * two.irradiance_rays);
     assert_true(2 * many.radiance_rays > 3 * two.radiance_rays);
     assert_true(many.photons > 2 * two.photons && many.caustic_photons > 2 * two.caustic_photons);
@@ -53,7 +56,7 @@ static void many_cores_ask_for_more(void **state) {
 // With any time, the options are within the ranges that the user may give.
 static void no_time_leaves_the_ranges(void **state) {
     (void)state;
-    satin_options o = make(SATIN_PREVIEW);
+    satin_options o = options_quality_make(SATIN_PREVIEW);
     options_quality_seconds(&o, 1e18, 1.0);
     assert_int_equal(o.radiance_rays, 1048576);
     for (int i = 0; i < options_table_count; i++) {
@@ -66,10 +69,10 @@ static void no_time_leaves_the_ranges(void **state) {
 
 static void more_time_never_buys_less(void **state) {
     (void)state;
-    satin_options before = make(SATIN_PREVIEW);
+    satin_options before = options_quality_make(SATIN_PREVIEW);
     options_quality_seconds(&before, 0.01, PIXELS);
     for (double seconds = 0.01; seconds < 1e7; seconds *= 1.07) {
-        satin_options o = make(SATIN_PREVIEW);
+        satin_options o = options_quality_make(SATIN_PREVIEW);
         options_quality_seconds(&o, seconds, PIXELS);
         assert_true(o.photons >= before.photons && o.caustic_photons >= before.caustic_photons);
         assert_true(o.irradiance_rays >= before.irradiance_rays);
@@ -84,7 +87,8 @@ static void more_time_never_buys_less(void **state) {
 // times the pixels in four times the seconds change the photons alone.
 static void seconds_are_divided_by_pixels(void **state) {
     (void)state;
-    satin_options small = make(SATIN_PREVIEW), large = make(SATIN_PREVIEW);
+    satin_options small = options_quality_make(SATIN_PREVIEW),
+                  large = options_quality_make(SATIN_PREVIEW);
     options_quality_seconds(&small, 12.0, PIXELS);
     options_quality_seconds(&large, 48.0, 4.0 * PIXELS);
     assert_true(large.photons > small.photons);
@@ -96,7 +100,8 @@ static void seconds_are_divided_by_pixels(void **state) {
 // The time decides the options, whatever the quality is, except for those that the user chose.
 static void what_the_user_chose_stays(void **state) {
     (void)state;
-    satin_options draft = make(SATIN_DRAFT), production = make(SATIN_PRODUCTION);
+    satin_options draft = options_quality_make(SATIN_DRAFT),
+                  production = options_quality_make(SATIN_PRODUCTION);
     draft.photons = production.photons = 7;
     draft.radiance_a = production.radiance_a = 0.77f;
     options_quality_seconds(&draft, 20.0, PIXELS);
@@ -109,7 +114,7 @@ static void what_the_user_chose_stays(void **state) {
 
 static void a_denoised_image_takes_samples_rather_than_glossy_rays(void **state) {
     (void)state;
-    satin_options noisy = make(SATIN_PREVIEW), denoised = noisy, chosen = noisy;
+    satin_options noisy = options_quality_make(SATIN_PREVIEW), denoised = noisy, chosen = noisy;
     denoised.denoise = chosen.denoise = true;
     chosen.glossy_samples = 3;
     options_quality_seconds(&noisy, 20.0, PIXELS);

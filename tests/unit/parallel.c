@@ -97,7 +97,7 @@ static void work_for(double seconds) {
 }
 
 // The first of the chunks takes ten times as long as another.
-static void work(void *ctx, size_t begin, size_t end, int worker) {
+static void parallel_work(void *ctx, size_t begin, size_t end, int worker) {
     (void)ctx;
     (void)end;
     (void)worker;
@@ -117,9 +117,9 @@ static void parts_know_what_is_serial(void **state) {
         struct parallel *pool = parallel_new(threads);
         assert_string_equal(parallel_begin_part(pool, "a"), "other");
         work_for(0.004);
-        assert_true(parallel_for(pool, 21, 1, work, NULL));
+        assert_true(parallel_for(pool, 21, 1, parallel_work, NULL));
         assert_string_equal(parallel_begin_part(pool, "b"), "a");
-        assert_true(parallel_for(pool, 1, 1, work, NULL));
+        assert_true(parallel_for(pool, 1, 1, parallel_work, NULL));
         assert_string_equal(parallel_begin_part(pool, "a"), "b");
         work_for(0.003);
         int count;

@@ -25,7 +25,7 @@ static float step(float x, float y) {
 }
 
 // Errors relative to the true values, over the entries for which `at` is true.
-struct errors {
+struct photon_caustic_smooth_errors {
     double mean, rms;
     int count;
 };
@@ -34,7 +34,7 @@ static bool inside(float x, float y) { return fabsf(x) < 0.8f && fabsf(y) < 0.8f
 static bool off_border(float x, float y) { return inside(x, y) && fabsf(x) > 0.15f; }
 static bool at_border(float x, float y) { return inside(x, y) && fabsf(x) < 0.02f; }
 
-static void scene_of(struct test_scene *t, bool wall) {
+static void photon_caustic_smooth_scene_of(struct test_scene *t, bool wall) {
     test_scene_init(t);
     const uint32_t grey = test_diffuse(t, 0.5f, 0.5f, 0.5f);
     test_rectangle(t, test_transform(v3(0, 0, 0), v3(1, 1, 1)), grey);
@@ -54,8 +54,8 @@ static void precompute(struct test_scene *t, const struct photon_hit *hit, size_
     parallel_free(pool);
 }
 
-static void build(struct test_scene *t, light_fn light, bool smooth, struct photon_map *map,
-                  struct photon_irradiance *out) {
+static void photon_caustic_smooth_build(struct test_scene *t, light_fn light, bool smooth,
+                                        struct photon_map *map, struct photon_irradiance *out) {
     struct photon_hit *hit = calloc(PHOTONS, sizeof *hit);
     struct rng rng = rng_make(1, RNG_TEST, 0);
     size_t count = 0;
@@ -69,8 +69,9 @@ static void build(struct test_scene *t, light_fn light, bool smooth, struct phot
     free(hit);
 }
 
-static struct errors errors_of(const struct photon_irradiance *r, light_fn light, at_fn at) {
-    struct errors e = {0};
+static struct photon_caustic_smooth_errors photon_caustic_smooth_errors_of(
+    const struct photon_irradiance *r, light_fn light, at_fn at) {
+    struct photon_caustic_smooth_errors e = {0};
     for (size_t i = 0; i < r->count; i++) {
         const vec3 p = photon_entry_position(&r->position, i);
         if (!at(p.x, p.y)) continue;
@@ -85,13 +86,14 @@ static struct errors errors_of(const struct photon_irradiance *r, light_fn light
     return e;
 }
 
-static struct errors run(light_fn light, bool wall, bool smooth, at_fn at) {
+static struct photon_caustic_smooth_errors photon_caustic_smooth_run(light_fn light, bool wall,
+                                                                     bool smooth, at_fn at) {
     struct test_scene t;
     struct photon_map map;
     struct photon_irradiance r;
-    scene_of(&t, wall);
-    build(&t, light, smooth, &map, &r);
-    const struct errors e = errors_of(&r, light, at);
+    photon_caustic_smooth_scene_of(&t, wall);
+    photon_caustic_smooth_build(&t, light, smooth, &map, &r);
+    const struct photon_caustic_smooth_errors e = photon_caustic_smooth_errors_of(&r, light, at);
     photon_irradiance_free(&r);
     photon_map_free(&map);
     test_scene_free(&t);
@@ -102,8 +104,10 @@ static void noise_goes(void **state) {
     (void)state;
     const light_fn light[] = {even, slope};
     for (int i = 0; i < 2; i++) {
-        const struct errors before = run(light[i], false, false, inside);
-        const struct errors after = run(light[i], false, true, inside);
+        const struct photon_caustic_smooth_errors before =
+            photon_caustic_smooth_run(light[i], false, false, inside);
+        const struct photon_caustic_smooth_errors after =
+            photon_caustic_smooth_run(light[i], false, true, inside);
         print_message("rms %.4f, %.4f, mean %+.4f\n", before.rms, after.rms, after.mean);
         assert_true(before.rms > 0.12 && after.rms < 0.4 * before.rms);
         assert_true(fabs(after.mean) < 0.01);
@@ -113,9 +117,12 @@ static void noise_goes(void **state) {
 static void borders_stay(void **state) {
     (void)state;
     for (int wall = 0; wall < 2; wall++) {
-        const struct errors before = run(step, wall, false, at_border);
-        const struct errors after = run(step, wall, true, at_border);
-        const struct errors aside = run(step, wall, true, off_border);
+        const struct photon_caustic_smooth_errors before =
+            photon_caustic_smooth_run(step, wall, false, at_border);
+        const struct photon_caustic_smooth_errors after =
+            photon_caustic_smooth_run(step, wall, true, at_border);
+        const struct photon_caustic_smooth_errors aside =
+            photon_caustic_smooth_run(step, wall, true, off_border);
         print_message("border %.3f, %.3f; aside %.4f, mean %+.4f\n", before.rms, after.rms,
                       aside.rms, aside.mean);
         assert_true(after.rms < 1.1 * before.rms);
@@ -140,7 +147,7 @@ static void normals_count_without_a_radius(void **state) {
             const vec3 p = i < SPREAD ? v3(x, y, 0) : v3(0.04f * (float)(i % POINTS), 0.9f, 0);
             hit[i] = (struct photon_hit){p, rgb_grey(4.0f / SPREAD), up, up, false};
         }
-        scene_of(&t, false);
+        photon_caustic_smooth_scene_of(&t, false);
         precompute(&t, hit, few ? K / 2 : PHOTONS, !few, &map, &r);
         assert_true(r.position.scale > 0.0f && isfinite(r.position.scale));
         for (size_t i = 0; i < r.count; i++) assert_true(rgb_finite(r.E[i]));
@@ -179,9 +186,9 @@ static double glossy_noise(const struct photon_maps *maps, const struct satin_sc
 static void gloss_is_as_smooth(void **state) {
     (void)state;
     struct test_scene t;
-    scene_of(&t, false);
+    photon_caustic_smooth_scene_of(&t, false);
     struct photon_maps maps = {.caustic_k = K, .area = true, .smooth = true};
-    build(&t, even, true, &maps.caustic, &maps.caustic_irradiance);
+    photon_caustic_smooth_build(&t, even, true, &maps.caustic, &maps.caustic_irradiance);
     const uint32_t phong = test_material(&t, "phong", rgb_grey(.5f), rgb_grey(.3f));
     const struct brdf *brdf = &t.material[phong].front.base;
     double mean[2], noise[2];
@@ -202,8 +209,8 @@ static void wild_values_stay(void **state) {
     struct test_scene t;
     struct photon_map map;
     struct photon_irradiance r;
-    scene_of(&t, false);
-    build(&t, even, false, &map, &r);
+    photon_caustic_smooth_scene_of(&t, false);
+    photon_caustic_smooth_build(&t, even, false, &map, &r);
     for (size_t i = 0; i < map.count; i++) map.photon[i].power = rgb_grey(1e30f);
     for (size_t i = 0; i < r.count; i++) r.E[i] = rgb_grey(1e34f);
     struct parallel *pool = parallel_new(1);

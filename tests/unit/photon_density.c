@@ -11,7 +11,8 @@
 enum { K = 60, POINTS = 1 << 16 };
 
 // Photons of a power of 1 altogether on the floor z = 0, at random within [-.5, .5]^2.
-static void build(const struct test_scene *t, size_t count, struct photon_maps *maps) {
+static void photon_density_build(const struct test_scene *t, size_t count,
+                                 struct photon_maps *maps) {
     const struct log quiet = {0};
     const uint32_t up = photon_pack(v3(0, 0, 1));
     struct photon_hit *hit = calloc(count, sizeof *hit);
@@ -36,8 +37,8 @@ static void build(const struct test_scene *t, size_t count, struct photon_maps *
 
 // The integrals over the floor of irradiance, and of pi times what a white surface reflects,
 // without and with other light beside the caustic.
-static void integrate(const struct test_scene *t, const struct photon_maps *maps,
-                      const struct brdf *white, double power[3]) {
+static void photon_density_integrate(const struct test_scene *t, const struct photon_maps *maps,
+                                     const struct brdf *white, double power[3]) {
     const vec3 up = v3(0, 0, 1);
     const struct frame frame = frame_from_normal(up);
     const double area = 1.6 * 1.6;
@@ -58,7 +59,7 @@ static void integrate(const struct test_scene *t, const struct photon_maps *maps
 
 // In a disc, 100 photons have 7, and 3000 have more than k. When the nearest photon's
 // estimate was read everywhere, fading far from it, .49, .56, .83 and 1.02 were found.
-static void power_is_kept(void **state) {
+static void photon_density_power_is_kept(void **state) {
     (void)state;
     const size_t count[] = {1, 10, 100, 3000};
     struct test_scene t;
@@ -69,8 +70,8 @@ static void power_is_kept(void **state) {
     for (int i = 0; i < 4; i++) {
         struct photon_maps maps;
         double power[3];
-        build(&t, count[i], &maps);
-        integrate(&t, &maps, &t.material[white].front.base, power);
+        photon_density_build(&t, count[i], &maps);
+        photon_density_integrate(&t, &maps, &t.material[white].front.base, power);
         print_message("%zu photons: %.4f %.4f %.4f\n", count[i], power[0], power[1], power[2]);
         for (int k = 0; k < 3; k++) assert_true(fabs(power[k] - 1.0) < 0.03);
         photon_irradiance_free(&maps.caustic_irradiance);
@@ -80,6 +81,6 @@ static void power_is_kept(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(power_is_kept)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(photon_density_power_is_kept)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -18,8 +18,8 @@ static struct parallel *pool_of(int threads) {
     return pool;
 }
 
-static struct photon_maps *build(const struct test_scene *t, const satin_options *o,
-                                 struct stats *stats) {
+static struct photon_maps *test_photon_maps_build(const struct test_scene *t,
+                                                  const satin_options *o, struct stats *stats) {
     struct parallel *pool = pool_of(2);
     struct photon_maps *maps = NULL;
     assert_int_equal(photon_case_build(&t->scene, o, pool, stats, &maps), SATIN_OK);
@@ -156,7 +156,7 @@ static void furnace_is_even(void **state) {
     satin_options o = options(100000, 0);
     o.photon_k = 50;
     struct stats stats = {0};
-    struct photon_maps *maps = build(&t, &o, &stats);
+    struct photon_maps *maps = test_photon_maps_build(&t, &o, &stats);
     assert_true(stats_get(&stats, "photons.emitted") == 100000.0);
     assert_true(stats_get(&stats, "photons.stored_direct") == 100000.0);
     assert_true(stats_get(&stats, "photons.stored_indirect") > 95000.0);
@@ -171,7 +171,7 @@ static void furnace_is_even(void **state) {
     }
     photon_maps_free(maps);
     o.photon_area = false;
-    maps = build(&t, &o, &stats);
+    maps = test_photon_maps_build(&t, &o, &stats);
     furnace_error(&t, maps, 2.0 * M_PI, true, error);
     assert_true(error[EDGE] < -0.1 && error[CORNER] < -0.3);
     photon_maps_free(maps);
@@ -192,7 +192,7 @@ static void sides_are_apart(void **state) {
     test_scene_finish(&t);
     satin_options o = options(200000, 0);
     struct stats stats = {0};
-    struct photon_maps *maps = build(&t, &o, &stats);
+    struct photon_maps *maps = test_photon_maps_build(&t, &o, &stats);
     double up = 0.0, down = 0.0;
     for (uint32_t i = 0; i < 64; i++) {
         vec2 u = sample_sobol2(i, 1);
@@ -222,7 +222,7 @@ static void walls_do_not_leak(void **state) {
     test_scene_finish(&t);
     satin_options o = options(100000, 0);
     struct stats stats = {0};
-    struct photon_maps *maps = build(&t, &o, &stats);
+    struct photon_maps *maps = test_photon_maps_build(&t, &o, &stats);
     struct frame frame = frame_from_normal(v3(0, 0, 1));
     struct brdf white = t.material[grey].front.base;
     for (int i = 0; i < 20; i++) {
@@ -398,7 +398,7 @@ static void no_pass_without_glass(void **state) {
     furnace(&t, 0.5f);
     satin_options o = options(1000, 1000);
     struct stats stats = {0};
-    struct photon_maps *maps = build(&t, &o, &stats);
+    struct photon_maps *maps = test_photon_maps_build(&t, &o, &stats);
     assert_true(stats_get(&stats, "photons.emitted") == 1000.0);
     assert_int_equal(maps->caustic.count, 0);
     photon_maps_free(maps);
@@ -415,7 +415,7 @@ static void empty_maps_are_black(void **state) {
     test_scene_finish(&t);
     satin_options o = options(1000, 1000);
     struct stats stats = {0};
-    struct photon_maps *maps = build(&t, &o, &stats);
+    struct photon_maps *maps = test_photon_maps_build(&t, &o, &stats);
     struct frame frame = frame_from_normal(v3(0, 0, 1));
     struct brdf b = t.material[0].front.base;
     vec3 p = v3(0, 0, 0), n = v3(0, 0, 1);
@@ -432,7 +432,7 @@ static void empty_maps_are_black(void **state) {
 }
 
 // The number of threads does not change the photons of a chunk.
-static void threads_do_not_matter(void **state) {
+static void photon_maps_threads_do_not_matter(void **state) {
     (void)state;
     struct test_scene t;
     caustic_scene(&t, LIGHT_AREA);
@@ -459,7 +459,7 @@ static void threads_do_not_matter(void **state) {
     test_scene_free(&t);
 }
 
-static bool stop(void *user, double done) {
+static bool photon_maps_stop(void *user, double done) {
     (void)user;
     return done > 0.2;
 }
@@ -470,7 +470,7 @@ static void building_can_be_cancelled(void **state) {
     furnace(&t, 0.5f);
     satin_options o = options(100000, 0);
     struct parallel *pool = pool_of(1);
-    parallel_set_progress(pool, stop, NULL);
+    parallel_set_progress(pool, photon_maps_stop, NULL);
     struct stats stats = {0};
     struct photon_maps *maps = NULL;
     assert_int_equal(photon_case_build(&t.scene, &o, pool, &stats, &maps), SATIN_CANCELLED);
@@ -490,7 +490,7 @@ int main(void) {
         cmocka_unit_test(large_wedges_are_aimed_through),
         cmocka_unit_test(no_pass_without_glass),
         cmocka_unit_test(empty_maps_are_black),
-        cmocka_unit_test(threads_do_not_matter),
+        cmocka_unit_test(photon_maps_threads_do_not_matter),
         cmocka_unit_test(building_can_be_cancelled),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

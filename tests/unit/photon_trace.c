@@ -11,15 +11,15 @@
 #include "photon/photon_map.h"
 #include "test_scene.h"
 
-enum glass { NOTHING, PANE, TWO_PANES, THIN, BALL, FROSTED };
+enum photon_trace_glass { NOTHING, PANE, TWO_PANES, THIN, BALL, FROSTED };
 
-struct power {
+struct photon_trace_power {
     double of[PHOTON_CLASSES];
 };
 
 // The power of the photons of each class on a floor of half-width 1, under glass, in light that
 // comes straight down with an irradiance of 1.
-static struct power on_floor(enum glass glass) {
+static struct photon_trace_power on_floor(enum photon_trace_glass glass) {
     struct test_scene t;
     test_scene_init(&t);
     const uint32_t grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
@@ -41,7 +41,7 @@ static struct power on_floor(enum glass glass) {
     test_scene_finish(&t);
     struct parallel *pool = parallel_new(1);
     assert_non_null(pool);
-    struct power power;
+    struct photon_trace_power power;
     for (int class = 0; class < PHOTON_CLASSES; class ++) {
         const struct photon_tracing tracing = {.scene = &t.scene,
                                                .seed = 1,
@@ -65,14 +65,14 @@ static void panes_keep_light_direct(void **state) {
     // At an interface .04 is reflected. With all internal reflections, 2 n interfaces transmit
     // .96 / (.96 + 2 n .04), of which .96^2n without any; thin sheets count them as one.
     static const struct {
-        enum glass glass;
+        enum photon_trace_glass glass;
         double direct, caustic;
     } c[] = {{NOTHING, 1.0, 0.0},
              {PANE, 0.96 * 0.96, 0.96 / 1.04 - 0.96 * 0.96},
              {TWO_PANES, 0.96 * 0.96 * 0.96 * 0.96, 0.96 / 1.12 - 0.96 * 0.96 * 0.96 * 0.96},
              {THIN, 0.96 / 1.04, 0.0}};
     for (size_t i = 0; i < sizeof c / sizeof *c; i++) {
-        const struct power power = on_floor(c[i].glass);
+        const struct photon_trace_power power = on_floor(c[i].glass);
         // The floor is 4 large; about 20,000 of the paths go there: .26 % of noise at most.
         print_message("glass %d: direct %.4f caustic %.5f\n", (int)c[i].glass,
                       power.of[PHOTON_DIRECT] / 4.0, power.of[PHOTON_CAUSTIC] / 4.0);
@@ -83,14 +83,14 @@ static void panes_keep_light_direct(void **state) {
 
 static void lenses_make_caustics(void **state) {
     (void)state;
-    const struct power power = on_floor(BALL);
+    const struct photon_trace_power power = on_floor(BALL);
     assert_true(power.of[PHOTON_DIRECT] == 0.0);
     assert_true(power.of[PHOTON_CAUSTIC] > 4.0);  // it is focused on the floor
 }
 
 static void frosted_glass_scatters(void **state) {
     (void)state;
-    const struct power power = on_floor(FROSTED);
+    const struct photon_trace_power power = on_floor(FROSTED);
     assert_true(power.of[PHOTON_DIRECT] == 0.0 && power.of[PHOTON_CAUSTIC] == 0.0);
     assert_true(power.of[PHOTON_INDIRECT] > 1.0);
 }

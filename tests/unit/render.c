@@ -17,7 +17,7 @@
 
 enum { STAGES_MAX = 8, OPTIONS_MAX = 8 };
 
-static satin_scene *scene;
+static satin_scene *test_render_scene;
 
 // What a render reported.
 struct watch {
@@ -56,21 +56,21 @@ static satin_status render_box(struct watch *watch, const satin_setting *setting
                                     {"photons", "2000"},
                                     {"caustic-photons", "2000"}};
     satin_options options;
-    assert_int_equal(
-        satin_options_resolve(scene, common, sizeof common / sizeof *common, NULL, NULL, &options),
-        SATIN_OK);
+    assert_int_equal(satin_options_resolve(test_render_scene, common,
+                                           sizeof common / sizeof *common, NULL, NULL, &options),
+                     SATIN_OK);
     for (; setting->name; setting++)
         assert_int_equal(satin_options_set(&options, setting->name, setting->value, NULL, NULL),
                          SATIN_OK);
     const satin_callbacks callbacks = {
         .log = note_message, .log_user = watch, .progress = note_progress, .progress_user = watch};
     *film = NULL;
-    return satin_render(scene, &options, &callbacks, film);
+    return satin_render(test_render_scene, &options, &callbacks, film);
 }
 
 static const satin_setting two_pass[] = {{NULL, NULL}};
 static const satin_setting recursive[] = {{"first-pass", "recursive"}, {NULL, NULL}};
-static const satin_setting path[] = {{"integrator", "path"}, {NULL, NULL}};
+static const satin_setting render_path[] = {{"integrator", "path"}, {NULL, NULL}};
 static const satin_setting photons[] = {{"integrator", "photons"}, {NULL, NULL}};
 
 static void stages_come_in_their_order(void **state) {
@@ -81,7 +81,7 @@ static void stages_come_in_their_order(void **state) {
     } cases[] = {
         {two_pass, {"photons", "BRDF tables", "records", "image"}},
         {recursive, {"photons", "BRDF tables", "indirect bounces", "records", "image"}},
-        {path, {"image"}},
+        {render_path, {"image"}},
         {photons, {"photons", "image"}},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -131,7 +131,7 @@ static void a_cancelled_image_is_what_was_sampled(void **state) {
     (void)state;
     struct watch watch = {.cancel = "image"};
     satin_film *film;
-    assert_int_equal(render_box(&watch, path, &film), SATIN_CANCELLED);
+    assert_int_equal(render_box(&watch, render_path, &film), SATIN_CANCELLED);
     assert_non_null(film);
     assert_string_equal(film_attribute_get(film, "satin:cancelled"), "image");
     satin_film_free(film);
@@ -178,11 +178,12 @@ int main(int argc, char **argv) {
         cmocka_unit_test(paths_replace_photons_without_time),
         cmocka_unit_test(rounds_go_on_to_half_a_pixel),
     };
-    if (argc != 2 || satin_scene_load(argv[1], NULL, 0, NULL, NULL, &scene) != SATIN_OK) {
+    if (argc != 2 ||
+        satin_scene_load(argv[1], NULL, 0, NULL, NULL, &test_render_scene) != SATIN_OK) {
         fprintf(stderr, "usage: render SCENE.xml\n");
         return 2;
     }
     const int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    satin_scene_free(scene);
+    satin_scene_free(test_render_scene);
     return failed;
 }

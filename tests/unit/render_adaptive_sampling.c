@@ -16,14 +16,14 @@
 enum { SIZE = 64, EVEN = 4, ALL = 16 };
 
 // Grey 1 with noise that is ten times as strong right of the middle.
-static float noise_of(int x) { return x < SIZE / 2 ? 0.05f : 0.5f; }
+static float render_adaptive_sampling_noise_of(int x) { return x < SIZE / 2 ? 0.05f : 0.5f; }
 
-static void take(struct adaptive_sampling *adapt, uint64_t seed) {
+static void render_adaptive_sampling_take(struct adaptive_sampling *adapt, uint64_t seed) {
     for (int i = 0; i < SIZE * SIZE; i++) {
         struct adaptive_pixel *p = &adapt->pixel[i];
         while (p->count < p->target) {
             struct rng rng = rng_make(seed, RNG_TEST, (uint64_t)i << 32 | p->count);
-            float e = noise_of(i % SIZE) * (rng_float(&rng) - 0.5f);
+            float e = render_adaptive_sampling_noise_of(i % SIZE) * (rng_float(&rng) - 0.5f);
             adaptive_add(p, rgb_grey(1.0f + e), 0.0f);
         }
     }
@@ -31,18 +31,18 @@ static void take(struct adaptive_sampling *adapt, uint64_t seed) {
 }
 
 // Renders with ALL samples per pixel on average; returns how many were taken.
-static uint64_t render(struct adaptive_sampling *adapt, uint64_t seed) {
+static uint64_t render_adaptive_sampling_render(struct adaptive_sampling *adapt, uint64_t seed) {
     assert_true(adaptive_make(adapt, SIZE, SIZE, 4));
     for (uint32_t n = 1; n <= EVEN; n *= 2) {
         adaptive_even(adapt, 1, n);
-        take(adapt, seed);
+        render_adaptive_sampling_take(adapt, seed);
     }
     uint64_t taken = (uint64_t)EVEN * SIZE * SIZE, all = (uint64_t)ALL * SIZE * SIZE;
     while (taken < all) {
         uint64_t want = taken < all - taken ? taken : all - taken;
         adaptive_spread(adapt, want);
         taken += want;
-        take(adapt, seed);
+        render_adaptive_sampling_take(adapt, seed);
     }
     return taken;
 }
@@ -67,7 +67,7 @@ static double error2(const struct adaptive_sampling *adapt) {
 static void samples_go_to_the_noise(void **state) {
     (void)state;
     struct adaptive_sampling adapt;
-    uint64_t taken = render(&adapt, 1);
+    uint64_t taken = render_adaptive_sampling_render(&adapt, 1);
     assert_int_equal(taken, ALL * SIZE * SIZE);
     uint64_t counted = 0;
     for (int i = 0; i < SIZE * SIZE; i++) {
@@ -90,7 +90,7 @@ static void the_mean_is_kept(void **state) {
     enum { RUNS = 20 };
     for (uint64_t seed = 0; seed < RUNS; seed++) {
         struct adaptive_sampling adapt;
-        render(&adapt, 100 + seed);
+        render_adaptive_sampling_render(&adapt, 100 + seed);
         for (int i = 0; i < SIZE * SIZE; i++)
             sum += (double)adapt.pixel[i].sum.r / adapt.pixel[i].count;
         adaptive_destroy(&adapt);

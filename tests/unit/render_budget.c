@@ -15,7 +15,7 @@
 #include "render/render_state.h"
 
 // A render of 100x100 pixels that began now, so that all but milliseconds of its time are left.
-static struct render make(double time) {
+static struct render render_budget_make(double time) {
     struct render r = {.options = {.time = time,
                                    .width = 100,
                                    .height = 100,
@@ -35,7 +35,7 @@ static double image_limit(struct render *r) {
 
 static void no_limit_ends_nothing(void **state) {
     (void)state;
-    struct render r = make(0.0);
+    struct render r = render_budget_make(0.0);
     render_limit_pilot(&r);
     assert_true(render_time_remains(&r));
     render_limit_tables(&r);
@@ -53,7 +53,7 @@ static void no_limit_ends_nothing(void **state) {
 
 static void steps_end_in_their_order(void **state) {
     (void)state;
-    struct render r = make(1000.0);
+    struct render r = render_budget_make(1000.0);
     render_limit_tables(&r);
     const double tables = r.progress.deadline;
     render_limit_records(&r, NULL);
@@ -64,7 +64,7 @@ static void steps_end_in_their_order(void **state) {
 
 static void a_limit_that_is_over_is_no_cancellation(void **state) {
     (void)state;
-    struct render r = make(1000.0);
+    struct render r = render_budget_make(1000.0);
     r.progress.deadline = 0.0;
     assert_false(render_time_remains(&r));
     assert_int_equal(render_limit_end(&r, SATIN_CANCELLED), SATIN_OK);
@@ -77,7 +77,7 @@ static void a_limit_that_is_over_is_no_cancellation(void **state) {
 
 static void photons_fit_or_are_left(void **state) {
     (void)state;
-    const struct render r = make(1000.0);
+    const struct render r = render_budget_make(1000.0);
     const double first = render_budget_first_photons(&r);
     assert_true(first > 0.0 && first < 0.1);
     struct render_more_photons few = render_budget_photons(&r, 30.0, 4.0);
@@ -127,7 +127,7 @@ static void samples_gather_less_with_a_limit(void **state) {
 
 static void starved_maps_alone_are_made_again(void **state) {
     (void)state;
-    const struct render r = make(0.0);
+    const struct render r = render_budget_make(0.0);
     assert_true(render_budget_first_photons(&r) == 1.0);
     assert_true(render_budget_starved(1000.0, 500.0) == 1.0);
     assert_true(render_budget_starved(1000.0, 2000.0) == 1.0);
@@ -143,7 +143,7 @@ static void starved_maps_alone_are_made_again(void **state) {
 // The noise of the image falls faster than the error of records: with more cores records get more.
 static void records_get_what_the_paces_ask_for(void **state) {
     (void)state;
-    struct render r = make(1000.0);
+    struct render r = render_budget_make(1000.0);
     const struct render_pace even = {
         .rays = 1e5, .samples = 1e5, .variance = 1.0, .indirect2 = 0.5};
     struct render_pace other = even;
@@ -166,7 +166,7 @@ static void records_get_what_the_paces_ask_for(void **state) {
 
 static void passes_grow_until_little_is_left(void **state) {
     (void)state;
-    struct render r = make(1000.0);
+    struct render r = render_budget_make(1000.0);
     const uint64_t pixels = 10000, done = 64 * pixels;
     assert_int_equal(render_budget_pass(&r, done, 1.0), 0);  // a tenth of a sample per pixel
     const uint64_t few = render_budget_pass(&r, done, 0.5);
@@ -195,7 +195,7 @@ static void check_passes(const struct render *r, uint64_t equal) {
 
 static void passes_take_what_the_options_say(void **state) {
     (void)state;
-    struct render r = make(0.0);
+    struct render r = render_budget_make(0.0);
     check_passes(&r, 9);
     r.second_pass.options.spp = 6;
     check_passes(&r, 2);

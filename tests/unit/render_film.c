@@ -13,7 +13,7 @@
 
 enum { WIDTH = 37, HEIGHT = 21 };
 
-static struct render make(satin_integrator integrator) {
+static struct render render_film_make(satin_integrator integrator) {
     struct render r = {.options = satin_options_default};
     r.options.integrator = integrator;
     r.scene.film.crop_width = WIDTH;
@@ -24,7 +24,7 @@ static struct render make(satin_integrator integrator) {
     return r;
 }
 
-static void stop(struct render *r) {
+static void render_film_stop(struct render *r) {
     render_image_free(r->image);
     parallel_free(r->pool);
 }
@@ -33,7 +33,7 @@ static struct image_pixel *pixel_at(struct render *r, int x, int y) {
     return &r->image->pixel[y * WIDTH + x];
 }
 
-static float value_at(struct render *r, const char *channel, int x, int y) {
+static float render_film_value_at(struct render *r, const char *channel, int x, int y) {
     const float *plane = film_channel(r->image->film, channel);
     assert_non_null(plane);
     return plane[y * WIDTH + x];
@@ -49,7 +49,7 @@ static void fill_pixel(struct image_pixel *p, float L) {
 }
 
 // render_image_new points to the aovs of a scene that has moved since.
-static void make_film(struct render *r, bool any) {
+static void render_film_make_film(struct render *r, bool any) {
     bool found;
     r->image->aovs = &r->scene.hints.aovs;
     render_image_film(r, &found);
@@ -66,7 +66,7 @@ static void integrators_have_what_they_compute(void **state) {
                   {SATIN_DIRECT, true, false, false, false},
                   {SATIN_PHOTONS, false, false, true, false}};
     for (int i = 0; i < 4; i++) {
-        struct render r = make(wanted[i].integrator);
+        struct render r = render_film_make(wanted[i].integrator);
         struct satin_film *film = r.image->film;
         assert_int_equal(film_channel(film, "direct.R") != NULL, wanted[i].direct);
         assert_int_equal(film_channel(film, "caustic.G") != NULL, wanted[i].caustic);
@@ -74,7 +74,7 @@ static void integrators_have_what_they_compute(void **state) {
         assert_int_equal(film_channel(film, "density.Y") != NULL, wanted[i].density);
         assert_true(film_channel(film, "B") && film_channel(film, "emission.R"));
         assert_true(!film_channel(film, "records.a") && !film_channel(film, "noisy.R"));
-        stop(&r);
+        render_film_stop(&r);
     }
 }
 
@@ -100,46 +100,46 @@ static void options_and_scenes_add_channels(void **state) {
 
 static void a_pixel_is_the_mean_by_weight(void **state) {
     (void)state;
-    struct render r = make(SATIN_TWO_PASS);
+    struct render r = render_film_make(SATIN_TWO_PASS);
     for (int y = 0; y < HEIGHT; y++)
         for (int x = 0; x < WIDTH; x++) fill_pixel(pixel_at(&r, x, y), (float)(x + y));
     pixel_at(&r, 4, 3)->used.count = 5;
     // A filter with negative lobes: the mean is over a quarter of the samples at least.
     pixel_at(&r, 5, 3)->weight = 0.1f;
-    make_film(&r, true);
-    assert_float_equal(value_at(&r, "G", 4, 3), 7.0f, 1e-6f);
-    assert_float_equal(value_at(&r, "direct.R", 36, 20), 56.0f, 1e-5f);
-    assert_float_equal(value_at(&r, "depth.Z", 4, 3), 2.0f, 1e-6f);
-    assert_float_equal(value_at(&r, "density.Y", 4, 3), 2.5f, 1e-6f);
-    assert_float_equal(value_at(&r, "samples.Y", 4, 3), 2.0f, 0.0f);
-    assert_float_equal(value_at(&r, "G", 5, 3), 1.5f * 8.0f / 0.5f, 1e-4f);
+    render_film_make_film(&r, true);
+    assert_float_equal(render_film_value_at(&r, "G", 4, 3), 7.0f, 1e-6f);
+    assert_float_equal(render_film_value_at(&r, "direct.R", 36, 20), 56.0f, 1e-5f);
+    assert_float_equal(render_film_value_at(&r, "depth.Z", 4, 3), 2.0f, 1e-6f);
+    assert_float_equal(render_film_value_at(&r, "density.Y", 4, 3), 2.5f, 1e-6f);
+    assert_float_equal(render_film_value_at(&r, "samples.Y", 4, 3), 2.0f, 0.0f);
+    assert_float_equal(render_film_value_at(&r, "G", 5, 3), 1.5f * 8.0f / 0.5f, 1e-4f);
     assert_true(stats_get(&r.stats, "image.filled") == 0.0);
-    stop(&r);
+    render_film_stop(&r);
 }
 
 // Emission is the mean of samples and further rays; the other light that of the samples.
 static void rays_at_rims_count_for_emission_alone(void **state) {
     (void)state;
-    struct render r = make(SATIN_TWO_PASS);
+    struct render r = render_film_make(SATIN_TWO_PASS);
     struct image_pixel *p = pixel_at(&r, 0, 0);
     fill_pixel(p, 2.0f);
     p->layer[SHADE_EMISSION] = rgb_grey(1.5f * 10.0f);
     p->beauty = rgb_grey(1.5f * 12.0f);
     p->rim = rgb_grey(8.5f * 4.0f);
     p->rim_weight = 8.5f;
-    make_film(&r, true);
+    render_film_make_film(&r, true);
     const float emission = (15.0f + 34.0f) / 10.0f;
-    assert_float_equal(value_at(&r, "emission.R", 0, 0), emission, 1e-5f);
-    assert_float_equal(value_at(&r, "direct.R", 0, 0), 2.0f, 1e-5f);
-    assert_float_equal(value_at(&r, "R", 0, 0), 2.0f + emission, 1e-5f);
-    stop(&r);
+    assert_float_equal(render_film_value_at(&r, "emission.R", 0, 0), emission, 1e-5f);
+    assert_float_equal(render_film_value_at(&r, "direct.R", 0, 0), 2.0f, 1e-5f);
+    assert_float_equal(render_film_value_at(&r, "R", 0, 0), 2.0f + emission, 1e-5f);
+    render_film_stop(&r);
 }
 
 static void pixels_without_samples_show_a_neighbour(void **state) {
     (void)state;
-    struct render r = make(SATIN_TWO_PASS);
+    struct render r = render_film_make(SATIN_TWO_PASS);
     assert_int_equal(r.image->coarsest, 16);
-    make_film(&r, false);
+    render_film_make_film(&r, false);
     fill_pixel(pixel_at(&r, 16, 0), 1.0f);
     fill_pixel(pixel_at(&r, 16, 16), 2.0f);
     fill_pixel(pixel_at(&r, 20, 16), 3.0f);
@@ -153,14 +153,14 @@ static void pixels_without_samples_show_a_neighbour(void **state) {
     // Pixels whose samples were dropped are not filled from others.
     assert_ptr_equal(render_image_source(r.image, 22, 17), pixel_at(&r, 22, 17));
     assert_null(render_image_source(r.image, 15, 0));
-    make_film(&r, true);
-    assert_float_equal(value_at(&r, "R", 23, 18), 3.0f, 1e-6f);
-    assert_float_equal(value_at(&r, "samples.Y", 23, 18), 0.0f, 0.0f);
-    assert_float_equal(value_at(&r, "R", 15, 0), 0.0f, 0.0f);
-    assert_float_equal(value_at(&r, "R", 22, 17), 0.0f, 0.0f);
+    render_film_make_film(&r, true);
+    assert_float_equal(render_film_value_at(&r, "R", 23, 18), 3.0f, 1e-6f);
+    assert_float_equal(render_film_value_at(&r, "samples.Y", 23, 18), 0.0f, 0.0f);
+    assert_float_equal(render_film_value_at(&r, "R", 15, 0), 0.0f, 0.0f);
+    assert_float_equal(render_film_value_at(&r, "R", 22, 17), 0.0f, 0.0f);
     assert_true(stats_get(&r.stats, "image.filled") == WIDTH * HEIGHT - 5);
     assert_true(stats_get(&r.stats, "image.nonfinite") == 3.0);
-    stop(&r);
+    render_film_stop(&r);
 }
 
 int main(void) {

@@ -15,7 +15,7 @@
 enum { WIDTH = 131, HEIGHT = 77 };  // more pixels than are traced at a time
 
 // Looks at a plate that fills the left of the film; the rest is empty.
-static const char SCENE[] =
+static const char RENDER_SITES_SCENE[] =
     "<scene version='3.0.0'><sensor type='perspective'><float name='fov' value='90'/>"
     "<transform name='to_world'><lookat origin='0, 0, 4' target='0, 0, 0' up='0, 1, 0'/>"
     "</transform><film type='hdrfilm'><integer name='width' value='131'/>"
@@ -23,7 +23,7 @@ static const char SCENE[] =
     "<shape type='rectangle'><bsdf type='diffuse'/><transform name='to_world'>"
     "<scale x='9' y='9'/><translate x='9'/></transform></shape></scene>";
 
-struct fixture {
+struct render_sites_fixture {
     struct scene_case loading;
     satin_scene *scene;
     struct render r;
@@ -31,9 +31,9 @@ struct fixture {
     struct shade_tables tables;
 };
 
-static void start(struct fixture *f, int threads) {
-    *f = (struct fixture){0};
-    f->scene = scene_case_load(&f->loading, SCENE);
+static void render_sites_start(struct render_sites_fixture *f, int threads) {
+    *f = (struct render_sites_fixture){0};
+    f->scene = scene_case_load(&f->loading, RENDER_SITES_SCENE);
     if (!f->scene) fail_msg("%s", f->loading.error);
     f->r.options = satin_options_default;
     f->r.options.width = WIDTH;
@@ -47,7 +47,7 @@ static void start(struct fixture *f, int threads) {
     film_filter_make(&f->scene->film, &f->r.second_pass.shade.filter);
 }
 
-static void stop(struct fixture *f) {
+static void render_sites_stop(struct render_sites_fixture *f) {
     parallel_free(f->r.pool);
     satin_scene_free(f->scene);
 }
@@ -94,8 +94,8 @@ static void grids_depend_on_the_seed_alone(void **state) {
 static void sites_are_in_the_order_of_the_pixels(void **state) {
     (void)state;
     for (int threads = 1; threads <= 3; threads += 2) {
-        struct fixture f;
-        start(&f, threads);
+        struct render_sites_fixture f;
+        render_sites_start(&f, threads);
         size_t pixels, at = 0;
         uint32_t *pixel = render_grid(&f.r, 1, false, &pixels);
         struct render_sites sites = {0};
@@ -116,11 +116,11 @@ static void sites_are_in_the_order_of_the_pixels(void **state) {
         free(pixel);
         render_sites_free(&sites);
         assert_null(sites.site);
-        stop(&f);
+        render_sites_stop(&f);
     }
 }
 
-static bool cancel(void *user, double done) {
+static bool render_sites_cancel(void *user, double done) {
     (void)user;
     (void)done;
     return true;
@@ -128,16 +128,16 @@ static bool cancel(void *user, double done) {
 
 static void a_search_can_be_cancelled(void **state) {
     (void)state;
-    struct fixture f;
-    start(&f, 2);
+    struct render_sites_fixture f;
+    render_sites_start(&f, 2);
     size_t pixels;
     uint32_t *pixel = render_grid(&f.r, 1, false, &pixels);
     struct render_sites sites = {0};
-    parallel_set_progress(f.r.pool, cancel, NULL);
+    parallel_set_progress(f.r.pool, render_sites_cancel, NULL);
     assert_int_equal(render_find_sites(&f.r, pixel, pixels, false, &sites), SATIN_CANCELLED);
     render_sites_free(&sites);
     free(pixel);
-    stop(&f);
+    render_sites_stop(&f);
 }
 
 int main(void) {

@@ -15,7 +15,7 @@
 
 enum { CHANNELS = 4, STRIDE = RSH_MAX_WIDTH + 3 };  // three together and one alone
 
-static float in[CHANNELS * MAX * STRIDE], out[CHANNELS * MAX * STRIDE];
+static float rsh_batch_in[CHANNELS * MAX * STRIDE], rsh_batch_out[CHANNELS * MAX * STRIDE];
 
 static struct rsh_rotations random_rotations(uint32_t *seed, enum rsh_method method) {
     struct rsh_rotations t = {.method = method};
@@ -31,7 +31,7 @@ static struct rsh_rotations random_rotations(uint32_t *seed, enum rsh_method met
 }
 
 // Record i of a channel, strided, as a vector.
-static void take(const float *from, int n, int channel, int i, float *v) {
+static void rsh_batch_take(const float *from, int n, int channel, int i, float *v) {
     for (int k = 0; k < n; k++) v[k] = from[(channel * n + k) * STRIDE + i];
 }
 
@@ -44,13 +44,14 @@ static void rotations_equal_the_plain_twin(void **state) {
             for (int method = RSH_METHOD_TAYLOR_1; method <= RSH_METHOD_EXACT; method++) {
                 int n = order * order;
                 struct rsh_rotations t = random_rotations(&seed, (enum rsh_method)method);
-                for (int j = 0; j < CHANNELS * n * STRIDE; j++) out[j] = in[j] = noise(&seed);
-                (*k)->rotate_many(&t, order, CHANNELS, STRIDE, out, out);
+                for (int j = 0; j < CHANNELS * n * STRIDE; j++)
+                    rsh_batch_out[j] = rsh_batch_in[j] = noise(&seed);
+                (*k)->rotate_many(&t, order, CHANNELS, STRIDE, rsh_batch_out, rsh_batch_out);
                 for (int i = 0; i < STRIDE; i++)
                     for (int c = 0; c < CHANNELS; c++) {
                         float v[MAX], a[MAX], b[MAX];
-                        take(in, n, c, i, v);
-                        take(out, n, c, i, b);
+                        rsh_batch_take(rsh_batch_in, n, c, i, v);
+                        rsh_batch_take(rsh_batch_out, n, c, i, b);
                         if (i >= (*k)->width) {
                             assert_memory_equal(v, b, (size_t)n * sizeof *v);
                             continue;
@@ -60,7 +61,7 @@ static void rotations_equal_the_plain_twin(void **state) {
                             t.cos_beta[i], t.sin_beta[i], t.cos_gamma[i], t.sin_gamma[i]};
                         rsh_plain_rotate(&one, order, 1, v, a);
                         double length = sqrt((double)n / 3.0);
-                        assert_true(distance(n, a, b) < 3e-6 * length);
+                        assert_true(rsh_noise_distance(n, a, b) < 3e-6 * length);
                     }
             }
 }

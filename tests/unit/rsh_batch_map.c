@@ -24,37 +24,42 @@ enum { CHANNELS = 3, MOST_FRAMES = 160, MOST_COUNT = 40 };
 static const float limits[] = {0.0f, 0.2f, 0.4f, 4.0f};
 enum { LIMITS = sizeof limits / sizeof *limits };
 
-static float single[MOST_FRAMES][2][9];  // from and to
-static int frames;
-static float in[CHANNELS * MAX * MOST_FRAMES], out[CHANNELS * MAX * MOST_FRAMES];
+static float rsh_batch_map_single[MOST_FRAMES][2][9];  // from and to
+static int rsh_batch_map_frames;
+static float rsh_batch_map_in[CHANNELS * MAX * MOST_FRAMES],
+    rsh_batch_map_out[CHANNELS * MAX * MOST_FRAMES];
 static float some_in[CHANNELS * MAX * MOST_COUNT], some_out[CHANNELS * MAX * MOST_COUNT];
-static float expected[MOST_FRAMES][CHANNELS * MAX];
+static float rsh_batch_map_expected[MOST_FRAMES][CHANNELS * MAX];
 
 typedef bool align_one(rsh_basis basis, int order, int channels, const float from[9],
-                       const float to[9], float beta_limit, const float *in, float *out);
+                       const float to[9], float beta_limit, const float *rsh_batch_map_in,
+                       float *rsh_batch_map_out);
 typedef bool align_many(rsh_basis basis, int order, int channels, size_t count,
                         const float *const from[9], const float *const to[9], float beta_limit,
-                        const float *in, float *out);
+                        const float *rsh_batch_map_in, float *rsh_batch_map_out);
 static align_one *const ones[] = {rsh_align, rsh_align_transposed};
 static align_many *const manys[] = {rsh_align_many, rsh_align_transposed_many};
 
-static void add(const float from[9], const float to[9]) {
-    assert_true(frames < MOST_FRAMES);
-    memcpy(single[frames][0], from, sizeof single[frames][0]);
-    memcpy(single[frames][1], to, sizeof single[frames][1]);
-    frames++;
+static void rsh_batch_map_add(const float from[9], const float to[9]) {
+    assert_true(rsh_batch_map_frames < MOST_FRAMES);
+    memcpy(rsh_batch_map_single[rsh_batch_map_frames][0], from,
+           sizeof rsh_batch_map_single[rsh_batch_map_frames][0]);
+    memcpy(rsh_batch_map_single[rsh_batch_map_frames][1], to,
+           sizeof rsh_batch_map_single[rsh_batch_map_frames][1]);
+    rsh_batch_map_frames++;
 }
 
 // To `from` rotated by r.
-static void add_rotated(const float from[9], const float r[9]) {
+static void rsh_batch_map_add_rotated(const float from[9], const float r[9]) {
     float to[9];
-    multiply(r, from, to);
-    add(from, to);
+    rsh_noise_multiply(r, from, to);
+    rsh_batch_map_add(from, to);
 }
 
 // The angle between the normals of the last frames.
 static double last_angle(void) {
-    const float *a = single[frames - 1][0] + 6, *b = single[frames - 1][1] + 6;
+    const float *a = rsh_batch_map_single[rsh_batch_map_frames - 1][0] + 6,
+                *b = rsh_batch_map_single[rsh_batch_map_frames - 1][1] + 6;
     return acos(fmin(fmax((double)a[0] * b[0] + (double)a[1] * b[1] + (double)a[2] * b[2], -1), 1));
 }
 
@@ -84,8 +89,8 @@ static void add_axes(uint32_t *seed) {
                 r[3 * i + order[permutation][i]] = signs >> i & 1 ? -1.0f : 1.0f;
             if (determinant(r) < 0.0f) continue;
             noise_rotation(seed, other);
-            add_rotated(world, r);
-            add_rotated(other, r);
+            rsh_batch_map_add_rotated(world, r);
+            rsh_batch_map_add_rotated(other, r);
             found++;
         }
     assert_int_equal(found, 24);
@@ -101,7 +106,7 @@ static void add_opposed(uint32_t *seed) {
             to[3 + k] = s * from[k] - c * from[3 + k];
             to[6 + k] = -from[6 + k];
         }
-        add(from, to);
+        rsh_batch_map_add(from, to);
     }
 }
 
@@ -115,7 +120,7 @@ static void add_near(uint32_t *seed) {
                 if (side == -1 && i == 0) continue;
                 noise_rotation(seed, from);
                 tilt(3.0 * (double)noise(seed), centre[i] + side * pow(10.0, -k), r);
-                add_rotated(from, r);
+                rsh_batch_map_add_rotated(from, r);
             }
 }
 
@@ -128,9 +133,9 @@ static void add_random(uint32_t *seed) {
             tilt(3.0 * (double)noise(seed), 0.5 * (double)noise(seed), r);
         else
             noise_rotation(seed, r);
-        add_rotated(from, r);
+        rsh_batch_map_add_rotated(from, r);
         for (int k = 1; k < LIMITS; k++)
-            if (fabs(last_angle() - (double)limits[k]) < 1e-5) frames--;
+            if (fabs(last_angle() - (double)limits[k]) < 1e-5) rsh_batch_map_frames--;
     }
 }
 
@@ -141,17 +146,17 @@ static void add_alike(uint32_t *seed) {
         float from[9], to[9];
         noise_rotation(seed, from);
         for (int e = 0; e < 9 && i > 2; e++) from[e] += 1e-6f * noise(seed);
-        add(from, from);
+        rsh_batch_map_add(from, from);
         noise_rotation(seed, to);
         for (int e = 0; e < 3; e++) from[e] = -from[e], to[e] = -to[e];
-        add(from, to);
+        rsh_batch_map_add(from, to);
     }
 }
 
-static int make_frames(void **state) {
+static int rsh_batch_map_make_frames(void **state) {
     (void)state;
     uint32_t seed = 31;
-    frames = 0;
+    rsh_batch_map_frames = 0;
     add_axes(&seed);
     add_opposed(&seed);
     add_near(&seed);
@@ -161,39 +166,41 @@ static int make_frames(void **state) {
 }
 
 // Entry e of the frames of records first, first + 1 ..., beginning again after the last.
-static void columns(int first, int count, float (*a)[MOST_FRAMES], int which,
-                    const float *rows[9]) {
+static void rsh_batch_map_columns(int first, int count, float (*a)[MOST_FRAMES], int which,
+                                  const float *rows[9]) {
     for (int e = 0; e < 9; e++) {
-        for (int i = 0; i < count; i++) a[e][i] = single[(first + i) % frames][which][e];
+        for (int i = 0; i < count; i++)
+            a[e][i] = rsh_batch_map_single[(first + i) % rsh_batch_map_frames][which][e];
         rows[e] = a[e];
     }
 }
 
-struct variant {
+struct rsh_batch_map_variant {
     rsh_basis basis;
     int order, channels, transposed;
     float limit;
 };
 
-static bool run_many(const struct variant *v, int first, int count, const float *from_in,
-                     float *to_out) {
+static bool rsh_batch_map_run_many(const struct rsh_batch_map_variant *v, int first, int count,
+                                   const float *from_in, float *to_out) {
     float a[9][MOST_FRAMES], b[9][MOST_FRAMES];
     const float *from[9], *to[9];
-    columns(first, count, a, 0, from);
-    columns(first, count, b, 1, to);
+    rsh_batch_map_columns(first, count, a, 0, from);
+    rsh_batch_map_columns(first, count, b, 1, to);
     return manys[v->transposed](v->basis, v->order, v->channels, (size_t)count, from, to, v->limit,
                                 from_in, to_out);
 }
 
 // Fills `in`, and `expected` by single calls.
-static void expect(const struct variant *v, uint32_t *seed) {
+static void rsh_batch_map_expect(const struct rsh_batch_map_variant *v, uint32_t *seed) {
     const int n = v->channels * v->order * v->order;
-    for (int i = 0; i < frames; i++) {
+    for (int i = 0; i < rsh_batch_map_frames; i++) {
         float one[CHANNELS * MAX];
         noise_unit(seed, n, one);
-        for (int k = 0; k < n; k++) in[k * frames + i] = one[k];
-        assert_true(ones[v->transposed](v->basis, v->order, v->channels, single[i][0], single[i][1],
-                                        v->limit, one, expected[i]));
+        for (int k = 0; k < n; k++) rsh_batch_map_in[k * rsh_batch_map_frames + i] = one[k];
+        assert_true(ones[v->transposed](v->basis, v->order, v->channels, rsh_batch_map_single[i][0],
+                                        rsh_batch_map_single[i][1], v->limit, one,
+                                        rsh_batch_map_expected[i]));
     }
 }
 
@@ -205,10 +212,10 @@ static void expect(const struct variant *v, uint32_t *seed) {
 //
 // The series by beta up to pi enlarges vectors by up to 1 + beta l + (beta l)^2 / 2, and errors
 // too.
-static double tolerance(const struct variant *v, int i) {
+static double tolerance(const struct rsh_batch_map_variant *v, int i) {
     const double l = v->order, angle = 3.0 * 6.0 * FLT_EPSILON + RSH_NO_ANGLE;
     const double rounding = (double)FLT_EPSILON * 2.0 * 3.0;
-    const float *a = single[i][0] + 6, *b = single[i][1] + 6;
+    const float *a = rsh_batch_map_single[i][0] + 6, *b = rsh_batch_map_single[i][1] + 6;
     double beta = acos(fmin(fmax((double)(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]), -1.0), 1.0));
     bool fast = v->limit > 0.0f && beta <= (double)v->limit + 1e-3;
     if (v->basis == RSH_HEMISPHERE) beta = acos(fmax(2.0 * cos(beta) - 1.0, -1.0));
@@ -216,12 +223,12 @@ static double tolerance(const struct variant *v, int i) {
     return l * (angle + rounding) * most;
 }
 
-static void compare(const char *set, const struct variant *v) {
+static void rsh_batch_map_compare(const char *set, const struct rsh_batch_map_variant *v) {
     const int n = v->channels * v->order * v->order;
-    for (int i = 0; i < frames; i++) {
+    for (int i = 0; i < rsh_batch_map_frames; i++) {
         float one[CHANNELS * MAX];
-        for (int k = 0; k < n; k++) one[k] = out[k * frames + i];
-        double d = distance(n, one, expected[i]);
+        for (int k = 0; k < n; k++) one[k] = rsh_batch_map_out[k * rsh_batch_map_frames + i];
+        double d = rsh_noise_distance(n, one, rsh_batch_map_expected[i]);
         if (!(d < tolerance(v, i)))
             fail_msg(
                 "%s, basis %d, order %d, channels %d, transposed %d, limit %g, frame %d: "
@@ -232,31 +239,36 @@ static void compare(const char *set, const struct variant *v) {
 }
 
 // Any number of records, at any position, have the same bits as among all.
-static void compare_counts(const struct variant *v, int *first) {
+static void compare_counts(const struct rsh_batch_map_variant *v, int *first) {
     const int n = v->channels * v->order * v->order;
     for (int count = 1; count <= MOST_COUNT; count++) {
-        *first = (*first + 7) % frames;
+        *first = (*first + 7) % rsh_batch_map_frames;
         for (int k = 0; k < n; k++)
             for (int i = 0; i < count; i++)
-                some_in[k * count + i] = in[k * frames + (*first + i) % frames];
-        assert_true(run_many(v, *first, count, some_in, some_out));
+                some_in[k * count + i] = rsh_batch_map_in[k * rsh_batch_map_frames +
+                                                          (*first + i) % rsh_batch_map_frames];
+        assert_true(rsh_batch_map_run_many(v, *first, count, some_in, some_out));
         for (int k = 0; k < n; k++)
             for (int i = 0; i < count; i++)
                 assert_memory_equal(&some_out[k * count + i],
-                                    &out[k * frames + (*first + i) % frames], sizeof *out);
+                                    &rsh_batch_map_out[k * rsh_batch_map_frames +
+                                                       (*first + i) % rsh_batch_map_frames],
+                                    sizeof *rsh_batch_map_out);
     }
 }
 
 static void check_order(int order, uint32_t *seed, int *first) {
     for (int form = 0; form < 8 * LIMITS; form++) {
-        const struct variant v = {form & 1 ? RSH_HEMISPHERE : RSH_SPHERE, order,
-                                  form & 2 ? CHANNELS : 1, form >> 2 & 1, limits[form >> 3]};
+        const struct rsh_batch_map_variant v = {form & 1 ? RSH_HEMISPHERE : RSH_SPHERE, order,
+                                                form & 2 ? CHANNELS : 1, form >> 2 & 1,
+                                                limits[form >> 3]};
         rsh_kernels_choose(&rsh_kernels_plain);
-        expect(&v, seed);
+        rsh_batch_map_expect(&v, seed);
         for (const struct rsh_kernels *const *k = rsh_kernels_usable(); *k; k++) {
             rsh_kernels_choose(*k);
-            assert_true(run_many(&v, 0, frames, in, out));
-            compare((*k)->name, &v);
+            assert_true(rsh_batch_map_run_many(&v, 0, rsh_batch_map_frames, rsh_batch_map_in,
+                                               rsh_batch_map_out));
+            rsh_batch_map_compare((*k)->name, &v);
             // The position of records does not depend on the order, so a few orders suffice.
             if (order % 3 == 1 && order < 10) compare_counts(&v, first);
         }
@@ -273,7 +285,7 @@ static void many_equal_single_ones(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup(many_equal_single_ones, make_frames),
+        cmocka_unit_test_setup(many_equal_single_ones, rsh_batch_map_make_frames),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

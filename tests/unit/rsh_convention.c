@@ -56,7 +56,7 @@ static void there_and_back_is_the_identity(void **state) {
             assert_true(rsh_export(&c, order, 2, v, there));
             assert_true(there[size] == 7.0f);
             assert_true(rsh_import(&c, order, 2, there, back));
-            assert_true(distance(2 * n, v, back) < 3e-7);
+            assert_true(rsh_noise_distance(2 * n, v, back) < 3e-7);
         }
 }
 
@@ -70,7 +70,7 @@ static void phase_agrees_with_the_short_call(void **state) {
     assert_memory_equal(a, b, sizeof a);
 }
 
-static void bad_input_is_refused(void **state) {
+static void rsh_convention_bad_input_is_refused(void **state) {
     (void)state;
     float v[2] = {1}, out[2] = {7};
     const rsh_convention good = {0}, norm = {.norm = (rsh_normalisation)4},
@@ -87,7 +87,7 @@ int main(void) {
         cmocka_unit_test(a_known_function_converts),
         cmocka_unit_test(there_and_back_is_the_identity),
         cmocka_unit_test(phase_agrees_with_the_short_call),
-        cmocka_unit_test(bad_input_is_refused),
+        cmocka_unit_test(rsh_convention_bad_input_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -20,7 +20,7 @@ static void basis_is_orthonormal(void **state) {
     enum { N = 12, K = N * N };
     static double gram[K][K];
     for (int basis = RSH_SPHERE; basis <= RSH_HEMISPHERE; basis++) {
-        struct quadrature q = quadrature_make(basis == RSH_HEMISPHERE, 2 * N);
+        struct rsh_quadrature_quadrature q = quadrature_make(basis == RSH_HEMISPHERE, 2 * N);
         memset(gram, 0, sizeof gram);
         for (int i = 0; i < q.count; i++) {
             float y[K];

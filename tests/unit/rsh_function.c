@@ -22,7 +22,7 @@ static void values_are_sums(void **state) {
     noise_unit(&seed, 3, w);
     assert_true(rsh_value(RSH_SPHERE, ORDER, 2, v, w, out));
     for (int c = 0; c < 2; c++)
-        assert_true(fabs((double)out[c] - value(RSH_SPHERE, ORDER, v + c * N, w)) < 1e-6);
+        assert_true(fabs((double)out[c] - rsh_noise_value(RSH_SPHERE, ORDER, v + c * N, w)) < 1e-6);
     assert_false(rsh_value(RSH_SPHERE, 0, 1, v, w, out));
     assert_false(rsh_value((rsh_basis)2, 1, 1, v, w, out));
 }
@@ -31,7 +31,7 @@ static void values_are_sums(void **state) {
 static void convolution_is_an_integral(void **state) {
     (void)state;
     uint32_t seed = 2;
-    static struct quadrature up;
+    static struct rsh_quadrature_quadrature up;
     up = quadrature_make(1, 24);
     float v[N], zonal[ORDER], out[N];
     double sums[ORDER] = {0};
@@ -54,9 +54,10 @@ static void convolution_is_an_integral(void **state) {
                 float w[3] = {up.w[i][0], up.w[i][1], side ? -up.w[i][2] : up.w[i][2]};
                 double cosine = (double)w[0] * (double)at[0] + (double)w[1] * (double)at[1] +
                                 (double)w[2] * (double)at[2];
-                integral += up.weight[i] * pow(cosine, 3) * value(RSH_SPHERE, ORDER, v, w);
+                integral +=
+                    up.weight[i] * pow(cosine, 3) * rsh_noise_value(RSH_SPHERE, ORDER, v, w);
             }
-        assert_true(fabs(integral - value(RSH_SPHERE, ORDER, out, at)) < 1e-5);
+        assert_true(fabs(integral - rsh_noise_value(RSH_SPHERE, ORDER, out, at)) < 1e-5);
     }
     assert_false(rsh_convolve(0, 1, zonal, v, out));
 }

@@ -36,10 +36,10 @@ static void alignment_keeps_the_world(void **state) {
         for (int c = 0; c < 3; c++) {
             float w[3], a[3], b[3];
             noise_unit(&seed, 3, w);
-            apply(from, w, a);
-            apply(to, w, b);
-            assert_true(fabs(value(RSH_SPHERE, ORDER, v + c * N, a) -
-                             value(RSH_SPHERE, ORDER, out + c * N, b)) < 2e-5);
+            rsh_noise_apply(from, w, a);
+            rsh_noise_apply(to, w, b);
+            assert_true(fabs(rsh_noise_value(RSH_SPHERE, ORDER, v + c * N, a) -
+                             rsh_noise_value(RSH_SPHERE, ORDER, out + c * N, b)) < 2e-5);
         }
     }
 }
@@ -59,7 +59,7 @@ static void transposed_moves_to_the_other_side(void **state) {
               k = cosf(angle);
         const float about_y[9] = {k, 0, s, 0, 1, 0, -s, 0, k};
         memcpy(tilt, about_y, sizeof tilt);
-        multiply(tilt, from, to);
+        rsh_noise_multiply(tilt, from, to);
         rsh_align(basis, ORDER, 1, from, to, limit, v, a);
         rsh_align_transposed(basis, ORDER, 1, from, to, limit, c, b);
         double left = 0.0, right = 0.0;
@@ -81,27 +81,28 @@ static void hemisphere_rotates_its_pole(void **state) {
     rsh_eval(RSH_HEMISPHERE, ORDER, (float[3]){0, 0, 1}, v);
     assert_true(rsh_rotate_stretched(ORDER, 1, to, v, out));
     rsh_eval(RSH_HEMISPHERE, ORDER, (float[3]){s, 0, c}, y);
-    assert_true(distance(N, out, y) < 1e-5 * ORDER);
+    assert_true(rsh_noise_distance(N, out, y) < 1e-5 * ORDER);
     assert_true(rsh_rotate_stretched(ORDER, 1, back, out, out));
-    assert_true(distance(N, out, v) < 1e-5 * ORDER);
+    assert_true(rsh_noise_distance(N, out, v) < 1e-5 * ORDER);
 }
 
 // Radiance that is smooth over the whole sphere.
-static double radiance(const float *w) {
+static double rsh_hemisphere_radiance(const float *w) {
     return 1.0 + 0.4 * (double)w[0] + 0.3 * (double)w[1] * (double)w[2] +
            0.2 * cos(3.0 * (double)w[2] + (double)w[1]);
 }
 
 // The coefficients of the function in the frame f, by quadrature.
-static void coefficients(const struct quadrature *q, const float f[9], int order, float *out) {
+static void rsh_hemisphere_coefficients(const struct rsh_quadrature_quadrature *q, const float f[9],
+                                        int order, float *out) {
     double sum[MAX] = {0};
     float back[9];
     transpose(f, back);
     for (int i = 0; i < q->count; i++) {
         float y[MAX], world[3];
-        apply(back, q->w[i], world);
+        rsh_noise_apply(back, q->w[i], world);
         rsh_eval(RSH_HEMISPHERE, order, q->w[i], y);
-        double l = radiance(world) * q->weight[i];
+        double l = rsh_hemisphere_radiance(world) * q->weight[i];
         for (int k = 0; k < order * order; k++) sum[k] += l * (double)y[k];
     }
     for (int k = 0; k < order * order; k++) out[k] = (float)sum[k];
@@ -113,14 +114,14 @@ static void coefficients(const struct quadrature *q, const float f[9], int order
 static void true_alignment_is_close(void **state) {
     (void)state;
     enum { ORDER = 10, N = ORDER * ORDER };
-    static struct quadrature q;
+    static struct rsh_quadrature_quadrature q;
     q = quadrature_make(1, 32);
     for (int degrees = 3; degrees <= 6; degrees += 3) {
         float from[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, to[9], v[N], want[N], got[2][N];
         float s = sinf((float)degrees * 0.0174533f), c = cosf((float)degrees * 0.0174533f);
         memcpy(to, (float[9]){c, 0, s, 0, 1, 0, -s, 0, c}, sizeof to);
-        coefficients(&q, from, ORDER, v);
-        coefficients(&q, to, ORDER, want);
+        rsh_hemisphere_coefficients(&q, from, ORDER, v);
+        rsh_hemisphere_coefficients(&q, to, ORDER, want);
         assert_true(rsh_align(RSH_HEMISPHERE, ORDER, 1, from, to, 4.0f, v, got[0]));
         assert_true(rsh_align(RSH_HEMISPHERE, ORDER, 1, from, to, 0.0f, v, got[1]));
         double worst[2] = {0, 0};
@@ -151,19 +152,19 @@ static void true_alignment_is_close(void **state) {
 // .6 % at order 6, .13 % at 16, nearly all of it within a degree of the horizon).
 static void extension_keeps_the_hemisphere(void **state) {
     (void)state;
-    static struct quadrature q;
+    static struct rsh_quadrature_quadrature q;
     q = quadrature_make(1, 32);
     const float frame[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     for (int order = 6; order <= RSH_MAX_ORDER; order += 2) {
         float v[MAX], sphere[MAX], back[MAX], zero[MAX] = {0};
         int n = order * order;
-        coefficients(&q, frame, order, v);
+        rsh_hemisphere_coefficients(&q, frame, order, v);
         assert_true(rsh_hemi_extend(order, 1, v, sphere));
         assert_true(rsh_hemi_restrict(order, 1, sphere, back));
-        assert_true(distance(n, v, back) < 0.01 * distance(n, v, zero));
+        assert_true(rsh_noise_distance(n, v, back) < 0.01 * rsh_noise_distance(n, v, zero));
         const float w[3] = {0.48f, -0.6f, 0.64f};
-        double a = value(RSH_HEMISPHERE, order, v, w);
-        double b = value(RSH_SPHERE, rsh_sphere_order(order), sphere, w);
+        double a = rsh_noise_value(RSH_HEMISPHERE, order, v, w);
+        double b = rsh_noise_value(RSH_SPHERE, rsh_sphere_order(order), sphere, w);
         assert_true(fabs(a - b) < 0.01);
     }
     float y[4] = {7, 7, 7, 7};

@@ -12,7 +12,7 @@
 #include "rsh/rsh.h"
 #include "rsh_noise.h"
 
-static void equals_the_fastest_form(void **state) {
+static void rsh_ivanic_equals_the_fastest_form(void **state) {
     (void)state;
     uint32_t seed = 41;
     for (int order = 1; order <= RSH_MAX_ORDER; order++)
@@ -24,7 +24,8 @@ static void equals_the_fastest_form(void **state) {
             if (i == 0) memcpy(r, (float[9]){1, 0, 0, 0, -1, 0, 0, 0, -1}, sizeof r);
             assert_true(rsh_rotate(order, 2, r, v, a));
             assert_true(rsh_rotate_ivanic(order, 2, r, v, b));
-            for (int c = 0; c < 2; c++) assert_true(distance(n, a + c * n, b + c * n) < 3e-6);
+            for (int c = 0; c < 2; c++)
+                assert_true(rsh_noise_distance(n, a + c * n, b + c * n) < 3e-6);
             assert_true(rsh_rotate_ivanic(order, 2, r, v, v));
             assert_memory_equal(v, b, sizeof(float) * 2 * (size_t)n);
         }
@@ -66,7 +67,7 @@ static void derivatives_equal_differences(void **state) {
         assert_true(rsh_rotation_y_derivatives(ORDER, beta + h * (float)(i - 1), HIGHEST, at[i]));
     rsh_rotate_y(ORDER, 1, beta, v, a);
     rsh_apply_blocks(ORDER, 1, at[1], v, b);
-    assert_true(distance(N, a, b) < 3e-6);
+    assert_true(rsh_noise_distance(N, a, b) < 3e-6);
     for (int k = 0; k < HIGHEST; k++) {
         rsh_apply_blocks(ORDER, 1, at[0] + k * size, v, a);
         rsh_apply_blocks(ORDER, 1, at[2] + k * size, v, b);
@@ -76,7 +77,7 @@ static void derivatives_equal_differences(void **state) {
             a[i] = (b[i] - a[i]) / (2 * h);
             length += (double)c[i] * c[i];
         }
-        assert_true(distance(N, a, c) < 2e-3 * sqrt(length));
+        assert_true(rsh_noise_distance(N, a, c) < 2e-3 * sqrt(length));
     }
 }
 
@@ -98,7 +99,7 @@ static void any_matrix_gives_finite_values(void **state) {
     }
 }
 
-static void bad_input_is_refused(void **state) {
+static void rsh_ivanic_bad_input_is_refused(void **state) {
     (void)state;
     float v[1] = {1}, out[1] = {7};
     const float r[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, bad[9] = {1, 0, 0, 0, INFINITY, 0, 0, 0, 1};
@@ -118,11 +119,11 @@ static void bad_input_is_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(equals_the_fastest_form),
+        cmocka_unit_test(rsh_ivanic_equals_the_fastest_form),
         cmocka_unit_test(derivatives_equal_the_printed_ones),
         cmocka_unit_test(derivatives_equal_differences),
         cmocka_unit_test(any_matrix_gives_finite_values),
-        cmocka_unit_test(bad_input_is_refused),
+        cmocka_unit_test(rsh_ivanic_bad_input_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -36,7 +36,7 @@ static inline void noise_rotation(uint32_t *state, float r[9]) {
     memcpy(r, m, sizeof m);
 }
 
-static inline void multiply(const float *a, const float *b, float *out) {
+static inline void rsh_noise_multiply(const float *a, const float *b, float *out) {
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
             out[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
@@ -46,12 +46,12 @@ static inline void transpose(const float *a, float *out) {
     for (int i = 0; i < 9; i++) out[i] = a[i % 3 * 3 + i / 3];
 }
 
-static inline void apply(const float *r, const float *w, float *out) {
+static inline void rsh_noise_apply(const float *r, const float *w, float *out) {
     for (int i = 0; i < 3; i++)
         out[i] = r[3 * i] * w[0] + r[3 * i + 1] * w[1] + r[3 * i + 2] * w[2];
 }
 
-static inline double value(rsh_basis basis, int order, const float *v, const float *w) {
+static inline double rsh_noise_value(rsh_basis basis, int order, const float *v, const float *w) {
     float y[MAX];
     double sum = 0.0;
     rsh_eval(basis, order, w, y);
@@ -59,7 +59,7 @@ static inline double value(rsh_basis basis, int order, const float *v, const flo
     return sum;
 }
 
-static inline double distance(int n, const float *a, const float *b) {
+static inline double rsh_noise_distance(int n, const float *a, const float *b) {
     double sum = 0.0;
     for (int i = 0; i < n; i++) sum += ((double)a[i] - b[i]) * ((double)a[i] - b[i]);
     return sqrt(sum);

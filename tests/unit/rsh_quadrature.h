@@ -8,15 +8,15 @@
 
 enum { QUADRATURE_MAX = 48 * 96 };
 
-struct quadrature {
+struct rsh_quadrature_quadrature {
     int count;
     float w[QUADRATURE_MAX][3];
     double weight[QUADRATURE_MAX];
 };
 
 // `rings` <= 48. Nodes by Newton's iteration from the usual cosine guess.
-static inline struct quadrature quadrature_make(int hemisphere, int rings) {
-    static struct quadrature q;
+static inline struct rsh_quadrature_quadrature quadrature_make(int hemisphere, int rings) {
+    static struct rsh_quadrature_quadrature q;
     const double pi = acos(-1.0);
     q.count = 0;
     for (int i = 0; i < rings; i++) {

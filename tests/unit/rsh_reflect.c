@@ -24,7 +24,7 @@ static void either_side_may_rotate(void **state) {
         for (int k = 0; k < 3; k++) noise_unit(&seed, N, brdf + k * N);
         noise_rotation(&seed, from);
         memcpy(tilt, (float[9]){c, 0, s, 0, 1, 0, -s, 0, c}, sizeof tilt);
-        multiply(tilt, from, to);
+        rsh_noise_multiply(tilt, from, to);
         rsh_reflection r = {.basis = i & 1 ? RSH_HEMISPHERE : RSH_SPHERE,
                             .order = ORDER,
                             .from = from,
@@ -50,7 +50,7 @@ static void either_side_may_rotate(void **state) {
     }
 }
 
-static void bad_input_is_refused(void **state) {
+static void rsh_reflect_bad_input_is_refused(void **state) {
     (void)state;
     const float frame[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, bad[9] = {NAN}, v[3] = {1, 2, 3};
     float out[3] = {7, 7, 7};
@@ -70,7 +70,7 @@ static void bad_input_is_refused(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(either_side_may_rotate),
-        cmocka_unit_test(bad_input_is_refused),
+        cmocka_unit_test(rsh_reflect_bad_input_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

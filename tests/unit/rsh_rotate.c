@@ -39,8 +39,9 @@ static void rotation_moves_the_function(void **state) {
             for (int k = 0; k < 10; k++) {
                 float w[3], u[3];
                 noise_unit(&seed, 3, w);
-                apply(back, w, u);
-                double error = value(RSH_SPHERE, order, out, w) - value(RSH_SPHERE, order, v, u);
+                rsh_noise_apply(back, w, u);
+                double error = rsh_noise_value(RSH_SPHERE, order, out, w) -
+                               rsh_noise_value(RSH_SPHERE, order, v, u);
                 assert_true(fabs(error) < 2e-5);
             }
         }
@@ -57,12 +58,12 @@ static void forms_equal_wigner_matrices(void **state) {
         length += v[k] * v[k];
     }
     for (int k = 0; k < MAX; k++) v[k] /= sqrtf(length);
-    for (size_t i = 0; i < sizeof rsh_rotations / sizeof *rsh_rotations; i++)
+    for (size_t i = 0; i < sizeof reference_rotations / sizeof *reference_rotations; i++)
         for (size_t f = 0; f < sizeof forms / sizeof *forms; f++) {
             double square = 0.0;
-            assert_true(forms[f](RSH_MAX_ORDER, 1, rsh_rotations[i].r, v, out));
+            assert_true(forms[f](RSH_MAX_ORDER, 1, reference_rotations[i].r, v, out));
             for (int k = 0; k < MAX; k++) {
-                double d = (double)out[k] - rsh_rotations[i].rotated[k];
+                double d = (double)out[k] - reference_rotations[i].rotated[k];
                 square += d * d;
             }
             assert_true(sqrt(square) < 3e-6);
@@ -73,7 +74,7 @@ static void forms_equal_wigner_matrices(void **state) {
 static void rotation_equals_projection(void **state) {
     (void)state;
     enum { ORDER = 12, N = ORDER * ORDER };
-    static struct quadrature q;
+    static struct rsh_quadrature_quadrature q;
     q = quadrature_make(0, 2 * ORDER);
     uint32_t seed = 7;
     for (int round = 0; round < 3; round++) {
@@ -84,14 +85,14 @@ static void rotation_equals_projection(void **state) {
         transpose(r, back);
         for (int i = 0; i < q.count; i++) {
             float y[N], w[3];
-            apply(back, q.w[i], w);
+            rsh_noise_apply(back, q.w[i], w);
             rsh_eval(RSH_SPHERE, ORDER, q.w[i], y);
-            double l = value(RSH_SPHERE, ORDER, v, w) * q.weight[i];
+            double l = rsh_noise_value(RSH_SPHERE, ORDER, v, w) * q.weight[i];
             for (int k = 0; k < N; k++) sum[k] += l * (double)y[k];
         }
         for (int k = 0; k < N; k++) projected[k] = (float)sum[k];
         assert_true(rsh_rotate(ORDER, 1, r, v, out));
-        assert_true(distance(N, out, projected) < 3e-6);
+        assert_true(rsh_noise_distance(N, out, projected) < 3e-6);
     }
 }
 
@@ -114,7 +115,7 @@ static void kernels_agree(void **state) {
                     memcpy(b, v, sizeof b);
                     (*k)->rotate(&t, order, channels, b, b);
                     for (int c = 0; c < channels; c++)
-                        assert_true(distance(n, a + c * n, b + c * n) < 3e-6);
+                        assert_true(rsh_noise_distance(n, a + c * n, b + c * n) < 3e-6);
                     assert_true(b[channels * n] == 77.0f);
                 }
 }
@@ -131,12 +132,12 @@ static void inverse_and_product_hold(void **state) {
         transpose(r, back);
         rsh_rotate(order, 1, r, v, a);
         rsh_rotate(order, 1, back, a, a);
-        assert_true(distance(n, a, v) < 1e-5);
-        multiply(r, s, rs);
+        assert_true(rsh_noise_distance(n, a, v) < 1e-5);
+        rsh_noise_multiply(r, s, rs);
         rsh_rotate(order, 1, s, v, a);
         rsh_rotate(order, 1, r, a, a);
         rsh_rotate(order, 1, rs, v, b);
-        assert_true(distance(n, a, b) < 1e-5);
+        assert_true(rsh_noise_distance(n, a, b) < 1e-5);
     }
 }
 
@@ -152,12 +153,12 @@ static void small_angles_are_exact(void **state) {
             cosf(alpha), -sinf(alpha), 0, sinf(alpha), cosf(alpha), 0, 0, 0, 1};
         memcpy(z, about_z, sizeof z);
         memcpy(y, about_y, sizeof y);
-        multiply(z, y, r);
+        rsh_noise_multiply(z, y, r);
         noise_unit(&seed, MAX, v);
         rsh_rotate(RSH_MAX_ORDER, 1, r, v, a);
         rsh_rotate_y(RSH_MAX_ORDER, 1, beta, v, b);
         rsh_rotate_z(RSH_MAX_ORDER, 1, alpha, b, b);
-        assert_true(distance(MAX, a, b) < 8e-6);
+        assert_true(rsh_noise_distance(MAX, a, b) < 8e-6);
     }
     float v[4] = {1, 2, 3, 4}, out[4];
     const float identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -180,7 +181,7 @@ static void taylor_errors_fall_as_stated(void **state) {
             rsh_rotate_y(ORDER, 1, beta, v, exact);
             for (int kind = RSH_TAYLOR_1; kind <= RSH_TAYLOR_2; kind++) {
                 assert_true(rsh_rotate_y_taylor((rsh_taylor)kind, ORDER, 1, beta, v, series));
-                error[kind][half] += distance(N, series, exact);
+                error[kind][half] += rsh_noise_distance(N, series, exact);
             }
         }
     }
@@ -202,19 +203,19 @@ static void angles_and_matrices_agree(void **state) {
         rsh_zyz angles = rsh_zyz_of_matrix(r);
         assert_true(rsh_rotate_zyz(ORDER, 1, angles, v, a));
         assert_true(rsh_rotate_pinchon_hoggan(ORDER, 1, r, v, b));
-        assert_true(distance(N, a, b) < 1e-5);
+        assert_true(rsh_noise_distance(N, a, b) < 1e-5);
         assert_true(rsh_rotate_taylor(RSH_TAYLOR_2, ORDER, 1, r, v, a));
         rsh_rotate_z(ORDER, 1, angles.gamma, v, b);
         rsh_rotate_y_taylor(RSH_TAYLOR_2, ORDER, 1, angles.beta, b, b);
         rsh_rotate_z(ORDER, 1, angles.alpha, b, b);
-        assert_true(distance(N, a, b) < 1e-3);
+        assert_true(rsh_noise_distance(N, a, b) < 1e-3);
     }
     const float quarter[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1};
     rsh_zyz z = rsh_zyz_of_matrix(quarter);
     assert_true(z.alpha == 0.0f && z.beta == 0.0f && fabsf(z.gamma - 1.5707963f) < 1e-6f);
 }
 
-static void bad_input_is_refused(void **state) {
+static void rsh_rotate_bad_input_is_refused(void **state) {
     (void)state;
     float v[4] = {1, 2, 3, 4}, out[4] = {7, 7, 7, 7};
     const float identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, zero[9] = {0};
@@ -254,7 +255,7 @@ int main(void) {
         cmocka_unit_test(small_angles_are_exact),
         cmocka_unit_test(taylor_errors_fall_as_stated),
         cmocka_unit_test(angles_and_matrices_agree),
-        cmocka_unit_test(bad_input_is_refused),
+        cmocka_unit_test(rsh_rotate_bad_input_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

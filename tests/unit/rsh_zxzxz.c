@@ -13,7 +13,7 @@
 #include "rsh/rsh.h"
 #include "rsh_noise.h"
 
-static void equals_the_fastest_form(void **state) {
+static void rsh_zxzxz_equals_the_fastest_form(void **state) {
     (void)state;
     uint32_t seed = 31;
     for (int order = 1; order <= RSH_MAX_ORDER; order++)
@@ -26,13 +26,14 @@ static void equals_the_fastest_form(void **state) {
             if (i == 1) memcpy(r, (float[9]){0, -1, 0, 1, 0, 0, 0, 0, 1}, sizeof r);
             assert_true(rsh_rotate(order, 3, r, v, a));
             assert_true(rsh_rotate_zxzxz(order, 3, r, v, b));
-            for (int c = 0; c < 3; c++) assert_true(distance(n, a + c * n, b + c * n) < 3e-6);
+            for (int c = 0; c < 3; c++)
+                assert_true(rsh_noise_distance(n, a + c * n, b + c * n) < 3e-6);
             assert_true(rsh_rotate_zxzxz(order, 3, r, v, v));
             assert_memory_equal(v, b, sizeof(float) * 3 * (size_t)n);
         }
 }
 
-static void bad_input_is_refused(void **state) {
+static void rsh_zxzxz_bad_input_is_refused(void **state) {
     (void)state;
     float v[1] = {1}, out[1] = {7};
     const float r[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, bad[9] = {1, 0, 0, 0, NAN, 0, 0, 0, 1};
@@ -44,8 +45,8 @@ static void bad_input_is_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(equals_the_fastest_form),
-        cmocka_unit_test(bad_input_is_refused),
+        cmocka_unit_test(rsh_zxzxz_equals_the_fastest_form),
+        cmocka_unit_test(rsh_zxzxz_bad_input_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -5,7 +5,7 @@
 #include "scene/scene.h"
 #include "scene_case.h"
 
-static struct satin_scene *load(const char *sensor) {
+static struct satin_scene *scene_camera_load(const char *sensor) {
     char text[1024];
     snprintf(text, sizeof text, "<scene version='3.0.0'>%s</scene>", sensor);
     scene_case_file("scene.xml", text);
@@ -23,13 +23,13 @@ static struct satin_scene *load(const char *sensor) {
 static void expect_tan(const char *parameters, float x) {
     char text[512];
     snprintf(text, sizeof text, "<sensor type='perspective'>%s" FILM "</sensor>", parameters);
-    struct satin_scene *scene = load(text);
+    struct satin_scene *scene = scene_camera_load(text);
     assert_true(fabsf(scene->camera.tan_x - x) < 1e-6f * x);
     assert_true(fabsf(scene->camera.tan_y - 0.5f * x) < 1e-6f * x);
     satin_scene_free(scene);
 }
 
-static void field_of_view(void **state) {
+static void scene_camera_field_of_view(void **state) {
     (void)state;
     float t = tanf(30.0f * PI_F / 180.0f);
     expect_tan("<float name='fov' value='60'/>", t);
@@ -46,7 +46,7 @@ static void field_of_view(void **state) {
 
 static void rays_of_a_pinhole(void **state) {
     (void)state;
-    struct satin_scene *scene = load(
+    struct satin_scene *scene = scene_camera_load(
         "<sensor type='perspective'><float name='fov' value='90'/>"
         "<float name='near_clip' value='.5'/><float name='far_clip' value='8'/>"
         "<transform name='to_world'><lookat origin='1 2 3' target='1 2 9' up='0 1 "
@@ -71,7 +71,7 @@ static void rays_of_a_pinhole(void **state) {
 // All rays of a film position meet in the plane of focus, for any position on the lens.
 static void lens_focuses(void **state) {
     (void)state;
-    struct satin_scene *scene = load(
+    struct satin_scene *scene = scene_camera_load(
         "<sensor type='thinlens'><float name='fov' value='50'/>"
         "<float name='aperture_radius' value='.2'/><float name='focus_distance' value='3'/>" FILM
         "</sensor>");
@@ -90,7 +90,7 @@ static void lens_focuses(void **state) {
 // Numbers of Mitsuba 3.9.
 static void rays_are_parallel(void **state) {
     (void)state;
-    struct satin_scene *scene = load(
+    struct satin_scene *scene = scene_camera_load(
         "<sensor type='orthographic'><transform name='to_world'><scale x='3' y='2' z='5'/>"
         "<translate z='-4'/></transform><float name='near_clip' value='.5'/>"
         "<float name='far_clip' value='20'/>" FILM "</sensor>");
@@ -106,7 +106,7 @@ static void rays_are_parallel(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(field_of_view),
+        cmocka_unit_test(scene_camera_field_of_view),
         cmocka_unit_test(rays_of_a_pinhole),
         cmocka_unit_test(lens_focuses),
         cmocka_unit_test(rays_are_parallel),

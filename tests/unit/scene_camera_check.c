@@ -18,7 +18,7 @@
 
 static const struct {
     const char *scene, *warning;  // NULL: none
-} cases[] = {
+} scene_camera_check_cases[] = {
     {PERSPECTIVE EYE_END LAMP BALL, NULL},
     {PERSPECTIVE EYE_END SKY, NULL},
     {PERSPECTIVE EYE_END LAMP, "the scene has no shapes: nothing is seen"},
@@ -50,7 +50,7 @@ static const struct {
 };
 
 // Equal, or equal around a `*` of `pattern`.
-static bool matches(const char *pattern, const char *text) {
+static bool scene_camera_check_matches(const char *pattern, const char *text) {
     const char *star = strchr(pattern, '*');
     if (!star) return strcmp(pattern, text) == 0;
     const size_t before = (size_t)(star - pattern), after = strlen(star + 1), n = strlen(text);
@@ -60,17 +60,21 @@ static bool matches(const char *pattern, const char *text) {
 
 static void says_why(void **state) {
     (void)state;
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    for (size_t i = 0; i < sizeof scene_camera_check_cases / sizeof *scene_camera_check_cases;
+         i++) {
         char text[2048];
         struct scene_case c;
-        snprintf(text, sizeof text, "<scene version='3.0.0'>%s</scene>", cases[i].scene);
+        snprintf(text, sizeof text, "<scene version='3.0.0'>%s</scene>",
+                 scene_camera_check_cases[i].scene);
         satin_scene *scene = scene_case_load(&c, text);
         assert_non_null(scene);
         camera_check(scene, scene_case_begin(&c));
-        if (!cases[i].warning) {
+        if (!scene_camera_check_cases[i].warning) {
             assert_int_equal(c.warnings, 0);
-        } else if (c.warnings != 1 || !matches(cases[i].warning, c.warning)) {
-            fail_msg("expected: %s\n  got %d: %s", cases[i].warning, c.warnings, c.warning);
+        } else if (c.warnings != 1 ||
+                   !scene_camera_check_matches(scene_camera_check_cases[i].warning, c.warning)) {
+            fail_msg("expected: %s\n  got %d: %s", scene_camera_check_cases[i].warning, c.warnings,
+                     c.warning);
         }
         assert_int_equal(c.errors, 0);
         satin_scene_free(scene);

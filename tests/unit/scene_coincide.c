@@ -6,88 +6,92 @@
 #include "scene_case.h"
 #include "test_scene.h"
 
-static struct test_scene t;
+static struct test_scene scene_coincide_table;
 
 static uint32_t find(bool hidden[TEST_SHAPES]) {
     uint32_t found;
-    assert_true(coincide_find(&t.scene, 0, t.scene.shape_count, 0, hidden, &found));
+    assert_true(coincide_find(&scene_coincide_table.scene, 0,
+                              scene_coincide_table.scene.shape_count, 0, hidden, &found));
     return found;
 }
 
 static void finds_each_kind(void **state) {
     (void)state;
-    test_scene_init(&t);
-    const uint32_t white = test_diffuse(&t, .5f, .5f, .5f), red = test_diffuse(&t, .5f, 0, 0);
+    test_scene_init(&scene_coincide_table);
+    const uint32_t white = test_diffuse(&scene_coincide_table, .5f, .5f, .5f),
+                   red = test_diffuse(&scene_coincide_table, .5f, 0, 0);
     const struct mat4 here = test_transform(v3(1, 2, 3), v3(2, 2, 2)),
                       there = test_transform(v3(1, 2, 4), v3(2, 2, 2));
     for (int copy = 0; copy < 2; copy++) {
         const uint32_t material = copy ? red : white;
-        test_rectangle(&t, here, material);
-        test_cube(&t, here, false, material);
-        test_quadric(&t, SHAPE_SPHERE, here, copy, material);
-        test_quadric(&t, SHAPE_DISK, here, copy, material);
-        test_quadric(&t, SHAPE_CYLINDER, here, copy, material);
+        test_rectangle(&scene_coincide_table, here, material);
+        test_cube(&scene_coincide_table, here, false, material);
+        test_quadric(&scene_coincide_table, SHAPE_SPHERE, here, copy, material);
+        test_quadric(&scene_coincide_table, SHAPE_DISK, here, copy, material);
+        test_quadric(&scene_coincide_table, SHAPE_CYLINDER, here, copy, material);
     }
-    test_rectangle(&t, there, white);
-    test_cube(&t, there, false, white);
-    test_quadric(&t, SHAPE_SPHERE, there, false, white);
-    test_quadric(&t, SHAPE_DISK, there, false, white);
-    test_quadric(&t, SHAPE_CYLINDER, there, false, white);
+    test_rectangle(&scene_coincide_table, there, white);
+    test_cube(&scene_coincide_table, there, false, white);
+    test_quadric(&scene_coincide_table, SHAPE_SPHERE, there, false, white);
+    test_quadric(&scene_coincide_table, SHAPE_DISK, there, false, white);
+    test_quadric(&scene_coincide_table, SHAPE_CYLINDER, there, false, white);
     bool hidden[TEST_SHAPES];
     assert_int_equal(find(hidden), 5);
     for (uint32_t i = 0; i < 15; i++) assert_int_equal(hidden[i], i >= 5 && i < 10);
 
     // Rays hit the first shape: the sphere, from outside.
-    test_scene_finish(&t);
+    test_scene_finish(&scene_coincide_table);
     struct interaction s;
     const struct ray ray = {v3(9, 2, 1.5f), 0.0f, v3(-1, 0, 0), INFINITY};
-    assert_true(scene_intersect(&t.scene, &ray, &s));
+    assert_true(scene_intersect(&scene_coincide_table.scene, &ray, &s));
     assert_int_equal(s.shape, 1);
-    test_scene_free(&t);
+    test_scene_free(&scene_coincide_table);
 }
 
 static void leaves_holes_alone(void **state) {
     (void)state;
-    test_scene_init(&t);
+    test_scene_init(&scene_coincide_table);
     const struct mat4 here = test_transform(v3(0, 0, 0), v3(1, 1, 1));
-    const uint32_t open = test_material(&t, "null", rgb_grey(0), rgb_grey(0));
-    const uint32_t solid = test_diffuse(&t, .5f, .5f, .5f);
+    const uint32_t open = test_material(&scene_coincide_table, "null", rgb_grey(0), rgb_grey(0));
+    const uint32_t solid = test_diffuse(&scene_coincide_table, .5f, .5f, .5f);
     const uint32_t order[] = {open, open, solid, open, solid};
-    for (int i = 0; i < 5; i++) test_quadric(&t, SHAPE_SPHERE, here, false, order[i]);
+    for (int i = 0; i < 5; i++)
+        test_quadric(&scene_coincide_table, SHAPE_SPHERE, here, false, order[i]);
     bool hidden[TEST_SHAPES];
     assert_int_equal(find(hidden), 1);
     assert_true(hidden[4]);
-    test_scene_free(&t);
+    test_scene_free(&scene_coincide_table);
 }
 
 static void keeps_what_shines(void **state) {
     (void)state;
-    test_scene_init(&t);
-    const uint32_t white = test_diffuse(&t, .5f, .5f, .5f);
+    test_scene_init(&scene_coincide_table);
+    const uint32_t white = test_diffuse(&scene_coincide_table, .5f, .5f, .5f);
     uint32_t sphere[3];
     for (int i = 0; i < 3; i++)
-        sphere[i] = test_quadric(&t, SHAPE_SPHERE, mat4_identity(), false, white);
-    test_area_light(&t, sphere[1], rgb_grey(1.0f));
+        sphere[i] =
+            test_quadric(&scene_coincide_table, SHAPE_SPHERE, mat4_identity(), false, white);
+    test_area_light(&scene_coincide_table, sphere[1], rgb_grey(1.0f));
     bool hidden[TEST_SHAPES];
     assert_int_equal(find(hidden), 2);
     assert_true(hidden[sphere[0]] && !hidden[sphere[1]] && hidden[sphere[2]]);
-    test_scene_free(&t);
+    test_scene_free(&scene_coincide_table);
 }
 
 static void finds_nothing_among_others(void **state) {
     (void)state;
-    test_scene_init(&t);
-    const uint32_t white = test_diffuse(&t, .5f, .5f, .5f);
+    test_scene_init(&scene_coincide_table);
+    const uint32_t white = test_diffuse(&scene_coincide_table, .5f, .5f, .5f);
     for (int i = 0; i < TEST_SHAPES; i++) {
         const float size = 1.0f + 0x1p-22f * (float)i;
-        test_quadric(&t, SHAPE_SPHERE, test_transform(v3(0, 0, 0), v3(size, size, size)), false,
-                     white);
+        test_quadric(&scene_coincide_table, SHAPE_SPHERE,
+                     test_transform(v3(0, 0, 0), v3(size, size, size)), false, white);
     }
     bool hidden[TEST_SHAPES];
     assert_int_equal(find(hidden), 0);
-    t.scene.shape_count = 1;
+    scene_coincide_table.scene.shape_count = 1;
     assert_int_equal(find(hidden), 0);
-    test_scene_free(&t);
+    test_scene_free(&scene_coincide_table);
 }
 
 // A thousand spheres, and a group of two that is placed twice at one position.

@@ -29,7 +29,7 @@ static satin_scene *load_instances(void) {
                     "</transform></shape><shape type='instance'><ref id='g'/></shape>"));
 }
 
-static vec3 random_point(const satin_scene *scene, uint64_t i) {
+static vec3 scene_instance_random_point(const satin_scene *scene, uint64_t i) {
     vec3 size = v3_sub(scene->bounds_hi, scene->bounds_lo);
     struct rng rng = rng_make(5, RNG_TEST, i);
     float u[3];
@@ -48,7 +48,8 @@ static void shows_the_same(void **state) {
                 v3_dist2(direct->bounds_hi, instances->bounds_hi) < 64);
     int hits = 0, misses = 0;
     for (uint64_t i = 0; i < 200000; i++) {
-        vec3 from = random_point(direct, 2 * i), to = random_point(direct, 2 * i + 1);
+        vec3 from = scene_instance_random_point(direct, 2 * i),
+             to = scene_instance_random_point(direct, 2 * i + 1);
         // Half of the rays are aimed at the shapes.
         if (i & 1) to = v3_add(i & 2 ? v3(1, 1, 0) : v3(98, -38, 7), v3_mul(v3_unit(to), 3));
         struct ray ray = {from, 0, v3_unit(v3_sub(to, from)), INFINITY};
@@ -85,12 +86,13 @@ static void shows_the_same(void **state) {
 }
 
 // Rays from a convex surface to the outside do not hit it.
-static void rays_leave(void **state) {
+static void scene_instance_rays_leave(void **state) {
     (void)state;
     satin_scene *scene = load_instances();
     int hits = 0;
     for (uint64_t i = 0; i < 200000; i++) {
-        vec3 from = random_point(scene, 2 * i), to = i & 1 ? v3(106, -38, 3) : v3(0, 0, 0);
+        vec3 from = scene_instance_random_point(scene, 2 * i),
+             to = i & 1 ? v3(106, -38, 3) : v3(0, 0, 0);
         struct ray ray = {from, 0, v3_unit(v3_sub(to, from)), INFINITY};
         struct interaction s, other;
         if (!scene_intersect(scene, &ray, &s) || s.shape > 1) continue;
@@ -124,7 +126,7 @@ static void groups_may_be_empty(void **state) {
     satin_scene_free(scene);
 }
 
-static void refuses(void **state) {
+static void scene_instance_refuses(void **state) {
     (void)state;
     static const char *const cases[][2] = {
         {"<shape type='instance'/>", "shape 'instance': it takes one shapegroup"},
@@ -163,7 +165,8 @@ static void merges(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(shows_the_same), cmocka_unit_test(rays_leave),
-        cmocka_unit_test(groups_may_be_empty), cmocka_unit_test(refuses), cmocka_unit_test(merges)};
+        cmocka_unit_test(shows_the_same), cmocka_unit_test(scene_instance_rays_leave),
+        cmocka_unit_test(groups_may_be_empty), cmocka_unit_test(scene_instance_refuses),
+        cmocka_unit_test(merges)};
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -9,7 +9,7 @@
 
 #include "scene/scene.h"
 
-static struct shape shape;  // the one that surface interactions are on
+static struct shape scene_material_shape;  // the one that surface interactions are on
 
 static struct interaction interaction_facing(vec3 n) {
     return (struct interaction){.ng = n, .frame = frame_from_normal(n), .uv = {0.25f, 0.25f}};
@@ -21,7 +21,8 @@ static void sides_and_frames(void **state) {
         .front.base = {.model = brdf_find("diffuse"), .diffuse = {.2f, .3f, .4f}},
         .back.base = {.model = brdf_find("phong"), .specular = {1, 1, 1}, .exponent = 5},
     };
-    struct satin_scene scene = {.shape = &shape, .material = &material, .material_count = 1};
+    struct satin_scene scene = {
+        .shape = &scene_material_shape, .material = &material, .material_count = 1};
     vec3 n = v3_unit(v3(1, 2, 3)), tilted = v3_unit(v3(2, 2, 2));
     struct interaction s = interaction_facing(n);
     struct brdf b;
@@ -53,7 +54,8 @@ static void textures_replace_slots(void **state) {
     const struct texture number = {.kind = TEXTURE_CONSTANT, .value = {.3f, .3f, .3f}};
     struct material material = {
         .front.base = {.model = brdf_find("ward"), .alpha_u = .1f, .alpha_v = .1f, .exponent = 7}};
-    struct satin_scene scene = {.shape = &shape, .material = &material, .material_count = 1};
+    struct satin_scene scene = {
+        .shape = &scene_material_shape, .material = &material, .material_count = 1};
     struct interaction s = interaction_facing(v3(0, 0, 1));
     struct brdf b;
     struct frame f;
@@ -81,7 +83,8 @@ static void holes_are_no_components(void **state) {
         .component = {&leaf[2], &leaf[0]}, .weight = 0.25f, .holes = true};
     struct material material = {
         .front = {.component = {&mask, &leaf[1]}, .weight = 0.1f, .holes = true}};
-    struct satin_scene scene = {.shape = &shape, .material = &material, .material_count = 1};
+    struct satin_scene scene = {
+        .shape = &scene_material_shape, .material = &material, .material_count = 1};
     struct interaction s = interaction_facing(v3(0, 0, 1));
     struct scene_component part[MATERIAL_COMPONENTS_MAX];
     s.light = -1;
@@ -114,7 +117,8 @@ static void blends_draw_their_parts(void **state) {
         {.base = {.model = brdf_find("null"), .transmittance = {1, 1, 1}}}};
     const struct material_side pair = {.component = {&leaf[0], &leaf[1]}, .weight = 0.25f};
     struct material material = {.front = {.component = {&pair, &leaf[2]}, .blend = &third}};
-    struct satin_scene scene = {.shape = &shape, .material = &material, .material_count = 1};
+    struct satin_scene scene = {
+        .shape = &scene_material_shape, .material = &material, .material_count = 1};
     struct interaction s = interaction_facing(v3(0, 0, 1));
     struct scene_component part[MATERIAL_COMPONENTS_MAX];
     const float want[3] = {0.5f, 1 / 6.f, 1 / 3.f};
@@ -153,7 +157,8 @@ static void bumps_rotate_the_frame(void **state) {
                                  .value = {.8f, .5f, .9f}};  // (.6, 0, .8)
     const struct material_bump bump = {.normal = &tilt, .upright = true, .shadows = true};
     struct material m = white_under(bump, (struct material_bump){.normal = NULL});
-    struct satin_scene scene = {.shape = &shape, .material = &m, .material_count = 1};
+    struct satin_scene scene = {
+        .shape = &scene_material_shape, .material = &m, .material_count = 1};
     struct interaction s = interaction_facing(v3(0, 0, 1));
     struct brdf b;
     struct frame f;
@@ -188,7 +193,8 @@ static void bumps_rotate_one_after_another(void **state) {
     const struct material_bump outer = {.normal = &right, .shadows = true, .outside = true},
                                inner = {.normal = &left, .shadows = true, .outside = true};
     struct material m = white_under(outer, inner);
-    struct satin_scene scene = {.shape = &shape, .material = &m, .material_count = 1};
+    struct satin_scene scene = {
+        .shape = &scene_material_shape, .material = &m, .material_count = 1};
     struct interaction s = interaction_facing(v3(0, 0, 1));
     struct brdf b;
     struct frame f;
@@ -230,7 +236,8 @@ static void bumps_and_maps_nest(void **state) {
     } cases[] = {{rise, tilted, up - back}, {tilted, rise, up - steep}};
     for (int i = 0; i < 2; i++) {
         struct material m = white_under(cases[i].outer, cases[i].inner);
-        struct satin_scene scene = {.shape = &shape, .material = &m, .material_count = 1};
+        struct satin_scene scene = {
+            .shape = &scene_material_shape, .material = &m, .material_count = 1};
         vec3 want =
             v3_mad(v3_mul(s.frame.n, cosf(cases[i].angle)), sinf(cases[i].angle), s.frame.u);
         struct brdf b;

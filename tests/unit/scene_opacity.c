@@ -5,14 +5,16 @@
 enum { RAYS = 20000 };
 
 // Joins sides under a blend of the given weight.
-static struct material_side join(const struct material_side *a, const struct material_side *b,
-                                 float weight, const struct texture *texture) {
+static struct material_side scene_opacity_join(const struct material_side *a,
+                                               const struct material_side *b, float weight,
+                                               const struct texture *texture) {
     return (struct material_side){
         .component = {a, b}, .weight = weight, .blend = texture, .holes = a->holes || b->holes};
 }
 
 // A surface with holes (a rectangle, or a sphere, which rays cross twice) before a wall, z = 0.
-static void build(struct test_scene *t, bool sphere, const struct material_side *side) {
+static void scene_opacity_build(struct test_scene *t, bool sphere,
+                                const struct material_side *side) {
     test_scene_init(t);
     uint32_t plain = test_diffuse(t, .5f, .5f, .5f), holes = test_diffuse(t, .5f, .5f, .5f);
     t->material[holes].front = t->material[holes].back = *side;
@@ -54,18 +56,19 @@ static const struct material_side whole;
 
 static void lets_its_fraction_pass(void **state) {
     (void)state;
-    const struct material_side mask = join(&hole, &whole, .3f, NULL),
-                               inverted = join(&whole, &hole, .3f, NULL),
-                               blend = join(&inverted, &whole, .4f, NULL),
-                               both = join(&mask, &inverted, .25f, NULL);
+    const struct material_side mask = scene_opacity_join(&hole, &whole, .3f, NULL),
+                               inverted = scene_opacity_join(&whole, &hole, .3f, NULL),
+                               blend = scene_opacity_join(&inverted, &whole, .4f, NULL),
+                               both = scene_opacity_join(&mask, &inverted, .25f, NULL);
     const struct {
         struct material_side side;
         float pass;
-    } holes[] = {{mask, .7f},   {inverted, .3f}, {join(&hole, &mask, .5f, NULL), .85f},
-                 {blend, .18f}, {both, .6f},     {join(&blend, &mask, .5f, NULL), .44f}};
+    } holes[] = {
+        {mask, .7f},   {inverted, .3f}, {scene_opacity_join(&hole, &mask, .5f, NULL), .85f},
+        {blend, .18f}, {both, .6f},     {scene_opacity_join(&blend, &mask, .5f, NULL), .44f}};
     for (int k = 0; k < 12; k++) {
         struct test_scene t;
-        build(&t, k & 1, &holes[k / 2].side);
+        scene_opacity_build(&t, k & 1, &holes[k / 2].side);
         float fraction[2], pass = holes[k / 2].pass;
         if (k & 1) pass *= pass;
         fraction_through(&t.scene, fraction);
@@ -82,8 +85,8 @@ static void follows_its_texture(void **state) {
     const struct texture checks = {
         .kind = TEXTURE_CHECKERBOARD, .check = {&white, &black}, .to_uv = {1, 0, 0, 0, 1, 0}};
     struct test_scene t;
-    struct material_side side = join(&hole, &whole, 0.0f, &checks);
-    build(&t, false, &side);
+    struct material_side side = scene_opacity_join(&hole, &whole, 0.0f, &checks);
+    scene_opacity_build(&t, false, &side);
     for (int i = 0; i < 4; i++) {
         float x = i & 1 ? 1.0f : -1.0f, y = i & 2 ? 1.0f : -1.0f;
         struct ray ray = {v3(x, y, 9), 0.0f, v3(0, 0, -1), INFINITY};

@@ -6,7 +6,7 @@
 #include "base/sampling.h"
 #include "mesh_case.h"
 
-static struct quadric make(enum shape_kind kind, struct mat4 m, bool flip) {
+static struct quadric scene_quadric_make(enum shape_kind kind, struct mat4 m, bool flip) {
     struct shape shape = {.kind = kind, .flip_normals = flip};
     struct quadric q;
     assert_true(scene_shape_transform(&shape, &m));
@@ -39,7 +39,7 @@ static void meets_surfaces(void **state) {
         struct mat4 move = mat4_translate(v3(3 * rng_float(&rng), 0, 2)), m;
         m = mat4_mul(&rotation, &scale);
         m = mat4_mul(&move, &m);
-        struct quadric q = make(kind, m, i & 2);
+        struct quadric q = scene_quadric_make(kind, m, i & 2);
         float lo[3], hi[3];
         quadric_bounds(&q, lo, hi);
         int hits = 0;
@@ -72,7 +72,7 @@ static void meets_surfaces(void **state) {
 
 // The front of a sphere and a cylinder is outside, of a disk its +z; a reflection puts the sphere's
 // only, as in Mitsuba.
-static void faces_as_mitsuba(void **state) {
+static void scene_quadric_faces_as_mitsuba(void **state) {
     (void)state;
     for (int mirror = 0; mirror < 2; mirror++)
         for (int flip = 0; flip < 2; flip++) {
@@ -80,13 +80,13 @@ static void faces_as_mitsuba(void **state) {
             struct ray down = {{0.3f, 0.2f, 5}, 0, {0, 0, -1}, INFINITY};
             struct ray side = {{5, 0.2f, 0.5f}, 0, {-1, 0, 0}, INFINITY};
             struct interaction s;
-            struct quadric sphere = make(SHAPE_SPHERE, m, flip);
+            struct quadric sphere = scene_quadric_make(SHAPE_SPHERE, m, flip);
             quadric_interaction(&sphere, &down, 4, false, &s);
             assert_true((s.ng.z > 0) == (mirror == flip));
-            struct quadric disk = make(SHAPE_DISK, m, flip);
+            struct quadric disk = scene_quadric_make(SHAPE_DISK, m, flip);
             quadric_interaction(&disk, &down, 5, false, &s);
             assert_true((s.ng.z > 0) == !flip);
-            struct quadric cylinder = make(SHAPE_CYLINDER, m, flip);
+            struct quadric cylinder = scene_quadric_make(SHAPE_CYLINDER, m, flip);
             quadric_interaction(&cylinder, &side, 4, false, &s);
             assert_true((s.ng.x > 0) == !flip);
         }
@@ -109,7 +109,7 @@ static void refuses_flat_transforms(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(meets_surfaces),
-        cmocka_unit_test(faces_as_mitsuba),
+        cmocka_unit_test(scene_quadric_faces_as_mitsuba),
         cmocka_unit_test(refuses_flat_transforms),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

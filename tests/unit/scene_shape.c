@@ -25,7 +25,7 @@ static void check_facing(maker make, struct mat4 m, bool flip, vec3 centre) {
     arena_free(&arena);
 }
 
-static void faces_as_mitsuba(void **state) {
+static void scene_shape_faces_as_mitsuba(void **state) {
     (void)state;
     static const vec3 size[4] = {{1, 1, 1}, {-1, 1, 1}, {2, -3, 0.5f}, {-1, -1, 1}};
     for (int i = 0; i < 4; i++)
@@ -103,7 +103,7 @@ static void bounds_hold_every_shape(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(faces_as_mitsuba),
+        cmocka_unit_test(scene_shape_faces_as_mitsuba),
         cmocka_unit_test(maps_texture_coordinates),
         cmocka_unit_test(knows_areas),
         cmocka_unit_test(bounds_hold_every_shape),

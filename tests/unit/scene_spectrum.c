@@ -3,12 +3,12 @@
 #include "load/load_spectrum.h"
 #include "scene_case.h"
 
-static void expect(rgb c, float r, float g, float b) {
+static void scene_spectrum_expect(rgb c, float r, float g, float b) {
     assert_true(fabsf(c.r / r - 1) < 1e-5f && fabsf(c.g / g - 1) < 1e-5f &&
                 fabsf(c.b / b - 1) < 1e-5f);
 }
 
-static rgb convert(const char *text, bool light) {
+static rgb scene_spectrum_convert(const char *text, bool light) {
     struct scene_case c;
     struct spectrum spectrum;
     struct log_place place = {"scene.xml", 1, 1};
@@ -21,20 +21,20 @@ static rgb convert(const char *text, bool light) {
 static void converts(void **state) {
     (void)state;
     static const char flat[] = "360:0.5, 830:0.5", slope[] = "400:0.2, 500:0.5, 550 .7,700:0.9";
-    expect(convert(flat, false), .49949262f, .49943683f, .4994008f);
-    expect(convert(flat, true), .60244185f, .4741141f, .4546334f);
-    expect(convert(slope, false), .8484015f, .6581277f, .31988475f);
-    expect(convert(slope, true), 1.0008676f, .6280136f, .2817228f);
-    rgb line = convert("500:0,510:5,520:0", true);  // out of gamut
+    scene_spectrum_expect(scene_spectrum_convert(flat, false), .49949262f, .49943683f, .4994008f);
+    scene_spectrum_expect(scene_spectrum_convert(flat, true), .60244185f, .4741141f, .4546334f);
+    scene_spectrum_expect(scene_spectrum_convert(slope, false), .8484015f, .6581277f, .31988475f);
+    scene_spectrum_expect(scene_spectrum_convert(slope, true), 1.0008676f, .6280136f, .2817228f);
+    rgb line = scene_spectrum_convert("500:0,510:5,520:0", true);  // out of gamut
     assert_true(line.r == 0 && fabsf(line.g / .44112128f - 1) < 1e-5f);
-    assert_true(rgb_black(convert("", true)));
+    assert_true(rgb_black(scene_spectrum_convert("", true)));
 }
 
 // Mitsuba's spectral mode, summed over wavelengths against the observer.
 static void glows(void **state) {
     (void)state;
-    expect(spectrum_blackbody(3000, 360, 830), 733.11077f, 349.56845f, 112.70958f);
-    expect(spectrum_blackbody(5000, 360, 830), 15263.024f, 12082.561f, 9592.5612f);
+    scene_spectrum_expect(spectrum_blackbody(3000, 360, 830), 733.11077f, 349.56845f, 112.70958f);
+    scene_spectrum_expect(spectrum_blackbody(5000, 360, 830), 15263.024f, 12082.561f, 9592.5612f);
     assert_true(rgb_black(spectrum_blackbody(1, 360, 830)));
 }
 

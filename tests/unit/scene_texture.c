@@ -4,13 +4,13 @@
 #include "load/load_build.h"
 #include "mesh_case.h"
 
-static const float texel[12] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const struct image image = {4, 3, 1, texel};
+static const float scene_texture_texel[12] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static const struct image scene_texture_image = {4, 3, 1, scene_texture_texel};
 
-static struct texture bitmap(enum texture_wrap wrap, bool nearest) {
+static struct texture scene_texture_bitmap(enum texture_wrap wrap, bool nearest) {
     return (struct texture){.kind = TEXTURE_BITMAP,
                             .to_uv = {1, 0, 0, 0, 1, 0},
-                            .image = &image,
+                            .image = &scene_texture_image,
                             .wrap = wrap,
                             .wrap_v = wrap,
                             .nearest = nearest,
@@ -22,12 +22,12 @@ static rgb eval(const struct texture *texture, vec2 uv) {
     return texture_eval(texture, &at);
 }
 
-static float number(const struct texture *texture, vec2 uv) {
+static float scene_texture_number(const struct texture *texture, vec2 uv) {
     struct texture_lookup at = texture_at(uv);
     return texture_number(texture, &at);
 }
 
-static void agrees_with_mitsuba(void **state) {
+static void scene_texture_agrees_with_mitsuba(void **state) {
     (void)state;
     static const vec2 uv[10] = {
         {.01f, .01f}, {.125f, 1 / 6.f}, {.3f, .4f},    {.99f, .02f}, {.5f, .99f},
@@ -41,7 +41,7 @@ static void agrees_with_mitsuba(void **state) {
         {0, 0, 3.5f, 3, 9.5f, 5.8f, 0, 3, 0, 11},
     };
     for (int k = 0; k < 6; k++) {
-        struct texture t = bitmap((enum texture_wrap)(k % 3), k < 3);
+        struct texture t = scene_texture_bitmap((enum texture_wrap)(k % 3), k < 3);
         for (int i = 0; i < 10; i++) {
             rgb c = eval(&t, uv[i]);
             assert_float_equal(c.r, value[k][i], 1e-4f);
@@ -57,7 +57,7 @@ static void transforms_coordinates(void **state) {
         {2, 0, 0, 0, 3, 0}, {1, 0, .25f, 0, 1, 0}, {.866025404f, -.5f, 0, .5f, .866025404f, 0}};
     static const float value[3][4] = {{0, 2, 4, 0}, {1, 2, 1, 7}, {0, 0, 3, 5}};
     for (int k = 0; k < 3; k++) {
-        struct texture t = bitmap(TEXTURE_REPEAT, true);
+        struct texture t = scene_texture_bitmap(TEXTURE_REPEAT, true);
         memcpy(t.to_uv, to_uv[k], sizeof t.to_uv);
         for (int i = 0; i < 4; i++) assert_float_equal(eval(&t, uv[i]).r, value[k][i], 0.0f);
     }
@@ -74,7 +74,8 @@ static void checks_alternate(void **state) {
     for (int i = 0; i < 9; i++) {
         rgb c = eval(&t, uv[i]);
         assert_true(c.r == (float)first[i] && c.g == (float)!first[i]);
-        assert_true(number(&t, uv[i]) == rgb_mean(first[i] ? green.value : red.value));
+        assert_true(scene_texture_number(&t, uv[i]) ==
+                    rgb_mean(first[i] ? green.value : red.value));
     }
 }
 
@@ -83,7 +84,7 @@ static void checks_alternate(void **state) {
 static void checks_nest(void **state) {
     (void)state;
     const struct texture red = {.value = {1, 0, 0}}, green = {.value = {0, 1, 0}};
-    const struct texture picture = bitmap(TEXTURE_REPEAT, true);
+    const struct texture picture = scene_texture_bitmap(TEXTURE_REPEAT, true);
     const struct texture inner = {
         .kind = TEXTURE_CHECKERBOARD, .to_uv = {4, 0, 0, 0, 4, 0}, .check = {&red, &green}};
     const struct texture outer = {
@@ -91,12 +92,12 @@ static void checks_nest(void **state) {
     assert_true(eval(&outer, (vec2){.05f, .05f}).r == 1.0f);
     assert_true(eval(&outer, (vec2){.2f, .05f}).g == 1.0f);
     assert_true(eval(&outer, (vec2){.6f, .1f}).r == 2.0f);
-    assert_true(number(&outer, (vec2){.3f, .4f}) == 5.0f);
-    assert_true(number(&outer, (vec2){.55f, .05f}) == rgb_mean(green.value));
-    assert_true(number(&outer, (vec2){.7f, .05f}) == rgb_mean(red.value));
+    assert_true(scene_texture_number(&outer, (vec2){.3f, .4f}) == 5.0f);
+    assert_true(scene_texture_number(&outer, (vec2){.55f, .05f}) == rgb_mean(green.value));
+    assert_true(scene_texture_number(&outer, (vec2){.7f, .05f}) == rgb_mean(red.value));
     float lo, hi;
     assert_true(texture_range(&outer, &lo, &hi) && lo == 0.0f && hi == 11.0f);
-    struct texture smooth = bitmap(TEXTURE_REPEAT, false);
+    struct texture smooth = scene_texture_bitmap(TEXTURE_REPEAT, false);
     const struct texture map = {
         .kind = TEXTURE_CHECKERBOARD, .to_uv = {1, 0, 0, 0, 1, 0}, .check = {&red, &smooth}};
     vec2 at = {.3f, .2f}, own = texture_gradient(&smooth, at), seen = texture_gradient(&map, at);
@@ -106,15 +107,15 @@ static void checks_nest(void **state) {
 
 // Repetition has period 1, mirroring period 2 and symmetry, clamping is constant outside; and no
 // coordinate, however large, reads outside of the image.
-static void wraps(void **state) {
+static void scene_texture_wraps(void **state) {
     (void)state;
     struct rng rng = rng_make(1, RNG_TEST, 0);
     for (int i = 0; i < 20000; i++) {
         vec2 p = {rng_float(&rng), rng_float(&rng)};
         float n = (float)(rng_u32(&rng) % 9) - 4.0f;
-        struct texture repeat = bitmap(TEXTURE_REPEAT, false);
-        struct texture mirror = bitmap(TEXTURE_MIRROR, false);
-        struct texture clamp = bitmap(TEXTURE_CLAMP, false);
+        struct texture repeat = scene_texture_bitmap(TEXTURE_REPEAT, false);
+        struct texture mirror = scene_texture_bitmap(TEXTURE_MIRROR, false);
+        struct texture clamp = scene_texture_bitmap(TEXTURE_CLAMP, false);
         float r = eval(&repeat, p).r, m = eval(&mirror, p).r;
         assert_float_equal(eval(&repeat, (vec2){p.x + n, p.y - n}).r, r, 2e-4f);
         assert_float_equal(eval(&mirror, (vec2){p.x + 2 * n, -p.y}).r, m, 2e-4f);
@@ -125,7 +126,7 @@ static void wraps(void **state) {
             float f;
         } u = {rng_u32(&rng)}, v = {rng_u32(&rng)};
         for (int k = 0; k < 6; k++) {
-            struct texture t = bitmap((enum texture_wrap)(k % 3), k < 3);
+            struct texture t = scene_texture_bitmap((enum texture_wrap)(k % 3), k < 3);
             float wild = eval(&t, (vec2){u.f, v.f}).r;
             assert_true(wild >= 0.0f && wild <= 11.0f);
         }
@@ -136,7 +137,7 @@ static void wraps(void **state) {
 static void gradients_are_differences(void **state) {
     (void)state;
     const float h = 1e-3f;
-    struct texture t = bitmap(TEXTURE_REPEAT, false);
+    struct texture t = scene_texture_bitmap(TEXTURE_REPEAT, false);
     const float to_uv[6] = {2.0f, 0.5f, 0.1f, -0.3f, 1.5f, 0.2f};
     for (int i = 0; i < 6; i++) t.to_uv[i] = to_uv[i];
     int close = 0;
@@ -156,7 +157,7 @@ static void reads_three_channels_and_constants(void **state) {
     (void)state;
     static const float color[6] = {1, 2, 3, 4, 5, 6};
     const struct image two = {2, 1, 3, color};
-    struct texture t = bitmap(TEXTURE_CLAMP, false);
+    struct texture t = scene_texture_bitmap(TEXTURE_CLAMP, false);
     t.image = &two;
     rgb c = eval(&t, (vec2){0.5f, 0.5f});
     assert_true(c.r == 2.5f && c.g == 3.5f && c.b == 4.5f);
@@ -200,7 +201,7 @@ static void averages_over_wide_footprints(void **state) {
     double mean = 0.0;
     for (int i = 0; i < W * H; i++) mean += (double)(texels[i] = rng_float(&rng)) / (W * H);
     const struct image odd = {W, H, 1, texels};
-    struct texture t = bitmap(TEXTURE_REPEAT, false);
+    struct texture t = scene_texture_bitmap(TEXTURE_REPEAT, false);
     struct arena arena = {0};
     t.image = &odd;
     assert_true(load_image_levels(&arena, &odd, &t.level, &t.levels));
@@ -232,7 +233,7 @@ static void averages_over_wide_footprints(void **state) {
 // A factor counts at every depth; a coloured one before the number is computed.
 static void scales(void **state) {
     (void)state;
-    const struct texture t = bitmap(TEXTURE_REPEAT, false);
+    const struct texture t = scene_texture_bitmap(TEXTURE_REPEAT, false);
     const struct texture white = {.value = {1, 1, 1}};
     const struct texture a = {
         .kind = TEXTURE_SCALED, .value = {2, 3, 4}, .check = {&t, NULL}, .mean = {1, 1, 1}};
@@ -244,7 +245,7 @@ static void scales(void **state) {
     const rgb c = eval(&checks, uv);
     const float e = eval(&t, uv).r;
     assert_true(c.r == e && c.g == 1.5f * e && c.b == 2.0f * e);
-    assert_float_equal(number(&b, uv), rgb_luminance(c), 1e-6f);
+    assert_float_equal(scene_texture_number(&b, uv), rgb_luminance(c), 1e-6f);
     assert_true(eval(&checks, (vec2){.7f, .4f}).g == 1.0f);
     const vec2 g = texture_gradient(&t, uv), h = texture_gradient(&b, uv);
     const float k = rgb_luminance(rgb_make(1, 1.5f, 2));
@@ -269,7 +270,7 @@ static void draws_lines(void **state) {
         const bool line = eval(&grid, uv).r == 1.0f;
         const float x = fabsf(uv.x), y = fabsf(uv.y);
         assert_true(line == (x < .1f || x > .9f || y < .1f || y > .9f));
-        assert_true(number(&grid, uv) == (float)line);
+        assert_true(scene_texture_number(&grid, uv) == (float)line);
         lines += line;
     }
     assert_float_equal((float)lines / (SIDE * SIDE), texture_lines(&grid), 1e-6f);
@@ -277,7 +278,7 @@ static void draws_lines(void **state) {
 
 static void wraps_each_axis(void **state) {
     (void)state;
-    struct texture t = bitmap(TEXTURE_REPEAT, true);
+    struct texture t = scene_texture_bitmap(TEXTURE_REPEAT, true);
     t.wrap_v = TEXTURE_CLAMP;
     assert_true(eval(&t, (vec2){1.3f, 1.3f}).r == 9.0f && eval(&t, (vec2){-.1f, -.3f}).r == 3.0f);
 }
@@ -287,11 +288,11 @@ int main(void) {
         cmocka_unit_test(scales),
         cmocka_unit_test(draws_lines),
         cmocka_unit_test(wraps_each_axis),
-        cmocka_unit_test(agrees_with_mitsuba),
+        cmocka_unit_test(scene_texture_agrees_with_mitsuba),
         cmocka_unit_test(transforms_coordinates),
         cmocka_unit_test(checks_alternate),
         cmocka_unit_test(checks_nest),
-        cmocka_unit_test(wraps),
+        cmocka_unit_test(scene_texture_wraps),
         cmocka_unit_test(gradients_are_differences),
         cmocka_unit_test(reads_three_channels_and_constants),
         cmocka_unit_test(interpolates_attributes),

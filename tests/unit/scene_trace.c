@@ -4,7 +4,7 @@
 #include "mesh_case.h"
 #include "test_scene.h"
 
-static struct test_scene t;
+static struct test_scene scene_trace_table;
 
 static struct ray ray_between(vec3 from, vec3 to) {
     return (struct ray){from, 0.0f, v3_unit(v3_sub(to, from)), INFINITY};
@@ -13,30 +13,35 @@ static struct ray ray_between(vec3 from, vec3 to) {
 // A room with one shape of each kind in it.
 static int make_room(void **state) {
     (void)state;
-    test_scene_init(&t);
-    uint32_t plain = test_diffuse(&t, .5f, .5f, .5f), brushed = test_diffuse(&t, .5f, .5f, .5f);
-    t.material[brushed].tangent = t.material[brushed].filtered = true;
-    test_cube(&t, test_transform(v3(0, 0, 0), v3(10, 10, 10)), true, plain);
-    test_quadric(&t, SHAPE_SPHERE, test_transform(v3(5, 0, 0), v3(2, 2, 2)), false, brushed);
-    test_quadric(&t, SHAPE_DISK, test_transform(v3(-5, 0, 0), v3(2, 2, 2)), true, plain);
-    test_quadric(&t, SHAPE_CYLINDER, test_transform(v3(0, 5, 0), v3(1, 1, 3)), false, plain);
-    test_rectangle(&t, test_transform(v3(0, -5, 0), v3(1, 2, 1)), brushed);
-    test_scene_finish(&t);
+    test_scene_init(&scene_trace_table);
+    uint32_t plain = test_diffuse(&scene_trace_table, .5f, .5f, .5f),
+             brushed = test_diffuse(&scene_trace_table, .5f, .5f, .5f);
+    scene_trace_table.material[brushed].tangent = scene_trace_table.material[brushed].filtered =
+        true;
+    test_cube(&scene_trace_table, test_transform(v3(0, 0, 0), v3(10, 10, 10)), true, plain);
+    test_quadric(&scene_trace_table, SHAPE_SPHERE, test_transform(v3(5, 0, 0), v3(2, 2, 2)), false,
+                 brushed);
+    test_quadric(&scene_trace_table, SHAPE_DISK, test_transform(v3(-5, 0, 0), v3(2, 2, 2)), true,
+                 plain);
+    test_quadric(&scene_trace_table, SHAPE_CYLINDER, test_transform(v3(0, 5, 0), v3(1, 1, 3)),
+                 false, plain);
+    test_rectangle(&scene_trace_table, test_transform(v3(0, -5, 0), v3(1, 2, 1)), brushed);
+    test_scene_finish(&scene_trace_table);
     return 0;
 }
 
 static int free_room(void **state) {
     (void)state;
-    test_scene_free(&t);
+    test_scene_free(&scene_trace_table);
     return 0;
 }
 
 static void knows_bounds(void **state) {
     (void)state;
-    assert_near3(t.scene.bounds_lo, v3(-10, -10, -10), 1e-5f);
-    assert_near3(t.scene.bounds_hi, v3(10, 10, 10), 1e-5f);
-    assert_float_equal(t.scene.radius, sqrtf(300.0f), 1e-4f);
-    assert_int_equal(t.scene.triangle_count, 14);
+    assert_near3(scene_trace_table.scene.bounds_lo, v3(-10, -10, -10), 1e-5f);
+    assert_near3(scene_trace_table.scene.bounds_hi, v3(10, 10, 10), 1e-5f);
+    assert_float_equal(scene_trace_table.scene.radius, sqrtf(300.0f), 1e-4f);
+    assert_int_equal(scene_trace_table.scene.triangle_count, 14);
 }
 
 // Values computed by hand for rays perpendicular to each shape.
@@ -63,7 +68,7 @@ static void fills_interactions(void **state) {
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         struct ray ray = ray_between(known[i].from, known[i].to);
         struct interaction s;
-        assert_true(scene_intersect(&t.scene, &ray, &s));
+        assert_true(scene_intersect(&scene_trace_table.scene, &ray, &s));
         assert_int_equal(s.shape, known[i].shape);
         assert_int_equal(s.material, known[i].material);
         assert_int_equal(s.light, -1);
@@ -86,19 +91,20 @@ static void queries_agree(void **state) {
         vec3 b = v3(18 * rng_float(&rng) - 9, 18 * rng_float(&rng) - 9, 18 * rng_float(&rng) - 9);
         struct ray ray = ray_between(a, b);
         struct interaction s;
-        assert_true(scene_intersect(&t.scene, &ray, &s));
+        assert_true(scene_intersect(&scene_trace_table.scene, &ray, &s));
         hits[s.shape]++;
-        assert_true(scene_distance(&t.scene, &ray) == s.t);
-        assert_true(scene_occluded(&t.scene, &ray));
+        assert_true(scene_distance(&scene_trace_table.scene, &ray) == s.t);
+        assert_true(scene_occluded(&scene_trace_table.scene, &ray));
         assert_near3(v3_mad(ray.o, s.t, ray.d), s.p, 1e-4f);
         assert_true(v3_dot(s.ng, s.frame.n) > 0.999f);
         ray.tfar = s.t * 0.999f;
-        assert_false(scene_occluded(&t.scene, &ray));
-        assert_true(isinf(scene_distance(&t.scene, &ray)));
+        assert_false(scene_occluded(&scene_trace_table.scene, &ray));
+        assert_true(isinf(scene_distance(&scene_trace_table.scene, &ray)));
         ray.tfar = s.t * 1.001f;
-        assert_true(scene_occluded(&t.scene, &ray));
+        assert_true(scene_occluded(&scene_trace_table.scene, &ray));
         ray.tnear = s.t * 1.0005f;
-        assert_true(isinf(scene_distance(&t.scene, &ray)) || scene_distance(&t.scene, &ray) > s.t);
+        assert_true(isinf(scene_distance(&scene_trace_table.scene, &ray)) ||
+                    scene_distance(&scene_trace_table.scene, &ray) > s.t);
     }
     for (int i = 0; i < 5; i++) assert_true(hits[i] > 50);
 }
@@ -113,8 +119,8 @@ static void survives_every_ray(void **state) {
         } any;
         for (int k = 0; k < 8; k++) any.bits[k] = rng_u32(&rng);
         struct interaction s;
-        bool hit = scene_intersect(&t.scene, &any.ray, &s);
-        assert_true(hit == isfinite(scene_distance(&t.scene, &any.ray)));
+        bool hit = scene_intersect(&scene_trace_table.scene, &any.ray, &s);
+        assert_true(hit == isfinite(scene_distance(&scene_trace_table.scene, &any.ray)));
         if (hit) assert_true(v3_finite(s.p) && v3_finite(s.ng) && v3_finite(s.frame.u));
     }
     const struct ray none[] = {
@@ -126,9 +132,9 @@ static void survives_every_ray(void **state) {
     };
     for (size_t i = 0; i < sizeof none / sizeof *none; i++) {
         struct interaction s;
-        assert_false(scene_intersect(&t.scene, &none[i], &s));
-        assert_false(scene_occluded(&t.scene, &none[i]));
-        assert_true(isinf(scene_distance(&t.scene, &none[i])));
+        assert_false(scene_intersect(&scene_trace_table.scene, &none[i], &s));
+        assert_false(scene_occluded(&scene_trace_table.scene, &none[i]));
+        assert_true(isinf(scene_distance(&scene_trace_table.scene, &none[i])));
     }
 }
 
@@ -167,7 +173,7 @@ static void measures_the_rate_of_coordinates(void **state) {
         struct ray ray =
             ray_between(v3(known[i].to.x, known[i].to.y, known[i].to.z + 4), known[i].to);
         if (i == 1) ray = ray_between(v3(0, 0, 0), known[i].to);
-        assert_true(scene_intersect(&t.scene, &ray, &s));
+        assert_true(scene_intersect(&scene_trace_table.scene, &ray, &s));
         assert_float_equal(s.uv_rate, known[i].rate, 1e-4f);
         assert_true(s.footprint == 0.0f);
     }

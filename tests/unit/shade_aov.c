@@ -20,7 +20,8 @@
 #define TILT "<scale x='8' y='16'/><rotate z='1' angle='90'/>"
 
 // The values at the film position, with 4 samples per pixel.
-static void look(const char *body, vec2 film, float out[AOV_VALUES], struct scene_aovs *aovs) {
+static void shade_aov_look(const char *body, vec2 film, float out[AOV_VALUES],
+                           struct scene_aovs *aovs) {
     struct scene_case c;
     char text[4096];
     snprintf(text, sizeof text, "<scene version='3.0.0'>%s%s%s</scene>", ALL, CAMERA, body);
@@ -50,8 +51,8 @@ static void plane_has_known_values(void **state) {
     (void)state;
     float a[AOV_VALUES];
     struct scene_aovs at;
-    look("<shape type='sphere'><point name='center' x='0' y='0' z='-90'/></shape>" PLATE,
-         (vec2){75, 50}, a, &at);
+    shade_aov_look("<shape type='sphere'><point name='center' x='0' y='0' z='-90'/></shape>" PLATE,
+                   (vec2){75, 50}, a, &at);
     // x = 2 on the plate, which is rotated by a quarter circle: u grows with y, v against x.
     near3(a + at.first[AOV_ALBEDO], .1f, .2f, .3f);
     assert_true(fabsf(a[at.first[AOV_DEPTH]] - sqrtf(20.0f)) < 1e-5f);
@@ -84,8 +85,8 @@ static void instances_are_alike(void **state) {
     for (int i = 0; i < 2; i++) {
         float a[AOV_VALUES], b[AOV_VALUES];
         struct scene_aovs at;
-        look(pair[i][0], (vec2){47, 54}, a, &at);
-        look(pair[i][1], (vec2){47, 54}, b, &at);
+        shade_aov_look(pair[i][0], (vec2){47, 54}, a, &at);
+        shade_aov_look(pair[i][1], (vec2){47, 54}, b, &at);
         for (int k = 0; k < AOV_VALUES; k++)
             assert_true(k == at.first[AOV_SHAPE_INDEX] || fabsf(a[k] - b[k]) < 1e-4f);
     }

@@ -14,7 +14,7 @@
 
 // Looks down the z axis from 4 above a plate of reflectance .6: in the middle of the film a pixel
 // is 4 * 2 / 100 wide. The light is 2 above the plate, aside.
-static const char SCENE[] =
+static const char SHADE_SITES_SCENE[] =
     "<scene version='3.0.0'><sensor type='perspective'><float name='fov' value='90'/>"
     "<transform name='to_world'><lookat origin='0, 0, 4' target='0, 0, 0' up='0, 1, 0'/>"
     "</transform><film type='hdrfilm'><integer name='width' value='100'/>"
@@ -25,9 +25,9 @@ static const char SCENE[] =
     "<rgb name='intensity' value='5, 5, 5'/></emitter></scene>";
 
 // The sites of pixel (x, y), at most one.
-static int find_site(bool adaptive, int x, int y, struct cache_site *out) {
+static int shade_sites_find_site(bool adaptive, int x, int y, struct cache_site *out) {
     struct scene_case c;
-    satin_scene *scene = scene_case_load(&c, SCENE);
+    satin_scene *scene = scene_case_load(&c, SHADE_SITES_SCENE);
     if (!scene) fail_msg("%s", c.error);
     satin_options options = satin_options_default;
     options.width = options.height = 100;
@@ -45,8 +45,8 @@ static int find_site(bool adaptive, int x, int y, struct cache_site *out) {
 static void a_site_has_its_position_and_stream(void **state) {
     (void)state;
     struct cache_site site, other;
-    assert_int_equal(find_site(false, 50, 50, &site), 1);
-    assert_int_equal(find_site(false, 51, 50, &other), 1);
+    assert_int_equal(shade_sites_find_site(false, 50, 50, &site), 1);
+    assert_int_equal(shade_sites_find_site(false, 51, 50, &other), 1);
     // The pixel's square on the plate; the edge of its triangle may move it by half a pixel more.
     assert_true(fabsf(site.p.x) < 0.13f && fabsf(site.p.y) < 0.13f && fabsf(site.p.z) < 1e-5f);
     assert_true(v3_dist2(site.frame.n, v3(0, 0, 1)) < 1e-10f);
@@ -60,8 +60,8 @@ static void a_site_has_its_position_and_stream(void **state) {
 static void light_is_found_for_adaptive_caching_alone(void **state) {
     (void)state;
     struct cache_site plain, site;
-    assert_int_equal(find_site(false, 30, 60, &plain), 1);
-    assert_int_equal(find_site(true, 30, 60, &site), 1);
+    assert_int_equal(shade_sites_find_site(false, 30, 60, &plain), 1);
+    assert_int_equal(shade_sites_find_site(true, 30, 60, &site), 1);
     assert_true(plain.direct == 0.0f && rgb_black(plain.diffuse));
     assert_true(v3_dist2(plain.p, site.p) == 0.0f && plain.stream == site.stream);
     // rho / pi I cos(theta) / d^2 by floats; every light sample is the same.

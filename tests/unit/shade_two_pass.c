@@ -14,7 +14,7 @@
 #include "shade/shade.h"
 
 // A box of 2 x 2 x 2 with a lamp, seen from within.
-static const char SCENE[] =
+static const char SHADE_TWO_PASS_SCENE[] =
     "<scene version='3.0.0'><sensor type='perspective'><float name='fov' value='60'/>"
     "<transform name='to_world'><lookat origin='.1, -.8, .2' target='.2, 1, -.4' up='0, 0, 1'/>"
     "</transform><film type='hdrfilm'><integer name='width' value='2'/>"
@@ -27,7 +27,7 @@ static const char SCENE[] =
 
 enum { SAMPLES = 1 << 14 };
 
-struct room {
+struct shade_two_pass_room {
     satin_scene *scene;
     satin_options options;
     struct parallel *pool;
@@ -35,9 +35,10 @@ struct room {
     struct shade_tables tables;
 };
 
-static void make(struct room *room) {
+static void shade_two_pass_make(struct shade_two_pass_room *room) {
     struct scene_case c;
-    *room = (struct room){.scene = scene_case_load(&c, SCENE), .options = satin_options_default};
+    *room = (struct shade_two_pass_room){.scene = scene_case_load(&c, SHADE_TWO_PASS_SCENE),
+                                         .options = satin_options_default};
     if (!room->scene) fail_msg("%s", c.error);
     satin_options *o = &room->options;
     o->width = o->height = 2;
@@ -54,7 +55,7 @@ static void make(struct room *room) {
                      SATIN_OK);
 }
 
-static void destroy(struct room *room) {
+static void destroy(struct shade_two_pass_room *room) {
     shade_tables_free(&room->tables);
     photon_maps_free(room->maps);
     parallel_free(room->pool);
@@ -62,7 +63,8 @@ static void destroy(struct room *room) {
 }
 
 // The mean layers of a pixel without records, and the number of gather rays per sample.
-static double mean_layers(const struct room *room, const satin_options *o, double *layer) {
+static double mean_layers(const struct shade_two_pass_room *room, const satin_options *o,
+                          double *layer) {
     const struct gather g = gather_make(room->scene, o, room->maps);
     struct shade shade;
     assert_int_equal(
@@ -87,8 +89,8 @@ static double mean_layers(const struct room *room, const satin_options *o, doubl
 
 static void single_rays_have_the_mean_of_hemispheres(void **state) {
     (void)state;
-    struct room room;
-    make(&room);
+    struct shade_two_pass_room room;
+    shade_two_pass_make(&room);
     double single[SHADE_LAYERS], hemisphere[SHADE_LAYERS];
     // One ray per sample with a time limit, else eight.
     satin_options timed = room.options, off = room.options;

@@ -31,7 +31,7 @@ static void names_are_loose(void **state) {
     assert_true(text_same_name("", ""));
 }
 
-static const char *nearest(const char *word) {
+static const char *test_text_nearest(const char *word) {
     static const char *const names[] = {"phong", "plastic", "diffuse", "ward"};
     struct text_nearest search = {.word = word};
     for (int i = 0; i < 4; i++) text_nearest_try(&search, names[i]);
@@ -40,18 +40,18 @@ static const char *nearest(const char *word) {
 
 static void nearest_names(void **state) {
     (void)state;
-    assert_string_equal(nearest("phng"), "phong");
-    assert_string_equal(nearest("pohng"), "phong");
-    assert_string_equal(nearest("difuse"), "diffuse");
-    assert_string_equal(nearest("Ward"), "ward");
-    assert_null(nearest("checkerboard"));
-    assert_null(nearest("zzzz"));
+    assert_string_equal(test_text_nearest("phng"), "phong");
+    assert_string_equal(test_text_nearest("pohng"), "phong");
+    assert_string_equal(test_text_nearest("difuse"), "diffuse");
+    assert_string_equal(test_text_nearest("Ward"), "ward");
+    assert_null(test_text_nearest("checkerboard"));
+    assert_null(test_text_nearest("zzzz"));
     // A word with half of its letters is another word.
-    assert_null(nearest("wood"));
+    assert_null(test_text_nearest("wood"));
     char longest[400];
     for (int i = 0; i < 399; i++) longest[i] = 'a';
     longest[399] = 0;
-    assert_null(nearest(longest));
+    assert_null(test_text_nearest(longest));
 }
 
 int main(void) {
