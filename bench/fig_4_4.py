@@ -54,8 +54,8 @@ def teapot():
     return re.sub(r'<bsdf type="phong".*?</bsdf>', ward("glaze"), figures.teapot(), flags=re.DOTALL)
 
 
-# Records are few and placed alike for every kind, so that the gradients make the difference.
-PLACING = ["adaptive-cache=off", "{}-gradient-clamp=off", "{}-neighbour-clamp=off", "{}-rays=4096"]
+# Records are few and at the same positions for every kind, so that the gradients decide.
+ALIKE = ["adaptive-cache=off", "{}-gradient-clamp=off", "{}-neighbour-clamp=off", "{}-rays=4096"]
 DIFFUSE = ["irradiance-a=0.15", "irradiance-widen=1", "irradiance-min-pixels=0"]
 GLOSSY = ["radiance-a=0.3", "radiance-widen=1.4", "radiance-max-pixels=15"]
 DIFFUSE_REFERENCE = ["irradiance-cache=off", "irradiance-rays=10000"]
@@ -86,9 +86,9 @@ def figure(options, name):
     always = [f"material.{material}.cache=on"] if material else []
     reference = GLOSSY_REFERENCE if material else DIFFUSE_REFERENCE
     images = [render(options, path, f"fig_{name}-reference",
-                     [s.format(record) for s in PLACING] + reference + always)[0]]
+                     [s.format(record) for s in ALIKE] + reference + always)[0]]
     kinds = KINDS if material else [*KINDS, "ward-heckbert"]
-    settings = [s.format(record) for s in PLACING] + (GLOSSY if material else DIFFUSE) + always
+    settings = [s.format(record) for s in ALIKE] + (GLOSSY if material else DIFFUSE) + always
     counts = []
     for kind in kinds:
         image, stats = render(options, path, f"fig_{name}-{kind}",

@@ -151,7 +151,7 @@ API void oidnExecuteFilter(struct filter *f) {
     for (size_t c = 0; c < 3; c++) {
         float mean = fake_oidn_mean_of(&f->color, c);
         if (asked_to("nan") && !black) mean = NAN;
-        if (asked_to("guides"))
+        if (asked_to("auxiliary"))
             mean = (f->clean ? 2.0f : 1.0f) * fake_oidn_mean_of(c < 2 ? &f->albedo : &f->normal, c);
         for (size_t i = 0; i < pixels; i++) f->output.data[3 * i + c] = mean;
     }

@@ -24,8 +24,8 @@ class Stacks:
         self.name = [row[1] for row in rows]
 
     def word(self, frame):
-        place, _, symbol = frame.partition(":")
-        module, _, offset = place.partition("+") if place.count("+") == 1 else place.rpartition("+")
+        address, _, symbol = frame.partition(":")
+        module, _, offset = address.rpartition("+")
         if module == "satin":
             at = bisect.bisect_right(self.address, int(offset, 16) - 1) - 1
             symbol = self.name[at]

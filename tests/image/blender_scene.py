@@ -133,10 +133,10 @@ def add_instances():
     bpy.context.collection.objects.unlink(stud)
     group.objects.link(stud)
     for i in range(5):
-        place = bpy.data.objects.new(f"Place {i}", None)
-        place.instance_type, place.instance_collection = "COLLECTION", group
-        place.location, place.rotation_euler = (-1.8 + 0.9 * i, -2, 0), (0, 0, 0.5 * i)
-        bpy.context.collection.objects.link(place)
+        instance = bpy.data.objects.new(f"Instance {i}", None)
+        instance.instance_type, instance.instance_collection = "COLLECTION", group
+        instance.location, instance.rotation_euler = (-1.8 + 0.9 * i, -2, 0), (0, 0, 0.5 * i)
+        bpy.context.collection.objects.link(instance)
 
 
 def add_light(kind, energy, colour, where, rotation, **more):

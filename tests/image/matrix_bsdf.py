@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rows of matrix.py: every BRDF that Mitsuba has, or that mitsuba_plugins.py gives it, under every
 kind of light, with constant and with textured parameters. Their names start with bsdf_."""
-from matrix_scene import FLOOR, LAMP, place, real, text, true, twosided
+from matrix_scene import FLOOR, LAMP, to_world, real, text, true, twosided
 
 LIGHTS = {
     "constant": '<emitter type="constant"><rgb name="radiance" value="0.6, 0.7, 0.8"/></emitter>',
@@ -149,9 +149,9 @@ def write_maps(folder):
 
 def rows(folder):
     write_maps(folder)
-    tilted = place('<scale value="0.9"/><rotate x="1" angle="-20"/><rotate y="1" angle="25"/>'
+    tilted = to_world('<scale value="0.9"/><rotate x="1" angle="-20"/><rotate y="1" angle="25"/>'
                    '<translate x="1.2" y="1"/>')
-    upright = place('<translate y="1.1"/>')
+    upright = to_world('<translate y="1.1"/>')
     out = {}
     for name, kinds in MODELS.items():
         things, where = (SHEET, upright) if name in UPRIGHT else (OBJECTS, tilted)

@@ -37,7 +37,7 @@ def shape(kind, *parts, bsdf=TWOSIDED):
     return f'<shape type="{kind}">{"".join(parts)}{bsdf}</shape>\n'
 
 
-def place(*steps):
+def to_world(*steps):
     return f'<transform name="to_world">{"".join(steps)}</transform>'
 
 
@@ -185,8 +185,8 @@ def twosided(bsdf):
 
 
 def shapes():
-    rotated, lift = place(TILT, UP), place('<scale value="0.9"/>', TILT, UP)
-    flat = place('<scale x="1.2" y="0.8"/>', TILT, UP)
+    rotated, lift = to_world(TILT, UP), to_world('<scale value="0.9"/>', TILT, UP)
+    flat = to_world('<scale x="1.2" y="0.8"/>', TILT, UP)
     checks = diffuse(CHECKS.format("reflectance"))
     yield "sphere", shape("sphere", '<point name="center" x="0" y="1" z="0"/>', real("radius", 0.8))
     yield "sphere_flipped", shape("sphere", true("flip_normals"), rotated)
@@ -194,7 +194,7 @@ def shapes():
     yield "disk_textured", shape("disk", flat, bsdf=checks)
     yield "cylinder", shape("cylinder", '<point name="p0" x="-1" y="0.6" z="0"/>'
                             '<point name="p1" x="1" y="1.4" z="0.5"/>', real("radius", 0.5))
-    yield "cube", shape("cube", place('<scale value="0.7"/>', TILT, UP))
+    yield "cube", shape("cube", to_world('<scale value="0.7"/>', TILT, UP))
     yield "rectangle", shape("rectangle", flat)
     for name in ("torus.obj", "torus_ascii.ply", "torus_binary_little_endian.ply",
                  "torus_binary_big_endian.ply", "torus3.serialized", "torus4.serialized"):
@@ -208,7 +208,7 @@ def shapes():
     yield "face_normals", shape("ply", file, true("face_normals"), lift)
     yield "flip_normals", shape("ply", file, true("flip_normals"), lift, bsdf=diffuse())
     yield "mirrored_mesh", shape("obj", torus_obj, bsdf=diffuse() +
-                                 place('<scale x="-0.9" y="0.8"/>', TILT, UP))
+                                 to_world('<scale x="-0.9" y="0.8"/>', TILT, UP))
     painted = text("filename", "painted.ply")
     for name, scale in (("vertex_color", 1 / 255), ("face_tint_color", 1), ("vertex_part", 0.9)):
         yield name, shape("ply", painted, lift, bsdf=twosided(
@@ -218,12 +218,12 @@ def shapes():
         + "</bsdf>"))
     for kind in ("bsplinecurve", "linearcurve"):
         yield kind, shape(kind, text("filename", "curve.txt"), bsdf=diffuse())
-    yield "merge", ('<shape type="merge">' + shape("cube", place('<scale value="0.4"/>', UP))
+    yield "merge", ('<shape type="merge">' + shape("cube", to_world('<scale value="0.4"/>', UP))
                     + shape("obj", torus_obj, lift) + "</shape>")
     group = ('<shape type="shapegroup" id="group">' + shape("ply", file, bsdf=twosided(checks))
              + shape("sphere", real("radius", 0.5), bsdf="") + "</shape>\n")
     yield "instance", group + "".join(
-        f'<shape type="instance"><ref id="group"/>{place(*steps)}</shape>\n' for steps in (
+        f'<shape type="instance"><ref id="group"/>{to_world(*steps)}</shape>\n' for steps in (
             ('<scale value="0.5"/>', TILT, '<translate x="-1.2" y="0.9"/>'),
             ('<scale x="0.4" y="0.8" z="0.5"/>', '<translate x="0.6" y="0.7" z="1"/>'),
             ('<scale x="-0.5" y="0.4" z="0.5"/>', TILT, '<translate x="1.3" y="1.2" z="-1"/>')))
@@ -235,7 +235,7 @@ def film(width=64, height=64, more=""):
 
 
 def cameras():
-    view = place('<lookat origin="0, 3, 7" target="0, 0.8, 0" up="0, 1, 0"/>')
+    view = to_world('<lookat origin="0, 3, 7" target="0, 0.8, 0" up="0, 1, 0"/>')
     fov = real("fov", 40)
 
     def sensor(kind, *parts):
@@ -251,16 +251,16 @@ def cameras():
     yield "crop", sensor("perspective", fov, view, film(128, 96, crop))
     yield "clip", sensor("perspective", fov, real("near_clip", 6.8), real("far_clip", 8.5), view,
                          film())
-    yield "mirrored", sensor("perspective", fov, film(), place(
+    yield "mirrored", sensor("perspective", fov, film(), to_world(
         '<scale x="-1"/>', '<lookat origin="1, 3, 7" target="0, 0.8, 0" up="0.3, 1, 0"/>'))
-    yield "no_up", sensor("perspective", fov, film(), place(
+    yield "no_up", sensor("perspective", fov, film(), to_world(
         '<lookat origin="0, 9, 0.1" target="0, 0, 0" up="0, 0, -1"/>'))
     yield "thinlens", sensor("thinlens", fov, real("aperture_radius", 0.3),
                              real("focus_distance", 6.5), view, film())
-    yield "orthographic", sensor("orthographic", film(80, 56), place(
+    yield "orthographic", sensor("orthographic", film(80, 56), to_world(
         '<scale x="2.5" y="2.5"/>', '<lookat origin="1, 3, 5" target="0, 0.8, 0" up="0, 1, 0"/>'))
     yield "orthographic_clip", sensor("orthographic", real("near_clip", 1), real("far_clip", 1.65),
-                                      film(), place(
+                                      film(), to_world(
         '<scale x="3" y="2" z="4"/>', '<lookat origin="1, 3, 5" target="0, 0.8, 0" up="0, 1, 0"/>'))
 
 
@@ -268,7 +268,7 @@ def emitters():
     color = '<rgb name="{}" value="{}"/>'
     noise = ('<texture type="bitmap" name="{}"><string name="filename" value="noise.png"/>'
              '<string name="filter_type" value="{}"/></texture>')
-    above = place('<lookat origin="1, 4, 2" target="0, 0.5, 0" up="0, 1, 0"/>')
+    above = to_world('<lookat origin="1, 4, 2" target="0, 0.5, 0" up="0, 1, 0"/>')
 
     def emitter(kind, *parts):
         return f'<emitter type="{kind}">{"".join(parts)}</emitter>\n'
@@ -277,7 +277,8 @@ def emitters():
         return (f'<shape type="{kind}">{"".join(parts)}{where}'
                 + emitter("area", radiance) + "</shape>\n")
 
-    down = place('<scale x="1.5" y="0.6"/>', '<rotate x="1" angle="90"/>', '<translate y="3.4"/>')
+    down = to_world('<scale x="1.5" y="0.6"/>', '<rotate x="1" angle="90"/>',
+                    '<translate y="3.4"/>')
     grey = color.format("radiance", "4, 5, 6")
     yield "area_rectangle", area("rectangle", down, grey)
     yield "area_textured", area("rectangle", down, noise.format("radiance", "bilinear"))
@@ -285,31 +286,33 @@ def emitters():
     yield "area_nested", area("rectangle", down, '<texture type="checkerboard" name="radiance">'
                               + noise.format("color0", "bilinear") + CHECKS.format("color1")
                               + "</texture>")
-    yield "area_sphere", area("sphere", place('<scale value="0.4"/>', '<translate y="3"/>'), grey)
-    yield "area_sphere_textured", area("sphere", place(
+    yield "area_sphere", area("sphere", to_world('<scale value="0.4"/>', '<translate y="3"/>'),
+                               grey)
+    yield "area_sphere_textured", area("sphere", to_world(
         '<scale value="0.5"/>', TILT, '<translate y="2.7"/>'), noise.format("radiance", "nearest"))
     yield "area_disk", area("disk", down, grey)
-    yield "area_disk_textured", area("disk", place(
+    yield "area_disk_textured", area("disk", to_world(
         '<rotate x="1" angle="90"/>', '<translate y="3"/>'), noise.format("radiance", "nearest"))
     # Without texture: sampling a textured one, Mitsuba 3.9 disagrees with its own BSDF sampling.
     yield "area_cylinder", area("cylinder", "", grey, '<point name="p0" x="-1" y="2.8" z="0"/>'
                                 '<point name="p1" x="1" y="3.2" z="0"/>', real("radius", 0.2))
-    yield "area_cube", area("cube", place('<scale value="0.3"/>', TILT, '<translate y="3"/>'), grey)
+    yield "area_cube", area("cube", to_world('<scale value="0.3"/>', TILT,
+                                                '<translate y="3"/>'), grey)
     # With facets: smooth normals decide in Mitsuba how much a light shows of itself.
-    yield "area_mesh", area("ply", place('<scale value="0.5"/>', TILT, '<translate y="2.8"/>'),
+    yield "area_mesh", area("ply", to_world('<scale value="0.5"/>', TILT, '<translate y="2.8"/>'),
                             grey, text("filename", "plain.ply"), true("face_normals"))
     yield "area_mesh_textured", area(
-        "ply", place('<scale value="0.5"/>', TILT, '<translate y="2.8"/>'),
+        "ply", to_world('<scale value="0.5"/>', TILT, '<translate y="2.8"/>'),
         noise.format("radiance", "nearest"), text("filename", "torus_ascii.ply"),
         true("face_normals"))
     # It emits all over, as if it had no mask. Mitsuba's volumetric path tracer, for which see
     # matrix_bsdf.py, without a bound, as it does not count such a segment.
     for name, opacity in (("masked", real("opacity", 0.3)), ("masked_texture", CHECKS_OPACITY)):
-        yield f"area_{name}", VOLPATH + area("rectangle", place(
+        yield f"area_{name}", VOLPATH + area("rectangle", to_world(
             '<rotate y="1" angle="20"/>', '<translate y="1.2" z="1.6"/>'), grey,
             f'<bsdf type="mask">{opacity}{TWOSIDED}</bsdf>')
     yield "area_null", VOLPATH + area(
-        "sphere", place('<scale value="0.5"/>', '<translate y="1" z="1.7"/>'), grey,
+        "sphere", to_world('<scale value="0.5"/>', '<translate y="1" z="1.7"/>'), grey,
         '<bsdf type="null"/>')
     yield "point", emitter("point", color.format("intensity", "20, 25, 30"),
                            '<point name="position" x="1" y="3" z="2"/>')
@@ -332,12 +335,12 @@ def emitters():
     yield "constant", emitter("constant", color.format("radiance", "0.5, 0.6, 0.7"))
     sky = text("filename", "sky.exr")
     yield "envmap", emitter("envmap", sky)
-    yield "envmap_rotated", emitter("envmap", sky, real("scale", 1.7), place(
+    yield "envmap_rotated", emitter("envmap", sky, real("scale", 1.7), to_world(
         '<rotate y="1" angle="70"/>', '<rotate x="1" angle="20"/>'))
     rows_of_lamps = ""
     for i in range(30):
         for k in range(34):
-            rows_of_lamps += area("rectangle", place(
+            rows_of_lamps += area("rectangle", to_world(
                 '<scale value="0.02"/>', '<rotate x="1" angle="90"/>',
                 f'<translate x="{0.2 * i - 2.9:.2f}" y="{1.6 + (i * k) % 5 * 0.3:.1f}"'
                 f' z="{0.2 * k - 3.3:.2f}"/>'),

@@ -3,7 +3,7 @@
 textures that give numbers, and the coordinates of every shape."""
 import struct
 
-from matrix_scene import (CHECKS, FLOOR, LIT, TILT, UP, diffuse, place, real, shape, text, true,
+from matrix_scene import (CHECKS, FLOOR, LIT, TILT, UP, diffuse, to_world, real, shape, text, true,
                           twosided)
 
 SIZE = (24, 16)  # of the images: few texels, so that interpolation shows
@@ -67,7 +67,7 @@ def nested(name, *parts):
 
 
 def floor_of(texture):
-    return (shape("rectangle", place('<scale value="2.6"/>', '<rotate x="1" angle="-90"/>',
+    return (shape("rectangle", to_world('<scale value="2.6"/>', '<rotate x="1" angle="-90"/>',
                                      '<translate y="0.1"/>'), bsdf=diffuse(texture)))
 
 
@@ -114,11 +114,11 @@ def numbers():
 
 def coordinates():
     look = twosided(diffuse(bitmap("reflectance", "eight.png", text("filter_type", "nearest"))))
-    rotated = place('<scale value="0.9"/>', TILT, UP)
+    rotated = to_world('<scale value="0.9"/>', TILT, UP)
     for kind in ("sphere", "cube", "cylinder", "rectangle", "disk"):
         yield kind, shape(kind, rotated, bsdf=look)
     yield "sphere_flipped", shape("sphere", true("flip_normals"), rotated, bsdf=look)
-    yield "rectangle_mirrored", shape("rectangle", place(
+    yield "rectangle_mirrored", shape("rectangle", to_world(
         '<scale x="-1.2" y="0.8"/>', TILT, UP), bsdf=look)
     for name in ("torus.obj", "torus_binary_little_endian.ply", "torus4.serialized"):
         kind = name.rsplit(".", maxsplit=1)[1]
@@ -130,7 +130,7 @@ def rows(folder):
     out = {f"texture_{name}": LIT + floor_of(what) for name, what in parameters()}
     out |= {f"texture_of_{file.replace('.', '_')}": LIT + floor_of(bitmap("reflectance", file))
             for file in FORMATS}
-    out |= {f"texture_number_{name}": LIT + shape("rectangle", place(
+    out |= {f"texture_number_{name}": LIT + shape("rectangle", to_world(
         '<scale value="1.3"/>', '<rotate x="1" angle="-40"/>', UP), bsdf=what)
             for name, what in numbers()}
     out |= {f"texture_on_{name}": LIT + what for name, what in coordinates()}

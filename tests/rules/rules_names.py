@@ -90,11 +90,11 @@ def definitions(path):
 
 def recurring(tree):
     """Of each name that is defined in more than one file, the files."""
-    places = collections.defaultdict(list)
+    definitions_of = collections.defaultdict(list)
     for path in sorted(p for f in FOLDERS for p in (tree / f).rglob("*") if p.suffix in CODE):
         for name in sorted(set(definitions(path))):
-            places[name].append(path)
-    return {name: paths for name, paths in places.items() if len(paths) > 1}
+            definitions_of[name].append(path)
+    return {name: paths for name, paths in definitions_of.items() if len(paths) > 1}
 
 
 def wrong_options(tree):
@@ -126,9 +126,9 @@ def wrong_options(tree):
 def main():
     tree = pathlib.Path(sys.argv[1]).resolve()
     found = recurring(tree)
-    seen = [name for path in (tree / "src").rglob("*") if path.suffix in CODE
-            for name in objects(path.read_text(encoding="utf-8"))]
-    wrong = ["static objects are not found"] if len(seen) < 300 else []
+    known = [name for path in (tree / "src").rglob("*") if path.suffix in CODE
+             for name in objects(path.read_text(encoding="utf-8"))]
+    wrong = ["static objects are not found"] if len(known) < 300 else []
     wrong += [f"{name} is defined in {', '.join(str(p.relative_to(tree)) for p in paths)}"
              for name, paths in sorted(found.items()) if name not in TO_DO]
     wrong += [f"{name} no longer recurs: take it off TO_DO"

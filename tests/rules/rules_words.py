@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Keeps retired words out of names, comments, messages and docs, so that one thing has one name,
-the field's; keeps six words to the one meaning that docs/glossary.md gives them; and keeps that
-page true.
+the field's; keeps six words to the one meaning that docs/glossary.md gives them, in tests and bench
+too; and keeps that page true.
 
 Usage: rules_words.py TREE
 
@@ -112,6 +112,12 @@ IDENTIFIERS = {
         "xml_is_shared": "src/load/load_xml", "rtcSetSharedGeometryBuffer": "src/scene/",
         "SetSharedFilterImage": "src/film/"}),
 }
+# In tests and bench, where the identifiers of src may stand in any C file, also these. A room is a
+# scene there.
+TEST_IDENTIFIERS = {
+    "Place": r"after_place|keeps_order_and_places|\w+_with_place", "Room": r"\w*(?i:room)\w*",
+    "Seen": "seen_directly", "Level": "after_level|EXR_TILE_ONE_LEVEL|LogLevel|set_log_level",
+    "Guide": r"test_guide_\w+", "Shared": "MAP_SHARED|oidnSetSharedFilterImage|shared"}
 # The type of what has one of these names.
 TYPES = {"place": "log_place"}
 # In comments and messages: a pattern of the word, the files that use it in this meaning, and what
@@ -142,14 +148,18 @@ WRONG = [("src/load/load.c", "vec3 place;"), ("src/guide/guide.h", "float seen_f
          ("src/load/load.c", "// A place where light is."), ("src/light/light.c", "// a level"),
          ("src/base/array.c", "float share;"), ("src/gather/gather.h", "bool has_room;"),
          ("src/scene/scene.h", "struct guide_cone cone;"), ("src/scene/scene.h", "bool seen;"),
+         ("tests/unit/light.c", "struct mat4 place;"), ("bench/runs.py", "level = 1"),
          ("src/render/render_records.c", "// the level of noise"), ("src/base/vec.h", '"seen"')]
 RIGHT = [("src/load/load.c", "struct log_place place;"), ("src/guide/guide.h", "bool seen;"),
          ("src/photon/photon.h", "struct guide_view view;"), ("src/load/load.c", "// at the place"),
+         ("tests/unit/light.c", "// its place"), ("bench/runs.py", "x = 'level'"),
          ("src/cache/cache.c", "// sorts in place"), ("src/render/render_budget.c", "int levels;")]
 # What stands between two words of a term at the end of a line, in a comment or a text.
 LINE_END = re.compile(r"[ \t]*\n[ \t]*(?:// ?|# )?|\"\s*\n\s*\"")
 # Comments, texts and included files.
 SAYS = re.compile(r'//[^\n]*|/\*.*?\*/|#include[^\n]*|"(?:\\.|[^"\\\n])*"', re.DOTALL)
+PYTHON_SAYS = re.compile(r'"""(?:\\.|[^\\])*?"""|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\''
+                         r"|#[^\n]*", re.DOTALL)
 # Ways to begin a comment that cannot be read alone; the second line is about its first line only.
 CUT = re.compile(r"^\s*// (The same|Of what)\b"
                  r"|^(?![ \t]*//)[^\n]*\n[ \t]*// (Of|Nor|Those|Such|Who|As many|Its)\b",
@@ -199,7 +209,11 @@ def wrong_words(path, name):
 def wrong_identifiers(text, name):
     """Identifiers with a word of one meaning that are not in the table for this file."""
     identifiers = set(re.findall(r"[A-Za-z_]\w*", text))
+    tests = name.startswith(("tests/", "bench/"))
     for term, (words, allowed) in IDENTIFIERS.items():
+        if tests:
+            known = [] if name.endswith(".py") else allowed
+            allowed = dict.fromkeys([*known, TEST_IDENTIFIERS[term]], "")
         part = re.compile(rf"(?:^|_|(?<=[a-z])(?=[A-Z]))(?i:{words})(?:$|_|(?=[A-Z]))")
         for identifier in sorted(filter(part.search, identifiers)):
             if not any(re.fullmatch(known, identifier) and re.match(where, name)
@@ -214,7 +228,8 @@ def wrong_identifiers(text, name):
 def wrong_text(text, name):
     """Words of one meaning in a comment or a message that has another subject."""
     for term, (words, subject, elsewhere) in IN_TEXT.items():
-        if subject and re.match(subject, name):
+        # A test's comments are about what it tests.
+        if subject and re.match(subject, name) or name.startswith(("tests/", "bench/")):
             continue
         rest = re.sub(elsewhere, "", text, flags=re.IGNORECASE) if elsewhere else text
         found = re.search(rf"(?<![\w/-])(?:{words})(?![\w/]|-(?:clusters|visibility))", rest,
@@ -228,8 +243,9 @@ def wrong_text(text, name):
 
 def wrong_meanings(text, name):
     """Words of one meaning that are used in another one, in code and in what it says."""
-    says = "\n".join(SAYS.findall(text))
-    code = SAYS.sub(" ", text)
+    pattern = PYTHON_SAYS if name.endswith(".py") else SAYS
+    says = "\n".join(pattern.findall(text))
+    code = pattern.sub(" ", text)
     for what in [*wrong_identifiers(code, name), *wrong_text(LINE_END.sub(" ", says), name)]:
         yield f"{name}: {what}"
 
@@ -278,7 +294,8 @@ def main():
     wrong += wrong_examples()
     for path in files(tree):
         name = path.relative_to(tree).as_posix()
-        if name.startswith(("src/", "include/")) and path.suffix in CODE:
+        if name.startswith(("src/", "include/")) and path.suffix in CODE \
+                or name.startswith(("tests/", "bench/")) and path.suffix in CODE | {".py"}:
             wrong += wrong_meanings(path.read_text(encoding="utf-8"), name)
     wrong += wrong_glossary(tree)
     print("\n".join(wrong))

@@ -73,15 +73,15 @@ def main():
     source, folder = (pathlib.Path(x).resolve() for x in sys.argv[1:3])
     satin = build(source, folder)
     allowed, wrong = read_allowed(source)
-    seen = set()
+    known = set()
     cases = sorted((source / "data/scenes/cases").glob("*.xml"))
     for name, *arguments in RENDERS + [[str(case)] for case in cases]:
         for file, text, number, what in errors(source, satin, source / "data/scenes" / name,
                                                arguments, folder):
-            if (file, text) not in allowed and (file, number) not in seen:
+            if (file, text) not in allowed and (file, number) not in known:
                 wrong.append(f"{file}:{number}: {what}: {text}  ({pathlib.Path(name).name})")
-            seen.add((file, number))
-    print(f"{len(RENDERS) + len(cases)} renders, {len(seen)} lines divide by zero or overflow")
+            known.add((file, number))
+    print(f"{len(RENDERS) + len(cases)} renders, {len(known)} lines divide by zero or overflow")
     print("\n".join(wrong))
     sys.exit(1 if wrong else 0)
 

@@ -128,7 +128,7 @@ def check_rotation(lib, rng, rotations, table):
     for n in (10, 16):
         wigner, worst = spherical.Wigner(n - 1), dict.fromkeys(forms + ["rsh_rotate_many"], 0.0)
         matrices, ins, wants = [], [], []
-        places = [[[wigner.Dindex(l, a, b) for b in range(-l, l + 1)] for a in range(-l, l + 1)]
+        indices = [[[wigner.Dindex(l, a, b) for b in range(-l, l + 1)] for a in range(-l, l + 1)]
                   for l in range(n)]
         for _ in range(rotations):
             q = rng.normal(size=4)
@@ -141,7 +141,7 @@ def check_rotation(lib, rng, rotations, table):
             d = np.conj(wigner.D(quaternionic.array.from_rotation_matrix(r.astype(float))))
             c, rotated = complex_of(v, n), np.zeros(n * n, complex)
             for l in range(n):
-                rotated[l * l:(l + 1) ** 2] = d[places[l]] @ c[l * l:(l + 1) ** 2]
+                rotated[l * l:(l + 1) ** 2] = d[indices[l]] @ c[l * l:(l + 1) ** 2]
             want = real_of(rotated, n)
             for form in forms:
                 got = np.zeros(n * n, np.float32)

@@ -32,7 +32,7 @@ struct work {
     bool flagged[SEEDS_MOST];
     struct flagged *block;  // the flagged blocks
     int blocks;
-    char message[512];  // the last one of level error
+    char message[512];  // the last error
 };
 
 // Begins a line for a flag of image `i`.

@@ -15,8 +15,8 @@ static const int64_t PHOTONS_MOST = 50000000;
 // A score that a twentieth of all blocks have by normal noise.
 static const double UNNOTICED = 2.0;
 
-enum { LEVELS = 2 };
-static const int times[LEVELS] = {8, 64};
+enum { TIMES = 2 };
+static const int times[TIMES] = {8, 64};
 
 static bool more_photons(satin_options *options, int more) {
     options->caustic_photons *= more;
@@ -144,8 +144,8 @@ static void explain_picture(struct work *w, const satin_scene *scene, const sati
                             int image, int other, int e) {
     bool *good = malloc((size_t)w->blocks * sizeof *good), done = good;
     for (int k = 0; good && k < w->blocks; k++) good[k] = true;
-    for (int level = 0; done && level < LEVELS; level++)
-        done = compare_more(w, scene, options, image, other, e, times[level], good);
+    for (int i = 0; done && i < TIMES; i++)
+        done = compare_more(w, scene, options, image, other, e, times[i], good);
     for (int k = 0; done && k < w->blocks; k++)
         if (good[k] && is_candidate(&w->block[k], image, e)) w->block[k].few = explain_name[e];
     free(good);

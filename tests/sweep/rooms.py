@@ -26,14 +26,14 @@ class Room(Shell):
         self.dice.pick((self.ceiling_lamp, self.ceiling_lamp, self.ceiling_lamp, self.ball_lamp,
                         self.ball_lamp, self.spot, self.spot, self.bulb, self.beam))()
 
-    def place_of_lamp(self):
+    def position_of_lamp(self):
         x, y, z = (self.dice.range(-0.8, 0.8) * h for h in self.half)
         return x, self.half[1] * self.dice.range(0.4, 0.9) if self.dice.chance(0.7) else y, z
 
     def ceiling_lamp(self):
         """A rectangle or disk under the ceiling that faces the floor, sometimes the ceiling."""
         a, b = self.dice.log(0.02, 0.8), self.dice.log(0.02, 0.8)
-        x, _, z = self.place_of_lamp()
+        x, _, z = self.position_of_lamp()
         kind, steps = ("rectangle", self.grow(a, b, 1))
         if self.dice.chance(0.3):
             kind, b = "disk", a
@@ -47,13 +47,13 @@ class Room(Shell):
     def ball_lamp(self):
         """Alone, or inside of a ball of glass."""
         radius = self.dice.log(0.02, 0.3)
-        place = self.place_of_lamp()
-        self.ball(place, radius, area_light(*self.light(0.8 / radius ** 2)))
+        position = self.position_of_lamp()
+        self.ball(position, radius, area_light(*self.light(0.8 / radius ** 2)))
         if self.dice.chance(0.2):
-            self.ball(place, radius * self.dice.range(1.1, 2), self.materials.dielectric())
+            self.ball(position, radius * self.dice.range(1.1, 2), self.materials.dielectric())
 
     def spot(self):
-        origin = self.place_of_lamp()
+        origin = self.position_of_lamp()
         target = (origin[0] * 0.3, -self.half[1], origin[2] * 0.3 + 0.1)
         self.parts.append(plugin(
             "emitter", "spot", rgb("intensity", *self.light(20 * self.k ** 2)),
@@ -61,14 +61,14 @@ class Room(Shell):
             to_world(self.look(origin, target))))
 
     def bulb(self):
-        place = element("point", {"name": "position",
-                                  "value": triple([self.k * v for v in self.place_of_lamp()])})
-        self.parts.append(plugin("emitter", "point", place,
+        position = element("point", {"name": "position",
+                                  "value": triple([self.k * v for v in self.position_of_lamp()])})
+        self.parts.append(plugin("emitter", "point", position,
                                  rgb("intensity", *self.light(3 * self.k ** 2))))
 
     def beam(self):
         size = self.dice.log(0.02, 0.5)
-        x, y, z = self.place_of_lamp()
+        x, y, z = self.position_of_lamp()
         self.parts.append(plugin(
             "shape", self.dice.pick(("rectangle", "disk")),
             to_world(self.grow(size, size, 1), rotate("x", self.dice.range(50, 130)),
@@ -87,7 +87,7 @@ class Room(Shell):
         return self.thing_at(x, z, floor + self.gap(), half)
 
     def thing_at(self, x, z, foot, half):
-        self.seen.append((x, foot + half[1], z))
+        self.targets.append((x, foot + half[1], z))
         kind = self.dice.pick(("box", "box", "ball", "ball", "tube", "sheet", "copies"))
         top = foot + 2 * half[1]
         if kind == "ball":
@@ -143,7 +143,7 @@ class Room(Shell):
                   self.dice.range(-0.6, 0.8) * self.half[1], 0.93 * self.half[2])
         target = [self.dice.range(-0.6, 0.6) * h for h in self.half]
         if self.dice.chance(0.7):
-            target = list(self.dice.pick(self.seen))
+            target = list(self.dice.pick(self.targets))
         target[2] = min(target[2], origin[2] - 0.5)
         kind, more = "perspective", []
         if self.dice.chance(0.1):

@@ -40,7 +40,7 @@ class Shell:
         self.power = self.dice.log(0.01, 100) if self.dice.chance(0.3) else 1.0
         self.materials = Materials(self.dice)
         self.parts, self.lights = [], 0
-        self.seen = []  # centres of objects, one of which the eye may look at
+        self.targets = []  # centres of objects, one of which the eye may look at
 
     # ---- Placement -------------------------------------------------------------------------------
 

@@ -42,7 +42,7 @@ static void cache_read_start(struct cache_read_fixture *f) {
     }
 }
 
-static struct cache_lookup cache_read_place(float x) {
+static struct cache_lookup cache_read_lookup(float x) {
     return (struct cache_lookup){v3(x, 0, 0), v3(0, 0, 1), frame_from_normal(v3(0, 0, 1)), 0.0f};
 }
 
@@ -53,7 +53,7 @@ static void records_behind_a_value(void **state) {
     struct cache_read_fixture f;
     cache_read_start(&f);
     // At accuracy .8: weights 1 - .2 / .8 and 1 - .1 / .4, both 3/4.
-    struct cache_lookup at = cache_read_place(0.2f);
+    struct cache_lookup at = cache_read_lookup(0.2f);
     rgb E;
     struct cache_used used = cache_irradiance(&f.cache, &at, 0.8f, &E);
     assert_int_equal(used.count, 2);
@@ -61,7 +61,7 @@ static void records_behind_a_value(void **state) {
     assert_true(cache_read_near(used.a / used.weight, 0.5f * (0.4f + 0.2f)));
     assert_true(cache_read_near(used.rays / used.weight, 200.0f));
     // Beyond the second one's: the first alone.
-    at = cache_read_place(-0.4f);
+    at = cache_read_lookup(-0.4f);
     used = cache_irradiance(&f.cache, &at, 0.8f, &E);
     assert_int_equal(used.count, 1);
     assert_true(cache_read_near(used.weight, 0.5f) && cache_read_near(used.a, 0.2f) &&
@@ -81,11 +81,11 @@ static void parabolas_are_kept(void **state) {
         for (int c = 0; c < 3; c++) f.record[i].value.grad_t[c] = v3(1.0f + 2.0f * x, 0, 0);
     }
     rgb E;
-    struct cache_lookup at = cache_read_place(0.15f);
+    struct cache_lookup at = cache_read_lookup(0.15f);
     assert_int_equal(cache_irradiance(&f.cache, &at, 0.4f, &E).count, 2);
     assert_true(cache_read_near(E.r, 1.0f + 0.15f + 0.15f * 0.15f));
     // Elsewhere the error is the square of the mean shift: weights 3/4 and 1/2, offsets .1 and -.2.
-    at = cache_read_place(0.1f);
+    at = cache_read_lookup(0.1f);
     assert_int_equal(cache_irradiance(&f.cache, &at, 0.4f, &E).count, 2);
     const float shift = (0.75f * 0.1f - 0.5f * 0.2f) / (0.75f + 0.5f);
     assert_true(cache_read_near(E.r, 1.0f + 0.1f + 0.01f - shift * shift));
@@ -96,7 +96,7 @@ static void none_is_near(void **state) {
     (void)state;
     struct cache_read_fixture f;
     cache_read_start(&f);
-    struct cache_lookup at = cache_read_place(-0.9f);
+    struct cache_lookup at = cache_read_lookup(-0.9f);
     rgb E = rgb_grey(7.0f);
     assert_int_equal(cache_irradiance(&f.cache, &at, 0.8f, &E).count, 0);
     assert_true(E.r == 7.0f);

@@ -112,9 +112,9 @@ static void one_pixel_is_an_image(void **state) {
     film_denoiser_free(d);
 }
 
-static void guides_are_passed_on(void **state) {
+static void auxiliary_images_are_passed_on(void **state) {
     (void)state;
-    struct film_denoiser *d = open_fake("guides");
+    struct film_denoiser *d = open_fake("auxiliary");
     struct film_noisy image = film_denoise_noisy(WIDTH, HEIGHT, 1.0f);
     for (int i = 0; i < PIXELS; i++) film_denoise_light[i] = rgb_grey(1.0f);  // its brightness is 1
     for (int clean = 0; clean < 2; clean++) {
@@ -230,7 +230,7 @@ int main(void) {
         cmocka_unit_test(what_it_cannot_hold_stays),
         cmocka_unit_test(black_stays_black),
         cmocka_unit_test(one_pixel_is_an_image),
-        cmocka_unit_test(guides_are_passed_on),
+        cmocka_unit_test(auxiliary_images_are_passed_on),
         cmocka_unit_test(failures_are_reported_once),
         cmocka_unit_test(it_can_be_cancelled),
         cmocka_unit_test(a_library_that_does_not_serve_is_refused),

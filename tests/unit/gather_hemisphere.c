@@ -125,7 +125,7 @@ static double polished_irradiance(struct gather_hemisphere_fixture *f, double *d
 // The image of a point light in polished walls is narrower than the rays' strata: one record in
 // many meets it and is far too bright, unless rays treat lobes as at least as wide as the solid
 // angle of their stratum.
-static void polished_walls_are_seen_through_beams(void **state) {
+static void polished_walls_are_visible_through_beams(void **state) {
     (void)state;
     struct gather_hemisphere_fixture f;
     test_scene_init(&f.scene);
@@ -297,7 +297,7 @@ static void hemispheres_own_what_they_found(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_furnace_has_no_gradients),
-        cmocka_unit_test(polished_walls_are_seen_through_beams),
+        cmocka_unit_test(polished_walls_are_visible_through_beams),
         cmocka_unit_test(irradiance_gradients_match_differences),
         cmocka_unit_test(rotation_gradient_matches_a_tilt),
         cmocka_unit_test(radiance_gradients_match_differences),

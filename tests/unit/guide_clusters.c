@@ -111,7 +111,7 @@ static void a_spot_is_visible(void **state) {
     test_scene_free(&t);
 }
 
-static void what_is_hidden_is_not_seen(void **state) {
+static void what_is_hidden_is_not_visible(void **state) {
     (void)state;
     struct test_scene t;
     box(&t, true);
@@ -213,7 +213,7 @@ static void same_tree_on_any_threads(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_spot_is_visible),
-        cmocka_unit_test(what_is_hidden_is_not_seen),
+        cmocka_unit_test(what_is_hidden_is_not_visible),
         cmocka_unit_test(even_light_has_none),
         cmocka_unit_test(photons_without_area_are_harmless),
         cmocka_unit_test(same_tree_on_any_threads),

@@ -439,7 +439,7 @@ static void light_emission(void **state) {
                              .check = {&light, &dark},
                              .to_uv = {1.4f, 0, 0, 0, 0.8f, 0},  // no edge near p
                              .mean = rgb_grey(0.55f)};
-    struct mat4 place =
+    struct mat4 to_world =
         rotated(test_transform(v3(0.5f, 0.2f, 2.0f), v3(1, 1, 1)), v3(1, 0, 0), 180);
     struct light slide = light_spot(50.0f, 20.0f), projector = {.kind = LIGHT_PROJECTOR};
     slide.texture = projector.texture = &checks;
@@ -448,8 +448,8 @@ static void light_emission(void **state) {
     projector.value = rgb_grey(3.0f);
     projector.tan_x = 0.6f;
     projector.tan_y = 0.4f;
-    slide.to_world = projector.to_world = place;
-    assert_true(mat4_inverse(&place, &slide.to_local));
+    slide.to_world = projector.to_world = to_world;
+    assert_true(mat4_inverse(&to_world, &slide.to_local));
     projector.to_local = slide.to_local;
     const struct emission_case cases[] = {
         {"rectangle", {0}, 0, 3.0 * M_PI},

@@ -98,11 +98,11 @@ static double light_area_irradiance(const struct textured *l, vec3 p) {
 static void a_bright_texel_is_found(void **state) {
     (void)state;
     enum { RUNS = 64, FEW = 64 };
-    static const vec3 place[] = {{0.5f, -0.2f, 0.3f}, {-0.4f, 0.7f, 5.0f}};
+    static const vec3 position[] = {{0.5f, -0.2f, 0.3f}, {-0.4f, 0.7f, 5.0f}};
     struct textured l;
     make_textured(&l);
     for (int k = 0; k < 2 * RUNS; k++) {
-        const vec3 p = place[k % 2];
+        const vec3 p = position[k % 2];
         static double squares[2], expected[2];
         struct rng rng = rng_make(3, RNG_TEST, (uint64_t)k);
         if (k < 2) expected[k] = light_area_irradiance(&l, p);

@@ -117,9 +117,9 @@ static void what_is_no_pane_stops(void **state) {
         const uint32_t clear = light_pane_glass(&t), grey = test_diffuse(&t, 0.5f, 0.5f, 0.5f);
         const uint32_t rough = test_material(&t, "roughdielectric", rgb_grey(0.0f), rgb_grey(1.0f));
         plate(&t, 0.5f, 0.01f, 0.0f, i == 0 ? rough : clear);
-        const struct mat4 place = test_transform(v3(0, 0, 2), v3(0.5f, 0.5f, 0.5f));
-        if (i == 1) test_quadric(&t, SHAPE_SPHERE, place, false, clear);
-        if (i == 2) test_rectangle(&t, place, grey);
+        const struct mat4 to_world = test_transform(v3(0, 0, 2), v3(0.5f, 0.5f, 0.5f));
+        if (i == 1) test_quadric(&t, SHAPE_SPHERE, to_world, false, clear);
+        if (i == 2) test_rectangle(&t, to_world, grey);
         test_scene_finish(&t);
         assert_true(t.scene.panes == (i != 0));
         if ((arriving(&t.scene, v3(0, 0, 1), 8) > 0.0) != (i == 3)) fail_msg("%s", kind[i]);

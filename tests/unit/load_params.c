@@ -16,7 +16,7 @@ static const struct param_spec size = {"size", PARAM_FLOAT, ".5", RANGE_UNIT, 0,
 static const struct param_spec text = {"text", PARAM_STRING, "t", 0, 0, NULL, ""};
 static const struct param_spec load_params_choice = {"choice", PARAM_CHOICE, "green", 0,
                                                      0,        colours,      ""};
-static const struct param_spec load_params_place = {"place", PARAM_POINT, "1 2 3", 0, 0, NULL, ""};
+static const struct param_spec load_params_point = {"point", PARAM_POINT, "1 2 3", 0, 0, NULL, ""};
 static const struct param_spec load_params_colour = {"colour",      PARAM_COLOR, ".25", RANGE_UNIT,
                                                      PARAM_TEXTURE, NULL,        ""};
 static const struct param_spec fraction = {"fraction",    PARAM_FLOAT, ".5", RANGE_UNIT,
@@ -32,7 +32,7 @@ static const struct param_spec *const specs[] = {&flag,
                                                  &size,
                                                  &text,
                                                  &load_params_choice,
-                                                 &load_params_place,
+                                                 &load_params_point,
                                                  &load_params_colour,
                                                  &fraction,
                                                  &load_params_texel,
@@ -77,7 +77,7 @@ static void takes_defaults(void **state) {
     assert_true(param(&p, "flag")->b && param(&p, "count")->i == 7);
     assert_true(param(&p, "size")->f == 0.5f && param(&p, "choice")->i == 1);
     assert_string_equal(param(&p, "text")->s, "t");
-    assert_true(param(&p, "place")->v.z == 3 && param(&p, "colour")->color.g == 0.25f);
+    assert_true(param(&p, "point")->v.z == 3 && param(&p, "colour")->color.g == 0.25f);
     assert_true(fabsf(param(&p, "ior")->f - 1.5046f) < 1e-6f);
     assert_false(param(&p, "light")->given);
     assert_true(param(&p, "must")->given);
@@ -94,7 +94,7 @@ static void reads_values(void **state) {
                                       "<integer name='count' value=' 12 '/>"
                                       "<integer name='size' value='1'/>"
                                       "<string name='choice' value='RED'/>"
-                                      "<vector name='place' value='-1, 2e1 .5'/>"
+                                      "<vector name='point' value='-1, 2e1 .5'/>"
                                       "<ref name='colour' id='t'/>"
                                       "<spectrum name='light' value='2'/>"
                                       "<string name='ior' value='Water'/><bsdf type='x'/>",
@@ -102,7 +102,7 @@ static void reads_values(void **state) {
                      SATIN_OK);
     assert_true(!param(&p, "flag")->b && param(&p, "count")->i == 12);
     assert_true(param(&p, "size")->f == 1.0f && param(&p, "choice")->i == 0);
-    assert_true(param(&p, "place")->v.y == 20 && param(&p, "place")->v.z == 0.5f);
+    assert_true(param(&p, "point")->v.y == 20 && param(&p, "point")->v.z == 0.5f);
     assert_ptr_equal(param(&p, "colour")->texture, xml.root->child);
     assert_true(fabsf(rgb_luminance(param(&p, "light")->color) - 2.0f) < 1e-3f);
     assert_true(param(&p, "ior")->f == 1.333f);
@@ -219,7 +219,7 @@ static const char *const load_params_refusals[][2] = {
      "choice: unknown value 'geen' (did you mean 'green'?)"},
     {"<string name='ior' value='bk9'/>", "ior: unknown value 'bk9' (did you mean 'bk7'?)"},
     {"<float name='ior' value='-1'/>", "ior is -1, but must be positive"},
-    {"<point name='place' x='1' z='2'/>", "<point> needs the attribute 'y'"},
+    {"<point name='point' x='1' z='2'/>", "<point> needs the attribute 'y'"},
     {"<rgb name='colour' value='1 1 2'/>", "colour is 2, but must be in [0, 1]"},
     {"<rgb name='colour' value='1 1'/>", "expected 3 numbers, found '1 1'"},
     {"<rgb name='colour' value='#12345g'/>", "'#12345g' is not a colour of the form #rrggbb"},

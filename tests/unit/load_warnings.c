@@ -9,7 +9,7 @@
 #define BSDF(type, parts) "<bsdf type='" type "'>" parts "</bsdf>"
 #define FLOAT(name, value) "<float name='" name "' value='" value "'/>"
 #define INTEGER(name, value) "<integer name='" name "' value='" value "'/>"
-#define PLACE(steps) "<transform name='to_world'>" steps "</transform>"
+#define TO_WORLD(steps) "<transform name='to_world'>" steps "</transform>"
 #define FILM(parts) "<sensor type='perspective'><film type='hdrfilm'>" parts "</film></sensor>"
 
 // A line of a scene, and the message without its `scene.xml:3:COLUMN: `.
@@ -28,27 +28,29 @@ static const struct nonsense warned[] = {
      "a roughness of 0 counts as 0.0001"},
     {BSDF("roughplastic", FLOAT("alpha", "0")), "a roughness of 0 counts as 0.0001"},
     {BSDF("ward", FLOAT("alpha_v", "1e-5")), "a roughness of 1e-05 counts as 0.0001"},
-    {"<shape type='cube'>" PLACE("<lookat origin='0 0 0' target='0 0 1' up='0 0 0'/>") "</shape>",
+    {"<shape type='cube'>" TO_WORLD(
+         "<lookat origin='0 0 0' target='0 0 1' up='0 0 0'/>") "</shape>",
      "<lookat>: up is zero; one at right angles to the view is taken"},
-    {"<shape type='cube'>" PLACE("<lookat origin='0 0 0' target='0 0 1' up='0 0 3'/>") "</shape>",
+    {"<shape type='cube'>" TO_WORLD(
+         "<lookat origin='0 0 0' target='0 0 1' up='0 0 3'/>") "</shape>",
      "<lookat>: up is along the view; one at right angles to the view is taken"},
     {" stray <shape type='cube'/>", "the text 'stray ' has no meaning here"},
     {"<shape type='cube'><![CDATA[ x ]]></shape>", "the text 'x ' has no meaning here"},
-    {"<shape type='cube'>" PLACE("<scale value='0'/>") "</shape>",
+    {"<shape type='cube'>" TO_WORLD("<scale value='0'/>") "</shape>",
      "shape 'cube' has no area and is not seen"},
-    {"<shape type='rectangle'>" PLACE("<scale x='0'/>") "</shape>",
+    {"<shape type='rectangle'>" TO_WORLD("<scale x='0'/>") "</shape>",
      "shape 'rectangle' has no area and is not seen"},
 };
 
 static const struct nonsense refused[] = {
-    {SPHERE(PLACE("<scale value='0'/>")), "shape 'sphere': to_world is singular"},
+    {SPHERE(TO_WORLD("<scale value='0'/>")), "shape 'sphere': to_world is singular"},
     {SPHERE(FLOAT("radius", "-1")), "radius is -1, but must be positive"},
     {SPHERE(FLOAT("radius", "nan")), "'nan' is not a number"},
     {SPHERE(FLOAT("radius", "inf")), "'inf' is not a number"},
     {SPHERE(FLOAT("radius", "1e39")), "'1e39' is not a number"},
     {SPHERE(FLOAT("radius", "")), "expected 1 number, found ''"},
     {SPHERE(FLOAT("radius", "1 2")), "expected 1 number, found '1 2'"},
-    {"<shape type='disk'>" PLACE("<scale value='0'/>") "</shape>",
+    {"<shape type='disk'>" TO_WORLD("<scale value='0'/>") "</shape>",
      "shape 'disk': to_world is singular"},
     {FILM(INTEGER("width", "0")), "width is 0, but must be positive"},
     {FILM(INTEGER("width", "99999999999")), "width: '99999999999' is not an integer, or too large"},

@@ -298,19 +298,19 @@ static void wedge_scene(struct test_scene *t, enum light_kind kind, float half) 
 static struct photon_trace trace_caustics(const struct test_scene *t, const struct guide_view *view,
                                           uint64_t paths) {
     struct parallel *pool = pool_of(2);
-    struct guide_emission *guide = NULL;
+    struct guide_emission *emission = NULL;
     struct photon_trace trace[PHOTON_CONSUMERS];
-    struct guide_emission_request guiding = {&t->scene, view, 1, paths};
+    struct guide_emission_request input = {&t->scene, view, 1, paths};
     if (view)
-        assert_int_equal(guide_emission_build(&guiding, pool, (struct log){0}, &guide), SATIN_OK);
-    assert_true((guide != NULL) == (view != NULL));
+        assert_int_equal(guide_emission_build(&input, pool, (struct log){0}, &emission), SATIN_OK);
+    assert_true((emission != NULL) == (view != NULL));
     struct photon_tracing tracing = {.scene = &t->scene,
                                      .seed = 1,
                                      .consumer = {{paths, 1 << PHOTON_CAUSTIC, NULL}},
                                      .bounces = -1,
-                                     .emission = guide};
+                                     .emission = emission};
     assert_int_equal(photon_trace_run(&tracing, pool, (struct log){0}, trace), SATIN_OK);
-    guide_emission_free(guide);
+    guide_emission_free(emission);
     parallel_free(pool);
     return trace[0];
 }

@@ -20,7 +20,7 @@ static void a_known_function_converts(void **state) {
     const float in[4] = {0, 0, 0, (float)sqrt(4 * pi / 3)};
     const struct {
         rsh_convention convention;
-        int place;
+        int index;
         double value;
     } cases[] = {
         {{RSH_ORTHONORMAL, false, RSH_BY_DEGREE}, 3, sqrt(4 * pi / 3)},
@@ -38,7 +38,7 @@ static void a_known_function_converts(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         float out[8];
         assert_true(rsh_export(&cases[i].convention, 2, 1, in, out));
-        assert_true(fabs((double)out[cases[i].place] - cases[i].value) < 1e-6);
+        assert_true(fabs((double)out[cases[i].index] - cases[i].value) < 1e-6);
     }
 }
 

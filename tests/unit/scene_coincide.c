@@ -94,7 +94,7 @@ static void finds_nothing_among_others(void **state) {
     test_scene_free(&scene_coincide_table);
 }
 
-// A thousand spheres, and a group of two that is placed twice at one position.
+// A thousand spheres, and a group of two with two instances at one position.
 static void warns_once(void **state) {
     (void)state;
     enum { SPHERES = 1000 };

@@ -7,16 +7,16 @@
 #include "base/sampling.h"
 #include "scene_case.h"
 
-#define SHAPES(place)                                                                   \
-    "<shape type='cube'><transform name='to_world'><scale x='.5' y='.7' z='.9'/>" place \
-    "</transform></shape><shape type='sphere'><float name='radius' value='.8'/>"        \
-    "<transform name='to_world'><translate x='2'/>" place                               \
-    "</transform>"                                                                      \
-    "<bsdf type='roughconductor'><float name='alpha_u' value='.1'/>"                    \
-    "<float name='alpha_v' value='.3'/></bsdf></shape>"                                 \
-    "<shape type='disk'><transform name='to_world'><translate y='2' z='1'/>" place      \
+#define SHAPES(step)                                                                   \
+    "<shape type='cube'><transform name='to_world'><scale x='.5' y='.7' z='.9'/>" step \
+    "</transform></shape><shape type='sphere'><float name='radius' value='.8'/>"       \
+    "<transform name='to_world'><translate x='2'/>" step                               \
+    "</transform>"                                                                     \
+    "<bsdf type='roughconductor'><float name='alpha_u' value='.1'/>"                   \
+    "<float name='alpha_v' value='.3'/></bsdf></shape>"                                \
+    "<shape type='disk'><transform name='to_world'><translate y='2' z='1'/>" step      \
     "</transform></shape>"
-#define PLACE                                                            \
+#define MOVED                                                            \
     "<rotate y='1' z='.3' angle='50'/><scale value='3'/><scale x='-1'/>" \
     "<translate x='100' y='-40' z='7'/>"
 
@@ -25,7 +25,7 @@ static satin_scene *load_instances(void) {
     return scene_case_load(
         &c, SCENE_TEXT("<shape type='shapegroup' id='g'>" SHAPES(
                 "") "</shape>"
-                    "<shape type='instance'><ref id='g'/><transform name='to_world'>" PLACE
+                    "<shape type='instance'><ref id='g'/><transform name='to_world'>" MOVED
                     "</transform></shape><shape type='instance'><ref id='g'/></shape>"));
 }
 
@@ -40,7 +40,7 @@ static vec3 scene_instance_random_point(const satin_scene *scene, uint64_t i) {
 static void shows_the_same(void **state) {
     (void)state;
     struct scene_case c;
-    satin_scene *direct = scene_case_load(&c, SCENE_TEXT(SHAPES(PLACE) SHAPES("")));
+    satin_scene *direct = scene_case_load(&c, SCENE_TEXT(SHAPES(MOVED) SHAPES("")));
     satin_scene *instances = load_instances();
     assert_true(direct && instances && instances->group_count == 1);
     // Boxes of rotated boxes are looser.

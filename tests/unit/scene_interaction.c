@@ -78,12 +78,12 @@ static void check_body(struct test_scene *t, bool convex, int starts) {
 static void leaves_surfaces_at_any_scale(void **state) {
     (void)state;
     static const float size[5] = {1.0f, 2.5e5f, 2.5e-3f, 1e-9f, 1e9f};
-    static const vec3 place[3] = {{0, 0, 0}, {1, 1, 1}, {40, -70, 5}};
+    static const vec3 position[3] = {{0, 0, 0}, {1, 1, 1}, {40, -70, 5}};
     for (int i = 0; i < 15; i++)
         for (int kind = 0; kind < 3; kind++) {
             float s = size[i / 3];
             struct mat4 rotation = mat4_rotate(v3(1, 2, 3), 33);
-            struct mat4 m = test_transform(v3_mul(place[i % 3], s), v3(s, s, s));
+            struct mat4 m = test_transform(v3_mul(position[i % 3], s), v3(s, s, s));
             m = mat4_mul(&m, &rotation);
             static struct test_scene t;
             test_scene_init(&t);
@@ -245,9 +245,9 @@ static void moves_off_edges(void **state) {
     test_rectangle(&t, mat4_identity(), test_diffuse(&t, 0.5f, 0.5f, 0.5f));
     test_scene_finish(&t);
     const float margin = 0.01f;
-    const vec3 place[] = {{0.3f, -0.999f, 1}, {-0.9995f, -0.9995f, 1}, {0.2f, -0.6f, 1}};
+    const vec3 position[] = {{0.3f, -0.999f, 1}, {-0.9995f, -0.9995f, 1}, {0.2f, -0.6f, 1}};
     for (int i = 0; i < 3; i++) {
-        struct ray ray = {place[i], 0.0f, v3(0, 0, -1), INFINITY};
+        struct ray ray = {position[i], 0.0f, v3(0, 0, -1), INFINITY};
         struct interaction s;
         assert_true(scene_intersect(&t.scene, &ray, &s));
         vec3 p = scene_off_edges(&t.scene, &s, margin);
