@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Averages independent renders of one image: writes the mean of R, G, B and the variance of that
-// mean. usage: average OUT.exr PART.exr PART.exr ...
+// mean. usage: average OUT.exr EMISSION.exr PART.exr PART.exr ...
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

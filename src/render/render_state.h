@@ -12,7 +12,7 @@
 // The stages of a render, in the order of the light. The table in render_progress.c has what is
 // reported of each.
 enum render_stage {
-    STAGE_SETUP,    // options, files and memory; it is not reported, so it cannot be cancelled
+    STAGE_SETUP,    // options, files and memory; like STAGE_FILM not reported, so not cancelled
     STAGE_PHOTONS,  // photons and the first-pass radiance estimate
     STAGE_TABLES,   // BRDFs in harmonics
     STAGE_BOUNCES,  // records of the indirect bounces beyond the first
