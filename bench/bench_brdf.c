@@ -89,7 +89,8 @@ static satin_status prepare_model(struct bench *n, int row, struct arena *arena,
     }
     satin_status status = brdf_prepare(&n->b, arena);
     if (status || !(n->b.model->lobes & BRDF_GLOSSY)) return status;
-    return brdf_table_build(&n->b, SATIN_HSH, 10, 0.05f, pool, &n->table);
+    const struct brdf_fit fit = {SATIN_HSH, 10, 0.05f, false};
+    return brdf_table_build(&n->b, &fit, pool, &n->table);
 }
 
 int main(void) {

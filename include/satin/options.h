@@ -55,6 +55,9 @@ typedef enum satin_radius {
     SATIN_RADIUS_HESSIAN        // occlusion Hessian; elliptic records
 } satin_radius;
 
+// The largest values of two options.
+enum { SATIN_GLOSSY_SAMPLES_MAX = 256, SATIN_RECURSIVE_BOUNCES_MAX = 8 };
+
 typedef struct satin_options {
     satin_integrator integrator;
     satin_quality quality;

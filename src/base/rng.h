@@ -7,17 +7,15 @@
 #include <stdint.h>
 
 // Each use of random numbers has its own stream, so that no two of them use the same numbers.
+// Images depend on the values; 5, 6 and 9 are free.
 enum rng_stream {
     RNG_PHOTON = 1,
     RNG_GATHER,
     RNG_GATHER_HIT,
     RNG_PIXEL,
-    RNG_LIGHT,
-    RNG_BRDF,
-    RNG_PATH,
+    RNG_PATH = 7,
     RNG_SITE,
-    RNG_MAP_AREA,
-    RNG_TEST,
+    RNG_TEST = 10,
     RNG_CAUSTIC,
     RNG_GUIDE,
     RNG_VIEW,

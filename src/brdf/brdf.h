@@ -256,10 +256,16 @@ struct brdf_table_info {
     size_t bytes;
 };
 
-// Builds the table of b for a `specular` factor of 1. `max_order` is 1 to 14, max_error as in
-// brdf_fit.
-satin_status brdf_table_build(const struct brdf *b, satin_basis basis, int max_order,
-                              float max_error, struct parallel *pool, struct brdf_table **out);
+// How a lobe is represented by harmonics.
+struct brdf_fit {
+    satin_basis basis;
+    int max_order;    // 1 to 14
+    float max_error;  // of reflected radiance, see brdf_table.c
+    bool always;      // directions whose error is larger have the largest order, instead of none
+};
+// Builds the table of b for a `specular` factor of 1.
+satin_status brdf_table_build(const struct brdf *b, const struct brdf_fit *fit,
+                              struct parallel *pool, struct brdf_table **out);
 void brdf_table_free(struct brdf_table *table);  // NULL is allowed
 int brdf_table_channels(const struct brdf_table *table);
 struct brdf_table_info brdf_table_info(const struct brdf_table *table);
@@ -277,13 +283,6 @@ struct brdf_range;
 struct brdf_roughness {
     enum brdf_slot slot;
     float lo, hi;
-};
-// Parameters of a fit, as of brdf_table_build.
-struct brdf_fit {
-    satin_basis basis;
-    int max_order;
-    float max_error;  // of reflected radiance, see brdf_table.c; if negative, its magnitude, but
-                      // nodes that exceed it have the largest order
 };
 // `over` is NULL if all numbers are constant.
 satin_status brdf_range_build(const struct brdf *b, const struct brdf_roughness *over,

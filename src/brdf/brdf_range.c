@@ -48,8 +48,7 @@ satin_status brdf_range_build(const struct brdf *b, const struct brdf_roughness 
         if (over) *brdf_number(&at, over->slot) = value;
         if (over && over->slot == BRDF_SLOT_ALPHA_U && b->model->slots >> BRDF_SLOT_ALPHA_V & 1)
             at.alpha_v = value;
-        status =
-            brdf_table_build(&at, fit->basis, fit->max_order, fit->max_error, pool, &r->rung[i]);
+        status = brdf_table_build(&at, fit, pool, &r->rung[i]);
         if (status != SATIN_OK) break;
         int channels = brdf_table_info(r->rung[i]).channels;
         if (channels > r->channels) r->channels = channels;

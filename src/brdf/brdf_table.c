@@ -67,9 +67,12 @@ static vec3 node_direction(const struct brdf_table *t, size_t node) {
 // The power of light in a coefficient of band l, relative to band 0.
 static double light_power(int l) { return 1.0 / ((l + 1.0) * (l + 1.0) * (l + 1.0)); }
 
-// The least order with a small enough error of the reflected radiance; 0 if there is none. The part
+// The least order with a small enough error of the reflected radiance; if there is none, the
+// largest or 0, as the fit says. The part
 // of the squared norm that is in no band is assumed to be in the next one.
-static int least_order(int max_order, int channels, const float *c, double norm, double max_error) {
+static int least_order(const struct brdf_fit *fit, int channels, const float *c, double norm) {
+    const int max_order = fit->max_order;
+    const double max_error = (double)fit->max_error;
     double band[ORDER_MAX], rest = norm, all = 0.0, missing;
     if (!(norm > 0.0)) return 0;
     for (int l = 0; l < max_order; l++) {
@@ -87,13 +90,13 @@ static int least_order(int max_order, int channels, const float *c, double norm,
         missing -= band[l];
         if (missing <= max_error * max_error * all) return l + 1;
     }
-    return max_error < 0.0 ? max_order : 0;
+    return fit->always ? max_order : 0;
 }
 
 struct table_build {
     const struct brdf *brdf;
     struct brdf_table *table;
-    double max_error;
+    const struct brdf_fit *fit;
     struct project_rule rule;
     struct project_points *points;  // one for each worker
 };
@@ -118,7 +121,7 @@ static void build_nodes(void *ctx, size_t begin, size_t end, int worker) {
                     else
                         out[k++] = *v;
                 }
-        t->order[node] = (uint8_t)least_order(t->max_order, t->channels, c, norm, b->max_error);
+        t->order[node] = (uint8_t)least_order(b->fit, t->channels, c, norm);
     }
 }
 
@@ -150,15 +153,16 @@ static struct brdf_table *table_new(const struct brdf *b, rsh_basis basis, int m
     return NULL;
 }
 
-satin_status brdf_table_build(const struct brdf *b, satin_basis basis, int max_order,
-                              float max_error, struct parallel *pool, struct brdf_table **out) {
+satin_status brdf_table_build(const struct brdf *b, const struct brdf_fit *fit,
+                              struct parallel *pool, struct brdf_table **out) {
+    const int max_order = fit->max_order;
     if (!(b->model->lobes & BRDF_GLOSSY) || max_order < 1 || max_order > ORDER_MAX)
         return SATIN_ERROR_ARGUMENT;
     struct brdf white = *b;
     white.specular = rgb_grey(1.0f);
     struct brdf_table *t =
-        table_new(&white, basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, max_order);
-    struct table_build build = {.brdf = &white, .table = t, .max_error = (double)max_error};
+        table_new(&white, fit->basis == SATIN_HSH ? RSH_HEMISPHERE : RSH_SPHERE, max_order);
+    struct table_build build = {.brdf = &white, .table = t, .fit = fit};
     project_rule_make(&build.rule);
     build.points = array_new((size_t)parallel_threads(pool), sizeof *build.points);
     satin_status status = t && build.points ? SATIN_OK : SATIN_ERROR_MEMORY;

@@ -21,10 +21,9 @@
 
 enum {
     GLOSSY_BOUNCES_MAX = 6,  // glossy bounces after y; the rest of the lobe is treated as diffuse
-    THROUGH_MAX = 32,   // glossy bounces inside rough glass, where photons do not describe the rest
-    DIFFUSE_MAX = 64,   // bounces where there are no photons; further light is lost
-    RECURSIVE_MAX = 8,  // the limit of option recursive-bounces
-    VERTICES = DIFFUSE_MAX + RECURSIVE_MAX + 1
+    THROUGH_MAX = 32,  // glossy bounces inside rough glass, where photons do not describe the rest
+    DIFFUSE_MAX = 64,  // bounces where there are no photons; further light is lost
+    VERTICES = DIFFUSE_MAX + SATIN_RECURSIVE_BOUNCES_MAX + 1
 };
 
 // Lobes that are followed by a segment separate from that of the diffuse lobe.

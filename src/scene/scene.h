@@ -111,7 +111,9 @@ struct material_bump {
     bool shadows;  // whether slopes shadow light at grazing angles
     bool outside;  // twosided around it: the back shows the front's bumps from below, else its own
 };
-static inline bool bump_used(const struct material_bump *r) { return r->height || r->normal; }
+static inline bool bump_used(const struct material_bump *bump) {
+    return bump->height || bump->normal;
+}
 
 // A side of a surface: a BRDF with constants in `base`, and textures (or NULL) that replace slots
 // of it. If component[0] is set, it is a blend of two sides instead. If one of them is a null BRDF,

@@ -68,7 +68,7 @@ struct shade {
     int worker_count;
 };
 
-// `missing_rays` is at least 1 and at most the largest value of option glossy-samples.
+// `missing_rays` is at least 1 and at most SATIN_GLOSSY_SAMPLES_MAX.
 satin_status shade_init(struct shade *shade, const struct gather *g,
                         const struct shade_tables *tables, const struct cache *cache,
                         int missing_rays, struct parallel *pool);

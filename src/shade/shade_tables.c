@@ -43,8 +43,8 @@ static satin_status build_side(const struct material_side *side, const satin_opt
                                enum table_choice choice, struct parallel *pool,
                                struct brdf_range **out) {
     struct brdf_roughness over;
-    const struct brdf_fit fit = {o->radiance_basis, o->radiance_order,
-                                 choice == CACHED ? -o->radiance_error : o->radiance_error};
+    const struct brdf_fit fit = {o->radiance_basis, o->radiance_order, o->radiance_error,
+                                 .always = choice == CACHED};
     if (choice == SAMPLED) return SATIN_OK;
     if (!side->base.model || !(brdf_lobes(&side->base) & BRDF_GLOSSY) || side->base.uneven)
         return SATIN_OK;

@@ -98,10 +98,7 @@ static bool indirect_cached(struct shade_job *job, const struct shade_plan *plan
 // The largest width over distance of a drawn ray's footprint.
 #define SPREAD_MAX 0.2f
 
-enum {
-    GLOSSY_SAMPLES_MAX = 256,  // rays of one sample; the limit of option glossy_samples
-    MISSING_DIMENSION = 16     // of the sampler, beyond those of sampled lobes
-};
+enum { MISSING_DIMENSION = 16 };  // of the sampler, beyond those of sampled lobes
 
 // How lobes are sampled by gather rays.
 struct lobe_sampling {
@@ -115,9 +112,9 @@ struct lobe_sampling {
 // Rays that are drawn, and for each the factor of its light, that of the diffuse lobe alone, and
 // its density.
 struct drawn_rays {
-    struct gather_ray ray[GLOSSY_SAMPLES_MAX];
-    rgb weight[GLOSSY_SAMPLES_MAX], diffuse[GLOSSY_SAMPLES_MAX];
-    float pdf[GLOSSY_SAMPLES_MAX];
+    struct gather_ray ray[SATIN_GLOSSY_SAMPLES_MAX];
+    rgb weight[SATIN_GLOSSY_SAMPLES_MAX], diffuse[SATIN_GLOSSY_SAMPLES_MAX];
+    float pdf[SATIN_GLOSSY_SAMPLES_MAX];
 };
 
 // The part of a sample's weight that is the diffuse lobe's.

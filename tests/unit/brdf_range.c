@@ -11,7 +11,7 @@
 #include "brdf/brdf.h"
 #include "rsh/rsh.h"
 
-static const struct brdf_fit fit = {SATIN_HSH, 10, 0.01f};
+static const struct brdf_fit fit = {SATIN_HSH, 10, 0.01f, false};
 
 static struct brdf brdf_range_metal(float alpha) {
     return (struct brdf){.model = brdf_find("roughconductor"),
@@ -28,8 +28,7 @@ static double brdf_range_difference(const struct brdf_range *range, const struct
                                     struct parallel *pool, vec3 wo) {
     struct brdf_table *own;
     float c[3 * RSH_MAX_COEFFICIENTS], d[3 * RSH_MAX_COEFFICIENTS];
-    assert_int_equal(brdf_table_build(b, fit.basis, fit.max_order, fit.max_error, pool, &own),
-                     SATIN_OK);
+    assert_int_equal(brdf_table_build(b, &fit, pool, &own), SATIN_OK);
     int n = brdf_range_lookup(range, b, wo, c), m = brdf_table_lookup(own, wo, d);
     assert_true(n >= m && m > 0 && n == brdf_range_order(range, b, wo));
     double error = 0.0, norm = 0.0;
@@ -82,7 +81,7 @@ static void one_table_serves_constants(void **state) {
     // A table with no bound of the error has some order everywhere.
     struct brdf sharp = brdf_range_metal(.05f);
     struct brdf_fit forced = fit;
-    forced.max_error = -fit.max_error;
+    forced.always = true;
     assert_int_equal(brdf_range_build(&sharp, NULL, &forced, pool, &range), SATIN_OK);
     assert_int_equal(brdf_range_order(range, &sharp, v3(0, 0, 1)), fit.max_order);
     brdf_range_free(range);

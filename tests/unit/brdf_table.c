@@ -43,7 +43,8 @@ static struct brdf_table *test_brdf_table_build(const struct brdf *b, satin_basi
     struct parallel *pool = parallel_new(threads);
     struct brdf_table *table = NULL;
     assert_non_null(pool);
-    assert_int_equal(brdf_table_build(b, basis, order, error, pool, &table), SATIN_OK);
+    const struct brdf_fit fit = {basis, order, error, false};
+    assert_int_equal(brdf_table_build(b, &fit, pool, &table), SATIN_OK);
     parallel_free(pool);
     return table;
 }
@@ -211,12 +212,16 @@ static void refuses_sharp_lobes_and_bad_arguments(void **state) {
     struct brdf b = {.model = brdf_find("diffuse"), .diffuse = {1, 1, 1}};
     struct brdf_table *table = NULL;
     struct parallel *pool = parallel_new(1);
-    assert_int_equal(brdf_table_build(&b, SATIN_HSH, 10, 0.05f, pool, &table),
-                     SATIN_ERROR_ARGUMENT);
+    assert_int_equal(
+        brdf_table_build(&b, &(struct brdf_fit){SATIN_HSH, 10, 0.05f, false}, pool, &table),
+        SATIN_ERROR_ARGUMENT);
     b = phong(3);
-    assert_int_equal(brdf_table_build(&b, SATIN_HSH, 15, 0.05f, pool, &table),
-                     SATIN_ERROR_ARGUMENT);
-    assert_int_equal(brdf_table_build(&b, SATIN_HSH, 0, 0.05f, pool, &table), SATIN_ERROR_ARGUMENT);
+    assert_int_equal(
+        brdf_table_build(&b, &(struct brdf_fit){SATIN_HSH, 15, 0.05f, false}, pool, &table),
+        SATIN_ERROR_ARGUMENT);
+    assert_int_equal(
+        brdf_table_build(&b, &(struct brdf_fit){SATIN_HSH, 0, 0.05f, false}, pool, &table),
+        SATIN_ERROR_ARGUMENT);
     assert_null(table);
     brdf_table_free(NULL);
     parallel_free(pool);
@@ -243,7 +248,9 @@ static void same_for_any_threads_and_cancels(void **state) {
     struct parallel *pool = parallel_new(2);
     struct brdf_table *table = NULL;
     parallel_set_progress(pool, brdf_table_cancel, NULL);
-    assert_int_equal(brdf_table_build(&b, SATIN_HSH, 8, 0.05f, pool, &table), SATIN_CANCELLED);
+    assert_int_equal(
+        brdf_table_build(&b, &(struct brdf_fit){SATIN_HSH, 8, 0.05f, false}, pool, &table),
+        SATIN_CANCELLED);
     assert_null(table);
     parallel_free(pool);
 }

@@ -28,7 +28,7 @@ struct cache_residual_fixture {
 // low for the lobe.
 static void cache_residual_start(struct cache_residual_fixture *f, bool viewed) {
     const struct brdf brdf = shiny();
-    const struct brdf_fit fit = {SATIN_HSH, ORDER, -0.01f};
+    const struct brdf_fit fit = {SATIN_HSH, ORDER, 0.01f, true};
     struct cache_case *c = &f->c;
     cache_case_begin(c);
     test_cube(&c->scene, mat4_identity(), true, test_diffuse(&c->scene, 0.5f, 0.4f, 0.3f));

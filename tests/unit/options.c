@@ -24,6 +24,12 @@ static bool same_fields(const satin_options *a, const satin_options *b) {
     return true;
 }
 
+static void limits_of_arrays_are_those_of_options(void **state) {
+    (void)state;
+    assert_true(option_highest(options_find("glossy-samples")) == SATIN_GLOSSY_SAMPLES_MAX);
+    assert_true(option_highest(options_find("recursive-bounces")) == SATIN_RECURSIVE_BOUNCES_MAX);
+}
+
 static void presets_set_what_they_decide(void **state) {
     (void)state;
     satin_options o = satin_options_default;
@@ -195,6 +201,7 @@ static void layers_in_order(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(limits_of_arrays_are_those_of_options),
         cmocka_unit_test(presets_set_what_they_decide),
         cmocka_unit_test(presets_are_in_range),
         cmocka_unit_test(values_are_checked),
