@@ -79,8 +79,7 @@ static bool gather_light(const struct gather *g, float u, float v, struct incide
     return true;
 }
 
-// ---- One BRDF
-// ------------------------------------------------------------------------------------
+// ---- One BRDF -----------------------------------------------------------------------------------
 
 enum { RULES = 2 };  // by the BRDF, by what it reflects
 static const double BOUND[RULES] = {1e-2, 1e-4};

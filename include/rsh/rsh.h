@@ -17,9 +17,10 @@
 //   norm     Both bases are orthonormal over their domain; integral L F = dot(Lambda, Phi).
 //   channels Vectors of several channels lie one after another: out[channel * n * n + index].
 //   units    Directions are unit vectors without unit, angles [rad]; coefficients have the unit of
-//            the function, so that rsh_dot3 of radiance and a BRDF in harmonics is radiance. A
-//            direction that is not unit, zero or NaN gives values without meaning and does no other
-//            harm.
+//            the function times [sr^1/2], so that rsh_dot3 of radiance and a BRDF [sr^-1] in
+//            harmonics is radiance. What converts or rotates coefficients leaves their unit as it
+//            is. A direction that is not unit, zero or NaN gives values without meaning and does no
+//            other harm.
 //
 // Functions that take an order return false, and write nothing, if it is not 1 .. RSH_MAX_ORDER; so
 // do those that take a basis, if it is neither of the two.
@@ -45,37 +46,44 @@ extern "C" {
 typedef enum rsh_basis { RSH_SPHERE = 0, RSH_HEMISPHERE } rsh_basis;
 
 // y[n * n]: all basis functions in direction w, accurate to 1e-6 of each function's largest value
-// (1e-7 measured) if |w| is 1 up to the rounding of floats. Thread-safe.
+// (1e-7 measured) if |w| is 1 up to the rounding of floats. Values of both bases have the unit
+// [sr^-1/2]. Thread-safe.
 RSH_API bool rsh_eval(rsh_basis basis, int order, const float w[3], float *y);
 
 // Does what rsh_eval does, with the derivatives by theta and phi; all three arrays have n * n
 // entries. At the pole phi counts as 0. The hemisphere's d/dtheta grows as 1 / sqrt(cos theta)
-// towards the horizon and is constant below cos theta = 1e-6. Thread-safe.
+// towards the horizon and is constant below cos theta = 1e-6. Units are [sr^-1/2] of y, and
+// [sr^-1/2 rad^-1] of the derivatives. Thread-safe.
 RSH_API bool rsh_eval_derivatives(rsh_basis basis, int order, const float w[3], float *y,
                                   float *dtheta, float *dphi);
 
 // All basis functions in `count` directions, given as three arrays: out[k * count + i] is function
-// k in direction i, with the accuracy of rsh_eval. Thread-safe.
+// k in direction i, with the accuracy and the unit [sr^-1/2] of rsh_eval. Thread-safe.
 RSH_API bool rsh_eval_many(rsh_basis basis, int order, size_t count, const float *x, const float *y,
                            const float *z, float *out);
 
 // Adds sum_i value_i H(w_i) to out[3 * n * n] for the values r, g and b [count each], which include
-// the samples' weights. If g and b are both NULL, there is one channel: r, out[n * n]. Thread-safe.
+// the samples' weights [sr]: with r in the unit of the function times [sr], `out` has the unit of
+// the function times [sr^1/2]. If g and b are both NULL, there is one channel: r, out[n * n].
+// Thread-safe.
 RSH_API bool rsh_project(rsh_basis basis, int order, size_t count, const float *x, const float *y,
                          const float *z, const float *r, const float *g, const float *b,
                          float *out);
 
 // Projects onto a basis that is given as a constant matrix: out[c * coefficients + k] +=
 // sum_i matrix[i * coefficients + k] * value_c[i], c = r, g, b. With g and b NULL: one channel.
-// Any number of coefficients. Thread-safe.
+// Any number of coefficients. `out` has the product of the units of matrix and values.
+// Thread-safe.
 RSH_API void rsh_accumulate(size_t count, size_t coefficients, const float *matrix, const float *r,
                             const float *g, const float *b, float *out);
 
 // out[c] = a_c . b_c for three channels of b[3 * n * n]. a has `a_channels` channels: 3, or 1 for
-// all. Thread-safe.
+// all. `out` has the product of the units of a and b: that of the integral of the two functions
+// over directions. Thread-safe.
 RSH_API bool rsh_dot3(int order, int a_channels, const float *a, const float *b, float out[3]);
 
-// out[channels]: the function's value in direction w. Thread-safe.
+// out[channels]: the function's value in direction w, in the unit of `in` times [sr^-1/2].
+// Thread-safe.
 RSH_API bool rsh_value(rsh_basis basis, int order, int channels, const float *in, const float w[3],
                        float *out);
 
@@ -85,7 +93,7 @@ RSH_API bool rsh_value(rsh_basis basis, int order, int channels, const float *in
 RSH_API bool rsh_convolve(int order, int channels, const float *zonal, const float *in, float *out);
 
 // Converts between this library's convention and that with the Condon-Shortley phase, in both
-// directions: negates the coefficients of odd m. Thread-safe.
+// directions: negates the coefficients of odd m. Keeps the unit. Thread-safe.
 RSH_API bool rsh_flip_phase(int order, int channels, const float *in, float *out);
 
 // Other conventions. Their harmonics are those of this library times a factor, so coefficients are
@@ -109,11 +117,11 @@ typedef struct rsh_convention {
     bool phase;  // Condon and Shortley's (-1)^m
     rsh_layout layout;
 } rsh_convention;
-// Numbers per channel in a layout; 0 for orders out of range. Thread-safe.
+// Numbers per channel in a layout; 0 for orders out of range. Without unit. Thread-safe.
 RSH_API int rsh_convention_size(int order, rsh_layout layout);
 // Converts from this library's convention to another one, and back; in and out must not overlap.
 // Functions are real: only the complex coefficients of m >= 0 are read. False also if the
-// convention is invalid. Thread-safe.
+// convention is invalid. Keeps the unit. Thread-safe.
 RSH_API bool rsh_export(const rsh_convention *to, int order, int channels, const float *in,
                         float *out);
 // Converts from another convention to this library's. What rsh_export requires holds here too.
@@ -140,7 +148,7 @@ RSH_API bool rsh_rotate_y_taylor(rsh_taylor kind, int order, int channels, float
                                  const float *in, float *out);
 
 // Rotates by any rotation, exact to rounding, with the form that is fastest, which is that of
-// rsh_rotate_pinchon_hoggan. Thread-safe.
+// rsh_rotate_pinchon_hoggan. Keeps the unit. Thread-safe.
 RSH_API bool rsh_rotate(int order, int channels, const float r[9], const float *in, float *out);
 
 // A rotation as rotations about z by gamma, then y by beta, then z by alpha [rad].
@@ -153,19 +161,21 @@ RSH_API rsh_zyz rsh_zyz_of_matrix(const float r[9]);
 RSH_API bool rsh_rotate_zyz(int order, int channels, rsh_zyz angles, const float *in, float *out);
 
 // The forms by name, all for any r; numbers of products are per channel. This one is z, y, z with
-// the series about y [K05 5.3], for small beta only: 9 n^2 products. Thread-safe.
+// the series about y [K05 5.3], for small beta only: 9 n^2 products. Keeps the unit. Thread-safe.
 RSH_API bool rsh_rotate_taylor(rsh_taylor kind, int order, int channels, const float r[9],
                                const float *in, float *out);
 // z, y, z with the rotation about y as one about z between two exchanges of y and z, which are
-// constant symmetric blocks [Pinchon and Hoggan 2007]: 2 n^3 / 3 + 6 n^2 products. Thread-safe.
+// constant symmetric blocks [Pinchon and Hoggan 2007]: 2 n^3 / 3 + 6 n^2 products. Keeps the unit.
+// Thread-safe.
 RSH_API bool rsh_rotate_pinchon_hoggan(int order, int channels, const float r[9], const float *in,
                                        float *out);
 // z, y, z with the rotation about y as one about z between two rotations about x by 90 degrees
-// [Kautz et al. 2002], in plain C. Thread-safe.
+// [Kautz et al. 2002], in plain C. Keeps the unit. Thread-safe.
 RSH_API bool rsh_rotate_zxzxz(int order, int channels, const float r[9], const float *in,
                               float *out);
-// Matrices band by band from r itself [Ivanic and Ruedenberg 1996, corrected 1998], in plain C:
-// 4 n^3 / 3 products to apply them, and several times as many to compute them. Thread-safe.
+// Matrices band by band from r itself [Ivanic and Ruedenberg 1996, corrected 1998], in plain C: 4
+// n^3 / 3 products to apply them, and several times as many to compute them. Keeps the unit.
+// Thread-safe.
 RSH_API bool rsh_rotate_ivanic(int order, int channels, const float r[9], const float *in,
                                float *out);
 
@@ -173,15 +183,16 @@ RSH_API bool rsh_rotate_ivanic(int order, int channels, const float r[9], const 
 // m = -l .. l, and begins at l (2 l - 1) (2 l + 1) / 3. All blocks have rsh_blocks_size(n) =
 // n (2 n - 1) (2 n + 1) / 3 numbers, or 0 if the order is out of range.
 #define RSH_MAX_BLOCKS (RSH_MAX_ORDER * (2 * RSH_MAX_ORDER - 1) * (2 * RSH_MAX_ORDER + 1) / 3)
-// The number of values in all blocks; 0 if the order is out of range. Thread-safe.
+// The number of values in all blocks; 0 if the order is out of range. Without unit. Thread-safe.
 RSH_API int rsh_blocks_size(int order);
-// Sets blocks[rsh_blocks_size(order)] to those of rotation r. Thread-safe.
+// Sets blocks[rsh_blocks_size(order)] to those of rotation r. Without unit. Thread-safe.
 RSH_API bool rsh_rotation_blocks(int order, const float r[9], float *blocks);
 // Derivatives 0 .. highest by beta [rad^-1 each] of the rotation about y, at beta [rad], one after
 // another in blocks[(highest + 1) * rsh_blocks_size(order)] [K05 C]. Their rounding errors grow as
 // order^highest. Thread-safe.
 RSH_API bool rsh_rotation_y_derivatives(int order, float beta, int highest, float *blocks);
-// Multiplies each band of each channel by its block, so that `in` is rotated. Thread-safe.
+// Multiplies each band of each channel by its block, so that `in` is rotated. Keeps the unit.
+// Thread-safe.
 RSH_API bool rsh_apply_blocks(int order, int channels, const float *blocks, const float *in,
                               float *out);
 
@@ -189,7 +200,8 @@ RSH_API bool rsh_apply_blocks(int order, int channels, const float *blocks, cons
 // beta of the zyz decomposition, which is correct at the pole only [K05 5.4; Gautron et al. 2004];
 // see rsh_align. The horizon stays where it is: if the pole rotates by 10 degrees, what is 60
 // degrees from it rotates by 7.8 and what is 80 degrees from it by 4.8. Near the horizon the error
-// can be larger than without rotation. Angles from 90 degrees on count as 90. Thread-safe.
+// can be larger than without rotation. Angles from 90 degrees on count as 90. Keeps the unit.
+// Thread-safe.
 RSH_API bool rsh_rotate_stretched(int order, int channels, const float r[9], const float *in,
                                   float *out);
 
@@ -213,7 +225,7 @@ RSH_API bool rsh_align(rsh_basis basis, int order, int channels, const float fro
 // vector of a product: dot(c, align(lambda)) = dot(align_transposed(c), lambda). It rotates one
 // BRDF into the frame of each record, instead of each record with its derivatives and colours. With
 // a limit of pi or more it fails for nearly opposite normals, where rounding determines the axis of
-// the series. Thread-safe.
+// the series. Keeps the unit. Thread-safe.
 RSH_API bool rsh_align_transposed(rsh_basis basis, int order, int channels, const float from[9],
                                   const float to[9], float beta_limit, const float *in, float *out);
 
@@ -239,10 +251,10 @@ RSH_API bool rsh_reflect(const rsh_reflection *reflection, float out[3]);
 // r[e][i]. out == in is allowed. A record's result does not depend on the others. Blocks of 16 to
 // 64 records stay in the first cache. These calls use up to 256 kB of the calling thread's stack.
 
-// Does for each record what rsh_rotate does. Thread-safe.
+// Does for each record what rsh_rotate does. Keeps the unit. Thread-safe.
 RSH_API bool rsh_rotate_many(int order, int channels, size_t count, const float *const r[9],
                              const float *in, float *out);
-// Does for each record what rsh_rotate_taylor does. Thread-safe.
+// Does for each record what rsh_rotate_taylor does. Keeps the unit. Thread-safe.
 RSH_API bool rsh_rotate_taylor_many(rsh_taylor kind, int order, int channels, size_t count,
                                     const float *const r[9], const float *in, float *out);
 // Does for each record what rsh_align does; beta_limit is in [rad]. Thread-safe.
@@ -262,15 +274,15 @@ RSH_API bool rsh_align_transposed_many(rsh_basis basis, int order, int channels,
 // extend(lambda)). So a caller with one c and many records, or one record and many c, converts each
 // once and rotates on the sphere. `order` is that of the hemisphere; in and out must not overlap.
 
-// The order of the functions on the sphere, as above; not checked. Thread-safe.
+// The order of the functions on the sphere, as above; not checked. Without unit. Thread-safe.
 RSH_API int rsh_sphere_order(int order);
 // Continues a function over the whole sphere; its unit stays. Thread-safe.
 RSH_API bool rsh_hemi_extend(int order, int channels, const float *in, float *out);
-// Converts a function on the sphere back to the hemisphere. Thread-safe.
+// Converts a function on the sphere back to the hemisphere. Keeps the unit. Thread-safe.
 RSH_API bool rsh_hemi_restrict(int order, int channels, const float *in, float *out);
-// The transpose of rsh_hemi_extend. Thread-safe.
+// The transpose of rsh_hemi_extend. Keeps the unit. Thread-safe.
 RSH_API bool rsh_hemi_extend_transposed(int order, int channels, const float *in, float *out);
-// The transpose of rsh_hemi_restrict. Thread-safe.
+// The transpose of rsh_hemi_restrict. Keeps the unit. Thread-safe.
 RSH_API bool rsh_hemi_restrict_transposed(int order, int channels, const float *in, float *out);
 
 #ifdef __cplusplus

@@ -114,11 +114,8 @@ static float facet_reflects(const void *ctx, vec3 n) {
 static float facet_transmits(const void *ctx, vec3 n) {
     const struct boundary *b = ctx;
     float cos_t, c = v3_dot(b->wo, n), f = fresnel_dielectric(c, b->eta, &cos_t);
-    vec3 inward = v3_mad(v3_mul(b->wo, 1.0f / b->eta), -(c / b->eta + cos_t), n);  // direction of
-                                                                                   // the
-                                                                                   // transmitted
-                                                                                   // light,
-                                                                                   // reversed
+    // The direction of the transmitted light, reversed.
+    vec3 inward = v3_mad(v3_mul(b->wo, 1.0f / b->eta), -(c / b->eta + cos_t), n);
     if (inward.z <= 0.0f) return 0.0f;
     return (1.0f - f) * microfacet_g1(b->facets, inward);
 }

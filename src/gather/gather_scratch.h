@@ -5,10 +5,8 @@
 
 #include "gather/gather.h"
 
-enum {
-    GATHER_CHUNK = 512
-};  // hits that are looked up together: a call of the library costs as
-    // much as ten
+// Hits that are looked up together: a call of the library costs as much as ten.
+enum { GATHER_CHUNK = 512 };
 
 // The end of a gather ray, for the lookup.
 struct gather_hit {

@@ -11,9 +11,8 @@
 
 #include "base/sampling.h"
 
-enum {
-    ALLOCATION_BOUNCES = 3
-};  // bounces of a path; gather rays read photons from the second vertex on
+// Bounces of a path; gather rays read photons from the second vertex on.
+enum { ALLOCATION_BOUNCES = 3 };
 
 // The irradiance from the lights at the vertices of one path, in their order.
 struct light_tally {

@@ -9,22 +9,19 @@
 #include "guide/guide.h"
 
 // Standard deviation of a cluster's contribution over all light, below which it gets no rays.
-static const float LUCK = 0.01f;
+static const float DEVIATION_LEAST = 0.01f;
 // Target of that deviation with guided rays, and the deviation of the radiance of a guided ray that
 // hits its cluster, over its mean.
-static const float AIM = 0.01f, SPREAD = 0.5f;
+static const float DEVIATION_TARGET = 0.01f, DEVIATION_WITHIN = 0.5f;
 
-enum {
-    CONE_RAYS_LEAST = 8,
-    CONE_RAYS_MOST = 256
-};  // of one cone, powers of 2, so that points
-    // form whole nets
+// Rays of one cone: powers of 2, so that their points form whole nets.
+enum { CONE_RAYS_LEAST = 8, CONE_RAYS_MOST = 256 };
 
 // The number of rays to a cluster that contributes a `fraction` of the light.
 static int count_rays(const struct guide_cone *cone, float fraction, size_t stratified) {
-    if (!(fraction > LUCK * sqrtf((float)stratified * cone->chance))) return 0;
+    if (!(fraction > DEVIATION_LEAST * sqrtf((float)stratified * cone->chance))) return 0;
     const float missed = 1.0f / clampf(cone->filled, 0.01f, 1.0f) - 1.0f;
-    const float wanted = sqrf(fraction / AIM) * (sqrf(SPREAD) + missed);
+    const float wanted = sqrf(fraction / DEVIATION_TARGET) * (sqrf(DEVIATION_WITHIN) + missed);
     int rays = CONE_RAYS_LEAST;
     while (rays < CONE_RAYS_MOST && (float)rays < wanted) rays *= 2;
     return rays;

@@ -37,9 +37,8 @@ enum param_range {
 
 enum param_flag {
     PARAM_REQUIRED = 1,
-    PARAM_TEXTURE = 2
-};  // PARAM_TEXTURE: a <texture> is
-    // accepted
+    PARAM_TEXTURE = 2,  // a <texture> is accepted
+};
 
 struct param_spec {
     const char *name;

@@ -67,10 +67,9 @@ void camera_check(const struct satin_scene *scene, struct log log) {
                     "far_clip %g lies before the scene, which begins at %g: no shape is seen",
                     (double)camera->far_clip, (double)l.first);
     else if (l.there > 0 && l.last <= camera->near_clip)
-        log_message(
-            log, SATIN_LOG_WARNING,
-            "near_clip %g lies behind the scene, the last of which is at %g: no shape is seen",
-            (double)camera->near_clip, (double)l.last);
+        log_message(log, SATIN_LOG_WARNING,
+                    "near_clip %g lies behind the scene, which ends at %g: no shape is seen",
+                    (double)camera->near_clip, (double)l.last);
     else if (l.there > 0)
         log_message(log, SATIN_LOG_WARNING,
                     "no shape is seen between near_clip %g and far_clip %g: the first begins at "

@@ -53,8 +53,7 @@ unsigned material_lobes(const struct material *m, bool holes) {
     return all.lobes;
 }
 
-// ---- Components of a blend
-// ---------------------------------------------------------------------------
+// ---- Components of a blend ----------------------------------------------------------------------
 
 static bool is_from_behind(const struct interaction *s, vec3 wo) {
     return v3_dot(wo, s->frame.n) < 0.0f;

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Compiles every header alone: private ones as C, public ones as strict C17 and as C++17. Checks
-that every call of a public header has a comment that says from which threads it may be called.
+that every call of a public header has a comment that says from which threads it may be called, and
+that those of the harmonics say which units they have.
 
 Usage: rules_headers.py TREE CC CXX [ARGUMENT ...]; the arguments go to both compilers.
 """
@@ -22,12 +23,16 @@ def compiles(command, header):
     return run.returncode == 0
 
 
-def says_threads(header):
+def says_threads_and_units(header):
     calls = CALL.findall(header.read_text(encoding="utf-8"))
     silent = [name for comment, name in calls if not re.search("thread", comment, re.IGNORECASE)]
     for name in silent:
         print(f"{header}: the comment of {name} does not say from which threads it may be called")
-    return not silent, len(calls)
+    bare = [name for comment, name in calls if header.name == "rsh.h"
+            and not re.search(r"\bunits?\b|\[(?:rad|sr)", comment)]
+    for name in bare:
+        print(f"{header}: the comment of {name} does not say what unit its results have")
+    return not silent and not bare, len(calls)
 
 
 def main():
@@ -41,7 +46,7 @@ def main():
     c_private = [cc, "-x", "c", "-std=gnu17", "-Wno-unused-function", "-Wno-psabi", *private]
     good, calls = True, 0
     for header in sorted((tree / "include").rglob("*.h")):
-        fine, count = says_threads(header)
+        fine, count = says_threads_and_units(header)
         good &= fine
         calls += count
         good &= compiles(c_public, header)

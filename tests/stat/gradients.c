@@ -64,8 +64,7 @@ static rgb gradients_look(const struct gradients_scene *scene, vec3 o, vec3 w,
     return gradients_radiance(v3_mad(o, t, w), false);
 }
 
-// ---- Reference
-// -----------------------------------------------------------------------------------
+// ---- Reference ----------------------------------------------------------------------------------
 
 struct vectors {
     double hsh[3 * N2], sh[3 * N2], E[3];
@@ -109,8 +108,7 @@ static void gather_reference(const struct gradients_scene *scene, vec3 p, int ro
         }
 }
 
-// ---- What is measured
-// ----------------------------------------------------------------------------
+// ---- What is measured ---------------------------------------------------------------------------
 
 enum { KINDS = 10 };
 static const char *const KIND[KINDS] = {

@@ -29,7 +29,7 @@ static const struct {
      "far_clip 19 lies before the scene, which begins at 19.5*: no shape is seen"},
     {"<sensor type='perspective'>" FAR("19.6") EYE EYE_END LAMP BALL, NULL},
     {"<sensor type='perspective'>" NEAR("21") EYE EYE_END LAMP BALL,
-     "near_clip 21 lies behind the scene, the last of which is at 19.*: no shape is seen"},
+     "near_clip 21 lies behind the scene, which ends at 19.*: no shape is seen"},
     {"<sensor type='orthographic'>" FAR("19") EYE EYE_END LAMP BALL,
      "far_clip 19 lies before the scene, which begins at 19.5*: no shape is seen"},
     {ORTHOGRAPHIC EYE_END LAMP BALL, NULL},
