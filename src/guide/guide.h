@@ -14,7 +14,7 @@
 
 // The points that are seen. The boxes hold all, nine tenths and half of them. Of 1024 paths a
 // tenth is a hundred points, which show the ends of the boxes on any machine.
-enum { GUIDE_VIEW_BOXES = LIGHT_SPOTS / 2, GUIDE_VIEW_PATHS = 1024 };
+enum { GUIDE_VIEW_BOXES = LIGHT_TARGETS / 2, GUIDE_VIEW_PATHS = 1024 };
 enum { GUIDE_VIEW_CHUNK = 16 };  // paths per chunk
 struct guide_view {
     float ray_length;                // median length of gather rays; INFINITY if they hit nothing

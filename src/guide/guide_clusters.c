@@ -14,7 +14,7 @@ enum {
     BINS = 16,  // positions along an axis at which a node may be split
     // Work of one thread: numbers of photons and of leaves. Larger nodes are split depth by depth,
     // with all nodes of a depth at once.
-    PART = 2048,
+    RUN_PHOTONS = 2048,
     PART_LEAVES = 128,
     CLUSTER_CHUNK = 4096
 };
@@ -62,7 +62,7 @@ static size_t make_leaves(const struct guide_photon *photon, struct split_point 
 }
 
 // Photons that one thread splits into leaves, and these leaves.
-struct part {
+struct photon_run {
     size_t begin, count;
     struct leaf *leaf;
     size_t leaves;
@@ -71,7 +71,7 @@ struct part {
 struct tree_building {
     const struct guide_photon *photon;
     struct split_point *point;
-    struct part *part;
+    struct photon_run *run;
     struct leaf *leaf;
     struct task *task;
     struct guide_clusters *out;
@@ -84,41 +84,40 @@ static void fill_points(void *ctx, size_t begin, size_t end, int worker) {
         b->point[i] = (struct split_point){.p = b->photon[i].p, .item = (uint32_t)i};
 }
 
-static void split_parts(void *ctx, size_t begin, size_t end, int worker) {
+static void split_runs(void *ctx, size_t begin, size_t end, int worker) {
     const struct tree_building *b = ctx;
     (void)worker;
-    for (size_t i = begin; i < end; i++)
-        median_split(b->point + b->part[i].begin, b->part[i].count);
+    for (size_t i = begin; i < end; i++) median_split(b->point + b->run[i].begin, b->run[i].count);
 }
 
-static void make_leaves_of_parts(void *ctx, size_t begin, size_t end, int worker) {
+static void make_leaves_of_runs(void *ctx, size_t begin, size_t end, int worker) {
     const struct tree_building *b = ctx;
     (void)worker;
-    for (struct part *part = b->part + begin; part < b->part + end; part++)
-        part->leaves = make_leaves(b->photon, b->point + part->begin, part->count, part->leaf);
+    for (struct photon_run *run = b->run + begin; run < b->run + end; run++)
+        run->leaves = make_leaves(b->photon, b->point + run->begin, run->count, run->leaf);
 }
 
 // make_leaves of all photons, on all threads. `b->leaf` has space for 2 count / LEAF + 1, and
-// `b->part` for 2 count / PART + 1. Returns 0 if the pool was cancelled.
+// `b->run` for 2 count / RUN_PHOTONS + 1. Returns 0 if the pool was cancelled.
 static size_t make_all_leaves(struct tree_building *b, size_t count, struct parallel *pool) {
-    size_t parts = 1, leaves = 0;
-    b->part[0] = (struct part){.count = count};
+    size_t runs = 1, leaves = 0;
+    b->run[0] = (struct photon_run){.count = count};
     bool whole = parallel_for(pool, count, CLUSTER_CHUNK, fill_points, b);
-    for (; whole && b->part[parts - 1].count > PART; parts *= 2) {  // the first is the largest
-        whole = parallel_for(pool, parts, 1, split_parts, b);
-        for (size_t i = parts; i-- > 0;) {
-            const struct part part = b->part[i];
-            const size_t left = part.count / 2;
-            b->part[2 * i] = (struct part){.begin = part.begin, .count = left};
-            b->part[2 * i + 1] =
-                (struct part){.begin = part.begin + left, .count = part.count - left};
+    for (; whole && b->run[runs - 1].count > RUN_PHOTONS; runs *= 2) {  // the first is the largest
+        whole = parallel_for(pool, runs, 1, split_runs, b);
+        for (size_t i = runs; i-- > 0;) {
+            const struct photon_run run = b->run[i];
+            const size_t left = run.count / 2;
+            b->run[2 * i] = (struct photon_run){.begin = run.begin, .count = left};
+            b->run[2 * i + 1] =
+                (struct photon_run){.begin = run.begin + left, .count = run.count - left};
         }
     }
-    for (size_t i = 0; i < parts; i++) b->part[i].leaf = b->leaf + 2 * b->part[i].begin / LEAF;
-    if (!whole || !parallel_for(pool, parts, 1, make_leaves_of_parts, b)) return 0;
-    for (size_t i = 0; i < parts; i++) {
-        memmove(b->leaf + leaves, b->part[i].leaf, b->part[i].leaves * sizeof *b->leaf);
-        leaves += b->part[i].leaves;
+    for (size_t i = 0; i < runs; i++) b->run[i].leaf = b->leaf + 2 * b->run[i].begin / LEAF;
+    if (!whole || !parallel_for(pool, runs, 1, make_leaves_of_runs, b)) return 0;
+    for (size_t i = 0; i < runs; i++) {
+        memmove(b->leaf + leaves, b->run[i].leaf, b->run[i].leaves * sizeof *b->leaf);
+        leaves += b->run[i].leaves;
     }
     return leaves;
 }
@@ -310,14 +309,14 @@ satin_status guide_clusters_build(const struct satin_scene *scene,
     struct tree_building b = {.photon = photon, .out = clusters};
     b.point = array_new_unset(count, sizeof *b.point);
     b.leaf = array_new_unset(2 * count / LEAF + 1, sizeof *b.leaf);
-    b.part = array_new(2 * count / PART + 2, sizeof *b.part);
+    b.run = array_new(2 * count / RUN_PHOTONS + 2, sizeof *b.run);
     satin_status status = SATIN_ERROR_MEMORY;
-    if (clusters && b.point && b.leaf && b.part) status = make_tree(&b, count, pool);
-    free(b.part);
+    if (clusters && b.point && b.leaf && b.run) status = make_tree(&b, count, pool);
+    free(b.run);
     free(b.leaf);
     free(b.point);
     if (status == SATIN_OK) {
-        clusters->spread = clusters->node->power / (4.0f * PI_F * sqrf(scene->radius));
+        clusters->uniform = clusters->node->power / (4.0f * PI_F * sqrf(scene->radius));
         *out = clusters;
         return SATIN_OK;
     }

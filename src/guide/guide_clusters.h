@@ -22,7 +22,7 @@ struct guide_clusters {
     struct guide_cluster *node;  // in depth-first order
     size_t node_count;
     vec3 *position;  // of photons, in the order of the leaves
-    float spread;    // irradiance if all the light were on a sphere around the scene [W m^-2]
+    float uniform;   // irradiance if all the light were on a sphere around the scene [W m^-2]
 };
 
 #endif

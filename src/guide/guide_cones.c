@@ -112,7 +112,7 @@ int guide_cones_from(const struct guide_clusters *clusters, const struct satin_s
                      const struct guide_point *at, struct guide_cone out[GUIDE_CONES],
                      float *expected) {
     if (!clusters) return 0;
-    if (!(*expected > 0.0f)) *expected = clusters->spread;
+    if (!(*expected > 0.0f)) *expected = clusters->uniform;
     struct view view[GUIDE_CONES];
     const int views = refine(clusters, at, *expected, view);
     int count = 0;
@@ -127,7 +127,7 @@ int guide_cones_around(const struct guide_clusters *clusters, vec3 p, float expe
     if (!clusters) return 0;
     const struct guide_point at = {.p = p};  // without a normal nothing is below the horizon
     struct view view[GUIDE_CONES];
-    const int views = refine(clusters, &at, expected > 0.0f ? expected : clusters->spread, view);
+    const int views = refine(clusters, &at, expected > 0.0f ? expected : clusters->uniform, view);
     int count = 0;
     for (int i = 0; i < views; i++) {
         const struct guide_cluster *node = view[i].node;

@@ -74,7 +74,7 @@ static void add_spots(const struct light_target *box, struct light_aim *aim) {
     for (int k = 0; k < GUIDE_VIEW_BOXES; k++) {
         float own = surface(&box[k]);
         if (!(own > 0.0f) || own > SMALLER * around) continue;
-        aim->spot[aim->count++] = box[k];
+        aim->target[aim->count++] = box[k];
         around = own;
     }
 }

@@ -36,7 +36,8 @@ satin_status light_prepare(struct satin_scene *scene, struct log log) {
                 break;
             case LIGHT_DIRECTIONAL:
                 light->strength = rgb_luminance(light->value);
-                light->power = light->strength * light_bounds_shadow(scene, light->direction);
+                light->power =
+                    light->strength * light_bounds_projected_area(scene, light->direction);
                 break;
         }
         light->power = fmaxf(light->power, 1e-30f);

@@ -114,11 +114,11 @@ struct light_ray {
 struct light_target {
     vec3 lo, hi;
 };
-enum { LIGHT_SPOTS = 6 };
+enum { LIGHT_TARGETS = 6 };
 struct light_aim {
     struct light_target all;  // a box around all targets; distant light that misses it is left out
     int count;                // number of boxes to aim at, in or in front of `all`
-    struct light_target spot[LIGHT_SPOTS];
+    struct light_target target[LIGHT_TARGETS];
 };
 #define LIGHT_UNAIMED 0.25f  // fraction of photons that are not aimed at a box, if there is any
 bool light_emit(const struct satin_scene *scene, uint32_t i, const struct light_aim *aim,

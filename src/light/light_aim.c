@@ -9,7 +9,7 @@
 // The least half angle of a cone: floats do not resolve a narrower one.
 #define CONE_LEAST 4e-6f
 
-static float spot_probability(const struct light_aim *aim) {
+static float target_probability(const struct light_aim *aim) {
     return (1.0f - LIGHT_UNAIMED) / (float)aim->count;
 }
 
@@ -19,7 +19,7 @@ int light_aim_choose(const struct light_aim *aim, float *u) {
         *u /= LIGHT_UNAIMED;
         return -1;
     }
-    float x = (*u - LIGHT_UNAIMED) / spot_probability(aim);
+    float x = (*u - LIGHT_UNAIMED) / target_probability(aim);
     int i = x < (float)aim->count ? (int)x : aim->count - 1;
     *u = fminf(x - (float)i, 0x1.fffffep-1f);
     return i;
@@ -48,8 +48,8 @@ static bool crosses(const struct ray *ray, const struct light_target *box, float
 }
 
 static float density(const struct light_target *box, const struct ray *ray) {
-    float shadow = light_box_shadow(box, ray->d);
-    return shadow > 0.0f ? 1.0f / shadow : 0.0f;
+    float projected = light_box_projected_area(box, ray->d);
+    return projected > 0.0f ? 1.0f / projected : 0.0f;
 }
 
 float light_aim_weight_ray(const struct satin_scene *scene, const struct light_aim *aim, int chosen,
@@ -59,8 +59,8 @@ float light_aim_weight_ray(const struct satin_scene *scene, const struct light_a
     if (chosen >= 0 && !crosses(ray, &aim->all, slack)) return 0.0f;
     float all = density(&aim->all, ray), sum = LIGHT_UNAIMED * all;
     for (int i = 0; i < aim->count; i++)
-        if (i == chosen || crosses(ray, &aim->spot[i], slack))
-            sum += spot_probability(aim) * density(&aim->spot[i], ray);
+        if (i == chosen || crosses(ray, &aim->target[i], slack))
+            sum += target_probability(aim) * density(&aim->target[i], ray);
     return sum > 0.0f ? all / sum : 0.0f;
 }
 
@@ -84,7 +84,7 @@ static bool cone_to(const struct light_target *box, vec3 p, struct target_cone *
 bool light_aim_direction(const struct light_aim *aim, int chosen, vec3 p, float u, float v,
                          vec3 *d) {
     struct target_cone cone;
-    if (chosen < 0 || !cone_to(&aim->spot[chosen], p, &cone)) return false;
+    if (chosen < 0 || !cone_to(&aim->target[chosen], p, &cone)) return false;
     struct frame frame = frame_from_normal(cone.axis);
     *d = frame_to_world(&frame, sample_uniform_cone(u, v, cone.cos_max));
     return true;
@@ -96,11 +96,11 @@ float light_aim_weight(const struct light_aim *aim, vec3 p, vec3 d, float pdf_w)
     for (int i = 0; i < aim->count; i++) {
         struct target_cone cone;
         float pdf = pdf_w;  // too near the box: the light's own density
-        if (cone_to(&aim->spot[i], p, &cone))
+        if (cone_to(&aim->target[i], p, &cone))
             pdf = v3_dot(d, cone.axis) >= cone.cos_max
                       ? 1.0f / (2.0f * PI_F * (1.0f - cone.cos_max))
                       : 0.0f;
-        sum += spot_probability(aim) * pdf;
+        sum += target_probability(aim) * pdf;
     }
     return sum > 0.0f ? pdf_w / sum : 0.0f;
 }

@@ -16,14 +16,14 @@ static vec3 box_sides(const struct light_target *box, vec3 d) {
     return v3(s.y * s.z * fabsf(d.x), s.x * s.z * fabsf(d.y), s.x * s.y * fabsf(d.z));
 }
 
-float light_box_shadow(const struct light_target *box, vec3 d) {
+float light_box_projected_area(const struct light_target *box, vec3 d) {
     vec3 a = box_sides(box, d);
     return a.x + a.y + a.z;
 }
 
-float light_bounds_shadow(const struct satin_scene *scene, vec3 d) {
+float light_bounds_projected_area(const struct satin_scene *scene, vec3 d) {
     struct light_target box = scene_bounds(scene);
-    return light_box_shadow(&box, d);
+    return light_box_projected_area(&box, d);
 }
 
 float light_bounds_area(const struct satin_scene *scene) {
@@ -31,13 +31,13 @@ float light_bounds_area(const struct satin_scene *scene) {
     return 2.0f * (s.x * s.y + s.y * s.z + s.z * s.x);
 }
 
-// A ray along d into the box, uniform over its projected area, which is returned in *shadow.
+// A ray along d into the box, uniform over its projected area, which is returned in *projected.
 static bool box_ray(const struct satin_scene *scene, const struct light_target *box, vec3 d,
-                    const float u[2], struct ray *ray, float *shadow) {
+                    const float u[2], struct ray *ray, float *projected) {
     vec3 side = box_sides(box, d), lo = box->lo, hi = box->hi, size = v3_sub(hi, lo), p;
-    *shadow = side.x + side.y + side.z;
-    if (!(*shadow > 0.0f)) return false;
-    float x = u[0] * *shadow, v = u[1];
+    *projected = side.x + side.y + side.z;
+    if (!(*projected > 0.0f)) return false;
+    float x = u[0] * *projected, v = u[1];
     if (x < side.x) {
         p = v3(d.x > 0.0f ? lo.x : hi.x, lo.y + size.y * (x / side.x), lo.z + size.z * v);
     } else if (x < side.x + side.y || !(side.z > 0.0f)) {
@@ -108,12 +108,12 @@ static bool emit_position(const struct light *light, const struct light_aim *aim
 // A ray along d through one of the aim's boxes. *area is set to 1 over its density.
 static bool aim_ray(const struct satin_scene *scene, const struct light_aim *aim, vec3 d,
                     const float u[2], struct ray *ray, float *area) {
-    float u2[2] = {u[0], u[1]}, shadow;
+    float u2[2] = {u[0], u[1]}, projected;
     int spot = light_aim_choose(aim, &u2[0]);
-    const struct light_target *box = spot < 0 ? &aim->all : &aim->spot[spot];
-    if (!box_ray(scene, box, d, u2, ray, &shadow)) return false;
+    const struct light_target *box = spot < 0 ? &aim->all : &aim->target[spot];
+    if (!box_ray(scene, box, d, u2, ray, &projected)) return false;
     float weight = light_aim_weight_ray(scene, aim, spot, ray);
-    *area = light_box_shadow(&aim->all, d) * weight;
+    *area = light_box_projected_area(&aim->all, d) * weight;
     return weight > 0.0f;
 }
 

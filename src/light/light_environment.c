@@ -121,7 +121,7 @@ static float sun_solid_angle(const struct light *light) { return PI_F * sqrf(lig
 static void add_sun(const struct satin_scene *scene, struct light *light) {
     float facing = rgb_luminance(light->sun_value) * sun_solid_angle(light);
     if (!(facing > 0.0f)) return;
-    float power = facing * light_bounds_shadow(scene, light->sun);
+    float power = facing * light_bounds_projected_area(scene, light->sun);
     light->sun_fraction =
         clampf(power / (power + light->power), SUN_FRACTION_MIN, SUN_FRACTION_MAX);
     light->strength += 0.25f * facing;
@@ -168,7 +168,7 @@ static satin_status prepare_image(struct satin_scene *scene, struct light *light
             vec3 d = direction_at(light, ((float)c + 1.0f) / (float)columns,
                                   ((float)r + 0.5f) / (float)rows);
             flux += line[c] * cell_area;
-            power += line[c] * cell_area * light_bounds_shadow(scene, d);
+            power += line[c] * cell_area * light_bounds_projected_area(scene, d);
         }
         float *cdf = column_cdf + r * (columns + 1);
         row_sum[r] = (float)sample_cdf_build(line, columns, cdf);

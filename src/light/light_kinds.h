@@ -77,9 +77,9 @@ bool light_beam_sample(const struct satin_scene *scene, const struct light *ligh
 // ---- Emission (light_emit.c) ------------------------------------------------------------------
 
 // The area of a box, projected along d.
-float light_box_shadow(const struct light_target *box, vec3 d);
+float light_box_projected_area(const struct light_target *box, vec3 d);
 // The area of the scene's bounds, projected along d, and the area of their surface.
-float light_bounds_shadow(const struct satin_scene *scene, vec3 d);
+float light_bounds_projected_area(const struct satin_scene *scene, vec3 d);
 float light_bounds_area(const struct satin_scene *scene);
 
 // ---- Lights at a point (light_point.c) --------------------------------------------------------

@@ -151,14 +151,14 @@ static struct quadric_point normal_to_world(const struct quadric *q, struct quad
 }
 
 // Position, normal (on the front side: outwards or +z), uv, dp/du and dp/dv in world space.
-struct spot {
+struct quadric_surface {
     struct quadric_point p, n, du, dv;
     vec2 uv;
 };
 
-static struct spot sphere_spot(const struct quadric *q, struct quadric_point p) {
+static struct quadric_surface sphere_surface(const struct quadric *q, struct quadric_point p) {
     struct quadric_point m = {p.x - q->centre[0], p.y - q->centre[1], p.z - q->centre[2]};
-    struct spot s;
+    struct quadric_surface s;
     s.n = scaled(m, 1.0 / sqrt(dot(m, m)));
     s.p = point_at_distance((struct quadric_point){q->centre[0], q->centre[1], q->centre[2]},
                             q->radius, s.n);
@@ -173,28 +173,29 @@ static struct spot sphere_spot(const struct quadric *q, struct quadric_point p) 
     return s;
 }
 
-static struct spot disk_spot(const struct quadric *q, struct quadric_point p) {
+static struct quadric_surface disk_surface(const struct quadric *q, struct quadric_point p) {
     struct quadric_point l = apply(q->to_object, p, 1.0);
     l.z = 0.0;
     double r = hypot(l.x, l.y);
     struct quadric_point axis =
         r > 0.0 ? (struct quadric_point){l.x / r, l.y / r, 0.0} : (struct quadric_point){1, 0, 0};
-    struct spot s = {.p = apply(q->to_world, l, 1.0),
-                     .n = normal_to_world(q, (struct quadric_point){0.0, 0.0, 1.0}),
-                     .du = apply(q->to_world, axis, 0.0)};
+    struct quadric_surface s = {.p = apply(q->to_world, l, 1.0),
+                                .n = normal_to_world(q, (struct quadric_point){0.0, 0.0, 1.0}),
+                                .du = apply(q->to_world, axis, 0.0)};
     s.dv =
         apply(q->to_world, (struct quadric_point){-2.0 * M_PI * l.y, 2.0 * M_PI * l.x, 0.0}, 0.0);
     s.uv = (vec2){(float)r, azimuth_fraction_wide(l.y, l.x)};
     return s;
 }
 
-static struct spot cylinder_spot(const struct quadric *q, struct quadric_point p) {
+static struct quadric_surface cylinder_surface(const struct quadric *q, struct quadric_point p) {
     struct quadric_point l = apply(q->to_object, p, 1.0);
     double r = hypot(l.x, l.y);
     l = (struct quadric_point){l.x / r, l.y / r, fmin(fmax(l.z, 0.0), 1.0)};
-    struct spot s = {.p = apply(q->to_world, l, 1.0),
-                     .n = normal_to_world(q, (struct quadric_point){l.x, l.y, 0.0}),
-                     .dv = apply(q->to_world, (struct quadric_point){0.0, 0.0, 1.0}, 0.0)};
+    struct quadric_surface s = {
+        .p = apply(q->to_world, l, 1.0),
+        .n = normal_to_world(q, (struct quadric_point){l.x, l.y, 0.0}),
+        .dv = apply(q->to_world, (struct quadric_point){0.0, 0.0, 1.0}, 0.0)};
     s.du =
         apply(q->to_world, (struct quadric_point){-2.0 * M_PI * l.y, 2.0 * M_PI * l.x, 0.0}, 0.0);
     s.uv = (vec2){azimuth_fraction_wide(l.y, l.x), (float)l.z};
@@ -204,9 +205,9 @@ static struct spot cylinder_spot(const struct quadric *q, struct quadric_point p
 void quadric_interaction(const struct quadric *q, const struct ray *ray, float t, bool tangent,
                          struct interaction *out) {
     struct quadric_point p = point_at_distance(to_double(ray->o), t, to_double(ray->d));
-    struct spot s = q->kind == SHAPE_SPHERE ? sphere_spot(q, p)
-                    : q->kind == SHAPE_DISK ? disk_spot(q, p)
-                                            : cylinder_spot(q, p);
+    struct quadric_surface s = q->kind == SHAPE_SPHERE ? sphere_surface(q, p)
+                               : q->kind == SHAPE_DISK ? disk_surface(q, p)
+                                                       : cylinder_surface(q, p);
     out->p = to_float(s.p);
     out->ng = to_float(q->flip ? scaled(s.n, -1.0) : s.n);
     out->uv = s.uv;
