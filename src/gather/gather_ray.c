@@ -71,7 +71,7 @@ static float weigh_hits(const struct gather *g, struct gather_hits *hits, size_t
         hits->bright[i] = rgb_luminance(rgb_mul(hits->hit[i].T, rgb_mul(albedo, E)));
         sum += hits->bright[i];
     }
-    return sum / (float)count;
+    return count > 0 ? sum / (float)count : 0.0f;
 }
 
 // The number of light samples at a hit, if its direct light is not known: in proportion to what it
