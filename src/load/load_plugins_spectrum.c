@@ -54,20 +54,13 @@ static const struct param_spec number = {"value",
                                          NULL,
                                          "The value of red, green and blue."};
 // Plugins `rgb` and `srgb` have the same parameter under different names.
-static const struct param_spec rgb_value = {"value",
-                                            PARAM_COLOR,
-                                            NULL,
-                                            RANGE_NOT_NEGATIVE,
-                                            PARAM_REQUIRED,
-                                            NULL,
-                                            "The colour in linear sRGB."};
-static const struct param_spec srgb_color = {"color",
-                                             PARAM_COLOR,
-                                             NULL,
-                                             RANGE_NOT_NEGATIVE,
-                                             PARAM_REQUIRED,
-                                             NULL,
-                                             "The colour in linear sRGB."};
+#define LINEAR_COLOR(name)                                                 \
+    {                                                                      \
+        name, PARAM_COLOR, NULL, RANGE_NOT_NEGATIVE, PARAM_REQUIRED, NULL, \
+            "The colour in linear sRGB."                                   \
+    }
+static const struct param_spec rgb_value = LINEAR_COLOR("value"),
+                               srgb_color = LINEAR_COLOR("color");
 static const struct param_spec unbounded = {
     "unbounded",
     PARAM_BOOLEAN,
