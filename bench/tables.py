@@ -40,7 +40,8 @@ TABLES = {
                          [*HARMONICS, "tests/stat/check_harmonics.py"]),
     "fig_6_15": ("fig_6_15.md", "bench/fig_6_15.py build/figures --spp 512 "
                  "--extra '--width 200 --height 200'",
-                 ["src/cache/*.[ch]", "src/render/render_adaptive_sampling.[ch]",
+                 ["src/cache/*.[ch]", "src/fill/*.[ch]",
+                  "src/render/render_adaptive_sampling.[ch]",
                   "bench/fig_6_15.py", "data/scenes/figures/ward-floor.xml"]),
 }
 # What a comment is, by the file's suffix; strings come first, as they may hold what looks like one.

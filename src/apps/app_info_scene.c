@@ -93,14 +93,14 @@ static void print_textures(const struct satin_scene *scene) {
 struct materials {
     const struct satin_scene *scene;
     const satin_options *options;
-    const struct shade_tables *tables;
+    const struct cache_tables *tables;
     uint32_t sampled, delta, bright;  // numbers of materials whose glossy lobe is sampled, that are
                                       // ideal specular, and that reflect over 80 %
     const struct material_side *front;  // the front of the material, once it was printed
 };
 
 static void print_glossy(const struct materials *m, const struct material_side *side) {
-    const struct shade_tables *t = m->tables;
+    const struct cache_tables *t = m->tables;
     const struct brdf_range *table = side->index < t->count ? t->table[side->index] : NULL;
     if (!table) {
         printf(", gloss by importance sampling");
@@ -218,16 +218,16 @@ static satin_status describe_materials(const struct satin_scene *scene) {
     satin_status status = satin_options_resolve(scene, NULL, 0, log.fn, log.user, &options);
     if (status != SATIN_OK) return status;
     struct parallel *pool = parallel_new(options.threads);
-    struct shade_tables tables = {0};
+    struct cache_tables tables = {0};
     if (!pool) return log_fail(log, SATIN_ERROR_MEMORY, "threads could not be started");
-    status = shade_tables_build(scene, &options, pool, log, &tables);
+    status = cache_tables_build(scene, &options, pool, log, &tables);
     if (status == SATIN_OK) {
         struct materials m = {.scene = scene, .options = &options, .tables = &tables};
         print_materials(&m);
         print_lights(scene);
         print_slow(&m);
     }
-    shade_tables_free(&tables);
+    cache_tables_free(&tables);
     parallel_free(pool);
     return status;
 }

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "base/array.h"
-#include "cache/cache_records.h"
 #include "rsh/rsh.h"
 
 // Projects cos(theta) over the hemisphere by the midpoint rule: E is then Lambda . cosine.
@@ -54,65 +53,36 @@ struct cache_options cache_options_of(const satin_options *o, enum cache_kind ki
                                   .max_radius = o->record_max_radius};
 }
 
-static size_t most_rays(const struct cache *cache) {
-    size_t most = 0;
-    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
-        for (int i = 0; i < CACHE_LAYOUTS; i++) {
-            const struct gather_layout *layout = cache->store[k].layout[i];
-            if (layout && gather_layout_rays(layout) > most) most = gather_layout_rays(layout);
-        }
-    return most;
-}
-
-struct cache *cache_new(const struct gather *g, int order, struct parallel *pool) {
+struct cache *cache_new(const struct satin_scene *scene, const satin_options *options, int order) {
     struct cache *c = calloc(1, sizeof *c);
     if (!c) return NULL;
-    const satin_options *o = g->options;
-    c->g = g;
-    c->pool = pool;
+    c->scene = scene;
+    c->options = options;
     for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++) {
-        c->store[k].options = cache_options_of(o, k);
-        cache_tree_init(&c->store[k].tree, g->scene->bounds_lo, g->scene->bounds_hi);
+        c->store[k].options = cache_options_of(options, k);
+        cache_tree_init(&c->store[k].tree, scene->bounds_lo, scene->bounds_hi);
     }
     c->store[CACHE_RADIANCE].order = order;
-    c->rays_fraction = 1.0f;
-    c->irradiance_whole = gather_layout_new(o->irradiance_rays, o->radiance_basis, 0);
-    if (!c->irradiance_whole) goto fail;
-    if (cache_rays_prepare(c, CACHE_IRRADIANCE, 1.0f) != SATIN_OK) goto fail;
-    if (order) {
-        c->cosine_order = o->radiance_basis == SATIN_HSH && order > 2 ? 2 : order;
-        c->cosine = array_new((size_t)(c->cosine_order * c->cosine_order), sizeof *c->cosine);
-        if (!c->cosine) goto fail;
-        if (cache_rays_prepare(c, CACHE_RADIANCE, 1.0f) != SATIN_OK) goto fail;
-        project_cosine(c->cosine, o->radiance_basis, c->cosine_order);
+    if (!order) return c;
+    c->cosine_order = options->radiance_basis == SATIN_HSH && order > 2 ? 2 : order;
+    c->cosine = array_new((size_t)(c->cosine_order * c->cosine_order), sizeof *c->cosine);
+    if (!c->cosine) {
+        cache_free(c);
+        return NULL;
     }
-    c->worker_count = parallel_threads(pool);
-    c->worker = gather_workers_new(pool, most_rays(c));
-    if (!c->worker) goto fail;
+    project_cosine(c->cosine, options->radiance_basis, c->cosine_order);
     return c;
-fail:
-    cache_free(c);
-    return NULL;
 }
 
 void cache_free(struct cache *cache) {
     if (!cache) return;
-    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++) {
+    for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
         cache_tree_free(&cache->store[k].tree);
-        for (int i = 0; i < CACHE_LAYOUTS; i++) gather_layout_free(cache->store[k].layout[i]);
-    }
     free(cache->irradiance);
     free(cache->radiance);
     arena_free(&cache->radiance_arena);
     free(cache->cosine);
-    gather_layout_free(cache->irradiance_whole);
-    gather_workers_free(cache->worker, cache->worker_count);
     free(cache);
-}
-
-void cache_limit_radius(struct cache *cache, enum cache_kind kind, float fraction) {
-    cache->store[kind].options.min_pixels =
-        fraction * cache_options_of(cache->g->options, kind).min_pixels;
 }
 
 size_t cache_count(const struct cache *cache, enum cache_kind kind) {
@@ -138,16 +108,10 @@ void cache_statistics(const struct cache *cache, struct stats *stats) {
     stats_set(stats, "records.irradiance", (double)cache_count(cache, CACHE_IRRADIANCE));
     stats_set(stats, "records.radiance", (double)cache_count(cache, CACHE_RADIANCE));
     stats_set(stats, "records.rays", (double)cache->rays);
-    stats_set(stats, "records.refused", (double)cache->refused);
     stats_set(stats, "records.bytes",
               tree_bytes(&cache->store[CACHE_IRRADIANCE].tree) +
                   tree_bytes(&cache->store[CACHE_RADIANCE].tree) +
                   (double)(cache->irradiance_capacity * sizeof *cache->irradiance) +
                   (double)(cache->radiance_capacity * sizeof *cache->radiance) +
                   (double)cache->radiance_arena.bytes);
-    if (!cache->adapted.passes) return;
-    stats_set(stats, "cache.passes", (double)cache->adapted.passes);
-    stats_set(stats, "cache.points", (double)cache->adapted.points);
-    stats_set(stats, "cache.shrunk", (double)cache->adapted.shrunk);
-    stats_set(stats, "cache.overhead_s", cache->adapted.seconds);
 }

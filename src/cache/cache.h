@@ -1,82 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 // The caches of the second pass: irradiance records on diffuse surfaces [Ward 1988, Ward and
-// Heckbert 1992], and incident radiance records on glossy ones [K05 3]. They are first filled at
-// sites, in deterministic batches on all threads, and then read without changes. Positions and
-// radii are in scene units; directions are unit vectors in world space unless a comment says
-// otherwise. Symbols: a accuracy (the largest error with which a record is used), R record radius
-// (harmonic mean distance, clamped), E irradiance [W m^-2], L radiance [W m^-2 sr^-1], Lambda
-// harmonic coefficients of incident radiance.
+// Heckbert 1992], and incident radiance records on glossy ones [K05 3]. This folder keeps records
+// and reads them; folder fill makes them. Positions and radii are in scene units; directions are
+// unit vectors in world space unless a comment says otherwise. Symbols: a accuracy (the largest
+// error with which a record is used), R record radius (harmonic mean distance, clamped), E
+// irradiance [W m^-2], L radiance [W m^-2 sr^-1], Lambda harmonic coefficients of incident
+// radiance.
 //
-// Threads: cache_fill, cache_adapt, cache_limit_* and cache_load change the cache and must be
-// called by one thread at a time, while no other uses it; they use the pool themselves. All
-// functions that take a const cache may be called by any number of threads at once.
+// Threads: cache_value_new, cache_insert_* and cache_load change the cache and must be called by
+// one thread at a time, while no other uses it. All functions that take a const cache may be called
+// by any number of threads at once.
 #ifndef CACHE_CACHE_H
 #define CACHE_CACHE_H
 
 #include "base/log.h"
 #include "base/stats.h"
-#include "gather/gather.h"
+#include "cache/cache_records.h"
 #include "rsh/rsh.h"
 
-struct cache;
-
-// The two kinds of records, each with its own options and octree.
-enum cache_kind { CACHE_IRRADIANCE, CACHE_RADIANCE, CACHE_KINDS };
-
-// The glossy lobes of a surface point for the direction to the eye.
-struct cache_view {
-    struct brdf brdf;                // for a factor `specular` of 1
-    const struct brdf_range *table;  // table of its harmonics; NULL: there is no glossy lobe, or it
-                                     // is not cached
-    int channels;                    // of the table: 1 or 3
-    uint32_t name;                   // see cache_lobe; 0: no record has a residual for it
-    vec3 wo;                         // direction to the eye, in the site's frame
-};
-
-// A surface point at which a record may be made, and the reflection there. Bump and normal maps are
-// left out, so that they need no additional records. 336 bytes.
-struct cache_site {
-    vec3 p;                  // position of the record, away from the edges of its triangle
-    vec3 ng;                 // geometric normal on the side that is seen
-    struct frame frame;      // shading frame; n on the same side
-    float pixel;             // width of a projected pixel at p, across the line of sight; > 0
-    uint64_t stream;         // random stream, unique to the site
-    uint8_t wants;           // kinds of records that the surface reads, a mask of 1 << cache_kind
-    struct cache_view view;  // all zero: the site is not seen
-    // Used by cache_adapt only:
-    vec3 shading_p;  // the point that is seen; p is this point, moved off an edge
-    rgb diffuse;     // BRDF of the diffuse lobe [sr^-1]
-    rgb specular;    // factor of the glossy lobes
-    float direct;    // luminance of the direct light that is reflected to the eye
-};
-
 // Makes empty caches. `order` is the order of radiance records, at most RSH_MAX_ORDER; 0 if there
-// will be none. There is memory for each worker of the pool. NULL if there is no memory. What `g`
-// points to, and the pool, must outlive the cache. The options in struct cache_options are copied.
-struct cache *cache_new(const struct gather *g, int order, struct parallel *pool);
+// will be none. NULL if there is no memory. The scene and the options must outlive the cache; what
+// struct cache_options has of them is copied.
+struct cache *cache_new(const struct satin_scene *scene, const satin_options *options, int order);
 void cache_free(struct cache *cache);  // NULL is allowed
-
-// Makes records of a kind until every site that needs one is covered at accuracy a. It selects
-// uncovered sites in the given order, in batches whose members are far apart, gathers each batch on
-// all threads while the cache does not change, and inserts the records in order: they depend on the
-// sites and the options, not on the threads. Radiance records are made only if the cache's order is
-// above 0. SATIN_CANCELLED if the pool's progress function stopped a loop, or SATIN_ERROR_MEMORY:
-// then the records of earlier batches are in the cache.
-struct cache_fill {
-    const struct cache_site *site;  // read only; NULL if count is 0
-    size_t count;
-    float a;        // > 0
-    float widest;   // records will be read at accuracies up to this times a of the options; >= 1
-    float spacing;  // distance of sites in pixels; members of a batch are farther apart
-    bool adapted;   // new records have the scale of the nearest one [K05 6.3.2]
-};
-satin_status cache_fill(struct cache *cache, enum cache_kind kind, const struct cache_fill *fill);
-
-// Sets the fraction, in (0, 1], of the options' gather rays that new records get.
-// SATIN_ERROR_MEMORY: then a kind of records may keep its number of rays.
-satin_status cache_limit_rays(struct cache *cache, float fraction);
-// Sets the fraction, in (0, 1], of the options' least radius for new records of a kind.
-void cache_limit_radius(struct cache *cache, enum cache_kind kind, float fraction);
 
 // ---- Reading (cache_read.c) ---------------------------------------------------------------------
 
@@ -124,13 +70,93 @@ struct cache_used cache_radiance(const struct cache *cache, const struct cache_l
 // Whether a record of any kind is within `radius` of p, on a surface of the same orientation.
 bool cache_has_record_near(const struct cache *cache, vec3 p, vec3 n, float radius);
 
-// ---- Adaptive caching [K05 6.3] (cache_adaptive.c) ----------------------------------------------
+// ---- The light of one record (cache_read.c) -----------------------------------------------------
 
-// Adapts the records of a kind to the sites of a completed fill: where records that are read at
-// accuracy read_a disagree visibly, the scales of the farthest ones are lowered, and new records
-// fill the gaps, until none disagree. Returns the status as cache_fill.
-satin_status cache_adapt(struct cache *cache, enum cache_kind kind, const struct cache_fill *fill,
-                         float read_a);
+// The lobes at a point: L = specular * (lobe . Lambda) + diffuse * E. C of the lobe may point to
+// `coefficients`; order 0: there is no glossy lobe.
+struct cache_surface {
+    rgb specular, diffuse;
+    struct cache_lobe lobe;
+    float coefficients[3 * RSH_MAX_COEFFICIENTS];
+};
+// The luminance of one record's light that a surface reflects. *noise is set to its standard
+// deviation, or for radiance to one sample of the noise.
+typedef float cache_reflected_fn(const struct cache *cache, uint32_t record,
+                                 const struct cache_lookup *at, float a,
+                                 const struct cache_surface *surface, float *noise);
+cache_reflected_fn cache_irradiance_reflected, cache_radiance_reflected;
+// E on a facet of normal `facing` at a point of normal n that has this value: E cos t for a facet
+// that is rotated by an angle t, plus a term of the rotation gradient in sin t.
+rgb cache_rotate_irradiance(const struct cache_irradiance_value *value, vec3 n, vec3 facing);
+
+// ---- The harmonics of glossy BRDFs (cache_tables.c) ---------------------------------------------
+
+// The tables of a scene, by the index of a material_side; NULL if there are none.
+struct cache_tables {
+    size_t count;
+    struct brdf_range **table;
+    bool *owned;    // false: the table is that of an equal BRDF before it
+    int *channels;  // of each table: 1 or 3
+    int order;      // largest order of all tables; 0: no glossy lobe is cached
+};
+// Makes the tables on all threads of the pool. SATIN_ERROR_MEMORY, with one logged line, or
+// SATIN_CANCELLED: then *out is unchanged.
+satin_status cache_tables_build(const struct satin_scene *scene, const satin_options *options,
+                                struct parallel *pool, struct log log, struct cache_tables *out);
+void cache_tables_free(struct cache_tables *tables);
+// The table for a material side, and its number of channels; or NULL.
+const struct brdf_range *cache_table(const struct cache_tables *tables,
+                                     const struct material_side *side, int *channels);
+// Whether textures change more of a side's glossy lobe than its factor.
+bool cache_shape_textured(const struct material_side *side);
+
+// ---- Records at a shading point (cache_plan.c) --------------------------------------------------
+
+// What is needed to read records at shading points. Plain data, shared by all threads.
+struct cache_reader {
+    const struct cache *cache;  // NULL: no records are read
+    const struct cache_tables *tables;
+    const satin_options *options;
+    float a_irradiance, a_radiance;  // accuracies at which records are read
+};
+// Reads records at the accuracies of the options.
+struct cache_reader cache_reader_make(const struct cache *cache, const struct cache_tables *tables,
+                                      const satin_options *options);
+
+// The technique for each lobe at a point.
+struct cache_plan {
+    unsigned cached;                 // glossy and diffuse lobes from a radiance record
+    unsigned diffuse;                // diffuse lobe from irradiance
+    unsigned sampled;                // glossy lobes and transmission by importance sampling
+    const struct brdf_range *table;  // of the glossy lobe, if it is cached
+    int channels;
+    float bump;  // fraction of the cached glossy light that bumps leave
+};
+void cache_plan_make(const struct cache_reader *reader, const struct shading_point *p,
+                     struct cache_plan *plan);
+// The kinds of records that the plan of a point uses, a mask of 1 << cache_kind; 0: none.
+unsigned cache_plan_kinds(const struct cache_reader *reader, const struct shading_point *p);
+// Reads from radiance records the light that the glossy lobes reflect, without the factor
+// brdf.specular, and the irradiance, if the plan uses them. If count is 0, both are unchanged.
+struct cache_used cache_plan_radiance(const struct cache_reader *reader,
+                                      const struct cache_plan *plan, const struct shading_point *p,
+                                      const struct cache_lookup *at, rgb *glossy, rgb *E);
+// Adds to *L the indirect light that y reflects by the lobes that the records cover. Returns these
+// lobes, which are smooth.
+unsigned cache_add_reflected(const struct cache_reader *reader, const struct shading_point *y,
+                             rgb *L);
+
+// The point of a cache lookup. If no record is accurate enough there, the nearest one up to the
+// distance `fallback` is used.
+static inline struct cache_lookup cache_lookup_at(const struct shading_point *p, float fallback) {
+    return (struct cache_lookup){p->interaction.p, p->base.n, p->frame, fallback};
+}
+// The number by which records identify a point's glossy lobes; 0 if textures change their shape.
+static inline uint32_t cache_lobe_number(const struct shading_point *p) {
+    return cache_shape_textured(p->side) ? 0 : (uint32_t)p->side->index + 1;
+}
+// The fraction of the irradiance that the diffuse lobe reflects, per solid angle.
+rgb cache_diffuse_albedo(const struct shading_point *p);
 
 // ---- Files of records (cache_file.c, docs/formats.md) -------------------------------------------
 

@@ -24,7 +24,7 @@ static float *put_vec3(float *out, vec3 v) { return put3(out, v.x, v.y, v.z); }
 
 static void put_irradiance(const struct cache *cache, size_t i, float *out) {
     const struct cache_irradiance_record *record = &cache->irradiance[i];
-    const struct gather_irradiance *v = &record->value;
+    const struct cache_irradiance_value *v = &record->value;
     out = put3(out, v->E.r, v->E.g, v->E.b);
     for (int c = 0; c < 3; c++) out = put_vec3(out, v->grad_t[c]);
     for (int c = 0; c < 3; c++) out = put_vec3(out, v->grad_r[c]);
@@ -68,7 +68,7 @@ static void put_radiance(const struct cache *cache, size_t i, float *out) {
 
 static bool get_radiance(struct cache *cache, size_t i, const float *in) {
     const int n2 = cache->store[CACHE_RADIANCE].order * cache->store[CACHE_RADIANCE].order;
-    float *value = arena_array(&cache->radiance_arena, (size_t)(n2 * CACHE_LANES), sizeof *value);
+    float *value = cache_value_new(cache);
     struct cache_radiance_record r = {.value = value, .radius_ratio = in[9]};
     r.frame =
         (struct frame){v3(in[0], in[1], in[2]), v3(in[3], in[4], in[5]), v3(in[6], in[7], in[8])};

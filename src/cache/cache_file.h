@@ -4,7 +4,7 @@
 #ifndef CACHE_FILE_H
 #define CACHE_FILE_H
 
-#include "cache/cache_records.h"
+#include "cache/cache.h"
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "files are written as memory lies");
 

@@ -9,36 +9,21 @@
 // not occlude its own points.
 static const float LIFT = 0.1f;
 
-// No ray is traced to points nearer than this fraction of the least distance of the record's hits,
-// because the rays may have missed something nearer.
-static const float CLEAR = 0.8f;
-
-uint32_t cache_leak_sectors(const struct gather_around *around, float radius, float *clear) {
-    uint32_t near = 0;
-    *clear = radius;
-    for (int s = 0; s < GATHER_SECTORS; s++)
-        if (around->sector[s] < radius) {
-            near |= 1u << s;
-            *clear = fminf(*clear, CLEAR * around->sector[s]);
-        }
-    return near;
-}
-
 // The sector of the direction d about n.
 static int sector_of(const struct cache_head *h, vec3 d) {
     float x = v3_dot(d, h->u), y = v3_dot(d, v3_cross(h->n, h->u));
-    int s = (int)floorf(azimuth_fraction(y, x) * GATHER_SECTORS);
-    return s < GATHER_SECTORS ? s : 0;
+    int s = (int)floorf(azimuth_fraction(y, x) * CACHE_SECTORS);
+    return s < CACHE_SECTORS ? s : 0;
 }
 
 bool cache_leaks(const struct cache *cache, const struct cache_head *h, vec3 p) {
-    if (!h->near_sectors || !cache->g->options->leak_test) return false;
+    if (!h->near_sectors || !cache->options->leak_test) return false;
     vec3 d = v3_sub(p, h->p);
     float length = v3_len(d);
     if (!(length > h->clear) || !(h->near_sectors >> sector_of(h, d) & 1u)) return false;
     vec3 lift = v3_mul(h->n, LIFT * length), from = v3_add(h->p, lift), to = v3_add(p, lift);
-    struct ray ray = scene_spawn_to(cache->g->scene, from, h->n, to, v3(0, 0, 0));
-    return scene_occluded(cache->g->scene, &ray);
+    struct ray ray = scene_spawn_to(cache->scene, from, h->n, to, v3(0, 0, 0));
+    return scene_occluded(cache->scene, &ray);
 }
 
 int cache_find(const struct cache *cache, const struct cache_tree *tree, vec3 p, vec3 n, float a,

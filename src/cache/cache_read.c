@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cache/cache_records.h"
+#include "cache/cache_value.h"
 #include "rsh/rsh.h"
 
 // Finds the records to interpolate at a point, or the nearest record if there are none.
@@ -67,25 +67,38 @@ static rgb mean_value(const struct taylor *sum, float weight) {
     return rgb_make(mean[0], mean[1], mean[2]);
 }
 
-// E of one record at a point. A facet that bumps rotate by an angle t receives E cos t, plus a term
-// of the rotation gradient in sin t.
+// E on a facet that is rotated from the normal n to `facing`, where E and its rotation gradient are
+// those of the normal `from`.
+static struct taylor rotate_value(const struct cache_irradiance_value *value, vec3 from, vec3 n,
+                                  vec3 facing) {
+    const float cosine = minf(v3_dot(n, facing), 1.0f);
+    struct taylor t = {{cosine * value->E.r, cosine * value->E.g, cosine * value->E.b},
+                       .rotation = v3_cross(from, facing)};
+    for (int c = 0; c < 3; c++) t.rotation_grad[c] = value->grad_r[c];
+    return t;
+}
+
+rgb cache_rotate_irradiance(const struct cache_irradiance_value *value, vec3 n, vec3 facing) {
+    const struct taylor t = rotate_value(value, n, n, facing);
+    return rgb_at_least(value_alone(&t), 0.0f);
+}
+
+// E of one record at a point, on a facet that bumps rotate.
 static struct taylor irradiance_of(const struct cache *cache, uint32_t record,
                                    const struct cache_lookup *at, float a) {
     const struct cache_head *h = &cache->store[CACHE_IRRADIANCE].tree.head[record];
-    const struct gather_irradiance *value = &cache->irradiance[record].value;
-    const float cosine = minf(v3_dot(at->n, at->frame.n), 1.0f);
-    struct taylor t = {{cosine * value->E.r, cosine * value->E.g, cosine * value->E.b},
-                       .offset = offset_from(h, at->p, a),
-                       .rotation = v3_cross(h->n, at->frame.n)};
-    if (cache->store[CACHE_IRRADIANCE].options.gradients == SATIN_GRADIENTS_NONE) return t;
+    const struct cache_irradiance_value *value = &cache->irradiance[record].value;
+    struct taylor t = rotate_value(value, h->n, at->n, at->frame.n);
+    t.offset = offset_from(h, at->p, a);
+    const bool gradients = cache->store[CACHE_IRRADIANCE].options.gradients != SATIN_GRADIENTS_NONE;
     for (int c = 0; c < 3; c++) {
-        t.grad[c] = value->grad_t[c];
-        t.rotation_grad[c] = value->grad_r[c];
+        t.grad[c] = gradients ? value->grad_t[c] : v3(0, 0, 0);
+        if (!gradients) t.rotation_grad[c] = v3(0, 0, 0);
     }
     return t;
 }
 
-// Returns radius_ratio of a record, see cache_extent.
+// Returns radius_ratio of a record, see fill_extent.
 typedef float ratio_fn(const struct cache *cache, uint32_t record);
 static float irradiance_ratio(const struct cache *cache, uint32_t record) {
     return cache->irradiance[record].radius_ratio;
@@ -98,7 +111,7 @@ static float radiance_ratio(const struct cache *cache, uint32_t record) {
 // contacts of surfaces, where the least radius prevents denser records.
 static bool is_oversized(const struct cache *cache, ratio_fn *ratio, const struct cache_near *near,
                          int count) {
-    const float least = cache->g->options->gather_radius_ratio;
+    const float least = cache->options->gather_radius_ratio;
     float sum = 0.0f, weights = 0.0f;
     for (int i = 0; i < count; i++) {
         if (ratio(cache, near[i].record) < least) sum += near[i].weight;

@@ -4,7 +4,7 @@
 // value and gradients are nine.
 #include <string.h>
 
-#include "cache/cache_records.h"
+#include "cache/cache_value.h"
 #include "rsh/rsh.h"
 
 static void frame_rows(const struct frame *f, float rows[9]) {
@@ -18,7 +18,7 @@ static void frame_rows(const struct frame *f, float rows[9]) {
 
 void cache_rotate(const struct cache *cache, const struct frame *from, const struct frame *to,
                   struct cache_lobe *lobe, float *rotated) {
-    const satin_options *o = cache->g->options;
+    const satin_options *o = cache->options;
     float point[9], record[9];
     frame_rows(from, point);
     frame_rows(to, record);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to cache/: an octree over discs around records. A record is referred to by every
-// cell that its disc, of its search radius, touches on one level, where cells are about half as
-// wide as the disc, so a query descends a single path. Lengths are in scene units, directions are
-// unit vectors in world space. Any number of threads may query while none inserts.
+// An octree over discs around records, for the folders that read and make them. A record is
+// referred to by every cell that its disc, of its search radius, touches on one level, where cells
+// are about half as wide as the disc, so a query descends a single path. Lengths are in scene
+// units, directions are unit vectors in world space. Any number of threads may query while none
+// inserts.
 #ifndef CACHE_TREE_H
 #define CACHE_TREE_H
 

@@ -11,19 +11,13 @@
 #define GATHER_GATHER_H
 
 #include "base/sampling.h"
+#include "cache/cache.h"
 #include "photon/photon.h"
 #include "scene/scene.h"
 
-struct gather_point;
-struct shade;
-
-// First pass `recursive`: the records of the next indirect bounce, which were made before by
-// functions of a later folder.
+// First pass `recursive`: the records of the next indirect bounce, which were made before.
 struct gather_records {
-    // Adds to *L the indirect light that y reflects by the lobes that the records cover. Returns
-    // these lobes, which are smooth.
-    unsigned (*read)(const struct shade *shade, const struct gather_point *y, rgb *L);
-    const struct shade *shade;    // interpolates between the records; opaque here
+    const struct cache_reader *reader;
     const struct gather *gather;  // with which they were made; NULL: there are no records
 };
 
@@ -54,26 +48,6 @@ struct gather {
 struct gather gather_make(const struct satin_scene *scene, const satin_options *options,
                           const struct photon_maps *maps);
 
-// A surface point prepared for shading in direction wo.
-struct gather_point {
-    struct interaction interaction;
-    struct brdf brdf;
-    const struct material_side *side;  // the component of the blend
-    struct frame frame;                // of the BRDF; n on the side that reflects
-    struct frame base;                 // the frame without bumps, which records have
-    vec3 wo_l;                         // towards the viewer, local
-    vec3 ng;                           // geometric normal on the viewer's side
-    unsigned lobes;                    // of the BRDF, 0 if it reflects nothing
-};
-
-// Prepares the point at which a ray along d hits s. If the material is a blend, one component is
-// drawn.
-void gather_point_make(const struct satin_scene *scene, const struct interaction *s, vec3 d,
-                       struct gather_point *out);
-// Prepares the point with a given component.
-void gather_point_of(const struct satin_scene *scene, const struct material_side *side,
-                     const struct interaction *s, vec3 d, struct gather_point *out);
-
 // Whether indirect light is gathered: its paths have at least three segments.
 static inline bool gather_indirect(const satin_options *o) {
     return o->integrator == SATIN_TWO_PASS && (o->max_depth < 0 || o->max_depth > 2);
@@ -103,7 +77,7 @@ struct gather_lights {
 // sampled, or all of a few lights once each, and weighted against BRDF sampling by the power
 // heuristic. *variance, if not NULL, is set to the variance of the luminance by one sample; 0 if
 // there is only one sample or if every light is sampled.
-rgb gather_direct(const struct gather *g, const struct gather_point *p, struct gather_mis mis,
+rgb gather_direct(const struct gather *g, const struct shading_point *p, struct gather_mis mis,
                   struct gather_lights lights, struct sampler sampler, float *variance);
 // The largest number of surfaces of panes that light may pass on its way to a point at a depth;
 // negative if even direct light exceeds max_depth.
@@ -141,7 +115,7 @@ rgb gather_path(const struct gather *g, struct ray ray, struct sampler *sampler,
 // The result of an eye ray.
 struct gather_eye_hit {
     bool hit;
-    struct gather_point point;  // of the first surface, if one was hit
+    struct shading_point point;  // of the first surface, if one was hit
     rgb emission;  // the part of the radiance that is emitted light, seen directly or through ideal
                    // specular surfaces alone
 };
@@ -181,7 +155,7 @@ void gather_scratch_free(struct gather_scratch *scratch);                      /
 // Follows `ray` through ideal specular surfaces to a point with a smooth lobe, and sets *out to it.
 // False if there is none. *first is set to the first surface that the ray hits.
 bool gather_follow(const struct gather *g, struct ray ray, struct sampler *sampler,
-                   struct gather_first *first, struct gather_point *out);
+                   struct gather_first *first, struct shading_point *out);
 
 // Traces any number `count` of rays. `stream` and the item of each ray seed the random decisions.
 void gather_rays(const struct gather *g, struct gather_scratch *scratch, struct gather_ray *rays,
@@ -239,14 +213,6 @@ struct gather_worker {
 struct gather_worker *gather_workers_new(struct parallel *pool, size_t rays);
 void gather_workers_free(struct gather_worker *workers, int count);  // NULL is allowed
 
-// Irradiance at a point, with gradients.
-struct gather_irradiance {
-    rgb E;
-    vec3 grad_t[3];  // translation: dE/dp per channel, world, in the tangent plane
-    vec3 grad_r[3];  // rotation: E changes by (n_i x n) . grad_r
-    uint32_t rays;   // number of rays from which it was made
-};
-
 // Incident radiance in harmonics [K05 (4.9)], in the site's frame. Arrays of 3 * order^2 (channel
 // by channel), owned by the caller; dx and dy, the derivatives by p along the frame's axes, may be
 // NULL.
@@ -258,23 +224,21 @@ struct gather_radiance {
     uint32_t rays;  // number of rays from which it was made
 };
 
-enum { GATHER_SECTORS = 32 };
-
 // What the rays show of the surroundings of the site (gather_around.c). Distances are INFINITY if
 // nothing was hit.
 struct gather_around {
     float harmonic;       // harmonic mean of hit distances
     float least;          // least hit distance
     float least_upright;  // least hit distance without rays at grazing angles to both surfaces
-    float sector[GATHER_SECTORS];  // distances along the tangent plane, by azimuth
-    float deviation;               // standard deviation of E, as a fraction of E [K05 6.4]
+    float sector[CACHE_SECTORS];  // distances along the tangent plane, by azimuth
+    float deviation;              // standard deviation of E, as a fraction of E [K05 6.4]
     float hessian[3];  // d2E/dx2, d2E/dxdy, d2E/dy2 of luminance in the frame, if requested
 };
 
 // Computes irradiance from a hemisphere of a cosine-weighted layout.
 void gather_hemisphere_irradiance(const struct gather *g,
                                   const struct gather_hemisphere *hemisphere,
-                                  struct gather_irradiance *out);
+                                  struct cache_irradiance_value *out);
 // Computes incident radiance from a hemisphere of a uniform layout.
 void gather_hemisphere_radiance(const struct gather *g, const struct gather_hemisphere *hemisphere,
                                 struct gather_radiance *out);

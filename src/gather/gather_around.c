@@ -34,9 +34,9 @@ static void sectors(const struct gather_hemisphere *h, struct gather_around *out
             float sine = sqrtf(h->x[i] * h->x[i] + h->y[i] * h->y[i]);
             if (h->z[i] < sine) near = fminf(near, h->ray[i].first.r * sine);
         }
-        int first = k * GATHER_SECTORS / l->N, last = (k + 1) * GATHER_SECTORS / l->N;
+        int first = k * CACHE_SECTORS / l->N, last = (k + 1) * CACHE_SECTORS / l->N;
         for (int s = first; s <= last; s++) {
-            float *sector = &out->sector[s % GATHER_SECTORS];
+            float *sector = &out->sector[s % CACHE_SECTORS];
             *sector = fminf(*sector, near);
         }
     }
@@ -127,7 +127,7 @@ void gather_around_make(const struct gather_hemisphere *h, bool hessian,
                         struct gather_around *out) {
     *out = (struct gather_around){.harmonic = INFINITY, .least = INFINITY};
     out->least_upright = INFINITY;
-    for (int s = 0; s < GATHER_SECTORS; s++) out->sector[s] = INFINITY;
+    for (int s = 0; s < CACHE_SECTORS; s++) out->sector[s] = INFINITY;
     distances(h, out);
     sectors(h, out);
     out->deviation = deviation(h);

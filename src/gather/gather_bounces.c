@@ -39,8 +39,8 @@ struct path_branch {
 // A surface of the path.
 struct path_vertex {
     const struct gather *g;  // whose records may be read here
-    const struct gather_point *y;
-    struct gather_point point;  // the surface point, except of the first vertex
+    const struct shading_point *y;
+    struct shading_point point;  // the surface point, except of the first vertex
     int bounce;  // number of segments from the gather ray's hit to this surface; the change to the
                  // records of the next bounce does not count, as its own depth is less
     rgb T, Le;   // of the segment that ends here: its transmittance, and the emitted light on it
@@ -75,7 +75,7 @@ static float glossy_probability(rgb albedo, int bounce) {
 
 // The probability that the diffuse lobe is followed where the estimate is not reliable: 1 at the
 // gather ray's hit, the albedo after it.
-static float diffuse_probability(const struct gather_point *y, int bounce) {
+static float diffuse_probability(const struct shading_point *y, int bounce) {
     if (bounce == 0) return 1.0f;
     if (bounce >= DIFFUSE_MAX) return 0.0f;
     return clampf(rgb_max(brdf_albedo(&y->brdf, y->wo_l, BRDF_DIFFUSE)), 0.1f, 0.95f);
@@ -142,11 +142,11 @@ static rgb caustic_irradiance(const struct path *path, const struct path_vertex 
 static void add_vertex_light(struct path *path, struct path_vertex *v,
                              struct gather_estimate estimate) {
     const struct gather *g = v->g;
-    const struct gather_point *y = v->y;
+    const struct shading_point *y = v->y;
     const struct interaction *s = &y->interaction;
     v->L = rgb_grey(0.0f);
     v->followed = 0;
-    const unsigned known = g->next.gather ? g->next.read(g->next.shade, y, &v->L) : 0;
+    const unsigned known = g->next.gather ? cache_add_reflected(g->next.reader, y, &v->L) : 0;
     const unsigned diffuse = y->lobes & BRDF_DIFFUSE & ~known, glossy = y->lobes & GLOSSY & ~known;
     const rgb albedo = glossy ? brdf_albedo(&y->brdf, y->wo_l, GLOSSY) : rgb_grey(0.0f);
     struct path_branch by_diffuse = {0}, by_glossy = {0};
@@ -193,7 +193,7 @@ static void add_vertex_light(struct path *path, struct path_vertex *v,
 // Draws the direction of a segment that leaves v by a branch. False if the path ends.
 static bool draw_direction(struct path *path, const struct path_vertex *v,
                            struct path_branch branch, struct brdf_sample *out) {
-    const struct gather_point *y = v->y;
+    const struct shading_point *y = v->y;
     float u_lobe = sampler_1d(&path->sampler);
     const vec2 u = sampler_2d(&path->sampler);
     if (u_lobe >= branch.probability) return false;
@@ -256,7 +256,7 @@ static bool follow_branch(struct path *path, struct path_vertex *v, struct path_
     return true;
 }
 
-rgb gather_bounces(const struct gather *g, const struct gather_point *y,
+rgb gather_bounces(const struct gather *g, const struct shading_point *y,
                    struct gather_estimate estimate, const struct gather_near *near,
                    struct sampler sampler) {
     struct path path;  // not initialised as a whole, as few of its vertices are used

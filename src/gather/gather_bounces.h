@@ -21,7 +21,7 @@ static inline const rgb *gather_direct_known(const struct gather *g, int entry) 
 
 // The radiance [W m^-2 sr^-1] that y, the hit of a gather ray, reflects by its smooth lobes to its
 // viewer, without emitted light. `near`, which may be NULL, guides the first bounce.
-rgb gather_bounces(const struct gather *g, const struct gather_point *y,
+rgb gather_bounces(const struct gather *g, const struct shading_point *y,
                    struct gather_estimate estimate, const struct gather_near *near,
                    struct sampler sampler);
 

@@ -16,7 +16,7 @@ struct choice {
 };
 
 // The sum of f_r over the lobes, each with its weight against BRDF sampling.
-static rgb weighted_brdf(const struct gather_point *p, struct gather_mis mis, vec3 wi, float pdf,
+static rgb weighted_brdf(const struct shading_point *p, struct gather_mis mis, vec3 wi, float pdf,
                          bool delta) {
     rgb sum = rgb_grey(0.0f);
     for (int i = 0; i < 3; i++) {
@@ -34,8 +34,8 @@ static rgb weighted_brdf(const struct gather_point *p, struct gather_mis mis, ve
 // The contribution of the sample u of one light, without the probability of choosing the light. The
 // weight against BRDF sampling includes that probability even if all lights are sampled, as
 // gather_light_pdf does.
-static rgb sample_light(const struct gather *g, const struct gather_point *p, struct gather_mis mis,
-                        struct choice choice, vec2 u) {
+static rgb sample_light(const struct gather *g, const struct shading_point *p,
+                        struct gather_mis mis, struct choice choice, vec2 u) {
     const struct satin_scene *scene = g->scene;
     rgb none = rgb_grey(0.0f);
     struct light_sample s;
@@ -61,7 +61,7 @@ int gather_panes(const struct gather *g, int depth) {
 }
 
 // One sample of each light.
-static rgb all_lights(const struct gather *g, const struct gather_point *p, struct gather_mis mis,
+static rgb all_lights(const struct gather *g, const struct shading_point *p, struct gather_mis mis,
                       struct light_visibility visibility, struct sampler sampler) {
     rgb sum = rgb_grey(0.0f);
     const vec2 u = sampler_2d(&sampler);
@@ -74,7 +74,7 @@ static rgb all_lights(const struct gather *g, const struct gather_point *p, stru
     return sum;
 }
 
-rgb gather_direct(const struct gather *g, const struct gather_point *p, struct gather_mis mis,
+rgb gather_direct(const struct gather *g, const struct shading_point *p, struct gather_mis mis,
                   struct gather_lights lights, struct sampler sampler, float *variance) {
     rgb sum = rgb_grey(0.0f);
     const uint32_t light_count = g->scene->light_count, samples = (uint32_t)lights.samples;

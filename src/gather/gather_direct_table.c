@@ -33,8 +33,8 @@ struct direct_job {
 };
 
 // A white diffuse surface at an entry.
-static struct gather_point white_point(const struct brdf_model *diffuse, vec3 p, vec3 n) {
-    struct gather_point point = {.ng = n, .lobes = BRDF_DIFFUSE, .wo_l = v3(0.0f, 0.0f, 1.0f)};
+static struct shading_point white_point(const struct brdf_model *diffuse, vec3 p, vec3 n) {
+    struct shading_point point = {.ng = n, .lobes = BRDF_DIFFUSE, .wo_l = v3(0.0f, 0.0f, 1.0f)};
     point.interaction.p = p;
     point.interaction.ng = point.interaction.frame.n = n;
     point.frame = point.base = frame_from_normal(n);
@@ -52,7 +52,7 @@ static void light_entries(void *ctx, size_t begin, size_t end, int worker) {
     for (size_t i = begin; i < end; i++) {
         vec3 p, n;
         photon_irradiance_position(g->maps, i, &p, &n);
-        const struct gather_point point = white_point(diffuse, p, n);
+        const struct shading_point point = white_point(diffuse, p, n);
         const struct gather_mis alone = {2, {{BRDF_DIFFUSE, 0.0f}}};
         const struct gather_lights lights = {ENTRY_SAMPLES, (uint32_t)i * ENTRY_SAMPLES};
         const struct sampler sampler = {0, seed, 0};

@@ -156,8 +156,8 @@ static void irradiance_gradients(const struct gather_hemisphere *h, satin_gradie
 }
 
 void gather_hemisphere_irradiance(const struct gather *g, const struct gather_hemisphere *h,
-                                  struct gather_irradiance *out) {
-    *out = (struct gather_irradiance){.rays = (uint32_t)h->count};
+                                  struct cache_irradiance_value *out) {
+    *out = (struct cache_irradiance_value){.rays = (uint32_t)h->count};
     for (size_t i = 0; i < h->count; i++) out->E = rgb_add(out->E, h->ray[i].L);
     out->E = rgb_scale(out->E, PI_F / (float)h->stratified);
     irradiance_gradients(h, g->options->irradiance_gradients, out->grad_t);

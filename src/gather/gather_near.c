@@ -47,7 +47,7 @@ static float probe_cone(const struct gather *g, const struct gather_hits *hits, 
                         int probes, struct guide_cone cone) {
     int matters = 0, clear = 0;
     for (int i = 0; i < probes; i++) {
-        const struct gather_point *y = &hits->hit[probe[i]].point;
+        const struct shading_point *y = &hits->hit[probe[i]].point;
         const float rest = rgb_luminance(hits->E[probe[i]]);
         if (!guide_cone_move(&cone, y->interaction.p, y->frame.n)) continue;
         if (!(cone.E > NEAR_FAINT * (cone.E + rest))) continue;
@@ -84,7 +84,7 @@ struct choices {
     int count;
 };
 
-static void move_cones(const struct gather_near *near, const struct gather_point *y,
+static void move_cones(const struct gather_near *near, const struct shading_point *y,
                        struct choices *out) {
     out->count = 0;
     out->all = 0.0f;
@@ -99,7 +99,7 @@ static void move_cones(const struct gather_near *near, const struct gather_point
     }
 }
 
-bool gather_near_bounce(const struct gather_near *near, const struct gather_point *y, float E,
+bool gather_near_bounce(const struct gather_near *near, const struct shading_point *y, float E,
                         float u_lobe, vec2 u, struct brdf_sample *out) {
     struct choices at;
     move_cones(near, y, &at);

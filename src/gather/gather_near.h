@@ -45,7 +45,7 @@ void gather_near_clusters(const struct gather *g, const struct gather_hits *hits
 // Draws a direction from which y, near the site, reflects light by its diffuse lobe: by the lobe
 // itself or to one of the clusters. E [W m^-2] is the luminance of the first-pass irradiance at y.
 // Otherwise as brdf_sample; pdf_w is that of the lobe alone, for MIS with light samples.
-bool gather_near_bounce(const struct gather_near *near, const struct gather_point *y, float E,
+bool gather_near_bounce(const struct gather_near *near, const struct shading_point *y, float E,
                         float u_lobe, vec2 u, struct brdf_sample *out);
 
 // As gather_rays, with guided bounces from hits near the site of `near`. NULL: no bounces are

@@ -33,7 +33,7 @@ static rgb emitted(const struct gather *g, const struct path_walk *walk,
 }
 
 // Continues the path from `from` by a sample, along `d`.
-static void leave_point(const struct gather *g, const struct gather_point *from,
+static void leave_point(const struct gather *g, const struct shading_point *from,
                         const struct brdf_sample *next, vec3 d, struct path_walk *walk) {
     if (next->pdf_w > 0.0f) {
         walk->from = from->interaction.p;
@@ -46,8 +46,8 @@ static void leave_point(const struct gather *g, const struct gather_point *from,
 }
 
 // Continues from a point by reflection or transmission. False if the path ends there.
-static bool bounce(const struct gather *g, const struct gather_point *from, struct sampler *sampler,
-                   struct path_walk *walk) {
+static bool bounce(const struct gather *g, const struct shading_point *from,
+                   struct sampler *sampler, struct path_walk *walk) {
     struct brdf_sample next;
     float u_lobe = sampler_1d(sampler);
     vec2 u = sampler_2d(sampler);
@@ -74,7 +74,7 @@ static rgb follow_path(const struct gather *g, struct path_walk walk, struct sam
                        struct gather_first *first, struct gather_eye_hit *eye) {
     const int max_depth = g->options->max_depth;
     rgb L = rgb_grey(0.0f);
-    struct gather_point from = {0};
+    struct shading_point from = {0};
     do {
         struct interaction s;
         bool hit = scene_intersect(g->scene, &walk.ray, &s);
@@ -88,7 +88,7 @@ static rgb follow_path(const struct gather *g, struct path_walk walk, struct sam
         const bool last = max_depth >= 0 && walk.depth + 1 >= max_depth;
         if (!hit || (last && (!eye || eye->hit))) break;
 
-        gather_point_make(g->scene, &s, walk.ray.d, &from);
+        shading_point_make(g->scene, &s, walk.ray.d, &from);
         if (first && !(from.lobes & BRDF_SMOOTH)) first->ng = GATHER_NOTHING.ng;
         first = NULL;
         if (eye && !eye->hit) {

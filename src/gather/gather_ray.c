@@ -21,7 +21,8 @@ void gather_scratch_free(struct gather_scratch *scratch) { free(scratch); }
 
 // The irradiance at y by a density estimate from what the diffuse lobe reflects. If there is no
 // diffuse lobe, it is 0 and *radius is INFINITY.
-static rgb density_irradiance(const struct gather *g, const struct gather_point *y, float *radius) {
+static rgb density_irradiance(const struct gather *g, const struct shading_point *y,
+                              float *radius) {
     *radius = INFINITY;
     if (!(y->lobes & BRDF_DIFFUSE)) return rgb_grey(0.0f);
     rgb L = photon_radiance(g->maps, g->scene, y->interaction.p, y->ng, &y->frame, &y->brdf,
@@ -35,7 +36,7 @@ static rgb density_irradiance(const struct gather *g, const struct gather_point 
 static void look_up_hits(const struct gather *g, struct gather_hits *hits, size_t count) {
     const bool precomputed = g->options->first_pass == SATIN_FIRST_PRECOMPUTED;
     for (size_t i = 0; i < count; i++) {
-        const struct gather_point *y = &hits->hit[i].point;
+        const struct shading_point *y = &hits->hit[i].point;
         hits->p[i] = y->interaction.p;
         hits->n[i] = y->ng;
         hits->entry[i] = -1;
@@ -64,7 +65,7 @@ static bool averages_few(const struct gather *g, const struct gather_hit *hit, f
 static float weigh_hits(const struct gather *g, struct gather_hits *hits, size_t count) {
     float sum = 0.0f;
     for (size_t i = 0; i < count; i++) {
-        const struct gather_point *y = &hits->hit[i].point;
+        const struct shading_point *y = &hits->hit[i].point;
         rgb E = hits->E[i];
         if (g->direct && hits->entry[i] >= 0) E = rgb_add(E, g->direct->E[hits->entry[i]]);
         const rgb albedo = brdf_albedo(&y->brdf, y->wo_l, BRDF_SMOOTH);

@@ -10,7 +10,7 @@ enum { GATHER_CHUNK = 512 };
 
 // The end of a gather ray, for the lookup.
 struct gather_hit {
-    struct gather_point point;
+    struct shading_point point;
     rgb T;  // transmittance of the ideal specular surfaces before it
     struct gather_ray *ray;
     struct sampler sampler;

@@ -26,7 +26,7 @@ static void add_met_light(const struct gather *g, const struct gather_segment_st
 
 // The probability that a segment ends at a surface with both smooth and ideal specular lobes, in
 // proportion to what they reflect.
-static float end_probability(const struct gather_point *p) {
+static float end_probability(const struct shading_point *p) {
     if (!(p->lobes & BRDF_DELTA)) return p->lobes & BRDF_SMOOTH ? 1.0f : 0.0f;
     if (!(p->lobes & BRDF_SMOOTH)) return 0.0f;
     const float smooth = rgb_max(brdf_albedo(&p->brdf, p->wo_l, BRDF_SMOOTH));
@@ -36,7 +36,7 @@ static float end_probability(const struct gather_point *p) {
 
 bool gather_segment_trace(const struct gather *g, const struct gather_segment_start *start,
                           struct sampler *sampler, struct gather_segment *out,
-                          struct gather_point *end) {
+                          struct shading_point *end) {
     struct ray ray = start->ray;
     struct light_chain chain = light_chain_begin(ray.d);
     float distance = 0.0f;
@@ -54,7 +54,7 @@ bool gather_segment_trace(const struct gather *g, const struct gather_segment_st
         if (i == 0) out->first = (struct gather_first){s.t, s.ng};
         distance += s.t;
         s.footprint = start->spread * distance;
-        gather_point_make(g->scene, &s, ray.d, end);
+        shading_point_make(g->scene, &s, ray.d, end);
         const float stop = end_probability(end), u = stop < 1.0f ? sampler_1d(sampler) : 0.0f;
         if (u < stop) {
             out->T = rgb_scale(out->T, 1.0f / stop);
@@ -74,7 +74,7 @@ bool gather_segment_trace(const struct gather *g, const struct gather_segment_st
 }
 
 bool gather_follow(const struct gather *g, struct ray ray, struct sampler *sampler,
-                   struct gather_first *first, struct gather_point *out) {
+                   struct gather_first *first, struct shading_point *out) {
     struct gather_segment segment;
     const bool found =
         gather_segment_trace(g, &(struct gather_segment_start){.ray = ray}, sampler, &segment, out);

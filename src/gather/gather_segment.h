@@ -30,6 +30,6 @@ struct gather_segment {
 // roulette.
 bool gather_segment_trace(const struct gather *g, const struct gather_segment_start *start,
                           struct sampler *sampler, struct gather_segment *out,
-                          struct gather_point *end);
+                          struct shading_point *end);
 
 #endif

@@ -28,10 +28,11 @@ static void render_free(struct render *r) {
     if (!r) return;
     render_image_free(r->image);
     shade_destroy(&r->second_pass.shade);
+    fill_free(r->second_pass.fill);
     cache_free(r->second_pass.cache);
     render_cache_free(r);
     render_bounces_free(r);
-    shade_tables_free(&r->second_pass.tables);
+    cache_tables_free(&r->second_pass.tables);
     photon_maps_free(r->first_pass.maps);
     gather_direct_table_free(&r->first_pass.direct);
     guide_visibility_free(r->first_pass.visibility);
@@ -103,7 +104,7 @@ static satin_status brdf_tables(struct render *r) {
     render_stage_begin(r, STAGE_TABLES, (double)r->scene.material_count);
     render_limit_tables(r);
     satin_status status =
-        shade_tables_build(&r->scene, &r->options, r->pool, r->log, &r->second_pass.tables);
+        cache_tables_build(&r->scene, &r->options, r->pool, r->log, &r->second_pass.tables);
     return render_limit_end(r, status);
 }
 
@@ -116,8 +117,10 @@ static satin_status bounce_records(struct render *r) {
 // Makes an empty cache, and what the image and the search for sites need.
 static satin_status prepare_second_pass(struct render *r) {
     struct render_second_pass *pass = &r->second_pass;
-    pass->cache = cache_new(&pass->gather, pass->tables.order, r->pool);
+    pass->cache = cache_new(pass->gather.scene, pass->gather.options, pass->tables.order);
     if (!pass->cache) return SATIN_ERROR_MEMORY;
+    pass->fill = fill_new(pass->cache, &pass->gather, r->pool);
+    if (!pass->fill) return SATIN_ERROR_MEMORY;
     return shade_init(&pass->shade, &pass->gather, &pass->tables, pass->cache,
                       render_budget_missing_rays(&r->options), r->pool);
 }

@@ -15,12 +15,12 @@ satin_status render_adaptive_cache(struct render *r) {
     const float a[CACHE_KINDS] = {r->options.irradiance_a, r->options.radiance_a};
     const float widen[CACHE_KINDS] = {r->options.irradiance_widen, r->options.radiance_widen};
     for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS && status == SATIN_OK; k++) {
-        const struct cache_fill fill = {.site = sites.site,
-                                        .count = sites.count,
-                                        .a = a[k],
-                                        .widest = render_budget_widest(&r->options),
-                                        .spacing = 1.5f};
-        status = cache_adapt(r->second_pass.cache, k, &fill, a[k] * widen[k]);
+        const struct fill_sites wanted = {.site = sites.site,
+                                          .count = sites.count,
+                                          .a = a[k],
+                                          .widest = render_budget_widest(&r->options),
+                                          .spacing = 1.5f};
+        status = fill_adapt(r->second_pass.fill, k, &wanted, a[k] * widen[k]);
     }
     render_sites_free(&sites);
     return status;

@@ -24,7 +24,7 @@ struct walks {
     const struct shade *shade;
     const satin_options *image;
     int bounce;
-    struct cache_site *site;
+    struct fill_site *site;
     bool *found;
 };
 
@@ -49,26 +49,25 @@ static void follow_walks(void *ctx, size_t begin, size_t end, int worker) {
     }
 }
 
-static satin_status fill_from_walks(struct render *r, struct render_bounce *bounce,
-                                    struct walks *walks) {
+static satin_status fill_from_walks(struct render *r, struct fill *fill, struct walks *walks) {
     if (!parallel_for(r->pool, RENDER_WALKS, 64, follow_walks, walks)) return SATIN_CANCELLED;
-    const satin_options *o = &bounce->options;
+    const satin_options *o = walks->shade->g->options;
     const float a[CACHE_KINDS] = {o->irradiance_a, o->radiance_a};
-    struct cache_fill fill = {.widest = fmaxf(o->irradiance_widen, o->radiance_widen),
-                              .spacing = SPACING};
+    struct fill_sites sites = {.widest = fmaxf(o->irradiance_widen, o->radiance_widen),
+                               .spacing = SPACING};
     satin_status status = SATIN_OK;
     for (size_t i = 0, next = RENDER_WALKS_FIRST; i < RENDER_WALKS && status == SATIN_OK;
          i = next, next = 2 * i) {
-        struct cache_site *site = walks->site + i;
+        struct fill_site *site = walks->site + i;
         size_t count = 0;
         for (size_t k = i; k < next; k++)
             if (walks->found[k]) site[count++] = walks->site[k];
-        fill.site = site;
-        fill.count = count;
+        sites.site = site;
+        sites.count = count;
         for (enum cache_kind kind = CACHE_IRRADIANCE; kind < CACHE_KINDS && status == SATIN_OK;
              kind++) {
-            fill.a = a[kind];
-            status = cache_fill(bounce->cache, kind, &fill);
+            sites.a = a[kind];
+            status = fill_records(fill, kind, &sites);
         }
     }
     return status;
@@ -79,20 +78,18 @@ static satin_status make_bounce(struct render *r, int index, struct walks *walks
     bounce->options = bounce_options(&r->options, index);
     bounce->gather = r->second_pass.gather;  // reads the records of the next bounce
     bounce->gather.options = &bounce->options;
-    bounce->cache = cache_new(&bounce->gather, r->second_pass.tables.order, r->pool);
-    if (!bounce->cache) return SATIN_ERROR_MEMORY;
+    bounce->cache = cache_new(&r->scene, &bounce->options, r->second_pass.tables.order);
+    struct fill *fill = bounce->cache ? fill_new(bounce->cache, &bounce->gather, r->pool) : NULL;
+    if (!fill) return SATIN_ERROR_MEMORY;
     bounce->shade = (struct shade){
         .g = &bounce->gather,
-        .tables = &r->second_pass.tables,
-        .cache = bounce->cache,
-        .a_irradiance = bounce->options.irradiance_a * bounce->options.irradiance_widen,
-        .a_radiance = bounce->options.radiance_a * bounce->options.radiance_widen};
+        .records = cache_reader_make(bounce->cache, &r->second_pass.tables, &bounce->options)};
     film_filter_make(&r->scene.film, &bounce->shade.filter);
     walks->shade = &bounce->shade;
     walks->bounce = index;
-    satin_status status = fill_from_walks(r, bounce, walks);
-    r->second_pass.gather.next =
-        (struct gather_records){shade_known, &bounce->shade, &bounce->gather};
+    satin_status status = fill_from_walks(r, fill, walks);
+    fill_free(fill);
+    r->second_pass.gather.next = (struct gather_records){&bounce->shade.records, &bounce->gather};
     return status;
 }
 

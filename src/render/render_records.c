@@ -25,7 +25,7 @@ static double count_records(const struct render *r) {
 static satin_status fill_levels(struct filling *f, struct render_widths widen, bool covering,
                                 double done, double span) {
     struct render *r = f->r;
-    struct cache *cache = r->second_pass.cache;
+    struct fill *fill = r->second_pass.fill;
     const float a[CACHE_KINDS] = {r->options.irradiance_a, r->options.radiance_a};
     satin_status status = SATIN_OK;
     int stride = RENDER_COARSEST;
@@ -33,7 +33,7 @@ static satin_status fill_levels(struct filling *f, struct render_widths widen, b
          level++, stride /= 2) {
         const double start = stats_wall(), before = count_records(r);
         render_stage_part(r, done + span * level / RENDER_LEVELS, span / RENDER_LEVELS);
-        status = cache_limit_rays(cache, render_budget_rays(&r->options, &f->covering, stride));
+        status = fill_limit_rays(fill, render_budget_rays(&r->options, &f->covering, stride));
         size_t count;
         uint32_t *pixel = render_grid(r, stride, level > 0, &count);
         if (!pixel) status = SATIN_ERROR_MEMORY;
@@ -42,12 +42,12 @@ static satin_status fill_levels(struct filling *f, struct render_widths widen, b
             status = render_find_sites(r, pixel + i, block, false, &f->sites);
             for (enum cache_kind kind = CACHE_IRRADIANCE; kind < CACHE_KINDS && status == SATIN_OK;
                  kind++) {
-                const struct cache_fill fill = {.site = f->sites.site,
-                                                .count = f->sites.count,
-                                                .a = a[kind] * widen.of[kind],
-                                                .widest = render_budget_widest(&r->options),
-                                                .spacing = 1.5f * (float)stride};
-                status = cache_fill(cache, kind, &fill);
+                const struct fill_sites sites = {.site = f->sites.site,
+                                                 .count = f->sites.count,
+                                                 .a = a[kind] * widen.of[kind],
+                                                 .widest = render_budget_widest(&r->options),
+                                                 .spacing = 1.5f * (float)stride};
+                status = fill_records(fill, kind, &sites);
             }
         }
         free(pixel);
@@ -62,8 +62,8 @@ static satin_status fill_levels(struct filling *f, struct render_widths widen, b
 
 // Sets the factors of a at which the image reads the records.
 static void read_at(struct render *r, float irradiance, float radiance) {
-    r->second_pass.shade.a_irradiance = r->options.irradiance_a * irradiance;
-    r->second_pass.shade.a_radiance = r->options.radiance_a * radiance;
+    r->second_pass.shade.records.a_irradiance = r->options.irradiance_a * irradiance;
+    r->second_pass.shade.records.a_radiance = r->options.radiance_a * radiance;
 }
 
 // With a time limit: rounds of ever finer records. The image reads them at the finest accuracy of a
@@ -79,7 +79,7 @@ static satin_status fill_timed(struct filling *f) {
     for (int i = 0; i < rounds && status == SATIN_OK; i++) {
         const struct render_widths widen = render_budget_round(&r->options, i);
         for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
-            cache_limit_radius(r->second_pass.cache, k, render_budget_least_radius(widen.of[k]));
+            fill_limit_radius(r->second_pass.fill, k, render_budget_least_radius(widen.of[k]));
         status = fill_levels(f, widen, i == 0, (double)i / rounds, 1.0 / rounds);
         if (!render_steps(r)->records || !render_time_remains(r)) break;
         finished = widen;
@@ -110,10 +110,10 @@ satin_status render_records(struct render *r) {
         status = render_adaptive_cache(r);
     if (status == SATIN_OK) r->outcome.saved = render_cache_save(r);
     if (!render_steps(r)->records) {
-        r->second_pass.shade.cache = NULL;
+        r->second_pass.shade.records.cache = NULL;
         stats_set(&r->stats, "records.abandoned", 1.0);
     }
     render_sites_free(&f.sites);
-    cache_statistics(r->second_pass.cache, &r->stats);
+    fill_statistics(r->second_pass.fill, &r->stats);
     return status;
 }

@@ -16,10 +16,10 @@ struct site_search {
     const struct render *r;
     const uint32_t *pixel;
     bool adaptive;
-    struct cache_site *found;  // SITES_PER_PIXEL for each pixel of a block
-    uint8_t *count;            // number of slots of each pixel that are filled
-    struct cache_site *site;   // the sites of the block are appended here
-    size_t *first;             // index of the first site of each pixel
+    struct fill_site *found;  // SITES_PER_PIXEL for each pixel of a block
+    uint8_t *count;           // number of slots of each pixel that are filled
+    struct fill_site *site;   // the sites of the block are appended here
+    size_t *first;            // index of the first site of each pixel
 };
 
 uint32_t *render_grid(const struct render *r, int stride, bool finer, size_t *count) {

@@ -73,10 +73,11 @@ struct render_first_pass {
 struct render_second_pass {
     satin_options options;  // of the render, but the integrator is that of the course
     struct gather gather;
-    struct shade_tables tables;
+    struct cache_tables tables;
     struct render_bounce *bounces;  // records of the indirect bounces beyond the first
     int bounce_count;
     struct cache *cache;
+    struct fill *fill;  // makes the records of the cache
     struct shade shade;
     char *file_bytes;         // contents of the caller's file of records, or NULL
     struct cache_file *file;  // its records
@@ -174,11 +175,11 @@ satin_status render_records(struct render *r);
 uint32_t *render_grid(const struct render *r, int stride, bool finer, size_t *count);
 // A growing array of sites; all zeros at first.
 struct render_sites {
-    struct cache_site *site;
+    struct fill_site *site;
     size_t count, capacity;
 };
 // Replaces the sites by those seen in `count` pixels, in the order of the pixels; if `adaptive`,
-// with the members for cache_adapt. SATIN_CANCELLED or SATIN_ERROR_MEMORY.
+// with the members for fill_adapt. SATIN_CANCELLED or SATIN_ERROR_MEMORY.
 satin_status render_find_sites(struct render *r, const uint32_t *pixel, size_t count, bool adaptive,
                                struct render_sites *sites);
 void render_sites_free(struct render_sites *sites);

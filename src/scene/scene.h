@@ -407,6 +407,28 @@ struct frame scene_component_frame(const struct satin_scene *scene,
                                    const struct material_side *side, const struct interaction *s,
                                    vec3 wo);
 
+// ---- Shading points (scene_shading_point.c) -----------------------------------------------------
+
+// A surface point prepared for shading in direction wo.
+struct shading_point {
+    struct interaction interaction;
+    struct brdf brdf;
+    const struct material_side *side;  // the component of the blend
+    struct frame frame;                // of the BRDF; n on the side that reflects
+    struct frame base;                 // the frame without bumps, which records have
+    vec3 wo_l;                         // towards the viewer, local
+    vec3 ng;                           // geometric normal on the viewer's side
+    unsigned lobes;                    // of the BRDF, 0 if it reflects nothing
+};
+
+// Prepares the point at which a ray along d hits s. If the material is a blend, one component is
+// drawn.
+void shading_point_make(const struct satin_scene *scene, const struct interaction *s, vec3 d,
+                        struct shading_point *out);
+// Prepares the point with a given component.
+void shading_point_of(const struct satin_scene *scene, const struct material_side *side,
+                      const struct interaction *s, vec3 d, struct shading_point *out);
+
 // ---- Camera (scene_camera.c) ------------------------------------------------------------------
 
 // The eye ray through film position (x, y), in pixels of the full film with y down. (u, v) in [0,

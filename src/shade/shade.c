@@ -8,12 +8,11 @@
 #include "shade/shade_indirect.h"
 
 satin_status shade_init(struct shade *shade, const struct gather *g,
-                        const struct shade_tables *tables, const struct cache *cache,
+                        const struct cache_tables *tables, const struct cache *cache,
                         int missing_rays, struct parallel *pool) {
-    struct shade s = {.g = g, .tables = tables, .cache = cache, .missing_rays = missing_rays};
     const satin_options *o = g->options;
-    s.a_irradiance = o->irradiance_a * o->irradiance_widen;
-    s.a_radiance = o->radiance_a * o->radiance_widen;
+    struct shade s = {
+        .g = g, .records = cache_reader_make(cache, tables, o), .missing_rays = missing_rays};
     film_filter_make(&g->scene->film, &s.filter);
     // The footprint of a pixel is divided among its samples.
     if (o->texture_filter) s.sharpness = 1.0f / sqrtf((float)(o->spp > 1 ? o->spp : 1));
@@ -37,7 +36,7 @@ void shade_destroy(struct shade *shade) {
 }
 
 // Sets the channels that are not light, from the first surface.
-static void surface_channels(const struct shade *shade, const struct gather_point *p,
+static void surface_channels(const struct shade *shade, const struct shading_point *p,
                              const struct shade_camera_sample *camera, struct shade_sample *out) {
     vec3 n = v3_dot(p->frame.n, p->ng) < 0.0f ? v3_neg(p->frame.n) : p->frame.n;
     if (p->lobes) out->layer[SHADE_ALBEDO] = brdf_albedo(&p->brdf, p->wo_l, BRDF_ALL);
@@ -56,7 +55,7 @@ static void light_channels(const struct shade *shade, struct shade_sample *out) 
 // is added separately.
 static void add_photon_radiance(struct shade_job *job) {
     const struct gather *g = job->shade->g;
-    const struct gather_point *p = &job->vertex->point;
+    const struct shading_point *p = &job->vertex->point;
     float radius;
     rgb L = photon_radiance(g->maps, g->scene, p->interaction.p, p->ng, &p->frame, &p->brdf,
                             p->wo_l, BRDF_REFLECT, &radius);

@@ -5,22 +5,8 @@
 #define SHADE_SHADE_H
 
 #include "cache/cache.h"
+#include "fill/fill.h"
 #include "gather/gather.h"
-
-// The harmonics of a scene's glossy BRDFs, by the index of a material_side; NULL if there are none.
-struct shade_tables {
-    size_t count;
-    struct brdf_range **table;
-    bool *owned;    // false: the table is that of an equal BRDF before it
-    int *channels;  // of each table: 1 or 3
-    int order;      // largest order of all tables; 0: no glossy lobe is cached
-};
-
-satin_status shade_tables_build(const struct satin_scene *scene, const satin_options *options,
-                                struct parallel *pool, struct log log, struct shade_tables *out);
-void shade_tables_free(struct shade_tables *tables);
-// Whether textures change more of a side's glossy lobe than its factor.
-bool shade_shape_textured(const struct material_side *side);
 
 // The layers of the image. Each light path is in one of them (see the path table in docs/tour.md).
 enum shade_layer {
@@ -57,10 +43,8 @@ static inline bool shade_sample_finite(const struct shade_sample *s) {
 // Constants of an image pass, and what each worker gathers with.
 struct shade {
     const struct gather *g;
-    const struct shade_tables *tables;
-    const struct cache *cache;       // NULL: no records are read
-    float a_irradiance, a_radiance;  // accuracies of the image pass
-    int missing_rays;                // of one sample where no record is near
+    struct cache_reader records;  // how the image pass reads them
+    int missing_rays;             // of one sample where no record is near
     struct film_filter filter;
     float sharpness;               // width of a sample's footprint, in pixels; 0: a point
     struct gather_layout *gather;  // hemisphere for points where a cache is off
@@ -70,7 +54,7 @@ struct shade {
 
 // `missing_rays` is at least 1 and at most SATIN_GLOSSY_SAMPLES_MAX.
 satin_status shade_init(struct shade *shade, const struct gather *g,
-                        const struct shade_tables *tables, const struct cache *cache,
+                        const struct cache_tables *tables, const struct cache *cache,
                         int missing_rays, struct parallel *pool);
 void shade_destroy(struct shade *shade);  // a zeroed one is allowed
 
@@ -116,13 +100,11 @@ void shade_pixel(const struct shade *shade, struct shade_worker *worker, int x, 
 rgb shade_emission(const struct shade *shade, int x, int y, uint32_t index, float *weight);
 
 // Finds the surface points at which an eye ray of pixel (x, y) may need records; if `adaptive`,
-// with the members for cache_adapt. Returns their number, at most `max` (shade_sites.c).
-int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct cache_site *out,
+// with the members for fill_adapt. Returns their number, at most `max` (shade_sites.c).
+int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct fill_site *out,
                 int max);
 // Finds a site of indirect bounce `bounce`: the end of a random walk of that many bounces from
 // pixel (x, y). False if the walk ends before, or if its end needs no record.
-bool shade_walk(const struct shade *shade, int x, int y, int bounce, struct cache_site *out);
-// The function of a struct gather_records. The workers of *shade are not used.
-unsigned shade_known(const struct shade *shade, const struct gather_point *y, rgb *L);
+bool shade_walk(const struct shade *shade, int x, int y, int bounce, struct fill_site *out);
 
 #endif

@@ -56,7 +56,7 @@ void shade_aov_light(const struct scene_aovs *aovs, rgb L, float *out) {
                 0.019334f * L.r + 0.119193f * L.g + 0.950227f * L.b));
 }
 
-void shade_aov(const struct shade *shade, const struct gather_point *p,
+void shade_aov(const struct shade *shade, const struct shading_point *p,
                const struct shade_camera_sample *camera, float *out) {
     const struct scene_aovs *aovs = &shade->g->scene->hints.aovs;
     const struct interaction *s = &p->interaction;

@@ -7,7 +7,7 @@
 
 // Writes the values of p, the first surface that the eye ray of `camera` hits, to
 // out[scene->hints.aovs.values], where those of each kind begin at its `first`.
-void shade_aov(const struct shade *shade, const struct gather_point *p,
+void shade_aov(const struct shade *shade, const struct shading_point *p,
                const struct shade_camera_sample *camera, float *out);
 // Writes the values of AOV_LIGHT: L, which is linear sRGB [W m^-2 sr^-1].
 void shade_aov_light(const struct scene_aovs *aovs, rgb L, float *out);

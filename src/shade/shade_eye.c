@@ -52,7 +52,7 @@ static void add_emission(const struct shade *shade, const struct branch *b,
 
 // Pushes the rays that leave an ideal specular surface. Returns the new height of the stack.
 static int push_specular(const struct shade *shade, const struct branch *b,
-                         const struct gather_point *p, struct sampler *sampler,
+                         const struct shading_point *p, struct sampler *sampler,
                          struct branch *stack, int top) {
     struct brdf_sample lobe[2];
     int lobes = brdf_delta(&p->brdf, p->wo_l, BRDF_RADIANCE, lobe);
@@ -115,10 +115,10 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
             b.depth == 0 ? scene_component(scene, &s, v3_neg(b.ray.d)) : NULL;
         int components = find_components(scene, &s, b.ray.d, out->count + top, component);
         for (int i = 0; i < components; i++) {
-            struct gather_point point;
+            struct shading_point point;
             struct branch own = b;
             own.T = rgb_scale(b.T, component[i].weight);
-            gather_point_of(scene, component[i].side, &s, b.ray.d, &point);
+            shading_point_of(scene, component[i].side, &s, b.ray.d, &point);
             if (component[i].side == shown) {
                 out->hit = true;
                 out->first = point;
@@ -131,12 +131,4 @@ void shade_eye_trace(const struct shade *shade, int x, int y, struct sampler *sa
                 top = push_specular(shade, &own, &point, sampler, stack, top);
         }
     }
-}
-
-const struct brdf_range *shade_table(const struct shade *shade, const struct gather_point *p,
-                                     int *channels) {
-    size_t i = p->side->index;
-    if (i >= shade->tables->count) return NULL;
-    *channels = shade->tables->channels[i];
-    return shade->tables->table[i];
 }

@@ -9,7 +9,7 @@ enum { SHADE_VERTICES = 12 };
 
 // A surface point that is seen, directly or through ideal specular surfaces.
 struct shade_vertex {
-    struct gather_point point;
+    struct shading_point point;
     rgb T;        // throughput to the eye
     float pixel;  // width of a projected pixel there
 };
@@ -29,7 +29,7 @@ struct shade_eye {
     struct shade_camera_sample camera;
     // The first surface, for channels that are not light.
     bool hit;
-    struct gather_point first;  // if it is a blend, of one component, drawn by its weight
+    struct shading_point first;  // if it is a blend, of one component, drawn by its weight
 };
 
 // Follows the eye ray of a sample. At the first ideal specular surfaces both reflection and
@@ -42,8 +42,5 @@ struct ray shade_eye_ray(const struct shade *shade, int x, int y, struct sampler
 // The sampler of a sample. Its numbers depend only on the seed, the pixel and the index.
 struct sampler shade_eye_sampler(const struct gather *g, int x, int y, uint32_t index,
                                  enum rng_stream stream);
-// The table for the point's material and side, and its number of channels; or NULL.
-const struct brdf_range *shade_table(const struct shade *shade, const struct gather_point *p,
-                                     int *channels);
 
 #endif

@@ -8,7 +8,7 @@
 #define NEAR 2.0f    // pixels
 
 struct shade_pixel_entry *shade_pixel_cache_find(struct shade_pixel_cache *cache,
-                                                 const struct gather_point *p, float pixel) {
+                                                 const struct shading_point *p, float pixel) {
     vec3 wo = frame_to_world(&p->frame, p->wo_l);
     for (int i = 0; i < cache->count; i++) {
         struct shade_pixel_entry *e = &cache->entry[i];

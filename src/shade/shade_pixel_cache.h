@@ -12,6 +12,6 @@
 // The entry for this point: one of the same surface less than two pixels away, with a similar
 // normal and direction to the eye, or an empty one. `pixel` is the width of a pixel there.
 struct shade_pixel_entry *shade_pixel_cache_find(struct shade_pixel_cache *cache,
-                                                 const struct gather_point *p, float pixel);
+                                                 const struct shading_point *p, float pixel);
 
 #endif

@@ -2,7 +2,6 @@
 // The shading points of an eye ray as sites for the cache: positions at which records may be made,
 // the reflection there, and the direct light beside it [K05 6.2, 6.4].
 #include "shade/shade_eye.h"
-#include "shade/shade_records.h"
 
 enum { LIGHT_SAMPLES = 4 };
 
@@ -11,26 +10,28 @@ static const float EDGE_PIXELS = 0.5f;
 
 // The direction to the eye in the frame of the surface without bump and normal maps, which need no
 // additional records.
-static vec3 base_wo(const struct gather_point *p) {
+static vec3 base_wo(const struct shading_point *p) {
     return frame_to_local(&p->base, frame_to_world(&p->frame, p->wo_l));
 }
 
-static void add_view(const struct shade *shade, const struct gather_point *p,
-                     struct cache_view *view) {
-    view->table = p->lobes & BRDF_GLOSSY ? shade_table(shade, p, &view->channels) : NULL;
+static void add_view(const struct shade *shade, const struct shading_point *p,
+                     struct fill_view *view) {
+    view->table = p->lobes & BRDF_GLOSSY
+                      ? cache_table(shade->records.tables, p->side, &view->channels)
+                      : NULL;
     if (!view->table) return;
     view->brdf = p->brdf;
     view->brdf.specular = rgb_grey(1.0f);
-    view->name = shade_lobe_number(p);
+    view->name = cache_lobe_number(p);
     view->wo = base_wo(p);
 }
 
-// Sets the members of a site for cache_adapt; direct light is by a few light samples alone.
-static void add_light(const struct shade *shade, const struct gather_point *bumpy,
-                      struct sampler sampler, struct cache_site *site) {
+// Sets the members of a site for fill_adapt; direct light is by a few light samples alone.
+static void add_light(const struct shade *shade, const struct shading_point *bumpy,
+                      struct sampler sampler, struct fill_site *site) {
     static const struct gather_mis lights_alone = {1, {{BRDF_SMOOTH, 0.0f}}};
     const struct gather_lights lights = {LIGHT_SAMPLES, LIGHT_SAMPLES * sampler.index};
-    struct gather_point p = *bumpy;
+    struct shading_point p = *bumpy;
     p.wo_l = base_wo(bumpy);
     p.frame = p.base;
     site->shading_p = p.interaction.p;
@@ -39,7 +40,7 @@ static void add_light(const struct shade *shade, const struct gather_point *bump
     site->direct = rgb_luminance(gather_direct(shade->g, &p, lights_alone, lights, sampler, NULL));
 }
 
-int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct cache_site *out,
+int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct fill_site *out,
                 int max) {
     const struct gather *g = shade->g;
     struct shade_eye eye;
@@ -49,10 +50,10 @@ int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct c
     for (int i = 0; i < eye.count && count < max; i++) {
         const struct shade_vertex *v = &eye.vertex[i];
         const struct interaction *s = &v->point.interaction;
-        const unsigned wants = shade_record_kinds(shade, &v->point);
+        const unsigned wants = cache_plan_kinds(&shade->records, &v->point);
         if (!wants) continue;
-        struct cache_site *site = &out[count++];
-        *site = (struct cache_site){
+        struct fill_site *site = &out[count++];
+        *site = (struct fill_site){
             .p = g->options->origin_shift ? scene_off_edges(g->scene, s, EDGE_PIXELS * v->pixel)
                                           : s->p,
             .ng = s->ng,

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The second pass at one point [K05 3.5]: the light that a point reflects, with each class of the
-// path table once, and its lobes by the techniques of shade_records.h.
+// path table once, and its lobes by the techniques of cache_plan.c.
 #include "shade/shade_indirect.h"
 #include "shade/shade_pixel_cache.h"
-#include "shade/shade_records.h"
 
 // A point without records, as in a sliver along an edge, uses the nearest record within this many
 // pixels.
@@ -21,18 +20,8 @@ static void add_uncached(struct shade_job *job, enum shade_layer layer, rgb L) {
 }
 
 static struct gather_site site_of(const struct shade_job *job) {
-    const struct gather_point *p = &job->vertex->point;
+    const struct shading_point *p = &job->vertex->point;
     return (struct gather_site){p->interaction.p, p->interaction.ng, p->base, job->stream, false};
-}
-
-// E on a facet that a bump map has rotated, as in cache_irradiance.
-static rgb rotate_irradiance(const struct gather_irradiance *value, vec3 n, vec3 facing) {
-    vec3 rotation = v3_cross(n, facing);
-    float cosine = minf(v3_dot(n, facing), 1.0f);
-    const rgb E = rgb_make(cosine * value->E.r + v3_dot(rotation, value->grad_r[0]),
-                           cosine * value->E.g + v3_dot(rotation, value->grad_r[1]),
-                           cosine * value->E.b + v3_dot(rotation, value->grad_r[2]));
-    return rgb_at_least(E, 0.0f);
 }
 
 static void note_records(struct shade_job *job, struct cache_used used) {
@@ -44,46 +33,46 @@ static void note_records(struct shade_job *job, struct cache_used used) {
 // Adds indirect light by a hemisphere of gather rays, if irradiance is not cached.
 static void gather_diffuse(struct shade_job *job) {
     const struct shade *s = job->shade;
-    const struct gather_point *p = &job->vertex->point;
+    const struct shading_point *p = &job->vertex->point;
     const struct gather_worker *w = &job->worker->gather;
     const struct gather_site site = site_of(job);
-    struct gather_irradiance value;
+    struct cache_irradiance_value value;
     gather_hemisphere_trace(s->g, s->gather, &site, w->scratch, w->hemisphere);
     gather_hemisphere_irradiance(s->g, w->hemisphere, &value);
     job->worker->counts.rays += value.rays;
     job->worker->counts.gathered++;
-    const rgb E = rotate_irradiance(&value, p->base.n, p->frame.n);
-    add_uncached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(shade_diffuse_albedo(p), E));
+    const rgb E = cache_rotate_irradiance(&value, p->base.n, p->frame.n);
+    add_uncached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(cache_diffuse_albedo(p), E));
 }
 
 // Adds indirect light from irradiance records. False if none is near.
 static bool diffuse_cached(struct shade_job *job, struct shade_pixel_entry *entry) {
     const struct shade *s = job->shade;
-    const struct gather_point *p = &job->vertex->point;
-    if (!s->cache) return false;
+    const struct shading_point *p = &job->vertex->point;
+    if (!s->records.cache) return false;
     if (!(entry->knows & PIXEL_IRRADIANCE)) {
-        const struct cache_lookup at = shade_lookup(p, FALLBACK_PIXELS * job->vertex->pixel);
+        const struct cache_lookup at = cache_lookup_at(p, FALLBACK_PIXELS * job->vertex->pixel);
         rgb E;
-        entry->used = cache_irradiance(s->cache, &at, s->a_irradiance, &E);
+        entry->used = cache_irradiance(s->records.cache, &at, s->records.a_irradiance, &E);
         if (!entry->used.count) return false;
         entry->E = E;
         entry->knows |= PIXEL_IRRADIANCE;
     }
     note_records(job, entry->used);
-    add_cached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(shade_diffuse_albedo(p), entry->E));
+    add_cached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(cache_diffuse_albedo(p), entry->E));
     return true;
 }
 
 // Adds indirect light from radiance records. False if none is near.
-static bool indirect_cached(struct shade_job *job, const struct shade_plan *plan,
+static bool indirect_cached(struct shade_job *job, const struct cache_plan *plan,
                             struct shade_pixel_entry *entry) {
     const struct shade *s = job->shade;
-    const struct gather_point *p = &job->vertex->point;
+    const struct shading_point *p = &job->vertex->point;
     const bool diffuse = p->lobes & BRDF_DIFFUSE, shiny = plan->cached & BRDF_GLOSSY;
-    if (!s->cache) return false;
+    if (!s->records.cache) return false;
     if (!(entry->knows & PIXEL_RADIANCE)) {
-        const struct cache_lookup at = shade_lookup(p, FALLBACK_PIXELS * job->vertex->pixel);
-        entry->used = shade_radiance(s, plan, p, &at, &entry->glossy, &entry->E);
+        const struct cache_lookup at = cache_lookup_at(p, FALLBACK_PIXELS * job->vertex->pixel);
+        entry->used = cache_plan_radiance(&s->records, plan, p, &at, &entry->glossy, &entry->E);
         if (!entry->used.count) return false;
         entry->knows |= PIXEL_RADIANCE;
     }
@@ -91,7 +80,7 @@ static bool indirect_cached(struct shade_job *job, const struct shade_plan *plan
     rgb factor = rgb_scale(p->brdf.specular, plan->bump);
     if (shiny) add_cached(job, SHADE_INDIRECT_GLOSSY, rgb_mul(factor, entry->glossy));
     if (diffuse)
-        add_cached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(shade_diffuse_albedo(p), entry->E));
+        add_cached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(cache_diffuse_albedo(p), entry->E));
     return true;
 }
 
@@ -118,7 +107,7 @@ struct drawn_rays {
 };
 
 // The part of a sample's weight that is the diffuse lobe's.
-static rgb diffuse_weight(const struct gather_point *p, const struct brdf_sample *b,
+static rgb diffuse_weight(const struct shading_point *p, const struct brdf_sample *b,
                           unsigned lobes) {
     if (!(lobes & BRDF_DIFFUSE)) return rgb_grey(0.0f);
     if (lobes == BRDF_DIFFUSE) return b->weight;
@@ -129,7 +118,7 @@ static rgb diffuse_weight(const struct gather_point *p, const struct brdf_sample
 // Draws gather rays. Returns the number of those that did not fail.
 static int draw_rays(const struct shade_job *job, const struct lobe_sampling *by,
                      struct drawn_rays *out) {
-    const struct gather_point *p = &job->vertex->point;
+    const struct shading_point *p = &job->vertex->point;
     const satin_options *o = job->shade->g->options;
     int rays = 0;
     for (int i = 0; i < by->count; i++) {
@@ -197,7 +186,7 @@ static void sample_missing(struct shade_job *job, unsigned lobes) {
 // One BRDF sample of `lobes` that only finds lights.
 static void sample_lights_by_brdf(struct shade_job *job, unsigned lobes, float ratio) {
     const struct gather *g = job->shade->g;
-    const struct gather_point *p = &job->vertex->point;
+    const struct shading_point *p = &job->vertex->point;
     struct brdf_sample b;
     struct sampler u = job->sampler;
     vec2 uv = sampler_2d(&u);
@@ -224,11 +213,11 @@ static float added_luminance(const struct shade_job *job) {
 
 void shade_vertex_two_pass(struct shade_job *job) {
     const struct gather *g = job->shade->g;
-    const struct gather_point *p = &job->vertex->point;
+    const struct shading_point *p = &job->vertex->point;
     const satin_options *o = g->options;
     const bool indirect = gather_indirect(o);
-    struct shade_plan plan;
-    shade_plan_make(job->shade, p, &plan);
+    struct cache_plan plan;
+    cache_plan_make(&job->shade->records, p, &plan);
     struct shade_pixel_entry *entry =
         shade_pixel_cache_find(&job->worker->pixel_cache, p, job->vertex->pixel);
     job->worker->counts.points++;
@@ -248,8 +237,9 @@ void shade_vertex_two_pass(struct shade_job *job) {
     if (extra) sample_lights_by_brdf(job, extra, 1.0f / lights);
     job->sampler.dimension += 2;
     if (!indirect) return;
-    if (o->record_maps && job->shade->cache &&
-        cache_has_record_near(job->shade->cache, p->interaction.p, p->base.n, job->vertex->pixel))
+    if (o->record_maps && job->shade->records.cache &&
+        cache_has_record_near(job->shade->records.cache, p->interaction.p, p->base.n,
+                              job->vertex->pixel))
         job->out->record = 1.0f;
 
     const unsigned caustic = plan.cached | plan.diffuse;

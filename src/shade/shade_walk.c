@@ -2,14 +2,13 @@
 // Points at which records of the indirect bounces will be read: random walks from the eye, whose
 // bounces are drawn from the smooth lobes, as those of gather rays are weighted.
 #include "shade/shade_eye.h"
-#include "shade/shade_records.h"
 
 // One gather ray among hundreds reads the light at a hit, so records need not be denser than this
 // fraction of the path's length from the eye.
 static const float FOOTPRINT = 0.05f;
 
 // One of the surface points that are seen in a pixel, drawn by its throughput.
-static const struct gather_point *choose_vertex(const struct shade_eye *eye, float u) {
+static const struct shading_point *choose_vertex(const struct shade_eye *eye, float u) {
     float total = 0.0f;
     for (int i = 0; i < eye->count; i++) total += rgb_max(eye->vertex[i].T);
     float left = u * total;
@@ -20,14 +19,14 @@ static const struct gather_point *choose_vertex(const struct shade_eye *eye, flo
     return NULL;
 }
 
-bool shade_walk(const struct shade *shade, int x, int y, int bounce, struct cache_site *out) {
+bool shade_walk(const struct shade *shade, int x, int y, int bounce, struct fill_site *out) {
     const struct gather *g = shade->g;
     struct shade_eye eye;
     struct sampler sampler = shade_eye_sampler(g, x, y, (uint32_t)bounce, RNG_SITE);
     shade_eye_trace(shade, x, y, &sampler, &eye);
-    const struct gather_point *start = choose_vertex(&eye, sampler_1d(&sampler));
+    const struct shading_point *start = choose_vertex(&eye, sampler_1d(&sampler));
     if (!start) return false;
-    struct gather_point p = *start;
+    struct shading_point p = *start;
     float length = 0.0f;
     for (int i = 0; i < bounce; i++) {
         struct brdf_sample next;
@@ -41,13 +40,13 @@ bool shade_walk(const struct shade *shade, int x, int y, int bounce, struct cach
         if (!gather_follow(g, ray, &sampler, &first, &p)) return false;
         length += first.r;
     }
-    unsigned wants = shade_record_kinds(shade, &p);
+    unsigned wants = cache_plan_kinds(&shade->records, &p);
     uint64_t stream = rng_mix(((uint64_t)sampler.seed << 20) + (uint64_t)bounce);
-    *out = (struct cache_site){.p = p.interaction.p,
-                               .ng = p.interaction.ng,
-                               .frame = p.base,
-                               .pixel = FOOTPRINT * length,
-                               .stream = stream,
-                               .wants = (uint8_t)wants};
+    *out = (struct fill_site){.p = p.interaction.p,
+                              .ng = p.interaction.ng,
+                              .frame = p.base,
+                              .pixel = FOOTPRINT * length,
+                              .stream = stream,
+                              .wants = (uint8_t)wants};
     return wants != 0;
 }

@@ -28,8 +28,7 @@ static void repair(unsigned char *data, size_t size) {
 // A cache in the box of (-1, -1, -1) and (1, 1, 1) takes the records or refuses them in one line.
 static void fuzz_cache_load(const struct cache_file *file) {
     const satin_options options = satin_options_default;
-    const struct gather g = {.options = &options};
-    struct cache cache = {.g = &g};
+    struct cache cache = {.options = &options};
     int lines = 0;
     cache.store[CACHE_RADIANCE].order = cache_file_summary(file).order;
     cache_tree_init(&cache.store[CACHE_IRRADIANCE].tree, v3(-1, -1, -1), v3(1, 1, 1));

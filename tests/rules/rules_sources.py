@@ -12,8 +12,8 @@ import subprocess
 import sys
 
 # The order of the light: a folder of src includes only those before it.
-ORDER = ["base", "rsh", "brdf", "scene", "light", "load", "guide", "photon", "gather", "cache",
-          "shade", "film", "render", "apps"]
+ORDER = ["base", "rsh", "brdf", "scene", "light", "load", "guide", "photon", "cache", "gather",
+          "fill", "shade", "film", "render", "apps"]
 # The only folder that may include headers of a library.
 LIBRARIES = {"embree": "scene", "flann": "photon"}
 # How names of files may begin; base is free, the others have their folder's noun.

@@ -48,7 +48,7 @@ RETIRED = {
     "max_depth edges|path edges|struct edge|next_edge|edge_count": "path segments",
     "places_(?:load|held|next|opposite)|eight_places|place_lanes": "indices",
     "place_(?:even|among|key|rungs|shape)|(?:by|check|find|same|instance|shape|module)_places?"
-    "|cache_site \\*place": "position, index or transform; a place is a line of a file",
+    "|fill_site \\*place": "position, index or transform; a place is a line of a file",
     "room for|room_for|denoise_room": "memory or space for",
     "(?:rng|uniform|near|cells|tally|side|photons)(?:_|->)seen|is_seen_from"
     "|seen_(?:s|least|fraction)|struct seen"
@@ -61,7 +61,7 @@ RETIRED = {
     "gather[-_]shadow|gather[-_]bounce": "gather-direct, gather-near",
     "radiance[-_]neighbours|cache_clamp": "neighbour clamp",
     "cache_converge|render_converge|cache_convergence|render_adapt":
-        "cache_adaptive, render_adaptive_cache, render_adaptive_sampling",
+        "fill_adaptive, render_adaptive_cache, render_adaptive_sampling",
     "photon_smooth": "photon_caustic_smooth",
     "photons_worth|worth_starved": "photons_again, again_factor",
     "clamp_guides": "auxiliary images",
@@ -126,11 +126,12 @@ IN_TEXT = {
     "Place": ("places?", r"src/load/|src/base/(?:fileio|log|status)\.|src/render/options\.c"
               r"|include/satin/types\.h", r"\bin place\b(?! of)"),
     "Room": (r"(?:no|enough|more|leaves?|makes?) room|room (?:for|to|left)", "", ""),
-    "Seen": ("seen", r"src/(?:guide|photon|gather|shade|render)/|src/(?:film/film|cache/cache)\.h"
+    "Seen": ("seen", r"src/(?:guide|photon|gather|shade|render)/|src/(?:film/film|fill/fill)\.h"
              r"|src/scene/scene_camera|src/load/load_plugins_(?:integrator|sensor|shape)\.c"
              r"|include/satin/options\.h", ""),
-    "Level": ("levels?", r"src/cache/cache_(?:tree|fill)|src/load/load_(?:image_levels|build)"
-              r"|src/load/load_plugins_texture\.c|src/scene/scene(?:_texture\.c|\.h)"
+    "Level": ("levels?", r"src/cache/cache_tree|src/fill/fill_batch"
+              r"|src/load/load_(?:image_levels|build|plugins_texture\.c)"
+              r"|src/scene/scene(?:_texture\.c|\.h)"
               r"|src/render/render_(?:budget|records)|src/film/film_exr_read\.c",
               "recursive-levels"),
     "Guide": ("guid(?:es?|ed|ing)", r"src/(?:guide|gather|photon|render)/", ""),

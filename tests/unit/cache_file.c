@@ -23,15 +23,13 @@ static const struct cache_origin origin = {0x1234567890abcdef, 77, "photons=9 ir
 
 struct cache_file_fixture {
     satin_options options;
-    struct gather g;
     struct cache cache;
 };
 
 static void cache_file_start(struct cache_file_fixture *f) {
     f->options = satin_options_default;
     f->options.leak_test = false;
-    f->g = (struct gather){.options = &f->options};
-    f->cache = (struct cache){.g = &f->g, .store[CACHE_RADIANCE].order = ORDER};
+    f->cache = (struct cache){.options = &f->options, .store[CACHE_RADIANCE].order = ORDER};
     cache_tree_init(&f->cache.store[CACHE_IRRADIANCE].tree, v3(-1, -1, -1), v3(1, 1, 1));
     cache_tree_init(&f->cache.store[CACHE_RADIANCE].tree, v3(-1, -1, -1), v3(1, 1, 1));
 }

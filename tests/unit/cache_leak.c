@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "cache/cache_records.h"
+#include "fill/fill_record.h"
 #include "test_scene.h"
 
 struct cache_leak_fixture {
@@ -32,19 +32,19 @@ static void cache_leak_start(struct cache_leak_fixture *f) {
     f->options.first_pass = SATIN_FIRST_NONE;
     f->options.max_depth = -1;
     f->g = gather_make(&f->scene.scene, &f->options, NULL);
-    f->cache = (struct cache){.g = &f->g};
+    f->cache = (struct cache){.scene = &f->scene.scene, .options = &f->options};
 
     const vec3 up = v3(0, 0, 1);
     struct gather_site site = {v3(0.2f, 0, 0), up, frame_from_tangent(up, v3(1, 0, 0)), 7, true};
     struct gather_layout *layout = gather_layout_new(600, SATIN_HSH, 0);
     struct gather_worker *worker = gather_workers_new(NULL, gather_layout_rays(layout));
-    struct gather_irradiance value;
+    struct cache_irradiance_value value;
     struct gather_around around;
     gather_hemisphere_trace(&f->g, layout, &site, worker->scratch, worker->hemisphere);
     gather_hemisphere_irradiance(&f->g, worker->hemisphere, &value);
     gather_around_make(worker->hemisphere, false, &around);
     f->head = (struct cache_head){.p = site.p, .R = 2.0f, .n = up, .u = site.frame.u, .scale = 1};
-    f->head.near_sectors = cache_leak_sectors(&around, 2.0f, &f->head.clear);
+    f->head.near_sectors = fill_leak_sectors(&around, 2.0f, &f->head.clear);
     gather_workers_free(worker, 1);
     gather_layout_free(layout);
 }
@@ -54,7 +54,7 @@ static void a_wall_hides_what_is_behind(void **state) {
     struct cache_leak_fixture f;
     cache_leak_start(&f);
     // Towards the wall, not away from it.
-    assert_true(f.head.near_sectors >> (GATHER_SECTORS / 2) & 1u);
+    assert_true(f.head.near_sectors >> (CACHE_SECTORS / 2) & 1u);
     assert_false(f.head.near_sectors & 1u);
     assert_true(cache_leaks(&f.cache, &f.head, v3(-0.3f, 0, 0)));
     assert_true(cache_leaks(&f.cache, &f.head, v3(-0.01f, -0.3f, 0)));

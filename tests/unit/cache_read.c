@@ -9,13 +9,12 @@
 
 #include <cmocka.h>
 
-#include "cache/cache_records.h"
+#include "cache/cache.h"
 
 enum { RECORDS = 2 };
 
 struct cache_read_fixture {
     satin_options options;
-    struct gather g;
     struct cache cache;
     struct cache_irradiance_record record[RECORDS];
 };
@@ -26,8 +25,7 @@ static void cache_read_start(struct cache_read_fixture *f) {
     f->options = satin_options_default;
     f->options.irradiance_a = 0.4f;
     f->options.leak_test = false;
-    f->g = (struct gather){.options = &f->options};
-    f->cache = (struct cache){.g = &f->g, .irradiance = f->record};
+    f->cache = (struct cache){.options = &f->options, .irradiance = f->record};
     f->cache.store[CACHE_IRRADIANCE].options = cache_options_of(&f->options, CACHE_IRRADIANCE);
     cache_tree_init(&f->cache.store[CACHE_IRRADIANCE].tree, v3(-1, -1, -1), v3(1, 1, 1));
     for (int i = 0; i < RECORDS; i++) {

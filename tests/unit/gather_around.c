@@ -66,7 +66,7 @@ static double gather_around_irradiance(struct gather_around_fixture *f, float x,
     vec3 n = v3(0, 1, 0);
     struct gather_site site = {v3(x, -1.0f, z), n, frame_from_tangent(n, v3(1, 0, 0)), stream,
                                true};
-    struct gather_irradiance value;
+    struct cache_irradiance_value value;
     gather_hemisphere_trace(&f->g, f->layout, &site, f->worker->scratch, f->worker->hemisphere);
     gather_hemisphere_irradiance(&f->g, f->worker->hemisphere, &value);
     if (around) gather_around_make(f->worker->hemisphere, true, around);
@@ -133,7 +133,7 @@ static void distances_are_those_of_the_box(void **state) {
     assert_true(around.harmonic > around.least && around.harmonic < 2.0f);
     // The wall at u = .1 stands .1 / cos(phi) away, the one behind at 1.9.
     assert_true(around.sector[0] > 0.099f && around.sector[0] < 0.12f);
-    assert_true(around.sector[GATHER_SECTORS / 2] > 1.8f);
+    assert_true(around.sector[CACHE_SECTORS / 2] > 1.8f);
     assert_true(around.deviation >= 0.0f && around.deviation < 0.05f);
     gather_around_stop(&f);
 }

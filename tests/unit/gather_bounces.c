@@ -88,10 +88,10 @@ static void lit_sphere(struct test_scene *t, float albedo) {
 }
 
 // The point that a ray from near its middle hits.
-static struct gather_point gather_bounces_sphere_point(const struct gather *g,
-                                                       struct sampler *sampler) {
+static struct shading_point gather_bounces_sphere_point(const struct gather *g,
+                                                        struct sampler *sampler) {
     struct gather_first first;
-    struct gather_point y;
+    struct shading_point y;
     const struct ray ray = {v3(0.1f, 0, 0), 0.0f, v3(1, 0, 0), INFINITY};
     assert_true(gather_follow(g, ray, sampler, &first, &y));
     return y;
@@ -110,7 +110,7 @@ static void bounces_end_with_the_longest_path(void **state) {
     const struct photon_maps maps = {.area = true};
     const struct gather g = gather_make(&t.scene, &options, &maps);
     struct sampler sampler = {0, 5, 0};
-    const struct gather_point y = gather_bounces_sphere_point(&g, &sampler);
+    const struct shading_point y = gather_bounces_sphere_point(&g, &sampler);
     const struct gather_estimate none = {rgb_grey(0.0f), false, NULL, 1};
     // With three segments the lamp lights y, and no bounce is kept; with four, one bounce is.
     const float expected[] = {ALBEDO, ALBEDO * (1.0f + ALBEDO)};
@@ -151,7 +151,7 @@ static void photons_are_within_the_longest_path(void **state) {
     f.options.max_depth = DEPTH;
     trace_photons(&f, 100000);
     struct sampler sampler = {0, 5, 0};
-    const struct gather_point y = gather_bounces_sphere_point(&f.g, &sampler);
+    const struct shading_point y = gather_bounces_sphere_point(&f.g, &sampler);
     const struct gather_estimate none = {rgb_grey(0.0f), false, NULL, 1};
     double sum = 0.0, expected = 0.0;
     for (uint32_t i = 0; i < PATHS; i++)
@@ -208,7 +208,7 @@ struct moments {
     double mean, variance;
 };
 
-static struct moments average_paths(const struct gather *g, const struct gather_point *y,
+static struct moments average_paths(const struct gather *g, const struct shading_point *y,
                                     struct gather_estimate estimate, uint32_t paths) {
     double sum = 0.0, squares = 0.0;
     for (uint32_t i = 0; i < paths; i++) {
@@ -228,13 +228,13 @@ static void begin_floor(struct test_scene *t, float glossy) {
 }
 
 // What a ray from above hits of the floor.
-static struct gather_point floor_point(struct test_scene *t) {
+static struct shading_point floor_point(struct test_scene *t) {
     const satin_options options = satin_options_default;
     const struct gather g = gather_make(&t->scene, &options, NULL);
     const struct ray ray = {v3(.2f, .1f, 1), 0.0f, v3_unit(v3(.5f, 0, -1)), INFINITY};
     struct sampler sampler = {0, 5, 0};
     struct gather_first first;
-    struct gather_point y;
+    struct shading_point y;
     assert_true(gather_follow(&g, ray, &sampler, &first, &y));
     return y;
 }
@@ -249,7 +249,7 @@ static void direct_light_counts_once(void **state) {
         begin_floor(&t, seldom ? .04f : .4f);
         test_light(&t, (struct light){.kind = LIGHT_CONSTANT, .value = rgb_grey(1.0f)});
         test_scene_finish(&t);
-        const struct gather_point y = floor_point(&t);
+        const struct shading_point y = floor_point(&t);
         satin_options options = satin_options_default;
         options.max_depth = -1;
         const struct photon_maps maps = {.area = true};
@@ -284,7 +284,7 @@ static void more_light_samples_are_less_noisy(void **state) {
                                       .position = v3((float)i - 4.0f, i % 2 ? 0.4f : 0.2f, 0.5f),
                                       .value = rgb_grey(1.0f)});
     test_scene_finish(&t);
-    const struct gather_point y = floor_point(&t);
+    const struct shading_point y = floor_point(&t);
     const satin_options options = satin_options_default;
     const struct photon_maps maps = {.area = true};
     const struct gather g = gather_make(&t.scene, &options, &maps);

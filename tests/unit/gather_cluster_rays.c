@@ -49,7 +49,7 @@ static void check_irradiance(float half_angle, double tolerance) {
     double sum = 0.0, square = 0.0, gradient = 0.0, rotation = 0.0;
     for (uint64_t i = 0; i < STREAMS; i++) {
         const struct gather_site site = gather_cluster_rays_floor_site(i);
-        const struct gather_irradiance value = spot_room_irradiance(&f.room, &site);
+        const struct cache_irradiance_value value = spot_room_irradiance(&f.room, &site);
         assert_true(value.rays > RAYS && value.rays <= RAYS * 3 / 2 + 3);
         const double x = (double)value.E.g / E;
         sum += x / STREAMS;
@@ -70,7 +70,7 @@ static void check_irradiance(float half_angle, double tolerance) {
     int dark = 0;
     for (uint64_t i = 0; i < STREAMS; i++) {
         const struct gather_site site = gather_cluster_rays_floor_site(i);
-        const struct gather_irradiance value = spot_room_irradiance(&f.room, &site);
+        const struct cache_irradiance_value value = spot_room_irradiance(&f.room, &site);
         assert_int_equal(value.rays, gather_layout_rays(f.room.layout));
         dark += value.E.g == 0.0f;
     }

@@ -25,12 +25,12 @@ static void gather_direct_scene_of(struct test_scene *t, int lamps) {
     test_scene_finish(t);
 }
 
-static struct gather_point below(const struct test_scene *t) {
+static struct shading_point below(const struct test_scene *t) {
     struct ray ray = {.o = v3(0, 0, 0.5f), .d = v3(0, 0, -1), .tfar = INFINITY};
     struct interaction s;
-    struct gather_point p;
+    struct shading_point p;
     assert_true(scene_intersect(&t->scene, &ray, &s));
-    gather_point_make(&t->scene, &s, ray.d, &p);
+    shading_point_make(&t->scene, &s, ray.d, &p);
     return p;
 }
 
@@ -39,7 +39,7 @@ static double gather_direct_mean_of(const struct test_scene *t, int samples, int
     const satin_options options = satin_options_default;
     const struct gather g = {.scene = &t->scene, .options = &options};
     const struct gather_mis alone = {1, {{BRDF_SMOOTH, 0.0f}}};
-    const struct gather_point p = below(t);
+    const struct shading_point p = below(t);
     double sum = 0.0, squares = 0.0;
     for (int i = 0; i < runs; i++) {
         struct sampler sampler = {(uint32_t)i, 7, 0};

@@ -54,7 +54,7 @@ static void a_furnace_has_no_gradients(void **state) {
     double E = 0.0, sum[4] = {0}, square[4] = {0};
     for (uint64_t i = 0; i < STREAMS; i++) {
         struct gather_site site = gather_hemisphere_floor_site(0.3f, 0.2f, i);
-        struct gather_irradiance value;
+        struct cache_irradiance_value value;
         gather_hemisphere_trace(&f.g, layout, &site, worker->scratch, worker->hemisphere);
         gather_hemisphere_irradiance(&f.g, worker->hemisphere, &value);
         E += (double)value.E.g / STREAMS;
@@ -86,11 +86,11 @@ static void point_lit_box(struct gather_hemisphere_fixture *f) {
     gather_hemisphere_start(f);
 }
 
-static struct gather_irradiance irradiance_at(struct gather_hemisphere_fixture *f,
-                                              struct gather_layout *layout,
-                                              const struct gather_worker *worker,
-                                              struct gather_site site) {
-    struct gather_irradiance value;
+static struct cache_irradiance_value irradiance_at(struct gather_hemisphere_fixture *f,
+                                                   struct gather_layout *layout,
+                                                   const struct gather_worker *worker,
+                                                   struct gather_site site) {
+    struct cache_irradiance_value value;
     gather_hemisphere_trace(&f->g, layout, &site, worker->scratch, worker->hemisphere);
     gather_hemisphere_irradiance(&f->g, worker->hemisphere, &value);
     return value;
@@ -160,7 +160,7 @@ static void irradiance_gradients_match_differences(void **state) {
     const float h = 0.02f, x = -0.3f, z = 0.2f;
     double error = 0.0, size = 0.0;
     for (uint64_t i = 0; i < 4; i++) {
-        struct gather_irradiance here =
+        struct cache_irradiance_value here =
             irradiance_at(&f, layout, worker, gather_hemisphere_floor_site(x, z, i));
         for (int axis = 0; axis < 2; axis++) {
             float dx = axis ? 0.0f : h, dz = axis ? h : 0.0f;
@@ -280,7 +280,7 @@ static void hemispheres_own_what_they_found(void **state) {
     struct gather_hemisphere *other = gather_hemisphere_new(gather_layout_rays(layout));
     const struct gather_site here = gather_hemisphere_floor_site(0.3f, 0.2f, 0),
                              there = gather_hemisphere_floor_site(-0.7f, 0.1f, 1);
-    struct gather_irradiance before, after;
+    struct cache_irradiance_value before, after;
     gather_hemisphere_trace(&f.g, layout, &here, worker->scratch, worker->hemisphere);
     gather_hemisphere_irradiance(&f.g, worker->hemisphere, &before);
     gather_hemisphere_trace(&f.g, layout, &there, worker->scratch, other);

@@ -52,7 +52,7 @@ static struct gather_near_errors gather_near_errors_of(struct spot_room *f, bool
     f->options.guide_clusters = guided;
     for (uint64_t i = 0; i < STREAMS; i++) {
         const struct gather_site site = ceiling_site(i);
-        const struct gather_irradiance value = spot_room_irradiance(f, &site);
+        const struct cache_irradiance_value value = spot_room_irradiance(f, &site);
         const double d = (double)value.E.g / E - 1.0;
         e.mean += d / STREAMS;
         e.rms += d * d / STREAMS;
@@ -103,9 +103,9 @@ static void weights_are_unbiased(void **state) {
         const vec3 spot = v3(LAMP.x, 1.0f, LAMP.z);
         const float r = tanf(GATHER_NEAR_HALF_ANGLE);
         struct interaction s;
-        struct gather_point y;
+        struct shading_point y;
         assert_true(scene_intersect(&f.scene.scene, &ray, &s));
-        gather_point_make(&f.scene.scene, &s, d, &y);
+        shading_point_make(&f.scene.scene, &s, d, &y);
         double sum = 0.0, hits = 0.0;
         for (uint32_t i = 0; i < POINTS; i++) {
             struct sampler u = {i, 3, 0};

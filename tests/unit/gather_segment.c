@@ -24,7 +24,7 @@ static void gather_segment_scene_of(struct test_scene *t) {
 }
 
 static bool test_gather_segment_trace(const struct test_scene *t, vec3 p, vec3 d, bool lit,
-                                      struct gather_segment *out, struct gather_point *end) {
+                                      struct gather_segment *out, struct shading_point *end) {
     satin_options options = satin_options_default;
     const struct gather g = {.scene = &t->scene, .options = &options};
     struct sampler sampler = {0, 1, 0};
@@ -38,7 +38,7 @@ static void ends_behind_a_mirror(void **state) {
     struct test_scene t;
     gather_segment_scene_of(&t);
     struct gather_segment segment;
-    struct gather_point end;
+    struct shading_point end;
     assert_true(
         test_gather_segment_trace(&t, v3(0, 0, 1), v3(-0.3f, 0, -1), false, &segment, &end));
     // The mirror is 1 below the start, and the ceiling 2 above the mirror.
@@ -59,7 +59,7 @@ static void emitted_light_is_direct_or_specular(void **state) {
     struct test_scene t;
     gather_segment_scene_of(&t);
     struct gather_segment segment;
-    struct gather_point end;
+    struct shading_point end;
     assert_true(test_gather_segment_trace(&t, v3(0, 0, 1), v3(1, 0, 1), true, &segment, &end));
     assert_true(segment.T.r == 1.0f && segment.Le.r == EMITTED && segment.light_pdf > 0.0f);
     assert_true(rgb_black(segment.Le_specular) && v3_len(segment.first.ng) > 0.99f);
@@ -74,7 +74,7 @@ static void may_meet_nothing(void **state) {
     struct test_scene t;
     gather_segment_scene_of(&t);
     struct gather_segment segment;
-    struct gather_point end;
+    struct shading_point end;
     assert_false(test_gather_segment_trace(&t, v3(0, 5, 1), v3(0, 1, 0), true, &segment, &end));
     assert_true(isinf(segment.first.r) && rgb_black(segment.Le));
     // Over the mirror and past the ceiling.

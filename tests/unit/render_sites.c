@@ -28,7 +28,7 @@ struct render_sites_fixture {
     satin_scene *scene;
     struct render r;
     struct gather g;
-    struct shade_tables tables;
+    struct cache_tables tables;
 };
 
 static void render_sites_start(struct render_sites_fixture *f, int threads) {
@@ -43,7 +43,8 @@ static void render_sites_start(struct render_sites_fixture *f, int threads) {
     f->r.pool = parallel_new(threads);
     assert_non_null(f->r.pool);
     f->g = gather_make(f->scene, &f->r.options, NULL);
-    f->r.second_pass.shade = (struct shade){.g = &f->g, .tables = &f->tables};
+    f->r.second_pass.shade =
+        (struct shade){.g = &f->g, .records = cache_reader_make(NULL, &f->tables, &f->r.options)};
     film_filter_make(&f->scene->film, &f->r.second_pass.shade.filter);
 }
 
@@ -103,7 +104,7 @@ static void sites_are_in_the_order_of_the_pixels(void **state) {
         assert_int_equal(render_find_sites(&f.r, pixel, 100, false, &sites), SATIN_OK);
         assert_int_equal(render_find_sites(&f.r, pixel, pixels, false, &sites), SATIN_OK);
         for (size_t i = 0; i < pixels; i++) {
-            struct cache_site one;
+            struct fill_site one;
             const int x = (int)(pixel[i] % WIDTH), y = (int)(pixel[i] / WIDTH);
             if (!shade_sites(&f.r.second_pass.shade, x, y, false, &one, 1)) continue;
             assert_true(at < sites.count);

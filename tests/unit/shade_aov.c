@@ -34,9 +34,9 @@ static void shade_aov_look(const char *body, vec2 film, float out[AOV_VALUES],
     const struct shade_camera_sample lens = {.film = film};
     const struct ray ray = camera_ray(scene, film.x, film.y, 0.0f, 0.0f, NULL);
     struct interaction s;
-    struct gather_point point;
+    struct shading_point point;
     assert_true(scene_intersect(scene, &ray, &s));
-    gather_point_make(scene, &s, ray.d, &point);
+    shading_point_make(scene, &s, ray.d, &point);
     memset(out, 0, AOV_VALUES * sizeof *out);
     shade_aov(&shade, &point, &lens, out);
     *aovs = scene->hints.aovs;  // its names go with the scene

@@ -25,7 +25,7 @@ static const char SHADE_SITES_SCENE[] =
     "<rgb name='intensity' value='5, 5, 5'/></emitter></scene>";
 
 // The sites of pixel (x, y), at most one.
-static int shade_sites_find_site(bool adaptive, int x, int y, struct cache_site *out) {
+static int shade_sites_find_site(bool adaptive, int x, int y, struct fill_site *out) {
     struct scene_case c;
     satin_scene *scene = scene_case_load(&c, SHADE_SITES_SCENE);
     if (!scene) fail_msg("%s", c.error);
@@ -34,8 +34,8 @@ static int shade_sites_find_site(bool adaptive, int x, int y, struct cache_site 
     options.max_depth = -1;
     options.first_pass = SATIN_FIRST_NONE;
     const struct gather g = gather_make(scene, &options, NULL);
-    const struct shade_tables tables = {0};
-    struct shade shade = {.g = &g, .tables = &tables};
+    const struct cache_tables tables = {0};
+    struct shade shade = {.g = &g, .records = cache_reader_make(NULL, &tables, &options)};
     film_filter_make(&scene->film, &shade.filter);
     const int count = shade_sites(&shade, x, y, adaptive, out, 1);
     satin_scene_free(scene);
@@ -44,7 +44,7 @@ static int shade_sites_find_site(bool adaptive, int x, int y, struct cache_site 
 
 static void a_site_has_its_position_and_stream(void **state) {
     (void)state;
-    struct cache_site site, other;
+    struct fill_site site, other;
     assert_int_equal(shade_sites_find_site(false, 50, 50, &site), 1);
     assert_int_equal(shade_sites_find_site(false, 51, 50, &other), 1);
     // The pixel's square on the plate; the edge of its triangle may move it by half a pixel more.
@@ -59,7 +59,7 @@ static void a_site_has_its_position_and_stream(void **state) {
 
 static void light_is_found_for_adaptive_caching_alone(void **state) {
     (void)state;
-    struct cache_site plain, site;
+    struct fill_site plain, site;
     assert_int_equal(shade_sites_find_site(false, 30, 60, &plain), 1);
     assert_int_equal(shade_sites_find_site(true, 30, 60, &site), 1);
     assert_true(plain.direct == 0.0f && rgb_black(plain.diffuse));

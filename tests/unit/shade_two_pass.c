@@ -32,7 +32,7 @@ struct shade_two_pass_room {
     satin_options options;
     struct parallel *pool;
     struct photon_maps *maps;
-    struct shade_tables tables;
+    struct cache_tables tables;
 };
 
 static void shade_two_pass_make(struct shade_two_pass_room *room) {
@@ -51,12 +51,12 @@ static void shade_two_pass_make(struct shade_two_pass_room *room) {
     assert_non_null(room->pool);
     struct stats stats = {0};
     assert_int_equal(photon_case_build(room->scene, o, room->pool, &stats, &room->maps), SATIN_OK);
-    assert_int_equal(shade_tables_build(room->scene, o, room->pool, (struct log){0}, &room->tables),
+    assert_int_equal(cache_tables_build(room->scene, o, room->pool, (struct log){0}, &room->tables),
                      SATIN_OK);
 }
 
 static void destroy(struct shade_two_pass_room *room) {
-    shade_tables_free(&room->tables);
+    cache_tables_free(&room->tables);
     photon_maps_free(room->maps);
     parallel_free(room->pool);
     satin_scene_free(room->scene);
@@ -100,7 +100,7 @@ static void single_rays_have_the_mean_of_hemispheres(void **state) {
     assert_true(rays > 7.5 && rays <= 8.0);
     mean_layers(&room, &timed, single);
     off.irradiance_cache = off.radiance_cache = false;
-    shade_tables_free(&room.tables);
+    cache_tables_free(&room.tables);
     assert_true(mean_layers(&room, &off, hemisphere) > 8.0);
     for (int i = SHADE_INDIRECT_DIFFUSE; i <= SHADE_INDIRECT_GLOSSY; i++) {
         print_message("%f by single rays, %f by hemispheres\n", single[i], hemisphere[i]);

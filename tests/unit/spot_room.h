@@ -59,9 +59,9 @@ static inline void spot_room_free(struct spot_room *f) {
     test_scene_free(&f->scene);
 }
 
-static inline struct gather_irradiance spot_room_irradiance(const struct spot_room *f,
-                                                            const struct gather_site *site) {
-    struct gather_irradiance value;
+static inline struct cache_irradiance_value spot_room_irradiance(const struct spot_room *f,
+                                                                 const struct gather_site *site) {
+    struct cache_irradiance_value value;
     gather_hemisphere_trace(&f->g, f->layout, site, f->worker->scratch, f->worker->hemisphere);
     gather_hemisphere_irradiance(&f->g, f->worker->hemisphere, &value);
     return value;

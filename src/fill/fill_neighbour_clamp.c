@@ -2,7 +2,7 @@
 // Neighbour clamping: no two radii differ by more than the distance of the records [K05 6.5.2]. So
 // what one record has found, such as a step that the rays of others have missed, limits the others
 // too.
-#include "cache/cache_records.h"
+#include "fill/fill_record.h"
 
 // Only records whose normals differ by less than about 25 degrees limit each other.
 static const float CLAMP_ALIKE = 0.9f;
@@ -28,7 +28,7 @@ static void clamp_one(void *ctx, uint32_t record) {
         s->R = fminf(s->R, h->R + d);
 }
 
-float cache_neighbour_clamp(struct cache_tree *tree, vec3 p, vec3 n, float R) {
+float fill_neighbour_clamp(struct cache_tree *tree, vec3 p, vec3 n, float R) {
     struct neighbours s = {tree, p, n, R, false};
     cache_tree_visit(tree, p, CLAMP_NEIGHBOURS * R, clamp_one, &s);
     s.lower = true;

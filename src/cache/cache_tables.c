@@ -3,9 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "shade/shade.h"
+#include "cache/cache.h"
 
-bool shade_shape_textured(const struct material_side *side) {
+bool cache_shape_textured(const struct material_side *side) {
     for (int i = BRDF_SLOT_ETA; i < BRDF_SLOT_COUNT; i++)
         if (side->slot[i]) return true;
     return side->slot[BRDF_SLOT_DIFFUSE] && brdf_tinted(&side->base);
@@ -48,7 +48,7 @@ static satin_status build_side(const struct material_side *side, const satin_opt
     if (choice == SAMPLED) return SATIN_OK;
     if (!side->base.model || !(brdf_lobes(&side->base) & BRDF_GLOSSY) || side->base.uneven)
         return SATIN_OK;
-    const bool textured = shade_shape_textured(side);
+    const bool textured = cache_shape_textured(side);
     if (textured && !textures_roughness_only(side, &over)) return SATIN_OK;
     satin_status status = brdf_range_build(&side->base, textured ? &over : NULL, &fit, pool, out);
     if (status == SATIN_OK && brdf_range_info(*out).order == 0) {
@@ -67,16 +67,16 @@ struct builder {
     enum table_choice choice;
     const struct material_side **first;
     enum table_choice *choices;  // of the sides in `first`
-    struct shade_tables tables;
+    struct cache_tables tables;
     satin_status status;
 };
 
 // Uses the table of an equal side. False if there is none.
 static bool take_equal_table(struct builder *b, const struct material_side *side) {
-    if (shade_shape_textured(side)) return false;
+    if (cache_shape_textured(side)) return false;
     for (size_t j = 0; j < b->tables.count; j++) {
         const struct material_side *other = b->first[j];
-        if (!other || !b->tables.owned[j] || shade_shape_textured(other)) continue;
+        if (!other || !b->tables.owned[j] || cache_shape_textured(other)) continue;
         if (b->choices[j] != b->choice) continue;
         if (!brdf_same_shape(&side->base, &other->base)) continue;
         b->tables.table[side->index] = b->tables.table[j];
@@ -88,7 +88,7 @@ static bool take_equal_table(struct builder *b, const struct material_side *side
 
 static void build_table(void *ctx, const struct material_side *side) {
     struct builder *b = ctx;
-    struct shade_tables *t = &b->tables;
+    struct cache_tables *t = &b->tables;
     size_t i = side->index;
     if (b->status != SATIN_OK || b->first[i]) return;
     b->first[i] = side;
@@ -111,10 +111,10 @@ static bool *used_materials(const struct satin_scene *scene) {
     return used;
 }
 
-satin_status shade_tables_build(const struct satin_scene *scene, const satin_options *options,
-                                struct parallel *pool, struct log log, struct shade_tables *out) {
+satin_status cache_tables_build(const struct satin_scene *scene, const satin_options *options,
+                                struct parallel *pool, struct log log, struct cache_tables *out) {
     struct builder b = {.options = options, .pool = pool, .log = log};
-    struct shade_tables *t = &b.tables;
+    struct cache_tables *t = &b.tables;
     t->count = options->radiance_cache ? scene->side_count : 0;
     bool *used = used_materials(scene);
     t->table = calloc(t->count + 1, sizeof *t->table);
@@ -134,17 +134,24 @@ satin_status shade_tables_build(const struct satin_scene *scene, const satin_opt
     free(b.first);
     free(b.choices);
     if (b.status != SATIN_OK)
-        shade_tables_free(t);
+        cache_tables_free(t);
     else
         *out = *t;
     return b.status;
 }
 
-void shade_tables_free(struct shade_tables *tables) {
+const struct brdf_range *cache_table(const struct cache_tables *tables,
+                                     const struct material_side *side, int *channels) {
+    if (side->index >= tables->count) return NULL;
+    *channels = tables->channels[side->index];
+    return tables->table[side->index];
+}
+
+void cache_tables_free(struct cache_tables *tables) {
     for (size_t i = 0; tables->table && tables->owned && i < tables->count; i++)
         if (tables->owned[i]) brdf_range_free(tables->table[i]);
     free(tables->table);
     free(tables->owned);
     free(tables->channels);
-    *tables = (struct shade_tables){0};
+    *tables = (struct cache_tables){0};
 }

@@ -9,13 +9,13 @@
 
 #include <cmocka.h>
 
-#include "cache_case.h"
+#include "fill_case.h"
 
 enum { RAYS = 900 };
 
 // The floor of a box that is lit from aside by a point light in it.
-static void cache_rays_start(struct cache_case *f, int threads, float noise) {
-    cache_case_begin(f);
+static void fill_rays_start(struct fill_case *f, int threads, float noise) {
+    fill_case_begin(f);
     test_cube(&f->scene, mat4_identity(), true, test_diffuse(&f->scene, 0.5f, 0.5f, 0.5f));
     test_light(&f->scene,
                (struct light){
@@ -23,25 +23,25 @@ static void cache_rays_start(struct cache_case *f, int threads, float noise) {
     f->options.irradiance_rays = f->options.radiance_rays = RAYS;
     f->options.irradiance_a = f->options.radiance_a = 0.5f;
     f->options.irradiance_noise = f->options.radiance_noise = noise;
-    cache_case_finish(
+    fill_case_finish(
         f, 4, threads, v3(0, -1, 0), v3(0, 0, 0.9f), v3(0.9f, 0, 0),
-        (struct cache_site){.pixel = 0.01f, .wants = 1 << CACHE_IRRADIANCE | 1 << CACHE_RADIANCE});
+        (struct fill_site){.pixel = 0.01f, .wants = 1 << CACHE_IRRADIANCE | 1 << CACHE_RADIANCE});
 }
 
 // Some coarse records, then finer ones among them; returns how many were coarse.
-static size_t cache_rays_fill(struct cache_case *f, enum cache_kind kind) {
-    struct cache_fill fill = {
+static size_t fill_rays_fill(struct fill_case *f, enum cache_kind kind) {
+    struct fill_sites sites = {
         .site = f->site, .count = 16, .a = 0.5f, .widest = 2.0f, .spacing = 1.0f};
-    assert_int_equal(cache_fill(f->cache, kind, &fill), SATIN_OK);
+    assert_int_equal(fill_records(f->fill, kind, &sites), SATIN_OK);
     size_t coarse = cache_count(f->cache, kind);
-    fill.count = CACHE_CASE_SITES;
-    fill.a = 0.25f;
-    assert_int_equal(cache_fill(f->cache, kind, &fill), SATIN_OK);
+    sites.count = FILL_CASE_SITES;
+    sites.a = 0.25f;
+    assert_int_equal(fill_records(f->fill, kind, &sites), SATIN_OK);
     assert_true(cache_count(f->cache, kind) > coarse + 8);
     return coarse;
 }
 
-static uint32_t rays_of(const struct cache_case *f, enum cache_kind kind, size_t i) {
+static uint32_t rays_of(const struct fill_case *f, enum cache_kind kind, size_t i) {
     return kind == CACHE_IRRADIANCE ? f->cache->irradiance[i].value.rays
                                     : f->cache->radiance[i].rays;
 }
@@ -56,9 +56,9 @@ static void the_ends_are_four_times_off(void **state) {
     static const double times[] = {1.0, 4.0, 0.25};
     for (int k = 0; k < 6; k++) {
         const enum cache_kind kind = k % 2 ? CACHE_RADIANCE : CACHE_IRRADIANCE;
-        struct cache_case f;
-        cache_rays_start(&f, 2, noise[k / 2]);
-        size_t coarse = cache_rays_fill(&f, kind);
+        struct fill_case f;
+        fill_rays_start(&f, 2, noise[k / 2]);
+        size_t coarse = fill_rays_fill(&f, kind);
         const size_t count = cache_count(f.cache, kind);
         size_t off = 0;
         for (size_t i = 0; i < count; i++) {
@@ -69,7 +69,7 @@ static void the_ends_are_four_times_off(void **state) {
             off += near_to(rays, RAYS * times[k / 2]);
         }
         assert_true(4 * off > 3 * (count - coarse));
-        cache_case_free(&f);
+        fill_case_free(&f);
     }
 }
 
@@ -78,9 +78,9 @@ static void rays_give_the_deviation(void **state) {
     (void)state;
     double mean[2] = {0};
     for (int asked = 0; asked < 2; asked++) {
-        struct cache_case f;
-        cache_rays_start(&f, 2, asked ? 0.7f * (float)mean[0] : 0.0f);
-        size_t coarse = cache_rays_fill(&f, CACHE_IRRADIANCE);
+        struct fill_case f;
+        fill_rays_start(&f, 2, asked ? 0.7f * (float)mean[0] : 0.0f);
+        size_t coarse = fill_rays_fill(&f, CACHE_IRRADIANCE);
         const size_t count = cache_count(f.cache, CACHE_IRRADIANCE);
         double square = 0.0, rays = 0.0;
         for (size_t i = coarse; i < count; i++) {
@@ -90,18 +90,18 @@ static void rays_give_the_deviation(void **state) {
         }
         mean[asked] = sqrt(square);
         if (asked) assert_true(rays > 1.5 * RAYS && rays < 3.0 * RAYS);
-        cache_case_free(&f);
+        fill_case_free(&f);
     }
     assert_true(mean[1] > 0.5 * mean[0] && mean[1] < 0.9 * mean[0]);
 }
 
-static void cache_rays_threads_do_not_matter(void **state) {
+static void fill_rays_threads_do_not_matter(void **state) {
     (void)state;
-    struct cache_case one, four;
-    cache_rays_start(&one, 1, 0.02f);
-    cache_rays_start(&four, 4, 0.02f);
-    cache_rays_fill(&one, CACHE_RADIANCE);
-    cache_rays_fill(&four, CACHE_RADIANCE);
+    struct fill_case one, four;
+    fill_rays_start(&one, 1, 0.02f);
+    fill_rays_start(&four, 4, 0.02f);
+    fill_rays_fill(&one, CACHE_RADIANCE);
+    fill_rays_fill(&four, CACHE_RADIANCE);
     const enum cache_kind kinds[] = {CACHE_IRRADIANCE, CACHE_RADIANCE};
     for (int k = 0; k < 2; k++) {
         const size_t count = cache_count(one.cache, kinds[k]);
@@ -109,15 +109,15 @@ static void cache_rays_threads_do_not_matter(void **state) {
         for (size_t i = 0; i < count; i++)
             assert_int_equal(rays_of(&one, kinds[k], i), rays_of(&four, kinds[k], i));
     }
-    cache_case_free(&one);
-    cache_case_free(&four);
+    fill_case_free(&one);
+    fill_case_free(&four);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_ends_are_four_times_off),
         cmocka_unit_test(rays_give_the_deviation),
-        cmocka_unit_test(cache_rays_threads_do_not_matter),
+        cmocka_unit_test(fill_rays_threads_do_not_matter),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -8,7 +8,8 @@
 
 #include <cmocka.h>
 
-#include "cache_case.h"
+#include "cache/cache_value.h"
+#include "fill_case.h"
 
 enum { ORDER = 4, RAYS = 900, NAME = 7 };
 
@@ -19,41 +20,41 @@ static struct brdf shiny(void) {
         .model = brdf_find("phong"), .specular = rgb_grey(1.0f), .exponent = 22.0f};
 }
 
-struct cache_residual_fixture {
-    struct cache_case c;
+struct fill_residual_fixture {
+    struct fill_case c;
     struct brdf_range *range;
 };
 
 // One record on the floor of a box that a point light in it lights from aside, of an order much too
 // low for the lobe.
-static void cache_residual_start(struct cache_residual_fixture *f, bool viewed) {
+static void fill_residual_start(struct fill_residual_fixture *f, bool viewed) {
     const struct brdf brdf = shiny();
     const struct brdf_fit fit = {SATIN_HSH, ORDER, 0.01f, true};
-    struct cache_case *c = &f->c;
-    cache_case_begin(c);
+    struct fill_case *c = &f->c;
+    fill_case_begin(c);
     test_cube(&c->scene, mat4_identity(), true, test_diffuse(&c->scene, 0.5f, 0.4f, 0.3f));
     test_light(&c->scene,
                (struct light){
                    .kind = LIGHT_POINT, .position = v3(0.7f, 0.5f, 0.6f), .value = rgb_grey(1.0f)});
     c->options.radiance_rays = RAYS;
-    cache_case_finish(c, ORDER, 1, v3(0, -1, 0), v3(0, 0, 0.9f), v3(0.9f, 0, 0),
-                      (struct cache_site){.pixel = 0.01f, .wants = 1 << CACHE_RADIANCE});
+    fill_case_finish(c, ORDER, 1, v3(0, -1, 0), v3(0, 0, 0.9f), v3(0.9f, 0, 0),
+                     (struct fill_site){.pixel = 0.01f, .wants = 1 << CACHE_RADIANCE});
     assert_int_equal(brdf_range_build(&brdf, NULL, &fit, c->pool, &f->range), SATIN_OK);
-    if (viewed) c->site[0].view = (struct cache_view){shiny(), f->range, 1, NAME, WO};
-    struct cache_fill fill = {
+    if (viewed) c->site[0].view = (struct fill_view){shiny(), f->range, 1, NAME, WO};
+    struct fill_sites sites = {
         .site = c->site, .count = 1, .a = 0.5f, .widest = 1.0f, .spacing = 1.0f};
-    assert_int_equal(cache_fill(c->cache, CACHE_RADIANCE, &fill), SATIN_OK);
+    assert_int_equal(fill_records(c->fill, CACHE_RADIANCE, &sites), SATIN_OK);
     assert_int_equal(cache_count(c->cache, CACHE_RADIANCE), 1);
 }
 
-static void cache_residual_stop(struct cache_residual_fixture *f) {
+static void fill_residual_stop(struct fill_residual_fixture *f) {
     brdf_range_free(f->range);
-    cache_case_free(&f->c);
+    fill_case_free(&f->c);
 }
 
 // The light that the lobe reflects towards WO by the record.
-static rgb cache_residual_reflected(const struct cache_residual_fixture *f) {
-    const struct cache_site *s = &f->c.site[0];
+static rgb fill_residual_reflected(const struct fill_residual_fixture *f) {
+    const struct fill_site *s = &f->c.site[0];
     const struct brdf brdf = shiny();
     float C[3 * RSH_MAX_COEFFICIENTS];
     struct cache_lobe lobe = {.C = C, .channels = 1, .name = NAME};
@@ -66,8 +67,8 @@ static rgb cache_residual_reflected(const struct cache_residual_fixture *f) {
 }
 
 // That light by the rays of the same record.
-static rgb by_rays(const struct cache_residual_fixture *f) {
-    const struct cache_site *s = &f->c.site[0];
+static rgb by_rays(const struct fill_residual_fixture *f) {
+    const struct fill_site *s = &f->c.site[0];
     const struct gather_site site = {s->p, s->ng, s->frame, s->stream, true};
     const struct brdf brdf = shiny();
     float lambda[3 * ORDER * ORDER];
@@ -84,19 +85,19 @@ static rgb by_rays(const struct cache_residual_fixture *f) {
 
 static void a_record_says_what_its_rays_say(void **state) {
     (void)state;
-    struct cache_residual_fixture with, without;
-    cache_residual_start(&with, true);
-    cache_residual_start(&without, false);
-    const rgb wanted = by_rays(&with), found = cache_residual_reflected(&with),
-              cut = cache_residual_reflected(&without);
+    struct fill_residual_fixture with, without;
+    fill_residual_start(&with, true);
+    fill_residual_start(&without, false);
+    const rgb wanted = by_rays(&with), found = fill_residual_reflected(&with),
+              cut = fill_residual_reflected(&without);
     // Sums of some hundred floats.
     assert_true(fabsf(found.r - wanted.r) < 1e-4f * wanted.r);
     assert_true(fabsf(found.g - wanted.g) < 1e-4f * wanted.g);
     assert_true(fabsf(found.b - wanted.b) < 1e-4f * wanted.b);
     // Order 4 alone has a large error.
     assert_true(fabsf(cut.g - wanted.g) > 0.02f * wanted.g);
-    cache_residual_stop(&with);
-    cache_residual_stop(&without);
+    fill_residual_stop(&with);
+    fill_residual_stop(&without);
 }
 
 static void other_lobes_get_less(void **state) {

@@ -2,36 +2,37 @@
 // The number of rays of a new record: a constant, or a number that depends on the variance measured
 // at the records around it [K05 7.2.1]. It must not depend on the record's own rays, because that
 // would bias their mean.
-#include "cache/cache_records.h"
+#include "fill/fill_record.h"
 
 // The index of the plain number of rays; others are up to four times larger or smaller.
-enum { PLAIN = CACHE_LAYOUTS / 2 };
+enum { PLAIN = FILL_LAYOUTS / 2 };
 
-satin_status cache_rays_prepare(struct cache *cache, enum cache_kind kind, float fraction) {
-    struct cache_store *store = &cache->store[kind];
+satin_status fill_rays_prepare(struct fill *fill, enum cache_kind kind, float fraction) {
+    const struct cache_store *store = &fill->cache->store[kind];
     const struct cache_options *o = &store->options;
+    struct gather_layout **layout = fill->layout[kind];
     const double rays = (double)fraction * o->rays;
-    struct gather_layout *made[CACHE_LAYOUTS] = {NULL};
+    struct gather_layout *made[FILL_LAYOUTS] = {NULL};
     satin_status status = SATIN_OK;
-    for (int i = 0; i < CACHE_LAYOUTS && status == SATIN_OK; i++) {
+    for (int i = 0; i < FILL_LAYOUTS && status == SATIN_OK; i++) {
         if (!(o->noise > 0.0f) && i != PLAIN) continue;
-        const double wanted = fmax(4.0, fmin(ldexp(rays, i - PLAIN), CACHE_RAYS_MAX));
+        const double wanted = fmax(4.0, fmin(ldexp(rays, i - PLAIN), FILL_RAYS_MAX));
         made[i] = gather_layout_new((int)wanted, o->basis, store->order);
         if (!made[i]) status = SATIN_ERROR_MEMORY;
     }
-    for (int i = 0; i < CACHE_LAYOUTS; i++) {
-        gather_layout_free(status == SATIN_OK ? store->layout[i] : made[i]);
-        if (status == SATIN_OK) store->layout[i] = made[i];
+    for (int i = 0; i < FILL_LAYOUTS; i++) {
+        gather_layout_free(status == SATIN_OK ? layout[i] : made[i]);
+        if (status == SATIN_OK) layout[i] = made[i];
     }
     return status;
 }
 
-satin_status cache_limit_rays(struct cache *cache, float fraction) {
-    if (fraction == cache->rays_fraction) return SATIN_OK;
-    satin_status status = cache_rays_prepare(cache, CACHE_IRRADIANCE, fraction);
-    if (status == SATIN_OK && cache->store[CACHE_RADIANCE].order)
-        status = cache_rays_prepare(cache, CACHE_RADIANCE, fraction);
-    if (status == SATIN_OK) cache->rays_fraction = fraction;
+satin_status fill_limit_rays(struct fill *fill, float fraction) {
+    if (fraction == fill->rays_fraction) return SATIN_OK;
+    satin_status status = fill_rays_prepare(fill, CACHE_IRRADIANCE, fraction);
+    if (status == SATIN_OK && fill->cache->store[CACHE_RADIANCE].order)
+        status = fill_rays_prepare(fill, CACHE_RADIANCE, fraction);
+    if (status == SATIN_OK) fill->rays_fraction = fraction;
     return status;
 }
 
@@ -61,19 +62,19 @@ static variance_fn *const variance_of[CACHE_KINDS] = {
     [CACHE_RADIANCE] = radiance_variance,
 };
 
-const struct gather_layout *cache_rays_layout(const struct cache *cache, enum cache_kind kind,
-                                              const struct cache_site *site, float a) {
-    const struct cache_store *store = &cache->store[kind];
-    struct gather_layout *const *layout = store->layout;
+const struct gather_layout *fill_rays_layout(const struct fill *fill, enum cache_kind kind,
+                                             const struct fill_site *site, float a) {
+    const struct cache_store *store = &fill->cache->store[kind];
+    struct gather_layout *const *layout = fill->layout[kind];
     const float noise = store->options.noise;
     if (!(noise > 0.0f)) return layout[PLAIN];
     struct cache_near near[CACHE_NEAR_MAX];
-    const int count = cache_find(cache, &store->tree, site->p, site->frame.n, a, near);
+    const int count = cache_find(fill->cache, &store->tree, site->p, site->frame.n, a, near);
     float variance = 0.0f;
-    for (int i = 0; i < count; i++) variance += variance_of[kind](cache, near[i].record);
+    for (int i = 0; i < count; i++) variance += variance_of[kind](fill->cache, near[i].record);
     if (!(variance > 0.0f)) return layout[PLAIN];
     const float wanted = variance / ((float)count * noise * noise);
     const float times = wanted / (float)gather_layout_rays(layout[PLAIN]);
     const int step = (int)lroundf(log2f(clampf(times, 0x1p-10f, 0x1p10f)));
-    return layout[step < -PLAIN ? 0 : step > PLAIN ? CACHE_LAYOUTS - 1 : PLAIN + step];
+    return layout[step < -PLAIN ? 0 : step > PLAIN ? FILL_LAYOUTS - 1 : PLAIN + step];
 }

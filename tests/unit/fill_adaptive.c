@@ -11,14 +11,14 @@
 
 #include <cmocka.h>
 
-#include "cache_case.h"
+#include "fill_case.h"
 
 static const float CACHE_ADAPTIVE_PIXEL = 0.01f;
 
 // A floor that is divided by a thin wall, lit on one side; records do not know of the wall, as the
 // leak test is off.
-static void cache_adaptive_start(struct cache_case *f, int threads) {
-    cache_case_begin(f);
+static void fill_adaptive_start(struct fill_case *f, int threads) {
+    fill_case_begin(f);
     uint32_t grey = test_diffuse(&f->scene, 0.8f, 0.8f, 0.8f);
     test_rectangle(&f->scene, mat4_scale(v3(3, 3, 1)), grey);
     test_cube(&f->scene, test_transform(v3(0, 0, 1.3f), v3(3, 3, 0.01f)), false, grey);
@@ -30,79 +30,79 @@ static void cache_adaptive_start(struct cache_case *f, int threads) {
     f->options.irradiance_a = 1.0f;
     f->options.leak_test = false;
     f->options.irradiance_min_pixels = 1.0f;
-    cache_case_finish(
+    fill_case_finish(
         f, 0, threads, v3(0, 0, 0), v3(0.5f, 0, 0), v3(0, 0.5f, 0),
-        (struct cache_site){.pixel = CACHE_ADAPTIVE_PIXEL, .wants = 1 << CACHE_IRRADIANCE});
+        (struct fill_site){.pixel = CACHE_ADAPTIVE_PIXEL, .wants = 1 << CACHE_IRRADIANCE});
 }
 
 // Fills, then converges beside direct light of that luminance; returns how many records were added.
-static size_t cache_adaptive_run(struct cache_case *f, float light) {
-    struct cache_fill fill = {.site = f->site,
-                              .count = 12,  // coarse to fine
-                              .a = f->options.irradiance_a,
-                              .widest = 2.0f,
-                              .spacing = 1.5f};
-    assert_int_equal(cache_fill(f->cache, CACHE_IRRADIANCE, &fill), SATIN_OK);
-    fill.count = CACHE_CASE_SITES;
-    assert_int_equal(cache_fill(f->cache, CACHE_IRRADIANCE, &fill), SATIN_OK);
-    for (int i = 0; i < CACHE_CASE_SITES; i++) {
+static size_t fill_adaptive_run(struct fill_case *f, float light) {
+    struct fill_sites sites = {.site = f->site,
+                               .count = 12,  // coarse to fine
+                               .a = f->options.irradiance_a,
+                               .widest = 2.0f,
+                               .spacing = 1.5f};
+    assert_int_equal(fill_records(f->fill, CACHE_IRRADIANCE, &sites), SATIN_OK);
+    sites.count = FILL_CASE_SITES;
+    assert_int_equal(fill_records(f->fill, CACHE_IRRADIANCE, &sites), SATIN_OK);
+    for (int i = 0; i < FILL_CASE_SITES; i++) {
         f->site[i].shading_p = f->site[i].p;
         f->site[i].diffuse = rgb_grey(0.8f / PI_F);
         f->site[i].direct = light;
     }
     size_t before = cache_count(f->cache, CACHE_IRRADIANCE);
-    assert_int_equal(cache_adapt(f->cache, CACHE_IRRADIANCE, &fill, 1.5f * fill.a), SATIN_OK);
+    assert_int_equal(fill_adapt(f->fill, CACHE_IRRADIANCE, &sites, 1.5f * sites.a), SATIN_OK);
     return cache_count(f->cache, CACHE_IRRADIANCE) - before;
 }
 
 static void records_are_added_where_they_disagree(void **state) {
     (void)state;
-    struct cache_case f;
-    cache_adaptive_start(&f, 1);
-    size_t added = cache_adaptive_run(&f, 0.0f);
+    struct fill_case f;
+    fill_adaptive_start(&f, 1);
+    size_t added = fill_adaptive_run(&f, 0.0f);
     assert_true(added > 0);
-    assert_true(f.cache->adapted.passes >= 2 && f.cache->adapted.passes <= 11);
+    assert_true(f.fill->adapted.passes >= 2 && f.fill->adapted.passes <= 11);
     bool smaller = false;
     for (size_t i = 0; i < f.cache->store[CACHE_IRRADIANCE].tree.head_count; i++)
         smaller = smaller || f.cache->store[CACHE_IRRADIANCE].tree.head[i].scale < 1.0f;
     assert_true(smaller);
     struct cache_near near[CACHE_NEAR_MAX];
-    for (int i = 0; i < CACHE_CASE_SITES; i++)
+    for (int i = 0; i < FILL_CASE_SITES; i++)
         assert_true(cache_find(f.cache, &f.cache->store[CACHE_IRRADIANCE].tree, f.site[i].p,
                                f.site[i].frame.n, f.options.irradiance_a, near) > 0);
-    cache_case_free(&f);
+    fill_case_free(&f);
 }
 
 // Beside strong direct light the same differences are not visible [K05 6.4].
 static void direct_light_hides_differences(void **state) {
     (void)state;
-    struct cache_case f;
-    cache_adaptive_start(&f, 1);
-    assert_int_equal(cache_adaptive_run(&f, 1000.0f), 0);
-    assert_int_equal(f.cache->adapted.shrunk, 0);
-    cache_case_free(&f);
+    struct fill_case f;
+    fill_adaptive_start(&f, 1);
+    assert_int_equal(fill_adaptive_run(&f, 1000.0f), 0);
+    assert_int_equal(f.fill->adapted.shrunk, 0);
+    fill_case_free(&f);
 }
 
-static void cache_adaptive_threads_make_no_difference(void **state) {
+static void fill_adaptive_threads_make_no_difference(void **state) {
     (void)state;
-    struct cache_case a, b;
-    cache_adaptive_start(&a, 1);
-    cache_adaptive_start(&b, 3);
-    cache_adaptive_run(&a, 0.0f);
-    cache_adaptive_run(&b, 0.0f);
+    struct fill_case a, b;
+    fill_adaptive_start(&a, 1);
+    fill_adaptive_start(&b, 3);
+    fill_adaptive_run(&a, 0.0f);
+    fill_adaptive_run(&b, 0.0f);
     const struct cache_tree *s = &a.cache->store[CACHE_IRRADIANCE].tree,
                             *t = &b.cache->store[CACHE_IRRADIANCE].tree;
     assert_int_equal(s->head_count, t->head_count);
     assert_memory_equal(s->head, t->head, s->head_count * sizeof *s->head);
-    cache_case_free(&a);
-    cache_case_free(&b);
+    fill_case_free(&a);
+    fill_case_free(&b);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(records_are_added_where_they_disagree),
         cmocka_unit_test(direct_light_hides_differences),
-        cmocka_unit_test(cache_adaptive_threads_make_no_difference),
+        cmocka_unit_test(fill_adaptive_threads_make_no_difference),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

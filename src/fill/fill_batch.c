@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "base/array.h"
-#include "cache/cache_records.h"
+#include "fill/fill_record.h"
 
 enum {
     ATTEMPTS = 3,   // at a record that is not finite; after them its site has none
@@ -20,15 +20,15 @@ enum {
 
 // A record that is being made.
 struct job {
-    const struct cache_site *site;
-    struct gather_irradiance irradiance;
+    const struct fill_site *site;
+    struct cache_irradiance_value irradiance;
     struct gather_radiance radiance;
     struct cache_residual residual;
     float *value;  // of a radiance record, in the cache's arena
     struct gather_around around;
-    struct cache_extent extent;  // before it is limited by other records
-    int refused;                 // number of attempts that were not valid
-    bool valid;                  // whether the last attempt was valid
+    struct fill_extent extent;  // before it is limited by other records
+    int refused;                // number of attempts that were not valid
+    bool valid;                 // whether the last attempt was valid
 };
 
 struct batch;
@@ -43,8 +43,9 @@ struct record_functions {
 };
 
 struct batch {
-    struct cache *cache;
-    const struct cache_fill *fill;
+    struct fill *fill;
+    struct cache *cache;  // of it
+    const struct fill_sites *sites;
     enum cache_kind kind;
     struct cache_store *store;               // of that kind
     const struct record_functions *records;  // functions of that kind
@@ -52,10 +53,10 @@ struct batch {
     int count, size;      // number of jobs, at most `size`
     float *coefficients;  // of radiance jobs: 10 * order^2 for each
     // Sites from `next` to `last` are not covered, or not tested yet.
-    const struct cache_site **waiting;
+    const struct fill_site **waiting;
     size_t next, last;
-    const struct cache_site **tested;  // the sites that are tested
-    bool covered[WINDOW];              // results of the tests
+    const struct fill_site **tested;  // the sites that are tested
+    bool covered[WINDOW];             // results of the tests
 };
 
 // If a few of its rays make up most of a record, as when one of them has hit a small bright
@@ -84,17 +85,17 @@ static void test_coverage(void *ctx, size_t begin, size_t end, int worker) {
     struct batch *b = ctx;
     struct cache_near near[CACHE_NEAR_MAX];
     for (size_t i = begin; i < end; i++) {
-        const struct cache_site *s = b->tested[i];
+        const struct fill_site *s = b->tested[i];
         b->covered[i] =
-            cache_find(b->cache, &b->store->tree, s->p, s->frame.n, b->fill->a, near) > 0;
+            cache_find(b->cache, &b->store->tree, s->p, s->frame.n, b->sites->a, near) > 0;
     }
 }
 
 // Whether a site is far enough from all members of the batch.
-static bool lies_apart(const struct batch *b, const struct cache_site *site) {
-    const float least = b->fill->spacing * site->pixel;
+static bool lies_apart(const struct batch *b, const struct fill_site *site) {
+    const float least = b->sites->spacing * site->pixel;
     for (int i = 0; i < b->count; i++) {
-        const struct cache_site *other = b->job[i].site;
+        const struct fill_site *other = b->job[i].site;
         if (v3_dist2(other->p, site->p) < least * least &&
             v3_dot(other->frame.n, site->frame.n) > 0.5f)
             return false;
@@ -102,7 +103,7 @@ static bool lies_apart(const struct batch *b, const struct cache_site *site) {
     return true;
 }
 
-static void add_job(struct batch *b, const struct cache_site *site) {
+static void add_job(struct batch *b, const struct fill_site *site) {
     const size_t n2 = (size_t)(b->store->order * b->store->order), n = 3 * n2;
     float *block = b->coefficients + 10 * n2 * (size_t)b->count;
     struct job *job = &b->job[b->count++];
@@ -120,9 +121,9 @@ static bool choose_batch(struct batch *b) {
     while (i < b->last && b->count < b->size) {
         const size_t n = b->last - i < WINDOW ? b->last - i : WINDOW;
         b->tested = b->waiting + i;
-        if (!parallel_for(b->cache->pool, n, 64, test_coverage, b)) return false;
+        if (!parallel_for(b->fill->pool, n, 64, test_coverage, b)) return false;
         for (size_t j = 0; j < n && b->count < b->size; j++, i++) {
-            const struct cache_site *site = b->waiting[i];
+            const struct fill_site *site = b->waiting[i];
             if (b->covered[j]) continue;
             if (!lies_apart(b, site))
                 b->waiting[start + kept++] = site;
@@ -149,13 +150,13 @@ static rgb mix(rgb a, rgb b, float t) { return rgb_add(rgb_scale(a, 1.0f - t), r
 // Averages the job's irradiance, which was computed from the hemisphere, with that of all the rays
 // of the options, which replace those of the hemisphere.
 static void gather_more(const struct batch *b, struct job *job, const struct gathering *from) {
-    const struct cache *c = b->cache;
+    const struct fill *f = b->fill;
     struct gather_hemisphere *hemisphere = from->worker->hemisphere;
-    struct gather_irradiance more, *first = &job->irradiance;
+    struct cache_irradiance_value more, *first = &job->irradiance;
     struct gather_site site = from->site;
     site.stream = rng_mix(site.stream ^ 0x9e3779b97f4a7c15ull);
-    gather_hemisphere_trace(c->g, c->irradiance_whole, &site, from->worker->scratch, hemisphere);
-    gather_hemisphere_irradiance(c->g, hemisphere, &more);
+    gather_hemisphere_trace(f->g, f->irradiance_whole, &site, from->worker->scratch, hemisphere);
+    gather_hemisphere_irradiance(f->g, hemisphere, &more);
     gather_around_make(hemisphere, from->hessian, &job->around);
     const float t = (float)more.rays / (float)(more.rays + first->rays);
     first->E = mix(first->E, more.E, t);
@@ -169,18 +170,18 @@ static void gather_more(const struct batch *b, struct job *job, const struct gat
 // The light that the site reflects to the eye and that the harmonics leave out.
 static struct cache_residual find_residual(const struct batch *b, const struct job *job,
                                            const struct gather_hemisphere *hemisphere) {
-    const struct cache_site *s = job->site;
+    const struct fill_site *s = job->site;
     if (!s->view.table || !s->view.name) return (struct cache_residual){.name = 0};
     const rgb whole =
         gather_hemisphere_reflected(hemisphere, &s->view.brdf, s->view.wo, BRDF_GLOSSY);
-    return cache_residual_make(&job->radiance, b->store->order, &s->frame, &s->view, whole);
+    return fill_residual(&job->radiance, b->store->order, &s->frame, &s->view, whole);
 }
 
 static bool make_irradiance(const struct batch *b, struct job *job, const struct gathering *from) {
-    gather_hemisphere_irradiance(b->cache->g, from->worker->hemisphere, &job->irradiance);
+    gather_hemisphere_irradiance(b->fill->g, from->worker->hemisphere, &job->irradiance);
     if (job->around.deviation > UNSURE) gather_more(b, job, from);
-    if (!cache_valid_irradiance(&job->irradiance, &job->around)) return false;
-    job->extent = cache_extent_irradiance(b->cache, job->site, &job->around, &job->irradiance);
+    if (!fill_valid_irradiance(&job->irradiance, &job->around)) return false;
+    job->extent = fill_extent_irradiance(b->cache, job->site, &job->around, &job->irradiance);
     return true;
 }
 
@@ -194,12 +195,12 @@ static void interleave(const struct gather_radiance *from, int n2, float *value)
 }
 
 static bool make_radiance(const struct batch *b, struct job *job, const struct gathering *from) {
-    gather_hemisphere_radiance(b->cache->g, from->worker->hemisphere, &job->radiance);
+    gather_hemisphere_radiance(b->fill->g, from->worker->hemisphere, &job->radiance);
     job->residual = find_residual(b, job, from->worker->hemisphere);
-    if (!cache_valid_radiance(&job->radiance, b->store->order, &job->around) ||
+    if (!fill_valid_radiance(&job->radiance, b->store->order, &job->around) ||
         !rgb_finite(job->residual.L))
         return false;
-    job->extent = cache_extent_radiance(b->cache, job->site, &job->around, &job->radiance);
+    job->extent = fill_extent_radiance(b->cache, job->site, &job->around, &job->radiance);
     interleave(&job->radiance, b->store->order * b->store->order, job->value);
     return true;
 }
@@ -207,10 +208,9 @@ static bool make_radiance(const struct batch *b, struct job *job, const struct g
 // Allocates the values of a batch's records. False if there is no memory. Values of records that
 // stay invalid are not used.
 static bool allocate_values(struct batch *b) {
-    const size_t lanes = (size_t)(b->store->order * b->store->order * CACHE_LANES);
     if (b->kind != CACHE_RADIANCE) return true;
     for (struct job *job = b->job; job < b->job + b->count; job++) {
-        job->value = arena_array(&b->cache->radiance_arena, lanes, sizeof *job->value);
+        job->value = cache_value_new(b->cache);
         if (!job->value) return false;
     }
     return true;
@@ -220,16 +220,16 @@ static bool allocate_values(struct batch *b) {
 // again with other random numbers.
 static void gather_jobs(void *ctx, size_t begin, size_t end, int worker) {
     struct batch *b = ctx;
-    const struct cache *c = b->cache;
-    const struct gather_worker *w = &c->worker[worker];
+    const struct fill *f = b->fill;
+    const struct gather_worker *w = &f->worker[worker];
     const bool hessian = b->store->options.radius == SATIN_RADIUS_HESSIAN;
     for (struct job *job = b->job + begin; job < b->job + end; job++) {
-        const struct cache_site *s = job->site;
+        const struct fill_site *s = job->site;
         const struct gather_layout *layout =
-            cache_rays_layout(c, b->kind, s, b->fill->a * b->fill->widest);
+            fill_rays_layout(f, b->kind, s, b->sites->a * b->sites->widest);
         struct gathering at = {w, {s->p, s->ng, s->frame, s->stream, true}, hessian};
         for (int attempt = 0; attempt < ATTEMPTS && !job->valid; attempt++) {
-            gather_hemisphere_trace(c->g, layout, &at.site, w->scratch, w->hemisphere);
+            gather_hemisphere_trace(f->g, layout, &at.site, w->scratch, w->hemisphere);
             gather_around_make(w->hemisphere, hessian, &job->around);
             job->valid = b->records->make(b, job, &at);
             if (!job->valid) job->refused++;
@@ -241,68 +241,58 @@ static void gather_jobs(void *ctx, size_t begin, size_t end, int worker) {
 // ---- Inserting ----------------------------------------------------------------------------------
 
 // The scale of a new record among adapted ones: 1.4 times that of the nearest one [K05 6.3.2].
-static float first_scale(const struct cache_tree *tree, const struct cache_site *s, float radius) {
+static float first_scale(const struct cache_tree *tree, const struct fill_site *s, float radius) {
     static const float GROWTH = 1.4f;
     int64_t nearest = cache_tree_nearest(tree, s->p, s->frame.n, radius);
     return nearest < 0 ? 1.0f : fminf(1.0f, GROWTH * tree->head[nearest].scale);
 }
 
 // Limits a new record and its neighbours by each other, if the options include that.
-static void clamp_extent(struct cache_store *store, const struct cache_site *s,
-                         struct cache_extent *x) {
+static void clamp_extent(struct cache_store *store, const struct fill_site *s,
+                         struct fill_extent *x) {
     if (!store->options.neighbour_clamp) return;
-    x->R = cache_neighbour_clamp(&store->tree, s->p, s->frame.n, x->R);
-    x->R = fmaxf(x->R, cache_least_radius(&store->options, s->pixel));
+    x->R = fill_neighbour_clamp(&store->tree, s->p, s->frame.n, x->R);
+    x->R = fmaxf(x->R, fill_least_radius(&store->options, s->pixel));
     x->across = fminf(x->across, x->R);
 }
 
-// Inserts a record's extent into the tree, after its value was stored at the tree's next index.
-// False if there is no memory.
-static bool insert_head(struct batch *b, const struct job *job, const struct cache_extent *x) {
-    const struct cache_site *s = job->site;
-    const float radius = b->store->options.a * b->fill->widest * x->R;
+// The head of a new record.
+static struct cache_head make_head(const struct batch *b, const struct job *job,
+                                   const struct fill_extent *x) {
+    const struct fill_site *s = job->site;
+    const float radius = b->store->options.a * b->sites->widest * x->R;
     float ratio = x->R / x->across;
     float clear;
-    const uint32_t near = cache_leak_sectors(&job->around, radius, &clear);
-    struct cache_head head = {
+    const uint32_t near = fill_leak_sectors(&job->around, radius, &clear);
+    return (struct cache_head){
         .p = s->p,
         .R = x->R,
         .n = s->frame.n,
         .search_radius = radius,
         .anisotropy = v3_mul(x->axis, sqrtf(fmaxf(ratio * ratio - 1.0f, 0.0f))),
-        .scale = b->fill->adapted ? first_scale(&b->store->tree, s, radius) : 1.0f,
+        .scale = b->sites->adapted ? first_scale(&b->store->tree, s, radius) : 1.0f,
         .u = s->frame.u,
         .near_sectors = near,
         .clear = clear,
     };
-    return cache_tree_insert(&b->store->tree, &head);
 }
 
 static bool insert_irradiance(struct batch *b, struct job *job) {
-    struct cache *c = b->cache;
-    const size_t next = b->store->tree.head_count;
-    if (!array_reserve((void **)&c->irradiance, &c->irradiance_capacity, next + 1,
-                       sizeof *c->irradiance))
-        return false;
-    struct cache_extent x = job->extent;
+    struct fill_extent x = job->extent;
     clamp_extent(b->store, job->site, &x);
-    c->irradiance[next] =
-        (struct cache_irradiance_record){job->irradiance, job->around.deviation, x.radius_ratio};
-    c->rays += job->irradiance.rays;
-    return insert_head(b, job, &x);
+    const struct cache_head head = make_head(b, job, &x);
+    const struct cache_irradiance_record record = {job->irradiance, job->around.deviation,
+                                                   x.radius_ratio};
+    return cache_insert_irradiance(b->cache, &head, &record);
 }
 
 static bool insert_radiance(struct batch *b, struct job *job) {
-    struct cache *c = b->cache;
-    const size_t next = b->store->tree.head_count;
-    if (!array_reserve((void **)&c->radiance, &c->radiance_capacity, next + 1, sizeof *c->radiance))
-        return false;
-    struct cache_extent x = job->extent;
+    struct fill_extent x = job->extent;
     clamp_extent(b->store, job->site, &x);
-    c->radiance[next] = (struct cache_radiance_record){job->site->frame, job->value, x.radius_ratio,
-                                                       job->radiance.rays, job->residual};
-    c->rays += job->radiance.rays;
-    return insert_head(b, job, &x);
+    const struct cache_head head = make_head(b, job, &x);
+    const struct cache_radiance_record record = {job->site->frame, job->value, x.radius_ratio,
+                                                 job->radiance.rays, job->residual};
+    return cache_insert_radiance(b->cache, &head, &record);
 }
 
 // ---- All batches --------------------------------------------------------------------------------
@@ -312,42 +302,43 @@ static const struct record_functions functions[CACHE_KINDS] = {
     [CACHE_RADIANCE] = {make_radiance, insert_radiance},
 };
 
-satin_status cache_fill(struct cache *cache, enum cache_kind kind, const struct cache_fill *fill) {
-    if (kind == CACHE_RADIANCE && cache->store[kind].order == 0) return SATIN_OK;
+satin_status fill_records(struct fill *fill, enum cache_kind kind, const struct fill_sites *sites) {
+    if (kind == CACHE_RADIANCE && fill->cache->store[kind].order == 0) return SATIN_OK;
     satin_status status = SATIN_ERROR_MEMORY;
     struct batch *b = calloc(1, sizeof *b);
     if (!b) return status;
-    const char *part = parallel_begin_part(cache->pool, "insert");
-    b->cache = cache;
+    const char *part = parallel_begin_part(fill->pool, "insert");
     b->fill = fill;
+    b->cache = fill->cache;
+    b->sites = sites;
     b->kind = kind;
-    b->store = &cache->store[kind];
+    b->store = &fill->cache->store[kind];
     b->records = &functions[kind];
-    b->waiting = array_new(fill->count, sizeof *b->waiting);
-    b->size = batch_size(fill->count);
+    b->waiting = array_new(sites->count, sizeof *b->waiting);
+    b->size = batch_size(sites->count);
     b->job = array_new((size_t)b->size, sizeof *b->job);
     b->coefficients =
         array_new((size_t)(b->size * 10 * b->store->order * b->store->order), sizeof(float));
     if (b->waiting && b->job && b->coefficients) status = SATIN_OK;
-    for (size_t i = 0; i < fill->count && status == SATIN_OK; i++)
-        if (fill->site[i].wants >> kind & 1u) b->waiting[b->last++] = &fill->site[i];
+    for (size_t i = 0; i < sites->count && status == SATIN_OK; i++)
+        if (sites->site[i].wants >> kind & 1u) b->waiting[b->last++] = &sites->site[i];
     while (b->next < b->last && status == SATIN_OK) {
-        parallel_begin_part(cache->pool, "choose");
+        parallel_begin_part(fill->pool, "choose");
         bool whole = choose_batch(b);
-        parallel_begin_part(cache->pool, "gather");
+        parallel_begin_part(fill->pool, "gather");
         if (whole && !allocate_values(b)) status = SATIN_ERROR_MEMORY;
         if (status != SATIN_OK) break;
-        whole = whole && parallel_for(cache->pool, (size_t)b->count, 1, gather_jobs, b);
-        parallel_begin_part(cache->pool, "insert");
+        whole = whole && parallel_for(fill->pool, (size_t)b->count, 1, gather_jobs, b);
+        parallel_begin_part(fill->pool, "insert");
         if (!whole) status = SATIN_CANCELLED;
         for (struct job *job = b->job; job < b->job + b->count && status == SATIN_OK; job++) {
-            cache->refused += (uint64_t)job->refused;
+            fill->refused += (uint64_t)job->refused;
             assert(job->refused == 0);
             // A record that stayed invalid is left out, and gathering replaces it at its site.
             if (job->valid && !b->records->insert(b, job)) status = SATIN_ERROR_MEMORY;
         }
     }
-    parallel_begin_part(cache->pool, part);
+    parallel_begin_part(fill->pool, part);
     free(b->waiting);
     free(b->coefficients);
     free(b->job);

@@ -2,7 +2,7 @@
 // The criterion of adaptive caching [K05 6.3.1, 6.4]: whether the light of the records at a point
 // differs visibly, by Weber's law on direct and indirect light and by more than their noise, and
 // which of the records are to be shrunk.
-#include "cache/cache_adaptive.h"
+#include "fill/fill_adaptive.h"
 
 // The relative difference that is visible by Weber's law, as is widely used in computer graphics
 // [K05 6.4].
@@ -13,11 +13,11 @@ static const float VISIBLE = 0.02f;
 // shrink.
 static const float VISIBLE_DEVIATIONS = 2.5f;
 
-void cache_update_point(const struct cache_adaptation *c, const struct cache_site *s,
-                        struct cache_point *p) {
+void fill_update_point(const struct fill_adaptation *c, const struct fill_site *s,
+                       struct fill_point *p) {
     int kept = 0;
     for (int i = 0; i < p->count; i++) {
-        struct cache_contribution x = p->with[i];
+        struct fill_contribution x = p->with[i];
         if (x.change != c->change[x.record]) {
             const struct cache_head *h = &c->tree->head[x.record];
             x.error = cache_tree_error(h, s->p, s->frame.n);
@@ -29,13 +29,14 @@ void cache_update_point(const struct cache_adaptation *c, const struct cache_sit
     p->count = (uint8_t)kept;
     p->bare = true;
     for (int i = 0; i < kept; i++)
-        if (p->with[i].error < c->fill->a * c->tree->head[p->with[i].record].scale) p->bare = false;
+        if (p->with[i].error < c->sites->a * c->tree->head[p->with[i].record].scale)
+            p->bare = false;
 }
 
 // The lobes that records light at a site, with the harmonics of its glossy lobes if these are
 // within `order`.
-static void find_surface(const struct cache_site *s, int order, struct cache_surface *out) {
-    const struct cache_view *v = &s->view;
+static void find_surface(const struct fill_site *s, int order, struct cache_surface *out) {
+    const struct fill_view *v = &s->view;
     out->specular = s->specular;
     out->diffuse = s->diffuse;
     out->lobe = (struct cache_lobe){.C = out->coefficients};
@@ -52,13 +53,13 @@ static cache_reflected_fn *const reflected[CACHE_KINDS] = {
 };
 
 // Computes the luminances that are not known yet.
-static void find_luminances(const struct cache_adaptation *c, const struct cache_site *s,
-                            struct cache_point *p) {
+static void find_luminances(const struct fill_adaptation *c, const struct fill_site *s,
+                            struct fill_point *p) {
     const struct cache_lookup at = {s->shading_p, s->frame.n, s->frame, 0.0f};
     struct cache_surface surface;
     find_surface(s, c->cache->store[c->kind].order, &surface);
     for (int i = 0; i < p->count; i++) {
-        struct cache_contribution *x = &p->with[i];
+        struct fill_contribution *x = &p->with[i];
         if (x->Y < 0.0f)
             x->Y = at_least(
                 reflected[c->kind](c->cache, x->record, &at, c->read_a, &surface, &x->noise), 0.0f);
@@ -66,7 +67,7 @@ static void find_luminances(const struct cache_adaptation *c, const struct cache
 }
 
 // The mean luminance of the contributions in `mask`, weighted by 1 / error.
-static float mean_luminance(const struct cache_point *p, unsigned mask) {
+static float mean_luminance(const struct fill_point *p, unsigned mask) {
     float sum = 0.0f, weights = 0.0f;
     for (int i = 0; i < p->count; i++) {
         if (!(mask >> i & 1u)) continue;
@@ -79,28 +80,28 @@ static float mean_luminance(const struct cache_point *p, unsigned mask) {
 
 // The difference that noise alone may cause. The estimate by one record is too noisy, so that of
 // all records of the point is used.
-static float noise_of(const struct cache_point *p) {
+static float noise_of(const struct fill_point *p) {
     float square = 0.0f;
     for (int i = 0; i < p->count; i++) square += p->with[i].noise * p->with[i].noise;
     return VISIBLE_DEVIATIONS * sqrtf(square / (float)p->count);
 }
 
 // Whether a record may end before this point: it must not become smaller than the least radius.
-static bool may_shrink(const struct cache_adaptation *c, const struct cache_site *s,
+static bool may_shrink(const struct fill_adaptation *c, const struct fill_site *s,
                        uint32_t record) {
     const struct cache_options *o = &c->cache->store[c->kind].options;
-    const float least = o->a * cache_least_radius(o, s->pixel);
+    const float least = o->a * fill_least_radius(o, s->pixel);
     return v3_dist2(c->tree->head[record].p, s->p) > least * least;
 }
 
 // Whether a difference in luminance is visible, given the luminance `all` by the records plus
 // direct light [K05 6.4].
-static bool visible(const struct cache_site *s, float difference, float all, float noise) {
+static bool visible(const struct fill_site *s, float difference, float all, float noise) {
     return difference > VISIBLE * (all + s->direct) + noise;
 }
 
 // Whether the mean of the contributions in `mask` differs visibly from that without one of them.
-static bool disagree(const struct cache_site *s, const struct cache_point *p, unsigned mask) {
+static bool disagree(const struct fill_site *s, const struct fill_point *p, unsigned mask) {
     const float all = mean_luminance(p, mask), noise = noise_of(p);
     for (int i = 0; i < p->count; i++) {
         if (!(mask >> i & 1u)) continue;
@@ -112,8 +113,8 @@ static bool disagree(const struct cache_site *s, const struct cache_point *p, un
 
 // The contributions that may have caused the difference between `worst` and the rest: errors grow
 // with the square of the distance, so records that are hardly nearer have almost the same error.
-static unsigned similar_errors(const struct cache_site *s, const struct cache_point *p,
-                               unsigned rest, int worst) {
+static unsigned similar_errors(const struct fill_site *s, const struct fill_point *p, unsigned rest,
+                               int worst) {
     const float all = mean_luminance(p, rest), noise = noise_of(p);
     const float difference = fabsf(p->with[worst].Y - all);
     const float far2 = p->with[worst].error * p->with[worst].error;
@@ -129,8 +130,8 @@ static unsigned similar_errors(const struct cache_site *s, const struct cache_po
 // While contributions disagree, the one of least weight is to be shrunk [K05 figure 6.2].
 // Deviation: so are those with a similar error; otherwise a point whose records all have similar
 // errors would keep the nearest one.
-void cache_evaluate_point(const struct cache_adaptation *c, const struct cache_site *s,
-                          struct cache_point *p) {
+void fill_evaluate_point(const struct fill_adaptation *c, const struct fill_site *s,
+                         struct fill_point *p) {
     p->shrinking = 0;
     if (p->count < 2) return;
     find_luminances(c, s, p);

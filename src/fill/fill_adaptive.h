@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to cache/: the shading points of adaptive caching, and the criterion for shrinking
+// Private to fill/: the shading points of adaptive caching, and the criterion for shrinking
 // records [K05 6.3].
-#ifndef CACHE_ADAPTIVE_H
-#define CACHE_ADAPTIVE_H
+#ifndef FILL_ADAPTIVE_H
+#define FILL_ADAPTIVE_H
 
-#include "cache/cache_records.h"
+#include "fill/fill_record.h"
 
-enum { CACHE_CONTRIBUTIONS = 6 };  // of one point; there are rarely more [K05 6.3.2]
+enum { FILL_CONTRIBUTIONS = 6 };  // of one point; there are rarely more [K05 6.3.2]
 
 // The light of one record at a point.
-struct cache_contribution {
+struct fill_contribution {
     uint32_t record;
     uint32_t change;  // `change` of the record when the error was computed
     float error;      // d / R + sqrt(1 - n . n_i)
@@ -17,8 +17,8 @@ struct cache_contribution {
     float noise;      // standard deviation of Y
 };
 
-struct cache_point {
-    struct cache_contribution with[CACHE_CONTRIBUTIONS];
+struct fill_point {
+    struct fill_contribution with[FILL_CONTRIBUTIONS];
     uint8_t count;      // number of contributions
     uint8_t queued;     // whether it is evaluated in this pass
     uint8_t bare;       // whether no record covers it at the accuracy of filling
@@ -26,14 +26,15 @@ struct cache_point {
 };
 
 // The adaptation of one kind of records. Arrays are by point or by record.
-struct cache_adaptation {
-    struct cache *cache;
-    const struct cache_fill *fill;  // its sites are the shading points
+struct fill_adaptation {
+    struct fill *fill;
+    const struct cache *cache;       // of it
+    const struct fill_sites *sites;  // the shading points
     enum cache_kind kind;
     struct cache_tree *tree;
-    float read_a;                    // accuracy at which the records will be read
-    const struct cache_site **site;  // the sites that need records of the kind
-    struct cache_point *point;
+    float read_a;                   // accuracy at which the records will be read
+    const struct fill_site **site;  // the sites that need records of the kind
+    struct fill_point *point;
     size_t count;
     uint32_t *change;  // per record: how often it was shrunk
     float *R, *scale;  // per record: values at the beginning of the pass
@@ -44,10 +45,10 @@ struct cache_adaptation {
 };
 
 // Removes contributions of records that were shrunk and no longer cover the point, and sets `bare`.
-void cache_update_point(const struct cache_adaptation *c, const struct cache_site *site,
-                        struct cache_point *point);
+void fill_update_point(const struct fill_adaptation *c, const struct fill_site *site,
+                       struct fill_point *point);
 // Selects by the criterion the contributions whose records are to end before the point.
-void cache_evaluate_point(const struct cache_adaptation *c, const struct cache_site *site,
-                          struct cache_point *point);
+void fill_evaluate_point(const struct fill_adaptation *c, const struct fill_site *site,
+                         struct fill_point *point);
 
 #endif

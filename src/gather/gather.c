@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surface points prepared for shading, and the constants of a render.
+// The constants of gathering in a render.
 #include "gather/gather.h"
 
 // A light is wide if its area is more than this fraction of that of the scene's bounding sphere.
@@ -19,25 +19,4 @@ struct gather gather_make(const struct satin_scene *scene, const satin_options *
             g.wide_lights = true;
     }
     return g;
-}
-
-void gather_point_of(const struct satin_scene *scene, const struct material_side *side,
-                     const struct interaction *s, vec3 d, struct gather_point *out) {
-    vec3 wo = v3_neg(d);
-    out->interaction = *s;
-    out->ng = v3_dot(s->ng, wo) < 0.0f ? v3_neg(s->ng) : s->ng;
-    out->side = side;
-    out->base = scene_component_frame(scene, side, s, wo);
-    if (scene_component_brdf(scene, side, s, wo, &out->brdf, &out->frame)) {
-        out->lobes = brdf_lobes(&out->brdf);
-    } else {
-        out->lobes = 0;
-        out->frame = s->frame;
-    }
-    out->wo_l = frame_to_local(&out->frame, wo);
-}
-
-void gather_point_make(const struct satin_scene *scene, const struct interaction *s, vec3 d,
-                       struct gather_point *out) {
-    gather_point_of(scene, scene_component(scene, s, v3_neg(d)), s, d, out);
 }

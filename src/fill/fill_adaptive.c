@@ -9,7 +9,7 @@
 
 #include "base/array.h"
 #include "base/stats.h"
-#include "cache/cache_adaptive.h"
+#include "fill/fill_adaptive.h"
 
 enum {
     PASSES_MAX = 11,  // the thesis needed no more
@@ -20,20 +20,20 @@ enum {
 static const float SHORT_OF = 1e-4f;
 
 static void evaluate_points(void *ctx, size_t begin, size_t end, int worker) {
-    struct cache_adaptation *c = ctx;
+    struct fill_adaptation *c = ctx;
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        struct cache_point *p = &c->point[i];
+        struct fill_point *p = &c->point[i];
         if (!p->queued) continue;
-        cache_update_point(c, c->site[i], p);
-        cache_evaluate_point(c, c->site[i], p);
+        fill_update_point(c, c->site[i], p);
+        fill_evaluate_point(c, c->site[i], p);
     }
 }
 
 // Shrinks records so that they end before the points for which they are to be shrunk.
-static void shrink(struct cache_adaptation *c) {
+static void shrink(struct fill_adaptation *c) {
     for (size_t i = 0; i < c->count; i++) {
-        struct cache_point *p = &c->point[i];
+        struct fill_point *p = &c->point[i];
         if (!p->queued || !p->shrinking) continue;
         for (int k = 0; k < p->count; k++) {
             if (!(p->shrinking >> k & 1u)) continue;
@@ -44,15 +44,15 @@ static void shrink(struct cache_adaptation *c) {
 }
 
 // Adds a record to the contributions of a point. If the list is full, it replaces the worst one.
-static void add_contribution(struct cache_adaptation *c, const struct cache_site *s,
-                             struct cache_point *p, uint32_t record) {
-    struct cache_contribution x = {record, c->change[record],
-                                   cache_tree_error(&c->tree->head[record], s->p, s->frame.n),
-                                   -1.0f, 0.0f};
+static void add_contribution(struct fill_adaptation *c, const struct fill_site *s,
+                             struct fill_point *p, uint32_t record) {
+    struct fill_contribution x = {record, c->change[record],
+                                  cache_tree_error(&c->tree->head[record], s->p, s->frame.n), -1.0f,
+                                  0.0f};
     int at = p->count;
-    if (at == CACHE_CONTRIBUTIONS) {
+    if (at == FILL_CONTRIBUTIONS) {
         at = 0;
-        for (int i = 1; i < CACHE_CONTRIBUTIONS; i++)
+        for (int i = 1; i < FILL_CONTRIBUTIONS; i++)
             if (p->with[i].error > p->with[at].error) at = i;
         if (p->with[at].error <= x.error) return;
     } else {
@@ -64,12 +64,12 @@ static void add_contribution(struct cache_adaptation *c, const struct cache_site
 // Queues the points at which records were added or shrunk, and adds the new records to their
 // contributions.
 static void queue_points(void *ctx, size_t begin, size_t end, int worker) {
-    struct cache_adaptation *c = ctx;
+    struct fill_adaptation *c = ctx;
     (void)worker;
     struct cache_near near[CACHE_NEAR_MAX];
     for (size_t i = begin; i < end; i++) {
-        struct cache_point *p = &c->point[i];
-        const struct cache_site *s = c->site[i];
+        struct fill_point *p = &c->point[i];
+        const struct fill_site *s = c->site[i];
         p->queued = cache_tree_covered(&c->shrunk, s->p, s->frame.n, c->read_a);
         int count = cache_tree_find(&c->added, s->p, s->frame.n, c->read_a, near);
         for (int k = 0; k < count; k++) {
@@ -83,9 +83,9 @@ static void queue_points(void *ctx, size_t begin, size_t end, int worker) {
 
 // Stores the radii and scales of all records. Records that were added or shrunk since the last call
 // are put into separate trees. False if there is no memory.
-static bool note_changes(struct cache_adaptation *c) {
+static bool note_changes(struct fill_adaptation *c) {
     const size_t before = c->records, now = c->tree->head_count;
-    const struct satin_scene *scene = c->cache->g->scene;
+    const struct satin_scene *scene = c->cache->scene;
     cache_tree_free(&c->added);
     cache_tree_free(&c->shrunk);
     cache_tree_init(&c->added, scene->bounds_lo, scene->bounds_hi);
@@ -103,7 +103,7 @@ static bool note_changes(struct cache_adaptation *c) {
             before_it.scale = c->scale[i];
             if (!cache_tree_insert(&c->shrunk, &before_it)) return false;
             c->change[i]++;
-            c->cache->adapted.shrunk++;
+            c->fill->adapted.shrunk++;
         }
         if (fresh) {
             if (!cache_tree_insert(&c->added, &h)) return false;
@@ -116,33 +116,33 @@ static bool note_changes(struct cache_adaptation *c) {
 }
 
 // Makes new records at points that have lost their last one.
-static satin_status fill_gaps(struct cache_adaptation *c) {
+static satin_status fill_gaps(struct fill_adaptation *c) {
     size_t gaps = 0;
     for (size_t i = 0; i < c->count; i++) {
-        struct cache_point *p = &c->point[i];
+        struct fill_point *p = &c->point[i];
         if (!p->queued) continue;
-        cache_update_point(c, c->site[i], p);
+        fill_update_point(c, c->site[i], p);
         gaps += p->bare;
     }
     if (gaps == 0) return SATIN_OK;
-    struct cache_site *site = array_new(gaps, sizeof *site);
+    struct fill_site *site = array_new(gaps, sizeof *site);
     if (!site) return SATIN_ERROR_MEMORY;
     size_t n = 0;
     for (size_t i = 0; i < c->count; i++) {
         if (!c->point[i].queued || !c->point[i].bare) continue;
         site[n++] = *c->site[i];
     }
-    struct cache_fill fill = *c->fill;
-    fill.site = site;
-    fill.count = n;
-    fill.adapted = true;
-    satin_status status = cache_fill(c->cache, c->kind, &fill);
+    struct fill_sites sites = *c->sites;
+    sites.site = site;
+    sites.count = n;
+    sites.adapted = true;
+    satin_status status = fill_records(c->fill, c->kind, &sites);
     free(site);
     return status;
 }
 
-static satin_status adapt_records(struct cache_adaptation *c) {
-    struct parallel *pool = c->cache->pool;
+static satin_status adapt_records(struct fill_adaptation *c) {
+    struct parallel *pool = c->fill->pool;
     int pass = 0;
     // In the first pass all records are new to all points.
     if (!note_changes(c)) return SATIN_ERROR_MEMORY;
@@ -154,7 +154,7 @@ static satin_status adapt_records(struct cache_adaptation *c) {
         size_t queued = 0;
         for (size_t i = 0; i < c->count; i++) queued += c->point[i].queued;
         if (queued == 0) break;
-        c->cache->adapted.points += queued;
+        c->fill->adapted.points += queued;
         if (!parallel_for(pool, c->count, CHUNK_POINTS, evaluate_points, c)) return SATIN_CANCELLED;
         shrink(c);
         for (size_t i = 0; i < c->records; i++)  // so that the points are updated
@@ -164,28 +164,29 @@ static satin_status adapt_records(struct cache_adaptation *c) {
         if (status != SATIN_OK) return status;
         double note = stats_wall();
         if (!note_changes(c)) return SATIN_ERROR_MEMORY;
-        c->cache->adapted.seconds += gather - start + (stats_wall() - note);
+        c->fill->adapted.seconds += gather - start + (stats_wall() - note);
     }
-    if (c->cache->adapted.passes < pass) c->cache->adapted.passes = pass;
+    if (c->fill->adapted.passes < pass) c->fill->adapted.passes = pass;
     return SATIN_OK;
 }
 
-satin_status cache_adapt(struct cache *cache, enum cache_kind kind, const struct cache_fill *fill,
-                         float read_a) {
-    struct cache_adaptation c = {.cache = cache,
-                                 .fill = fill,
-                                 .kind = kind,
-                                 .tree = &cache->store[kind].tree,
-                                 .read_a = read_a};
-    c.site = array_new(fill->count, sizeof(struct cache_site *));
-    c.point = array_new(fill->count, sizeof *c.point);
+satin_status fill_adapt(struct fill *fill, enum cache_kind kind, const struct fill_sites *sites,
+                        float read_a) {
+    struct fill_adaptation c = {.fill = fill,
+                                .cache = fill->cache,
+                                .sites = sites,
+                                .kind = kind,
+                                .tree = &fill->cache->store[kind].tree,
+                                .read_a = read_a};
+    c.site = array_new(sites->count, sizeof(struct fill_site *));
+    c.point = array_new(sites->count, sizeof *c.point);
     satin_status status = SATIN_ERROR_MEMORY;
     if (c.site && c.point) {
-        for (size_t i = 0; i < fill->count; i++)
-            if (fill->site[i].wants >> kind & 1u) c.site[c.count++] = &fill->site[i];
-        const char *part = parallel_begin_part(cache->pool, "adapt");
+        for (size_t i = 0; i < sites->count; i++)
+            if (sites->site[i].wants >> kind & 1u) c.site[c.count++] = &sites->site[i];
+        const char *part = parallel_begin_part(fill->pool, "adapt");
         status = c.count ? adapt_records(&c) : SATIN_OK;
-        parallel_begin_part(cache->pool, part);
+        parallel_begin_part(fill->pool, part);
     }
     free(c.site);
     free(c.point);

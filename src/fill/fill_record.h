@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to fill/: the state of filling, and what is computed for one record.
+#ifndef FILL_RECORD_H
+#define FILL_RECORD_H
+
+#include "fill/fill.h"
+
+// The number of different numbers of rays that records of one kind may have (fill_rays.c), and the
+// largest number of rays.
+enum { FILL_LAYOUTS = 5, FILL_RAYS_MAX = 1 << 20 };
+
+struct fill {
+    struct cache *cache;
+    const struct gather *g;
+    struct parallel *pool;
+    // Hemispheres of different numbers of rays; NULL if not used.
+    struct gather_layout *layout[CACHE_KINDS][FILL_LAYOUTS];
+    struct gather_layout *irradiance_whole;  // with all the rays of the options
+    float rays_fraction;                     // fraction of the options' rays that new records get
+    struct gather_worker *worker;            // one for each worker of the pool
+    int worker_count;
+    uint64_t refused;  // number of records that were not finite or out of range
+    struct {
+        int passes;               // largest number of passes of the two caches
+        uint64_t points, shrunk;  // numbers of points that were evaluated, and of times that a
+                                  // scale was lowered
+        double seconds;           // without the time for gathering
+    } adapted;
+};
+
+// ---- The area of a new record (fill_extent.c) ---------------------------------------------------
+
+// The extent of a record before neighbour clamping: an ellipse in the tangent plane, or a circle if
+// both radii are equal.
+struct fill_extent {
+    float R;             // the larger radius
+    float across;        // the smaller one, along `axis`; at most R
+    vec3 axis;           // unit, in world space; 0 for a circle
+    float radius_ratio;  // R as it should be over R; below 1 where the least radius is larger
+};
+// The extent of a record from what its rays found around it [K05 3.3, 6.5.1]. Scales down the
+// gradients of *value if R is larger than the distance for which they are valid.
+struct fill_extent fill_extent_irradiance(const struct cache *cache, const struct fill_site *site,
+                                          const struct gather_around *around,
+                                          struct cache_irradiance_value *value);
+struct fill_extent fill_extent_radiance(const struct cache *cache, const struct fill_site *site,
+                                        const struct gather_around *around,
+                                        struct gather_radiance *value);
+// The least R of records at a pixel width: the options' least radius in pixels, over a.
+float fill_least_radius(const struct cache_options *options, float pixel);
+// Neighbour clamping [K05 6.5.2] (fill_neighbour_clamp.c): returns R of a new record at (p, n),
+// limited by its neighbours in the tree, and limits those of the neighbours by the new one.
+float fill_neighbour_clamp(struct cache_tree *tree, vec3 p, vec3 n, float R);
+// The mask of the sectors with surfaces nearer than `radius`. *clear is set to a distance within
+// which there are none.
+uint32_t fill_leak_sectors(const struct gather_around *around, float radius, float *clear);
+
+// ---- Rays of a new record (fill_rays.c) ---------------------------------------------------------
+
+// Makes new layouts for a kind of records: those that its options need, for a fraction of the rays.
+// SATIN_ERROR_MEMORY: then it keeps its layouts.
+satin_status fill_rays_prepare(struct fill *fill, enum cache_kind kind, float fraction);
+// The layout of a new record, from the variance of the records that cover its site at accuracy a.
+const struct gather_layout *fill_rays_layout(const struct fill *fill, enum cache_kind kind,
+                                             const struct fill_site *site, float a);
+
+// ---- Validity (fill_valid.c): finite, and E and distances in their ranges -----------------------
+
+bool fill_valid_irradiance(const struct cache_irradiance_value *value,
+                           const struct gather_around *around);
+bool fill_valid_radiance(const struct gather_radiance *value, int order,
+                         const struct gather_around *around);
+
+// ---- Residuals (fill_residual.c) ----------------------------------------------------------------
+
+// The residual of a record in frame `frame`. `whole` is the radiance that the BRDF reflects of its
+// rays.
+struct cache_residual fill_residual(const struct gather_radiance *radiance, int order,
+                                    const struct frame *frame, const struct fill_view *view,
+                                    rgb whole);
+
+#endif
