@@ -10,7 +10,7 @@ docs/formats.md): what the main thread does outside of loops is serial, what all
 loops is parallel, and from the times of the loops' chunks satin finds how much longer than their
 64th part 64 threads would take. On n cores a part takes
 
-    serial + parallel / n + uneven (1 - 1/n) / (1 - 1/64)
+    serial + parallel / n + imbalance (1 - 1/n) / (1 - 1/64)
 
 seconds. Not in the model: that cores use the same memory and caches (the column `2/1`, CPU time
 with two threads over that with one, shows what there is of it with two), and that sleeping threads
@@ -31,13 +31,13 @@ class Part:
     def __init__(self, name, found):
         def of(quantity):
             return [f.get(f"parts.{name}.{quantity}", 0.0) for f in found]
-        self.serial, self.parallel, self.uneven, self.loops = (
-            statistics.median(of(q)) for q in ("serial_s", "parallel_s", "uneven_s", "loops"))
+        self.serial, self.parallel, self.imbalance, self.loops = (
+            statistics.median(of(q)) for q in ("serial_s", "parallel_s", "imbalance_s", "loops"))
         self.wall = min(of("wall_s"))
 
     def seconds(self, cores):
         return (self.serial + self.parallel / cores
-                + self.uneven * (1 - 1 / cores) / (1 - 1 / MODEL))
+                + self.imbalance * (1 - 1 / cores) / (1 - 1 / MODEL))
 
 
 def measure(options, scene, args):
@@ -60,12 +60,12 @@ def print_model(found):
     two = {name: Part(name, found[2]) for name in names}
     whole = {n: sum(part.seconds(n) for part in one.values()) for n in (1,) + CORES}
     cores = " | ".join(f"of {n}" for n in CORES)
-    print("| part | CPU, s | wall with 1, s | with 2, s | 2/1 | serial, s | uneven, s | of 1 core "
-          f"| {cores} |\n|" + "---|" * (8 + len(CORES)))
+    print("| part | CPU, s | wall with 1, s | with 2, s | 2/1 | serial, s | imbalance, s "
+          f"| of 1 core | {cores} |\n|" + "---|" * (8 + len(CORES)))
     for name, part in sorted(one.items(), key=lambda of: -of[1].seconds(MODEL)):
         both = two[name].seconds(1) / part.seconds(1) if part.seconds(1) > 0 else 1
         print(f"| {name} | {part.seconds(1):.3f} | {part.wall:.3f} | {two[name].wall:.3f} | "
-              f"{both:.2f} | {part.serial:.4f} | {part.uneven:.4f} | "
+              f"{both:.2f} | {part.serial:.4f} | {part.imbalance:.4f} | "
               + " | ".join(percent(part.seconds(n) / whole[n]) for n in (1,) + CORES) + " |")
     serial = sum(part.serial for part in one.values())
     loops = sum(part.loops for part in one.values())

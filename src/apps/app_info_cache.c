@@ -43,10 +43,10 @@ static satin_status print_kind(const struct cache_file *file, enum cache_kind ki
 
 static satin_status print_file(const struct cache_file *file) {
     const struct cache_summary s = cache_file_summary(file);
-    const char *options = s.origin.options;
+    const char *options = s.provenance.options;
     const bool sh = strstr(options, " radiance-basis=sh") != NULL;
     printf("rays       %" PRIu64 "\n", s.rays);
-    printf("view       %s\n", s.origin.view ? "complete" : "made with a time limit");
+    printf("view       %s\n", s.provenance.view ? "complete" : "made with a time limit");
     printf("irradiance %zu records\n", s.irradiance);
     satin_status status =
         print_kind(file, CACHE_IRRADIANCE, s.irradiance, option_number(options, " irradiance-a="));
@@ -70,7 +70,7 @@ satin_status app_info_cache(const char *path) {
     if (status == SATIN_OK) status = cache_file_parse(data, size, path, log, &file);
     if (status == SATIN_OK) {
         printf("cache      %s, %zu bytes, scene %016" PRIx64 "\n", path, size,
-               cache_file_summary(file).origin.world);
+               cache_file_summary(file).provenance.world);
         status = print_file(file);
     }
     cache_file_free(file);

@@ -175,7 +175,7 @@ void parallel_set_progress(struct parallel *pool, parallel_progress_fn fn, void 
     pool->progress_user = user;
 }
 
-// ---- Parts ------------------------------------------------------------------------------------
+// ---- Parts --------------------------------------------------------------------------------------
 
 // Adds to the current part the time that the calling thread has spent since the last call.
 static void account_serial(struct parallel *pool) {
@@ -212,7 +212,7 @@ static void account_loop(struct parallel *pool) {
     }
     for (size_t i = 0; i < noted; i++) noted_sum += (double)pool->spent[i];
     part->parallel_s += sum;
-    part->uneven_s += schedule(pool->spent, noted) - noted_sum / PARALLEL_MODEL;
+    part->imbalance_s += schedule(pool->spent, noted) - noted_sum / PARALLEL_MODEL;
     part->loops += pool->chunks > 1;
     const double wall = stats_wall();
     part->wall_s += wall - pool->wall;
@@ -237,7 +237,7 @@ const struct parallel_part *parallel_parts(struct parallel *pool, int *count) {
     return pool->part;
 }
 
-// ---- Loops ------------------------------------------------------------------------------------
+// ---- Loops --------------------------------------------------------------------------------------
 
 bool parallel_for(struct parallel *pool, size_t n, size_t chunk_size, parallel_fn fn, void *ctx) {
     if (n == 0) return true;

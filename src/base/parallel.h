@@ -48,18 +48,18 @@ bool parallel_cancelled(struct parallel *pool, int worker);
 // Whether a cancellation was found, without calling the progress function.
 bool parallel_stopped(const struct parallel *pool);
 
-// ---- Where the CPU time goes ------------------------------------------------------------------
+// ---- Where the CPU time goes --------------------------------------------------------------------
 
 // Times of a part of the work that a pool does. CPU seconds are not affected by other processes on
 // the machine, so they show how much work runs on one thread and how much on all.
 struct parallel_part {
-    const char *name;   // static storage
-    double wall_s;      // wall time
-    double serial_s;    // CPU time of the thread that calls parallel_for, outside of loops
-    double parallel_s;  // CPU time of all threads in loops
-    double uneven_s;    // by how much PARALLEL_MODEL threads take longer than parallel_s /
-                        // PARALLEL_MODEL, because chunks differ; see parallel_for
-    double loops;       // number of loops with more than one chunk
+    const char *name;    // static storage
+    double wall_s;       // wall time
+    double serial_s;     // CPU time of the thread that calls parallel_for, outside of loops
+    double parallel_s;   // CPU time of all threads in loops
+    double imbalance_s;  // by how much PARALLEL_MODEL threads take longer than parallel_s /
+                         // PARALLEL_MODEL, because chunks differ; see parallel_for
+    double loops;        // number of loops with more than one chunk
 };
 enum { PARALLEL_PARTS = 32, PARALLEL_MODEL = 64 };
 

@@ -64,7 +64,7 @@ static void set_part(struct stats *stats, const struct parallel_part *part) {
     } entry[] = {{"wall_s", part->wall_s},
                  {"serial_s", part->serial_s},
                  {"parallel_s", part->parallel_s},
-                 {"uneven_s", part->uneven_s},
+                 {"imbalance_s", part->imbalance_s},
                  {"loops", part->loops}};
     for (size_t i = 0; i < sizeof entry / sizeof *entry; i++) {
         char name[STATS_NAME];

@@ -59,11 +59,11 @@ struct brdf {
         clearcoat_gloss, diff_trans;
     enum brdf_distribution distribution;
     enum brdf_variant variant;
-    bool nonlinear;  // plastic, roughplastic: internal scattering shifts the colour
-    bool isotropic;  // measured, lafortune: a rotation of both directions about the normal changes
-                     // nothing
-    bool uneven;     // measured: even mirroring them at the x or y axis changes the value
-    bool opaque;     // the model transmits, but not with these parameters
+    bool nonlinear;   // plastic, roughplastic: internal scattering shifts the colour
+    bool isotropic;   // measured, lafortune: a rotation of both directions about the normal changes
+                      // nothing
+    bool asymmetric;  // measured: even mirroring them at the x or y axis changes the value
+    bool opaque;      // the model transmits, but not with these parameters
     // For each bump or normal map that rotated the frame, the outermost first: the normal before
     // the rotation, which is 0 after the last one; and alpha^2 of the shadowing by its slopes, 0:
     // none.

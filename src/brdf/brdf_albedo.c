@@ -6,7 +6,7 @@
 #include "brdf/brdf_models.h"
 
 enum {
-    ALBEDO_NODES = 33,    // along the radius of the parabolic map, centre to rim
+    ALBEDO_NODES = 33,    // along the radius of the parabolic map, centre to boundary
     ALBEDO_AZIMUTHS = 5,  // over a quadrant, if the model is anisotropic
     BUILD_POINTS = 256,
     LOOKUP_POINTS = 32
@@ -37,7 +37,7 @@ static void fill_nodes(const struct brdf *white, int azimuths, unsigned lobe, bo
                        struct nodes *out) {
     for (int j = 0; j < azimuths; j++)
         for (int i = 0; i < ALBEDO_NODES; i++) {
-            // Just above the rim, where some models are infinite.
+            // Just above the horizon, where some models are infinite.
             float r = minf((float)i / (ALBEDO_NODES - 1), 0.995f), scale = 1.0f / (1.0f + r * r);
             float phi = 0.5f * PI_F * (float)j / (ALBEDO_AZIMUTHS - 1);
             vec3 wo = v3(2.0f * r * scale * cosf(phi), 2.0f * r * scale * sinf(phi),

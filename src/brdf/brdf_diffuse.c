@@ -17,7 +17,7 @@ static void diffuse_pdf(const struct brdf *b, vec3 wo, vec3 wi, unsigned lobes, 
 
 const struct brdf_model brdf_model_diffuse = {
     .name = "diffuse",
-    .doc = "Lambertian: scatters light evenly into all directions",
+    .doc = "Lambertian: scatters light equally into all directions",
     .lobes = BRDF_DIFFUSE,
     .slots = 1u << BRDF_SLOT_DIFFUSE,
     .eval = diffuse_eval,

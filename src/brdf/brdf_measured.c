@@ -197,7 +197,7 @@ satin_status brdf_measured_set(struct brdf *b, struct arena *arena, const struct
     b->diffuse = rgb_scale(m->least, PI_F);
     b->specular = rgb_grey(1.0f);
     b->isotropic = grid->kind == BRDF_GRID_HALF || grid->size[1] == 1;
-    b->uneven = !b->isotropic;
+    b->asymmetric = !b->isotropic;
     return SATIN_OK;
 }
 

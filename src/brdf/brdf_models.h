@@ -20,7 +20,7 @@ extern const struct brdf_model brdf_model_lafortune, brdf_model_merl, brdf_model
 satin_status brdf_albedo_prepare(struct brdf *b, struct arena *arena);
 
 // Whether a rotation of both directions about the normal changes nothing. All models except those
-// with `uneven` are symmetric about the x and the y axis.
+// with `asymmetric` are symmetric about the x and the y axis.
 static inline bool brdf_isotropic(const struct brdf *b) {
     if (b->model->data) return b->isotropic;
     if (b->model->slots & 1u << BRDF_SLOT_ANISOTROPIC) return b->anisotropic == 0.0f;

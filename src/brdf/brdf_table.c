@@ -7,7 +7,7 @@
 // - Isotropic: one radius (phi = 0) is enough. The lobe there is even in y, so only m >= 0 is
 //   stored, and the lobe of another phi is that one rotated about z.
 // - Anisotropic: one quadrant is enough, as these models are symmetric about the x and the y axis.
-//   Mirroring a lobe changes the signs of coefficients. Nodes beyond the disk repeat its rim.
+//   Mirroring a lobe changes the signs of coefficients. Nodes beyond the disk repeat its boundary.
 //
 // Deviation from [K05 (3.4)]: the order follows from the error of the reflected radiance, not from
 // that of the BRDF. The power of light in a coefficient of band l falls as (l + 1)^-3 in both
@@ -39,10 +39,10 @@ struct brdf_table {
     uint8_t *order;  // [nodes]; 0: the error exceeds the bound
 };
 
-// ---- Building ----------------------------------------------------------------------------------
+// ---- Building -----------------------------------------------------------------------------------
 
-// The distance of nodes. They begin at the centre, and the last one is half a step before the rim,
-// where some models are infinite.
+// The distance of nodes. They begin at the centre, and the last one is half a step before the
+// boundary, where some models are infinite.
 static float node_step(const struct brdf_table *t) { return 1.0f / ((float)t->side - 0.5f); }
 
 // Whether a cell that touches the disk has this node as a corner.
@@ -182,7 +182,7 @@ void brdf_table_free(struct brdf_table *table) {
     free(table);
 }
 
-// ---- Looking up --------------------------------------------------------------------------------
+// ---- Looking up ---------------------------------------------------------------------------------
 
 // The nodes around a direction and their weights.
 struct corners {

@@ -164,7 +164,7 @@ rgb cache_diffuse_albedo(const struct shading_point *p);
 #define CACHE_FILE_MAGIC "\211satin\r\n"
 
 // The scene and options for which records were made.
-struct cache_origin {
+struct cache_provenance {
     uint64_t world;  // hash of the scene
     uint64_t
         view;  // hash of camera, film and seed; 0 after a time limit, as more records would be made
@@ -173,7 +173,7 @@ struct cache_origin {
 
 // Writes all records. The file appears whole or not at all. Returns the status of writing, with one
 // logged line on failure.
-satin_status cache_save(const struct cache *cache, const struct cache_origin *origin,
+satin_status cache_save(const struct cache *cache, const struct cache_provenance *provenance,
                         const char *path, struct log log);
 
 // Checks and parses the bytes of a file; `name` is for messages. SATIN_ERROR_INPUT, with one logged
@@ -182,18 +182,20 @@ struct cache_file;
 satin_status cache_file_parse(const void *data, size_t size, const char *name, struct log log,
                               struct cache_file **file);
 void cache_file_free(struct cache_file *file);  // NULL is allowed
-// SATIN_ERROR_INPUT, with one logged line, if the records are of another origin. The view may
+// SATIN_ERROR_INPUT, with one logged line, if the records are of another provenance. The view may
 // differ.
-satin_status cache_file_check(const struct cache_file *file, const struct cache_origin *origin,
-                              const char *name, struct log log);
-// Adds the records, which must be of the same origin, to an empty cache. SATIN_ERROR_INPUT, with
-// one logged line, if they are of another order or far outside the scene; or SATIN_ERROR_MEMORY.
+satin_status cache_file_check(const struct cache_file *file,
+                              const struct cache_provenance *provenance, const char *name,
+                              struct log log);
+// Adds the records, which must be of the same provenance, to an empty cache. SATIN_ERROR_INPUT,
+// with one logged line, if they are of another order or far outside the scene; or
+// SATIN_ERROR_MEMORY.
 satin_status cache_load(struct cache *cache, const struct cache_file *file, const char *name,
                         struct log log);
 
 // The contents of a file. Texts are owned by the file.
 struct cache_summary {
-    struct cache_origin origin;
+    struct cache_provenance provenance;
     uint64_t rays;                // gather rays of all records
     int order;                    // of radiance records
     size_t irradiance, radiance;  // numbers of records

@@ -110,17 +110,17 @@ static void put_records(const struct cache *c, enum cache_kind kind, unsigned ch
         row_of[kind].put(c, i, (float *)(values + i * row));
 }
 
-satin_status cache_save(const struct cache *cache, const struct cache_origin *origin,
+satin_status cache_save(const struct cache *cache, const struct cache_provenance *provenance,
                         const char *path, struct log log) {
     const uint32_t order = (uint32_t)cache->store[CACHE_RADIANCE].order;
     struct cache_file_header h = {.version = CACHE_FILE_VERSION,
                                   .sections = SECTIONS,
-                                  .world = origin->world,
-                                  .view = origin->view,
+                                  .world = provenance->world,
+                                  .view = provenance->view,
                                   .rays = cache->rays,
                                   .order = order};
     memcpy(h.magic, CACHE_FILE_MAGIC, sizeof h.magic);
-    h.section[SECTION_OPTIONS].size = strlen(origin->options);
+    h.section[SECTION_OPTIONS].size = strlen(provenance->options);
     for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
         for (int s = cache_file_heads(k); s <= (int)cache_file_values(k); s++)
             h.section[s].size =
@@ -132,7 +132,7 @@ satin_status cache_save(const struct cache *cache, const struct cache_origin *or
     }
     unsigned char *data = array_new(size, 1);
     if (!data) return log_fail(log, SATIN_ERROR_MEMORY, "%s: not enough memory", path);
-    memcpy(data + at[SECTION_OPTIONS], origin->options, h.section[SECTION_OPTIONS].size);
+    memcpy(data + at[SECTION_OPTIONS], provenance->options, h.section[SECTION_OPTIONS].size);
     for (enum cache_kind k = CACHE_IRRADIANCE; k < CACHE_KINDS; k++)
         put_records(cache, k, data + at[cache_file_heads(k)], data + at[cache_file_values(k)]);
     for (int i = 0; i < SECTIONS; i++)

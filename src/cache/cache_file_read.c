@@ -148,20 +148,21 @@ static const char *first_difference(const char *a, const char *b) {
     return a;
 }
 
-satin_status cache_file_check(const struct cache_file *file, const struct cache_origin *origin,
-                              const char *name, struct log log) {
-    if (file->header.world != origin->world)
+satin_status cache_file_check(const struct cache_file *file,
+                              const struct cache_provenance *provenance, const char *name,
+                              struct log log) {
+    if (file->header.world != provenance->world)
         return refuse_file(log, name, "the cache records are of another scene");
-    if (strcmp(file->options, origin->options) == 0) return SATIN_OK;
-    const char *theirs = first_difference(file->options, origin->options);
-    const char *ours = first_difference(origin->options, file->options);
+    if (strcmp(file->options, provenance->options) == 0) return SATIN_OK;
+    const char *theirs = first_difference(file->options, provenance->options);
+    const char *ours = first_difference(provenance->options, file->options);
     return log_fail(log, SATIN_ERROR_INPUT,
                     "%s: the cache records were made with %.*s, not with %.*s", name,
                     (int)strcspn(theirs, " "), theirs, (int)strcspn(ours, " "), ours);
 }
 
 struct cache_summary cache_file_summary(const struct cache_file *f) {
-    return (struct cache_summary){.origin = {f->header.world, f->header.view, f->options},
+    return (struct cache_summary){.provenance = {f->header.world, f->header.view, f->options},
                                   .rays = f->header.rays,
                                   .order = (int)f->header.order,
                                   .irradiance = f->rows[SECTION_IRRADIANCE],

@@ -94,7 +94,7 @@ bool cache_insert_irradiance(struct cache *cache, const struct cache_head *head,
 bool cache_insert_radiance(struct cache *cache, const struct cache_head *head,
                            const struct cache_radiance_record *record);
 
-// ---- Leaks (cache_leak.c) -----------------------------------------------------------------------
+// ---- Leaks (cache_leak_test.c) ------------------------------------------------------------------
 
 // The equal angles into which the directions around a record's normal are divided.
 enum { CACHE_SECTORS = 32 };

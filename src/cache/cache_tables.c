@@ -46,7 +46,7 @@ static satin_status build_side(const struct material_side *side, const satin_opt
     const struct brdf_fit fit = {o->radiance_basis, o->radiance_order, o->radiance_error,
                                  .always = choice == CACHED};
     if (choice == SAMPLED) return SATIN_OK;
-    if (!side->base.model || !(brdf_lobes(&side->base) & BRDF_GLOSSY) || side->base.uneven)
+    if (!side->base.model || !(brdf_lobes(&side->base) & BRDF_GLOSSY) || side->base.asymmetric)
         return SATIN_OK;
     const bool textured = cache_shape_textured(side);
     if (textured && !textures_roughness_only(side, &over)) return SATIN_OK;

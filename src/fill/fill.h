@@ -12,7 +12,7 @@
 #include "gather/gather.h"
 
 // The glossy lobes of a surface point for the direction to the eye.
-struct fill_view {
+struct fill_glossy {
     struct brdf brdf;                // for a factor `specular` of 1
     const struct brdf_range *table;  // table of its harmonics; NULL: there is no glossy lobe, or it
                                      // is not cached
@@ -24,13 +24,13 @@ struct fill_view {
 // A surface point at which a record may be made, and the reflection there. Bump and normal maps are
 // left out, so that they need no additional records. 336 bytes.
 struct fill_site {
-    vec3 p;                 // position of the record, away from the edges of its triangle
-    vec3 ng;                // geometric normal on the side that is seen
-    struct frame frame;     // shading frame; n on the same side
-    float pixel;            // width of a projected pixel at p, across the line of sight; > 0
-    uint64_t stream;        // random stream, unique to the site
-    uint8_t wants;          // kinds of records that the surface reads, a mask of 1 << cache_kind
-    struct fill_view view;  // all zero: the site is not seen
+    vec3 p;              // position of the record, away from the edges of its triangle
+    vec3 ng;             // geometric normal on the side that is seen
+    struct frame frame;  // shading frame; n on the same side
+    float pixel;         // width of a projected pixel at p, across the line of sight; > 0
+    uint64_t stream;     // random stream, unique to the site
+    uint8_t wants;       // kinds of records that the surface reads, a mask of 1 << cache_kind
+    struct fill_glossy glossy;  // all zero: the site is not seen
     // Used by fill_adapt only:
     vec3 shading_p;  // the point that is seen; p is this point, moved off an edge
     rgb diffuse;     // BRDF of the diffuse lobe [sr^-1]

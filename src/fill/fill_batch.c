@@ -171,10 +171,10 @@ static void gather_more(const struct batch *b, struct job *job, const struct gat
 static struct cache_residual find_residual(const struct batch *b, const struct job *job,
                                            const struct gather_hemisphere *hemisphere) {
     const struct fill_site *s = job->site;
-    if (!s->view.table || !s->view.name) return (struct cache_residual){.name = 0};
+    if (!s->glossy.table || !s->glossy.name) return (struct cache_residual){.name = 0};
     const rgb whole =
-        gather_hemisphere_reflected(hemisphere, &s->view.brdf, s->view.wo, BRDF_GLOSSY);
-    return fill_residual(&job->radiance, b->store->order, &s->frame, &s->view, whole);
+        gather_hemisphere_reflected(hemisphere, &s->glossy.brdf, s->glossy.wo, BRDF_GLOSSY);
+    return fill_residual(&job->radiance, b->store->order, &s->frame, &s->glossy, whole);
 }
 
 static bool make_irradiance(const struct batch *b, struct job *job, const struct gathering *from) {

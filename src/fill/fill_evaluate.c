@@ -36,7 +36,7 @@ void fill_update_point(const struct fill_adaptation *c, const struct fill_site *
 // The lobes that records light at a site, with the harmonics of its glossy lobes if these are
 // within `order`.
 static void find_surface(const struct fill_site *s, int order, struct cache_surface *out) {
-    const struct fill_view *v = &s->view;
+    const struct fill_glossy *v = &s->glossy;
     out->specular = s->specular;
     out->diffuse = s->diffuse;
     out->lobe = (struct cache_lobe){.C = out->coefficients};

@@ -76,7 +76,7 @@ bool fill_valid_radiance(const struct gather_radiance *value, int order,
 // The residual of a record in frame `frame`. `whole` is the radiance that the BRDF reflects of its
 // rays.
 struct cache_residual fill_residual(const struct gather_radiance *radiance, int order,
-                                    const struct frame *frame, const struct fill_view *view,
+                                    const struct frame *frame, const struct fill_glossy *glossy,
                                     rgb whole);
 
 #endif

@@ -68,7 +68,7 @@ void film_denoiser_free(struct film_denoiser *denoiser);  // NULL is allowed
 // The name and version of the library, valid as long as the denoiser.
 const char *film_denoiser_name(const struct film_denoiser *denoiser);
 // The time per pixel of the small image, without reading the library [s/pixel].
-double film_denoiser_pace(const struct film_denoiser *denoiser);
+double film_denoiser_pixel_seconds(const struct film_denoiser *denoiser);
 
 // Images of width * height pixels, row by row from the top, all finite.
 struct film_noisy {

@@ -15,7 +15,7 @@ struct film_denoiser {
     struct oidn oidn;
     struct oidn_device *device;
     char name[64];
-    double pace;
+    double pixel_seconds;
 };
 
 // The status of an error; `broken` is that of an error other than lack of memory.
@@ -151,7 +151,7 @@ static satin_status test_denoiser(struct film_denoiser *d, struct log log) {
     satin_status status = run_filter(d, &image, NULL, NULL, SATIN_ERROR_INPUT, log);
     const double start = stats_wall();
     if (status == SATIN_OK) status = run_filter(d, &image, NULL, NULL, SATIN_ERROR_INPUT, log);
-    d->pace = (stats_wall() - start) / TRY_PIXELS;
+    d->pixel_seconds = (stats_wall() - start) / TRY_PIXELS;
     free(all);
     return status;
 }
@@ -193,4 +193,6 @@ void film_denoiser_free(struct film_denoiser *denoiser) {
 
 const char *film_denoiser_name(const struct film_denoiser *denoiser) { return denoiser->name; }
 
-double film_denoiser_pace(const struct film_denoiser *denoiser) { return denoiser->pace; }
+double film_denoiser_pixel_seconds(const struct film_denoiser *denoiser) {
+    return denoiser->pixel_seconds;
+}

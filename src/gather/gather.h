@@ -21,12 +21,12 @@ struct gather_records {
     const struct gather *gather;  // with which they were made; NULL: there are no records
 };
 
-// Direct light at the entries of the photons' estimate (gather_direct_table.c): a gather ray that
+// Direct light at the entries of the photons' estimate (gather_direct.c): a gather ray that
 // reads an entry needs no light sample for its diffuse lobe. Arrays of `count`, owned.
-struct gather_direct_table {
+struct gather_direct {
     size_t count;
-    rgb *E;      // direct irradiance on the entry's side [W m^-2]
-    bool *even;  // neighbouring entries have similar values, so that it may be read
+    rgb *E;         // direct irradiance on the entry's side [W m^-2]
+    bool *similar;  // neighbouring entries have similar values, so that it may be read
 };
 
 // The constants of a render. Plain data, shared by all threads.
@@ -37,8 +37,8 @@ struct gather {
     const struct guide_clusters *clusters;      // of the maps; may be NULL
     const struct guide_visibility *visibility;  // of the lights; NULL: all are visible
     bool wide_lights;  // whether lights are so large that light sampling alone is noisy
-    const struct gather_direct_table *direct;  // NULL: there is none
-    float lookup_max;                          // photon lookups of a larger radius are not reliable
+    const struct gather_direct *direct;  // NULL: there is none
+    float lookup_max;                    // photon lookups of a larger radius are not reliable
     // The records of the next indirect bounce; `gather` is NULL except in first pass `recursive`.
     struct gather_records next;
 };
@@ -53,7 +53,7 @@ static inline bool gather_indirect(const satin_options *o) {
     return o->integrator == SATIN_TWO_PASS && (o->max_depth < 0 || o->max_depth > 2);
 }
 
-// ---- Direct light (gather_direct.c) ------------------------------------------------------------
+// ---- Direct light (gather_sample_lights.c) ------------------------------------------------------
 
 // How direct light is divided between BRDF sampling and light sampling: for each component of the
 // BRDF, the number of BRDF samples per light sample, drawn from all lobes of the component,
@@ -77,14 +77,15 @@ struct gather_lights {
 // sampled, or all of a few lights once each, and weighted against BRDF sampling by the power
 // heuristic. *variance, if not NULL, is set to the variance of the luminance by one sample; 0 if
 // there is only one sample or if every light is sampled.
-rgb gather_direct(const struct gather *g, const struct shading_point *p, struct gather_mis mis,
-                  struct gather_lights lights, struct sampler sampler, float *variance);
+rgb gather_sample_lights(const struct gather *g, const struct shading_point *p,
+                         struct gather_mis mis, struct gather_lights lights, struct sampler sampler,
+                         float *variance);
 // The largest number of surfaces of panes that light may pass on its way to a point at a depth;
 // negative if even direct light exceeds max_depth.
 int gather_panes(const struct gather *g, int depth);
-// The density over solid angle [sr^-1] at p with which gather_direct, choosing one light, draws the
-// first direction of a straight chain from p to an emitter: `hit` is the surface interaction on the
-// emitter, NULL for the environment.
+// The density over solid angle [sr^-1] at p with which gather_sample_lights, choosing one light,
+// draws the first direction of a straight chain from p to an emitter: `hit` is the surface
+// interaction on the emitter, NULL for the environment.
 float gather_light_pdf(const struct gather *g, vec3 p, const struct light_chain *chain,
                        const struct interaction *hit);
 
@@ -95,16 +96,16 @@ struct gather_first {
 };
 #define GATHER_NOTHING ((struct gather_first){.r = INFINITY})
 
-// ---- Direct light at entries (gather_direct_table.c) --------------------------------------------
+// ---- Direct light at entries (gather_direct.c) --------------------------------------------------
 
 // Samples the lights at all entries of g->maps, on all threads of the pool. On failure,
 // SATIN_ERROR_MEMORY or SATIN_CANCELLED, *out is unchanged.
-satin_status gather_direct_table_build(const struct gather *g, struct parallel *pool,
-                                       struct gather_direct_table *out);
-size_t gather_direct_table_bytes(const struct gather_direct_table *table);
-void gather_direct_table_free(struct gather_direct_table *table);  // a zeroed one is allowed
+satin_status gather_direct_build(const struct gather *g, struct parallel *pool,
+                                 struct gather_direct *out);
+size_t gather_direct_bytes(const struct gather_direct *direct);
+void gather_direct_free(struct gather_direct *direct);  // a zeroed one is allowed
 
-// ---- Paths (gather_path.c) ---------------------------------------------------------------------
+// ---- Paths (gather_path.c) ----------------------------------------------------------------------
 
 // The radiance that is reflected to the start of a gather ray, by path tracing with MIS of light
 // and BRDF sampling. Light that is emitted along the ray itself, directly or through ideal specular
@@ -124,7 +125,7 @@ struct gather_eye_hit {
 rgb gather_path_eye(const struct gather *g, struct ray ray, struct sampler *sampler,
                     struct gather_eye_hit *out);
 
-// ---- Gather rays (gather_ray.c) ----------------------------------------------------------------
+// ---- Gather rays (gather_ray.c) -----------------------------------------------------------------
 
 // A gather ray, which the caller sets, and its results, which gather_rays sets.
 struct gather_ray {
@@ -135,7 +136,7 @@ struct gather_ray {
     float pdf_w;  // density [sr^-1] by which it is drawn, if the mean of such rays is to be free
                   // of the noise of lookups that they have in common; 0: that may remain
     const vec3 *lit;  // the point for whose direct light Le, light_pdf and Le_specular are set, to
-                      // be combined with gather_direct; NULL: they are 0
+                      // be combined with gather_sample_lights; NULL: they are 0
     // Results:
     rgb L;            // reflected radiance along the ray, without emitted light
     rgb Le;           // emitted light that the ray hits directly or through panes
@@ -161,7 +162,7 @@ bool gather_follow(const struct gather *g, struct ray ray, struct sampler *sampl
 void gather_rays(const struct gather *g, struct gather_scratch *scratch, struct gather_ray *rays,
                  size_t count, uint64_t stream);
 
-// ---- Hemispheres (gather_hemisphere.c) ---------------------------------------------------------
+// ---- Hemispheres (gather_hemisphere.c) ----------------------------------------------------------
 
 // A point at which a hemisphere is gathered.
 struct gather_site {

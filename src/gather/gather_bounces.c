@@ -111,7 +111,7 @@ static rgb sample_direct(const struct path *path, const struct path_vertex *v,
         sampler.seed = (uint32_t)rng_mix((uint64_t)sampler.seed << 32 | sampler.index);
         lights.first = 0;
     }
-    return gather_direct(v->g, v->y, mis, lights, sampler, NULL);
+    return gather_sample_lights(v->g, v->y, mis, lights, sampler, NULL);
 }
 
 // Direct light reflected by the glossy lobes alone, sampled with the probability with which they

@@ -15,8 +15,8 @@ struct gather_estimate {
 };
 // The direct light at the entry that a lookup by photon_irradiance_many has returned.
 static inline const rgb *gather_direct_known(const struct gather *g, int entry) {
-    const struct gather_direct_table *t = g->direct;
-    return t && entry >= 0 && t->even[entry] ? &t->E[entry] : NULL;
+    const struct gather_direct *t = g->direct;
+    return t && entry >= 0 && t->similar[entry] ? &t->E[entry] : NULL;
 }
 
 // The radiance [W m^-2 sr^-1] that y, the hit of a gather ray, reflects by its smooth lobes to its

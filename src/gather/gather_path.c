@@ -98,8 +98,8 @@ static rgb follow_path(const struct gather *g, struct path_walk walk, struct sam
         if (last || !from.lobes) break;
         const struct gather_mis both = {walk.depth + 1, {{BRDF_ALL, 1.0f}}};
         L = rgb_fma(L, walk.T,
-                    gather_direct(g, &from, both, (struct gather_lights){1, sampler->index},
-                                  *sampler, NULL));
+                    gather_sample_lights(g, &from, both, (struct gather_lights){1, sampler->index},
+                                         *sampler, NULL));
         sampler->dimension += 2;
     } while (bounce(g, &from, sampler, &walk));
     return L;

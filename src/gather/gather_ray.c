@@ -129,8 +129,8 @@ static bool store_segment(const struct gather *g, struct gather_ray *ray, uint32
     } else if (found && first_pass == SATIN_FIRST_NONE) {
         const struct gather_mis lights_alone = {2, {{BRDF_SMOOTH, 0.0f}}};
         const struct gather_lights one = {1, hit->sampler.index};
-        ray->L =
-            rgb_mul(hit->T, gather_direct(g, &hit->point, lights_alone, one, hit->sampler, NULL));
+        ray->L = rgb_mul(
+            hit->T, gather_sample_lights(g, &hit->point, lights_alone, one, hit->sampler, NULL));
     } else if (found && first_pass == SATIN_FIRST_RECURSIVE) {
         const struct gather_estimate none = {rgb_grey(0.0f), false, NULL, 1};
         ray->L = rgb_mul(hit->T, gather_bounces(g, &hit->point, none, NULL, hit->sampler));
@@ -154,8 +154,8 @@ void gather_rays_guided(const struct gather *g, struct gather_scratch *scratch,
                         struct gather_near *near) {
     struct gather_hits *hits = &scratch->hits;
     const uint32_t seed = (uint32_t)rng_mix(stream ^ rng_mix(g->options->seed + RNG_GATHER_HIT));
-    for (size_t begin = 0; begin < count; begin += GATHER_CHUNK) {
-        const size_t end = count - begin > GATHER_CHUNK ? begin + GATHER_CHUNK : count;
+    for (size_t begin = 0; begin < count; begin += GATHER_HITS_MOST) {
+        const size_t end = count - begin > GATHER_HITS_MOST ? begin + GATHER_HITS_MOST : count;
         // A million rays would take seconds, so cancellation is checked.
         if (begin > 0 && scratch->pool && parallel_cancelled(scratch->pool, scratch->worker)) {
             clear_rays(rays + begin, count - begin);

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to gather/: the memory of a worker for one chunk of hits.
+// Private to gather/: the memory of a worker for the hits of gather rays.
 #ifndef GATHER_SCRATCH_H
 #define GATHER_SCRATCH_H
 
 #include "gather/gather.h"
 
-// Hits that are looked up together: a call of the library costs as much as ten.
-enum { GATHER_CHUNK = 512 };
+// The largest number of hits that are looked up together: a call of the library costs as much as
+// ten.
+enum { GATHER_HITS_MOST = 512 };
 
 // The end of a gather ray, for the lookup.
 struct gather_hit {
@@ -16,21 +17,21 @@ struct gather_hit {
     struct sampler sampler;
 };
 
-// A chunk of hits, and the first-pass estimate at each: the irradiance E [W m^-2], and the radius
-// of its lookup.
+// Hits that are looked up together, and the first-pass estimate at each: the irradiance E [W m^-2],
+// and the radius of its lookup.
 struct gather_hits {
-    struct gather_hit hit[GATHER_CHUNK];
-    vec3 p[GATHER_CHUNK], n[GATHER_CHUNK];  // points and normals of the lookups
-    rgb E[GATHER_CHUNK];
-    float radius[GATHER_CHUNK];
-    int entry[GATHER_CHUNK];
-    bool near[GATHER_CHUNK];     // gather_is_near
-    float bright[GATHER_CHUNK];  // approximate luminance of what the hit contributes
+    struct gather_hit hit[GATHER_HITS_MOST];
+    vec3 p[GATHER_HITS_MOST], n[GATHER_HITS_MOST];  // points and normals of the lookups
+    rgb E[GATHER_HITS_MOST];
+    float radius[GATHER_HITS_MOST];
+    int entry[GATHER_HITS_MOST];
+    bool near[GATHER_HITS_MOST];     // gather_is_near
+    float bright[GATHER_HITS_MOST];  // approximate luminance of what the hit contributes
 };
 
 // Memory that a worker uses repeatedly. A call reads from it only what the same call has written.
 struct gather_scratch {
-    struct parallel *pool;  // checked for cancellation between chunks; may be NULL
+    struct parallel *pool;  // checked for cancellation between calls; may be NULL
     int worker;
     struct gather_hits hits;
 };

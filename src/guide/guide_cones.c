@@ -12,7 +12,7 @@
 #define NARROW 0.35f        // sine of a cone's largest half angle
 #define SINE_MOVED 0.5f     // as NARROW, for a cone that is moved
 // Least mean irradiance by area over that by power, for a cluster that is not split further.
-#define EVEN 0.4f
+#define UNIFORM_LEAST 0.4f
 #define FILLED 0.2f  // fraction of a sphere's disc that its leaves should fill
 
 // Whether photon i of the node's sample of photons is visible from the point.
@@ -45,29 +45,29 @@ static void estimate_cone(struct guide_cone *cone, float distance, float cosine)
     cone->filled = facing * node->area / (2.0f * PI_F * cone->versine * sqrf(distance));
 }
 
-// A node as it appears from the point.
-struct view {
+// A node of the hierarchy to which the point may send rays.
+struct candidate {
     const struct guide_cluster *node;
     float most;   // bound of the irradiance from it; 0: it is ignored
     bool narrow;  // whether it has a cone
     bool coarse;  // whether its children would be better targets
 };
 
-static struct view cluster_view(const struct guide_cluster *node, const struct guide_point *at,
-                                float expected) {
-    struct view view = {.node = node};
+static struct candidate candidate_of(const struct guide_cluster *node, const struct guide_point *at,
+                                     float expected) {
+    struct candidate candidate = {.node = node};
     const vec3 d = v3_sub(node->centre, at->p);
     const float distance = v3_len(d), nearest = fmaxf(distance - node->radius, 0.0f);
-    if (v3_dot(d, at->n) < -node->radius) return view;  // below the horizon
-    if (node->dense < DENSE * expected) return view;
-    if (node->power < CONE_FAINT * expected * PI_F * sqrf(nearest)) return view;
-    view.narrow = node->radius < NARROW * distance;
+    if (v3_dot(d, at->n) < -node->radius) return candidate;  // below the horizon
+    if (node->dense < DENSE * expected) return candidate;
+    if (node->power < CONE_FAINT * expected * PI_F * sqrf(nearest)) return candidate;
+    candidate.narrow = node->radius < NARROW * distance;
     const bool sparse = node->area < FILLED * PI_F * sqrf(node->radius);
-    const bool uneven = node->power < EVEN * node->common * node->area;
-    view.coarse = node->right > 0 && (!view.narrow || sparse || uneven);
-    if (view.narrow || view.coarse)
-        view.most = node->power / (PI_F * fmaxf(sqrf(nearest), sqrf(node->radius)));
-    return view;
+    const bool not_uniform = node->power < UNIFORM_LEAST * node->common * node->area;
+    candidate.coarse = node->right > 0 && (!candidate.narrow || sparse || not_uniform);
+    if (candidate.narrow || candidate.coarse)
+        candidate.most = node->power / (PI_F * fmaxf(sqrf(nearest), sqrf(node->radius)));
+    return candidate;
 }
 
 // Makes the cone of a node. False if no probe of the node is visible, or if it contributes nothing.
@@ -87,22 +87,23 @@ static bool make_cone(const struct guide_clusters *clusters, const struct satin_
     return out->E > 0.0f;
 }
 
-// Replaces, as long as they fit, that of the coarse views with the largest bound by views of the
+// Replaces, as long as they fit, the coarse candidate with the largest bound by those of its
 // node's children.
 static int refine(const struct guide_clusters *clusters, const struct guide_point *at,
-                  float expected, struct view view[GUIDE_CONES]) {
+                  float expected, struct candidate candidate[GUIDE_CONES]) {
     int count = 1;
-    view[0] = cluster_view(clusters->node, at, expected);
+    candidate[0] = candidate_of(clusters->node, at, expected);
     while (count < GUIDE_CONES) {
         int best = -1;
         for (int i = 0; i < count; i++)
-            if (view[i].coarse && (best < 0 || view[i].most > view[best].most)) best = i;
+            if (candidate[i].coarse && (best < 0 || candidate[i].most > candidate[best].most))
+                best = i;
         if (best < 0) break;
-        const struct guide_cluster *parent = view[best].node;
-        view[best] = cluster_view(parent + 1, at, expected);
-        const struct view right = cluster_view(clusters->node + parent->right, at, expected);
-        if (right.most > 0.0f) view[count++] = right;
-        if (!(view[best].most > 0.0f)) view[best] = view[--count];
+        const struct guide_cluster *parent = candidate[best].node;
+        candidate[best] = candidate_of(parent + 1, at, expected);
+        const struct candidate right = candidate_of(clusters->node + parent->right, at, expected);
+        if (right.most > 0.0f) candidate[count++] = right;
+        if (!(candidate[best].most > 0.0f)) candidate[best] = candidate[--count];
         if (count == 0) break;
     }
     return count;
@@ -113,12 +114,12 @@ int guide_cones_from(const struct guide_clusters *clusters, const struct satin_s
                      float *expected) {
     if (!clusters) return 0;
     if (!(*expected > 0.0f)) *expected = clusters->uniform;
-    struct view view[GUIDE_CONES];
-    const int views = refine(clusters, at, *expected, view);
+    struct candidate candidate[GUIDE_CONES];
+    const int candidates = refine(clusters, at, *expected, candidate);
     int count = 0;
-    for (int i = 0; i < views; i++)
-        if (view[i].narrow && view[i].most > 0.0f)
-            count += make_cone(clusters, scene, at, view[i].node, &out[count]);
+    for (int i = 0; i < candidates; i++)
+        if (candidate[i].narrow && candidate[i].most > 0.0f)
+            count += make_cone(clusters, scene, at, candidate[i].node, &out[count]);
     return count;
 }
 
@@ -126,12 +127,13 @@ int guide_cones_around(const struct guide_clusters *clusters, vec3 p, float expe
                        struct guide_cone out[GUIDE_CONES]) {
     if (!clusters) return 0;
     const struct guide_point at = {.p = p};  // without a normal nothing is below the horizon
-    struct view view[GUIDE_CONES];
-    const int views = refine(clusters, &at, expected > 0.0f ? expected : clusters->uniform, view);
+    struct candidate candidate[GUIDE_CONES];
+    const int candidates =
+        refine(clusters, &at, expected > 0.0f ? expected : clusters->uniform, candidate);
     int count = 0;
-    for (int i = 0; i < views; i++) {
-        const struct guide_cluster *node = view[i].node;
-        if (view[i].narrow && view[i].most > 0.0f)
+    for (int i = 0; i < candidates; i++) {
+        const struct guide_cluster *node = candidate[i].node;
+        if (candidate[i].narrow && candidate[i].most > 0.0f)
             out[count++] = (struct guide_cone){
                 .cluster = node, .centre = node->centre, .radius = node->radius};
     }

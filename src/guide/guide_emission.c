@@ -40,7 +40,7 @@ struct guide_emission {
     struct light_aim aim;
 };
 
-// ---- The target box ---------------------------------------------------------------------------
+// ---- The target box -----------------------------------------------------------------------------
 
 // Whether a shape, or a shape of the group of which it is an instance, has a delta lobe.
 static bool some_has_delta(const struct satin_scene *scene, uint32_t shape) {
@@ -70,7 +70,7 @@ static bool find_target(const struct satin_scene *scene, struct light_target *ou
     return found;
 }
 
-// ---- Cells ------------------------------------------------------------------------------------
+// ---- Cells --------------------------------------------------------------------------------------
 
 // Divides the emission of a light into at most `budget` cells, which are finer along the numbers
 // that matter most.
@@ -91,7 +91,7 @@ static void split_light(const struct light *light, uint32_t budget, struct light
     }
 }
 
-static void cell_origin(const struct light_cells *cells, uint32_t cell, uint32_t at[4]) {
+static void cell_indices(const struct light_cells *cells, uint32_t cell, uint32_t at[4]) {
     for (int k = 0; k < 4; k++) {
         at[k] = cell % cells->split[k];
         cell /= cells->split[k];
@@ -100,7 +100,7 @@ static void cell_origin(const struct light_cells *cells, uint32_t cell, uint32_t
 
 static void cell_point(const struct light_cells *cells, uint32_t cell, float u[4]) {
     uint32_t at[4];
-    cell_origin(cells, cell, at);
+    cell_indices(cells, cell, at);
     for (int k = 0; k < 4; k++) u[k] = sample_stratum((int)at[k], u[k], (int)cells->split[k]);
 }
 
@@ -138,7 +138,7 @@ static void probe_cells(void *ctx, size_t begin, size_t end, int worker) {
 static bool is_near_met(const struct light_cells *cells, const uint8_t *met, uint32_t cell) {
     if (met[cell]) return true;
     uint32_t at[4], step = 1;
-    cell_origin(cells, cell, at);
+    cell_indices(cells, cell, at);
     for (int k = 0; k < 4; k++) {
         if (at[k] > 0 && met[cell - step]) return true;
         if (at[k] + 1 < cells->split[k] && met[cell + step]) return true;

@@ -11,7 +11,7 @@
 #include "light/light_visibility.h"
 #include "scene/scene.h"
 
-// ---- Kinds ------------------------------------------------------------------------------------
+// ---- Kinds --------------------------------------------------------------------------------------
 
 enum light_kind {
     LIGHT_AREA = 0,
@@ -51,7 +51,7 @@ struct light {
     const struct image *image;   // envmap: latitude-longitude, 3 channels
     vec3 sun;                    // envmap: direction to the centre of the sun's uniform disc, unit
     rgb sun_value;               // radiance of the sun; black: there is none
-    float sun_chord;             // chord of the angle between the sun's centre and rim
+    float sun_chord;             // chord of the angle between the sun's centre and edge
     // light_prepare fills the rest.
     const float *row_cdf,
         *column_cdf;  // envmap, cells between texels: rows + 1; rows * (width + 1)
@@ -66,7 +66,7 @@ struct light {
     float power;         // luminance of the emitted power [W], > 0
 };
 
-// ---- Sampling (light.c) -----------------------------------------------------------------------
+// ---- Sampling (light.c) -------------------------------------------------------------------------
 
 struct light_sample {
     vec3 wi;      // from the point to the light

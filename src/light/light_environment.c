@@ -269,7 +269,7 @@ bool light_environment_sample(const struct satin_scene *scene,
     } else {
         out->wi = sample_radiance(light, u, v, &out->pdf_w, &out->L);
     }
-    sun = sun || in_sun(light, out->wi);  // at the rim of the sun, rounding may move it outside
+    sun = sun || in_sun(light, out->wi);  // at the edge of the sun, rounding may move it outside
     if (sun) out->L = rgb_add(out->L, light->sun_value);
     out->pdf_w = mixed_pdf(light, histogram, out->wi, sun, out->pdf_w);
     return out->pdf_w > PDF_LEAST && !rgb_black(out->L);

@@ -24,7 +24,7 @@ static struct angle angle_difference(struct angle a, struct angle b) {
 }
 
 // A right-angled face relative to a point, in a frame along the face's x, y and n.
-struct rectangle_view {
+struct spherical_rectangle {
     float x0, x1, y0, y1, z0;  // z0 < 0
     float b0, b1, solid_angle;
     struct angle k;  // the paper's k = 2 pi - g2 - g3
@@ -106,26 +106,27 @@ static struct angle corner_angle(float x, float y, float z) {
 }
 
 // False if the face must be sampled by area from p.
-static bool rectangle_view_make(const struct light_face *face, vec3 p,
-                                struct rectangle_view *view) {
+static bool spherical_rectangle_make(const struct light_face *face, vec3 p,
+                                     struct spherical_rectangle *rectangle) {
     if (!face->right_angled || light_face_estimate(face, p) < 0.5f * SOLID_ANGLE_MIN) return false;
     vec3 d = v3_sub(face->corner, p);
-    view->x0 = v3_dot(d, face->x);
-    view->y0 = v3_dot(d, face->y);
-    view->z0 = v3_dot(d, face->n);
-    view->x1 = view->x0 + face->length_u;
-    view->y1 = view->y0 + face->length_v;
-    float x0 = view->x0, x1 = view->x1, y0 = view->y0, y1 = view->y1, z0 = view->z0;
+    rectangle->x0 = v3_dot(d, face->x);
+    rectangle->y0 = v3_dot(d, face->y);
+    rectangle->z0 = v3_dot(d, face->n);
+    rectangle->x1 = rectangle->x0 + face->length_u;
+    rectangle->y1 = rectangle->y0 + face->length_v;
+    float x0 = rectangle->x0, x1 = rectangle->x1, y0 = rectangle->y0, y1 = rectangle->y1,
+          z0 = rectangle->z0;
     struct angle left = angle_difference(corner_angle(x0, y1, z0), corner_angle(x0, y0, z0));
     struct angle right = angle_difference(corner_angle(x1, y1, z0), corner_angle(x1, y0, z0));
     float scale = -1.0f / sqrtf(left.c * left.c + left.s * left.s);  // rotated by pi
-    view->k = (struct angle){left.c * scale, left.s * scale};
+    rectangle->k = (struct angle){left.c * scale, left.s * scale};
     struct angle all = angle_difference(right, left);
-    view->solid_angle = atan2f(all.s, all.c);
-    if (view->solid_angle < 0.0f) view->solid_angle += 2.0f * PI_F;
-    view->b0 = -y0 / sqrtf(z0 * z0 + y0 * y0);
-    view->b1 = y1 / sqrtf(z0 * z0 + y1 * y1);
-    return view->solid_angle > SOLID_ANGLE_MIN;
+    rectangle->solid_angle = atan2f(all.s, all.c);
+    if (rectangle->solid_angle < 0.0f) rectangle->solid_angle += 2.0f * PI_F;
+    rectangle->b0 = -y0 / sqrtf(z0 * z0 + y0 * y0);
+    rectangle->b1 = y1 / sqrtf(z0 * z0 + y1 * y1);
+    return rectangle->solid_angle > SOLID_ANGLE_MIN;
 }
 
 // The density over solid angle at p of drawing q uniformly by area.
@@ -138,8 +139,8 @@ static float area_pdf(const struct light_face *face, vec3 p, vec3 q) {
 // Does what plain_pdf does, without the texture.
 static bool plain_sample(const struct light_face *face, vec3 p, float u, float v, vec3 *q,
                          float *pdf_w) {
-    struct rectangle_view w;
-    if (!rectangle_view_make(face, p, &w)) {
+    struct spherical_rectangle w;
+    if (!spherical_rectangle_make(face, p, &w)) {
         *q = v3_mad(v3_mad(face->corner, u, face->edge_u), v, face->edge_v);
         *pdf_w = area_pdf(face, p, *q);
         return *pdf_w > 0.0f && isfinite(*pdf_w);
@@ -162,8 +163,9 @@ static bool plain_sample(const struct light_face *face, vec3 p, float u, float v
 }
 
 static float plain_pdf(const struct light_face *face, vec3 p, vec3 q) {
-    struct rectangle_view view;
-    return rectangle_view_make(face, p, &view) ? 1.0f / view.solid_angle : area_pdf(face, p, q);
+    struct spherical_rectangle rectangle;
+    return spherical_rectangle_make(face, p, &rectangle) ? 1.0f / rectangle.solid_angle
+                                                         : area_pdf(face, p, q);
 }
 
 // The density of the mixture of plain samples and of those by the texture's grid.

@@ -84,23 +84,23 @@ static uint32_t decode_word(const unsigned char *byte, size_t size) {
 // Inflates `count` numbers of `size` bytes to a malloc'ed array of 4-byte numbers. The array grows
 // with the data, so that a false count takes no memory. If `out` is NULL, the numbers are dropped.
 static satin_status inflate_words(struct packed *packed, size_t count, size_t size, void **out) {
-    unsigned char *chunk = malloc((size_t)INFLATE_STEP * size);
+    unsigned char *buffer = malloc((size_t)INFLATE_STEP * size);
     uint32_t *word = NULL;
     size_t done = 0, capacity = 0;
-    satin_status status = chunk ? SATIN_OK : mesh_no_memory(packed->source);
+    satin_status status = buffer ? SATIN_OK : mesh_no_memory(packed->source);
     while (status == SATIN_OK && done < count) {
         size_t n = count - done < INFLATE_STEP ? count - done : INFLATE_STEP;
-        if (!inflate_bytes(packed, chunk, n * size)) {
+        if (!inflate_bytes(packed, buffer, n * size)) {
             status = inflate_failed(packed);
         } else if (out && !array_reserve((void **)&word, &capacity, done + n, sizeof *word)) {
             status = mesh_no_memory(packed->source);
         } else {
             for (size_t i = 0; out && i < n; i++)
-                word[done + i] = decode_word(chunk + i * size, size);
+                word[done + i] = decode_word(buffer + i * size, size);
             done += n;
         }
     }
-    free(chunk);
+    free(buffer);
     if (status == SATIN_OK && out)
         *out = word;
     else

@@ -40,7 +40,8 @@ static bool surface_below(const struct probe *probe, vec3 w, float t) {
 // How far the surface extends along w, in units of r; beyond 1 it is the distance to a wall.
 static float extent(const struct probe *probe, vec3 w) {
     float wall = clear_distance(probe->scene, probe->origin, w, 1.5f * probe->r);
-    // A little before the wall or the rim, so that the ray downwards does not hit the wall itself.
+    // A little before the wall or the disc's boundary, so that the ray downwards does not hit the
+    // wall itself.
     float hi = 0.98f * fminf(wall, probe->r), lo = 0.0f;
     if (surface_below(probe, w, hi)) return wall / probe->r;
     for (int i = 0; i < BISECTIONS; i++) {

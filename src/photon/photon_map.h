@@ -14,7 +14,7 @@ enum {
     PHOTON_CAUSTIC_STRIDE = 1  // and for caustics at every photon of their map
 };
 
-// ---- Photons ----------------------------------------------------------------------------------
+// ---- Photons ------------------------------------------------------------------------------------
 
 // A photon as it was traced.
 struct photon_hit {
@@ -39,7 +39,7 @@ vec3 photon_unpack(uint32_t packed);
 // The least cosine between normals of one surface within the disc of a density estimate.
 #define PHOTON_FACING 0.5f
 
-// ---- Tracing (photon_trace.c) -----------------------------------------------------------------
+// ---- Tracing (photon_trace.c) -------------------------------------------------------------------
 
 // The photons of a tracing pass for one consumer. From malloc; freed by photon_trace_free.
 struct photon_trace {
@@ -74,7 +74,7 @@ satin_status photon_trace_run(const struct photon_tracing *tracing, struct paral
                               struct log log, struct photon_trace out[PHOTON_CONSUMERS]);
 void photon_trace_free(struct photon_trace *trace);
 
-// ---- The map (photon_map.c) -------------------------------------------------------------------
+// ---- The map (photon_map.c) ---------------------------------------------------------------------
 
 struct photon_map {
     size_t count;
@@ -104,7 +104,7 @@ static inline vec3 photon_position(const struct photon_map *map, size_t i) {
     return v3(p[0], p[1], p[2]);
 }
 
-// ---- The area that is there (photon_area.c) ---------------------------------------------------
+// ---- The area that is there (photon_area.c) -----------------------------------------------------
 
 enum { AREA_SECTORS = 16 };
 
@@ -114,7 +114,7 @@ struct photon_area {
     struct frame frame;
     float rotation;               // of the first sector, in radians
     float inverse[AREA_SECTORS];  // 1 / extent in units of r; up to 1 the surface extends to the
-                                  // rim of the disc
+                                  // boundary of the disc
     bool open;                    // whether the surface covers the whole disc
 };
 
@@ -134,7 +134,7 @@ static inline float photon_kernel_weight(enum photon_kernel kernel, float q) {
 // The kernel's integral over the area, over its integral over the whole disc.
 float photon_area_fraction(const struct photon_area *area, enum photon_kernel kernel);
 
-// ---- Density (photon_density.c) ---------------------------------------------------------------
+// ---- Density (photon_density.c) -----------------------------------------------------------------
 
 // One density estimate: the photons near p, and the area of their surface.
 struct photon_disc {
@@ -179,7 +179,7 @@ float photon_disc_variance(const struct photon_disc *disc);
 // The least distance from the centre to a wall or an edge, by the sectors of the disc.
 float photon_disc_clear(const struct photon_disc *disc);
 
-// ---- Irradiance at photons (photon_irradiance.c) ----------------------------------------------
+// ---- Irradiance at photons (photon_irradiance.c) ------------------------------------------------
 
 // The positions at which irradiance was precomputed, as rows of the search index.
 struct photon_positions {
@@ -245,7 +245,7 @@ bool photon_irradiance_sparse(const struct photon_irradiance *irradiance, int en
 // The irradiance at p by an entry; black for entry -1.
 rgb photon_irradiance_value(const struct photon_irradiance *irradiance, int entry, vec3 p);
 
-// ---- Direct light at entries (photon_direct.c) ------------------------------------------------
+// ---- Direct light at entries (photon_direct.c) --------------------------------------------------
 
 // Sums the direct photons nearest to each entry. *out has one item per entry, from malloc; it is
 // NULL if there are no photons or entries. SATIN_CANCELLED or SATIN_ERROR_MEMORY.

@@ -145,7 +145,7 @@ static void target_rows(void *ctx, size_t begin, size_t end, int worker) {
         }
 }
 
-void adaptive_even(struct adaptive_sampling *adapt, int stride, uint32_t count) {
+void adaptive_equal(struct adaptive_sampling *adapt, int stride, uint32_t count) {
     struct adapting job = {.adapt = adapt, .stride = (size_t)stride, .count = count};
     const size_t rows = (size_t)((adapt->height + stride - 1) / stride);
     parallel_for_all(adapt->pool, rows, ADAPTIVE_ROWS, target_rows, &job);
@@ -259,14 +259,14 @@ void adaptive_spread(struct adaptive_sampling *adapt, uint64_t samples) {
     const float factor = find_factor(adapt, want, (double)samples);
     // If the noise is in a few pixels, the rest of the samples is distributed uniformly.
     const double rest = fmax((double)samples - added_samples(adapt, want, factor), 0.0);
-    const double even = rest / (double)pixels(adapt);
+    const double equal = rest / (double)pixels(adapt);
     double owed = 0.0;  // fractions of groups that rounding has left over so far
     uint64_t given = 0;
     struct adaptive_pixel *last = adapt->pixel;
     for (size_t i = 0; i < pixels(adapt); i++) {
         struct adaptive_pixel *p = &adapt->pixel[i];
         const float count = (float)p->count;
-        owed += (double)(clampf(factor * want[i], count, ADAPTIVE_GROWTH * count) - count) + even;
+        owed += (double)(clampf(factor * want[i], count, ADAPTIVE_GROWTH * count) - count) + equal;
         const double groups = fmax(floor(owed / MULTIPLE + 0.5), 0.0);
         p->target = p->count + MULTIPLE * (uint32_t)groups;
         owed -= MULTIPLE * groups;

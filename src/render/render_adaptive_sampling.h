@@ -44,7 +44,7 @@ static inline void adaptive_add(struct adaptive_pixel *pixel, rgb value, float l
 void adaptive_compare(struct adaptive_sampling *adapt);
 // Sets the targets of the next pass to at least `count` samples in every pixel of a grid. `stride`
 // is the number of pixels from one of them to the next, in both directions.
-void adaptive_even(struct adaptive_sampling *adapt, int stride, uint32_t count);
+void adaptive_equal(struct adaptive_sampling *adapt, int stride, uint32_t count);
 // Sets the targets of the next pass to `samples` more, where they lower the relative squared error
 // of the image most. Samples beyond what noisy pixels may get in one pass are distributed
 // uniformly.

@@ -115,7 +115,7 @@ satin_status render_bounces(struct render *r) {
     const double start = render_elapsed(r);
     for (int i = count; i > 0 && status == SATIN_OK; i--) {
         double done = (double)(count - i) / count;
-        render_stage_part(r, done, 1.0 / count);
+        render_stage_range(r, done, 1.0 / count);
         render_limit_bounces(r, start, done + 1.0 / count);
         status = render_limit_end(r, make_bounce(r, i, &walks));
     }

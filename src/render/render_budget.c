@@ -96,9 +96,9 @@ static const double COARSE_SECONDS = 0.5, DENOISE_SECONDS = 0.5;
 static const double WRITE_SECONDS = 0.05, WRITE_PIXEL_SECONDS = 0.9e-6;
 
 enum {
-    EVEN_LEAST = 2,     // least number of samples per pixel that are distributed equally
-    EVEN_FRACTION = 4,  // of many samples, one in this number is distributed equally
-    FIRST_STRIDE = 16,  // least distance of the pixels with the very first samples
+    EQUAL_LEAST = 2,     // least number of samples per pixel that are distributed equally
+    EQUAL_FRACTION = 4,  // of many samples, one in this number is distributed equally
+    FIRST_STRIDE = 16,   // least distance of the pixels with the very first samples
     FIRST_MOST = 256,  // largest number of those pixels, so that an image of any size has its first
                        // samples after a moment; finer pixels follow until the time is over
     MISSING_RAYS = 8,  // of one sample where no record is near, without a time limit
@@ -135,7 +135,7 @@ double render_time_left(const struct render *r) { return time_limit(r) - render_
 static double denoise_seconds(const struct render *r) {
     if (!r->denoiser) return 0.0;
     const double pixels = (double)r->options.width * (double)r->options.height;
-    const double seconds = film_denoiser_pace(r->denoiser) * pixels;
+    const double seconds = film_denoiser_pixel_seconds(r->denoiser) * pixels;
     return fmin(seconds, DENOISE_FRACTION * time_limit(r));
 }
 
@@ -376,12 +376,12 @@ int render_budget_first_stride(int width, int height) {
     return stride;
 }
 
-uint32_t render_budget_even_samples(const satin_options *o) {
+uint32_t render_budget_equal_samples(const satin_options *o) {
     const uint32_t spp = (uint32_t)o->spp;
     if (!o->adaptive_sampling || o->integrator == SATIN_PATH) return spp;
-    if (spp < 2 * EVEN_LEAST) return spp;
-    if (o->time > 0.0) return EVEN_LEAST;
-    return spp / EVEN_FRACTION > EVEN_LEAST ? spp / EVEN_FRACTION : EVEN_LEAST;
+    if (spp < 2 * EQUAL_LEAST) return spp;
+    if (o->time > 0.0) return EQUAL_LEAST;
+    return spp / EQUAL_FRACTION > EQUAL_LEAST ? spp / EQUAL_FRACTION : EQUAL_LEAST;
 }
 
 // The number of samples that fit into the next pass.
@@ -396,14 +396,14 @@ uint64_t render_budget_pass(const struct render *r, uint64_t done, double sample
     const satin_options *o = &r->second_pass.options;
     const uint64_t pixels = (uint64_t)o->width * (uint64_t)o->height;
     const uint64_t all = (uint64_t)o->spp * pixels;
-    const uint64_t even = render_budget_even_samples(o) * pixels;
+    const uint64_t equal = render_budget_equal_samples(o) * pixels;
     if (done >= all) return 0;
     uint64_t want = done ? done : pixels;
     if (want > all - done) want = all - done;
-    if (done < even && want > even - done) want = even - done;
+    if (done < equal && want > equal - done) want = equal - done;
     const double fit = done ? fitting_samples(r, sample_seconds) : INFINITY;
     if (fit < (double)want) want = (uint64_t)fit;
-    return done < even ? want - want % pixels : want;
+    return done < equal ? want - want % pixels : want;
 }
 
 // With a time limit it is one ray, because more samples of the pixel gain more than more rays of a

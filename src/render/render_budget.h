@@ -150,7 +150,7 @@ enum { RENDER_TIMED_SPP = 1 << 20 };
 // The distance of the pixels with the first samples of an image, a power of two.
 int render_budget_first_stride(int width, int height);
 // Samples per pixel that are distributed equally.
-uint32_t render_budget_even_samples(const satin_options *options);
+uint32_t render_budget_equal_samples(const satin_options *options);
 // The number of samples of all pixels in the next pass, after `done` samples, if one takes
 // `sample_seconds`: as many as there are already, and at most half of those that fit, so that the
 // time of the last ones is known well. Until all pixels have their equal samples, it is a multiple

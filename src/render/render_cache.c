@@ -49,11 +49,11 @@ static uint64_t view_hash(const struct render *r) {
     return fileio_hash(FILEIO_HASH, view, sizeof view);
 }
 
-// The origin of this render's records; its options are NULL if there is no memory. The caller frees
-// them.
-static struct cache_origin origin_of(const struct render *r, char **options) {
+// The provenance of this render's records; its options are NULL if there is no memory. The caller
+// frees them.
+static struct cache_provenance provenance_of(const struct render *r, char **options) {
     *options = deciding_options(r);
-    return (struct cache_origin){r->scene.world, view_hash(r), *options};
+    return (struct cache_provenance){r->scene.world, view_hash(r), *options};
 }
 
 satin_status render_cache_open(struct render *r) {
@@ -67,7 +67,7 @@ satin_status render_cache_open(struct render *r) {
                         r->callbacks.save_cache);
     if (!path) return SATIN_OK;
     char *options;
-    const struct cache_origin origin = origin_of(r, &options);
+    const struct cache_provenance provenance = provenance_of(r, &options);
     satin_status status = SATIN_ERROR_MEMORY;
     if (options)
         status = fileio_read(r->log, (struct log_place){0}, path, BYTES_MAX,
@@ -75,7 +75,8 @@ satin_status render_cache_open(struct render *r) {
     if (status == SATIN_OK)
         status =
             cache_file_parse(r->second_pass.file_bytes, size, path, r->log, &r->second_pass.file);
-    if (status == SATIN_OK) status = cache_file_check(r->second_pass.file, &origin, path, r->log);
+    if (status == SATIN_OK)
+        status = cache_file_check(r->second_pass.file, &provenance, path, r->log);
     free(options);
     return status;
 }
@@ -86,7 +87,7 @@ satin_status render_cache_load(struct render *r, bool *whole) {
     const struct cache_summary file = cache_file_summary(r->second_pass.file);
     satin_status status =
         cache_load(r->second_pass.cache, r->second_pass.file, r->callbacks.load_cache, r->log);
-    *whole = file.origin.view != 0 && file.origin.view == view_hash(r);
+    *whole = file.provenance.view != 0 && file.provenance.view == view_hash(r);
     stats_set(&r->stats, "records.loaded", (double)(file.irradiance + file.radiance));
     render_cache_free(r);
     return status;
@@ -96,9 +97,9 @@ satin_status render_cache_save(const struct render *r) {
     const char *path = r->callbacks.save_cache;
     if (!path) return SATIN_OK;
     char *options;
-    const struct cache_origin origin = origin_of(r, &options);
+    const struct cache_provenance provenance = provenance_of(r, &options);
     satin_status status = SATIN_ERROR_MEMORY;
-    if (options) status = cache_save(r->second_pass.cache, &origin, path, r->log);
+    if (options) status = cache_save(r->second_pass.cache, &provenance, path, r->log);
     free(options);
     return status;
 }

@@ -128,8 +128,8 @@ static bool next_pass(struct render *r, double per_sample, uint64_t *samples) {
     const uint64_t pixels = (uint64_t)image->width * (uint64_t)image->height;
     *samples = render_budget_pass(r, image->taken, per_sample);
     if (*samples == 0) return false;
-    if (image->taken < render_budget_even_samples(&r->second_pass.options) * pixels)
-        adaptive_even(&image->adapt, 1, (uint32_t)((image->taken + *samples) / pixels));
+    if (image->taken < render_budget_equal_samples(&r->second_pass.options) * pixels)
+        adaptive_equal(&image->adapt, 1, (uint32_t)((image->taken + *samples) / pixels));
     else
         adaptive_spread(&image->adapt, *samples);
     return true;
@@ -191,7 +191,7 @@ static bool take_first_samples(struct image_pass *pass) {
     if (r->progress.course == COURSE_COARSE) render_limit_restore(r, limit);
     for (int stride = r->image->coarsest; stride > 0 && whole; stride /= 2) {
         parallel_begin_part(r->pool, "plan");
-        adaptive_even(&r->image->adapt, stride, 1);
+        adaptive_equal(&r->image->adapt, stride, 1);
         whole = run_pass(pass);
         r->image->has_first_samples |= whole;
         render_limit_restore(r, limit);
@@ -212,7 +212,7 @@ satin_status render_image_fill(struct render *r) {
     for (int i = 0; i < workers; i++) pass.worker[i].gather = r->second_pass.shade.worker[i];
     const double all = (double)r->options.spp * (double)image->width * (double)image->height;
     render_stage_begin(r, STAGE_IMAGE, all);
-    render_stage_part(r, 0.0, 1.0 / r->options.spp);
+    render_stage_range(r, 0.0, 1.0 / r->options.spp);
     double start = stats_wall(), per_sample = 0.0;
     bool whole = take_first_samples(&pass);
     uint64_t samples;
@@ -220,19 +220,19 @@ satin_status render_image_fill(struct render *r) {
         per_sample = (stats_wall() - start) / (double)image->taken;
         plan_samples(&pass, workers);
     }
-    const uint64_t even = (uint64_t)render_budget_even_samples(&r->second_pass.options) *
-                          (uint64_t)image->width * (uint64_t)image->height;
+    const uint64_t equal = (uint64_t)render_budget_equal_samples(&r->second_pass.options) *
+                           (uint64_t)image->width * (uint64_t)image->height;
     satin_status status = SATIN_OK;
     while (status == SATIN_OK && whole && !render_steps(r)->coarse &&
            next_pass(r, per_sample, &samples)) {
         start = stats_wall();
-        render_stage_part(r, (double)image->taken / all, (double)samples / all);
+        render_stage_range(r, (double)image->taken / all, (double)samples / all);
         whole = run_pass(&pass);
         if (!whole) break;
         image->taken += samples;
         per_sample = (stats_wall() - start) / (double)samples;
         plan_samples(&pass, workers);
-        if (image->taken >= even && r->second_pass.options.integrator != SATIN_PATH)
+        if (image->taken >= equal && r->second_pass.options.integrator != SATIN_PATH)
             status = render_rims(r, &whole);
     }
     r->progress.items = (double)image->taken;

@@ -106,11 +106,11 @@ satin_status render_direct(struct render *r) {
     const double start = stats_wall();
     parallel_begin_part(r->pool, "direct");
     satin_status status =
-        gather_direct_table_build(&r->second_pass.gather, r->pool, &r->first_pass.direct);
+        gather_direct_build(&r->second_pass.gather, r->pool, &r->first_pass.direct);
     if (status != SATIN_OK) return status;
     r->second_pass.gather.direct = &r->first_pass.direct;
     stats_set(&r->stats, "photons.direct_s", stats_wall() - start);
-    stats_add(&r->stats, "photons.bytes", (double)gather_direct_table_bytes(&r->first_pass.direct));
+    stats_add(&r->stats, "photons.bytes", (double)gather_direct_bytes(&r->first_pass.direct));
     return SATIN_OK;
 }
 

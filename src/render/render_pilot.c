@@ -83,7 +83,7 @@ satin_status render_pilot(struct render *r, struct render_pace *pace) {
     bool whole = true;
     for (uint32_t n = RENDER_PILOT_SAMPLES / 2; whole && n <= RENDER_PILOT_SAMPLES;
          n += RENDER_PILOT_SAMPLES / 2) {
-        adaptive_even(&pilot.adapt, 1, n);
+        adaptive_equal(&pilot.adapt, 1, n);
         whole = parallel_for(r->pool, pixels, 16, sample_pixels, &pilot);
         adaptive_compare(&pilot.adapt);
     }

@@ -100,10 +100,10 @@ void render_stage_begin(struct render *r, enum render_stage stage, double items)
     at->stage = stage;
     at->stage_start = now;
     at->items = items;
-    render_stage_part(r, 0.0, 1.0);
+    render_stage_range(r, 0.0, 1.0);
 }
 
-void render_stage_part(struct render *r, double done, double span) {
+void render_stage_range(struct render *r, double done, double span) {
     r->progress.loop_done = done;
     r->progress.loop_span = span;
 }

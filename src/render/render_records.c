@@ -32,7 +32,7 @@ static satin_status fill_levels(struct filling *f, struct render_widths widen, b
     for (int level = 0; level < RENDER_LEVELS && status == SATIN_OK && render_steps(r)->records;
          level++, stride /= 2) {
         const double start = stats_wall(), before = count_records(r);
-        render_stage_part(r, done + span * level / RENDER_LEVELS, span / RENDER_LEVELS);
+        render_stage_range(r, done + span * level / RENDER_LEVELS, span / RENDER_LEVELS);
         status = fill_limit_rays(fill, render_budget_rays(&r->options, &f->covering, stride));
         size_t count;
         uint32_t *pixel = render_grid(r, stride, level > 0, &count);

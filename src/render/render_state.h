@@ -65,7 +65,7 @@ struct render_first_pass {
     bool chosen_by_user;  // the number must not be increased
     double made;          // fraction of `wanted` that was traced; 0: none were wanted
     struct photon_maps *maps;
-    struct gather_direct_table direct;    // at the entries of the maps
+    struct gather_direct direct;          // at the entries of the maps
     struct guide_visibility *visibility;  // of the lights; NULL: all lights are assumed visible
 };
 
@@ -129,7 +129,7 @@ void render_stage_begin(struct render *r, enum render_stage stage, double items)
 // The name of a reported stage; static storage.
 const char *render_stage_name(enum render_stage stage);
 // The following loops are the range [done, done + span] of the stage.
-void render_stage_part(struct render *r, double done, double span);
+void render_stage_range(struct render *r, double done, double span);
 // Makes the pool report to the caller, and stop its loops on cancellation or at the deadline.
 void render_progress_install(struct render *r);
 // Reports to the caller, if it is time to. False if the caller has cancelled now, and not before.

@@ -20,7 +20,7 @@
 #include "scene/scene_hints.h"
 #include "scene/scene_spectrum.h"
 
-// ---- Textures ---------------------------------------------------------------------------------
+// ---- Textures -----------------------------------------------------------------------------------
 
 enum texture_wrap { TEXTURE_REPEAT = 0, TEXTURE_MIRROR, TEXTURE_CLAMP };
 enum texture_kind {
@@ -100,7 +100,7 @@ static inline float texture_lines(const struct texture *grid) {
     return 1.0f - between * between;
 }
 
-// ---- Materials --------------------------------------------------------------------------------
+// ---- Materials ----------------------------------------------------------------------------------
 
 // A height map, or a map of normals in the surface's frame, that rotates the frame of a BRDF. At
 // least one of the two is NULL.
@@ -157,7 +157,7 @@ bool material_transmits(const struct material *m, bool holes);
 // The lobes of the models of all sides, a mask of brdf_lobe. Holes count as in material_transmits.
 unsigned material_lobes(const struct material *m, bool holes);
 
-// ---- Shapes -----------------------------------------------------------------------------------
+// ---- Shapes -------------------------------------------------------------------------------------
 
 enum shape_kind {
     SHAPE_MESH = 0,
@@ -254,7 +254,7 @@ rgb attribute_mean(const struct mesh *mesh, const struct texture *texture);
 // Whether the texture, or one nested in it, is an attribute of a mesh. False for NULL.
 bool attribute_used(const struct texture *texture);
 
-// ---- Camera and film --------------------------------------------------------------------------
+// ---- Camera and film ----------------------------------------------------------------------------
 
 struct camera {
     struct mat4 to_world;
@@ -312,7 +312,7 @@ struct satin_scene {
                                             // which is within it
 };
 
-// ---- Rays (scene_trace.c) ---------------------------------------------------------------------
+// ---- Rays (scene_trace.c) -----------------------------------------------------------------------
 
 // Embree drops triangles with coordinates beyond 1.8e18, and aborts the process on rays that begin
 // there. Therefore neither is passed to Embree beyond this limit.
@@ -358,7 +358,7 @@ bool scene_occluded(const struct satin_scene *scene, const struct ray *ray);
 // Moves a surface point at least `margin` away from the edges of its triangle, or towards the
 // centre of a triangle that is too small for that, by no more than `margin`. Points of other shapes
 // are not moved.
-vec3 scene_off_edges(const struct satin_scene *scene, const struct interaction *s, float margin);
+vec3 scene_shift_origin(const struct satin_scene *scene, const struct interaction *s, float margin);
 
 // A ray that leaves a surface point in direction d. Its origin is moved off the surface, to the
 // side of d, by a bound of the rounding error there, so that it does not hit the surface that it
@@ -376,7 +376,7 @@ static inline struct texture_lookup interaction_texture_lookup(const struct sati
                                    s->footprint * s->uv_rate};
 }
 
-// ---- Shading (scene_material.c) ---------------------------------------------------------------
+// ---- Shading (scene_material.c) -----------------------------------------------------------------
 
 // One of the BRDFs that are blended at s, for the direction wo (world, unit, away from the
 // surface).
@@ -429,7 +429,7 @@ void shading_point_make(const struct satin_scene *scene, const struct interactio
 void shading_point_of(const struct satin_scene *scene, const struct material_side *side,
                       const struct interaction *s, vec3 d, struct shading_point *out);
 
-// ---- Camera (scene_camera.c) ------------------------------------------------------------------
+// ---- Camera (scene_camera.c) --------------------------------------------------------------------
 
 // The eye ray through film position (x, y), in pixels of the full film with y down. (u, v) in [0,
 // 1)^2 choose the point on the lens. *spread is the ray's width over distance: the footprint of a
@@ -441,7 +441,7 @@ struct ray camera_ray(const struct satin_scene *scene, float x, float y, float u
 // (scene_camera_check.c).
 void camera_check(const struct satin_scene *scene, struct log log);
 
-// ---- Filter (scene_filter.c) -------------------------------------------------------------------
+// ---- Filter (scene_filter.c) --------------------------------------------------------------------
 
 // Draws an offset from a pixel's centre by u from a film filter without negative lobes, truncated
 // so that the position stays inside [lo, hi), the crop window. At the border that equals a

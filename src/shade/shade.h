@@ -64,10 +64,10 @@ struct shade_counts {
 };
 
 // Values that the samples of a pixel have in common (shade_pixel_cache.h).
-enum { SHADE_PIXEL_ENTRIES = 4 };
+enum { SHADE_PIXEL_VALUES = 4 };
 enum { PIXEL_IRRADIANCE = 1, PIXEL_RADIANCE = 2 };
 struct shade_pixel_cache {
-    struct shade_pixel_entry {
+    struct shade_pixel_value {
         vec3 p, n, wo;
         const struct material_side *side;
         float alpha, exponent;   // roughness
@@ -75,7 +75,7 @@ struct shade_pixel_cache {
         struct cache_used used;  // records from which E was interpolated
         rgb E;                   // indirect irradiance by either cache
         rgb glossy;              // reflected by the glossy lobes, without the factor brdf.specular
-    } entry[SHADE_PIXEL_ENTRIES];
+    } value[SHADE_PIXEL_VALUES];
     int count, next;
 };
 

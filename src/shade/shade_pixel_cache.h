@@ -9,9 +9,9 @@
 #include "gather/gather.h"
 #include "shade/shade.h"
 
-// The entry for this point: one of the same surface less than two pixels away, with a similar
+// The value for this point: one of the same surface less than two pixels away, with a similar
 // normal and direction to the eye, or an empty one. `pixel` is the width of a pixel there.
-struct shade_pixel_entry *shade_pixel_cache_find(struct shade_pixel_cache *cache,
+struct shade_pixel_value *shade_pixel_cache_find(struct shade_pixel_cache *cache,
                                                  const struct shading_point *p, float pixel);
 
 #endif

@@ -6,7 +6,7 @@
 enum { LIGHT_SAMPLES = 4 };
 
 // The distance of records from edges, at which rays might slip through gaps [K05 6.5.3].
-static const float EDGE_PIXELS = 0.5f;
+static const float SHIFT_PIXELS = 0.5f;
 
 // The direction to the eye in the frame of the surface without bump and normal maps, which need no
 // additional records.
@@ -14,16 +14,16 @@ static vec3 base_wo(const struct shading_point *p) {
     return frame_to_local(&p->base, frame_to_world(&p->frame, p->wo_l));
 }
 
-static void add_view(const struct shade *shade, const struct shading_point *p,
-                     struct fill_view *view) {
-    view->table = p->lobes & BRDF_GLOSSY
-                      ? cache_table(shade->records.tables, p->side, &view->channels)
-                      : NULL;
-    if (!view->table) return;
-    view->brdf = p->brdf;
-    view->brdf.specular = rgb_grey(1.0f);
-    view->name = cache_lobe_number(p);
-    view->wo = base_wo(p);
+static void add_glossy(const struct shade *shade, const struct shading_point *p,
+                       struct fill_glossy *glossy) {
+    glossy->table = p->lobes & BRDF_GLOSSY
+                        ? cache_table(shade->records.tables, p->side, &glossy->channels)
+                        : NULL;
+    if (!glossy->table) return;
+    glossy->brdf = p->brdf;
+    glossy->brdf.specular = rgb_grey(1.0f);
+    glossy->name = cache_lobe_number(p);
+    glossy->wo = base_wo(p);
 }
 
 // Sets the members of a site for fill_adapt; direct light is by a few light samples alone.
@@ -37,7 +37,8 @@ static void add_light(const struct shade *shade, const struct shading_point *bum
     site->shading_p = p.interaction.p;
     site->diffuse = rgb_scale(brdf_albedo(&p.brdf, p.wo_l, BRDF_DIFFUSE), 1.0f / PI_F);
     site->specular = p.brdf.specular;
-    site->direct = rgb_luminance(gather_direct(shade->g, &p, lights_alone, lights, sampler, NULL));
+    site->direct =
+        rgb_luminance(gather_sample_lights(shade->g, &p, lights_alone, lights, sampler, NULL));
 }
 
 int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct fill_site *out,
@@ -54,7 +55,7 @@ int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct f
         if (!wants) continue;
         struct fill_site *site = &out[count++];
         *site = (struct fill_site){
-            .p = g->options->origin_shift ? scene_off_edges(g->scene, s, EDGE_PIXELS * v->pixel)
+            .p = g->options->origin_shift ? scene_shift_origin(g->scene, s, SHIFT_PIXELS * v->pixel)
                                           : s->p,
             .ng = s->ng,
             .frame = v->point.base,
@@ -62,7 +63,7 @@ int shade_sites(const struct shade *shade, int x, int y, bool adaptive, struct f
             .stream = rng_mix(((uint64_t)sampler.seed << 20) + (uint64_t)i),
             .wants = (uint8_t)wants,
         };
-        add_view(shade, &v->point, &site->view);
+        add_glossy(shade, &v->point, &site->glossy);
         if (adaptive) add_light(shade, &v->point, sampler, site);
     }
     return count;

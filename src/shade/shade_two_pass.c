@@ -46,41 +46,41 @@ static void gather_diffuse(struct shade_job *job) {
 }
 
 // Adds indirect light from irradiance records. False if none is near.
-static bool diffuse_cached(struct shade_job *job, struct shade_pixel_entry *entry) {
+static bool diffuse_cached(struct shade_job *job, struct shade_pixel_value *value) {
     const struct shade *s = job->shade;
     const struct shading_point *p = &job->vertex->point;
     if (!s->records.cache) return false;
-    if (!(entry->knows & PIXEL_IRRADIANCE)) {
+    if (!(value->knows & PIXEL_IRRADIANCE)) {
         const struct cache_lookup at = cache_lookup_at(p, FALLBACK_PIXELS * job->vertex->pixel);
         rgb E;
-        entry->used = cache_irradiance(s->records.cache, &at, s->records.a_irradiance, &E);
-        if (!entry->used.count) return false;
-        entry->E = E;
-        entry->knows |= PIXEL_IRRADIANCE;
+        value->used = cache_irradiance(s->records.cache, &at, s->records.a_irradiance, &E);
+        if (!value->used.count) return false;
+        value->E = E;
+        value->knows |= PIXEL_IRRADIANCE;
     }
-    note_records(job, entry->used);
-    add_cached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(cache_diffuse_albedo(p), entry->E));
+    note_records(job, value->used);
+    add_cached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(cache_diffuse_albedo(p), value->E));
     return true;
 }
 
 // Adds indirect light from radiance records. False if none is near.
 static bool indirect_cached(struct shade_job *job, const struct cache_plan *plan,
-                            struct shade_pixel_entry *entry) {
+                            struct shade_pixel_value *value) {
     const struct shade *s = job->shade;
     const struct shading_point *p = &job->vertex->point;
     const bool diffuse = p->lobes & BRDF_DIFFUSE, shiny = plan->cached & BRDF_GLOSSY;
     if (!s->records.cache) return false;
-    if (!(entry->knows & PIXEL_RADIANCE)) {
+    if (!(value->knows & PIXEL_RADIANCE)) {
         const struct cache_lookup at = cache_lookup_at(p, FALLBACK_PIXELS * job->vertex->pixel);
-        entry->used = cache_plan_radiance(&s->records, plan, p, &at, &entry->glossy, &entry->E);
-        if (!entry->used.count) return false;
-        entry->knows |= PIXEL_RADIANCE;
+        value->used = cache_plan_radiance(&s->records, plan, p, &at, &value->glossy, &value->E);
+        if (!value->used.count) return false;
+        value->knows |= PIXEL_RADIANCE;
     }
-    note_records(job, entry->used);
+    note_records(job, value->used);
     rgb factor = rgb_scale(p->brdf.specular, plan->bump);
-    if (shiny) add_cached(job, SHADE_INDIRECT_GLOSSY, rgb_mul(factor, entry->glossy));
+    if (shiny) add_cached(job, SHADE_INDIRECT_GLOSSY, rgb_mul(factor, value->glossy));
     if (diffuse)
-        add_cached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(cache_diffuse_albedo(p), entry->E));
+        add_cached(job, SHADE_INDIRECT_DIFFUSE, rgb_mul(cache_diffuse_albedo(p), value->E));
     return true;
 }
 
@@ -218,7 +218,7 @@ void shade_vertex_two_pass(struct shade_job *job) {
     const bool indirect = gather_indirect(o);
     struct cache_plan plan;
     cache_plan_make(&job->shade->records, p, &plan);
-    struct shade_pixel_entry *entry =
+    struct shade_pixel_value *value =
         shade_pixel_cache_find(&job->worker->pixel_cache, p, job->vertex->pixel);
     job->worker->counts.points++;
 
@@ -231,7 +231,8 @@ void shade_vertex_two_pass(struct shade_job *job) {
         1, {{rest & ~extra, 0.0f}, {extra, 1.0f / lights}, {sampled, ratio}}};
     float variance;
     const float before = added_luminance(job);
-    add_uncached(job, SHADE_DIRECT, gather_direct(g, p, mis, job->lights, job->sampler, &variance));
+    add_uncached(job, SHADE_DIRECT,
+                 gather_sample_lights(g, p, mis, job->lights, job->sampler, &variance));
     job->out->light_variance += sqrf(rgb_luminance(job->vertex->T)) * variance;
     job->sampler.dimension += 2;
     if (extra) sample_lights_by_brdf(job, extra, 1.0f / lights);
@@ -246,10 +247,10 @@ void shade_vertex_two_pass(struct shade_job *job) {
     struct sampler apart = job->sampler;
     apart.dimension += 32;  // beyond those that the lobes below use
     const float u_caustic = sampler_1d(&apart);
-    if (plan.cached && !indirect_cached(job, &plan, entry)) sample_missing(job, plan.cached);
+    if (plan.cached && !indirect_cached(job, &plan, value)) sample_missing(job, plan.cached);
     if (plan.diffuse && !o->irradiance_cache)
         gather_diffuse(job);
-    else if (plan.diffuse && !diffuse_cached(job, entry))
+    else if (plan.diffuse && !diffuse_cached(job, value))
         sample_missing(job, plan.diffuse);
     if (plan.sampled) {
         const struct lobe_sampling by = {plan.sampled, o->glossy_samples, ratio, 0,

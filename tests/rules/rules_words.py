@@ -75,6 +75,9 @@ RETIRED = {
         "component, lobe",
     "(?:double|float|int|const char) \\*?way|one_way|find_way": "direction, fraction, lobe",
     "(?:bright|sky|lit)_windows?|window_bins|struct window|->window": "visibility, histogram",
+    "gather_direct_table|pixel_entry|cache_origin|stage_part|denoiser_pace|even_samples":
+        "gather_direct, pixel_value, provenance, stage_range, pixel_seconds, equal_samples",
+    "rims? of (?:the )?(?:disc|disk|sun)s?": "boundary, edge; a rim is a lamp's",
     "old_(?:scene|file|format|version|mitsuba)|mitsuba_old|char old\\[\\]": "mitsuba06, previous",
 }
 # All of them as one pattern, for text in lower case.

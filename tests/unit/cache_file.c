@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Files of records: the records that are loaded equal those that were saved, bit by bit, and give
 // the same results; files that are cut, changed in any byte, of other sizes than they say, or of
-// another origin are refused in one line.
+// another provenance are refused in one line.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,7 +19,8 @@
 
 enum { ORDER = 3, RECORDS = 20, LOOKUPS = 200 };
 
-static const struct cache_origin origin = {0x1234567890abcdef, 77, "photons=9 irradiance-a=0.2"};
+static const struct cache_provenance provenance = {0x1234567890abcdef, 77,
+                                                   "photons=9 irradiance-a=0.2"};
 
 struct cache_file_fixture {
     satin_options options;
@@ -96,7 +97,7 @@ static void cache_file_make(struct cache_file_fixture *f) {
 // The bytes of a saved file; malloc.
 static unsigned char *cache_file_save(const struct cache_file_fixture *f, size_t *size) {
     char *data = NULL;
-    assert_int_equal(cache_save(&f->cache, &origin, "c.cache", (struct log){0}), SATIN_OK);
+    assert_int_equal(cache_save(&f->cache, &provenance, "c.cache", (struct log){0}), SATIN_OK);
     assert_int_equal(
         fileio_read((struct log){0}, (struct log_place){0}, "c.cache", 1 << 20, &data, size),
         SATIN_OK);
@@ -128,9 +129,9 @@ static void loads_what_was_saved(void **state) {
     struct cache_summary summary = cache_file_summary(file);
     assert_int_equal(summary.irradiance, RECORDS);
     assert_int_equal(summary.radiance, RECORDS);
-    assert_true(summary.order == ORDER && summary.rays == 1234 && summary.origin.view == 77);
-    assert_string_equal(summary.origin.options, origin.options);
-    assert_int_equal(cache_file_check(file, &origin, "f", (struct log){0}), SATIN_OK);
+    assert_true(summary.order == ORDER && summary.rays == 1234 && summary.provenance.view == 77);
+    assert_string_equal(summary.provenance.options, provenance.options);
+    assert_int_equal(cache_file_check(file, &provenance, "f", (struct log){0}), SATIN_OK);
     assert_int_equal(cache_load(&b.cache, file, "f", (struct log){0}), SATIN_OK);
     cache_file_free(file);
     unsigned char *again = cache_file_save(&b, &again_size);
@@ -168,7 +169,7 @@ static void damaged_files_are_refused(void **state) {
     unsigned char *data = cache_file_save(&f, &size);
     for (size_t i = 0; i < size; i += i < 200 ? 1 : 97)
         assert_non_null(cache_file_refusal(data, i));
-    const size_t options = sizeof(struct cache_file_header) + strlen(origin.options);
+    const size_t options = sizeof(struct cache_file_header) + strlen(provenance.options);
     for (size_t i = 0; i < size; i += 1 + i / 200) {
         const bool filling = i >= options && i < cache_file_padded(options);
         if (filling) continue;
@@ -258,7 +259,7 @@ static void values_without_a_number_are_refused(void **state) {
     cache_file_stop(&f);
 }
 
-static void other_origins_are_refused(void **state) {
+static void records_of_other_provenance_are_refused(void **state) {
     (void)state;
     struct cache_file_fixture f, g;
     size_t size;
@@ -269,19 +270,19 @@ static void other_origins_are_refused(void **state) {
     struct cache_file *file = NULL;
     struct message seen = {0};
     assert_int_equal(cache_file_parse(data, size, "f", (struct log){0}, &file), SATIN_OK);
-    struct cache_origin other = origin;
+    struct cache_provenance other = provenance;
     other.options = "photons=9 irradiance-a=0.3";
     assert_int_equal(cache_file_check(file, &other, "f", (struct log){keep, &seen}),
                      SATIN_ERROR_INPUT);
     assert_string_equal(seen.text,
                         "f: the cache records were made with irradiance-a=0.2, not with "
                         "irradiance-a=0.3");
-    other = origin;
+    other = provenance;
     other.world++;
     assert_int_equal(cache_file_check(file, &other, "f", (struct log){keep, &seen}),
                      SATIN_ERROR_INPUT);
-    other = origin;
-    other.view = 0;  // another view has the same origin
+    other = provenance;
+    other.view = 0;  // another view has the same provenance
     assert_int_equal(cache_file_check(file, &other, "f", (struct log){0}), SATIN_OK);
     assert_int_equal(cache_load(&g.cache, file, "f", (struct log){keep, &seen}), SATIN_ERROR_INPUT);
     assert_int_equal(seen.count, 3);
@@ -297,7 +298,7 @@ int main(void) {
         cmocka_unit_test(damaged_files_are_refused),
         cmocka_unit_test(lies_are_refused),
         cmocka_unit_test(values_without_a_number_are_refused),
-        cmocka_unit_test(other_origins_are_refused),
+        cmocka_unit_test(records_of_other_provenance_are_refused),
     };
     return cmocka_run_group_tests(tests, folder_case_setup, folder_case_teardown);
 }

@@ -40,7 +40,7 @@ static void fill_residual_start(struct fill_residual_fixture *f, bool viewed) {
     fill_case_finish(c, ORDER, 1, v3(0, -1, 0), v3(0, 0, 0.9f), v3(0.9f, 0, 0),
                      (struct fill_site){.pixel = 0.01f, .wants = 1 << CACHE_RADIANCE});
     assert_int_equal(brdf_range_build(&brdf, NULL, &fit, c->pool, &f->range), SATIN_OK);
-    if (viewed) c->site[0].view = (struct fill_view){shiny(), f->range, 1, NAME, WO};
+    if (viewed) c->site[0].glossy = (struct fill_glossy){shiny(), f->range, 1, NAME, WO};
     struct fill_sites sites = {
         .site = c->site, .count = 1, .a = 0.5f, .widest = 1.0f, .spacing = 1.0f};
     assert_int_equal(fill_records(c->fill, CACHE_RADIANCE, &sites), SATIN_OK);

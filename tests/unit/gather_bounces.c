@@ -256,7 +256,8 @@ static void direct_light_counts_once(void **state) {
         const struct gather g = gather_make(&t.scene, &options, &maps);
         const struct gather_mis alone = {2, {{BRDF_GLOSSY, 0.0f}}};
         const struct gather_lights many = {1 << 20, 0};
-        const float glossy = gather_direct(&g, &y, alone, many, (struct sampler){0, 3, 0}, NULL).g;
+        const float glossy =
+            gather_sample_lights(&g, &y, alone, many, (struct sampler){0, 3, 0}, NULL).g;
         const float diffuse = brdf_albedo(&y.brdf, y.wo_l, BRDF_DIFFUSE).g;
         const rgb known = rgb_grey(PI_F);
         // Known direct light of the diffuse lobe; sampled, where the path goes on; 16 samples.

@@ -1,88 +1,144 @@
 // SPDX-License-Identifier: Apache-2.0
-// Direct light of few lights is sampled without a choice among them, and agrees with many samples
-// that choose.
+// Direct light where irradiance is precomputed: it is right, and entries around the edge of a spot
+// are not read.
+#include <math.h>
+
 #include "gather/gather.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
+#include "photon_case.h"
 #include "test_scene.h"
 
-// A white floor with `lamps` point lights above it, of which a plate hides all but the first.
-static void gather_direct_scene_of(struct test_scene *t, int lamps) {
-    test_scene_init(t);
-    const uint32_t white = test_diffuse(t, 1.0f, 1.0f, 1.0f);
-    test_rectangle(t, test_transform(v3(0, 0, 0), v3(9, 9, 1)), white);
-    test_rectangle(t, test_transform(v3(5, 0, 1), v3(4.5f, 1, 1)), white);
-    for (int i = 0; i < lamps; i++) {
-        const vec3 at = v3(3.0f * (float)i, 0.0f, 2.0f);
-        test_light(t, (struct light){.kind = LIGHT_POINT, .position = at, .value = rgb_grey(4.0f)});
-    }
-    test_scene_finish(t);
-}
-
-static struct shading_point below(const struct test_scene *t) {
-    struct ray ray = {.o = v3(0, 0, 0.5f), .d = v3(0, 0, -1), .tfar = INFINITY};
-    struct interaction s;
-    struct shading_point p;
-    assert_true(scene_intersect(&t->scene, &ray, &s));
-    shading_point_make(&t->scene, &s, ray.d, &p);
-    return p;
-}
-
-static double gather_direct_mean_of(const struct test_scene *t, int samples, int runs,
-                                    double *deviation) {
-    const satin_options options = satin_options_default;
-    const struct gather g = {.scene = &t->scene, .options = &options};
-    const struct gather_mis alone = {1, {{BRDF_SMOOTH, 0.0f}}};
-    const struct shading_point p = below(t);
-    double sum = 0.0, squares = 0.0;
-    for (int i = 0; i < runs; i++) {
-        struct sampler sampler = {(uint32_t)i, 7, 0};
-        const struct gather_lights lights = {samples, (uint32_t)(i * samples)};
-        float variance;
-        double L = (double)gather_direct(&g, &p, alone, lights, sampler, &variance).g;
-        assert_true(variance >= 0.0f && (samples > 1 || variance == 0.0f));
-        sum += L;
-        squares += L * L;
-    }
-    *deviation = sqrt(fmax(squares / runs - sum / runs * (sum / runs), 0.0));
-    return sum / runs;
-}
-
-// The first lamp brings 4 / 2^2, of which a white surface reflects 1 / pi.
-static void few_lights_are_all_sampled(void **state) {
-    (void)state;
-    for (int lamps = 1; lamps <= 4; lamps++) {
-        struct test_scene t;
-        double deviation;
-        gather_direct_scene_of(&t, lamps);
-        assert_true(fabs(gather_direct_mean_of(&t, 1, 64, &deviation) * M_PI - 1.0) < 1e-4);
-        assert_true(deviation < 1e-5);
-        test_scene_free(&t);
-    }
-}
-
-static void samples_choose_where_they_suffice(void **state) {
-    (void)state;
-    enum { RUNS = 20000 };
+// A cube of half side 1 around a light, its photons, and the table of direct light at their
+// entries.
+struct lit_cube {
     struct test_scene t;
-    double deviation;
-    gather_direct_scene_of(&t, 3);
-    double mean = gather_direct_mean_of(&t, 3, RUNS, &deviation);
-    assert_true(deviation > 0.01);
-    assert_true(fabs(mean * M_PI - 1.0) < 5.0 * M_PI * deviation / sqrt(RUNS));
-    test_scene_free(&t);
+    struct photon_maps *maps;
+    struct gather_direct direct;
+};
+
+static void lit_cube_make(struct lit_cube *cube, struct light light, int64_t photons) {
+    test_scene_init(&cube->t);
+    test_cube(&cube->t, mat4_identity(), true, test_diffuse(&cube->t, .5f, .5f, .5f));
+    test_light(&cube->t, light);
+    test_scene_finish(&cube->t);
+    satin_options o = satin_options_default;
+    o.photons = photons;
+    o.caustic_photons = 0;
+    struct parallel *pool = parallel_new(2);
+    struct stats stats = {0};
+    assert_int_equal(photon_case_build(&cube->t.scene, &o, pool, &stats, &cube->maps), SATIN_OK);
+    const struct gather g = gather_make(&cube->t.scene, &o, cube->maps);
+    assert_int_equal(gather_direct_build(&g, pool, &cube->direct), SATIN_OK);
+    assert_int_equal(cube->direct.count, photon_irradiance_count(cube->maps));
+    parallel_free(pool);
+}
+
+static void lit_cube_free(struct lit_cube *cube) {
+    gather_direct_free(&cube->direct);
+    photon_maps_free(cube->maps);
+    test_scene_free(&cube->t);
+}
+
+// A point light in the middle brings cos^3 of the angle to the wall: the same in every sample, and
+// so similar at all neighbours that all may be read.
+static void a_point_light_is_exact(void **state) {
+    (void)state;
+    struct lit_cube cube = {0};
+    lit_cube_make(&cube, (struct light){.kind = LIGHT_POINT, .value = rgb_grey(1.0f)}, 20000);
+    assert_true(cube.direct.count > 1000);
+    size_t similar = 0;
+    for (size_t i = 0; i < cube.direct.count; i++) {
+        vec3 p, n;
+        photon_irradiance_position(cube.maps, i, &p, &n);
+        const float r = v3_len(p), exact = -v3_dot(p, n) / (r * r * r);
+        assert_true(fabsf(cube.direct.E[i].g / exact - 1.0f) < 1e-3f);
+        similar += cube.direct.similar[i];
+    }
+    assert_int_equal(similar, cube.direct.count);
+    lit_cube_free(&cube);
+}
+
+// A spot of full light within 20 degrees on one wall: near its edge no entry may be read, but all
+// on the other walls, which it does not light.
+static void edges_of_spots_are_not_read(void **state) {
+    (void)state;
+    const float cosine = 0.9396926f, radius = sqrtf(1.0f / (cosine * cosine) - 1.0f);
+    const struct light spot = {.kind = LIGHT_SPOT,
+                               .direction = v3(0, 0, -1),
+                               .value = rgb_grey(1.0f),
+                               .cos_cutoff = cosine,
+                               .cos_beam = cosine};
+    struct lit_cube cube = {0};
+    lit_cube_make(&cube, spot, 100000);
+    size_t dark = 0, dark_even = 0, lit = 0, edge = 0, edge_even = 0;
+    for (size_t i = 0; i < cube.direct.count; i++) {
+        vec3 p, n;
+        photon_irradiance_position(cube.maps, i, &p, &n);
+        const bool similar = cube.direct.similar[i], wall = n.z > 0.5f;
+        const float aside = sqrtf(p.x * p.x + p.y * p.y) - radius;
+        assert_true((cube.direct.E[i].g > 0.0f) == (wall && aside < 0.0f));
+        if (!wall) dark++, dark_even += similar;
+        if (wall && aside < 0.0f) lit++;
+        if (wall && fabsf(aside) < 0.01f) edge++, edge_even += similar;
+    }
+    print_message("%zu lit, %zu of %zu at the edge and %zu of %zu of the others may be read\n", lit,
+                  edge_even, edge, dark_even, dark);
+    assert_true(lit > 20 && edge > 5 && edge_even == 0);
+    assert_int_equal(dark_even, dark);
+    lit_cube_free(&cube);
+}
+
+// A beam that is narrower than the entries' spacing, in eight directions: most fall between
+// entries, whose neighbours are dark, and some on one. No entry that would be read in the patch may
+// be read.
+static void beams_between_entries_are_found(void **state) {
+    (void)state;
+    const float cosine = 0.9998f, radius = sqrtf(1.0f / (cosine * cosine) - 1.0f);
+    size_t points = 0, read = 0, between = 0;
+    for (int beam = 0; beam < 8; beam++) {
+        const vec3 centre = v3(0.11f * (float)beam - 0.4f, 0.07f * (float)beam - 0.2f, -1.0f);
+        const struct light spot = {.kind = LIGHT_SPOT,
+                                   .direction = v3_unit(centre),
+                                   .value = rgb_grey(1000.0f),
+                                   .cos_cutoff = cosine,
+                                   .cos_beam = cosine};
+        struct lit_cube cube = {0};
+        lit_cube_make(&cube, spot, 10000);
+        size_t lit = 0;
+        for (size_t i = 0; i < cube.direct.count; i++) lit += cube.direct.E[i].g > 0.0f;
+        between += lit == 0;
+        for (int k = 0; k < 64; k++) {
+            const float r = 0.9f * radius * sqrtf(((float)k + 0.5f) / 64.0f),
+                        angle = 2.4f * (float)k;
+            const vec3 p = v3_add(centre, v3(r * cosf(angle), r * sinf(angle), 0.0f));
+            float estimate;
+            int entry;
+            photon_irradiance(cube.maps, &cube.t.scene, p, v3(0, 0, 1), &estimate, &entry);
+            points += entry >= 0;
+            read += entry >= 0 && cube.direct.similar[entry];
+        }
+        lit_cube_free(&cube);
+    }
+    print_message("%zu of 8 beams fall between entries; %zu of %zu points read\n", between, read,
+                  points);
+    assert_true(between >= 4 && points > 256);
+    assert_int_equal(read, 0);
+}
+
+// Maps without photons have no entries.
+static void empty_maps_have_no_entries(void **state) {
+    (void)state;
+    struct lit_cube cube = {0};
+    lit_cube_make(&cube, (struct light){.kind = LIGHT_POINT, .value = rgb_grey(1.0f)}, 0);
+    assert_int_equal(cube.direct.count, 0);
+    lit_cube_free(&cube);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(few_lights_are_all_sampled),
-        cmocka_unit_test(samples_choose_where_they_suffice),
+        cmocka_unit_test(a_point_light_is_exact),
+        cmocka_unit_test(edges_of_spots_are_not_read),
+        cmocka_unit_test(beams_between_entries_are_found),
+        cmocka_unit_test(empty_maps_have_no_entries),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

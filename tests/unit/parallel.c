@@ -129,11 +129,11 @@ static void parts_know_what_is_serial(void **state) {
         assert_seconds(part[1].serial_s, 0.007);
         assert_seconds(part[1].parallel_s, 0.030);
         // 64 threads wait for the long chunk.
-        assert_seconds(part[1].uneven_s, 0.010 - 0.030 / PARALLEL_MODEL);
+        assert_seconds(part[1].imbalance_s, 0.010 - 0.030 / PARALLEL_MODEL);
         assert_true(part[1].loops == 1.0);
         assert_seconds(part[2].serial_s, 0.0);
         assert_seconds(part[2].parallel_s, 0.010);
-        assert_seconds(part[2].uneven_s, 0.010 - 0.010 / PARALLEL_MODEL);
+        assert_seconds(part[2].imbalance_s, 0.010 - 0.010 / PARALLEL_MODEL);
         assert_true(part[2].loops == 0.0);
         assert_true(part[1].wall_s >= 0.007 + 0.010);
         parallel_free(pool);

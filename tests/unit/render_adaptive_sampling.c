@@ -13,7 +13,7 @@
 
 #include "base/rng.h"
 
-enum { SIZE = 64, EVEN = 4, ALL = 16 };
+enum { SIZE = 64, EQUAL = 4, ALL = 16 };
 
 // Grey 1 with noise that is ten times as strong right of the middle.
 static float render_adaptive_sampling_noise_of(int x) { return x < SIZE / 2 ? 0.05f : 0.5f; }
@@ -33,11 +33,11 @@ static void render_adaptive_sampling_take(struct adaptive_sampling *adapt, uint6
 // Renders with ALL samples per pixel on average; returns how many were taken.
 static uint64_t render_adaptive_sampling_render(struct adaptive_sampling *adapt, uint64_t seed) {
     assert_true(adaptive_make(adapt, SIZE, SIZE, 4));
-    for (uint32_t n = 1; n <= EVEN; n *= 2) {
-        adaptive_even(adapt, 1, n);
+    for (uint32_t n = 1; n <= EQUAL; n *= 2) {
+        adaptive_equal(adapt, 1, n);
         render_adaptive_sampling_take(adapt, seed);
     }
-    uint64_t taken = (uint64_t)EVEN * SIZE * SIZE, all = (uint64_t)ALL * SIZE * SIZE;
+    uint64_t taken = (uint64_t)EQUAL * SIZE * SIZE, all = (uint64_t)ALL * SIZE * SIZE;
     while (taken < all) {
         uint64_t want = taken < all - taken ? taken : all - taken;
         adaptive_spread(adapt, want);
@@ -71,7 +71,7 @@ static void samples_go_to_the_noise(void **state) {
     assert_int_equal(taken, ALL * SIZE * SIZE);
     uint64_t counted = 0;
     for (int i = 0; i < SIZE * SIZE; i++) {
-        assert_true(adapt.pixel[i].count >= EVEN);
+        assert_true(adapt.pixel[i].count >= EQUAL);
         counted += adapt.pixel[i].count;
     }
     assert_true(counted == taken);
@@ -104,7 +104,7 @@ static void the_mean_is_kept(void **state) {
 static void make_quiet(struct adaptive_sampling *adapt, float difference) {
     assert_true(adaptive_make(adapt, SIZE, SIZE, 4));
     for (uint32_t n = 1; n <= 2; n++) {
-        adaptive_even(adapt, 1, n);
+        adaptive_equal(adapt, 1, n);
         for (int i = 0; i < SIZE * SIZE; i++) adaptive_add(&adapt->pixel[i], rgb_grey(2.0f), 0.0f);
         if (n == 2) adapt->pixel[SIZE * SIZE / 2].sum.r += difference;
         adaptive_compare(adapt);
@@ -190,14 +190,14 @@ static void first_samples_are_on_a_grid(void **state) {
         assert_true(adaptive_make(&adapt, 33, 21, 1));
         adapt.pool = threads > 1 ? parallel_new(threads) : NULL;
         for (int stride = 8; stride > 0; stride /= 2) {
-            adaptive_even(&adapt, stride, 1);
+            adaptive_equal(&adapt, stride, 1);
             for (int i = 0; i < 33 * 21; i++)
                 assert_int_equal(adapt.pixel[i].target,
                                  i % 33 % stride == 0 && i / 33 % stride == 0);
         }
-        adaptive_even(&adapt, 4, 3);
+        adaptive_equal(&adapt, 4, 3);
         assert_int_equal(adapt.pixel[4 * 33 + 32].target, 3);
-        adaptive_even(&adapt, 1, 2);
+        adaptive_equal(&adapt, 1, 2);
         assert_int_equal(adapt.pixel[4 * 33 + 32].target, 3);
         assert_int_equal(adapt.pixel[20 * 33 + 31].target, 2);
         parallel_free(adapt.pool);

@@ -184,7 +184,7 @@ static void passes_grow_until_little_is_left(void **state) {
 static void check_passes(const struct render *r, uint64_t equal) {
     const uint64_t pixels = 10000, all = (uint64_t)r->second_pass.options.spp * pixels;
     uint64_t done = 0, more;
-    assert_int_equal(render_budget_even_samples(&r->second_pass.options), equal);
+    assert_int_equal(render_budget_equal_samples(&r->second_pass.options), equal);
     while ((more = render_budget_pass(r, done, 1e9)) > 0) {
         assert_true(more <= (done > pixels ? done : pixels));
         if (done < equal * pixels) assert_true(more % pixels == 0 && done + more <= equal * pixels);

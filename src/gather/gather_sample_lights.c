@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// Direct light at a point: light sampling, weighted against BRDF sampling by the power heuristic
+// [Veach 1997, 9.2]. The reference path tracer, first hits and gather hits use the same estimator.
+#include <limits.h>
+
+#include "gather/gather.h"
+
+// Up to this many lights are all sampled, although fewer samples were requested: the probabilities
+// of a choice depend on shadows in a cell around the point, or not on shadows.
+enum { FEW = 4 };
+
+struct choice {
+    struct light_visibility visibility;
+    uint32_t light;
+    float probability;
+};
+
+// The sum of f_r over the lobes, each with its weight against BRDF sampling.
+static rgb weighted_brdf(const struct shading_point *p, struct gather_mis mis, vec3 wi, float pdf,
+                         bool delta) {
+    rgb sum = rgb_grey(0.0f);
+    for (int i = 0; i < 3; i++) {
+        unsigned lobes = mis.component[i].lobes & p->lobes;
+        if (!(lobes & BRDF_SMOOTH)) continue;
+        rgb f = brdf_eval(&p->brdf, p->wo_l, wi, lobes);
+        float ratio = mis.component[i].ratio, weight = 1.0f;
+        if (ratio > 0.0f && !delta)
+            weight = mis_power(pdf, ratio * brdf_pdf(&p->brdf, p->wo_l, wi, lobes));
+        sum = rgb_mad(sum, f, weight);
+    }
+    return sum;
+}
+
+// The contribution of the sample u of one light, without the probability of choosing the light. The
+// weight against BRDF sampling includes that probability even if all lights are sampled, as
+// gather_light_pdf does.
+static rgb sample_light(const struct gather *g, const struct shading_point *p,
+                        struct gather_mis mis, struct choice choice, vec2 u) {
+    const struct satin_scene *scene = g->scene;
+    rgb none = rgb_grey(0.0f);
+    struct light_sample s;
+    if (!light_sample_visible(scene, choice.light, choice.visibility, p->interaction.p, u.x, u.y,
+                              &s))
+        return none;
+    vec3 wi = frame_to_local(&p->frame, s.wi);
+    rgb f = weighted_brdf(p, mis, wi, s.pdf_w * choice.probability, s.delta);
+    if (rgb_black(f)) return none;
+    const vec3 straight = s.wi;
+    if (!light_arrives(scene, p->interaction.p, p->interaction.ng, gather_panes(g, mis.depth), &s))
+        return none;
+    if (v3_dist2(straight, s.wi) > 0.0f) {  // panes have shifted it
+        wi = frame_to_local(&p->frame, s.wi);
+        f = weighted_brdf(p, mis, wi, s.pdf_w * choice.probability, s.delta);
+    }
+    return rgb_scale(rgb_mul(f, s.L), fabsf(wi.z) / s.pdf_w);
+}
+
+int gather_panes(const struct gather *g, int depth) {
+    const int most = g->options->max_depth;
+    return most < 0 ? INT_MAX : most - depth - 1;
+}
+
+// One sample of each light.
+static rgb all_lights(const struct gather *g, const struct shading_point *p, struct gather_mis mis,
+                      struct light_visibility visibility, struct sampler sampler) {
+    rgb sum = rgb_grey(0.0f);
+    const vec2 u = sampler_2d(&sampler);
+    float probability[LIGHT_WEIGHED_MAX];
+    light_choose_weigh(g->scene, p->interaction.p, visibility, probability);
+    for (uint32_t i = 0; i < g->scene->light_count; i++) {
+        struct choice choice = {visibility, i, probability[i]};
+        if (choice.probability > 0.0f) sum = rgb_add(sum, sample_light(g, p, mis, choice, u));
+    }
+    return sum;
+}
+
+rgb gather_sample_lights(const struct gather *g, const struct shading_point *p,
+                         struct gather_mis mis, struct gather_lights lights, struct sampler sampler,
+                         float *variance) {
+    rgb sum = rgb_grey(0.0f);
+    const uint32_t light_count = g->scene->light_count, samples = (uint32_t)lights.samples;
+    if (variance) *variance = 0.0f;
+    unsigned lobes = mis.component[0].lobes | mis.component[1].lobes | mis.component[2].lobes;
+    lobes &= p->lobes & BRDF_SMOOTH;
+    if (!lobes || light_count == 0) return sum;
+    const struct light_visibility visibility = guide_visibility_at(g->visibility, p->interaction.p);
+    sampler.index = lights.first;
+    if (samples < light_count && light_count <= FEW)
+        return all_lights(g, p, mis, visibility, sampler);
+    float squares = 0.0f;
+    for (uint32_t i = 0; i < samples; i++) {
+        struct sampler s = {lights.first + i, sampler.seed, sampler.dimension};
+        struct choice choice = {.visibility = visibility};
+        vec2 u = sampler_2d(&s);
+        float u_choose = light_count > 1 ? sampler_1d(&s) : 0.0f;
+        choice.light =
+            light_choose(g->scene, p->interaction.p, visibility, u_choose, &choice.probability);
+        const rgb L = rgb_scale(sample_light(g, p, mis, choice, u), 1.0f / choice.probability);
+        sum = rgb_add(sum, L);
+        squares += sqrf(rgb_luminance(L));
+    }
+    const float n = (float)samples;
+    sum = rgb_scale(sum, 1.0f / n);
+    if (variance && samples > 1)
+        *variance = fmaxf(squares - n * sqrf(rgb_luminance(sum)), 0.0f) / (n - 1.0f);
+    return sum;
+}
+
+float gather_light_pdf(const struct gather *g, vec3 p, const struct light_chain *chain,
+                       const struct interaction *hit) {
+    const struct satin_scene *scene = g->scene;
+    if (!hit && scene->environment < 0) return 0.0f;
+    const struct light_visibility visibility = guide_visibility_at(g->visibility, p);
+    const uint32_t light = (uint32_t)(hit ? hit->light : scene->environment);
+    const float choice = light_choose_probability(scene, p, visibility, light);
+    if (!hit) return choice * light_environment_pdf(scene, visibility.histogram, chain->d);
+    const vec3 beside = light_chain_beside(chain, p, hit->p);
+    const float density = light_chain_density(chain, sqrtf(v3_dist2(beside, hit->p)));
+    return choice * density * light_pdf(scene, beside, chain->d, hit);
+}
