@@ -33,10 +33,11 @@ static inline vec3 sample_uniform_sphere(float u, float v) {
     return v3(s * cosf(phi), s * sinf(phi), z);
 }
 
-// Density 1 / (2 pi (1 - cos_max)).
-static inline vec3 sample_uniform_cone(float u, float v, float cos_max) {
-    float z = 1.0f - u * (1.0f - cos_max), s = safe_sqrtf(1.0f - z * z), phi = 2.0f * PI_F * v;
-    return v3(s * cosf(phi), s * sinf(phi), z);
+// In the cone about z whose half angle has this versine, 1 - cosine. The sine is accurate for the
+// narrowest cones too, as no cosine near 1 is squared. Density 1 / (2 pi versine).
+static inline vec3 sample_uniform_cone(float u, float v, float versine) {
+    const float away = u * versine, sine = safe_sqrtf(away * (2.0f - away)), phi = 2.0f * PI_F * v;
+    return v3(sine * cosf(phi), sine * sinf(phi), 1.0f - away);
 }
 
 // Uniform in the unit disk by the concentric map (Shirley and Chiu 1997); density 1 / pi.

@@ -59,11 +59,8 @@ void guide_rays_make(const struct guide_clusters *clusters, const struct satin_s
 }
 
 vec3 guide_cone_sample(const struct guide_cone *cone, vec2 u) {
-    // Does what sample_uniform_cone does, but is accurate for the narrowest cones too.
     const struct frame frame = frame_from_normal(cone->axis);
-    const float away = u.x * cone->versine, sine = safe_sqrtf(away * (2.0f - away));
-    const float phi = 2.0f * PI_F * u.y;
-    return frame_to_world(&frame, v3(sine * cosf(phi), sine * sinf(phi), 1.0f - away));
+    return frame_to_world(&frame, sample_uniform_cone(u.x, u.y, cone->versine));
 }
 
 // By |w - axis|^2 = 2 (1 - cosine), which is accurate for narrow cones.

@@ -86,7 +86,7 @@ bool light_aim_direction(const struct light_aim *aim, int chosen, vec3 p, float 
     struct target_cone cone;
     if (chosen < 0 || !cone_to(&aim->target[chosen], p, &cone)) return false;
     struct frame frame = frame_from_normal(cone.axis);
-    *d = frame_to_world(&frame, sample_uniform_cone(u, v, cone.cos_max));
+    *d = frame_to_world(&frame, sample_uniform_cone(u, v, 1.0f - cone.cos_max));
     return true;
 }
 

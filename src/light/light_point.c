@@ -104,7 +104,7 @@ static vec3 spot_direction(const struct light *light, float u, float v) {
     float beam, penumbra;
     light_spot_solid_angles(light, &beam, &penumbra);
     float in_beam = beam / (beam + penumbra);
-    if (u < in_beam) return sample_uniform_cone(u / in_beam, v, light->cos_beam);
+    if (u < in_beam) return sample_uniform_cone(u / in_beam, v, 1.0f - light->cos_beam);
     float rest = (u - in_beam) / (1.0f - in_beam), phi = 2.0f * PI_F * v;
     float c = acosf(light->cos_cutoff), b = acosf(light->cos_beam);
     float theta = c - (c - b) * safe_sqrtf(1.0f - rest), s = sinf(theta);

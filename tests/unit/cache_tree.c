@@ -20,7 +20,7 @@ static vec3 cache_tree_random_point(struct rng *rng) {
 
 static struct cache_head random_head(struct rng *rng, float a) {
     struct cache_head head = {.p = cache_tree_random_point(rng), .scale = 1.0f};
-    head.n = sample_uniform_cone(rng_float(rng), rng_float(rng), 0.99f);
+    head.n = sample_uniform_cone(rng_float(rng), rng_float(rng), 0.01f);
     head.R = 0.001f + 0.6f * rng_float(rng) * rng_float(rng);
     head.search_radius = a * head.R;
     return head;
@@ -31,7 +31,7 @@ static float error_at(const struct cache_head *h, vec3 p, vec3 n) {
     return sqrtf(v3_dist2(p, h->p)) / h->R + safe_sqrtf(1.0f - v3_dot(n, h->n));
 }
 
-static void finds_all_and_only_S(void **state) {
+static void queries_find_exactly_the_set_S(void **state) {
     (void)state;
     const float a = 0.4f;
     struct cache_tree tree;
@@ -44,7 +44,7 @@ static void finds_all_and_only_S(void **state) {
     size_t found = 0;
     for (int q = 0; q < QUERIES; q++) {
         vec3 p = cache_tree_random_point(&rng),
-             n = sample_uniform_cone(rng_float(&rng), rng_float(&rng), 0.99f);
+             n = sample_uniform_cone(rng_float(&rng), rng_float(&rng), 0.01f);
         struct cache_near near[CACHE_NEAR_MAX];
         int count = cache_tree_find(&tree, p, n, a, near);
         assert_true(count < CACHE_NEAR_MAX);
@@ -71,7 +71,7 @@ static void finds_all_and_only_S(void **state) {
     cache_tree_free(&tree);
 }
 
-static void rejects_points_in_front(void **state) {
+static void records_in_front_of_a_point_are_rejected(void **state) {
     (void)state;
     struct cache_tree tree;
     cache_tree_init(&tree, v3(-1, -1, -1), v3(1, 1, 1));
@@ -92,7 +92,7 @@ static void test_cache_tree_visit(void *ctx, uint32_t record) {
     ((struct visited *)ctx)->in[record] = true;
 }
 
-static void visits_every_sphere_that_meets_the_ball(void **state) {
+static void every_sphere_that_intersects_the_ball_is_visited(void **state) {
     (void)state;
     struct cache_tree tree;
     cache_tree_init(&tree, v3(0, 0, 0), v3(1, 2, 0.2f));
@@ -155,7 +155,7 @@ static void a_radius_beyond_the_scene_is_found(void **state) {
     cache_tree_free(&tree);
 }
 
-static void nearest_is_of_this_side_and_layer(void **state) {
+static void the_nearest_record_is_on_the_same_side_and_layer(void **state) {
     (void)state;
     struct cache_tree tree;
     cache_tree_init(&tree, v3(-4, -4, -4), v3(4, 4, 4));
@@ -181,10 +181,10 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_ellipse_and_a_scale_shorten_the_radius),
         cmocka_unit_test(a_radius_beyond_the_scene_is_found),
-        cmocka_unit_test(nearest_is_of_this_side_and_layer),
-        cmocka_unit_test(finds_all_and_only_S),
-        cmocka_unit_test(rejects_points_in_front),
-        cmocka_unit_test(visits_every_sphere_that_meets_the_ball),
+        cmocka_unit_test(the_nearest_record_is_on_the_same_side_and_layer),
+        cmocka_unit_test(queries_find_exactly_the_set_S),
+        cmocka_unit_test(records_in_front_of_a_point_are_rejected),
+        cmocka_unit_test(every_sphere_that_intersects_the_ball_is_visited),
         cmocka_unit_test(an_empty_tree_covers_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

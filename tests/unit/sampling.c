@@ -11,7 +11,7 @@
 
 #include "base/rng.h"
 
-static void disk_round_trip(void **state) {
+static void the_disk_map_is_inverted(void **state) {
     (void)state;
     struct rng rng = rng_make(1, RNG_TEST, 0);
     for (int i = 0; i < 10000; i++) {
@@ -35,6 +35,18 @@ static void strata_end_below_one(void **state) {
     }
     assert_true(rounded > 100);
     assert_true(sample_stratum(0, 0.0f, 7) == 0.0f && sample_stratum(3, 0.25f, 4) == 0.8125f);
+}
+
+// The border of a cone is at the sine of its half angle, even where the cosine rounds to 1.
+static void narrow_cones_keep_their_width(void **state) {
+    (void)state;
+    for (double angle = 1.0; angle > 1e-6; angle *= 0.5) {
+        const double half = sin(0.5 * angle), versine = 2.0 * half * half;
+        const vec3 w = sample_uniform_cone(1.0f, 0.0f, (float)versine);
+        assert_true(fabs((double)w.x / sin(angle) - 1.0) < 1e-6 && w.y == 0.0f);
+        assert_true(fabs((double)w.z - cos(angle)) < 1e-7);
+    }
+    assert_true(1.0f - (float)(2.0 * sin(1e-5) * sin(1e-5)) == 1.0f);
 }
 
 // Every elementary interval of area 2^-8 holds exactly one of any aligned run of 256 points.
@@ -116,9 +128,13 @@ static void cuts_change_no_sample(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(disk_round_trip),      cmocka_unit_test(strata_end_below_one),
-        cmocka_unit_test(sobol_is_a_net),       cmocka_unit_test(sobol4_is_a_net),
-        cmocka_unit_test(cdf_never_draws_zero), cmocka_unit_test(cuts_change_no_sample),
+        cmocka_unit_test(the_disk_map_is_inverted),
+        cmocka_unit_test(strata_end_below_one),
+        cmocka_unit_test(narrow_cones_keep_their_width),
+        cmocka_unit_test(sobol_is_a_net),
+        cmocka_unit_test(sobol4_is_a_net),
+        cmocka_unit_test(cdf_never_draws_zero),
+        cmocka_unit_test(cuts_change_no_sample),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
